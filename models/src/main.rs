@@ -1,0 +1,3 @@
+//! The program `dalembert`.
+
+fn main() {}

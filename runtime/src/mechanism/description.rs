@@ -1,0 +1,217 @@
+//! What a mechanism says of itself: names, shapes and structure, without numbers.
+//!
+//! Generated code holds one `static` [`Description`]; the interpreter builds one at run time.
+
+use std::borrow::Cow;
+
+/// Text that generated code has as a literal and the interpreter owns.
+pub type Text = Cow<'static, str>;
+/// A list that generated code has as a literal and the interpreter owns.
+pub type List<T> = Cow<'static, [T]>;
+
+/// The names, shapes and structure of a mechanism.
+#[derive(Clone, Debug, Default)]
+pub struct Description {
+    /// The type's name, `DoublePendulum`.
+    pub name: Text,
+    /// The model file's own words.
+    pub about: Text,
+    /// FNV-1a (64 bit) of the model file's text; tells whether the file has changed since.
+    pub source_hash: u64,
+    /// Generalized coordinates, families expanded.
+    pub coordinates: List<Coordinate>,
+    /// Free parameters, families expanded, in the order of `System::parameters`.
+    pub parameters: List<Parameter>,
+    /// Names of derived parameters (they cannot be set).
+    pub derived: List<Text>,
+    /// Inputs, functions of time.
+    pub inputs: List<Text>,
+    /// (row, column) of the structural non-zeros of M's lower triangle (row ≥ column), row by row.
+    pub mass_pattern: List<(u32, u32)>,
+    /// (row, column) of the structural non-zeros of ∂F/∂q.
+    pub stiffness_pattern: List<(u32, u32)>,
+    /// (row, column) of the structural non-zeros of ∂F/∂q'.
+    pub damping_pattern: List<(u32, u32)>,
+    /// (row, 3·input + order) of the structural non-zeros of ∂F/∂(u, u', u'').
+    pub input_pattern: List<(u32, u32)>,
+    /// Outputs, in the order of `System::outputs`.
+    pub outputs: List<Quantity>,
+    /// True when some output needs accelerations.
+    pub outputs_use_accelerations: bool,
+    /// Quantities that the file says are conserved, in the order of `System::invariants`.
+    pub invariants: List<Quantity>,
+    /// Events, in the order of `System::events`.
+    pub events: List<Event>,
+    /// Discontinuities of the equations of motion, in the order of `System::switches`.
+    pub switches: List<Switch>,
+    /// Names of the scenes; the first is the default, called `scene` in the file.
+    pub scenes: List<Text>,
+    /// What to draw; points of all shapes come from `System::drawing`.
+    pub draw: List<Shape>,
+    /// What the deriver recognised.
+    pub structure: Structure,
+    /// Operations of the generated functions.
+    pub counts: Counts,
+}
+
+/// A generalized coordinate.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Coordinate {
+    /// `theta[3]`.
+    pub name: Text,
+    /// As written in the file, `rad`; empty when none is given.
+    pub unit: Text,
+}
+
+/// A free parameter.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Parameter {
+    /// `m[2]`.
+    pub name: Text,
+    /// As written in the file.
+    pub unit: Text,
+    /// The file's value, in SI.
+    pub default: f64,
+}
+
+/// A named scalar or vector computed along a run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Quantity {
+    /// `tip`.
+    pub name: Text,
+    /// 1 for a scalar, else 2 or 3.
+    pub components: u32,
+}
+
+/// Something that happens when a function crosses zero.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Event {
+    /// Its label in the file.
+    pub name: Text,
+    /// Which crossings count.
+    pub direction: Direction,
+    /// True when an `if` guards it.
+    pub conditional: bool,
+    /// What happens, in order.
+    pub actions: List<Action>,
+}
+
+/// Which crossings of zero count.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Direction {
+    /// From below to above.
+    Rising,
+    /// From above to below.
+    Falling,
+    /// Either.
+    #[default]
+    Both,
+}
+
+/// What an event does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Action {
+    /// Ends the run.
+    Stop,
+    /// Notes time and state.
+    Record,
+}
+
+/// A discontinuity of the equations of motion: `sign`, `abs`, `step`, `min` or `max` of something.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Switch {
+    /// Its argument, as text for messages.
+    pub text: Text,
+    /// Which values its mode takes.
+    pub kind: SwitchKind,
+    /// True when its argument depends on time alone: its zeros are stop times.
+    pub time_only: bool,
+}
+
+/// Which values the mode of a [`Switch`] takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SwitchKind {
+    /// −1 or 1 (0 exactly on a surface that the motion does not leave): `sign` and `abs`.
+    Sign,
+    /// 0 or 1 (1 on the surface): `step`, `min` and `max`.
+    Step,
+}
+
+/// One thing to draw.  Numbers are consumed from `System::drawing` in order.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// A polyline through this many points.
+    Line(u32),
+    /// A circle: a centre, then one number, the radius.
+    Circle,
+    /// A zigzag between two points.
+    Spring,
+    /// A curve sampled at this many points.
+    Curve(u32),
+    /// The path that one point leaves behind.
+    Trace(Text),
+}
+
+/// What the deriver recognised.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Structure {
+    /// 2 or 3: components of points and vectors.
+    pub dimension: u32,
+    /// M does not depend on the state: factored once.
+    pub constant_mass: bool,
+    /// M is diagonal: divided by.
+    pub diagonal_mass: bool,
+    /// Sizes of the diagonal blocks of M, when there is more than one.
+    pub mass_blocks: List<u32>,
+    /// The equations of motion are linear with constant coefficients.
+    pub linear: bool,
+    /// No force lacks a potential and no explicit time: the energy balance needs no work.
+    pub conservative: bool,
+    /// The equations of motion depend on time explicitly.
+    pub time_dependent: bool,
+    /// Indices of cyclic (ignorable) coordinates, whose momenta are conserved.
+    pub cyclic: List<u32>,
+}
+
+/// Operations (additions, multiplications, divisions, roots and functions) of the generated functions.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Mass matrix M.
+    pub mass: u32,
+    /// Bias forces h.
+    pub bias: u32,
+    /// M and h together.
+    pub mass_and_bias: u32,
+    /// Accelerations.
+    pub accelerations: u32,
+    /// Residual F.
+    pub residual: u32,
+    /// F with ∂F/∂q and ∂F/∂q'.
+    pub jacobians: u32,
+}
+
+impl Description {
+    /// How many numbers `System::outputs` writes.
+    pub fn output_len(&self) -> usize {
+        self.outputs.iter().map(|o| o.components as usize).sum()
+    }
+
+    /// How many components the invariants have together.
+    pub fn invariant_len(&self) -> usize {
+        self.invariants.iter().map(|o| o.components as usize).sum()
+    }
+
+    /// How many numbers `System::drawing` writes.
+    pub fn drawing_len(&self) -> usize {
+        let dimension = self.structure.dimension as usize;
+        self.draw
+            .iter()
+            .map(|shape| match shape {
+                Shape::Line(n) | Shape::Curve(n) => dimension * *n as usize,
+                Shape::Circle => dimension + 1,
+                Shape::Spring => 2 * dimension,
+                Shape::Trace(_) => dimension,
+            })
+            .sum()
+    }
+}

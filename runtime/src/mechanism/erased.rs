@@ -1,0 +1,164 @@
+//! A [`Mechanism`] behind slices.
+
+use super::{Description, Energy, Mechanism, Scene, Signal, SingularMass, System, Values as _};
+
+/// A mechanism of static size as a [`System`], with its block of constants at hand.
+#[derive(Clone)]
+pub struct Erased<M: Mechanism<N, C>, const N: usize, const C: usize> {
+    mechanism: M,
+    constants: M::Constants<f64>,
+    signals: Vec<Option<Signal>>,
+}
+
+impl<M: Mechanism<N, C>, const N: usize, const C: usize> Erased<M, N, C> {
+    /// Computes the constants of these parameters once.
+    pub fn new(mechanism: M) -> Self {
+        let constants = M::constants(|_| mechanism.clone());
+        let signals = vec![None; M::description().inputs.len()];
+        Erased { mechanism, constants, signals }
+    }
+
+    /// The parameters.
+    pub fn mechanism(&self) -> &M {
+        &self.mechanism
+    }
+
+    fn input_block(&self, t: f64) -> M::Inputs<f64> {
+        let mut block = M::inputs(&self.constants, t);
+        for (signal, slot) in self.signals.iter().zip(block.as_mut().chunks_exact_mut(3)) {
+            if let Some(signal) = signal {
+                slot.copy_from_slice(&signal(t));
+            }
+        }
+        block
+    }
+
+    fn first_mode(&self) -> usize {
+        self.constants.as_ref().len() - M::MODES
+    }
+}
+
+/// A slice of generalized coordinates as an array.
+///
+/// # Panics
+/// If the slice has another length than the mechanism has coordinates, which is a programming error.
+fn array<const N: usize>(slice: &[f64]) -> &[f64; N] {
+    slice.try_into().expect("as many numbers as generalized coordinates")
+}
+
+fn array_mut<const N: usize>(slice: &mut [f64]) -> &mut [f64; N] {
+    slice.try_into().expect("as many numbers as generalized coordinates")
+}
+
+/// Accelerations as an array; an empty slice stands for accelerations that nobody reads.
+fn array_or_zero<const N: usize>(slice: &[f64]) -> [f64; N] {
+    if slice.is_empty() { [0.0; N] } else { *array(slice) }
+}
+
+impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Erased<M, N, C> {
+    fn description(&self) -> &Description {
+        M::description()
+    }
+
+    fn accelerations(&self, t: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), SingularMass> {
+        M::accelerations(&self.constants, t, self.input_block(t).as_ref(), array(q), array(v), array_mut(a))
+    }
+
+    fn mass_matrix(&self, t: f64, q: &[f64], values: &mut [f64]) {
+        M::mass_matrix(&self.constants, t, self.input_block(t).as_ref(), array(q), values);
+    }
+
+    fn bias(&self, t: f64, q: &[f64], v: &[f64], h: &mut [f64]) {
+        M::bias(&self.constants, t, self.input_block(t).as_ref(), array(q), array(v), array_mut(h));
+    }
+
+    fn residual(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], f: &mut [f64]) {
+        let u = self.input_block(t);
+        M::residual(&self.constants, t, u.as_ref(), array(q), array(v), array(a), array_mut(f));
+    }
+
+    fn jacobians(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], dq: &mut [f64], dv: &mut [f64]) {
+        let u = self.input_block(t);
+        M::jacobians(&self.constants, t, u.as_ref(), array(q), array(v), array(a), dq, dv);
+    }
+
+    fn input_jacobian(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], du: &mut [f64]) {
+        let u = self.input_block(t);
+        M::input_jacobian(&self.constants, t, u.as_ref(), array(q), array(v), array(a), du);
+    }
+
+    fn energy(&self, t: f64, q: &[f64], v: &[f64]) -> Energy {
+        Energy::from_array(M::energy(&self.constants, t, self.input_block(t).as_ref(), array(q), array(v)))
+    }
+
+    fn invariants(&self, t: f64, q: &[f64], v: &[f64], pairs: &mut [f64]) {
+        M::invariants(&self.constants, t, self.input_block(t).as_ref(), array(q), array(v), pairs);
+    }
+
+    fn outputs(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], values: &mut [f64]) {
+        let u = self.input_block(t);
+        M::outputs(&self.constants, t, u.as_ref(), array(q), array(v), &array_or_zero(a), values);
+    }
+
+    fn events(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], pairs: &mut [f64]) {
+        let u = self.input_block(t);
+        M::events(&self.constants, t, u.as_ref(), array(q), array(v), &array_or_zero(a), pairs);
+    }
+
+    fn switches(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], pairs: &mut [f64]) {
+        let u = self.input_block(t);
+        M::switches(&self.constants, t, u.as_ref(), array(q), array(v), &array_or_zero(a), pairs);
+    }
+
+    fn modes(&self) -> &[f64] {
+        &self.constants.as_ref()[self.first_mode()..]
+    }
+
+    fn set_modes(&mut self, modes: &[f64]) {
+        let first = self.first_mode();
+        self.constants.as_mut()[first..].copy_from_slice(modes);
+    }
+
+    fn drawing(&self, t: f64, q: &[f64], v: &[f64], values: &mut [f64]) {
+        M::drawing(&self.constants, t, self.input_block(t).as_ref(), array(q), array(v), values);
+    }
+
+    fn parameters(&self) -> Vec<f64> {
+        self.mechanism.parameters()
+    }
+
+    fn set_parameter(&mut self, index: usize, value: f64) {
+        if let Some(field) = self.mechanism.parameter_mut(index) {
+            *field = value;
+            let modes = self.modes().to_vec();
+            self.constants = M::constants(|_| self.mechanism.clone());
+            self.set_modes(&modes);
+        }
+    }
+
+    fn inputs(&self, t: f64, values: &mut [f64]) {
+        values.copy_from_slice(self.input_block(t).as_ref());
+    }
+
+    fn set_input(&mut self, index: usize, signal: Signal) {
+        if let Some(slot) = self.signals.get_mut(index) {
+            *slot = Some(signal);
+        }
+    }
+
+    fn scene_parameters(&self, scene: usize) -> Vec<(usize, f64)> {
+        self.mechanism.scene_parameters(scene)
+    }
+
+    fn scene(&self, scene: usize) -> Scene {
+        self.mechanism.scene(scene)
+    }
+
+    fn equilibrium_guess(&self) -> Vec<f64> {
+        self.mechanism.equilibrium_guess().to_vec()
+    }
+
+    fn boxed_clone(&self) -> Box<dyn System> {
+        Box::new(self.clone())
+    }
+}

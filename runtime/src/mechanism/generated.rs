@@ -1,0 +1,101 @@
+//! The trait that `model!` implements.
+
+use super::{Description, Energy, Real, Scene, SingularMass};
+
+/// A block of scalars of a size that only generated code knows: an array `[S; K]`.
+pub trait Values<S>: Clone + AsRef<[S]> + AsMut<[S]> {
+    /// A block of equal numbers.
+    fn filled(value: S) -> Self;
+}
+
+impl<S: Copy, const K: usize> Values<S> for [S; K] {
+    fn filled(value: S) -> Self {
+        [value; K]
+    }
+}
+
+/// A mechanism with N generalized coordinates and C constraints, as generated from a model file.
+///
+/// Every numerical function is generic over [`Real`].  `c` is the block of [`Mechanism::constants`]:
+/// parameters, derived parameters, products that depend on nothing else, and at its end the modes of
+/// the switches.  `u` are the inputs with their first and second derivatives, three numbers each.
+/// Functions that nobody calls cost nothing.  Shapes, units and signs are those of
+/// [`System`](super::System).
+pub trait Mechanism<const N: usize, const C: usize>: Clone {
+    /// The block of constants.
+    type Constants<S: Real>: Values<S>;
+    /// The block of inputs, three numbers each.
+    type Inputs<S: Real>: Values<S>;
+    /// How many modes end the block of constants.
+    const MODES: usize;
+
+    /// Names, shapes and structure.
+    fn description() -> &'static Description;
+    /// The block of constants for one set of parameters per lane; modes as at the switch's step or sign of 1.
+    fn constants<S: Real>(lane: impl Fn(usize) -> Self) -> Self::Constants<S>;
+    /// The inputs as the file gives them.
+    fn inputs<S: Real>(c: &Self::Constants<S>, t: S) -> Self::Inputs<S>;
+
+    /// M's lower triangle as values of the pattern.
+    fn mass_matrix<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], values: &mut [S]);
+    /// h.
+    fn bias<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], h: &mut [S; N]);
+    /// The accelerations −M⁻¹h.
+    ///
+    /// # Errors
+    /// [`SingularMass`] names the coordinate whose pivot vanishes or is not finite.
+    fn accelerations<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &mut [S; N],
+    ) -> Result<(), SingularMass>;
+    /// F = M a + h.
+    fn residual<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], f: &mut [S; N]);
+    /// ∂F/∂q and ∂F/∂q' as values of their patterns.
+    #[expect(clippy::too_many_arguments, reason = "a state and two matrices")]
+    fn jacobians<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &[S; N],
+        dq: &mut [S],
+        dv: &mut [S],
+    );
+    /// ∂F/∂(u, u', u'') as values of its pattern.
+    fn input_jacobian<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], du: &mut [S]);
+    /// T, V, the Jacobi function, the power and the scale, in the order of [`Energy`]'s fields.
+    fn energy<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N]) -> [S; 5];
+    /// Pairs (value, sum of the absolute terms) of the invariants.
+    fn invariants<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], pairs: &mut [S]);
+    /// Outputs.
+    fn outputs<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], values: &mut [S]);
+    /// Pairs (value, condition) of the events.
+    fn events<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], pairs: &mut [S]);
+    /// Pairs (argument, its rate) of the switches.
+    fn switches<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], pairs: &mut [S]);
+    /// Points and radii to draw.
+    fn drawing<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], values: &mut [S]);
+
+    /// The free parameters' values.
+    fn parameters(&self) -> Vec<f64>;
+    /// A free parameter's field.
+    fn parameter_mut(&mut self, index: usize) -> Option<&mut f64>;
+    /// What a scene sets, evaluated with the present parameters.
+    fn scene_parameters(&self, scene: usize) -> Vec<(usize, f64)>;
+    /// A scene, evaluated with the present parameters.
+    fn scene(&self, scene: usize) -> Scene;
+    /// The guess for an equilibrium.
+    fn equilibrium_guess(&self) -> [f64; N];
+}
+
+impl Energy {
+    /// Names the five numbers of [`Mechanism::energy`].
+    pub fn from_array([kinetic, potential, jacobi, power, scale]: [f64; 5]) -> Self {
+        Energy { kinetic, potential, jacobi, power, scale }
+    }
+}

@@ -1,0 +1,57 @@
+//! What generated code implements, and what is built on it: scalars, mechanisms, systems, descriptions.
+
+mod description;
+mod erased;
+mod generated;
+mod real;
+mod system;
+
+pub use description::{
+    Action, Coordinate, Counts, Description, Direction, Event, List, Parameter, Quantity, Shape, Structure, Switch,
+    SwitchKind, Text,
+};
+pub use erased::Erased;
+pub use generated::{Mechanism, Values};
+pub use real::Real;
+pub use system::{Signal, System};
+
+/// Energies of a state.
+///
+/// The balance is J − ∫P dt with J = q'·∂T/∂q' − T + V and P = q'·Q − ∂T/∂t + ∂V/∂t: for kinetic energies
+/// quadratic in the speeds J is the energy itself and P the power of everything that has no potential
+/// (Whittaker, Analytical Dynamics, §41).  Along an exact motion the balance is constant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Energy {
+    /// T, J.
+    pub kinetic: f64,
+    /// V, J.
+    pub potential: f64,
+    /// q'·∂T/∂q' − T + V, J.
+    pub jacobi: f64,
+    /// q'·Q − ∂T/∂t + ∂V/∂t, W.
+    pub power: f64,
+    /// Sum of the absolute values of the terms of T and V, J.
+    pub scale: f64,
+}
+
+/// Where and how long to run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// Generalized coordinates at the start, SI.
+    pub q: Vec<f64>,
+    /// Their rates at the start, SI.
+    pub v: Vec<f64>,
+    /// Where the run ends, s.
+    pub until: f64,
+    /// Relative tolerance; absolute in units of each coordinate's scale.
+    pub tolerance: f64,
+    /// Spacing of reported states, s; `None`: 500 points.
+    pub every: Option<f64>,
+}
+
+/// M has no inverse: this coordinate's pivot vanishes to rounding, or is not finite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SingularMass {
+    /// Index of the coordinate.
+    pub coordinate: usize,
+}

@@ -1,0 +1,146 @@
+//! The scalar that generated code is generic over.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// A real number, or several side by side (lanes): what generated functions compute with.
+///
+/// Small on purpose: generated text instantiates for `f64`, `f32`, dual numbers, SIMD lanes and
+/// double-double alike, at no cost for `f64`.
+pub trait Real:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
+{
+    /// How many numbers travel together.
+    const LANES: usize;
+
+    /// Collects one number per lane.
+    fn gather(lane: impl Fn(usize) -> f64) -> Self;
+
+    /// The constant n/d; types wider than `f64` divide at their own precision.
+    fn ratio(n: f64, d: f64) -> Self;
+
+    /// √x.
+    fn sqrt(self) -> Self;
+    /// (sin x, cos x), x in radians.
+    fn sin_cos(self) -> (Self, Self);
+    /// tan x.
+    fn tan(self) -> Self;
+    /// arcsin x.
+    fn asin(self) -> Self;
+    /// arccos x.
+    fn acos(self) -> Self;
+    /// arctan x.
+    fn atan(self) -> Self;
+    /// The angle of the point (x, y), with `self` = y.
+    fn atan2(self, x: Self) -> Self;
+    /// sinh x.
+    fn sinh(self) -> Self;
+    /// cosh x.
+    fn cosh(self) -> Self;
+    /// tanh x.
+    fn tanh(self) -> Self;
+    /// eˣ.
+    fn exp(self) -> Self;
+    /// ln x.
+    fn ln(self) -> Self;
+    /// xʸ for a y that is no small integer.
+    fn powf(self, y: Self) -> Self;
+
+    /// `yes` where `self` ≥ 0, `no` elsewhere (NaN counts as elsewhere), without a branch.
+    fn select_nonnegative(self, yes: Self, no: Self) -> Self;
+
+    /// True when every lane of `self` is greater than that of `floor`; false for NaN.
+    fn exceeds(self, floor: Self) -> bool;
+
+    /// The constant `x`.
+    fn from_f64(x: f64) -> Self {
+        Self::ratio(x, 1.0)
+    }
+
+    /// |x|.
+    fn abs(self) -> Self {
+        self.select_nonnegative(self, -self)
+    }
+
+    /// −1, 0 or 1; `sign(0)` is 0.
+    fn sign(self) -> Self {
+        self.step() - (-self).step()
+    }
+
+    /// Heaviside's function, 1 at 0.
+    fn step(self) -> Self {
+        self.select_nonnegative(Self::ratio(1.0, 1.0), Self::ratio(0.0, 1.0))
+    }
+
+    /// The smaller of two.
+    fn min(self, other: Self) -> Self {
+        (other - self).select_nonnegative(self, other)
+    }
+
+    /// The larger of two.
+    fn max(self, other: Self) -> Self {
+        (self - other).select_nonnegative(self, other)
+    }
+}
+
+macro_rules! real_for_float {
+    ($float:ident) => {
+        impl Real for $float {
+            const LANES: usize = 1;
+
+            fn gather(lane: impl Fn(usize) -> f64) -> Self {
+                lane(0) as $float
+            }
+            fn ratio(n: f64, d: f64) -> Self {
+                (n / d) as $float
+            }
+            fn sqrt(self) -> Self {
+                $float::sqrt(self)
+            }
+            fn sin_cos(self) -> (Self, Self) {
+                $float::sin_cos(self)
+            }
+            fn tan(self) -> Self {
+                $float::tan(self)
+            }
+            fn asin(self) -> Self {
+                $float::asin(self)
+            }
+            fn acos(self) -> Self {
+                $float::acos(self)
+            }
+            fn atan(self) -> Self {
+                $float::atan(self)
+            }
+            fn atan2(self, x: Self) -> Self {
+                $float::atan2(self, x)
+            }
+            fn sinh(self) -> Self {
+                $float::sinh(self)
+            }
+            fn cosh(self) -> Self {
+                $float::cosh(self)
+            }
+            fn tanh(self) -> Self {
+                $float::tanh(self)
+            }
+            fn exp(self) -> Self {
+                $float::exp(self)
+            }
+            fn ln(self) -> Self {
+                $float::ln(self)
+            }
+            fn powf(self, y: Self) -> Self {
+                $float::powf(self, y)
+            }
+            fn select_nonnegative(self, yes: Self, no: Self) -> Self {
+                if self >= 0.0 { yes } else { no }
+            }
+            fn exceeds(self, floor: Self) -> bool {
+                self > floor
+            }
+        }
+    };
+}
+
+real_for_float!(f64);
+real_for_float!(f32);

@@ -1,0 +1,36 @@
+//! The leaves of the expression graph.
+
+/// A variable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Symbol {
+    /// Time t, s.
+    Time,
+    /// Generalized coordinate q_i.
+    Coordinate(u32),
+    /// Its rate q'_i.
+    Speed(u32),
+    /// Its second rate q''_i.
+    Acceleration(u32),
+    /// An input u_k, or its derivative of the given order.
+    Input(u32, u8),
+    /// A free parameter, by its place among all expanded free parameters.
+    Parameter(u32),
+    /// The mode of a switch: stands for a `sign` or a `step` while it does not change.
+    Mode(u32),
+    /// An unknown reaction component or multiplier (momentum balances, constraints).
+    Reaction(u32),
+    /// A bound variable: the dummy of an `integral`, the `length` of a spring law, the argument of a `diff`, a drawn curve's parameter.
+    Dummy(u32),
+}
+
+impl Symbol {
+    /// The symbol's total time derivative, where that is again a symbol: q → q' → q'', u → u' → ….
+    pub fn rate(self) -> Option<Symbol> {
+        match self {
+            Symbol::Coordinate(i) => Some(Symbol::Speed(i)),
+            Symbol::Speed(i) => Some(Symbol::Acceleration(i)),
+            Symbol::Input(k, order) => Some(Symbol::Input(k, order.saturating_add(1))),
+            _ => None,
+        }
+    }
+}
