@@ -1,1 +1,5 @@
 //! Everything before Rust exists: reads a model file, checks it, derives its equations and prints them.
+
+pub mod diagnose;
+pub mod language;
+pub mod model;

@@ -1,0 +1,5 @@
+//! The model file: read, locate, resolve names, expand families, check.
+
+mod node;
+
+pub use node::Node;
