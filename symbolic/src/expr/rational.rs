@@ -86,10 +86,7 @@ impl Rational {
 
     /// Product, unless it needs more than 128 bits.
     pub fn checked_mul(self, other: Rational) -> Option<Rational> {
-        Rational::new(
-            self.numerator.checked_mul(other.numerator)?,
-            self.denominator.checked_mul(other.denominator)?,
-        )
+        Rational::new(self.numerator.checked_mul(other.numerator)?, self.denominator.checked_mul(other.denominator)?)
     }
 
     /// 1/x, unless x is 0.

@@ -1,0 +1,650 @@
+//! The hash-consed expression graph.
+
+use std::collections::HashMap;
+
+use super::{Rational, Symbol};
+
+/// An expression: an index into the [`Graph`] that made it.  Children have smaller indices than parents.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Id(u32);
+
+impl Id {
+    /// The constant 0, at this place in every graph.
+    pub const ZERO: Id = Id(0);
+    /// The constant 1, at this place in every graph.
+    pub const ONE: Id = Id(1);
+
+    /// Its place in the graph.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// A constant: exact where 128 bits suffice.
+#[derive(Clone, Copy, Debug)]
+pub enum Number {
+    /// An exact rational.
+    Exact(Rational),
+    /// A float, where the exact value needs more than 128 bits or is irrational.
+    Float(f64),
+}
+
+impl Number {
+    /// The nearest `f64`.
+    pub fn to_f64(self) -> f64 {
+        match self {
+            Number::Exact(r) => r.to_f64(),
+            Number::Float(x) => x,
+        }
+    }
+
+    fn bits(self) -> (u8, i128, i128) {
+        match self {
+            Number::Exact(r) => (0, r.numerator(), r.denominator()),
+            Number::Float(x) => (1, i128::from(x.to_bits()), 0),
+        }
+    }
+}
+
+/// Functions of one argument.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[expect(missing_docs, reason = "the usual functions")]
+pub enum Unary {
+    Neg,
+    Sqrt,
+    Sin,
+    Cos,
+    Tan,
+    Asin,
+    Acos,
+    Atan,
+    Sinh,
+    Cosh,
+    Tanh,
+    Exp,
+    Ln,
+    Abs,
+    Sign,
+    Step,
+}
+
+/// Operations on two arguments.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[expect(missing_docs, reason = "the usual operations")]
+pub enum Binary {
+    Add,
+    Sub,
+    Mul,
+    Div,
+    /// A power whose exponent is no integer up to 64 and no half of one.
+    Pow,
+    /// atan2(y, x).
+    Atan2,
+    Min,
+    Max,
+}
+
+/// One node of the graph.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Node {
+    /// A constant, by its place in the table of numbers.
+    Number(u32),
+    /// A leaf.
+    Symbol(Symbol),
+    /// A function of one argument.
+    Unary(Unary, Id),
+    /// An operation on two.
+    Binary(Binary, Id, Id),
+}
+
+/// The arena.
+///
+/// Constructors fold 0, 1 and constants, put the operands of sums and products in order and pull signs
+/// outwards, so that equal expressions mostly get equal [`Id`]s.  The graph is never walked or printed
+/// as a tree.
+#[derive(Clone, Debug)]
+pub struct Graph {
+    nodes: Vec<Node>,
+    index: HashMap<Node, Id>,
+    numbers: Vec<Number>,
+    number_index: HashMap<(u8, i128, i128), u32>,
+    overflowed: bool,
+}
+
+/// A hostile file cannot make the graph larger than this.
+const NODE_LIMIT: usize = 1_000_000;
+
+impl Default for Graph {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Graph {
+    /// An empty graph (with 0 and 1 in it).
+    pub fn new() -> Self {
+        let mut graph = Graph {
+            nodes: Vec::new(),
+            index: HashMap::new(),
+            numbers: Vec::new(),
+            number_index: HashMap::new(),
+            overflowed: false,
+        };
+        graph.rational(Rational::ZERO);
+        graph.rational(Rational::ONE);
+        graph
+    }
+
+    /// How many nodes there are.
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Never true: 0 and 1 are always there.
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// True once a node was refused because the graph has a million already; what was built then is meaningless.
+    pub fn overflowed(&self) -> bool {
+        self.overflowed
+    }
+
+    /// The node of an expression.
+    pub fn node(&self, id: Id) -> Node {
+        self.nodes[id.index()]
+    }
+
+    /// The number with this place in the table.
+    pub fn number_at(&self, place: u32) -> Number {
+        self.numbers[place as usize]
+    }
+
+    /// The expression's value, if it is a constant.
+    pub fn number(&self, id: Id) -> Option<Number> {
+        match self.node(id) {
+            Node::Number(place) => Some(self.number_at(place)),
+            _ => None,
+        }
+    }
+
+    /// The children of a node.
+    pub fn children(&self, id: Id) -> impl Iterator<Item = Id> + use<> {
+        let pair = match self.node(id) {
+            Node::Number(_) | Node::Symbol(_) => [None, None],
+            Node::Unary(_, x) => [Some(x), None],
+            Node::Binary(_, x, y) => [Some(x), Some(y)],
+        };
+        pair.into_iter().flatten()
+    }
+
+    /// For each node, whether some root needs it; children before parents in index order.
+    pub fn reachable(&self, roots: impl IntoIterator<Item = Id>) -> Vec<bool> {
+        let mut needed = vec![false; self.nodes.len()];
+        for root in roots {
+            needed[root.index()] = true;
+        }
+        for i in (0..needed.len()).rev() {
+            if needed[i] {
+                for child in self.children(Id(i as u32)) {
+                    needed[child.index()] = true;
+                }
+            }
+        }
+        needed
+    }
+
+    /// The expression at a place in the arena.
+    pub fn id_at(&self, place: usize) -> Id {
+        debug_assert!(place < self.nodes.len());
+        Id(place as u32)
+    }
+
+    /// All symbols that the roots contain, in order of first appearance.
+    pub fn symbols(&self, roots: impl IntoIterator<Item = Id>) -> Vec<Symbol> {
+        let needed = self.reachable(roots);
+        let leaf = |(i, node): (usize, &Node)| match node {
+            Node::Symbol(s) if needed[i] => Some(*s),
+            _ => None,
+        };
+        self.nodes.iter().enumerate().filter_map(leaf).collect()
+    }
+
+    /// For each node, whether it contains a symbol of which `wanted` is true.
+    pub fn contains(&self, wanted: impl Fn(Symbol) -> bool) -> Vec<bool> {
+        let mut found = vec![false; self.nodes.len()];
+        for i in 0..self.nodes.len() {
+            found[i] = match self.nodes[i] {
+                Node::Symbol(s) => wanted(s),
+                Node::Number(_) => false,
+                Node::Unary(_, x) => found[x.index()],
+                Node::Binary(_, x, y) => found[x.index()] || found[y.index()],
+            };
+        }
+        found
+    }
+
+    // ---- leaves -------------------------------------------------------------------------------
+
+    /// A symbol.
+    pub fn symbol(&mut self, symbol: Symbol) -> Id {
+        self.intern(Node::Symbol(symbol))
+    }
+
+    /// An exact constant.
+    pub fn rational(&mut self, value: Rational) -> Id {
+        self.constant(Number::Exact(value))
+    }
+
+    /// An integer constant.
+    pub fn integer(&mut self, value: i64) -> Id {
+        self.rational(Rational::integer(value))
+    }
+
+    /// A float constant; integers of moderate size become exact.
+    pub fn float(&mut self, value: f64) -> Id {
+        if value.fract() == 0.0 && value.abs() < 1e15 {
+            return self.integer(value as i64);
+        }
+        self.constant(Number::Float(value))
+    }
+
+    fn constant(&mut self, number: Number) -> Id {
+        let key = number.bits();
+        let place = match self.number_index.get(&key) {
+            Some(&place) => place,
+            None => {
+                let place = self.numbers.len() as u32;
+                self.numbers.push(number);
+                self.number_index.insert(key, place);
+                place
+            }
+        };
+        self.intern(Node::Number(place))
+    }
+
+    fn intern(&mut self, node: Node) -> Id {
+        if let Some(&id) = self.index.get(&node) {
+            return id;
+        }
+        if self.nodes.len() >= NODE_LIMIT {
+            self.overflowed = true;
+            return Id::ZERO;
+        }
+        let id = Id(self.nodes.len() as u32);
+        self.nodes.push(node);
+        self.index.insert(node, id);
+        id
+    }
+
+    // ---- arithmetic ---------------------------------------------------------------------------
+
+    /// −x.
+    pub fn neg(&mut self, x: Id) -> Id {
+        match self.node(x) {
+            Node::Number(place) => {
+                let value = self.number_at(place);
+                let negated = match value {
+                    Number::Exact(r) => r.negated().map_or(Number::Float(-r.to_f64()), Number::Exact),
+                    Number::Float(f) => Number::Float(-f),
+                };
+                self.constant(negated)
+            }
+            Node::Unary(Unary::Neg, y) => y,
+            Node::Binary(Binary::Sub, a, b) => self.sub(b, a),
+            _ => self.intern(Node::Unary(Unary::Neg, x)),
+        }
+    }
+
+    /// a + b.
+    pub fn add(&mut self, a: Id, b: Id) -> Id {
+        if a == Id::ZERO {
+            return b;
+        }
+        if b == Id::ZERO {
+            return a;
+        }
+        if let (Some(x), Some(y)) = (self.number(a), self.number(b)) {
+            return self.constant(add_numbers(x, y));
+        }
+        if let Some(y) = self.negated(b) {
+            return self.sub(a, y);
+        }
+        if let Some(x) = self.negated(a) {
+            return self.sub(b, x);
+        }
+        if let Some(sum) = self.combine_like(a, b, false) {
+            return sum;
+        }
+        // (x − y) + y = x
+        if let Node::Binary(Binary::Sub, x, y) = self.node(a)
+            && y == b
+        {
+            return x;
+        }
+        if let Node::Binary(Binary::Sub, x, y) = self.node(b)
+            && y == a
+        {
+            return x;
+        }
+        let (a, b) = if a <= b { (a, b) } else { (b, a) };
+        self.intern(Node::Binary(Binary::Add, a, b))
+    }
+
+    /// a − b.
+    pub fn sub(&mut self, a: Id, b: Id) -> Id {
+        if b == Id::ZERO {
+            return a;
+        }
+        if a == b {
+            return Id::ZERO;
+        }
+        if a == Id::ZERO {
+            return self.neg(b);
+        }
+        if let (Some(x), Some(y)) = (self.number(a), self.number(b)) {
+            let minus = match y {
+                Number::Exact(r) => r.negated().map_or(Number::Float(-r.to_f64()), Number::Exact),
+                Number::Float(f) => Number::Float(-f),
+            };
+            return self.constant(add_numbers(x, minus));
+        }
+        if let Some(y) = self.negated(b) {
+            return self.add(a, y);
+        }
+        if let Node::Unary(Unary::Neg, x) = self.node(a) {
+            let sum = self.add(x, b);
+            return self.neg(sum);
+        }
+        if let Some(difference) = self.combine_like(a, b, true) {
+            return difference;
+        }
+        match (self.node(a), self.node(b)) {
+            // (x + y) − x = y
+            (Node::Binary(Binary::Add, x, y), _) if x == b => return y,
+            (Node::Binary(Binary::Add, x, y), _) if y == b => return x,
+            (_, Node::Binary(Binary::Add, x, y)) if x == a => return self.neg(y),
+            (_, Node::Binary(Binary::Add, x, y)) if y == a => return self.neg(x),
+            (_, Node::Binary(Binary::Sub, x, y)) if x == a => return y,
+            _ => {}
+        }
+        self.intern(Node::Binary(Binary::Sub, a, b))
+    }
+
+    /// a b.
+    pub fn mul(&mut self, a: Id, b: Id) -> Id {
+        if a == Id::ZERO || b == Id::ZERO {
+            return Id::ZERO;
+        }
+        if a == Id::ONE {
+            return b;
+        }
+        if b == Id::ONE {
+            return a;
+        }
+        if let (Some(x), Some(y)) = (self.number(a), self.number(b)) {
+            return self.constant(multiply_numbers(x, y));
+        }
+        if let Some(x) = self.negated(a) {
+            let product = self.mul(x, b);
+            return self.neg(product);
+        }
+        if let Some(y) = self.negated(b) {
+            let product = self.mul(a, y);
+            return self.neg(product);
+        }
+        // Constants to the front: c (d x) = (c d) x, x (c y) = c (x y).
+        let (c, x) = self.split_factor(a);
+        let (d, y) = self.split_factor(b);
+        if c.is_some() || d.is_some() {
+            let c = c.unwrap_or(Number::Exact(Rational::ONE));
+            let d = d.unwrap_or(Number::Exact(Rational::ONE));
+            let factor = self.constant(multiply_numbers(c, d));
+            let rest = match (x, y) {
+                (Some(x), Some(y)) => self.mul(x, y),
+                (Some(x), None) | (None, Some(x)) => x,
+                (None, None) => return factor,
+            };
+            if factor == Id::ONE || factor == Id::ZERO {
+                return if factor == Id::ONE { rest } else { Id::ZERO };
+            }
+            if let Some(x) = self.negated(rest) {
+                let product = self.mul(factor, x);
+                return self.neg(product);
+            }
+            if self.number(rest).is_some() {
+                return self.mul(factor, rest);
+            }
+            return self.intern(Node::Binary(Binary::Mul, factor, rest));
+        }
+        match (self.node(a), self.node(b)) {
+            (Node::Unary(Unary::Sqrt, x), Node::Unary(Unary::Sqrt, y)) if x == y => return x,
+            (Node::Binary(Binary::Div, n, d), _) if d == b => return n,
+            (_, Node::Binary(Binary::Div, n, d)) if d == a => return n,
+            (Node::Binary(Binary::Div, Id::ONE, d), _) => return self.div(b, d),
+            (_, Node::Binary(Binary::Div, Id::ONE, d)) => return self.div(a, d),
+            _ => {}
+        }
+        let (a, b) = if a <= b { (a, b) } else { (b, a) };
+        self.intern(Node::Binary(Binary::Mul, a, b))
+    }
+
+    /// a / b.  Division by the constant 0 gives a node that evaluates to no finite number.
+    pub fn div(&mut self, a: Id, b: Id) -> Id {
+        if b == Id::ONE {
+            return a;
+        }
+        if let Some(d) = self.number(b)
+            && d.to_f64() != 0.0
+        {
+            let reciprocal = match d {
+                Number::Exact(r) => r.recip().map_or(Number::Float(1.0 / r.to_f64()), Number::Exact),
+                Number::Float(f) => Number::Float(1.0 / f),
+            };
+            let reciprocal = self.constant(reciprocal);
+            return self.mul(reciprocal, a);
+        }
+        if a == Id::ZERO && b != Id::ZERO {
+            return Id::ZERO;
+        }
+        if a == b && b != Id::ZERO {
+            return Id::ONE;
+        }
+        if let Some(x) = self.negated(a) {
+            let quotient = self.div(x, b);
+            return self.neg(quotient);
+        }
+        if let Some(y) = self.negated(b) {
+            let quotient = self.div(a, y);
+            return self.neg(quotient);
+        }
+        match (self.node(a), self.node(b)) {
+            (Node::Binary(Binary::Mul, x, y), _) if x == b => return y,
+            (Node::Binary(Binary::Mul, x, y), _) if y == b => return x,
+            (_, Node::Unary(Unary::Sqrt, x)) if x == a => return b,
+            (_, Node::Binary(Binary::Div, n, d)) => {
+                let product = self.mul(a, d);
+                return self.div(product, n);
+            }
+            (Node::Binary(Binary::Div, n, d), _) => {
+                let product = self.mul(d, b);
+                return self.div(n, product);
+            }
+            // (c x) / y = c (x / y): constants stay in front.
+            (Node::Binary(Binary::Mul, c, x), _) if self.number(c).is_some() => {
+                let quotient = self.div(x, b);
+                return self.mul(c, quotient);
+            }
+            (_, Node::Binary(Binary::Mul, c, y)) if self.number(c).is_some() => {
+                let scaled = self.div(a, c);
+                return self.div(scaled, y);
+            }
+            _ => {}
+        }
+        self.intern(Node::Binary(Binary::Div, a, b))
+    }
+
+    /// xⁿ by repeated multiplication.
+    pub fn powi(&mut self, x: Id, n: i32) -> Id {
+        if n < 0 {
+            let power = self.powi(x, n.saturating_neg());
+            return self.div(Id::ONE, power);
+        }
+        let mut result = Id::ONE;
+        let mut square = x;
+        let mut rest = n;
+        while rest > 0 {
+            if rest & 1 == 1 {
+                result = self.mul(result, square);
+            }
+            rest >>= 1;
+            if rest > 0 {
+                square = self.mul(square, square);
+            }
+        }
+        result
+    }
+
+    /// xʸ: integer powers up to 64 and their halves by multiplication and roots.
+    pub fn pow(&mut self, x: Id, y: Id) -> Id {
+        if let Some(Number::Exact(exponent)) = self.number(y) {
+            let numerator = i32::try_from(exponent.numerator()).ok().filter(|n| n.abs() <= 64);
+            match (numerator, exponent.denominator()) {
+                (Some(n), 1) => return self.powi(x, n),
+                (Some(n), 2) => {
+                    let root = self.unary(Unary::Sqrt, x);
+                    let whole = self.powi(x, n.abs() / 2);
+                    let power = self.mul(whole, root);
+                    return if n < 0 { self.div(Id::ONE, power) } else { power };
+                }
+                _ => {}
+            }
+        }
+        if x == Id::ONE {
+            return Id::ONE;
+        }
+        if let (Some(a), Some(b)) = (self.number(x), self.number(y)) {
+            let value = a.to_f64().powf(b.to_f64());
+            if value.is_finite() {
+                return self.float(value);
+            }
+        }
+        self.intern(Node::Binary(Binary::Pow, x, y))
+    }
+
+    /// A function of one argument.
+    pub fn unary(&mut self, function: Unary, x: Id) -> Id {
+        if function == Unary::Neg {
+            return self.neg(x);
+        }
+        if let Some(value) = self.number(x)
+            && let Some(id) = self.fold_unary(function, value)
+        {
+            return id;
+        }
+        if let Some(y) = self.negated(x) {
+            match function {
+                Unary::Cos | Unary::Cosh | Unary::Abs => return self.unary(function, y),
+                Unary::Sin | Unary::Tan | Unary::Asin | Unary::Atan | Unary::Sinh | Unary::Tanh | Unary::Sign => {
+                    let value = self.unary(function, y);
+                    return self.neg(value);
+                }
+                _ => {}
+            }
+        }
+        self.intern(Node::Unary(function, x))
+    }
+
+    /// An operation on two arguments.
+    pub fn binary(&mut self, operation: Binary, a: Id, b: Id) -> Id {
+        match operation {
+            Binary::Add => self.add(a, b),
+            Binary::Sub => self.sub(a, b),
+            Binary::Mul => self.mul(a, b),
+            Binary::Div => self.div(a, b),
+            Binary::Pow => self.pow(a, b),
+            Binary::Min | Binary::Max if a == b => a,
+            Binary::Atan2 | Binary::Min | Binary::Max => {
+                if let (Some(x), Some(y)) = (self.number(a), self.number(b)) {
+                    let value = super::evaluate::apply_binary(operation, x.to_f64(), y.to_f64());
+                    return match operation {
+                        Binary::Atan2 => self.float(value),
+                        _ if value == x.to_f64() => a,
+                        _ => b,
+                    };
+                }
+                let ordered = operation != Binary::Atan2 && b < a;
+                let (a, b) = if ordered { (b, a) } else { (a, b) };
+                self.intern(Node::Binary(operation, a, b))
+            }
+        }
+    }
+
+    fn fold_unary(&mut self, function: Unary, value: Number) -> Option<Id> {
+        if let (Unary::Sqrt, Number::Exact(r)) = (function, value)
+            && let Some(root) = r.sqrt()
+        {
+            return Some(self.rational(root));
+        }
+        if let (Unary::Abs, Number::Exact(r)) = (function, value) {
+            let absolute = if r.numerator() < 0 { r.negated()? } else { r };
+            return Some(self.rational(absolute));
+        }
+        let folded = super::evaluate::apply_unary(function, value.to_f64());
+        // Irrational values of parameters' numbers stay exact nodes only when they are not finite.
+        if folded.is_finite() { Some(self.float(folded)) } else { None }
+    }
+
+    /// y where x = −y for a node or a negative constant.
+    fn negated(&mut self, x: Id) -> Option<Id> {
+        match self.node(x) {
+            Node::Unary(Unary::Neg, y) => Some(y),
+            Node::Number(place) if self.number_at(place).to_f64() < 0.0 => Some(self.neg(x)),
+            _ => None,
+        }
+    }
+
+    /// c and x where the expression is c x with a constant c.
+    fn split_factor(&self, x: Id) -> (Option<Number>, Option<Id>) {
+        match self.node(x) {
+            Node::Number(place) => (Some(self.number_at(place)), None),
+            Node::Binary(Binary::Mul, c, rest) => match self.number(c) {
+                Some(number) => (Some(number), Some(rest)),
+                None => (None, Some(x)),
+            },
+            _ => (None, Some(x)),
+        }
+    }
+
+    /// c x ± d x = (c ± d) x.
+    fn combine_like(&mut self, a: Id, b: Id, subtract: bool) -> Option<Id> {
+        let (c, x) = self.split_factor(a);
+        let (d, y) = self.split_factor(b);
+        if x.is_none() || x != y {
+            return None;
+        }
+        let one = Number::Exact(Rational::ONE);
+        let d = d.unwrap_or(one);
+        let d = if subtract { multiply_numbers(Number::Exact(Rational::integer(-1)), d) } else { d };
+        let factor = self.constant(add_numbers(c.unwrap_or(one), d));
+        Some(self.mul(factor, x?))
+    }
+}
+
+fn add_numbers(x: Number, y: Number) -> Number {
+    if let (Number::Exact(a), Number::Exact(b)) = (x, y)
+        && let Some(sum) = a.checked_add(b)
+    {
+        return Number::Exact(sum);
+    }
+    Number::Float(x.to_f64() + y.to_f64())
+}
+
+fn multiply_numbers(x: Number, y: Number) -> Number {
+    if let (Number::Exact(a), Number::Exact(b)) = (x, y)
+        && let Some(product) = a.checked_mul(b)
+    {
+        return Number::Exact(product);
+    }
+    Number::Float(x.to_f64() * y.to_f64())
+}

@@ -1,0 +1,306 @@
+//! A model with every name resolved and every family expanded: expressions of one graph.
+
+use crate::diagnose::Place;
+use crate::expr::{Graph, Id};
+
+/// A vector in ground axes: two or three components, as many as the model has dimensions.
+pub type Vector = Vec<Id>;
+
+/// What a model file says, ready to derive from.
+///
+/// Expressions contain the symbols of [`crate::expr::Symbol`]; derived parameters, definitions, points and
+/// frames have been put in.  Indices in symbols are places in the lists below.
+#[derive(Clone, Debug, Default)]
+pub struct Model {
+    /// All expressions live here.
+    pub graph: Graph,
+    /// The type's name.
+    pub name: String,
+    /// One paragraph.
+    pub about: String,
+    /// The sizes in force.
+    pub sizes: Vec<(String, i64)>,
+    /// 2 or 3.
+    pub dimension: usize,
+    /// Free parameters, families expanded.
+    pub parameters: Vec<Parameter>,
+    /// Derived parameters, families expanded.
+    pub derived: Vec<Derived>,
+    /// Generalized coordinates, families expanded.
+    pub coordinates: Vec<Coordinate>,
+    /// Inputs.
+    pub inputs: Vec<Input>,
+    /// Bodies.
+    pub bodies: Vec<Body>,
+    /// Gravity's acceleration; absent: none.
+    pub gravity: Option<Vector>,
+    /// Springs, dampers, forces and torques.
+    pub loads: Vec<Load>,
+    /// `kinetic_energy` as written, beside what bodies give; 0 if absent.
+    pub raw_kinetic_energy: Id,
+    /// `potential_energy` as written, beside what gravity and springs give; 0 if absent.
+    pub raw_potential_energy: Id,
+    /// Rayleigh's dissipation function as written: Q = −∂D/∂q'; 0 if absent.
+    pub dissipation: Id,
+    /// `generalized_forces`: coordinate and force.
+    pub generalized_forces: Vec<(usize, Id)>,
+    /// All terms of T: bodies', then raw ones.
+    pub kinetic_terms: Vec<Id>,
+    /// All terms of V: gravity's, springs', then raw ones.
+    pub potential_terms: Vec<Id>,
+    /// Quantities that the file says are conserved.
+    pub conserved: Vec<Conserved>,
+    /// Identities that the file says hold.
+    pub checks: Vec<Check>,
+    /// Ranges to draw test states from.
+    pub sample: Vec<Sample>,
+    /// Outputs.
+    pub outputs: Vec<Output>,
+    /// Events.
+    pub events: Vec<Event>,
+    /// What to draw.
+    pub draw: Vec<Shape>,
+    /// Scenes; the first is the default and always there.
+    pub scenes: Vec<Scene>,
+    /// The guess for an equilibrium, one expression of parameters per coordinate.
+    pub equilibrium: Vec<Id>,
+}
+
+/// A free parameter.
+#[derive(Clone, Debug)]
+pub struct Parameter {
+    /// Its expanded name, `m[2]`.
+    pub name: String,
+    /// Its family's name and the range of its index, where it belongs to one: an array field.
+    pub family: Option<Family>,
+    /// Its unit as written.
+    pub unit: Option<String>,
+    /// Its default in SI.
+    pub default: f64,
+    /// Where it is declared.
+    pub place: Place,
+}
+
+/// A member's place in a one- or two-index family that becomes an array field.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Family {
+    /// The family's name.
+    pub name: String,
+    /// Lowest and highest value of each index.
+    pub ranges: Vec<(i64, i64)>,
+    /// This member's indices.
+    pub indices: Vec<i64>,
+}
+
+/// A derived parameter: recomputed whenever the free ones change.
+#[derive(Clone, Debug)]
+pub struct Derived {
+    /// Its expanded name.
+    pub name: String,
+    /// Its unit as written.
+    pub unit: Option<String>,
+    /// Its value, of free parameters only.
+    pub value: Id,
+}
+
+/// A generalized coordinate.
+#[derive(Clone, Debug)]
+pub struct Coordinate {
+    /// Its expanded name, `theta[3]`.
+    pub name: String,
+    /// Its unit as written.
+    pub unit: Option<String>,
+    /// Where it is declared.
+    pub place: Place,
+}
+
+/// A named function of time.
+#[derive(Clone, Debug)]
+pub struct Input {
+    /// Its expanded name.
+    pub name: String,
+    /// u, u', u'' as expressions of t and parameters.
+    pub signal: [Id; 3],
+}
+
+/// A body.
+#[derive(Clone, Debug)]
+pub struct Body {
+    /// Its expanded name.
+    pub name: String,
+    /// Its mass.
+    pub mass: Id,
+    /// Its centre of mass.
+    pub position: Vector,
+    /// Absent for a particle.
+    pub rotation: Option<Rotation>,
+    /// Where it is declared.
+    pub place: Place,
+}
+
+/// How a planar rigid body turns.
+#[derive(Clone, Copy, Debug)]
+pub struct Rotation {
+    /// Its angle, counterclockwise.
+    pub angle: Id,
+    /// Moment of inertia about the centre of mass.
+    pub inertia: Id,
+}
+
+/// A spring, damper, force or torque.
+#[derive(Clone, Debug)]
+pub struct Load {
+    /// Its expanded label.
+    pub name: String,
+    /// How it does work.
+    pub work: Work,
+    /// What it does to the material of bodies, both ends; for springs and dampers what momentum balances see.
+    pub pushes: Vec<Push>,
+    /// Where it is declared.
+    pub place: Place,
+}
+
+/// How a load does work on virtual displacements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Work {
+    /// Q = −∂V/∂q with this V.
+    Potential(Id),
+    /// Q = −tension ∂rate/∂q'.
+    Resistance {
+        /// The rate that is resisted.
+        rate: Id,
+        /// The resistance, positive against the rate.
+        tension: Id,
+    },
+    /// Q = Σ force·∂(material velocity)/∂q' over the pushes.
+    Pushes,
+}
+
+/// A force and a couple on the material of one body.
+#[derive(Clone, Debug)]
+pub struct Push {
+    /// The body; `None`: ground.
+    pub body: Option<usize>,
+    /// Where the force acts.
+    pub at: Vector,
+    /// The force.
+    pub force: Vector,
+    /// The couple: one number in the plane, three in space; empty for none.
+    pub couple: Vec<Id>,
+}
+
+/// A quantity that the file says is conserved.
+#[derive(Clone, Debug)]
+pub struct Conserved {
+    /// Its label.
+    pub name: String,
+    /// Its components.
+    pub value: Vec<Id>,
+    /// The terms whose absolute values scale its drift, by component (top-level sums and `sum()` taken apart;
+    /// `energy` into the terms of T and V).
+    pub terms: Vec<Vec<Id>>,
+    /// Parameters that must have these values.
+    pub when: Vec<(usize, f64)>,
+    /// Where it stands.
+    pub place: Place,
+}
+
+/// An identity.
+#[derive(Clone, Debug)]
+pub struct Check {
+    /// Its label.
+    pub name: String,
+    /// Components of the left side.
+    pub left: Vec<Id>,
+    /// Components of the right side.
+    pub right: Vec<Id>,
+    /// Parameters that must have these values.
+    pub when: Vec<(usize, f64)>,
+    /// Where it stands.
+    pub place: Place,
+}
+
+/// A range to draw a coordinate or speed from.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample {
+    /// The coordinate's place.
+    pub coordinate: usize,
+    /// True for its speed.
+    pub speed: bool,
+    /// Lower end, of parameters.
+    pub low: Id,
+    /// Upper end, of parameters.
+    pub high: Id,
+}
+
+/// A named scalar or vector along a run.
+#[derive(Clone, Debug)]
+pub struct Output {
+    /// Its expanded name.
+    pub name: String,
+    /// Its components.
+    pub value: Vec<Id>,
+}
+
+/// An event.
+#[derive(Clone, Debug)]
+pub struct Event {
+    /// Its expanded label.
+    pub name: String,
+    /// Zero when it happens.
+    pub when: Id,
+    /// It counts only where this is > 0.
+    pub condition: Option<Id>,
+    /// −1 falling, 1 rising, 0 both.
+    pub direction: i8,
+    /// What happens, in order.
+    pub actions: Vec<EventAction>,
+}
+
+/// What an event does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EventAction {
+    /// Ends the run.
+    Stop,
+    /// Notes time and state.
+    Record,
+}
+
+/// Something to draw.
+#[derive(Clone, Debug)]
+pub enum Shape {
+    /// A polyline.
+    Line(Vec<Vector>),
+    /// A circle.
+    Circle {
+        /// Its centre.
+        at: Vector,
+        /// Its radius.
+        radius: Id,
+    },
+    /// A zigzag.
+    Spring(Vector, Vector),
+    /// A curve, sampled.
+    Curve(Vec<Vector>),
+    /// The path of a point, with its name.
+    Trace(String, Vector),
+}
+
+/// A scene; every expression is of parameters only and evaluated after `set`.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Its name; `scene` for the default.
+    pub name: String,
+    /// Coordinates at the start.
+    pub q: Vec<Id>,
+    /// Speeds at the start.
+    pub v: Vec<Id>,
+    /// The end.
+    pub until: Id,
+    /// Relative tolerance.
+    pub tolerance: Id,
+    /// Spacing of reported states; absent: 500 points.
+    pub every: Option<Id>,
+    /// Free parameters and their values (of the others, before `set`).
+    pub set: Vec<(usize, Id)>,
+}
