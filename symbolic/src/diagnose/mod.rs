@@ -1,6 +1,25 @@
 //! What can be wrong with a model file, and how it is told.
+//!
+//! Every problem is one entry of the [`catalogue`]: a code, a message, a label for the caret and help.
+//! Each entry has a constructor of its own, so that no message is written anywhere else:
+//!
+//! ```
+//! use dalembert_symbolic::diagnose::{Place, catalogue::names, did_you_mean};
+//!
+//! let place = Place::default().key("define").key("a");
+//! let problem = names::unknown_name(place, "thta", did_you_mean("thta", ["theta", "phi"]));
+//! assert_eq!(problem.message, "unknown name `thta`");
+//! assert_eq!(problem.help, "did you mean `theta`?");
+//! ```
+
+pub mod catalogue;
+mod place;
+mod suggest;
 
 use crate::language::Span;
+
+pub use catalogue::Entry;
+pub use suggest::{did_you_mean, did_you_mean_or, nearest};
 
 /// One thing that is wrong with a model file.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,6 +37,8 @@ pub struct Problem {
 }
 
 /// Where in a model file: a path of keys and indices, and then perhaps some bytes of the scalar there.
+///
+/// With an empty path the span counts bytes of the file itself; that is how errors of YAML's own syntax are placed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Place {
     /// From the root down.

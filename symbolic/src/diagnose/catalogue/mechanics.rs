@@ -1,0 +1,43 @@
+//! E401–: coordinates, bodies, forces, scenes.
+
+super::entries! {
+    E401 no_coordinates() "no coordinates"
+        "the model has no coordinates" "" "declare at least one, `coordinates: {{x: m}}`"
+        "A model moves in its generalized coordinates.";
+    E402 no_mass(name) "a coordinate that carries no mass"
+        "the coordinate `{name}` carries no mass" "nothing resists its acceleration" "give a body that moves with `{name}` a mass or inertia"
+        "The mass matrix is singular at every state, so accelerations do not exist.";
+    E403 unclear_body(point, candidates) "a force whose body is unclear"
+        "it is not clear on which body the force at `{point}` acts: {candidates}" "name the body" "write `{{on: BODY, at: {point}, …}}`"
+        "A force acts on the material of a body. A point that travels along a body, or that several bodies share, does not say which.";
+    E404 no_body(point) "a force at a point that no body carries"
+        "no body carries the point `{point}`" "name the body" "write `{{on: BODY, at: {point}, …}}`"
+        "A force acts on the material of a body in which the point is at rest.";
+    E405 at_on_particle(name) "a force on a particle at another place"
+        "the particle `{name}` takes forces at its own position only" "" "remove `at`, or give the body an `angle`"
+        "A particle has no extent.";
+    E406 needs_orientation(name, context) "a body without orientation"
+        "`{name}` has no angle, and {context} needs one" "" "give `{name}` an `angle`"
+        "A particle cannot take a torque and has no angular velocity.";
+    E407 incomplete_body(name, given, missing) "an incomplete rigid body"
+        "the body `{name}` has `{given}` and no `{missing}`" "" "give `{missing}` too"
+        "A planar rigid body needs `inertia` and `angle`; a particle has neither.";
+    E408 does_nothing(name) "an entry that does nothing"
+        "`{name}` acts on the ground only" "has no effect" ""
+        "A force on the ground does not change the motion.";
+    E409 derived_parameter(name, free) "setting a derived parameter"
+        "`{name}` is computed from other parameters and cannot be set" "" "set one of {free}"
+        "A parameter whose value names others is recomputed whenever they change.";
+    E410 unknown_start(name, help) "a start of something that is no coordinate"
+        "`{name}` is not a coordinate or velocity" "" "{help}"
+        "`start` gives values to coordinates `x` and velocities `x'`.";
+    E411 value_out_of_range(context, wanted, found) "a value out of its range"
+        "{context} must be {wanted}, this is {found}" "" ""
+        "Tolerances and times are positive, masses are not negative.";
+    E412 unknown_scene(name, help) "an unknown scene"
+        "unknown scene `{name}`" "" "{help}"
+        "`--scene` takes a name from `scenes`.";
+    E413 same_ends(name) "a spring or damper between one point and itself"
+        "both ends of `{name}` are the same point" "" ""
+        "It has no length and no direction.";
+}

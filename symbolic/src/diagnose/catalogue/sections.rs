@@ -1,0 +1,46 @@
+//! E301–: the shape of a file: keys, values, lists.
+
+super::entries! {
+    E301 unknown_key(key, section, help) "an unknown key"
+        "unknown key `{key}` in {section}" "" "{help}"
+        "Every key is checked, so that a slip of the pen is not silently ignored.";
+    E302 missing_key(key, section) "a missing key"
+        "`{key}` is missing in {section}" "needs `{key}`" ""
+        "Some keys must be there.";
+    E303 missing_value(key) "a missing value"
+        "`{key}` has no value" "expected a value after the colon" ""
+        "An empty value means \"no unit\" in `coordinates`, and is an error elsewhere.";
+    E304 wrong_shape(context, wanted, found) "a list, mapping or text in the wrong place"
+        "{context} must be {wanted}, this is {found}" "expected {wanted}" ""
+        "Each key has its form; see LANGUAGE.md, section 3.";
+    E305 conflicting_keys(first, second, section) "two keys that exclude each other"
+        "`{first}` and `{second}` cannot both be given in {section}" "" "keep one of the two"
+        "They say the same thing in two ways.";
+    E306 needs_one_of(keys, section) "one of several keys is needed"
+        "{section} needs one of {keys}" "" ""
+        "What acts must be said in one of the ways that LANGUAGE.md, section 5, lists.";
+    E307 unknown_choice(found, context, help) "a word that is not a choice"
+        "`{found}` is not {context}" "" "{help}"
+        "Only certain words are understood here.";
+    E308 list_length(name, wanted, found) "a list of the wrong length"
+        "`{name}` has {wanted} members, the list has {found}" "{found} values" ""
+        "A list gives each member of a family its value, in order.";
+    E309 bad_type_name(name, proposal) "a name that cannot be a Rust type"
+        "`{name}` cannot be the name of a Rust type" "" "write it like `{proposal}`"
+        "`name` becomes a type: letters and digits, the first a capital letter.";
+    E310 duplicate_label(label, section) "a label given twice"
+        "`{label}` is given twice in {section}" "given again" ""
+        "Labels are unique in their section.";
+    E311 needs_another_key(key, other, section) "a key that needs another"
+        "`{key}` needs `{other}` in {section}" "" ""
+        "Some keys make sense only together.";
+    E312 family_not_allowed(section) "a family where none may be"
+        "{section} takes no family" "" "write the entries out"
+        "`name[i in 1..n]` declares members; here a single name is wanted.";
+    E313 unit_not_allowed(unit, context) "a unit where none may be"
+        "{context} takes no unit" "the unit `{unit}`" ""
+        "Sizes and indices are pure numbers; expressions carry their units in their names.";
+    E314 degrees_misplaced() "degrees as the unit of a coordinate"
+        "`deg` may stand only after a value" "" "write `rad` here, and `30 deg` where the value is given"
+        "Inside the model angles are in radians.";
+}

@@ -1,0 +1,19 @@
+//! E501–: what deriving and testing at random states finds.
+
+super::entries! {
+    E501 not_conserved(name, by, state) "a quantity that is not conserved"
+        "`{name}` is not conserved: its rate is {by}" "claimed to be conserved" "at {state}"
+        "The rate of everything in `conserved` must vanish when the model's accelerations are put in.";
+    E502 check_fails(name, by, state) "a check that does not hold"
+        "the check `{name}` does not hold: its sides differ by {by}" "claimed to hold" "at {state}"
+        "Everything in `checks` must hold in all states.";
+    E503 derivations_disagree(name, by, state) "two derivations that disagree"
+        "two derivations of the acceleration of `{name}` differ by {by}" "" "at {state}"
+        "Lagrange's equations and the virtual power of the bodies must give the same accelerations. If the file is right this is a fault of the program.";
+    E504 too_few_states(found, wanted) "too few states to test at"
+        "only {found} of {wanted} random states are usable" "" "say where the model is defined, `sample: {{y: [-0.9*l, 0.9*l]}}`"
+        "States that are not finite or fall on a discontinuity are drawn again, up to a limit.";
+    E505 singular_mass(name, state) "a mass matrix that is singular"
+        "the mass matrix is singular in `{name}`" "" "at {state}"
+        "Accelerations do not exist where the mass matrix is singular at all states tried.";
+}

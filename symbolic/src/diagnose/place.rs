@@ -1,0 +1,37 @@
+//! Building places step by step.
+
+use super::{Place, Step};
+use crate::language::Span;
+
+impl Place {
+    /// The value under `key` in the mapping at this place.
+    pub fn key(&self, key: &str) -> Place {
+        self.step(Step::Key(key.to_owned()))
+    }
+
+    /// The item `index` (from 0) of the list at this place.
+    pub fn index(&self, index: usize) -> Place {
+        self.step(Step::Index(index))
+    }
+
+    /// The key itself instead of its value.
+    pub fn of_key(&self) -> Place {
+        Place { key: true, span: None, ..self.clone() }
+    }
+
+    /// Some bytes of the scalar (or key) at this place.
+    pub fn at(&self, span: Span) -> Place {
+        Place { span: Some(span), ..self.clone() }
+    }
+
+    /// Bytes of the file itself.
+    pub fn in_file(start: usize, end: usize) -> Place {
+        Place { span: Some(Span::new(start, end)), ..Place::default() }
+    }
+
+    fn step(&self, step: Step) -> Place {
+        let mut path = self.path.clone();
+        path.push(step);
+        Place { path, key: false, span: None }
+    }
+}

@@ -1,0 +1,73 @@
+//! "Did you mean …?"
+
+use strsim::damerau_levenshtein;
+
+/// The candidate nearest to `name`: at most one edit in three letters away (two edits in four or five), swaps of
+/// neighbours counted once, or equal but for case.  Ties go to the first.
+pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let length = name.chars().count();
+    if length > LONGEST {
+        return None;
+    }
+    let allowed = match length {
+        0..=3 => 1,
+        4..=7 => 2,
+        _ => 3,
+    };
+    let lower = name.to_lowercase();
+    let mut best: Option<(usize, &str)> = None;
+    for candidate in candidates {
+        let size = candidate.chars().count();
+        if candidate == name || size.abs_diff(length) > allowed {
+            continue;
+        }
+        let distance = if candidate.to_lowercase() == lower { 0 } else { damerau_levenshtein(name, candidate) };
+        let closer = best.is_none_or(|(least, _)| distance < least);
+        if distance <= allowed && distance < length.max(size) && closer {
+            best = Some((distance, candidate));
+        }
+    }
+    best.map(|(_, candidate)| candidate)
+}
+
+/// "did you mean `x`?", or nothing.
+pub fn did_you_mean<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> String {
+    nearest(name, candidates).map(|near| format!("did you mean `{near}`?")).unwrap_or_default()
+}
+
+/// "did you mean `x`?", or else what is allowed: "one of `a`, `b`, `c`".
+pub fn did_you_mean_or<'a>(name: &str, candidates: &[&'a str]) -> String {
+    match nearest(name, candidates.iter().copied()) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => format!("it is one of {}", quoted(candidates)),
+    }
+}
+
+fn quoted(names: &[&str]) -> String {
+    names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+}
+
+/// Names longer than this are not compared: the distance costs the product of the lengths.
+const LONGEST: usize = 64;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn finds_what_was_meant() {
+        assert_eq!(nearest("thta", ["phi", "theta"]), Some("theta"));
+        assert_eq!(nearest("corodinates", ["coordinates", "constraints"]), Some("coordinates"));
+        assert_eq!(nearest("Theta", ["theta"]), Some("theta"));
+        assert_eq!(nearest("thetaa", ["theta1", "theta2"]), Some("theta1"));
+    }
+
+    #[test]
+    fn proposes_nothing_far_away() {
+        assert_eq!(nearest("x", ["y"]), None);
+        assert_eq!(nearest("", ["y"]), None);
+        assert_eq!(nearest("mass", ["theta"]), None);
+        assert_eq!(did_you_mean("mass", ["theta"]), "");
+        assert_eq!(did_you_mean_or("mass", &["a", "b"]), "it is one of `a`, `b`");
+    }
+}
