@@ -1,6 +1,6 @@
 //! Building places step by step.
 
-use super::{Place, Step};
+use super::{Place, Problem, Step};
 use crate::language::Span;
 
 impl Place {
@@ -33,5 +33,17 @@ impl Place {
         let mut path = self.path.clone();
         path.push(step);
         Place { path, key: false, span: None }
+    }
+}
+
+impl Problem {
+    /// The same problem, found in a text that stands at `place`; a span there shifts this one's.
+    pub fn moved_to(self, place: &Place) -> Problem {
+        let offset = place.span.map_or(0, |span| span.start);
+        let span = self
+            .place
+            .span
+            .map(|span| Span { start: span.start.saturating_add(offset), end: span.end.saturating_add(offset) });
+        Problem { place: Place { span: span.or(place.span), ..place.clone() }, ..self }
     }
 }

@@ -36,7 +36,7 @@ pub fn did_you_mean<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str
 }
 
 /// "did you mean `x`?", or else what is allowed: "one of `a`, `b`, `c`".
-pub fn did_you_mean_or<'a>(name: &str, candidates: &[&'a str]) -> String {
+pub fn did_you_mean_or(name: &str, candidates: &[&str]) -> String {
     match nearest(name, candidates.iter().copied()) {
         Some(near) => format!("did you mean `{near}`?"),
         None => format!("it is one of {}", quoted(candidates)),

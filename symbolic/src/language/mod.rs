@@ -1,8 +1,24 @@
 //! Text to syntax trees: lexer, Pratt parser, built-in functions, units, spans.
 
 mod ast;
+mod function;
+mod key;
+mod parse;
+mod token;
+mod unit;
+mod value;
+
+#[cfg(test)]
+mod tests;
+
+use crate::diagnose::Place;
 
 pub use ast::{Ast, AstKind, Key, KeyIndex, Operator, Range, Valued};
+pub use function::{FUNCTIONS, Function, RESERVED, function, is_reserved};
+pub use key::parse_key;
+pub use parse::{DEEPEST, parse, parse_equation};
+pub use unit::{Unit, parse_unit};
+pub use value::parse_value_with_unit;
 
 /// A range of bytes in an expression's text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,6 +39,11 @@ impl Span {
     /// From the start of this to the end of `other`.
     pub fn to(self, other: Span) -> Span {
         Span { start: self.start, end: other.end }
+    }
+
+    /// These bytes of a text whose own place is not known yet; see [`Problem::moved_to`](crate::diagnose::Problem::moved_to).
+    pub fn place(self) -> Place {
+        Place { span: Some(self), ..Place::default() }
     }
 
     /// As a range of indices.

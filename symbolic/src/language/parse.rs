@@ -1,0 +1,508 @@
+//! Tokens to trees: a Pratt parser.
+
+use super::function::function;
+use super::token::{Kind, Token, shorten, tokens};
+use super::{Ast, AstKind, Operator, Range, Span};
+use crate::diagnose::{Problem, catalogue::syntax};
+
+/// Deepest tree; every operator of a sum or product of several terms counts.
+pub const DEEPEST: u32 = 200;
+
+/// Reads an expression.
+///
+/// # Errors
+/// Everything found wrong, with spans into `text` and an empty path; see [`Problem::moved_to`].
+pub fn parse(text: &str) -> Result<Ast, Vec<Problem>> {
+    let mut parser = Parser::new(text)?;
+    let ast = parser.whole(LOOSEST);
+    parser.finish(ast)
+}
+
+/// Reads an expression or an equation `a = b`, the outermost [`Operator::Equal`].
+///
+/// # Errors
+/// As for [`parse`].
+pub fn parse_equation(text: &str) -> Result<Ast, Vec<Problem>> {
+    let mut parser = Parser::new(text)?;
+    let ast = parser.whole(EQUATION);
+    parser.finish(ast)
+}
+
+/// Most problems told about one expression.
+const MOST: usize = 10;
+
+/// A tree and its depth.
+pub(super) struct Tree {
+    pub ast: Ast,
+    depth: u32,
+}
+
+/// Already reported.
+pub(super) struct Reported;
+
+pub(super) type Parsed<T> = Result<T, Reported>;
+
+/// How tightly an operator binds: those below `least` are left to the caller.
+const EQUATION: u8 = 0;
+const LOOSEST: u8 = 1;
+const NEGATE: u8 = 4;
+const POWER: u8 = 5;
+
+fn binding(kind: Kind) -> Option<(u8, Operator)> {
+    Some(match kind {
+        Kind::Equal => (EQUATION, Operator::Equal),
+        Kind::Plus => (2, Operator::Add),
+        Kind::Minus => (2, Operator::Subtract),
+        Kind::Star => (3, Operator::Multiply),
+        Kind::Slash => (3, Operator::Divide),
+        Kind::Caret => (POWER, Operator::Power),
+        _ => return None,
+    })
+}
+
+/// A position among tokens, and what was wrong before it.
+pub(super) struct Parser<'a> {
+    text: &'a str,
+    tokens: Vec<Token<'a>>,
+    at: usize,
+    /// Calls inside each other, which bound the stack.
+    nesting: u32,
+    problems: Vec<Problem>,
+    /// A unit may follow the value: names, numbers and parentheses after it end it.
+    pub before_unit: bool,
+}
+
+impl<'a> Parser<'a> {
+    pub fn new(text: &'a str) -> Result<Parser<'a>, Vec<Problem>> {
+        let tokens = tokens(text)?;
+        Ok(Parser { text, tokens, at: 0, nesting: 0, problems: Vec::new(), before_unit: false })
+    }
+
+    /// The result, or what was wrong.
+    pub fn finish<T>(self, result: Parsed<T>) -> Result<T, Vec<Problem>> {
+        match result {
+            Ok(value) if self.problems.is_empty() => Ok(value),
+            _ => Err(self.problems),
+        }
+    }
+
+    pub fn peek(&self) -> Token<'a> {
+        self.tokens[self.at]
+    }
+
+    fn after(&self) -> Token<'a> {
+        self.tokens[(self.at + 1).min(self.tokens.len() - 1)]
+    }
+
+    fn before(&self) -> Token<'a> {
+        self.tokens[self.at.saturating_sub(1)]
+    }
+
+    pub fn next(&mut self) -> Token<'a> {
+        let token = self.peek();
+        self.at = (self.at + 1).min(self.tokens.len() - 1);
+        token
+    }
+
+    pub fn is(&self, kind: Kind) -> bool {
+        self.peek().kind == kind
+    }
+
+    /// Takes the next token if it is of this kind.
+    pub fn takes(&mut self, kind: Kind) -> bool {
+        let found = self.is(kind);
+        if found {
+            self.next();
+        }
+        found
+    }
+
+    pub fn report<T>(&mut self, problem: Problem) -> Parsed<T> {
+        if self.problems.len() < MOST {
+            self.problems.push(problem);
+        }
+        Err(Reported)
+    }
+
+    /// The next token is none of what could stand here.
+    pub fn unexpected<T>(&mut self, expected: &str) -> Parsed<T> {
+        let token = self.peek();
+        let place = token.span.place();
+        let problem = match token.kind {
+            Kind::End => syntax::unexpected_end(place, expected),
+            Kind::Close | Kind::CloseBracket if self.open_before() == 0 => syntax::not_opened(place, token.text),
+            _ => syntax::unexpected(place, token.shown(), expected),
+        };
+        self.report(problem)
+    }
+
+    /// How many brackets are open before the next token.
+    fn open_before(&self) -> usize {
+        self.tokens[..self.at].iter().fold(0, |open: usize, token| match token.kind {
+            Kind::Open | Kind::OpenBracket => open + 1,
+            Kind::Close | Kind::CloseBracket => open.saturating_sub(1),
+            _ => open,
+        })
+    }
+
+    /// An expression up to the end of the text.
+    fn whole(&mut self, least: u8) -> Parsed<Ast> {
+        if self.is(Kind::End) {
+            return self.report(syntax::empty_expression(self.peek().span.place()));
+        }
+        let tree = self.expression(least)?;
+        self.end()?;
+        Ok(tree.ast)
+    }
+
+    /// Nothing may follow.
+    pub fn end(&mut self) -> Parsed<()> {
+        match self.peek().kind {
+            Kind::End => Ok(()),
+            _ => self.cannot_follow("an operator or the end"),
+        }
+    }
+
+    /// What follows a complete value is no operator: says the likeliest reason.
+    fn cannot_follow<T>(&mut self, expected: &str) -> Parsed<T> {
+        let (left, right) = (self.before(), self.peek());
+        let place = right.span.place();
+        let problem = match right.kind {
+            Kind::Equal => syntax::equation_misplaced(place, equation_help(self.at, &self.tokens)),
+            Kind::Prime => syntax::prime_misplaced(place),
+            Kind::Comma if left.kind == Kind::Number && self.after().kind == Kind::Number => {
+                let whole = left.span.to(self.after().span);
+                let number = format!("{}.{}", left.text, self.after().text);
+                syntax::decimal_comma(whole.place(), shorten(&number))
+            }
+            Kind::Number | Kind::Name | Kind::Open | Kind::OpenBracket => {
+                syntax::missing_operator(place, shorten(left.text), shorten(right.text), product(left, right))
+            }
+            _ => return self.unexpected(expected),
+        };
+        self.report(problem)
+    }
+
+    /// Pratt's loop: an operand, then operators that bind at least as tightly as `least`.
+    pub fn expression(&mut self, least: u8) -> Parsed<Tree> {
+        self.nesting += 1;
+        if self.nesting > DEEPEST {
+            let place = self.peek().span.place();
+            return self.report(syntax::expression_too_deep(place, DEEPEST));
+        }
+        let mut left = self.operand()?;
+        while let Some((tightness, operator)) = binding(self.peek().kind) {
+            if tightness < least {
+                break;
+            }
+            let sign = self.next();
+            let right = self.expression(if operator == Operator::Power { POWER } else { tightness + 1 })?;
+            let depth = left.depth.max(right.depth);
+            let span = left.ast.span.to(right.ast.span);
+            let kind = AstKind::Binary(operator, Box::new(left.ast), Box::new(right.ast));
+            left = self.tree(kind, span, depth, sign.span)?;
+            if operator == Operator::Equal {
+                break;
+            }
+        }
+        self.nesting -= 1;
+        Ok(left)
+    }
+
+    /// One level more, unless that is too deep.
+    fn tree(&mut self, kind: AstKind, span: Span, below: u32, at: Span) -> Parsed<Tree> {
+        if below >= DEEPEST {
+            return self.report(syntax::expression_too_deep(at.place(), DEEPEST));
+        }
+        Ok(Tree { ast: Ast { kind, span }, depth: below + 1 })
+    }
+
+    /// A value with its sign, and `.x` after it.
+    fn operand(&mut self) -> Parsed<Tree> {
+        let first = self.peek();
+        let mut value = match first.kind {
+            Kind::Minus => {
+                self.next();
+                let inner = self.expression(NEGATE)?;
+                let span = first.span.to(inner.ast.span);
+                return self.tree(AstKind::Negate(Box::new(inner.ast)), span, inner.depth, first.span);
+            }
+            Kind::Plus => {
+                self.next();
+                return self.expression(NEGATE);
+            }
+            Kind::Number => {
+                self.next();
+                self.tree(AstKind::Number(first.text.to_owned()), first.span, 0, first.span)?
+            }
+            Kind::Name => self.name()?,
+            Kind::Open => {
+                self.next();
+                let unit = std::mem::replace(&mut self.before_unit, false);
+                let inner = self.expression(LOOSEST);
+                self.before_unit = unit;
+                let inner = inner?;
+                self.close(first, Kind::Close)?;
+                Tree { ast: Ast { span: first.span.to(self.before().span), ..inner.ast }, ..inner }
+            }
+            Kind::OpenBracket => self.vector()?,
+            _ => return self.unexpected("a value"),
+        };
+        while self.is(Kind::Dot) {
+            value = self.component(value)?;
+        }
+        Ok(value)
+    }
+
+    fn component(&mut self, of: Tree) -> Parsed<Tree> {
+        let dot = self.next();
+        let name = self.peek();
+        let which = match name.text {
+            "x" => 0,
+            "y" => 1,
+            "z" => 2,
+            text if name.kind == Kind::Name => {
+                let problem = syntax::unknown_component(name.span.place(), shorten(text));
+                return self.report(problem);
+            }
+            _ => return self.unexpected("`x`, `y` or `z` after the point"),
+        };
+        self.next();
+        let span = of.ast.span.to(name.span);
+        self.tree(AstKind::Component(Box::new(of.ast), which), span, of.depth, dot.span)
+    }
+
+    fn vector(&mut self) -> Parsed<Tree> {
+        let open = self.next();
+        let (items, depth) = self.list(open, Kind::CloseBracket)?;
+        let span = open.span.to(self.before().span);
+        if !(2..=3).contains(&items.len()) {
+            return self.report(syntax::vector_components(span.place(), items.len()));
+        }
+        self.tree(AstKind::Vector(items), span, depth, open.span)
+    }
+
+    /// A name with indices and primes, or a call.
+    fn name(&mut self) -> Parsed<Tree> {
+        let name = self.next();
+        let known = function(name.text).is_some();
+        let touches = self.peek().span.start == name.span.end;
+        if self.is(Kind::Open) && (known || touches || !self.before_unit) {
+            return self.call(name);
+        }
+        if known {
+            let help = format!("write `{}(…)`", name.text);
+            let next = self.peek();
+            if matches!(next.kind, Kind::Name | Kind::Number) {
+                let help = format!("did you mean `{}({})`?", name.text, shorten(next.text));
+                let problem = syntax::missing_operator(next.span.place(), name.text, shorten(next.text), help);
+                return self.report(problem);
+            }
+            let mut problem = syntax::unexpected(next.span.place(), next.shown(), "`(` after a function's name");
+            problem.help = help;
+            return self.report(problem);
+        }
+        if name.text == "in" {
+            let problem = syntax::unexpected(name.span.place(), "`in`", "a value");
+            return self.report(problem);
+        }
+        let (indices, depth) = if self.is(Kind::OpenBracket) {
+            let open = self.next();
+            self.list(open, Kind::CloseBracket)?
+        } else {
+            (Vec::new(), 0)
+        };
+        let primes = self.primes(name)?;
+        if primes > 0 && self.is(Kind::OpenBracket) {
+            let mut problem = syntax::unexpected(self.peek().span.place(), "`[`", "an operator");
+            problem.help = format!("the index comes before the prime: `{}[…]'`", shorten(name.text));
+            return self.report(problem);
+        }
+        let span = name.span.to(self.before().span);
+        let kind = AstKind::Name { name: name.text.to_owned(), indices, primes };
+        self.tree(kind, span, depth, name.span)
+    }
+
+    pub fn primes(&mut self, name: Token<'_>) -> Parsed<u8> {
+        let first = self.peek().span;
+        let mut primes = 0;
+        while self.takes(Kind::Prime) {
+            primes += 1;
+        }
+        match u8::try_from(primes) {
+            Ok(primes @ 0..=2) => Ok(primes),
+            _ => {
+                let span = first.to(self.before().span);
+                self.report(syntax::too_many_primes(span.place(), shorten(name.text)))
+            }
+        }
+    }
+
+    fn call(&mut self, name: Token<'a>) -> Parsed<Tree> {
+        let unit = std::mem::replace(&mut self.before_unit, false);
+        let result = match name.text {
+            "sum" | "integral" => self.over_ranges(name),
+            _ => self.plain_call(name),
+        };
+        self.before_unit = unit;
+        result
+    }
+
+    fn plain_call(&mut self, name: Token<'a>) -> Parsed<Tree> {
+        let open = self.next();
+        let (arguments, depth) = if self.takes(Kind::Close) { (Vec::new(), 0) } else { self.list(open, Kind::Close)? };
+        let span = name.span.to(self.before().span);
+        let kind = AstKind::Call { function: name.text.to_owned(), name_span: name.span, arguments };
+        self.tree(kind, span, depth, name.span)
+    }
+
+    /// `sum(e, i in a..b, …)` and `integral(e, x in a..b)`.
+    fn over_ranges(&mut self, name: Token<'a>) -> Parsed<Tree> {
+        let open = self.next();
+        let body = self.expression(LOOSEST)?;
+        let mut ranges = Vec::new();
+        let mut depth = body.depth;
+        while self.takes(Kind::Comma) {
+            let (range, below) = self.range()?;
+            depth = depth.max(below);
+            ranges.push(range);
+            if name.text == "integral" {
+                break;
+            }
+        }
+        if ranges.is_empty() {
+            let problem = syntax::bad_range(self.peek().span.place(), self.peek().shown());
+            return self.report(problem);
+        }
+        self.close(open, Kind::Close)?;
+        let span = name.span.to(self.before().span);
+        let body = Box::new(body.ast);
+        let kind = match (name.text, ranges.pop()) {
+            ("integral", Some(range)) => AstKind::Integral(body, Box::new(range)),
+            (_, last) => AstKind::Sum(body, ranges.into_iter().chain(last).collect()),
+        };
+        self.tree(kind, span, depth, name.span)
+    }
+
+    /// `i in a..b` with its depth.
+    pub fn range(&mut self) -> Parsed<(Range, u32)> {
+        let name = self.peek();
+        if name.kind != Kind::Name || self.after().text != "in" || name.text == "in" {
+            let problem = syntax::bad_range(name.span.place(), name.shown());
+            return self.report(problem);
+        }
+        self.next();
+        self.next();
+        let from = self.expression(LOOSEST)?;
+        if !self.takes(Kind::Dots) {
+            return self.unexpected("`..` and the last value of the range");
+        }
+        let to = self.expression(LOOSEST)?;
+        let depth = from.depth.max(to.depth);
+        Ok((Range { name: name.text.to_owned(), name_span: name.span, from: from.ast, to: to.ast }, depth))
+    }
+
+    /// Whether a range `i in …` starts here.
+    pub fn at_range(&self) -> bool {
+        self.is(Kind::Name) && self.after().text == "in"
+    }
+
+    /// Expressions up to the closing bracket, with the largest depth.  One that is wrong does not hide the next.
+    fn list(&mut self, open: Token<'a>, closing: Kind) -> Parsed<(Vec<Ast>, u32)> {
+        let unit = std::mem::replace(&mut self.before_unit, false);
+        let result = self.items(open, closing);
+        self.before_unit = unit;
+        result
+    }
+
+    fn items(&mut self, open: Token<'a>, closing: Kind) -> Parsed<(Vec<Ast>, u32)> {
+        let nesting = self.nesting;
+        let mut items = Vec::new();
+        let mut depth = 0;
+        let mut failed = false;
+        loop {
+            let start = self.at;
+            match self.item(open, closing) {
+                Ok(tree) => {
+                    depth = depth.max(tree.depth);
+                    items.push(tree.ast);
+                }
+                Err(Reported) => {
+                    failed = true;
+                    self.nesting = nesting;
+                    self.at = start;
+                    self.skip_item();
+                }
+            }
+            if self.problems.len() == MOST || !self.takes(Kind::Comma) {
+                break;
+            }
+        }
+        if failed {
+            self.takes(closing);
+            return Err(Reported);
+        }
+        self.close(open, closing)?;
+        Ok((items, depth))
+    }
+
+    fn item(&mut self, open: Token<'a>, closing: Kind) -> Parsed<Tree> {
+        let tree = self.expression(LOOSEST)?;
+        if !self.is(Kind::Comma) && !self.is(closing) {
+            self.not_closed::<()>(open, closing)?;
+        }
+        Ok(tree)
+    }
+
+    /// Goes on to the comma or closing bracket that ends this item.
+    fn skip_item(&mut self) {
+        let mut open = 0_usize;
+        loop {
+            match self.peek().kind {
+                Kind::End => return,
+                Kind::Comma if open == 0 => return,
+                Kind::Close | Kind::CloseBracket if open == 0 => return,
+                Kind::Close | Kind::CloseBracket => open -= 1,
+                Kind::Open | Kind::OpenBracket => open += 1,
+                _ => {}
+            }
+            self.next();
+        }
+    }
+
+    pub fn close(&mut self, open: Token<'a>, closing: Kind) -> Parsed<()> {
+        if self.takes(closing) { Ok(()) } else { self.not_closed(open, closing) }
+    }
+
+    fn not_closed<T>(&mut self, open: Token<'a>, closing: Kind) -> Parsed<T> {
+        let found = self.peek();
+        if !matches!(found.kind, Kind::End | Kind::Comma | Kind::Close | Kind::CloseBracket) {
+            return self.cannot_follow("an operator, a comma or a closing bracket");
+        }
+        let column = self.text[..open.span.start as usize].chars().count() + 1;
+        let sign = if closing == Kind::Close { ")" } else { "]" };
+        let place = found.span.place();
+        self.report(syntax::not_closed(place, open.text, column, sign, found.shown()))
+    }
+}
+
+/// "did you mean `2*x`?"
+fn product(left: Token<'_>, right: Token<'_>) -> String {
+    let right_text = match right.kind {
+        Kind::Open => "(…)".to_owned(),
+        Kind::OpenBracket => "[…]".to_owned(),
+        _ => shorten(right.text),
+    };
+    match left.kind {
+        Kind::Number | Kind::Name => format!("did you mean `{}*{right_text}`?", shorten(left.text)),
+        _ => format!("did you mean `…{}*{right_text}`?", left.text),
+    }
+}
+
+fn equation_help(at: usize, tokens: &[Token<'_>]) -> &'static str {
+    if tokens[..at].iter().any(|token| token.kind == Kind::Equal) {
+        "write two equations"
+    } else {
+        "an expression is wanted here; for an equation `a = b` write `a - b`"
+    }
+}

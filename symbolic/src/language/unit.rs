@@ -1,0 +1,318 @@
+//! Units: `kg*m^2/s^2` to an exact factor and a dimension.
+
+use super::token::{Kind, Token, shorten, tokens};
+use crate::diagnose::{Problem, catalogue::syntax, nearest};
+use crate::expr::Rational;
+
+/// A unit as a factor to SI and a dimension.
+///
+/// A value of x units is x · `scale` · π^`pi` in SI; only `deg` (π/180) brings in π.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Unit {
+    /// Exact rational factor.
+    pub scale: Rational,
+    /// Power of π.
+    pub pi: i8,
+    /// Exponents of kg, m, s.
+    pub dimension: [i8; 3],
+}
+
+impl Unit {
+    /// The pure number 1.
+    pub const ONE: Unit = Unit { scale: Rational::ONE, pi: 0, dimension: [0; 3] };
+
+    /// The factor to SI as the nearest `f64`.
+    pub fn factor(&self) -> f64 {
+        self.scale.to_f64() * std::f64::consts::PI.powi(i32::from(self.pi))
+    }
+
+    fn multiply(self, other: Unit) -> Option<Unit> {
+        let mut dimension = [0; 3];
+        for (sum, (a, b)) in dimension.iter_mut().zip(self.dimension.into_iter().zip(other.dimension)) {
+            *sum = a.checked_add(b)?;
+        }
+        Some(Unit { scale: self.scale.checked_mul(other.scale)?, pi: self.pi.checked_add(other.pi)?, dimension })
+    }
+
+    fn inverse(self) -> Option<Unit> {
+        let scale = Rational::new(self.scale.denominator(), self.scale.numerator())?;
+        Some(Unit { scale, pi: self.pi.checked_neg()?, dimension: self.dimension.map(i8::wrapping_neg) })
+    }
+
+    fn power(self, exponent: i8) -> Option<Unit> {
+        let base = if exponent < 0 { self.inverse()? } else { self };
+        (0..exponent.unsigned_abs()).try_fold(Unit::ONE, |product, _| product.multiply(base))
+    }
+}
+
+/// Reads a unit: names with SI prefixes and `1`, joined by `*`, `/`, `^` and parentheses, from left to right.
+///
+/// # Errors
+/// What is wrong, with spans into `text` and an empty path.
+pub fn parse_unit(text: &str) -> Result<Unit, Vec<Problem>> {
+    let mut reader = Reader { tokens: tokens(text)?, at: 0, nesting: 0 };
+    let unit = reader.product()?;
+    match reader.peek().kind {
+        Kind::End => Ok(unit),
+        _ => Err(reader.wrong("`*`, `/` or the end")),
+    }
+}
+
+struct Reader<'a> {
+    tokens: Vec<Token<'a>>,
+    at: usize,
+    nesting: usize,
+}
+
+/// Parentheses inside each other.
+const DEEPEST: usize = 20;
+
+impl<'a> Reader<'a> {
+    fn peek(&self) -> Token<'a> {
+        self.tokens[self.at]
+    }
+
+    fn next(&mut self) -> Token<'a> {
+        let token = self.peek();
+        self.at = (self.at + 1).min(self.tokens.len() - 1);
+        token
+    }
+
+    fn wrong(&self, expected: &str) -> Vec<Problem> {
+        let token = self.peek();
+        let place = token.span.place();
+        vec![match token.kind {
+            Kind::End => syntax::unexpected_end(place, expected),
+            _ => syntax::bad_unit(place, shorten(token.text), expected),
+        }]
+    }
+
+    fn product(&mut self) -> Result<Unit, Vec<Problem>> {
+        let mut product = self.power()?;
+        loop {
+            let sign = self.peek();
+            if !matches!(sign.kind, Kind::Star | Kind::Slash) {
+                return Ok(product);
+            }
+            self.next();
+            let mut factor = Some(self.power()?);
+            if sign.kind == Kind::Slash {
+                factor = factor.and_then(Unit::inverse);
+            }
+            product = factor.and_then(|factor| product.multiply(factor)).ok_or_else(|| too_large(sign))?;
+        }
+    }
+
+    fn power(&mut self) -> Result<Unit, Vec<Problem>> {
+        let base = self.atom()?;
+        let sign = self.peek();
+        if sign.kind != Kind::Caret {
+            return Ok(base);
+        }
+        self.next();
+        let exponent = self.exponent()?;
+        base.power(exponent).ok_or_else(|| too_large(sign))
+    }
+
+    /// `2`, `-1`, `(-1)`.
+    fn exponent(&mut self) -> Result<i8, Vec<Problem>> {
+        let open = self.peek().kind == Kind::Open;
+        if open {
+            self.next();
+        }
+        let negative = self.peek().kind == Kind::Minus;
+        if negative {
+            self.next();
+        }
+        let number = self.peek();
+        let value = number.text.parse::<i8>().ok().filter(|value| *value <= 9 && number.kind == Kind::Number);
+        let Some(value) = value else {
+            return Err(vec![syntax::unit_power(number.span.place(), shorten(number.text))]);
+        };
+        self.next();
+        if open {
+            self.close()?;
+        }
+        Ok(if negative { -value } else { value })
+    }
+
+    fn close(&mut self) -> Result<(), Vec<Problem>> {
+        if self.peek().kind != Kind::Close {
+            return Err(self.wrong("`)`"));
+        }
+        self.next();
+        Ok(())
+    }
+
+    fn atom(&mut self) -> Result<Unit, Vec<Problem>> {
+        let token = self.peek();
+        match token.kind {
+            Kind::Number if token.text == "1" => {
+                self.next();
+                Ok(Unit::ONE)
+            }
+            Kind::Number => Err(self.wrong("a unit; the only number in a unit is `1`")),
+            Kind::Name => {
+                self.next();
+                named(token.text).ok_or_else(|| {
+                    vec![syntax::unknown_unit(token.span.place(), shorten(token.text), help(token.text))]
+                })
+            }
+            Kind::Open if self.nesting < DEEPEST => {
+                self.next();
+                self.nesting += 1;
+                let inner = self.product()?;
+                self.nesting -= 1;
+                self.close()?;
+                Ok(inner)
+            }
+            _ => Err(self.wrong("a unit")),
+        }
+    }
+}
+
+fn too_large(at: Token<'_>) -> Vec<Problem> {
+    vec![syntax::bad_unit(at.span.place(), at.text, "a unit within reach of exact numbers")]
+}
+
+/// Name, numerator and denominator of the factor to SI, power of π, exponents of kg, m, s, whether it takes prefixes.
+type Row = (&'static str, i128, i128, i8, [i8; 3], bool);
+
+const UNITS: &[Row] = &[
+    ("g", 1, 1000, 0, [1, 0, 0], true),
+    ("m", 1, 1, 0, [0, 1, 0], true),
+    ("s", 1, 1, 0, [0, 0, 1], true),
+    ("rad", 1, 1, 0, [0, 0, 0], true),
+    ("deg", 1, 180, 1, [0, 0, 0], false),
+    ("N", 1, 1, 0, [1, 1, -2], true),
+    ("J", 1, 1, 0, [1, 2, -2], true),
+    ("W", 1, 1, 0, [1, 2, -3], true),
+    ("Pa", 1, 1, 0, [1, -1, -2], true),
+    ("Hz", 1, 1, 0, [0, 0, -1], true),
+];
+
+/// SI prefixes and their powers of ten.
+const PREFIXES: &[(&str, i32)] = &[
+    ("da", 1),
+    ("h", 2),
+    ("k", 3),
+    ("M", 6),
+    ("G", 9),
+    ("T", 12),
+    ("P", 15),
+    ("E", 18),
+    ("d", -1),
+    ("c", -2),
+    ("m", -3),
+    ("u", -6),
+    ("µ", -6),
+    ("μ", -6),
+    ("n", -9),
+    ("p", -12),
+    ("f", -15),
+    ("a", -18),
+];
+
+fn named(name: &str) -> Option<Unit> {
+    let row = |symbol: &str| UNITS.iter().find(|row| row.0 == symbol);
+    if let Some(&(_, n, d, pi, dimension, _)) = row(name) {
+        return Some(Unit { scale: Rational::new(n, d)?, pi, dimension });
+    }
+    PREFIXES.iter().find_map(|(prefix, power)| {
+        let &(_, n, d, pi, dimension, prefixed) = row(name.strip_prefix(prefix)?)?;
+        let ten = 10_i128.checked_pow(power.unsigned_abs())?;
+        let scale = if *power > 0 { Rational::new(n * ten, d)? } else { Rational::new(n, d * ten)? };
+        prefixed.then_some(Unit { scale, pi, dimension })
+    })
+}
+
+fn help(name: &str) -> String {
+    let meant = MEANT.iter().find(|(other, _)| other.eq_ignore_ascii_case(name)).map(|(_, unit)| *unit);
+    match meant.or_else(|| nearest(name, COMMON.iter().copied())) {
+        Some(unit) => format!("did you mean `{unit}`?"),
+        None => "units are `kg m s rad deg N J W Pa Hz g` with SI prefixes, and `1`".to_owned(),
+    }
+}
+
+/// Often written, and what is meant.
+const MEANT: &[(&str, &str)] = &[
+    ("sec", "s"),
+    ("second", "s"),
+    ("seconds", "s"),
+    ("metre", "m"),
+    ("meter", "m"),
+    ("meters", "m"),
+    ("newton", "N"),
+    ("degree", "deg"),
+    ("degrees", "deg"),
+    ("radian", "rad"),
+    ("radians", "rad"),
+    ("Nm", "N*m"),
+];
+
+const COMMON: &[&str] = &["kg", "g", "m", "mm", "s", "ms", "rad", "deg", "N", "kN", "J", "W", "Pa", "MPa", "Hz"];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn unit(text: &str, n: i128, d: i128, dimension: [i8; 3]) {
+        let found = parse_unit(text).unwrap_or_else(|problems| panic!("{text}: {problems:?}"));
+        assert_eq!(found, Unit { scale: Rational::new(n, d).unwrap(), pi: 0, dimension }, "{text}");
+    }
+
+    #[test]
+    fn from_left_to_right() {
+        unit("N/m*s", 1, 1, [1, 0, -1]);
+        unit("N/(m*s)", 1, 1, [1, 0, -3]);
+        unit("kg*m^2", 1, 1, [1, 2, 0]);
+        unit("1/m", 1, 1, [0, -1, 0]);
+        unit("m^-1", 1, 1, [0, -1, 0]);
+        unit("m^(-1)", 1, 1, [0, -1, 0]);
+        unit("1", 1, 1, [0, 0, 0]);
+        unit("rad/s", 1, 1, [0, 0, -1]);
+    }
+
+    #[test]
+    fn prefixes_are_exact() {
+        unit("g", 1, 1000, [1, 0, 0]);
+        unit("ms", 1, 1000, [0, 0, 1]);
+        unit("mm^2", 1, 1_000_000, [0, 2, 0]);
+        unit("MPa", 1_000_000, 1, [1, -1, -2]);
+        unit("kN/mm", 1_000_000, 1, [1, 0, -2]);
+        unit("cm", 1, 100, [0, 1, 0]);
+        unit("µm", 1, 1_000_000, [0, 1, 0]);
+        unit("dam", 10, 1, [0, 1, 0]);
+    }
+
+    #[test]
+    fn degrees_carry_pi() {
+        let degrees = parse_unit("deg").unwrap();
+        assert_eq!((degrees.pi, degrees.scale), (1, Rational::new(1, 180).unwrap()));
+        assert_eq!(parse_unit("deg/s").unwrap().dimension, [0, 0, -1]);
+        assert!((parse_unit("1/deg").unwrap().factor() - 57.295_779_513_082_32).abs() < 1e-13);
+    }
+
+    #[test]
+    fn refuses_the_rest() {
+        for (text, code) in [
+            ("", "E103"),
+            ("furlong", "E119"),
+            ("kkg", "E119"),
+            ("N m", "E120"),
+            ("m^0.5", "E121"),
+            ("m^n", "E121"),
+            ("m^99", "E121"),
+            ("2", "E120"),
+            ("(m", "E103"),
+            ("m/", "E103"),
+            ("kdeg", "E119"),
+        ] {
+            assert_eq!(parse_unit(text).unwrap_err()[0].code, code, "{text}");
+        }
+        assert_eq!(parse_unit("sec").unwrap_err()[0].help, "did you mean `s`?");
+        assert_eq!(parse_unit("Kg").unwrap_err()[0].help, "did you mean `kg`?");
+        let long = vec!["Em^9"; 40].join("*");
+        assert!(parse_unit(&long).is_err());
+    }
+}
