@@ -1,5 +1,17 @@
 //! Mechanisms described in YAML: derived, compiled, integrated, linearised and judged.
 
+mod error;
+mod integrate;
 pub mod mechanism;
+pub mod prelude;
+mod run;
+mod simulate;
+#[cfg(test)]
+mod testing;
+pub mod trust;
 
 pub use dalembert_macros::model;
+pub use error::{Cause, Error, Failure};
+pub use integrate::{Method, ParseMethodError};
+pub use run::{Occurrence, Run, State, Work};
+pub use simulate::{Settings, simulate};

@@ -1,6 +1,6 @@
 //! A [`Mechanism`] behind slices.
 
-use super::{Description, Energy, Mechanism, Scene, Signal, SingularMass, System, Values as _};
+use super::{Description, Energy, Mechanism, Scene, Signal, SingularMass, System};
 
 /// A mechanism of static size as a [`System`], with its block of constants at hand.
 #[derive(Clone)]

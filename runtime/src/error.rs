@@ -1,0 +1,186 @@
+//! What can go wrong, with the data to see why.
+
+use std::fmt;
+
+use crate::run::{Run, State};
+
+/// A setting that makes no sense, or a run that could not go on.
+#[derive(Clone, Debug)]
+pub enum Error {
+    /// A setting has no meaning.
+    BadSetting {
+        /// Which one: `step`.
+        setting: &'static str,
+        /// What was asked for.
+        value: f64,
+        /// What would have had a meaning.
+        expected: &'static str,
+    },
+    /// A list has the wrong length.
+    WrongLength {
+        /// Which one: `start`.
+        setting: &'static str,
+        /// How many numbers it has.
+        given: usize,
+        /// How many it must have.
+        expected: usize,
+    },
+    /// The mechanism has nothing of this name.
+    UnknownName {
+        /// What was looked for: `scene`.
+        kind: &'static str,
+        /// The name.
+        name: String,
+        /// The names there are.
+        known: Vec<String>,
+    },
+    /// The run ended early.  It comes with the time, the state and what was computed until then.
+    Run(Box<Failure>),
+}
+
+/// A run that ended early.
+#[derive(Clone, Debug)]
+pub struct Failure {
+    /// Why.
+    pub cause: Cause,
+    /// When, and in which state: the last one that was accepted, unless the cause names another time.
+    pub state: State,
+    /// What was computed until then.
+    pub run: Run,
+}
+
+/// Why a run could not go on.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Cause {
+    /// The step that the tolerance asks for vanishes beside the time: the motion ends here (a pole, a
+    /// discontinuity that the model does not declare).
+    StepTooSmall {
+        /// The step, s.
+        h: f64,
+    },
+    /// Rounding errors alone exceed the tolerance, however small the step.
+    ToleranceTooTight {
+        /// What was asked for.
+        asked: f64,
+        /// What might be attained here.
+        attainable: f64,
+    },
+    /// t + h = t at the fixed step h.
+    StepBelowResolution {
+        /// The step, s.
+        h: f64,
+    },
+    /// A number is infinite or not a number.
+    NonFinite {
+        /// Of what: the acceleration of a coordinate, say.
+        what: String,
+    },
+    /// M has no inverse.
+    SingularMass {
+        /// The coordinate whose pivot vanishes.
+        coordinate: String,
+    },
+    /// The coordinates fail where the mechanism does not: an element of M grows beyond bounds.
+    CoordinateSingularity {
+        /// The coordinate.
+        coordinate: String,
+        /// When it is reached, s.
+        t: f64,
+    },
+    /// Both sides of a discontinuity push back to it.
+    Chattering {
+        /// The discontinuity's argument, as the model file has it.
+        switch: String,
+    },
+    /// More steps than `max_steps`.
+    TooManySteps {
+        /// The limit.
+        limit: u64,
+    },
+}
+
+impl Error {
+    /// Why a run ended early; `None` for a bad setting.
+    pub fn cause(&self) -> Option<&Cause> {
+        match self {
+            Error::Run(failure) => Some(&failure.cause),
+            _ => None,
+        }
+    }
+
+    /// What was computed before a run ended early.
+    pub fn partial(&self) -> Option<&Run> {
+        match self {
+            Error::Run(failure) => Some(&failure.run),
+            _ => None,
+        }
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Error::BadSetting { setting, value, expected } => write!(f, "`{setting}` is {value}; expected {expected}"),
+            Error::WrongLength { setting, given, expected } => {
+                write!(f, "`{setting}` has {given} numbers; the mechanism has {expected} coordinates")
+            }
+            Error::UnknownName { kind, name, known } => {
+                write!(f, "no {kind} is called `{name}`")?;
+                match known.as_slice() {
+                    [] => write!(f, "; there is none"),
+                    known => write!(f, "; there are {}", Listed(known)),
+                }
+            }
+            Error::Run(failure) => write!(f, "{failure}"),
+        }
+    }
+}
+
+/// Names in backticks, with commas.
+struct Listed<'a>(&'a [String]);
+
+impl fmt::Display for Listed<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, name) in self.0.iter().enumerate() {
+            write!(f, "{}`{name}`", if index == 0 { "" } else { ", " })?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for Error {}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} (t = {} s; last state {})", self.cause, self.state.t, self.state)
+    }
+}
+
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Cause::StepTooSmall { h } => {
+                write!(f, "step too small: the tolerance asks for a step of {h:e} s, which vanishes beside the time")
+            }
+            Cause::ToleranceTooTight { asked, attainable } => {
+                write!(f, "tolerance too tight: {asked:e} is below rounding here; {attainable:e} might be attained")
+            }
+            Cause::StepBelowResolution { h } => write!(f, "step below resolution: t + {h:e} s is t"),
+            Cause::NonFinite { what } => write!(f, "{what} is not finite"),
+            Cause::SingularMass { coordinate } => {
+                write!(f, "singular mass matrix: nothing gives `{coordinate}` an inertia here")
+            }
+            Cause::CoordinateSingularity { coordinate, t } => write!(
+                f,
+                "coordinate singularity: `{coordinate}` cannot describe the motion beyond t = {t} s, where its inertia \
+                 grows without bound; choose another coordinate, such as an angle"
+            ),
+            Cause::Chattering { switch } => write!(
+                f,
+                "chattering: both sides of `{switch}` = 0 push back to it; describe what happens there as a phase"
+            ),
+            Cause::TooManySteps { limit } => write!(f, "more than {limit} steps; raise `max_steps` to go on"),
+        }
+    }
+}

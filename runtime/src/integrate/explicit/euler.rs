@@ -1,0 +1,17 @@
+//! Euler's method.
+
+use super::tableau::{Estimate, NO_CONTROL, Tableau, r};
+
+/// y₁ = y + h f(t, y), order 1.  Amplifies every undamped vibration (catalogue A1).
+///
+/// Source: Euler, Institutionum calculi integralis I (1768), §650.
+pub(crate) static EULER: Tableau = Tableau {
+    order: 1,
+    rows: &[(0.0, &[])],
+    weights: &[r(0, 1, 1)],
+    first_same_as_last: false,
+    estimate: Estimate::None,
+    dense_rows: &[],
+    dense: &[],
+    control: NO_CONTROL,
+};

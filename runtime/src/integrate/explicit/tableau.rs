@@ -1,0 +1,100 @@
+//! The coefficients of an explicit Runge–Kutta method.
+
+/// One product of a sum over stages: a coefficient times the rate of a stage.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Term {
+    /// Which stage, from 0.
+    pub stage: usize,
+    /// The coefficient.
+    pub value: f64,
+    /// The coefficient as numerator and denominator, where it is given so.
+    #[cfg_attr(not(test), expect(dead_code, reason = "order conditions are tested in rationals"))]
+    pub ratio: Option<(i64, i64)>,
+}
+
+/// The rational coefficient n/d of a stage.
+pub(crate) const fn r(stage: usize, n: i64, d: i64) -> Term {
+    Term { stage, value: n as f64 / d as f64, ratio: Some((n, d)) }
+}
+
+/// The decimal coefficient of a stage.
+pub(crate) const fn x(stage: usize, value: f64) -> Term {
+    Term { stage, value, ratio: None }
+}
+
+/// How the local error is estimated from the stages.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Estimate {
+    /// Not at all: for fixed steps only.
+    None,
+    /// By the difference to an embedded method.
+    Single(&'static [Term]),
+    /// By two differences e₅ and e₃, as h‖e₅‖²/√(‖e₅‖² + ‖e₃‖²/100).
+    Pair {
+        /// e₅.
+        higher: &'static [Term],
+        /// e₃.
+        lower: &'static [Term],
+    },
+}
+
+/// Constants of the step-size control h ← h·clamp(0.9·err₀^β/err^α), α = exponent − 3β/4.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Control {
+    /// 1/(q + 1), q the order of the error estimate.
+    pub exponent: f64,
+    /// Weight of the previous step's error (the integral part).
+    pub beta: f64,
+    /// The smallest factor.
+    pub shrink: f64,
+    /// The largest factor.
+    pub grow: f64,
+}
+
+/// An explicit Runge–Kutta method: kᵢ = f(t + cᵢh, y + h Σ aᵢⱼkⱼ), y₁ = y + h Σ bᵢkᵢ.
+#[derive(Debug)]
+pub(crate) struct Tableau {
+    /// Order of the solution.
+    pub order: u32,
+    /// (cᵢ, the non-zero aᵢⱼ) of each stage; the first is (0, nothing).
+    pub rows: &'static [(f64, &'static [Term])],
+    /// The non-zero bᵢ.
+    pub weights: &'static [Term],
+    /// True when the last stage is the rate at the end of the step.
+    pub first_same_as_last: bool,
+    /// The error estimate.
+    pub estimate: Estimate,
+    /// Stages that only dense output needs.  They follow the rate at the end of the step.
+    pub dense_rows: &'static [(f64, &'static [Term])],
+    /// Coefficients of the dense output beyond the cubic Hermite ones.
+    pub dense: &'static [&'static [Term]],
+    /// Step-size control.
+    pub control: Control,
+}
+
+/// For methods that have no error estimate.
+pub(crate) const NO_CONTROL: Control = Control { exponent: 0.0, beta: 0.0, shrink: 1.0, grow: 1.0 };
+
+impl Tableau {
+    /// Stages of a step without those for dense output only.
+    pub fn stages(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Index of the stage that is the rate at the end of the step.
+    pub fn end_stage(&self) -> usize {
+        if self.first_same_as_last { self.rows.len() - 1 } else { self.rows.len() }
+    }
+
+    /// Coefficients c₀, c₁, … of the stability function R(z) = Σ cₖzᵏ: y₁ = R(hλ)y for y' = λy.
+    pub fn stability(&self) -> Vec<f64> {
+        let stages = self.stages();
+        let mut powers = vec![1.0; stages];
+        let mut coefficients = vec![1.0];
+        for _ in 0..stages {
+            coefficients.push(self.weights.iter().map(|b| b.value * powers[b.stage]).sum());
+            powers = self.rows.iter().map(|(_, row)| row.iter().map(|a| a.value * powers[a.stage]).sum()).collect();
+        }
+        coefficients
+    }
+}

@@ -1,0 +1,7 @@
+//! The names that a program with a mechanism needs: `use dalembert::prelude::*;`.
+
+pub use crate::error::{Cause, Error};
+pub use crate::integrate::Method;
+pub use crate::mechanism::{Mechanism, System};
+pub use crate::run::{Run, State};
+pub use crate::simulate::{Settings, simulate};

@@ -1,0 +1,170 @@
+//! What a run returns.
+
+mod record;
+mod state;
+mod trajectory;
+
+use std::sync::Arc;
+
+pub(crate) use record::{Plan, Recorder};
+pub(crate) use state::Names;
+pub use state::State;
+pub(crate) use trajectory::{Segment, Trajectory};
+
+use crate::integrate::Method;
+use crate::trust::{Drift, Trust, Warning};
+
+/// A motion that was computed, and what tells how far it can be trusted.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// The method that was used; never [`Method::Auto`].
+    pub method: Method,
+    /// The relative tolerance; `None` at a fixed step.
+    pub tolerance: Option<f64>,
+    /// The fixed step, s, if there was one.
+    pub step: Option<f64>,
+    /// Events that were recorded or that ended the run, in order.
+    pub events: Vec<Occurrence>,
+    /// Work done.
+    pub work: Work,
+    /// Drift of each conserved quantity that the model file names.
+    pub drift: Vec<Drift>,
+    /// Drift of the energy balance: energy less the work of what has no potential.  `None` when the run
+    /// did not watch it, or where it is not finite.
+    pub energy_balance: Option<f64>,
+    /// What the user should know.
+    pub warnings: Vec<Warning>,
+    /// Time it took, s.
+    pub seconds: f64,
+    pub(crate) ended_by: Option<usize>,
+    pub(crate) times: Vec<f64>,
+    pub(crate) rows: Vec<f64>,
+    pub(crate) outputs: Vec<f64>,
+    pub(crate) trajectory: Trajectory,
+    pub(crate) names: Arc<Names>,
+}
+
+/// An event that happened.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Occurrence {
+    /// Its label in the model file.
+    pub name: String,
+    /// Its index among `description().events`.
+    pub event: usize,
+    /// The state in which it happened.
+    pub state: State,
+}
+
+/// What a run cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Accepted steps.
+    pub steps: u64,
+    /// Rejected steps.
+    pub rejected: u64,
+    /// Evaluations of the accelerations for integrating.
+    pub evaluations: u64,
+    /// Evaluations of the Jacobians for integrating.
+    pub jacobians: u64,
+    /// Factorizations of iteration matrices.
+    pub factorizations: u64,
+}
+
+impl Run {
+    /// The reported times, s.
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// How many states are reported; at least one.
+    pub fn len(&self) -> usize {
+        self.times.len()
+    }
+
+    /// False: a run has at least its start.
+    pub fn is_empty(&self) -> bool {
+        self.times.is_empty()
+    }
+
+    /// The reported state of this index, with its outputs.
+    ///
+    /// # Panics
+    /// If the index is not below [`Run::len`].
+    pub fn state(&self, index: usize) -> State {
+        let n = self.names.coordinates.len();
+        let m = self.names.outputs.len();
+        let row = &self.rows[2 * n * index..][..2 * n];
+        State {
+            t: self.times[index],
+            q: row[..n].to_vec(),
+            v: row[n..].to_vec(),
+            outputs: self.outputs[m * index..][..m].to_vec(),
+            names: self.names.clone(),
+        }
+    }
+
+    /// All reported states.
+    pub fn states(&self) -> impl Iterator<Item = State> + '_ {
+        (0..self.len()).map(|index| self.state(index))
+    }
+
+    /// The first state.
+    pub fn first(&self) -> State {
+        self.state(0)
+    }
+
+    /// The last state.
+    pub fn last(&self) -> State {
+        self.state(self.len() - 1)
+    }
+
+    /// The state at any time of the run by dense output, without outputs.
+    ///
+    /// `None` outside of the run, and if the run was told to keep no dense output.
+    pub fn at(&self, t: f64) -> Option<State> {
+        let segment = self.trajectory.find(t)?;
+        let n = self.names.coordinates.len();
+        let mut y = vec![0.0; 2 * n];
+        segment.evaluate(((t - segment.t) / segment.h).clamp(0.0, 1.0), &mut y);
+        let v = y.split_off(n);
+        Some(State { t, q: y, v, outputs: Vec::new(), names: self.names.clone() })
+    }
+
+    /// One coordinate, rate (`theta'`) or output at all reported times, NaN where absent.
+    pub fn column(&self, name: &str) -> Option<Vec<f64>> {
+        let n = self.names.coordinates.len();
+        let position = |names: &[String], name: &str| names.iter().position(|n| n == name);
+        let stride =
+            |values: &[f64], size: usize, index: usize| values.iter().skip(index).step_by(size).copied().collect();
+        if name == "t" {
+            return Some(self.times.clone());
+        }
+        if let Some(coordinate) = name.strip_suffix('\'') {
+            return position(&self.names.coordinates, coordinate).map(|index| stride(&self.rows, 2 * n, n + index));
+        }
+        match position(&self.names.coordinates, name) {
+            Some(index) => Some(stride(&self.rows, 2 * n, index)),
+            None => {
+                let index = position(&self.names.outputs, name)?;
+                Some(stride(&self.outputs, self.names.outputs.len(), index))
+            }
+        }
+    }
+
+    /// Names of the columns: coordinates, their rates, outputs component by component.
+    pub fn column_names(&self) -> Vec<String> {
+        let coordinates = &self.names.coordinates;
+        let rates = coordinates.iter().map(|name| format!("{name}'"));
+        coordinates.iter().cloned().chain(rates).chain(self.names.outputs.iter().cloned()).collect()
+    }
+
+    /// The event that ended the run, if one did.
+    pub fn ended_by(&self) -> Option<&Occurrence> {
+        self.ended_by.and_then(|index| self.events.get(index))
+    }
+
+    /// How far the run can be trusted, as a report to print.
+    pub fn trust(&self) -> Trust<'_> {
+        Trust(self)
+    }
+}

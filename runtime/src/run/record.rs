@@ -1,0 +1,183 @@
+//! Writing down a run while it goes on.
+
+use std::sync::Arc;
+
+use super::{Names, Occurrence, Run, Segment, State, Trajectory, Work};
+use crate::integrate::Method;
+use crate::mechanism::System;
+use crate::trust::{Monitor, Warning};
+
+/// Collects what a [`Run`] holds: reported states, outputs, dense output, drift.
+pub(crate) struct Recorder {
+    run: Run,
+    /// Reported times are start + k·every.
+    start: f64,
+    every: f64,
+    next: u64,
+    keep_dense: bool,
+    monitor: Option<Monitor>,
+    n: usize,
+    needs_accelerations: bool,
+    point: Vec<f64>,
+    accelerations: Vec<f64>,
+}
+
+/// What to write down.
+pub(crate) struct Plan {
+    /// Spacing of reported states, s.
+    pub every: f64,
+    /// Whether to keep dense output.
+    pub dense: bool,
+    /// Whether to watch invariants and the energy balance.
+    pub watch: bool,
+    /// Vectors of a step's dense output.
+    pub pieces: usize,
+    /// The method.
+    pub method: Method,
+    /// The tolerance, if there is one.
+    pub tolerance: Option<f64>,
+    /// The fixed step, if there is one.
+    pub step: Option<f64>,
+}
+
+impl Recorder {
+    /// Starts a run at the state y.
+    pub fn new<S: System + ?Sized>(plan: &Plan, system: &S, t: f64, y: &[f64]) -> Self {
+        let description = system.description();
+        let n = system.len();
+        let run = Run {
+            method: plan.method,
+            tolerance: plan.tolerance,
+            step: plan.step,
+            events: Vec::new(),
+            work: Work::default(),
+            drift: Vec::new(),
+            energy_balance: None,
+            warnings: Vec::new(),
+            seconds: 0.0,
+            ended_by: None,
+            times: Vec::new(),
+            rows: Vec::new(),
+            outputs: Vec::new(),
+            trajectory: Trajectory::new(2 * n, plan.pieces),
+            names: Arc::new(Names::of(description)),
+        };
+        let mut recorder = Recorder {
+            run,
+            start: t,
+            every: plan.every,
+            next: 1,
+            keep_dense: plan.dense,
+            monitor: plan.watch.then(|| Monitor::new(system, t, y)),
+            n,
+            needs_accelerations: description.outputs_use_accelerations,
+            point: vec![0.0; 2 * n],
+            accelerations: vec![0.0; n],
+        };
+        recorder.write_row(system, t, &y[..2 * n]);
+        recorder
+    }
+
+    /// True when the step that ends at t must bring its dense output.
+    pub fn wants_dense(&self, t: f64) -> bool {
+        self.keep_dense || self.next_time() < t
+    }
+
+    /// Writes down an accepted step; `segment` is there if [`Recorder::wants_dense`].
+    pub fn accept<S: System + ?Sized>(&mut self, system: &S, segment: Option<&Segment<'_>>, t: f64, end: &[f64]) {
+        if let Some(segment) = segment {
+            if self.keep_dense {
+                self.run.trajectory.push(segment);
+            }
+            while self.next_time() < t {
+                let at = self.next_time();
+                let mut point = std::mem::take(&mut self.point);
+                segment.evaluate((at - segment.t) / segment.h, &mut point);
+                self.write_row(system, at, &point);
+                self.point = point;
+                self.next += 1;
+            }
+        }
+        if self.next_time() == t {
+            self.write_row(system, t, &end[..2 * self.n]);
+            self.next += 1;
+        }
+        if let Some(monitor) = &mut self.monitor {
+            monitor.observe(system, t, end);
+        }
+    }
+
+    /// Notes an event.
+    pub fn event<S: System + ?Sized>(&mut self, system: &S, event: usize, t: f64, y: &[f64], ends: bool) {
+        let name = system.description().events[event].name.to_string();
+        let mut outputs = vec![0.0; self.run.names.outputs.len()];
+        self.write_outputs(system, t, y, &mut outputs);
+        let state = self.state(t, y, outputs);
+        self.run.events.push(Occurrence { name, event, state });
+        if ends {
+            self.run.ended_by = Some(self.run.events.len() - 1);
+        }
+    }
+
+    /// Notes a warning, once.
+    pub fn warn(&mut self, warning: Warning) {
+        if !self.run.warnings.iter().any(|known| known.same_kind(&warning)) {
+            self.run.warnings.push(warning);
+        }
+    }
+
+    /// The energy balance now, with the scale of its terms.
+    pub fn monitor(&self) -> Option<&Monitor> {
+        self.monitor.as_ref()
+    }
+
+    /// A state with this run's names.
+    pub fn state(&self, t: f64, y: &[f64], outputs: Vec<f64>) -> State {
+        let n = self.n;
+        State { t, q: y[..n].to_vec(), v: y[n..2 * n].to_vec(), outputs, names: self.run.names.clone() }
+    }
+
+    /// Ends the run at this state.
+    pub fn finish<S: System + ?Sized>(mut self, system: &S, t: f64, y: &[f64], work: Work, seconds: f64) -> Run {
+        if self.run.times.last().is_none_or(|last| *last < t) {
+            self.write_row(system, t, &y[..2 * self.n]);
+        }
+        if let Some(monitor) = self.monitor {
+            self.run.drift = monitor.drifts(system.description());
+            self.run.energy_balance = monitor.energy_balance();
+        }
+        self.run.work = work;
+        self.run.seconds = seconds;
+        self.run
+    }
+
+    fn next_time(&self) -> f64 {
+        self.every.mul_add(self.next as f64, self.start)
+    }
+
+    fn write_row<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
+        self.run.times.push(t);
+        self.run.rows.extend_from_slice(y);
+        let first = self.run.outputs.len();
+        let count = self.run.names.outputs.len();
+        let mut outputs = std::mem::take(&mut self.run.outputs);
+        outputs.resize(first + count, f64::NAN);
+        self.write_outputs(system, t, y, &mut outputs[first..]);
+        self.run.outputs = outputs;
+    }
+
+    fn write_outputs<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64], outputs: &mut [f64]) {
+        if outputs.is_empty() {
+            return;
+        }
+        let (q, v) = (&y[..self.n], &y[self.n..2 * self.n]);
+        if !self.needs_accelerations {
+            system.outputs(t, q, v, &[], outputs);
+        } else {
+            if system.accelerations(t, q, v, &mut self.accelerations).is_err() {
+                self.accelerations.fill(f64::NAN);
+            }
+            system.outputs(t, q, v, &self.accelerations, outputs);
+        }
+    }
+}

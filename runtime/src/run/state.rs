@@ -1,0 +1,115 @@
+//! A state with its names.
+
+use std::fmt;
+use std::ops::Index;
+use std::sync::Arc;
+
+use crate::mechanism::Description;
+
+/// The names under which a run's numbers are found.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Names {
+    pub coordinates: Vec<String>,
+    pub outputs: Vec<String>,
+}
+
+impl Names {
+    pub fn of(description: &Description) -> Self {
+        let coordinates = description.coordinates.iter().map(|c| c.name.to_string()).collect();
+        let outputs = description.outputs.iter().flat_map(|o| components(&o.name, o.components)).collect();
+        Names { coordinates, outputs }
+    }
+}
+
+/// `tip.x`, `tip.y` of a vector, `speed` of a scalar.
+fn components(name: &str, count: u32) -> Vec<String> {
+    match count {
+        1 => vec![name.to_owned()],
+        _ => ["x", "y", "z"].iter().take(count as usize).map(|axis| format!("{name}.{axis}")).collect(),
+    }
+}
+
+/// The state of a mechanism at one time.
+///
+/// `state["theta"]` is a coordinate, `state["theta'"]` its rate, `state["tip.x"]` a component of an output.
+#[derive(Clone, PartialEq)]
+pub struct State {
+    /// Time, s.
+    pub t: f64,
+    /// Generalized coordinates, SI.
+    pub q: Vec<f64>,
+    /// Their rates, SI.
+    pub v: Vec<f64>,
+    /// Outputs, NaN where absent; empty between the reported times.
+    pub(crate) outputs: Vec<f64>,
+    pub(crate) names: Arc<Names>,
+}
+
+impl State {
+    /// A coordinate, a rate or an output by name; `None` if there is none of this name or if it is not finite.
+    pub fn get(&self, name: &str) -> Option<f64> {
+        self.find(name).copied().filter(|value| value.is_finite())
+    }
+
+    fn find(&self, name: &str) -> Option<&f64> {
+        let position = |names: &[String], name: &str| names.iter().position(|n| n == name);
+        if let Some(coordinate) = name.strip_suffix('\'') {
+            return self.v.get(position(&self.names.coordinates, coordinate)?);
+        }
+        match position(&self.names.coordinates, name) {
+            Some(index) => self.q.get(index),
+            None if name == "t" => Some(&self.t),
+            None => self.outputs.get(position(&self.names.outputs, name)?),
+        }
+    }
+
+    /// (name, value) of all coordinates, then of their rates.
+    pub fn entries(&self) -> impl Iterator<Item = (String, f64)> + '_ {
+        let names = &self.names.coordinates;
+        let positions = names.iter().cloned().zip(self.q.iter().copied());
+        positions.chain(names.iter().map(|name| format!("{name}'")).zip(self.v.iter().copied()))
+    }
+
+    /// (name, value) of all outputs, component by component; `None` where one is not finite.
+    pub fn outputs(&self) -> impl Iterator<Item = (&str, Option<f64>)> + '_ {
+        let values = self.outputs.iter().map(|value| Some(*value).filter(|value| value.is_finite()));
+        self.names.outputs.iter().map(String::as_str).zip(values)
+    }
+}
+
+impl Index<&str> for State {
+    type Output = f64;
+
+    /// A coordinate, a rate or an output by name, NaN where an output is absent.
+    ///
+    /// # Panics
+    /// If nothing has this name; [`State::get`] does not.
+    fn index(&self, name: &str) -> &f64 {
+        self.find(name).unwrap_or_else(|| panic!("no coordinate, rate or output is called `{name}`"))
+    }
+}
+
+impl fmt::Debug for State {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "State {{ t: {:?}", self.t)?;
+        for (name, value) in self.entries() {
+            write!(f, ", {name}: {value:?}")?;
+        }
+        for (name, value) in self.outputs() {
+            match value {
+                Some(value) => write!(f, ", {name}: {value:?}")?,
+                None => write!(f, ", {name}: absent")?,
+            }
+        }
+        write!(f, " }}")
+    }
+}
+
+impl fmt::Display for State {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, (name, value)) in self.entries().enumerate() {
+            write!(f, "{}{name} = {value}", if index == 0 { "" } else { ", " })?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,83 @@
+//! The motion between accepted steps.
+
+/// Dense output of one accepted step, from t to t + h.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Segment<'a> {
+    /// Where it starts, s.
+    pub t: f64,
+    /// Its length, s.
+    pub h: f64,
+    /// Numbers per piece.
+    pub width: usize,
+    /// r₀, r₁, … one after the other.
+    pub pieces: &'a [f64],
+}
+
+impl Segment<'_> {
+    /// y(t + θh) = r₀ + θ(r₁ + (1−θ)(r₂ + θ(r₃ + (1−θ)(r₄ + …)))) into as many numbers as `out` has.
+    ///
+    /// Every method's dense output is brought to this form (Hairer, Nørsett, Wanner I, section II.6).
+    pub fn evaluate(&self, theta: f64, out: &mut [f64]) {
+        let count = self.pieces.len() / self.width;
+        out.fill(0.0);
+        for index in (0..count).rev() {
+            let factor = match index {
+                0 => 1.0,
+                odd if odd % 2 == 1 => theta,
+                _ => 1.0 - theta,
+            };
+            // What stands inside the bracket of piece `index` is multiplied by the next factor.
+            for (out, piece) in out.iter_mut().zip(&self.pieces[index * self.width..]) {
+                *out = (*out + piece) * factor;
+            }
+        }
+    }
+}
+
+/// Dense output of a whole run.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Trajectory {
+    width: usize,
+    pieces_per_step: usize,
+    starts: Vec<f64>,
+    lengths: Vec<f64>,
+    pieces: Vec<f64>,
+}
+
+impl Trajectory {
+    /// An empty one.
+    pub fn new(width: usize, pieces_per_step: usize) -> Self {
+        Trajectory { width, pieces_per_step, ..Trajectory::default() }
+    }
+
+    /// Appends a step.  Only the first `width` numbers of each piece are kept.
+    pub fn push(&mut self, segment: &Segment<'_>) {
+        self.starts.push(segment.t);
+        self.lengths.push(segment.h);
+        for piece in segment.pieces.chunks_exact(segment.width) {
+            self.pieces.extend_from_slice(&piece[..self.width]);
+        }
+    }
+
+    /// The step that contains time t; `None` outside of the run (by more than rounding).
+    pub fn find(&self, t: f64) -> Option<Segment<'_>> {
+        let last = self.starts.len().checked_sub(1)?;
+        let slack = 4.0 * f64::EPSILON * t.abs();
+        if !(t >= self.starts[0] - slack && t <= self.starts[last] + self.lengths[last] + slack) {
+            return None;
+        }
+        let index = self.starts.partition_point(|start| *start <= t).saturating_sub(1);
+        let size = self.width * self.pieces_per_step;
+        Some(Segment {
+            t: self.starts[index],
+            h: self.lengths[index],
+            width: self.width,
+            pieces: &self.pieces[index * size..][..size],
+        })
+    }
+
+    /// Number of steps.
+    pub fn len(&self) -> usize {
+        self.starts.len()
+    }
+}

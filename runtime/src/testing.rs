@@ -1,0 +1,217 @@
+//! Mechanisms written by hand, for tests.
+
+use std::sync::Arc;
+
+use crate::mechanism::{
+    Coordinate, Description, Energy, Event, Quantity, Scene, Signal, SingularMass, Structure, Switch, System,
+};
+
+type Accelerations = Arc<dyn Fn(f64, &[f64], &[f64], &[f64], &mut [f64]) + Send + Sync>;
+type Numbers = Arc<dyn Fn(f64, &[f64], &[f64], &[f64], &mut [f64]) + Send + Sync>;
+type Energies = Arc<dyn Fn(f64, &[f64], &[f64]) -> Energy + Send + Sync>;
+type Masses = Arc<dyn Fn(f64, &[f64]) -> Vec<f64> + Send + Sync>;
+type Jacobians = Arc<dyn Fn(&[f64], &[f64], &[f64], &mut [f64], &mut [f64]) + Send + Sync>;
+
+/// A mechanism made of closures, with a diagonal mass matrix.
+#[derive(Clone)]
+pub struct Toy {
+    pub description: Description,
+    pub scene: Scene,
+    pub modes: Vec<f64>,
+    /// (t, q, v, modes, a)
+    pub acceleration: Accelerations,
+    pub energy: Energies,
+    /// The diagonal of M.
+    pub mass: Masses,
+    /// (q, v, a, ∂F/∂q, ∂F/∂v), dense, row by row.
+    pub jacobian: Jacobians,
+    /// (t, q, v, a, values)
+    pub events: Numbers,
+    /// (t, q, v, a, values)
+    pub switches: Numbers,
+    /// (t, q, v, a, values)
+    pub outputs: Numbers,
+    /// (t, q, v, a, values)
+    pub invariants: Numbers,
+}
+
+impl Toy {
+    /// A mechanism of unit masses with these coordinates and accelerations.
+    pub fn new(
+        coordinates: &[&'static str],
+        start: (&[f64], &[f64]),
+        until: f64,
+        acceleration: impl Fn(f64, &[f64], &[f64], &[f64], &mut [f64]) + Send + Sync + 'static,
+    ) -> Self {
+        let n = coordinates.len();
+        let dense: Vec<(u32, u32)> = (0..n as u32).flat_map(|i| (0..n as u32).map(move |j| (i, j))).collect();
+        let coordinates = coordinates.iter().map(|&name| Coordinate { name: name.into(), unit: "".into() }).collect();
+        let description = Description {
+            coordinates,
+            mass_pattern: (0..n as u32).map(|i| (i, i)).collect(),
+            stiffness_pattern: dense.clone().into(),
+            damping_pattern: dense.into(),
+            scenes: vec!["scene".into()].into(),
+            structure: Structure {
+                dimension: 2,
+                constant_mass: true,
+                diagonal_mass: true,
+                conservative: true,
+                ..Structure::default()
+            },
+            ..Description::default()
+        };
+        let scene = Scene { q: start.0.to_vec(), v: start.1.to_vec(), until, tolerance: 1e-9, every: None };
+        Toy {
+            description,
+            scene,
+            modes: Vec::new(),
+            acceleration: Arc::new(acceleration),
+            energy: Arc::new(|_, _, _| Energy::default()),
+            mass: Arc::new(move |_, _| vec![1.0; n]),
+            jacobian: Arc::new(|_, _, _, _, _| ()),
+            events: Arc::new(|_, _, _, _, _| ()),
+            switches: Arc::new(|_, _, _, _, _| ()),
+            outputs: Arc::new(|_, _, _, _, _| ()),
+            invariants: Arc::new(|_, _, _, _, _| ()),
+        }
+    }
+
+    /// With an energy T + V (and the power of what has no potential).
+    pub fn energy(mut self, energy: impl Fn(f64, &[f64], &[f64]) -> [f64; 3] + Send + Sync + 'static) -> Self {
+        self.energy = Arc::new(move |t, q, v| {
+            let [kinetic, potential, power] = energy(t, q, v);
+            let scale = kinetic.abs() + potential.abs();
+            Energy { kinetic, potential, jacobi: kinetic + potential, power, scale }
+        });
+        self
+    }
+
+    /// With a diagonal mass matrix.
+    pub fn mass(mut self, mass: impl Fn(f64, &[f64]) -> Vec<f64> + Send + Sync + 'static) -> Self {
+        self.mass = Arc::new(mass);
+        self.description.structure.constant_mass = false;
+        self
+    }
+
+    /// With an event; all events' pairs (value, condition) come from the last function given.
+    pub fn event(
+        mut self,
+        event: Event,
+        values: impl Fn(f64, &[f64], &[f64], &[f64], &mut [f64]) + Send + Sync + 'static,
+    ) -> Self {
+        self.description.events.to_mut().push(event);
+        self.events = Arc::new(values);
+        self
+    }
+
+    /// With a switch; all switches' pairs (argument, rate) come from the last function given.
+    pub fn switch(
+        mut self,
+        switch: Switch,
+        values: impl Fn(f64, &[f64], &[f64], &[f64], &mut [f64]) + Send + Sync + 'static,
+    ) -> Self {
+        self.description.switches.to_mut().push(switch);
+        self.modes.push(1.0);
+        self.switches = Arc::new(values);
+        self
+    }
+
+    /// With scalar outputs.
+    pub fn outputs(
+        mut self,
+        names: &[&'static str],
+        values: impl Fn(f64, &[f64], &[f64], &[f64], &mut [f64]) + Send + Sync + 'static,
+    ) -> Self {
+        self.description.outputs = names.iter().map(|&name| Quantity { name: name.into(), components: 1 }).collect();
+        self.outputs = Arc::new(values);
+        self
+    }
+
+    /// x'' = −ω² x, x(0) = 1.
+    pub fn oscillator(omega: f64, until: f64) -> Self {
+        let k = omega * omega;
+        let mut toy = Toy::new(&["x"], (&[1.0], &[0.0]), until, move |_, q, _, _, a| a[0] = -k * q[0])
+            .energy(move |_, q, v| [0.5 * v[0] * v[0], 0.5 * k * q[0] * q[0], 0.0]);
+        toy.jacobian = Arc::new(move |_, _, _, dq, dv| {
+            dq[0] = k;
+            dv[0] = 0.0;
+        });
+        toy
+    }
+
+    /// θ'' = −g sin θ, from rest at `angle`.
+    pub fn pendulum(g: f64, angle: f64, until: f64) -> Self {
+        Toy::new(&["theta"], (&[angle], &[0.0]), until, move |_, q, _, _, a| a[0] = -g * q[0].sin())
+            .energy(move |_, q, v| [0.5 * v[0] * v[0], -g * q[0].cos(), 0.0])
+    }
+}
+
+impl System for Toy {
+    fn description(&self) -> &Description {
+        &self.description
+    }
+    fn accelerations(&self, t: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), SingularMass> {
+        (self.acceleration)(t, q, v, &self.modes, a);
+        Ok(())
+    }
+    fn mass_matrix(&self, t: f64, q: &[f64], values: &mut [f64]) {
+        values.copy_from_slice(&(self.mass)(t, q));
+    }
+    fn bias(&self, t: f64, q: &[f64], v: &[f64], h: &mut [f64]) {
+        (self.acceleration)(t, q, v, &self.modes, h);
+        for (h, m) in h.iter_mut().zip((self.mass)(t, q)) {
+            *h *= -m;
+        }
+    }
+    fn residual(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], f: &mut [f64]) {
+        self.bias(t, q, v, f);
+        for ((f, m), a) in f.iter_mut().zip((self.mass)(t, q)).zip(a) {
+            *f += m * a;
+        }
+    }
+    fn jacobians(&self, _: f64, q: &[f64], v: &[f64], a: &[f64], dq: &mut [f64], dv: &mut [f64]) {
+        (self.jacobian)(q, v, a, dq, dv);
+    }
+    fn input_jacobian(&self, _: f64, _: &[f64], _: &[f64], _: &[f64], _: &mut [f64]) {}
+    fn energy(&self, t: f64, q: &[f64], v: &[f64]) -> Energy {
+        (self.energy)(t, q, v)
+    }
+    fn invariants(&self, t: f64, q: &[f64], v: &[f64], pairs: &mut [f64]) {
+        (self.invariants)(t, q, v, &[], pairs);
+    }
+    fn outputs(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], values: &mut [f64]) {
+        (self.outputs)(t, q, v, a, values);
+    }
+    fn events(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], pairs: &mut [f64]) {
+        (self.events)(t, q, v, a, pairs);
+    }
+    fn switches(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], pairs: &mut [f64]) {
+        (self.switches)(t, q, v, a, pairs);
+    }
+    fn modes(&self) -> &[f64] {
+        &self.modes
+    }
+    fn set_modes(&mut self, modes: &[f64]) {
+        self.modes.copy_from_slice(modes);
+    }
+    fn drawing(&self, _: f64, _: &[f64], _: &[f64], _: &mut [f64]) {}
+    fn parameters(&self) -> Vec<f64> {
+        Vec::new()
+    }
+    fn set_parameter(&mut self, _: usize, _: f64) {}
+    fn inputs(&self, _: f64, _: &mut [f64]) {}
+    fn set_input(&mut self, _: usize, _: Signal) {}
+    fn scene_parameters(&self, _: usize) -> Vec<(usize, f64)> {
+        Vec::new()
+    }
+    fn scene(&self, _: usize) -> Scene {
+        self.scene.clone()
+    }
+    fn equilibrium_guess(&self) -> Vec<f64> {
+        vec![0.0; self.len()]
+    }
+    fn boxed_clone(&self) -> Box<dyn System> {
+        Box::new(self.clone())
+    }
+}

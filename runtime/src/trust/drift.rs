@@ -1,0 +1,114 @@
+//! Drift of what should be conserved.
+
+use crate::mechanism::{Description, System};
+
+/// How far a conserved quantity went from its first value.
+///
+/// max |I(t) − I(0)| / max(|I(0)|, the largest sum of the absolute values of I's terms along the run), over
+/// all accepted steps; 0 where all of them vanish.  A vector's is its worst component's.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drift {
+    /// The quantity's name.
+    pub name: String,
+    /// Its drift; `None` where the quantity is not finite.
+    pub value: Option<f64>,
+}
+
+/// One number that should stay.
+#[derive(Clone, Copy, Debug)]
+struct Watched {
+    first: f64,
+    last: f64,
+    change: f64,
+    scale: f64,
+}
+
+impl Watched {
+    fn new(value: f64, scale: f64) -> Self {
+        Watched { first: value, last: value, change: 0.0, scale: scale.max(value.abs()) }
+    }
+
+    fn observe(&mut self, value: f64, scale: f64) {
+        let change = (value - self.first).abs();
+        // Written so that a value that is not a number stays.
+        if !(change <= self.change) {
+            self.change = change;
+        }
+        self.scale = self.scale.max(scale);
+        self.last = value;
+    }
+
+    fn drift(&self) -> Option<f64> {
+        let drift = if self.change == 0.0 { 0.0 } else { self.change / self.scale };
+        Some(drift).filter(|drift| drift.is_finite() && self.first.is_finite())
+    }
+}
+
+/// Watches the invariants and the energy balance along a run.
+#[derive(Clone, Debug)]
+pub(crate) struct Monitor {
+    n: usize,
+    work: bool,
+    balance: Watched,
+    invariants: Vec<Watched>,
+    pairs: Vec<f64>,
+}
+
+impl Monitor {
+    /// Notes the values at the start.
+    pub fn new<S: System + ?Sized>(system: &S, t: f64, y: &[f64]) -> Self {
+        let n = system.len();
+        let work = !system.description().structure.conservative;
+        let mut pairs = vec![0.0; 2 * system.description().invariant_len()];
+        system.invariants(t, &y[..n], &y[n..2 * n], &mut pairs);
+        let invariants = pairs.chunks_exact(2).map(|pair| Watched::new(pair[0], pair[1])).collect();
+        let (balance, scale) = balance(system, t, y, work);
+        Monitor { n, work, balance: Watched::new(balance, scale), invariants, pairs }
+    }
+
+    /// Notes the values after an accepted step.
+    pub fn observe<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
+        let (value, scale) = balance(system, t, y, self.work);
+        self.balance.observe(value, scale);
+        if !self.invariants.is_empty() {
+            system.invariants(t, &y[..self.n], &y[self.n..2 * self.n], &mut self.pairs);
+            for (watched, pair) in self.invariants.iter_mut().zip(self.pairs.chunks_exact(2)) {
+                watched.observe(pair[0], pair[1]);
+            }
+        }
+    }
+
+    /// Drift of the energy balance.
+    pub fn energy_balance(&self) -> Option<f64> {
+        self.balance.drift()
+    }
+
+    /// The energy balance of the last step, relative to its scale: how far it is from the first.
+    pub fn present_imbalance(&self) -> f64 {
+        let change = (self.balance.last - self.balance.first).abs();
+        if change == 0.0 { 0.0 } else { change / self.balance.scale }
+    }
+
+    /// Drift of each invariant.
+    pub fn drifts(&self, description: &Description) -> Vec<Drift> {
+        let mut components = self.invariants.iter();
+        let mut drifts = Vec::with_capacity(description.invariants.len());
+        for quantity in description.invariants.iter() {
+            let worst = components
+                .by_ref()
+                .take(quantity.components as usize)
+                .map(Watched::drift)
+                .reduce(|a, b| a.zip(b).map(|(a, b)| a.max(b)));
+            drifts.push(Drift { name: quantity.name.to_string(), value: worst.flatten() });
+        }
+        drifts
+    }
+}
+
+/// J − W and the sum of the absolute values of its terms.
+fn balance<S: System + ?Sized>(system: &S, t: f64, y: &[f64], work: bool) -> (f64, f64) {
+    let n = system.len();
+    let energy = system.energy(t, &y[..n], &y[n..2 * n]);
+    let done = if work { y[2 * n] } else { 0.0 };
+    (energy.jacobi - done, energy.scale + done.abs())
+}
