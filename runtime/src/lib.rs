@@ -5,6 +5,7 @@ mod integrate;
 pub mod mechanism;
 pub mod prelude;
 mod run;
+pub mod show;
 mod simulate;
 #[cfg(test)]
 mod testing;

@@ -1,0 +1,162 @@
+//! An animated mechanism as one HTML page.
+
+use crate::mechanism::{Description, Shape};
+use serde_json::{Value, json};
+
+/// What a page animates: shapes, and where their points are at some times.
+///
+/// The page draws the shapes in a canvas, with play and pause (space bar), a slider, a choice of speeds and
+/// equal axes that hold the whole motion; in space the view is orthographic and turns with the mouse.  It is
+/// one file that loads nothing.
+///
+/// ```
+/// use dalembert::mechanism::Shape;
+/// use dalembert::show::Animation;
+/// let swing = (0..=100).map(|i| f64::from(i) / 10.0).map(|t| {
+///     let angle = 0.5 * t.cos();
+///     (t, vec![0.0, 0.0, angle.sin(), -angle.cos()])
+/// });
+/// let page = Animation::new("Pendulum", 2, vec![Shape::Line(2)]).with_frames(swing).to_html();
+/// assert!(page.contains("Pendulum"));
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Animation {
+    /// The heading.
+    pub title: String,
+    /// A line beside the heading; may be empty.
+    pub about: String,
+    /// Components of each point, 2 or 3.
+    pub dimension: u32,
+    /// What is drawn.
+    pub shapes: Vec<Shape>,
+    /// Times in rising order, each with the numbers of all shapes in order, as `System::drawing` writes them.
+    /// Numbers that are not finite leave a gap.
+    pub frames: Vec<(f64, Vec<f64>)>,
+    /// Starts again at the end, as a mode shape does: then the last frame should equal the first.
+    pub repeat: bool,
+}
+
+impl Animation {
+    /// An animation without frames.
+    pub fn new(title: impl Into<String>, dimension: u32, shapes: Vec<Shape>) -> Animation {
+        Animation { title: title.into(), dimension, shapes, ..Animation::default() }
+    }
+
+    /// An animation of what a mechanism draws, without frames.
+    pub fn of(mechanism: &Description) -> Animation {
+        let about = mechanism.about.to_string();
+        let dimension = mechanism.structure.dimension;
+        Animation { about, ..Animation::new(mechanism.name.clone(), dimension, mechanism.draw.to_vec()) }
+    }
+
+    /// The same animation with these frames.
+    pub fn with_frames(self, frames: impl IntoIterator<Item = (f64, Vec<f64>)>) -> Animation {
+        Animation { frames: frames.into_iter().collect(), ..self }
+    }
+
+    /// The text of the page.
+    pub fn to_html(&self) -> String {
+        // In a script element `<` could end the element; JSON may write it as an escape.
+        let data = self.data().to_string().replace('<', "\\u003c");
+        include_str!("page.html").replace("@SCRIPT@", include_str!("page.js")).replace("@DATA@", &data)
+    }
+
+    /// Everything that the page knows; lengths and times are whole multiples of a millionth of their range or less.
+    fn data(&self) -> Value {
+        let unit = unit(self.frames.iter().flat_map(|(_, numbers)| numbers));
+        let tick = self::unit(self.frames.iter().map(|(time, _)| time));
+        let whole = |numbers: &[f64]| -> Vec<Value> { numbers.iter().map(|x| multiple(*x, unit)).collect() };
+        json!({
+            "title": self.title,
+            "about": self.about,
+            "dimension": self.dimension,
+            "repeat": self.repeat,
+            "unit": unit,
+            "tick": tick,
+            "shapes": self.shapes.iter().map(kind_and_points).collect::<Vec<_>>(),
+            "time": self.frames.iter().map(|(time, _)| multiple(*time, tick)).collect::<Vec<_>>(),
+            "frames": self.frames.iter().map(|(_, numbers)| whole(numbers)).collect::<Vec<_>>(),
+        })
+    }
+}
+
+fn kind_and_points(shape: &Shape) -> Value {
+    match shape {
+        Shape::Line(points) => json!(["line", points]),
+        Shape::Circle => json!(["circle", 1]),
+        Shape::Spring => json!(["spring", 2]),
+        Shape::Curve(points) => json!(["curve", points]),
+        Shape::Trace(name) => json!(["trace", 1, name]),
+    }
+}
+
+/// The power of ten that is between 10⁻⁷ and 10⁻⁶ of the range of these numbers.
+fn unit<'a>(numbers: impl Iterator<Item = &'a f64>) -> f64 {
+    let finite = numbers.filter(|x| x.is_finite());
+    let (low, high) = finite.fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(*x), high.max(*x)));
+    let range = (high / 2.0 - low / 2.0) * 2.0;
+    let range = if range > 1e-290 { range.min(1e300) } else { 1.0 };
+    format!("1e{}", range.log10().floor() as i32 - 6).parse().expect("a power of ten between 1e-297 and 1e294")
+}
+
+fn multiple(x: f64, unit: f64) -> Value {
+    if x.is_finite() { json!((x / unit).round() as i64) } else { Value::Null }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn data(page: &str) -> Value {
+        let begin = page.find("application/json\">").unwrap() + "application/json\">".len();
+        let end = begin + page[begin..].find("</script>").unwrap();
+        serde_json::from_str(&page[begin..end]).unwrap()
+    }
+
+    #[test]
+    fn numbers_come_back_to_six_digits() {
+        let frames: Vec<(f64, Vec<f64>)> =
+            (0..50).map(f64::from).map(|i| (i / 50.0, vec![1e3 + i.sin(), i.cos()])).collect();
+        let data = data(&Animation::new("Bob", 2, vec![Shape::Line(1)]).with_frames(frames.clone()).to_html());
+        let [unit, tick] = ["unit", "tick"].map(|name| data[name].as_f64().unwrap());
+        for (index, (time, numbers)) in frames.iter().enumerate() {
+            assert!((data["time"][index].as_f64().unwrap() * tick - time).abs() < 1e-6);
+            for (k, x) in numbers.iter().enumerate() {
+                assert!((data["frames"][index][k].as_f64().unwrap() * unit - x).abs() < 1e-6 * 1001.0);
+            }
+        }
+    }
+
+    #[test]
+    fn numbers_that_are_not_finite_are_absent() {
+        let frames = [(0.0, vec![0.0, f64::NAN]), (1.0, vec![f64::INFINITY, 1.0])];
+        let data = data(&Animation::new("Bob", 2, vec![Shape::Line(1)]).with_frames(frames).to_html());
+        assert!(data["frames"][0][1].is_null() && data["frames"][1][0].is_null());
+        assert!(data["frames"][1][1].is_i64());
+    }
+
+    #[test]
+    fn extreme_numbers_have_a_unit() {
+        for frame in [vec![], vec![0.0, 0.0], vec![5e-324, 0.0], vec![f64::MAX, f64::MIN]] {
+            let data = data(&Animation::new("Bob", 2, vec![Shape::Line(1)]).with_frames([(0.0, frame)]).to_html());
+            assert!(data["unit"].as_f64().unwrap() > 0.0);
+        }
+    }
+
+    #[test]
+    fn the_page_loads_nothing() {
+        let page =
+            Animation::new("Bob", 3, vec![Shape::Spring, Shape::Circle]).with_frames([(0.0, vec![0.0; 10])]).to_html();
+        for outside in ["http:", "https:", "src=", "href=", "url(", "import", "fetch("] {
+            assert!(!page.contains(outside), "{outside}");
+        }
+    }
+
+    #[test]
+    fn text_cannot_leave_its_place() {
+        let title = "</script><script>alert(1)</script>@SCRIPT@@DATA@<!--";
+        let page = Animation::new(title, 2, Vec::new()).to_html();
+        assert_eq!(page.matches("</script>").count(), 2);
+        assert_eq!(data(&page)["title"], title);
+    }
+}

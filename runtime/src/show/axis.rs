@@ -1,0 +1,175 @@
+//! Axes: what they show, and where on the page.
+
+use super::ticks::Ticks;
+use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
+use std::ops::Range;
+
+/// How values are laid along an axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Scale {
+    /// In proportion.
+    #[default]
+    Linear,
+    /// In proportion to the logarithm; values ≤ 0 have no place and are left out.
+    Log,
+}
+
+/// One axis of a chart.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Axis {
+    /// What the axis shows, `time`.
+    pub label: String,
+    /// Its unit, `s`; empty when there is none.
+    pub unit: String,
+    /// Linear or logarithmic.
+    pub scale: Scale,
+    /// Ends; `None` (the default) fits the data.
+    pub range: Option<(f64, f64)>,
+}
+
+impl Axis {
+    /// A linear axis that fits its data.
+    pub fn new(label: impl Into<String>, unit: impl Into<String>) -> Axis {
+        Axis { label: label.into(), unit: unit.into(), ..Axis::default() }
+    }
+
+    /// The same axis with a logarithmic scale.
+    pub fn log(self) -> Axis {
+        Axis { scale: Scale::Log, ..self }
+    }
+
+    /// `time (s)`.
+    pub(super) fn text(&self) -> String {
+        if self.unit.is_empty() { self.label.clone() } else { format!("{} ({})", self.label, self.unit) }
+    }
+
+    /// True when a value has a place on an axis of this scale.
+    pub(super) fn has(&self, value: f64) -> bool {
+        value.is_finite() && (self.scale == Scale::Linear || value > 0.0)
+    }
+}
+
+/// An axis with known ends, as plotters wants it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Extent {
+    scale: Scale,
+    low: f64,
+    high: f64,
+    ticks: Ticks,
+}
+
+impl Extent {
+    /// Fits an axis to its data, with a margin of `pad` of the range on both sides.
+    pub fn fit(axis: &Axis, values: impl Iterator<Item = f64>, pad: f64) -> Extent {
+        let (low, high) =
+            axis.range.filter(|(low, high)| axis.has(*low) && axis.has(*high) && low < high).unwrap_or_else(|| {
+                let found = values.filter(|x| axis.has(*x)).fold(None, |ends: Option<(f64, f64)>, x| {
+                    Some(ends.map_or((x, x), |(low, high)| (low.min(x), high.max(x))))
+                });
+                padded(axis.scale, found, pad)
+            });
+        Extent { scale: axis.scale, low, high, ticks: Ticks::default() }
+    }
+
+    /// The same axis with about this many marks.
+    pub fn with_ticks(mut self, count: usize) -> Extent {
+        self.ticks = match self.scale {
+            Scale::Linear => Ticks::linear(self.low, self.high, count),
+            Scale::Log => Ticks::log(self.low, self.high, count),
+        };
+        self
+    }
+
+    /// What is written at a mark.
+    pub fn label(&self, value: f64) -> String {
+        self.ticks.label(value).to_owned()
+    }
+
+    /// Stretches two linear axes about their centres so that one unit takes as many pixels on both.
+    pub fn make_equal(x: &mut Extent, y: &mut Extent, width: f64, height: f64) {
+        let unit = ((x.high - x.low) / width).max((y.high - y.low) / height);
+        for (axis, pixels) in [(x, width), (y, height)] {
+            let (centre, half) = ((axis.low + axis.high) / 2.0, unit * pixels / 2.0);
+            (axis.low, axis.high) = (centre - half, centre + half);
+        }
+    }
+
+    /// Keeps this fraction at the upper end free of data.
+    pub fn reserve(&mut self, fraction: f64) {
+        self.high = self.at(1.0 / (1.0 - fraction.clamp(0.0, 0.5))).min(1e301);
+    }
+
+    /// The value at a fraction of the axis.
+    pub fn at(&self, fraction: f64) -> f64 {
+        match self.scale {
+            Scale::Linear => self.low + fraction * (self.high - self.low),
+            Scale::Log => (self.low.ln() + fraction * (self.high.ln() - self.low.ln())).exp(),
+        }
+    }
+
+    /// True for a linear axis with 0 inside.
+    pub fn crosses_zero(&self) -> bool {
+        self.scale == Scale::Linear && self.low < 0.0 && self.high > 0.0
+    }
+
+    /// True when the value is between the ends.
+    pub fn contains(&self, value: f64) -> bool {
+        let slack = 1e-9 * (self.high - self.low);
+        (self.low - slack..=self.high + slack).contains(&value)
+    }
+
+    fn fraction(&self, value: f64) -> f64 {
+        match self.scale {
+            Scale::Linear => (value - self.low) / (self.high - self.low),
+            Scale::Log => (value.ln() - self.low.ln()) / (self.high.ln() - self.low.ln()),
+        }
+    }
+}
+
+/// Ends with a margin; a range of no width gets one.
+fn padded(scale: Scale, ends: Option<(f64, f64)>, pad: f64) -> (f64, f64) {
+    match (scale, ends) {
+        (Scale::Linear, None) => (0.0, 1.0),
+        (Scale::Log, None) => (0.1, 10.0),
+        (Scale::Linear, Some((low, high))) => {
+            let (low, high) = (low.max(-1e300), high.min(1e300));
+            let least = 1e-9 * low.abs().max(high.abs());
+            let centre = (low + high) / 2.0;
+            let half = match high - low {
+                width if width > least => width * (0.5 + pad),
+                _ if centre == 0.0 => 1.0,
+                _ => 0.1 * centre.abs(),
+            };
+            (centre - half, centre + half)
+        }
+        (Scale::Log, Some((low, high))) => {
+            let width = high.ln() - low.ln();
+            let factor = if width < 0.01 { 3.0 } else { (width * pad).exp().clamp(1.05, 10.0) };
+            ((low / factor).max(1e-300), (high * factor).min(1e300))
+        }
+    }
+}
+
+impl Ranged for Extent {
+    type FormatOption = NoDefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, (start, end): (i32, i32)) -> i32 {
+        let fraction = self.fraction(*value).clamp(-1.0, 2.0);
+        start + (fraction * f64::from(end - start)).round() as i32
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        if hint.weight().allow_light_points() { self.ticks.minor.clone() } else { self.ticks.major.clone() }
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.low..self.high
+    }
+}
+
+impl ValueFormatter<f64> for Extent {
+    fn format_ext(&self, value: &f64) -> String {
+        self.label(*value)
+    }
+}

@@ -1,0 +1,122 @@
+//! What a chart shows, as plain data.
+
+use super::{Axis, Figure};
+
+/// One pair of axes and what is drawn between them.
+///
+/// ```
+/// use dalembert::show::{Axis, Chart, Series};
+/// let swing = (0..100).map(|i| f64::from(i) / 10.0).map(|t| Some((t, t.cos())));
+/// let svg = Chart::new("Pendulum", Axis::new("time", "s"), Axis::new("angle", "rad"))
+///     .with(Series::line("theta", swing))
+///     .to_svg();
+/// assert!(svg.starts_with("<svg") && svg.contains("time (s)"));
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Chart {
+    /// Stands above; may be empty.
+    pub title: String,
+    /// The horizontal axis.
+    pub x: Axis,
+    /// The vertical axis.
+    pub y: Axis,
+    /// What is drawn, the first one lowest.
+    pub series: Vec<Series>,
+    /// Triangles that show slopes of a log–log chart.
+    pub slopes: Vec<Slope>,
+    /// One unit is equally long on both axes, which must be linear: paths keep their shape.
+    pub equal: bool,
+}
+
+impl Chart {
+    /// A chart without series.
+    pub fn new(title: impl Into<String>, x: Axis, y: Axis) -> Chart {
+        Chart { title: title.into(), x, y, ..Chart::default() }
+    }
+
+    /// The same chart with one more series.
+    pub fn with(mut self, series: Series) -> Chart {
+        self.series.push(series);
+        self
+    }
+
+    /// The same chart with units of equal length on both axes.
+    pub fn equal(self) -> Chart {
+        Chart { equal: true, ..self }
+    }
+
+    /// The chart as the text of an SVG file.
+    pub fn to_svg(&self) -> String {
+        Figure::from(self.clone()).to_svg()
+    }
+}
+
+/// A named set of points in one colour.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Series {
+    /// Its name in the legend; without a name it is not listed.
+    pub name: String,
+    /// (x, y) in the axes' units; `None`, or a number that has no place on its axis, leaves a gap.
+    pub points: Vec<Option<(f64, f64)>>,
+    /// Lines, marks or both.
+    pub style: Style,
+    /// What failed: crosses at the top of the chart.
+    pub failures: Vec<Failure>,
+}
+
+impl Series {
+    /// Points joined by straight lines.
+    pub fn line(name: impl Into<String>, points: impl IntoIterator<Item = Option<(f64, f64)>>) -> Series {
+        Series { name: name.into(), points: points.into_iter().collect(), ..Series::default() }
+    }
+
+    /// Points drawn as marks.
+    pub fn marks(name: impl Into<String>, points: impl IntoIterator<Item = Option<(f64, f64)>>) -> Series {
+        Series { style: Style::Marks, ..Series::line(name, points) }
+    }
+
+    /// Marks joined by lines.
+    pub fn marked_line(name: impl Into<String>, points: impl IntoIterator<Item = Option<(f64, f64)>>) -> Series {
+        Series { style: Style::MarkedLine, ..Series::line(name, points) }
+    }
+
+    /// The same series with one more failure.
+    pub fn failed(mut self, x: f64, label: impl Into<String>) -> Series {
+        self.failures.push(Failure { x, label: label.into() });
+        self
+    }
+}
+
+/// How the points of a series are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Style {
+    /// Joined by lines.
+    #[default]
+    Line,
+    /// A dashed line: a reference to compare with.
+    Dashed,
+    /// Marks alone.
+    Marks,
+    /// Marks joined by lines.
+    MarkedLine,
+}
+
+/// A point of a series that has no y, because what should give it failed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Failure {
+    /// Where it stands on the horizontal axis.
+    pub x: f64,
+    /// Why, in a word; written beside the cross.
+    pub label: String,
+}
+
+/// A triangle between (x, y), one decade further right, and along y ∝ x^order.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Slope {
+    /// Left end.
+    pub x: f64,
+    /// Value at the left end.
+    pub y: f64,
+    /// Exponent, written beside the triangle.
+    pub order: f64,
+}

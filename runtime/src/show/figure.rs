@@ -1,0 +1,190 @@
+//! Charts laid out on one page and drawn by plotters.
+//!
+//! plotters places everything on whole pixels; it draws here on a grid of tenths of a pixel, which the
+//! `viewBox` of the finished SVG scales back, so that curves are smooth.
+
+use super::axis::Extent;
+use super::legend::{self, Legend};
+use super::marks::{Pen, crosses, slope};
+use super::{Chart, Scale, Style};
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+/// Drawing units per pixel.
+pub(super) const FINE: i32 = 10;
+pub(super) type Canvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+pub(super) type Outcome<'a> = Result<(), DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>>;
+
+/// plotters writes text smaller than it is asked to by this factor.
+const PLOTTERS_SHRINKS: f64 = 1.24;
+const FONT: &str = "Helvetica, Arial, sans-serif";
+const INK: RGBColor = RGBColor(51, 51, 51);
+const GRID: RGBColor = RGBColor(221, 221, 221);
+const FINE_GRID: RGBColor = RGBColor(240, 240, 240);
+const ZERO: RGBColor = RGBColor(160, 160, 160);
+
+const WIDTH: i32 = 860;
+const MARGIN: i32 = 16;
+const TITLE: i32 = 34;
+const LEFT: i32 = 90;
+const BELOW: i32 = 56;
+/// Height of a row of crosses.
+const CROSSES: i32 = 18;
+
+/// Charts one below the other on one page.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Figure {
+    /// From top to bottom.
+    pub charts: Vec<Chart>,
+}
+
+impl From<Chart> for Figure {
+    fn from(chart: Chart) -> Figure {
+        Figure { charts: vec![chart] }
+    }
+}
+
+impl Figure {
+    /// The figure as the text of an SVG file; it refers to no other file and to no special font.
+    pub fn to_svg(&self) -> String {
+        let heights: Vec<i32> = self.charts.iter().map(|chart| height(chart, self.charts.len())).collect();
+        let size = (WIDTH, heights.iter().sum::<i32>().max(1));
+        let mut svg = String::new();
+        let fine = |pixels: i32| (pixels * FINE) as u32;
+        let canvas = SVGBackend::with_string(&mut svg, (fine(size.0), fine(size.1))).into_drawing_area();
+        self.draw(&canvas, &heights).expect("text in memory takes all that is drawn");
+        drop(canvas);
+        scaled_down(&svg, size)
+    }
+
+    fn draw<'a>(&self, canvas: &Canvas<'a>, heights: &[i32]) -> Outcome<'a> {
+        canvas.fill(&WHITE)?;
+        let mut top = 0;
+        for (chart, height) in self.charts.iter().zip(heights) {
+            draw_chart(chart, canvas, top, *height)?;
+            top += height;
+        }
+        canvas.present()
+    }
+}
+
+/// Height of a chart on a page of so many, px.
+fn height(chart: &Chart, charts: usize) -> i32 {
+    match (chart.equal || !chart.slopes.is_empty(), charts) {
+        (true, _) => 620,
+        (false, 1) => 460,
+        (false, 2) => 330,
+        (false, _) => 260,
+    }
+}
+
+/// Replaces the size in tenths of a pixel by one in pixels.
+fn scaled_down(svg: &str, (width, height): (i32, i32)) -> String {
+    let fine = format!("width=\"{}\" height=\"{}\"", width * FINE, height * FINE);
+    svg.replacen(&fine, &format!("width=\"{width}\" height=\"{height}\""), 1)
+}
+
+/// Where a chart stands on the page, px.
+struct Layout {
+    height: i32,
+    legend: Option<Legend>,
+    title: i32,
+}
+
+impl Layout {
+    fn right(&self) -> i32 {
+        MARGIN + self.legend.as_ref().map_or(0, |legend| legend.width)
+    }
+
+    /// Width and height between the axes.
+    fn inner(&self) -> (i32, i32) {
+        (WIDTH - LEFT - self.right(), self.height - self.title - BELOW)
+    }
+}
+
+fn draw_chart<'a>(chart: &Chart, canvas: &Canvas<'a>, top: i32, height: i32) -> Outcome<'a> {
+    let title = if chart.title.is_empty() { MARGIN } else { TITLE };
+    let layout = Layout { height, legend: legend::of(chart), title };
+    let (width, inner_height) = layout.inner();
+    let (x, y) = extents(chart, width, inner_height);
+    let fine = |pixels: i32| (pixels * FINE) as u32;
+    let mut builder = ChartBuilder::on(canvas);
+    builder
+        .margin_top(fine(top + title))
+        .margin_bottom((canvas.dim_in_pixel().1 as i32 - (top + height) * FINE) as u32)
+        .margin_right(fine(layout.right()))
+        .x_label_area_size(fine(BELOW))
+        .y_label_area_size(fine(LEFT));
+    let mut context = builder.build_cartesian_2d(x.clone(), y.clone())?;
+    context
+        .configure_mesh()
+        .bold_line_style(GRID.stroke_width(FINE as u32))
+        .light_line_style(FINE_GRID.stroke_width(FINE as u32))
+        .axis_style(ZERO.stroke_width(FINE as u32))
+        .set_all_tick_mark_size(5 * FINE)
+        .x_label_formatter(&|value| x.label(*value))
+        .y_label_formatter(&|value| y.label(*value))
+        .label_style(text(12).color(&INK))
+        .draw()?;
+
+    let place = |x: f64, y: f64| context.backend_coord(&(x, y));
+    if x.crosses_zero() && chart.equal {
+        canvas.draw(&PathElement::new([place(0.0, y.at(0.0)), place(0.0, y.at(1.0))], ZERO.stroke_width(12)))?;
+    }
+    if y.crosses_zero() {
+        canvas.draw(&PathElement::new([place(x.at(0.0), 0.0), place(x.at(1.0), 0.0)], ZERO.stroke_width(12)))?;
+    }
+    let mut rows = (1..).map(|row| (top + title + row * CROSSES - CROSSES / 4) * FINE);
+    for (index, series) in chart.series.iter().enumerate() {
+        let pen = Pen::new(index, chart.series.len(), series.style);
+        let inside = |&(a, b): &(f64, f64)| chart.x.has(a) && chart.y.has(b) && x.contains(a) && y.contains(b);
+        let points = series.points.iter().map(|point| point.filter(inside).map(|(a, b)| place(a, b)));
+        pen.draw(canvas, points)?;
+        let failures = series.failures.iter().filter(|failure| chart.x.has(failure.x) && x.contains(failure.x));
+        let failures: Vec<_> =
+            failures.map(|failure| (place(failure.x, y.at(1.0)).0, failure.label.as_str())).collect();
+        if let (false, Some(row)) = (failures.is_empty(), rows.next()) {
+            crosses(canvas, &pen, row, &failures)?;
+        }
+    }
+    for triangle in &chart.slopes {
+        slope(canvas, triangle, &place)?;
+    }
+    if let Some(legend) = &layout.legend {
+        legend.draw(canvas, chart, (WIDTH - layout.right() + 14, top + title + 4, inner_height))?;
+    }
+    let (middle, bottom) = (LEFT + width / 2, top + height);
+    write(canvas, &chart.title, (middle, top + TITLE / 2), text(16))?;
+    write(canvas, &chart.x.text(), (middle, bottom - 18), text(14))?;
+    let turned = text(14).transform(FontTransform::Rotate270);
+    write(canvas, &chart.y.text(), (18, top + title + inner_height / 2), turned)
+}
+
+/// Writes text about a middle, px.
+fn write<'a>(canvas: &Canvas<'a>, line: &str, (x, y): (i32, i32), style: TextStyle<'_>) -> Outcome<'a> {
+    let style = style.color(&INK).pos(Pos::new(HPos::Center, VPos::Center));
+    canvas.draw(&Text::new(line.to_owned(), (x * FINE, y * FINE), style))
+}
+
+/// A size of the figure's font, px.
+pub(super) fn text(size: i32) -> TextStyle<'static> {
+    (FONT, f64::from(size * FINE) * PLOTTERS_SHRINKS).into()
+}
+
+/// Ends of both axes, fitted to points that have a place on both.
+fn extents(chart: &Chart, width: i32, height: i32) -> (Extent, Extent) {
+    let has_marks = chart.series.iter().any(|s| matches!(s.style, Style::Marks | Style::MarkedLine));
+    let points = || chart.series.iter().flat_map(|s| s.points.iter().flatten());
+    let shown = || points().filter(|(x, y)| chart.x.has(*x) && chart.y.has(*y));
+    let failures = chart.series.iter().flat_map(|s| s.failures.iter().map(|failure| failure.x));
+    let x_pad = if chart.equal || has_marks { 0.05 } else { 0.0 };
+    let mut x = Extent::fit(&chart.x, shown().map(|p| p.0).chain(failures), x_pad);
+    let mut y = Extent::fit(&chart.y, shown().map(|p| p.1), 0.06);
+    let rows = chart.series.iter().filter(|series| !series.failures.is_empty()).count() as i32;
+    y.reserve(f64::from(rows * CROSSES) / f64::from(height));
+    if chart.equal && chart.x.scale == Scale::Linear && chart.y.scale == Scale::Linear {
+        Extent::make_equal(&mut x, &mut y, f64::from(width), f64::from(height));
+    }
+    (x.with_ticks(width as usize / 80), y.with_ticks(height as usize / 45))
+}

@@ -1,0 +1,122 @@
+//! Lines, marks, crosses and slope triangles, placed in drawing units.
+
+use super::figure::{Canvas, FINE, Outcome, text};
+use super::{Slope, Style};
+use plotters::element::DashedPathElement;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+/// Colours that the colour-blind tell apart, ordered by contrast on white (Okabe and Ito, 2008, without yellow).
+const COLOURS: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+    RGBColor(0, 0, 0),
+];
+
+type Place = (i32, i32);
+
+/// Colour, dashes and mark of one series.
+pub(super) struct Pen {
+    colour: RGBColor,
+    /// Lengths of the dashes and of the gaps between them, px.
+    dashes: Option<(i32, i32)>,
+    shape: usize,
+    style: Style,
+}
+
+impl Pen {
+    /// The pen of one of so many series.  After the last colour the lines are dashed; where that does not
+    /// do either, the series are taken for a family and their colours run from dark to light.
+    pub fn new(index: usize, count: usize, style: Style) -> Pen {
+        let family = count > 2 * COLOURS.len();
+        let dashes = match style {
+            Style::Dashed => Some((6, 4)),
+            _ => (!family && index >= COLOURS.len()).then_some((9, 3)),
+        };
+        let colour = if family {
+            ViridisRGB.get_color(0.9 * index as f64 / count as f64)
+        } else {
+            COLOURS[index % COLOURS.len()]
+        };
+        Pen { colour, dashes, shape: index % 5, style }
+    }
+
+    /// Draws a series.
+    pub fn draw<'a>(&self, canvas: &Canvas<'a>, points: impl Iterator<Item = Option<Place>> + Clone) -> Outcome<'a> {
+        self.line(canvas, points.clone())?;
+        self.marks(canvas, points)
+    }
+
+    /// Lines between neighbours that are both there; a lone point is a dot.
+    pub fn line<'a>(&self, canvas: &Canvas<'a>, points: impl Iterator<Item = Option<Place>>) -> Outcome<'a> {
+        if self.style == Style::Marks {
+            return Ok(());
+        }
+        let points: Vec<Option<Place>> = points.collect();
+        let stroke = self.colour.stroke_width(2 * FINE as u32);
+        for piece in points.split(Option::is_none) {
+            let mut piece: Vec<Place> = piece.iter().flatten().copied().collect();
+            piece.dedup();
+            match (piece.as_slice(), self.dashes) {
+                ([], _) => {}
+                ([dot], _) => canvas.draw(&Circle::new(*dot, 2 * FINE, self.colour.filled()))?,
+                (_, None) => canvas.draw(&PathElement::new(piece, stroke))?,
+                (_, Some((dash, gap))) => {
+                    canvas.draw(&DashedPathElement::new(piece, dash * FINE, gap * FINE, stroke))?
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// A mark at each point that is there.
+    pub fn marks<'a>(&self, canvas: &Canvas<'a>, points: impl Iterator<Item = Option<Place>>) -> Outcome<'a> {
+        if !matches!(self.style, Style::Marks | Style::MarkedLine) {
+            return Ok(());
+        }
+        for point in points.flatten() {
+            self.mark(canvas, point)?;
+        }
+        Ok(())
+    }
+
+    fn mark<'a>(&self, canvas: &Canvas<'a>, (x, y): Place) -> Outcome<'a> {
+        let corners: &[Place] = match self.shape {
+            0 => return canvas.draw(&Circle::new((x, y), 4 * FINE, self.colour.filled())),
+            1 => &[(-35, -35), (35, -35), (35, 35), (-35, 35)],
+            2 => &[(0, -48), (44, 32), (-44, 32)],
+            3 => &[(0, -50), (50, 0), (0, 50), (-50, 0)],
+            _ => &[(0, 48), (44, -32), (-44, -32)],
+        };
+        let corners: Vec<Place> = corners.iter().map(|(dx, dy)| (x + dx, y + dy)).collect();
+        canvas.draw(&Polygon::new(corners, self.colour.filled()))
+    }
+}
+
+/// A row of crosses for what failed at these places from left to right; words stand after the last of a kind.
+pub(super) fn crosses<'a>(canvas: &Canvas<'a>, pen: &Pen, row: i32, failures: &[(i32, &str)]) -> Outcome<'a> {
+    for (index, (x, label)) in failures.iter().enumerate() {
+        canvas.draw(&Cross::new((*x, row), 4 * FINE, pen.colour.stroke_width(2 * FINE as u32)))?;
+        if failures.get(index + 1).is_none_or(|(_, next)| next != label) {
+            let style = text(11).color(&pen.colour).pos(Pos::new(HPos::Left, VPos::Center));
+            canvas.draw(&Text::new((*label).to_owned(), (x + 8 * FINE, row), style))?;
+        }
+    }
+    Ok(())
+}
+
+/// A right triangle over one decade, with its exponent.
+pub(super) fn slope<'a>(canvas: &Canvas<'a>, slope: &Slope, place: &impl Fn(f64, f64) -> Place) -> Outcome<'a> {
+    let colour = RGBColor(110, 110, 110);
+    let far = slope.y * 10f64.powf(slope.order);
+    let corners = [(slope.x, slope.y), (10.0 * slope.x, slope.y), (10.0 * slope.x, far)].map(|(x, y)| place(x, y));
+    let [start, corner, end] = corners;
+    canvas.draw(&PathElement::new([start, corner, end, start], colour.stroke_width(FINE as u32)))?;
+    let style = text(12).color(&colour).pos(Pos::new(HPos::Left, VPos::Center));
+    let label = format!("{}", slope.order).replace('-', "−");
+    canvas.draw(&Text::new(label, (corner.0 + 6 * FINE, (corner.1 + end.1) / 2), style))
+}

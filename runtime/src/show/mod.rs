@@ -1,0 +1,22 @@
+//! Seeing a run: charts as SVG, an animation as one HTML page, tables as CSV.
+//!
+//! Everything here turns plain data into text and touches no file, so it serves runs, error charts and
+//! mode shapes alike.
+
+mod animation;
+mod axis;
+mod chart;
+mod csv;
+mod figure;
+mod legend;
+mod marks;
+mod ticks;
+
+pub use animation::Animation;
+pub use axis::{Axis, Scale};
+pub use chart::{Chart, Failure, Series, Slope, Style};
+pub use csv::csv;
+pub use figure::Figure;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,297 @@
+"use strict";
+
+// ---- data: integers in units of `unit` (lengths) and `tick` (time); null where a value is absent
+const data = JSON.parse(document.getElementById("data").textContent);
+const spatial = data.dimension === 3;
+const times = data.time.map(k => k * data.tick);
+const frames = data.frames.map(frame => frame.map(k => k === null ? NaN : k * data.unit));
+const [start, end] = [times[0] ?? 0, times[times.length - 1] ?? 0];
+
+// Each shape knows where its numbers begin and how many points it has.
+let offset = 0;
+const shapes = data.shapes.map(([kind, points], index) => {
+  const shape = {kind, first: offset, points, colour: `--c${index % 6}`};
+  offset += points * data.dimension + (kind === "circle" ? 1 : 0);
+  return shape;
+});
+
+function point(frame, shape, i) {
+  const at = shape.first + i * data.dimension;
+  return [frame[at], frame[at + 1], spatial ? frame[at + 2] : 0];
+}
+const radius = (frame, shape) => shape.kind === "circle" ? Math.abs(frame[shape.first + data.dimension]) : 0;
+
+// The drawing at a time, linear between frames; of two frames at one time the later counts.
+function drawing(t) {
+  let low = 0, high = times.length - 1;
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (times[middle] <= t) low = middle; else high = middle;
+  }
+  if (high <= 0) return {index: 0, frame: frames[0] ?? []};
+  if (t >= times[high]) return {index: high, frame: frames[high]};
+  const part = (t - times[low]) / (times[high] - times[low]);
+  return {index: low, frame: frames[low].map((x, i) => x + part * (frames[high][i] - x))};
+}
+
+// ---- bounds of everything that is ever drawn
+const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+function everyPoint(visit) {
+  for (const frame of frames) for (const shape of shapes) for (let i = 0; i < shape.points; i++) {
+    const p = point(frame, shape, i);
+    if (p.every(Number.isFinite)) visit(p, radius(frame, shape) || 0);
+  }
+}
+everyPoint((p, r) => p.forEach((x, k) => {
+  low[k] = Math.min(low[k], x - r);
+  high[k] = Math.max(high[k], x + r);
+}));
+if (low[0] > high[0]) { low.fill(-1); high.fill(1); }
+const centre = low.map((x, k) => (x + high[k]) / 2);
+let reach = 0;
+everyPoint((p, r) => reach = Math.max(reach, r + Math.hypot(...p.map((x, k) => x - centre[k]))));
+if (!(reach > 0)) reach = 1;
+const size = spatial ? [2 * reach, 2 * reach] : [high[0] - low[0], high[1] - low[1]];
+const floor = low[2] >= 0 && low[2] < 0.3 * reach ? 0 : low[2];
+
+// ---- the view: pixels from space
+const canvas = document.getElementById("view"), pen = canvas.getContext("2d");
+let azimuth = -1.1, elevation = 0.35;
+let width = 1, height = 1, scale = 1;
+
+function resize() {
+  const ratio = window.devicePixelRatio || 1;
+  [width, height] = [canvas.clientWidth || 1, canvas.clientHeight || 1];
+  [canvas.width, canvas.height] = [width * ratio, height * ratio];
+  pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+  const [w, h] = [Math.max(width - 80, 20), Math.max(height - 60, 20)];
+  scale = Math.min(w / (size[0] || 1e-9 * reach), h / (size[1] || 1e-9 * reach));
+}
+
+function pixel(p) {
+  let [x, y, z] = p.map((x, k) => x - centre[k]);
+  if (spatial) {
+    const [s, c] = [Math.sin(azimuth), Math.cos(azimuth)];
+    [x, y] = [c * y - s * x, z * Math.cos(elevation) - (c * x + s * y) * Math.sin(elevation)];
+  }
+  return [width / 2 + scale * x, height / 2 - scale * y];
+}
+const shadow = p => pixel([p[0], p[1], floor]);
+
+// ---- drawing
+const colour = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
+function stroke(pixels, style, thickness) {
+  pen.strokeStyle = style;
+  pen.lineWidth = thickness;
+  pen.lineJoin = pen.lineCap = "round";
+  pen.beginPath();
+  let drawn = false;                       // false after a gap
+  for (const [x, y] of pixels) {
+    const there = Number.isFinite(x) && Number.isFinite(y);
+    if (there) drawn ? pen.lineTo(x, y) : pen.moveTo(x, y);
+    drawn = there;
+  }
+  pen.stroke();
+}
+
+function disc([x, y], r, fill, edge) {
+  if (!Number.isFinite(x) || !Number.isFinite(y) || !Number.isFinite(r)) return;
+  pen.beginPath();
+  pen.arc(x, y, r, 0, 2 * Math.PI);
+  if (fill) { pen.fillStyle = fill; pen.fill(); }
+  if (edge) { pen.strokeStyle = edge; pen.lineWidth = 2; pen.stroke(); }
+}
+
+function zigzag([ax, ay], [bx, by]) {
+  const [dx, dy] = [bx - ax, by - ay], length = Math.hypot(dx, dy) || 1;
+  const [nx, ny] = [-8 * dy / length, 8 * dx / length];
+  const pixels = [[ax, ay]];
+  for (let i = 0; i <= 16; i++) {
+    const along = 0.12 + 0.76 * i / 16, side = i === 0 || i === 16 ? 0 : i % 2 ? 1 : -1;
+    pixels.push([ax + along * dx + side * nx, ay + along * dy + side * ny]);
+  }
+  return [...pixels, [bx, by]];
+}
+
+// The path of a trace up to now; a motion that repeats shows all of it.
+function path({index, frame}, shape, project) {
+  const past = data.repeat ? frames : frames.slice(0, index + 1);
+  const pixels = past.map(f => project(point(f, shape, 0)));
+  return data.repeat ? pixels : [...pixels, project(point(frame, shape, 0))];
+}
+
+function drawShape(now, shape, project, flat) {
+  const paint = flat ?? colour(shape.colour);
+  const points = Array.from({length: shape.points}, (_, i) => project(point(now.frame, shape, i)));
+  switch (shape.kind) {
+    case "line":
+      stroke(points, paint, flat ? 3 : 5);
+      if (!flat) points.forEach(p => disc(p, 4, colour("--paper"), paint));
+      break;
+    case "circle": {
+      const r = Math.max(3, scale * radius(now.frame, shape));
+      pen.globalAlpha = flat ? 0.5 : 0.25;
+      disc(points[0], r, paint);
+      pen.globalAlpha = 1;
+      if (!flat) disc(points[0], r, null, paint);
+      break;
+    }
+    case "spring": stroke(flat ? points : zigzag(...points), paint, 2); break;
+    case "curve": stroke(points, flat ?? colour("--quiet"), 2); break;
+    case "trace":
+      if (flat) break;
+      pen.globalAlpha = 0.7;
+      stroke(path(now, shape, project), paint, 1.5);
+      pen.globalAlpha = 1;
+      disc(points[0], 3, paint);
+      break;
+  }
+}
+
+function roundStep(raw) {
+  const decade = 10 ** Math.floor(Math.log10(raw));
+  return [1, 2, 5, 10].map(d => d * decade).find(step => step >= 0.999 * raw) ?? raw;
+}
+const multiples = (from, to, step) =>
+  Array.from({length: Math.max(0, Math.floor(to / step) - Math.ceil(from / step) + 1)}, (_, i) => (Math.ceil(from / step) + i) * step);
+const short = x => String(Number(x.toPrecision(6)));
+
+function plane() {
+  const step = roundStep(70 / scale);
+  const [w, h] = [width / 2 / scale, height / 2 / scale];
+  pen.fillStyle = colour("--quiet");
+  pen.font = "11px system-ui, Helvetica, Arial, sans-serif";
+  for (const x of multiples(centre[0] - w, centre[0] + w, step)) {
+    const [at] = pixel([x, 0, 0]);
+    stroke([[at, 0], [at, height]], colour(x === 0 ? "--zero" : "--grid"), 1);
+    pen.fillText(short(x), at + 3, height - 4);
+  }
+  for (const y of multiples(centre[1] - h, centre[1] + h, step)) {
+    const at = pixel([0, y, 0])[1];
+    stroke([[0, at], [width, at]], colour(y === 0 ? "--zero" : "--grid"), 1);
+    if (at < height - 20) pen.fillText(short(y), 4, at - 3);
+  }
+}
+
+function ground() {
+  const step = roundStep(reach / 5);
+  const ends = k => [Math.floor(low[k] / step) * step, Math.ceil(high[k] / step) * step];
+  const [[x0, x1], [y0, y1]] = [ends(0), ends(1)];
+  for (const x of multiples(x0, x1 + step / 2, step)) stroke([[x, y0, floor], [x, y1, floor]].map(pixel), colour("--grid"), 1);
+  for (const y of multiples(y0, y1 + step / 2, step)) stroke([[x0, y, floor], [x1, y, floor]].map(pixel), colour("--grid"), 1);
+  pen.fillStyle = colour("--quiet");
+  pen.font = "13px system-ui, Helvetica, Arial, sans-serif";
+  pen.fillText(`grid ${short(step)}`, 16, height - 10);
+  const [x, y] = pixel(centre);
+  ["x", "y", "z"].forEach((name, k) => {   // which way the axes point, in a corner of the picture
+    const tip = pixel(centre.map((c, i) => i === k ? c + 1 / scale : c));
+    const away = length => [60 + length * (tip[0] - x), height - 70 + length * (tip[1] - y)];
+    stroke([away(0), away(32)], colour("--quiet"), 2);
+    pen.fillText(name, away(44)[0] - 4, away(44)[1] + 4);
+  });
+}
+
+// ---- time
+const slider = document.getElementById("slider"), button = document.getElementById("play");
+const clock = document.getElementById("clock"), speed = document.getElementById("speed");
+let t = start, playing = false, before = 0, frameRequest, timer;
+
+function draw() {
+  const now = drawing(t);
+  pen.clearRect(0, 0, width, height);
+  spatial ? ground() : plane();
+  if (spatial) shapes.forEach(shape => drawShape(now, shape, shadow, colour("--shadow")));
+  const order = kind => ["curve", "trace", "spring", "line", "circle"].indexOf(kind);
+  [...shapes].sort((a, b) => order(a.kind) - order(b.kind)).forEach(shape => drawShape(now, shape, pixel));
+  slider.value = end > start ? (t - start) / (end - start) : 0;
+  const digits = Math.max(0, Math.min(12, 3 - Math.floor(Math.log10((end - start) || 1))));
+  clock.value = `t = ${t.toFixed(digits)}`;
+  button.textContent = playing ? "Pause" : "Play";
+  // What a test, or another script, can read: the time, and where the last point of the first shape is.
+  const first = shapes[0];
+  const seen = first ? pixel(point(now.frame, first, first.points - 1)) : [];
+  Object.assign(document.documentElement.dataset, {t: t.toFixed(digits), playing, point: seen.map(x => x.toFixed(2)).join()});
+}
+
+// Wherever frames are shown they set the pace; where none are (a headless browser), a timer does.
+function next() {
+  cancelAnimationFrame(frameRequest);
+  clearTimeout(timer);
+  if (!playing) return;
+  frameRequest = requestAnimationFrame(tick);
+  timer = setTimeout(tick, 100);
+}
+
+function tick() {
+  const now = performance.now();
+  t += Math.min(now - before, 250) / 1000 * Number(speed.value);
+  before = now;
+  if (t >= end) {
+    if (data.repeat && end > start) t = start + (t - start) % (end - start);
+    else { t = end; playing = false; }
+  }
+  draw();
+  next();
+}
+
+function play(wanted) {
+  if (wanted && !playing) {
+    if (t >= end) t = start;
+    before = performance.now();
+  }
+  playing = wanted;
+  draw();
+  next();
+}
+
+function seek(to) {
+  t = Math.min(Math.max(to, start), end);
+  draw();
+}
+
+// A run of a second to a minute is shown as it is, others in about ten seconds.
+const natural = end - start >= 1 && end - start <= 60 || end <= start ? 1 : roundStep((end - start) / 10);
+for (const factor of [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100]) {
+  const value = short(factor * natural);
+  speed.add(new Option(`${value}×`, value, factor === 1, factor === 1));
+}
+
+// ---- controls
+button.onclick = () => { play(!playing); button.blur(); };
+slider.oninput = () => seek(start + slider.value * (end - start));
+document.onkeydown = event => {
+  const step = (end - start) / 100;
+  const action = {" ": () => play(!playing), ArrowLeft: () => seek(t - step), ArrowRight: () => seek(t + step), Home: () => seek(start), End: () => seek(end)}[event.key];
+  if (!action || event.target === speed || event.ctrlKey || event.metaKey || event.altKey) return;
+  event.preventDefault();
+  action();
+};
+canvas.onpointerdown = event => { if (spatial) canvas.setPointerCapture(event.pointerId); };
+canvas.onpointermove = event => {
+  if (!spatial || !event.buttons) return;
+  azimuth -= 0.008 * event.movementX;
+  elevation = Math.min(Math.max(elevation + 0.008 * event.movementY, -Math.PI / 2), Math.PI / 2);
+  draw();
+};
+if (spatial) canvas.style.cursor = "grab";
+
+// page.html#t=1.5&play&speed=2&azimuth=0.3
+function followAddress() {
+  const wanted = new URLSearchParams(location.hash.slice(1));
+  const number = name => wanted.has(name) && Number.isFinite(Number(wanted.get(name))) ? Number(wanted.get(name)) : null;
+  azimuth = number("azimuth") ?? azimuth;
+  elevation = number("elevation") ?? elevation;
+  const rate = number("speed");
+  if (rate !== null && rate > 0) speed.add(new Option(`${short(rate)}×`, rate, true, true));
+  seek(number("t") ?? t);
+  if (wanted.has("play")) play(true);
+}
+
+document.title = document.getElementById("title").textContent = data.title;
+document.getElementById("about").textContent = data.about;
+window.onresize = () => { resize(); draw(); };
+window.onhashchange = followAddress;
+matchMedia("(prefers-color-scheme: dark)").onchange = draw;
+resize();
+followAddress();

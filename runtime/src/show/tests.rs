@@ -1,0 +1,154 @@
+//! What is in the pictures, read back from their XML.
+
+use super::*;
+use roxmltree::{Document, Node};
+
+fn numbers(text: &str) -> Vec<f64> {
+    text.split([' ', ',']).filter(|part| !part.is_empty()).map(|part| part.parse().unwrap()).collect()
+}
+
+/// The thick lines of one colour, in pixels.
+fn curves(svg: &Document<'_>, colour: &str) -> Vec<Vec<(f64, f64)>> {
+    let drawn = |node: &Node<'_, '_>| {
+        node.has_tag_name("polyline")
+            && node.attribute("stroke") == Some(colour)
+            && node.attribute("stroke-width") == Some("20")
+    };
+    let places = |node: Node<'_, '_>| {
+        let points = numbers(node.attribute("points").unwrap());
+        points.chunks(2).map(|pair| (pair[0] / 10.0, pair[1] / 10.0)).collect()
+    };
+    svg.descendants().filter(drawn).map(places).collect()
+}
+
+fn texts<'a>(svg: &'a Document<'_>) -> Vec<&'a str> {
+    svg.descendants().filter(|n| n.has_tag_name("text")).filter_map(|n| n.text()).map(str::trim).collect()
+}
+
+fn span(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min)
+}
+
+const BLUE: &str = "#0072B2";
+
+fn time_axis() -> Axis {
+    Axis::new("time", "s")
+}
+
+#[test]
+fn names_units_and_ticks_are_written() {
+    let line = |name: &str| Series::line(name, (0..=10).map(|i| Some((f64::from(i), f64::from(i * i)))));
+    let chart = Chart::new("A < B & \"C\"", time_axis(), Axis::new("height", "m")).with(line("x[1]")).with(line("<y>"));
+    let svg = chart.to_svg();
+    let document = Document::parse(&svg).unwrap();
+    let texts = texts(&document);
+    for wanted in ["A < B & \"C\"", "time (s)", "height (m)", "x[1]", "<y>", "0", "2", "10", "100"] {
+        assert!(texts.contains(&wanted), "{wanted} is not among {texts:?}");
+    }
+}
+
+#[test]
+fn an_absent_value_leaves_a_gap() {
+    let points = (0..=20).map(|i| (f64::from(i), f64::from(i) * 0.1)).map(|p| (p.0 != 10.0).then_some(p));
+    let svg = Chart::new("", time_axis(), Axis::new("x", "")).with(Series::line("x", points)).to_svg();
+    let lengths: Vec<usize> = curves(&Document::parse(&svg).unwrap(), BLUE).iter().map(Vec::len).collect();
+    assert_eq!(lengths, [10, 10]);
+}
+
+#[test]
+fn what_has_no_place_on_a_log_axis_is_left_out() {
+    let points = [(1.0, 1e-3), (2.0, 0.0), (3.0, f64::NAN), (4.0, f64::INFINITY), (5.0, 1e-4), (6.0, 1e-5)];
+    let chart =
+        Chart::new("", Axis::new("n", ""), Axis::new("error", "").log()).with(Series::line("", points.map(Some)));
+    let svg = chart.to_svg();
+    let document = Document::parse(&svg).unwrap();
+    assert_eq!(curves(&document, BLUE)[0].len(), 2);
+    assert!(texts(&document).contains(&"10⁻⁴") && !svg.contains("NaN"));
+}
+
+#[test]
+fn equal_axes_are_equal() {
+    for (a, b) in [(1.0, 1.0), (5.0, 0.2), (0.01, 3.0)] {
+        let ellipse =
+            (0..=400).map(|i| f64::from(i) / 400.0 * std::f64::consts::TAU).map(|s| Some((a * s.cos(), b * s.sin())));
+        let chart = Chart::new("", Axis::new("x", "m"), Axis::new("y", "m")).equal().with(Series::line("", ellipse));
+        let svg = chart.to_svg();
+        let curve = curves(&Document::parse(&svg).unwrap(), BLUE).concat();
+        let (width, height) = (span(curve.iter().map(|p| p.0)), span(curve.iter().map(|p| p.1)));
+        assert!((width * b - height * a).abs() < 0.2 * a.max(b), "{width} × {height} for {a} × {b}");
+        assert!(width.max(height) > 300.0, "{width} × {height} is small");
+    }
+}
+
+#[test]
+fn log_axes_make_powers_straight() {
+    let power = (0..=10).map(|i| 2f64.powi(i)).map(|n| Some((n, 3.0 * n.powi(-4))));
+    let chart =
+        Chart::new("", Axis::new("steps", "").log(), Axis::new("error", "").log()).with(Series::line("", power));
+    let svg = chart.to_svg();
+    let curve = curves(&Document::parse(&svg).unwrap(), BLUE).concat();
+    let ((x0, y0), (x1, y1)) = (curve[0], curve[10]);
+    for (x, y) in curve {
+        assert!((y - y0 - (y1 - y0) * (x - x0) / (x1 - x0)).abs() < 0.2, "({x}, {y}) is off the line");
+    }
+}
+
+#[test]
+fn failures_stand_above_everything() {
+    let euler = Series::marked_line("", [(100.0, 1e-1), (1000.0, 1e-2)].map(Some)).failed(10.0, "non-finite");
+    let chart = Chart::new("", Axis::new("steps", "").log(), Axis::new("error", "").log()).with(euler);
+    let svg = chart.to_svg();
+    let document = Document::parse(&svg).unwrap();
+    let cross = document.descendants().find(|n| n.text().is_some_and(|text| text.trim() == "non-finite")).unwrap();
+    let highest = curves(&document, BLUE).concat().iter().map(|p| p.1).fold(f64::MAX, f64::min);
+    assert!(numbers(cross.attribute("y").unwrap())[0] / 10.0 < highest);
+}
+
+#[test]
+fn any_numbers_make_a_chart() {
+    let cases: [&[(f64, f64)]; 7] = [
+        &[],
+        &[(0.0, 0.0)],
+        &[(0.0, 1.0), (1.0, 1.0)],
+        &[(0.0, 1.0), (1.0, 1.0 + 1e-15)],
+        &[(-f64::MAX, f64::MAX), (f64::MAX, f64::MIN)],
+        &[(5e-324, 5e-324), (1e308, 1e308)],
+        &[(f64::NAN, f64::INFINITY)],
+    ];
+    for points in cases {
+        for (x, y) in [(Scale::Linear, Scale::Linear), (Scale::Log, Scale::Log)] {
+            for equal in [false, true] {
+                let axis = |scale| Axis { scale, ..Axis::new("x", "m") };
+                let series = Series::marked_line("", points.iter().copied().map(Some)).failed(1.0, "lost");
+                let chart = Chart { equal, ..Chart::new("", axis(x), axis(y)).with(series) };
+                let svg = chart.to_svg();
+                assert!(Document::parse(&svg).is_ok() && !svg.contains("NaN"), "{points:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_figure_stacks_its_charts() {
+    let chart = |y: &str| {
+        Chart::new("", time_axis(), Axis::new(y, "")).with(Series::line(y, [Some((0.0, 1.0)), Some((1.0, 2.0))]))
+    };
+    let svg = Figure { charts: vec![chart("upper"), chart("lower")] }.to_svg();
+    let curves = curves(&Document::parse(&svg).unwrap(), BLUE);
+    assert_eq!(curves.len(), 2);
+    assert!(curves[0].iter().all(|p| p.1 < 330.0) && curves[1].iter().all(|p| p.1 > 330.0));
+    assert_eq!(svg, Figure { charts: vec![chart("upper"), chart("lower")] }.to_svg());
+}
+
+#[test]
+fn many_series_get_colours_of_a_family() {
+    let line = |i: i32| Series::line(format!("theta[{i}]"), [Some((0.0, f64::from(i))), Some((1.0, f64::from(i + 1)))]);
+    let chart = (1..=40).fold(Chart::new("", time_axis(), Axis::new("theta", "rad")), |chart, i| chart.with(line(i)));
+    let svg = chart.to_svg();
+    let document = Document::parse(&svg).unwrap();
+    let lines = document.descendants().filter(|n| n.attribute("stroke-width") == Some("20"));
+    let colours: std::collections::BTreeSet<_> = lines.filter_map(|n| n.attribute("stroke")).collect();
+    assert_eq!(colours.len(), 40);
+    let names = texts(&document).iter().filter(|text| text.starts_with("theta[")).count();
+    assert!((10..=25).contains(&names), "{names} names");
+}

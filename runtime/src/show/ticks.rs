@@ -1,0 +1,152 @@
+//! Where the marks of an axis stand, and what is written beside them.
+
+/// Positions of the labelled marks and of the lines between them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Ticks {
+    pub major: Vec<f64>,
+    pub minor: Vec<f64>,
+    labels: Vec<String>,
+}
+
+impl Ticks {
+    /// Multiples of 1, 2 or 5 times a power of ten in `low..=high`, about `count` of them.
+    pub fn linear(low: f64, high: f64, count: usize) -> Ticks {
+        let step = round_step((high - low) / count.max(1) as f64);
+        let slack = 1e-6;
+        let (first, last) = ((low / step - slack).ceil(), (high / step + slack).floor());
+        let count = (last - first).clamp(0.0, 100.0) as usize;
+        let major: Vec<f64> = (0..=count).map(|i| (first + i as f64) * step).collect();
+        let largest = major.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
+        let labels = major.iter().map(|x| linear_label(*x, step, largest)).collect();
+        Ticks { major, minor: Vec::new(), labels }
+    }
+
+    /// Powers of ten in `low..=high`, thinned to about `count`; over less than two decades also 2 and 5 times them.
+    pub fn log(low: f64, high: f64, count: usize) -> Ticks {
+        let slack = 1e-9;
+        let (first, last) = ((low.log10() - slack).ceil() as i32, (high.log10() + slack).floor() as i32);
+        let inside = |x: &f64| (low * (1.0 - slack)..=high * (1.0 + slack)).contains(x);
+        let multiples = |digits: &[f64]| -> Vec<f64> {
+            let all = (first - 1..=last).flat_map(|k| digits.iter().map(move |d| power(*d, k)));
+            all.filter(inside).collect()
+        };
+        let decades = high.log10() - low.log10();
+        if decades < 0.5 {
+            return Ticks::linear(low, high, count);
+        }
+        let stride = (decades / count.max(1) as f64).ceil().max(1.0) as i32;
+        let major = if decades < 2.0 {
+            multiples(&[1.0, 2.0, 5.0])
+        } else {
+            (first..=last).filter(|k| k.rem_euclid(stride) == 0).map(|k| power(1.0, k)).collect()
+        };
+        let minor = if stride > 1 {
+            (first..=last).map(|k| power(1.0, k)).collect()
+        } else if decades < 6.0 {
+            multiples(&[2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0])
+        } else {
+            Vec::new()
+        };
+        let plain = major.iter().all(|x| (0.009..1001.0).contains(x));
+        let labels = major.iter().map(|x| if plain { format!("{x}") } else { log_label(*x) }).collect();
+        Ticks { major, minor, labels }
+    }
+
+    /// What is written at a major tick.
+    pub fn label(&self, value: f64) -> &str {
+        let place = self.major.iter().position(|x| *x == value);
+        place.map_or("", |place| &self.labels[place])
+    }
+}
+
+/// d·10^k, with one rounding where 10^k is exact.
+fn power(d: f64, k: i32) -> f64 {
+    if k < 0 && k > -300 { d / 10f64.powi(-k) } else { d * 10f64.powi(k) }
+}
+
+fn round_step(raw: f64) -> f64 {
+    let decade = raw.log10().floor() as i32;
+    [1.0, 2.0, 5.0, 10.0].map(|d| power(d, decade)).into_iter().find(|step| *step >= raw * 0.999).unwrap_or(raw)
+}
+
+fn linear_label(value: f64, step: f64, largest: f64) -> String {
+    let step_exponent = (step.log10() + 1e-9).floor() as i32;
+    let exponent = (largest.log10() + 1e-9).floor() as i32;
+    if value == 0.0 {
+        "0".to_owned()
+    } else if (-4..=4).contains(&exponent) && step_exponent >= -5 {
+        format!("{value:.*}", (-step_exponent).max(0) as usize).replace('-', "−")
+    } else {
+        let digits = (exponent - step_exponent).max(0) as usize;
+        format!("{:.*}·10{}", digits, value / 10f64.powi(exponent), superscript(exponent)).replace('-', "−")
+    }
+}
+
+fn log_label(value: f64) -> String {
+    let exponent = (value.log10() + 1e-9).floor() as i32;
+    let digit = (value / 10f64.powi(exponent)).round();
+    match (digit as i32, exponent) {
+        (digit, 0) => format!("{digit}"),
+        (digit, 1) => format!("{digit}0"),
+        (1, _) => format!("10{}", superscript(exponent)),
+        (digit, _) => format!("{digit}·10{}", superscript(exponent)),
+    }
+}
+
+fn superscript(exponent: i32) -> String {
+    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let raised = |c: char| c.to_digit(10).map_or('⁻', |d| DIGITS[d as usize]);
+    exponent.to_string().chars().map(raised).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(ticks: &Ticks) -> Vec<&str> {
+        ticks.major.iter().map(|x| ticks.label(*x)).collect()
+    }
+
+    #[test]
+    fn linear_ticks_are_round() {
+        assert_eq!(labels(&Ticks::linear(0.0, 10.0, 5)), ["0", "2", "4", "6", "8", "10"]);
+        assert_eq!(labels(&Ticks::linear(-0.13, 0.11, 5)), ["−0.10", "−0.05", "0", "0.05", "0.10"]);
+        assert_eq!(labels(&Ticks::linear(1e6, 3e6, 2)), ["1·10⁶", "2·10⁶", "3·10⁶"]);
+        assert_eq!(
+            labels(&Ticks::linear(0.0, 2.5e-9, 5)),
+            ["0", "0.5·10⁻⁹", "1.0·10⁻⁹", "1.5·10⁻⁹", "2.0·10⁻⁹", "2.5·10⁻⁹"]
+        );
+    }
+
+    #[test]
+    fn log_ticks_are_powers_of_ten() {
+        let ticks = Ticks::log(3e-5, 2.0, 8);
+        assert_eq!(ticks.major, [1e-4, 1e-3, 1e-2, 1e-1, 1.0]);
+        assert_eq!(labels(&ticks), ["10⁻⁴", "10⁻³", "10⁻²", "10⁻¹", "1"]);
+        assert!(ticks.minor.contains(&4e-5) && ticks.minor.contains(&2.0));
+    }
+
+    #[test]
+    fn many_decades_are_thinned() {
+        let ticks = Ticks::log(1e-16, 1.0, 6);
+        assert_eq!(labels(&ticks), ["10⁻¹⁵", "10⁻¹²", "10⁻⁹", "10⁻⁶", "10⁻³", "1"]);
+        assert_eq!(ticks.minor.len(), 17);
+    }
+
+    #[test]
+    fn one_decade_has_ticks_between() {
+        assert_eq!(labels(&Ticks::log(8.0, 120.0, 6)), ["10", "20", "50", "100"]);
+        assert_eq!(labels(&Ticks::log(0.04, 0.4, 6)), ["0.05", "0.1", "0.2"]);
+        assert_eq!(labels(&Ticks::log(4e4, 4e5, 6)), ["5·10⁴", "10⁵", "2·10⁵"]);
+    }
+
+    #[test]
+    fn ticks_stay_inside() {
+        for (low, high) in [(0.0, 1.0), (-3.7, 12.9), (1e-300, 1e300), (1.0 - 1e-7, 1.0 + 1e-7), (-1e12, 3.0)] {
+            let ticks = Ticks::linear(low, high, 6);
+            let slack = (high - low) * 1e-5;
+            assert!((2..=14).contains(&ticks.major.len()), "{ticks:?}");
+            assert!(ticks.major.iter().all(|x| (low - slack..=high + slack).contains(x)), "{ticks:?}");
+        }
+    }
+}

@@ -1,0 +1,119 @@
+//! The animation in a real browser, Debian's chromium without a window.
+//!
+//! Where it is not installed these tests say so and pass; in CI, where the variable `CI` is set, they fail.
+
+use dalembert::mechanism::Shape;
+use dalembert::show::Animation;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// What the page says of itself after its script has run for some milliseconds of the browser's own time.
+fn look(directory: &Path, address: &str, milliseconds: u32) -> Option<HashMap<String, String>> {
+    let profile = directory.join(format!("profile-{}", address.replace(|c: char| !c.is_alphanumeric(), "-")));
+    let page = format!("file://{}/{address}", directory.display());
+    let output = Command::new("chromium")
+        .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"])
+        .args(["--disable-background-networking", "--disable-component-update", "--disable-sync"])
+        .arg("--window-size=800,600")
+        .arg(format!("--user-data-dir={}", profile.display()))
+        .arg(format!("--virtual-time-budget={milliseconds}"))
+        .args(["--dump-dom", &page])
+        .stderr(Stdio::null())
+        .output();
+    let output = match output {
+        Ok(output) => output,
+        Err(problem) if std::env::var_os("CI").is_some() => panic!("chromium must be installed in CI: {problem}"),
+        Err(_) => {
+            println!("not run: chromium is not installed");
+            return None;
+        }
+    };
+    let page = String::from_utf8(output.stdout).unwrap();
+    let root = page.find("<html").map(|at| &page[at..]).unwrap_or_else(|| panic!("no page: {page:?}"));
+    let root = &root[..root.find('>').unwrap()];
+    let attributes = root.split(" data-").skip(1).filter_map(|part| part.split_once('='));
+    Some(attributes.map(|(name, value)| (name.to_owned(), value.trim_matches('"').to_owned())).collect())
+}
+
+fn directory(name: &str) -> PathBuf {
+    let directory = std::env::temp_dir().join(format!("dalembert-{name}-{}", std::process::id()));
+    std::fs::create_dir_all(&directory).unwrap();
+    directory
+}
+
+/// A bar of length 1 that turns once in 8 s, in the plane or about the vertical.
+fn turning_bar(dimension: u32) -> Animation {
+    let frames = (0..=800).map(|i| f64::from(i) / 100.0).map(move |t| {
+        let angle = t * std::f64::consts::TAU / 8.0;
+        let tip = [angle.cos(), angle.sin(), 0.0];
+        (t, [[0.0; 3], tip].iter().flat_map(|p| &p[..dimension as usize]).copied().collect())
+    });
+    Animation::new("Turning bar", dimension, vec![Shape::Line(2)]).with_frames(frames)
+}
+
+fn number(seen: &HashMap<String, String>, name: &str) -> f64 {
+    seen[name].parse().unwrap()
+}
+
+fn tip(seen: &HashMap<String, String>) -> [f64; 2] {
+    let (x, y) = seen["point"].split_once(',').unwrap();
+    [x.parse().unwrap(), y.parse().unwrap()]
+}
+
+#[test]
+fn a_paused_page_shows_the_time_it_is_asked_for() {
+    let directory = directory("paused");
+    std::fs::write(directory.join("bar.html"), turning_bar(2).to_html()).unwrap();
+    let at = |address: &str| look(&directory, address, 500);
+    if let (Some(right), Some(up), Some(left)) = (at("bar.html#t=0"), at("bar.html#t=2"), at("bar.html#t=4")) {
+        assert_eq!((number(&right, "t"), number(&up, "t"), number(&left, "t")), (0.0, 2.0, 4.0));
+        assert_eq!(up["playing"], "false");
+        let ([x0, y0], [x1, y1], [x2, y2]) = (tip(&right), tip(&up), tip(&left));
+        assert!((y0 - y2).abs() < 0.1 && (x1 - (x0 + x2) / 2.0).abs() < 0.1, "{right:?} {up:?} {left:?}");
+        let radius = (x0 - x2) / 2.0;
+        assert!(radius > 100.0 && (y0 - y1 - radius).abs() < 0.1, "axes are not equal: {right:?} {up:?}");
+    }
+    std::fs::remove_dir_all(directory).unwrap();
+}
+
+#[test]
+fn playing_moves_the_mechanism() {
+    let directory = directory("playing");
+    std::fs::write(directory.join("bar.html"), turning_bar(2).to_html()).unwrap();
+    let (paused, playing) = (look(&directory, "bar.html#t=1.5", 1500), look(&directory, "bar.html#t=1.5&play", 1500));
+    if let (Some(paused), Some(playing)) = (paused, playing) {
+        assert_eq!((number(&paused, "t"), playing["playing"].as_str()), (1.5, "true"));
+        assert!((1.8..4.0).contains(&number(&playing, "t")), "{playing:?}");
+        let ([x0, _], [x1, _]) = (tip(&paused), tip(&playing));
+        assert!(x1 < x0 - 20.0, "{paused:?} {playing:?}");
+    }
+    std::fs::remove_dir_all(directory).unwrap();
+}
+
+#[test]
+fn a_run_stops_at_its_end_and_a_mode_shape_starts_again() {
+    let directory = directory("end");
+    std::fs::write(directory.join("run.html"), turning_bar(2).to_html()).unwrap();
+    let mode = Animation { repeat: true, ..turning_bar(2) };
+    std::fs::write(directory.join("mode.html"), mode.to_html()).unwrap();
+    let at = |address: &str| look(&directory, address, 1500);
+    if let (Some(run), Some(mode)) = (at("run.html#t=7.5&play"), at("mode.html#t=7.5&play")) {
+        assert_eq!((number(&run, "t"), run["playing"].as_str()), (8.0, "false"));
+        assert!(number(&mode, "t") < 4.0 && mode["playing"] == "true", "{mode:?}");
+    }
+    std::fs::remove_dir_all(directory).unwrap();
+}
+
+#[test]
+fn a_view_in_space_can_be_turned() {
+    let directory = directory("space");
+    std::fs::write(directory.join("bar.html"), turning_bar(3).to_html()).unwrap();
+    // Looking along −y onto a horizontal bar that points along x, then from a quarter turn further.
+    let at = |azimuth: f64| look(&directory, &format!("bar.html#t=0&elevation=0&azimuth={azimuth}"), 500);
+    if let (Some(side), Some(end)) = (at(-std::f64::consts::FRAC_PI_2), at(0.0)) {
+        let ([x0, y0], [x1, y1]) = (tip(&side), tip(&end));
+        assert!(x0 - x1 > 100.0 && (y0 - y1).abs() < 0.1, "{side:?} {end:?}");
+    }
+    std::fs::remove_dir_all(directory).unwrap();
+}
