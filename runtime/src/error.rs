@@ -1,6 +1,8 @@
 //! What can go wrong, with the data to see why.
 
-use std::fmt;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::{fmt, io};
 
 use crate::run::{Run, State};
 
@@ -33,6 +35,13 @@ pub enum Error {
         name: String,
         /// The names there are.
         known: Vec<String>,
+    },
+    /// A file could not be written.
+    File {
+        /// Which one.
+        path: PathBuf,
+        /// What the operating system says.
+        problem: Arc<io::Error>,
     },
     /// The run ended early.  It comes with the time, the state and what was computed until then.
     Run(Box<Failure>),
@@ -132,6 +141,7 @@ impl fmt::Display for Error {
                     known => write!(f, "; there are {}", Listed(known)),
                 }
             }
+            Error::File { path, problem } => write!(f, "cannot write `{}`: {problem}", path.display()),
             Error::Run(failure) => write!(f, "{failure}"),
         }
     }

@@ -33,6 +33,8 @@ pub struct Toy {
     pub outputs: Numbers,
     /// (t, q, v, a, values)
     pub invariants: Numbers,
+    /// (t, q, v, (), values)
+    pub drawing: Numbers,
 }
 
 impl Toy {
@@ -74,6 +76,7 @@ impl Toy {
             switches: Arc::new(|_, _, _, _, _| ()),
             outputs: Arc::new(|_, _, _, _, _| ()),
             invariants: Arc::new(|_, _, _, _, _| ()),
+            drawing: Arc::new(|_, _, _, _, _| ()),
         }
     }
 
@@ -195,7 +198,9 @@ impl System for Toy {
     fn set_modes(&mut self, modes: &[f64]) {
         self.modes.copy_from_slice(modes);
     }
-    fn drawing(&self, _: f64, _: &[f64], _: &[f64], _: &mut [f64]) {}
+    fn drawing(&self, t: f64, q: &[f64], v: &[f64], values: &mut [f64]) {
+        (self.drawing)(t, q, v, &[], values);
+    }
     fn parameters(&self) -> Vec<f64> {
         Vec::new()
     }

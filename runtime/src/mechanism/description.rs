@@ -203,15 +203,18 @@ impl Description {
 
     /// How many numbers `System::drawing` writes.
     pub fn drawing_len(&self) -> usize {
-        let dimension = self.structure.dimension as usize;
-        self.draw
-            .iter()
-            .map(|shape| match shape {
-                Shape::Line(n) | Shape::Curve(n) => dimension * *n as usize,
-                Shape::Circle => dimension + 1,
-                Shape::Spring => 2 * dimension,
-                Shape::Trace(_) => dimension,
-            })
-            .sum()
+        self.draw.iter().map(|shape| shape.numbers(self.structure.dimension as usize)).sum()
+    }
+}
+
+impl Shape {
+    /// How many numbers `System::drawing` writes for this shape in so many dimensions.
+    pub fn numbers(&self, dimension: usize) -> usize {
+        match self {
+            Shape::Line(n) | Shape::Curve(n) => dimension * *n as usize,
+            Shape::Circle => dimension + 1,
+            Shape::Spring => 2 * dimension,
+            Shape::Trace(_) => dimension,
+        }
     }
 }

@@ -12,6 +12,7 @@ pub use state::State;
 pub(crate) use trajectory::{Segment, Trajectory};
 
 use crate::integrate::Method;
+use crate::mechanism::Description;
 use crate::trust::{Drift, Trust, Warning};
 
 /// A motion that was computed, and what tells how far it can be trusted.
@@ -40,8 +41,11 @@ pub struct Run {
     pub(crate) times: Vec<f64>,
     pub(crate) rows: Vec<f64>,
     pub(crate) outputs: Vec<f64>,
+    /// Points of `description.draw` at all reported times; empty if the run was told to keep no dense output.
+    pub(crate) drawings: Vec<f64>,
     pub(crate) trajectory: Trajectory,
     pub(crate) names: Arc<Names>,
+    pub(crate) description: Arc<Description>,
 }
 
 /// An event that happened.

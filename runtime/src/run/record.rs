@@ -59,8 +59,10 @@ impl Recorder {
             times: Vec::new(),
             rows: Vec::new(),
             outputs: Vec::new(),
+            drawings: Vec::new(),
             trajectory: Trajectory::new(2 * n, plan.pieces),
             names: Arc::new(Names::of(description)),
+            description: Arc::new(description.clone()),
         };
         let mut recorder = Recorder {
             run,
@@ -164,6 +166,17 @@ impl Recorder {
         outputs.resize(first + count, f64::NAN);
         self.write_outputs(system, t, y, &mut outputs[first..]);
         self.run.outputs = outputs;
+        if self.keep_dense {
+            self.write_drawing(system, t, y);
+        }
+    }
+
+    fn write_drawing<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
+        let first = self.run.drawings.len();
+        self.run.drawings.resize(first + self.run.description.drawing_len(), f64::NAN);
+        if first < self.run.drawings.len() {
+            system.drawing(t, &y[..self.n], &y[self.n..2 * self.n], &mut self.run.drawings[first..]);
+        }
     }
 
     fn write_outputs<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64], outputs: &mut [f64]) {

@@ -1,7 +1,7 @@
 //! Seeing a run: charts as SVG, an animation as one HTML page, tables as CSV.
 //!
-//! Everything here turns plain data into text and touches no file, so it serves runs, error charts and
-//! mode shapes alike.
+//! Everything here turns plain data into text, so it serves runs, error charts and mode shapes alike; only
+//! [`Run::plot`](crate::Run::plot) and its neighbours write files.
 
 mod animation;
 mod axis;
@@ -10,6 +10,7 @@ mod csv;
 mod figure;
 mod legend;
 mod marks;
+mod run;
 mod ticks;
 
 pub use animation::Animation;

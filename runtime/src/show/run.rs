@@ -1,0 +1,278 @@
+//! What a run looks like.
+
+use super::{Animation, Axis, Chart, Figure, Series, csv};
+use crate::error::Error;
+use crate::mechanism::{Coordinate, Shape};
+use crate::run::Run;
+use std::path::Path;
+use std::sync::Arc;
+
+/// A page shows at most about this many of a run's states.
+const FRAMES: usize = 3000;
+
+impl Run {
+    /// Writes [`Run::to_svg`] to a file.
+    ///
+    /// # Errors
+    /// [`Error::File`].
+    pub fn plot(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        write(path.as_ref(), &self.to_svg())
+    }
+
+    /// Writes [`Run::to_html`] to a file.
+    ///
+    /// # Errors
+    /// [`Error::File`].
+    pub fn animate(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        write(path.as_ref(), &self.to_html())
+    }
+
+    /// Writes [`Run::to_csv`] to a file.
+    ///
+    /// # Errors
+    /// [`Error::File`].
+    pub fn csv(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        write(path.as_ref(), &self.to_csv())
+    }
+
+    /// A figure as SVG: the paths of the traces that the model draws, or of its vector output if it has just
+    /// one, and below the histories of all coordinates, one chart for each unit.
+    pub fn to_svg(&self) -> String {
+        self.figure().to_svg()
+    }
+
+    /// A page that plays the motion: see [`Animation`].
+    pub fn to_html(&self) -> String {
+        self.animation().to_html()
+    }
+
+    /// Time, coordinates, rates and outputs of all reported states: see [`csv`].
+    pub fn to_csv(&self) -> String {
+        let names: Vec<String> = std::iter::once("t".to_owned()).chain(self.column_names()).collect();
+        let columns: Vec<Vec<Option<f64>>> =
+            names.iter().map(|name| self.column(name).unwrap_or_default().into_iter().map(Some).collect()).collect();
+        csv(&names, &columns)
+    }
+
+    /// Charts of named coordinates, rates (`theta'`) and outputs against time, in one figure.
+    ///
+    /// # Errors
+    /// [`Error::UnknownName`].
+    pub fn history(&self, names: &[&str]) -> Result<Chart, Error> {
+        let series = names.iter().map(|name| {
+            let values = self.column(name).ok_or_else(|| Error::UnknownName {
+                kind: "coordinate, rate or output",
+                name: (*name).to_owned(),
+                known: self.column_names(),
+            })?;
+            Ok(Series::line(*name, self.times.iter().copied().zip(values).map(Some)))
+        });
+        let series = series.collect::<Result<_, Error>>()?;
+        let time = Axis::new("time", if self.has_units() { "s" } else { "" });
+        let mut chart = Chart { series, ..Chart::new("", time, Axis::new(label_of(names), "")) };
+        chart.y.unit = self.common_unit(names);
+        Ok(chart)
+    }
+
+    /// The charts of [`Run::to_svg`].
+    pub fn figure(&self) -> Figure {
+        let mut charts = self.paths();
+        let mut units: Vec<&str> = Vec::new();
+        for coordinate in self.description.coordinates.iter() {
+            if !units.contains(&coordinate.unit.as_ref()) {
+                units.push(&coordinate.unit);
+            }
+        }
+        for unit in units {
+            let alike = self.description.coordinates.iter().filter(|coordinate| coordinate.unit == unit);
+            let names: Vec<&str> = alike.map(|coordinate| coordinate.name.as_ref()).collect();
+            charts.extend(self.history(&names));
+        }
+        if let Some(first) = charts.first_mut() {
+            first.title = self.description.name.to_string();
+        }
+        Figure { charts }
+    }
+
+    /// The shapes that the model draws, at no more than some thousands of the reported times.
+    pub fn animation(&self) -> Animation {
+        let size = self.description.drawing_len().max(1);
+        let stride = self.times.len().div_ceil(FRAMES).max(1);
+        let frames = self.times.iter().zip(self.drawings.chunks_exact(size)).map(|(t, points)| (*t, points.to_vec()));
+        let last = frames.clone().next_back().filter(|_| (self.times.len() - 1) % stride != 0);
+        Animation::of(&self.description).with_frames(frames.step_by(stride).chain(last))
+    }
+
+    /// Paths of all traces, or of the only output if that is a vector; of motions in space two views.
+    fn paths(&self) -> Vec<Chart> {
+        let traces = self.traces();
+        let paths = if traces.is_empty() { self.output_path().into_iter().collect() } else { traces };
+        let view = |across: usize, up: usize| {
+            let unit = if self.has_units() { "m" } else { "" };
+            let chart = Chart::new("", Axis::new(["x", "y", "z"][across], unit), Axis::new(["x", "y", "z"][up], unit));
+            let line = |(name, path): &(String, Vec<[f64; 3]>)| {
+                Series::line(name.clone(), path.iter().map(|point| Some((point[across], point[up]))))
+            };
+            Chart { series: paths.iter().map(line).collect(), ..chart.equal() }
+        };
+        match (paths.is_empty(), self.description.structure.dimension) {
+            (true, _) => Vec::new(),
+            (false, 3) => vec![view(0, 1), view(0, 2)],
+            (false, _) => vec![view(0, 1)],
+        }
+    }
+
+    fn traces(&self) -> Vec<(String, Vec<[f64; 3]>)> {
+        let description = &self.description;
+        let (dimension, size) = (description.structure.dimension as usize, description.drawing_len().max(1));
+        let mut first = 0;
+        let mut traces = Vec::new();
+        for shape in description.draw.iter() {
+            if let Shape::Trace(name) = shape {
+                let points = self.drawings.chunks_exact(size).map(|frame| point(&frame[first..first + dimension]));
+                traces.push((name.to_string(), points.collect()));
+            }
+            first += shape.numbers(dimension);
+        }
+        traces
+    }
+
+    fn output_path(&self) -> Option<(String, Vec<[f64; 3]>)> {
+        let [output] = self.description.outputs.as_ref() else { return None };
+        let size = output.components as usize;
+        (size > 1).then(|| (output.name.to_string(), self.outputs.chunks_exact(size).map(point).collect()))
+    }
+
+    /// True for a model written with units; without, lengths and times are pure numbers.
+    fn has_units(&self) -> bool {
+        let coordinates = self.description.coordinates.iter().map(|coordinate| &coordinate.unit);
+        let parameters = self.description.parameters.iter().map(|parameter| &parameter.unit);
+        coordinates.chain(parameters).any(|unit| !matches!(unit.as_ref(), "" | "1" | "rad"))
+    }
+
+    /// The unit that all of these have in common, of coordinates and rates; else none is written.
+    fn common_unit(&self, names: &[&str]) -> String {
+        let unit = |name: &str| {
+            let coordinate = name.strip_suffix('\'').unwrap_or(name);
+            let found = self.description.coordinates.iter().find(|known| known.name == coordinate)?;
+            let unit = si(found);
+            let rate = name.ends_with('\'') && self.has_units();
+            Some(match (unit, rate) {
+                ("", true) => "1/s".to_owned(),
+                (unit, true) => format!("{unit}/s"),
+                (unit, false) => unit.to_owned(),
+            })
+        };
+        let mut units = names.iter().map(|name| unit(name));
+        let first = units.next().flatten();
+        if units.all(|unit| unit == first) { first.unwrap_or_default() } else { String::new() }
+    }
+}
+
+fn point(components: &[f64]) -> [f64; 3] {
+    std::array::from_fn(|k| components.get(k).copied().unwrap_or(0.0))
+}
+
+/// The SI unit of a coordinate, whose numbers are in SI whatever the file's prefix.
+fn si(coordinate: &Coordinate) -> &str {
+    match coordinate.unit.as_ref() {
+        "1" => "",
+        "km" | "cm" | "mm" | "um" => "m",
+        "mrad" => "rad",
+        unit => unit,
+    }
+}
+
+/// `theta` for `theta[1]`, `theta[2]` …; up to four different names.
+fn label_of(names: &[&str]) -> String {
+    let mut families: Vec<String> = Vec::new();
+    for name in names {
+        let family = name.split('[').next().unwrap_or(name).to_owned() + if name.ends_with("]'") { "'" } else { "" };
+        if !families.contains(&family) {
+            families.push(family);
+        }
+    }
+    if families.len() > 4 { "coordinates".to_owned() } else { families.join(", ") }
+}
+
+fn write(path: &Path, text: &str) -> Result<(), Error> {
+    std::fs::write(path, text).map_err(|problem| Error::File { path: path.to_owned(), problem: Arc::new(problem) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::Toy;
+    use crate::{Settings, simulate};
+
+    /// A mass on a circle, its bar and its trace.
+    fn circling(dimension: u32) -> Run {
+        let mut toy = Toy::new(&["phi", "r[1]"], (&[0.0, 1.0], &[1.0, 0.0]), 6.0, |_, _, _, _, a| a.fill(0.0));
+        toy.description.name = "Circling".into();
+        toy.description.structure.dimension = dimension;
+        toy.description.coordinates.to_mut()[0].unit = "rad".into();
+        toy.description.coordinates.to_mut()[1].unit = "mm".into();
+        toy.description.draw = vec![Shape::Line(2), Shape::Trace("tip".into())].into();
+        toy.drawing = Arc::new(move |_, q, _, _, points| {
+            points.fill(0.0);
+            let tip = [q[0].cos(), q[0].sin()];
+            let d = dimension as usize;
+            points[d..d + 2].copy_from_slice(&tip);
+            points[2 * d..2 * d + 2].copy_from_slice(&tip);
+        });
+        let settings = Settings::new(&toy.scene);
+        simulate(&mut toy, &settings).unwrap()
+    }
+
+    #[test]
+    fn coordinates_are_charted_by_unit_below_the_paths() {
+        for (dimension, labels) in [
+            (2, vec!["x (m)", "y (m)", "time (s)", "phi (rad)", "time (s)", "r (m)"]),
+            (3, vec!["x (m)", "y (m)", "x (m)", "z (m)", "time (s)", "phi (rad)", "time (s)", "r (m)"]),
+        ] {
+            let figure = circling(dimension).figure();
+            let found: Vec<String> = figure.charts.iter().flat_map(|chart| [chart.x.text(), chart.y.text()]).collect();
+            assert_eq!(found, labels);
+            assert_eq!(figure.charts[0].title, "Circling");
+            assert_eq!(figure.charts[0].series[0].name, "tip");
+            assert!(figure.charts[0].equal && !figure.charts[dimension as usize - 1].equal);
+        }
+    }
+
+    #[test]
+    fn traces_and_frames_are_the_points_of_the_model() {
+        let run = circling(2);
+        let path = &run.figure().charts[0].series[0].points;
+        assert_eq!(path.len(), run.len());
+        let frames = run.animation().frames;
+        for ((t, numbers), tip) in frames.iter().zip(path) {
+            assert!((tip.unwrap().0 - t.cos()).abs() < 1e-9 && numbers[2] == tip.unwrap().0);
+        }
+    }
+
+    #[test]
+    fn tables_hold_what_was_computed() {
+        let run = circling(2);
+        let text = run.to_csv();
+        let mut lines = text.lines();
+        assert_eq!(lines.next(), Some("t,phi,r[1],phi',r[1]'"));
+        assert_eq!(text.lines().count(), run.len() + 1);
+        let last: Vec<f64> = lines.next_back().unwrap().split(',').map(|cell| cell.parse().unwrap()).collect();
+        assert_eq!(last[..2], [run.last().t, run.last()["phi"]]);
+    }
+
+    #[test]
+    fn rates_have_their_units_and_unknown_names_are_errors() {
+        let run = circling(2);
+        assert_eq!(run.history(&["phi'"]).unwrap().y.text(), "phi' (rad/s)");
+        assert_eq!(run.history(&["phi", "phi'"]).unwrap().y.text(), "phi, phi'");
+        let error = run.history(&["psi"]).unwrap_err();
+        assert!(matches!(&error, Error::UnknownName { name, .. } if name == "psi"), "{error}");
+    }
+
+    #[test]
+    fn a_file_that_cannot_be_written_is_an_error() {
+        let error = circling(2).plot("/nowhere/at/all.svg").unwrap_err();
+        assert!(error.to_string().starts_with("cannot write `/nowhere/at/all.svg`"), "{error}");
+    }
+}
