@@ -14,11 +14,13 @@
 
 pub mod catalogue;
 mod place;
+mod render;
 mod suggest;
 
 use crate::language::Span;
 
 pub use catalogue::Entry;
+pub use render::render;
 pub use suggest::{did_you_mean, did_you_mean_or, nearest};
 
 /// One thing that is wrong with a model file.

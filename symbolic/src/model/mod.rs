@@ -1,9 +1,19 @@
 //! The model file: read, locate, resolve names, expand families, check.
 
+mod complaint;
+mod locate;
 mod node;
+mod outline;
+mod read;
 mod resolved;
+mod taken_apart;
 
+#[cfg(test)]
+mod reading_tests;
+
+pub use locate::locate;
 pub use node::Node;
+pub use read::read;
 pub use resolved::{
     Body, Check, Conserved, Coordinate, Derived, Event, EventAction, Family, Input, Load, Model, Output, Parameter,
     Push, Rotation, Sample, Scene, Shape, Vector, Work,

@@ -1,8 +1,8 @@
 //! E001–: YAML itself.
 
 super::entries! {
-    E001 not_yaml(what) "not YAML"
-        "this is not YAML: {what}" "here" ""
+    E001 not_yaml(what, help) "not YAML"
+        "this is not YAML: {what}" "here" "{help}"
         "The file breaks YAML's own rules, so nothing else in it is judged.";
     E002 taken_apart(help) "an expression that YAML took apart"
         "YAML takes this apart" "YAML stops reading the expression here" "{help}"
@@ -43,4 +43,10 @@ super::entries! {
     E014 not_a_mapping(found) "a file that is no mapping"
         "a model file is a mapping of keys such as `name` and `coordinates`, this is {found}" "" ""
         "At the outermost level a model file says `name: …`, `coordinates: …` and so on.";
+    E015 open_quote(quote, help) "a quote that is not closed"
+        "this `{quote}` is not closed" "opened here" "{help}"
+        "A value that starts with a quote ends with the same quote, and a quote inside it ends it.";
+    E016 open_collection(bracket, closing) "a list or mapping that is not closed"
+        "this `{bracket}` is not closed" "opened here" "close it with `{closing}`"
+        "`[…]` and `{…}` may go over several lines and must be closed.";
 }
