@@ -1,6 +1,7 @@
 //! Mechanisms described in YAML: derived, compiled, integrated, linearised and judged.
 
 mod error;
+mod events;
 mod integrate;
 pub mod mechanism;
 pub mod prelude;

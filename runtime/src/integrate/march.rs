@@ -2,6 +2,7 @@
 
 use super::{Clock, Method, OneStep, Rates, StepControl, Tolerance, first_step};
 use crate::error::Cause;
+use crate::events::{Interruption, Watch};
 use crate::mechanism::{SingularMass, System};
 use crate::run::{Recorder, Segment, Work};
 
@@ -24,6 +25,8 @@ pub(crate) enum Pace {
 pub(crate) enum Halt {
     /// It is where it was to go.
     Arrived,
+    /// An event ended it.
+    Event,
 }
 
 /// A motion that is under way.
@@ -43,6 +46,7 @@ pub(crate) struct March<S: System + ?Sized> {
     pieces: Vec<f64>,
     work: Work,
     max_steps: u64,
+    watch: Option<Watch>,
 }
 
 impl<S: System + ?Sized> March<S> {
@@ -63,6 +67,7 @@ impl<S: System + ?Sized> March<S> {
             pieces,
             work: Work::default(),
             max_steps,
+            watch: None,
             rates,
             y,
         }
@@ -88,8 +93,133 @@ impl<S: System + ?Sized> March<S> {
         Work { evaluations: self.rates.evaluations, ..self.work }
     }
 
-    /// Begins, or begins anew after the state or the equations changed.
-    pub fn restart(&mut self, system: &S) -> Result<(), Cause> {
+    /// Begins at the present state a motion that goes on to `until` at most: watches it, chooses the modes.
+    pub fn begin(&mut self, system: &mut S, until: f64) -> Result<(), Cause> {
+        let now = self.clock.now();
+        finite(system, &self.y, "state")?;
+        self.watch = Watch::new(system, (now, until), &self.y);
+        if let Some(watch) = &mut self.watch {
+            watch.begin(system, now, &self.y)?;
+        }
+        self.restart(system)
+    }
+
+    /// Goes on to `until`, or to an event that stops.
+    pub fn advance(&mut self, system: &mut S, until: f64, recorder: &mut Recorder) -> Result<Halt, Cause> {
+        while self.clock.now() < until {
+            let stop = self.watch.as_ref().map_or(until, |watch| watch.next_stop(until));
+            let step = self.attempt(system, stop)?;
+            let Some(mut watch) = self.watch.take() else {
+                self.keep(system, step, recorder)?;
+                continue;
+            };
+            let outcome = self.watched(system, step, &mut watch, recorder);
+            self.watch = Some(watch);
+            if outcome? == Halt::Event {
+                return Ok(Halt::Event);
+            }
+        }
+        Ok(Halt::Arrived)
+    }
+
+    /// Writes down and takes a step that nothing can interrupt.
+    fn keep(&mut self, system: &S, step: Step, recorder: &mut Recorder) -> Result<(), Cause> {
+        if recorder.wants_dense(step.next) {
+            self.dense(system, step)?;
+            recorder.accept(system, Some(&self.segment(step)), step.next, &self.end);
+        } else {
+            recorder.accept(system, None, step.next, &self.end);
+        }
+        self.commit(step);
+        Ok(())
+    }
+
+    /// Writes down and takes a step, as far as the first event that stops or the first discontinuity.
+    fn watched(
+        &mut self,
+        system: &mut S,
+        step: Step,
+        watch: &mut Watch,
+        recorder: &mut Recorder,
+    ) -> Result<Halt, Cause> {
+        self.dense(system, step)?;
+        let Some(interruption) = watch.scan(system, &self.segment(step)) else {
+            recorder.accept(system, Some(&self.segment(step)), step.next, &self.end);
+            watch.pass(system, &self.segment(step), recorder);
+            self.commit(step);
+            if step.lands && watch.switch(system, step.next, &self.y)? {
+                self.restart(system)?;
+            }
+            return Ok(Halt::Arrived);
+        };
+        let crossing = match interruption {
+            Interruption::At(crossing) => crossing,
+            Interruption::LeavesRest { switch, side } => {
+                watch.leave_rest(system, (switch, side), (self.clock.now(), &self.y))?;
+                self.restart(system)?;
+                return Ok(Halt::Arrived);
+            }
+        };
+        let together = watch.simultaneous(crossing, &self.segment(step));
+        let stops = match self.shorten(system, step, crossing.theta, crossing.function, watch)? {
+            Some(shorter) => {
+                let segment = self.segment(shorter);
+                recorder.accept(system, Some(&segment), shorter.next, &self.end);
+                watch.record_before(system, &segment, recorder, &together);
+                let stops = watch.fire(system, &together, (shorter.next, &self.end), recorder);
+                self.commit(shorter);
+                stops
+            }
+            None => watch.fire(system, &together, (self.clock.now(), &self.y), recorder),
+        };
+        if stops {
+            return Ok(Halt::Event);
+        }
+        // A stop time may coincide with the crossing.
+        watch.switch(system, self.clock.now(), &self.y)?;
+        self.restart(system)?;
+        Ok(Halt::Arrived)
+    }
+
+    /// Steps again, as far as the zero of a watched function at about θ of the step that was tried; `None` if
+    /// that is where the step began.
+    ///
+    /// The dense output finds the zero; the method's own step to it, corrected by Newton's method, is more
+    /// accurate (catalogue E7).
+    fn shorten(
+        &mut self,
+        system: &S,
+        step: Step,
+        theta: f64,
+        function: usize,
+        watch: &mut Watch,
+    ) -> Result<Option<Step>, Cause> {
+        let now = self.clock.now();
+        let resolution = f64::EPSILON * now.abs().max(step.h);
+        let mut h = theta * step.h;
+        let mut shorter = None;
+        for _ in 0..5 {
+            if h <= resolution {
+                return Ok(shorter);
+            }
+            let trial = Step { h, next: now + h, lands: false };
+            self.try_step(system, trial, true).map_err(|fault| singular(system, fault))?;
+            finite(system, &self.end, "state")?;
+            self.dense(system, trial)?;
+            shorter = Some(trial);
+            let segment = self.segment(trial);
+            let (value, slope) = watch.value_and_slope(system, function, &segment, &self.end);
+            let correction = -value / slope;
+            if !(correction.abs() > resolution && correction.abs() < 0.1 * h) {
+                break;
+            }
+            h += correction;
+        }
+        Ok(shorter)
+    }
+
+    /// Begins anew after the state or the equations changed.
+    fn restart(&mut self, system: &S) -> Result<(), Cause> {
         self.carry.fill(0.0);
         self.h = 0.0;
         self.control = StepControl::new(self.stepper.tableau().control);
@@ -99,28 +229,19 @@ impl<S: System + ?Sized> March<S> {
         finite(system, &self.rate, "rate")
     }
 
-    /// Goes on to `until`.
-    pub fn advance(&mut self, system: &mut S, until: f64, recorder: &mut Recorder) -> Result<Halt, Cause> {
-        while self.clock.now() < until {
-            let (next, lands) = self.attempt(system, until)?;
-            let from = self.clock.now();
-            if recorder.wants_dense(next) {
-                let h = next - from;
-                self.stepper
-                    .dense(&mut self.rates, system, (from, h, &self.y), &self.end, &mut self.pieces)
-                    .map_err(|fault| singular(system, fault))?;
-                let segment = Segment { t: from, h, width: self.rates.width, pieces: &self.pieces };
-                recorder.accept(system, Some(&segment), next, &self.end);
-            } else {
-                recorder.accept(system, None, next, &self.end);
-            }
-            self.commit(next, lands);
-        }
-        Ok(Halt::Arrived)
+    /// Dense output of the step that was tried.
+    fn dense(&mut self, system: &S, step: Step) -> Result<(), Cause> {
+        self.stepper
+            .dense(&mut self.rates, system, (self.clock.now(), step.h, &self.y), &self.end, &mut self.pieces)
+            .map_err(|fault| singular(system, fault))
     }
 
-    /// Tries steps until one is good; returns where it ends and whether that is `stop`.
-    fn attempt(&mut self, system: &S, stop: f64) -> Result<(f64, bool), Cause> {
+    fn segment(&self, step: Step) -> Segment<'_> {
+        Segment { t: self.clock.now(), h: step.h, width: self.rates.width, pieces: &self.pieces }
+    }
+
+    /// Tries steps until one is good.
+    fn attempt(&mut self, system: &S, stop: f64) -> Result<Step, Cause> {
         if self.work.steps >= self.max_steps {
             return Err(Cause::TooManySteps { limit: self.max_steps });
         }
@@ -129,19 +250,20 @@ impl<S: System + ?Sized> March<S> {
             self.h = self.first(system, stop - now).map_err(|fault| singular(system, fault))?;
         }
         loop {
-            let (h, next, lands) = self.plan(stop);
+            let step = self.plan(stop);
+            let Step { h, next, lands } = step;
             if next <= now {
                 return Err(match self.pace {
                     Pace::Fixed(h) => Cause::StepBelowResolution { h },
                     Pace::Adaptive { .. } => Cause::StepTooSmall { h },
                 });
             }
-            let outcome = self.try_step(system, now, h, next);
+            let outcome = self.try_step(system, step, false);
             match &self.pace {
                 Pace::Fixed(_) => {
                     outcome.map_err(|fault| singular(system, fault))?;
                     finite(system, &self.end, "state")?;
-                    return Ok((next, lands));
+                    return Ok(step);
                 }
                 Pace::Adaptive { .. } => {
                     let error = *outcome.as_ref().unwrap_or(&f64::NAN);
@@ -149,7 +271,7 @@ impl<S: System + ?Sized> March<S> {
                         let proposal = self.control.accepted(h, error);
                         // A step cut short by a stop says nothing against the longer one before it.
                         self.h = if lands { proposal.max(self.h) } else { proposal };
-                        return Ok((next, lands));
+                        return Ok(step);
                     }
                     self.work.rejected += 1;
                     self.h = self.control.rejected(h, error);
@@ -163,41 +285,46 @@ impl<S: System + ?Sized> March<S> {
         }
     }
 
-    /// A step's length and end, and whether the end is the stop.
-    fn plan(&self, stop: f64) -> (f64, f64, bool) {
+    /// The next step to try.
+    fn plan(&self, stop: f64) -> Step {
         let now = self.clock.now();
         let left = stop - now;
         match &self.pace {
             Pace::Fixed(h) => {
                 let next = self.clock.after_equal_step(*h);
-                if next >= stop - 1e-9 * h { (left, stop, true) } else { (*h, next, false) }
+                if next >= stop - 1e-9 * h {
+                    Step { h: left, next: stop, lands: true }
+                } else {
+                    Step { h: *h, next, lands: false }
+                }
             }
             Pace::Adaptive { longest, .. } => {
                 let h = self.h.min(*longest);
                 if left <= 1.01 * h {
-                    (left, stop, true)
-                } else if left < 2.0 * h {
-                    (0.5 * left, self.clock.after(0.5 * left), false)
+                    Step { h: left, next: stop, lands: true }
                 } else {
-                    (h, self.clock.after(h), false)
+                    let h = if left < 2.0 * h { 0.5 * left } else { h };
+                    Step { h, next: self.clock.after(h), lands: false }
                 }
             }
         }
     }
 
-    /// One step of h; leaves the end and its rate behind and returns the error.
-    fn try_step(&mut self, system: &S, now: f64, h: f64, next: f64) -> Result<f64, SingularMass> {
+    /// Tries a step; leaves its end behind, and its rate there if it is good (or `whatever` its error), which
+    /// is returned.
+    fn try_step(&mut self, system: &S, step: Step, whatever: bool) -> Result<f64, SingularMass> {
+        let from = (self.clock.now(), step.h, self.y.as_slice());
         let tolerance = match &self.pace {
             Pace::Fixed(_) => None,
             Pace::Adaptive { tolerance, .. } => Some(tolerance),
         };
-        let error = self.stepper.attempt(&mut self.rates, system, (now, h, &self.y), &self.rate, tolerance)?;
+        let error = self.stepper.attempt(&mut self.rates, system, from, &self.rate, tolerance)?;
         let increment = self.stepper.increment();
         for (i, end) in self.end.iter_mut().enumerate() {
             *end = self.y[i] + (increment[i] + self.carry[i]);
         }
-        if error <= 1.0 {
-            let rate = self.stepper.end_rate(&mut self.rates, system, next, &self.end)?;
+        if error <= 1.0 || whatever {
+            let rate = self.stepper.end_rate(&mut self.rates, system, step.next, &self.end)?;
             if !rate.iter().all(|rate| rate.is_finite()) {
                 return Ok(f64::NAN);
             }
@@ -206,7 +333,7 @@ impl<S: System + ?Sized> March<S> {
     }
 
     /// Takes the step that was tried.
-    fn commit(&mut self, next: f64, lands: bool) {
+    fn commit(&mut self, step: Step) {
         let increment = self.stepper.increment();
         for (i, carry) in self.carry.iter_mut().enumerate() {
             *carry = (increment[i] + *carry) - (self.end[i] - self.y[i]);
@@ -214,9 +341,9 @@ impl<S: System + ?Sized> March<S> {
         std::mem::swap(&mut self.y, &mut self.end);
         self.rate.copy_from_slice(self.stepper.last_rate());
         match self.pace {
-            _ if lands => self.clock.set(next),
-            Pace::Fixed(h) => self.clock.equal_step(h),
-            Pace::Adaptive { .. } => self.clock.step(next - self.clock.now()),
+            Pace::Fixed(h) if step.h == h => self.clock.equal_step(h),
+            Pace::Adaptive { .. } if !step.lands => self.clock.step(step.h),
+            _ => self.clock.set(step.next),
         }
         self.work.steps += 1;
     }
@@ -232,6 +359,17 @@ impl<S: System + ?Sized> March<S> {
             }
         }
     }
+}
+
+/// A step to try, or one that was.
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    /// Its length, s.
+    h: f64,
+    /// Where it ends, s.
+    next: f64,
+    /// True when it ends at a time that was asked for.
+    lands: bool,
 }
 
 /// Names the coordinate.

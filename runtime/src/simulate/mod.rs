@@ -137,7 +137,7 @@ pub fn simulate<S: System + ?Sized>(system: &mut S, settings: &Settings) -> Resu
     for warning in warnings {
         recorder.warn(warning);
     }
-    let outcome = match march.restart(system) {
+    let outcome = match march.begin(system, settings.until) {
         Ok(()) => march.advance(system, settings.until, &mut recorder),
         Err(cause) => Err(cause),
     };
