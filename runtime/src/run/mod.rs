@@ -1,11 +1,13 @@
 //! What a run returns.
 
+mod frames;
 mod record;
 mod state;
 mod trajectory;
 
 use std::sync::Arc;
 
+pub(crate) use frames::Frames;
 pub(crate) use record::{Plan, Recorder};
 pub(crate) use state::Names;
 pub use state::State;
@@ -41,8 +43,8 @@ pub struct Run {
     pub(crate) times: Vec<f64>,
     pub(crate) rows: Vec<f64>,
     pub(crate) outputs: Vec<f64>,
-    /// Points of `description.draw` at all reported times; empty if the run was told to keep no dense output.
-    pub(crate) drawings: Vec<f64>,
+    /// Empty if the run was told to keep no dense output.
+    pub(crate) frames: Frames,
     pub(crate) trajectory: Trajectory,
     pub(crate) names: Arc<Names>,
     pub(crate) description: Arc<Description>,

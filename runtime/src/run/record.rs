@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Names, Occurrence, Run, Segment, State, Trajectory, Work};
+use super::{Frames, Names, Occurrence, Run, Segment, State, Trajectory, Work};
 use crate::integrate::Method;
 use crate::mechanism::System;
 use crate::trust::{Monitor, Warning};
@@ -24,6 +24,8 @@ pub(crate) struct Recorder {
 
 /// What to write down.
 pub(crate) struct Plan {
+    /// Where the run ends unless an event ends it, s.
+    pub until: f64,
     /// Spacing of reported states, s.
     pub every: f64,
     /// Whether to keep dense output.
@@ -59,7 +61,7 @@ impl Recorder {
             times: Vec::new(),
             rows: Vec::new(),
             outputs: Vec::new(),
-            drawings: Vec::new(),
+            frames: Frames::new(system, plan.dense, t, plan.until),
             trajectory: Trajectory::new(2 * n, plan.pieces),
             names: Arc::new(Names::of(description)),
             description: Arc::new(description.clone()),
@@ -77,6 +79,7 @@ impl Recorder {
             accelerations: vec![0.0; n],
         };
         recorder.write_row(system, t, &y[..2 * n]);
+        recorder.run.frames.write(system, t, y);
         recorder
     }
 
@@ -90,6 +93,7 @@ impl Recorder {
         if let Some(segment) = segment {
             if self.keep_dense {
                 self.run.trajectory.push(segment);
+                self.run.frames.accept(system, segment, t, &mut self.point);
             }
             while self.next_time() < t {
                 let at = self.next_time();
@@ -144,6 +148,7 @@ impl Recorder {
         if self.run.times.last().is_none_or(|last| *last < t) {
             self.write_row(system, t, &y[..2 * self.n]);
         }
+        self.run.frames.write(system, t, y);
         if let Some(monitor) = self.monitor {
             self.run.drift = monitor.drifts(system.description());
             self.run.energy_balance = monitor.energy_balance();
@@ -166,17 +171,6 @@ impl Recorder {
         outputs.resize(first + count, f64::NAN);
         self.write_outputs(system, t, y, &mut outputs[first..]);
         self.run.outputs = outputs;
-        if self.keep_dense {
-            self.write_drawing(system, t, y);
-        }
-    }
-
-    fn write_drawing<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
-        let first = self.run.drawings.len();
-        self.run.drawings.resize(first + self.run.description.drawing_len(), f64::NAN);
-        if first < self.run.drawings.len() {
-            system.drawing(t, &y[..self.n], &y[self.n..2 * self.n], &mut self.run.drawings[first..]);
-        }
     }
 
     fn write_outputs<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64], outputs: &mut [f64]) {

@@ -7,9 +7,6 @@ use crate::run::Run;
 use std::path::Path;
 use std::sync::Arc;
 
-/// A page shows at most about this many of a run's states.
-const FRAMES: usize = 3000;
-
 impl Run {
     /// Writes [`Run::to_svg`] to a file.
     ///
@@ -94,13 +91,9 @@ impl Run {
         Figure { charts }
     }
 
-    /// The shapes that the model draws, at no more than some thousands of the reported times.
+    /// The shapes that the model draws, at up to some thousands of times, none if the run kept no dense output.
     pub fn animation(&self) -> Animation {
-        let size = self.description.drawing_len().max(1);
-        let stride = self.times.len().div_ceil(FRAMES).max(1);
-        let frames = self.times.iter().zip(self.drawings.chunks_exact(size)).map(|(t, points)| (*t, points.to_vec()));
-        let last = frames.clone().next_back().filter(|_| (self.times.len() - 1) % stride != 0);
-        Animation::of(&self.description).with_frames(frames.step_by(stride).chain(last))
+        Animation::of(&self.description).with_frames(self.frames.iter().map(|(t, numbers)| (t, numbers.to_vec())))
     }
 
     /// Paths of all traces, or of the only output if that is a vector; of motions in space two views.
@@ -123,13 +116,12 @@ impl Run {
     }
 
     fn traces(&self) -> Vec<(String, Vec<[f64; 3]>)> {
-        let description = &self.description;
-        let (dimension, size) = (description.structure.dimension as usize, description.drawing_len().max(1));
+        let dimension = self.description.structure.dimension as usize;
         let mut first = 0;
         let mut traces = Vec::new();
-        for shape in description.draw.iter() {
+        for shape in self.description.draw.iter() {
             if let Shape::Trace(name) = shape {
-                let points = self.drawings.chunks_exact(size).map(|frame| point(&frame[first..first + dimension]));
+                let points = self.frames.iter().map(|(_, frame)| point(&frame[first..first + dimension]));
                 traces.push((name.to_string(), points.collect()));
             }
             first += shape.numbers(dimension);
@@ -243,8 +235,9 @@ mod tests {
     fn traces_and_frames_are_the_points_of_the_model() {
         let run = circling(2);
         let path = &run.figure().charts[0].series[0].points;
-        assert_eq!(path.len(), run.len());
         let frames = run.animation().frames;
+        assert_eq!((path.len(), frames.len()), (2001, 2001));
+        assert_eq!((frames[0].0, frames[2000].0), (0.0, 6.0));
         for ((t, numbers), tip) in frames.iter().zip(path) {
             assert!((tip.unwrap().0 - t.cos()).abs() < 1e-9 && numbers[2] == tip.unwrap().0);
         }

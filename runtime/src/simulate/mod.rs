@@ -125,6 +125,7 @@ pub fn simulate<S: System + ?Sized>(system: &mut S, settings: &Settings) -> Resu
     };
     let mut march = March::new(method, pace, rates, settings.from, y, settings.max_steps);
     let plan = Plan {
+        until: settings.until,
         every: settings.every.unwrap_or(if span > 0.0 { span / 500.0 } else { 1.0 }),
         dense: settings.dense,
         watch: settings.watch,
