@@ -1,6 +1,9 @@
 //! Everything before Rust exists: reads a model file, checks it, derives its equations and prints them.
 
+pub mod derive;
 pub mod diagnose;
 pub mod expr;
 pub mod language;
+pub mod lower;
 pub mod model;
+pub mod print;

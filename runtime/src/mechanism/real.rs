@@ -51,6 +51,11 @@ pub trait Real:
     /// True when every lane of `self` is greater than that of `floor`; false for NaN.
     fn exceeds(self, floor: Self) -> bool;
 
+    /// A pivot of M smaller than this, relative to M's diagonal, is rounding.
+    fn pivot_floor() -> Self {
+        Self::from_f64(1e-15)
+    }
+
     /// The constant `x`.
     fn from_f64(x: f64) -> Self {
         Self::ratio(x, 1.0)
@@ -137,6 +142,12 @@ macro_rules! real_for_float {
             }
             fn exceeds(self, floor: Self) -> bool {
                 self > floor
+            }
+            fn pivot_floor() -> Self {
+                4.0 * $float::EPSILON
+            }
+            fn abs(self) -> Self {
+                $float::abs(self)
             }
         }
     };

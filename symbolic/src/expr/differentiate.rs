@@ -77,6 +77,69 @@ pub fn partial(graph: &mut Graph, root: Id, by: Symbol) -> Id {
     Forward::new(move |_: &mut Graph, s| if s == by { Id::ONE } else { Id::ZERO }).of(graph, root)
 }
 
+/// The sparse Jacobian of some expressions by the symbols to which `column` gives a place.
+///
+/// One forward pass carries the tangents of all columns at once, non-zero ones only; each row comes
+/// sorted by column.
+pub fn jacobian(graph: &mut Graph, roots: &[Id], column: impl Fn(Symbol) -> Option<usize>) -> Vec<Vec<(usize, Id)>> {
+    let needed = graph.reachable(roots.iter().copied());
+    let mut tangents: Vec<Vec<(usize, Id)>> = vec![Vec::new(); needed.len()];
+    for i in (0..needed.len()).filter(|&i| needed[i]) {
+        let id = graph.id_at(i);
+        tangents[i] = match graph.node(id) {
+            Node::Number(_) => Vec::new(),
+            Node::Symbol(s) => column(s).map(|c| vec![(c, Id::ONE)]).unwrap_or_default(),
+            Node::Unary(_, x) => {
+                let child = std::mem::take(&mut tangents[x.index()]);
+                let row = scaled(graph, &child, |g| partial_unary(g, id));
+                tangents[x.index()] = child;
+                row
+            }
+            Node::Binary(operation, x, y) => {
+                let (first, second) = (tangents[x.index()].clone(), tangents[y.index()].clone());
+                match operation {
+                    Binary::Add => merged(graph, first, second, Graph::add),
+                    Binary::Sub => merged(graph, first, second, Graph::sub),
+                    _ => {
+                        let a = scaled(graph, &first, |g| partial_binary(g, id, true));
+                        let b = scaled(graph, &second, |g| partial_binary(g, id, false));
+                        merged(graph, a, b, Graph::add)
+                    }
+                }
+            }
+        };
+    }
+    roots.iter().map(|r| tangents[r.index()].clone()).collect()
+}
+
+fn scaled(graph: &mut Graph, row: &[(usize, Id)], slope: impl FnOnce(&mut Graph) -> Id) -> Vec<(usize, Id)> {
+    if row.is_empty() {
+        return Vec::new();
+    }
+    let slope = slope(graph);
+    row.iter().map(|&(c, d)| (c, graph.mul(slope, d))).filter(|&(_, d)| d != Id::ZERO).collect()
+}
+
+fn merged(
+    graph: &mut Graph,
+    a: Vec<(usize, Id)>,
+    b: Vec<(usize, Id)>,
+    combine: impl Fn(&mut Graph, Id, Id) -> Id,
+) -> Vec<(usize, Id)> {
+    let (mut a, mut b) = (a.into_iter().peekable(), b.into_iter().peekable());
+    let mut row = Vec::new();
+    loop {
+        let (x, y) = (a.peek().map(|e| e.0), b.peek().map(|e| e.0));
+        let Some(c) = [x, y].into_iter().flatten().min() else { return row };
+        let left = a.next_if(|e| e.0 == c).map_or(Id::ZERO, |e| e.1);
+        let right = b.next_if(|e| e.0 == c).map_or(Id::ZERO, |e| e.1);
+        let value = combine(graph, left, right);
+        if value != Id::ZERO {
+            row.push((c, value));
+        }
+    }
+}
+
 /// Reverse mode: the gradient of Σ seedₖ·rootₖ (seeds held fixed) by every symbol of which `wanted` is true.
 ///
 /// Partial derivatives are formed for the nodes between the roots and the wanted symbols only.

@@ -1,13 +1,19 @@
 //! The expression graph: hash-consed arena, exact rationals, differentiation, evaluation.
 
+mod canonical;
 mod differentiate;
 mod evaluate;
+mod expand;
 mod graph;
 mod rational;
+mod rewrite;
 mod symbol;
 
-pub use differentiate::{Forward, partial, reverse};
+pub use canonical::canonical;
+pub use differentiate::{Forward, jacobian, partial, reverse};
 pub use evaluate::{Tape, apply_binary, apply_unary};
 pub use graph::{Binary, Graph, Id, Node, Number, Unary};
+pub use expand::expand;
 pub use rational::Rational;
+pub use rewrite::{rewrite, substitute};
 pub use symbol::Symbol;

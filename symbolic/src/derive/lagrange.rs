@@ -1,0 +1,166 @@
+//! Lagrange's equations from the energies.
+//!
+//! With p = ∂T/∂q' (one reverse pass), M = ∂p/∂q' (one forward pass) and
+//! h = dp/dt at q'' = 0 − ∂T/∂q + ∂V/∂q − Q.  Christoffel symbols are never formed.
+
+use std::collections::HashMap;
+
+use super::{Dynamics, Energies, Equations, bias_rates, mass_entries, rates};
+use crate::expr::{Forward, Graph, Id, Rational, Symbol, Unary, reverse};
+use crate::model::Model;
+
+/// M, h and F from the energies; and the momenta of cyclic coordinates.
+pub(super) fn equations(graph: &mut Graph, dynamics: &Dynamics) -> (Equations, Vec<(usize, Id)>) {
+    let n = dynamics.n;
+    let velocities = Velocities::of(graph, dynamics);
+    let kinetic = kinetic_energy(graph, dynamics, &velocities);
+    let potential = potential_energy(graph, dynamics);
+
+    let momenta = speed_gradient(graph, n, &[(kinetic, Id::ONE)]);
+    let mass = mass_entries(graph, &momenta, |s| match s {
+        Symbol::Speed(j) => Some(j as usize),
+        _ => None,
+    });
+
+    let minus = graph.integer(-1);
+    let gradient =
+        reverse(graph, &[(kinetic, minus), (potential, Id::ONE)], |s| matches!(s, Symbol::Coordinate(_)));
+    let resisting = resisting_forces(graph, dynamics, &velocities);
+    let rest: Vec<Id> = (0..n).map(|i| graph.add(coordinate_entry(&gradient, i), resisting[i])).collect();
+
+    let bias = bias_rates(graph, &momenta);
+    let full = rates(graph, &momenta);
+    // A coordinate on which neither T − V nor any force depends or acts is cyclic: its momentum is conserved.
+    let mut complete = |momentum_rates: Vec<Id>| -> Vec<Id> {
+        momentum_rates.iter().zip(&rest).map(|(&p, &r)| graph.add(p, r)).collect()
+    };
+    let cyclic = (0..n).filter(|&i| rest[i] == Id::ZERO).map(|i| (i, momenta[i])).collect();
+    (Equations { name: "Lagrange", mass, bias: complete(bias), residual: complete(full) }, cyclic)
+}
+
+/// T, V, the Jacobi function and its power, with the true functions in the place of modes where they are observed.
+pub(super) fn energies(model: &mut Model, dynamics: &Dynamics) -> Energies {
+    let graph = &mut model.graph;
+    let velocities = Velocities::of(graph, dynamics);
+    let kinetic = kinetic_energy(graph, dynamics, &velocities);
+    let potential = potential_energy(graph, dynamics);
+    let momenta = speed_gradient(graph, dynamics.n, &[(kinetic, Id::ONE)]);
+    let mut jacobi = Id::ZERO;
+    for (i, p) in momenta.iter().enumerate() {
+        let v = graph.symbol(Symbol::Speed(i as u32));
+        let term = graph.mul(v, *p);
+        jacobi = graph.add(jacobi, term);
+    }
+    jacobi = graph.sub(jacobi, kinetic);
+    jacobi = graph.add(jacobi, potential);
+
+    // Explicit time, through t itself and through inputs.
+    let lagrangian = graph.sub(potential, kinetic);
+    let mut power = Forward::new(|g: &mut Graph, s| match s {
+        Symbol::Time => Id::ONE,
+        Symbol::Input(..) => s.rate().map_or(Id::ZERO, |r| g.symbol(r)),
+        _ => Id::ZERO,
+    })
+    .of(graph, lagrangian);
+    for (i, resisting) in resisting_forces(graph, dynamics, &velocities).into_iter().enumerate() {
+        let v = graph.symbol(Symbol::Speed(i as u32));
+        let term = graph.mul(v, resisting);
+        power = graph.sub(power, term);
+    }
+
+    let mut scale = Id::ZERO;
+    for term in model.kinetic_terms.iter().chain(&model.potential_terms) {
+        let size = graph.unary(Unary::Abs, *term);
+        scale = graph.add(scale, size);
+    }
+    let roots = super::switches::remove(graph, &[kinetic, potential, jacobi, power], &dynamics.switches);
+    Energies { kinetic: roots[0], potential: roots[1], jacobi: roots[2], power: roots[3], scale }
+}
+
+/// Velocities of centres of mass and angular velocities.
+struct Velocities {
+    linear: Vec<Vec<Id>>,
+    angular: Vec<Id>,
+}
+
+impl Velocities {
+    fn of(graph: &mut Graph, dynamics: &Dynamics) -> Velocities {
+        let linear = dynamics.bodies.iter().map(|b| rates(graph, &b.position)).collect();
+        let turning = |b: &super::Inertial| b.rotation.map_or(Id::ZERO, |r| r.0);
+        let angles: Vec<Id> = dynamics.bodies.iter().map(turning).collect();
+        Velocities { linear, angular: rates(graph, &angles) }
+    }
+}
+
+fn kinetic_energy(graph: &mut Graph, dynamics: &Dynamics, velocities: &Velocities) -> Id {
+    let mut doubled = Id::ZERO;
+    for (k, body) in dynamics.bodies.iter().enumerate() {
+        let mut square = Id::ZERO;
+        for v in &velocities.linear[k] {
+            let term = graph.mul(*v, *v);
+            square = graph.add(square, term);
+        }
+        let moving = graph.mul(body.mass, square);
+        doubled = graph.add(doubled, moving);
+        if let Some((_, inertia)) = body.rotation {
+            let omega = velocities.angular[k];
+            let square = graph.mul(omega, omega);
+            let turning = graph.mul(inertia, square);
+            doubled = graph.add(doubled, turning);
+        }
+    }
+    let half = graph.rational(Rational::new(1, 2).unwrap_or(Rational::ONE));
+    let kinetic = graph.mul(half, doubled);
+    graph.add(kinetic, dynamics.raw_kinetic)
+}
+
+fn potential_energy(graph: &mut Graph, dynamics: &Dynamics) -> Id {
+    let mut potential = dynamics.potential;
+    for body in &dynamics.bodies {
+        for (g, r) in dynamics.gravity.iter().zip(&body.position) {
+            let height = graph.mul(*g, *r);
+            let lift = graph.mul(body.mass, height);
+            potential = graph.sub(potential, lift);
+        }
+    }
+    potential
+}
+
+/// −Q of everything without a potential: Rayleigh's function, dampers, loads on bodies, forces as written.
+fn resisting_forces(graph: &mut Graph, dynamics: &Dynamics, velocities: &Velocities) -> Vec<Id> {
+    let mut seeds = speed_seeds(dynamics);
+    for (body, force, moment) in &dynamics.wrenches {
+        for (v, f) in velocities.linear[*body].iter().zip(force) {
+            seeds.push((*v, graph.neg(*f)));
+        }
+        seeds.push((velocities.angular[*body], graph.neg(*moment)));
+    }
+    let forces = speed_gradient(graph, dynamics.n, &seeds);
+    with_generalized(graph, dynamics, forces)
+}
+
+/// Seeds whose gradient by the speeds gives the resistance of dampers and of Rayleigh's function.
+pub(super) fn speed_seeds(dynamics: &Dynamics) -> Vec<(Id, Id)> {
+    let mut seeds = vec![(dynamics.dissipation, Id::ONE)];
+    seeds.extend(&dynamics.resistances);
+    seeds
+}
+
+/// Subtracts the generalized forces as written.
+pub(super) fn with_generalized(graph: &mut Graph, dynamics: &Dynamics, mut forces: Vec<Id>) -> Vec<Id> {
+    for (i, q) in &dynamics.generalized {
+        forces[*i] = graph.sub(forces[*i], *q);
+    }
+    forces
+}
+
+/// The gradient of Σ seed·root by every speed.
+pub(super) fn speed_gradient(graph: &mut Graph, n: usize, seeds: &[(Id, Id)]) -> Vec<Id> {
+    let gradient = reverse(graph, seeds, |s| matches!(s, Symbol::Speed(_)));
+    (0..n).map(|i| gradient.get(&Symbol::Speed(i as u32)).copied().unwrap_or(Id::ZERO)).collect()
+}
+
+/// One component of a gradient by the coordinates.
+pub(super) fn coordinate_entry(gradient: &HashMap<Symbol, Id>, i: usize) -> Id {
+    gradient.get(&Symbol::Coordinate(i as u32)).copied().unwrap_or(Id::ZERO)
+}

@@ -1,0 +1,310 @@
+//! What is tested when a model compiles (LANGUAGE, section 8).
+
+use super::sample::{Draws, State};
+use super::switches::Switch;
+use super::{Equations, problems, rates};
+use crate::diagnose::{Place, Problem, Step};
+use crate::expr::{Binary, Forward, Graph, Id, Node, Symbol, Tape, Unary};
+use crate::model::Model;
+
+/// How many states each test wants.
+const STATES: usize = 16;
+/// How many draws are made for them at the most.
+const DRAWS: usize = 400;
+/// Two derivations, or two sides, may differ by this much of their terms.
+const TOLERANCE: f64 = 1e-9;
+
+/// How well two derivations agree.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Agreement {
+    /// The derivations.
+    pub between: (String, String),
+    /// At how many states.
+    pub states: usize,
+    /// The largest difference of an equation, relative to its largest term.
+    pub worst: f64,
+}
+
+/// Everything that was tested and held.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Report {
+    /// Derivations against each other.
+    pub agreements: Vec<Agreement>,
+    /// Conserved quantities: name, largest relative rate.
+    pub conserved: Vec<(String, f64)>,
+    /// Identities: name, largest relative difference.
+    pub checks: Vec<(String, f64)>,
+}
+
+/// Runs every test and collects every failure.
+pub(super) fn all(
+    model: &mut Model,
+    equations: &[Equations],
+    switches: &[Switch],
+) -> Result<Report, Vec<Problem>> {
+    let mut problems = massless(model, equations);
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    let mut report = Report::default();
+    let invariants = invariant_rates(model);
+    let model = &*model;
+    match finite_states(model, equations, switches, &[]) {
+        Err(problem) => return Err(vec![problem]),
+        Ok(states) => match agreement(model, equations, &states) {
+            Ok(agreements) => report.agreements = agreements,
+            Err(problem) => problems.push(problem),
+        },
+    }
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    for (invariant, components) in model.conserved.iter().zip(&invariants) {
+        let states = match finite_states(model, equations, switches, &invariant.when) {
+            Ok(states) => states,
+            Err(problem) => return Err(vec![problem]),
+        };
+        match conserved(model, &invariant.name, components, &states, &invariant.place) {
+            Ok(worst) => report.conserved.push((invariant.name.clone(), worst)),
+            Err(problem) => problems.push(problem),
+        }
+    }
+    for check in &model.checks {
+        let states = match finite_states(model, equations, switches, &check.when) {
+            Ok(states) => states,
+            Err(problem) => return Err(vec![problem]),
+        };
+        let pairs: Vec<(Id, Id)> = check.left.iter().copied().zip(check.right.iter().copied()).collect();
+        match identity(model, &check.name, &pairs, &states, &check.place) {
+            Ok(worst) => report.checks.push((check.name.clone(), worst)),
+            Err(problem) => problems.push(problem),
+        }
+    }
+    if problems.is_empty() { Ok(report) } else { Err(problems) }
+}
+
+/// Coordinates without an entry on M's diagonal.
+fn massless(model: &Model, equations: &[Equations]) -> Vec<Problem> {
+    let moved = |i: usize| equations[0].mass.iter().any(|e| (e.0, e.1) == (i, i));
+    let coordinates = model.coordinates.iter().enumerate();
+    coordinates.filter(|(i, _)| !moved(*i)).map(|(_, c)| problems::massless(&c.name, c.place.clone())).collect()
+}
+
+/// States at which the equations give finite numbers, with the accelerations of the motion in them.
+fn finite_states(
+    model: &Model,
+    equations: &[Equations],
+    switches: &[Switch],
+    when: &[(usize, f64)],
+) -> Result<Vec<State>, Problem> {
+    let n = model.coordinates.len();
+    let first = &equations[0];
+    let roots: Vec<Id> = first.mass.iter().map(|e| e.2).chain(first.bias.iter().copied()).collect();
+    let tape = Tape::new(&model.graph, &roots);
+    let mut draws = Draws::new(model, switches);
+    let mut states = Vec::new();
+    let mut singular = vec![0; n];
+    let mut scratch = Vec::new();
+    let mut values = vec![0.0; tape.len()];
+    for _ in 0..DRAWS {
+        if states.len() == STATES {
+            return Ok(states);
+        }
+        let mut state = draws.next(when);
+        tape.run(|s| state.value(s), &mut scratch, &mut values);
+        if values.iter().any(|x| !x.is_finite()) {
+            continue;
+        }
+        let mut mass = vec![0.0; n * n];
+        for (k, (i, j, _)) in first.mass.iter().enumerate() {
+            mass[i * n + j] = values[k];
+            mass[j * n + i] = values[k];
+        }
+        let force: Vec<f64> = values[first.mass.len()..].iter().map(|h| -h).collect();
+        match solve(mass, force) {
+            Ok(a) => {
+                state.a = a;
+                states.push(state);
+            }
+            Err(i) => singular[i] += 1,
+        }
+    }
+    let worst = (0..n).max_by_key(|&i| singular[i]).filter(|&i| singular[i] > DRAWS / 2);
+    Err(match worst {
+        Some(i) => problems::dependent(&model.coordinates[i].name, model.coordinates[i].place.clone()),
+        None => {
+            let place = Place { path: vec![Step::Key("coordinates".to_owned())], key: false, span: None };
+            problems::too_few_states(DRAWS, states.len(), place)
+        }
+    })
+}
+
+/// Gaussian elimination on the diagonal of a symmetric matrix; the place of a pivot that vanishes to rounding.
+fn solve(mut m: Vec<f64>, mut f: Vec<f64>) -> Result<Vec<f64>, usize> {
+    let n = f.len();
+    let diagonal: Vec<f64> = (0..n).map(|i| m[i * n + i].abs()).collect();
+    for k in 0..n {
+        let pivot = m[k * n + k];
+        if pivot.abs() <= 1e-13 * diagonal[k] || !pivot.is_finite() {
+            return Err(k);
+        }
+        for i in k + 1..n {
+            let factor = m[i * n + k] / pivot;
+            if factor != 0.0 {
+                for j in k..n {
+                    m[i * n + j] -= factor * m[k * n + j];
+                }
+                f[i] -= factor * f[k];
+            }
+        }
+    }
+    for k in (0..n).rev() {
+        let known: f64 = (k + 1..n).map(|j| m[k * n + j] * f[j]).sum();
+        f[k] = (f[k] - known) / m[k * n + k];
+    }
+    Ok(f)
+}
+
+/// Every derivation's residual and mass matrix against the first one's.
+fn agreement(model: &Model, equations: &[Equations], states: &[State]) -> Result<Vec<Agreement>, Problem> {
+    let first = &equations[0];
+    let n = model.coordinates.len();
+    let mut agreements = Vec::new();
+    for other in &equations[1..] {
+        let mut worst = 0.0_f64;
+        for (a, b) in [(&first.residual, &other.residual), (&first.bias, &other.bias)] {
+            let tape = Tape::new(&model.graph, &[a.as_slice(), b.as_slice()].concat());
+            for state in states {
+                // Random accelerations: the residual must agree off the motion as well.
+                let mut state = state.clone();
+                state.a = state.v.iter().map(|v| 1.3 * v.cos()).collect();
+                let values = tape.evaluate(|s| state.value(s));
+                let (x, y) = values.split_at(n);
+                let scale = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+                for i in 0..n {
+                    let difference = (x[i] - y[i]).abs() / scale.max(f64::MIN_POSITIVE);
+                    if difference > TOLERANCE || difference.is_nan() {
+                        let name = &model.coordinates[i].name;
+                        return Err(problems::disagree(
+                            first.name,
+                            other.name,
+                            name,
+                            (x[i], y[i]),
+                            &describe(model, &state),
+                        ));
+                    }
+                    worst = worst.max(difference);
+                }
+            }
+        }
+        agreements.push(Agreement {
+            between: (first.name.to_owned(), other.name.to_owned()),
+            states: states.len(),
+            worst,
+        });
+    }
+    Ok(agreements)
+}
+
+/// For each conserved quantity and component: its rate and the parts of its rate.
+fn invariant_rates(model: &mut Model) -> Vec<Vec<(Id, Vec<Id>)>> {
+    let conserved: Vec<Vec<Id>> = model.conserved.iter().map(|c| c.value.clone()).collect();
+    let graph = &mut model.graph;
+    conserved
+        .into_iter()
+        .map(|components| {
+            components
+                .into_iter()
+                .map(|component| {
+                    let total = rates(graph, &[component])[0];
+                    let mut parts = Vec::new();
+                    for symbol in graph.symbols([component]) {
+                        let mut forward = Forward::new(move |g: &mut Graph, s: Symbol| match s {
+                            _ if s != symbol => Id::ZERO,
+                            Symbol::Time => Id::ONE,
+                            _ => s.rate().map_or(Id::ZERO, |r| g.symbol(r)),
+                        });
+                        parts.push(forward.of(graph, component));
+                    }
+                    (total, parts)
+                })
+                .collect()
+        })
+        .collect()
+}
+
+fn conserved(
+    model: &Model,
+    name: &str,
+    components: &[(Id, Vec<Id>)],
+    states: &[State],
+    place: &Place,
+) -> Result<f64, Problem> {
+    let mut worst = 0.0_f64;
+    for (total, parts) in components {
+        let roots: Vec<Id> = std::iter::once(*total).chain(parts.iter().copied()).collect();
+        let tape = Tape::new(&model.graph, &roots);
+        for state in states {
+            let values = tape.evaluate(|s| state.value(s));
+            let scale: f64 = values[1..].iter().map(|p| p.abs()).sum();
+            if values[0].abs() > TOLERANCE * scale || !values[0].is_finite() {
+                return Err(problems::not_conserved(name, values[0], scale, &describe(model, state), place.clone()));
+            }
+            worst = worst.max(if scale > 0.0 { values[0].abs() / scale } else { 0.0 });
+        }
+    }
+    Ok(worst)
+}
+
+fn identity(
+    model: &Model,
+    name: &str,
+    pairs: &[(Id, Id)],
+    states: &[State],
+    place: &Place,
+) -> Result<f64, Problem> {
+    let mut worst = 0.0_f64;
+    for &(left, right) in pairs {
+        let mut roots = vec![left, right];
+        roots.extend(terms(&model.graph, left));
+        roots.extend(terms(&model.graph, right));
+        let tape = Tape::new(&model.graph, &roots);
+        for state in states {
+            let values = tape.evaluate(|s| state.value(s));
+            let scale: f64 = values[2..].iter().map(|p| p.abs()).sum();
+            let difference = (values[0] - values[1]).abs();
+            if difference > TOLERANCE * scale || !difference.is_finite() {
+                let state = describe(model, state);
+                return Err(problems::check_fails(name, values[0], values[1], &state, place.clone()));
+            }
+            worst = worst.max(if scale > 0.0 { difference / scale } else { 0.0 });
+        }
+    }
+    Ok(worst)
+}
+
+/// The terms of a sum.
+fn terms(graph: &Graph, root: Id) -> Vec<Id> {
+    let mut stack = vec![root];
+    let mut found = Vec::new();
+    while let Some(id) = stack.pop() {
+        match graph.node(id) {
+            Node::Binary(Binary::Add | Binary::Sub, x, y) => stack.extend([x, y]),
+            Node::Unary(Unary::Neg, x) => stack.push(x),
+            _ => found.push(id),
+        }
+    }
+    found
+}
+
+/// A state in words, for messages.
+fn describe(model: &Model, state: &State) -> String {
+    let mut words: Vec<String> = Vec::new();
+    for (k, c) in model.coordinates.iter().enumerate().take(4) {
+        words.push(format!("{} = {:.4}, {}' = {:.4}", c.name, state.q[k], c.name, state.v[k]));
+    }
+    if model.coordinates.len() > 4 {
+        words.push("…".to_owned());
+    }
+    words.join(", ")
+}

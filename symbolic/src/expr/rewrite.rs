@@ -1,0 +1,41 @@
+//! Rebuilding expressions with some nodes replaced.
+
+use std::collections::HashMap;
+
+use super::{Graph, Id, Node, Symbol};
+
+/// Rebuilds expressions from the leaves up.  `replace` sees each node with its children already rebuilt
+/// and may give another expression for it; otherwise the constructors simplify anew.
+pub fn rewrite(
+    graph: &mut Graph,
+    roots: &[Id],
+    mut replace: impl FnMut(&mut Graph, Node) -> Option<Id>,
+) -> Vec<Id> {
+    let needed = graph.reachable(roots.iter().copied());
+    let mut image: Vec<Id> = vec![Id::ZERO; needed.len()];
+    for i in (0..needed.len()).filter(|&i| needed[i]) {
+        let id = graph.id_at(i);
+        let node = match graph.node(id) {
+            Node::Unary(f, x) => Node::Unary(f, image[x.index()]),
+            Node::Binary(f, x, y) => Node::Binary(f, image[x.index()], image[y.index()]),
+            leaf => leaf,
+        };
+        image[i] = match replace(graph, node) {
+            Some(other) => other,
+            None => match node {
+                Node::Unary(f, x) => graph.unary(f, x),
+                Node::Binary(f, x, y) => graph.binary(f, x, y),
+                Node::Number(_) | Node::Symbol(_) => id,
+            },
+        };
+    }
+    roots.iter().map(|r| image[r.index()]).collect()
+}
+
+/// Puts expressions in the place of symbols.
+pub fn substitute(graph: &mut Graph, roots: &[Id], values: &HashMap<Symbol, Id>) -> Vec<Id> {
+    rewrite(graph, roots, |_, node| match node {
+        Node::Symbol(s) => values.get(&s).copied(),
+        _ => None,
+    })
+}

@@ -1,0 +1,70 @@
+//! The choice among equivalent forms, by number of operations.
+
+use super::count::operations;
+use super::Entry;
+use crate::derive::Equations;
+use crate::expr::{Graph, Id, Symbol, expand};
+
+/// The cheapest M, h and F.
+pub(super) struct Chosen {
+    pub mass: Vec<Entry>,
+    pub bias: Vec<Id>,
+    pub residual: Vec<Id>,
+    pub words: String,
+}
+
+/// M, h and F may come from different derivations and in different forms: as derived, or expanded and
+/// factored again.  M and h are chosen together, since they are evaluated together.
+pub(super) fn choose(graph: &mut Graph, equations: &[Equations]) -> Chosen {
+    let constant = |s: Symbol| matches!(s, Symbol::Parameter(_));
+    let mut masses: Vec<(String, Vec<Entry>)> = Vec::new();
+    let mut biases: Vec<(String, Vec<Id>)> = Vec::new();
+    let mut residuals: Vec<(String, Vec<Id>)> = Vec::new();
+    for derivation in equations {
+        let name = derivation.name;
+        let values: Vec<Id> = derivation.mass.iter().map(|e| e.2).collect();
+        if let Some(expanded) = expand(graph, &values, constant) {
+            let entries = derivation.mass.iter().zip(expanded).map(|(e, x)| (e.0, e.1, x));
+            masses.push((format!("{name}, expanded"), entries.filter(|e| e.2 != Id::ZERO).collect()));
+        }
+        if let Some(expanded) = expand(graph, &derivation.bias, constant) {
+            biases.push((format!("{name}, expanded"), expanded));
+        }
+        if let Some(expanded) = expand(graph, &derivation.residual, constant) {
+            residuals.push((format!("{name}, expanded"), expanded));
+        }
+        masses.push((name.to_owned(), derivation.mass.clone()));
+        biases.push((name.to_owned(), derivation.bias.clone()));
+        residuals.push((name.to_owned(), derivation.residual.clone()));
+    }
+    let mut best: Option<(usize, usize, usize)> = None;
+    for (i, (_, mass)) in masses.iter().enumerate() {
+        for (j, (_, bias)) in biases.iter().enumerate() {
+            let roots: Vec<Id> = mass.iter().map(|e| e.2).chain(bias.iter().copied()).collect();
+            let cost = operations(graph, &roots);
+            if best.is_none_or(|(least, ..)| cost < least) {
+                best = Some((cost, i, j));
+            }
+        }
+    }
+    let (_, i, j) = best.unwrap_or_default();
+    let (mass_words, mass) = masses.swap_remove(i);
+    let (bias_words, bias) = biases.swap_remove(j);
+    residuals.push(("M q'' + h".to_owned(), product_form(graph, &mass, &bias)));
+    let k = (0..residuals.len()).min_by_key(|&k| operations(graph, &residuals[k].1)).unwrap_or(0);
+    let (residual_words, residual) = residuals.swap_remove(k);
+    Chosen { mass, bias, residual, words: format!("M: {mass_words}; h: {bias_words}; F: {residual_words}") }
+}
+
+/// M q'' + h from M and h.
+fn product_form(graph: &mut Graph, mass: &[Entry], bias: &[Id]) -> Vec<Id> {
+    let mut residual = bias.to_vec();
+    for &(i, j, m) in mass {
+        for (row, column) in if i == j { vec![(i, j)] } else { vec![(i, j), (j, i)] } {
+            let a = graph.symbol(Symbol::Acceleration(column as u32));
+            let term = graph.mul(m, a);
+            residual[row] = graph.add(residual[row], term);
+        }
+    }
+    residual
+}

@@ -1,0 +1,127 @@
+//! The accelerations −M⁻¹h by LDLᵀ, unrolled where that is small.
+
+use std::collections::BTreeMap;
+
+use super::Entry;
+use super::count::operations;
+use crate::expr::{Graph, Id};
+
+/// How the accelerations are computed.
+#[derive(Clone, Debug)]
+pub enum Accelerations {
+    /// As expressions: factors, forward and back substitution written out, zeros left out.
+    Unrolled {
+        /// q''.
+        values: Vec<Id>,
+        /// Coordinate, pivot, and the entry of M's diagonal that it must not be negligible against.
+        pivots: Vec<(usize, Id, Id)>,
+    },
+    /// By a loop over the packed lower triangle.
+    Loop,
+}
+
+/// Above this many operations of factoring and substituting a loop costs no more time and less code.
+const UNROLL_LIMIT: usize = 1500;
+
+/// Chooses and builds.
+pub(super) fn accelerations(graph: &mut Graph, n: usize, mass: &[Entry], bias: &[Id]) -> Accelerations {
+    let order = elimination_order(n, mass);
+    if fill_operations(n, mass, &order) > UNROLL_LIMIT {
+        return Accelerations::Loop;
+    }
+    let mut rows: Vec<BTreeMap<usize, Id>> = vec![BTreeMap::new(); n];
+    for &(i, j, m) in mass {
+        rows[i].insert(j, m);
+        rows[j].insert(i, m);
+    }
+    let mut rhs: Vec<Id> = bias.iter().map(|h| graph.neg(*h)).collect();
+    let mut pivots = Vec::new();
+    let mut eliminated = Vec::new();
+    for &k in &order {
+        let row = std::mem::take(&mut rows[k]);
+        let pivot = row.get(&k).copied().unwrap_or(Id::ZERO);
+        let diagonal = mass.iter().find(|e| (e.0, e.1) == (k, k)).map_or(Id::ZERO, |e| e.2);
+        pivots.push((k, pivot, diagonal));
+        let reciprocal = graph.div(Id::ONE, pivot);
+        let others: Vec<(usize, Id)> = row.into_iter().filter(|(j, _)| *j != k).collect();
+        let factors: Vec<(usize, Id)> = others.iter().map(|&(j, m)| (j, graph.mul(m, reciprocal))).collect();
+        for &(i, factor) in &factors {
+            for &(j, other) in others.iter().filter(|(j, _)| *j <= i) {
+                let update = graph.mul(factor, other);
+                let old = rows[i].get(&j).copied().unwrap_or(Id::ZERO);
+                let new = graph.sub(old, update);
+                rows[i].insert(j, new);
+                rows[j].insert(i, new);
+            }
+            rows[i].remove(&k);
+            let update = graph.mul(factor, rhs[k]);
+            rhs[i] = graph.sub(rhs[i], update);
+        }
+        eliminated.push((k, reciprocal, factors));
+    }
+    let mut values = vec![Id::ZERO; n];
+    for (k, reciprocal, factors) in eliminated.into_iter().rev() {
+        let mut value = graph.mul(rhs[k], reciprocal);
+        for (j, factor) in factors {
+            let term = graph.mul(factor, values[j]);
+            value = graph.sub(value, term);
+        }
+        values[k] = value;
+    }
+    Accelerations::Unrolled { values, pivots }
+}
+
+impl Accelerations {
+    /// Operations, those of M and h included.
+    pub fn operations(&self, graph: &Graph, n: usize, mass: &[Entry], bias: &[Id]) -> usize {
+        match self {
+            Accelerations::Unrolled { values, .. } => operations(graph, values),
+            Accelerations::Loop => {
+                let roots: Vec<Id> = mass.iter().map(|e| e.2).chain(bias.iter().copied()).collect();
+                operations(graph, &roots) + n * n * n / 3 + 2 * n * n
+            }
+        }
+    }
+}
+
+/// Minimum degree: next the coordinate that is coupled to the fewest others, the first of equals.
+fn elimination_order(n: usize, mass: &[Entry]) -> Vec<usize> {
+    let mut coupled = couplings(n, mass);
+    let mut left: Vec<usize> = (0..n).collect();
+    let mut order = Vec::with_capacity(n);
+    while let Some(place) = (0..left.len()).min_by_key(|&p| (coupled[left[p]].len(), left[p])) {
+        let k = left.remove(place);
+        eliminate(&mut coupled, k);
+        order.push(k);
+    }
+    order
+}
+
+fn fill_operations(n: usize, mass: &[Entry], order: &[usize]) -> usize {
+    let mut coupled = couplings(n, mass);
+    let mut total = 0;
+    for &k in order {
+        let degree = eliminate(&mut coupled, k);
+        total += 1 + degree + degree * (degree + 1) + 4 * degree + 1;
+    }
+    total
+}
+
+fn couplings(n: usize, mass: &[Entry]) -> Vec<std::collections::BTreeSet<usize>> {
+    let mut coupled = vec![std::collections::BTreeSet::new(); n];
+    for &(i, j, _) in mass.iter().filter(|e| e.0 != e.1) {
+        coupled[i].insert(j);
+        coupled[j].insert(i);
+    }
+    coupled
+}
+
+/// Removes a coordinate, couples its neighbours with each other, and gives their number.
+fn eliminate(coupled: &mut [std::collections::BTreeSet<usize>], k: usize) -> usize {
+    let neighbours = std::mem::take(&mut coupled[k]);
+    for &i in &neighbours {
+        coupled[i].remove(&k);
+        coupled[i].extend(neighbours.iter().copied().filter(|&j| j != i));
+    }
+    neighbours.len()
+}

@@ -1,0 +1,196 @@
+//! Equations to programs: the cheapest candidate, its Jacobians, the accelerations, and what a run observes.
+
+mod candidates;
+mod count;
+mod factor;
+mod structure;
+
+use crate::derive::{Derivation, Report, Switch, rates};
+use crate::diagnose::Problem;
+use crate::expr::{Graph, Id, Symbol, Unary, jacobian, reverse};
+use crate::model::{Model, Shape};
+
+pub use count::operations;
+pub use factor::Accelerations;
+pub use structure::Structure;
+
+/// An entry of a sparse matrix: row, column, value.
+pub type Entry = (usize, usize, Id);
+
+/// Everything that code is generated from, or interpreted.
+#[derive(Clone, Debug)]
+pub struct Program {
+    /// The model; all expressions are in its graph.
+    pub model: Model,
+    /// What was tested when deriving.
+    pub report: Report,
+    /// Discontinuities of the equations of motion.
+    pub switches: Vec<Switch>,
+    /// M's lower triangle.
+    pub mass: Vec<Entry>,
+    /// h.
+    pub bias: Vec<Id>,
+    /// q'' = −M⁻¹h.
+    pub accelerations: Accelerations,
+    /// F = M q'' + h.
+    pub residual: Vec<Id>,
+    /// ∂F/∂q.
+    pub stiffness: Vec<Entry>,
+    /// ∂F/∂q'.
+    pub damping: Vec<Entry>,
+    /// ∂F/∂(u, u', u''): columns 3·input + order.
+    pub input: Vec<Entry>,
+    /// T, V, Jacobi function, its power, Σ |terms|.
+    pub energy: [Id; 5],
+    /// Pairs (value, Σ |terms|).
+    pub invariants: Vec<Id>,
+    /// Outputs, component by component.
+    pub outputs: Vec<Id>,
+    /// Pairs (value, condition).
+    pub events: Vec<Id>,
+    /// Pairs (argument, rate).
+    pub switch_pairs: Vec<Id>,
+    /// Points and radii to draw.
+    pub drawing: Vec<Id>,
+    /// What was recognised.
+    pub structure: Structure,
+    /// Operations of the generated functions.
+    pub counts: Counts,
+    /// Which candidates were chosen, in words.
+    pub choice: String,
+}
+
+/// Operations of the generated functions; what depends on parameters only is computed once and not counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[expect(missing_docs, reason = "named after the functions")]
+pub struct Counts {
+    pub mass: usize,
+    pub bias: usize,
+    pub mass_and_bias: usize,
+    pub accelerations: usize,
+    pub residual: usize,
+    pub jacobians: usize,
+}
+
+/// Reads, resolves, derives and lowers.
+///
+/// # Errors
+/// Everything that is wrong with the model file.
+pub fn compile(text: &str, sizes: &[(String, i64)]) -> Result<Program, Vec<Problem>> {
+    let model = crate::model::load(text, sizes)?;
+    lower(crate::derive::derive(model)?)
+}
+
+/// Turns derived equations into a program.
+///
+/// # Errors
+/// The model is too large.
+pub fn lower(derivation: Derivation) -> Result<Program, Vec<Problem>> {
+    let Derivation { mut model, equations, energies, cyclic, switches, report } = derivation;
+    let n = model.coordinates.len();
+    let graph = &mut model.graph;
+
+    let chosen = candidates::choose(graph, &equations);
+    let accelerations = factor::accelerations(graph, n, &chosen.mass, &chosen.bias);
+    let (stiffness, damping) = residual_jacobians(graph, n, &chosen.residual);
+    let input = entries(jacobian(graph, &chosen.residual, |s| match s {
+        Symbol::Input(k, order @ 0..=2) => Some(3 * k as usize + usize::from(order)),
+        _ => None,
+    }));
+    let invariants = invariant_pairs(&mut model);
+    let arguments: Vec<Id> = switches.iter().map(|s| s.argument).collect();
+    let graph = &mut model.graph;
+    let switch_rates = rates(graph, &arguments);
+    let switch_pairs = arguments.iter().zip(&switch_rates).flat_map(|(a, r)| [*a, *r]).collect();
+    let events = model.events.iter().flat_map(|e| [e.when, e.condition.unwrap_or(Id::ONE)]).collect();
+    let outputs = model.outputs.iter().flat_map(|o| o.value.iter().copied()).collect();
+    let drawing = model.draw.iter().flat_map(drawn).collect();
+
+    let structure = structure::recognise(graph, n, &chosen, (&stiffness, &damping), energies.power, &cyclic);
+    let count = |roots: Vec<Id>| operations(graph, &roots);
+    let values = |entries: &[Entry]| entries.iter().map(|e| e.2).collect::<Vec<_>>();
+    let counts = Counts {
+        mass: count(values(&chosen.mass)),
+        bias: count(chosen.bias.clone()),
+        mass_and_bias: count([values(&chosen.mass), chosen.bias.clone()].concat()),
+        accelerations: accelerations.operations(graph, n, &chosen.mass, &chosen.bias),
+        residual: count(chosen.residual.clone()),
+        jacobians: count([values(&stiffness), values(&damping), chosen.residual.clone()].concat()),
+    };
+    if model.graph.overflowed() {
+        return Err(vec![crate::derive::too_large()]);
+    }
+    Ok(Program {
+        report,
+        switches,
+        mass: chosen.mass,
+        bias: chosen.bias,
+        accelerations,
+        residual: chosen.residual,
+        stiffness,
+        damping,
+        input,
+        energy: [energies.kinetic, energies.potential, energies.jacobi, energies.power, energies.scale],
+        invariants,
+        outputs,
+        events,
+        switch_pairs,
+        drawing,
+        structure,
+        counts,
+        choice: chosen.words,
+        model,
+    })
+}
+
+/// ∂F/∂q and ∂F/∂q', forward or row by row in reverse, whichever is cheaper.
+fn residual_jacobians(graph: &mut Graph, n: usize, residual: &[Id]) -> (Vec<Entry>, Vec<Entry>) {
+    let column = |s: Symbol| match s {
+        Symbol::Coordinate(j) => Some(j as usize),
+        Symbol::Speed(j) => Some(n + j as usize),
+        _ => None,
+    };
+    let forward = entries(jacobian(graph, residual, column));
+    let mut backward = Vec::new();
+    for (i, row) in residual.iter().enumerate() {
+        let gradient = reverse(graph, &[(*row, Id::ONE)], |s| column(s).is_some());
+        let mut line: Vec<Entry> = gradient.iter().filter_map(|(s, d)| Some((i, column(*s)?, *d))).collect();
+        line.retain(|e| e.2 != Id::ZERO);
+        line.sort_by_key(|e| e.1);
+        backward.extend(line);
+    }
+    let cost = |graph: &Graph, entries: &[Entry]| {
+        operations(graph, &entries.iter().map(|e| e.2).chain(residual.iter().copied()).collect::<Vec<_>>())
+    };
+    let best = if cost(graph, &backward) < cost(graph, &forward) { backward } else { forward };
+    let (dq, dv): (Vec<Entry>, Vec<Entry>) = best.into_iter().partition(|e| e.1 < n);
+    (dq, dv.into_iter().map(|(i, j, d)| (i, j - n, d)).collect())
+}
+
+fn entries(rows: Vec<Vec<(usize, Id)>>) -> Vec<Entry> {
+    rows.into_iter().enumerate().flat_map(|(i, row)| row.into_iter().map(move |(j, d)| (i, j, d))).collect()
+}
+
+fn invariant_pairs(model: &mut Model) -> Vec<Id> {
+    let mut pairs = Vec::new();
+    for invariant in &model.conserved {
+        for (value, terms) in invariant.value.iter().zip(&invariant.terms) {
+            let mut scale = Id::ZERO;
+            for term in terms {
+                let size = model.graph.unary(Unary::Abs, *term);
+                scale = model.graph.add(scale, size);
+            }
+            pairs.extend([*value, scale]);
+        }
+    }
+    pairs
+}
+
+fn drawn(shape: &Shape) -> Vec<Id> {
+    match shape {
+        Shape::Line(points) | Shape::Curve(points) => points.concat(),
+        Shape::Circle { at, radius } => at.iter().copied().chain([*radius]).collect(),
+        Shape::Spring(p, q) => [p.as_slice(), q].concat(),
+        Shape::Trace(_, point) => point.clone(),
+    }
+}

@@ -1,0 +1,64 @@
+//! What is recognised in the equations.
+
+use super::candidates::Chosen;
+use super::count::varying;
+use super::Entry;
+use crate::expr::{Graph, Id, Symbol};
+
+/// What was recognised.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Structure {
+    /// M does not change along a run.
+    pub constant_mass: bool,
+    /// M is diagonal.
+    pub diagonal_mass: bool,
+    /// Sizes of M's diagonal blocks, in the order of their first coordinates.
+    pub mass_blocks: Vec<usize>,
+    /// Linear equations with constant coefficients (forced, perhaps).
+    pub linear: bool,
+    /// Nothing does work but what has a potential, and T and V do not contain time.
+    pub conservative: bool,
+    /// The equations contain time or inputs.
+    pub time_dependent: bool,
+    /// Cyclic coordinates and their momenta.
+    pub cyclic: Vec<(usize, Id)>,
+}
+
+pub(super) fn recognise(
+    graph: &Graph,
+    n: usize,
+    chosen: &Chosen,
+    (stiffness, damping): (&[Entry], &[Entry]),
+    power: Id,
+    cyclic: &[(usize, Id)],
+) -> Structure {
+    let varying = varying(graph);
+    let constant = |entries: &[Entry]| entries.iter().all(|e| !varying[e.2.index()]);
+    let time = |s: Symbol| matches!(s, Symbol::Time | Symbol::Input(..));
+    let constant_mass = constant(&chosen.mass);
+    let modes = |s: Symbol| matches!(s, Symbol::Mode(_));
+    Structure {
+        constant_mass,
+        diagonal_mass: chosen.mass.iter().all(|e| e.0 == e.1),
+        mass_blocks: blocks(n, &chosen.mass),
+        linear: constant_mass
+            && constant(stiffness)
+            && constant(damping)
+            && !graph.symbols(chosen.residual.iter().copied()).into_iter().any(modes),
+        conservative: power == Id::ZERO,
+        time_dependent: graph.symbols(chosen.residual.iter().copied()).into_iter().any(time),
+        cyclic: cyclic.to_vec(),
+    }
+}
+
+/// Sizes of the sets of coordinates that M couples.
+fn blocks(n: usize, mass: &[Entry]) -> Vec<usize> {
+    let mut block: Vec<usize> = (0..n).collect();
+    for &(i, j, _) in mass {
+        let (a, b) = (block[i].min(block[j]), block[i].max(block[j]));
+        for member in block.iter_mut().filter(|m| **m == b) {
+            *member = a;
+        }
+    }
+    (0..n).map(|k| block.iter().filter(|&&b| b == k).count()).filter(|&size| size > 0).collect()
+}

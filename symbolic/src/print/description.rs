@@ -1,0 +1,123 @@
+//! The static description of a mechanism, as a Rust literal.
+
+use std::fmt::Write;
+
+use super::text;
+use crate::derive::SwitchKind;
+use crate::lower::{Entry, Program};
+use crate::model::{EventAction, Shape};
+
+/// `static DESCRIPTION: … = …;`
+pub(super) fn description(program: &Program, source: &str) -> String {
+    let model = &program.model;
+    let mut out = String::new();
+    let mut field = |name: &str, value: String| {
+        let _ = writeln!(out, "        {name}: {value},");
+    };
+    let unit = |unit: &Option<String>| string(unit.as_deref().unwrap_or(""));
+    field("name", string(&model.name));
+    field("about", string(&model.about));
+    field("source_hash", format!("{:#018x}", fnv1a(source)));
+    field(
+        "coordinates",
+        list(model.coordinates.iter().map(|c| format!("Coordinate {{ name: {}, unit: {} }}", string(&c.name), unit(&c.unit)))),
+    );
+    field(
+        "parameters",
+        list(model.parameters.iter().map(|p| {
+            format!("Parameter {{ name: {}, unit: {}, default: {:?} }}", string(&p.name), unit(&p.unit), p.default)
+        })),
+    );
+    field("derived", list(model.derived.iter().map(|d| string(&d.name))));
+    field("inputs", list(model.inputs.iter().map(|u| string(&u.name))));
+    field("mass_pattern", pattern(&program.mass));
+    field("stiffness_pattern", pattern(&program.stiffness));
+    field("damping_pattern", pattern(&program.damping));
+    field("input_pattern", pattern(&program.input));
+    let quantity = |name: &str, components: usize| format!("Quantity {{ name: {}, components: {components} }}", string(name));
+    field("outputs", list(model.outputs.iter().map(|o| quantity(&o.name, o.value.len()))));
+    field("outputs_use_accelerations", program.outputs_use_accelerations().to_string());
+    field("invariants", list(model.conserved.iter().map(|c| quantity(&c.name, c.value.len()))));
+    field(
+        "events",
+        list(model.events.iter().map(|e| {
+            let direction = match e.direction {
+                1 => "Rising",
+                -1 => "Falling",
+                _ => "Both",
+            };
+            let actions = list(e.actions.iter().map(|a| match a {
+                EventAction::Stop => "Action::Stop".to_owned(),
+                EventAction::Record => "Action::Record".to_owned(),
+            }));
+            format!(
+                "Event {{ name: {}, direction: Direction::{direction}, conditional: {}, actions: {actions} }}",
+                string(&e.name),
+                e.condition.is_some()
+            )
+        })),
+    );
+    field(
+        "switches",
+        list(program.switches.iter().map(|s| {
+            let kind = if s.kind == SwitchKind::Sign { "Sign" } else { "Step" };
+            format!(
+                "Switch {{ text: {}, kind: SwitchKind::{kind}, time_only: {} }}",
+                string(&text(model, s.argument)),
+                s.time_only
+            )
+        })),
+    );
+    field("scenes", list(model.scenes.iter().map(|s| string(&s.name))));
+    field(
+        "draw",
+        list(model.draw.iter().map(|shape| match shape {
+            Shape::Line(points) => format!("Shape::Line({})", points.len()),
+            Shape::Circle { .. } => "Shape::Circle".to_owned(),
+            Shape::Spring(..) => "Shape::Spring".to_owned(),
+            Shape::Curve(points) => format!("Shape::Curve({})", points.len()),
+            Shape::Trace(name, _) => format!("Shape::Trace({})", string(name)),
+        })),
+    );
+    let s = &program.structure;
+    field(
+        "structure",
+        format!(
+            "Structure {{ dimension: {}, constant_mass: {}, diagonal_mass: {}, mass_blocks: {}, linear: {}, conservative: {}, time_dependent: {}, cyclic: {} }}",
+            model.dimension,
+            s.constant_mass,
+            s.diagonal_mass,
+            list(s.mass_blocks.iter().map(ToString::to_string)),
+            s.linear,
+            s.conservative,
+            s.time_dependent,
+            list(s.cyclic.iter().map(|c| c.0.to_string())),
+        ),
+    );
+    let c = program.counts;
+    field(
+        "counts",
+        format!(
+            "Counts {{ mass: {}, bias: {}, mass_and_bias: {}, accelerations: {}, residual: {}, jacobians: {} }}",
+            c.mass, c.bias, c.mass_and_bias, c.accelerations, c.residual, c.jacobians
+        ),
+    );
+    out
+}
+
+/// FNV-1a of 64 bits (Fowler, Noll, Vo).
+pub fn fnv1a(text: &str) -> u64 {
+    text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+}
+
+fn string(text: &str) -> String {
+    format!("Text::Borrowed({text:?})")
+}
+
+fn list(items: impl Iterator<Item = String>) -> String {
+    format!("List::Borrowed(&[{}])", items.collect::<Vec<_>>().join(", "))
+}
+
+fn pattern(entries: &[Entry]) -> String {
+    list(entries.iter().map(|e| format!("({}, {})", e.0, e.1)))
+}
