@@ -1,7 +1,23 @@
-//! The macro `dalembert::model!`.
+//! The macro `dalembert::model!`: a few lines over `dalembert-symbolic`.
 
-/// Generates a mechanism from a model file.
+mod arguments;
+mod expand;
+
+use proc_macro::TokenStream;
+
+/// Generates a mechanism from a model file, at compile time.
+///
+/// ```ignore
+/// dalembert::model!("models/double_pendulum.yaml");                // the type DoublePendulum
+/// dalembert::model!("models/chain.yaml", n = 20, name = Chain20);  // sizes and the type's name
+/// dalembert::model!(yaml = "name: Bob\n…");                        // inline
+/// ```
+///
+/// Paths are relative to the crate's folder (where its `Cargo.toml` is); absolute paths are refused.  The
+/// crate is rebuilt when the file changes.  Everything that is wrong with the file is reported at once, with
+/// path, line and column; a skeleton of the type is emitted all the same, so that one mistake gives one message.
 #[proc_macro]
-pub fn model(_input: proc_macro::TokenStream) -> proc_macro::TokenStream {
-    proc_macro::TokenStream::new()
+pub fn model(input: TokenStream) -> TokenStream {
+    let arguments = syn::parse_macro_input!(input as arguments::Arguments);
+    expand::expand(&arguments).into()
 }

@@ -1,3 +1,7 @@
 //! The program `dalembert`.
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    dalembert::cli::main(dalembert_models::MODELS)
+}

@@ -3,6 +3,7 @@
 pub mod derive;
 pub mod diagnose;
 pub mod expr;
+pub mod interpret;
 pub mod language;
 pub mod lower;
 pub mod model;

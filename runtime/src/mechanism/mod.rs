@@ -4,6 +4,7 @@ mod description;
 mod erased;
 mod generated;
 mod real;
+mod solve;
 mod system;
 
 pub use description::{
@@ -13,6 +14,7 @@ pub use description::{
 pub use erased::Erased;
 pub use generated::{Mechanism, Values};
 pub use real::Real;
+pub use solve::solve_packed;
 pub use system::{Signal, System};
 
 /// Energies of a state.

@@ -9,7 +9,6 @@
 //! Every derivation gives the same [`Equations`]; `lower` picks the cheapest.
 
 mod lagrange;
-mod problems;
 mod sample;
 mod switches;
 mod test;
@@ -19,9 +18,9 @@ use crate::diagnose::Problem;
 use crate::expr::{Forward, Graph, Id, Symbol, canonical};
 use crate::model::{Load, Model, Work};
 
-pub(crate) use problems::too_large;
 pub use sample::{Draws, State};
 pub use switches::{Switch, SwitchKind};
+pub(crate) use test::solve;
 pub use test::{Agreement, Report};
 
 /// M q'' + h = 0 as one derivation gives it.
@@ -228,6 +227,12 @@ fn collect_pushes(
             }
         }
     }
+}
+
+/// The problem of a graph that has reached its limit.
+pub(crate) fn too_large() -> Problem {
+    let place = crate::diagnose::Place::default().key("coordinates");
+    crate::diagnose::catalogue::names::too_many_nodes(place, "1 000 000")
 }
 
 /// The total time derivative along the motion; accelerations appear where speeds are differentiated.

@@ -2,8 +2,9 @@
 
 use super::sample::{Draws, State};
 use super::switches::Switch;
-use super::{Equations, problems, rates};
-use crate::diagnose::{Place, Problem, Step};
+use super::{Equations, rates};
+use crate::diagnose::catalogue::{mechanics, verdicts};
+use crate::diagnose::{Place, Problem};
 use crate::expr::{Binary, Forward, Graph, Id, Node, Symbol, Tape, Unary};
 use crate::model::Model;
 
@@ -87,7 +88,7 @@ pub(super) fn all(
 fn massless(model: &Model, equations: &[Equations]) -> Vec<Problem> {
     let moved = |i: usize| equations[0].mass.iter().any(|e| (e.0, e.1) == (i, i));
     let coordinates = model.coordinates.iter().enumerate();
-    coordinates.filter(|(i, _)| !moved(*i)).map(|(_, c)| problems::massless(&c.name, c.place.clone())).collect()
+    coordinates.filter(|(i, _)| !moved(*i)).map(|(_, c)| mechanics::no_mass(c.place.clone(), &c.name)).collect()
 }
 
 /// States at which the equations give finite numbers, with the accelerations of the motion in them.
@@ -131,16 +132,17 @@ fn finite_states(
     }
     let worst = (0..n).max_by_key(|&i| singular[i]).filter(|&i| singular[i] > DRAWS / 2);
     Err(match worst {
-        Some(i) => problems::dependent(&model.coordinates[i].name, model.coordinates[i].place.clone()),
-        None => {
-            let place = Place { path: vec![Step::Key("coordinates".to_owned())], key: false, span: None };
-            problems::too_few_states(DRAWS, states.len(), place)
+        Some(i) => {
+            let coordinate = &model.coordinates[i];
+            let state = draws.next(when);
+            verdicts::singular_mass(coordinate.place.clone(), &coordinate.name, describe(model, &state))
         }
+        None => verdicts::too_few_states(Place::default().key("coordinates"), states.len(), DRAWS),
     })
 }
 
 /// Gaussian elimination on the diagonal of a symmetric matrix; the place of a pivot that vanishes to rounding.
-fn solve(mut m: Vec<f64>, mut f: Vec<f64>) -> Result<Vec<f64>, usize> {
+pub(crate) fn solve(mut m: Vec<f64>, mut f: Vec<f64>) -> Result<Vec<f64>, usize> {
     let n = f.len();
     let diagonal: Vec<f64> = (0..n).map(|i| m[i * n + i].abs()).collect();
     for k in 0..n {
@@ -185,13 +187,9 @@ fn agreement(model: &Model, equations: &[Equations], states: &[State]) -> Result
                     let difference = (x[i] - y[i]).abs() / scale.max(f64::MIN_POSITIVE);
                     if difference > TOLERANCE || difference.is_nan() {
                         let name = &model.coordinates[i].name;
-                        return Err(problems::disagree(
-                            first.name,
-                            other.name,
-                            name,
-                            (x[i], y[i]),
-                            &describe(model, &state),
-                        ));
+                        let place = Place::default().key("bodies");
+                        let by = format!("{:.3e}", (x[i] - y[i]).abs());
+                        return Err(verdicts::derivations_disagree(place, name, by, describe(model, &state)));
                     }
                     worst = worst.max(difference);
                 }
@@ -248,7 +246,8 @@ fn conserved(
             let values = tape.evaluate(|s| state.value(s));
             let scale: f64 = values[1..].iter().map(|p| p.abs()).sum();
             if values[0].abs() > TOLERANCE * scale || !values[0].is_finite() {
-                return Err(problems::not_conserved(name, values[0], scale, &describe(model, state), place.clone()));
+                let by = format!("{:.6e} where its terms change at up to {scale:.3e}", values[0]);
+                return Err(verdicts::not_conserved(place.clone(), name, by, describe(model, state)));
             }
             worst = worst.max(if scale > 0.0 { values[0].abs() / scale } else { 0.0 });
         }
@@ -274,8 +273,8 @@ fn identity(
             let scale: f64 = values[2..].iter().map(|p| p.abs()).sum();
             let difference = (values[0] - values[1]).abs();
             if difference > TOLERANCE * scale || !difference.is_finite() {
-                let state = describe(model, state);
-                return Err(problems::check_fails(name, values[0], values[1], &state, place.clone()));
+                let by = format!("{difference:.6e}, {:.9e} against {:.9e}", values[0], values[1]);
+                return Err(verdicts::check_fails(place.clone(), name, by, describe(model, state)));
             }
             worst = worst.max(if scale > 0.0 { difference / scale } else { 0.0 });
         }

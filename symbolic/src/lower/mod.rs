@@ -8,7 +8,7 @@ mod structure;
 use crate::derive::{Derivation, Report, Switch, rates};
 use crate::diagnose::Problem;
 use crate::expr::{Graph, Id, Symbol, Unary, jacobian, reverse};
-use crate::model::{Model, Shape};
+use crate::model::{Model, Scene, Shape};
 
 pub use count::operations;
 pub use factor::Accelerations;
@@ -141,6 +141,34 @@ pub fn lower(derivation: Derivation) -> Result<Program, Vec<Problem>> {
         choice: chosen.words,
         model,
     })
+}
+
+impl Program {
+    /// A program without coordinates, in the place of one that could not be derived.
+    pub fn empty(name: &str) -> Program {
+        let scene = Scene { name: "scene".to_owned(), ..Scene::default() };
+        Program {
+            model: Model { name: name.to_owned(), dimension: 2, scenes: vec![scene], ..Model::default() },
+            report: Report::default(),
+            switches: Vec::new(),
+            mass: Vec::new(),
+            bias: Vec::new(),
+            accelerations: Accelerations::Unrolled { values: Vec::new(), pivots: Vec::new() },
+            residual: Vec::new(),
+            stiffness: Vec::new(),
+            damping: Vec::new(),
+            input: Vec::new(),
+            energy: [Id::ZERO; 5],
+            invariants: Vec::new(),
+            outputs: Vec::new(),
+            events: Vec::new(),
+            switch_pairs: Vec::new(),
+            drawing: Vec::new(),
+            structure: Structure::default(),
+            counts: Counts::default(),
+            choice: String::new(),
+        }
+    }
 }
 
 /// ∂F/∂q and ∂F/∂q', forward or row by row in reverse, whichever is cheaper.

@@ -287,7 +287,7 @@ pub enum Shape {
 }
 
 /// A scene; every expression is of parameters only and evaluated after `set`.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// Its name; `scene` for the default.
     pub name: String,

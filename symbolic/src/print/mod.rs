@@ -6,6 +6,21 @@ mod names;
 mod rust;
 mod text;
 
+pub use description::fnv1a;
 pub use names::{field_name, type_name};
 pub use rust::rust;
 pub use text::text;
+
+/// What stands for a model that has errors: a type without coordinates that implements `Mechanism<0, 0>`, so that
+/// the errors are the only ones.
+pub fn skeleton(name: &str) -> String {
+    let program = crate::lower::Program::empty(name);
+    rust(&program, "", name)
+}
+
+/// The `name:` of a model file that may be wrong elsewhere.
+pub fn name_in(text: &str) -> String {
+    let line = text.lines().find_map(|line| line.strip_prefix("name:"));
+    let name = line.unwrap_or("").split('#').next().unwrap_or("").trim().trim_matches(['"', '\'']);
+    if name.is_empty() { "Model".to_owned() } else { name.to_owned() }
+}

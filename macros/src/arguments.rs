@@ -1,0 +1,54 @@
+//! What stands between the parentheses of `model!`.
+
+use syn::parse::{Parse, ParseStream};
+use syn::{Ident, LitInt, LitStr, Token};
+
+/// A source, sizes, and perhaps a name.
+pub struct Arguments {
+    /// Where the model comes from.
+    pub source: Source,
+    /// Sizes that replace those of the file.
+    pub sizes: Vec<(String, i64)>,
+    /// The type's name, if not the file's.
+    pub name: Option<Ident>,
+}
+
+/// Where a model comes from.
+pub enum Source {
+    /// A file, relative to the crate's folder.
+    Path(LitStr),
+    /// The text itself.
+    Inline(LitStr),
+}
+
+impl Parse for Arguments {
+    fn parse(input: ParseStream<'_>) -> syn::Result<Self> {
+        let mut source = None;
+        if input.peek(LitStr) {
+            source = Some(Source::Path(input.parse()?));
+        }
+        let (mut sizes, mut name) = (Vec::new(), None);
+        while !input.is_empty() {
+            if source.is_some() {
+                input.parse::<Token![,]>()?;
+                if input.is_empty() {
+                    break;
+                }
+            }
+            let key: Ident = input.parse()?;
+            input.parse::<Token![=]>()?;
+            if key == "yaml" && source.is_none() {
+                source = Some(Source::Inline(input.parse()?));
+            } else if key == "name" {
+                name = Some(input.parse()?);
+            } else {
+                let negative = input.parse::<Option<Token![-]>>()?.is_some();
+                let size: i64 = input.parse::<LitInt>()?.base10_parse()?;
+                sizes.push((key.to_string(), if negative { -size } else { size }));
+            }
+        }
+        let expected = "expected the path of a model file, or `yaml = \"…\"`";
+        let source = source.ok_or_else(|| input.error(expected))?;
+        Ok(Arguments { source, sizes, name })
+    }
+}

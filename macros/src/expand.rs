@@ -1,0 +1,60 @@
+//! From arguments to tokens.
+
+use std::path::Path;
+
+use dalembert_symbolic::{diagnose, lower, print};
+use proc_macro2::{Span, TokenStream};
+use quote::quote;
+
+use crate::arguments::{Arguments, Source};
+
+/// The items of a mechanism, or one error that tells all problems and a skeleton of the type.
+pub fn expand(arguments: &Arguments) -> TokenStream {
+    let (path, text, span, watch) = match source(&arguments.source) {
+        Ok(found) => found,
+        Err(error) => return error.to_compile_error(),
+    };
+    let given = arguments.name.as_ref().map(ToString::to_string);
+    match lower::compile(&text, &arguments.sizes) {
+        Ok(program) => {
+            let name = given.unwrap_or_else(|| print::type_name(&program.model.name));
+            match print::rust(&program, &text, &name).parse::<TokenStream>() {
+                Ok(items) => quote! { #watch #items },
+                Err(error) => {
+                    let message = format!("dalembert printed text that is not Rust ({error}); this is a fault of dalembert");
+                    syn::Error::new(span, message).to_compile_error()
+                }
+            }
+        }
+        Err(problems) => {
+            let message = diagnose::render(&path, &text, &problems);
+            let error = syn::Error::new(span, format!("\n{message}")).to_compile_error();
+            let name = given.unwrap_or_else(|| print::type_name(&print::name_in(&text)));
+            let skeleton = print::skeleton(&name).parse::<TokenStream>().unwrap_or_default();
+            quote! { #watch #error #skeleton }
+        }
+    }
+}
+
+type Found = (String, String, Span, TokenStream);
+
+/// The path to show, the model's text, where it is asked for, and an item that makes Cargo watch the file.
+fn source(source: &Source) -> syn::Result<Found> {
+    let literal = match source {
+        Source::Inline(literal) => {
+            return Ok(("inline model".to_owned(), literal.value(), literal.span(), TokenStream::new()));
+        }
+        Source::Path(literal) => literal,
+    };
+    let path = literal.value();
+    if Path::new(&path).is_absolute() {
+        let message = "the path of a model file is relative to the crate's folder; an absolute one would not build elsewhere";
+        return Err(syn::Error::new(literal.span(), message));
+    }
+    let folder = std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default();
+    let text = std::fs::read_to_string(Path::new(&folder).join(&path))
+        .map_err(|error| syn::Error::new(literal.span(), format!("cannot read `{path}`: {error}")))?;
+    let slashed = format!("/{path}");
+    let watch = quote! { const _: &[u8] = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), #slashed)); };
+    Ok((path, text, literal.span(), watch))
+}

@@ -1,0 +1,81 @@
+//! What may stand on the command line.
+
+use clap::{Arg, ArgAction, Command};
+
+/// The whole grammar.
+pub fn command() -> Command {
+    let about = "Simulates mechanisms described in YAML, and says how far to trust the result";
+    Command::new("dalembert")
+        .about(about)
+        .version(env!("CARGO_PKG_VERSION"))
+        .subcommand_required(true)
+        .arg_required_else_help(true)
+        .subcommand(Command::new("list").about("Names the compiled models"))
+        .subcommand(
+            Command::new("show")
+                .about("Prints the derived equations, operation counts and what was recognised")
+                .arg(model())
+                .args(sizes())
+                .arg(flag("rust", "Print the generated Rust instead")),
+        )
+        .subcommand(
+            Command::new("check")
+                .about("Reads and derives a model, and says what was tested")
+                .arg(model())
+                .args(sizes()),
+        )
+        .subcommand(simulate())
+        .subcommand(
+            Command::new("new")
+                .about("Writes a commented model file to start from")
+                .arg(Arg::new("name").value_name("NAME").required(true).help("The file's name, without .yaml")),
+        )
+}
+
+fn simulate() -> Command {
+    Command::new("simulate")
+        .about("Runs a scene; prints the final state, outputs and how far to trust them")
+        .arg(model())
+        .args(sizes())
+        .args(scene())
+        .arg(value("method", "METHOD", "euler, midpoint, rk4, dopri5, dop853 or auto [default: auto]"))
+        .arg(value("step", "TIME", "A fixed step"))
+        .arg(value("every", "TIME", "Spacing of reported states [default: 500 points]"))
+        .arg(value("csv", "FILE", "Write reported states and outputs as a table"))
+        .arg(value("plot", "FILE.svg", "Draw them"))
+        .arg(value("animate", "FILE.html", "Write a page that animates the mechanism"))
+        .arg(flag("json", "Print one JSON object"))
+}
+
+/// A model's name or path.
+fn model() -> Arg {
+    Arg::new("model").value_name("NAME").required(true).help("A compiled model's name, or the path of any model file")
+}
+
+fn sizes() -> [Arg; 1] {
+    [many("size", "NAME=INTEGER", "Another size than the file's (the model is then interpreted)")]
+}
+
+/// What chooses and changes a scene.
+fn scene() -> [Arg; 6] {
+    [
+        value("scene", "NAME", "Another scene than the first"),
+        many("set", "PARAMETER=VALUE", "Another value of a parameter"),
+        many("start", "NAME=VALUE", "Another start of a coordinate, or of a speed (theta'=1)"),
+        many("input", "NAME=EXPR", "Another function of time for an input"),
+        value("until", "TIME", "Where to end"),
+        value("tolerance", "NUMBER", "Relative tolerance, and absolute in units of each coordinate's scale"),
+    ]
+}
+
+fn value(name: &'static str, placeholder: &'static str, help: &'static str) -> Arg {
+    Arg::new(name).long(name).value_name(placeholder).help(help).allow_hyphen_values(true)
+}
+
+fn many(name: &'static str, placeholder: &'static str, help: &'static str) -> Arg {
+    value(name, placeholder, help).action(ArgAction::Append)
+}
+
+fn flag(name: &'static str, help: &'static str) -> Arg {
+    Arg::new(name).long(name).help(help).action(ArgAction::SetTrue)
+}

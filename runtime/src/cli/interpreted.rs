@@ -1,0 +1,252 @@
+//! A model file that nobody compiled, as a [`System`].
+
+use dalembert_symbolic::derive::SwitchKind as SymbolicSwitchKind;
+use dalembert_symbolic::interpret::{At, Function, Interpreter};
+use dalembert_symbolic::lower::{Entry, Program};
+use dalembert_symbolic::model::{EventAction, Shape as SymbolicShape};
+use dalembert_symbolic::print;
+
+use crate::mechanism::{
+    Action, Coordinate, Counts, Description, Direction, Energy, Event, List, Parameter, Quantity, Scene, Shape, Signal,
+    SingularMass, Structure, Switch, SwitchKind, System, Text,
+};
+
+/// An interpreted mechanism.
+#[derive(Clone)]
+pub struct Interpreted {
+    interpreter: Interpreter,
+    description: Description,
+    signals: Vec<Option<Signal>>,
+}
+
+impl Interpreted {
+    /// From a program and the text of its model file.
+    pub fn new(program: Program, source: &str) -> Self {
+        let description = describe(&program, source);
+        let signals = vec![None; program.model.inputs.len()];
+        Interpreted { interpreter: Interpreter::new(program), description, signals }
+    }
+
+    fn evaluate(&self, function: Function, t: f64, q: &[f64], v: &[f64], a: &[f64], values: &mut [f64]) {
+        let u = self.input_values(t);
+        self.interpreter.evaluate(function, At { t, u: &u, q, v, a }, values);
+    }
+
+    fn input_values(&self, t: f64) -> Vec<f64> {
+        let mut u = vec![0.0; 3 * self.signals.len()];
+        self.interpreter.evaluate(Function::Inputs, At { t, ..At::default() }, &mut u);
+        for (signal, slot) in self.signals.iter().zip(u.chunks_exact_mut(3)) {
+            if let Some(signal) = signal {
+                slot.copy_from_slice(&signal(t));
+            }
+        }
+        u
+    }
+}
+
+impl System for Interpreted {
+    fn description(&self) -> &Description {
+        &self.description
+    }
+
+    fn accelerations(&self, t: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), SingularMass> {
+        let u = self.input_values(t);
+        let at = At { t, u: &u, q, v, a: &[] };
+        self.interpreter.accelerations(at, a).map_err(|coordinate| SingularMass { coordinate })
+    }
+
+    fn mass_matrix(&self, t: f64, q: &[f64], values: &mut [f64]) {
+        self.evaluate(Function::Mass, t, q, &[], &[], values);
+    }
+
+    fn bias(&self, t: f64, q: &[f64], v: &[f64], h: &mut [f64]) {
+        self.evaluate(Function::Bias, t, q, v, &[], h);
+    }
+
+    fn residual(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], f: &mut [f64]) {
+        self.evaluate(Function::Residual, t, q, v, a, f);
+    }
+
+    fn jacobians(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], dq: &mut [f64], dv: &mut [f64]) {
+        self.evaluate(Function::Stiffness, t, q, v, a, dq);
+        self.evaluate(Function::Damping, t, q, v, a, dv);
+    }
+
+    fn input_jacobian(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], du: &mut [f64]) {
+        self.evaluate(Function::Input, t, q, v, a, du);
+    }
+
+    fn energy(&self, t: f64, q: &[f64], v: &[f64]) -> Energy {
+        let mut values = [0.0; 5];
+        self.evaluate(Function::Energy, t, q, v, &[], &mut values);
+        Energy::from_array(values)
+    }
+
+    fn invariants(&self, t: f64, q: &[f64], v: &[f64], pairs: &mut [f64]) {
+        self.evaluate(Function::Invariants, t, q, v, &[], pairs);
+    }
+
+    fn outputs(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], values: &mut [f64]) {
+        self.evaluate(Function::Outputs, t, q, v, a, values);
+    }
+
+    fn events(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], pairs: &mut [f64]) {
+        self.evaluate(Function::Events, t, q, v, a, pairs);
+    }
+
+    fn switches(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], pairs: &mut [f64]) {
+        self.evaluate(Function::Switches, t, q, v, a, pairs);
+    }
+
+    fn modes(&self) -> &[f64] {
+        &self.interpreter.modes
+    }
+
+    fn set_modes(&mut self, modes: &[f64]) {
+        self.interpreter.modes.copy_from_slice(modes);
+    }
+
+    fn drawing(&self, t: f64, q: &[f64], v: &[f64], values: &mut [f64]) {
+        self.evaluate(Function::Drawing, t, q, v, &[], values);
+    }
+
+    fn parameters(&self) -> Vec<f64> {
+        self.interpreter.parameters.clone()
+    }
+
+    fn set_parameter(&mut self, index: usize, value: f64) {
+        if let Some(parameter) = self.interpreter.parameters.get_mut(index) {
+            *parameter = value;
+        }
+    }
+
+    fn inputs(&self, t: f64, values: &mut [f64]) {
+        values.copy_from_slice(&self.input_values(t));
+    }
+
+    fn set_input(&mut self, index: usize, signal: Signal) {
+        if let Some(slot) = self.signals.get_mut(index) {
+            *slot = Some(signal);
+        }
+    }
+
+    fn scene_parameters(&self, scene: usize) -> Vec<(usize, f64)> {
+        let scenes = &self.interpreter.program().model.scenes;
+        scenes.get(scene).map_or_else(Vec::new, |s| s.set.iter().map(|(i, id)| (*i, self.interpreter.constant(*id))).collect())
+    }
+
+    fn scene(&self, scene: usize) -> Scene {
+        let scenes = &self.interpreter.program().model.scenes;
+        let scene = &scenes[if scene < scenes.len() { scene } else { 0 }];
+        let value = |id| self.interpreter.constant(id);
+        Scene {
+            q: scene.q.iter().map(|id| value(*id)).collect(),
+            v: scene.v.iter().map(|id| value(*id)).collect(),
+            until: value(scene.until),
+            tolerance: value(scene.tolerance),
+            every: scene.every.map(value),
+        }
+    }
+
+    fn equilibrium_guess(&self) -> Vec<f64> {
+        let guess = &self.interpreter.program().model.equilibrium;
+        guess.iter().map(|id| self.interpreter.constant(*id)).collect()
+    }
+
+    fn boxed_clone(&self) -> Box<dyn System> {
+        Box::new(self.clone())
+    }
+}
+
+/// The description that generated code would have.
+fn describe(program: &Program, source: &str) -> Description {
+    let model = &program.model;
+    let text = |s: &str| Text::Owned(s.to_owned());
+    let unit = |u: &Option<String>| text(u.as_deref().unwrap_or(""));
+    let pattern = |entries: &[Entry]| {
+        entries.iter().map(|e| (e.0 as u32, e.1 as u32)).collect::<List<(u32, u32)>>()
+    };
+    let quantity = |name: &str, n: usize| Quantity { name: text(name), components: n as u32 };
+    let s = &program.structure;
+    let c = program.counts;
+    Description {
+        name: text(&model.name),
+        about: text(&model.about),
+        source_hash: print::fnv1a(source),
+        coordinates: model.coordinates.iter().map(|c| Coordinate { name: text(&c.name), unit: unit(&c.unit) }).collect(),
+        parameters: model
+            .parameters
+            .iter()
+            .map(|p| Parameter { name: text(&p.name), unit: unit(&p.unit), default: p.default })
+            .collect(),
+        derived: model.derived.iter().map(|d| text(&d.name)).collect(),
+        inputs: model.inputs.iter().map(|u| text(&u.name)).collect(),
+        mass_pattern: pattern(&program.mass),
+        stiffness_pattern: pattern(&program.stiffness),
+        damping_pattern: pattern(&program.damping),
+        input_pattern: pattern(&program.input),
+        outputs: model.outputs.iter().map(|o| quantity(&o.name, o.value.len())).collect(),
+        outputs_use_accelerations: program.outputs_use_accelerations(),
+        invariants: model.conserved.iter().map(|i| quantity(&i.name, i.value.len())).collect(),
+        events: model
+            .events
+            .iter()
+            .map(|e| Event {
+                name: text(&e.name),
+                direction: match e.direction {
+                    1 => Direction::Rising,
+                    -1 => Direction::Falling,
+                    _ => Direction::Both,
+                },
+                conditional: e.condition.is_some(),
+                actions: e
+                    .actions
+                    .iter()
+                    .map(|a| match a {
+                        EventAction::Stop => Action::Stop,
+                        EventAction::Record => Action::Record,
+                    })
+                    .collect(),
+            })
+            .collect(),
+        switches: program
+            .switches
+            .iter()
+            .map(|s| Switch {
+                text: Text::Owned(print::text(model, s.argument)),
+                kind: if s.kind == SymbolicSwitchKind::Sign { SwitchKind::Sign } else { SwitchKind::Step },
+                time_only: s.time_only,
+            })
+            .collect(),
+        scenes: model.scenes.iter().map(|s| text(&s.name)).collect(),
+        draw: model
+            .draw
+            .iter()
+            .map(|shape| match shape {
+                SymbolicShape::Line(points) => Shape::Line(points.len() as u32),
+                SymbolicShape::Circle { .. } => Shape::Circle,
+                SymbolicShape::Spring(..) => Shape::Spring,
+                SymbolicShape::Curve(points) => Shape::Curve(points.len() as u32),
+                SymbolicShape::Trace(name, _) => Shape::Trace(text(name)),
+            })
+            .collect(),
+        structure: Structure {
+            dimension: model.dimension as u32,
+            constant_mass: s.constant_mass,
+            diagonal_mass: s.diagonal_mass,
+            mass_blocks: s.mass_blocks.iter().map(|b| *b as u32).collect(),
+            linear: s.linear,
+            conservative: s.conservative,
+            time_dependent: s.time_dependent,
+            cyclic: s.cyclic.iter().map(|c| c.0 as u32).collect(),
+        },
+        counts: Counts {
+            mass: c.mass as u32,
+            bias: c.bias as u32,
+            mass_and_bias: c.mass_and_bias as u32,
+            accelerations: c.accelerations as u32,
+            residual: c.residual as u32,
+            jacobians: c.jacobians as u32,
+        },
+    }
+}

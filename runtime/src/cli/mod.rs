@@ -1,0 +1,81 @@
+//! The command line, for any list of compiled models.
+//!
+//! A crate gets the program for its own models in three lines:
+//!
+//! ```ignore
+//! fn main() -> std::process::ExitCode {
+//!     dalembert::cli::main(MODELS)
+//! }
+//! ```
+//!
+//! Exit status: 0 done, 1 the run failed (what was computed is still written), 2 bad usage or a bad model file.
+
+mod arguments;
+mod check;
+mod interpreted;
+mod json;
+mod list;
+mod load;
+mod new;
+mod problem;
+mod set_up;
+mod show;
+mod simulate;
+
+use std::process::ExitCode;
+
+use crate::mechanism::System;
+
+pub use interpreted::Interpreted;
+pub use problem::Problem;
+
+/// A compiled model.
+#[derive(Clone, Copy)]
+pub struct Entry {
+    /// The file's name without `.yaml`.
+    pub name: &'static str,
+    /// The file's text when it was compiled.
+    pub source: &'static str,
+    /// Where the file is.
+    pub path: &'static str,
+    /// A system with the file's parameters.
+    pub system: fn() -> Box<dyn System>,
+}
+
+/// Runs the program with the process's arguments.
+pub fn main(models: &[Entry]) -> ExitCode {
+    match run(models, std::env::args_os(), &mut std::io::stdout().lock()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(problem) => {
+            eprintln!("{problem}");
+            ExitCode::from(problem.status())
+        }
+    }
+}
+
+/// Runs the program with these arguments (the first is the program's name) and writes to `out`.
+///
+/// # Errors
+/// Bad usage, a bad model file, or a run that failed.
+pub fn run(
+    models: &[Entry],
+    arguments: impl IntoIterator<Item = impl Into<std::ffi::OsString> + Clone>,
+    out: &mut dyn std::io::Write,
+) -> Result<(), Problem> {
+    let matches = match arguments::command().try_get_matches_from(arguments) {
+        Ok(matches) => matches,
+        Err(error) if !error.use_stderr() => {
+            write!(out, "{error}")?;
+            return Ok(());
+        }
+        Err(error) => return Err(Problem::Usage(error.to_string())),
+    };
+    match matches.subcommand() {
+        Some(("list", _)) => list::run(models, out),
+        Some(("show", options)) => show::run(models, options, out),
+        Some(("check", options)) => check::run(models, options, out),
+        Some(("simulate", options)) => simulate::run(models, options, out),
+        Some(("new", options)) => new::run(options, out),
+        _ => Err(Problem::Usage(arguments::command().render_help().to_string())),
+    }
+}

@@ -1,0 +1,43 @@
+//! What the program says when it cannot go on.
+
+use std::fmt;
+
+/// Why a command failed.
+#[derive(Debug)]
+pub enum Problem {
+    /// Bad usage.
+    Usage(String),
+    /// A bad model file, rendered.
+    Model(String),
+    /// A run failed; what was computed has been written.
+    Run(String),
+    /// Something could not be written or read.
+    File(String),
+}
+
+impl Problem {
+    /// The process's exit status.
+    pub fn status(&self) -> u8 {
+        match self {
+            Problem::Usage(_) | Problem::Model(_) => 2,
+            Problem::Run(_) | Problem::File(_) => 1,
+        }
+    }
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Problem::Usage(text) | Problem::Model(text) => f.write_str(text.trim_end()),
+            Problem::Run(text) | Problem::File(text) => write!(f, "error: {}", text.trim_end()),
+        }
+    }
+}
+
+impl std::error::Error for Problem {}
+
+impl From<std::io::Error> for Problem {
+    fn from(error: std::io::Error) -> Self {
+        Problem::File(error.to_string())
+    }
+}

@@ -1,0 +1,67 @@
+//! Solving M a = f where M is too large to be factored by straight-line code.
+
+use super::{Real, SingularMass};
+
+/// Overwrites f with M⁻¹(−f): LDLᵀ of the packed lower triangle `m` (row by row, n(n+1)/2 numbers), in place.
+///
+/// # Errors
+/// [`SingularMass`] where a pivot vanishes beside M's diagonal, or is not finite.
+pub fn solve_packed<S: Real, const N: usize>(m: &mut [S], f: &mut [S; N]) -> Result<(), SingularMass> {
+    let row = |i: usize| i * (i + 1) / 2;
+    for i in 0..N {
+        let diagonal = m[row(i) + i];
+        // L_ij d_j for j < i, then L_ij, then the pivot d_i.
+        for j in 0..i {
+            let mut sum = m[row(i) + j];
+            for k in 0..j {
+                sum = sum - m[row(i) + k] * m[row(j) + k];
+            }
+            m[row(i) + j] = sum;
+        }
+        let mut pivot = diagonal;
+        for j in 0..i {
+            let scaled = m[row(i) + j];
+            let factor = scaled * m[row(j) + j];
+            pivot = pivot - factor * scaled;
+            m[row(i) + j] = factor;
+        }
+        if !pivot.abs().exceeds(diagonal.abs() * S::pivot_floor()) {
+            return Err(SingularMass { coordinate: i });
+        }
+        // The diagonal holds reciprocals of pivots.
+        m[row(i) + i] = S::ratio(1.0, 1.0) / pivot;
+    }
+    for i in 0..N {
+        let mut sum = -f[i];
+        for j in 0..i {
+            sum = sum - m[row(i) + j] * f[j];
+        }
+        f[i] = sum;
+    }
+    for i in (0..N).rev() {
+        let mut sum = f[i] * m[row(i) + i];
+        for j in i + 1..N {
+            sum = sum - m[row(j) + i] * f[j];
+        }
+        f[i] = sum;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::solve_packed;
+
+    #[test]
+    fn solves_and_names_the_singular_coordinate() {
+        let mut m = [4.0, 2.0, 3.0, 1.0, 0.5, 2.0];
+        // M x = −f for x = (1, −2, 3)
+        let mut f = [-(4.0 - 4.0 + 3.0), -(2.0 - 6.0 + 1.5), -(1.0 - 1.0 + 6.0)];
+        solve_packed(&mut m, &mut f).unwrap();
+        for (x, expected) in f.iter().zip([1.0_f64, -2.0, 3.0]) {
+            assert!((x - expected).abs() < 1e-14, "{f:?}");
+        }
+        let mut singular = [1.0, 1.0, 1.0];
+        assert_eq!(solve_packed(&mut singular, &mut [0.0, 0.0]).unwrap_err().coordinate, 1);
+    }
+}

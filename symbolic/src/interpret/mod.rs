@@ -1,0 +1,162 @@
+//! Evaluating a program without compiling it: some 25 times slower than the generated code, and tested against it.
+
+use crate::expr::{Id, Symbol, Tape};
+use crate::lower::{Accelerations, Entry, Program};
+
+/// A program with values for its parameters, inputs and modes.
+#[derive(Clone, Debug)]
+pub struct Interpreter {
+    program: Program,
+    /// Free parameters.
+    pub parameters: Vec<f64>,
+    /// Modes of the switches.
+    pub modes: Vec<f64>,
+    tapes: Tapes,
+}
+
+/// The functions that can be evaluated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "named after the methods of `System`")]
+pub enum Function {
+    Mass,
+    Bias,
+    Residual,
+    Stiffness,
+    Damping,
+    Input,
+    Energy,
+    Invariants,
+    Outputs,
+    Events,
+    Switches,
+    Drawing,
+    Inputs,
+}
+
+const FUNCTIONS: usize = Function::Inputs as usize + 1;
+
+#[derive(Clone, Debug)]
+struct Tapes {
+    functions: Vec<Tape>,
+    accelerations: Tape,
+    pivots: Vec<usize>,
+}
+
+/// A state, in the order of the model's coordinates; slices may be empty where nothing reads them.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct At<'a> {
+    /// Time.
+    pub t: f64,
+    /// Inputs: u, u', u'' of each.
+    pub u: &'a [f64],
+    /// Coordinates.
+    pub q: &'a [f64],
+    /// Speeds.
+    pub v: &'a [f64],
+    /// Accelerations.
+    pub a: &'a [f64],
+}
+
+impl Interpreter {
+    /// With the file's parameters.
+    pub fn new(program: Program) -> Interpreter {
+        let graph = &program.model.graph;
+        let entries = |list: &[Entry]| list.iter().map(|e| e.2).collect::<Vec<Id>>();
+        let mut functions = vec![Tape::new(graph, &[]); FUNCTIONS];
+        let mut set = |function: Function, roots: &[Id]| functions[function as usize] = Tape::new(graph, roots);
+        set(Function::Mass, &entries(&program.mass));
+        set(Function::Bias, &program.bias);
+        set(Function::Residual, &program.residual);
+        set(Function::Stiffness, &entries(&program.stiffness));
+        set(Function::Damping, &entries(&program.damping));
+        set(Function::Input, &entries(&program.input));
+        set(Function::Energy, &program.energy);
+        set(Function::Invariants, &program.invariants);
+        set(Function::Outputs, &program.outputs);
+        set(Function::Events, &program.events);
+        set(Function::Switches, &program.switch_pairs);
+        set(Function::Drawing, &program.drawing);
+        let signals: Vec<Id> = program.model.inputs.iter().flat_map(|u| u.signal).collect();
+        set(Function::Inputs, &signals);
+        let (roots, pivots) = match &program.accelerations {
+            Accelerations::Unrolled { values, pivots } => {
+                let checks = pivots.iter().flat_map(|p| [p.1, p.2]);
+                (values.iter().copied().chain(checks).collect(), pivots.iter().map(|p| p.0).collect())
+            }
+            Accelerations::Loop => (Vec::new(), Vec::new()),
+        };
+        let accelerations = Tape::new(graph, &roots);
+        let tapes = Tapes { functions, accelerations, pivots };
+        let parameters = program.model.parameters.iter().map(|p| p.default).collect();
+        let modes = vec![1.0; program.switches.len()];
+        Interpreter { program, parameters, modes, tapes }
+    }
+
+    /// The program.
+    pub fn program(&self) -> &Program {
+        &self.program
+    }
+
+    /// Evaluates one function into a slice of its length.
+    pub fn evaluate(&self, function: Function, at: At<'_>, values: &mut [f64]) {
+        self.run(&self.tapes.functions[function as usize], at, values);
+    }
+
+    /// The accelerations; `Err` names the coordinate whose pivot vanishes.
+    ///
+    /// # Errors
+    /// The place of a coordinate without a pivot.
+    pub fn accelerations(&self, at: At<'_>, a: &mut [f64]) -> Result<(), usize> {
+        let n = a.len();
+        if matches!(self.program.accelerations, Accelerations::Loop) {
+            return self.solve(at, a);
+        }
+        let mut values = vec![0.0; self.tapes.accelerations.len()];
+        self.run(&self.tapes.accelerations, at, &mut values);
+        for (k, pair) in self.tapes.pivots.iter().zip(values[n..].chunks_exact(2)) {
+            if !(pair[0].abs() > 4.0 * f64::EPSILON * pair[1].abs()) {
+                return Err(*k);
+            }
+        }
+        a.copy_from_slice(&values[..n]);
+        Ok(())
+    }
+
+    /// Evaluates an expression of parameters.
+    pub fn constant(&self, id: Id) -> f64 {
+        let mut value = [0.0];
+        self.run(&Tape::new(&self.program.model.graph, &[id]), At::default(), &mut value);
+        value[0]
+    }
+
+    fn solve(&self, at: At<'_>, a: &mut [f64]) -> Result<(), usize> {
+        let n = a.len();
+        let mut values = vec![0.0; self.program.mass.len()];
+        self.evaluate(Function::Mass, at, &mut values);
+        let mut m = vec![0.0; n * n];
+        for ((i, j, _), value) in self.program.mass.iter().zip(values) {
+            m[i * n + j] = value;
+            m[j * n + i] = value;
+        }
+        let mut f = vec![0.0; n];
+        self.evaluate(Function::Bias, at, &mut f);
+        f.iter_mut().for_each(|h| *h = -*h);
+        a.copy_from_slice(&crate::derive::solve(m, f)?);
+        Ok(())
+    }
+
+    fn run(&self, tape: &Tape, at: At<'_>, values: &mut [f64]) {
+        let get = |list: &[f64], i: u32| list.get(i as usize).copied().unwrap_or(0.0);
+        let value = |symbol: Symbol| match symbol {
+            Symbol::Time => at.t,
+            Symbol::Coordinate(i) => get(at.q, i),
+            Symbol::Speed(i) => get(at.v, i),
+            Symbol::Acceleration(i) => get(at.a, i),
+            Symbol::Input(k, order) => get(at.u, 3 * k + u32::from(order)),
+            Symbol::Parameter(i) => get(&self.parameters, i),
+            Symbol::Mode(k) => get(&self.modes, k),
+            Symbol::Reaction(_) | Symbol::Dummy(_) => f64::NAN,
+        };
+        tape.run(value, &mut Vec::new(), values);
+    }
+}
