@@ -27,9 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             "    Entry {{ name: {stem:?}, source: include_str!(concat!(env!(\"CARGO_MANIFEST_DIR\"), \"/{file}\")), path: concat!(env!(\"CARGO_MANIFEST_DIR\"), \"/{file}\"), system: || Box::new(Erased::new({module}::{name}::default())) }},"
         )?;
     }
-    let text = format!(
-        "{modules}\n/// Every model, by file name.\npub static MODELS: &[Entry] = &[\n{entries}];\n"
-    );
+    let text = format!("{modules}\n/// Every model, by file name.\npub static MODELS: &[Entry] = &[\n{entries}];\n");
     std::fs::write(Path::new(&std::env::var("OUT_DIR")?).join("models.rs"), text)?;
     Ok(())
 }

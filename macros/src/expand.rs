@@ -21,7 +21,8 @@ pub fn expand(arguments: &Arguments) -> TokenStream {
             match print::rust(&program, &text, &name).parse::<TokenStream>() {
                 Ok(items) => quote! { #watch #items },
                 Err(error) => {
-                    let message = format!("dalembert printed text that is not Rust ({error}); this is a fault of dalembert");
+                    let message =
+                        format!("dalembert printed text that is not Rust ({error}); this is a fault of dalembert");
                     syn::Error::new(span, message).to_compile_error()
                 }
             }
@@ -48,7 +49,8 @@ fn source(source: &Source) -> syn::Result<Found> {
     };
     let path = literal.value();
     if Path::new(&path).is_absolute() {
-        let message = "the path of a model file is relative to the crate's folder; an absolute one would not build elsewhere";
+        let message =
+            "the path of a model file is relative to the crate's folder; an absolute one would not build elsewhere";
         return Err(syn::Error::new(literal.span(), message));
     }
     let folder = std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default();

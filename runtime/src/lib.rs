@@ -1,5 +1,7 @@
 //! Mechanisms described in YAML: derived, compiled, integrated, linearised and judged.
 
+#[cfg(feature = "cli")]
+pub mod cli;
 mod error;
 mod events;
 mod integrate;

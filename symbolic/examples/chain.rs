@@ -22,7 +22,13 @@ fn chain(n: usize, relative: bool) -> Model {
             let h = g.mul(half, ld);
             com[k] = g.add(tip[k], h);
         }
-        m.bodies.push(Body { name: format!("b{i}"), mass: p[0], position: com, rotation: Some(Rotation { angle, inertia: p[3] }), place: Default::default() });
+        m.bodies.push(Body {
+            name: format!("b{i}"),
+            mass: p[0],
+            position: com,
+            rotation: Some(Rotation { angle, inertia: p[3] }),
+            place: Default::default(),
+        });
         m.coordinates.push(Coordinate { name: format!("theta{}", i + 1), unit: None, place: Default::default() });
         tip = next;
     }
@@ -30,9 +36,23 @@ fn chain(n: usize, relative: bool) -> Model {
     m.gravity = Some(vec![Id::ZERO, gy]);
     let until = g.integer(10);
     for (i, n) in names.iter().enumerate() {
-        m.parameters.push(Parameter { name: n.to_string(), family: None, unit: None, default: [1.0, 1.0, 10.0, 1.0 / 12.0][i], place: Default::default() });
+        m.parameters.push(Parameter {
+            name: n.to_string(),
+            family: None,
+            unit: None,
+            default: [1.0, 1.0, 10.0, 1.0 / 12.0][i],
+            place: Default::default(),
+        });
     }
-    m.scenes.push(Scene { name: "scene".into(), q: vec![Id::ZERO; n], v: vec![Id::ZERO; n], until, tolerance: until, every: None, set: vec![] });
+    m.scenes.push(Scene {
+        name: "scene".into(),
+        q: vec![Id::ZERO; n],
+        v: vec![Id::ZERO; n],
+        until,
+        tolerance: until,
+        every: None,
+        set: vec![],
+    });
     m
 }
 fn main() {
@@ -44,7 +64,14 @@ fn main() {
             let t1 = t.elapsed();
             let worst = d.report.agreements[0].worst;
             let p = lower::lower(d).unwrap();
-            println!("{relative} n={n} {:?} derive {:?} total {:?} {} {worst:e} graph {}", p.counts, t1, t.elapsed(), p.choice, p.model.graph.len());
+            println!(
+                "{relative} n={n} {:?} derive {:?} total {:?} {} {worst:e} graph {}",
+                p.counts,
+                t1,
+                t.elapsed(),
+                p.choice,
+                p.model.graph.len()
+            );
         }
     }
 }

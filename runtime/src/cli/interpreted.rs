@@ -132,7 +132,9 @@ impl System for Interpreted {
 
     fn scene_parameters(&self, scene: usize) -> Vec<(usize, f64)> {
         let scenes = &self.interpreter.program().model.scenes;
-        scenes.get(scene).map_or_else(Vec::new, |s| s.set.iter().map(|(i, id)| (*i, self.interpreter.constant(*id))).collect())
+        scenes
+            .get(scene)
+            .map_or_else(Vec::new, |s| s.set.iter().map(|(i, id)| (*i, self.interpreter.constant(*id))).collect())
     }
 
     fn scene(&self, scene: usize) -> Scene {
@@ -163,9 +165,7 @@ fn describe(program: &Program, source: &str) -> Description {
     let model = &program.model;
     let text = |s: &str| Text::Owned(s.to_owned());
     let unit = |u: &Option<String>| text(u.as_deref().unwrap_or(""));
-    let pattern = |entries: &[Entry]| {
-        entries.iter().map(|e| (e.0 as u32, e.1 as u32)).collect::<List<(u32, u32)>>()
-    };
+    let pattern = |entries: &[Entry]| entries.iter().map(|e| (e.0 as u32, e.1 as u32)).collect::<List<(u32, u32)>>();
     let quantity = |name: &str, n: usize| Quantity { name: text(name), components: n as u32 };
     let s = &program.structure;
     let c = program.counts;
@@ -173,7 +173,11 @@ fn describe(program: &Program, source: &str) -> Description {
         name: text(&model.name),
         about: text(&model.about),
         source_hash: print::fnv1a(source),
-        coordinates: model.coordinates.iter().map(|c| Coordinate { name: text(&c.name), unit: unit(&c.unit) }).collect(),
+        coordinates: model
+            .coordinates
+            .iter()
+            .map(|c| Coordinate { name: text(&c.name), unit: unit(&c.unit) })
+            .collect(),
         parameters: model
             .parameters
             .iter()

@@ -23,8 +23,7 @@ pub(super) fn equations(graph: &mut Graph, dynamics: &Dynamics) -> (Equations, V
     });
 
     let minus = graph.integer(-1);
-    let gradient =
-        reverse(graph, &[(kinetic, minus), (potential, Id::ONE)], |s| matches!(s, Symbol::Coordinate(_)));
+    let gradient = reverse(graph, &[(kinetic, minus), (potential, Id::ONE)], |s| matches!(s, Symbol::Coordinate(_)));
     let resisting = resisting_forces(graph, dynamics, &velocities);
     let rest: Vec<Id> = (0..n).map(|i| graph.add(coordinate_entry(&gradient, i), resisting[i])).collect();
 

@@ -79,7 +79,11 @@ impl<'a> Draws<'a> {
             .parameters
             .iter()
             .map(|p| {
-                if p.default == 0.0 { self.random.between(0.3, 1.0) } else { p.default * self.random.between(0.8, 1.25) }
+                if p.default == 0.0 {
+                    self.random.between(0.3, 1.0)
+                } else {
+                    p.default * self.random.between(0.8, 1.25)
+                }
             })
             .collect();
         for &(i, value) in when {

@@ -38,11 +38,7 @@ pub struct Report {
 }
 
 /// Runs every test and collects every failure.
-pub(super) fn all(
-    model: &mut Model,
-    equations: &[Equations],
-    switches: &[Switch],
-) -> Result<Report, Vec<Problem>> {
+pub(super) fn all(model: &mut Model, equations: &[Equations], switches: &[Switch]) -> Result<Report, Vec<Problem>> {
     let mut problems = massless(model, equations);
     if !problems.is_empty() {
         return Err(problems);
@@ -255,13 +251,7 @@ fn conserved(
     Ok(worst)
 }
 
-fn identity(
-    model: &Model,
-    name: &str,
-    pairs: &[(Id, Id)],
-    states: &[State],
-    place: &Place,
-) -> Result<f64, Problem> {
+fn identity(model: &Model, name: &str, pairs: &[(Id, Id)], states: &[State], place: &Place) -> Result<f64, Problem> {
     let mut worst = 0.0_f64;
     for &(left, right) in pairs {
         let mut roots = vec![left, right];

@@ -57,4 +57,3 @@ fn residual(graph: &mut Graph, dynamics: &Dynamics, second: fn(&mut Graph, &[Id]
         })
         .collect()
 }
-

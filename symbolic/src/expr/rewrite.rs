@@ -6,11 +6,7 @@ use super::{Graph, Id, Node, Symbol};
 
 /// Rebuilds expressions from the leaves up.  `replace` sees each node with its children already rebuilt
 /// and may give another expression for it; otherwise the constructors simplify anew.
-pub fn rewrite(
-    graph: &mut Graph,
-    roots: &[Id],
-    mut replace: impl FnMut(&mut Graph, Node) -> Option<Id>,
-) -> Vec<Id> {
+pub fn rewrite(graph: &mut Graph, roots: &[Id], mut replace: impl FnMut(&mut Graph, Node) -> Option<Id>) -> Vec<Id> {
     let needed = graph.reachable(roots.iter().copied());
     let mut image: Vec<Id> = vec![Id::ZERO; needed.len()];
     for i in (0..needed.len()).filter(|&i| needed[i]) {

@@ -1,7 +1,7 @@
 //! The choice among equivalent forms, by number of operations.
 
-use super::count::operations;
 use super::Entry;
+use super::count::operations;
 use crate::derive::Equations;
 use crate::expr::{Graph, Id, Symbol, expand};
 

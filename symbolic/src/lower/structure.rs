@@ -1,8 +1,8 @@
 //! What is recognised in the equations.
 
+use super::Entry;
 use super::candidates::Chosen;
 use super::count::varying;
-use super::Entry;
 use crate::expr::{Graph, Id, Symbol};
 
 /// What was recognised.

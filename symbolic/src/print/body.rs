@@ -184,11 +184,7 @@ impl Bodies<'_> {
             Node::Unary(Unary::Sin | Unary::Cos, x) => self.sine_and_cosine(id, x, pieces, lines, next, needed, indent),
             Node::Unary(Unary::Neg, x) => {
                 let inner = &pieces[&x];
-                Piece {
-                    text: format!("-{}", at_least(inner, Level::Atom)),
-                    level: Level::Sign,
-                    depth: inner.depth + 1,
-                }
+                Piece { text: format!("-{}", at_least(inner, Level::Atom)), level: Level::Sign, depth: inner.depth + 1 }
             }
             Node::Unary(f, x) => {
                 let inner = &pieces[&x];

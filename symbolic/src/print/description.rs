@@ -20,7 +20,12 @@ pub(super) fn description(program: &Program, source: &str) -> String {
     field("source_hash", format!("{:#018x}", fnv1a(source)));
     field(
         "coordinates",
-        list(model.coordinates.iter().map(|c| format!("Coordinate {{ name: {}, unit: {} }}", string(&c.name), unit(&c.unit)))),
+        list(
+            model
+                .coordinates
+                .iter()
+                .map(|c| format!("Coordinate {{ name: {}, unit: {} }}", string(&c.name), unit(&c.unit))),
+        ),
     );
     field(
         "parameters",
@@ -34,7 +39,8 @@ pub(super) fn description(program: &Program, source: &str) -> String {
     field("stiffness_pattern", pattern(&program.stiffness));
     field("damping_pattern", pattern(&program.damping));
     field("input_pattern", pattern(&program.input));
-    let quantity = |name: &str, components: usize| format!("Quantity {{ name: {}, components: {components} }}", string(name));
+    let quantity =
+        |name: &str, components: usize| format!("Quantity {{ name: {}, components: {components} }}", string(name));
     field("outputs", list(model.outputs.iter().map(|o| quantity(&o.name, o.value.len()))));
     field("outputs_use_accelerations", program.outputs_use_accelerations().to_string());
     field("invariants", list(model.conserved.iter().map(|c| quantity(&c.name, c.value.len()))));

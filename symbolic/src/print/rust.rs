@@ -120,9 +120,9 @@ fn fields(parameters: &[Parameter]) -> Vec<Field> {
             continue;
         }
         let value = |indices: &[i64]| {
-            let member = parameters.iter().find(|p| {
-                p.family.as_ref().is_some_and(|f| f.name == family.name && f.indices.as_slice() == indices)
-            });
+            let member = parameters
+                .iter()
+                .find(|p| p.family.as_ref().is_some_and(|f| f.name == family.name && f.indices.as_slice() == indices));
             format!("{:?}", member.map_or(0.0, |p| p.default))
         };
         let size = |k: usize| family.ranges[k].1 - family.ranges[k].0 + 1;
@@ -302,11 +302,8 @@ fn accelerations(out: &mut String, program: &Program, bodies: &Bodies<'_>, n: us
         }
         Accelerations::Loop => {
             let packed = n * (n + 1) / 2;
-            let mut uses: Vec<Use> = program
-                .mass
-                .iter()
-                .map(|(i, j, m)| Use::Store(format!("m[{}]", i * (i + 1) / 2 + j), *m))
-                .collect();
+            let mut uses: Vec<Use> =
+                program.mass.iter().map(|(i, j, m)| Use::Store(format!("m[{}]", i * (i + 1) / 2 + j), *m)).collect();
             uses.extend(program.bias.iter().enumerate().map(|(k, id)| Use::Store(format!("out[{k}]"), *id)));
             format!(
                 "        let mut m = [S::ratio(0.0, 1.0); {packed}];\n{}        ::dalembert::mechanism::solve_packed(&mut m, out)\n",
@@ -329,7 +326,8 @@ fn scenes(out: &mut String, program: &Program, bodies: &Bodies<'_>, n: usize) {
     let model = &program.model;
     let values: Vec<String> = model.parameters.iter().map(access).collect();
     let _ = write!(out, "\n    fn parameters(&self) -> Vec<f64> {{\n        vec![{}]\n    }}\n", values.join(", "));
-    let arms: String = values.iter().enumerate().map(|(k, v)| format!("            {k} => Some(&mut {v}),\n")).collect();
+    let arms: String =
+        values.iter().enumerate().map(|(k, v)| format!("            {k} => Some(&mut {v}),\n")).collect();
     let _ = write!(
         out,
         "\n    fn parameter_mut(&mut self, index: usize) -> Option<&mut f64> {{\n        match index {{\n{arms}            _ => None,\n        }}\n    }}\n"
@@ -348,10 +346,8 @@ fn scenes(out: &mut String, program: &Program, bodies: &Bodies<'_>, n: usize) {
                 pairs.join(", ")
             );
         }
-        let mut uses = vec![
-            Use::Store("x.until".to_owned(), scene.until),
-            Use::Store("x.tolerance".to_owned(), scene.tolerance),
-        ];
+        let mut uses =
+            vec![Use::Store("x.until".to_owned(), scene.until), Use::Store("x.tolerance".to_owned(), scene.tolerance)];
         let rest = |name: &str, list: &[Id]| -> Vec<Use> {
             let nonzero = list.iter().enumerate().filter(|(_, id)| **id != Id::ZERO);
             nonzero.map(|(i, id)| Use::Store(format!("x.{name}[{i}]"), *id)).collect()

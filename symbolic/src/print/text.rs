@@ -33,9 +33,7 @@ fn written(model: &Model, graph: &Graph, id: Id, budget: &mut usize) -> (String,
         Node::Unary(Unary::Neg, x) => (format!("-{}", at(x, Level::Product)), Level::Sum),
         Node::Unary(f, x) => (format!("{}({})", function(f), at(x, Level::Sum)), Level::Atom),
         Node::Binary(Binary::Add, x, y) => (format!("{} + {}", at(x, Level::Sum), at(y, Level::Sum)), Level::Sum),
-        Node::Binary(Binary::Sub, x, y) => {
-            (format!("{} - {}", at(x, Level::Sum), at(y, Level::Product)), Level::Sum)
-        }
+        Node::Binary(Binary::Sub, x, y) => (format!("{} - {}", at(x, Level::Sum), at(y, Level::Product)), Level::Sum),
         Node::Binary(Binary::Mul, x, y) if x == y => (format!("{}^2", at(x, Level::Atom)), Level::Power),
         Node::Binary(Binary::Mul, x, y) => {
             (format!("{}*{}", at(x, Level::Product), at(y, Level::Product)), Level::Product)

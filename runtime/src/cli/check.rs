@@ -1,0 +1,62 @@
+//! `check`: what was tested when deriving, and how well it held.
+
+use std::io::Write;
+
+use clap::ArgMatches;
+use dalembert_symbolic::lower::Program;
+
+use super::load::Loaded;
+use super::{Entry, Problem};
+
+/// Derives the model anew and prints the report.
+pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+    let loaded = Loaded::find(models, options)?;
+    let program = loaded.program()?;
+    writeln!(out, "{}: {} coordinates", loaded.name, program.model.coordinates.len())?;
+    for agreement in &program.report.agreements {
+        let (first, second) = &agreement.between;
+        let (states, worst) = (agreement.states, agreement.worst);
+        writeln!(out, "  {first} and {second} agree at {states} states, worst {worst:.1e}")?;
+    }
+    for (name, worst) in &program.report.conserved {
+        writeln!(out, "  {name} is conserved, worst {worst:.1e}")?;
+    }
+    for (name, worst) in &program.report.checks {
+        writeln!(out, "  check {name} holds, worst {worst:.1e}")?;
+    }
+    recognised(&program, out)
+}
+
+/// What was recognised, and operation counts.
+pub fn recognised(program: &Program, out: &mut dyn Write) -> Result<(), Problem> {
+    let s = &program.structure;
+    let name = |i: usize| program.model.coordinates.get(i).map_or("?", |c| c.name.as_str());
+    let mut words: Vec<String> = Vec::new();
+    let mut note = |is: bool, word: &str| {
+        if is {
+            words.push(word.to_owned());
+        }
+    };
+    note(s.linear, "linear with constant coefficients");
+    note(s.constant_mass, "constant mass matrix");
+    note(s.diagonal_mass, "diagonal mass matrix");
+    note(s.conservative, "conservative");
+    note(s.time_dependent, "depends on time");
+    if s.mass_blocks.len() > 1 && !s.diagonal_mass {
+        words.push(format!("mass matrix in {} blocks", s.mass_blocks.len()));
+    }
+    for (i, momentum) in &s.cyclic {
+        let momentum = dalembert_symbolic::print::text(&program.model, *momentum);
+        words.push(format!("{} is cyclic, its momentum {momentum} is conserved", name(*i)));
+    }
+    for word in words {
+        writeln!(out, "  {word}")?;
+    }
+    let c = program.counts;
+    writeln!(
+        out,
+        "  operations: M {}, h {}, M and h {}, accelerations {}, F {}, F with its Jacobians {}",
+        c.mass, c.bias, c.mass_and_bias, c.accelerations, c.residual, c.jacobians
+    )?;
+    Ok(())
+}

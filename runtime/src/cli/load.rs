@@ -1,0 +1,106 @@
+//! Finding a model: compiled, by name; or any file, by path, interpreted.
+
+use std::path::Path;
+
+use clap::ArgMatches;
+use dalembert_symbolic::diagnose;
+use dalembert_symbolic::lower::{Program, compile};
+use dalembert_symbolic::model::Model;
+use dalembert_symbolic::print::fnv1a;
+
+use super::{Entry, Interpreted, Problem};
+use crate::mechanism::System;
+
+/// A model that was found.
+pub struct Loaded {
+    /// The name it goes by: its file's.
+    pub name: String,
+    /// Where its file is.
+    pub path: String,
+    /// Its file's text (when it was compiled).
+    pub source: String,
+    /// Sizes other than the file's.
+    pub sizes: Vec<(String, i64)>,
+    /// The mechanism, with the file's parameters.
+    pub system: Box<dyn System>,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+}
+
+impl Loaded {
+    /// Finds the model that the command line names.
+    pub fn find(models: &[Entry], options: &ArgMatches) -> Result<Loaded, Problem> {
+        let name = options.get_one::<String>("model").map_or("", String::as_str);
+        let sizes = sizes(options)?;
+        if let Some(entry) = models.iter().find(|entry| entry.name == name) {
+            return Loaded::compiled(entry, sizes);
+        }
+        if Path::new(name).is_file() {
+            let source =
+                std::fs::read_to_string(name).map_err(|e| Problem::File(format!("cannot read {name}: {e}")))?;
+            let stem = Path::new(name).file_stem().map_or(name.to_owned(), |s| s.to_string_lossy().into_owned());
+            return Loaded::interpreted(stem, name.to_owned(), source, sizes);
+        }
+        let hint = diagnose::did_you_mean(name, models.iter().map(|entry| entry.name));
+        let hint = if hint.is_empty() { "`list` names the models".to_owned() } else { hint };
+        Err(Problem::Usage(format!("error: no model and no file is called `{name}`; {hint}")))
+    }
+
+    fn compiled(entry: &Entry, sizes: Vec<(String, i64)>) -> Result<Loaded, Problem> {
+        let mut warnings = Vec::new();
+        if let Ok(now) = std::fs::read_to_string(entry.path)
+            && fnv1a(&now) != fnv1a(entry.source)
+        {
+            warnings.push(format!("{} has changed since it was compiled", entry.path));
+        }
+        let (name, path, source) = (entry.name.to_owned(), entry.path.to_owned(), entry.source.to_owned());
+        if !sizes.is_empty() {
+            return Loaded::interpreted(name, path, source, sizes);
+        }
+        Ok(Loaded { name, path, source, sizes, system: (entry.system)(), warnings })
+    }
+
+    fn interpreted(name: String, path: String, source: String, sizes: Vec<(String, i64)>) -> Result<Loaded, Problem> {
+        let program = compiled_or_problem(&path, &source, &sizes)?;
+        let system = Box::new(Interpreted::new(program, &source));
+        Ok(Loaded { name, path, source, sizes, system, warnings: Vec::new() })
+    }
+
+    /// Derives the model again, for what the compiled code does not keep.
+    pub fn program(&self) -> Result<Program, Problem> {
+        compiled_or_problem(&self.path, &self.source, &self.sizes)
+    }
+
+    /// The model with its names, for reading expressions.
+    pub fn model(&self) -> Result<Model, Problem> {
+        dalembert_symbolic::model::load(&self.source, &self.sizes)
+            .map_err(|problems| Problem::Model(diagnose::render(&self.path, &self.source, &problems)))
+    }
+}
+
+fn compiled_or_problem(path: &str, source: &str, sizes: &[(String, i64)]) -> Result<Program, Problem> {
+    compile(source, sizes).map_err(|problems| Problem::Model(diagnose::render(path, source, &problems)))
+}
+
+fn sizes(options: &ArgMatches) -> Result<Vec<(String, i64)>, Problem> {
+    pairs(options, "size")?
+        .into_iter()
+        .map(|(name, value)| {
+            let size = value.trim().parse();
+            size.map(|size| (name, size)).map_err(|_| Problem::Usage(format!("error: `{value}` is not an integer")))
+        })
+        .collect()
+}
+
+/// The `NAME=VALUE` of an option that may be given several times.
+pub fn pairs(options: &ArgMatches, option: &str) -> Result<Vec<(String, String)>, Problem> {
+    options
+        .get_many::<String>(option)
+        .into_iter()
+        .flatten()
+        .map(|text| match text.split_once('=') {
+            Some((name, value)) => Ok((name.trim().to_owned(), value.to_owned())),
+            None => Err(Problem::Usage(format!("error: --{option} wants NAME=VALUE, not `{text}`"))),
+        })
+        .collect()
+}

@@ -1,0 +1,144 @@
+//! From a scene and the options that change it to a system and settings.
+
+use std::sync::Arc;
+
+use clap::ArgMatches;
+use dalembert_symbolic::diagnose;
+use dalembert_symbolic::expr::{Symbol, Tape};
+use dalembert_symbolic::model::Model;
+
+use super::Problem;
+use super::load::{Loaded, pairs};
+use crate::Settings;
+
+/// Applies `--scene`, `--set`, `--start`, `--input`, `--until`, `--tolerance`, `--every` and `--step`.
+pub fn set_up(loaded: &mut Loaded, options: &ArgMatches) -> Result<Settings, Problem> {
+    let scene = scene_index(loaded, options)?;
+    for (index, value) in loaded.system.scene_parameters(scene) {
+        loaded.system.set_parameter(index, value);
+    }
+    let mut reader = Reader::new(loaded);
+    for (name, text) in pairs(options, "set")? {
+        let index = parameter_index(loaded, &name)?;
+        let value = reader.value(loaded, "set", &text)?;
+        loaded.system.set_parameter(index, value);
+    }
+    for (name, text) in pairs(options, "input")? {
+        set_input(loaded, &mut reader, &name, &text)?;
+    }
+    let mut settings = Settings::new(&loaded.system.scene(scene));
+    for (name, text) in pairs(options, "start")? {
+        let value = reader.value(loaded, "start", &text)?;
+        let (name, list) = match name.strip_suffix('\'') {
+            Some(name) => (name, &mut settings.v),
+            None => (name.as_str(), &mut settings.q),
+        };
+        list[coordinate_index(loaded, name)?] = value;
+    }
+    let mut option = |name: &str| -> Result<Option<f64>, Problem> {
+        options.get_one::<String>(name).map(|text| reader.value(loaded, name, text)).transpose()
+    };
+    if let Some(until) = option("until")? {
+        settings.until = until;
+    }
+    if let Some(tolerance) = option("tolerance")? {
+        settings.tolerance = tolerance;
+    }
+    if let Some(every) = option("every")? {
+        settings.every = Some(every);
+    }
+    settings.step = option("step")?;
+    Ok(settings)
+}
+
+/// Reads expressions of the model language; the model is resolved when the first one comes.
+struct Reader {
+    model: Option<Model>,
+}
+
+impl Reader {
+    fn new(_loaded: &Loaded) -> Self {
+        Reader { model: None }
+    }
+
+    fn model(&mut self, loaded: &Loaded) -> Result<&mut Model, Problem> {
+        if self.model.is_none() {
+            self.model = Some(loaded.model()?);
+        }
+        self.model.as_mut().ok_or_else(|| Problem::Usage("error: the model cannot be read again".to_owned()))
+    }
+
+    fn value(&mut self, loaded: &Loaded, option: &str, text: &str) -> Result<f64, Problem> {
+        if let Ok(number) = text.trim().parse::<f64>()
+            && number.is_finite()
+        {
+            return Ok(number);
+        }
+        let parameters = loaded.system.parameters();
+        self.model(loaded)?.constant(text, &parameters).map_err(|problems| in_option(option, text, &problems))
+    }
+}
+
+fn in_option(option: &str, text: &str, problems: &[diagnose::Problem]) -> Problem {
+    Problem::Usage(diagnose::render(&format!("--{option}"), text, problems))
+}
+
+fn set_input(loaded: &mut Loaded, reader: &mut Reader, name: &str, text: &str) -> Result<(), Problem> {
+    let known = &loaded.system.description().inputs;
+    let Some(index) = known.iter().position(|input| input == name) else {
+        return Err(unknown("input", name, known.iter().map(AsRef::as_ref)));
+    };
+    let parameters = loaded.system.parameters();
+    let model = reader.model(loaded)?;
+    let signal = model.signal(text).map_err(|problems| in_option("input", text, &problems))?;
+    let tape = Tape::new(&model.graph, &signal);
+    loaded.system.set_input(
+        index,
+        Arc::new(move |t| {
+            let mut u = [0.0; 3];
+            let value = |symbol: Symbol| match symbol {
+                Symbol::Time => t,
+                Symbol::Parameter(i) => parameters.get(i as usize).copied().unwrap_or(f64::NAN),
+                _ => f64::NAN,
+            };
+            tape.run(value, &mut Vec::new(), &mut u);
+            u
+        }),
+    );
+    Ok(())
+}
+
+fn scene_index(loaded: &Loaded, options: &ArgMatches) -> Result<usize, Problem> {
+    let Some(name) = options.get_one::<String>("scene") else { return Ok(0) };
+    let scenes = &loaded.system.description().scenes;
+    let found = scenes.iter().position(|scene| scene == name);
+    found.ok_or_else(|| unknown("scene", name, scenes.iter().map(AsRef::as_ref)))
+}
+
+fn parameter_index(loaded: &Loaded, name: &str) -> Result<usize, Problem> {
+    let description = loaded.system.description();
+    if let Some(index) = description.parameters.iter().position(|p| p.name == name) {
+        return Ok(index);
+    }
+    let free: Vec<&str> = description.parameters.iter().map(|p| p.name.as_ref()).collect();
+    if description.derived.iter().any(|d| d == name) {
+        return Err(Problem::Usage(format!(
+            "error: `{name}` is computed from other parameters and cannot be set; the free ones are {}",
+            free.join(", ")
+        )));
+    }
+    Err(unknown("parameter", name, free.into_iter()))
+}
+
+/// The index of a coordinate, by its expanded name.
+pub fn coordinate_index(loaded: &Loaded, name: &str) -> Result<usize, Problem> {
+    let coordinates = &loaded.system.description().coordinates;
+    let found = coordinates.iter().position(|c| c.name == name);
+    found.ok_or_else(|| unknown("coordinate", name, coordinates.iter().map(|c| c.name.as_ref())))
+}
+
+fn unknown<'a>(kind: &str, name: &str, known: impl Iterator<Item = &'a str>) -> Problem {
+    let known: Vec<&str> = known.collect();
+    let hint = diagnose::did_you_mean_or(name, &known);
+    Problem::Usage(format!("error: no {kind} is called `{name}`; {hint}"))
+}

@@ -1,0 +1,129 @@
+//! `simulate`: runs a scene and reports.
+
+use std::io::Write;
+
+use clap::ArgMatches;
+use dalembert_symbolic::print::fnv1a;
+use serde_json::{Value, json};
+
+use super::json::{number, object};
+use super::load::Loaded;
+use super::set_up::set_up;
+use super::{Entry, Problem};
+use crate::mechanism::Description;
+use crate::{Error, Run, Settings};
+
+/// Runs, writes files that were asked for, and prints the outcome; a run that failed is written and printed too.
+pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+    let mut loaded = Loaded::find(models, options)?;
+    let mut settings = set_up(&mut loaded, options)?;
+    if let Some(method) = options.get_one::<String>("method") {
+        settings.method = method.parse().map_err(|e| Problem::Usage(format!("error: {e}")))?;
+    }
+    for warning in &loaded.warnings {
+        eprintln!("warning: {warning}");
+    }
+    match crate::simulate(&mut *loaded.system, &settings) {
+        Ok(run) => report(&loaded, &settings, &run, options, out),
+        Err(Error::Run(failure)) => {
+            report(&loaded, &settings, &failure.run, options, out)?;
+            Err(Problem::Run(failure.to_string()))
+        }
+        Err(error) => Err(Problem::Usage(format!("error: {error}"))),
+    }
+}
+
+fn report(
+    loaded: &Loaded,
+    settings: &Settings,
+    run: &Run,
+    options: &ArgMatches,
+    out: &mut dyn Write,
+) -> Result<(), Problem> {
+    let file = |name: &str| options.get_one::<String>(name);
+    let failed = |error: Error| Problem::File(error.to_string());
+    if let Some(path) = file("csv") {
+        run.csv(path).map_err(failed)?;
+    }
+    if let Some(path) = file("plot") {
+        run.plot(path).map_err(failed)?;
+    }
+    if let Some(path) = file("animate") {
+        run.animate(path).map_err(failed)?;
+    }
+    if options.get_flag("json") {
+        super::json::write(&as_json(loaded, settings, run), out)?;
+        return Ok(());
+    }
+    let last = run.last();
+    writeln!(out, "{} at t = {}, by {}", loaded.name, last.t, run.method)?;
+    for (name, value) in last.entries() {
+        writeln!(out, "  {name} = {value}")?;
+    }
+    for (name, value) in last.outputs() {
+        match value {
+            Some(value) => writeln!(out, "  {name} = {value}")?,
+            None => writeln!(out, "  {name} is absent")?,
+        }
+    }
+    for event in &run.events {
+        writeln!(out, "  event {} at t = {}", event.name, event.state.t)?;
+    }
+    writeln!(out, "{}", run.trust())?;
+    Ok(())
+}
+
+fn as_json(loaded: &Loaded, settings: &Settings, run: &Run) -> Value {
+    let last = run.last();
+    let description = loaded.system.description();
+    let named = |values: &[f64]| {
+        object(description.coordinates.iter().zip(values).map(|(c, x)| (c.name.to_string(), number(*x))))
+    };
+    let drift = run.drift.iter().map(|d| (d.name.clone(), d.value.map_or(Value::Null, number)));
+    let balance = run.energy_balance.map_or(Value::Null, number);
+    let warnings = loaded.warnings.iter().cloned().chain(run.warnings.iter().map(ToString::to_string));
+    object([
+        ("model", json!(loaded.name)),
+        ("source", json!(format!("{:016x}", fnv1a(&loaded.source)))),
+        ("method", json!(run.method.to_string())),
+        ("tolerance", if settings.step.is_some() { Value::Null } else { number(settings.tolerance) }),
+        ("t", number(last.t)),
+        ("q", named(&last.q)),
+        ("v", named(&last.v)),
+        ("outputs", outputs(description, run)),
+        ("drift", object(drift.chain([("energy_balance".to_owned(), balance)]))),
+        ("constraint", object([("position", number(0.0)), ("velocity", number(0.0))])),
+        (
+            "events",
+            run.events
+                .iter()
+                .map(|e| object([("t", number(e.state.t)), ("name", json!(e.name))]))
+                .collect::<Vec<_>>()
+                .into(),
+        ),
+        ("impulses", json!([])),
+        (
+            "work",
+            json!({
+                "steps": run.work.steps,
+                "rejected": run.work.rejected,
+                "evaluations": run.work.evaluations,
+                "jacobians": run.work.jacobians,
+                "factorizations": run.work.factorizations,
+            }),
+        ),
+        ("seconds", number(run.seconds)),
+        ("warnings", json!(warnings.collect::<Vec<String>>())),
+    ])
+}
+
+/// Outputs at the end: a number for a scalar, an array for a vector.
+fn outputs(description: &Description, run: &Run) -> Value {
+    let last = run.last();
+    let mut values = last.outputs().map(|(_, value)| value.map_or(Value::Null, number));
+    object(description.outputs.iter().map(|output| {
+        let components: Vec<Value> = values.by_ref().take(output.components as usize).collect();
+        let value = if components.len() == 1 { components[0].clone() } else { Value::Array(components) };
+        (output.name.to_string(), value)
+    }))
+}
