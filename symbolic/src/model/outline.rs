@@ -51,7 +51,7 @@ pub(crate) fn outline(text: &str) -> (Option<Outline>, Vec<Problem>, Option<(usi
             }
             Err(error) if error.info().contains("unknown anchor") => {
                 let at = byte(error.marker().index());
-                let end = text[at..].find([',', ']', '}', '\n']).map_or(text.len(), |length| at + length);
+                let end = text[at..].find([' ', ',', ']', '}', '\n']).map_or(text.len(), |length| at + length);
                 builder.problems.push(yaml::alias(Place::in_file(at, end)));
                 break;
             }
@@ -95,7 +95,7 @@ impl Builder<'_> {
                 self.put(Outline { shape: Shape::Scalar(String::new(), Style::Bare), range });
             }
             Event::Scalar(value, style, anchor, tag) => {
-                self.refuse(anchor, tag.map(|tag| tag.to_string()), range.start);
+                self.refuse(anchor, tag.is_some(), range.start);
                 let style = match style {
                     ScalarStyle::SingleQuoted => Style::Single,
                     ScalarStyle::DoubleQuoted => Style::Double,
@@ -108,11 +108,11 @@ impl Builder<'_> {
                 self.put(Outline { shape: Shape::Scalar(value.into_owned(), style), range: range.start..end });
             }
             Event::SequenceStart(anchor, tag) => {
-                self.refuse(anchor, tag.map(|tag| tag.to_string()), range.start);
+                self.refuse(anchor, tag.is_some(), range.start);
                 return self.start(Shape::List(Vec::new()), range);
             }
             Event::MappingStart(anchor, tag) => {
-                self.refuse(anchor, tag.map(|tag| tag.to_string()), range.start);
+                self.refuse(anchor, tag.is_some(), range.start);
                 return self.start(Shape::Map(Vec::new()), range);
             }
             Event::SequenceEnd | Event::MappingEnd => {
@@ -156,17 +156,29 @@ impl Builder<'_> {
         self.root.take()
     }
 
-    fn refuse(&mut self, anchor: usize, tag: Option<String>, start: usize) {
-        let before = self.text[..start].trim_end();
-        let sign =
-            |mark: char| before.rfind(mark).map_or(start, |at| if before[at..].contains('\n') { start } else { at });
-        if anchor > 0 {
-            let at = sign('&');
-            self.problems.push(yaml::anchor(Place::in_file(at, start.max(at + 1))));
+    /// Anchors and tags stand before their node; the parser's range may start with them or after them.
+    fn refuse(&mut self, anchor: usize, tag: bool, start: usize) {
+        if anchor == 0 && !tag {
+            return;
         }
-        if let Some(tag) = tag {
-            let at = sign('!');
-            self.problems.push(yaml::tag(Place::in_file(at, start.max(at + 1)), tag));
+        let marked = |text: &str| text.starts_with(['&', '!']);
+        let mut start = start;
+        while !marked(&self.text[start..]) {
+            let before = self.text[..start].trim_end();
+            let word = before.rfind(|c: char| c.is_whitespace() || "[{,".contains(c)).map_or(0, |at| at + 1);
+            if !marked(&before[word..]) {
+                break;
+            }
+            start = word;
+        }
+        let mut rest = &self.text[start..];
+        while marked(rest) {
+            let word = &rest[..rest.find(|c: char| c.is_whitespace() || ",]}".contains(c)).unwrap_or(rest.len())];
+            let at = self.text.len() - rest.len();
+            let place = Place::in_file(at, at + word.len());
+            let problem = if word.starts_with('&') { yaml::anchor(place) } else { yaml::tag(place, word) };
+            self.problems.push(problem);
+            rest = rest[word.len()..].trim_start();
         }
     }
 

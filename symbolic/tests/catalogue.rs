@@ -1,0 +1,60 @@
+//! Every entry of the catalogue of errors, raised by a whole file and shown as expected.
+//!
+//! `errors/E201.yaml` is the file and `errors/E201.txt` what is said about it.  With `UPDATE_EXPECTED=1` in the
+//! environment the texts are written anew; read them before you commit them.
+
+use dalembert_symbolic::diagnose::catalogue::CATALOGUE;
+use dalembert_symbolic::diagnose::{Entry, Problem, render};
+use dalembert_symbolic::model::read;
+use std::fs;
+use std::path::PathBuf;
+
+/// Entries that no file of a few lines raises, and where they are tested instead.
+const ELSEWHERE: &[(&str, &str)] = &[
+    ("E011", "a file of more than 1 MiB: `limits` below"),
+    ("E122", "an expression of more than 64 KiB: `limits` below"),
+];
+
+fn folder() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("errors")
+}
+
+fn problems(text: &str) -> Vec<Problem> {
+    read(text).err().unwrap_or_default()
+}
+
+fn entries() -> impl Iterator<Item = &'static Entry> {
+    CATALOGUE.iter().copied().flatten()
+}
+
+#[test]
+fn every_entry_is_shown_as_expected() {
+    let update = std::env::var_os("UPDATE_EXPECTED").is_some();
+    let mut wrong = String::new();
+    for entry in entries().filter(|entry| entry.code < "E1" && ELSEWHERE.iter().all(|(code, _)| *code != entry.code)) {
+        let name = format!("{}.yaml", entry.code);
+        let Ok(text) = fs::read_to_string(folder().join(&name)) else {
+            wrong += &format!("{name} is missing: {}\n", entry.title);
+            continue;
+        };
+        let shown = render(&name, &text, &problems(&text));
+        let expected = folder().join(format!("{}.txt", entry.code));
+        if update {
+            fs::write(&expected, &shown).unwrap();
+        }
+        let wanted = fs::read_to_string(&expected).unwrap_or_default();
+        if shown != wanted {
+            wrong += &format!("{name}: expected\n{wanted}\nfound\n{shown}\n");
+        }
+        if !shown.contains(&format!("error[{}]", entry.code)) {
+            wrong += &format!("{name} does not raise {}: {}\n", entry.code, entry.title);
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+}
+
+#[test]
+fn limits() {
+    let large = format!("about: {}\n", "x".repeat(1 << 20));
+    assert_eq!(problems(&large)[0].code, "E011");
+}
