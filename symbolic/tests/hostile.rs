@@ -1,0 +1,103 @@
+//! No text makes reading or parsing panic: the seeds of the fuzz targets, and random texts.
+
+use dalembert_symbolic::diagnose::{Problem, render};
+use dalembert_symbolic::language::{parse, parse_equation, parse_key, parse_unit, parse_value_with_unit};
+use dalembert_symbolic::model::read;
+use proptest::prelude::*;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// What the fuzz target `read` does.
+fn read_file(text: &str) {
+    if let Err(problems) = read(text) {
+        assert!(!problems.is_empty());
+        render("hostile.yaml", text, &problems);
+    }
+}
+
+/// What the fuzz target `parse` does.
+fn parse_all(text: &str) {
+    told(text, parse(text));
+    told(text, parse_equation(text));
+    told(text, parse_key(text));
+    told(text, parse_unit(text));
+    told(text, parse_value_with_unit(text));
+}
+
+fn told<T>(text: &str, result: Result<T, Vec<Problem>>) {
+    for problem in result.err().unwrap_or_default() {
+        let span = problem.place.span.expect("a span");
+        assert!(text.get(span.range()).is_some(), "{text:?} {problem:?}");
+    }
+}
+
+fn files(folder: &str) -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(folder);
+    let entries = fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+    let mut files: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).filter(|path| path.is_file()).collect();
+    files.sort();
+    files
+}
+
+#[test]
+fn seeds_of_the_fuzz_targets() {
+    let seeds = files("fuzz/corpus/read");
+    assert!(seeds.len() > 10);
+    for path in seeds.iter().chain(&files("symbolic/errors")) {
+        read_file(&fs::read_to_string(path).unwrap());
+    }
+    for path in files("fuzz/corpus/parse") {
+        parse_all(&fs::read_to_string(path).unwrap());
+    }
+}
+
+#[test]
+fn files_cut_short_or_with_a_character_changed() {
+    for path in files("fuzz/corpus/read") {
+        let text = fs::read_to_string(path).unwrap();
+        for (at, c) in text.char_indices().step_by(7) {
+            read_file(&text[..at]);
+            for other in ["[", "'", "*", "\t", "\u{0}", "θ"] {
+                read_file(&format!("{}{other}{}", &text[..at], &text[at + c.len_utf8()..]));
+            }
+        }
+    }
+}
+
+/// Pieces that expressions consist of, in any order.
+fn pieces() -> impl Strategy<Value = String> {
+    let piece = prop::sample::select(vec![
+        "x", "θ", "sin", "sum", "integral", "in", "i", "1", "2.5e-3", ".", "..", "'", "''", "(", ")", "[", "]", ",",
+        "+", "-", "*", "/", "^", "=", " ", "kg", "m", "**", "$", "velocity", "\"", "²",
+    ]);
+    prop::collection::vec(piece, 0..40).prop_map(|pieces| pieces.concat())
+}
+
+/// Pieces that YAML consists of, in any order.
+fn yaml_pieces() -> impl Strategy<Value = String> {
+    let piece = prop::sample::select(vec![
+        "a", "b: ", "\n", "\n  ", "- ", "? ", ": ", "[", "]", "{", "}", ",", "\"", "'", "&a ", "*a", "!t ", "|\n",
+        ">-\n", "#", "x*y", "0x1", ".inf", "<<", "---\n", "\t", "θ", "\\u03b8", "%", "@",
+    ]);
+    prop::collection::vec(piece, 0..60).prop_map(|pieces| pieces.concat())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn expressions_of_random_pieces(text in pieces()) {
+        parse_all(&text);
+    }
+
+    #[test]
+    fn files_of_random_pieces(text in yaml_pieces()) {
+        read_file(&text);
+    }
+
+    #[test]
+    fn random_texts(text in "\\PC{0,80}") {
+        parse_all(&text);
+        read_file(&text);
+    }
+}
