@@ -4,7 +4,7 @@
 //! `viewBox` of the finished SVG scales back, so that curves are smooth.
 
 use super::axis::Extent;
-use super::legend::{self, Legend};
+use super::legend;
 use super::marks::{Pen, crosses, slope};
 use super::{Chart, Scale, Style};
 use plotters::coord::Shift;
@@ -61,8 +61,9 @@ impl Figure {
     fn draw<'a>(&self, canvas: &Canvas<'a>, heights: &[i32]) -> Outcome<'a> {
         canvas.fill(&WHITE)?;
         let mut top = 0;
+        let names = self.charts.iter().filter_map(legend::width).max();
         for (chart, height) in self.charts.iter().zip(heights) {
-            draw_chart(chart, canvas, top, *height)?;
+            draw_chart(chart, canvas, top, *height, names.unwrap_or(0))?;
             top += height;
         }
         canvas.present()
@@ -85,35 +86,18 @@ fn scaled_down(svg: &str, (width, height): (i32, i32)) -> String {
     svg.replacen(&fine, &format!("width=\"{width}\" height=\"{height}\""), 1)
 }
 
-/// Where a chart stands on the page, px.
-struct Layout {
-    height: i32,
-    legend: Option<Legend>,
-    title: i32,
-}
-
-impl Layout {
-    fn right(&self) -> i32 {
-        MARGIN + self.legend.as_ref().map_or(0, |legend| legend.width)
-    }
-
-    /// Width and height between the axes.
-    fn inner(&self) -> (i32, i32) {
-        (WIDTH - LEFT - self.right(), self.height - self.title - BELOW)
-    }
-}
-
-fn draw_chart<'a>(chart: &Chart, canvas: &Canvas<'a>, top: i32, height: i32) -> Outcome<'a> {
+/// Draws a chart between two heights of the page, with room for names to its right, px.
+fn draw_chart<'a>(chart: &Chart, canvas: &Canvas<'a>, top: i32, height: i32, names: i32) -> Outcome<'a> {
     let title = if chart.title.is_empty() { MARGIN } else { TITLE };
-    let layout = Layout { height, legend: legend::of(chart), title };
-    let (width, inner_height) = layout.inner();
+    let right = MARGIN + names;
+    let (width, inner_height) = (WIDTH - LEFT - right, height - title - BELOW);
     let (x, y) = extents(chart, width, inner_height);
     let fine = |pixels: i32| (pixels * FINE) as u32;
     let mut builder = ChartBuilder::on(canvas);
     builder
         .margin_top(fine(top + title))
         .margin_bottom((canvas.dim_in_pixel().1 as i32 - (top + height) * FINE) as u32)
-        .margin_right(fine(layout.right()))
+        .margin_right(fine(right))
         .x_label_area_size(fine(BELOW))
         .y_label_area_size(fine(LEFT));
     let mut context = builder.build_cartesian_2d(x.clone(), y.clone())?;
@@ -151,8 +135,8 @@ fn draw_chart<'a>(chart: &Chart, canvas: &Canvas<'a>, top: i32, height: i32) -> 
     for triangle in &chart.slopes {
         slope(canvas, triangle, &place)?;
     }
-    if let Some(legend) = &layout.legend {
-        legend.draw(canvas, chart, (WIDTH - layout.right() + 14, top + title + 4, inner_height))?;
+    if legend::width(chart).is_some() {
+        legend::draw(canvas, chart, (WIDTH - right + 14, top + title + 4, inner_height))?;
     }
     let (middle, bottom) = (LEFT + width / 2, top + height);
     write(canvas, &chart.title, (middle, top + TITLE / 2), text(16))?;

@@ -9,35 +9,26 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 const LINE: i32 = 19;
 const SAMPLE: i32 = 26;
 
-/// The space that the names take.
-pub(super) struct Legend {
-    /// px.
-    pub width: i32,
-}
-
-/// A legend for a chart whose series have names that its axis does not say already.
-pub(super) fn of(chart: &Chart) -> Option<Legend> {
+/// The width that a chart's names take, px; none where its series have no names, or one that its axis says already.
+pub(super) fn width(chart: &Chart) -> Option<i32> {
     let named = || chart.series.iter().filter(|series| !series.name.is_empty());
     let said = chart.series.len() == 1 && named().all(|series| series.name == chart.y.label);
     let longest = named().map(|series| series.name.chars().count()).max()?;
-    (!said).then_some(Legend { width: SAMPLE + 24 + (longest.min(24) as i32 * 15) / 2 })
+    (!said).then_some(SAMPLE + 24 + (longest.min(24) as i32 * 15) / 2)
 }
 
-impl Legend {
-    /// Writes the names from (x, y) down, px; of more than there is room for, only every second, third …
-    pub fn draw<'a>(&self, canvas: &Canvas<'a>, chart: &Chart, (x, y, height): (i32, i32, i32)) -> Outcome<'a> {
-        let named: Vec<(usize, &Series)> =
-            chart.series.iter().enumerate().filter(|(_, s)| !s.name.is_empty()).collect();
-        let stride = named.len().div_ceil((height / LINE).max(1) as usize);
-        for (line, (index, series)) in named.into_iter().step_by(stride.max(1)).enumerate() {
-            let middle = (y + LINE * line as i32 + LINE / 2) * FINE;
-            let pen = Pen::new(index, chart.series.len(), series.style);
-            sample(canvas, &pen, x * FINE, middle)?;
-            let style = text(13).color(&RGBColor(51, 51, 51)).pos(Pos::new(HPos::Left, VPos::Center));
-            canvas.draw(&Text::new(series.name.clone(), ((x + SAMPLE + 8) * FINE, middle), style))?;
-        }
-        Ok(())
+/// Writes the names from (x, y) down, px; of more than there is room for, only every second, third …
+pub(super) fn draw<'a>(canvas: &Canvas<'a>, chart: &Chart, (x, y, height): (i32, i32, i32)) -> Outcome<'a> {
+    let named: Vec<(usize, &Series)> = chart.series.iter().enumerate().filter(|(_, s)| !s.name.is_empty()).collect();
+    let stride = named.len().div_ceil((height / LINE).max(1) as usize);
+    for (line, (index, series)) in named.into_iter().step_by(stride.max(1)).enumerate() {
+        let middle = (y + LINE * line as i32 + LINE / 2) * FINE;
+        let pen = Pen::new(index, chart.series.len(), series.style);
+        sample(canvas, &pen, x * FINE, middle)?;
+        let style = text(13).color(&RGBColor(51, 51, 51)).pos(Pos::new(HPos::Left, VPos::Center));
+        canvas.draw(&Text::new(series.name.clone(), ((x + SAMPLE + 8) * FINE, middle), style))?;
     }
+    Ok(())
 }
 
 fn sample<'a>(canvas: &Canvas<'a>, pen: &Pen, x: i32, y: i32) -> Outcome<'a> {

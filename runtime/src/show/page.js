@@ -289,7 +289,7 @@ function followAddress() {
 }
 
 document.title = document.getElementById("title").textContent = data.title;
-document.getElementById("about").textContent = data.about;
+document.getElementById("about").textContent = shapes.length ? data.about : "Nothing is drawn: the model has no `draw`.";
 window.onresize = () => { resize(); draw(); };
 window.onhashchange = followAddress;
 matchMedia("(prefers-color-scheme: dark)").onchange = draw;

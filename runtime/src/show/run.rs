@@ -7,6 +7,9 @@ use crate::run::Run;
 use std::path::Path;
 use std::sync::Arc;
 
+/// Curves have about this many points.
+const POINTS: usize = 2000;
+
 impl Run {
     /// Writes [`Run::to_svg`] to a file.
     ///
@@ -57,12 +60,12 @@ impl Run {
     /// [`Error::UnknownName`].
     pub fn history(&self, names: &[&str]) -> Result<Chart, Error> {
         let series = names.iter().map(|name| {
-            let values = self.column(name).ok_or_else(|| Error::UnknownName {
+            let unknown = || Error::UnknownName {
                 kind: "coordinate, rate or output",
                 name: (*name).to_owned(),
                 known: self.column_names(),
-            })?;
-            Ok(Series::line(*name, self.times.iter().copied().zip(values).map(Some)))
+            };
+            Ok(Series::line(*name, self.curve(name).ok_or_else(unknown)?))
         });
         let series = series.collect::<Result<_, Error>>()?;
         let time = Axis::new("time", if self.has_units() { "s" } else { "" });
@@ -140,6 +143,16 @@ impl Run {
         let coordinates = self.description.coordinates.iter().map(|coordinate| &coordinate.unit);
         let parameters = self.description.parameters.iter().map(|parameter| &parameter.unit);
         coordinates.chain(parameters).any(|unit| !matches!(unit.as_ref(), "" | "1" | "rad"))
+    }
+
+    /// A column against time: coordinates and rates from dense output where there are few reported states.
+    fn curve(&self, name: &str) -> Option<Vec<Option<(f64, f64)>>> {
+        let column = self.column(name)?;
+        let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
+        let dense = || (0..=POINTS).map(|i| first + (last - first) * i as f64 / POINTS as f64);
+        let sampled: Option<Vec<_>> = dense().map(|t| Some(Some((t, self.at(t)?.get(name)?)))).collect();
+        let reported = || self.times.iter().copied().zip(column).map(Some).collect();
+        Some(sampled.filter(|_| self.times.len() < POINTS).unwrap_or_else(reported))
     }
 
     /// The unit that all of these have in common, of coordinates and rates; else none is written.
@@ -241,6 +254,14 @@ mod tests {
         for ((t, numbers), tip) in frames.iter().zip(path) {
             assert!((tip.unwrap().0 - t.cos()).abs() < 1e-9 && numbers[2] == tip.unwrap().0);
         }
+    }
+
+    #[test]
+    fn curves_are_smoother_than_the_reported_states() {
+        let run = circling(2);
+        let chart = run.history(&["phi"]).unwrap();
+        assert_eq!((run.len(), chart.series[0].points.len()), (501, POINTS + 1));
+        assert_eq!(chart.series[0].points[POINTS].map(|p| p.0), Some(6.0));
     }
 
     #[test]
