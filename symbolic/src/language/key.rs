@@ -1,6 +1,6 @@
 //! Keys of mappings: names, families and members of families.
 
-use super::parse::{Parsed, Parser};
+use super::cursor::{Parsed, Parser};
 use super::token::{Kind, shorten};
 use super::{Key, KeyIndex};
 use crate::diagnose::{Problem, catalogue::syntax};

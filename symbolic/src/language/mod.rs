@@ -1,6 +1,7 @@
 //! Text to syntax trees: lexer, Pratt parser, built-in functions, units, spans.
 
 mod ast;
+mod cursor;
 mod function;
 mod key;
 mod parse;
@@ -16,7 +17,7 @@ use crate::diagnose::Place;
 pub use ast::{Ast, AstKind, Key, KeyIndex, Operator, Range, Valued};
 pub use function::{FUNCTIONS, Function, RESERVED, function, is_reserved};
 pub use key::parse_key;
-pub use parse::{DEEPEST, parse, parse_equation};
+pub use parse::{DEEPEST, parse, parse_bounds, parse_equation};
 pub use unit::{Unit, parse_unit};
 pub use value::parse_value_with_unit;
 

@@ -75,6 +75,9 @@ fn forms() {
     }
     assert_eq!(show(&parse_equation("a + 1 = b*c").unwrap()), "((a+1)=(b*c))");
     assert_eq!(show(&parse_equation("a").unwrap()), "a");
+    let (from, to) = parse_bounds("-2*l..n+1").unwrap();
+    assert_eq!((show(&from), show(&to)), ("((-2)*l)".to_owned(), "(n+1)".to_owned()));
+    assert!(parse_bounds("1").is_err() && parse_bounds("1..2..3").is_err());
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Values with units: `m*l^2/12 kg*m^2`, `2 1/m`, `30 deg`.
 
-use super::parse::{Parsed, Parser};
+use super::cursor::{Parsed, Parser};
 use super::token::Kind;
 use super::{Span, Valued};
 use crate::diagnose::{Problem, catalogue::syntax};
