@@ -1,12 +1,41 @@
 //! The model file: read, locate, resolve names, expand families, check.
 
+mod antiderivative;
+mod bench;
+mod bodies;
+mod carriers;
+mod command;
 mod complaint;
+mod declare;
+mod draw;
+mod ends;
+mod facts;
+mod families;
+mod forces;
+mod functions;
+mod index;
+mod lists;
+mod loads;
 mod locate;
+mod lower;
+mod names;
 mod node;
 mod outline;
+mod parameters;
+mod quadrature;
 mod read;
+mod reader;
+mod resolve;
 mod resolved;
+mod resolver;
+mod scenes;
+mod scope;
+mod settle;
+mod springs;
+mod substitute;
 mod taken_apart;
+mod value;
+mod watched;
 
 #[cfg(test)]
 mod reading_tests;
@@ -14,6 +43,7 @@ mod reading_tests;
 pub use locate::locate;
 pub use node::Node;
 pub use read::read;
+pub use resolve::{load, resolve};
 pub use resolved::{
     Body, Check, Conserved, Coordinate, Derived, Event, EventAction, Family, Input, Load, Model, Output, Parameter,
     Push, Rotation, Sample, Scene, Shape, Vector, Work,

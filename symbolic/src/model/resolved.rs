@@ -1,6 +1,7 @@
 //! A model with every name resolved and every family expanded: expressions of one graph.
 
-use crate::diagnose::Place;
+use super::scope::Scope;
+use crate::diagnose::{Place, Problem};
 use crate::expr::{Graph, Id};
 
 /// A vector in ground axes: two or three components, as many as the model has dimensions.
@@ -64,6 +65,10 @@ pub struct Model {
     pub scenes: Vec<Scene>,
     /// The guess for an equilibrium, one expression of parameters per coordinate.
     pub equilibrium: Vec<Id>,
+    /// What is doubtful and no error.
+    pub warnings: Vec<Problem>,
+    /// The model's names, for expressions that come later.
+    pub(super) scope: Scope,
 }
 
 /// A free parameter.

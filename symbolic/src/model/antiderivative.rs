@@ -1,0 +1,159 @@
+//! Antiderivatives of sums of powers, in closed form.
+
+use std::collections::HashMap;
+
+use super::facts::{Depends, Facts};
+use crate::expr::{Binary, Graph, Id, Node, Number, Rational, Symbol, Unary};
+
+/// Terms beyond which no closed form is looked for.
+const TERM_LIMIT: usize = 64;
+
+/// A term c xᵖ; the exponent is a node that does not contain x.
+type Term = (Id, Id);
+
+/// ∫ e dx for e = Σ c xᵖ, with a logarithm for p = −1; `None` for other laws.
+///
+/// For an exponent that is no number p + 1 is divided by, so that p = −1 has no finite value.
+pub fn antiderivative(graph: &mut Graph, facts: &mut Facts, root: Id, x: Symbol) -> Option<Id> {
+    let terms = powers(graph, facts, root, x)?;
+    let variable = graph.symbol(x);
+    let mut sum = Id::ZERO;
+    for (coefficient, exponent) in terms {
+        let next = graph.add(exponent, Id::ONE);
+        let integral = if next == Id::ZERO {
+            graph.unary(Unary::Ln, variable)
+        } else {
+            let power = graph.pow(variable, next);
+            graph.div(power, next)
+        };
+        let term = graph.mul(coefficient, integral);
+        sum = graph.add(sum, term);
+    }
+    Some(sum)
+}
+
+/// The expression as a sum of powers.  Nodes are visited in order, children first.
+fn powers(graph: &mut Graph, facts: &mut Facts, root: Id, x: Symbol) -> Option<Vec<Term>> {
+    let mut known: HashMap<Id, Vec<Term>> = HashMap::new();
+    let mut stack = vec![root];
+    while let Some(&top) = stack.last() {
+        if known.contains_key(&top) {
+            stack.pop();
+            continue;
+        }
+        if !facts.of(graph, top).meets(Depends::DUMMY) {
+            known.insert(top, vec![(top, Id::ZERO)]);
+            stack.pop();
+            continue;
+        }
+        let before = stack.len();
+        stack.extend(graph.children(top).filter(|child| !known.contains_key(child)));
+        if stack.len() > before {
+            continue;
+        }
+        let terms = match graph.node(top) {
+            Node::Symbol(s) if s == x => vec![(Id::ONE, Id::ONE)],
+            Node::Unary(Unary::Neg, a) => scaled(graph, &known[&a], Id::ONE, true),
+            Node::Unary(Unary::Sqrt, a) => {
+                let half = graph.rational(Rational::new(1, 2)?);
+                let [(coefficient, exponent)] = known[&a][..] else { return None };
+                vec![(graph.unary(Unary::Sqrt, coefficient), graph.mul(half, exponent))]
+            }
+            Node::Binary(Binary::Add, a, b) => merged(graph, known[&a].clone(), &known[&b]),
+            Node::Binary(Binary::Sub, a, b) => {
+                let minus = scaled(graph, &known[&b], Id::ONE, true);
+                merged(graph, known[&a].clone(), &minus)
+            }
+            Node::Binary(Binary::Mul, a, b) => {
+                let (a, b) = (known[&a].clone(), known[&b].clone());
+                let mut product = Vec::new();
+                for (coefficient, exponent) in a {
+                    let mut part = Vec::new();
+                    for (c, p) in &b {
+                        part.push((graph.mul(coefficient, *c), graph.add(exponent, *p)));
+                    }
+                    product = merged(graph, product, &part);
+                    if product.len() > TERM_LIMIT {
+                        return None;
+                    }
+                }
+                product
+            }
+            Node::Binary(Binary::Div, a, b) => {
+                let [(coefficient, exponent)] = known[&b][..] else { return None };
+                let terms = known[&a].clone();
+                terms.into_iter().map(|(c, p)| (graph.div(c, coefficient), graph.sub(p, exponent))).collect()
+            }
+            Node::Binary(Binary::Pow, a, b) if !facts.of(graph, b).meets(Depends::DUMMY) => {
+                let [(coefficient, exponent)] = known[&a][..] else { return None };
+                vec![(graph.pow(coefficient, b), graph.mul(exponent, b))]
+            }
+            _ => return None,
+        };
+        if terms.len() > TERM_LIMIT {
+            return None;
+        }
+        known.insert(top, terms);
+        stack.pop();
+    }
+    known.remove(&root)
+}
+
+fn scaled(graph: &mut Graph, terms: &[Term], by: Id, negative: bool) -> Vec<Term> {
+    let scale = |(c, p): &Term| {
+        let product = graph.mul(*c, by);
+        (if negative { graph.neg(product) } else { product }, *p)
+    };
+    terms.iter().map(scale).collect()
+}
+
+/// The sum of two sums, like powers joined.
+fn merged(graph: &mut Graph, mut terms: Vec<Term>, more: &[Term]) -> Vec<Term> {
+    for (coefficient, exponent) in more {
+        let same = |p: Id| p == *exponent || equal_numbers(graph, p, *exponent);
+        match terms.iter().position(|(_, p)| same(*p)) {
+            Some(place) => terms[place].0 = graph.add(terms[place].0, *coefficient),
+            None => terms.push((*coefficient, *exponent)),
+        }
+    }
+    terms.retain(|(coefficient, _)| *coefficient != Id::ZERO);
+    terms
+}
+
+fn equal_numbers(graph: &Graph, a: Id, b: Id) -> bool {
+    match (graph.number(a), graph.number(b)) {
+        (Some(Number::Exact(a)), Some(Number::Exact(b))) => a == b,
+        _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::expr::{Tape, partial};
+
+    #[test]
+    fn derivatives_of_antiderivatives_are_the_laws() {
+        let mut g = Graph::new();
+        let symbol = Symbol::Dummy(0);
+        let (x, k) = (g.symbol(symbol), g.symbol(Symbol::Parameter(0)));
+        let two = g.integer(2);
+        let cube = g.powi(x, 3);
+        let linear = g.sub(x, two);
+        let hooke = g.mul(k, linear);
+        let inverse = g.div(k, x);
+        let newton = g.powi(x, -2);
+        let root = g.unary(Unary::Sqrt, x);
+        let general = g.pow(x, k);
+        for law in [cube, hooke, inverse, newton, root, general] {
+            let mut facts = Facts::default();
+            let energy = antiderivative(&mut g, &mut facts, law, symbol).unwrap();
+            let slope = partial(&mut g, energy, symbol);
+            let tape = Tape::new(&g, &[law, slope]);
+            let values = tape.evaluate(|s| if s == symbol { 1.7 } else { 0.6 });
+            assert!((values[0] - values[1]).abs() < 1e-12, "{values:?}");
+        }
+        let sine = g.unary(Unary::Sin, x);
+        assert_eq!(antiderivative(&mut g, &mut Facts::default(), sine, symbol), None);
+    }
+}

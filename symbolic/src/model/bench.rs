@@ -1,0 +1,291 @@
+//! Where syntax becomes expressions: the graph, what is known of its nodes, and the problems found.
+
+use std::collections::HashMap;
+use std::rc::Rc;
+
+use super::facts::{Depends, Facts};
+use super::lower::{Local, Lower};
+use super::reader::Quantity;
+use super::scope::Scope;
+use super::value::Value;
+use crate::diagnose::catalogue::names;
+use crate::diagnose::{Place, Problem};
+use crate::expr::{Forward, Graph, Id, Symbol};
+use crate::language::{Ast, Span};
+
+/// One expression of the file.
+#[derive(Clone, Debug)]
+pub struct Text {
+    /// As written.
+    pub source: Rc<str>,
+    /// Parsed.
+    pub ast: Rc<Ast>,
+    /// Where it stands.
+    pub place: Rc<Place>,
+}
+
+/// An expression, or a YAML list of two or three that stands for a vector.
+#[derive(Clone, Debug)]
+pub enum Written {
+    /// One expression.
+    One(Text),
+    /// Components.
+    List(Vec<Text>, Rc<Place>),
+}
+
+/// What an expression may depend on.
+#[derive(Clone, Copy, Debug)]
+pub struct Rules {
+    /// What is being written, with its article, for messages.
+    pub what: &'static str,
+    /// What it must not depend on.
+    pub refused: Depends,
+    /// True where `energy` and its parts may stand.
+    pub energy: bool,
+    /// True where an input's name stands for its expression instead of a symbol.
+    pub signals: bool,
+}
+
+const ACCELERATION: Depends = Depends::ACCELERATION.and(Depends::JERK);
+const VELOCITY: Depends = ACCELERATION.and(Depends::VELOCITY);
+const MOTION: Depends = VELOCITY.and(Depends::COORDINATE);
+
+impl Rules {
+    /// Of parameters and sizes only.
+    pub const fn constant(what: &'static str) -> Rules {
+        Rules { refused: MOTION.and(Depends::TIME).and(Depends::INPUT), ..Rules::any(what) }
+    }
+
+    /// Of parameters, time and other inputs.
+    pub const fn signal(what: &'static str) -> Rules {
+        Rules { refused: MOTION, signals: true, ..Rules::any(what) }
+    }
+
+    /// Of parameters, time and inputs.
+    pub const fn of_time(what: &'static str) -> Rules {
+        Rules { refused: MOTION, ..Rules::any(what) }
+    }
+
+    /// Of coordinates, time and inputs.
+    pub const fn position(what: &'static str) -> Rules {
+        Rules { refused: VELOCITY, ..Rules::any(what) }
+    }
+
+    /// Of coordinates, velocities, time and inputs.
+    pub const fn velocity(what: &'static str) -> Rules {
+        Rules { refused: ACCELERATION, ..Rules::any(what) }
+    }
+
+    /// Of everything but accelerations, and energies.
+    pub const fn invariant(what: &'static str) -> Rules {
+        Rules { energy: true, ..Rules::velocity(what) }
+    }
+
+    /// Of everything.
+    pub const fn anything(what: &'static str) -> Rules {
+        Rules { energy: true, ..Rules::any(what) }
+    }
+
+    /// Of everything but energies: what definitions may hold.
+    pub const fn any(what: &'static str) -> Rules {
+        Rules { what, refused: Depends::JERK, energy: false, signals: false }
+    }
+}
+
+type Rate = fn(&mut Graph, Symbol) -> Id;
+type Partial = Box<dyn Fn(&mut Graph, Symbol) -> Id>;
+
+/// How many syntax nodes a model may expand to.
+const WORK_LIMIT: u64 = 20_000_000;
+
+/// The place where expressions are made.
+pub struct Bench {
+    /// All expressions.
+    pub graph: Graph,
+    /// What they depend on.
+    pub facts: Facts,
+    /// What is wrong.
+    pub problems: Vec<Problem>,
+    /// Items whose values were wanted and not known.
+    pub needs: Vec<usize>,
+    work: u64,
+    exhausted: bool,
+    rates: Forward<Rate>,
+    partials: HashMap<Symbol, Forward<Partial>>,
+}
+
+impl Bench {
+    /// Around a graph.
+    pub fn new(graph: Graph) -> Bench {
+        Bench {
+            graph,
+            facts: Facts::default(),
+            problems: Vec::new(),
+            needs: Vec::new(),
+            work: 0,
+            exhausted: false,
+            rates: Forward::new(rate_of_symbol),
+            partials: HashMap::new(),
+        }
+    }
+
+    /// Counts work; false (and one problem) once there is too much of it.
+    pub fn spend(&mut self, amount: u64, place: &Place) -> bool {
+        self.work = self.work.saturating_add(amount);
+        let spent = self.work > WORK_LIMIT || self.graph.overflowed();
+        if spent && !self.exhausted {
+            self.exhausted = true;
+            self.problems.push(names::too_many_nodes(place.clone(), 1_000_000));
+        }
+        !spent
+    }
+
+    /// True once the limits of section 11 were met.
+    pub fn exhausted(&self) -> bool {
+        self.exhausted
+    }
+
+    /// What an expression depends on.
+    pub fn depends(&mut self, ids: &[Id]) -> Depends {
+        self.facts.of_all(&self.graph, ids)
+    }
+
+    /// The total time derivative; the expression must contain no accelerations.
+    pub fn rate(&mut self, x: Id) -> Id {
+        self.rates.of(&mut self.graph, x)
+    }
+
+    /// The total time derivatives of components.
+    pub fn rates(&mut self, x: &[Id]) -> Vec<Id> {
+        x.iter().map(|x| self.rate(*x)).collect()
+    }
+
+    /// ∂x/∂symbol.
+    pub fn partial(&mut self, x: Id, symbol: Symbol) -> Id {
+        let by = move |_: &mut Graph, s: Symbol| if s == symbol { Id::ONE } else { Id::ZERO };
+        let forward = self.partials.entry(symbol).or_insert_with(|| Forward::new(Box::new(by) as Partial));
+        forward.of(&mut self.graph, x)
+    }
+
+    /// The value of an expression.
+    pub fn value(&mut self, scope: &Scope, text: &Text, rules: Rules, locals: &[(String, Local)]) -> Value {
+        Lower::new(self, scope, text, rules, locals).expression(&text.ast)
+    }
+
+    /// Both sides of an equation; of an expression without `=`, the value and nothing.
+    pub fn equation(
+        &mut self,
+        scope: &Scope,
+        text: &Text,
+        rules: Rules,
+        locals: &[(String, Local)],
+    ) -> (Value, Option<Value>) {
+        Lower::new(self, scope, text, rules, locals).equation(&text.ast)
+    }
+
+    /// The value of an expression or a list.
+    pub fn written(&mut self, scope: &Scope, written: &Written, rules: Rules, locals: &[(String, Local)]) -> Value {
+        match written {
+            Written::One(text) => self.value(scope, text, rules, locals),
+            Written::List(texts, place) => {
+                let components: Vec<Option<Id>> =
+                    texts.iter().map(|text| self.scalar(scope, text, rules, locals)).collect();
+                if scope.dimension != components.len() {
+                    let found = components.len();
+                    self.problems.push(names::vector_size(Place::clone(place), scope.dimension, found));
+                    return Value::Poison;
+                }
+                components.into_iter().collect::<Option<Vec<Id>>>().map_or(Value::Poison, Value::Vector)
+            }
+        }
+    }
+
+    /// A number; `None` if it is none (reported) or poisoned.
+    pub fn scalar(&mut self, scope: &Scope, text: &Text, rules: Rules, locals: &[(String, Local)]) -> Option<Id> {
+        let value = self.value(scope, text, rules, locals);
+        self.want_scalar(value, text)
+    }
+
+    /// A vector; `None` if it is none (reported) or poisoned.
+    pub fn vector(
+        &mut self,
+        scope: &Scope,
+        written: &Written,
+        rules: Rules,
+        locals: &[(String, Local)],
+    ) -> Option<Vec<Id>> {
+        let place = Place::clone(written.place());
+        match self.written(scope, written, rules, locals) {
+            Value::Vector(v) => Some(v),
+            Value::Nothing => Some(vec![Id::ZERO; scope.dimension]),
+            Value::Poison => None,
+            value @ Value::Scalar(_) => {
+                self.problems.push(names::not_a_vector(place, value.describe()));
+                None
+            }
+        }
+    }
+
+    /// A value in SI.  Its unit converts it where it is a pure number: what is computed from quantities with units
+    /// is in SI already.
+    pub fn quantity(
+        &mut self,
+        scope: &Scope,
+        quantity: &Quantity,
+        rules: Rules,
+        locals: &[(String, Local)],
+    ) -> Option<Id> {
+        let value = self.scalar(scope, &quantity.text, rules, locals)?;
+        match &quantity.unit {
+            Some((_, unit)) if !self.depends(&[value]).meets(Depends::UNIT) => {
+                let factor = self.graph.float(unit.factor());
+                Some(self.graph.mul(factor, value))
+            }
+            _ => Some(value),
+        }
+    }
+
+    fn want_scalar(&mut self, value: Value, text: &Text) -> Option<Id> {
+        match value {
+            Value::Scalar(x) => Some(x),
+            Value::Nothing => Some(Id::ZERO),
+            Value::Poison => None,
+            Value::Vector(_) => {
+                let place = text.place.at(text.ast.span);
+                self.problems.push(names::not_a_scalar(place, value.describe()));
+                None
+            }
+        }
+    }
+}
+
+impl Written {
+    /// Where it stands.
+    pub fn place(&self) -> &Rc<Place> {
+        match self {
+            Written::One(text) => &text.place,
+            Written::List(_, place) => place,
+        }
+    }
+}
+
+impl Text {
+    /// The words at a span.
+    pub fn words(&self, span: Span) -> &str {
+        words(&self.source, span)
+    }
+}
+
+/// The words of a text at a span.
+pub fn words(source: &str, span: Span) -> &str {
+    source.get(span.range()).unwrap_or(source)
+}
+
+/// d/dt of a symbol: time runs at 1, coordinates and inputs at their rates, parameters and dummies stand still.
+fn rate_of_symbol(graph: &mut Graph, symbol: Symbol) -> Id {
+    match (symbol, symbol.rate()) {
+        (Symbol::Time, _) => Id::ONE,
+        (_, Some(rate)) => graph.symbol(rate),
+        _ => Id::ZERO,
+    }
+}

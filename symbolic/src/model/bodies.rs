@@ -1,0 +1,192 @@
+//! Masses, gravity, energies.
+
+use super::bench::Rules;
+use super::declare::DeclaredBody;
+use super::families::Locals;
+use super::reader::Quantity;
+use super::resolved::{Body, Rotation};
+use super::resolver::Resolver;
+use super::scope::Energies;
+use super::value::{self, Value};
+use crate::diagnose::Place;
+use crate::diagnose::catalogue::{mechanics, names};
+use crate::expr::{Id, Rational};
+
+impl Resolver<'_> {
+    /// Inputs with their derivatives.
+    pub fn finish_inputs(&mut self) {
+        let items: Vec<(u32, usize)> = self
+            .scope
+            .names
+            .values()
+            .flat_map(|entry| entry.members.values())
+            .filter_map(|member| match member {
+                super::scope::Member::Input(place, item) => Some((*place, *item)),
+                _ => None,
+            })
+            .collect();
+        for (place, item) in items {
+            let Some(Value::Scalar(value)) = self.scope.value(item) else { continue };
+            let value = *value;
+            let rate = self.bench.rate(value);
+            self.model.inputs[place as usize].signal = [value, rate, self.bench.rate(rate)];
+        }
+    }
+
+    /// Bodies, now that positions and angles have values.
+    pub fn finish_bodies(&mut self, declared: Vec<DeclaredBody>) {
+        for (place, body) in declared.into_iter().enumerate() {
+            let names = &self.scope.bodies[place];
+            let (name, position, angle) = (names.name.clone(), names.position, names.angle);
+            let mass = self.constant(body.text.mass.as_ref(), "a mass", &body.locals);
+            let inertia = self.constant(body.text.inertia.as_ref(), "a moment of inertia", &body.locals);
+            let position = match self.scope.value(position) {
+                Some(Value::Vector(position)) => position.clone(),
+                _ => vec![Id::ZERO; self.scope.dimension],
+            };
+            let angle = angle.map(|item| match self.scope.value(item) {
+                Some(Value::Scalar(angle)) => *angle,
+                _ => Id::ZERO,
+            });
+            let rotation = angle.map(|angle| Rotation { angle, inertia });
+            self.kinetic_energy(mass, &position, rotation);
+            self.model.bodies.push(Body { name, mass, position, rotation, place: body.text.place.clone() });
+        }
+    }
+
+    /// ½ m v·v and ½ I ω².
+    fn kinetic_energy(&mut self, mass: Id, position: &[Id], rotation: Option<Rotation>) {
+        let half = self.half();
+        let velocity = self.bench.rates(position);
+        let square = value::dot(&mut self.bench.graph, &velocity, &velocity);
+        let mut terms = vec![(mass, square)];
+        if let Some(rotation) = rotation {
+            let omega = self.bench.rate(rotation.angle);
+            terms.push((rotation.inertia, self.bench.graph.mul(omega, omega)));
+        }
+        for (inertia, square) in terms {
+            let graph = &mut self.bench.graph;
+            let product = graph.mul(inertia, square);
+            let term = graph.mul(half, product);
+            if term != Id::ZERO {
+                self.model.kinetic_terms.push(term);
+            }
+        }
+    }
+
+    /// A mass or moment of inertia: of parameters only, not negative; 0 where absent.
+    fn constant(&mut self, quantity: Option<&Quantity>, what: &'static str, locals: &Locals) -> Id {
+        let Some(quantity) = quantity else { return Id::ZERO };
+        let Some(value) = self.quantity(quantity, Rules::constant(what), locals) else { return Id::ZERO };
+        if let Some(number) = self.bench.graph.number(value)
+            && number.to_f64() < 0.0
+        {
+            let place = quantity.text.place.at(quantity.text.ast.span);
+            self.bench.problems.push(mechanics::value_out_of_range(place, what, "positive or 0", number.to_f64()));
+        }
+        value
+    }
+
+    /// A value in SI: its unit converts it where it is a pure number.
+    pub fn quantity(&mut self, quantity: &Quantity, rules: Rules, locals: &Locals) -> Option<Id> {
+        self.bench.quantity(&self.scope, quantity, rules, locals)
+    }
+
+    /// `gravity`, with −m g·r for each body.
+    pub fn gravity(&mut self) {
+        let Some(spot) = self.root.get("gravity") else { return };
+        let Some(written) = spot.written(&mut self.bench.problems) else { return };
+        let Some(gravity) = self.vector(&written, Rules::of_time("gravity"), &Self::no_locals()) else { return };
+        for body in &self.model.bodies {
+            let graph = &mut self.bench.graph;
+            let along = value::dot(graph, &gravity, &body.position);
+            let product = graph.mul(body.mass, along);
+            let term = graph.neg(product);
+            if term != Id::ZERO {
+                self.model.potential_terms.push(term);
+            }
+        }
+        self.model.gravity = Some(gravity);
+    }
+
+    /// `kinetic_energy`, `potential_energy`, `dissipation`, `generalized_forces`.
+    pub fn raw_energies(&mut self) {
+        let kinetic = self.raw("kinetic_energy", Rules::velocity("the kinetic energy"));
+        let potential = self.raw("potential_energy", Rules::position("the potential energy"));
+        self.model.raw_kinetic_energy = kinetic;
+        self.model.raw_potential_energy = potential;
+        self.model.dissipation = self.raw("dissipation", Rules::velocity("the dissipation function"));
+        for (term, terms) in [(kinetic, &mut self.model.kinetic_terms), (potential, &mut self.model.potential_terms)] {
+            if term != Id::ZERO {
+                terms.push(term);
+            }
+        }
+        let mut given = vec![false; self.model.coordinates.len()];
+        for (key, spot) in self.section("generalized_forces") {
+            let Some(family) = self.expand(key, &spot) else { continue };
+            let text = spot.text(&mut self.bench.problems);
+            for member in &family.members {
+                let Some(coordinate) = self.coordinate(member, &spot.place) else { break };
+                if std::mem::replace(&mut given[coordinate], true) {
+                    self.bench.problems.push(names::member_twice(spot.place.of_key(), member.name()));
+                    break;
+                }
+                let Some(text) = &text else { continue };
+                let rules = Rules::velocity("a generalized force");
+                if let Some(force) = self.scalar(text, rules, &member.locals) {
+                    self.model.generalized_forces.push((coordinate, force));
+                }
+            }
+        }
+    }
+
+    fn raw(&mut self, key: &str, rules: Rules) -> Id {
+        let text = self.root.get(key).and_then(|spot| spot.text(&mut self.bench.problems));
+        text.and_then(|text| self.scalar(&text, rules, &Self::no_locals())).unwrap_or(Id::ZERO)
+    }
+
+    /// The coordinate that a key names; reports when it names none.
+    pub fn coordinate(&mut self, member: &super::families::Expanded, place: &Place) -> Option<usize> {
+        let place = place.of_key();
+        let Some(entry) = self.scope.names.get(&member.base) else {
+            let known = self.model.coordinates.iter().map(|c| c.name.split('[').next().unwrap_or(&c.name));
+            let help = crate::diagnose::did_you_mean(&member.base, known);
+            self.bench.problems.push(names::unknown_name(place, &member.base, help));
+            return None;
+        };
+        if entry.section != super::scope::Section::Coordinate {
+            let found = entry.section.noun();
+            self.bench.problems.push(names::wrong_thing(place, &member.base, "a coordinate", found));
+            return None;
+        }
+        match entry.members.get(&member.indices) {
+            Some(super::scope::Member::Coordinate(coordinate)) => Some(*coordinate as usize),
+            _ => {
+                let problem = if entry.indices == member.indices.len() {
+                    let listed: Vec<String> = member.indices.iter().map(i64::to_string).collect();
+                    names::index_out_of_range(place, &member.base, listed.join(","), entry.range(&member.base))
+                } else if entry.indices == 0 {
+                    names::not_indexed(place, &member.base)
+                } else {
+                    let found = member.indices.len();
+                    names::index_count(place, &member.base, format!("{} index(es)", entry.indices), found)
+                };
+                self.bench.problems.push(problem);
+                None
+            }
+        }
+    }
+
+    /// T and V of the whole model, which expressions may name from now on.
+    pub fn energies(&mut self) {
+        let graph = &mut self.bench.graph;
+        let mut sum = |terms: &[Id]| terms.iter().fold(Id::ZERO, |sum, term| graph.add(sum, *term));
+        let (kinetic, potential) = (sum(&self.model.kinetic_terms), sum(&self.model.potential_terms));
+        self.scope.energies = Some(Energies { kinetic, potential });
+    }
+
+    /// ½.
+    pub fn half(&mut self) -> Id {
+        self.bench.graph.rational(Rational::new(1, 2).unwrap_or(Rational::ONE))
+    }
+}

@@ -1,0 +1,171 @@
+//! Which body carries a point: the one in whose material it is at rest, at several random states.
+
+use super::bench::Bench;
+use super::facts::Depends;
+use super::resolved::Model;
+use crate::expr::{Id, Symbol, Tape};
+
+/// States at which the motions of points and bodies are compared.
+const STATES: usize = 24;
+
+/// A point at rest moves with the material to this share of the speeds involved.
+const TOLERANCE: f64 = 1e-9;
+
+/// Whether a point and the material of a body were seen to move alike.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Carriers {
+    /// For each point, the bodies in which it is at rest, in the file's order.
+    pub bodies: Vec<Vec<usize>>,
+}
+
+/// Finds the carriers of points (components in ground axes).
+pub fn carriers(bench: &mut Bench, model: &Model, points: &[Vec<Id>]) -> Carriers {
+    let dimension = points.first().map_or(2, Vec::len);
+    // Per body: position, velocity, angular velocity; per point: position, velocity.
+    let mut roots = Vec::new();
+    for body in &model.bodies {
+        roots.extend(&body.position);
+        roots.extend(bench.rates(&body.position));
+        roots.push(body.rotation.map_or(Id::ZERO, |rotation| bench.rate(rotation.angle)));
+    }
+    for point in points {
+        roots.extend(point);
+        roots.extend(bench.rates(point));
+    }
+    let tape = Tape::new(&bench.graph, &roots);
+    let mut scratch = Vec::new();
+    let run = |state: &State| {
+        let mut results = vec![0.0; roots.len()];
+        tape.run(|symbol| state.value(symbol), &mut scratch, &mut results);
+        results
+    };
+    let seen: Vec<Vec<f64>> = states(bench, model).iter().map(run).collect();
+    let stride = 2 * dimension + 1;
+    let offset = model.bodies.len() * stride;
+    let carries = |k: usize, b: usize| {
+        let particle = model.bodies[b].rotation.is_none();
+        let mut rests = false;
+        for results in &seen {
+            let point = &results[offset + 2 * dimension * k..][..2 * dimension];
+            let body = &results[stride * b..][..stride];
+            match at_rest(dimension, point, body, particle) {
+                None => {}
+                Some(true) => rests = true,
+                Some(false) => return false,
+            }
+        }
+        rests
+    };
+    let bodies = |k: usize| (0..model.bodies.len()).filter(|b| carries(k, *b)).collect();
+    Carriers { bodies: (0..points.len()).map(bodies).collect() }
+}
+
+/// Whether the point moves with the material of the body: Ṗ = v + ω×(P − r), and for a particle P = r.
+/// `None` where that is not finite.
+fn at_rest(dimension: usize, point: &[f64], body: &[f64], particle: bool) -> Option<bool> {
+    let (position, rate) = point.split_at(dimension);
+    let (centre, rest) = body.split_at(dimension);
+    let (velocity, omega) = (&rest[..dimension], rest[dimension]);
+    let mut arm = [0.0; 3];
+    for (arm, (p, c)) in arm.iter_mut().zip(position.iter().zip(centre)) {
+        *arm = p - c;
+    }
+    let turning = if dimension == 2 { [-omega * arm[1], omega * arm[0], 0.0] } else { [0.0; 3] };
+    let size = |v: &[f64]| v.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let mut gap = [0.0; 3];
+    for (k, gap) in gap.iter_mut().enumerate().take(dimension) {
+        *gap = velocity[k] + turning[k] - rate[k];
+    }
+    if !arm.iter().chain(&gap).all(|x| x.is_finite()) {
+        return None;
+    }
+    let scale = size(velocity) + size(&turning) + size(rate);
+    let together = !particle || size(&arm) <= TOLERANCE * (size(position) + size(centre));
+    Some(together && size(&gap) <= TOLERANCE * scale)
+}
+
+/// Values of all symbols.
+struct State {
+    time: f64,
+    coordinates: Vec<[f64; 3]>,
+    inputs: Vec<[f64; 4]>,
+    parameters: Vec<f64>,
+}
+
+impl State {
+    fn value(&self, symbol: Symbol) -> f64 {
+        let coordinate = |i: u32, order: usize| self.coordinates.get(i as usize).map_or(f64::NAN, |c| c[order]);
+        match symbol {
+            Symbol::Time => self.time,
+            Symbol::Coordinate(i) => coordinate(i, 0),
+            Symbol::Speed(i) => coordinate(i, 1),
+            Symbol::Acceleration(i) => coordinate(i, 2),
+            Symbol::Input(k, order) => {
+                self.inputs.get(k as usize).and_then(|u| u.get(usize::from(order))).copied().unwrap_or(f64::NAN)
+            }
+            Symbol::Parameter(k) => self.parameters.get(k as usize).copied().unwrap_or(f64::NAN),
+            Symbol::Mode(_) | Symbol::Reaction(_) | Symbol::Dummy(_) => f64::NAN,
+        }
+    }
+}
+
+/// Random states, alternately near the scene's start and at large; in the ranges of `sample` where there are any.
+fn states(bench: &Bench, model: &Model) -> Vec<State> {
+    let start = model.scenes.first().map(|scene| scene.q.as_slice()).unwrap_or_default();
+    let ranges: Vec<Id> = model.sample.iter().flat_map(|sample| [sample.low, sample.high]).collect();
+    let roots: Vec<Id> = start.iter().chain(&ranges).copied().collect();
+    let tape = Tape::new(&bench.graph, &roots);
+    let mut random = Random(0x9E37_79B9_7F4A_7C15);
+    let mut states = Vec::new();
+    for k in 0..STATES {
+        let mut state = State {
+            time: random.between(0.0, 10.0),
+            coordinates: Vec::new(),
+            inputs: model.inputs.iter().map(|_| [(); 4].map(|()| random.between(-1.0, 1.0))).collect(),
+            parameters: Vec::new(),
+        };
+        for parameter in &model.parameters {
+            let value = match parameter.default {
+                0.0 => random.between(0.3, 1.0),
+                default => default * random.between(0.8, 1.25),
+            };
+            state.parameters.push(value);
+        }
+        let known = tape.evaluate(|symbol| state.value(symbol));
+        for place in 0..model.coordinates.len() {
+            let first = known.get(place).copied().filter(|x| x.is_finite()).unwrap_or(0.0);
+            let reach = 0.1 * first.abs().max(1.0);
+            let q = if k % 2 == 0 { first + random.between(-reach, reach) } else { random.between(-2.0, 2.0) };
+            state.coordinates.push([q, random.between(-2.0, 2.0), random.between(-2.0, 2.0)]);
+        }
+        for (sample, ends) in model.sample.iter().zip(known[start.len()..].chunks(2)) {
+            if let [low, high] = ends
+                && low.is_finite()
+                && high.is_finite()
+            {
+                state.coordinates[sample.coordinate][usize::from(sample.speed)] = random.between(*low, *high);
+            }
+        }
+        states.push(state);
+    }
+    states
+}
+
+/// Sequence of Weyl numbers, scrambled (splitmix64; Steele, Lea and Flood, 2014): the same in every build.
+struct Random(u64);
+
+impl Random {
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^= z >> 31;
+        low + (high - low) * ((z >> 11) as f64 / (1_u64 << 53) as f64)
+    }
+}
+
+/// True when a point depends on time, inputs and parameters only, and so belongs to the ground.
+pub fn belongs_to_ground(bench: &mut Bench, point: &[Id]) -> bool {
+    !bench.depends(point).meets(Depends::COORDINATE)
+}

@@ -1,0 +1,84 @@
+//! Expressions from the command line: in the names of a resolved model.
+
+use std::rc::Rc;
+
+use super::bench::{Bench, Rules, Text};
+use super::reader;
+use super::resolved::Model;
+use super::value::Value;
+use crate::diagnose::catalogue::names;
+use crate::diagnose::{Place, Problem};
+use crate::expr::{Graph, Id, Symbol, Tape};
+use crate::language::parse;
+
+impl Model {
+    /// The components of an expression that may stand in `outputs`.
+    ///
+    /// # Errors
+    /// What is wrong with it; places are spans of `text`.
+    pub fn expression(&mut self, text: &str) -> Result<Vec<Id>, Vec<Problem>> {
+        let text = read(text)?;
+        let mut bench = self.bench();
+        let value = bench.value(&self.scope, &text, Rules::anything("an expression"), &[]);
+        self.take_back(bench)?;
+        match value {
+            Value::Scalar(x) => Ok(vec![x]),
+            Value::Vector(v) => Ok(v),
+            Value::Nothing | Value::Poison => Ok(vec![Id::ZERO]),
+        }
+    }
+
+    /// The number that an expression of parameters, sizes and definitions without coordinates stands for, in SI,
+    /// with these values of the free parameters.  A unit may follow: `30 deg`.
+    ///
+    /// # Errors
+    /// What is wrong with it; places are spans of `text`.
+    pub fn constant(&mut self, text: &str, parameters: &[f64]) -> Result<f64, Vec<Problem>> {
+        let quantity = reader::quantity(text, &Place::default())?;
+        let mut bench = self.bench();
+        let value = bench.quantity(&self.scope, &quantity, Rules::constant("a value"), &[]);
+        self.take_back(bench)?;
+        let undefined = || vec![names::undefined_value(Place::default(), text)];
+        value.and_then(|id| evaluate(&self.graph, id, parameters)).ok_or_else(undefined)
+    }
+
+    /// The value of a function of time and its first and second derivative, to take an input's place.
+    ///
+    /// # Errors
+    /// What is wrong with it; places are spans of `text`.
+    pub fn signal(&mut self, text: &str) -> Result<[Id; 3], Vec<Problem>> {
+        let text = read(text)?;
+        let mut bench = self.bench();
+        let value = bench.scalar(&self.scope, &text, Rules::signal("an input"), &[]).unwrap_or(Id::ZERO);
+        let rate = bench.rate(value);
+        let second = bench.rate(rate);
+        self.take_back(bench)?;
+        Ok([value, rate, second])
+    }
+
+    fn bench(&mut self) -> Bench {
+        let mut bench = Bench::new(std::mem::take(&mut self.graph));
+        bench.facts.dimensional =
+            self.parameters.iter().map(|p| !matches!(p.unit.as_deref(), None | Some("1"))).collect();
+        bench
+    }
+
+    fn take_back(&mut self, bench: Bench) -> Result<(), Vec<Problem>> {
+        self.graph = bench.graph;
+        if bench.problems.is_empty() { Ok(()) } else { Err(bench.problems) }
+    }
+}
+
+/// The value of an expression of parameters, if it is finite.
+pub fn evaluate(graph: &Graph, id: Id, parameters: &[f64]) -> Option<f64> {
+    let symbol = |s: Symbol| match s {
+        Symbol::Parameter(place) => parameters.get(place as usize).copied().unwrap_or(f64::NAN),
+        _ => f64::NAN,
+    };
+    Tape::new(graph, &[id]).evaluate(symbol).first().copied().filter(|x| x.is_finite())
+}
+
+fn read(words: &str) -> Result<Text, Vec<Problem>> {
+    let ast = parse(words)?;
+    Ok(Text { source: words.into(), ast: Rc::new(ast), place: Rc::default() })
+}

@@ -1,0 +1,172 @@
+//! `draw`: what to animate.
+
+use super::bench::{Rules, Text, Written};
+use super::lower::Local;
+use super::reader::Spot;
+use super::resolved::{Shape, Vector};
+use super::resolver::Resolver;
+use super::substitute::substitute;
+use crate::diagnose::catalogue::{names, sections, syntax};
+use crate::expr::{Id, Rational, Symbol};
+use crate::language::{Span, is_reserved};
+
+/// Stretches into which a curve is divided.
+const STRETCHES: i64 = 100;
+
+const RULES: Rules = Rules::velocity("a drawing");
+
+impl Resolver<'_> {
+    /// Every shape.
+    pub fn draw(&mut self) {
+        let Some(spot) = self.root.get("draw") else { return };
+        for item in spot.list(&mut self.bench.problems) {
+            self.shape(&item);
+        }
+    }
+
+    fn shape(&mut self, spot: &Spot<'_>) {
+        let kinds = ["line", "circle", "spring", "curve", "trace"];
+        let found: Vec<&str> = kinds.into_iter().filter(|kind| spot.get(kind).is_some()).collect();
+        let problems = &mut self.bench.problems;
+        if found.first() != Some(&"curve") && !spot.only(&kinds, "a shape", problems) {
+            return;
+        }
+        let [kind] = found.as_slice() else {
+            match found.as_slice() {
+                [first, second, ..] => {
+                    problems.push(sections::conflicting_keys(spot.place.clone(), first, second, "a shape"));
+                }
+                _ => {
+                    let kinds = kinds.map(|kind| format!("`{kind}`")).join(", ");
+                    problems.push(sections::needs_one_of(spot.place.clone(), kinds, "a shape"));
+                }
+            }
+            return;
+        };
+        let Some(what) = spot.get(kind) else { return };
+        match *kind {
+            "line" => {
+                let points = self.points(&what);
+                self.model.draw.push(Shape::Line(points.into_iter().map(|(_, point)| point).collect()));
+            }
+            "spring" => {
+                let points = self.points(&what);
+                match <[(String, Vector); 2]>::try_from(points) {
+                    Ok([(_, from), (_, to)]) => self.model.draw.push(Shape::Spring(from, to)),
+                    Err(points) if self.bench.problems.is_empty() => {
+                        self.bench.problems.push(sections::list_length(what.place.clone(), "spring", 2, points.len()));
+                    }
+                    Err(_) => {}
+                }
+            }
+            "trace" => {
+                let traces = self.points(&what).into_iter().map(|(name, point)| Shape::Trace(name, point));
+                self.model.draw.extend(traces);
+            }
+            "circle" => self.circle(&what),
+            _ => self.curve(spot, &what),
+        }
+    }
+
+    /// The points of a list, or of one entry, families put in.
+    fn points(&mut self, spot: &Spot<'_>) -> Vec<(String, Vector)> {
+        let no_locals = Self::no_locals();
+        let items = spot.items().unwrap_or_else(|| vec![spot.clone()]);
+        let mut points = Vec::new();
+        for item in items {
+            if item.items().is_some() {
+                // `[[0, 0], P]`: a list that is a vector.
+                if let Some(written) = item.written(&mut self.bench.problems)
+                    && let Some(point) = self.vector(&written, RULES, &no_locals)
+                {
+                    points.push((String::new(), point));
+                }
+                continue;
+            }
+            for text in self.listed(&item, &no_locals) {
+                let name = text.source.to_string();
+                if let Some(point) = self.vector(&Written::One(text), RULES, &no_locals) {
+                    points.push((name, point));
+                }
+            }
+        }
+        points
+    }
+
+    fn circle(&mut self, spot: &Spot<'_>) {
+        let problems = &mut self.bench.problems;
+        if !spot.only(&["at", "radius"], "a circle", problems) {
+            return;
+        }
+        let radius = spot.need("radius", "a circle", problems).and_then(|radius| radius.quantity(problems));
+        let Some(at) = spot.need("at", "a circle", &mut self.bench.problems) else { return };
+        let vector = matches!(at.items(), Some(items) if items.iter().all(|item| item.items().is_none()));
+        let centres = match (vector, at.written(&mut Vec::new())) {
+            (true, Some(written)) => self.vector(&written, RULES, &Self::no_locals()).into_iter().collect(),
+            _ => self.points(&at).into_iter().map(|(_, point)| point).collect::<Vec<_>>(),
+        };
+        let radius = radius.and_then(|radius| self.quantity(&radius, RULES, &Self::no_locals()));
+        let Some(radius) = radius else { return };
+        self.model.draw.extend(centres.into_iter().map(|at| Shape::Circle { at, radius }));
+    }
+
+    /// `{curve: "[s, c*s^2]", s: -2..2}`: sampled at equal steps of its parameter.
+    fn curve(&mut self, spot: &Spot<'_>, what: &Spot<'_>) {
+        let Some(written) = what.written(&mut self.bench.problems) else { return };
+        let entries = spot.entries(&mut self.bench.problems);
+        let others: Vec<_> = entries.into_iter().filter(|(key, _)| *key != "curve").collect();
+        let [(name, range)] = others.as_slice() else {
+            let problem = sections::missing_key(what.place.of_key(), "s: a..b", "a curve");
+            self.bench.problems.push(problem);
+            return;
+        };
+        if self.scope.names.contains_key(*name) || is_reserved(name) {
+            self.bench.problems.push(names::index_hides_name(range.place.of_key(), name));
+            return;
+        }
+        let Some([from, to]) = self.range(range) else { return };
+        let symbol = Symbol::Dummy(0);
+        let locals = vec![((*name).to_owned(), Local::Symbol(symbol))];
+        let Some(curve) = self.bench.vector(&self.scope, &written, RULES, &locals) else { return };
+        let points = (0..=STRETCHES).map(|k| self.on_curve(&curve, symbol, from, to, k, what)).collect();
+        self.model.draw.push(Shape::Curve(points));
+    }
+
+    fn on_curve(&mut self, curve: &[Id], symbol: Symbol, from: Id, to: Id, k: i64, what: &Spot<'_>) -> Vector {
+        let bench = &mut self.bench;
+        let share = bench.graph.rational(Rational::new(i128::from(k), i128::from(STRETCHES)).unwrap_or(Rational::ONE));
+        let width = bench.graph.sub(to, from);
+        let offset = bench.graph.mul(share, width);
+        let at = bench.graph.add(from, offset);
+        let mut point = Vec::new();
+        for component in curve {
+            let (value, visited) = substitute(&mut bench.graph, &mut bench.facts, *component, symbol, at);
+            bench.spend(visited, &what.place);
+            point.push(value);
+        }
+        point
+    }
+
+    /// `-2..2`.
+    fn range(&mut self, spot: &Spot<'_>) -> Option<[Id; 2]> {
+        let words = spot.words(&mut self.bench.problems)?;
+        let Some((from, to)) = words.split_once("..") else {
+            self.bench.problems.push(syntax::bad_range(spot.place.at(Span::new(0, words.len())), words));
+            return None;
+        };
+        // Blanks in front keep the columns of what is read.
+        let to = format!("{}{to}", " ".repeat(words.len() - to.len()));
+        let mut ends = [Id::ZERO; 2];
+        for (end, words) in ends.iter_mut().zip([from, &to]) {
+            let text: Text = match super::reader::quantity(words, &spot.place) {
+                Ok(quantity) => quantity.text,
+                Err(found) => {
+                    self.bench.problems.extend(found);
+                    return None;
+                }
+            };
+            *end = self.scalar(&text, RULES, &Self::no_locals())?;
+        }
+        Some(ends)
+    }
+}

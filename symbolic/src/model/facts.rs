@@ -1,0 +1,84 @@
+//! What each node of the graph depends on, kept up to date as the graph grows.
+
+use crate::expr::{Graph, Id, Node, Symbol};
+
+/// A set of kinds of symbols, as bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Depends(u8);
+
+impl Depends {
+    /// Explicit time.
+    pub const TIME: Depends = Depends(1);
+    /// A coordinate.
+    pub const COORDINATE: Depends = Depends(2);
+    /// A rate of a coordinate, or the first derivative of an input.
+    pub const VELOCITY: Depends = Depends(4);
+    /// A second rate, or the second derivative of an input.
+    pub const ACCELERATION: Depends = Depends(8);
+    /// A third derivative of an input.
+    pub const JERK: Depends = Depends(16);
+    /// An input or its derivatives.
+    pub const INPUT: Depends = Depends(32);
+    /// A bound variable.
+    pub const DUMMY: Depends = Depends(64);
+    /// A free parameter with a unit other than 1.
+    pub const UNIT: Depends = Depends(128);
+
+    /// Both sets.
+    pub const fn and(self, other: Depends) -> Depends {
+        Depends(self.0 | other.0)
+    }
+
+    /// True when they share a kind.
+    pub const fn meets(self, other: Depends) -> bool {
+        self.0 & other.0 != 0
+    }
+
+    fn of(symbol: Symbol, dimensional: &[bool]) -> Depends {
+        match symbol {
+            Symbol::Time => Depends::TIME,
+            Symbol::Coordinate(_) => Depends::COORDINATE,
+            Symbol::Speed(_) => Depends::VELOCITY,
+            Symbol::Acceleration(_) | Symbol::Reaction(_) => Depends::ACCELERATION,
+            Symbol::Input(_, order) => Depends::INPUT.and(match order {
+                0 => Depends(0),
+                1 => Depends::VELOCITY,
+                2 => Depends::ACCELERATION,
+                _ => Depends::JERK,
+            }),
+            Symbol::Parameter(place) if dimensional.get(place as usize) == Some(&true) => Depends::UNIT,
+            Symbol::Parameter(_) => Depends(0),
+            Symbol::Mode(_) => Depends(0),
+            Symbol::Dummy(_) => Depends::DUMMY,
+        }
+    }
+}
+
+/// The table, one entry per node.
+#[derive(Clone, Debug, Default)]
+pub struct Facts {
+    nodes: Vec<Depends>,
+    /// For each free parameter, whether it has a unit other than 1.
+    pub dimensional: Vec<bool>,
+}
+
+impl Facts {
+    /// What an expression depends on.
+    pub fn of(&mut self, graph: &Graph, id: Id) -> Depends {
+        for place in self.nodes.len()..graph.len() {
+            let depends = match graph.node(graph.id_at(place)) {
+                Node::Number(_) => Depends(0),
+                Node::Symbol(s) => Depends::of(s, &self.dimensional),
+                Node::Unary(_, x) => self.nodes[x.index()],
+                Node::Binary(_, x, y) => self.nodes[x.index()].and(self.nodes[y.index()]),
+            };
+            self.nodes.push(depends);
+        }
+        self.nodes[id.index()]
+    }
+
+    /// What any of some expressions depends on.
+    pub fn of_all(&mut self, graph: &Graph, ids: &[Id]) -> Depends {
+        ids.iter().fold(Depends(0), |all, id| all.and(self.of(graph, *id)))
+    }
+}

@@ -1,0 +1,113 @@
+//! `forces` and `torques`.
+
+use super::bench::{Rules, Text, Written};
+use super::ends::End;
+use super::families::{Family, Locals};
+use super::loads::{Draft, DraftPush, Drafts, Holder};
+use super::reader::Spot;
+use super::resolved::Work;
+use super::resolver::Resolver;
+use super::value;
+use crate::diagnose::catalogue::sections;
+use crate::expr::Id;
+
+impl Resolver<'_> {
+    /// One entry of `forces`.
+    pub fn force(&mut self, spot: &Spot<'_>, family: &Family, drafts: &mut Drafts) {
+        if !self.load_keys(spot, &["on", "at", "force", "from", "reaction"], "a force", family) {
+            return;
+        }
+        let problems = &mut self.bench.problems;
+        if let (Some(_), Some(reaction)) = (spot.get("from"), spot.get("reaction")) {
+            problems.push(sections::conflicting_keys(reaction.place.of_key(), "from", "reaction", "a force"));
+            return;
+        }
+        let on = spot.need("on", "a force", problems).and_then(|on| on.written(problems));
+        let force = spot.need("force", "a force", problems).and_then(|force| force.written(problems));
+        let mut given = |key: &str| match spot.get(key) {
+            Some(spot) => spot.written(problems).map(Some),
+            None => Some(None),
+        };
+        let (at, reaction) = (given("at"), given("reaction"));
+        let from = match spot.get("from") {
+            Some(from) => from.text(problems).map(Some),
+            None => Some(None),
+        };
+        let (Some(on), Some(force), Some(at), Some(reaction), Some(from)) = (on, force, at, reaction, from) else {
+            return;
+        };
+        for member in &family.members {
+            let locals = &member.locals;
+            let end = self.force_end(&on, at.as_ref(), locals, drafts);
+            let force = self.vector(&force, Rules::velocity("a force"), locals);
+            let (Some(end), Some(force)) = (end, force) else { continue };
+            let opposite = match (&from, &reaction) {
+                (Some(from), _) => self.opposite(from, &end.at, locals),
+                (None, Some(reaction)) => self.point_or_body(reaction, locals, drafts),
+                (None, None) => Some(End { holder: Holder::Ground, at: end.at.clone() }),
+            };
+            let Some(opposite) = opposite else { continue };
+            let minus = value::negative(&mut self.bench.graph, &force);
+            let mut pushes = vec![DraftPush { holder: end.holder, at: end.at, force, couple: Vec::new() }];
+            if from.is_some() || reaction.is_some() {
+                pushes.push(DraftPush { holder: opposite.holder, at: opposite.at, force: minus, couple: Vec::new() });
+            }
+            let place = spot.place.clone();
+            drafts.loads.push(Draft { name: member.name(), work: Work::Pushes, pushes, place });
+        }
+    }
+
+    /// `on: B` with or without `at`, or `on: P`.
+    fn force_end(&mut self, on: &Written, at: Option<&Written>, locals: &Locals, drafts: &mut Drafts) -> Option<End> {
+        match (on, at) {
+            (Written::One(text), at) if self.is_solid(text) => self.placed(text, at, locals, drafts),
+            // With `at` the name must be a body's; this reports that it is none.
+            (Written::One(text), Some(at)) => self.placed(text, Some(at), locals, drafts),
+            (_, _) => self.point_or_body(on, locals, drafts),
+        }
+    }
+
+    /// One entry of `torques`.
+    pub fn torque(&mut self, spot: &Spot<'_>, family: &Family, drafts: &mut Drafts) {
+        if !self.load_keys(spot, &["on", "torque", "from"], "a torque", family) {
+            return;
+        }
+        let problems = &mut self.bench.problems;
+        let on = spot.need("on", "a torque", problems).and_then(|on| on.text(problems));
+        let torque = spot.need("torque", "a torque", problems).and_then(|torque| torque.text(problems));
+        let from = match spot.get("from") {
+            Some(from) => from.text(problems).map(Some),
+            None => Some(None),
+        };
+        let (Some(on), Some(torque), Some(from)) = (on, torque, from) else { return };
+        for member in &family.members {
+            let torque = self.scalar(&torque, Rules::velocity("a torque"), &member.locals);
+            let on = self.couple_holder(&on, &member.locals);
+            let from = match &from {
+                Some(from) => self.couple_holder(from, &member.locals),
+                None => Some(None),
+            };
+            let (Some(torque), Some(on), Some(from)) = (torque, on, from) else { continue };
+            let minus = self.bench.graph.neg(torque);
+            let pushes = [(on, torque), (from, minus)]
+                .into_iter()
+                .filter_map(|(body, couple)| body.map(|(body, at)| self.couple(body, at, couple)))
+                .collect();
+            let place = spot.place.clone();
+            drafts.loads.push(Draft { name: member.name(), work: Work::Pushes, pushes, place });
+        }
+    }
+
+    /// The rigid body that takes a couple, with its centre of mass; inside, `None` is the ground.
+    #[expect(clippy::option_option, reason = "the ground is no body, and an error is neither")]
+    fn couple_holder(&mut self, text: &Text, locals: &Locals) -> Option<Option<(usize, Vec<Id>)>> {
+        match self.rigid_body(text, "a torque", locals)? {
+            None => Some(None),
+            Some(body) => Some(Some((body, self.centre(body)?))),
+        }
+    }
+
+    fn couple(&self, body: usize, at: Vec<Id>, couple: Id) -> DraftPush {
+        DraftPush { holder: Holder::Body(body), at, force: vec![Id::ZERO; self.scope.dimension], couple: vec![couple] }
+    }
+}

@@ -1,0 +1,322 @@
+//! Calls of the built-in functions.
+
+use super::facts::Depends;
+use super::index::{self, Indices};
+use super::lower::{Local, Lower};
+use super::names::Solid;
+use super::scope::Member;
+use super::value::{self, Value};
+use crate::diagnose::catalogue::{mechanics, names};
+use crate::diagnose::did_you_mean;
+use crate::expr::{Binary, Id, Symbol, Unary};
+use crate::language::{Ast, AstKind, FUNCTIONS, Span, function};
+
+impl Lower<'_> {
+    /// The value of `name(arguments)`.
+    pub(super) fn call(&mut self, name: &str, name_span: Span, arguments: &[Ast], span: Span) -> Value {
+        let Some(known) = function(name) else {
+            let help = did_you_mean(name, FUNCTIONS.iter().map(|f| f.name));
+            let help = match self.scope.names.contains_key(name) && help.is_empty() {
+                true => format!("a product needs `*`: `{name}*(…)`"),
+                false => help,
+            };
+            return self.refuse(names::unknown_function(self.place(name_span), name, help));
+        };
+        if !known.takes(arguments.len()) {
+            let place = self.place(span);
+            return self.refuse(names::argument_count(place, name, known.arity(), arguments.len()));
+        }
+        match (name, arguments) {
+            ("mod", _) => self.modulo(arguments, span),
+            ("diff", [of, by]) => self.diff(of, by),
+            ("reaction", [constraint]) => self.reaction(constraint),
+            ("position", [point]) => self.vector_argument(name, point).map_or(Value::Poison, Value::Vector),
+            ("velocity", [point]) => self.motion(name, point, 1, span),
+            ("acceleration", [point]) => self.motion(name, point, 2, span),
+            ("velocity" | "acceleration", [body, point]) => self.material(name, body, point, span),
+            ("angular_velocity", [body]) => self.angular_velocity(body, span),
+            ("rate", [of]) => {
+                let value = self.expression(of);
+                self.rate(value, span)
+            }
+            ("dot" | "norm" | "unit", _) => self.metric(name, arguments),
+            ("cross", [a, b]) => self.cross(a, b),
+            _ => self.scalar_function(name, arguments, span),
+        }
+    }
+
+    /// A function of numbers.
+    fn scalar_function(&mut self, name: &str, arguments: &[Ast], span: Span) -> Value {
+        let mut values = Vec::new();
+        let mut lost = false;
+        for argument in arguments {
+            match self.expression(argument) {
+                Value::Scalar(x) => values.push(x),
+                Value::Nothing => values.push(Id::ZERO),
+                Value::Poison => lost = true,
+                found @ Value::Vector(_) => {
+                    let mut problem =
+                        names::argument_kind(self.place(argument.span), name, "a number", found.describe());
+                    if name == "abs" {
+                        problem.help = "the length of a vector is `norm(…)`".to_owned();
+                    }
+                    self.refuse(problem);
+                    lost = true;
+                }
+            }
+        }
+        let (false, Some(&first)) = (lost, values.first()) else { return Value::Poison };
+        let graph = &mut self.bench.graph;
+        let unary = match name {
+            "sin" => Unary::Sin,
+            "cos" => Unary::Cos,
+            "tan" => Unary::Tan,
+            "asin" => Unary::Asin,
+            "acos" => Unary::Acos,
+            "atan" => Unary::Atan,
+            "sinh" => Unary::Sinh,
+            "cosh" => Unary::Cosh,
+            "tanh" => Unary::Tanh,
+            "exp" => Unary::Exp,
+            "ln" => Unary::Ln,
+            "sqrt" => Unary::Sqrt,
+            "abs" => Unary::Abs,
+            "sign" => Unary::Sign,
+            "step" => Unary::Step,
+            _ => {
+                let operation = match name {
+                    "atan2" => Binary::Atan2,
+                    "min" => Binary::Min,
+                    _ => Binary::Max,
+                };
+                let rest = values.iter().skip(1);
+                return Value::Scalar(rest.fold(first, |a, b| graph.binary(operation, a, *b)));
+            }
+        };
+        let result = graph.unary(unary, first);
+        // What a constant gives is a constant, unless it is not finite.
+        if graph.number(first).is_some() && graph.number(result).is_none() {
+            let words = self.text.words(span);
+            return self.refuse(names::undefined_value(self.place(span), words));
+        }
+        Value::Scalar(result)
+    }
+
+    fn modulo(&mut self, arguments: &[Ast], span: Span) -> Value {
+        let whole = Ast {
+            kind: AstKind::Call { function: "mod".to_owned(), name_span: span, arguments: arguments.to_vec() },
+            span,
+        };
+        match index::integer(&Indices::within(self.scope, self.text), &self.locals, &whole) {
+            Ok(value) => Value::Scalar(self.bench.graph.integer(value)),
+            Err(problem) => self.refuse(problem),
+        }
+    }
+
+    /// A vector; `None` when it is none (reported) or poisoned.
+    fn vector_argument(&mut self, function: &str, argument: &Ast) -> Option<Vec<Id>> {
+        match self.expression(argument) {
+            Value::Vector(v) => Some(v),
+            Value::Nothing => Some(vec![Id::ZERO; self.scope.dimension]),
+            Value::Poison => None,
+            found @ Value::Scalar(_) => {
+                let wanted = match function {
+                    "position" | "velocity" | "acceleration" => "a point or body",
+                    _ => "a vector",
+                };
+                let mut problem = names::argument_kind(self.place(argument.span), function, wanted, found.describe());
+                if wanted == "a point or body" {
+                    problem.help = "the time derivative of anything else is `rate(e)`".to_owned();
+                }
+                self.refuse(problem);
+                None
+            }
+        }
+    }
+
+    fn metric(&mut self, name: &str, arguments: &[Ast]) -> Value {
+        let vectors: Vec<Option<Vec<Id>>> = arguments.iter().map(|a| self.vector_argument(name, a)).collect();
+        let graph = &mut self.bench.graph;
+        match (name, vectors.as_slice()) {
+            ("dot", [Some(a), Some(b)]) => Value::Scalar(value::dot(graph, a, b)),
+            ("norm", [Some(a)]) => Value::Scalar(value::norm(graph, a)),
+            ("unit", [Some(a)]) => Value::Vector(value::unit(graph, a)),
+            _ => Value::Poison,
+        }
+    }
+
+    /// `cross` of two vectors, or in the plane of an angular velocity and a vector.
+    fn cross(&mut self, a: &Ast, b: &Ast) -> Value {
+        let (left, right) = (self.expression(a), self.expression(b));
+        let plane = self.scope.dimension == 2;
+        let graph = &mut self.bench.graph;
+        match (&left, &right) {
+            (Value::Poison, _) | (_, Value::Poison) => Value::Poison,
+            (Value::Nothing, _) | (_, Value::Nothing) => Value::Nothing,
+            (Value::Vector(a), Value::Vector(b)) if plane => Value::Scalar(value::cross_plane(graph, a, b)),
+            (Value::Vector(a), Value::Vector(b)) => Value::Vector(value::cross_space(graph, a, b)),
+            (Value::Scalar(w), Value::Vector(r)) if plane => Value::Vector(value::turn(graph, *w, r)),
+            (Value::Vector(r), Value::Scalar(w)) if plane => {
+                let minus = graph.neg(*w);
+                Value::Vector(value::turn(graph, minus, r))
+            }
+            (Value::Vector(_), found) => {
+                self.refuse(names::argument_kind(self.place(b.span), "cross", "two vectors", found.describe()))
+            }
+            (found, _) => {
+                self.refuse(names::argument_kind(self.place(a.span), "cross", "two vectors", found.describe()))
+            }
+        }
+    }
+
+    /// d/dt of a value.
+    fn rate(&mut self, value: Value, span: Span) -> Value {
+        let depends = self.bench.depends(value.components());
+        if depends.meets(Depends::ACCELERATION.and(Depends::JERK)) {
+            let words = self.text.words(span);
+            return self.refuse(names::acceleration_misplaced(self.place(span), words, "a time derivative"));
+        }
+        value.map(|x| self.bench.rate(x))
+    }
+
+    /// The velocity or acceleration of a point.
+    fn motion(&mut self, name: &str, point: &Ast, order: usize, span: Span) -> Value {
+        let Some(position) = self.vector_argument(name, point) else { return Value::Poison };
+        (0..order).fold(Value::Vector(position), |value, _| self.rate(value, span))
+    }
+
+    /// The body, frame or ground that an argument names.
+    fn solid_argument(&mut self, function: &str, argument: &Ast, wanted: &str) -> Option<Solid> {
+        match &argument.kind {
+            AstKind::Name { name, indices, primes: 0 } => self.solid(name, indices, argument.span),
+            _ => {
+                let problem = names::argument_kind(self.place(argument.span), function, wanted, "an expression");
+                self.refuse(problem);
+                None
+            }
+        }
+    }
+
+    /// `velocity(B, P)` = v + ω×(P − r), `acceleration(B, P)` = a + α×(P − r) − ω²(P − r), with B's centre r.
+    fn material(&mut self, name: &str, body: &Ast, point: &Ast, span: Span) -> Value {
+        let solid = self.solid_argument(name, body, "a body and a point");
+        let point = self.vector_argument(name, point);
+        let (Some(solid), Some(point)) = (solid, point) else { return Value::Poison };
+        let body_place = match solid {
+            Solid::Ground => return Value::Vector(vec![Id::ZERO; point.len()]),
+            Solid::Body(place) => place,
+            Solid::Frame(_) => {
+                let words = self.text.words(body.span);
+                return self.refuse(names::wrong_thing(self.place(body.span), words, "a body", "a frame"));
+            }
+        };
+        let entry = &self.scope.bodies[body_place];
+        let (centre, angle) = (entry.position, entry.angle);
+        let Some(angle) = angle else {
+            let shown = self.solid_name(solid);
+            let context = format!("`{name}(B, P)`");
+            return self.refuse(mechanics::needs_orientation(self.place(body.span), shown, context));
+        };
+        let (centre, angle) = (self.item(centre), self.item(angle));
+        let (Value::Vector(centre), Value::Scalar(angle)) = (centre, angle) else { return Value::Poison };
+        let bench = &mut *self.bench;
+        let arm = value::difference(&mut bench.graph, &centre, &point);
+        let omega = bench.rate(angle);
+        let velocity = bench.rates(&centre);
+        if name == "velocity" {
+            let turning = value::turn(&mut bench.graph, omega, &arm);
+            return Value::Vector(value::add_scaled(&mut bench.graph, &velocity, Id::ONE, &turning));
+        }
+        if bench.depends(&[omega]).meets(Depends::ACCELERATION) || bench.depends(&velocity).meets(Depends::ACCELERATION)
+        {
+            let words = self.text.words(span);
+            return self.refuse(names::acceleration_misplaced(self.place(span), words, "a time derivative"));
+        }
+        let (alpha, acceleration) = (bench.rate(omega), bench.rates(&velocity));
+        let turning = value::turn(&mut bench.graph, alpha, &arm);
+        let square = bench.graph.mul(omega, omega);
+        let inward = bench.graph.neg(square);
+        let sum = value::add_scaled(&mut bench.graph, &acceleration, Id::ONE, &turning);
+        Value::Vector(value::add_scaled(&mut bench.graph, &sum, inward, &arm))
+    }
+
+    fn angular_velocity(&mut self, body: &Ast, span: Span) -> Value {
+        let Some(solid) = self.solid_argument("angular_velocity", body, "a body or frame") else {
+            return Value::Poison;
+        };
+        let item = match solid {
+            Solid::Ground if self.scope.dimension == 2 => return Value::Scalar(Id::ZERO),
+            Solid::Ground => return Value::Vector(vec![Id::ZERO; self.scope.dimension]),
+            Solid::Frame(item) => item,
+            Solid::Body(place) => match self.scope.bodies[place].angle {
+                Some(item) => item,
+                None => {
+                    let shown = self.solid_name(solid);
+                    return self.refuse(mechanics::needs_orientation(
+                        self.place(body.span),
+                        shown,
+                        "its angular velocity",
+                    ));
+                }
+            },
+        };
+        let angle = self.item(item);
+        self.rate(angle, span)
+    }
+
+    /// ∂e/∂x with all other symbols held.
+    fn diff(&mut self, of: &Ast, by: &Ast) -> Value {
+        // What the derivative may depend on is checked afterwards.
+        let refused = std::mem::replace(&mut self.rules.refused, Depends::JERK);
+        let value = self.expression(of);
+        let symbol = self.symbol(by);
+        self.rules.refused = refused;
+        match symbol {
+            Some(symbol) => value.map(|x| self.bench.partial(x, symbol)),
+            None => Value::Poison,
+        }
+    }
+
+    /// The symbol that a name stands for; reports when it stands for none.
+    fn symbol(&mut self, by: &Ast) -> Option<Symbol> {
+        let AstKind::Name { name, indices, primes } = &by.kind else {
+            self.refuse(names::not_a_symbol(self.place(by.span), "an expression"));
+            return None;
+        };
+        if name == "t" && *primes == 0 && indices.is_empty() {
+            return Some(Symbol::Time);
+        }
+        let local = self.locals.iter().rev().find(|(local, _)| local == name).map(|(_, local)| *local);
+        let found = match local {
+            Some(Local::Symbol(symbol)) if *primes == 0 && indices.is_empty() => return Some(symbol),
+            Some(_) => "an index",
+            None => match self.member(name, indices, by.span)? {
+                (_, Member::Coordinate(place)) => {
+                    return Some(match primes {
+                        0 => Symbol::Coordinate(place),
+                        1 => Symbol::Speed(place),
+                        _ => Symbol::Acceleration(place),
+                    });
+                }
+                (_, Member::Input(place, _)) => return Some(Symbol::Input(place, *primes)),
+                (_, Member::Parameter(place)) if *primes == 0 => return Some(Symbol::Parameter(place)),
+                (_, Member::Refused) => return None,
+                (super::scope::Section::Parameter, _) => "a derived parameter",
+                (section, _) => section.noun(),
+            },
+        };
+        self.refuse(names::not_a_symbol(self.place(by.span), found));
+        None
+    }
+
+    /// The multiplier of a constraint: constraints are refused as a whole, so it is poisoned or unknown.
+    fn reaction(&mut self, constraint: &Ast) -> Value {
+        if self.scope.constrained {
+            return Value::Poison;
+        }
+        let words = self.text.words(constraint.span);
+        let mut problem = names::unknown_name(self.place(constraint.span), words, "");
+        problem.help = "`reaction(c)` wants the name of a constraint, and the model has no constraints".to_owned();
+        self.refuse(problem)
+    }
+}

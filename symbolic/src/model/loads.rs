@@ -1,0 +1,173 @@
+//! `springs`, `dampers`, `forces` and `torques`: what they do, and to which bodies.
+
+use std::collections::BTreeMap;
+
+use super::carriers::{belongs_to_ground, carriers};
+use super::families::Family;
+use super::reader::Spot;
+use super::resolved::{Load, Push, Work};
+use super::resolver::Resolver;
+use crate::diagnose::Place;
+use crate::diagnose::catalogue::{later, mechanics};
+use crate::expr::Id;
+
+/// The body that takes a push.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Holder {
+    /// The ground.
+    Ground,
+    /// A body.
+    Body(usize),
+    /// Whatever carries this point.
+    Carrier(usize),
+}
+
+/// A push whose body may still have to be found.
+#[derive(Clone, Debug)]
+pub struct DraftPush {
+    /// Who takes it.
+    pub holder: Holder,
+    /// Where.
+    pub at: Vec<Id>,
+    /// The force.
+    pub force: Vec<Id>,
+    /// The couple.
+    pub couple: Vec<Id>,
+}
+
+/// A load whose bodies may still have to be found.
+#[derive(Clone, Debug)]
+pub struct Draft {
+    /// Its label.
+    pub name: String,
+    /// How it does work.
+    pub work: Work,
+    /// What it does to bodies.
+    pub pushes: Vec<DraftPush>,
+    /// Where it stands.
+    pub place: Place,
+}
+
+/// A point whose carrier is wanted.
+#[derive(Clone, Debug)]
+pub struct Wanted {
+    /// The point.
+    pub point: Vec<Id>,
+    /// As written.
+    pub words: String,
+    /// Where that stands.
+    pub place: Place,
+    /// A particle that the point must coincide with.
+    pub particle: Option<usize>,
+}
+
+/// Loads on their way.
+#[derive(Clone, Debug, Default)]
+pub struct Drafts {
+    /// In the file's order.
+    pub loads: Vec<Draft>,
+    /// Points whose carriers are wanted.
+    pub wanted: Vec<Wanted>,
+}
+
+impl Resolver<'_> {
+    /// All loads, with their bodies found.
+    pub fn loads(&mut self) {
+        let mut drafts = Drafts::default();
+        let mut families = Vec::new();
+        for section in ["springs", "dampers", "forces", "torques"] {
+            let mut seen = BTreeMap::new();
+            for (key, spot) in self.section(section) {
+                let Some(family) = self.expand(key, &spot) else { continue };
+                let fresh = family.members.iter().all(|m| {
+                    let name = m.name();
+                    self.unique(&mut seen, &name, &format!("`{section}`"), &spot.place)
+                });
+                if fresh {
+                    families.push((section, family, spot));
+                }
+            }
+        }
+        for (section, family, spot) in &families {
+            match *section {
+                "springs" => self.spring(spot, family, &mut drafts),
+                "dampers" => self.damper(spot, family, &mut drafts),
+                "forces" => self.force(spot, family, &mut drafts),
+                _ => self.torque(spot, family, &mut drafts),
+            }
+        }
+        self.place_loads(drafts);
+    }
+
+    /// Checks the keys of an entry; false when it is no mapping.
+    pub fn load_keys(&mut self, spot: &Spot<'_>, keys: &[&str], section: &str, family: &Family) -> bool {
+        let known: Vec<&str> = keys.iter().copied().chain(["phase"]).collect();
+        let problems = &mut self.bench.problems;
+        if !spot.only(&known, section, problems) {
+            return false;
+        }
+        if let Some(phase) = spot.get("phase") {
+            problems.push(later::key_not_supported(phase.place.of_key(), "phase", section));
+        }
+        !family.members.is_empty()
+    }
+
+    /// Finds who carries the wanted points and finishes the loads.
+    fn place_loads(&mut self, drafts: Drafts) {
+        let points: Vec<Vec<Id>> = drafts.wanted.iter().map(|wanted| wanted.point.clone()).collect();
+        let found = if points.is_empty() {
+            Vec::new()
+        } else {
+            let model = std::mem::take(&mut self.model);
+            let found = carriers(&mut self.bench, &model, &points).bodies;
+            self.model = model;
+            found
+        };
+        for (wanted, bodies) in drafts.wanted.iter().zip(&found) {
+            match wanted.particle {
+                Some(particle) if !bodies.contains(&particle) => {
+                    let name = &self.model.bodies[particle].name;
+                    self.bench.problems.push(mechanics::at_on_particle(wanted.place.clone(), name));
+                }
+                None if bodies.is_empty() => {
+                    self.bench.problems.push(mechanics::no_body(wanted.place.clone(), &wanted.words));
+                }
+                _ => {}
+            }
+        }
+        for draft in drafts.loads {
+            let mut pushes = Vec::new();
+            for push in draft.pushes {
+                let body = match push.holder {
+                    Holder::Ground => None,
+                    Holder::Body(body) => Some(body),
+                    Holder::Carrier(wanted) => match found.get(wanted).and_then(|bodies| bodies.first()) {
+                        Some(body) => Some(*body),
+                        None => continue,
+                    },
+                };
+                pushes.push(Push { body, at: push.at, force: push.force, couple: push.couple });
+            }
+            if draft.work == Work::Pushes && pushes.iter().all(|push| push.body.is_none()) {
+                self.model.warnings.push(mechanics::does_nothing(draft.place.clone(), &draft.name));
+            }
+            let Draft { name, work, place, .. } = draft;
+            if let Work::Potential(energy) = work
+                && energy != Id::ZERO
+            {
+                self.model.potential_terms.push(energy);
+            }
+            self.model.loads.push(Load { name, work, pushes, place });
+        }
+    }
+
+    /// Who takes a force at a point.
+    pub fn holder(&mut self, point: &[Id], words: &str, place: Place, drafts: &mut Drafts) -> Holder {
+        if belongs_to_ground(&mut self.bench, point) {
+            return Holder::Ground;
+        }
+        let wanted = Wanted { point: point.to_vec(), words: words.to_owned(), place, particle: None };
+        drafts.wanted.push(wanted);
+        Holder::Carrier(drafts.wanted.len() - 1)
+    }
+}

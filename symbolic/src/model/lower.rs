@@ -1,0 +1,342 @@
+//! From syntax to values: numbers, names, operators, sums and integrals.
+
+use super::bench::{Bench, Rules, Text};
+use super::facts::Depends;
+use super::index::{self, Indices};
+use super::quadrature::gauss_legendre;
+use super::scope::Scope;
+use super::substitute::{degree, substitute};
+use super::value::{self, Value};
+use crate::diagnose::catalogue::{names, syntax};
+use crate::diagnose::{Place, Problem, did_you_mean};
+use crate::expr::{Id, Rational, Symbol};
+use crate::language::{Ast, AstKind, Operator, Range, Span, is_reserved};
+
+/// What a name means inside one expression only.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Local {
+    /// An index.
+    Integer(i64),
+    /// A bound variable: the dummy of an integral, a spring's `length`, a curve's parameter.
+    Symbol(Symbol),
+}
+
+/// One expression on its way from syntax to a value.
+pub struct Lower<'a> {
+    pub(super) bench: &'a mut Bench,
+    pub(super) scope: &'a Scope,
+    pub(super) text: &'a Text,
+    pub(super) rules: Rules,
+    pub(super) locals: Vec<(String, Local)>,
+}
+
+/// Largest exponent that is unrolled.
+const LARGEST_POWER: i64 = 64;
+
+/// Points of the quadrature rule for what is no polynomial of lower degree.
+const POINTS: usize = 16;
+
+impl<'a> Lower<'a> {
+    /// With indices and bound variables.
+    pub fn new(
+        bench: &'a mut Bench,
+        scope: &'a Scope,
+        text: &'a Text,
+        rules: Rules,
+        locals: &[(String, Local)],
+    ) -> Self {
+        Lower { bench, scope, text, rules, locals: locals.to_vec() }
+    }
+
+    /// Both sides of `a = b`, or one value.
+    pub fn equation(&mut self, ast: &Ast) -> (Value, Option<Value>) {
+        if let AstKind::Binary(Operator::Equal, left, right) = &ast.kind {
+            let left = self.expression(left);
+            return (left, Some(self.expression(right)));
+        }
+        (self.expression(ast), None)
+    }
+
+    /// The value; the syntax tree is at most 200 levels deep.
+    pub fn expression(&mut self, ast: &Ast) -> Value {
+        if !self.bench.spend(1, &self.text.place) {
+            return Value::Poison;
+        }
+        match &ast.kind {
+            AstKind::Number(text) => self.number(text, ast.span),
+            AstKind::Name { name, indices, primes } => {
+                let value = self.name(name, indices, *primes, ast.span);
+                self.admit(value, ast.span)
+            }
+            AstKind::Negate(inner) => {
+                let value = self.expression(inner);
+                value.map(|x| self.bench.graph.neg(x))
+            }
+            AstKind::Binary(operator, left, right) => {
+                let left = self.expression(left);
+                let right_value = self.expression(right);
+                self.binary(*operator, left, right_value, ast, right)
+            }
+            AstKind::Vector(parts) => self.bracket(parts, ast.span),
+            AstKind::Component(of, axis) => self.component(of, *axis, ast.span),
+            AstKind::Call { function, name_span, arguments } => {
+                let value = self.call(function, *name_span, arguments, ast.span);
+                self.admit(value, ast.span)
+            }
+            AstKind::Sum(body, ranges) => self.sum(body, ranges),
+            AstKind::Integral(body, range) => self.integral(body, range),
+        }
+    }
+
+    /// Reports a problem; the value is lost.
+    pub(super) fn refuse(&mut self, problem: Problem) -> Value {
+        self.bench.problems.push(problem);
+        Value::Poison
+    }
+
+    /// Some words of this expression, as a place.
+    pub(super) fn place(&self, span: Span) -> Place {
+        self.text.place.at(span)
+    }
+
+    /// The value, unless it depends on what this expression may not depend on.
+    pub(super) fn admit(&mut self, value: Value, span: Span) -> Value {
+        let depends = self.bench.depends(value.components());
+        if !depends.meets(self.rules.refused) {
+            return value;
+        }
+        let refused = self.rules.refused;
+        let (place, words, what) = (self.place(span), self.text.words(span), self.rules.what);
+        let acceleration = Depends::ACCELERATION.and(Depends::JERK);
+        let fixed = refused.meets(Depends::COORDINATE);
+        let motion = Depends::COORDINATE.and(Depends::VELOCITY).and(acceleration);
+        let problem = if fixed && depends.meets(motion) {
+            names::coordinate_misplaced(place, words, what)
+        } else if depends.meets(acceleration) && refused.meets(acceleration) {
+            names::acceleration_misplaced(place, words, what)
+        } else if depends.meets(Depends::VELOCITY) && refused.meets(Depends::VELOCITY) {
+            names::velocity_misplaced(place, words, what)
+        } else {
+            names::time_misplaced(place, what)
+        };
+        self.refuse(problem)
+    }
+
+    fn number(&mut self, text: &str, span: Span) -> Value {
+        match Rational::from_decimal(text) {
+            Some(exact) => Value::Scalar(self.bench.graph.rational(exact)),
+            None => match text.parse::<f64>() {
+                Ok(x) if x.is_finite() => Value::Scalar(self.bench.graph.float(x)),
+                _ => {
+                    let place = self.place(span);
+                    self.refuse(syntax::bad_number(place, text))
+                }
+            },
+        }
+    }
+
+    fn bracket(&mut self, parts: &[Ast], span: Span) -> Value {
+        let mut components = Vec::new();
+        let mut lost = false;
+        for part in parts {
+            match self.expression(part) {
+                Value::Scalar(x) => components.push(x),
+                Value::Nothing => components.push(Id::ZERO),
+                Value::Poison => lost = true,
+                found @ Value::Vector(_) => {
+                    let place = self.place(part.span);
+                    self.refuse(names::not_a_scalar(place, found.describe()));
+                    lost = true;
+                }
+            }
+        }
+        if parts.len() != self.scope.dimension {
+            let place = self.place(span);
+            return self.refuse(names::vector_size(place, self.scope.dimension, parts.len()));
+        }
+        if lost { Value::Poison } else { Value::Vector(components) }
+    }
+
+    fn binary(&mut self, operator: Operator, left: Value, right: Value, whole: &Ast, divisor: &Ast) -> Value {
+        let graph = &mut self.bench.graph;
+        let joined = match operator {
+            Operator::Add => value::add(graph, &left, &right, false),
+            Operator::Subtract => value::add(graph, &left, &right, true),
+            Operator::Multiply => value::multiply(graph, &left, &right),
+            Operator::Divide => match &right {
+                Value::Poison => Some(Value::Poison),
+                Value::Scalar(Id::ZERO) | Value::Nothing => {
+                    let words = self.text.words(whole.span);
+                    return self.refuse(names::undefined_value(self.place(divisor.span), words));
+                }
+                Value::Scalar(y) => Some(left.map(|x| graph.div(x, *y))),
+                Value::Vector(_) => None,
+            },
+            Operator::Power => return self.power(left, right, whole),
+            Operator::Equal => {
+                let help = "an equation may stand in `checks`; here write an expression";
+                return self.refuse(syntax::equation_misplaced(self.place(whole.span), help));
+            }
+        };
+        if let Some(value) = joined {
+            return value;
+        }
+        let place = self.place(whole.span);
+        let problem = match (operator, &left, &right) {
+            (Operator::Add | Operator::Subtract, Value::Vector(a), Value::Vector(b)) => {
+                names::vector_size(self.place(divisor.span), a.len(), b.len())
+            }
+            _ => {
+                let sign = match operator {
+                    Operator::Add => "+",
+                    Operator::Subtract => "-",
+                    Operator::Multiply => "*",
+                    _ => "/",
+                };
+                let mut problem = names::mixed_kinds(place, sign, left.describe(), right.describe());
+                if operator == Operator::Multiply {
+                    problem.help = "use `dot(…, …)` or `cross(…, …)`".to_owned();
+                }
+                problem
+            }
+        };
+        self.refuse(problem)
+    }
+
+    fn power(&mut self, base: Value, exponent: Value, whole: &Ast) -> Value {
+        let (x, y) = match (&base, &exponent) {
+            (Value::Poison, _) | (_, Value::Poison) => return Value::Poison,
+            (Value::Vector(_), _) | (_, Value::Vector(_)) => {
+                let place = self.place(whole.span);
+                let mut problem = names::mixed_kinds(place, "^", base.describe(), exponent.describe());
+                problem.help = "the square of a vector is `dot(a, a)`".to_owned();
+                return self.refuse(problem);
+            }
+            (x, y) => {
+                let first = |v: &Value| v.components().first().copied().unwrap_or(Id::ZERO);
+                (first(x), first(y))
+            }
+        };
+        let graph = &mut self.bench.graph;
+        let exponent = graph.number(y).map(crate::expr::Number::to_f64);
+        if let Some(n) = exponent
+            && n.fract() == 0.0
+            && n.abs() > LARGEST_POWER as f64
+            && graph.number(x).is_none()
+        {
+            return self.refuse(names::power_too_large(self.place(whole.span), n, LARGEST_POWER));
+        }
+        let undefined = match graph.number(x).map(crate::expr::Number::to_f64) {
+            Some(0.0) => exponent.is_some_and(|n| n < 0.0),
+            Some(base) if base < 0.0 => exponent.is_some_and(|n| n.fract() != 0.0),
+            _ => false,
+        };
+        if undefined {
+            let words = self.text.words(whole.span);
+            return self.refuse(names::undefined_value(self.place(whole.span), words));
+        }
+        Value::Scalar(self.bench.graph.pow(x, y))
+    }
+
+    /// Checks the name of an index or dummy; false when it hides a name.
+    fn fresh(&mut self, name: &str, span: Span) -> bool {
+        let hides = self.scope.names.contains_key(name)
+            || is_reserved(name)
+            || self.locals.iter().any(|(local, _)| local == name);
+        if hides {
+            let place = self.place(span);
+            self.refuse(names::index_hides_name(place, name));
+        }
+        !hides
+    }
+
+    fn sum(&mut self, body: &Ast, ranges: &[Range]) -> Value {
+        let known = self.locals.len();
+        for range in ranges {
+            if !self.fresh(&range.name, range.name_span) {
+                self.locals.truncate(known);
+                return Value::Poison;
+            }
+            // Two ranges of one sum must not share a name either.
+            self.locals.push((range.name.clone(), Local::Integer(0)));
+        }
+        self.locals.truncate(known);
+        let indices = Indices::within(self.scope, self.text);
+        let members = match index::members(&indices, self.bench, &mut self.locals, ranges) {
+            Ok(members) => members,
+            Err(problem) => return self.refuse(problem),
+        };
+        let mut total = Value::Nothing;
+        for member in members {
+            let values = member.into_iter().map(Local::Integer);
+            self.locals.extend(ranges.iter().map(|range| range.name.clone()).zip(values));
+            let term = self.expression(body);
+            self.locals.truncate(known);
+            total = match value::add(&mut self.bench.graph, &total, &term, false) {
+                Some(value) => value,
+                None => return Value::Poison,
+            };
+            if self.bench.exhausted() {
+                return Value::Poison;
+            }
+        }
+        total
+    }
+
+    /// ∫ₐᵇ e dx = h Σ wᵢ e(m + h ξᵢ), h = (b − a)/2, m = (a + b)/2, with as many points as the degree needs.
+    fn integral(&mut self, body: &Ast, range: &Range) -> Value {
+        let ends = [self.expression(&range.from), self.expression(&range.to)];
+        if !self.fresh(&range.name, range.name_span) {
+            return Value::Poison;
+        }
+        let known = self.locals.len();
+        let symbol = Symbol::Dummy(known as u32);
+        self.locals.push((range.name.clone(), Local::Symbol(symbol)));
+        let integrand = self.expression(body);
+        self.locals.truncate(known);
+        let mut limits = [Id::ZERO; 2];
+        for ((end, limit), ast) in ends.iter().zip(&mut limits).zip([&range.from, &range.to]) {
+            match end {
+                Value::Scalar(x) => *limit = *x,
+                Value::Nothing => {}
+                Value::Poison => return Value::Poison,
+                Value::Vector(_) => {
+                    let place = self.place(ast.span);
+                    return self.refuse(names::not_a_scalar(place, end.describe()));
+                }
+            }
+        }
+        let bench = &mut *self.bench;
+        let graph = &mut bench.graph;
+        let half = graph.rational(Rational::new(1, 2).unwrap_or(Rational::ONE));
+        let (sum, width) = (graph.add(limits[0], limits[1]), graph.sub(limits[1], limits[0]));
+        let (middle, reach) = (graph.mul(half, sum), graph.mul(half, width));
+        let place = &self.text.place;
+        integrand.map(|e| {
+            let needed = degree(&bench.graph, &mut bench.facts, e, symbol);
+            let points = needed.map_or(POINTS, |d| (d as usize / 2 + 1).min(POINTS));
+            let mut total = Id::ZERO;
+            for (node, weight) in gauss_legendre(points) {
+                let node = bench.graph.float(node);
+                let offset = bench.graph.mul(node, reach);
+                let at = bench.graph.add(middle, offset);
+                let (value, visited) = substitute(&mut bench.graph, &mut bench.facts, e, symbol, at);
+                if !bench.spend(visited, place) {
+                    return Id::ZERO;
+                }
+                let weight = bench.graph.float(weight);
+                let term = bench.graph.mul(weight, value);
+                total = bench.graph.add(total, term);
+            }
+            bench.graph.mul(reach, total)
+        })
+    }
+
+    /// A name that means nothing here.
+    pub(super) fn unknown(&mut self, name: &str, span: Span) -> Value {
+        let locals = self.locals.iter().map(|(local, _)| local.as_str());
+        let help = did_you_mean(name, self.scope.candidates().chain(locals));
+        let problem = names::unknown_name(self.place(span), name, help);
+        self.refuse(problem)
+    }
+}

@@ -1,0 +1,178 @@
+//! `parameters`: free ones with their defaults, derived ones, families of both.
+
+use super::bench::{Rules, Text, Written};
+use super::families::{Expanded, Family as KeyFamily};
+use super::lower::Local;
+use super::reader::{Quantity, Spot};
+use super::resolved::{Derived, Family, Parameter};
+use super::resolver::Resolver;
+use super::scope::{Member, Section};
+use super::settle::Want;
+use crate::diagnose::Place;
+use crate::diagnose::catalogue::{names, sections};
+use crate::language::{Ast, AstKind};
+
+/// A derived parameter as declared: its item, and its unit as written.
+pub type DeclaredDerived = (String, Option<String>, usize);
+
+impl Resolver<'_> {
+    /// Declares parameters; derived ones get their values when all names are known.
+    pub fn parameters(&mut self) -> Vec<DeclaredDerived> {
+        let mut derived = Vec::new();
+        for (key, spot) in self.section("parameters") {
+            let Some(family) = self.expand(key, &spot) else { continue };
+            self.declare_empty(Section::Parameter, &family);
+            match values(&spot, &family, &mut self.bench.problems) {
+                Some(values) => {
+                    for (member, value) in family.members.iter().zip(values) {
+                        self.parameter(member, &value, &spot, &mut derived);
+                    }
+                }
+                None => {
+                    for member in &family.members {
+                        self.declare(Section::Parameter, member, Member::Refused, &spot.place);
+                    }
+                }
+            }
+        }
+        self.array_fields();
+        let has_unit = |unit: Option<&str>| !matches!(unit, None | Some("1"));
+        self.bench.facts.dimensional = self.model.parameters.iter().map(|p| has_unit(p.unit.as_deref())).collect();
+        derived
+    }
+
+    fn parameter(&mut self, member: &Expanded, value: &Quantity, spot: &Spot<'_>, derived: &mut Vec<DeclaredDerived>) {
+        let unit = value.unit.as_ref().map(|(words, _)| words.clone());
+        if names_others(&value.text.ast, &member.locals) {
+            let written = Some(Written::One(value.text.clone()));
+            let rules = Rules::constant("a parameter");
+            let item = self.item(member.name(), written, rules, Want::Scalar, &member.locals);
+            self.items[item].factor = value.unit.as_ref().map(|(_, unit)| unit.factor());
+            if self.declare(Section::Parameter, member, Member::Item(item), &spot.place) {
+                derived.push((member.name(), unit, item));
+            }
+            return;
+        }
+        let id = self.scalar(&value.text, Rules::constant("a parameter"), &member.locals);
+        let number = id.and_then(|id| self.bench.graph.number(id)).map(crate::expr::Number::to_f64);
+        let default = number.map(|x| x * value.unit.as_ref().map_or(1.0, |(_, unit)| unit.factor()));
+        match default.filter(|x| x.is_finite()) {
+            Some(default) => {
+                let place = self.model.parameters.len() as u32;
+                if self.declare(Section::Parameter, member, Member::Parameter(place), &spot.place) {
+                    let family = Some(&member.indices).filter(|indices| !indices.is_empty()).map(|indices| Family {
+                        name: member.base.clone(),
+                        ranges: Vec::new(),
+                        indices: indices.clone(),
+                    });
+                    let place = spot.place.of_key();
+                    self.model.parameters.push(Parameter { name: member.name(), family, unit, default, place });
+                }
+            }
+            None => {
+                if id.is_some() {
+                    let place = value.text.place.at(value.text.ast.span);
+                    self.bench.problems.push(names::undefined_value(place, value.text.words(value.text.ast.span)));
+                }
+                self.declare(Section::Parameter, member, Member::Refused, &spot.place);
+            }
+        }
+    }
+
+    /// Each family of free parameters is an array over the smallest box that holds its members.
+    fn array_fields(&mut self) {
+        let mut boxes: std::collections::BTreeMap<String, Vec<(i64, i64)>> = Default::default();
+        for family in self.model.parameters.iter().filter_map(|p| p.family.as_ref()) {
+            let ranges =
+                boxes.entry(family.name.clone()).or_insert_with(|| family.indices.iter().map(|i| (*i, *i)).collect());
+            for (range, index) in ranges.iter_mut().zip(&family.indices) {
+                *range = (range.0.min(*index), range.1.max(*index));
+            }
+        }
+        for family in self.model.parameters.iter_mut().filter_map(|p| p.family.as_mut()) {
+            if let Some(ranges) = boxes.get(&family.name) {
+                family.ranges.clone_from(ranges);
+            }
+        }
+    }
+
+    /// Derived parameters with their values.
+    pub fn finish_derived(&mut self, declared: Vec<DeclaredDerived>) {
+        for (name, unit, item) in declared {
+            if let Some(super::value::Value::Scalar(value)) = self.scope.value(item) {
+                self.model.derived.push(Derived { name, unit, value: *value });
+            }
+        }
+    }
+}
+
+/// One value per member; `None` when wrong (reported).
+fn values(spot: &Spot<'_>, family: &KeyFamily, problems: &mut Vec<crate::diagnose::Problem>) -> Option<Vec<Quantity>> {
+    if spot.items().is_some() {
+        if !family.ranged {
+            spot.wrong_shape("one number; a list goes with a family, `x[i in 1..3]`", problems);
+            return None;
+        }
+        let spots = flat(spot);
+        let values: Vec<Option<Quantity>> = spots.iter().map(|spot| spot.quantity(problems)).collect();
+        return list_of(values.into_iter().collect::<Option<Vec<_>>>()?, family, &spot.place, problems);
+    }
+    let value = spot.quantity(problems)?;
+    if let (AstKind::Vector(parts), true) = (&value.text.ast.kind, family.ranged) {
+        let part = |ast: &Ast| {
+            let text = Text { ast: ast.clone().into(), ..value.text.clone() };
+            Quantity { text, unit: value.unit.clone() }
+        };
+        return list_of(parts.iter().map(part).collect(), family, &spot.place, problems);
+    }
+    Some(vec![value; family.members.len()])
+}
+
+fn list_of(
+    values: Vec<Quantity>,
+    family: &KeyFamily,
+    place: &Place,
+    problems: &mut Vec<crate::diagnose::Problem>,
+) -> Option<Vec<Quantity>> {
+    if values.len() == family.members.len() {
+        return Some(values);
+    }
+    problems.push(sections::list_length(place.clone(), &family.key.name, family.members.len(), values.len()));
+    None
+}
+
+/// The values of a list, or of a list of lists, row by row.
+pub fn flat<'a>(spot: &Spot<'a>) -> Vec<Spot<'a>> {
+    let rows = spot.items().unwrap_or_default();
+    rows.into_iter().flat_map(|row| row.items().unwrap_or_else(|| vec![row])).collect()
+}
+
+/// True when a value names anything but `pi` and its own indices.
+pub fn names_others(ast: &Ast, locals: &[(String, Local)]) -> bool {
+    any_name(ast, &mut |name| name != "pi" && !locals.iter().any(|(local, _)| local == name))
+}
+
+/// True when `test` holds for some name in a syntax tree, which is at most 200 levels deep.
+fn any_name(ast: &Ast, test: &mut dyn FnMut(&str) -> bool) -> bool {
+    match &ast.kind {
+        AstKind::Number(_) => false,
+        AstKind::Name { name, indices, .. } => test(name) || indices.iter().any(|index| any_name(index, test)),
+        AstKind::Negate(inner) | AstKind::Component(inner, _) => any_name(inner, test),
+        AstKind::Binary(_, left, right) => any_name(left, test) || any_name(right, test),
+        AstKind::Vector(parts) => parts.iter().any(|part| any_name(part, test)),
+        AstKind::Call { arguments, .. } => arguments.iter().any(|part| any_name(part, test)),
+        AstKind::Sum(body, ranges) => {
+            let bound = |name: &str| ranges.iter().any(|range| range.name == name);
+            any_name(body, &mut |name| !bound(name) && test(name))
+                || ranges.iter().any(|range| {
+                    any_name(&range.from, &mut |name| !bound(name) && test(name))
+                        || any_name(&range.to, &mut |name| !bound(name) && test(name))
+                })
+        }
+        AstKind::Integral(body, range) => {
+            any_name(body, &mut |name| name != range.name && test(name))
+                || any_name(&range.from, test)
+                || any_name(&range.to, test)
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! What resolving a model carries from section to section.
+
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+use super::bench::{Bench, Rules, Text, Written};
+use super::families::{self, Expanded, Family, IndexNames, Locals};
+use super::index::MEMBER_LIMIT;
+use super::reader::Spot;
+use super::resolved::Model;
+use super::scope::{Entry, Member, Scope, Section};
+use super::settle::{Item, Want};
+use crate::diagnose::Place;
+use crate::diagnose::catalogue::{names, sections};
+use crate::expr::Id;
+use crate::language::is_reserved;
+
+/// A model half resolved.
+pub struct Resolver<'a> {
+    /// The file.
+    pub root: Spot<'a>,
+    /// Where expressions are made.
+    pub bench: Bench,
+    /// All names.
+    pub scope: Scope,
+    /// What has a value.
+    pub items: Vec<Item>,
+    /// Names of indices in keys, and where they stand.
+    pub index_names: IndexNames,
+    /// The result so far.
+    pub model: Model,
+    names: usize,
+}
+
+impl<'a> Resolver<'a> {
+    /// For a file.
+    pub fn new(root: Spot<'a>) -> Resolver<'a> {
+        Resolver {
+            root,
+            bench: Bench::new(crate::expr::Graph::new()),
+            scope: Scope::default(),
+            items: Vec::new(),
+            index_names: Vec::new(),
+            model: Model::default(),
+            names: 0,
+        }
+    }
+
+    /// The entries of a section, empty where the file has none.
+    pub fn section(&mut self, key: &str) -> Vec<(&'a str, Spot<'a>)> {
+        match self.root.get(key) {
+            Some(spot) => spot.entries(&mut self.bench.problems),
+            None => Vec::new(),
+        }
+    }
+
+    /// Expands the key of an entry.
+    pub fn expand(&mut self, words: &str, spot: &Spot<'_>) -> Option<Family> {
+        let place = spot.place.of_key();
+        let family = families::expand_name(&mut self.bench, &self.scope, &mut self.index_names, words, &place)?;
+        if self.count(family.members.len(), &place) { Some(family) } else { None }
+    }
+
+    /// Counts names; false (reported once) beyond the limit.
+    pub fn count(&mut self, more: usize, place: &Place) -> bool {
+        let before = self.names;
+        self.names = before.saturating_add(more);
+        if self.names <= MEMBER_LIMIT {
+            return true;
+        }
+        if before <= MEMBER_LIMIT {
+            self.bench.problems.push(names::too_many_names(place.clone(), MEMBER_LIMIT));
+        }
+        false
+    }
+
+    /// Declares one member of a name; false (reported) when the name is taken.
+    pub fn declare(&mut self, section: Section, expanded: &Expanded, member: Member, place: &Place) -> bool {
+        let place = place.of_key();
+        if is_reserved(&expanded.base) {
+            let proposal = proposal(&expanded.base);
+            self.bench.problems.push(names::reserved_name(place.clone(), &expanded.base, proposal));
+            // Declared all the same, so that its uses are not reported too.
+        }
+        let indices = expanded.indices.len();
+        let entry = self.scope.names.entry(expanded.base.clone()).or_insert_with(|| Entry {
+            section,
+            indices,
+            members: BTreeMap::new(),
+        });
+        if entry.section != section {
+            self.bench.problems.push(names::duplicate_name(place, &expanded.base, entry.section.key()));
+            return false;
+        }
+        if entry.indices != indices {
+            self.bench.problems.push(names::duplicate_name(place, &expanded.base, section.key()));
+            return false;
+        }
+        if entry.members.insert(expanded.indices.clone(), member).is_some() {
+            self.bench.problems.push(names::member_twice(place, expanded.name()));
+            return false;
+        }
+        true
+    }
+
+    /// A family that turned out to be empty still is a name.
+    pub fn declare_empty(&mut self, section: Section, family: &Family) {
+        let indices = family.key.indices.len();
+        self.scope.names.entry(family.key.name.clone()).or_insert_with(|| Entry {
+            section,
+            indices,
+            members: BTreeMap::new(),
+        });
+    }
+
+    /// Adds something with a value and returns its place.
+    pub fn item(&mut self, name: String, written: Option<Written>, rules: Rules, want: Want, locals: &Locals) -> usize {
+        let locals = Rc::clone(locals);
+        self.items.push(Item { name, written, rules, want, locals, from: None, factor: None });
+        self.items.len() - 1
+    }
+
+    /// A number.
+    pub fn scalar(&mut self, text: &Text, rules: Rules, locals: &Locals) -> Option<Id> {
+        self.bench.scalar(&self.scope, text, rules, locals)
+    }
+
+    /// A vector.
+    pub fn vector(&mut self, written: &Written, rules: Rules, locals: &Locals) -> Option<Vec<Id>> {
+        self.bench.vector(&self.scope, written, rules, locals)
+    }
+
+    /// Reports a label that stands twice in a section.
+    pub fn unique(&mut self, seen: &mut BTreeMap<String, ()>, label: &str, section: &str, place: &Place) -> bool {
+        if seen.insert(label.to_owned(), ()).is_none() {
+            return true;
+        }
+        self.bench.problems.push(sections::duplicate_label(place.of_key(), label, section));
+        false
+    }
+}
+
+/// Another name for a reserved one.
+fn proposal(name: &str) -> String {
+    match name {
+        "t" => "time".to_owned(),
+        "ground" => "floor".to_owned(),
+        "length" => "l".to_owned(),
+        "energy" => "E".to_owned(),
+        "kinetic_energy" => "T".to_owned(),
+        "potential_energy" => "V".to_owned(),
+        "in" => "inside".to_owned(),
+        _ => format!("{name}_"),
+    }
+}

@@ -1,0 +1,166 @@
+//! The names of a model and what they stand for.
+
+use std::collections::BTreeMap;
+
+use super::value::Value;
+use crate::expr::Id;
+use crate::language::FUNCTIONS;
+
+/// The section that declares a name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Section {
+    /// `sizes`
+    Size,
+    /// `parameters`
+    Parameter,
+    /// `coordinates`
+    Coordinate,
+    /// `inputs`
+    Input,
+    /// `define`
+    Definition,
+    /// `frames`
+    Frame,
+    /// `points`
+    Point,
+    /// `bodies`
+    Body,
+    /// `reactions` of `balances`
+    Reaction,
+}
+
+impl Section {
+    /// Its key in the file.
+    pub fn key(self) -> &'static str {
+        match self {
+            Section::Size => "sizes",
+            Section::Parameter => "parameters",
+            Section::Coordinate => "coordinates",
+            Section::Input => "inputs",
+            Section::Definition => "define",
+            Section::Frame => "frames",
+            Section::Point => "points",
+            Section::Body => "bodies",
+            Section::Reaction => "reactions",
+        }
+    }
+
+    /// What it declares, with its article.
+    pub fn noun(self) -> &'static str {
+        match self {
+            Section::Size => "a size",
+            Section::Parameter => "a parameter",
+            Section::Coordinate => "a coordinate",
+            Section::Input => "an input",
+            Section::Definition => "a definition",
+            Section::Frame => "a frame",
+            Section::Point => "a point",
+            Section::Body => "a body",
+            Section::Reaction => "a reaction",
+        }
+    }
+}
+
+/// What one expanded name stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Member {
+    /// A size.
+    Size(i64),
+    /// A free parameter, by its place.
+    Parameter(u32),
+    /// A coordinate, by its place.
+    Coordinate(u32),
+    /// An input, by its place, and the item that holds its expression.
+    Input(u32, usize),
+    /// A derived parameter, definition or point: the item that holds its value.
+    Item(usize),
+    /// A frame: the item that holds its angle.
+    Frame(usize),
+    /// A body, by its place.
+    Body(usize),
+    /// Belongs to a part of the file that was refused already.
+    Refused,
+}
+
+/// One name: a single thing (with the empty index) or a family.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    /// Where it is declared.
+    pub section: Section,
+    /// How many indices it takes.
+    pub indices: usize,
+    /// Its members by their indices.
+    pub members: BTreeMap<Vec<i64>, Member>,
+}
+
+/// Where a body's motion is found.
+#[derive(Clone, Debug)]
+pub struct BodyNames {
+    /// Its expanded name.
+    pub name: String,
+    /// The item that holds its centre of mass.
+    pub position: usize,
+    /// The item that holds its angle; `None` for a particle.
+    pub angle: Option<usize>,
+}
+
+/// T and V of the whole model.
+#[derive(Clone, Copy, Debug)]
+pub struct Energies {
+    /// T.
+    pub kinetic: Id,
+    /// V.
+    pub potential: Id,
+}
+
+/// All names of a model.
+#[derive(Clone, Debug, Default)]
+pub struct Scope {
+    /// 2 or 3.
+    pub dimension: usize,
+    /// By name.
+    pub names: BTreeMap<String, Entry>,
+    /// Values of items; `None` while not known.
+    pub values: Vec<Option<Value>>,
+    /// Bodies in the file's order, families expanded.
+    pub bodies: Vec<BodyNames>,
+    /// Known once bodies and loads are.
+    pub energies: Option<Energies>,
+    /// True when the file has constraints, which are refused as a whole.
+    pub constrained: bool,
+}
+
+/// `x`, `x[2]`, `x[1,2]`.
+pub fn expanded(name: &str, indices: &[i64]) -> String {
+    if indices.is_empty() {
+        return name.to_owned();
+    }
+    let indices: Vec<String> = indices.iter().map(i64::to_string).collect();
+    format!("{name}[{}]", indices.join(","))
+}
+
+impl Scope {
+    /// The item's value, if it is known.
+    pub fn value(&self, item: usize) -> Option<&Value> {
+        self.values.get(item).and_then(Option::as_ref)
+    }
+
+    /// Everything an expression could have meant.
+    pub fn candidates(&self) -> impl Iterator<Item = &str> {
+        let built_in = ["t", "pi", "ground"].into_iter().chain(FUNCTIONS.iter().map(|function| function.name));
+        self.names.keys().map(String::as_str).chain(built_in)
+    }
+}
+
+impl Entry {
+    /// For messages: `x[1] to x[5]` or `no members`.
+    pub fn range(&self, name: &str) -> String {
+        match (self.members.keys().next(), self.members.keys().next_back()) {
+            (Some(first), Some(last)) if first != last => {
+                format!("{} to {}", expanded(name, first), expanded(name, last))
+            }
+            (Some(only), _) => format!("only {}", expanded(name, only)),
+            _ => "no members".to_owned(),
+        }
+    }
+}

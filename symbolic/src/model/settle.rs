@@ -1,0 +1,169 @@
+//! Values of definitions, points, angles, inputs and derived parameters, in whatever order they need each other.
+
+use std::rc::Rc;
+
+use super::bench::{Bench, Rules, Text, Written};
+use super::facts::Depends;
+use super::families::Locals;
+use super::lower::Lower;
+use super::names::Solid;
+use super::scope::Scope;
+use super::value::{self, Value};
+use crate::diagnose::Place;
+use crate::diagnose::catalogue::names;
+use crate::language::{Ast, AstKind};
+
+/// Something with a value that expressions may name.
+#[derive(Clone, Debug)]
+pub struct Item {
+    /// Its expanded name, for messages.
+    pub name: String,
+    /// Its expression; `None` when that was refused already.
+    pub written: Option<Written>,
+    /// What it is and may depend on.
+    pub rules: Rules,
+    /// What it must be.
+    pub want: Want,
+    /// Its indices.
+    pub locals: Locals,
+    /// The frame that an angle is measured from.
+    pub from: Option<Text>,
+    /// Its unit in SI, where the value is a pure number.
+    pub factor: Option<f64>,
+}
+
+/// What the value of an item must be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Want {
+    /// A number.
+    Scalar,
+    /// A vector.
+    Vector,
+    /// Either.
+    Any,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum State {
+    New,
+    Open,
+    Done,
+}
+
+/// Gives every item its value.  A worklist instead of recursion: chains of definitions may be long.
+pub fn settle(bench: &mut Bench, scope: &mut Scope, items: &[Item]) {
+    scope.values = vec![None; items.len()];
+    let mut states = vec![State::New; items.len()];
+    let mut stack = Vec::new();
+    for first in 0..items.len() {
+        stack.push(first);
+        while let Some(&top) = stack.last() {
+            if states[top] == State::Done {
+                stack.pop();
+                continue;
+            }
+            let mark = bench.problems.len();
+            bench.needs.clear();
+            let value = evaluate(bench, scope, &items[top]);
+            let mut needs = std::mem::take(&mut bench.needs);
+            needs.retain(|need| states[*need] != State::Done);
+            if needs.is_empty() || bench.exhausted() {
+                scope.values[top] = Some(if bench.exhausted() { Value::Poison } else { value });
+                states[top] = State::Done;
+                stack.pop();
+                continue;
+            }
+            // What was computed without the values that are missing is thrown away, with its problems.
+            bench.problems.truncate(mark);
+            states[top] = State::Open;
+            if let Some(&again) = needs.iter().find(|need| states[**need] == State::Open) {
+                report_cycle(bench, items, &stack, &states, again);
+                scope.values[top] = Some(Value::Poison);
+                states[top] = State::Done;
+                stack.pop();
+                continue;
+            }
+            needs.sort_unstable();
+            needs.dedup();
+            stack.extend(needs.into_iter().rev());
+        }
+    }
+}
+
+fn evaluate(bench: &mut Bench, scope: &Scope, item: &Item) -> Value {
+    let Some(written) = &item.written else { return Value::Poison };
+    let value = match item.want {
+        Want::Any => bench.written(scope, written, item.rules, &item.locals),
+        Want::Vector => bench.vector(scope, written, item.rules, &item.locals).map_or(Value::Poison, Value::Vector),
+        Want::Scalar => match written {
+            Written::One(text) => {
+                bench.scalar(scope, text, item.rules, &item.locals).map_or(Value::Poison, Value::Scalar)
+            }
+            Written::List(_, place) => {
+                bench.problems.push(names::not_a_scalar(Place::clone(place), "a list"));
+                Value::Poison
+            }
+        },
+    };
+    let value = match item.factor {
+        // What is computed from quantities with units is in SI already.
+        Some(factor) if !bench.depends(value.components()).meets(Depends::UNIT) => {
+            let factor = bench.graph.float(factor);
+            value.map(|x| bench.graph.mul(factor, x))
+        }
+        _ => value,
+    };
+    match &item.from {
+        Some(from) => {
+            let start = frame_angle(bench, scope, from, item);
+            value::add(&mut bench.graph, &start, &value, false).unwrap_or(Value::Poison)
+        }
+        None => value,
+    }
+}
+
+/// The angle of the frame or body that a frame's angle is measured from.
+fn frame_angle(bench: &mut Bench, scope: &Scope, from: &Text, item: &Item) -> Value {
+    let mut lower = Lower::new(bench, scope, from, item.rules, &item.locals);
+    let Ast { kind: AstKind::Name { name, indices, primes: 0 }, span } = &*from.ast else {
+        let place = from.place.at(from.ast.span);
+        return lower.refuse(names::wrong_thing(place, &from.source, "a frame", "an expression"));
+    };
+    let angle = match lower.solid(name, indices, *span) {
+        None => return Value::Poison,
+        Some(Solid::Ground) => return Value::Scalar(crate::expr::Id::ZERO),
+        Some(Solid::Frame(angle)) => Some(angle),
+        Some(Solid::Body(body)) => scope.bodies[body].angle,
+    };
+    match angle {
+        Some(angle) => lower.item(angle),
+        None => {
+            let place = from.place.at(*span);
+            lower.refuse(crate::diagnose::catalogue::mechanics::needs_orientation(place, name, "a frame"))
+        }
+    }
+}
+
+/// The open items on the stack, from the one that is needed again to the top, are a cycle.
+fn report_cycle(bench: &mut Bench, items: &[Item], stack: &[usize], states: &[State], again: usize) {
+    let mut open: Vec<usize> = Vec::new();
+    for &item in stack {
+        if states[item] == State::Open && !open.contains(&item) {
+            open.push(item);
+        }
+    }
+    let start = open.iter().position(|item| *item == again).unwrap_or(0);
+    let cycle = &open[start..];
+    let shown = 6;
+    let mut listed: Vec<String> = cycle.iter().take(shown).map(|item| format!("`{}`", items[*item].name)).collect();
+    if cycle.len() > shown {
+        listed.push("…".to_owned());
+    }
+    listed.push(format!("`{}`", items[again].name));
+    let place = cycle
+        .first()
+        .and_then(|item| items[*item].written.as_ref())
+        .map(|written| Rc::clone(written.place()))
+        .unwrap_or_default();
+    bench.problems.push(names::definition_cycle(Place::clone(&place), listed.join(" → ")));
+}

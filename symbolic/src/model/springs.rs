@@ -1,0 +1,370 @@
+//! `springs` and `dampers`.
+
+use super::antiderivative::antiderivative;
+use super::bench::{Rules, Text};
+use super::ends::{End, EndText};
+use super::facts::Depends;
+use super::families::{Family, Locals};
+use super::loads::{Draft, DraftPush, Drafts, Holder};
+use super::lower::Local;
+use super::reader::Spot;
+use super::resolved::Work;
+use super::resolver::Resolver;
+use super::substitute::substitute;
+use super::value;
+use crate::diagnose::catalogue::{mechanics, sections};
+use crate::expr::{Id, Symbol};
+
+/// The law of a spring in the distance of its ends.
+enum Law {
+    /// ½ k (d − l₀)².
+    Linear(Text, Option<Text>),
+    /// V(length).
+    Energy(Text),
+    /// F(length), positive when it pulls.
+    Tension(Text),
+}
+
+/// Where a stretch acts: a couple on `on` and its opposite on `from`, or a force along a direction.
+struct Placement {
+    on: Option<Text>,
+    from: Option<Text>,
+    along: Option<super::bench::Written>,
+    at: Option<super::bench::Written>,
+}
+
+impl Resolver<'_> {
+    /// One entry of `springs`.
+    pub fn spring(&mut self, spot: &Spot<'_>, family: &Family, drafts: &mut Drafts) {
+        let keys = ["between", "stiffness", "rest", "energy", "tension", "stretch", "on", "from", "along", "at"];
+        if !self.load_keys(spot, &keys, "a spring", family) {
+            return;
+        }
+        match self.one_of(spot, ["between", "stretch"], "a spring") {
+            Some("between") => self.spring_between(spot, family, drafts),
+            Some(_) => self.spring_stretch(spot, family, drafts),
+            None => {}
+        }
+    }
+
+    /// Which of two keys is there; reports none and both.
+    fn one_of<'k>(&mut self, spot: &Spot<'_>, keys: [&'k str; 2], section: &str) -> Option<&'k str> {
+        let [first, second] = keys;
+        match (spot.get(first).is_some(), spot.get(second).is_some()) {
+            (true, false) => Some(first),
+            (false, true) => Some(second),
+            (true, true) => {
+                let place = spot.place.key(second).of_key();
+                self.bench.problems.push(sections::conflicting_keys(place, first, second, section));
+                None
+            }
+            (false, false) => {
+                let keys = format!("`{first}`, `{second}`");
+                self.bench.problems.push(sections::needs_one_of(spot.place.of_key(), keys, section));
+                None
+            }
+        }
+    }
+
+    /// Reports keys that do not go with `with`.
+    fn without(&mut self, spot: &Spot<'_>, with: &str, keys: &[&str], section: &str) {
+        for key in keys {
+            if spot.get(key).is_some() {
+                let place = spot.place.key(key).of_key();
+                self.bench.problems.push(sections::conflicting_keys(place, with, key, section));
+            }
+        }
+    }
+
+    fn spring_between(&mut self, spot: &Spot<'_>, family: &Family, drafts: &mut Drafts) {
+        self.without(spot, "between", &["on", "from", "along", "at"], "a spring");
+        let law = self.law(spot);
+        let Some(between) = spot.get("between") else { return };
+        for member in &family.members {
+            let Some([p, q]) = self.between(&between, &member.locals) else { return };
+            let ends = self.spring_ends(&p, &q, &member.name(), spot, &member.locals, drafts);
+            let (Some((p, q)), Some(law)) = (ends, &law) else { continue };
+            if let Some((work, pull)) = self.pull(law, &p.at, &q.at, &member.locals) {
+                let pushes = self.pair(&p, &q, pull);
+                drafts.loads.push(Draft { name: member.name(), work, pushes, place: spot.place.clone() });
+            }
+        }
+    }
+
+    /// The law of a spring between two points.
+    fn law(&mut self, spot: &Spot<'_>) -> Option<Law> {
+        let laws = ["stiffness", "energy", "tension"];
+        let given: Vec<&str> = laws.into_iter().filter(|key| spot.get(key).is_some()).collect();
+        let problems = &mut self.bench.problems;
+        let law = match given.as_slice() {
+            [law] => *law,
+            [] => {
+                let keys = "`stiffness`, `energy`, `tension`";
+                problems.push(sections::needs_one_of(spot.place.of_key(), keys, "a spring"));
+                return None;
+            }
+            [first, second, ..] => {
+                let place = spot.place.key(second).of_key();
+                problems.push(sections::conflicting_keys(place, first, second, "a spring"));
+                return None;
+            }
+        };
+        let text = spot.get(law).and_then(|spot| spot.text(problems));
+        let rest = spot.get("rest");
+        if let (Some(rest), true) = (&rest, law != "stiffness") {
+            problems.push(sections::conflicting_keys(rest.place.of_key(), law, "rest", "a spring"));
+            return None;
+        }
+        let rest = match rest {
+            Some(rest) => Some(rest.text(problems)?),
+            None => None,
+        };
+        let text = text?;
+        Some(match law {
+            "stiffness" => Law::Linear(text, rest),
+            "energy" => Law::Energy(text),
+            _ => Law::Tension(text),
+        })
+    }
+
+    fn spring_ends(
+        &mut self,
+        p: &EndText,
+        q: &EndText,
+        name: &str,
+        spot: &Spot<'_>,
+        locals: &Locals,
+        drafts: &mut Drafts,
+    ) -> Option<(End, End)> {
+        let wanted = drafts.wanted.len();
+        let (p, q) = (self.end(p, locals, drafts), self.end(q, locals, drafts));
+        let (p, q) = (p?, q?);
+        if self.model.bodies.is_empty() {
+            // Nothing could carry the ends, and energies do not ask.
+            drafts.wanted.truncate(wanted);
+        }
+        if p.at == q.at {
+            self.bench.problems.push(mechanics::same_ends(spot.place.key("between"), name));
+            return None;
+        }
+        Some((p, q))
+    }
+
+    /// The work of a spring between P and Q, and the force on P.
+    fn pull(&mut self, law: &Law, p: &[Id], q: &[Id], locals: &Locals) -> Option<(Work, Vec<Id>)> {
+        let line = value::difference(&mut self.bench.graph, p, q);
+        match law {
+            Law::Linear(stiffness, rest) => {
+                let k = self.scalar(stiffness, Rules::of_time("a stiffness"), locals);
+                let rest = match rest {
+                    Some(rest) => self.scalar(rest, Rules::of_time("a rest length"), locals)?,
+                    None => Id::ZERO,
+                };
+                let (k, half) = (k?, self.half());
+                let graph = &mut self.bench.graph;
+                if rest == Id::ZERO {
+                    // Without a rest length there is no square root: V = ½ k d·d, force k d.
+                    let square = value::dot(graph, &line, &line);
+                    let product = graph.mul(k, square);
+                    let pull = line.iter().map(|x| graph.mul(k, *x)).collect();
+                    return Some((Work::Potential(graph.mul(half, product)), pull));
+                }
+                let length = value::norm(graph, &line);
+                let stretch = graph.sub(length, rest);
+                let tension = graph.mul(k, stretch);
+                let product = graph.mul(tension, stretch);
+                let energy = graph.mul(half, product);
+                Some((Work::Potential(energy), along(graph, tension, &line, length)))
+            }
+            Law::Energy(text) => {
+                let energy = self.law_of_length(text, Rules::of_time("the energy of a spring"), locals)?;
+                let slope = self.bench.partial(energy, LENGTH);
+                let length = value::norm(&mut self.bench.graph, &line);
+                let (energy, tension) = (self.put_length(energy, length, text), self.put_length(slope, length, text));
+                Some((Work::Potential(energy), along(&mut self.bench.graph, tension, &line, length)))
+            }
+            Law::Tension(text) => {
+                let tension = self.law_of_length(text, Rules::velocity("a tension"), locals)?;
+                let length = value::norm(&mut self.bench.graph, &line);
+                let motion = Depends::COORDINATE.and(Depends::VELOCITY);
+                let energy = if self.bench.depends(&[tension]).meets(motion) {
+                    None
+                } else {
+                    antiderivative(&mut self.bench.graph, &mut self.bench.facts, tension, LENGTH)
+                };
+                let tension = self.put_length(tension, length, text);
+                let work = match energy {
+                    Some(energy) => Work::Potential(self.put_length(energy, length, text)),
+                    // No antiderivative in closed form: the work is done by the rate of the length.
+                    None => Work::Resistance { rate: self.bench.rate(length), tension },
+                };
+                Some((work, along(&mut self.bench.graph, tension, &line, length)))
+            }
+        }
+    }
+
+    fn law_of_length(&mut self, text: &Text, rules: Rules, locals: &Locals) -> Option<Id> {
+        let mut locals = locals.to_vec();
+        locals.push(("length".to_owned(), Local::Symbol(LENGTH)));
+        self.bench.scalar(&self.scope, text, rules, &locals)
+    }
+
+    fn put_length(&mut self, law: Id, length: Id, text: &Text) -> Id {
+        let bench = &mut self.bench;
+        let (value, visited) = substitute(&mut bench.graph, &mut bench.facts, law, LENGTH, length);
+        bench.spend(visited, &text.place);
+        value
+    }
+
+    /// The force on P and its opposite on Q.
+    fn pair(&mut self, p: &End, q: &End, pull: Vec<Id>) -> Vec<DraftPush> {
+        let opposite = value::negative(&mut self.bench.graph, &pull);
+        let push =
+            |end: &End, force| DraftPush { holder: end.holder.clone(), at: end.at.clone(), force, couple: Vec::new() };
+        vec![push(p, pull), push(q, opposite)]
+    }
+
+    fn spring_stretch(&mut self, spot: &Spot<'_>, family: &Family, drafts: &mut Drafts) {
+        self.without(spot, "stretch", &["rest", "energy", "tension"], "a spring");
+        let problems = &mut self.bench.problems;
+        let stretch = spot.get("stretch").and_then(|stretch| stretch.text(problems));
+        let stiffness = spot.need("stiffness", "a spring", problems).and_then(|k| k.text(problems));
+        let placement = self.placement(spot);
+        let (Some(stretch), Some(stiffness), Some(placement)) = (stretch, stiffness, placement) else { return };
+        for member in &family.members {
+            let e = self.scalar(&stretch, Rules::position("a stretch"), &member.locals);
+            let k = self.scalar(&stiffness, Rules::of_time("a stiffness"), &member.locals);
+            let (Some(e), Some(k)) = (e, k) else { continue };
+            let half = self.half();
+            let graph = &mut self.bench.graph;
+            let tension = graph.mul(k, e);
+            let product = graph.mul(tension, e);
+            let work = Work::Potential(graph.mul(half, product));
+            let Some(pushes) = self.placed_pushes(&placement, tension, &member.locals, drafts) else { continue };
+            drafts.loads.push(Draft { name: member.name(), work, pushes, place: spot.place.clone() });
+        }
+    }
+
+    /// `on`, `from`, `along`, `at`.
+    fn placement(&mut self, spot: &Spot<'_>) -> Option<Placement> {
+        let problems = &mut self.bench.problems;
+        let mut text = |key: &str| match spot.get(key) {
+            Some(spot) => spot.text(problems).map(Some),
+            None => Some(None),
+        };
+        let (on, from) = (text("on"), text("from"));
+        let mut written = |key: &str| match spot.get(key) {
+            Some(spot) => spot.written(problems).map(Some),
+            None => Some(None),
+        };
+        let (along, at) = (written("along"), written("at"));
+        let placement = Placement { on: on?, from: from?, along: along?, at: at? };
+        let (on, along) = (placement.on.is_some(), placement.along.is_some());
+        for (key, other, missing) in [
+            ("from", "on", placement.from.is_some() && !on),
+            ("at", "along", placement.at.is_some() && !along),
+            ("along", "on", along && !on),
+        ] {
+            if missing {
+                let place = spot.place.key(key).of_key();
+                problems.push(sections::needs_another_key(place, key, other, "this entry"));
+                return None;
+            }
+        }
+        Some(placement)
+    }
+
+    /// What a tension along a stretch does to bodies: a couple −T, or a force −T u, and its opposite.
+    fn placed_pushes(
+        &mut self,
+        placement: &Placement,
+        tension: Id,
+        locals: &Locals,
+        drafts: &mut Drafts,
+    ) -> Option<Vec<DraftPush>> {
+        let Some(on) = &placement.on else { return Some(Vec::new()) };
+        let nothing = vec![Id::ZERO; self.scope.dimension];
+        let Some(along) = &placement.along else {
+            let context = "a torsional spring or damper";
+            let mut pushes = Vec::new();
+            let minus = self.bench.graph.neg(tension);
+            for (text, couple) in [(Some(on), minus), (placement.from.as_ref(), tension)] {
+                let Some(text) = text else { continue };
+                let Some(body) = self.rigid_body(text, context, locals)? else { continue };
+                let at = self.centre(body)?;
+                pushes.push(DraftPush { holder: Holder::Body(body), at, force: nothing.clone(), couple: vec![couple] });
+            }
+            return Some(pushes);
+        };
+        let direction = self.vector(along, Rules::position("a direction"), locals)?;
+        let end = self.placed(on, placement.at.as_ref(), locals, drafts)?;
+        let force: Vec<Id> = direction.iter().map(|u| self.bench.graph.mul(tension, *u)).collect();
+        let minus = value::negative(&mut self.bench.graph, &force);
+        let mut pushes = vec![DraftPush { holder: end.holder, at: end.at.clone(), force: minus, couple: Vec::new() }];
+        if let Some(from) = &placement.from {
+            let opposite = self.opposite(from, &end.at, locals)?;
+            pushes.push(DraftPush { holder: opposite.holder, at: opposite.at, force, couple: Vec::new() });
+        }
+        Some(pushes)
+    }
+
+    /// One entry of `dampers`.
+    pub fn damper(&mut self, spot: &Spot<'_>, family: &Family, drafts: &mut Drafts) {
+        let keys = ["between", "rate", "damping", "on", "from", "along", "at"];
+        if !self.load_keys(spot, &keys, "a damper", family) {
+            return;
+        }
+        let kind = self.one_of(spot, ["between", "rate"], "a damper");
+        let problems = &mut self.bench.problems;
+        let damping = spot.need("damping", "a damper", problems).and_then(|c| c.text(problems));
+        match (kind, damping) {
+            (Some("between"), Some(damping)) => {
+                self.without(spot, "between", &["on", "from", "along", "at"], "a damper");
+                let Some(between) = spot.get("between") else { return };
+                for member in &family.members {
+                    let Some([p, q]) = self.between(&between, &member.locals) else { return };
+                    let ends = self.spring_ends(&p, &q, &member.name(), spot, &member.locals, drafts);
+                    let Some((p, q)) = ends else { continue };
+                    let line = value::difference(&mut self.bench.graph, &p.at, &q.at);
+                    let length = value::norm(&mut self.bench.graph, &line);
+                    let rate = self.bench.rate(length);
+                    let Some(tension) = self.damping(&damping, rate, &member.locals) else { continue };
+                    let pull = along(&mut self.bench.graph, tension, &line, length);
+                    let pushes = self.pair(&p, &q, pull);
+                    let work = Work::Resistance { rate, tension };
+                    drafts.loads.push(Draft { name: member.name(), work, pushes, place: spot.place.clone() });
+                }
+            }
+            (Some(_), Some(damping)) => self.damper_rate(spot, &damping, family, drafts),
+            _ => {}
+        }
+    }
+
+    fn damper_rate(&mut self, spot: &Spot<'_>, damping: &Text, family: &Family, drafts: &mut Drafts) {
+        let rate = spot.get("rate").and_then(|rate| rate.text(&mut self.bench.problems));
+        let placement = self.placement(spot);
+        let (Some(rate), Some(placement)) = (rate, placement) else { return };
+        for member in &family.members {
+            let Some(rate) = self.scalar(&rate, Rules::velocity("a rate"), &member.locals) else { continue };
+            let Some(tension) = self.damping(damping, rate, &member.locals) else { continue };
+            let Some(pushes) = self.placed_pushes(&placement, tension, &member.locals, drafts) else { continue };
+            let work = Work::Resistance { rate, tension };
+            drafts.loads.push(Draft { name: member.name(), work, pushes, place: spot.place.clone() });
+        }
+    }
+
+    /// c times the rate.
+    fn damping(&mut self, damping: &Text, rate: Id, locals: &Locals) -> Option<Id> {
+        let c = self.scalar(damping, Rules::velocity("a damping coefficient"), locals)?;
+        Some(self.bench.graph.mul(c, rate))
+    }
+}
+
+/// The bound variable `length`.
+const LENGTH: Symbol = Symbol::Dummy(u32::MAX);
+
+/// A tension along a line of this length.
+fn along(graph: &mut crate::expr::Graph, tension: Id, line: &[Id], length: Id) -> Vec<Id> {
+    let share = graph.div(tension, length);
+    line.iter().map(|x| graph.mul(share, *x)).collect()
+}

@@ -1,0 +1,336 @@
+//! `conserved`, `checks`, `sample`, `outputs` and `events`: what is tested, and what is computed along a run.
+
+use std::collections::BTreeMap;
+
+use super::bench::{Rules, Text, Written};
+use super::families::{Expanded, Locals};
+use super::node::Node;
+use super::reader::Spot;
+use super::resolved::{Check, Conserved, Event, EventAction, Output, Sample};
+use super::resolver::Resolver;
+use super::scope::Member;
+use super::value::Value;
+use crate::diagnose::Place;
+use crate::diagnose::catalogue::{later, mechanics, names, sections};
+use crate::diagnose::did_you_mean_or;
+use crate::expr::{Binary, Graph, Id, Node as Expression, Unary};
+
+/// Terms that one invariant is taken apart into.
+const TERM_LIMIT: usize = 1000;
+
+impl Resolver<'_> {
+    /// `conserved`, `checks` and `outputs`.
+    pub fn watched(&mut self) {
+        self.conserved();
+        self.checks();
+        self.outputs();
+    }
+
+    fn conserved(&mut self) {
+        let mut seen = BTreeMap::new();
+        for (key, spot) in self.section("conserved") {
+            let Some(family) = self.expand(key, &spot) else { continue };
+            let (value, when) = self.conditional(&spot, "value", "a conserved quantity");
+            let written = value.and_then(|value| value.written(&mut self.bench.problems));
+            for member in &family.members {
+                let name = member.name();
+                if !self.unique(&mut seen, &name, "`conserved`", &spot.place) {
+                    break;
+                }
+                let Some(written) = &written else { continue };
+                let rules = Rules::invariant("a conserved quantity");
+                let value = self.bench.written(&self.scope, written, rules, &member.locals);
+                let value = components(value, 1);
+                let terms = value.iter().map(|x| terms(&self.bench.graph, *x)).collect();
+                let place = spot.place.clone();
+                self.model.conserved.push(Conserved { name, value, terms, when: when.clone(), place });
+            }
+        }
+    }
+
+    fn checks(&mut self) {
+        let mut seen = BTreeMap::new();
+        for (key, spot) in self.section("checks") {
+            let Some(family) = self.expand(key, &spot) else { continue };
+            let (holds, when) = self.conditional(&spot, "holds", "a check");
+            let text = holds.and_then(|holds| holds.equation(&mut self.bench.problems));
+            for member in &family.members {
+                let name = member.name();
+                if !self.unique(&mut seen, &name, "`checks`", &spot.place) {
+                    break;
+                }
+                let Some(text) = &text else { continue };
+                if let Some((left, right)) = self.sides(text, &member.locals) {
+                    let place = spot.place.clone();
+                    self.model.checks.push(Check { name, left, right, when: when.clone(), place });
+                }
+            }
+        }
+    }
+
+    /// Both sides of an identity, of equal size; an expression without `=` is to vanish.
+    fn sides(&mut self, text: &Text, locals: &Locals) -> Option<(Vec<Id>, Vec<Id>)> {
+        let (left, right) = self.bench.equation(&self.scope, text, Rules::anything("a check"), locals);
+        let size = left.components().len().max(right.as_ref().map_or(0, |right| right.components().len())).max(1);
+        let right = right.unwrap_or(Value::Nothing);
+        match (&left, &right) {
+            (Value::Poison, _) | (_, Value::Poison) => None,
+            (Value::Scalar(_), Value::Vector(_)) | (Value::Vector(_), Value::Scalar(_)) => {
+                let place = text.place.at(text.ast.span);
+                // 0 stands for the zero vector too.
+                if let (Value::Vector(left), Value::Scalar(Id::ZERO)) = (&left, &right) {
+                    return Some((left.clone(), vec![Id::ZERO; size]));
+                }
+                self.bench.problems.push(names::mixed_kinds(place, "=", left.describe(), right.describe()));
+                None
+            }
+            _ => Some((components(left, size), components(right, size))),
+        }
+    }
+
+    /// The value, and the parameters that must have certain values.
+    #[expect(clippy::type_complexity, reason = "one caller's pair")]
+    fn conditional<'s>(&mut self, spot: &Spot<'s>, key: &str, section: &str) -> (Option<Spot<'s>>, Vec<(usize, f64)>) {
+        if !matches!(spot.node, Node::Map(_)) {
+            return (Some(spot.clone()), Vec::new());
+        }
+        let problems = &mut self.bench.problems;
+        spot.only(&[key, "when", "phase"], section, problems);
+        if let Some(phase) = spot.get("phase") {
+            problems.push(later::key_not_supported(phase.place.of_key(), "phase", section));
+        }
+        let value = spot.need(key, section, problems);
+        let Some(when) = spot.get("when") else { return (value, Vec::new()) };
+        let mut conditions = Vec::new();
+        for (key, spot) in when.entries(&mut self.bench.problems) {
+            let Some(family) = self.expand(key, &spot) else { continue };
+            let quantity = spot.quantity(&mut self.bench.problems);
+            for member in &family.members {
+                let Some(parameter) = self.free_parameter(member, &spot.place) else { break };
+                let Some(quantity) = &quantity else { continue };
+                let id = self.quantity(quantity, Rules::constant("a condition"), &member.locals);
+                let Some(id) = id else { continue };
+                match self.default_value(id) {
+                    Some(number) => conditions.push((parameter, number)),
+                    None => {
+                        let place = spot.place.clone();
+                        self.bench.problems.push(names::undefined_value(place, &quantity.text.source));
+                    }
+                }
+            }
+        }
+        (value, conditions)
+    }
+
+    /// The value of an expression of parameters at their defaults, if it is finite.
+    pub fn default_value(&self, id: Id) -> Option<f64> {
+        let parameters: Vec<f64> = self.model.parameters.iter().map(|p| p.default).collect();
+        super::command::evaluate(&self.bench.graph, id, &parameters)
+    }
+
+    /// The free parameter that a key names; reports when it names none.
+    pub fn free_parameter(&mut self, member: &Expanded, place: &Place) -> Option<usize> {
+        let place = place.of_key();
+        let name = member.name();
+        if let Some(entry) = self.scope.names.get(&member.base) {
+            match entry.members.get(&member.indices) {
+                Some(Member::Parameter(parameter)) => return Some(*parameter as usize),
+                Some(Member::Refused) => return None,
+                Some(Member::Item(_)) if entry.section == super::scope::Section::Parameter => {
+                    let free = free_names(&self.model);
+                    self.bench.problems.push(mechanics::derived_parameter(place, name, free));
+                    return None;
+                }
+                _ if entry.section != super::scope::Section::Parameter => {
+                    let found = entry.section.noun();
+                    self.bench.problems.push(names::wrong_thing(place, name, "a parameter", found));
+                    return None;
+                }
+                _ => {}
+            }
+        }
+        let known: Vec<&str> = self.model.parameters.iter().map(|p| p.name.as_str()).collect();
+        let help =
+            if known.is_empty() { "the model has no parameters".to_owned() } else { did_you_mean_or(&name, &known) };
+        self.bench.problems.push(names::unknown_name(place, name, help));
+        None
+    }
+
+    /// `sample`.
+    pub fn samples(&mut self) {
+        for (key, spot) in self.section("sample") {
+            let Some(family) = self.start_key(key, &spot) else { continue };
+            let ends = match spot.items() {
+                Some(items) if items.len() == 2 => items,
+                _ => {
+                    spot.wrong_shape("a list of two, `[low, high]`", &mut self.bench.problems);
+                    continue;
+                }
+            };
+            let ends: Vec<_> = ends.iter().map(|end| end.quantity(&mut self.bench.problems)).collect();
+            let [Some(low), Some(high)] = ends.as_slice() else { continue };
+            if family.key.primes > 1 {
+                self.bench.problems.push(mechanics::unknown_start(spot.place.of_key(), key, ""));
+                continue;
+            }
+            for member in &family.members {
+                let Some(coordinate) = self.coordinate(member, &spot.place) else { break };
+                let rules = Rules::constant("a range");
+                let low = self.quantity(low, rules, &member.locals);
+                let high = self.quantity(high, rules, &member.locals);
+                if let (Some(low), Some(high)) = (low, high) {
+                    let speed = family.key.primes == 1;
+                    self.model.sample.push(Sample { coordinate, speed, low, high });
+                }
+            }
+        }
+    }
+
+    fn outputs(&mut self) {
+        let Some(spot) = self.root.get("outputs") else { return };
+        let mut seen = BTreeMap::new();
+        if let Some(items) = spot.items() {
+            for item in items {
+                self.named_outputs(&item, &mut seen);
+            }
+            return;
+        }
+        for (key, spot) in spot.entries(&mut self.bench.problems) {
+            let Some(family) = self.expand(key, &spot) else { continue };
+            let written = spot.written(&mut self.bench.problems);
+            for member in &family.members {
+                let name = member.name();
+                if !self.unique(&mut seen, &name, "`outputs`", &spot.place) {
+                    break;
+                }
+                if let Some(written) = &written {
+                    self.output(name, written, &member.locals);
+                }
+            }
+        }
+    }
+
+    /// `outputs: [tip, "hand[i in 1..n]"]`: names stand for themselves.
+    fn named_outputs(&mut self, item: &Spot<'_>, seen: &mut BTreeMap<String, ()>) {
+        let no_locals = Self::no_locals();
+        for text in self.listed(item, &no_locals) {
+            let place = Place::clone(&text.place);
+            if self.unique(seen, &text.source, "`outputs`", &place) {
+                let name = text.source.to_string();
+                self.output(name, &Written::One(text), &no_locals);
+            }
+        }
+    }
+
+    fn output(&mut self, name: String, written: &Written, locals: &Locals) {
+        let value = self.bench.written(&self.scope, written, Rules::anything("an output"), locals);
+        self.model.outputs.push(Output { name, value: components(value, 1) });
+    }
+
+    /// `events`.
+    pub fn events(&mut self) {
+        let mut seen = BTreeMap::new();
+        for (key, spot) in self.section("events") {
+            let Some(family) = self.expand(key, &spot) else { continue };
+            let problems = &mut self.bench.problems;
+            if !spot.only(&["when", "direction", "if", "then", "phase"], "an event", problems) {
+                continue;
+            }
+            if let Some(phase) = spot.get("phase") {
+                problems.push(later::key_not_supported(phase.place.of_key(), "phase", "an event"));
+            }
+            let when = spot.need("when", "an event", problems).and_then(|when| when.text(problems));
+            let condition = spot.get("if").and_then(|condition| condition.text(problems));
+            let direction = match spot.get("direction") {
+                None => 0,
+                Some(direction) => match direction.words(problems) {
+                    Some("rising") => 1,
+                    Some("falling") => -1,
+                    Some("both") | None => 0,
+                    Some(other) => {
+                        let help = did_you_mean_or(other, &["rising", "falling", "both"]);
+                        problems.push(sections::unknown_choice(direction.place, other, "a direction", help));
+                        0
+                    }
+                },
+            };
+            let then = spot.need("then", "an event", &mut self.bench.problems);
+            let actions = then.map(|then| self.actions(&then)).unwrap_or_default();
+            for member in &family.members {
+                let name = member.name();
+                if !self.unique(&mut seen, &name, "`events`", &spot.place) {
+                    break;
+                }
+                let rules = Rules::anything("an event");
+                let Some(when) = when.as_ref().and_then(|when| self.scalar(when, rules, &member.locals)) else {
+                    continue;
+                };
+                let condition = condition.as_ref().and_then(|text| self.scalar(text, rules, &member.locals));
+                self.model.events.push(Event { name, when, condition, direction, actions: actions.clone() });
+            }
+        }
+    }
+
+    fn actions(&mut self, then: &Spot<'_>) -> Vec<EventAction> {
+        let items = then.items().unwrap_or_else(|| vec![then.clone()]);
+        let mut actions = Vec::new();
+        for item in items {
+            if let Node::Map(_) = item.node {
+                let problems = &mut self.bench.problems;
+                if item.only(&["impact", "along"], "`then`", problems) {
+                    problems.push(later::form_not_supported(item.place.clone(), "an impact"));
+                }
+                continue;
+            }
+            match item.words(&mut self.bench.problems) {
+                Some("stop") => actions.push(EventAction::Stop),
+                Some("record") => actions.push(EventAction::Record),
+                Some(other) if self.has_phase(other) => {}
+                Some(other) => {
+                    let help = did_you_mean_or(other, &["stop", "record"]);
+                    let what = "something that an event can do";
+                    self.bench.problems.push(sections::unknown_choice(item.place.clone(), other, what, help));
+                }
+                None => {}
+            }
+        }
+        actions
+    }
+
+    /// Whether `phases`, which are refused as a whole, name this one.
+    fn has_phase(&self, name: &str) -> bool {
+        self.root.get("phases").is_some_and(|phases| phases.get(name).is_some())
+    }
+}
+
+/// `a`, `b` and `c`.
+pub fn free_names(model: &super::resolved::Model) -> String {
+    let names: Vec<String> = model.parameters.iter().take(20).map(|p| format!("`{}`", p.name)).collect();
+    names.join(", ")
+}
+
+/// Components; zeros of the wanted number for the sum of nothing, and for what was refused.
+fn components(value: Value, size: usize) -> Vec<Id> {
+    match value {
+        Value::Scalar(x) => vec![x],
+        Value::Vector(v) => v,
+        Value::Nothing | Value::Poison => vec![Id::ZERO; size],
+    }
+}
+
+/// The terms of a sum, signs left out.
+fn terms(graph: &Graph, root: Id) -> Vec<Id> {
+    let mut terms = Vec::new();
+    let mut stack = vec![root];
+    while let Some(top) = stack.pop() {
+        match graph.node(top) {
+            Expression::Binary(Binary::Add | Binary::Sub, x, y) if terms.len() + stack.len() < TERM_LIMIT => {
+                stack.extend([y, x]);
+            }
+            Expression::Unary(Unary::Neg, x) => stack.push(x),
+            _ if top != Id::ZERO => terms.push(top),
+            _ => {}
+        }
+    }
+    terms
+}
