@@ -68,7 +68,7 @@ pub struct Model {
     /// What is doubtful and no error.
     pub warnings: Vec<Problem>,
     /// The model's names, for expressions that come later.
-    pub(super) scope: Scope,
+    pub(crate) scope: Scope,
 }
 
 /// A free parameter.
