@@ -26,7 +26,7 @@ pub use suggest::{did_you_mean, did_you_mean_or, nearest};
 /// One thing that is wrong with a model file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Problem {
-    /// The entry of the catalogue, `E012`.
+    /// The entry of the catalogue, `E201`; with `W` for a warning.
     pub code: &'static str,
     /// One line, lower case, naming the offender in backticks.
     pub message: String,

@@ -37,6 +37,11 @@ impl Place {
 }
 
 impl Problem {
+    /// Whether the model can be used all the same.
+    pub fn is_warning(&self) -> bool {
+        self.code.starts_with('W')
+    }
+
     /// The same problem, found in a text that stands at `place`; a span there shifts this one's.
     pub fn moved_to(self, place: &Place) -> Problem {
         let offset = place.span.map_or(0, |span| span.start);

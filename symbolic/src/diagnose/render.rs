@@ -12,10 +12,14 @@ const MOST: usize = 50;
 /// Widest part of a line shown, in characters.
 const WIDEST: usize = 120;
 
-/// All problems of the file `path` with content `text`, sorted by position, and a last line that counts them.
+/// All problems of the file `path` with content `text`, sorted by position, and a last line that counts them; nothing
+/// where there are none.
 ///
 /// Columns count characters from 1.
 pub fn render(path: &str, text: &str, problems: &[Problem]) -> String {
+    if problems.is_empty() {
+        return String::new();
+    }
     let places: Vec<_> = problems.iter().map(|problem| &problem.place).collect();
     let mut sorted: Vec<(Range<usize>, &Problem)> = locate(text, &places).into_iter().zip(problems).collect();
     sorted.sort_by_key(|(range, problem)| (range.start, range.end, problem.code));
@@ -28,9 +32,15 @@ pub fn render(path: &str, text: &str, problems: &[Problem]) -> String {
     if sorted.len() > MOST {
         let _ = writeln!(out, "… and {} more\n", sorted.len() - MOST);
     }
-    let plural = if sorted.len() == 1 { "" } else { "s" };
-    let _ = writeln!(out, "{} error{plural} in {path}", sorted.len());
+    let warnings = sorted.iter().filter(|(_, problem)| problem.is_warning()).count();
+    let counts = [(sorted.len() - warnings, "error"), (warnings, "warning")];
+    let counts: Vec<String> = counts.iter().filter(|(n, _)| *n > 0).map(|&(n, word)| counted(n, word)).collect();
+    let _ = writeln!(out, "{} in {path}", counts.join(" and "));
     out
+}
+
+fn counted(n: usize, word: &str) -> String {
+    format!("{n} {word}{}", if n == 1 { "" } else { "s" })
 }
 
 fn one(out: &mut String, path: &str, text: &str, range: &Range<usize>, problem: &Problem) {
@@ -44,7 +54,8 @@ fn one(out: &mut String, path: &str, text: &str, range: &Range<usize>, problem: 
     let (shown, lead, carets) = window(line, column, covered);
     let label = if problem.label.is_empty() { String::new() } else { format!(" {}", problem.label) };
     // Writing to a String cannot fail.
-    let _ = writeln!(out, "error[{}]: {}", problem.code, printable(&problem.message));
+    let severity = if problem.is_warning() { "warning" } else { "error" };
+    let _ = writeln!(out, "{severity}[{}]: {}", problem.code, printable(&problem.message));
     let _ = writeln!(out, "{gutter}--> {path}:{number}:{}", column + 1);
     let _ = writeln!(out, "{gutter} |");
     let _ = writeln!(out, "{number} | {shown}");

@@ -278,9 +278,10 @@ impl<'a> Parser<'a> {
     /// `i in a..b` with its depth.
     pub fn range(&mut self) -> Parsed<(Range, u32)> {
         let name = self.peek();
-        if name.kind != Kind::Name || self.after().text != "in" || name.text == "in" {
-            let problem = syntax::bad_range(name.span.place(), name.shown());
-            return self.report(problem);
+        let is_name = name.kind == Kind::Name && name.text != "in";
+        if !is_name || self.after().text != "in" {
+            let wrong = if is_name { self.after() } else { name };
+            return self.report(syntax::bad_range(wrong.span.place(), wrong.shown()));
         }
         self.next();
         self.next();

@@ -135,7 +135,7 @@ fn messages() {
             "E115 2..3 `=` may stand only once, between the two sides of an equation an expression is wanted here; for an equation `a = b` write `a - b`",
         ),
         ("", "E116 0..0 an expression is missing "),
-        ("sum(x, i = 1)", "E117 7..8 expected a range such as `i in 1..n`, found `i` "),
+        ("sum(x, i = 1)", "E117 9..10 expected a range such as `i in 1..n`, found `=` "),
         ("sum(x)", "E117 5..6 expected a range such as `i in 1..n`, found `)` "),
         ("x[]", "E102 2..3 expected a value, found `]` "),
     ] {

@@ -1,4 +1,4 @@
-//! E401–: coordinates, bodies, forces, scenes.
+//! E401–: coordinates, bodies, forces, scenes.  `W` marks a warning.
 
 super::entries! {
     E401 no_coordinates() "no coordinates"
@@ -22,7 +22,7 @@ super::entries! {
     E407 incomplete_body(name, given, missing) "an incomplete rigid body"
         "the body `{name}` has `{given}` and no `{missing}`" "" "give `{missing}` too"
         "A planar rigid body needs `inertia` and `angle`; a particle has neither.";
-    E408 does_nothing(name) "an entry that does nothing"
+    W408 does_nothing(name) "an entry that does nothing"
         "`{name}` acts on the ground only" "has no effect" ""
         "A force on the ground does not change the motion.";
     E409 derived_parameter(name, free) "setting a derived parameter"
@@ -34,9 +34,6 @@ super::entries! {
     E411 value_out_of_range(context, wanted, found) "a value out of its range"
         "{context} must be {wanted}, this is {found}" "" ""
         "Tolerances and times are positive, masses are not negative.";
-    E412 unknown_scene(name, help) "an unknown scene"
-        "unknown scene `{name}`" "" "{help}"
-        "`--scene` takes a name from `scenes`.";
     E413 same_ends(name) "a spring or damper between one point and itself"
         "both ends of `{name}` are the same point" "" ""
         "It has no length and no direction.";

@@ -37,9 +37,6 @@ super::entries! {
     E312 family_not_allowed(section) "a family where none may be"
         "{section} takes no family" "" "write the entries out"
         "`name[i in 1..n]` declares members; here a single name is wanted.";
-    E313 unit_not_allowed(unit, context) "a unit where none may be"
-        "{context} takes no unit" "the unit `{unit}`" ""
-        "Sizes and indices are pure numbers; expressions carry their units in their names.";
     E314 degrees_misplaced() "degrees as the unit of a coordinate"
         "`deg` may stand only after a value" "" "write `rad` here, and `30 deg` where the value is given"
         "Inside the model angles are in radians.";
