@@ -117,3 +117,27 @@ fn a_view_in_space_can_be_turned() {
     }
     std::fs::remove_dir_all(directory).unwrap();
 }
+
+#[test]
+fn keys_slider_and_mouse_are_heard() {
+    let directory = directory("controls");
+    let after = |name: &str, dimension: u32, script: &str| {
+        let page = turning_bar(dimension).to_html().replace("</html>", &format!("<script>{script}</script></html>"));
+        std::fs::write(directory.join(name), page).unwrap();
+        look(&directory, name, 500)
+    };
+    let space = "document.body.dispatchEvent(new KeyboardEvent('keydown', {key: ' ', bubbles: true}))";
+    let slide = "slider.value = 0.25; slider.dispatchEvent(new Event('input'))";
+    let drag = "canvas.dispatchEvent(new PointerEvent('pointermove', {movementX: 200, buttons: 1}))";
+    let played = after("space.html", 2, space);
+    let paused = after("twice.html", 2, &format!("{space}; {space}"));
+    let (slid, still, turned) =
+        (after("slide.html", 2, slide), after("still.html", 3, ""), after("drag.html", 3, drag));
+    if let (Some(played), Some(paused), Some(slid), Some(still), Some(turned)) = (played, paused, slid, still, turned) {
+        assert!(played["playing"] == "true" && number(&played, "t") > 0.1, "{played:?}");
+        assert!(paused["playing"] == "false" && number(&paused, "t") < 0.1, "{paused:?}");
+        assert_eq!(number(&slid, "t"), 2.0);
+        assert!((tip(&still)[0] - tip(&turned)[0]).abs() > 20.0, "{still:?} {turned:?}");
+    }
+    std::fs::remove_dir_all(directory).unwrap();
+}
