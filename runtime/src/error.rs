@@ -4,7 +4,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::{fmt, io};
 
+use crate::mechanism::{SingularMass, System};
 use crate::run::{Run, State};
+use crate::trust::Unbounded;
 
 /// A setting that makes no sense, or a run that could not go on.
 #[derive(Clone, Debug)]
@@ -125,6 +127,30 @@ impl Error {
             _ => None,
         }
     }
+}
+
+impl Cause {
+    pub(crate) fn singular_mass<S: System + ?Sized>(system: &S, fault: SingularMass) -> Self {
+        Cause::SingularMass { coordinate: coordinate_name(system, fault.coordinate) }
+    }
+
+    pub(crate) fn coordinate_singularity<S: System + ?Sized>(system: &S, unbounded: Unbounded) -> Self {
+        Cause::CoordinateSingularity { coordinate: coordinate_name(system, unbounded.coordinate), t: unbounded.t }
+    }
+
+    /// Names the number of [q; v; W] that is not finite, `primes` derivatives of it being meant.
+    pub(crate) fn non_finite<S: System + ?Sized>(system: &S, index: usize, primes: usize) -> Self {
+        let n = system.len().max(1);
+        let what = match index / n {
+            order @ (0 | 1) => format!("`{}{}`", coordinate_name(system, index % n), "'".repeat(order + primes)),
+            _ => "the work of the forces".to_owned(),
+        };
+        Cause::NonFinite { what }
+    }
+}
+
+fn coordinate_name<S: System + ?Sized>(system: &S, index: usize) -> String {
+    system.description().coordinates.get(index).map_or_else(|| format!("coordinate {index}"), |c| c.name.to_string())
 }
 
 impl fmt::Display for Error {

@@ -4,4 +4,4 @@ pub use crate::error::{Cause, Error};
 pub use crate::integrate::Method;
 pub use crate::mechanism::{Mechanism, System};
 pub use crate::run::{Run, State};
-pub use crate::simulate::{Settings, simulate};
+pub use crate::simulate::{Settings, Simulate, Simulation, simulate};

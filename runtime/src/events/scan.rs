@@ -87,12 +87,12 @@ impl Scanner {
         let values = &self.values[function];
         let point = |k: usize, sign: f64| (GRID[k], sign * values[k]);
         self.points.clear();
-        for k in 0..GRID.len() {
+        for (k, value) in values.iter().enumerate() {
             self.points.push(point(k, 1.0));
             if k == 0 || k + 1 == GRID.len() {
                 continue;
             }
-            let sign = values[k].signum();
+            let sign = value.signum();
             let (before, here, after) = (point(k - 1, sign), point(k, sign), point(k + 1, sign));
             if here.1 > 0.0 && here.1 <= before.1 && here.1 <= after.1 && before.1.max(after.1) > here.1 {
                 let hidden = |theta: f64| {
@@ -120,8 +120,7 @@ impl Scanner {
         for index in 0..self.points.len() {
             let (theta, value) = self.points[index];
             let unsure = near_zero && value.abs() <= ZERO * variation;
-            // Also true for what is not a number.
-            if unsure || !(value.abs() > 0.0) {
+            if unsure || value == 0.0 || value.is_nan() {
                 continue;
             }
             let sign = value.signum();

@@ -93,10 +93,10 @@ impl Watch {
         self.scanner.scan(&mut self.sampler, system, segment);
         for switch in 0..self.surface.len() {
             let function = self.sampler.function_of(switch);
-            if modes::side(system, switch) == 0.0 {
-                if let Some(value) = self.scanner.largest(function).filter(|value| value.abs() > REST) {
-                    return Some(Interruption::LeavesRest { switch, side: value.signum() });
-                }
+            let rests = modes::side(system, switch) == 0.0;
+            let argument = self.scanner.largest(function).filter(|value| value.abs() > REST);
+            if let Some(value) = argument.filter(|_| rests) {
+                return Some(Interruption::LeavesRest { switch, side: value.signum() });
             }
         }
         let crossings = std::mem::take(&mut self.scanner.crossings);

@@ -25,7 +25,7 @@ impl StepControl {
 
     /// The next step after one of h was accepted with this error (at most 1).
     pub fn accepted(&mut self, h: f64, error: f64) -> f64 {
-        let Control { exponent, beta, shrink, grow } = self.constants;
+        let Control { exponent, beta, shrink, grow, .. } = self.constants;
         let proportional = error.powf(exponent - 0.75 * beta) / self.previous_error.powf(beta);
         let factor = (proportional / Self::SAFETY).clamp(1.0 / grow, 1.0 / shrink);
         let limit = if self.rejected { 1.0 } else { f64::INFINITY };

@@ -5,6 +5,7 @@ use crate::error::Cause;
 use crate::events::{Interruption, Watch};
 use crate::mechanism::{SingularMass, System};
 use crate::run::{Recorder, Segment, Work};
+use crate::trust::{StiffnessDetector, Warning};
 
 /// How steps are chosen.
 #[derive(Clone, Debug)]
@@ -47,6 +48,7 @@ pub(crate) struct March<S: System + ?Sized> {
     work: Work,
     max_steps: u64,
     watch: Option<Watch>,
+    stiffness: StiffnessDetector,
 }
 
 impl<S: System + ?Sized> March<S> {
@@ -57,6 +59,7 @@ impl<S: System + ?Sized> March<S> {
         let pieces = vec![0.0; rates.width * stepper.pieces()];
         March {
             control: StepControl::new(stepper.tableau().control),
+            stiffness: StiffnessDetector::new(stepper.tableau().control.stiff),
             stepper,
             pace,
             clock: Clock::new(t),
@@ -83,6 +86,11 @@ impl<S: System + ?Sized> March<S> {
         &self.y
     }
 
+    /// The present state with its work, to be changed before the march begins anew.
+    pub fn state_mut(&mut self) -> &mut [f64] {
+        &mut self.y
+    }
+
     /// Vectors of a step's dense output.
     pub fn pieces(&self) -> usize {
         self.stepper.pieces()
@@ -96,7 +104,7 @@ impl<S: System + ?Sized> March<S> {
     /// Begins at the present state a motion that goes on to `until` at most: watches it, chooses the modes.
     pub fn begin(&mut self, system: &mut S, until: f64) -> Result<(), Cause> {
         let now = self.clock.now();
-        finite(system, &self.y, "state")?;
+        finite(system, &self.y, 0)?;
         self.watch = Watch::new(system, (now, until), &self.y);
         if let Some(watch) = &mut self.watch {
             watch.begin(system, now, &self.y)?;
@@ -109,6 +117,7 @@ impl<S: System + ?Sized> March<S> {
         while self.clock.now() < until {
             let stop = self.watch.as_ref().map_or(until, |watch| watch.next_stop(until));
             let step = self.attempt(system, stop)?;
+            self.look_for_stiffness(step, recorder);
             let Some(mut watch) = self.watch.take() else {
                 self.keep(system, step, recorder)?;
                 continue;
@@ -126,9 +135,9 @@ impl<S: System + ?Sized> March<S> {
     fn keep(&mut self, system: &S, step: Step, recorder: &mut Recorder) -> Result<(), Cause> {
         if recorder.wants_dense(step.next) {
             self.dense(system, step)?;
-            recorder.accept(system, Some(&self.segment(step)), step.next, &self.end);
+            recorder.accept(system, Some(&self.segment(step)), step.next, &self.end)?;
         } else {
-            recorder.accept(system, None, step.next, &self.end);
+            recorder.accept(system, None, step.next, &self.end)?;
         }
         self.commit(step);
         Ok(())
@@ -144,7 +153,7 @@ impl<S: System + ?Sized> March<S> {
     ) -> Result<Halt, Cause> {
         self.dense(system, step)?;
         let Some(interruption) = watch.scan(system, &self.segment(step)) else {
-            recorder.accept(system, Some(&self.segment(step)), step.next, &self.end);
+            recorder.accept(system, Some(&self.segment(step)), step.next, &self.end)?;
             watch.pass(system, &self.segment(step), recorder);
             self.commit(step);
             if step.lands && watch.switch(system, step.next, &self.y)? {
@@ -164,7 +173,7 @@ impl<S: System + ?Sized> March<S> {
         let stops = match self.shorten(system, step, crossing.theta, crossing.function, watch)? {
             Some(shorter) => {
                 let segment = self.segment(shorter);
-                recorder.accept(system, Some(&segment), shorter.next, &self.end);
+                recorder.accept(system, Some(&segment), shorter.next, &self.end)?;
                 watch.record_before(system, &segment, recorder, &together);
                 let stops = watch.fire(system, &together, (shorter.next, &self.end), recorder);
                 self.commit(shorter);
@@ -203,8 +212,8 @@ impl<S: System + ?Sized> March<S> {
                 return Ok(shorter);
             }
             let trial = Step { h, next: now + h, lands: false };
-            self.try_step(system, trial, true).map_err(|fault| singular(system, fault))?;
-            finite(system, &self.end, "state")?;
+            self.try_step(system, trial, true).map_err(|fault| Cause::singular_mass(system, fault))?;
+            finite(system, &self.end, 0)?;
             self.dense(system, trial)?;
             shorter = Some(trial);
             let segment = self.segment(trial);
@@ -225,15 +234,15 @@ impl<S: System + ?Sized> March<S> {
         self.control = StepControl::new(self.stepper.tableau().control);
         self.rates
             .evaluate(system, self.clock.now(), &self.y, &mut self.rate)
-            .map_err(|fault| singular(system, fault))?;
-        finite(system, &self.rate, "rate")
+            .map_err(|fault| Cause::singular_mass(system, fault))?;
+        finite(system, &self.rate, 1)
     }
 
     /// Dense output of the step that was tried.
     fn dense(&mut self, system: &S, step: Step) -> Result<(), Cause> {
         self.stepper
             .dense(&mut self.rates, system, (self.clock.now(), step.h, &self.y), &self.end, &mut self.pieces)
-            .map_err(|fault| singular(system, fault))
+            .map_err(|fault| Cause::singular_mass(system, fault))
     }
 
     fn segment(&self, step: Step) -> Segment<'_> {
@@ -247,7 +256,7 @@ impl<S: System + ?Sized> March<S> {
         }
         let now = self.clock.now();
         if self.h == 0.0 {
-            self.h = self.first(system, stop - now).map_err(|fault| singular(system, fault))?;
+            self.h = self.first(system, stop - now).map_err(|fault| Cause::singular_mass(system, fault))?;
         }
         loop {
             let step = self.plan(stop);
@@ -261,8 +270,8 @@ impl<S: System + ?Sized> March<S> {
             let outcome = self.try_step(system, step, false);
             match &self.pace {
                 Pace::Fixed(_) => {
-                    outcome.map_err(|fault| singular(system, fault))?;
-                    finite(system, &self.end, "state")?;
+                    outcome.map_err(|fault| Cause::singular_mass(system, fault))?;
+                    finite(system, &self.end, 0)?;
                     return Ok(step);
                 }
                 Pace::Adaptive { .. } => {
@@ -276,8 +285,8 @@ impl<S: System + ?Sized> March<S> {
                     self.work.rejected += 1;
                     self.h = self.control.rejected(h, error);
                     if self.h < 16.0 * f64::EPSILON * now.abs() || self.h < f64::MIN_POSITIVE / f64::EPSILON {
-                        outcome.map_err(|fault| singular(system, fault))?;
-                        finite(system, &self.end, "state")?;
+                        outcome.map_err(|fault| Cause::singular_mass(system, fault))?;
+                        finite(system, &self.end, 0)?;
                         return Err(Cause::StepTooSmall { h: self.h });
                     }
                 }
@@ -348,6 +357,16 @@ impl<S: System + ?Sized> March<S> {
         self.work.steps += 1;
     }
 
+    /// Warns once the step is limited by stability.
+    fn look_for_stiffness(&mut self, step: Step, recorder: &mut Recorder) {
+        if let Pace::Adaptive { .. } = self.pace {
+            let step_times_rate = self.stepper.stiffness(step.h, &self.end);
+            if self.stiffness.observe(step_times_rate) {
+                recorder.warn(Warning::Stiff { t: step.next, step_times_rate });
+            }
+        }
+    }
+
     /// The first step.
     fn first(&mut self, system: &S, left: f64) -> Result<f64, SingularMass> {
         match &self.pace {
@@ -372,26 +391,10 @@ struct Step {
     lands: bool,
 }
 
-/// Names the coordinate.
-pub(crate) fn singular<S: System + ?Sized>(system: &S, fault: SingularMass) -> Cause {
-    Cause::SingularMass { coordinate: coordinate_name(system, fault.coordinate) }
-}
-
-/// The name of a coordinate.
-pub(crate) fn coordinate_name<S: System + ?Sized>(system: &S, index: usize) -> String {
-    system.description().coordinates.get(index).map_or_else(|| format!("coordinate {index}"), |c| c.name.to_string())
-}
-
-/// An error that names the first number of [q; v; W] that is not finite.
-fn finite<S: System + ?Sized>(system: &S, y: &[f64], kind: &str) -> Result<(), Cause> {
-    let Some(index) = y.iter().position(|y| !y.is_finite()) else { return Ok(()) };
-    let n = system.len();
-    let what = match (index / n.max(1), kind) {
-        (0, "state") => format!("`{}`", coordinate_name(system, index)),
-        (0, _) => format!("`{}'`", coordinate_name(system, index)),
-        (1, "state") => format!("`{}'`", coordinate_name(system, index - n)),
-        (1, _) => format!("`{}''`", coordinate_name(system, index - n)),
-        _ => "the work of the forces".to_owned(),
-    };
-    Err(Cause::NonFinite { what })
+/// An error that names the first number that is not finite.
+fn finite<S: System + ?Sized>(system: &S, y: &[f64], primes: usize) -> Result<(), Cause> {
+    match y.iter().position(|y| !y.is_finite()) {
+        Some(index) => Err(Cause::non_finite(system, index, primes)),
+        None => Ok(()),
+    }
 }

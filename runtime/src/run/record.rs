@@ -3,19 +3,27 @@
 use std::sync::Arc;
 
 use super::{Frames, Names, Occurrence, Run, Segment, State, Trajectory, Work};
+use crate::error::Cause;
 use crate::integrate::Method;
 use crate::mechanism::System;
-use crate::trust::{Monitor, Warning};
+use crate::trust::{InertiaGuard, Monitor, Warning};
 
 /// Collects what a [`Run`] holds: reported states, outputs, dense output, drift.
+#[derive(Clone)]
 pub(crate) struct Recorder {
     run: Run,
     /// Reported times are start + k·every.
     start: f64,
     every: f64,
     next: u64,
+    /// Until when the motion has been judged.
+    judged: f64,
+    /// A larger change of the energy balance in one step is worth a warning.
+    usual_jump: f64,
+    usual_drift: f64,
     keep_dense: bool,
     monitor: Option<Monitor>,
+    guard: Option<InertiaGuard>,
     n: usize,
     needs_accelerations: bool,
     point: Vec<f64>,
@@ -71,8 +79,12 @@ impl Recorder {
             start: t,
             every: plan.every,
             next: 1,
+            judged: t,
+            usual_jump: plan.tolerance.map_or(1e-2, |tolerance| (1e3 * tolerance).clamp(1e-8, 1e-2)),
+            usual_drift: plan.tolerance.map_or(1e-2, |tolerance| (1e4 * tolerance).clamp(1e-9, 1e-2)),
             keep_dense: plan.dense,
             monitor: plan.watch.then(|| Monitor::new(system, t, y)),
+            guard: InertiaGuard::new(system, t, y),
             n,
             needs_accelerations: description.outputs_use_accelerations,
             point: vec![0.0; 2 * n],
@@ -89,7 +101,17 @@ impl Recorder {
     }
 
     /// Writes down an accepted step; `segment` is there if [`Recorder::wants_dense`].
-    pub fn accept<S: System + ?Sized>(&mut self, system: &S, segment: Option<&Segment<'_>>, t: f64, end: &[f64]) {
+    ///
+    /// # Errors
+    /// A coordinate singularity, which no method notices by itself.
+    pub fn accept<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        segment: Option<&Segment<'_>>,
+        t: f64,
+        end: &[f64],
+    ) -> Result<(), Cause> {
+        self.judge(system, t, end)?;
         if let Some(segment) = segment {
             if self.keep_dense {
                 self.run.trajectory.push(segment);
@@ -108,21 +130,73 @@ impl Recorder {
             self.write_row(system, t, &end[..2 * self.n]);
             self.next += 1;
         }
-        if let Some(monitor) = &mut self.monitor {
-            monitor.observe(system, t, end);
+        Ok(())
+    }
+
+    /// Judges the end of a step by what should be conserved, and by M.
+    fn judge<S: System + ?Sized>(&mut self, system: &S, t: f64, end: &[f64]) -> Result<(), Cause> {
+        let h = t - self.judged;
+        self.judged = t;
+        let unbounded = self.guard.as_mut().and_then(|guard| guard.observe(system, t, end));
+        if let Some(unbounded) = unbounded {
+            return Err(Cause::coordinate_singularity(system, unbounded));
+        }
+        let Some(monitor) = &mut self.monitor else { return Ok(()) };
+        let before = monitor.present_imbalance();
+        monitor.observe(system, t, end);
+        let jump = (monitor.present_imbalance() - before).abs();
+        if jump > self.usual_jump {
+            if let Some(unbounded) = self.guard.as_ref().and_then(|guard| guard.suspect(2.0 * h)) {
+                return Err(Cause::coordinate_singularity(system, unbounded));
+            }
+            self.warn(Warning::EnergyJump { t, jump });
+        }
+        Ok(())
+    }
+
+    /// Looks whether a coordinate singularity, `ahead` seconds on at most, is the reason for what went wrong.
+    pub fn explain<S: System + ?Sized>(&self, system: &S, cause: Cause) -> Cause {
+        let explicable = matches!(
+            cause,
+            Cause::StepTooSmall { .. }
+                | Cause::NonFinite { .. }
+                | Cause::SingularMass { .. }
+                | Cause::TooManySteps { .. }
+        );
+        let suspect = self.guard.as_ref().and_then(|guard| guard.suspect(guard.last_step() * 2.0));
+        match suspect {
+            Some(unbounded) if explicable => Cause::coordinate_singularity(system, unbounded),
+            _ => cause,
         }
     }
 
     /// Notes an event.
     pub fn event<S: System + ?Sized>(&mut self, system: &S, event: usize, t: f64, y: &[f64], ends: bool) {
         let name = system.description().events[event].name.to_string();
-        let mut outputs = vec![0.0; self.run.names.outputs.len()];
-        self.write_outputs(system, t, y, &mut outputs);
-        let state = self.state(t, y, outputs);
+        let state = self.state_with_outputs(system, t, y);
         self.run.events.push(Occurrence { name, event, state });
         if ends {
             self.run.ended_by = Some(self.run.events.len() - 1);
         }
+    }
+
+    /// The last event.
+    pub fn last_event(&self) -> Option<Occurrence> {
+        self.run.events.last().cloned()
+    }
+
+    /// Reports a state, unless it was.
+    pub fn report<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
+        if self.run.times.last().is_none_or(|last| *last < t) {
+            self.write_row(system, t, &y[..2 * self.n]);
+        }
+    }
+
+    /// A state with this run's names and its outputs.
+    pub fn state_with_outputs<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) -> State {
+        let mut outputs = vec![f64::NAN; self.run.names.outputs.len()];
+        self.write_outputs(system, t, y, &mut outputs);
+        self.state(t, y, outputs)
     }
 
     /// Notes a warning, once.
@@ -130,11 +204,6 @@ impl Recorder {
         if !self.run.warnings.iter().any(|known| known.same_kind(&warning)) {
             self.run.warnings.push(warning);
         }
-    }
-
-    /// The energy balance now, with the scale of its terms.
-    pub fn monitor(&self) -> Option<&Monitor> {
-        self.monitor.as_ref()
     }
 
     /// A state with this run's names.
@@ -145,13 +214,14 @@ impl Recorder {
 
     /// Ends the run at this state.
     pub fn finish<S: System + ?Sized>(mut self, system: &S, t: f64, y: &[f64], work: Work, seconds: f64) -> Run {
-        if self.run.times.last().is_none_or(|last| *last < t) {
-            self.write_row(system, t, &y[..2 * self.n]);
-        }
+        self.report(system, t, y);
         self.run.frames.write(system, t, y);
         if let Some(monitor) = self.monitor {
             self.run.drift = monitor.drifts(system.description());
             self.run.energy_balance = monitor.energy_balance();
+            if let Some(drift) = self.run.energy_balance.filter(|drift| *drift > self.usual_drift) {
+                self.run.warnings.push(Warning::EnergyBudgetExceeded { drift, limit: self.usual_drift });
+            }
         }
         self.run.work = work;
         self.run.seconds = seconds;

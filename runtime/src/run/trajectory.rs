@@ -75,9 +75,4 @@ impl Trajectory {
             pieces: &self.pieces[index * size..][..size],
         })
     }
-
-    /// Number of steps.
-    pub fn len(&self) -> usize {
-        self.starts.len()
-    }
 }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::integrate::Method;
 use crate::testing::Toy;
 
 /// Runs the toy's scene with changed settings.
@@ -38,4 +39,174 @@ fn reported_states_lie_on_the_motion() {
         assert!((x - t.cos()).abs() < 1e-9);
     }
     assert_eq!(run.last().t, 10.0);
+}
+
+#[test]
+fn settings_without_meaning_are_refused() {
+    let bad = |change: &dyn Fn(&mut Settings)| run(Toy::oscillator(1.0, 1.0), change).unwrap_err().to_string();
+    assert_eq!(bad(&|s| s.step = Some(-0.1)), "`step` is -0.1; expected a positive number");
+    assert_eq!(bad(&|s| s.until = -1.0), "`until` is -1; expected a time after the start");
+    assert_eq!(bad(&|s| s.tolerance = 0.0), "`tolerance` is 0; expected a positive number");
+    assert_eq!(bad(&|s| s.every = Some(f64::NAN)), "`every` is NaN; expected a positive number");
+    assert_eq!(bad(&|s| s.q = vec![f64::INFINITY]), "`start` is inf; expected finite numbers");
+    assert_eq!(bad(&|s| s.v = vec![]), "`start of the rates` has 0 numbers; the mechanism has 1 coordinates");
+    assert!(bad(&|s| s.method = Method::Euler).contains("does not choose its own"));
+    let unknown = Simulation::new(Toy::oscillator(1.0, 1.0)).scene("rear").run().unwrap_err();
+    assert_eq!(unknown.to_string(), "no scene is called `rear`; there are `scene`");
+    let unknown = Simulation::new(Toy::oscillator(1.0, 1.0)).starting("y'", 1.0).run().unwrap_err();
+    assert_eq!(unknown.to_string(), "no coordinate is called `y'`; there are `x`");
+}
+
+#[test]
+fn a_run_of_no_length_is_its_start() {
+    let run = run(Toy::oscillator(1.0, 0.0), |_| ()).unwrap();
+    assert_eq!((run.len(), run.last()["x"]), (1, 1.0));
+}
+
+#[test]
+fn a_tolerance_below_rounding_is_clamped_and_said_r9() {
+    let run = run(Toy::oscillator(1.0, 1.0), |s| s.tolerance = 1e-17).unwrap();
+    assert_eq!(run.tolerance, Some(1e-14));
+    assert_eq!(run.warnings, [Warning::ToleranceTooTight { asked: 1e-17, used: 1e-14 }]);
+    assert!((run.last()["x"] - 1.0_f64.cos()).abs() < 1e-14);
+}
+
+#[test]
+fn too_many_steps_are_an_error_with_what_was_computed() {
+    let error = run(Toy::oscillator(1.0, 100.0), |s| (s.method, s.step, s.max_steps) = (Method::Rk4, Some(0.1), 100));
+    let error = error.unwrap_err();
+    assert_eq!(error.cause(), Some(&Cause::TooManySteps { limit: 100 }));
+    let partial = error.partial().unwrap();
+    assert!((partial.last().t - 10.0).abs() < 1e-12);
+    assert!((partial.last()["x"] - 10.0_f64.cos()).abs() < 1e-4);
+}
+
+#[test]
+fn time_does_not_drift_at_a_fixed_step_r8() {
+    let toy = Toy::new(&["x"], (&[0.0], &[0.0]), 1e5, |_, _, _, _, a| a[0] = 0.0);
+    let run =
+        run(toy, |s| (s.method, s.step, s.dense, s.every) = (Method::Euler, Some(0.1), false, Some(0.1))).unwrap();
+    assert_eq!((run.work.steps, run.len()), (1_000_000, 1_000_001));
+    let worst = run.times().iter().enumerate().map(|(n, t)| (t - n as f64 / 10.0).abs()).fold(0.0, f64::max);
+    assert!(worst <= 1e-10, "{worst:e}");
+}
+
+#[test]
+fn a_step_below_the_resolution_of_time_is_an_error_r3() {
+    let error = run(Toy::oscillator(1.0, 0.0), |s| {
+        (s.method, s.step, s.from, s.until) = (Method::Rk4, Some(1e-3), 1e15, 1e15 + 10.0);
+    });
+    assert_eq!(error.unwrap_err().cause(), Some(&Cause::StepBelowResolution { h: 1e-3 }));
+}
+
+#[test]
+fn updates_at_a_fixed_step_are_compensated_r4() {
+    // x'' = x' = x from 1: RK4's truncation is below 10⁻¹⁶ at 2¹⁴ steps; without compensation rounding would
+    // leave some 10⁻¹⁴ to 10⁻¹³ at 2²⁰.
+    let toy = Toy::new(&["x"], (&[1.0], &[1.0]), 1.0, |_, _, v, _, a| a[0] = v[0]);
+    let h = (-20.0_f64).exp2();
+    let run = run(toy, |s| (s.method, s.step, s.dense, s.watch) = (Method::Rk4, Some(h), false, false)).unwrap();
+    let error = run.last()["x'"] - std::f64::consts::E;
+    assert!(error.abs() < 1e-15, "{error:e}");
+}
+
+#[test]
+fn a_pole_ends_the_run_there_e15() {
+    // v' = v² from 1: pole at t = 1.
+    for (method, tolerance) in [(Method::Dopri5, 1e-8), (Method::Dop853, 1e-8), (Method::Dop853, 1e-12)] {
+        let toy = Toy::new(&["x"], (&[0.0], &[1.0]), 2.0, |_, _, v, _, a| a[0] = v[0] * v[0]);
+        let error = run(toy, |s| (s.method, s.tolerance) = (method, tolerance)).unwrap_err();
+        let Error::Run(failure) = &error else { panic!("{error}") };
+        assert!(matches!(failure.cause, Cause::StepTooSmall { .. }), "{error}");
+        assert!((failure.state.t - 1.0).abs() < 1e-6, "{method}: {}", failure.state.t);
+    }
+}
+
+#[test]
+fn a_number_that_is_none_is_named() {
+    let toy = Toy::new(&["x", "y"], (&[0.0, 1.0], &[0.0, -2.0]), 2.0, |_, q, _, _, a| {
+        a.copy_from_slice(&[0.0, q[1].sqrt()]);
+    });
+    for step in [None, Some(0.01)] {
+        let error = run(toy.clone(), |s| s.step = step).unwrap_err();
+        let Error::Run(failure) = &error else { panic!("{error}") };
+        let Cause::NonFinite { what } = &failure.cause else { panic!("{error}") };
+        assert!(what.starts_with("`y"), "{what}");
+        assert!(failure.state["y"] >= 0.0 && failure.state["y"] < 0.02, "{}", failure.state);
+    }
+    let broken = Toy::new(&["x"], (&[0.0], &[0.0]), 1.0, |_, q, _, _, a| a[0] = 1.0 / q[0]);
+    let error = run(broken, |_| ()).unwrap_err();
+    assert_eq!(error.cause(), Some(&Cause::NonFinite { what: "`x''`".to_owned() }));
+}
+
+#[test]
+fn outputs_are_found_by_name_and_absent_where_not_finite() {
+    let toy = Toy::oscillator(1.0, 2.0).outputs(&["double", "force", "broken"], |t, q, _, a, values| {
+        values.copy_from_slice(&[2.0 * q[0], a[0], if t > 1.0 { f64::NAN } else { 1.0 }]);
+    });
+    let mut toy = toy;
+    toy.description.outputs_use_accelerations = true;
+    let run = run(toy, |s| s.every = Some(0.5)).unwrap();
+    let last = run.last();
+    assert_eq!(last["double"], 2.0 * last["x"]);
+    assert_eq!(last["force"], -last["x"]);
+    assert_eq!((last.get("broken"), run.state(1).get("broken")), (None, Some(1.0)));
+    assert!(last["broken"].is_nan());
+    assert_eq!(run.column("double").unwrap().len(), 5);
+    assert_eq!(run.column("nothing"), None);
+    assert_eq!(run.column_names(), ["x", "x'", "double", "force", "broken"]);
+    assert!(format!("{last:?}").contains("broken: absent"));
+}
+
+#[test]
+fn a_simulation_is_described_word_by_word() {
+    let run = Simulation::new(Toy::oscillator(2.0, 1.0))
+        .starting("x", 0.0)
+        .starting("x'", 2.0)
+        .until(3.0)
+        .tolerance(1e-11)
+        .every(0.25)
+        .method(Method::Dopri5)
+        .run()
+        .unwrap();
+    assert_eq!((run.len(), run.method), (13, Method::Dopri5));
+    assert!((run.last()["x"] - 6.0_f64.sin()).abs() < 1e-9);
+}
+
+#[test]
+fn stepping_by_hand_is_the_same_motion() {
+    let mut sim = Simulation::new(Toy::oscillator(1.0, 1.0)).every(0.1).tolerance(1e-11).by_hand().unwrap();
+    for _ in 0..30 {
+        assert_eq!(sim.step().unwrap(), None);
+    }
+    assert!((sim.time() - 3.0).abs() < 1e-14);
+    assert!((sim.state()["x"] - sim.time().cos()).abs() < 1e-9);
+    // A kick that brings it to rest.
+    let rest = sim.state_mut();
+    (rest.q[0], rest.v[0]) = (0.0, 0.0);
+    sim.step().unwrap();
+    assert_eq!(sim.state()["x"], 0.0);
+    let run = sim.finish();
+    assert_eq!(run.len(), 32);
+}
+
+#[test]
+fn a_thermostat_by_hand_sees_its_events() {
+    let toy = Toy::oscillator(1.0, 100.0).event(
+        crate::mechanism::Event {
+            name: "zero".into(),
+            direction: crate::mechanism::Direction::Both,
+            conditional: false,
+            actions: (&[crate::mechanism::Action::Stop]).into(),
+        },
+        |_, q, _, _, pairs| pairs.copy_from_slice(&[q[0], 1.0]),
+    );
+    let mut sim = Simulation::new(toy).every(1.0).by_hand().unwrap();
+    assert_eq!(sim.step().unwrap(), None);
+    let event = sim.step().unwrap().unwrap();
+    assert!((event.state.t - std::f64::consts::FRAC_PI_2).abs() < 1e-8);
+    // It goes on from there, to the next zero.
+    assert_eq!(sim.advance(3.0).unwrap(), None);
+    let event = sim.advance(3.0).unwrap().unwrap();
+    assert!((event.state.t - 1.5 * std::f64::consts::PI).abs() < 1e-8);
 }

@@ -30,8 +30,8 @@ impl Watched {
 
     fn observe(&mut self, value: f64, scale: f64) {
         let change = (value - self.first).abs();
-        // Written so that a value that is not a number stays.
-        if !(change <= self.change) {
+        // Once it is not a number it stays so.
+        if change > self.change || change.is_nan() {
             self.change = change;
         }
         self.scale = self.scale.max(scale);

@@ -1,10 +1,20 @@
 //! How far a run can be trusted.
 
 mod drift;
+mod inertia;
 mod report;
+mod stability;
+mod stiffness;
+#[cfg(test)]
+mod tests;
 mod warning;
 
 pub use drift::Drift;
 pub(crate) use drift::Monitor;
+pub(crate) use inertia::{InertiaGuard, Unbounded};
 pub use report::Trust;
+#[cfg(test)]
+pub(crate) use stability::amplification;
+pub(crate) use stability::check_step;
+pub(crate) use stiffness::StiffnessDetector;
 pub use warning::Warning;

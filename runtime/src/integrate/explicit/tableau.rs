@@ -49,6 +49,8 @@ pub(crate) struct Control {
     pub shrink: f64,
     /// The largest factor.
     pub grow: f64,
+    /// h|λ| above this is near the stability limit.
+    pub stiff: f64,
 }
 
 /// An explicit Runge–Kutta method: kᵢ = f(t + cᵢh, y + h Σ aᵢⱼkⱼ), y₁ = y + h Σ bᵢkᵢ.
@@ -73,7 +75,8 @@ pub(crate) struct Tableau {
 }
 
 /// For methods that have no error estimate.
-pub(crate) const NO_CONTROL: Control = Control { exponent: 0.0, beta: 0.0, shrink: 1.0, grow: 1.0 };
+pub(crate) const NO_CONTROL: Control =
+    Control { exponent: 0.0, beta: 0.0, shrink: 1.0, grow: 1.0, stiff: f64::INFINITY };
 
 impl Tableau {
     /// Stages of a step without those for dense output only.

@@ -1,0 +1,179 @@
+//! A run, said word by word.
+
+use super::by_hand::Stepping;
+use super::{Settings, simulate};
+use crate::error::Error;
+use crate::integrate::Method;
+use crate::mechanism::{Scene, Signal, System};
+use crate::run::Run;
+
+/// A run that is being described: what is not said comes from the model file's first scene.
+///
+/// What a scene `set`s holds for parameters that still have the file's value; a parameter that was given
+/// another value keeps it, as `--set` does on the command line.
+#[derive(Clone, Debug)]
+#[must_use = "nothing happens before `run`"]
+pub struct Simulation<S: System> {
+    system: S,
+    settings: Settings,
+    /// The first thing that was wrong; reported by `run`.
+    wrong: Option<Error>,
+}
+
+impl<S: System> Simulation<S> {
+    /// A run of the first scene.
+    pub fn new(mut system: S) -> Self {
+        let settings = Settings::new(&set_scene(&mut system, 0));
+        Simulation { system, settings, wrong: None }
+    }
+
+    /// Another scene of the model file.
+    pub fn scene(mut self, name: &str) -> Self {
+        let scenes = &self.system.description().scenes;
+        match scenes.iter().position(|scene| scene == name) {
+            Some(index) => {
+                let scene = set_scene(&mut self.system, index);
+                self.from(&scene)
+            }
+            None => {
+                let known = scenes.iter().map(|scene| scene.to_string()).collect();
+                self.fail(Error::UnknownName { kind: "scene", name: name.to_owned(), known })
+            }
+        }
+    }
+
+    /// Start, end, tolerance and spacing of a scene.
+    pub fn from(mut self, scene: &Scene) -> Self {
+        let Scene { q, v, until, tolerance, every } = scene.clone();
+        self.settings = Settings { q, v, until, tolerance, every, ..self.settings };
+        self
+    }
+
+    /// Generalized coordinates and their rates at the start, SI.
+    pub fn start(mut self, q: &[f64], v: &[f64]) -> Self {
+        self.settings.q = q.to_vec();
+        self.settings.v = v.to_vec();
+        self
+    }
+
+    /// One coordinate, or one rate (`theta'`), at the start, SI.
+    pub fn starting(mut self, name: &str, value: f64) -> Self {
+        let (list, coordinate) = match name.strip_suffix('\'') {
+            Some(coordinate) => (&mut self.settings.v, coordinate),
+            None => (&mut self.settings.q, name),
+        };
+        let coordinates = &self.system.description().coordinates;
+        match coordinates.iter().position(|c| c.name == coordinate).and_then(|index| list.get_mut(index)) {
+            Some(slot) => {
+                *slot = value;
+                self
+            }
+            None => {
+                let known = coordinates.iter().map(|c| c.name.to_string()).collect();
+                self.fail(Error::UnknownName { kind: "coordinate", name: name.to_owned(), known })
+            }
+        }
+    }
+
+    /// Replaces an input by a function of time, which returns (u, u', u'').
+    pub fn input(mut self, name: &str, signal: Signal) -> Self {
+        let inputs = &self.system.description().inputs;
+        match inputs.iter().position(|input| input == name) {
+            Some(index) => {
+                self.system.set_input(index, signal);
+                self
+            }
+            None => {
+                let known = inputs.iter().map(|input| input.to_string()).collect();
+                self.fail(Error::UnknownName { kind: "input", name: name.to_owned(), known })
+            }
+        }
+    }
+
+    /// Where the run ends, s.
+    pub fn until(mut self, t: f64) -> Self {
+        self.settings.until = t;
+        self
+    }
+
+    /// Relative tolerance; see [`Settings::tolerance`].
+    pub fn tolerance(mut self, tolerance: f64) -> Self {
+        self.settings.tolerance = tolerance;
+        self
+    }
+
+    /// Spacing of reported states, s.
+    pub fn every(mut self, spacing: f64) -> Self {
+        self.settings.every = Some(spacing);
+        self
+    }
+
+    /// The method of integration.
+    pub fn method(mut self, method: Method) -> Self {
+        self.settings.method = method;
+        self
+    }
+
+    /// A fixed step, s.
+    pub fn step(mut self, h: f64) -> Self {
+        self.settings.step = Some(h);
+        self
+    }
+
+    /// The longest step the method may choose, s.
+    pub fn longest_step(mut self, h: f64) -> Self {
+        self.settings.longest_step = Some(h);
+        self
+    }
+
+    /// How many steps a run may take.
+    pub fn max_steps(mut self, steps: u64) -> Self {
+        self.settings.max_steps = steps;
+        self
+    }
+
+    /// Changes settings that have no word of their own.
+    pub fn with(mut self, change: impl FnOnce(&mut Settings)) -> Self {
+        change(&mut self.settings);
+        self
+    }
+
+    /// Runs.
+    ///
+    /// # Errors
+    /// The first thing in the description that has no meaning; or see [`simulate`].
+    pub fn run(mut self) -> Result<Run, Error> {
+        match self.wrong {
+            Some(error) => Err(error),
+            None => simulate(&mut self.system, &self.settings),
+        }
+    }
+
+    /// Begins a run that the caller moves on step by step.
+    ///
+    /// # Errors
+    /// The first thing in the description that has no meaning.
+    pub fn by_hand(self) -> Result<Stepping<S>, Error> {
+        match self.wrong {
+            Some(error) => Err(error),
+            None => Stepping::new(self.system, self.settings),
+        }
+    }
+
+    fn fail(mut self, error: Error) -> Self {
+        self.wrong.get_or_insert(error);
+        self
+    }
+}
+
+/// Sets what a scene sets, where the file's value still holds, and returns the scene.
+fn set_scene<S: System>(system: &mut S, index: usize) -> Scene {
+    let values = system.parameters();
+    for (parameter, value) in system.scene_parameters(index) {
+        let default = system.description().parameters.get(parameter).map(|parameter| parameter.default);
+        if default == values.get(parameter).copied() {
+            system.set_parameter(parameter, value);
+        }
+    }
+    system.scene(index)
+}

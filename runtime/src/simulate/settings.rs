@@ -1,0 +1,92 @@
+//! What a run can be told.
+
+use crate::error::Error;
+use crate::integrate::Method;
+use crate::mechanism::Scene;
+
+/// How to run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Generalized coordinates at the start, SI.
+    pub q: Vec<f64>,
+    /// Their rates at the start, SI.
+    pub v: Vec<f64>,
+    /// Where the run begins, s; 0 unless said otherwise.
+    pub from: f64,
+    /// Where it ends, s.
+    pub until: f64,
+    /// Relative tolerance, and absolute in units of each coordinate's scale (the larger of its start and 1).
+    /// Lower: more steps, smaller errors, down to about 10⁻¹⁴.
+    pub tolerance: f64,
+    /// Spacing of reported states, s; `None`: 500 points.
+    pub every: Option<f64>,
+    /// The method of integration.
+    pub method: Method,
+    /// A fixed step, s; `None`: chosen by the method.
+    pub step: Option<f64>,
+    /// The longest step the method may choose, s; `None`: the whole run.
+    pub longest_step: Option<f64>,
+    /// The run fails beyond this many steps; 10⁷ unless said otherwise.
+    pub max_steps: u64,
+    /// Whether to keep dense output for [`Run::at`](crate::Run::at) (on unless said otherwise); it costs memory and, with
+    /// `dop853`, three evaluations per step.
+    pub dense: bool,
+    /// Whether to watch invariants and the energy balance (on unless said otherwise).
+    pub watch: bool,
+}
+
+impl Settings {
+    /// The settings of a scene, everything else as usual.
+    pub fn new(scene: &Scene) -> Self {
+        Settings {
+            q: scene.q.clone(),
+            v: scene.v.clone(),
+            from: 0.0,
+            until: scene.until,
+            tolerance: scene.tolerance,
+            every: scene.every,
+            method: Method::Auto,
+            step: None,
+            longest_step: None,
+            max_steps: 10_000_000,
+            dense: true,
+            watch: true,
+        }
+    }
+
+    /// The tolerances below this one are beyond rounding: about 100 unit round-offs.
+    pub const TIGHTEST: f64 = 1e-14;
+
+    /// Refuses settings without meaning for a mechanism with n coordinates.
+    pub(super) fn check(&self, n: usize) -> Result<(), Error> {
+        for (setting, list) in [("start", &self.q), ("start of the rates", &self.v)] {
+            if list.len() != n {
+                return Err(Error::WrongLength { setting, given: list.len(), expected: n });
+            }
+            if let Some(value) = list.iter().find(|value| !value.is_finite()) {
+                return Err(Error::BadSetting { setting, value: *value, expected: "finite numbers" });
+            }
+        }
+        let positive = |setting, value: Option<f64>| match value {
+            Some(value) if !(value > 0.0 && value.is_finite()) => {
+                Err(Error::BadSetting { setting, value, expected: "a positive number" })
+            }
+            _ => Ok(()),
+        };
+        if !self.from.is_finite() {
+            return Err(Error::BadSetting { setting: "from", value: self.from, expected: "a finite time" });
+        }
+        if !(self.until >= self.from && self.until.is_finite()) {
+            return Err(Error::BadSetting { setting: "until", value: self.until, expected: "a time after the start" });
+        }
+        positive("tolerance", Some(self.tolerance))?;
+        positive("every", self.every)?;
+        positive("step", self.step)?;
+        positive("longest_step", self.longest_step)?;
+        if self.step.is_none() && !self.method.is_adaptive() {
+            let expected = "a positive `step`, since this method does not choose its own";
+            return Err(Error::BadSetting { setting: "step", value: f64::NAN, expected });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,81 @@
+//! What every mechanism that `model!` makes can do.
+
+use nalgebra::{SMatrix, SVector};
+
+use super::builder::Simulation;
+use crate::mechanism::{Erased, Mechanism, SingularMass, System};
+
+/// Runs and single evaluations of a mechanism with N coordinates, on static sizes.
+///
+/// Dense matrices are for small N: they live on the stack.  In a loop, make the [`Erased`] once by
+/// [`Simulate::system`] and use [`System`].
+pub trait Simulate<const N: usize, const C: usize>: Mechanism<N, C> + 'static {
+    /// The mechanism with its constants computed, behind slices.
+    fn system(&self) -> Erased<Self, N, C> {
+        Erased::new(self.clone())
+    }
+
+    /// Begins to describe a run.
+    fn simulate(&self) -> Simulation<Erased<Self, N, C>> {
+        Simulation::new(self.system())
+    }
+
+    /// M(t, q).
+    fn mass_matrix_at(&self, t: f64, q: &[f64; N]) -> SMatrix<f64, N, N> {
+        let pattern = &Self::description().mass_pattern;
+        let mut values = vec![0.0; pattern.len()];
+        self.system().mass_matrix(t, q, &mut values);
+        let mut matrix: SMatrix<f64, N, N> = scatter(pattern, &values);
+        matrix.fill_upper_triangle_with_lower_triangle();
+        matrix
+    }
+
+    /// h(t, q, q'), so that M q'' + h = 0.
+    fn bias_at(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> SVector<f64, N> {
+        let mut h = SVector::<f64, N>::zeros();
+        self.system().bias(t, q, v, h.as_mut_slice());
+        h
+    }
+
+    /// q'' = −M⁻¹h.
+    ///
+    /// # Errors
+    /// [`SingularMass`] names the coordinate whose pivot vanishes.
+    fn accelerations_at(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> Result<SVector<f64, N>, SingularMass> {
+        let mut a = SVector::<f64, N>::zeros();
+        self.system().accelerations(t, q, v, a.as_mut_slice())?;
+        Ok(a)
+    }
+
+    /// F(t, q, q', q'') = M q'' + h.
+    fn residual_at(&self, t: f64, q: &[f64; N], v: &[f64; N], a: &[f64; N]) -> SVector<f64, N> {
+        let mut f = SVector::<f64, N>::zeros();
+        self.system().residual(t, q, v, a, f.as_mut_slice());
+        f
+    }
+
+    /// (∂F/∂q, ∂F/∂q').
+    fn jacobians_at(
+        &self,
+        t: f64,
+        q: &[f64; N],
+        v: &[f64; N],
+        a: &[f64; N],
+    ) -> (SMatrix<f64, N, N>, SMatrix<f64, N, N>) {
+        let description = Self::description();
+        let mut dq = vec![0.0; description.stiffness_pattern.len()];
+        let mut dv = vec![0.0; description.damping_pattern.len()];
+        self.system().jacobians(t, q, v, a, &mut dq, &mut dv);
+        (scatter(&description.stiffness_pattern, &dq), scatter(&description.damping_pattern, &dv))
+    }
+}
+
+impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> Simulate<N, C> for M {}
+
+fn scatter<const N: usize>(pattern: &[(u32, u32)], values: &[f64]) -> SMatrix<f64, N, N> {
+    let mut matrix = SMatrix::zeros();
+    for ((row, column), value) in pattern.iter().zip(values) {
+        matrix[(*row as usize, *column as usize)] = *value;
+    }
+    matrix
+}

@@ -1,0 +1,116 @@
+//! Coordinates that fail where the mechanism does not.
+
+use crate::mechanism::System;
+
+/// Watches the diagonal of M for growth without bound.
+///
+/// Where a coordinate cannot describe the motion any further (a pendulum's horizontal position at the
+/// horizontal), its inertia grows like 1/(t* − t)², and w = √(Mᵢᵢ(0)/Mᵢᵢ) falls to zero along a straight line.
+/// A step may pass such a point with every sign of success, and 100 % of the energy in error (catalogue C1).
+#[derive(Clone, Debug)]
+pub(crate) struct InertiaGuard {
+    /// Where the diagonal is among the values of M; `None` where it is structurally zero.
+    diagonal: Vec<Option<usize>>,
+    start: Vec<f64>,
+    began: f64,
+    earlier: Vec<Sample>,
+    latest: Vec<Sample>,
+    values: Vec<f64>,
+}
+
+/// w at a time.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sample {
+    t: f64,
+    w: f64,
+}
+
+/// A coordinate's inertia grows without bound.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Unbounded {
+    /// Which coordinate.
+    pub coordinate: usize,
+    /// When, s.
+    pub t: f64,
+}
+
+/// M grown by the inverse square of this is beyond bounds.
+const SMALLEST: f64 = 1e-4;
+/// w below this is a suspect once something else has gone wrong.
+const SUSPECT: f64 = 0.3;
+
+impl InertiaGuard {
+    /// Notes M at the start; `None` for a constant M.
+    pub fn new<S: System + ?Sized>(system: &S, t: f64, y: &[f64]) -> Option<Self> {
+        let description = system.description();
+        if description.structure.constant_mass || system.is_empty() {
+            return None;
+        }
+        let place = |i: usize| {
+            description.mass_pattern.iter().position(|(row, column)| (*row, *column) == (i as u32, i as u32))
+        };
+        let n = system.len();
+        let mut guard = InertiaGuard {
+            diagonal: (0..n).map(place).collect(),
+            start: vec![0.0; n],
+            began: t,
+            earlier: vec![Sample { t, w: 1.0 }; n],
+            latest: vec![Sample { t, w: 1.0 }; n],
+            values: vec![0.0; description.mass_pattern.len()],
+        };
+        system.mass_matrix(t, &y[..n], &mut guard.values);
+        for i in 0..n {
+            guard.start[i] = guard.mass(i).unwrap_or(0.0);
+        }
+        Some(guard)
+    }
+
+    /// Looks at M after a step; tells if it has grown beyond bounds.
+    pub fn observe<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) -> Option<Unbounded> {
+        system.mass_matrix(t, &y[..system.len()], &mut self.values);
+        for i in 0..self.start.len() {
+            let Some(mass) = self.mass(i) else { continue };
+            if !(self.start[i] > 0.0 && self.start[i].is_finite()) {
+                continue;
+            }
+            let w = (self.start[i] / mass).sqrt();
+            if !(mass > 0.0 && w > 0.0) {
+                // Beyond the point: where the line through the last two samples meets zero.
+                let (_, reached) = self.line(i);
+                return Some(Unbounded { coordinate: i, t: reached.clamp(self.latest[i].t, t) });
+            }
+            (self.earlier[i], self.latest[i]) = (self.latest[i], Sample { t, w });
+            let (left, reached) = self.line(i);
+            if w < SMALLEST && left < 1e-3 * (t - self.began) {
+                return Some(Unbounded { coordinate: i, t: reached });
+            }
+        }
+        None
+    }
+
+    /// A coordinate whose inertia seems to grow without bound within `ahead` seconds.
+    pub fn suspect(&self, ahead: f64) -> Option<Unbounded> {
+        (0..self.start.len())
+            .filter(|i| self.latest[*i].w < SUSPECT)
+            .map(|i| (self.line(i), i))
+            .filter(|((left, _), _)| *left <= ahead)
+            .min_by(|a, b| a.0.0.total_cmp(&b.0.0))
+            .map(|((_, t), coordinate)| Unbounded { coordinate, t })
+    }
+
+    /// The length of the last step, s.
+    pub fn last_step(&self) -> f64 {
+        self.latest.first().zip(self.earlier.first()).map_or(0.0, |(b, a)| b.t - a.t)
+    }
+
+    fn mass(&self, i: usize) -> Option<f64> {
+        self.diagonal[i].map(|place| self.values[place])
+    }
+
+    /// How long until the line through the last two samples of w meets zero, and when that is.
+    fn line(&self, i: usize) -> (f64, f64) {
+        let (a, b) = (self.earlier[i], self.latest[i]);
+        let left = if b.w < a.w { b.w * (b.t - a.t) / (a.w - b.w) } else { f64::INFINITY };
+        (left, b.t + left)
+    }
+}

@@ -1,0 +1,110 @@
+//! Whether a fixed step is stable.
+
+use nalgebra::{Complex, DMatrix, Schur};
+
+use super::Warning;
+use crate::integrate::Method;
+use crate::mechanism::System;
+
+/// More coordinates than this are not looked at: the eigenvalues would cost more than they tell.
+const LARGEST: usize = 40;
+/// Growth over the run that is worth a warning.
+const GROWTH: f64 = 1.01;
+
+/// Warns if a method at a fixed step amplifies a mode of the system linearised at the start by more than the
+/// mechanism itself does.
+///
+/// With F(q, q', q'') = 0 linearised at the start, λ are the eigenvalues of [0 1; −M⁻¹∂F/∂q −M⁻¹∂F/∂q'], and a
+/// step multiplies a mode by R(hλ), R the method's stability function (catalogue A1–A4).  It is a check at one
+/// state: the motion may lead to stiffer ones.
+pub(crate) fn check_step<S: System + ?Sized>(
+    system: &S,
+    (t, q, v): (f64, &[f64], &[f64]),
+    method: Method,
+    step: f64,
+    span: f64,
+) -> Option<Warning> {
+    let stability = method.tableau().stability();
+    let mut worst: Option<(f64, Complex<f64>)> = None;
+    for rate in eigenvalues(system, t, q, v)? {
+        let growth = excess(&stability, rate, step) * span;
+        if growth > GROWTH.ln() && worst.is_none_or(|(known, _)| growth > known) {
+            worst = Some((growth, rate));
+        }
+    }
+    let (growth, rate) = worst?;
+    Some(Warning::StepExceedsStability {
+        method,
+        step,
+        limit: limit(&stability, rate, step),
+        real: rate.re,
+        imaginary: rate.im.abs(),
+        growth: growth.exp(),
+    })
+}
+
+/// By how much faster a mode grows than it should, 1/s: ln|R(hλ)|/h − max(Re λ, 0).
+fn excess(stability: &[f64], rate: Complex<f64>, step: f64) -> f64 {
+    amplification(stability, rate * step).ln() / step - rate.re.max(0.0)
+}
+
+/// |R(z)|.
+pub(crate) fn amplification(stability: &[f64], z: Complex<f64>) -> f64 {
+    stability.iter().rev().fold(Complex::new(0.0, 0.0), |sum, c| sum * z + c).norm()
+}
+
+/// The largest step below `step` up to which the mode does not grow faster than it should.
+fn limit(stability: &[f64], rate: Complex<f64>, step: f64) -> f64 {
+    const PARTS: u32 = 1000;
+    // A part of round-off per step is no growth.
+    let stable = |h: f64| excess(stability, rate, h) * h <= 1e-14;
+    let part = |k: u32| step * f64::from(k) / f64::from(PARTS);
+    let Some(first) = (1..=PARTS).find(|k| !stable(part(*k))) else { return step };
+    if first == 1 {
+        return 0.0;
+    }
+    let (mut low, mut high) = (part(first - 1), part(first));
+    for _ in 0..50 {
+        let middle = 0.5 * (low + high);
+        if stable(middle) { low = middle } else { high = middle }
+    }
+    low
+}
+
+/// The eigenvalues of the system linearised at a state, 1/s; `None` where they cannot be had.
+fn eigenvalues<S: System + ?Sized>(system: &S, t: f64, q: &[f64], v: &[f64]) -> Option<Vec<Complex<f64>>> {
+    let n = system.len();
+    if n == 0 || n > LARGEST {
+        return None;
+    }
+    let description = system.description();
+    let mut a = vec![0.0; n];
+    system.accelerations(t, q, v, &mut a).ok()?;
+    let mut mass_values = vec![0.0; description.mass_pattern.len()];
+    let mut dq = vec![0.0; description.stiffness_pattern.len()];
+    let mut dv = vec![0.0; description.damping_pattern.len()];
+    system.mass_matrix(t, q, &mut mass_values);
+    system.jacobians(t, q, v, &a, &mut dq, &mut dv);
+    let mut mass = scatter(n, &description.mass_pattern, &mass_values);
+    mass.fill_upper_triangle_with_lower_triangle();
+    let factors = mass.lu();
+    let stiffness = factors.solve(&scatter(n, &description.stiffness_pattern, &dq))?;
+    let damping = factors.solve(&scatter(n, &description.damping_pattern, &dv))?;
+    let mut matrix = DMatrix::zeros(2 * n, 2 * n);
+    matrix.view_mut((0, n), (n, n)).fill_with_identity();
+    matrix.view_mut((n, 0), (n, n)).copy_from(&-stiffness);
+    matrix.view_mut((n, n), (n, n)).copy_from(&-damping);
+    if matrix.iter().any(|value| !value.is_finite()) {
+        return None;
+    }
+    let schur = Schur::try_new(matrix, f64::EPSILON, 100 * n)?;
+    Some(schur.complex_eigenvalues().iter().copied().collect())
+}
+
+fn scatter(n: usize, pattern: &[(u32, u32)], values: &[f64]) -> DMatrix<f64> {
+    let mut matrix = DMatrix::zeros(n, n);
+    for ((row, column), value) in pattern.iter().zip(values) {
+        matrix[(*row as usize, *column as usize)] = *value;
+    }
+    matrix
+}

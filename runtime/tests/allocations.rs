@@ -1,0 +1,67 @@
+//! A step allocates nothing.
+
+use allocation_counter::measure;
+use dalembert::mechanism;
+use dalembert::mechanism::{Action, Direction, Event, Switch, SwitchKind};
+use dalembert::{Method, Settings, simulate};
+
+#[path = "../src/testing.rs"]
+#[expect(dead_code, reason = "shared with the unit tests")]
+mod testing;
+
+use testing::Toy;
+
+/// Allocations and steps of a run.
+fn count(toy: &Toy, until: f64, change: impl Fn(&mut Settings)) -> (u64, u64) {
+    let mut toy = toy.clone();
+    let mut settings = Settings { until, every: Some(until), ..Settings::new(&toy.scene) };
+    change(&mut settings);
+    let mut steps = 0;
+    let counted = measure(|| steps = simulate(&mut toy, &settings).unwrap().work.steps);
+    (counted.count_total, steps)
+}
+
+/// A damped oscillator with an event that never happens and a switch that is never reached.
+fn watched() -> Toy {
+    let event = Event {
+        name: "far".into(),
+        direction: Direction::Both,
+        conditional: false,
+        actions: (&[Action::Record]).into(),
+    };
+    let switch = Switch { text: "x - 5".into(), kind: SwitchKind::Step, time_only: false };
+    let mut toy = Toy::new(&["x"], (&[1.0], &[0.0]), 1.0, |_, q, v, _, a| a[0] = -q[0] - 1e-3 * v[0])
+        .energy(|_, q, v| [0.5 * v[0] * v[0], 0.5 * q[0] * q[0], -1e-3 * v[0] * v[0]])
+        .event(event, |_, q, _, _, pairs| pairs.copy_from_slice(&[q[0] - 3.0, 1.0]))
+        .switch(switch, |_, q, v, _, pairs| pairs.copy_from_slice(&[q[0] - 5.0, v[0]]));
+    toy.description.structure.conservative = false;
+    toy
+}
+
+#[test]
+fn longer_runs_allocate_no_more() {
+    for toy in [Toy::oscillator(1.0, 1.0), watched()] {
+        for (method, step) in [
+            (Method::Euler, Some(1e-3)),
+            (Method::Midpoint, Some(1e-2)),
+            (Method::Rk4, Some(1e-2)),
+            (Method::Dopri5, None),
+            (Method::Dop853, None),
+        ] {
+            let set = |settings: &mut Settings| {
+                (settings.method, settings.step, settings.dense) = (method, step, false);
+            };
+            let (short, few) = count(&toy, 20.0, set);
+            let (long, many) = count(&toy, 200.0, set);
+            assert!(many > 8 * few, "{method}: {few} and {many} steps");
+            assert_eq!(short, long, "{method}: allocations of {few} and of {many} steps");
+        }
+    }
+}
+
+#[test]
+fn dense_output_grows_by_doubling() {
+    let (short, few) = count(&Toy::oscillator(1.0, 1.0), 20.0, |_| ());
+    let (long, many) = count(&Toy::oscillator(1.0, 1.0), 2000.0, |_| ());
+    assert!(many > 50 * few && long < short + 30, "{short} for {few} steps, {long} for {many}");
+}
