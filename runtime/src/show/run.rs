@@ -54,24 +54,33 @@ impl Run {
         csv(&names, &columns)
     }
 
-    /// Charts of named coordinates, rates (`theta'`) and outputs against time, in one figure.
+    /// Named coordinates, rates (`theta'`) and outputs (`tip.x`) against time, in one chart.
     ///
     /// # Errors
     /// [`Error::UnknownName`].
     pub fn history(&self, names: &[&str]) -> Result<Chart, Error> {
-        let series = names.iter().map(|name| {
-            let unknown = || Error::UnknownName {
-                kind: "coordinate, rate or output",
-                name: (*name).to_owned(),
-                known: self.column_names(),
-            };
-            Ok(Series::line(*name, self.curve(name).ok_or_else(unknown)?))
-        });
+        let series = names.iter().map(|name| Ok(Series::line(*name, self.curve(name)?.into_iter().map(Some))));
         let series = series.collect::<Result<_, Error>>()?;
         let time = Axis::new("time", if self.has_units() { "s" } else { "" });
         let mut chart = Chart { series, ..Chart::new("", time, Axis::new(label_of(names), "")) };
         chart.y.unit = self.common_unit(names);
         Ok(chart)
+    }
+
+    /// One column over another: the phase portrait of `theta` and `theta'`, the path of `tip.x` and `tip.y`
+    /// (then with [`Chart::equal`]).
+    ///
+    /// # Errors
+    /// [`Error::UnknownName`].
+    pub fn portrait(&self, x: &str, y: &str) -> Result<Chart, Error> {
+        let (across, up) = (self.curve(x)?, self.curve(y)?);
+        // Both have the same times, unless one has dense output and the other has not.
+        let points: Vec<Option<(f64, f64)>> = match across.len() == up.len() {
+            true => across.iter().zip(up).map(|(a, b)| Some((a.1, b.1))).collect(),
+            false => self.column(x).into_iter().flatten().zip(self.column(y).into_iter().flatten()).map(Some).collect(),
+        };
+        let axis = |name: &str| Axis::new(name, self.common_unit(&[name]));
+        Ok(Chart::new("", axis(x), axis(y)).with(Series::line("", points)))
     }
 
     /// The charts of [`Run::to_svg`].
@@ -102,9 +111,9 @@ impl Run {
     /// Paths of all traces, or of the only output if that is a vector; of motions in space two views.
     fn paths(&self) -> Vec<Chart> {
         let traces = self.traces();
+        let unit = if self.has_units() && !traces.is_empty() { "m" } else { "" };
         let paths = if traces.is_empty() { self.output_path().into_iter().collect() } else { traces };
         let view = |across: usize, up: usize| {
-            let unit = if self.has_units() { "m" } else { "" };
             let chart = Chart::new("", Axis::new(["x", "y", "z"][across], unit), Axis::new(["x", "y", "z"][up], unit));
             let line = |(name, path): &(String, Vec<[f64; 3]>)| {
                 Series::line(name.clone(), path.iter().map(|point| Some((point[across], point[up]))))
@@ -146,13 +155,17 @@ impl Run {
     }
 
     /// A column against time: coordinates and rates from dense output where there are few reported states.
-    fn curve(&self, name: &str) -> Option<Vec<Option<(f64, f64)>>> {
-        let column = self.column(name)?;
+    fn curve(&self, name: &str) -> Result<Vec<(f64, f64)>, Error> {
+        let column = self.column(name).ok_or_else(|| Error::UnknownName {
+            kind: "coordinate, rate or output",
+            name: name.to_owned(),
+            known: self.column_names(),
+        })?;
         let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
-        let dense = || (0..=POINTS).map(|i| first + (last - first) * i as f64 / POINTS as f64);
-        let sampled: Option<Vec<_>> = dense().map(|t| Some(Some((t, self.at(t)?.get(name)?)))).collect();
-        let reported = || self.times.iter().copied().zip(column).map(Some).collect();
-        Some(sampled.filter(|_| self.times.len() < POINTS).unwrap_or_else(reported))
+        let dense = (0..=POINTS).map(|i| first + (last - first) * i as f64 / POINTS as f64);
+        let sampled: Option<Vec<_>> = dense.map(|t| Some((t, self.at(t)?.get(name)?))).collect();
+        let reported = || self.times.iter().copied().zip(column).collect();
+        Ok(sampled.filter(|_| self.times.len() < POINTS).unwrap_or_else(reported))
     }
 
     /// The unit that all of these have in common, of coordinates and rates; else none is written.
@@ -262,6 +275,14 @@ mod tests {
         let chart = run.history(&["phi"]).unwrap();
         assert_eq!((run.len(), chart.series[0].points.len()), (501, POINTS + 1));
         assert_eq!(chart.series[0].points[POINTS].map(|p| p.0), Some(6.0));
+    }
+
+    #[test]
+    fn a_portrait_has_one_column_over_the_other() {
+        let chart = circling(2).portrait("phi", "phi'").unwrap();
+        assert_eq!((chart.x.text(), chart.y.text()), ("phi (rad)".to_owned(), "phi' (rad/s)".to_owned()));
+        let (phi, rate) = chart.series[0].points[POINTS].unwrap();
+        assert!((phi - 6.0).abs() < 1e-9 && (rate - 1.0).abs() < 1e-9);
     }
 
     #[test]
