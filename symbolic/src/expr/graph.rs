@@ -421,11 +421,17 @@ impl Graph {
             (Node::Unary(Unary::Sqrt, x), Node::Unary(Unary::Sqrt, y)) if x == y => return x,
             (Node::Binary(Binary::Div, n, d), _) if d == b => return n,
             (_, Node::Binary(Binary::Div, n, d)) if d == a => return n,
-            (Node::Binary(Binary::Div, Id::ONE, d), _) => return self.div(b, d),
-            (_, Node::Binary(Binary::Div, Id::ONE, d)) => return self.div(a, d),
             _ => {}
         }
         let (a, b) = if a <= b { (a, b) } else { (b, a) };
+        self.intern(Node::Binary(Binary::Mul, a, b))
+    }
+
+    /// a b as it stands, so that a factor of parameters keeps its number: (m/2) x, not (m x)/2.
+    pub(crate) fn mul_as_is(&mut self, a: Id, b: Id) -> Id {
+        if self.number(a).is_some() || self.number(b).is_some() {
+            return self.mul(a, b);
+        }
         self.intern(Node::Binary(Binary::Mul, a, b))
     }
 

@@ -3,6 +3,7 @@
 mod candidates;
 mod count;
 mod factor;
+mod gather;
 mod structure;
 
 use crate::derive::{Derivation, Report, Switch, rates};
@@ -90,9 +91,14 @@ pub fn lower(derivation: Derivation) -> Result<Program, Vec<Problem>> {
     let n = model.coordinates.len();
     let graph = &mut model.graph;
 
-    let chosen = candidates::choose(graph, &equations);
+    let mut chosen = candidates::choose(graph, &equations);
+    gather_entries(graph, &mut chosen.mass);
+    chosen.bias = gather::gather(graph, &chosen.bias);
+    chosen.residual = gather::gather(graph, &chosen.residual);
     let accelerations = factor::accelerations(graph, n, &chosen.mass, &chosen.bias);
-    let (stiffness, damping) = residual_jacobians(graph, n, &chosen.residual);
+    let (mut stiffness, mut damping) = residual_jacobians(graph, n, &chosen.residual);
+    gather_entries(graph, &mut stiffness);
+    gather_entries(graph, &mut damping);
     let input = entries(jacobian(graph, &chosen.residual, |s| match s {
         Symbol::Input(k, order @ 0..=2) => Some(3 * k as usize + usize::from(order)),
         _ => None,
@@ -193,6 +199,13 @@ fn residual_jacobians(graph: &mut Graph, n: usize, residual: &[Id]) -> (Vec<Entr
     let best = if cost(graph, &backward) < cost(graph, &forward) { backward } else { forward };
     let (dq, dv): (Vec<Entry>, Vec<Entry>) = best.into_iter().partition(|e| e.1 < n);
     (dq, dv.into_iter().map(|(i, j, d)| (i, j - n, d)).collect())
+}
+
+fn gather_entries(graph: &mut Graph, entries: &mut [Entry]) {
+    let values: Vec<Id> = entries.iter().map(|e| e.2).collect();
+    for (entry, value) in entries.iter_mut().zip(gather::gather(graph, &values)) {
+        entry.2 = value;
+    }
 }
 
 fn entries(rows: Vec<Vec<(usize, Id)>>) -> Vec<Entry> {

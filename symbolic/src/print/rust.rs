@@ -213,7 +213,7 @@ fn mechanism(
             State::Acceleration => (format!("q: &[S; {n}], v: &[S; {n}], a: &[S; {n}]"), "q, v, a"),
         };
         let names: Vec<&str> = last.split(", ").filter_map(|a| a.split(':').next()).collect();
-        let used = names.join(", ");
+        let used = names.join(", &");
         let _ = write!(
             out,
             "
@@ -366,11 +366,11 @@ fn scenes(out: &mut String, program: &Program, bodies: &Bodies<'_>, n: usize) {
     }
     let _ = write!(
         out,
-        "\n    fn scene_parameters(&self, scene: usize) -> Vec<(usize, f64)> {{\n        use ::dalembert::mechanism::{{Mechanism as _, Real as _}};\n{head}        match scene {{\n{sets}            _ => Vec::new(),\n        }}\n    }}\n"
+        "\n    fn scene_parameters(&self, scene: usize) -> Vec<(usize, f64)> {{\n        use ::dalembert::mechanism::Real as _;\n{head}        match scene {{\n{sets}            _ => Vec::new(),\n        }}\n    }}\n"
     );
     let _ = write!(
         out,
-        "\n    fn scene(&self, scene: usize) -> ::dalembert::mechanism::Scene {{\n        use ::dalembert::mechanism::{{Mechanism as _, Real as _}};\n{head}        let mut x = ::dalembert::mechanism::Scene {{ q: vec![0.0; {n}], v: vec![0.0; {n}], until: 0.0, tolerance: 0.0, every: None }};\n        match scene {{\n{starts}        }}\n        x\n    }}\n"
+        "\n    fn scene(&self, scene: usize) -> ::dalembert::mechanism::Scene {{\n        use ::dalembert::mechanism::Real as _;\n{head}        let mut x = ::dalembert::mechanism::Scene {{ q: vec![0.0; {n}], v: vec![0.0; {n}], until: 0.0, tolerance: 0.0, every: None }};\n        match scene {{\n{starts}        }}\n        x\n    }}\n"
     );
     let guess: Vec<Use> = model
         .equilibrium
@@ -381,7 +381,7 @@ fn scenes(out: &mut String, program: &Program, bodies: &Bodies<'_>, n: usize) {
         .collect();
     let _ = write!(
         out,
-        "\n    fn equilibrium_guess(&self) -> [f64; {n}] {{\n        use ::dalembert::mechanism::{{Mechanism as _, Real as _}};\n{head}        let mut out = [0.0; {n}];\n        let _ = &mut out;\n{}        out\n    }}\n",
+        "\n    fn equilibrium_guess(&self) -> [f64; {n}] {{\n        use ::dalembert::mechanism::Real as _;\n{head}        let mut out = [0.0; {n}];\n        let _ = &mut out;\n{}        out\n    }}\n",
         bodies.body(&guess, "        ")
     );
 }
