@@ -3,7 +3,7 @@
 //! With p = ∂T/∂q' (one reverse pass), M = ∂p/∂q' (one forward pass) and
 //! h = dp/dt at q'' = 0 − ∂T/∂q + ∂V/∂q − Q.  Christoffel symbols are never formed.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap as HashMap;
 
 use super::{Dynamics, Energies, Equations, bias_rates, mass_entries, rates};
 use crate::expr::{Forward, Graph, Id, Rational, Symbol, Unary, reverse};

@@ -71,7 +71,7 @@ pub(super) fn introduce(graph: &mut Graph, roots: &[Id]) -> (Vec<Id>, Vec<Switch
 /// Puts the true functions back, for what only observes.
 pub(super) fn remove(graph: &mut Graph, roots: &[Id], switches: &[Switch]) -> Vec<Id> {
     // A mode's argument contains earlier modes only, so one sweep over the list replaces all.
-    let mut values: std::collections::HashMap<Symbol, Id> = std::collections::HashMap::new();
+    let mut values: rustc_hash::FxHashMap<Symbol, Id> = rustc_hash::FxHashMap::default();
     for (k, switch) in switches.iter().enumerate() {
         let argument = crate::expr::substitute(graph, &[switch.argument], &values)[0];
         let function = if switch.kind == SwitchKind::Sign { Unary::Sign } else { Unary::Step };

@@ -106,7 +106,7 @@ fn is_sum(graph: &Graph, id: Id) -> bool {
 fn flatten(graph: &Graph, id: Id) -> Vec<(Id, Number)> {
     let one = Number::Exact(Rational::ONE);
     let mut terms: Vec<(Id, Number)> = Vec::new();
-    let mut place = std::collections::HashMap::new();
+    let mut place = rustc_hash::FxHashMap::default();
     let mut stack = vec![(id, one)];
     while let Some((id, factor)) = stack.pop() {
         match graph.node(id) {
@@ -127,12 +127,7 @@ fn flatten(graph: &Graph, id: Id) -> Vec<(Id, Number)> {
     terms
 }
 
-fn collect(
-    terms: &mut Vec<(Id, Number)>,
-    place: &mut std::collections::HashMap<Id, usize>,
-    term: Id,
-    coefficient: Number,
-) {
+fn collect(terms: &mut Vec<(Id, Number)>, place: &mut rustc_hash::FxHashMap<Id, usize>, term: Id, coefficient: Number) {
     match place.get(&term) {
         Some(&k) => terms[k].1 = plus(terms[k].1, coefficient),
         None => {

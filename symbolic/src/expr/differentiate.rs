@@ -1,6 +1,6 @@
 //! Forward and reverse differentiation on the graph.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap as HashMap;
 
 use super::{Binary, Graph, Id, Node, Symbol, Unary};
 
@@ -15,7 +15,7 @@ pub struct Forward<F: Fn(&mut Graph, Symbol) -> Id> {
 impl<F: Fn(&mut Graph, Symbol) -> Id> Forward<F> {
     /// `rate(symbol)` is the derivative of a symbol along the direction; 0 for one that stands still.
     pub fn new(rate: F) -> Self {
-        Forward { rate, known: HashMap::new() }
+        Forward { rate, known: HashMap::default() }
     }
 
     /// The derivative of an expression.
@@ -153,7 +153,7 @@ pub fn reverse(graph: &mut Graph, seeds: &[(Id, Id)], wanted: impl Fn(Symbol) ->
             last = last.max(root.index());
         }
     }
-    let mut gradient = HashMap::new();
+    let mut gradient = HashMap::default();
     for i in (0..=last).rev() {
         let bar = cotangent[i];
         if bar == Id::ZERO {

@@ -5,8 +5,10 @@
 //! factored greedily by its most frequent factor.  For small planar mechanisms this finds what a person
 //! writes by hand; for recursive code it destroys shared prefixes.  The caller keeps the cheaper form.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::rc::Rc;
+
+use rustc_hash::FxHashMap as HashMap;
 
 use super::{Binary, Graph, Id, Node, Symbol, Unary};
 
@@ -25,7 +27,7 @@ const TOTAL_LIMIT: usize = 60_000;
 pub fn expand(graph: &mut Graph, roots: &[Id], constant: impl Fn(Symbol) -> bool) -> Option<Vec<Id>> {
     let varying = graph.contains(|s| !constant(s));
     let needed = graph.reachable(roots.iter().copied());
-    let mut known: HashMap<Id, Rc<Polynomial>> = HashMap::new();
+    let mut known: HashMap<Id, Rc<Polynomial>> = HashMap::default();
     let mut total = 0;
     for i in (0..needed.len()).filter(|&i| needed[i]) {
         let id = graph.id_at(i);

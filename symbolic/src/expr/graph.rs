@@ -1,6 +1,6 @@
 //! The hash-consed expression graph.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap as HashMap;
 
 use super::{Rational, Symbol};
 
@@ -125,9 +125,9 @@ impl Graph {
     pub fn new() -> Self {
         let mut graph = Graph {
             nodes: Vec::new(),
-            index: HashMap::new(),
+            index: HashMap::default(),
             numbers: Vec::new(),
-            number_index: HashMap::new(),
+            number_index: HashMap::default(),
             overflowed: false,
         };
         graph.rational(Rational::ZERO);

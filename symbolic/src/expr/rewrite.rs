@@ -1,6 +1,6 @@
 //! Rebuilding expressions with some nodes replaced.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap as HashMap;
 
 use super::{Graph, Id, Node, Symbol};
 

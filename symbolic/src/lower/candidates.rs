@@ -23,15 +23,18 @@ pub(super) fn choose(graph: &mut Graph, equations: &[Equations]) -> Chosen {
     for derivation in equations {
         let name = derivation.name;
         let values: Vec<Id> = derivation.mass.iter().map(|e| e.2).collect();
-        if let Some(expanded) = expand(graph, &values, constant) {
-            let entries = derivation.mass.iter().zip(expanded).map(|(e, x)| (e.0, e.1, x));
-            masses.push((format!("{name}, expanded"), entries.filter(|e| e.2 != Id::ZERO).collect()));
-        }
-        if let Some(expanded) = expand(graph, &derivation.bias, constant) {
-            biases.push((format!("{name}, expanded"), expanded));
-        }
-        if let Some(expanded) = expand(graph, &derivation.residual, constant) {
-            residuals.push((format!("{name}, expanded"), expanded));
+        // Expanded forms of different derivations are the same up to order, so one is enough.
+        if masses.is_empty() {
+            if let Some(expanded) = expand(graph, &values, constant) {
+                let entries = derivation.mass.iter().zip(expanded).map(|(e, x)| (e.0, e.1, x));
+                masses.push((format!("{name}, expanded"), entries.filter(|e| e.2 != Id::ZERO).collect()));
+            }
+            if let Some(expanded) = expand(graph, &derivation.bias, constant) {
+                biases.push((format!("{name}, expanded"), expanded));
+            }
+            if let Some(expanded) = expand(graph, &derivation.residual, constant) {
+                residuals.push((format!("{name}, expanded"), expanded));
+            }
         }
         masses.push((name.to_owned(), derivation.mass.clone()));
         biases.push((name.to_owned(), derivation.bias.clone()));

@@ -185,6 +185,9 @@ fn residual_jacobians(graph: &mut Graph, n: usize, residual: &[Id]) -> (Vec<Entr
         _ => None,
     };
     let forward = entries(jacobian(graph, residual, column));
+    if n > REVERSE_LIMIT {
+        return split(forward, n);
+    }
     let mut backward = Vec::new();
     for (i, row) in residual.iter().enumerate() {
         let gradient = reverse(graph, &[(*row, Id::ONE)], |s| column(s).is_some());
@@ -196,8 +199,15 @@ fn residual_jacobians(graph: &mut Graph, n: usize, residual: &[Id]) -> (Vec<Entr
     let cost = |graph: &Graph, entries: &[Entry]| {
         operations(graph, &entries.iter().map(|e| e.2).chain(residual.iter().copied()).collect::<Vec<_>>())
     };
-    let best = if cost(graph, &backward) < cost(graph, &forward) { backward } else { forward };
-    let (dq, dv): (Vec<Entry>, Vec<Entry>) = best.into_iter().partition(|e| e.1 < n);
+    split(if cost(graph, &backward) < cost(graph, &forward) { backward } else { forward }, n)
+}
+
+/// With more coordinates than this the residual comes from bodies, where forward mode is always cheaper.
+const REVERSE_LIMIT: usize = 16;
+
+/// Columns of q and columns of q'.
+fn split(entries: Vec<Entry>, n: usize) -> (Vec<Entry>, Vec<Entry>) {
+    let (dq, dv): (Vec<Entry>, Vec<Entry>) = entries.into_iter().partition(|e| e.1 < n);
     (dq, dv.into_iter().map(|(i, j, d)| (i, j - n, d)).collect())
 }
 

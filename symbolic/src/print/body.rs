@@ -4,7 +4,7 @@
 //! order of their creation; each result is stored right where it is computed, because stores collected at
 //! the end of a function send LLVM's SLP vectoriser off for minutes.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap as HashMap;
 use std::fmt::Write;
 
 use super::names::Locals;
@@ -62,13 +62,13 @@ impl Bodies<'_> {
         let roots: Vec<Id> = uses.iter().flat_map(Use::values).collect();
         let needed = self.needed(&roots);
         let counts = self.counts(&needed, &roots);
-        let mut due: HashMap<usize, Vec<&Use>> = HashMap::new();
+        let mut due: HashMap<usize, Vec<&Use>> = HashMap::default();
         for item in uses {
             let at = item.values().iter().map(|id| id.index()).max().unwrap_or(0);
             due.entry(at).or_default().push(item);
         }
         let mut lines = self.bindings(&needed, indent);
-        let mut pieces: HashMap<Id, Piece> = HashMap::new();
+        let mut pieces: HashMap<Id, Piece> = HashMap::default();
         let mut next = 0;
         for i in (0..needed.len()).filter(|&i| needed[i]) {
             let id = graph.id_at(i);

@@ -1,6 +1,6 @@
 //! A whole program as Rust source.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap as HashMap;
 use std::fmt::Write;
 
 use super::body::{Bodies, Use};
@@ -15,7 +15,7 @@ use crate::model::Parameter;
 ///
 /// `source` is the model file's text, `name` the type's name.
 pub fn rust(program: &Program, source: &str, name: &str) -> String {
-    let blank = HashMap::new();
+    let blank = HashMap::default();
     let locals = Locals::of(&program.model);
     let constants = hoist(program);
     let modes = program.switches.len();
