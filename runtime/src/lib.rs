@@ -18,4 +18,4 @@ pub use dalembert_macros::model;
 pub use error::{Cause, Error, Failure};
 pub use integrate::{Method, ParseMethodError};
 pub use run::{Occurrence, Run, State, Work};
-pub use simulate::{Settings, Simulate, Simulation, StateMut, Stepping, simulate};
+pub use simulate::{Settings, Simulate, Simulation, StateMut, Stepping, simulate, simulate_with};

@@ -71,6 +71,7 @@ impl Watch {
     /// Chooses the modes and notes on which side of zero all functions are, at the start of a motion.
     pub fn begin<S: System + ?Sized>(&mut self, system: &mut S, t: f64, y: &[f64]) -> Result<(), Cause> {
         self.surface.fill(false);
+        system.set_modes(&vec![1.0; self.surface.len()]);
         self.choose(system, (t, y), None)?;
         self.sampler.at_state(system, t, y);
         for function in 0..self.sampler.len() {

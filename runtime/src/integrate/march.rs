@@ -112,18 +112,26 @@ impl<S: System + ?Sized> March<S> {
         self.restart(system)
     }
 
-    /// Goes on to `until`, or to an event that stops.
-    pub fn advance(&mut self, system: &mut S, until: f64, recorder: &mut Recorder) -> Result<Halt, Cause> {
+    /// Goes on to `until`, or to an event that stops; tells `progress` the time after every step.
+    pub fn advance(
+        &mut self,
+        system: &mut S,
+        until: f64,
+        recorder: &mut Recorder,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<Halt, Cause> {
         while self.clock.now() < until {
             let stop = self.watch.as_ref().map_or(until, |watch| watch.next_stop(until));
             let step = self.attempt(system, stop)?;
             self.look_for_stiffness(step, recorder);
             let Some(mut watch) = self.watch.take() else {
                 self.keep(system, step, recorder)?;
+                progress(self.clock.now());
                 continue;
             };
             let outcome = self.watched(system, step, &mut watch, recorder);
             self.watch = Some(watch);
+            progress(self.clock.now());
             if outcome? == Halt::Event {
                 return Ok(Halt::Event);
             }

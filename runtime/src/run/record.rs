@@ -116,6 +116,10 @@ impl Recorder {
             if self.keep_dense {
                 self.run.trajectory.push(segment);
                 self.run.frames.accept(system, segment, t, &mut self.point);
+                if self.run.trajectory.is_full() {
+                    self.keep_dense = false;
+                    self.warn(Warning::DenseOutputEnds { t });
+                }
             }
             while self.next_time() < t {
                 let at = self.next_time();

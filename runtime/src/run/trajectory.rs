@@ -34,6 +34,9 @@ impl Segment<'_> {
     }
 }
 
+/// More numbers of dense output than this (400 MB) are not kept.
+const MOST_NUMBERS: usize = 50_000_000;
+
 /// Dense output of a whole run.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Trajectory {
@@ -48,6 +51,11 @@ impl Trajectory {
     /// An empty one.
     pub fn new(width: usize, pieces_per_step: usize) -> Self {
         Trajectory { width, pieces_per_step, ..Trajectory::default() }
+    }
+
+    /// True when it has grown beyond what is kept.
+    pub fn is_full(&self) -> bool {
+        self.pieces.len() > MOST_NUMBERS
     }
 
     /// Appends a step.  Only the first `width` numbers of each piece are kept.

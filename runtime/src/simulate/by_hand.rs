@@ -2,8 +2,8 @@
 
 use std::time::Instant;
 
-use super::{Settings, fail, finish, prepare};
-use crate::error::Error;
+use super::{Settings, Start, fail, finish, start};
+use crate::error::{Cause, Error};
 use crate::integrate::{Halt, March};
 use crate::mechanism::System;
 use crate::run::{Occurrence, Recorder, Run, State};
@@ -37,13 +37,15 @@ impl<S: System> Stepping<S> {
     /// Begins a run.  A step is `every`, or the fixed step, or a 500th of the run.
     ///
     /// # Errors
-    /// A setting without meaning.
-    pub fn new(system: S, settings: Settings) -> Result<Self, Error> {
-        let (march, recorder) = prepare(&system, &settings, f64::INFINITY)?;
-        let span = settings.until - settings.from;
-        let spacing = settings.every.or(settings.step).unwrap_or(if span > 0.0 { span / 500.0 } else { 1.0 });
-        let horizon = settings.until;
-        Ok(Stepping { system, march, recorder, spacing, horizon, changed: true, clock: Instant::now() })
+    /// A setting without meaning, or [`Error::Run`] where no motion can begin.
+    pub fn new(mut system: S, settings: Settings) -> Result<Self, Error> {
+        let clock = Instant::now();
+        let Start { march, recorder, outcome } = start(&mut system, &settings, f64::INFINITY)?;
+        if let Err(cause) = outcome {
+            return Err(fail(cause, &system, &march, recorder, clock));
+        }
+        let spacing = settings.every.or(settings.step).unwrap_or_else(|| settings.spacing());
+        Ok(Stepping { system, march, recorder, spacing, horizon: settings.until, changed: false, clock })
     }
 
     /// Goes on by one step, or to an event that stops, which is returned.
@@ -70,14 +72,14 @@ impl<S: System> Stepping<S> {
         }
     }
 
-    fn go(&mut self, until: f64) -> Result<Halt, crate::error::Cause> {
+    fn go(&mut self, until: f64) -> Result<Halt, Cause> {
         if self.changed || until > self.horizon {
             // Far enough not to begin anew with each step.
             self.horizon = self.horizon.max(until + 100.0 * self.spacing);
             self.march.begin(&mut self.system, self.horizon)?;
             self.changed = false;
         }
-        let halt = self.march.advance(&mut self.system, until, &mut self.recorder)?;
+        let halt = self.march.advance(&mut self.system, until, &mut self.recorder, &mut |_| ())?;
         self.recorder.report(&self.system, self.march.time(), self.march.state());
         Ok(halt)
     }

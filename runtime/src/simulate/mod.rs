@@ -1,7 +1,7 @@
 //! Running a mechanism.
 //!
 //! 1. [`Settings`] say where to start, how far to go and how: look in `settings.rs`.
-//! 2. [`simulate`] runs any [`System`], in one call.
+//! 2. [`simulate`] runs any [`System`], in one call; [`simulate_with`] says how far it is.
 //! 3. [`Simulation`] is the same, word by word: look in `builder.rs`; [`Simulate`] gives it to every mechanism
 //!    that `model!` makes: look in `typed.rs`.
 //! 4. [`Stepping`] goes step by step, for control loops: look in `by_hand.rs`.
@@ -31,45 +31,53 @@ use crate::trust::{Warning, check_step};
 /// # Errors
 /// A setting without meaning, or [`Error::Run`] with the time, the state and what was computed until then.
 pub fn simulate<S: System + ?Sized>(system: &mut S, settings: &Settings) -> Result<Run, Error> {
+    simulate_with(system, settings, &mut |_| ())
+}
+
+/// Runs a mechanism, and tells `progress` the time that was reached after every step.
+///
+/// # Errors
+/// As [`simulate`].
+pub fn simulate_with<S: System + ?Sized>(
+    system: &mut S,
+    settings: &Settings,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Run, Error> {
     let clock = Instant::now();
-    let span = settings.until - settings.from;
-    let every = settings.every.unwrap_or(if span > 0.0 { span / 500.0 } else { 1.0 });
-    let (mut march, mut recorder) = prepare(system, settings, every)?;
-    let outcome = match march.begin(system, settings.until) {
-        Ok(()) => march.advance(system, settings.until, &mut recorder),
-        Err(cause) => Err(cause),
-    };
+    let Start { mut march, mut recorder, outcome } = start(system, settings, settings.spacing())?;
+    let outcome = outcome.and_then(|()| march.advance(system, settings.until, &mut recorder, progress));
     match outcome {
         Ok(_) => Ok(finish(system, &march, recorder, clock)),
         Err(cause) => Err(fail(cause, system, &march, recorder, clock)),
     }
 }
 
-/// A march and a recorder at the start.
-fn prepare<S: System + ?Sized>(system: &S, settings: &Settings, every: f64) -> Result<(March<S>, Recorder), Error> {
-    settings.check(system.len())?;
-    let mut warnings = Vec::new();
+/// A run that has begun, or could not.
+struct Start<S: System + ?Sized> {
+    march: March<S>,
+    recorder: Recorder,
+    outcome: Result<(), Cause>,
+}
+
+/// Begins a run whose states are reported at this spacing.
+fn start<S: System + ?Sized>(system: &mut S, settings: &Settings, every: f64) -> Result<Start<S>, Error> {
+    settings.check(system.description())?;
     let method = settings.method.resolve(settings.step, settings.tolerance);
     let rates = Rates::new(system.len(), settings.watch && !system.description().structure.conservative);
     let mut y = vec![0.0; rates.width];
     y[..rates.n].copy_from_slice(&settings.q);
     y[rates.n..2 * rates.n].copy_from_slice(&settings.v);
-    let span = settings.until - settings.from;
     let tolerance = settings.tolerance.max(Settings::TIGHTEST);
     let pace = match settings.step {
-        Some(step) => {
-            warnings.extend(check_step(system, (settings.from, &settings.q, &settings.v), method, step, span));
-            Pace::Fixed(step)
-        }
+        Some(step) => Pace::Fixed(step),
         None => {
-            if tolerance > settings.tolerance {
-                warnings.push(Warning::ToleranceTooTight { asked: settings.tolerance, used: tolerance });
-            }
             let tolerance = Tolerance::new(tolerance, &y, rates.controlled());
             Pace::Adaptive { tolerance, longest: settings.longest_step.unwrap_or(f64::INFINITY) }
         }
     };
-    let march = March::new(method, pace, rates, settings.from, y, settings.max_steps);
+    let mut march = March::new(method, pace, rates, settings.from, y, settings.max_steps);
+    // The modes of discontinuities come first: energies and outputs at the start depend on them.
+    let outcome = march.begin(system, settings.until).and(settings.attainable());
     let plan = Plan {
         until: settings.until,
         every,
@@ -81,10 +89,14 @@ fn prepare<S: System + ?Sized>(system: &S, settings: &Settings, every: f64) -> R
         step: settings.step,
     };
     let mut recorder = Recorder::new(&plan, system, settings.from, march.state());
-    for warning in warnings {
-        recorder.warn(warning);
+    if let Some(step) = settings.step {
+        let at = (settings.from, settings.q.as_slice(), settings.v.as_slice());
+        let warning = check_step(system, at, method, step, settings.until - settings.from);
+        warning.into_iter().for_each(|warning| recorder.warn(warning));
+    } else if tolerance > settings.tolerance {
+        recorder.warn(Warning::ToleranceTooTight { asked: settings.tolerance, used: tolerance });
     }
-    Ok((march, recorder))
+    Ok(Start { march, recorder, outcome })
 }
 
 fn finish<S: System + ?Sized>(system: &S, march: &March<S>, recorder: Recorder, clock: Instant) -> Run {

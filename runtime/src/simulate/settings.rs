@@ -1,8 +1,11 @@
 //! What a run can be told.
 
-use crate::error::Error;
+use crate::error::{Cause, Error};
 use crate::integrate::Method;
-use crate::mechanism::Scene;
+use crate::mechanism::{Description, Scene};
+
+/// More numbers than this are not reported: they would fill the memory.
+const MOST_NUMBERS: f64 = 1e8;
 
 /// How to run.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,11 +57,27 @@ impl Settings {
         }
     }
 
-    /// The tolerances below this one are beyond rounding: about 100 unit round-offs.
+    /// Tolerances below this one, about 100 unit round-offs, are raised to it, with a warning.
     pub const TIGHTEST: f64 = 1e-14;
 
-    /// Refuses settings without meaning for a mechanism with n coordinates.
-    pub(super) fn check(&self, n: usize) -> Result<(), Error> {
+    /// Spacing of reported states, s.
+    pub(super) fn spacing(&self) -> f64 {
+        let span = self.until - self.from;
+        self.every.unwrap_or(if span > 0.0 { span / 500.0 } else { 1.0 })
+    }
+
+    /// Refuses a tolerance that no arithmetic in `f64` can meet.
+    pub(super) fn attainable(&self) -> Result<(), Cause> {
+        const ROUND_OFF: f64 = 0.5 * f64::EPSILON;
+        if self.step.is_none() && self.tolerance < ROUND_OFF {
+            return Err(Cause::ToleranceTooTight { asked: self.tolerance, attainable: Self::TIGHTEST });
+        }
+        Ok(())
+    }
+
+    /// Refuses settings without meaning for a mechanism.
+    pub(super) fn check(&self, mechanism: &Description) -> Result<(), Error> {
+        let n = mechanism.coordinates.len();
         for (setting, list) in [("start", &self.q), ("start of the rates", &self.v)] {
             if list.len() != n {
                 return Err(Error::WrongLength { setting, given: list.len(), expected: n });
@@ -81,6 +100,11 @@ impl Settings {
         }
         positive("tolerance", Some(self.tolerance))?;
         positive("every", self.every)?;
+        let numbers = (2 * n + mechanism.output_len()) as f64 * (self.until - self.from) / self.spacing();
+        if numbers > MOST_NUMBERS {
+            let expected = "a spacing that leaves at most 10⁸ numbers to report";
+            return Err(Error::BadSetting { setting: "every", value: self.spacing(), expected });
+        }
         positive("step", self.step)?;
         positive("longest_step", self.longest_step)?;
         if self.step.is_none() && !self.method.is_adaptive() {

@@ -65,10 +65,13 @@ fn a_run_of_no_length_is_its_start() {
 
 #[test]
 fn a_tolerance_below_rounding_is_clamped_and_said_r9() {
-    let run = run(Toy::oscillator(1.0, 1.0), |s| s.tolerance = 1e-17).unwrap();
-    assert_eq!(run.tolerance, Some(1e-14));
-    assert_eq!(run.warnings, [Warning::ToleranceTooTight { asked: 1e-17, used: 1e-14 }]);
-    assert!((run.last()["x"] - 1.0_f64.cos()).abs() < 1e-14);
+    let clamped = run(Toy::oscillator(1.0, 1.0), |s| s.tolerance = 1e-15).unwrap();
+    assert_eq!(clamped.tolerance, Some(1e-14));
+    assert_eq!(clamped.warnings, [Warning::ToleranceTooTight { asked: 1e-15, used: 1e-14 }]);
+    assert!((clamped.last()["x"] - 1.0_f64.cos()).abs() < 1e-14);
+    let error = run(Toy::oscillator(1.0, 1.0), |s| s.tolerance = 1e-17).unwrap_err();
+    assert_eq!(error.cause(), Some(&Cause::ToleranceTooTight { asked: 1e-17, attainable: 1e-14 }));
+    assert_eq!(error.partial().unwrap().len(), 1);
 }
 
 #[test]
@@ -209,4 +212,38 @@ fn a_thermostat_by_hand_sees_its_events() {
     assert_eq!(sim.advance(3.0).unwrap(), None);
     let event = sim.advance(3.0).unwrap().unwrap();
     assert!((event.state.t - 1.5 * std::f64::consts::PI).abs() < 1e-8);
+}
+
+#[test]
+fn more_states_than_memory_holds_are_refused() {
+    let error = run(Toy::oscillator(1.0, 1.0), |s| s.every = Some(1e-12)).unwrap_err();
+    assert!(matches!(error, Error::BadSetting { setting: "every", .. }), "{error}");
+}
+
+#[test]
+fn progress_is_told_after_every_step() {
+    let mut toy = Toy::oscillator(1.0, 1.0);
+    let settings = Settings::new(&toy.scene);
+    let mut times = Vec::new();
+    let run = simulate_with(&mut toy, &settings, &mut |t| times.push(t)).unwrap();
+    assert_eq!(times.len() as u64, run.work.steps);
+    assert_eq!(times.last(), Some(&1.0));
+}
+
+#[test]
+fn modes_are_chosen_before_anything_is_reported() {
+    // The output is the mode of a step that is 0 at the start; a second run begins as the first did.
+    let mut toy = Toy::new(&["x"], (&[-1.0], &[1.0]), 2.0, |_, _, _, _, a| a[0] = 0.0).switch(
+        crate::mechanism::Switch { text: "x".into(), kind: crate::mechanism::SwitchKind::Step, time_only: false },
+        |_, q, v, _, p| p.copy_from_slice(&[q[0], v[0]]),
+    );
+    let settings = Settings::new(&toy.scene);
+    for _ in 0..2 {
+        simulate(&mut toy, &settings).unwrap();
+        assert_eq!(toy.modes, [1.0]);
+    }
+    let mut sim = Simulation::new(toy).by_hand().unwrap();
+    assert_eq!(sim.system().modes, [0.0]);
+    sim.advance(1.5).unwrap();
+    assert_eq!(sim.system().modes, [1.0]);
 }

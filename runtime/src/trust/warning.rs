@@ -45,6 +45,11 @@ pub enum Warning {
         /// By which factor the method amplifies the mode over the run.
         growth: f64,
     },
+    /// The run has too many steps to keep dense output of them all.
+    DenseOutputEnds {
+        /// Until when there is dense output, s.
+        t: f64,
+    },
     /// The step is limited by stability, not by accuracy: an implicit method would need far fewer.
     Stiff {
         /// When it was noticed, s.
@@ -78,6 +83,7 @@ impl fmt::Display for Warning {
                 "step exceeds stability: `{method}` at a step of {step} s amplifies the mode with eigenvalue \
                  {real:.4} ± {imaginary:.4}i 1/s by {growth:.2e} over the run; its limit is {limit:.4e} s"
             ),
+            Warning::DenseOutputEnds { t } => write!(f, "dense output ends at t = {t} s: it would fill the memory"),
             Warning::Stiff { t, step_times_rate } => write!(
                 f,
                 "stiff: from about t = {t} s on the step is limited by stability (h|λ| ≈ {step_times_rate:.1}), not by accuracy"
