@@ -99,6 +99,11 @@ impl Extent {
         self.high = self.at(1.0 / (1.0 - fraction.clamp(0.0, 0.5))).min(1e301);
     }
 
+    /// Distance between the ends.
+    pub fn span(&self) -> f64 {
+        self.high - self.low
+    }
+
     /// The value at a fraction of the axis.
     pub fn at(&self, fraction: f64) -> f64 {
         match self.scale {

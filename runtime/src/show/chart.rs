@@ -1,6 +1,6 @@
 //! What a chart shows, as plain data.
 
-use super::{Axis, Figure};
+use super::{Axis, Figure, Scale};
 
 /// One pair of axes and what is drawn between them.
 ///
@@ -43,6 +43,11 @@ impl Chart {
     /// The same chart with units of equal length on both axes.
     pub fn equal(self) -> Chart {
         Chart { equal: true, ..self }
+    }
+
+    /// True where units of equal length are wanted and possible.
+    pub(super) fn is_equal(&self) -> bool {
+        self.equal && self.x.scale == Scale::Linear && self.y.scale == Scale::Linear
     }
 
     /// The chart as the text of an SVG file.

@@ -6,7 +6,7 @@
 use super::axis::Extent;
 use super::legend;
 use super::marks::{Pen, crosses, slope};
-use super::{Chart, Scale, Style};
+use super::{Chart, Style};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -70,13 +70,19 @@ impl Figure {
     }
 }
 
-/// Height of a chart on a page of so many, px.
+/// Height of a chart on a page of so many, px; where axes are equal it follows the data.
 fn height(chart: &Chart, charts: usize) -> i32 {
-    match (chart.equal || !chart.slopes.is_empty(), charts) {
-        (true, _) => 620,
-        (false, 1) => 460,
-        (false, 2) => 330,
-        (false, _) => 260,
+    let tallest = 530;
+    let around = TITLE + BELOW;
+    match (chart.is_equal(), chart.slopes.is_empty(), charts) {
+        (true, ..) => {
+            let (x, y) = fitted(chart);
+            around + (0.8 * f64::from(WIDTH) * y.span() / x.span()).clamp(200.0, f64::from(tallest)) as i32
+        }
+        (false, false, _) => around + tallest,
+        (false, true, 1) => around + 370,
+        (false, true, 2) => around + 240,
+        (false, true, _) => around + 170,
     }
 }
 
@@ -156,19 +162,24 @@ pub(super) fn text(size: i32) -> TextStyle<'static> {
     (FONT, f64::from(size * FINE) * PLOTTERS_SHRINKS).into()
 }
 
-/// Ends of both axes, fitted to points that have a place on both.
+/// Axes for a chart of this inner size, px.
 fn extents(chart: &Chart, width: i32, height: i32) -> (Extent, Extent) {
+    let (mut x, mut y) = fitted(chart);
+    let rows = chart.series.iter().filter(|series| !series.failures.is_empty()).count() as i32;
+    y.reserve(f64::from(rows * CROSSES) / f64::from(height));
+    if chart.is_equal() {
+        Extent::make_equal(&mut x, &mut y, f64::from(width), f64::from(height));
+    }
+    (x.with_ticks(width as usize / 80), y.with_ticks(height as usize / 45))
+}
+
+/// Ends of both axes, fitted to the points that have a place on both.
+fn fitted(chart: &Chart) -> (Extent, Extent) {
     let has_marks = chart.series.iter().any(|s| matches!(s.style, Style::Marks | Style::MarkedLine));
     let points = || chart.series.iter().flat_map(|s| s.points.iter().flatten());
     let shown = || points().filter(|(x, y)| chart.x.has(*x) && chart.y.has(*y));
     let failures = chart.series.iter().flat_map(|s| s.failures.iter().map(|failure| failure.x));
     let x_pad = if chart.equal || has_marks { 0.05 } else { 0.0 };
-    let mut x = Extent::fit(&chart.x, shown().map(|p| p.0).chain(failures), x_pad);
-    let mut y = Extent::fit(&chart.y, shown().map(|p| p.1), 0.06);
-    let rows = chart.series.iter().filter(|series| !series.failures.is_empty()).count() as i32;
-    y.reserve(f64::from(rows * CROSSES) / f64::from(height));
-    if chart.equal && chart.x.scale == Scale::Linear && chart.y.scale == Scale::Linear {
-        Extent::make_equal(&mut x, &mut y, f64::from(width), f64::from(height));
-    }
-    (x.with_ticks(width as usize / 80), y.with_ticks(height as usize / 45))
+    let x = Extent::fit(&chart.x, shown().map(|p| p.0).chain(failures), x_pad);
+    (x, Extent::fit(&chart.y, shown().map(|p| p.1), 0.06))
 }
