@@ -1,14 +1,16 @@
 //! `draw`: what to animate.
 
+use std::rc::Rc;
+
 use super::bench::{Rules, Text, Written};
 use super::lower::Local;
 use super::reader::Spot;
 use super::resolved::{Shape, Vector};
 use super::resolver::Resolver;
 use super::substitute::substitute;
-use crate::diagnose::catalogue::{names, sections, syntax};
+use crate::diagnose::catalogue::{names, sections};
 use crate::expr::{Id, Rational, Symbol};
-use crate::language::{Span, is_reserved};
+use crate::language::{is_reserved, parse_bounds};
 
 /// Stretches into which a curve is divided.
 const STRETCHES: i64 = 100;
@@ -36,6 +38,7 @@ impl Resolver<'_> {
                 [first, second, ..] => {
                     problems.push(sections::conflicting_keys(spot.place.clone(), first, second, "a shape"));
                 }
+                _ if spot.misspelt(problems) => {}
                 _ => {
                     let kinds = kinds.map(|kind| format!("`{kind}`")).join(", ");
                     problems.push(sections::needs_one_of(spot.place.clone(), kinds, "a shape"));
@@ -150,21 +153,16 @@ impl Resolver<'_> {
     /// `-2..2`.
     fn range(&mut self, spot: &Spot<'_>) -> Option<[Id; 2]> {
         let words = spot.words(&mut self.bench.problems)?;
-        let Some((from, to)) = words.split_once("..") else {
-            self.bench.problems.push(syntax::bad_range(spot.place.at(Span::new(0, words.len())), words));
-            return None;
+        let (from, to) = match parse_bounds(words) {
+            Ok(bounds) => bounds,
+            Err(found) => {
+                self.bench.problems.extend(found.into_iter().map(|problem| problem.moved_to(&spot.place)));
+                return None;
+            }
         };
-        // Blanks in front keep the columns of what is read.
-        let to = format!("{}{to}", " ".repeat(words.len() - to.len()));
         let mut ends = [Id::ZERO; 2];
-        for (end, words) in ends.iter_mut().zip([from, &to]) {
-            let text: Text = match super::reader::quantity(words, &spot.place) {
-                Ok(quantity) => quantity.text,
-                Err(found) => {
-                    self.bench.problems.extend(found);
-                    return None;
-                }
-            };
+        for (end, ast) in ends.iter_mut().zip([from, to]) {
+            let text = Text { source: words.into(), ast: Rc::new(ast), place: Rc::new(spot.place.clone()) };
             *end = self.scalar(&text, RULES, &Self::no_locals())?;
         }
         Some(ends)

@@ -131,7 +131,6 @@ impl Resolver<'_> {
     }
 
     /// The body that a text names; inside, `None` is the ground.  Outside, `None`: it names none (reported).
-    #[expect(clippy::option_option, reason = "the ground is no body, and an error is neither")]
     pub fn body(&mut self, text: &Text, locals: &Locals) -> Option<Option<usize>> {
         let mut lower = Lower::new(&mut self.bench, &self.scope, text, POSITION, locals);
         let AstKind::Name { name, indices, primes: 0 } = &text.ast.kind else {
@@ -151,7 +150,6 @@ impl Resolver<'_> {
     }
 
     /// As [`Resolver::body`], and the body must have an orientation.
-    #[expect(clippy::option_option, reason = "as for `body`")]
     pub fn rigid_body(&mut self, text: &Text, context: &str, locals: &Locals) -> Option<Option<usize>> {
         let body = self.body(text, locals)?;
         if let Some(body) = body

@@ -76,7 +76,7 @@ pub fn expand(
     let rows = match index::members(&at, bench, &mut Vec::new(), &ranges) {
         Ok(rows) => rows,
         Err(problem) => {
-            bench.problems.push(problem);
+            bench.problems.push(*problem);
             return None;
         }
     };

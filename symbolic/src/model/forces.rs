@@ -99,7 +99,6 @@ impl Resolver<'_> {
     }
 
     /// The rigid body that takes a couple, with its centre of mass; inside, `None` is the ground.
-    #[expect(clippy::option_option, reason = "the ground is no body, and an error is neither")]
     fn couple_holder(&mut self, text: &Text, locals: &Locals) -> Option<Option<(usize, Vec<Id>)>> {
         match self.rigid_body(text, "a torque", locals)? {
             None => Some(None),

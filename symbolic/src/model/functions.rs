@@ -109,7 +109,7 @@ impl Lower<'_> {
         };
         match index::integer(&Indices::within(self.scope, self.text), &self.locals, &whole) {
             Ok(value) => Value::Scalar(self.bench.graph.integer(value)),
-            Err(problem) => self.refuse(problem),
+            Err(problem) => self.refuse(*problem),
         }
     }
 

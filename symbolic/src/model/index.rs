@@ -34,8 +34,9 @@ impl<'a> Indices<'a> {
 ///
 /// # Errors
 /// When it is no integer known at compile time, or none of 64 bits.
-pub fn integer(at: &Indices<'_>, locals: &[(String, Local)], ast: &Ast) -> Result<i64, Problem> {
-    let refuse = |why: &str| Err(names::index_not_integer(at.place.at(ast.span), words(at.source, ast.span), why));
+pub fn integer(at: &Indices<'_>, locals: &[(String, Local)], ast: &Ast) -> Result<i64, Box<Problem>> {
+    let refuse =
+        |why: &str| Err(names::index_not_integer(at.place.at(ast.span), words(at.source, ast.span), why).into());
     let checked = |value: Option<i64>| value.map_or_else(|| refuse("it does not fit into 64 bits"), Ok);
     match &ast.kind {
         AstKind::Number(text) => text.parse().map_or_else(|_| refuse("it is not a whole number"), Ok),
@@ -54,7 +55,7 @@ pub fn integer(at: &Indices<'_>, locals: &[(String, Local)], ast: &Ast) -> Resul
                 },
                 None => {
                     let known = at.scope.candidates().chain(locals.iter().map(|(local, _)| local.as_str()));
-                    Err(names::unknown_name(at.place.at(ast.span), name, did_you_mean(name, known)))
+                    Err(names::unknown_name(at.place.at(ast.span), name, did_you_mean(name, known)).into())
                 }
             }
         }
@@ -94,7 +95,7 @@ pub fn members(
     bench: &mut Bench,
     locals: &mut Vec<(String, Local)>,
     ranges: &[Range],
-) -> Result<Vec<Vec<i64>>, Problem> {
+) -> Result<Vec<Vec<i64>>, Box<Problem>> {
     let known = locals.len();
     let mut rows: Vec<Vec<i64>> = vec![Vec::new()];
     for (depth, range) in ranges.iter().enumerate() {
@@ -107,7 +108,7 @@ pub fn members(
             let (from, to) = ends?;
             let count = usize::try_from(i128::from(to) - i128::from(from) + 1).unwrap_or(0);
             if count > TERM_LIMIT || longer.len() + count > TERM_LIMIT {
-                return Err(names::too_many_names(at.place.at(range.name_span), MEMBER_LIMIT));
+                return Err(names::too_many_names(at.place.at(range.name_span), MEMBER_LIMIT).into());
             }
             if !bench.spend(1 + count as u64, at.place) {
                 return Ok(Vec::new());

@@ -43,7 +43,7 @@ impl Resolver<'_> {
         let rows = match index::members(&at, &mut self.bench, &mut known, &ranges) {
             Ok(rows) => rows,
             Err(problem) => {
-                self.bench.problems.push(problem);
+                self.bench.problems.push(*problem);
                 return Vec::new();
             }
         };

@@ -33,6 +33,9 @@ pub struct Lower<'a> {
 /// Largest exponent that is unrolled.
 const LARGEST_POWER: i64 = 64;
 
+/// Nodes that a graph may have.
+const NODE_LIMIT: u32 = 1_000_000;
+
 /// Points of the quadrature rule for what is no polynomial of lower degree.
 const POINTS: usize = 16;
 
@@ -264,7 +267,10 @@ impl<'a> Lower<'a> {
         let indices = Indices::within(self.scope, self.text);
         let members = match index::members(&indices, self.bench, &mut self.locals, ranges) {
             Ok(members) => members,
-            Err(problem) => return self.refuse(problem),
+            Err(problem) if problem.code == "E223" => {
+                return self.refuse(names::too_many_nodes(problem.place, NODE_LIMIT));
+            }
+            Err(problem) => return self.refuse(*problem),
         };
         let mut total = Value::Nothing;
         for member in members {

@@ -117,7 +117,7 @@ impl Lower<'_> {
             match index::integer(&Indices::within(scope, self.text), &self.locals, index) {
                 Ok(value) => values.push(value),
                 Err(problem) => {
-                    self.refuse(problem);
+                    self.refuse(*problem);
                     return None;
                 }
             }

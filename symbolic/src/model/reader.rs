@@ -65,10 +65,17 @@ impl<'a> Spot<'a> {
     /// The value of a key that must be there.
     pub fn need(&self, key: &str, section: &str, problems: &mut Problems) -> Option<Spot<'a>> {
         let found = self.get(key);
-        if found.is_none() && matches!(self.node, Node::Map(_)) {
+        if found.is_none() && matches!(self.node, Node::Map(_)) && !self.misspelt(problems) {
             problems.push(sections::missing_key(self.place.of_key(), key, section));
         }
         found
+    }
+
+    /// Whether an unknown key was reported here: what seems to be missing may be what was misspelt.
+    pub fn misspelt(&self, problems: &[Problem]) -> bool {
+        let here = &self.place.path;
+        let inside = |p: &Problem| p.place.path.len() == here.len() + 1 && p.place.path.starts_with(here);
+        problems.iter().any(|problem| problem.code == "E301" && inside(problem))
     }
 
     /// Reports keys that are none of these; false when the node is no mapping.

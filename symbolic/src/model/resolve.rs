@@ -60,6 +60,10 @@ pub fn resolve(root: &Node, sizes: &[(String, i64)]) -> Result<Model, Vec<Proble
     resolver.definitions();
     resolver.frames();
     let bodies = resolver.bodies();
+    if resolver.too_many_names() {
+        // Names beyond the limit were not declared: what else could be said would be misleading.
+        return resolver.finish();
+    }
     resolver.refused_names();
     resolver.check_index_names();
     // 2. Values of what has names, in whatever order they need each other; look in `settle.rs`.
@@ -121,7 +125,7 @@ impl Resolver<'_> {
         {
             words.clone_into(&mut self.model.about);
         }
-        if root.get("coordinates").is_none() {
+        if root.get("coordinates").is_none() && !root.misspelt(problems) {
             problems.push(crate::diagnose::catalogue::mechanics::no_coordinates(Place::default()));
         }
     }

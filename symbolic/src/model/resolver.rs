@@ -56,6 +56,9 @@ impl<'a> Resolver<'a> {
 
     /// Expands the key of an entry.
     pub fn expand(&mut self, words: &str, spot: &Spot<'_>) -> Option<Family> {
+        if self.too_many_names() {
+            return None;
+        }
         let place = spot.place.of_key();
         let family = families::expand_name(&mut self.bench, &self.scope, &mut self.index_names, words, &place)?;
         if self.count(family.members.len(), &place) { Some(family) } else { None }
@@ -72,6 +75,11 @@ impl<'a> Resolver<'a> {
             self.bench.problems.push(names::too_many_names(place.clone(), MEMBER_LIMIT));
         }
         false
+    }
+
+    /// Whether the limit of names was met.
+    pub fn too_many_names(&self) -> bool {
+        self.bench.problems.iter().any(|problem| problem.code == "E223")
     }
 
     /// Declares one member of a name; false (reported) when the name is taken.

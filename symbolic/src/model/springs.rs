@@ -58,6 +58,7 @@ impl Resolver<'_> {
                 self.bench.problems.push(sections::conflicting_keys(place, first, second, section));
                 None
             }
+            (false, false) if spot.misspelt(&self.bench.problems) => None,
             (false, false) => {
                 let keys = format!("`{first}`, `{second}`");
                 self.bench.problems.push(sections::needs_one_of(spot.place.of_key(), keys, section));
@@ -98,6 +99,7 @@ impl Resolver<'_> {
         let problems = &mut self.bench.problems;
         let law = match given.as_slice() {
             [law] => *law,
+            [] if spot.misspelt(problems) => return None,
             [] => {
                 let keys = "`stiffness`, `energy`, `tension`";
                 problems.push(sections::needs_one_of(spot.place.of_key(), keys, "a spring"));

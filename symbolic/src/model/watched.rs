@@ -89,7 +89,6 @@ impl Resolver<'_> {
     }
 
     /// The value, and the parameters that must have certain values.
-    #[expect(clippy::type_complexity, reason = "one caller's pair")]
     fn conditional<'s>(&mut self, spot: &Spot<'s>, key: &str, section: &str) -> (Option<Spot<'s>>, Vec<(usize, f64)>) {
         if !matches!(spot.node, Node::Map(_)) {
             return (Some(spot.clone()), Vec::new());

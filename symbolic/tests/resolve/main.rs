@@ -1,6 +1,9 @@
 //! The resolver: what model files mean, as numbers.
 
+mod errors;
 mod examples;
+mod expressions;
+mod mechanics;
 
 use std::collections::HashMap;
 

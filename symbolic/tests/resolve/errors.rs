@@ -1,0 +1,226 @@
+//! What is refused: the code, and the words under the caret.
+
+use dalembert_symbolic::diagnose::Problem;
+use dalembert_symbolic::model::{load, locate};
+
+/// The problems of a file: code and the words that are marked.
+fn marked(text: &str) -> Vec<(&'static str, String)> {
+    let problems = load(text, &[]).err().unwrap_or_default();
+    marks(text, &problems)
+}
+
+fn marks(text: &str, problems: &[Problem]) -> Vec<(&'static str, String)> {
+    let places: Vec<_> = problems.iter().map(|problem| &problem.place).collect();
+    let ranges = locate(text, &places);
+    problems.iter().zip(ranges).map(|(problem, range)| (problem.code, text[range].to_owned())).collect()
+}
+
+const BASE: &str = "name: Test
+sizes: {n: 3}
+parameters: {m: 1 kg, l: 1 m, k: 2*m, \"c[i in 1..n]\": 1}
+coordinates: {x: m, y: m, phi: rad, \"q[i in 1..n]\": m}
+inputs: {u: sin(t)}
+points: {P: \"[x, y]\", O: \"[0, 0]\"}
+bodies:
+  bead: {mass: m, position: P}
+  rod: {mass: m, inertia: 1, angle: phi, position: P}
+";
+
+/// One problem with this code at these words.
+#[track_caller]
+fn refused(more: &str, code: &str, words: &str) {
+    let text = format!("{BASE}{more}\n");
+    assert_eq!(marked(&text), [(code, words.to_owned())], "{more}");
+}
+
+#[test]
+fn names() {
+    refused("define: {a: x + thta}", "E201", "thta");
+    refused("define: {a: 2*X}", "E201", "X");
+    refused("define: {x: 1}", "E202", "x");
+    refused("define: {rod: 1}", "E202", "rod");
+    refused("define: {t: 1}", "E203", "t");
+    refused("define: {energy: 1}", "E203", "energy");
+    refused("define: {sin: 1}", "E203", "sin");
+    refused("define: {a: \"sum(m, m in 1..2)\"}", "E204", "m");
+    refused("define: {\"a[m in 1..2]\": 1}", "E204", "m");
+    refused("define: {a: \"integral(x^2, x in 0..1)\"}", "E204", "x");
+    refused("define: {\"a[1]\": 1, \"a[i in 1..2]\": 2}", "E205", "\"a[i in 1..2]\"");
+    refused("define: {a: foo(x)}", "E206", "foo");
+    refused("define: {a: sinus(x)}", "E206", "sinus");
+    refused("define: {a: \"sin(x, y)\"}", "E207", "sin(x, y)");
+    refused("define: {a: min(x)}", "E207", "min(x)");
+    refused("define: {a: b, b: c_, c_: a}", "E217", "b");
+    refused("define: {a: 1 + a}", "E217", "1 + a");
+    refused("define: {\"a[i in 1..3]\": \"a[mod(i, 3) + 1]\"}", "E217", "\"a[mod(i, 3) + 1]\"");
+    refused("define: {a: \"q[4]\"}", "E218", "4");
+    refused("define: {a: \"sum(q[i], i in 0..n)\"}", "E218", "i");
+    refused("define: {a: q}", "E219", "q");
+    refused("define: {a: \"q[1, 2]\"}", "E219", "q[1, 2]");
+    refused("define: {a: \"x[1]\"}", "E220", "x[1]");
+    refused("define: {a: \"q[x]\"}", "E221", "x");
+    refused("define: {a: \"q[1/2]\"}", "E221", "1/2");
+    refused("define: {a: \"q[1.5]\"}", "E221", "1.5");
+    refused("define: {a: P'}", "E226", "P'");
+    refused("define: {a: m'}", "E226", "m'");
+    refused("define: {a: rod.z}", "E227", "rod.z");
+    refused("define: {a: length}", "E228", "length");
+    refused("define: {a: 2*energy}", "E228", "energy");
+    refused("define: {a: x^65}", "E230", "x^65");
+    refused("define: {a: 1/(n - 3)}", "E231", "(n - 3)");
+    refused("define: {a: sqrt(-1)}", "E231", "sqrt(-1)");
+    refused("define: {a: \"diff(x, x + y)\"}", "E232", "x + y");
+    refused("define: {a: \"diff(x, k)\"}", "E232", "k");
+    refused("define: {a: bead.x}", "E225", "bead");
+}
+
+#[test]
+fn kinds() {
+    refused("define: {a: \"[1, 2, 3]\"}", "E209", "[1, 2, 3]");
+    refused("define: {a: \"P + 1\"}", "E212", "P + 1");
+    refused("define: {a: P*P}", "E212", "P*P");
+    refused("define: {a: 1/P}", "E212", "1/P");
+    refused("define: {a: P^2}", "E212", "P^2");
+    refused("define: {a: sin(P)}", "E208", "P");
+    refused("define: {a: \"dot(P, 1)\"}", "E208", "1");
+    refused("define: {a: velocity(x)}", "E208", "x");
+    refused("define: {a: \"velocity(bead, P)\"}", "E406", "bead");
+    refused("define: {a: angular_velocity(bead)}", "E406", "bead");
+    refused("define: {a: angular_velocity(P)}", "E224", "P");
+    refused("gravity: 9.81", "E211", "9.81");
+    refused("kinetic_energy: velocity(P)", "E210", "velocity(P)");
+    refused("define: {a: \"[P, 1]\"}", "E210", "P");
+    refused("define: {a: x.y}", "E211", "x");
+}
+
+#[test]
+fn what_may_depend_on_what() {
+    refused("potential_energy: x'", "E213", "x'");
+    refused("potential_energy: norm(velocity(P))", "E213", "velocity(P)");
+    refused("kinetic_energy: x''", "E214", "x''");
+    refused("generalized_forces: {x: rate(x')}", "E214", "rate(x')");
+    refused("dissipation: norm(acceleration(P))", "E214", "acceleration(P)");
+    refused("conserved: {a: x''}", "E214", "x''");
+    refused("outputs: {a: rate(x'')}", "E214", "rate(x'')");
+    refused("frames: {f: {angle: phi'}}", "E213", "phi'");
+    refused("define: {v: x'}\npotential_energy: v^2", "E213", "v");
+    refused("springs: {s: {between: [P, O], stiffness: x}}", "E215", "x");
+    refused("scene: {start: {x: y}}", "E215", "y");
+    refused("scene: {until: t}", "E216", "t");
+    refused("gravity: [0, x]", "E215", "x");
+    refused("gravity: [0, u']", "E215", "u'");
+}
+
+#[test]
+fn sections() {
+    refused("cordinates: {}", "E301", "cordinates");
+    refused("springs: {s: {betwen: [P, O], stiffness: 1}}", "E301", "betwen");
+    refused("balances: {equations: []}", "E901", "balances");
+    refused("constraints: {c: x - y}", "E901", "constraints");
+    refused("constraints: {c: x - y}\noutputs: {force: reaction(c)}", "E901", "constraints");
+    refused("outputs: {force: reaction(c)}", "E201", "c");
+    refused("balances: {a: {equations: [], reactions: {h: {on: rod, at: P}}}}\noutputs: {h: h}", "E901", "balances");
+    refused("define: {a: }", "E303", "a");
+    refused("define: {a: {b: 1}}", "E304", "{b: 1}");
+    refused("define: [1, 2]", "E304", "[1, 2]");
+    refused("events: {e: {when: x, direction: up, then: stop}}", "E307", "up");
+    refused("events: {e: {when: x, then: stopp}}", "E307", "stopp");
+    refused("events: {e: {then: stop}}", "E302", "e");
+    refused("events: {e: {when: x, then: {impact: 0.5, along: c}}}", "E902", "{impact: 0.5, along: c}");
+    refused("scene: {start: {z: 1}}", "E410", "z");
+    refused("scene: {start: {xx: 1}}", "E410", "xx");
+    refused("scene: {start: {m: 1}}", "E224", "m");
+    refused("scene: {start: {x'': 1}}", "E410", "x''");
+    refused("scene: {start: {\"q[i in 1..3]\": [1, 2]}}", "E308", "[1, 2]");
+    refused("scene: {start: {\"q[4]\": 1}}", "E218", "\"q[4]\"");
+    refused("scene: {set: {k: 1}}", "E409", "k");
+    refused("scene: {set: {mm: 1}}", "E201", "mm");
+    refused("scene: {tolerance: 0}", "E411", "0");
+    refused("scene: {until: -m}", "E411", "-m");
+    refused("scene: {phase: a}", "E901", "phase");
+    refused("scenes: {a: {strat: {x: 1}}}", "E301", "strat");
+    refused("equilibrium: {z: 1}", "E410", "z");
+    refused("sample: {x: 1}", "E304", "1");
+    refused("draw: [{lin: [P, O]}]", "E301", "lin");
+    refused("draw: [{circle: {at: P}}]", "E302", "circle");
+    refused("draw: [{curve: \"[s, s^2]\"}]", "E302", "curve");
+    refused("checks: {a: \"x = P\"}", "E212", "x = P");
+    refused("define: {a: x = y}", "E115", "=");
+}
+
+#[test]
+fn loads() {
+    refused("forces: {f: {on: P, force: [1]}}", "E113", "[1]");
+    refused("forces: {f: {on: P, force: 1}}", "E211", "1");
+    refused("forces: {f: {on: rod}}", "E302", "f");
+    refused("forces: {f: {on: \"[2*x, y]\", force: [1, 0]}}", "E404", "\"[2*x, y]\"");
+    refused("forces: {f: {on: bead, at: \"P + [1, 0]\", force: [1, 0]}}", "E405", "\"P + [1, 0]\"");
+    refused("forces: {f: {on: P, at: O, force: [1, 0]}}", "E224", "P");
+    refused("torques: {f: {on: bead, torque: 1}}", "E406", "bead");
+    refused("torques: {f: {on: rod, torque: P}}", "E210", "P");
+    refused("springs: {s: {between: [P], stiffness: 1}}", "E308", "[P]");
+    refused("springs: {s: {between: [P, P], stiffness: 1}}", "E413", "[P, P]");
+    refused("springs: {s: {between: [P, O]}}", "E306", "s");
+    refused("springs: {s: {stiffness: 1}}", "E306", "s");
+    refused("springs: {s: {between: [P, O], stiffness: 1, energy: 1}}", "E305", "energy");
+    refused("springs: {s: {stretch: phi, stiffness: 1, on: bead}}", "E406", "bead");
+    refused("springs: {s: {stretch: phi, stiffness: 1, from: rod}}", "E311", "from");
+    refused("springs: {s: {between: [P, O], stiffness: 1, phase: a}}", "E901", "phase");
+    refused("dampers: {s: {between: [P, O]}}", "E302", "s");
+    refused("dampers: {s: {between: [P, \"[2*x, y]\"], damping: 1}}", "E404", "\"[2*x, y]\"");
+    refused("generalized_forces: {z: 1}", "E201", "z");
+    refused("generalized_forces: {m: 1}", "E224", "m");
+}
+
+#[test]
+fn heads_and_sizes() {
+    let file = |head: &str| format!("{head}\ncoordinates: {{x: m}}\nkinetic_energy: x'^2/2\n");
+    let one = |head: &str| marked(&file(head));
+    assert_eq!(one("name: pendulum"), [("E309", "pendulum".to_owned())]);
+    assert_eq!(one("name: A\nsizes: {n: 1.5}"), [("E222", "1.5".to_owned())]);
+    assert_eq!(one("name: A\nsizes: {n: many}"), [("E222", "many".to_owned())]);
+    assert_eq!(one("name: A\nparameters: {m: }"), [("E303", "m".to_owned())]);
+    assert_eq!(one("name: A\nparameters: {m: 1 kgg}"), [("E119", "kgg".to_owned())]);
+    assert_eq!(one("name: A\nparameters: {m: 2*x}"), [("E215", "x".to_owned())]);
+    assert_eq!(one("name: A\nparameters: {m: 1/0}"), [("E231", "0".to_owned())]);
+    assert_eq!(one("name: A\nparameters: {m: [1, 2]}"), [("E304", "[1, 2]".to_owned())]);
+    assert_eq!(one("name: A\nparameters: {\"m[i in 1..3]\": [1, 2]}"), [("E308", "[1, 2]".to_owned())]);
+    assert_eq!(one("name: A\nparameters: {a: b, b: a}"), [("E217", "b".to_owned())]);
+    assert_eq!(one("name: A\nbodies: {b: {mass: -1, position: '[x, 0]'}}"), [("E411", "-1".to_owned())]);
+    assert_eq!(
+        one("name: A\nbodies: {b: {mass: 1, inertia: 1, position: '[x, 0]'}}"),
+        [("E407", "inertia".to_owned())]
+    );
+    assert_eq!(one("name: A\nbodies: {b: {mass: x, position: '[x, 0]'}}"), [("E215", "x".to_owned())]);
+    assert_eq!(one("name: A\nbodies: {b: {position: '[x, 0]'}}"), [("E302", "b".to_owned())]);
+    assert_eq!(marked("name: A\ncoordinates: {a: deg}"), [("E314", "deg".to_owned())]);
+    assert_eq!(marked("name: A\n")[0].0, "E401");
+    assert_eq!(marked("coordinates: {a: m}\n")[0].0, "E302");
+    assert_eq!(load(&file("name: A"), &[("n".to_owned(), 3)]).unwrap_err()[0].code, "E201");
+}
+
+#[test]
+fn space_is_not_whole_yet() {
+    let text = "name: A
+coordinates: {a: rad}
+points: {P: '[1, 2, 3]'}
+frames: {B: {from: ground, rotate: [z, a]}}
+bodies: {top: {mass: 1, inertia: [1, 2, 3], frame: B, position: P}}
+outputs: {w: angular_velocity(top), u: B.x}
+";
+    assert_eq!(marked(text), [("E902", "B".to_owned()), ("E902", "top".to_owned())]);
+}
+
+#[test]
+fn one_mistake_one_message() {
+    // What depends on a name that failed is silent, and members of a family speak once.
+    refused("define: {a: thta, b: 2*a, c_: a + b, d: \"[a, b]\"}", "E201", "thta");
+    refused("define: {\"a[i in 1..5]\": thta + i}", "E201", "thta");
+}
+
+#[test]
+fn all_problems_at_once() {
+    let text = format!("{BASE}define: {{a: thta}}\nsprings: {{s: {{between: [P, O]}}}}\nscene: {{start: {{zz: 1}}}}\n");
+    let codes: Vec<&str> = marked(&text).iter().map(|(code, _)| *code).collect();
+    assert_eq!(codes, ["E201", "E410", "E306"]);
+}
