@@ -9,8 +9,8 @@ use super::{Dynamics, Energies, Equations, bias_rates, mass_entries, rates};
 use crate::expr::{Forward, Graph, Id, Rational, Symbol, Unary, reverse};
 use crate::model::Model;
 
-/// M, h and F from the energies; and the momenta of cyclic coordinates.
-pub(super) fn equations(graph: &mut Graph, dynamics: &Dynamics) -> (Equations, Vec<(usize, Id)>) {
+/// M, h and F from the energies; and for each coordinate its momentum and the rate of that, −∂L/∂q − Q.
+pub(super) fn equations(graph: &mut Graph, dynamics: &Dynamics) -> (Equations, Vec<(Id, Id)>) {
     let n = dynamics.n;
     let velocities = Velocities::of(graph, dynamics);
     let kinetic = kinetic_energy(graph, dynamics, &velocities);
@@ -29,12 +29,11 @@ pub(super) fn equations(graph: &mut Graph, dynamics: &Dynamics) -> (Equations, V
 
     let bias = bias_rates(graph, &momenta);
     let full = rates(graph, &momenta);
-    // A coordinate on which neither T − V nor any force depends or acts is cyclic: its momentum is conserved.
     let mut complete = |momentum_rates: Vec<Id>| -> Vec<Id> {
         momentum_rates.iter().zip(&rest).map(|(&p, &r)| graph.add(p, r)).collect()
     };
-    let cyclic = (0..n).filter(|&i| rest[i] == Id::ZERO).map(|i| (i, momenta[i])).collect();
-    (Equations { name: "Lagrange", mass, bias: complete(bias), residual: complete(full) }, cyclic)
+    let balances = momenta.iter().copied().zip(rest.iter().copied()).collect();
+    (Equations { name: "Lagrange", mass, bias: complete(bias), residual: complete(full) }, balances)
 }
 
 /// T, V, the Jacobi function and its power, with the true functions in the place of modes where they are observed.

@@ -75,7 +75,7 @@ pub struct Derivation {
 /// identity, that is not.
 pub fn derive(mut model: Model) -> Result<Derivation, Vec<Problem>> {
     let dynamics = Dynamics::of(&mut model);
-    let (lagrange, cyclic) = lagrange::equations(&mut model.graph, &dynamics);
+    let (lagrange, momenta) = lagrange::equations(&mut model.graph, &dynamics);
     let mut equations = vec![lagrange];
     if !dynamics.bodies.is_empty() {
         equations.push(virtual_power::equations(&mut model.graph, &dynamics));
@@ -86,6 +86,7 @@ pub fn derive(mut model: Model) -> Result<Derivation, Vec<Problem>> {
         return Err(vec![too_large()]);
     }
     let report = test::all(&mut model, &equations, &switches)?;
+    let cyclic = test::cyclic(&mut model, &equations, &switches, &momenta);
     Ok(Derivation { model, equations, energies, cyclic, switches, report })
 }
 

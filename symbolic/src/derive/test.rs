@@ -137,6 +137,32 @@ fn finite_states(
     })
 }
 
+/// Coordinates on which neither T − V nor any force depends or acts, with their momenta, which are conserved.
+pub(super) fn cyclic(
+    model: &mut Model,
+    equations: &[Equations],
+    switches: &[Switch],
+    momenta: &[(Id, Id)],
+) -> Vec<(usize, Id)> {
+    let Ok(states) = finite_states(model, equations, switches, &[]) else { return Vec::new() };
+    let mut found = Vec::new();
+    for (i, &(momentum, rest)) in momenta.iter().enumerate() {
+        let mut roots = vec![rest];
+        roots.extend(terms(&model.graph, rest));
+        let tape = Tape::new(&model.graph, &roots);
+        let vanishes = |state: &State| {
+            let values = tape.evaluate(|s| state.value(s));
+            values[0].abs() <= 1e-12 * values[1..].iter().map(|x| x.abs()).sum::<f64>()
+        };
+        if states.iter().all(vanishes) {
+            let constant = |s: Symbol| matches!(s, Symbol::Parameter(_));
+            let expanded = crate::expr::expand(&mut model.graph, &[momentum], constant);
+            found.push((i, expanded.map_or(momentum, |e| e[0])));
+        }
+    }
+    found
+}
+
 /// Gaussian elimination on the diagonal of a symmetric matrix; the place of a pivot that vanishes to rounding.
 pub(crate) fn solve(mut m: Vec<f64>, mut f: Vec<f64>) -> Result<Vec<f64>, usize> {
     let n = f.len();

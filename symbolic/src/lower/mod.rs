@@ -8,7 +8,7 @@ mod structure;
 
 use crate::derive::{Derivation, Report, Switch, rates};
 use crate::diagnose::Problem;
-use crate::expr::{Graph, Id, Symbol, Unary, jacobian, reverse};
+use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary, jacobian, reverse};
 use crate::model::{Model, Scene, Shape};
 
 pub use count::operations;
@@ -225,16 +225,58 @@ fn entries(rows: Vec<Vec<(usize, Id)>>) -> Vec<Entry> {
 fn invariant_pairs(model: &mut Model) -> Vec<Id> {
     let mut pairs = Vec::new();
     for invariant in &model.conserved {
+        let watched = watched(&mut model.graph, &invariant.when);
         for (value, terms) in invariant.value.iter().zip(&invariant.terms) {
             let mut scale = Id::ZERO;
             for term in terms {
-                let size = model.graph.unary(Unary::Abs, *term);
+                let size = magnitude(&mut model.graph, *term);
                 scale = model.graph.add(scale, size);
             }
-            pairs.extend([*value, scale]);
+            let value = model.graph.div(*value, watched);
+            pairs.extend([value, scale]);
         }
     }
     pairs
+}
+
+/// The sum of the absolute values of a term's own terms: of a sum those of its parts, of a multiple of a sum
+/// the multiple's.
+fn magnitude(graph: &mut Graph, root: Id) -> Id {
+    let mut total = Id::ZERO;
+    let mut stack = vec![(root, Id::ONE)];
+    let is_sum = |graph: &Graph, id: Id| matches!(graph.node(id), Node::Binary(Binary::Add | Binary::Sub, ..));
+    while let Some((id, factor)) = stack.pop() {
+        match graph.node(id) {
+            Node::Unary(Unary::Neg, x) => stack.push((x, factor)),
+            Node::Binary(Binary::Add | Binary::Sub, x, y) => stack.extend([(x, factor), (y, factor)]),
+            Node::Binary(Binary::Mul, x, y) if is_sum(graph, y) && !is_sum(graph, x) => {
+                stack.push((y, graph.mul(factor, x)));
+            }
+            Node::Binary(Binary::Mul, x, y) if is_sum(graph, x) && !is_sum(graph, y) => {
+                stack.push((x, graph.mul(factor, y)));
+            }
+            _ => {
+                let term = graph.mul(factor, id);
+                let size = graph.unary(Unary::Abs, term);
+                total = graph.add(total, size);
+            }
+        }
+    }
+    total
+}
+
+/// 1 where the parameters have these values and 0 elsewhere, so that a quotient by it is not finite there.
+fn watched(graph: &mut Graph, when: &[(usize, f64)]) -> Id {
+    let mut distance = Id::ZERO;
+    for &(i, value) in when {
+        let parameter = graph.symbol(Symbol::Parameter(i as u32));
+        let value = graph.float(value);
+        let difference = graph.sub(parameter, value);
+        let size = graph.unary(Unary::Abs, difference);
+        distance = graph.add(distance, size);
+    }
+    let negative = graph.neg(distance);
+    graph.unary(Unary::Step, negative)
 }
 
 fn drawn(shape: &Shape) -> Vec<Id> {

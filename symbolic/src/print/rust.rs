@@ -84,7 +84,7 @@ fn parameters(out: &mut String, program: &Program, name: &str, bodies: &Bodies<'
         let unit = derived.unit.as_deref().unwrap_or("unit from what it is computed from");
         let _ = writeln!(
             out,
-            "    /// `{} = {}`, {unit}.\n    #[must_use]\n    pub fn {}(&self) -> f64 {{\n        type S = f64;\n        let c = ::dalembert::mechanism::Mechanism::parameters(self);\n        let _ = (&c, S::ratio(0.0, 1.0));\n{body}        value\n    }}",
+            "    /// `{} = {}`, {unit}.\n    #[must_use]\n    pub fn {}(&self) -> f64 {{\n        type S = f64;\n        let c = ::dalembert::mechanism::Mechanism::parameters(self);\n        use ::dalembert::mechanism::Real as _;\n        let _ = (&c, S::ratio(0.0, 1.0));\n{body}        value\n    }}",
             derived.name,
             text(model, derived.value),
             field_name(&derived.name),
