@@ -1,5 +1,7 @@
 //! What is tested when a model compiles (LANGUAGE, section 8).
 
+use std::collections::BTreeMap;
+
 use super::sample::{Draws, State};
 use super::switches::Switch;
 use super::{Equations, rates};
@@ -47,10 +49,10 @@ pub(super) fn all(model: &mut Model, equations: &[Equations], switches: &[Switch
     let invariants = invariant_rates(model);
     let model = &*model;
     match finite_states(model, equations, switches, &[]) {
-        Err(problem) => return Err(vec![problem]),
+        Err(problem) => return Err(vec![*problem]),
         Ok(states) => match agreement(model, equations, &states) {
             Ok(agreements) => report.agreements = agreements,
-            Err(problem) => problems.push(problem),
+            Err(problem) => problems.push(*problem),
         },
     }
     if !problems.is_empty() {
@@ -59,22 +61,22 @@ pub(super) fn all(model: &mut Model, equations: &[Equations], switches: &[Switch
     for (invariant, components) in model.conserved.iter().zip(&invariants) {
         let states = match finite_states(model, equations, switches, &invariant.when) {
             Ok(states) => states,
-            Err(problem) => return Err(vec![problem]),
+            Err(problem) => return Err(vec![*problem]),
         };
         match conserved(model, &invariant.name, components, &states, &invariant.place) {
             Ok(worst) => report.conserved.push((invariant.name.clone(), worst)),
-            Err(problem) => problems.push(problem),
+            Err(problem) => problems.push(*problem),
         }
     }
     for check in &model.checks {
         let states = match finite_states(model, equations, switches, &check.when) {
             Ok(states) => states,
-            Err(problem) => return Err(vec![problem]),
+            Err(problem) => return Err(vec![*problem]),
         };
         let pairs: Vec<(Id, Id)> = check.left.iter().copied().zip(check.right.iter().copied()).collect();
         match identity(model, &check.name, &pairs, &states, &check.place) {
             Ok(worst) => report.checks.push((check.name.clone(), worst)),
-            Err(problem) => problems.push(problem),
+            Err(problem) => problems.push(*problem),
         }
     }
     if problems.is_empty() { Ok(report) } else { Err(problems) }
@@ -93,7 +95,7 @@ fn finite_states(
     equations: &[Equations],
     switches: &[Switch],
     when: &[(usize, f64)],
-) -> Result<Vec<State>, Problem> {
+) -> Result<Vec<State>, Box<Problem>> {
     let n = model.coordinates.len();
     let first = &equations[0];
     let roots: Vec<Id> = first.mass.iter().map(|e| e.2).chain(first.bias.iter().copied()).collect();
@@ -127,14 +129,14 @@ fn finite_states(
         }
     }
     let worst = (0..n).max_by_key(|&i| singular[i]).filter(|&i| singular[i] > DRAWS / 2);
-    Err(match worst {
+    Err(Box::new(match worst {
         Some(i) => {
             let coordinate = &model.coordinates[i];
             let state = draws.next(when);
             verdicts::singular_mass(coordinate.place.clone(), &coordinate.name, describe(model, &state))
         }
         None => verdicts::too_few_states(Place::default().key("coordinates"), states.len(), DRAWS),
-    })
+    }))
 }
 
 /// Coordinates on which neither T − V nor any force depends or acts, with their momenta, which are conserved.
@@ -147,12 +149,10 @@ pub(super) fn cyclic(
     let Ok(states) = finite_states(model, equations, switches, &[]) else { return Vec::new() };
     let mut found = Vec::new();
     for (i, &(momentum, rest)) in momenta.iter().enumerate() {
-        let mut roots = vec![rest];
-        roots.extend(terms(&model.graph, rest));
-        let tape = Tape::new(&model.graph, &roots);
+        let scaled = Scaled::new(&model.graph, &[rest]);
         let vanishes = |state: &State| {
-            let values = tape.evaluate(|s| state.value(s));
-            values[0].abs() <= 1e-12 * values[1..].iter().map(|x| x.abs()).sum::<f64>()
+            let (values, scale) = scaled.at(state);
+            values[0].abs() <= 1e-12 * scale
         };
         if states.iter().all(vanishes) {
             let constant = |s: Symbol| matches!(s, Symbol::Parameter(_));
@@ -190,7 +190,7 @@ pub(crate) fn solve(mut m: Vec<f64>, mut f: Vec<f64>) -> Result<Vec<f64>, usize>
 }
 
 /// Every derivation's residual and mass matrix against the first one's.
-fn agreement(model: &Model, equations: &[Equations], states: &[State]) -> Result<Vec<Agreement>, Problem> {
+fn agreement(model: &Model, equations: &[Equations], states: &[State]) -> Result<Vec<Agreement>, Box<Problem>> {
     let first = &equations[0];
     let n = model.coordinates.len();
     let mut agreements = Vec::new();
@@ -211,7 +211,7 @@ fn agreement(model: &Model, equations: &[Equations], states: &[State]) -> Result
                         let name = &model.coordinates[i].name;
                         let place = Place::default().key("bodies");
                         let by = format!("{:.3e}", (x[i] - y[i]).abs());
-                        return Err(verdicts::derivations_disagree(place, name, by, describe(model, &state)));
+                        return Err(Box::new(verdicts::derivations_disagree(place, name, by, describe(model, &state))));
                     }
                     worst = worst.max(difference);
                 }
@@ -259,7 +259,7 @@ fn conserved(
     components: &[(Id, Vec<Id>)],
     states: &[State],
     place: &Place,
-) -> Result<f64, Problem> {
+) -> Result<f64, Box<Problem>> {
     let mut worst = 0.0_f64;
     for (total, parts) in components {
         let roots: Vec<Id> = std::iter::once(*total).chain(parts.iter().copied()).collect();
@@ -269,7 +269,7 @@ fn conserved(
             let scale: f64 = values[1..].iter().map(|p| p.abs()).sum();
             if values[0].abs() > TOLERANCE * scale || !values[0].is_finite() {
                 let by = format!("{:.6e} where its terms change at up to {scale:.3e}", values[0]);
-                return Err(verdicts::not_conserved(place.clone(), name, by, describe(model, state)));
+                return Err(Box::new(verdicts::not_conserved(place.clone(), name, by, describe(model, state))));
             }
             worst = worst.max(if scale > 0.0 { values[0].abs() / scale } else { 0.0 });
         }
@@ -277,20 +277,22 @@ fn conserved(
     Ok(worst)
 }
 
-fn identity(model: &Model, name: &str, pairs: &[(Id, Id)], states: &[State], place: &Place) -> Result<f64, Problem> {
+fn identity(
+    model: &Model,
+    name: &str,
+    pairs: &[(Id, Id)],
+    states: &[State],
+    place: &Place,
+) -> Result<f64, Box<Problem>> {
     let mut worst = 0.0_f64;
     for &(left, right) in pairs {
-        let mut roots = vec![left, right];
-        roots.extend(terms(&model.graph, left));
-        roots.extend(terms(&model.graph, right));
-        let tape = Tape::new(&model.graph, &roots);
+        let scaled = Scaled::new(&model.graph, &[left, right]);
         for state in states {
-            let values = tape.evaluate(|s| state.value(s));
-            let scale: f64 = values[2..].iter().map(|p| p.abs()).sum();
+            let (values, scale) = scaled.at(state);
             let difference = (values[0] - values[1]).abs();
             if difference > TOLERANCE * scale || !difference.is_finite() {
                 let by = format!("{difference:.6e}, {:.9e} against {:.9e}", values[0], values[1]);
-                return Err(verdicts::check_fails(place.clone(), name, by, describe(model, state)));
+                return Err(Box::new(verdicts::check_fails(place.clone(), name, by, describe(model, state))));
             }
             worst = worst.max(if scale > 0.0 { difference / scale } else { 0.0 });
         }
@@ -298,18 +300,48 @@ fn identity(model: &Model, name: &str, pairs: &[(Id, Id)], states: &[State], pla
     Ok(worst)
 }
 
-/// The terms of a sum.
-fn terms(graph: &Graph, root: Id) -> Vec<Id> {
-    let mut stack = vec![root];
+/// The terms of a sum, and how often each occurs.
+fn terms(graph: &Graph, root: Id) -> Vec<(Id, f64)> {
     let mut found = Vec::new();
-    while let Some(id) = stack.pop() {
-        match graph.node(id) {
-            Node::Binary(Binary::Add | Binary::Sub, x, y) => stack.extend([x, y]),
-            Node::Unary(Unary::Neg, x) => stack.push(x),
-            _ => found.push(id),
+    // Parents have larger places than children, so taking the largest first visits each node once.
+    let mut open = BTreeMap::from([(root, 1.0)]);
+    while let Some((id, weight)) = open.pop_last() {
+        let parts = match graph.node(id) {
+            Node::Binary(Binary::Add | Binary::Sub, x, y) => vec![x, y],
+            Node::Unary(Unary::Neg, x) => vec![x],
+            _ => {
+                found.push((id, weight));
+                continue;
+            }
+        };
+        for part in parts {
+            *open.entry(part).or_insert(0.0) += weight;
         }
     }
     found
+}
+
+/// Expressions with the terms that scale them: evaluates to each expression's value and its scale.
+struct Scaled {
+    tape: Tape,
+    weights: Vec<f64>,
+    roots: usize,
+}
+
+impl Scaled {
+    fn new(graph: &Graph, roots: &[Id]) -> Scaled {
+        let terms: Vec<(Id, f64)> = roots.iter().flat_map(|r| terms(graph, *r)).collect();
+        let all: Vec<Id> = roots.iter().copied().chain(terms.iter().map(|t| t.0)).collect();
+        Scaled { tape: Tape::new(graph, &all), weights: terms.iter().map(|t| t.1).collect(), roots: roots.len() }
+    }
+
+    /// The values, and the sum of the absolute values of all their terms.
+    fn at(&self, state: &State) -> (Vec<f64>, f64) {
+        let mut values = self.tape.evaluate(|s| state.value(s));
+        let scale = values[self.roots..].iter().zip(&self.weights).map(|(x, w)| x.abs() * w).sum();
+        values.truncate(self.roots);
+        (values, scale)
+    }
 }
 
 /// A state in words, for messages.

@@ -102,39 +102,34 @@ fn is_sum(graph: &Graph, id: Id) -> bool {
     }
 }
 
-/// The terms of a sum and their coefficients, like terms collected, in order of first appearance.
-fn flatten(graph: &Graph, id: Id) -> Vec<(Id, Number)> {
+/// The terms of a sum and their coefficients, like terms collected, in the order of the arena.
+fn flatten(graph: &Graph, root: Id) -> Vec<(Id, Number)> {
     let one = Number::Exact(Rational::ONE);
     let mut terms: Vec<(Id, Number)> = Vec::new();
-    let mut place = rustc_hash::FxHashMap::default();
-    let mut stack = vec![(id, one)];
-    while let Some((id, factor)) = stack.pop() {
-        match graph.node(id) {
-            Node::Binary(Binary::Add, x, y) => stack.extend([(y, factor), (x, factor)]),
-            Node::Binary(Binary::Sub, x, y) => stack.extend([(y, negated(factor)), (x, factor)]),
-            Node::Unary(Unary::Neg, x) => stack.push((x, negated(factor))),
+    // Parents have larger places than children, so taking the largest first visits each node once.
+    let mut open = std::collections::BTreeMap::from([(root, one)]);
+    while let Some((id, factor)) = open.pop_last() {
+        let parts = match graph.node(id) {
+            Node::Binary(Binary::Add, x, y) => vec![(x, factor), (y, factor)],
+            Node::Binary(Binary::Sub, x, y) => vec![(x, factor), (y, negated(factor))],
+            Node::Unary(Unary::Neg, x) => vec![(x, negated(factor))],
             Node::Binary(Binary::Mul, c, x) if graph.number(c).is_some() => {
-                stack.push((x, times(factor, graph.number(c).unwrap_or(one))));
+                vec![(x, times(factor, graph.number(c).unwrap_or(one)))]
             }
-            Node::Number(_) => {
-                let value = times(factor, graph.number(id).unwrap_or(one));
-                collect(&mut terms, &mut place, Id::ONE, value);
+            Node::Number(_) if id != Id::ONE => vec![(Id::ONE, times(factor, graph.number(id).unwrap_or(one)))],
+            _ => {
+                terms.push((id, factor));
+                continue;
             }
-            _ => collect(&mut terms, &mut place, id, factor),
+        };
+        for (part, factor) in parts {
+            let known = open.get(&part).copied();
+            open.insert(part, known.map_or(factor, |k| plus(k, factor)));
         }
     }
     terms.retain(|(_, c)| c.to_f64() != 0.0);
+    terms.reverse();
     terms
-}
-
-fn collect(terms: &mut Vec<(Id, Number)>, place: &mut rustc_hash::FxHashMap<Id, usize>, term: Id, coefficient: Number) {
-    match place.get(&term) {
-        Some(&k) => terms[k].1 = plus(terms[k].1, coefficient),
-        None => {
-            place.insert(term, terms.len());
-            terms.push((term, coefficient));
-        }
-    }
 }
 
 fn constant(graph: &mut Graph, number: Number) -> Id {

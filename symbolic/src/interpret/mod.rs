@@ -114,7 +114,8 @@ impl Interpreter {
         let mut values = vec![0.0; self.tapes.accelerations.len()];
         self.run(&self.tapes.accelerations, at, &mut values);
         for (k, pair) in self.tapes.pivots.iter().zip(values[n..].chunks_exact(2)) {
-            if !(pair[0].abs() > 4.0 * f64::EPSILON * pair[1].abs()) {
+            let negligible = 4.0 * f64::EPSILON * pair[1].abs();
+            if pair[0].is_nan() || pair[0].abs() <= negligible {
                 return Err(*k);
             }
         }

@@ -242,24 +242,30 @@ fn invariant_pairs(model: &mut Model) -> Vec<Id> {
 /// The sum of the absolute values of a term's own terms: of a sum those of its parts, of a multiple of a sum
 /// the multiple's.
 fn magnitude(graph: &mut Graph, root: Id) -> Id {
-    let mut total = Id::ZERO;
-    let mut stack = vec![(root, Id::ONE)];
     let is_sum = |graph: &Graph, id: Id| matches!(graph.node(id), Node::Binary(Binary::Add | Binary::Sub, ..));
-    while let Some((id, factor)) = stack.pop() {
-        match graph.node(id) {
-            Node::Unary(Unary::Neg, x) => stack.push((x, factor)),
-            Node::Binary(Binary::Add | Binary::Sub, x, y) => stack.extend([(x, factor), (y, factor)]),
-            Node::Binary(Binary::Mul, x, y) if is_sum(graph, y) && !is_sum(graph, x) => {
-                stack.push((y, graph.mul(factor, x)));
-            }
-            Node::Binary(Binary::Mul, x, y) if is_sum(graph, x) && !is_sum(graph, y) => {
-                stack.push((x, graph.mul(factor, y)));
+    let mut total = Id::ZERO;
+    // Parents have larger places than children, so taking the largest first visits each node once.
+    let mut weights = std::collections::BTreeMap::from([(root, Id::ONE)]);
+    while let Some((id, weight)) = weights.pop_last() {
+        let parts = match graph.node(id) {
+            Node::Unary(Unary::Neg, x) => vec![(x, weight)],
+            Node::Binary(Binary::Add | Binary::Sub, x, y) => vec![(x, weight), (y, weight)],
+            Node::Binary(Binary::Mul, x, y) if is_sum(graph, x) != is_sum(graph, y) => {
+                let (sum, factor) = if is_sum(graph, x) { (x, y) } else { (y, x) };
+                let size = graph.unary(Unary::Abs, factor);
+                vec![(sum, graph.mul(weight, size))]
             }
             _ => {
-                let term = graph.mul(factor, id);
-                let size = graph.unary(Unary::Abs, term);
-                total = graph.add(total, size);
+                let size = graph.unary(Unary::Abs, id);
+                let term = graph.mul(weight, size);
+                total = graph.add(total, term);
+                continue;
             }
+        };
+        for (part, weight) in parts {
+            let known = weights.get(&part).copied().unwrap_or(Id::ZERO);
+            let sum = graph.add(known, weight);
+            weights.insert(part, sum);
         }
     }
     total
