@@ -1,1 +1,5 @@
-//! What the workspace promises as a whole: one test file per subject, in `tests/`.
+//! What the tests of the workspace share.
+
+pub mod case;
+pub mod euler;
+pub mod reference;
