@@ -41,7 +41,7 @@ impl Resolver<'_> {
                 let rules = Rules::invariant("a conserved quantity");
                 let value = self.bench.written(&self.scope, written, rules, &member.locals);
                 let value = components(value, 1);
-                let terms = value.iter().map(|x| terms(&self.bench.graph, *x)).collect();
+                let terms = value.iter().map(|x| terms(&mut self.bench.graph, *x)).collect();
                 let place = spot.place.clone();
                 self.model.conserved.push(Conserved { name, value, terms, when: when.clone(), place });
             }
@@ -317,19 +317,40 @@ fn components(value: Value, size: usize) -> Vec<Id> {
     }
 }
 
-/// The terms of a sum, signs left out.
-fn terms(graph: &Graph, root: Id) -> Vec<Id> {
+/// The terms of a sum, signs left out, factors that all have in common multiplied in: the size of what cancels.
+///
+/// `m*(x*y' - y*x')` has two: where its parenthesis vanishes, rounding is small beside them, and not beside it.
+fn terms(graph: &mut Graph, root: Id) -> Vec<Id> {
     let mut terms = Vec::new();
-    let mut stack = vec![root];
-    while let Some(top) = stack.pop() {
-        match graph.node(top) {
-            Expression::Binary(Binary::Add | Binary::Sub, x, y) if terms.len() + stack.len() < TERM_LIMIT => {
-                stack.extend([y, x]);
+    for term in summands(graph, root) {
+        match graph.node(term) {
+            Expression::Binary(Binary::Mul, x, y) => {
+                let (xs, ys) = (summands(graph, x), summands(graph, y));
+                match (xs.len(), ys.len()) {
+                    (1, 2..) => terms.extend(ys.into_iter().map(|y| graph.mul(x, y))),
+                    (2.., 1) => terms.extend(xs.into_iter().map(|x| graph.mul(x, y))),
+                    _ => terms.push(term),
+                }
             }
-            Expression::Unary(Unary::Neg, x) => stack.push(x),
-            _ if top != Id::ZERO => terms.push(top),
-            _ => {}
+            _ => terms.push(term),
         }
     }
     terms
+}
+
+/// What is added or subtracted on the way to a sum.
+fn summands(graph: &Graph, root: Id) -> Vec<Id> {
+    let mut summands = Vec::new();
+    let mut stack = vec![root];
+    while let Some(top) = stack.pop() {
+        match graph.node(top) {
+            Expression::Binary(Binary::Add | Binary::Sub, x, y) if summands.len() + stack.len() < TERM_LIMIT => {
+                stack.extend([y, x]);
+            }
+            Expression::Unary(Unary::Neg, x) => stack.push(x),
+            _ if top != Id::ZERO => summands.push(top),
+            _ => {}
+        }
+    }
+    summands
 }
