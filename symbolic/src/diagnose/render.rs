@@ -9,6 +9,9 @@ use crate::model::locate;
 /// Most problems shown.
 const MOST: usize = 50;
 
+/// Most problems whose places are looked for, which takes time in large files.
+const LOCATED: usize = 1000;
+
 /// Widest part of a line shown, in characters.
 const WIDEST: usize = 120;
 
@@ -20,8 +23,9 @@ pub fn render(path: &str, text: &str, problems: &[Problem]) -> String {
     if problems.is_empty() {
         return String::new();
     }
-    let places: Vec<_> = problems.iter().map(|problem| &problem.place).collect();
-    let mut sorted: Vec<(Range<usize>, &Problem)> = locate(text, &places).into_iter().zip(problems).collect();
+    let located = &problems[..problems.len().min(LOCATED)];
+    let places: Vec<_> = located.iter().map(|problem| &problem.place).collect();
+    let mut sorted: Vec<(Range<usize>, &Problem)> = locate(text, &places).into_iter().zip(located).collect();
     sorted.sort_by_key(|(range, problem)| (range.start, range.end, problem.code));
     sorted.dedup();
     let mut out = String::new();
@@ -29,11 +33,13 @@ pub fn render(path: &str, text: &str, problems: &[Problem]) -> String {
         one(&mut out, path, text, range, problem);
         out.push('\n');
     }
-    if sorted.len() > MOST {
-        let _ = writeln!(out, "… and {} more\n", sorted.len() - MOST);
+    let hidden = sorted.len().saturating_sub(MOST) + problems.len() - located.len();
+    if hidden > 0 {
+        let _ = writeln!(out, "… and {hidden} more\n");
     }
+    let all = sorted.len() + problems.len() - located.len();
     let warnings = sorted.iter().filter(|(_, problem)| problem.is_warning()).count();
-    let counts = [(sorted.len() - warnings, "error"), (warnings, "warning")];
+    let counts = [(all - warnings, "error"), (warnings, "warning")];
     let counts: Vec<String> = counts.iter().filter(|(n, _)| *n > 0).map(|&(n, word)| counted(n, word)).collect();
     let _ = writeln!(out, "{} in {path}", counts.join(" and "));
     out

@@ -16,7 +16,10 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     };
     let lower = name.to_lowercase();
     let mut best: Option<(usize, &str)> = None;
-    for candidate in candidates {
+    for candidate in candidates.into_iter().take(MOST) {
+        if candidate.len().abs_diff(name.len()) > 4 * allowed {
+            continue;
+        }
         let size = candidate.chars().count();
         if candidate == name || size.abs_diff(length) > allowed {
             continue;
@@ -46,6 +49,9 @@ pub fn did_you_mean_or(name: &str, candidates: &[&str]) -> String {
 fn quoted(names: &[&str]) -> String {
     names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
 }
+
+/// So many candidates are looked at.
+const MOST: usize = 2000;
 
 /// Names longer than this are not compared: the distance costs the product of the lengths.
 const LONGEST: usize = 64;
