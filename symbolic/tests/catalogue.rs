@@ -3,15 +3,17 @@
 //! `errors/E201.yaml` is the file and `errors/E201.txt` what is said about it.  With `UPDATE_EXPECTED=1` in the
 //! environment the texts are written anew; read them before you commit them.
 
+use dalembert_symbolic::derive::derive;
 use dalembert_symbolic::diagnose::catalogue::CATALOGUE;
 use dalembert_symbolic::diagnose::{Entry, Problem, render};
-use dalembert_symbolic::model::read;
+use dalembert_symbolic::model::load;
 use std::fs;
 use std::path::PathBuf;
 
 /// Entries that no file of a few lines raises, and where they are tested instead.
 const ELSEWHERE: &[(&str, &str)] = &[
     ("E011", "a file of more than 1 MiB: `limits` below"),
+    ("E503", "two derivations that disagree are a fault of the program: the tests of `derive`"),
     ("E122", "an expression of more than 64 KiB: `limits` below"),
 ];
 
@@ -20,7 +22,12 @@ fn folder() -> PathBuf {
 }
 
 fn problems(text: &str) -> Vec<Problem> {
-    read(text).err().unwrap_or_default()
+    let model = match load(text, &[]) {
+        Ok(model) => model,
+        Err(problems) => return problems,
+    };
+    let warnings = model.warnings.clone();
+    derive(model).err().unwrap_or(warnings)
 }
 
 fn entries() -> impl Iterator<Item = &'static Entry> {
@@ -31,13 +38,13 @@ fn entries() -> impl Iterator<Item = &'static Entry> {
 fn every_entry_is_shown_as_expected() {
     let update = std::env::var_os("UPDATE_EXPECTED").is_some();
     let mut wrong = String::new();
-    for entry in entries().filter(|entry| entry.code < "E1" && ELSEWHERE.iter().all(|(code, _)| *code != entry.code)) {
+    for entry in entries().filter(|entry| ELSEWHERE.iter().all(|(code, _)| *code != entry.code)) {
         let name = format!("{}.yaml", entry.code);
         let Ok(text) = fs::read_to_string(folder().join(&name)) else {
             wrong += &format!("{name} is missing: {}\n", entry.title);
             continue;
         };
-        let shown = render(&name, &text, &problems(&text));
+        let shown = comparable(entry, render(&name, &text, &problems(&text)));
         let expected = folder().join(format!("{}.txt", entry.code));
         if update {
             fs::write(&expected, &shown).unwrap();
@@ -46,15 +53,36 @@ fn every_entry_is_shown_as_expected() {
         if shown != wanted {
             wrong += &format!("{name}: expected\n{wanted}\nfound\n{shown}\n");
         }
-        if !shown.contains(&format!("error[{}]", entry.code)) {
+        if !shown.contains(&format!("[{}]: ", entry.code)) {
             wrong += &format!("{name} does not raise {}: {}\n", entry.code, entry.title);
         }
     }
     assert!(wrong.is_empty(), "{wrong}");
 }
 
+/// Verdicts tell numbers found at random states: each becomes `#`, and all of them one, so that the states may change.
+fn comparable(entry: &Entry, shown: String) -> String {
+    if !entry.code.starts_with("E5") {
+        return shown;
+    }
+    let line = |line: &str| {
+        let told = line.starts_with("error") || line.contains("= help: at");
+        if told { without_numbers(line) } else { line.to_owned() }
+    };
+    shown.lines().map(line).map(|line| line + "\n").collect()
+}
+
+fn without_numbers(line: &str) -> String {
+    let (code, rest) = line.split_at(line.find(':').unwrap_or(0));
+    let numeric = |word: &str| word.trim_end_matches(',').parse::<f64>().is_ok();
+    let words = rest.split(' ').map(|word| if numeric(word) { "#" } else { word });
+    format!("{code}{}", words.collect::<Vec<_>>().join(" "))
+}
+
 #[test]
 fn limits() {
     let large = format!("about: {}\n", "x".repeat(1 << 20));
     assert_eq!(problems(&large)[0].code, "E011");
+    let long = format!("name: A\ncoordinates: {{x: m}}\ndefine: {{a: \"x{}\"}}\n", "+1".repeat(40_000));
+    assert_eq!(problems(&long)[0].code, "E122");
 }

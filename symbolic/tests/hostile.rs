@@ -1,8 +1,9 @@
-//! No text makes reading or parsing panic: the seeds of the fuzz targets, and random texts.
+//! No text makes reading, parsing or deriving panic: the seeds of the fuzz targets, and random texts.
 
+use dalembert_symbolic::derive::derive;
 use dalembert_symbolic::diagnose::{Problem, render};
 use dalembert_symbolic::language::{parse, parse_equation, parse_key, parse_unit, parse_value_with_unit};
-use dalembert_symbolic::model::read;
+use dalembert_symbolic::model::{load, read};
 use proptest::prelude::*;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,6 +11,14 @@ use std::path::{Path, PathBuf};
 /// What the fuzz target `read` does.
 fn read_file(text: &str) {
     if let Err(problems) = read(text) {
+        assert!(!problems.is_empty());
+        render("hostile.yaml", text, &problems);
+    }
+}
+
+/// What the fuzz target `derive` does.
+fn derive_file(text: &str) {
+    if let Err(problems) = load(text, &[]).and_then(derive) {
         assert!(!problems.is_empty());
         render("hostile.yaml", text, &problems);
     }
@@ -44,7 +53,9 @@ fn seeds_of_the_fuzz_targets() {
     let seeds = files("fuzz/corpus/read");
     assert!(seeds.len() > 10);
     for path in seeds.iter().chain(&files("symbolic/errors")) {
-        read_file(&fs::read_to_string(path).unwrap());
+        let text = fs::read_to_string(path).unwrap();
+        read_file(&text);
+        derive_file(&text);
     }
     for path in files("fuzz/corpus/parse") {
         parse_all(&fs::read_to_string(path).unwrap());
@@ -60,6 +71,29 @@ fn files_cut_short_or_with_a_character_changed() {
             for other in ["[", "'", "*", "\t", "\u{0}", "θ"] {
                 read_file(&format!("{}{other}{}", &text[..at], &text[at + c.len_utf8()..]));
             }
+        }
+    }
+}
+
+/// A model in which every section stands once.
+const WHOLE: &str = include_str!("../../fuzz/corpus/derive/whole.yaml");
+
+#[test]
+fn the_whole_model_is_valid() {
+    let derivation = load(WHOLE, &[]).and_then(derive);
+    if let Err(problems) = derivation {
+        panic!("{}", render("whole.yaml", WHOLE, &problems));
+    }
+}
+
+#[test]
+fn a_model_with_a_word_taken_away_or_doubled_or_swapped() {
+    let words: Vec<&str> = WHOLE.split_inclusive(|c: char| !c.is_alphanumeric()).collect();
+    for at in (0..words.len()).step_by(3) {
+        let (before, after) = (words[..at].concat(), words[at + 1..].concat());
+        let other = words[(at * 7 + 3) % words.len()];
+        for replacement in ["", &words[at].repeat(2), other] {
+            derive_file(&format!("{before}{replacement}{after}"));
         }
     }
 }

@@ -85,6 +85,20 @@ fn refusals() {
 }
 
 #[test]
+fn what_yaml_took_apart_is_put_together_again() {
+    let help = |text: &str| read(text).unwrap_err().remove(0).help;
+    for (text, wanted) in [
+        ("f: {force: dot(a, b), at: P}\n", "`\"dot(a, b)\"`"),
+        ("f: [min(a, b, c), 1]\n", "`\"min(a, b, c)\"`"),
+        ("f: {a: x[1], b: 2}\n", "`\"x[1]\"`"),
+        ("f: {a: l*[sin(t), 1]}\n", "`\"l*[sin(t), 1]\"`"),
+        ("f:\n  a: [0, 1]*2\n", "`\"[0, 1]*2\"`"),
+    ] {
+        assert_eq!(help(text), format!("put the expression in double quotes: {wanted}"), "{text}");
+    }
+}
+
+#[test]
 fn all_refusals_at_once() {
     assert_eq!(codes("a: &b 1\nc: *b\nd: 0x1\ne: .inf\n"), ["E004 1:4", "E005 2:4", "E009 3:4", "E008 4:4"]);
     assert_eq!(codes("a: 1\nb: {c: 1, c: 2}\na: 3\n"), ["E003 2:11", "E003 3:1"]);

@@ -17,7 +17,8 @@ fn look(node: &Node, place: &Place, problems: &mut Vec<Problem>) {
             let broken = |item: &Node| matches!(item, Node::Scalar(text) if balance(text) != 0);
             let place_of_first = items.iter().position(broken).filter(|_| items.len() > 1);
             if let Some(first) = place_of_first {
-                problems.push(yaml::taken_apart(place.index(first), HELP));
+                let texts = items[first..].iter().map_while(scalar);
+                problems.push(yaml::taken_apart(place.index(first), help(texts)));
                 return;
             }
             for (index, item) in items.iter().enumerate() {
@@ -27,13 +28,8 @@ fn look(node: &Node, place: &Place, problems: &mut Vec<Problem>) {
         Node::Map(entries) => {
             for (at, (key, value)) in entries.iter().enumerate() {
                 if balance(key) != 0 {
-                    let before = at.checked_sub(1).and_then(|at| entries.get(at));
-                    let place = match before {
-                        Some((before, Node::Scalar(text))) if balance(text) > 0 => place.key(before),
-                        _ => place.key(key).of_key(),
-                    };
-                    problems.push(yaml::taken_apart(place, HELP));
-                    continue;
+                    problems.push(half_key(place, &entries[..at], &entries[at..], key));
+                    return;
                 }
                 look(value, &place.key(key), problems);
             }
@@ -41,7 +37,38 @@ fn look(node: &Node, place: &Place, problems: &mut Vec<Problem>) {
     }
 }
 
+/// A key with half of a bracket; the other half is mostly the value before it.
+fn half_key(place: &Place, before: &[(String, Node)], from: &[(String, Node)], key: &str) -> Problem {
+    match before.last() {
+        Some((name, Node::Scalar(text))) if balance(text) > 0 => {
+            let keys = from.iter().map(|(key, _)| key.as_str());
+            yaml::taken_apart(place.key(name), help(std::iter::once(text.as_str()).chain(keys)))
+        }
+        _ => yaml::taken_apart(place.key(key).of_key(), HELP),
+    }
+}
+
 const HELP: &str = "put the expression in double quotes";
+
+/// With the expression put together again from as many pieces as close its brackets.
+fn help<'a>(pieces: impl Iterator<Item = &'a str>) -> String {
+    let mut whole = String::new();
+    for piece in pieces.take(8) {
+        whole += if whole.is_empty() { "" } else { ", " };
+        whole += piece;
+        if balance(&whole) == 0 && whole.len() < 80 && !whole.contains('"') {
+            return format!("{HELP}: `\"{whole}\"`");
+        }
+    }
+    HELP.to_owned()
+}
+
+fn scalar(node: &Node) -> Option<&str> {
+    match node {
+        Node::Scalar(text) => Some(text),
+        _ => None,
+    }
+}
 
 /// Opening less closing brackets.
 fn balance(text: &str) -> i32 {

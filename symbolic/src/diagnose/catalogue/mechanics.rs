@@ -7,9 +7,6 @@ super::entries! {
     E402 no_mass(name) "a coordinate that carries no mass"
         "the coordinate `{name}` carries no mass" "nothing resists its acceleration" "give a body that moves with `{name}` a mass or inertia"
         "The mass matrix is singular at every state, so accelerations do not exist.";
-    E403 unclear_body(point, candidates) "a force whose body is unclear"
-        "it is not clear on which body the force at `{point}` acts: {candidates}" "name the body" "write `{{on: BODY, at: {point}, …}}`"
-        "A force acts on the material of a body. A point that travels along a body, or that several bodies share, does not say which.";
     E404 no_body(point) "a force at a point that no body carries"
         "no body carries the point `{point}`" "name the body" "write `{{on: BODY, at: {point}, …}}`"
         "A force acts on the material of a body in which the point is at rest.";
