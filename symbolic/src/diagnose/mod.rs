@@ -30,8 +30,8 @@ pub struct Problem {
     pub code: &'static str,
     /// One line, lower case, naming the offender in backticks.
     pub message: String,
-    /// What stands under the caret.
-    pub label: String,
+    /// What stands under the caret; boxed, so that a `Result<T, Problem>` stays small.
+    pub label: Box<str>,
     /// A way out; may be empty.
     pub help: String,
     /// Where in the file.

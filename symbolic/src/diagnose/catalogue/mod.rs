@@ -77,7 +77,7 @@ macro_rules! entries {
                 $crate::diagnose::Problem {
                     code: stringify!($code),
                     message: format!($message),
-                    label: format!($label),
+                    label: format!($label).into(),
                     help: format!($help),
                     place,
                 }
