@@ -156,7 +156,11 @@ impl System for Toy {
     }
     fn accelerations(&self, t: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), SingularMass> {
         (self.acceleration)(t, q, v, &self.modes, a);
-        Ok(())
+        let masses = if self.description.structure.constant_mass { Vec::new() } else { (self.mass)(t, q) };
+        match masses.iter().position(|mass| *mass == 0.0) {
+            Some(coordinate) => Err(SingularMass { coordinate }),
+            None => Ok(()),
+        }
     }
     fn mass_matrix(&self, t: f64, q: &[f64], values: &mut [f64]) {
         values.copy_from_slice(&(self.mass)(t, q));

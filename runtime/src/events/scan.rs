@@ -24,6 +24,7 @@ pub(crate) struct Crossing {
 /// On which side of zero each function is: −1 or 1, or 0 while it has not left zero.
 #[derive(Clone, Debug)]
 pub(crate) struct Scanner {
+    instant: f64,
     /// The sides at the start of the step.
     pub sides: Vec<f64>,
     /// The sides at its end, if nothing happens in between.
@@ -37,9 +38,10 @@ pub(crate) struct Scanner {
 }
 
 impl Scanner {
-    /// For so many functions.
-    pub fn new(functions: usize) -> Self {
+    /// For so many functions; what happens within an `instant`, s, cannot be told apart.
+    pub fn new(functions: usize, instant: f64) -> Self {
         Scanner {
+            instant,
             sides: vec![0.0; functions],
             end_sides: vec![0.0; functions],
             fresh: vec![true; functions],
@@ -65,10 +67,12 @@ impl Scanner {
         self.crossings.sort_by(|a, b| a.theta.total_cmp(&b.theta).then(a.function.cmp(&b.function)));
     }
 
-    /// The sides at the end become those at the start of the next step.
-    pub fn advance(&mut self) {
+    /// The sides at the end of a step of h become those at the start of the next.
+    pub fn advance(&mut self, h: f64) {
         self.sides.copy_from_slice(&self.end_sides);
-        self.fresh.fill(false);
+        if h > self.instant {
+            self.fresh.fill(false);
+        }
     }
 
     /// The value of a function that is largest in size among the samples; `None` if there is none.
@@ -119,7 +123,7 @@ impl Scanner {
         let mut last = (0.0, 0.0);
         for index in 0..self.points.len() {
             let (theta, value) = self.points[index];
-            let unsure = near_zero && value.abs() <= ZERO * variation;
+            let unsure = near_zero && (value.abs() <= ZERO * variation || theta * segment.h <= self.instant);
             if unsure || value == 0.0 || value.is_nan() {
                 continue;
             }

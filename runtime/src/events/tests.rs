@@ -230,3 +230,82 @@ fn on_the_surface_the_motion_chooses_its_side() {
     let thrown = run(toy(-1.0, 2.0, 1.0), |_| ()).unwrap();
     assert!((thrown.last()["x"] + 0.095).abs() < 1e-15);
 }
+
+#[test]
+fn events_and_discontinuities_share_a_step() {
+    // x'' = −sign(x) from 1 with x(t) = 1 − t²/2: recorded before and after the kink at √2, stopped at −1/2.
+    let toy = Toy::new(&["x"], (&[1.0], &[0.0]), 10.0, |_, _, _, modes, a| a[0] = -modes[0])
+        .switch(switch("x", SwitchKind::Sign, false), |_, q, v, _, p| p.copy_from_slice(&[q[0], v[0]]))
+        .event(event("half", Direction::Falling, &[Action::Record]), |_, _, _, _, _| ())
+        .event(event("kink", Direction::Falling, &[Action::Record]), |_, _, _, _, _| ())
+        .event(event("below", Direction::Falling, &[Action::Record]), |_, _, _, _, _| ())
+        .event(event("end", Direction::Falling, &[Action::Stop]), |_, q, _, _, p| {
+            p.copy_from_slice(&[q[0] - 0.5, 1.0, q[0], 1.0, q[0] + 0.1, 1.0, q[0] + 0.5, 1.0]);
+        });
+    for method in METHODS {
+        let run = run(toy.clone(), |s| s.method = method).unwrap();
+        let root = 2.0_f64.sqrt();
+        let after = |depth: f64| root + root - (2.0 - 2.0 * depth).sqrt();
+        let expected = [("half", 1.0), ("kink", root), ("below", after(0.1)), ("end", after(0.5))];
+        assert_eq!(run.events.len(), 4, "{:?}", run.events);
+        for (found, (name, t)) in run.events.iter().zip(expected) {
+            assert_eq!(found.name, name);
+            assert!((found.state.t - t).abs() < 1e-12, "{method}, {name}: {:e}", found.state.t - t);
+        }
+        assert_eq!(run.last(), run.ended_by().unwrap().state);
+    }
+}
+
+#[test]
+fn switches_that_meet_are_switched_together() {
+    // Two kinks at one place, and a third at the same time.
+    let toy = Toy::new(&["x"], (&[1.0], &[-1.0]), 3.0, |_, _, _, m, a| a[0] = (1.0 - m[0]) + (1.0 - m[1]) - m[2])
+        .switch(switch("x", SwitchKind::Step, false), |_, _, _, _, _| ())
+        .switch(switch("2*x", SwitchKind::Step, false), |_, _, _, _, _| ())
+        .switch(switch("t - 1", SwitchKind::Step, true), |t, q, v, _, p| {
+            p.copy_from_slice(&[q[0], v[0], 2.0 * q[0], 2.0 * v[0], t - 1.0, 1.0]);
+        });
+    let run = run(toy, |_| ()).unwrap();
+    // Until t = 1 no force; then x'' = 2 − 1 from x = 0, x' = −1, which is at 0 again at t = 3.
+    assert!((run.at(2.0).unwrap()["x"] + 0.5).abs() < 1e-12, "{:?}", run.at(2.0));
+    assert!(run.last()["x"].abs() < 1e-12, "{:?}", run.last());
+}
+
+#[test]
+fn discontinuities_of_time_at_the_ends_of_the_run_are_in_force_there() {
+    let toy = Toy::new(&["x"], (&[0.0], &[0.0]), 1.0, |_, _, _, m, a| a[0] = m[0] - m[1])
+        .switch(switch("t", SwitchKind::Step, true), |_, _, _, _, _| ())
+        .switch(switch("t - 1", SwitchKind::Step, true), |t, _, _, _, p| p.copy_from_slice(&[t, 1.0, t - 1.0, 1.0]));
+    let run = run(toy, |_| ()).unwrap();
+    assert!((run.last()["x"] - 0.5).abs() < 1e-15);
+}
+
+#[test]
+fn an_event_on_the_acceleration_sees_it_jump() {
+    // x'' jumps from −1 to 2 where x falls below 0, at t = √2.
+    let toy = Toy::new(&["x"], (&[1.0], &[0.0]), 2.0, |_, _, _, m, a| a[0] = 2.0 - 3.0 * m[0])
+        .switch(switch("x", SwitchKind::Step, false), |_, q, v, _, p| p.copy_from_slice(&[q[0], v[0]]))
+        .event(event("push", Direction::Rising, &[Action::Record]), |_, _, _, a, p| p.copy_from_slice(&[a[0], 1.0]));
+    let run = run(toy, |_| ()).unwrap();
+    assert_eq!(run.events.len(), 1);
+    assert!((run.events[0].state.t - 2.0_f64.sqrt()).abs() < 1e-12);
+}
+
+#[test]
+fn a_bouncing_ball_by_hand_stays_above_the_floor_e2() {
+    let ball = Toy::new(&["y"], (&[1.0], &[0.0]), 10.0, |_, _, _, _, a| a[0] = -9.81)
+        .event(event("bounce", Direction::Falling, &[Action::Stop]), |_, q, _, _, p| p.copy_from_slice(&[q[0], 1.0]));
+    let mut sim = crate::Simulation::new(ball).by_hand().unwrap();
+    let mut bounces = 0;
+    // The Zeno time of a ball that keeps half its speed is √(2/9.81)·3 = 1.35457…
+    while sim.time() < 1.354 {
+        if sim.advance(1.354 - sim.time()).unwrap().is_some() {
+            bounces += 1;
+            let state = sim.state_mut();
+            (state.q[0], state.v[0]) = (0.0, -0.5 * state.v[0]);
+        }
+    }
+    // After n bounces 0.9030/2ⁿ⁻¹ seconds are left until then.
+    assert_eq!(bounces, 11);
+    assert!(sim.state()["y"] >= 0.0 && sim.state()["y"] < 1e-3, "{:?}", sim.state());
+}

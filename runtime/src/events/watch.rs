@@ -56,7 +56,7 @@ impl Watch {
         let mut stops = stop_times(system, &mut sampler, (from, until), y);
         stops.reverse();
         Some(Watch {
-            scanner: Scanner::new(sampler.len()),
+            scanner: Scanner::new(sampler.len(), 1e-12 * (until - from)),
             sampler,
             stops,
             time_only: description.switches.iter().map(|switch| switch.time_only).collect(),
@@ -136,7 +136,7 @@ impl Watch {
     /// Notes what is recorded within a step that nothing ended.
     pub fn pass<S: System + ?Sized>(&mut self, system: &S, segment: &Segment<'_>, recorder: &mut Recorder) {
         self.record(system, segment, recorder, &[]);
-        self.scanner.advance();
+        self.scanner.advance(segment.h);
     }
 
     /// Functions that cross zero together with another one, it included, in file order.
@@ -158,7 +158,7 @@ impl Watch {
     ) {
         self.scanner.scan(&mut self.sampler, system, segment);
         self.record(system, segment, recorder, together);
-        self.scanner.advance();
+        self.scanner.advance(segment.h);
     }
 
     /// Fires the events that cross zero together at this state, and notes which switches do.  Returns true if

@@ -2,7 +2,7 @@
 
 use super::{Clock, Method, OneStep, Rates, StepControl, Tolerance, first_step};
 use crate::error::Cause;
-use crate::events::{Interruption, Watch};
+use crate::events::Watch;
 use crate::mechanism::{SingularMass, System};
 use crate::run::{Recorder, Segment, Work};
 use crate::trust::{StiffnessDetector, Warning};
@@ -30,30 +30,42 @@ pub(crate) enum Halt {
     Event,
 }
 
+/// A step to try, or one that was.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Step {
+    /// Its length, s.
+    pub h: f64,
+    /// Where it ends, s.
+    pub next: f64,
+    /// True when it ends at a time that was asked for.
+    pub lands: bool,
+}
+
 /// A motion that is under way.
 pub(crate) struct March<S: System + ?Sized> {
-    rates: Rates,
+    pub(super) rates: Rates,
     stepper: Box<dyn OneStep<S>>,
     pace: Pace,
     control: StepControl,
-    clock: Clock,
+    pub(super) clock: Clock,
     /// The next step; 0 when it must be chosen anew.
     h: f64,
-    y: Vec<f64>,
+    pub(super) y: Vec<f64>,
     /// What rounding took from y in the last step.
     carry: Vec<f64>,
     rate: Vec<f64>,
-    end: Vec<f64>,
-    pieces: Vec<f64>,
+    pub(super) end: Vec<f64>,
+    pub(super) pieces: Vec<f64>,
     work: Work,
     max_steps: u64,
+    compensated: bool,
     watch: Option<Watch>,
     stiffness: StiffnessDetector,
 }
 
 impl<S: System + ?Sized> March<S> {
     /// A march from (t, q, v), not yet begun.
-    pub fn new(method: Method, pace: Pace, rates: Rates, t: f64, y: Vec<f64>, max_steps: u64) -> Self {
+    pub fn new(method: Method, pace: Pace, rates: Rates, t: f64, y: Vec<f64>) -> Self {
         let stepper = method.stepper(rates.width);
         let zero = vec![0.0; rates.width];
         let pieces = vec![0.0; rates.width * stepper.pieces()];
@@ -69,11 +81,24 @@ impl<S: System + ?Sized> March<S> {
             end: zero,
             pieces,
             work: Work::default(),
-            max_steps,
+            max_steps: u64::MAX,
+            compensated: true,
             watch: None,
             rates,
             y,
         }
+    }
+
+    /// Fails beyond so many steps.
+    pub fn limit(mut self, max_steps: u64) -> Self {
+        self.max_steps = max_steps;
+        self
+    }
+
+    /// Adds what rounding takes from a step to the next one, or not.
+    pub fn compensate(mut self, compensated: bool) -> Self {
+        self.compensated = compensated;
+        self
     }
 
     /// The present time, s.
@@ -151,92 +176,8 @@ impl<S: System + ?Sized> March<S> {
         Ok(())
     }
 
-    /// Writes down and takes a step, as far as the first event that stops or the first discontinuity.
-    fn watched(
-        &mut self,
-        system: &mut S,
-        step: Step,
-        watch: &mut Watch,
-        recorder: &mut Recorder,
-    ) -> Result<Halt, Cause> {
-        self.dense(system, step)?;
-        let Some(interruption) = watch.scan(system, &self.segment(step)) else {
-            recorder.accept(system, Some(&self.segment(step)), step.next, &self.end)?;
-            watch.pass(system, &self.segment(step), recorder);
-            self.commit(step);
-            if step.lands && watch.switch(system, step.next, &self.y)? {
-                self.restart(system)?;
-            }
-            return Ok(Halt::Arrived);
-        };
-        let crossing = match interruption {
-            Interruption::At(crossing) => crossing,
-            Interruption::LeavesRest { switch, side } => {
-                watch.leave_rest(system, (switch, side), (self.clock.now(), &self.y))?;
-                self.restart(system)?;
-                return Ok(Halt::Arrived);
-            }
-        };
-        let together = watch.simultaneous(crossing, &self.segment(step));
-        let stops = match self.shorten(system, step, crossing.theta, crossing.function, watch)? {
-            Some(shorter) => {
-                let segment = self.segment(shorter);
-                recorder.accept(system, Some(&segment), shorter.next, &self.end)?;
-                watch.record_before(system, &segment, recorder, &together);
-                let stops = watch.fire(system, &together, (shorter.next, &self.end), recorder);
-                self.commit(shorter);
-                stops
-            }
-            None => watch.fire(system, &together, (self.clock.now(), &self.y), recorder),
-        };
-        if stops {
-            return Ok(Halt::Event);
-        }
-        // A stop time may coincide with the crossing.
-        watch.switch(system, self.clock.now(), &self.y)?;
-        self.restart(system)?;
-        Ok(Halt::Arrived)
-    }
-
-    /// Steps again, as far as the zero of a watched function at about θ of the step that was tried; `None` if
-    /// that is where the step began.
-    ///
-    /// The dense output finds the zero; the method's own step to it, corrected by Newton's method, is more
-    /// accurate (catalogue E7).
-    fn shorten(
-        &mut self,
-        system: &S,
-        step: Step,
-        theta: f64,
-        function: usize,
-        watch: &mut Watch,
-    ) -> Result<Option<Step>, Cause> {
-        let now = self.clock.now();
-        let resolution = f64::EPSILON * now.abs().max(step.h);
-        let mut h = theta * step.h;
-        let mut shorter = None;
-        for _ in 0..5 {
-            if h <= resolution {
-                return Ok(shorter);
-            }
-            let trial = Step { h, next: now + h, lands: false };
-            self.try_step(system, trial, true).map_err(|fault| Cause::singular_mass(system, fault))?;
-            finite(system, &self.end, 0)?;
-            self.dense(system, trial)?;
-            shorter = Some(trial);
-            let segment = self.segment(trial);
-            let (value, slope) = watch.value_and_slope(system, function, &segment, &self.end);
-            let correction = -value / slope;
-            if !(correction.abs() > resolution && correction.abs() < 0.1 * h) {
-                break;
-            }
-            h += correction;
-        }
-        Ok(shorter)
-    }
-
     /// Begins anew after the state or the equations changed.
-    fn restart(&mut self, system: &S) -> Result<(), Cause> {
+    pub(super) fn restart(&mut self, system: &S) -> Result<(), Cause> {
         self.carry.fill(0.0);
         self.h = 0.0;
         self.control = StepControl::new(self.stepper.tableau().control);
@@ -247,13 +188,13 @@ impl<S: System + ?Sized> March<S> {
     }
 
     /// Dense output of the step that was tried.
-    fn dense(&mut self, system: &S, step: Step) -> Result<(), Cause> {
+    pub(super) fn dense(&mut self, system: &S, step: Step) -> Result<(), Cause> {
         self.stepper
             .dense(&mut self.rates, system, (self.clock.now(), step.h, &self.y), &self.end, &mut self.pieces)
             .map_err(|fault| Cause::singular_mass(system, fault))
     }
 
-    fn segment(&self, step: Step) -> Segment<'_> {
+    pub(super) fn segment(&self, step: Step) -> Segment<'_> {
         Segment { t: self.clock.now(), h: step.h, width: self.rates.width, pieces: &self.pieces }
     }
 
@@ -278,8 +219,8 @@ impl<S: System + ?Sized> March<S> {
             let outcome = self.try_step(system, step, false);
             match &self.pace {
                 Pace::Fixed(_) => {
-                    outcome.map_err(|fault| Cause::singular_mass(system, fault))?;
-                    finite(system, &self.end, 0)?;
+                    let error = outcome.map_err(|fault| Cause::singular_mass(system, fault))?;
+                    self.all_finite(system, error)?;
                     return Ok(step);
                 }
                 Pace::Adaptive { .. } => {
@@ -294,12 +235,18 @@ impl<S: System + ?Sized> March<S> {
                     self.h = self.control.rejected(h, error);
                     if self.h < 16.0 * f64::EPSILON * now.abs() || self.h < f64::MIN_POSITIVE / f64::EPSILON {
                         outcome.map_err(|fault| Cause::singular_mass(system, fault))?;
-                        finite(system, &self.end, 0)?;
+                        self.all_finite(system, error)?;
                         return Err(Cause::StepTooSmall { h: self.h });
                     }
                 }
             }
         }
+    }
+
+    /// Refuses a step whose end, or the rate there, is not finite.
+    fn all_finite(&self, system: &S, error: f64) -> Result<(), Cause> {
+        finite(system, &self.end, 0)?;
+        if error.is_nan() { finite(system, self.stepper.last_rate(), 1) } else { Ok(()) }
     }
 
     /// The next step to try.
@@ -329,7 +276,7 @@ impl<S: System + ?Sized> March<S> {
 
     /// Tries a step; leaves its end behind, and its rate there if it is good (or `whatever` its error), which
     /// is returned.
-    fn try_step(&mut self, system: &S, step: Step, whatever: bool) -> Result<f64, SingularMass> {
+    pub(super) fn try_step(&mut self, system: &S, step: Step, whatever: bool) -> Result<f64, SingularMass> {
         let from = (self.clock.now(), step.h, self.y.as_slice());
         let tolerance = match &self.pace {
             Pace::Fixed(_) => None,
@@ -350,10 +297,10 @@ impl<S: System + ?Sized> March<S> {
     }
 
     /// Takes the step that was tried.
-    fn commit(&mut self, step: Step) {
+    pub(super) fn commit(&mut self, step: Step) {
         let increment = self.stepper.increment();
         for (i, carry) in self.carry.iter_mut().enumerate() {
-            *carry = (increment[i] + *carry) - (self.end[i] - self.y[i]);
+            *carry = if self.compensated { (increment[i] + *carry) - (self.end[i] - self.y[i]) } else { 0.0 };
         }
         std::mem::swap(&mut self.y, &mut self.end);
         self.rate.copy_from_slice(self.stepper.last_rate());
@@ -388,19 +335,8 @@ impl<S: System + ?Sized> March<S> {
     }
 }
 
-/// A step to try, or one that was.
-#[derive(Clone, Copy, Debug)]
-struct Step {
-    /// Its length, s.
-    h: f64,
-    /// Where it ends, s.
-    next: f64,
-    /// True when it ends at a time that was asked for.
-    lands: bool,
-}
-
 /// An error that names the first number that is not finite.
-fn finite<S: System + ?Sized>(system: &S, y: &[f64], primes: usize) -> Result<(), Cause> {
+pub(super) fn finite<S: System + ?Sized>(system: &S, y: &[f64], primes: usize) -> Result<(), Cause> {
     match y.iter().position(|y| !y.is_finite()) {
         Some(index) => Err(Cause::non_finite(system, index, primes)),
         None => Ok(()),

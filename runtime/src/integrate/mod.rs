@@ -4,11 +4,13 @@
 //! 2. A family of one-step methods, each in its folder with the files `tableau`, `step`, `dense`,
 //!    implements [`OneStep`]: look in `explicit/`.
 //! 3. [`StepControl`] chooses steps against a [`Tolerance`]: look in `control.rs`.
-//! 4. [`March`] puts steps together to a motion, with its stops and restarts: look in `march.rs`.
+//! 4. [`March`] puts steps together to a motion, with its stops and restarts: look in `march.rs`, and for what
+//!    may end a step early in `interrupt.rs`.
 
 mod clock;
 mod control;
 mod explicit;
+mod interrupt;
 mod march;
 mod method;
 mod rates;

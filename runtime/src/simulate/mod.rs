@@ -75,7 +75,8 @@ fn start<S: System + ?Sized>(system: &mut S, settings: &Settings, every: f64) ->
             Pace::Adaptive { tolerance, longest: settings.longest_step.unwrap_or(f64::INFINITY) }
         }
     };
-    let mut march = March::new(method, pace, rates, settings.from, y, settings.max_steps);
+    let mut march =
+        March::new(method, pace, rates, settings.from, y).limit(settings.max_steps).compensate(settings.compensated);
     // The modes of discontinuities come first: energies and outputs at the start depend on them.
     let outcome = march.begin(system, settings.until).and(settings.attainable());
     let plan = Plan {

@@ -31,6 +31,9 @@ pub struct Settings {
     pub longest_step: Option<f64>,
     /// The run fails beyond this many steps; 10⁷ unless said otherwise.
     pub max_steps: u64,
+    /// Whether what rounding takes from a step is added to the next (on unless said otherwise); off only to
+    /// see what rounding does.
+    pub compensated: bool,
     /// Whether to keep dense output for [`Run::at`](crate::Run::at) (on unless said otherwise); it costs memory and, with
     /// `dop853`, three evaluations per step.
     pub dense: bool,
@@ -52,6 +55,7 @@ impl Settings {
             step: None,
             longest_step: None,
             max_steps: 10_000_000,
+            compensated: true,
             dense: true,
             watch: true,
         }

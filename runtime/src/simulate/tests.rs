@@ -114,6 +114,76 @@ fn updates_at_a_fixed_step_are_compensated_r4() {
 }
 
 #[test]
+fn rounding_alone_walks_at_random_r1() {
+    // Euler on x' = x over [0, 1]: rounding is the distance to (1 + 1/n)ⁿ, some 1.3·ε·√n.
+    let n = 1_u32 << 16;
+    let square = |n: u32| {
+        let toy = Toy::new(&["x"], (&[1.0], &[1.0]), 1.0, |_, _, v, _, a| a[0] = v[0]);
+        let run = run(toy, |s| {
+            (s.method, s.step, s.compensated) = (Method::Euler, Some(1.0 / f64::from(n)), false);
+            (s.dense, s.watch) = (false, false);
+        })
+        .unwrap();
+        assert_eq!(run.work.steps, u64::from(n));
+        let exact = (f64::from(n) * (1.0 / f64::from(n)).ln_1p()).exp();
+        (run.last()["x'"] - exact).powi(2)
+    };
+    let mean = ((n - 4..=n + 4).map(square).sum::<f64>() / 9.0).sqrt();
+    let expected = 1.3 * 0.5 * f64::EPSILON * f64::from(n).sqrt();
+    assert!(mean < 2.5 * expected && mean > expected / 2.5, "{mean:e}, expected {expected:e}");
+}
+
+#[test]
+fn a_coordinate_without_inertia_is_named() {
+    for start in [0.5, 0.0] {
+        let toy = Toy::new(&["x", "y"], (&[0.0, start], &[0.0, -1.0]), 1.0, |_, _, _, _, a| a.fill(0.0))
+            .mass(|_, q| vec![1.0, q[1].max(0.0)]);
+        let error = run(toy, |s| (s.method, s.step) = (Method::Rk4, Some(0.1))).unwrap_err();
+        match error.cause() {
+            // From afar: y's inertia shrinks to nothing.
+            Some(Cause::SingularMass { coordinate }) => assert_eq!(coordinate, "y"),
+            other => panic!("{other:?}"),
+        }
+        assert!(error.to_string().contains("nothing gives `y` an inertia"), "{error}");
+    }
+}
+
+#[test]
+fn errors_are_proportional_to_the_tolerance() {
+    let exact = run(Toy::pendulum(1.0, 2.0, 20.0), |s| s.tolerance = 1e-14).unwrap();
+    for method in [Method::Dopri5, Method::Dop853] {
+        let points: Vec<(f64, f64)> = (3..=11)
+            .map(|k| {
+                let tolerance = 10.0_f64.powi(-k);
+                let run =
+                    run(Toy::pendulum(1.0, 2.0, 20.0), |s| (s.method, s.tolerance) = (method, tolerance)).unwrap();
+                let errors = (1..=200)
+                    .map(|k| 0.1 * f64::from(k))
+                    .map(|t| (run.at(t).unwrap()["theta"] - exact.at(t).unwrap()["theta"]).abs());
+                (tolerance.log10(), errors.fold(0.0, f64::max).log10())
+            })
+            .collect();
+        let n = points.len() as f64;
+        let (mx, my) = (points.iter().map(|p| p.0).sum::<f64>() / n, points.iter().map(|p| p.1).sum::<f64>() / n);
+        let slope = points.iter().map(|p| (p.0 - mx) * (p.1 - my)).sum::<f64>()
+            / points.iter().map(|p| (p.0 - mx).powi(2)).sum::<f64>();
+        assert!((0.7..1.3).contains(&slope), "{method}: {slope}, {points:?}");
+        let rms = (points.iter().map(|p| (p.1 - my - slope * (p.0 - mx)).powi(2)).sum::<f64>() / n).sqrt();
+        assert!(rms < if method == Method::Dop853 { 0.7 } else { 0.4 }, "{method}: {rms}, {points:?}");
+    }
+}
+
+#[test]
+fn work_is_counted() {
+    let fixed = run(Toy::oscillator(1.0, 1.0), |s| (s.method, s.step) = (Method::Rk4, Some(0.01))).unwrap();
+    assert_eq!((fixed.work.steps, fixed.work.evaluations), (100, 401));
+    let dopri5 = run(Toy::oscillator(1.0, 20.0), |s| (s.method, s.tolerance) = (Method::Dopri5, 1e-9)).unwrap();
+    assert_eq!(dopri5.work.evaluations, 2 + 6 * (dopri5.work.steps + dopri5.work.rejected));
+    let plain = run(Toy::oscillator(1.0, 20.0), |s| (s.dense, s.every) = (false, Some(20.0))).unwrap();
+    assert_eq!(plain.work.evaluations, 2 + 12 * plain.work.steps + 11 * plain.work.rejected);
+}
+
+#[test]
 fn a_pole_ends_the_run_there_e15() {
     // v' = v² from 1: pole at t = 1.
     for (method, tolerance) in [(Method::Dopri5, 1e-8), (Method::Dop853, 1e-8), (Method::Dop853, 1e-12)] {
