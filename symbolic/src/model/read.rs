@@ -34,7 +34,8 @@ pub fn read(text: &str) -> Result<Node, Vec<Problem>> {
             return Err(vec![complaint(text, at, &what)]);
         }
     }
-    match serde_yaml::from_str::<Loaded>(text) {
+    // serde_yaml takes a byte order mark for a document of its own.
+    match serde_yaml::from_str::<Loaded>(text.strip_prefix(MARK).unwrap_or(text)) {
         Ok(Loaded(node @ Node::Map(_))) => {
             let problems = taken_apart(&node);
             if problems.is_empty() { Ok(node) } else { Err(problems) }
@@ -46,6 +47,9 @@ pub fn read(text: &str) -> Result<Node, Vec<Problem>> {
 
 /// So many opening brackets may be a hostile nest.
 const MANY: usize = 2000;
+
+/// Byte order mark.
+const MARK: char = '\u{feff}';
 
 /// Without one of these no anchor, tag, merge key or number of another base can be in the text.
 const SIGNS: &[&str] = &["&", "!", "<<", "0x", "0o", "0b", "0X", "0O", "0B"];
@@ -79,6 +83,7 @@ fn explain(text: &str, error: &serde_yaml::Error) -> Vec<Problem> {
 /// The byte at a line and column as YAML's libraries count them: both from 1, columns in characters.
 pub(super) fn byte_at(text: &str, line: usize, column: usize) -> usize {
     let start = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum::<usize>();
+    let column = if start == 0 && text.starts_with(MARK) { column + 1 } else { column };
     let rest = &text[start..];
     start + rest.char_indices().nth(column.saturating_sub(1)).map_or(rest.len(), |(byte, _)| byte)
 }

@@ -99,6 +99,15 @@ fn what_yaml_took_apart_is_put_together_again() {
 }
 
 #[test]
+fn other_line_ends_and_a_byte_order_mark() {
+    let text = "\u{feff}a: x\r\nb:\r\n  c: \"y +\r\n    thta\"\r\n";
+    assert_eq!(read(text).unwrap(), read("a: x\nb:\n  c: y + thta\n").unwrap());
+    let place = Place::default().key("b").key("c").at(Span::new(4, 8));
+    assert_eq!(at(text, &place), "thta");
+    assert_eq!(at(text, &Place::default().key("a")), "x");
+}
+
+#[test]
 fn all_refusals_at_once() {
     assert_eq!(codes("a: &b 1\nc: *b\nd: 0x1\ne: .inf\n"), ["E004 1:4", "E005 2:4", "E009 3:4", "E008 4:4"]);
     assert_eq!(codes("a: 1\nb: {c: 1, c: 2}\na: 3\n"), ["E003 2:11", "E003 3:1"]);
