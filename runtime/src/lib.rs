@@ -1,4 +1,19 @@
-//! Mechanisms described in YAML: derived, compiled, integrated, linearised and judged.
+//! Write a mechanism down once; it is derived and compiled, and every run says how far it can be trusted.
+//!
+//! A YAML model file states coordinates, bodies or energies, and forces.  The macro [`model!`] derives the
+//! equations of motion when your crate compiles (twice, where the file gives bodies, and the two derivations
+//! must agree), tests what the file says is conserved, and generates straight-line Rust for the mass matrix,
+//! the forces and their Jacobians.  This crate integrates that code and judges the result.
+//!
+//! ```
+#![doc = include_str!("../examples/double_pendulum.rs")]
+//! ```
+//!
+//! # Where to look
+//! - [`model!`]: the macro and its forms; [`Simulate`]: what every generated type can do.
+//! - [`Simulation`] and [`Run`]: settings of a run and its results; [`trust`]: drift and warnings.
+//! - [`mechanism`]: the traits that generated code implements, for code of your own over any mechanism.
+//! - [`show`]: charts, tables and animations.
 
 #[cfg(feature = "cli")]
 pub mod cli;
