@@ -3,8 +3,6 @@
 //! `cargo bench -p dalembert-models`.  Both are timed in turns in one run, each call depends on the last, and the
 //! medians of 31 rounds are compared, since the machine may be shared.
 
-#![expect(missing_docs, reason = "a benchmark")]
-
 use std::hint::black_box;
 use std::time::Instant;
 
