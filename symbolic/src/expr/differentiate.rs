@@ -38,6 +38,11 @@ impl<F: Fn(&mut Graph, Symbol) -> Id> Forward<F> {
         self.known[&root]
     }
 
+    /// How many nodes it knows the derivatives of.
+    pub fn known(&self) -> usize {
+        self.known.len()
+    }
+
     fn local(&mut self, graph: &mut Graph, id: Id) -> Id {
         match graph.node(id) {
             Node::Number(_) => Id::ZERO,

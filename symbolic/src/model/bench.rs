@@ -96,7 +96,7 @@ type Rate = fn(&mut Graph, Symbol) -> Id;
 type Partial = Box<dyn Fn(&mut Graph, Symbol) -> Id>;
 
 /// How many syntax nodes a model may expand to.
-const WORK_LIMIT: u64 = 20_000_000;
+const WORK_LIMIT: u64 = 5_000_000;
 
 /// The place where expressions are made.
 pub struct Bench {
@@ -160,11 +160,14 @@ impl Bench {
         x.iter().map(|x| self.rate(*x)).collect()
     }
 
-    /// ∂x/∂symbol.
-    pub fn partial(&mut self, x: Id, symbol: Symbol) -> Id {
+    /// ∂x/∂symbol; 0 (and a problem at `place`) once there is too much to do.
+    pub fn partial(&mut self, x: Id, symbol: Symbol, place: &Place) -> Id {
         let by = move |_: &mut Graph, s: Symbol| if s == symbol { Id::ONE } else { Id::ZERO };
         let forward = self.partials.entry(symbol).or_insert_with(|| Forward::new(Box::new(by) as Partial));
-        forward.of(&mut self.graph, x)
+        let before = forward.known();
+        let slope = forward.of(&mut self.graph, x);
+        let visited = forward.known() - before;
+        if self.spend(visited as u64, place) { slope } else { Id::ZERO }
     }
 
     /// The value of an expression.

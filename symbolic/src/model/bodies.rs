@@ -154,6 +154,9 @@ impl Resolver<'_> {
             self.bench.problems.push(names::unknown_name(place, &member.base, help));
             return None;
         };
+        if entry.refused {
+            return None;
+        }
         if entry.section != super::scope::Section::Coordinate {
             let found = entry.section.noun();
             self.bench.problems.push(names::wrong_thing(place, &member.base, "a coordinate", found));

@@ -18,8 +18,14 @@ pub struct Carriers {
     pub bodies: Vec<Vec<usize>>,
 }
 
-/// Finds the carriers of points (components in ground axes).
-pub fn carriers(bench: &mut Bench, model: &Model, points: &[Vec<Id>]) -> Carriers {
+/// Pairs of points and bodies that are compared at most.
+const PAIRS: usize = 300_000_000;
+
+/// Finds the carriers of points (components in ground axes); none when there are too many of both.
+pub fn carriers(bench: &mut Bench, model: &Model, points: &[Vec<Id>]) -> Option<Carriers> {
+    if points.len().saturating_mul(model.bodies.len()) > PAIRS {
+        return None;
+    }
     let dimension = points.first().map_or(2, Vec::len);
     // Per body: position, velocity, angular velocity; per point: position, velocity.
     let mut roots = Vec::new();
@@ -57,7 +63,7 @@ pub fn carriers(bench: &mut Bench, model: &Model, points: &[Vec<Id>]) -> Carrier
         rests
     };
     let bodies = |k: usize| (0..model.bodies.len()).filter(|b| carries(k, *b)).collect();
-    Carriers { bodies: (0..points.len()).map(bodies).collect() }
+    Some(Carriers { bodies: (0..points.len()).map(bodies).collect() })
 }
 
 /// Whether the point moves with the material of the body: Ṗ = v + ω×(P − r), and for a particle P = r.

@@ -71,11 +71,18 @@ impl Model {
 
 /// The value of an expression of parameters, if it is finite.
 pub fn evaluate(graph: &Graph, id: Id, parameters: &[f64]) -> Option<f64> {
-    let symbol = |s: Symbol| match s {
+    if let Some(number) = graph.number(id) {
+        return Some(number.to_f64()).filter(|x| x.is_finite());
+    }
+    evaluate_all(graph, &[id], parameters).first().copied().filter(|x| x.is_finite())
+}
+
+/// The values of expressions of parameters.
+pub fn evaluate_all(graph: &Graph, ids: &[Id], parameters: &[f64]) -> Vec<f64> {
+    Tape::new(graph, ids).evaluate(|symbol| match symbol {
         Symbol::Parameter(place) => parameters.get(place as usize).copied().unwrap_or(f64::NAN),
         _ => f64::NAN,
-    };
-    Tape::new(graph, &[id]).evaluate(symbol).first().copied().filter(|x| x.is_finite())
+    })
 }
 
 fn read(words: &str) -> Result<Text, Vec<Problem>> {

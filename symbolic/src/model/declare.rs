@@ -51,7 +51,7 @@ impl Resolver<'_> {
             let _ = value;
         }
         for (key, spot) in entries {
-            let Some(family) = self.expand(key, &spot) else { continue };
+            let Some(family) = self.expand_declared(key, &spot, Section::Size) else { continue };
             if !family.key.indices.is_empty() {
                 self.bench.problems.push(sections::family_not_allowed(spot.place.of_key(), "`sizes`"));
                 continue;
@@ -61,8 +61,8 @@ impl Resolver<'_> {
             if let (Some(value), [member]) = (value, family.members.as_slice()) {
                 self.declare(Section::Size, member, Member::Size(value), &spot.place);
                 self.model.sizes.push((family.key.name.clone(), value));
-            } else if let [member] = family.members.as_slice() {
-                self.declare(Section::Size, member, Member::Size(1), &spot.place);
+            } else {
+                self.refuse_name(&family.key.name, Section::Size);
             }
         }
     }
@@ -86,19 +86,19 @@ impl Resolver<'_> {
     pub fn coordinates(&mut self) {
         let entries = self.section("coordinates");
         for (key, spot) in entries {
-            let Some(family) = self.expand(key, &spot) else { continue };
+            let Some(family) = self.expand_declared(key, &spot, Section::Coordinate) else { continue };
             let unit = match spot.node {
                 Node::Null => None,
                 _ => {
-                    let Some(words) = spot.words(&mut self.bench.problems) else { continue };
-                    match unit_at(words, &spot.place) {
-                        Ok(unit) if unit.pi != 0 => {
+                    let words = spot.words(&mut self.bench.problems);
+                    match words.map(|words| unit_at(words, &spot.place)) {
+                        Some(Ok(unit)) if unit.pi != 0 => {
                             self.bench.problems.push(sections::degrees_misplaced(spot.place.clone()));
                         }
-                        Ok(_) => {}
-                        Err(found) => self.bench.problems.extend(found),
+                        Some(Err(found)) => self.bench.problems.extend(found),
+                        _ => {}
                     }
-                    Some(words.to_owned())
+                    words.map(str::to_owned)
                 }
             };
             self.declare_empty(Section::Coordinate, &family);
@@ -110,7 +110,8 @@ impl Resolver<'_> {
                 }
             }
         }
-        if self.model.coordinates.is_empty() && self.bench.problems.is_empty() {
+        let declared = self.root.get("coordinates").is_some();
+        if declared && self.model.coordinates.is_empty() && self.bench.problems.is_empty() {
             self.bench.problems.push(mechanics::no_coordinates(Place::default()));
         }
     }
@@ -118,7 +119,7 @@ impl Resolver<'_> {
     /// `inputs`.
     pub fn inputs(&mut self) {
         for (key, spot) in self.section("inputs") {
-            let Some(family) = self.expand(key, &spot) else { continue };
+            let Some(family) = self.expand_declared(key, &spot, Section::Input) else { continue };
             let written = spot.text(&mut self.bench.problems).map(Written::One);
             self.declare_empty(Section::Input, &family);
             for member in &family.members {
@@ -140,7 +141,7 @@ impl Resolver<'_> {
         ];
         for (section, rules, want) in kinds {
             for (key, spot) in self.section(section.key()) {
-                let Some(family) = self.expand(key, &spot) else { continue };
+                let Some(family) = self.expand_declared(key, &spot, section) else { continue };
                 let written = spot.written(&mut self.bench.problems);
                 self.declare_items(section, &family, &spot.place, written.as_ref(), rules, want);
             }
@@ -166,7 +167,7 @@ impl Resolver<'_> {
     /// `frames`.
     pub fn frames(&mut self) {
         for (key, spot) in self.section("frames") {
-            let Some(family) = self.expand(key, &spot) else { continue };
+            let Some(family) = self.expand_declared(key, &spot, Section::Frame) else { continue };
             self.declare_empty(Section::Frame, &family);
             let problems = &mut self.bench.problems;
             spot.only(&["angle", "from", "rotate"], "a frame", problems);
@@ -194,7 +195,7 @@ impl Resolver<'_> {
     pub fn bodies(&mut self) -> Vec<DeclaredBody> {
         let mut bodies = Vec::new();
         for (key, spot) in self.section("bodies") {
-            let Some(family) = self.expand(key, &spot) else { continue };
+            let Some(family) = self.expand_declared(key, &spot, Section::Body) else { continue };
             self.declare_empty(Section::Body, &family);
             self.declare_body(&spot, &family, &mut bodies);
         }
@@ -255,6 +256,7 @@ impl Resolver<'_> {
                     self.scope.names.entry(key.name).or_insert_with(|| Entry {
                         section: Section::Reaction,
                         indices: key.indices.len(),
+                        refused: true,
                         members: Default::default(),
                     });
                 }

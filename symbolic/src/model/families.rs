@@ -75,8 +75,8 @@ pub fn expand(
     let at = Indices { scope, source: words, place };
     let rows = match index::members(&at, bench, &mut Vec::new(), &ranges) {
         Ok(rows) => rows,
-        Err(problem) => {
-            bench.problems.push(*problem);
+        Err(refusal) => {
+            bench.told(refusal);
             return None;
         }
     };

@@ -109,7 +109,7 @@ impl Lower<'_> {
         };
         match index::integer(&Indices::within(self.scope, self.text), &self.locals, &whole) {
             Ok(value) => Value::Scalar(self.bench.graph.integer(value)),
-            Err(problem) => self.refuse(*problem),
+            Err(refusal) => self.told(refusal),
         }
     }
 
@@ -272,7 +272,7 @@ impl Lower<'_> {
         let symbol = self.symbol(by);
         self.rules.refused = refused;
         match symbol {
-            Some(symbol) => value.map(|x| self.bench.partial(x, symbol)),
+            Some(symbol) => value.map(|x| self.bench.partial(x, symbol, &self.text.place)),
             None => Value::Poison,
         }
     }

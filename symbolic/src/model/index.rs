@@ -30,11 +30,35 @@ impl<'a> Indices<'a> {
     }
 }
 
+/// Why there is no integer.
+#[derive(Clone, Debug)]
+pub enum Refusal {
+    /// It depends on something that was reported already.
+    Told,
+    /// This.
+    Problem(Box<Problem>),
+}
+
+impl From<Problem> for Refusal {
+    fn from(problem: Problem) -> Refusal {
+        Refusal::Problem(Box::new(problem))
+    }
+}
+
+impl Bench {
+    /// Reports why there is no integer.
+    pub fn told(&mut self, refusal: Refusal) {
+        if let Refusal::Problem(problem) = refusal {
+            self.problems.push(*problem);
+        }
+    }
+}
+
 /// The integer that an index, size or end of a range stands for.
 ///
 /// # Errors
 /// When it is no integer known at compile time, or none of 64 bits.
-pub fn integer(at: &Indices<'_>, locals: &[(String, Local)], ast: &Ast) -> Result<i64, Box<Problem>> {
+pub fn integer(at: &Indices<'_>, locals: &[(String, Local)], ast: &Ast) -> Result<i64, Refusal> {
     let refuse =
         |why: &str| Err(names::index_not_integer(at.place.at(ast.span), words(at.source, ast.span), why).into());
     let checked = |value: Option<i64>| value.map_or_else(|| refuse("it does not fit into 64 bits"), Ok);
@@ -51,6 +75,7 @@ pub fn integer(at: &Indices<'_>, locals: &[(String, Local)], ast: &Ast) -> Resul
             match at.scope.names.get(name) {
                 Some(entry) => match entry.members.get([].as_slice()) {
                     Some(Member::Size(value)) => Ok(*value),
+                    _ if entry.refused => Err(Refusal::Told),
                     _ => refuse(&format!("`{name}` is {}", entry.section.noun())),
                 },
                 None => {
@@ -95,7 +120,7 @@ pub fn members(
     bench: &mut Bench,
     locals: &mut Vec<(String, Local)>,
     ranges: &[Range],
-) -> Result<Vec<Vec<i64>>, Box<Problem>> {
+) -> Result<Vec<Vec<i64>>, Refusal> {
     let known = locals.len();
     let mut rows: Vec<Vec<i64>> = vec![Vec::new()];
     for (depth, range) in ranges.iter().enumerate() {

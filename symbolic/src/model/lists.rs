@@ -42,8 +42,8 @@ impl Resolver<'_> {
         let mut known = locals.to_vec();
         let rows = match index::members(&at, &mut self.bench, &mut known, &ranges) {
             Ok(rows) => rows,
-            Err(problem) => {
-                self.bench.problems.push(*problem);
+            Err(refusal) => {
+                self.bench.told(refusal);
                 return Vec::new();
             }
         };

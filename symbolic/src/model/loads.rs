@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 
 use super::carriers::{belongs_to_ground, carriers};
 use super::families::Family;
+use super::index::MEMBER_LIMIT;
 use super::reader::Spot;
 use super::resolved::{Load, Push, Work};
 use super::resolver::Resolver;
 use crate::diagnose::Place;
-use crate::diagnose::catalogue::{later, mechanics};
+use crate::diagnose::catalogue::{later, mechanics, names};
 use crate::expr::Id;
 
 /// The body that takes a push.
@@ -119,9 +120,15 @@ impl Resolver<'_> {
             Vec::new()
         } else {
             let model = std::mem::take(&mut self.model);
-            let found = carriers(&mut self.bench, &model, &points).bodies;
+            let found = carriers(&mut self.bench, &model, &points);
             self.model = model;
-            found
+            match found {
+                Some(found) => found.bodies,
+                None => {
+                    self.bench.problems.push(names::too_many_names(Place::default(), MEMBER_LIMIT));
+                    return;
+                }
+            }
         };
         for (wanted, bodies) in drafts.wanted.iter().zip(&found) {
             match wanted.particle {

@@ -2,7 +2,7 @@
 
 use super::bench::{Bench, Rules, Text};
 use super::facts::Depends;
-use super::index::{self, Indices};
+use super::index::{self, Indices, Refusal};
 use super::quadrature::gauss_legendre;
 use super::scope::Scope;
 use super::substitute::{degree, substitute};
@@ -94,6 +94,12 @@ impl<'a> Lower<'a> {
     /// Reports a problem; the value is lost.
     pub(super) fn refuse(&mut self, problem: Problem) -> Value {
         self.bench.problems.push(problem);
+        Value::Poison
+    }
+
+    /// Reports why there is no integer; the value is lost.
+    pub(super) fn told(&mut self, refusal: Refusal) -> Value {
+        self.bench.told(refusal);
         Value::Poison
     }
 
@@ -255,29 +261,34 @@ impl<'a> Lower<'a> {
 
     fn sum(&mut self, body: &Ast, ranges: &[Range]) -> Value {
         let known = self.locals.len();
+        let mut fresh = true;
         for range in ranges {
-            if !self.fresh(&range.name, range.name_span) {
-                self.locals.truncate(known);
-                return Value::Poison;
-            }
             // Two ranges of one sum must not share a name either.
+            fresh &= self.fresh(&range.name, range.name_span);
             self.locals.push((range.name.clone(), Local::Integer(0)));
         }
+        let total = if fresh { self.terms(body, ranges, known) } else { Value::Poison };
         self.locals.truncate(known);
+        total
+    }
+
+    /// The sum over all values of the ranges, whose names are local from `known` on.
+    fn terms(&mut self, body: &Ast, ranges: &[Range], known: usize) -> Value {
+        let mut outer = self.locals[..known].to_vec();
         let indices = Indices::within(self.scope, self.text);
-        let members = match index::members(&indices, self.bench, &mut self.locals, ranges) {
+        let members = match index::members(&indices, self.bench, &mut outer, ranges) {
             Ok(members) => members,
-            Err(problem) if problem.code == "E223" => {
+            Err(Refusal::Problem(problem)) if problem.code == "E223" => {
                 return self.refuse(names::too_many_nodes(problem.place, NODE_LIMIT));
             }
-            Err(problem) => return self.refuse(*problem),
+            Err(refusal) => return self.told(refusal),
         };
         let mut total = Value::Nothing;
         for member in members {
-            let values = member.into_iter().map(Local::Integer);
-            self.locals.extend(ranges.iter().map(|range| range.name.clone()).zip(values));
+            for (local, value) in self.locals[known..].iter_mut().zip(member) {
+                local.1 = Local::Integer(value);
+            }
             let term = self.expression(body);
-            self.locals.truncate(known);
             total = match value::add(&mut self.bench.graph, &total, &term, false) {
                 Some(value) => value,
                 None => return Value::Poison,

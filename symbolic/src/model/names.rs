@@ -112,18 +112,18 @@ impl Lower<'_> {
             self.unknown(name, span);
             return None;
         };
+        if entry.refused {
+            return Some((entry.section, Member::Refused));
+        }
         let mut values = Vec::new();
         for index in indices {
             match index::integer(&Indices::within(scope, self.text), &self.locals, index) {
                 Ok(value) => values.push(value),
-                Err(problem) => {
-                    self.refuse(*problem);
+                Err(refusal) => {
+                    self.told(refusal);
                     return None;
                 }
             }
-        }
-        if entry.section == Section::Reaction {
-            return Some((entry.section, Member::Refused));
         }
         if values.len() != entry.indices {
             let place = self.place(span);

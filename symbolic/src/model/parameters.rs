@@ -20,7 +20,7 @@ impl Resolver<'_> {
     pub fn parameters(&mut self) -> Vec<DeclaredDerived> {
         let mut derived = Vec::new();
         for (key, spot) in self.section("parameters") {
-            let Some(family) = self.expand(key, &spot) else { continue };
+            let Some(family) = self.expand_declared(key, &spot, Section::Parameter) else { continue };
             self.declare_empty(Section::Parameter, &family);
             match values(&spot, &family, &mut self.bench.problems) {
                 Some(values) => {

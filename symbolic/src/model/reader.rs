@@ -75,7 +75,7 @@ impl<'a> Spot<'a> {
     pub fn misspelt(&self, problems: &[Problem]) -> bool {
         let here = &self.place.path;
         let inside = |p: &Problem| p.place.path.len() == here.len() + 1 && p.place.path.starts_with(here);
-        problems.iter().any(|problem| problem.code == "E301" && inside(problem))
+        problems.iter().rev().take(64).any(|problem| problem.code == "E301" && inside(problem))
     }
 
     /// Reports keys that are none of these; false when the node is no mapping.

@@ -60,8 +60,26 @@ impl<'a> Resolver<'a> {
             return None;
         }
         let place = spot.place.of_key();
-        let family = families::expand_name(&mut self.bench, &self.scope, &mut self.index_names, words, &place)?;
-        if self.count(family.members.len(), &place) { Some(family) } else { None }
+        let family = families::expand_name(&mut self.bench, &self.scope, &mut self.index_names, words, &place);
+        if family.is_none() && self.bench.problems.last().is_some_and(|problem| problem.code == "E223") {
+            self.names = MEMBER_LIMIT + 1;
+        }
+        family.filter(|family| self.count(family.members.len(), &place))
+    }
+
+    /// Expands the key of a declaration; when that is refused, so are the uses of its name, silently.
+    pub fn expand_declared(&mut self, words: &str, spot: &Spot<'_>, section: Section) -> Option<Family> {
+        let family = self.expand(words, spot);
+        if family.is_none() {
+            self.refuse_name(words.split(['[', '\'']).next().unwrap_or(words).trim(), section);
+        }
+        family
+    }
+
+    /// Makes the uses of a name silent.
+    pub fn refuse_name(&mut self, name: &str, section: Section) {
+        let entry = Entry { section, indices: 0, refused: true, members: BTreeMap::new() };
+        self.scope.names.entry(name.to_owned()).or_insert(entry).refused = true;
     }
 
     /// Counts names; false (reported once) beyond the limit.
@@ -79,7 +97,7 @@ impl<'a> Resolver<'a> {
 
     /// Whether the limit of names was met.
     pub fn too_many_names(&self) -> bool {
-        self.bench.problems.iter().any(|problem| problem.code == "E223")
+        self.names > MEMBER_LIMIT
     }
 
     /// Declares one member of a name; false (reported) when the name is taken.
@@ -94,6 +112,7 @@ impl<'a> Resolver<'a> {
         let entry = self.scope.names.entry(expanded.base.clone()).or_insert_with(|| Entry {
             section,
             indices,
+            refused: false,
             members: BTreeMap::new(),
         });
         if entry.section != section {
@@ -117,6 +136,7 @@ impl<'a> Resolver<'a> {
         self.scope.names.entry(family.key.name.clone()).or_insert_with(|| Entry {
             section,
             indices,
+            refused: false,
             members: BTreeMap::new(),
         });
     }

@@ -80,8 +80,11 @@ impl Resolver<'_> {
         let quantity = spot.quantity(&mut self.bench.problems)?;
         let value = self.quantity(&quantity, Rules::constant(what), &Self::no_locals())?;
         let mut parameters: Vec<f64> = self.model.parameters.iter().map(|p| p.default).collect();
-        for (parameter, value) in &scene.set {
-            if let Some(value) = self.default_value(*value) {
+        if self.bench.graph.number(value).is_none() {
+            let set: Vec<Id> = scene.set.iter().map(|(_, value)| *value).collect();
+            for ((parameter, _), value) in
+                scene.set.iter().zip(super::command::evaluate_all(&self.bench.graph, &set, &parameters.clone()))
+            {
                 parameters[*parameter] = value;
             }
         }
@@ -172,12 +175,13 @@ impl Resolver<'_> {
 
     /// `set`: free parameters.
     fn set(&mut self, spot: &Spot<'_>, scene: &mut Scene) {
+        let mut given = vec![false; self.model.parameters.len()];
         for (key, spot) in spot.entries(&mut self.bench.problems) {
             let Some(family) = self.start_key(key, &spot) else { continue };
             let Some(values) = self.values_for(&spot, &family) else { continue };
             for (member, value) in family.members.iter().zip(values) {
                 let Some(parameter) = self.free_parameter(member, &spot.place) else { break };
-                if scene.set.iter().any(|(known, _)| *known == parameter) {
+                if std::mem::replace(&mut given[parameter], true) {
                     self.bench.problems.push(names::member_twice(spot.place.of_key(), member.name()));
                     break;
                 }

@@ -89,6 +89,8 @@ pub struct Entry {
     pub section: Section,
     /// How many indices it takes.
     pub indices: usize,
+    /// True when its declaration was refused: whatever uses it is silent.
+    pub refused: bool,
     /// Its members by their indices.
     pub members: BTreeMap<Vec<i64>, Member>,
 }

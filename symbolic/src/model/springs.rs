@@ -180,7 +180,7 @@ impl Resolver<'_> {
             }
             Law::Energy(text) => {
                 let energy = self.law_of_length(text, Rules::of_time("the energy of a spring"), locals)?;
-                let slope = self.bench.partial(energy, LENGTH);
+                let slope = self.bench.partial(energy, LENGTH, &text.place);
                 let length = value::norm(&mut self.bench.graph, &line);
                 let (energy, tension) = (self.put_length(energy, length, text), self.put_length(slope, length, text));
                 Some((Work::Potential(energy), along(&mut self.bench.graph, tension, &line, length)))

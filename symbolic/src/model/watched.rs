@@ -122,7 +122,11 @@ impl Resolver<'_> {
     }
 
     /// The value of an expression of parameters at their defaults, if it is finite.
-    pub fn default_value(&self, id: Id) -> Option<f64> {
+    pub fn default_value(&mut self, id: Id) -> Option<f64> {
+        let size = self.bench.graph.len() as u64;
+        if self.bench.graph.number(id).is_none() && !self.bench.spend(size, &Place::default()) {
+            return None;
+        }
         let parameters: Vec<f64> = self.model.parameters.iter().map(|p| p.default).collect();
         super::command::evaluate(&self.bench.graph, id, &parameters)
     }
@@ -135,6 +139,7 @@ impl Resolver<'_> {
             match entry.members.get(&member.indices) {
                 Some(Member::Parameter(parameter)) => return Some(*parameter as usize),
                 Some(Member::Refused) => return None,
+                _ if entry.refused => return None,
                 Some(Member::Item(_)) if entry.section == super::scope::Section::Parameter => {
                     let free = free_names(&self.model);
                     self.bench.problems.push(mechanics::derived_parameter(place, name, free));

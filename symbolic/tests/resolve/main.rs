@@ -3,6 +3,7 @@
 mod errors;
 mod examples;
 mod expressions;
+mod limits;
 mod mechanics;
 
 use std::collections::HashMap;
