@@ -142,9 +142,9 @@ fn figure_eight_follows_the_reference() {
 /// mass gains F₀ t²/(2 (m₁ + m₂)), t counted from t₀ on.
 #[test]
 fn two_masses_follow_the_closed_form() {
-    for (scene, k, from) in [("scene", 100.0, 0.0), ("later", 100.0, 0.7), ("stiff", 10_000.0, 0.0)] {
+    for (scene, k, from) in [("scene", 10.0, 0.0), ("later", 10.0, 0.7), ("stiff", 1000.0, 0.0)] {
         let last = Case::new("two_masses_spring").scene(scene).tolerance(1e-13).run().last();
-        let (m1, m2, l0, force, t) = (1.0, 2.0, 1.5, 10.0, 3.0 - from);
+        let (m1, m2, l0, force, t) = (1.0, 2.0, 1.5, 3.0, 3.0 - from);
         let omega = f64::sqrt(k * (m1 + m2) / (m1 * m2));
         let stretch = force * m1 / ((m1 + m2) * k) * (1.0 - (omega * t).cos());
         let centre = m2 * l0 / (m1 + m2) + force * t * t / (2.0 * (m1 + m2));
@@ -159,9 +159,9 @@ fn two_masses_follow_the_closed_form() {
 fn the_cluster_of_koenig_flies_a_parabola() {
     let run = Case::new("koenig").run();
     let (start, last) = (run.first(), run.last());
-    // Masses 1, 2, 3 with velocities (2, 8), (2, 12), (4, 10).
-    near(last["centre.x"] - start["centre.x"], (2.0 + 4.0 + 12.0) / 6.0 * 2.0, 1e-10);
-    near(last["centre.y"] - start["centre.y"], (8.0 + 24.0 + 30.0) / 6.0 * 2.0 - 20.0, 1e-10);
+    // Masses 1, 2, 3 with velocities (1, 3), (1, 7), (3, 5), for 1 s.
+    near(last["centre.x"] - start["centre.x"], (1.0 + 2.0 + 9.0) / 6.0, 1e-10);
+    near(last["centre.y"] - start["centre.y"], (3.0 + 14.0 + 15.0) / 6.0 - 5.0, 1e-10);
     let spread = (start["energy_about_centre"] - last["energy_about_centre"]).abs();
     assert!(spread > 0.1, "the springs should have changed the energy about the centre");
 }
