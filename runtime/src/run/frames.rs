@@ -5,7 +5,7 @@ use crate::mechanism::System;
 
 /// Frames of a whole run, fewer where one frame has many numbers.
 const MOST_FRAMES: f64 = 2000.0;
-const MOST_NUMBERS: f64 = 500_000.0;
+const MOST_NUMBERS: f64 = 250_000.0;
 
 /// Points of `description().draw` along a run.
 #[derive(Clone, Debug, Default)]

@@ -61,11 +61,17 @@ impl Animation {
         include_str!("page.html").replace("@SCRIPT@", include_str!("page.js")).replace("@DATA@", &data)
     }
 
-    /// Everything that the page knows; lengths and times are whole multiples of a millionth of their range or less.
+    /// Everything that the page knows; lengths and times are whole multiples of a millionth of their range or
+    /// less, and of each frame only the numbers that ever change are there.
     fn data(&self) -> Value {
         let unit = unit(self.frames.iter().flat_map(|(_, numbers)| numbers));
         let tick = self::unit(self.frames.iter().map(|(time, _)| time));
-        let whole = |numbers: &[f64]| -> Vec<Value> { numbers.iter().map(|x| multiple(*x, unit)).collect() };
+        let first = self.frames.first().map_or(&[][..], |(_, numbers)| numbers);
+        let moves = |k: &usize| self.frames.iter().any(|(_, numbers)| numbers.get(*k) != first.get(*k));
+        let moving: Vec<usize> = (0..first.len()).filter(moves).collect();
+        let changes = |numbers: &[f64]| -> Vec<Value> {
+            moving.iter().map(|k| multiple(numbers.get(*k).copied().unwrap_or(f64::NAN), unit)).collect()
+        };
         json!({
             "title": self.title,
             "about": self.about,
@@ -75,7 +81,9 @@ impl Animation {
             "tick": tick,
             "shapes": self.shapes.iter().map(kind_and_points).collect::<Vec<_>>(),
             "time": self.frames.iter().map(|(time, _)| multiple(*time, tick)).collect::<Vec<_>>(),
-            "frames": self.frames.iter().map(|(_, numbers)| whole(numbers)).collect::<Vec<_>>(),
+            "first": first.iter().map(|x| multiple(*x, unit)).collect::<Vec<_>>(),
+            "moving": moving,
+            "frames": self.frames.iter().map(|(_, numbers)| changes(numbers)).collect::<Vec<_>>(),
         })
     }
 }
@@ -131,8 +139,16 @@ mod tests {
     fn numbers_that_are_not_finite_are_absent() {
         let frames = [(0.0, vec![0.0, f64::NAN]), (1.0, vec![f64::INFINITY, 1.0])];
         let data = data(&Animation::new("Bob", 2, vec![Shape::Line(1)]).with_frames(frames).to_html());
-        assert!(data["frames"][0][1].is_null() && data["frames"][1][0].is_null());
-        assert!(data["frames"][1][1].is_i64());
+        assert!(data["first"][1].is_null() && data["frames"][0][1].is_null() && data["frames"][1][0].is_null());
+        assert!(data["first"][0].is_i64() && data["frames"][1][1].is_i64());
+    }
+
+    #[test]
+    fn what_stands_still_is_written_once() {
+        let frames = (0..9).map(|i| (f64::from(i), vec![1.0, 2.0, f64::from(i), 4.0]));
+        let data = data(&Animation::new("Bar", 2, vec![Shape::Line(2)]).with_frames(frames).to_html());
+        assert_eq!((data["first"].as_array().unwrap().len(), &data["moving"]), (4, &json!([2])));
+        assert_eq!(data["frames"][8].as_array().unwrap().len(), 1);
     }
 
     #[test]

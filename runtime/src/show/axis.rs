@@ -55,20 +55,32 @@ pub(super) struct Extent {
     scale: Scale,
     low: f64,
     high: f64,
+    /// All values are the same: the ends are a mere guess.
+    flat: bool,
     ticks: Ticks,
 }
 
 impl Extent {
     /// Fits an axis to its data, with a margin of `pad` of the range on both sides.
     pub fn fit(axis: &Axis, values: impl Iterator<Item = f64>, pad: f64) -> Extent {
-        let (low, high) =
-            axis.range.filter(|(low, high)| axis.has(*low) && axis.has(*high) && low < high).unwrap_or_else(|| {
-                let found = values.filter(|x| axis.has(*x)).fold(None, |ends: Option<(f64, f64)>, x| {
-                    Some(ends.map_or((x, x), |(low, high)| (low.min(x), high.max(x))))
-                });
-                padded(axis.scale, found, pad)
-            });
-        Extent { scale: axis.scale, low, high, ticks: Ticks::default() }
+        let found = values.filter(|x| axis.has(*x)).fold(None, |ends: Option<(f64, f64)>, x| {
+            Some(ends.map_or((x, x), |(low, high)| (low.min(x), high.max(x))))
+        });
+        let given = axis.range.filter(|(low, high)| axis.has(*low) && axis.has(*high) && low < high);
+        let (low, high) = given.unwrap_or_else(|| padded(axis.scale, found, pad));
+        let flat = given.is_none() && found.is_none_or(|(low, high)| low == high);
+        Extent { scale: axis.scale, low, high, flat, ticks: Ticks::default() }
+    }
+
+    /// Gives an axis whose values are all the same a fifth of the other's range.
+    pub fn narrow(x: &mut Extent, y: &mut Extent) {
+        let (flat, other) = match (x.flat, y.flat) {
+            (true, false) => (x, y.high - y.low),
+            (false, true) => (y, x.high - x.low),
+            _ => return,
+        };
+        let centre = (flat.low + flat.high) / 2.0;
+        (flat.low, flat.high) = (centre - 0.1 * other, centre + 0.1 * other);
     }
 
     /// The same axis with about this many marks.

@@ -180,6 +180,10 @@ fn fitted(chart: &Chart) -> (Extent, Extent) {
     let shown = || points().filter(|(x, y)| chart.x.has(*x) && chart.y.has(*y));
     let failures = chart.series.iter().flat_map(|s| s.failures.iter().map(|failure| failure.x));
     let x_pad = if chart.equal || has_marks { 0.05 } else { 0.0 };
-    let x = Extent::fit(&chart.x, shown().map(|p| p.0).chain(failures), x_pad);
-    (x, Extent::fit(&chart.y, shown().map(|p| p.1), 0.06))
+    let mut x = Extent::fit(&chart.x, shown().map(|p| p.0).chain(failures), x_pad);
+    let mut y = Extent::fit(&chart.y, shown().map(|p| p.1), 0.06);
+    if chart.is_equal() {
+        Extent::narrow(&mut x, &mut y);
+    }
+    (x, y)
 }

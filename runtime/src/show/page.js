@@ -4,7 +4,12 @@
 const data = JSON.parse(document.getElementById("data").textContent);
 const spatial = data.dimension === 3;
 const times = data.time.map(k => k * data.tick);
-const frames = data.frames.map(frame => frame.map(k => k === null ? NaN : k * data.unit));
+const number = k => k === null ? NaN : k * data.unit;
+const frames = data.frames.map(changes => {        // of each frame only the numbers that ever change are there
+  const frame = data.first.map(number);
+  data.moving.forEach((place, i) => frame[place] = number(changes[i]));
+  return frame;
+});
 const [start, end] = [times[0] ?? 0, times[times.length - 1] ?? 0];
 
 // Each shape knows where its numbers begin and how many points it has.
@@ -46,6 +51,10 @@ everyPoint((p, r) => p.forEach((x, k) => {
   low[k] = Math.min(low[k], x - r);
   high[k] = Math.max(high[k], x + r);
 }));
+for (const shape of shapes.filter(shape => shape.kind === "spring")) {
+  const length = frame => Math.hypot(...point(frame, shape, 0).map((x, k) => x - point(frame, shape, 1)[k]));
+  shape.longest = frames.reduce((most, frame) => Math.max(most, length(frame) || 0), 0);
+}
 if (low[0] > high[0]) { low.fill(-1); high.fill(1); }
 const centre = low.map((x, k) => (x + high[k]) / 2);
 let reach = 0;
@@ -103,9 +112,11 @@ function disc([x, y], r, fill, edge) {
   if (edge) { pen.strokeStyle = edge; pen.lineWidth = 2; pen.stroke(); }
 }
 
-function zigzag([ax, ay], [bx, by]) {
+// A spring keeps its width, which follows from its greatest length.
+function zigzag([ax, ay], [bx, by], longest) {
   const [dx, dy] = [bx - ax, by - ay], length = Math.hypot(dx, dy) || 1;
-  const [nx, ny] = [-8 * dy / length, 8 * dx / length];
+  const half = Math.min(Math.max(0.06 * scale * longest, 1.5), 8);
+  const [nx, ny] = [-half * dy / length, half * dx / length];
   const pixels = [[ax, ay]];
   for (let i = 0; i <= 16; i++) {
     const along = 0.12 + 0.76 * i / 16, side = i === 0 || i === 16 ? 0 : i % 2 ? 1 : -1;
@@ -137,7 +148,7 @@ function drawShape(now, shape, project, flat) {
       if (!flat) disc(points[0], r, null, paint);
       break;
     }
-    case "spring": stroke(flat ? points : zigzag(...points), paint, 2); break;
+    case "spring": stroke(flat ? points : zigzag(...points, shape.longest), paint, 2); break;
     case "curve": stroke(points, flat ?? colour("--quiet"), 2); break;
     case "trace":
       if (flat) break;
@@ -279,17 +290,17 @@ if (spatial) canvas.style.cursor = "grab";
 // page.html#t=1.5&play&speed=2&azimuth=0.3
 function followAddress() {
   const wanted = new URLSearchParams(location.hash.slice(1));
-  const number = name => wanted.has(name) && Number.isFinite(Number(wanted.get(name))) ? Number(wanted.get(name)) : null;
-  azimuth = number("azimuth") ?? azimuth;
-  elevation = number("elevation") ?? elevation;
-  const rate = number("speed");
+  const value = name => wanted.has(name) && Number.isFinite(Number(wanted.get(name))) ? Number(wanted.get(name)) : null;
+  azimuth = value("azimuth") ?? azimuth;
+  elevation = value("elevation") ?? elevation;
+  const rate = value("speed");
   if (rate !== null && rate > 0) speed.add(new Option(`${short(rate)}×`, rate, true, true));
-  seek(number("t") ?? t);
+  seek(value("t") ?? t);
   if (wanted.has("play")) play(true);
 }
 
 document.title = document.getElementById("title").textContent = data.title;
-document.getElementById("about").textContent = shapes.length ? data.about : "Nothing is drawn: the model has no `draw`.";
+document.querySelector("header").title = document.getElementById("about").textContent = shapes.length ? data.about : "Nothing is drawn: the model has no `draw`.";
 window.onresize = () => { resize(); draw(); };
 window.onhashchange = followAddress;
 matchMedia("(prefers-color-scheme: dark)").onchange = draw;
