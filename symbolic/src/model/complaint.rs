@@ -17,7 +17,10 @@ pub(super) fn complaint(text: &str, at: usize, what: &str) -> Problem {
     }
     if what.contains("did not find expected ','") || what.contains("expected ',' or") {
         return match (same_line, next) {
-            (true, Some(']' | '}')) => yaml::not_yaml(place, "expected `,` or the other bracket", ""),
+            (true, Some(found @ (']' | '}'))) => {
+                let closing = if found == ']' { '}' } else { ']' };
+                yaml::not_yaml(place, format!("expected `,` or `{closing}`, found `{found}`"), "")
+            }
             (true, _) => yaml::taken_apart(place, quote(text, at)),
             _ if text[start..].starts_with('{') => yaml::open_collection(one_character(text, start), "{", "}"),
             _ if text[start..].starts_with('[') => yaml::open_collection(one_character(text, start), "[", "]"),

@@ -89,6 +89,7 @@ fn what_yaml_took_apart_is_put_together_again() {
     let help = |text: &str| read(text).unwrap_err().remove(0).help;
     for (text, wanted) in [
         ("f: {force: dot(a, b), at: P}\n", "`\"dot(a, b)\"`"),
+        ("f: {force: max(a, b, c), at: P}\n", "`\"max(a, b, c)\"`"),
         ("f: [min(a, b, c), 1]\n", "`\"min(a, b, c)\"`"),
         ("f: {a: x[1], b: 2}\n", "`\"x[1]\"`"),
         ("f: {a: l*[sin(t), 1]}\n", "`\"l*[sin(t), 1]\"`"),

@@ -37,11 +37,13 @@ fn look(node: &Node, place: &Place, problems: &mut Vec<Problem>) {
     }
 }
 
-/// A key with half of a bracket; the other half is mostly the value before it.
+/// A key with half of a bracket.  The other half is mostly the value before it, or before keys without values:
+/// `{f: max(a, b, c)}` is `f: max(a`, `b` and `c)`.
 fn half_key(place: &Place, before: &[(String, Node)], from: &[(String, Node)], key: &str) -> Problem {
-    match before.last() {
-        Some((name, Node::Scalar(text))) if balance(text) > 0 => {
-            let keys = from.iter().map(|(key, _)| key.as_str());
+    let start = before.iter().rposition(|(_, value)| *value != Node::Null);
+    match start.map(|at| (&before[at], &before[at + 1..])) {
+        Some(((name, Node::Scalar(text)), between)) if balance(text) > 0 => {
+            let keys = between.iter().chain(from).map(|(key, _)| key.as_str());
             yaml::taken_apart(place.key(name), help(std::iter::once(text.as_str()).chain(keys)))
         }
         _ => yaml::taken_apart(place.key(key).of_key(), HELP),
