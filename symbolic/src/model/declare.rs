@@ -291,13 +291,13 @@ pub fn dimension(root: &Node) -> usize {
     while let Some((key, node)) = stack.pop() {
         match node {
             Node::Map(entries) => {
-                let inherit = matches!(key, "points");
+                let inherit = matches!(key, "points" | "define" | "outputs" | "conserved");
                 stack.extend(
                     entries.iter().map(|(name, node)| (if inherit { "position" } else { name.as_str() }, node)),
                 );
             }
             Node::List(nodes) => {
-                let vector = matches!(key, "position" | "gravity" | "force" | "at");
+                let vector = matches!(key, "position" | "gravity" | "force" | "at" | "along" | "value");
                 if let (true, 2 | 3) = (vector, nodes.len()) {
                     votes[nodes.len() - 2] += 1;
                 }

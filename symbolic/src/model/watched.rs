@@ -78,8 +78,14 @@ impl Resolver<'_> {
             (Value::Scalar(_), Value::Vector(_)) | (Value::Vector(_), Value::Scalar(_)) => {
                 let place = text.place.at(text.ast.span);
                 // 0 stands for the zero vector too.
-                if let (Value::Vector(left), Value::Scalar(Id::ZERO)) = (&left, &right) {
-                    return Some((left.clone(), vec![Id::ZERO; size]));
+                match (&left, &right) {
+                    (Value::Vector(left), Value::Scalar(Id::ZERO)) => {
+                        return Some((left.clone(), vec![Id::ZERO; size]));
+                    }
+                    (Value::Scalar(Id::ZERO), Value::Vector(right)) => {
+                        return Some((vec![Id::ZERO; size], right.clone()));
+                    }
+                    _ => {}
                 }
                 self.bench.problems.push(names::mixed_kinds(place, "=", left.describe(), right.describe()));
                 None

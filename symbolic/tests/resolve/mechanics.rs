@@ -122,6 +122,14 @@ fn springs() {
 }
 
 #[test]
+fn the_dimension_is_what_most_vectors_have() {
+    let found = model(
+        "name: A\ncoordinates: {x: m, y: m, z: m}\nkinetic_energy: x'^2 + y'^2 + z'^2\noutputs: {p: [x, y, z]}\n",
+    );
+    assert_eq!((found.dimension, found.outputs[0].value.len()), (3, 3));
+}
+
+#[test]
 fn tensions_without_a_closed_form_resist() {
     let found = with("springs: {f: {between: [O, hook], tension: k*tanh(length)}}");
     let Work::Resistance { rate, tension } = found.loads[0].work else { panic!("{:?}", found.loads[0].work) };
