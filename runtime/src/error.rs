@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::{fmt, io};
 
+use crate::linear::LinearError;
 use crate::mechanism::{SingularMass, System};
 use crate::run::{Run, State};
 use crate::trust::Unbounded;
@@ -45,6 +46,8 @@ pub enum Error {
         /// What the operating system says.
         problem: Arc<io::Error>,
     },
+    /// Small motions: no equilibrium, no linearisation, no modes.
+    Linear(Box<LinearError>),
     /// The run ended early.  It comes with the time, the state and what was computed until then.
     Run(Box<Failure>),
 }
@@ -168,6 +171,7 @@ impl fmt::Display for Error {
                 }
             }
             Error::File { path, problem } => write!(f, "cannot write `{}`: {problem}", path.display()),
+            Error::Linear(problem) => write!(f, "{problem}"),
             Error::Run(failure) => write!(f, "{failure}"),
         }
     }
@@ -186,6 +190,12 @@ impl fmt::Display for Listed<'_> {
 }
 
 impl std::error::Error for Error {}
+
+impl From<LinearError> for Error {
+    fn from(problem: LinearError) -> Self {
+        Error::Linear(Box::new(problem))
+    }
+}
 
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -20,6 +20,7 @@ pub mod cli;
 mod error;
 mod events;
 mod integrate;
+pub mod linear;
 pub mod mechanism;
 pub mod prelude;
 mod run;

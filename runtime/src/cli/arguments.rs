@@ -25,6 +25,7 @@ pub fn command() -> Command {
                 .args(sizes()),
         )
         .subcommand(simulate())
+        .subcommand(modes())
         .subcommand(
             Command::new("new")
                 .about("Writes a commented model file to start from")
@@ -44,6 +45,18 @@ fn simulate() -> Command {
         .arg(value("csv", "FILE", "Write reported states and outputs as a table"))
         .arg(value("plot", "FILE.svg", "Draw them"))
         .arg(value("animate", "FILE.html", "Write a page that animates the mechanism"))
+        .arg(flag("json", "Print one JSON object"))
+}
+
+fn modes() -> Command {
+    let [scene, set, _, input, ..] = scene();
+    Command::new("modes")
+        .about("Finds an equilibrium; prints M, C, K and the modes of small motions about it")
+        .arg(model())
+        .args(sizes())
+        .args([scene, set, input])
+        .arg(many("at", "NAME=VALUE", "Where the search starts [default: the file's `equilibrium`]"))
+        .arg(flag("here", "Take that point as it is, and refuse it if it is no equilibrium"))
         .arg(flag("json", "Print one JSON object"))
 }
 

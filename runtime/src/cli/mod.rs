@@ -16,6 +16,7 @@ mod interpreted;
 mod json;
 mod list;
 mod load;
+mod modes;
 mod new;
 mod problem;
 mod set_up;
@@ -75,6 +76,7 @@ pub fn run(
         Some(("show", options)) => show::run(models, options, out),
         Some(("check", options)) => check::run(models, options, out),
         Some(("simulate", options)) => simulate::run(models, options, out),
+        Some(("modes", options)) => modes::run(models, options, out),
         Some(("new", options)) => new::run(options, out),
         _ => Err(Problem::Usage(arguments::command().render_help().to_string())),
     }

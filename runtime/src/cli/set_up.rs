@@ -13,28 +13,9 @@ use crate::Settings;
 
 /// Applies `--scene`, `--set`, `--start`, `--input`, `--until`, `--tolerance`, `--every` and `--step`.
 pub fn set_up(loaded: &mut Loaded, options: &ArgMatches) -> Result<Settings, Problem> {
-    let scene = scene_index(loaded, options)?;
-    for (index, value) in loaded.system.scene_parameters(scene) {
-        loaded.system.set_parameter(index, value);
-    }
-    let mut reader = Reader::new(loaded);
-    for (name, text) in pairs(options, "set")? {
-        let index = parameter_index(loaded, &name)?;
-        let value = reader.value(loaded, "set", &text)?;
-        loaded.system.set_parameter(index, value);
-    }
-    for (name, text) in pairs(options, "input")? {
-        set_input(loaded, &mut reader, &name, &text)?;
-    }
+    let (scene, mut reader) = choose(loaded, options)?;
     let mut settings = Settings::new(&loaded.system.scene(scene));
-    for (name, text) in pairs(options, "start")? {
-        let value = reader.value(loaded, "start", &text)?;
-        let (name, list) = match name.strip_suffix('\'') {
-            Some(name) => (name, &mut settings.v),
-            None => (name.as_str(), &mut settings.q),
-        };
-        list[coordinate_index(loaded, name)?] = value;
-    }
+    reader.states(loaded, options, "start", &mut settings.q, &mut settings.v)?;
     let mut option = |name: &str| -> Result<Option<f64>, Problem> {
         options.get_one::<String>(name).map(|text| reader.value(loaded, name, text)).transpose()
     };
@@ -51,8 +32,26 @@ pub fn set_up(loaded: &mut Loaded, options: &ArgMatches) -> Result<Settings, Pro
     Ok(settings)
 }
 
+/// Applies `--scene`, `--set` and `--input`; the scene's index, and a reader for the other options.
+pub fn choose(loaded: &mut Loaded, options: &ArgMatches) -> Result<(usize, Reader), Problem> {
+    let scene = scene_index(loaded, options)?;
+    for (index, value) in loaded.system.scene_parameters(scene) {
+        loaded.system.set_parameter(index, value);
+    }
+    let mut reader = Reader::new(loaded);
+    for (name, text) in pairs(options, "set")? {
+        let index = parameter_index(loaded, &name)?;
+        let value = reader.value(loaded, "set", &text)?;
+        loaded.system.set_parameter(index, value);
+    }
+    for (name, text) in pairs(options, "input")? {
+        set_input(loaded, &mut reader, &name, &text)?;
+    }
+    Ok((scene, reader))
+}
+
 /// Reads expressions of the model language; the model is resolved when the first one comes.
-struct Reader {
+pub struct Reader {
     model: Option<Model>,
 }
 
@@ -66,6 +65,25 @@ impl Reader {
             self.model = Some(loaded.model()?);
         }
         self.model.as_mut().ok_or_else(|| Problem::Usage("error: the model cannot be read again".to_owned()))
+    }
+
+    /// Applies an option that may be given several times, `NAME=VALUE` or `NAME'=VALUE`.
+    pub fn states(
+        &mut self,
+        loaded: &Loaded,
+        options: &ArgMatches,
+        option: &str,
+        q: &mut [f64],
+        v: &mut [f64],
+    ) -> Result<(), Problem> {
+        for (name, text) in pairs(options, option)? {
+            let value = self.value(loaded, option, &text)?;
+            match name.strip_suffix('\'') {
+                Some(name) => v[coordinate_index(loaded, name)?] = value,
+                None => q[coordinate_index(loaded, &name)?] = value,
+            }
+        }
+        Ok(())
     }
 
     fn value(&mut self, loaded: &Loaded, option: &str, text: &str) -> Result<f64, Problem> {

@@ -1,0 +1,258 @@
+//! Equilibria and steady motions by Newton's method.
+
+use std::fmt;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::family::{Freedom, Scaled};
+use super::probe::Probe;
+use super::{LinearError, SparseMatrix};
+use crate::mechanism::System;
+
+/// Residual forces below this part of the forces in play count as zero.
+const TOLERANCE: f64 = 1e-9;
+/// Newton's method gives up after so many iterations.
+const MOST_ITERATIONS: usize = 200;
+/// Steps that keep shrinking no faster than this point to a multiple root (catalogue C15: 1/2 for a double
+/// root, 2/3 for a triple one).
+const SLOW: f64 = 0.45;
+
+/// Where a search for an equilibrium starts.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Guess {
+    /// Generalized coordinates, SI.
+    pub q: Vec<f64>,
+    /// Speeds of cyclic coordinates in a steady motion, SI; 0 for all others.  They are kept.
+    pub v: Vec<f64>,
+}
+
+impl Guess {
+    /// At rest.
+    pub fn at(q: &[f64]) -> Self {
+        Guess { q: q.to_vec(), v: vec![0.0; q.len()] }
+    }
+}
+
+/// A state that persists: F(q, q', 0) = 0 with no speed but those of cyclic coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Equilibrium {
+    /// Names of the coordinates.
+    pub coordinates: Vec<String>,
+    /// Generalized coordinates, SI.
+    pub q: Vec<f64>,
+    /// Their speeds, SI: 0 except for cyclic coordinates in a steady motion.
+    pub v: Vec<f64>,
+    /// The generalized forces left, SI.
+    pub residual: Vec<f64>,
+    /// Iterations of Newton's method.
+    pub iterations: usize,
+    /// The ratio of the last steps where convergence was only linear: the equilibrium is degenerate.
+    pub slow: Option<f64>,
+    /// Directions without stiffness.
+    pub freedom: Freedom,
+}
+
+impl Equilibrium {
+    /// The largest residual force.
+    pub fn largest_residual(&self) -> f64 {
+        self.residual.iter().fold(0.0, |most, f| f.abs().max(most))
+    }
+
+    /// True where the stiffness vanishes in a direction along which there is no other equilibrium: the linear
+    /// model does not tell what happens there.
+    pub fn is_degenerate(&self) -> bool {
+        self.slow.is_some() || !self.freedom.degenerate.is_empty()
+    }
+}
+
+/// Solves F(q, q', 0) = 0 by Newton's method from a guess.
+///
+/// Steps solve K Δq = −F with the exact K = ∂F/∂q, of least norm (in the metric of M's diagonal) where K is
+/// singular, and are halved until F decreases.  It goes on until rounding stops it.
+///
+/// # Errors
+/// [`LinearError::NoEquilibrium`] with where it stood and the forces left; [`LinearError::DependsOnTime`],
+/// [`LinearError::NotSteady`], wrong sizes and numbers that are not finite.
+pub fn equilibrium_near<S: System + ?Sized>(system: &S, guess: &Guess) -> Result<Equilibrium, LinearError> {
+    let probe = Probe::new(system, &guess.v);
+    probe.check(&guess.q)?;
+    let found = newton(&probe, guess.q.clone())?;
+    probe.check(&found.q)?;
+    finish(system, &probe, found)
+}
+
+/// Takes a state as it is, if it is an equilibrium.
+///
+/// # Errors
+/// [`LinearError::NotAnEquilibrium`] with the residual force by coordinate, and as [`equilibrium_near`].
+pub fn equilibrium_here<S: System + ?Sized>(system: &S, state: &Guess) -> Result<Equilibrium, LinearError> {
+    let probe = Probe::new(system, &state.v);
+    probe.check(&state.q)?;
+    let force = probe.force(&state.q);
+    if !Forces::new(&probe, &state.q).balanced(&force) {
+        return Err(LinearError::NotAnEquilibrium { residual: probe.named(&force) });
+    }
+    finish(system, &probe, Found { q: state.q.clone(), iterations: 0, slow: None })
+}
+
+/// The different equilibria that are found from several guesses; guesses that lead nowhere are left out.
+///
+/// # Errors
+/// Those of [`equilibrium_near`], other than [`LinearError::NoEquilibrium`].
+pub fn equilibria<S: System + ?Sized>(system: &S, guesses: &[Guess]) -> Result<Vec<Equilibrium>, LinearError> {
+    let mut list: Vec<Equilibrium> = Vec::new();
+    for guess in guesses {
+        let found = match equilibrium_near(system, guess) {
+            Err(LinearError::NoEquilibrium { .. }) => continue,
+            other => other?,
+        };
+        let near = |a: &f64, b: &f64| (a - b).abs() <= 1e-6 * (1.0 + a.abs());
+        let known = |e: &Equilibrium| e.q.iter().zip(&found.q).chain(e.v.iter().zip(&found.v)).all(|(a, b)| near(a, b));
+        if !list.iter().any(known) {
+            list.push(found);
+        }
+    }
+    Ok(list)
+}
+
+/// What Newton's method ends with.
+struct Found {
+    q: Vec<f64>,
+    iterations: usize,
+    slow: Option<f64>,
+}
+
+fn finish<S: System + ?Sized>(system: &S, probe: &Probe, found: Found) -> Result<Equilibrium, LinearError> {
+    let freedom = Freedom::of(probe, &found.q, system.description().structure.linear)?;
+    Ok(Equilibrium {
+        coordinates: probe.names(),
+        residual: probe.force(&found.q),
+        v: probe.v.clone(),
+        q: found.q,
+        iterations: found.iterations,
+        slow: found.slow,
+        freedom,
+    })
+}
+
+/// How large the forces in play are, by coordinate: Σ |Kᵢⱼ| max(1, |qⱼ|).
+struct Forces {
+    each: Vec<f64>,
+    largest: f64,
+}
+
+impl Forces {
+    fn new(probe: &Probe, q: &[f64]) -> Self {
+        Forces::of(&probe.matrices(q)[2], q)
+    }
+
+    fn of(stiffness: &SparseMatrix, q: &[f64]) -> Self {
+        let mut each = vec![0.0; q.len()];
+        for (row, column, value) in &stiffness.entries {
+            each[*row as usize] += value.abs() * q[*column as usize].abs().max(1.0);
+        }
+        let largest = each.iter().copied().fold(0.0, f64::max);
+        Forces { each, largest }
+    }
+
+    fn balanced(&self, force: &[f64]) -> bool {
+        let bound = |scale: f64| TOLERANCE * scale + 1e-13 * self.largest;
+        force.iter().zip(&self.each).all(|(f, scale)| f.abs() <= bound(*scale))
+    }
+}
+
+fn newton(probe: &Probe, mut q: Vec<f64>) -> Result<Found, LinearError> {
+    let mut force = probe.force(&q);
+    let mut earlier: Option<f64> = None;
+    let mut slow_steps = 0;
+    let mut ratio = 0.0;
+    for iterations in 0..MOST_ITERATIONS {
+        let [mass, _, stiffness] = probe.matrices(&q);
+        let slow = || (slow_steps >= 5).then_some(ratio);
+        let balanced = Forces::of(&stiffness, &q).balanced(&force);
+        if force.iter().all(|f| *f == 0.0) {
+            return Ok(Found { q, iterations, slow: slow() });
+        }
+        let scaled = Scaled::new(&mass);
+        let step = least_step(&scaled, &stiffness.to_dense(), &force)?;
+        let length = scaled.norm(&step);
+        let (next, next_force, factor) = shorten(probe, &scaled, &q, &step, &force);
+        let better = size(&scaled, &next_force) < size(&scaled, &force);
+        if let Some(before) = earlier.filter(|before| *before > 0.0 && factor == 1.0) {
+            ratio = length / before;
+            slow_steps = if (SLOW..0.95).contains(&ratio) { slow_steps + 1 } else { 0 };
+        }
+        earlier = Some(length);
+        let small = step.iter().zip(&q).all(|(s, q)| s.abs() <= 1e-10 * q.abs().max(1.0));
+        let halved = size(&scaled, &next_force) <= 0.5 * size(&scaled, &force);
+        if better {
+            (q, force) = (next, next_force);
+        }
+        // Rounding, or a multiple root that is near enough.
+        if balanced && (!halved || (small && slow_steps >= 5)) {
+            let slow = (slow_steps >= 5).then_some(ratio);
+            return Ok(Found { q, iterations: iterations + 1, slow });
+        }
+        if !better {
+            return Err(failed(probe, iterations + 1, &q, &force));
+        }
+    }
+    Err(failed(probe, MOST_ITERATIONS, &q, &force))
+}
+
+fn failed(probe: &Probe, iterations: usize, q: &[f64], force: &[f64]) -> LinearError {
+    LinearError::NoEquilibrium { iterations, point: probe.named(q), residual: probe.named(force) }
+}
+
+/// ‖F‖ in the metric of M's diagonal.
+fn size(scaled: &Scaled, force: &[f64]) -> f64 {
+    let norm = scaled.force(force).norm();
+    if norm.is_finite() { norm } else { f64::INFINITY }
+}
+
+/// The shortest Δq that minimises ‖K Δq + F‖.
+pub(super) fn least_step(scaled: &Scaled, stiffness: &DMatrix<f64>, force: &[f64]) -> Result<Vec<f64>, LinearError> {
+    let matrix = scaled.stiffness(stiffness);
+    let wanted = -scaled.force(force);
+    let n = force.len();
+    if n > 60 {
+        let lu = matrix.clone().lu();
+        let pivots = lu.u().diagonal().abs();
+        if pivots.min() > 1e-10 * pivots.max()
+            && let Some(step) = lu.solve(&wanted)
+        {
+            return Ok(scaled.step(&step));
+        }
+    }
+    let svd = matrix.try_svd(true, true, f64::EPSILON, 0);
+    let svd = svd.ok_or(LinearError::NoConvergence { what: "the singular value decomposition of K" })?;
+    let threshold = Scaled::threshold(n, svd.singular_values.max());
+    let step = svd.solve(&wanted, threshold).unwrap_or_else(|_| DVector::zeros(n));
+    Ok(scaled.step(&step))
+}
+
+/// Halves a step until F decreases; the point reached, F there, and the factor.
+fn shorten(probe: &Probe, scaled: &Scaled, q: &[f64], step: &[f64], force: &[f64]) -> (Vec<f64>, Vec<f64>, f64) {
+    let before = size(scaled, force);
+    let mut factor = 1.0;
+    loop {
+        let next: Vec<f64> = q.iter().zip(step).map(|(q, s)| q + factor * s).collect();
+        let there = probe.force(&next);
+        if size(scaled, &there) < (1.0 - 1e-4 * factor) * before || factor < 1e-9 {
+            return (next, there, factor);
+        }
+        factor *= 0.5;
+    }
+}
+
+impl fmt::Display for Equilibrium {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, (name, value)) in self.coordinates.iter().zip(&self.q).enumerate() {
+            write!(f, "{}{name} = {value}", if index == 0 { "" } else { ", " })?;
+        }
+        for (name, value) in self.coordinates.iter().zip(&self.v).filter(|(_, v)| **v != 0.0) {
+            write!(f, ", {name}' = {value}")?;
+        }
+        Ok(())
+    }
+}

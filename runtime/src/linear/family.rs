@@ -1,0 +1,137 @@
+//! Directions without stiffness: families of equilibria and degenerate equilibria.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::equilibrium::least_step;
+use super::probe::Probe;
+use super::{LinearError, SparseMatrix};
+
+/// What becomes of the directions in which the stiffness K vanishes.
+///
+/// Their number is n less the rank of K.  A step along each, relaxed by Newton steps of least norm, either ends
+/// in a neighbouring equilibrium (a family: rigid motions, finite mechanisms) or falls back (a degenerate
+/// equilibrium such as x'' = −x³, which the linear model cannot describe; catalogue L13).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Freedom {
+    /// Rank of K.
+    pub rank: usize,
+    /// Dimension of the family of equilibria through this one.
+    pub family: usize,
+    /// Directions without stiffness and without neighbouring equilibria.
+    pub degenerate: Vec<Vec<f64>>,
+}
+
+impl Freedom {
+    pub(super) fn of(probe: &Probe, q: &[f64], linear: bool) -> Result<Freedom, LinearError> {
+        let [mass, _, stiffness] = probe.matrices(q);
+        let scaled = Scaled::new(&mass);
+        let null = null_space(&scaled.stiffness(&stiffness.to_dense()))?;
+        let (rank, free) = (probe.n - null.ncols(), null.ncols());
+        if free == 0 || linear {
+            return Ok(Freedom { rank, family: free, degenerate: Vec::new() });
+        }
+        let mut reached = DMatrix::zeros(free, free);
+        for k in 0..free {
+            let direction = scaled.step(&null.column(k).into_owned());
+            let moved = relax(probe, &scaled, q, &direction)?;
+            reached.set_column(k, &(null.transpose() * moved));
+        }
+        let svd = reached.try_svd(false, true, f64::EPSILON, 0);
+        let svd = svd.ok_or(LinearError::NoConvergence { what: "the singular value decomposition of a family" })?;
+        let v_t = svd.v_t.unwrap_or_else(|| DMatrix::identity(free, free));
+        let fallen: Vec<usize> = (0..free).filter(|k| svd.singular_values[*k] < 0.3).collect();
+        let degenerate = fallen.iter().map(|k| scaled.step(&(&null * v_t.row(*k).transpose()))).collect();
+        Ok(Freedom { rank, family: free - fallen.len(), degenerate })
+    }
+}
+
+/// Where a step along a direction relaxes to, in the metric of M's diagonal and in units of the step.
+fn relax(probe: &Probe, scaled: &Scaled, q: &[f64], direction: &[f64]) -> Result<DVector<f64>, LinearError> {
+    let largest = |x: &[f64]| x.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let extent = if largest(q) > 0.0 { largest(q) } else { 1.0 };
+    let length = 0.1 * extent / largest(direction).max(f64::MIN_POSITIVE);
+    let mut point: Vec<f64> = q.iter().zip(direction).map(|(q, d)| q + length * d).collect();
+    for _ in 0..40 {
+        let force = probe.force(&point);
+        if force.iter().any(|f| !f.is_finite()) {
+            break;
+        }
+        let step = least_step(scaled, &probe.stiffness(&point), &force)?;
+        for (x, s) in point.iter_mut().zip(&step) {
+            *x += s;
+        }
+        if scaled.norm(&step) <= 1e-12 * length * scaled.norm(direction) {
+            break;
+        }
+    }
+    let moved: Vec<f64> = point.iter().zip(q).map(|(x, q)| (x - q) / length).collect();
+    Ok(scaled.coordinates(&moved).map(|x| if x.is_finite() { x.clamp(-2.0, 2.0) } else { 0.0 }))
+}
+
+/// An orthonormal basis of the null space of a square matrix, by its singular values.
+pub(super) fn null_space(matrix: &DMatrix<f64>) -> Result<DMatrix<f64>, LinearError> {
+    let n = matrix.nrows();
+    if n == 0 || (n > 60 && is_regular(matrix)) {
+        return Ok(DMatrix::zeros(n, 0));
+    }
+    let svd = matrix.clone().try_svd(false, true, f64::EPSILON, 0);
+    let svd = svd.ok_or(LinearError::NoConvergence { what: "the singular value decomposition of K" })?;
+    let threshold = Scaled::threshold(n, svd.singular_values.max());
+    let v_t = svd.v_t.unwrap_or_else(|| DMatrix::identity(n, n));
+    let free: Vec<usize> = (0..n).filter(|k| svd.singular_values[*k] <= threshold).collect();
+    let columns: Vec<DVector<f64>> = free.iter().map(|k| v_t.row(*k).transpose()).collect();
+    if columns.is_empty() { Ok(DMatrix::zeros(n, 0)) } else { Ok(DMatrix::from_columns(&columns)) }
+}
+
+/// Quick and safe: pivots of an LU factorization far above rounding.
+fn is_regular(matrix: &DMatrix<f64>) -> bool {
+    let pivots = matrix.clone().lu().u().diagonal().abs();
+    pivots.min() > 1e-8 * pivots.max()
+}
+
+/// Coordinates in units of 1/√Mᵢᵢ: in them, different units of coordinates do not matter.
+pub(super) struct Scaled {
+    roots: DVector<f64>,
+}
+
+impl Scaled {
+    /// Scales by M's diagonal; coordinates without inertia are left alone.
+    pub fn new(mass: &SparseMatrix) -> Self {
+        let mut roots = DVector::zeros(mass.rows);
+        for (row, column, value) in &mass.entries {
+            if row == column {
+                roots[*row as usize] += value;
+            }
+        }
+        Scaled { roots: roots.map(|m: f64| if m > 0.0 && m.is_finite() { m.sqrt() } else { 1.0 }) }
+    }
+
+    /// Singular values and eigenvalues below this are zero to rounding: 16 n ε ‖A‖.
+    pub fn threshold(n: usize, norm: f64) -> f64 {
+        16.0 * n as f64 * f64::EPSILON * norm
+    }
+
+    pub fn stiffness(&self, stiffness: &DMatrix<f64>) -> DMatrix<f64> {
+        DMatrix::from_fn(stiffness.nrows(), stiffness.ncols(), |i, j| {
+            stiffness[(i, j)] / (self.roots[i] * self.roots[j])
+        })
+    }
+
+    pub fn force(&self, force: &[f64]) -> DVector<f64> {
+        DVector::from_fn(force.len(), |i, _| force[i] / self.roots[i])
+    }
+
+    /// From scaled to given coordinates.
+    pub fn step(&self, scaled: &DVector<f64>) -> Vec<f64> {
+        scaled.iter().zip(self.roots.iter()).map(|(x, root)| x / root).collect()
+    }
+
+    /// From given to scaled coordinates.
+    pub fn coordinates(&self, given: &[f64]) -> DVector<f64> {
+        DVector::from_fn(given.len(), |i, _| given[i] * self.roots[i])
+    }
+
+    pub fn norm(&self, given: &[f64]) -> f64 {
+        self.coordinates(given).norm()
+    }
+}

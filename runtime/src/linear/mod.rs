@@ -1,0 +1,59 @@
+//! Small motions: equilibria, linearisation to M, C and K, and modes.
+//!
+//! 1. [`equilibrium_near`] searches, [`equilibrium_here`] verifies: look in `equilibrium.rs`; what directions
+//!    without stiffness are (families, degenerate equilibria): look in `family.rs`.
+//! 2. [`linearise`] gives M, C and K there as [`Linearised`]: look in `linearise.rs`.
+//! 3. Undamped: [`normal_modes`]; look in `normal.rs`, and for starting from given states
+//!    ([`solvenum`], [`solvemode`], [`solvenorm`]) in `initial_value.rs`.
+//! 4. Damped, gyroscopic, circulatory: [`Linearised::modes`]; complex modes need the feature `modal`: look in
+//!    `damped.rs`.  Motions by the matrix exponential [`expm`]: look in `motion.rs`.
+//! 5. Forced: steady states, resonance, steps, impulses, any input: look in `forced.rs`.
+//! 6. Proportional and diagonal damping: look in `proportional.rs`.
+//!
+//! Matrices stay sparse until an eigenproblem or a factorization needs them dense, on the heap.
+
+/// `dmatrix![1.0, 2.0; 3.0, 4.0]`, row by row.
+#[cfg(test)]
+macro_rules! dmatrix {
+    ($($($x:expr),+);+ $(;)?) => {{
+        let rows = [$(vec![$($x),+]),+];
+        nalgebra::DMatrix::from_fn(rows.len(), rows[0].len(), |i, j| -> f64 { rows[i][j] })
+    }};
+}
+
+#[cfg(feature = "modal")]
+mod damped;
+mod equilibrium;
+mod error;
+mod expm;
+mod family;
+mod forced;
+mod initial_value;
+mod linearise;
+mod mechanism;
+mod mode;
+mod motion;
+mod normal;
+mod probe;
+mod proportional;
+mod sparse;
+
+#[cfg(all(test, feature = "modal"))]
+mod damped_tests;
+#[cfg(test)]
+mod tests;
+
+#[cfg(feature = "modal")]
+pub use damped::{ComplexModes, complex_modes};
+pub use equilibrium::{Equilibrium, Guess, equilibria, equilibrium_here, equilibrium_near};
+pub use error::LinearError;
+pub use expm::expm;
+pub use family::Freedom;
+pub use forced::{Harmonic, beat};
+pub use initial_value::{Motion, solvemode, solvenorm, solvenum};
+pub use linearise::{Linearised, linearise, state_matrix};
+pub use mechanism::LinearMechanism;
+pub use mode::{Kind, Mode};
+pub use normal::{Reduction, normal_modes};
+pub use proportional::{DiagonalDamping, proportional_damping};
+pub use sparse::SparseMatrix;

@@ -1,0 +1,132 @@
+//! One mode of small motions.
+
+use std::fmt;
+
+use nalgebra::{Complex, DMatrix};
+
+/// What a mode does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Goes on for ever: cos ωt.
+    Oscillating,
+    /// Dies out while oscillating, 0 < ζ < 1.
+    Damped,
+    /// Dies out without oscillating, two equal eigenvalues: (A + B t) e^(−ωt).
+    Critical,
+    /// Dies out without oscillating, a real eigenvalue.
+    Overdamped,
+    /// A motion without potential energy: A + B t.
+    Rigid,
+    /// Grows.
+    Unstable,
+}
+
+impl Kind {
+    /// The word for it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Kind::Oscillating => "oscillating",
+            Kind::Damped => "damped",
+            Kind::Critical => "critical",
+            Kind::Overdamped => "overdamped",
+            Kind::Rigid => "rigid",
+            Kind::Unstable => "unstable",
+        }
+    }
+}
+
+/// A mode: x(t) = Re(shape · e^(λt)).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mode {
+    /// ω, rad/s: |λ|; √(λ₁λ₂) of two real eigenvalues that belong together; 0 of a rigid mode.
+    pub omega: f64,
+    /// ζ, −Re λ/ω; above 1 for two real eigenvalues that belong together, negative for growing motions; `None` of a
+    /// rigid mode.
+    pub zeta: Option<f64>,
+    /// λ, 1/s, the one with Im λ ≥ 0 of a conjugate pair.
+    pub eigenvalue: Complex<f64>,
+    /// What it does.
+    pub kind: Kind,
+    /// φ with φᴴ M φ = 1, real and positive in its first coordinate that is not negligible.
+    pub shape: Vec<Complex<f64>>,
+    /// (coordinate, part of the kinetic energy), largest first, of those that carry at least a hundredth.
+    pub carriers: Vec<(String, f64)>,
+    /// True where another frequency is equal, or so near (10⁶ ε ‖K‖) that only the space spanned by the shapes
+    /// has a meaning, not each of them.
+    pub repeated: bool,
+}
+
+impl Mode {
+    /// Normalises the shape and finds what carries the energy.
+    pub(super) fn new(
+        mut shape: Vec<Complex<f64>>,
+        mass: &DMatrix<f64>,
+        names: &[String],
+        (omega, zeta, eigenvalue, kind): (f64, Option<f64>, Complex<f64>, Kind),
+    ) -> Mode {
+        let n = shape.len();
+        let momentum = |shape: &[Complex<f64>], i: usize| (0..n).map(|j| shape[j] * mass[(i, j)]).sum::<Complex<f64>>();
+        let energy: f64 = (0..n).map(|i| (shape[i].conj() * momentum(&shape, i)).re).sum();
+        let largest = shape.iter().fold(0.0_f64, |most, x| most.max(x.norm()));
+        let first = shape.iter().find(|x| x.norm() > 1e-6 * largest).copied().unwrap_or(Complex::new(1.0, 0.0));
+        let factor = first.conj() / (first.norm() * energy.sqrt());
+        for x in &mut shape {
+            *x *= factor;
+        }
+        let mut carriers: Vec<(String, f64)> = (0..n)
+            .map(|i| (names.get(i).cloned().unwrap_or_default(), (shape[i].conj() * momentum(&shape, i)).re))
+            .filter(|(_, part)| *part >= 0.01)
+            .collect();
+        carriers.sort_by(|a, b| b.1.total_cmp(&a.1));
+        Mode { omega, zeta, eigenvalue, kind, shape, carriers, repeated: false }
+    }
+
+    /// The time in which the motion falls to 1/e of itself, −1/Re λ, s; `None` where it does not fall.
+    pub fn decay_time(&self) -> Option<f64> {
+        (self.eigenvalue.re < 0.0).then(|| -1.0 / self.eigenvalue.re)
+    }
+
+    /// The time in which the motion grows by e, 1/Re λ, s; `None` where it does not grow.
+    pub fn growth_time(&self) -> Option<f64> {
+        (self.kind == Kind::Unstable).then(|| 1.0 / self.eigenvalue.re)
+    }
+
+    /// The frequency at which it is seen to oscillate, Im λ, rad/s; the damped one where there is damping.
+    pub fn damped_omega(&self) -> f64 {
+        self.eigenvalue.im
+    }
+
+    /// The real parts of the shape.
+    pub fn real_shape(&self) -> Vec<f64> {
+        self.shape.iter().map(|x| x.re).collect()
+    }
+}
+
+impl fmt::Display for Mode {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.kind {
+            Kind::Rigid => write!(f, "rigid")?,
+            Kind::Unstable if self.eigenvalue.im == 0.0 => {
+                write!(f, "unstable, grows by e in {} s", 1.0 / self.eigenvalue.re)?;
+            }
+            Kind::Unstable => {
+                let (re, im) = (self.eigenvalue.re, self.eigenvalue.im);
+                write!(f, "unstable, omega = {im} rad/s, grows by e in {} s", 1.0 / re)?;
+            }
+            Kind::Oscillating => write!(f, "oscillating, omega = {} rad/s", self.omega)?,
+            kind => {
+                write!(f, "{}, omega = {} rad/s", kind.word(), self.omega)?;
+                if let Some(zeta) = self.zeta {
+                    write!(f, ", zeta = {zeta}")?;
+                }
+                if let Some(time) = self.decay_time() {
+                    write!(f, ", falls by e in {time} s")?;
+                }
+            }
+        }
+        for (index, (name, part)) in self.carriers.iter().take(4).enumerate() {
+            write!(f, "{}{name} {:.0} %", if index == 0 { "; carried by " } else { ", " }, 100.0 * part)?;
+        }
+        Ok(())
+    }
+}

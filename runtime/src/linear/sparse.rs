@@ -1,0 +1,104 @@
+//! Matrices as the values of their structural non-zeros.
+
+use nalgebra::DMatrix;
+
+/// A matrix as a list of (row, column, value); places that are not listed are zero.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SparseMatrix {
+    /// How many rows.
+    pub rows: usize,
+    /// How many columns.
+    pub columns: usize,
+    /// (row, column, value), each place once.
+    pub entries: Vec<(u32, u32, f64)>,
+}
+
+impl SparseMatrix {
+    /// Values in the places of a pattern.
+    pub fn new(rows: usize, columns: usize, pattern: &[(u32, u32)], values: &[f64]) -> Self {
+        let entries = pattern.iter().zip(values).map(|(place, value)| (place.0, place.1, *value)).collect();
+        SparseMatrix { rows, columns, entries }
+    }
+
+    /// A symmetric matrix from the values of its lower triangle.
+    pub fn symmetric(n: usize, pattern: &[(u32, u32)], values: &[f64]) -> Self {
+        let mut matrix = SparseMatrix::new(n, n, pattern, values);
+        let upper = matrix.entries.iter().filter(|e| e.0 != e.1).map(|e| (e.1, e.0, e.2)).collect::<Vec<_>>();
+        matrix.entries.extend(upper);
+        matrix
+    }
+
+    /// The non-zeros of a dense matrix.
+    pub fn from_dense(dense: &DMatrix<f64>) -> Self {
+        let (rows, columns) = dense.shape();
+        let places = (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j)));
+        let entries = places.filter(|p| dense[*p] != 0.0).map(|p| (p.0 as u32, p.1 as u32, dense[p])).collect();
+        SparseMatrix { rows, columns, entries }
+    }
+
+    /// All elements, on the heap.
+    pub fn to_dense(&self) -> DMatrix<f64> {
+        let mut dense = DMatrix::zeros(self.rows, self.columns);
+        for (row, column, value) in &self.entries {
+            dense[(*row as usize, *column as usize)] += value;
+        }
+        dense
+    }
+
+    /// The symmetric part (A + Aᵀ)/2 and the skew part (A − Aᵀ)/2 of a square matrix.
+    ///
+    /// Parts that are rounding of ∂F are zero: differences below 8 ε of the elements they come from.
+    pub fn split(&self) -> (SparseMatrix, SparseMatrix) {
+        let mut pairs = std::collections::BTreeMap::<(u32, u32), (f64, f64)>::new();
+        for &(row, column, value) in &self.entries {
+            if row >= column {
+                pairs.entry((row, column)).or_default().0 += value;
+            }
+            if row <= column {
+                pairs.entry((column, row)).or_default().1 += value;
+            }
+        }
+        let empty = SparseMatrix { rows: self.rows, columns: self.columns, entries: Vec::new() };
+        let (mut symmetric, mut skew) = (empty.clone(), empty);
+        for ((row, column), (lower, upper)) in pairs {
+            if row == column {
+                symmetric.entries.push((row, row, lower));
+                continue;
+            }
+            let (even, mut odd) = (0.5 * (lower + upper), 0.5 * (lower - upper));
+            if odd.abs() <= 8.0 * f64::EPSILON * lower.abs().max(upper.abs()) {
+                odd = 0.0;
+            }
+            symmetric.entries.extend([(row, column, even), (column, row, even)]);
+            skew.entries.extend([(row, column, odd), (column, row, -odd)]);
+        }
+        symmetric.entries.retain(|e| e.2 != 0.0);
+        skew.entries.retain(|e| e.2 != 0.0);
+        (symmetric, skew)
+    }
+
+    /// True when every element is zero.
+    pub fn is_zero(&self) -> bool {
+        self.entries.iter().all(|e| e.2 == 0.0)
+    }
+
+    /// The diagonal, if nothing else is non-zero.
+    pub fn diagonal(&self) -> Option<Vec<f64>> {
+        let mut diagonal = vec![0.0; self.rows];
+        for (row, column, value) in &self.entries {
+            if row == column {
+                diagonal[*row as usize] += value;
+            } else if *value != 0.0 {
+                return None;
+            }
+        }
+        Some(diagonal)
+    }
+
+    /// Adds A x to y.
+    pub fn add_product(&self, x: &[f64], y: &mut [f64]) {
+        for (row, column, value) in &self.entries {
+            y[*row as usize] += value * x[*column as usize];
+        }
+    }
+}
