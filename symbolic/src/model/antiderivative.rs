@@ -1,4 +1,4 @@
-//! Antiderivatives of sums of powers, in closed form.
+//! Antiderivatives in closed form: energies of springs from their tensions.
 
 use std::collections::HashMap;
 
@@ -11,11 +11,58 @@ const TERM_LIMIT: usize = 64;
 /// A term c xᵖ; the exponent is a node that does not contain x.
 type Term = (Id, Id);
 
-/// ∫ e dx for e = Σ c xᵖ, with a logarithm for p = −1; `None` for other laws.
+/// ∫ e dx for sums of powers c xᵖ (a logarithm for p = −1) and of `max(c, f)`, `min(c, f)`, `f*step(f)`, `abs(f)`,
+/// `step(f)`, `exp(f)`, `sin(f)`, `cos(f)`, `sinh(f)`, `cosh(f)`, `tanh(f)` with f linear in x; `None` for other laws.
 ///
 /// For an exponent that is no number p + 1 is divided by, so that p = −1 has no finite value.
 pub fn antiderivative(graph: &mut Graph, facts: &mut Facts, root: Id, x: Symbol) -> Option<Id> {
-    let terms = powers(graph, facts, root, x)?;
+    let mut sum = Id::ZERO;
+    let mut stack = vec![(Id::ONE, root)];
+    let mut visited = 0;
+    while let Some((factor, node)) = stack.pop() {
+        visited += 1;
+        if visited > TERM_LIMIT {
+            return None;
+        }
+        let mut free = |id: Id| !facts.of(graph, id).meets(Depends::DUMMY);
+        let integral = match graph.node(node) {
+            Node::Binary(Binary::Add, a, b) => {
+                stack.extend([(factor, a), (factor, b)]);
+                continue;
+            }
+            Node::Binary(Binary::Sub, a, b) => {
+                stack.extend([(factor, a), (graph.neg(factor), b)]);
+                continue;
+            }
+            Node::Unary(Unary::Neg, a) => {
+                stack.push((graph.neg(factor), a));
+                continue;
+            }
+            Node::Binary(Binary::Mul, a, b) if free(a) => {
+                stack.push((graph.mul(factor, a), b));
+                continue;
+            }
+            Node::Binary(Binary::Mul, a, b) if free(b) => {
+                stack.push((graph.mul(factor, b), a));
+                continue;
+            }
+            Node::Binary(Binary::Div, a, b) if free(b) => {
+                stack.push((graph.div(factor, b), a));
+                continue;
+            }
+            _ => match powers(graph, facts, node, x) {
+                Some(terms) => integrated(graph, terms, x),
+                None => of_linear(graph, facts, node, x)?,
+            },
+        };
+        let term = graph.mul(factor, integral);
+        sum = graph.add(sum, term);
+    }
+    Some(sum)
+}
+
+/// Σ c xᵖ⁺¹/(p + 1).
+fn integrated(graph: &mut Graph, terms: Vec<Term>, x: Symbol) -> Id {
     let variable = graph.symbol(x);
     let mut sum = Id::ZERO;
     for (coefficient, exponent) in terms {
@@ -29,7 +76,77 @@ pub fn antiderivative(graph: &mut Graph, facts: &mut Facts, root: Id, x: Symbol)
         let term = graph.mul(coefficient, integral);
         sum = graph.add(sum, term);
     }
-    Some(sum)
+    sum
+}
+
+/// ∫ F(f) dx = (∫F)(f)/s for f = s x + c.
+fn of_linear(graph: &mut Graph, facts: &mut Facts, node: Id, x: Symbol) -> Option<Id> {
+    let half = graph.rational(Rational::new(1, 2)?);
+    // ½ m² for the part m of a linear function beyond a bound.
+    let half_square = |graph: &mut Graph, part: Id| {
+        let square = graph.mul(part, part);
+        graph.mul(half, square)
+    };
+    let (argument, integral) = match graph.node(node) {
+        Node::Binary(operation @ (Binary::Max | Binary::Min), a, b) => {
+            // max(c, f) = c + max(0, f − c)
+            let (bound, f) = if facts.of(graph, a).meets(Depends::DUMMY) { (b, a) } else { (a, b) };
+            if facts.of(graph, bound).meets(Depends::DUMMY) {
+                return None;
+            }
+            let slope = slope(graph, facts, f, x)?;
+            let beyond = graph.sub(f, bound);
+            let part = graph.binary(operation, Id::ZERO, beyond);
+            let area = half_square(graph, part);
+            let triangle = graph.div(area, slope);
+            let variable = graph.symbol(x);
+            let rest = graph.mul(bound, variable);
+            return Some(graph.add(rest, triangle));
+        }
+        Node::Binary(Binary::Mul, a, b) => {
+            let f = match (graph.node(a), graph.node(b)) {
+                (Node::Unary(Unary::Step, f), _) if f == b => f,
+                (_, Node::Unary(Unary::Step, f)) if f == a => f,
+                _ => return None,
+            };
+            let part = graph.binary(Binary::Max, Id::ZERO, f);
+            (f, half_square(graph, part))
+        }
+        Node::Unary(function, f) => {
+            let integral = match function {
+                Unary::Abs => {
+                    let product = graph.mul(f, node);
+                    graph.mul(half, product)
+                }
+                Unary::Step => graph.binary(Binary::Max, Id::ZERO, f),
+                Unary::Exp => node,
+                Unary::Sin => {
+                    let cosine = graph.unary(Unary::Cos, f);
+                    graph.neg(cosine)
+                }
+                Unary::Cos => graph.unary(Unary::Sin, f),
+                Unary::Sinh => graph.unary(Unary::Cosh, f),
+                Unary::Cosh => graph.unary(Unary::Sinh, f),
+                Unary::Tanh => {
+                    let cosh = graph.unary(Unary::Cosh, f);
+                    graph.unary(Unary::Ln, cosh)
+                }
+                _ => return None,
+            };
+            (f, integral)
+        }
+        _ => return None,
+    };
+    let slope = slope(graph, facts, argument, x)?;
+    Some(graph.div(integral, slope))
+}
+
+/// s where f = s x + c with s ≠ 0.
+fn slope(graph: &mut Graph, facts: &mut Facts, f: Id, x: Symbol) -> Option<Id> {
+    let terms = powers(graph, facts, f, x)?;
+    let linear = terms.iter().all(|(_, exponent)| matches!(*exponent, Id::ZERO | Id::ONE));
+    let found = terms.iter().find(|(_, exponent)| *exponent == Id::ONE).map(|(slope, _)| *slope);
+    found.filter(|slope| linear && *slope != Id::ZERO)
 }
 
 /// The expression as a sum of powers.  Nodes are visited in order, children first.
@@ -145,7 +262,20 @@ mod tests {
         let newton = g.powi(x, -2);
         let root = g.unary(Unary::Sqrt, x);
         let general = g.pow(x, k);
-        for law in [cube, hooke, inverse, newton, root, general] {
+        let line = g.mul(k, linear);
+        let positive = g.sub(x, Id::ONE);
+        let mut laws = vec![cube, hooke, inverse, newton, root, general];
+        for f in [line, positive] {
+            laws.extend([Binary::Max, Binary::Min].map(|bound| g.binary(bound, k, f)));
+            let step = g.unary(Unary::Step, f);
+            laws.push(g.mul(f, step));
+            let functions = [Unary::Abs, Unary::Step, Unary::Exp, Unary::Sin, Unary::Cos, Unary::Sinh, Unary::Cosh];
+            laws.extend(functions.map(|function| g.unary(function, f)));
+            let tanh = g.unary(Unary::Tanh, f);
+            let scaled = g.mul(k, tanh);
+            laws.push(g.sub(scaled, cube));
+        }
+        for law in laws {
             let mut facts = Facts::default();
             let energy = antiderivative(&mut g, &mut facts, law, symbol).unwrap();
             let slope = partial(&mut g, energy, symbol);
@@ -153,7 +283,7 @@ mod tests {
             let values = tape.evaluate(|s| if s == symbol { 1.7 } else { 0.6 });
             assert!((values[0] - values[1]).abs() < 1e-12, "{values:?}");
         }
-        let sine = g.unary(Unary::Sin, x);
-        assert_eq!(antiderivative(&mut g, &mut Facts::default(), sine, symbol), None);
+        let tangent = g.unary(Unary::Tan, x);
+        assert_eq!(antiderivative(&mut g, &mut Facts::default(), tangent, symbol), None);
     }
 }

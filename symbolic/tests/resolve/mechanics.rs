@@ -109,6 +109,8 @@ fn springs() {
     close(&potential("springs: {f: {between: [tip, O], energy: k*length^4}}"), &[1600.0]);
     close(&potential("springs: {f: {between: [tip, O], tension: \"k*(length - 0.5)\"}}"), &[100.0]);
     close(&potential("springs: {f: {between: [tip, O], tension: k/length^2}}"), &[-50.0]);
+    close(&potential("springs: {f: {between: [tip, O], tension: \"k*max(0, length - 0.5)\"}}"), &[112.5]);
+    close(&potential("springs: {f: {between: [tip, O], tension: \"k*max(0, length - 3)\"}}"), &[0.0]);
     close(&potential("springs: {f: {stretch: phi - 1, stiffness: k, on: rod}}"), &[12.5]);
     let one = with("springs: {f: {between: [O, tip], stiffness: k, rest: l/4}}");
     let (c, s) = (0.5_f64.cos(), 0.5_f64.sin());
@@ -131,10 +133,10 @@ fn the_dimension_is_what_most_vectors_have() {
 
 #[test]
 fn tensions_without_a_closed_form_resist() {
-    let found = with("springs: {f: {between: [O, hook], tension: k*tanh(length)}}");
+    let found = with("springs: {f: {between: [O, hook], tension: k*tanh(length^2)}}");
     let Work::Resistance { rate, tension } = found.loads[0].work else { panic!("{:?}", found.loads[0].work) };
     let length = (0.16_f64 + 1.0).sqrt();
-    close(&at().values(&found, &[rate, tension]), &[0.4 * -1.5 / length, 100.0 * length.tanh()]);
+    close(&at().values(&found, &[rate, tension]), &[0.4 * -1.5 / length, 100.0 * (length * length).tanh()]);
 }
 
 #[test]
