@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::{fmt, io};
 
+use crate::integrate::Method;
 use crate::linear::LinearError;
 use crate::mechanism::{SingularMass, System};
 use crate::run::{Run, State};
@@ -20,6 +21,11 @@ pub enum Error {
         value: f64,
         /// What would have had a meaning.
         expected: &'static str,
+    },
+    /// The method chooses no steps itself, and none was given.
+    NoStep {
+        /// The method.
+        method: Method,
     },
     /// A list has the wrong length.
     WrongLength {
@@ -107,6 +113,12 @@ pub enum Cause {
         /// The discontinuity's argument, as the model file has it.
         switch: String,
     },
+    /// The acceleration jumps where the model declares no discontinuity: a force along a direction (`unit`, or
+    /// a division by `norm`) has lost it.
+    DirectionLost {
+        /// The coordinate whose acceleration jumps most.
+        coordinate: String,
+    },
     /// More steps than `max_steps`.
     TooManySteps {
         /// The limit.
@@ -141,6 +153,10 @@ impl Cause {
         Cause::CoordinateSingularity { coordinate: coordinate_name(system, unbounded.coordinate), t: unbounded.t }
     }
 
+    pub(crate) fn direction_lost<S: System + ?Sized>(system: &S, coordinate: usize) -> Self {
+        Cause::DirectionLost { coordinate: coordinate_name(system, coordinate) }
+    }
+
     /// Names the number of [q; v; W] that is not finite, `primes` derivatives of it being meant.
     pub(crate) fn non_finite<S: System + ?Sized>(system: &S, index: usize, primes: usize) -> Self {
         let n = system.len().max(1);
@@ -160,6 +176,7 @@ impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Error::BadSetting { setting, value, expected } => write!(f, "`{setting}` is {value}; expected {expected}"),
+            Error::NoStep { method } => write!(f, "`{method}` needs a fixed step: give `step`"),
             Error::WrongLength { setting, given, expected } => {
                 write!(f, "`{setting}` has {given} numbers; the mechanism has {expected} coordinates")
             }
@@ -199,7 +216,9 @@ impl From<LinearError> for Error {
 
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} (t = {} s; last state {})", self.cause, self.state.t, self.state)
+        write!(f, "{} (t = {} s", self.cause, self.state.t)?;
+        // A chain's hundred numbers help nobody; they are in `state`.
+        if self.state.q.len() <= 4 { write!(f, "; last state {})", self.state) } else { write!(f, ")") }
     }
 }
 
@@ -225,6 +244,11 @@ impl fmt::Display for Cause {
             Cause::Chattering { switch } => write!(
                 f,
                 "chattering: both sides of `{switch}` = 0 push back to it; describe what happens there as a phase"
+            ),
+            Cause::DirectionLost { coordinate } => write!(
+                f,
+                "direction lost: the acceleration of `{coordinate}` jumps, as where a `unit` or `norm` vanishes; stop \
+                 before it by an event, such as `norm(v) - crawl`"
             ),
             Cause::TooManySteps { limit } => write!(f, "more than {limit} steps; raise `max_steps` to go on"),
         }

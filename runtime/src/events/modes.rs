@@ -12,6 +12,9 @@ use crate::mechanism::{SwitchKind, System};
 /// where their argument vanishes, or would do so within `instant` seconds.  `leaves` names one that is known
 /// to leave its surface, and to which side.
 ///
+/// A `sign` whose mode is 0, as at the start, stays 0 if nothing moves with it; one that slid until then and
+/// is pushed back from both sides does not come to rest by itself: what holds it there is for a phase to say.
+///
 /// # Errors
 /// [`Cause::Chattering`] names the switch to which both sides push back.
 pub(crate) fn choose<S: System + ?Sized>(
@@ -25,6 +28,7 @@ pub(crate) fn choose<S: System + ?Sized>(
     let count = system.description().switches.len();
     let mut modes = system.modes().to_vec();
     let mut on: Vec<bool> = surface.to_vec();
+    let rests: Vec<bool> = (0..count).map(|switch| side(system, switch) == 0.0).collect();
     sampler.at_state(system, t, y);
     for switch in 0..count {
         let function = sampler.function_of(switch);
@@ -32,7 +36,7 @@ pub(crate) fn choose<S: System + ?Sized>(
         on[switch] |= value == 0.0 || value.abs() <= instant * rate.abs();
         if !on[switch] {
             modes[switch] = mode(system, switch, value);
-        } else if side(system, switch) == 0.0 {
+        } else if rests[switch] {
             modes[switch] = 1.0;
         }
     }
@@ -41,7 +45,7 @@ pub(crate) fn choose<S: System + ?Sized>(
     for _ in 0..=2 * count {
         let mut changed = false;
         for switch in (0..count).filter(|switch| on[*switch]) {
-            let chosen = leaving(system, sampler, (t, y), switch, instant)?;
+            let chosen = leaving(system, sampler, (t, y), (switch, rests[switch]), instant)?;
             let chosen = match leaves {
                 Some((other, side)) if other == switch && chosen == 0.0 => mode(system, switch, side),
                 _ => chosen,
@@ -85,7 +89,7 @@ fn leaving<S: System + ?Sized>(
     system: &mut S,
     sampler: &mut Sampler,
     (t, y): (f64, &[f64]),
-    switch: usize,
+    (switch, rested): (usize, bool),
     instant: f64,
 ) -> Result<f64, Cause> {
     let present = system.modes().to_vec();
@@ -111,8 +115,7 @@ fn leaving<S: System + ?Sized>(
         }
         (false, false) if up == 0.0 && down == 0.0 => at_rest(system, switch),
         (false, false) => {
-            let rests = system.description().switches[switch].kind == SwitchKind::Sign
-                && direction(system, 0.0).abs() <= 1e-12 * (up.abs() + down.abs());
+            let rests = rested && direction(system, 0.0).abs() <= 1e-12 * (up.abs() + down.abs());
             if !rests {
                 system.set_modes(&present);
                 return Err(Cause::Chattering { switch: text(system, switch) });
@@ -124,6 +127,7 @@ fn leaving<S: System + ?Sized>(
     Ok(chosen)
 }
 
+/// The mode on the surface where nothing moves.
 fn at_rest<S: System + ?Sized>(system: &S, switch: usize) -> f64 {
     match system.description().switches[switch].kind {
         SwitchKind::Sign => 0.0,

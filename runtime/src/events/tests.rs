@@ -200,6 +200,32 @@ fn friction_that_sticks_is_chattering_where_it_sticks_e14() {
 }
 
 #[test]
+fn a_block_that_slides_to_rest_is_chattering_even_where_nothing_pushes() {
+    let toy = Toy::new(&["x"], (&[0.0], &[1.0]), 2.0, |_, _, _, modes, a| a[0] = -3.0 * modes[0])
+        .switch(switch("x'", SwitchKind::Sign, false), |_, _, v, a, p| p.copy_from_slice(&[v[0], a[0]]));
+    let error = run(toy, |_| ()).unwrap_err();
+    assert_eq!(error.cause(), Some(&Cause::Chattering { switch: "x'".to_owned() }));
+    assert!((error.partial().unwrap().last().t - 1.0 / 3.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_block_at_rest_waits_for_a_push() {
+    // Pushed by 5 against friction of 3 from t = 1 on.
+    let toy = |push: f64| {
+        Toy::new(&["x"], (&[0.0], &[0.0]), 2.0, move |_, _, _, m, a| a[0] = push * m[1] - 3.0 * m[0])
+            .switch(switch("x'", SwitchKind::Sign, false), |_, _, _, _, _| ())
+            .switch(switch("t - 1", SwitchKind::Step, true), |t, _, v, a, p| {
+                p.copy_from_slice(&[v[0], a[0], t - 1.0, 1.0]);
+            })
+    };
+    assert!((run(toy(5.0), |_| ()).unwrap().last()["x"] - 1.0).abs() < 1e-12);
+    assert!((run(toy(-5.0), |_| ()).unwrap().last()["x"] + 1.0).abs() < 1e-12);
+    let held = run(toy(2.0), |_| ()).unwrap_err();
+    assert_eq!(held.cause(), Some(&Cause::Chattering { switch: "x'".to_owned() }));
+    assert_eq!(held.partial().unwrap().last().t, 1.0);
+}
+
+#[test]
 fn a_sign_at_rest_where_nothing_moves_is_zero() {
     let run = run(dry_friction(0.0), |_| ()).unwrap();
     assert_eq!(run.last()["x"], 0.0);

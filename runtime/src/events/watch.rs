@@ -5,7 +5,7 @@ use super::sample::Sampler;
 use super::scan::{Crossing, Scanner};
 use super::stops::{Stop, stop_times};
 use crate::error::Cause;
-use crate::mechanism::{Action, Direction, System};
+use crate::mechanism::{Action, Direction, SwitchKind, System};
 use crate::run::{Recorder, Segment};
 
 /// Watches events and switches along a motion.
@@ -71,7 +71,9 @@ impl Watch {
     /// Chooses the modes and notes on which side of zero all functions are, at the start of a motion.
     pub fn begin<S: System + ?Sized>(&mut self, system: &mut S, t: f64, y: &[f64]) -> Result<(), Cause> {
         self.surface.fill(false);
-        system.set_modes(&vec![1.0; self.surface.len()]);
+        let kinds = system.description().switches.iter().map(|switch| switch.kind);
+        let neutral: Vec<f64> = kinds.map(|kind| if kind == SwitchKind::Sign { 0.0 } else { 1.0 }).collect();
+        system.set_modes(&neutral);
         self.choose(system, (t, y), None)?;
         self.sampler.at_state(system, t, y);
         for function in 0..self.sampler.len() {

@@ -1,6 +1,6 @@
 //! Putting steps together to a motion.
 
-use super::{Clock, Method, OneStep, Rates, StepControl, Tolerance, first_step};
+use super::{Clock, JumpDetector, Method, OneStep, Rates, StepControl, Tolerance, Upset, first_step};
 use crate::error::Cause;
 use crate::events::Watch;
 use crate::mechanism::{SingularMass, System};
@@ -61,6 +61,7 @@ pub(crate) struct March<S: System + ?Sized> {
     compensated: bool,
     watch: Option<Watch>,
     stiffness: StiffnessDetector,
+    jumps: JumpDetector,
 }
 
 impl<S: System + ?Sized> March<S> {
@@ -72,6 +73,7 @@ impl<S: System + ?Sized> March<S> {
         March {
             control: StepControl::new(stepper.tableau().control),
             stiffness: StiffnessDetector::new(stepper.tableau().control.stiff),
+            jumps: JumpDetector::new(0.0),
             stepper,
             pace,
             clock: Clock::new(t),
@@ -130,6 +132,7 @@ impl<S: System + ?Sized> March<S> {
     pub fn begin(&mut self, system: &mut S, until: f64) -> Result<(), Cause> {
         let now = self.clock.now();
         finite(system, &self.y, 0)?;
+        self.jumps = JumpDetector::new(until - now);
         self.watch = Watch::new(system, (now, until), &self.y);
         if let Some(watch) = &mut self.watch {
             watch.begin(system, now, &self.y)?;
@@ -181,6 +184,7 @@ impl<S: System + ?Sized> March<S> {
         self.carry.fill(0.0);
         self.h = 0.0;
         self.control = StepControl::new(self.stepper.tableau().control);
+        self.jumps.restart();
         self.rates
             .evaluate(system, self.clock.now(), &self.y, &mut self.rate)
             .map_err(|fault| Cause::singular_mass(system, fault))?;
@@ -226,6 +230,7 @@ impl<S: System + ?Sized> March<S> {
                 Pace::Adaptive { .. } => {
                     let error = *outcome.as_ref().unwrap_or(&f64::NAN);
                     if error <= 1.0 {
+                        self.look_for_jumps(system, step)?;
                         let proposal = self.control.accepted(h, error);
                         // A step cut short by a stop says nothing against the longer one before it.
                         self.h = if lands { proposal.max(self.h) } else { proposal };
@@ -310,6 +315,27 @@ impl<S: System + ?Sized> March<S> {
             _ => self.clock.set(step.next),
         }
         self.work.steps += 1;
+    }
+
+    /// Refuses a step across which the acceleration jumps, unless it is time that makes it jump.
+    fn look_for_jumps(&mut self, system: &S, step: Step) -> Result<(), Cause> {
+        let n = self.rates.n;
+        let (before, after) = (&self.rate[n..2 * n], &self.stepper.last_rate()[n..2 * n]);
+        match self.jumps.observe(step.h, before, after) {
+            None => Ok(()),
+            Some(Upset::Stall) => Err(Cause::StepTooSmall { h: step.h }),
+            Some(Upset::Jump(coordinate)) => {
+                let mut earlier = vec![0.0; self.rates.width];
+                self.rates
+                    .evaluate(system, self.clock.now(), &self.end, &mut earlier)
+                    .map_err(|fault| Cause::singular_mass(system, fault))?;
+                let by_state = (earlier[n + coordinate] - before[coordinate]).abs();
+                if by_state > 0.5 * (after[coordinate] - before[coordinate]).abs() {
+                    return Err(Cause::direction_lost(system, coordinate));
+                }
+                Ok(())
+            }
+        }
     }
 
     /// Warns once the step is limited by stability.

@@ -6,7 +6,7 @@ use super::{Frames, Names, Occurrence, Run, Segment, State, Trajectory, Work};
 use crate::error::Cause;
 use crate::integrate::Method;
 use crate::mechanism::System;
-use crate::trust::{InertiaGuard, Monitor, Warning};
+use crate::trust::{InertiaGuard, Monitor, Warning, Watchman};
 
 /// Collects what a [`Run`] holds: reported states, outputs, dense output, drift.
 #[derive(Clone)]
@@ -24,6 +24,7 @@ pub(crate) struct Recorder {
     keep_dense: bool,
     monitor: Option<Monitor>,
     guard: Option<InertiaGuard>,
+    watchman: Option<Watchman>,
     n: usize,
     needs_accelerations: bool,
     point: Vec<f64>,
@@ -85,6 +86,10 @@ impl Recorder {
             keep_dense: plan.dense,
             monitor: plan.watch.then(|| Monitor::new(system, t, y)),
             guard: InertiaGuard::new(system, t, y),
+            watchman: plan
+                .step
+                .filter(|_| plan.watch)
+                .and_then(|step| Watchman::new(system, plan.method, step, t, plan.until - t)),
             n,
             needs_accelerations: description.outputs_use_accelerations,
             point: vec![0.0; 2 * n],
@@ -144,6 +149,10 @@ impl Recorder {
         let unbounded = self.guard.as_mut().and_then(|guard| guard.observe(system, t, end));
         if let Some(unbounded) = unbounded {
             return Err(Cause::coordinate_singularity(system, unbounded));
+        }
+        if let Some(warning) = self.watchman.as_mut().and_then(|watchman| watchman.check(system, t, end)) {
+            self.watchman = None;
+            self.warn(warning);
         }
         let Some(monitor) = &mut self.monitor else { return Ok(()) };
         let before = monitor.present_imbalance();

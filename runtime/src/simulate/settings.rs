@@ -112,8 +112,7 @@ impl Settings {
         positive("step", self.step)?;
         positive("longest_step", self.longest_step)?;
         if self.step.is_none() && !self.method.is_adaptive() {
-            let expected = "a positive `step`, since this method does not choose its own";
-            return Err(Error::BadSetting { setting: "step", value: f64::NAN, expected });
+            return Err(Error::NoStep { method: self.method });
         }
         Ok(())
     }

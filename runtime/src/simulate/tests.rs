@@ -50,7 +50,7 @@ fn settings_without_meaning_are_refused() {
     assert_eq!(bad(&|s| s.every = Some(f64::NAN)), "`every` is NaN; expected a positive number");
     assert_eq!(bad(&|s| s.q = vec![f64::INFINITY]), "`start` is inf; expected finite numbers");
     assert_eq!(bad(&|s| s.v = vec![]), "`start of the rates` has 0 numbers; the mechanism has 1 coordinates");
-    assert!(bad(&|s| s.method = Method::Euler).contains("does not choose its own"));
+    assert_eq!(bad(&|s| s.method = Method::Euler), "`euler` needs a fixed step: give `step`");
     let unknown = Simulation::new(Toy::oscillator(1.0, 1.0)).scene("rear").run().unwrap_err();
     assert_eq!(unknown.to_string(), "no scene is called `rear`; there are `scene`");
     let unknown = Simulation::new(Toy::oscillator(1.0, 1.0)).starting("y'", 1.0).run().unwrap_err();
@@ -316,4 +316,54 @@ fn modes_are_chosen_before_anything_is_reported() {
     assert_eq!(sim.system().modes, [0.0]);
     sim.advance(1.5).unwrap();
     assert_eq!(sim.system().modes, [1.0]);
+}
+
+/// x'' = −3 unit(x'): a puck that comes to rest at t = √5/6.
+fn puck(unit: impl Fn(f64, f64) -> [f64; 2] + Send + Sync + 'static) -> Toy {
+    Toy::new(&["x", "y"], (&[0.0, 0.0], &[1.0, 0.5]), 2.0, move |_, _, v, _, a| {
+        a.copy_from_slice(&unit(v[0], v[1]).map(|u| -3.0 * u));
+    })
+}
+
+#[test]
+fn a_force_that_loses_its_direction_ends_the_run_there() {
+    let unit = |x: f64, y: f64| if x == 0.0 && y == 0.0 { [0.0; 2] } else { [x / x.hypot(y), y / x.hypot(y)] };
+    for (method, tolerance) in
+        [(Method::Dop853, 1e-9), (Method::Dop853, 1e-12), (Method::Dopri5, 1e-9), (Method::Dopri5, 1e-6)]
+    {
+        let error = run(puck(unit), |s| (s.method, s.tolerance) = (method, tolerance)).unwrap_err();
+        assert!(matches!(error.cause(), Some(Cause::DirectionLost { .. })), "{method} at {tolerance}: {error}");
+        let t = error.partial().unwrap().last().t;
+        assert!((t - 1.25_f64.sqrt() / 3.0).abs() < 1e-4, "{method} at {tolerance}: {t}");
+    }
+}
+
+#[test]
+fn regularised_friction_is_no_lost_direction_e12() {
+    let soft = |x: f64, y: f64| [x, y].map(|v| v / x.hypot(y).max(1e-300) * (x.hypot(y) / 1e-3).tanh());
+    for (method, tolerance) in [(Method::Dop853, 1e-9), (Method::Dopri5, 1e-6)] {
+        let run = run(puck(soft), |s| (s.method, s.tolerance) = (method, tolerance)).unwrap();
+        assert!(run.last()["x'"].abs() < 1e-5);
+    }
+}
+
+#[test]
+fn inputs_that_jump_in_time_are_no_lost_direction() {
+    let toy = Toy::new(&["x"], (&[0.0], &[0.0]), 2.0, |t, q, _, _, a| a[0] = if t < 1.1 { -1.0 } else { 2.0 } - q[0]);
+    for method in [Method::Dop853, Method::Dopri5] {
+        assert!(run(toy.clone(), |s| s.method = method).is_ok());
+    }
+}
+
+#[test]
+fn a_close_encounter_is_no_lost_direction() {
+    // Kepler with eccentricity 0.9999, through two pericentres.
+    let toy = Toy::new(&["x", "y"], (&[1.9999, 0.0], &[0.0, (1e-4_f64 / 1.9999).sqrt()]), 12.0, |_, q, _, _, a| {
+        let cube = q[0].hypot(q[1]).powi(3);
+        a.copy_from_slice(&[-q[0] / cube, -q[1] / cube]);
+    });
+    for (method, tolerance) in [(Method::Dop853, 1e-12), (Method::Dop853, 1e-6), (Method::Dopri5, 1e-9)] {
+        let run = run(toy.clone(), |s| (s.method, s.tolerance) = (method, tolerance));
+        assert!(run.is_ok(), "{method} at {tolerance}: {:?}", run.err());
+    }
 }

@@ -15,6 +15,6 @@ pub(crate) use inertia::{InertiaGuard, Unbounded};
 pub use report::Trust;
 #[cfg(test)]
 pub(crate) use stability::amplification;
-pub(crate) use stability::check_step;
+pub(crate) use stability::{Watchman, check_step};
 pub(crate) use stiffness::StiffnessDetector;
 pub use warning::Warning;

@@ -116,6 +116,16 @@ fn a_method_that_amplifies_vibrations_is_named_a1_a2() {
 }
 
 #[test]
+fn stability_is_checked_along_the_motion() {
+    // A pendulum from near the top, where it is unstable itself; below it vibrates, and Euler amplifies that.
+    let mut toy = Toy::pendulum(G, 2.5, 10.0);
+    toy.jacobian = std::sync::Arc::new(|q, _, _, dq, _| dq[0] = G * q[0].cos());
+    let exceeds = |warnings: &[Warning]| warnings.iter().any(|w| matches!(w, Warning::StepExceedsStability { .. }));
+    assert!(exceeds(&warnings(toy.clone(), Method::Euler, 0.01)));
+    assert!(!exceeds(&warnings(toy, Method::Rk4, 0.01)));
+}
+
+#[test]
 fn the_amplitude_grows_as_predicted_a1_a2() {
     for (method, growth) in [(Method::Euler, 1.01_f64.powf(500.0)), (Method::Midpoint, 1.012_578_29)] {
         let run = run(Toy::oscillator(1.0, 100.0), |s| (s.method, s.step) = (method, Some(0.1))).unwrap();

@@ -30,7 +30,7 @@ pub enum Warning {
         /// By how much, relative to the scale of the energies.
         jump: f64,
     },
-    /// The fixed step is beyond the method's stability limit for a mode of the system linearised at the start.
+    /// The fixed step is beyond the method's stability limit for a mode of the system linearised at some state of the run.
     StepExceedsStability {
         /// The method.
         method: Method,
