@@ -1,6 +1,7 @@
 //! The library of mechanisms, against reference numbers and closed forms.
 
 mod chains;
+mod interpreted;
 mod invariants;
 mod oscillators;
 mod particles;
