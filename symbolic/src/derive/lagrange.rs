@@ -36,7 +36,8 @@ pub(super) fn equations(graph: &mut Graph, dynamics: &Dynamics) -> (Equations, V
     (Equations { name: "Lagrange", mass, bias: complete(bias), residual: complete(full) }, balances)
 }
 
-/// T, V, the Jacobi function and its power, with the true functions in the place of modes where they are observed.
+/// T and V with the true functions, since they are observed; the Jacobi function and its power with modes, since they
+/// are integrated.
 pub(super) fn energies(model: &mut Model, dynamics: &Dynamics) -> Energies {
     let graph = &mut model.graph;
     let velocities = Velocities::of(graph, dynamics);
@@ -71,8 +72,8 @@ pub(super) fn energies(model: &mut Model, dynamics: &Dynamics) -> Energies {
         let size = graph.unary(Unary::Abs, *term);
         scale = graph.add(scale, size);
     }
-    let roots = super::switches::remove(graph, &[kinetic, potential, jacobi, power], &dynamics.switches);
-    Energies { kinetic: roots[0], potential: roots[1], jacobi: roots[2], power: roots[3], scale }
+    let observed = super::switches::remove(graph, &[kinetic, potential], &dynamics.switches);
+    Energies { kinetic: observed[0], potential: observed[1], jacobi, power, scale }
 }
 
 /// Velocities of centres of mass and angular velocities.
