@@ -8,6 +8,7 @@
 //!
 //! Every derivation gives the same [`Equations`]; `lower` picks the cheapest.
 
+mod balances;
 mod lagrange;
 mod sample;
 mod switches;
@@ -15,6 +16,7 @@ mod test;
 mod virtual_power;
 
 use crate::diagnose::Problem;
+use crate::diagnose::catalogue::mechanics;
 use crate::expr::{Forward, Graph, Id, Symbol, canonical};
 use crate::model::{Load, Model, Work};
 
@@ -68,15 +70,29 @@ pub struct Derivation {
     pub report: Report,
 }
 
+/// More coordinates than this would need a dense mass matrix beyond the limit of the graph.
+const COORDINATE_LIMIT: usize = 2000;
+/// More discontinuities than this cannot be located in reasonable time.
+const SWITCH_LIMIT: usize = 1000;
+
 /// Derives, compares and tests.
 ///
 /// # Errors
 /// A coordinate that carries no mass; derivations that disagree; something said to be conserved, or an
 /// identity, that is not.
 pub fn derive(mut model: Model) -> Result<Derivation, Vec<Problem>> {
+    if let Some(extra) = model.coordinates.get(COORDINATE_LIMIT) {
+        return Err(vec![mechanics::too_many_coordinates(extra.place.clone(), COORDINATE_LIMIT)]);
+    }
     let dynamics = Dynamics::of(&mut model);
+    if model.graph.overflowed() || dynamics.switches.len() > SWITCH_LIMIT {
+        return Err(vec![too_large()]);
+    }
     let (lagrange, momenta) = lagrange::equations(&mut model.graph, &dynamics);
     let mut equations = vec![lagrange];
+    if model.graph.overflowed() {
+        return Err(vec![too_large()]);
+    }
     if !dynamics.bodies.is_empty() {
         equations.push(virtual_power::equations(&mut model.graph, &dynamics));
     }
@@ -85,9 +101,34 @@ pub fn derive(mut model: Model) -> Result<Derivation, Vec<Problem>> {
     if model.graph.overflowed() {
         return Err(vec![too_large()]);
     }
+    put_in_reactions(&mut model);
     let report = test::all(&mut model, &equations, &switches)?;
     let cyclic = test::cyclic(&mut model, &equations, &switches, &momenta);
     Ok(Derivation { model, equations, energies, cyclic, switches, report })
+}
+
+/// Reactions by name, in what observes: expressions of the state and the accelerations in their place.
+fn put_in_reactions(model: &mut Model) {
+    let known = balances::reactions(model);
+    if known.is_empty() {
+        return;
+    }
+    let graph = &mut model.graph;
+    let mut put = |list: &mut [Id]| {
+        let new = crate::expr::substitute(graph, list, &known);
+        list.copy_from_slice(&new);
+    };
+    model.outputs.iter_mut().for_each(|output| put(&mut output.value));
+    for event in &mut model.events {
+        put(std::slice::from_mut(&mut event.when));
+        if let Some(condition) = &mut event.condition {
+            put(std::slice::from_mut(condition));
+        }
+    }
+    for check in &mut model.checks {
+        put(&mut check.left);
+        put(&mut check.right);
+    }
 }
 
 /// What enters the equations of motion: the model's expressions in canonical form, with modes for

@@ -47,14 +47,20 @@ pub(super) fn all(model: &mut Model, equations: &[Equations], switches: &[Switch
     }
     let mut report = Report::default();
     let invariants = invariant_rates(model);
-    let model = &*model;
     match finite_states(model, equations, switches, &[]) {
         Err(problem) => return Err(vec![*problem]),
-        Ok(states) => match agreement(model, equations, &states) {
-            Ok(agreements) => report.agreements = agreements,
-            Err(problem) => problems.push(*problem),
-        },
+        Ok(states) => {
+            match agreement(model, equations, &states) {
+                Ok(agreements) => report.agreements = agreements,
+                Err(problem) => problems.push(*problem),
+            }
+            match super::balances::agree(model, &states) {
+                Ok(agreements) => report.agreements.extend(agreements),
+                Err(found) => problems.extend(found),
+            }
+        }
     }
+    let model = &*model;
     if !problems.is_empty() {
         return Err(problems);
     }
@@ -345,7 +351,7 @@ impl Scaled {
 }
 
 /// A state in words, for messages.
-fn describe(model: &Model, state: &State) -> String {
+pub(super) fn describe(model: &Model, state: &State) -> String {
     let mut words: Vec<String> = Vec::new();
     for (k, c) in model.coordinates.iter().enumerate().take(4) {
         words.push(format!("{} = {:.4}, {}' = {:.4}", c.name, state.q[k], c.name, state.v[k]));

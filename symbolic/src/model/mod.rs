@@ -1,6 +1,7 @@
 //! The model file: read, locate, resolve names, expand families, check.
 
 mod antiderivative;
+mod balances;
 mod bench;
 mod bodies;
 mod carriers;
@@ -44,7 +45,7 @@ pub use locate::locate;
 pub use node::Node;
 pub use read::read;
 pub use resolve::{load, resolve};
-pub use resolved::{
+pub use resolved::{Balance, BalanceSystem, Part, Reaction,
     Body, Check, Conserved, Coordinate, Derived, Event, EventAction, Family, Input, Load, Model, Output, Parameter,
     Push, Rotation, Sample, Scene, Shape, Vector, Work,
 };

@@ -166,6 +166,13 @@ impl Lower<'_> {
             Member::Parameter(place) => Value::Scalar(self.bench.graph.symbol(Symbol::Parameter(place))),
             Member::Item(item) => self.item(item),
             Member::Body(body) => self.item(self.scope.bodies[body].position),
+            Member::Reaction(place) => {
+                let reaction = &self.scope.reactions[place];
+                let symbols = reaction.first..reaction.first + reaction.components as u32;
+                let scalar = reaction.scalar;
+                let values: Vec<Id> = symbols.map(|k| self.bench.graph.symbol(Symbol::Reaction(k))).collect();
+                if scalar { Value::Scalar(values[0]) } else { Value::Vector(values) }
+            }
             _ => {
                 let problem = names::wrong_thing(self.place(span), name, "a number or vector", section.noun());
                 self.refuse(problem)

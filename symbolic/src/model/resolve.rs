@@ -60,6 +60,7 @@ pub fn resolve(root: &Node, sizes: &[(String, i64)]) -> Result<Model, Vec<Proble
     resolver.definitions();
     resolver.frames();
     let bodies = resolver.bodies();
+    resolver.reactions();
     if resolver.too_many_names() {
         // Names beyond the limit were not declared: what else could be said would be misleading.
         return resolver.finish();
@@ -80,6 +81,7 @@ pub fn resolve(root: &Node, sizes: &[(String, i64)]) -> Result<Model, Vec<Proble
     resolver.loads();
     resolver.raw_energies();
     resolver.energies();
+    resolver.balances();
     // 5. What is computed along a run; look in `watched.rs` and `draw.rs`.
     resolver.watched();
     resolver.events();
@@ -104,7 +106,7 @@ impl Resolver<'_> {
         if !root.only(&known, "the model", problems) {
             return;
         }
-        for key in ["constraints", "phases", "balances"] {
+        for key in ["constraints", "phases"] {
             if let Some(spot) = root.get(key) {
                 problems.push(later::key_not_supported(spot.place.of_key(), key, "the model"));
             }

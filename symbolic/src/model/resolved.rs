@@ -49,6 +49,10 @@ pub struct Model {
     pub kinetic_terms: Vec<Id>,
     /// All terms of V: gravity's, springs', then raw ones.
     pub potential_terms: Vec<Id>,
+    /// Unknown reactions of the balances.
+    pub reactions: Vec<Reaction>,
+    /// Systems of momentum balances: second derivations.
+    pub balances: Vec<BalanceSystem>,
     /// Quantities that the file says are conserved.
     pub conserved: Vec<Conserved>,
     /// Identities that the file says hold.
@@ -308,4 +312,54 @@ pub struct Scene {
     pub every: Option<Id>,
     /// Free parameters and their values (of the others, before `set`).
     pub set: Vec<(usize, Id)>,
+}
+
+/// An unknown force or couple.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Reaction {
+    /// Its expanded name.
+    pub name: String,
+    /// The first of its symbols.
+    pub first: u32,
+    /// How many symbols it has.
+    pub components: usize,
+    /// True for a number, false for a vector.
+    pub scalar: bool,
+}
+
+/// One complete system of momentum balances.
+#[derive(Clone, Debug)]
+pub struct BalanceSystem {
+    /// Its name.
+    pub name: String,
+    /// Its balances.
+    pub balances: Vec<Balance>,
+    /// Its reactions, by their places.
+    pub reactions: Vec<usize>,
+    /// Where it stands.
+    pub place: Place,
+}
+
+/// A balance: the sum of its parts vanishes.
+#[derive(Clone, Debug)]
+pub struct Balance {
+    /// Its label and kind, for messages.
+    pub label: String,
+    /// Inertia, less forces.
+    pub parts: Vec<Part>,
+    /// How many equations it is.
+    pub components: usize,
+    /// True for power and energy, which say nothing at rest.
+    pub void_at_rest: bool,
+    /// Where it stands.
+    pub place: Place,
+}
+
+/// What one body or load contributes to a balance.
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// For messages: `the weight of upper`.
+    pub name: String,
+    /// One expression per equation.
+    pub value: Vec<Id>,
 }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::resolved::Reaction;
 use super::value::Value;
 use crate::expr::Id;
 use crate::language::FUNCTIONS;
@@ -78,6 +79,8 @@ pub enum Member {
     Frame(usize),
     /// A body, by its place.
     Body(usize),
+    /// An unknown reaction, by its place.
+    Reaction(usize),
     /// Belongs to a part of the file that was refused already.
     Refused,
 }
@@ -126,6 +129,8 @@ pub struct Scope {
     pub values: Vec<Option<Value>>,
     /// Bodies in the file's order, families expanded.
     pub bodies: Vec<BodyNames>,
+    /// Unknown reactions of the balances.
+    pub reactions: Vec<Reaction>,
     /// Known once bodies and loads are.
     pub energies: Option<Energies>,
     /// True when the file has constraints, which are refused as a whole.

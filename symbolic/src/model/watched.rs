@@ -69,7 +69,7 @@ impl Resolver<'_> {
     }
 
     /// Both sides of an identity, of equal size; an expression without `=` is to vanish.
-    fn sides(&mut self, text: &Text, locals: &Locals) -> Option<(Vec<Id>, Vec<Id>)> {
+    pub fn sides(&mut self, text: &Text, locals: &Locals) -> Option<(Vec<Id>, Vec<Id>)> {
         let (left, right) = self.bench.equation(&self.scope, text, Rules::anything("a check"), locals);
         let size = left.components().len().max(right.as_ref().map_or(0, |right| right.components().len())).max(1);
         let right = right.unwrap_or(Value::Nothing);

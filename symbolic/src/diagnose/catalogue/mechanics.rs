@@ -34,4 +34,16 @@ super::entries! {
     E413 same_ends(name) "a spring or damper between one point and itself"
         "both ends of `{name}` are the same point" "" ""
         "It has no length and no direction.";
+    E414 unequal_counts(system, equations, coordinates, unknowns) "balances that do not determine the motion"
+        "`{system}` has {equations} equations for {coordinates} accelerations and {unknowns} reaction components" "" "choose balances that eliminate the other reactions, or name more of them"
+        "Equations and unknowns of a system of balances must be equal in number; a force balance in the plane is two equations, a moment balance one.";
+    E415 raw_beside_balances(key) "raw energies beside momentum balances"
+        "`{key}` beside force or moment balances" "on which body does this act?" "say it with `springs`, `dampers`, `forces` or `torques`, which know their bodies"
+        "Momentum balances see bodies, gravity, springs, dampers, forces, torques and reactions, nothing else.";
+    E416 energy_with_time() "an energy balance with explicit time"
+        "the energies contain time, so that something does work that this balance does not see" "" "use `power`"
+        "`energy` states that kinetic plus potential energy changes by the power of what has no potential.";
+    E417 too_many_coordinates(limit) "more coordinates than can be derived"
+        "a model may have {limit} coordinates" "one too many" "make families smaller"
+        "Deriving keeps the equations of all coordinates at once; the limit bounds time and memory.";
 }

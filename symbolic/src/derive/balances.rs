@@ -1,0 +1,318 @@
+//! The gate: momentum balances against Lagrange's equations.
+//!
+//! A system of balances is linear in the accelerations and the reactions that it names.  At random parameters and
+//! states it is solved numerically, and its accelerations must be those of Lagrange's equations.
+
+use super::sample::State;
+use super::test::{Agreement, describe};
+use crate::diagnose::Problem;
+use crate::diagnose::catalogue::verdicts;
+use crate::expr::{Graph, Id, Symbol, Tape, expand, jacobian};
+use crate::model::{BalanceSystem, Model};
+
+/// Accelerations may differ by this much of the largest of them.
+const TOLERANCE: f64 = 1e-8;
+
+/// One part of one equation of a system, at one state: coefficients of the unknowns, and the rest.
+struct Row {
+    balance: usize,
+    part: usize,
+    equation: usize,
+    coefficients: Vec<f64>,
+    rest: f64,
+}
+
+/// Compares every system at every state.
+pub(super) fn agree(model: &mut Model, states: &[State]) -> Result<Vec<Agreement>, Vec<Problem>> {
+    let (mut agreements, mut problems) = (Vec::new(), Vec::new());
+    for system in model.balances.clone() {
+        let columns = columns(model, &system);
+        let rows: Vec<Vec<Row>> = evaluate(&mut model.graph, &system, &columns, states);
+        match compare(model, &system, columns.len(), &rows, states) {
+            Ok(agreement) => agreements.push(agreement),
+            Err(problem) => problems.push(*problem),
+        }
+    }
+    if problems.is_empty() { Ok(agreements) } else { Err(problems) }
+}
+
+/// The unknowns of a system: accelerations, then the components of its reactions.
+fn columns(model: &Model, system: &BalanceSystem) -> Vec<Symbol> {
+    let accelerations = (0..model.coordinates.len()).map(|i| Symbol::Acceleration(i as u32));
+    let reactions = system.reactions.iter().flat_map(|&k| {
+        let reaction = &model.reactions[k];
+        (0..reaction.components as u32).map(|c| Symbol::Reaction(reaction.first + c))
+    });
+    accelerations.chain(reactions).collect()
+}
+
+/// Every part of every equation at every state.
+fn evaluate(graph: &mut Graph, system: &BalanceSystem, columns: &[Symbol], states: &[State]) -> Vec<Vec<Row>> {
+    let mut shape = Vec::new();
+    let mut values = Vec::new();
+    let mut equation = 0;
+    for (b, balance) in system.balances.iter().enumerate() {
+        for (p, part) in balance.parts.iter().enumerate() {
+            for (k, value) in part.value.iter().enumerate() {
+                shape.push((b, p, equation + k));
+                values.push(*value);
+            }
+        }
+        equation += balance.components;
+    }
+    let place = |s: Symbol| columns.iter().position(|c| *c == s);
+    let slopes = jacobian(graph, &values, place);
+    let roots: Vec<Id> = values.iter().copied().chain(slopes.iter().flatten().map(|e| e.1)).collect();
+    let tape = Tape::new(graph, &roots);
+    let at = |state: &State| {
+        // The unknowns at zero: what is left is the rest.
+        let known = |s: Symbol| if place(s).is_some() { 0.0 } else { state.value(s) };
+        let numbers = tape.evaluate(known);
+        let mut slope = numbers[values.len()..].iter();
+        let row = |((&(balance, part, equation), &rest), entries): ((&(usize, usize, usize), &f64), &Vec<(usize, Id)>)| {
+            let mut coefficients = vec![0.0; columns.len()];
+            for (column, _) in entries {
+                coefficients[*column] = slope.next().copied().unwrap_or(0.0);
+            }
+            Row { balance, part, equation, coefficients, rest }
+        };
+        shape.iter().zip(&numbers).zip(&slopes).map(row).collect()
+    };
+    states.iter().map(at).collect()
+}
+
+/// The sum of all parts with one of them scaled, solved for the unknowns; `None` where it is singular.
+fn solve(rows: &[Row], size: usize, changed: Option<(usize, usize, f64)>) -> Option<Vec<f64>> {
+    let mut matrix = vec![0.0; size * (size + 1)];
+    for row in rows {
+        let factor = match changed {
+            Some((balance, part, factor)) if (balance, part) == (row.balance, row.part) => factor,
+            _ => 1.0,
+        };
+        let line = &mut matrix[row.equation * (size + 1)..][..size + 1];
+        for (sum, c) in line.iter_mut().zip(&row.coefficients) {
+            *sum += factor * c;
+        }
+        line[size] -= factor * row.rest;
+    }
+    eliminate(matrix, size)
+}
+
+/// Gaussian elimination with partial pivoting of scaled rows.
+fn eliminate(mut matrix: Vec<f64>, size: usize) -> Option<Vec<f64>> {
+    let width = size + 1;
+    for line in matrix.chunks_exact_mut(width) {
+        let scale = line[..size].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        if scale == 0.0 || !scale.is_finite() {
+            return None;
+        }
+        line.iter_mut().for_each(|x| *x /= scale);
+    }
+    for k in 0..size {
+        let pivot = (k..size).max_by(|a, b| matrix[a * width + k].abs().total_cmp(&matrix[b * width + k].abs()))?;
+        if !(matrix[pivot * width + k].abs() > 1e-11) {
+            return None;
+        }
+        for j in 0..width {
+            matrix.swap(k * width + j, pivot * width + j);
+        }
+        for i in k + 1..size {
+            let factor = matrix[i * width + k] / matrix[k * width + k];
+            for j in k..width {
+                matrix[i * width + j] -= factor * matrix[k * width + j];
+            }
+        }
+    }
+    let mut x = vec![0.0; size];
+    for k in (0..size).rev() {
+        let known: f64 = (k + 1..size).map(|j| matrix[k * width + j] * x[j]).sum();
+        x[k] = (matrix[k * width + size] - known) / matrix[k * width + k];
+    }
+    Some(x)
+}
+
+/// The largest difference of an acceleration relative to the largest acceleration, and whose it is.
+fn difference(found: &[f64], state: &State) -> (f64, usize) {
+    let scale = state.a.iter().chain(found.iter().take(state.a.len())).fold(0.0_f64, |m, x| m.max(x.abs()));
+    let gap = |i: usize| (found[i] - state.a[i]).abs();
+    let worst = (0..state.a.len()).max_by(|i, j| gap(*i).total_cmp(&gap(*j))).unwrap_or(0);
+    (if scale > 0.0 { gap(worst) / scale } else { 0.0 }, worst)
+}
+
+fn compare(
+    model: &Model,
+    system: &BalanceSystem,
+    size: usize,
+    rows: &[Vec<Row>],
+    states: &[State],
+) -> Result<Agreement, Box<Problem>> {
+    for (b, balance) in system.balances.iter().enumerate() {
+        let silent = |rows: &Vec<Row>| {
+            let own = || rows.iter().filter(|r| r.balance == b);
+            let equations: Vec<usize> = own().map(|r| r.equation).collect();
+            equations.iter().any(|e| {
+                (0..size).all(|c| {
+                    let terms = || own().filter(|r| r.equation == *e).map(|r| r.coefficients[c]);
+                    terms().sum::<f64>().abs() <= 1e-13 * terms().map(f64::abs).sum::<f64>()
+                })
+            })
+        };
+        if rows.iter().all(silent) {
+            return Err(Box::new(verdicts::empty_balance(balance.place.clone(), &balance.label)));
+        }
+    }
+    let (mut worst, mut compared) = (0.0_f64, 0);
+    for (rows_here, state) in rows.iter().zip(states) {
+        let Some(found) = solve(rows_here, size, None) else { continue };
+        compared += 1;
+        let (gap, coordinate) = difference(&found, state);
+        if gap > TOLERANCE || gap.is_nan() {
+            let name = &model.coordinates[coordinate].name;
+            let (balances, lagrange) = (format!("{:.9}", found[coordinate]), format!("{:.9}", state.a[coordinate]));
+            let (worst, place) = worst_balance(system, rows_here, size, state);
+            let help = cause(system, rows, size, states);
+            let state = describe(model, state);
+            return Err(Box::new(verdicts::balances_disagree(
+                place, &system.name, name, balances, lagrange, worst, state, help,
+            )));
+        }
+        worst = worst.max(gap);
+    }
+    if compared == 0 {
+        let state = states.first().map_or_else(String::new, |s| describe(model, s));
+        return Err(Box::new(verdicts::balances_singular(system.place.clone(), &system.name, state)));
+    }
+    Ok(Agreement { between: ("Lagrange".to_owned(), system.name.clone()), states: compared, worst })
+}
+
+/// The balance that Lagrange's accelerations violate most, once its reactions are at their best.
+fn worst_balance(system: &BalanceSystem, rows: &[Row], size: usize, state: &State) -> (String, crate::diagnose::Place) {
+    let n = state.a.len();
+    let equations: usize = system.balances.iter().map(|b| b.components).sum();
+    let mut residual = vec![0.0; equations];
+    let mut scale = vec![0.0_f64; equations];
+    let mut reactions = vec![vec![0.0; size - n]; equations];
+    for row in rows {
+        let moving: f64 = row.coefficients[..n].iter().zip(&state.a).map(|(c, a)| c * a).sum();
+        residual[row.equation] += row.rest + moving;
+        scale[row.equation] += row.rest.abs() + moving.abs();
+        for (sum, c) in reactions[row.equation].iter_mut().zip(&row.coefficients[n..]) {
+            *sum += c;
+        }
+    }
+    // Least squares for the reactions by normal equations.
+    let m = size - n;
+    let mut normal = vec![0.0; m * (m + 1)];
+    for (line, r) in reactions.iter().zip(&residual) {
+        for i in 0..m {
+            for j in 0..m {
+                normal[i * (m + 1) + j] += line[i] * line[j];
+            }
+            normal[i * (m + 1) + m] -= line[i] * r;
+        }
+    }
+    if m > 0
+        && let Some(best) = eliminate(normal, m)
+    {
+        for (r, line) in residual.iter_mut().zip(&reactions) {
+            *r += line.iter().zip(&best).map(|(c, x)| c * x).sum::<f64>();
+        }
+    }
+    let relative = |e: usize| residual[e].abs() / scale[e].max(f64::MIN_POSITIVE);
+    let worst = (0..equations).max_by(|a, b| relative(*a).total_cmp(&relative(*b))).unwrap_or(0);
+    let balance = rows.iter().find(|r| r.equation == worst).map_or(0, |r| r.balance);
+    let words = format!("{} is off by {:.3e}", system.balances[balance].label, residual[worst].abs());
+    (words, system.balances[balance].place.clone())
+}
+
+/// The one part whose flip or removal restores agreement at all states, in words.
+fn cause(system: &BalanceSystem, rows: &[Vec<Row>], size: usize, states: &[State]) -> String {
+    for (b, balance) in system.balances.iter().enumerate() {
+        for (p, part) in balance.parts.iter().enumerate() {
+            for (factor, words) in [(-1.0, "with the opposite sign of"), (0.0, "without"), (2.0, "with twice")] {
+                let restores = rows.iter().zip(states).all(|(rows, state)| {
+                    solve(rows, size, Some((b, p, factor))).is_some_and(|x| difference(&x, state).0 <= TOLERANCE)
+                });
+                if restores {
+                    return format!("{words} {} in {} they agree", part.name, balance.label);
+                }
+            }
+        }
+    }
+    "look at what the balance leaves out, at the point it is taken about, and at where forces act".to_owned()
+}
+
+/// Each reaction component as an expression of the state and the accelerations: the least-squares solution of the
+/// first system that names it, which is exact since the system agrees with the motion.
+pub(super) fn reactions(model: &mut Model) -> rustc_hash::FxHashMap<Symbol, Id> {
+    let mut known = rustc_hash::FxHashMap::default();
+    for system in model.balances.clone() {
+        let unknowns: Vec<Symbol> = columns(model, &system)[model.coordinates.len()..].to_vec();
+        if unknowns.is_empty() || unknowns.iter().all(|s| known.contains_key(s)) {
+            continue;
+        }
+        for (symbol, value) in unknowns.iter().zip(least_squares(&mut model.graph, &system, &unknowns)) {
+            known.entry(*symbol).or_insert(value);
+        }
+    }
+    known
+}
+
+/// (RᵀR)⁻¹Rᵀ(−s) for residuals R r + s, with s at r = 0.
+fn least_squares(graph: &mut Graph, system: &BalanceSystem, unknowns: &[Symbol]) -> Vec<Id> {
+    let m = unknowns.len();
+    let mut residuals = Vec::new();
+    for balance in &system.balances {
+        for k in 0..balance.components {
+            let mut sum = Id::ZERO;
+            for part in &balance.parts {
+                sum = graph.add(sum, part.value[k]);
+            }
+            residuals.push(sum);
+        }
+    }
+    let rows = jacobian(graph, &residuals, |s| unknowns.iter().position(|u| *u == s));
+    let zero = unknowns.iter().map(|u| (*u, Id::ZERO)).collect();
+    let rest = crate::expr::substitute(graph, &residuals, &zero);
+    let mut normal = vec![vec![Id::ZERO; m + 1]; m];
+    for (row, s) in rows.iter().zip(&rest) {
+        for &(i, a) in row {
+            for &(j, b) in row {
+                let product = graph.mul(a, b);
+                normal[i][j] = graph.add(normal[i][j], product);
+            }
+            let product = graph.mul(a, *s);
+            normal[i][m] = graph.sub(normal[i][m], product);
+        }
+    }
+    // cos² + sin² of a direction becomes 1, so that most pivots are constants.
+    for row in &mut normal {
+        let constant = |s: Symbol| matches!(s, Symbol::Parameter(_));
+        if let Some(simple) = expand(graph, &row[..m].to_vec(), constant) {
+            row[..m].copy_from_slice(&simple);
+        }
+    }
+    for k in 0..m {
+        let pivot = graph.div(Id::ONE, normal[k][k]);
+        for i in k + 1..m {
+            if normal[i][k] == Id::ZERO {
+                continue;
+            }
+            let factor = graph.mul(normal[i][k], pivot);
+            for j in k + 1..=m {
+                let update = graph.mul(factor, normal[k][j]);
+                normal[i][j] = graph.sub(normal[i][j], update);
+            }
+        }
+    }
+    let mut solution = vec![Id::ZERO; m];
+    for k in (0..m).rev() {
+        let mut value = normal[k][m];
+        for j in k + 1..m {
+            let term = graph.mul(normal[k][j], solution[j]);
+            value = graph.sub(value, term);
+        }
+        solution[k] = graph.div(value, normal[k][k]);
+    }
+    solution
+}

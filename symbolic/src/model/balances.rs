@@ -1,0 +1,446 @@
+//! `balances`: the second derivation, from momentum balance (LANGUAGE, section 7).
+//!
+//! Every balance becomes a residual, inertia less forces, in named parts: what each body's acceleration, gravity,
+//! each load and each unknown reaction contributes.  The deriver solves the residuals for the accelerations.
+
+use std::collections::BTreeMap;
+
+use super::bench::{Rules, Text};
+use super::families::Locals;
+use super::loads::{Drafts, Holder};
+use super::node::Node;
+use super::reader::Spot;
+use super::resolved::{Balance, BalanceSystem, Part, Push, Reaction, Work};
+use super::resolver::Resolver;
+use super::scope::{Member, Section};
+use super::value;
+use crate::diagnose::catalogue::{later, mechanics, names, sections};
+use crate::expr::{Id, Symbol};
+
+/// The kinds of balances.
+const KINDS: [&str; 5] = ["moment", "force", "power", "energy", "equation"];
+
+/// A reaction of one system, as pushes on bodies.
+struct Unknown {
+    name: String,
+    pushes: Vec<Push>,
+}
+
+/// One system's bodies, loads and reactions at hand.
+struct Sums<'s> {
+    unknowns: &'s [Unknown],
+}
+
+impl<'a> Resolver<'a> {
+    /// The names of unknown reactions.
+    pub fn reactions(&mut self) {
+        let mut declared: BTreeMap<String, &Node> = BTreeMap::new();
+        let mut symbols = 0;
+        for (_, system) in self.balance_systems() {
+            let Some(list) = system.get("reactions") else { continue };
+            for (key, spot) in list.entries(&mut self.bench.problems) {
+                if let Some(known) = declared.get(key) {
+                    if *known != spot.node {
+                        self.bench.problems.push(names::duplicate_name(spot.place.of_key(), key, "reactions"));
+                    }
+                    continue;
+                }
+                declared.insert(key.to_owned(), spot.node);
+                let Some(family) = self.expand_declared(key, &spot, Section::Reaction) else { continue };
+                let planar_couple = spot.get("couple").is_some() && self.scope.dimension == 2;
+                let scalar = spot.get("along").is_some() || planar_couple;
+                let components = if scalar { 1 } else { self.scope.dimension };
+                for member in &family.members {
+                    let place = self.scope.reactions.len();
+                    if self.declare(Section::Reaction, member, Member::Reaction(place), &spot.place) {
+                        let reaction = Reaction { name: member.name(), first: symbols, components, scalar };
+                        self.scope.reactions.push(reaction);
+                        symbols += components as u32;
+                    }
+                }
+            }
+        }
+        self.model.reactions.clone_from(&self.scope.reactions);
+    }
+
+    /// The balances themselves.
+    pub fn balances(&mut self) {
+        for (name, system) in self.balance_systems() {
+            if !system.only(&["equations", "reactions", "phase"], "a system of balances", &mut self.bench.problems) {
+                continue;
+            }
+            if let Some(phase) = system.get("phase") {
+                self.bench.problems.push(later::key_not_supported(phase.place.of_key(), "phase", "a system of balances"));
+            }
+            let before = self.bench.problems.len();
+            let unknowns = self.unknowns(&system);
+            let mut balances = Vec::new();
+            let Some(equations) = system.need("equations", "a system of balances", &mut self.bench.problems) else {
+                continue;
+            };
+            let sums = Sums { unknowns: &unknowns };
+            match equations.items() {
+                Some(items) => {
+                    for (k, item) in items.iter().enumerate() {
+                        balances.extend(self.balance(item, &format!("balance {}", k + 1), &Locals::default(), &sums));
+                    }
+                }
+                None => {
+                    let mut seen = BTreeMap::new();
+                    for (key, spot) in equations.entries(&mut self.bench.problems) {
+                        let Some(family) = self.expand(key, &spot) else { continue };
+                        for member in &family.members {
+                            let label = member.name();
+                            if self.unique(&mut seen, &label, "`equations`", &spot.place) {
+                                balances.extend(self.balance(&spot, &label, &member.locals, &sums));
+                            }
+                        }
+                    }
+                }
+            }
+            if self.bench.problems.len() > before {
+                continue;
+            }
+            let reactions: Vec<usize> = (0..self.scope.reactions.len())
+                .filter(|&k| unknowns.iter().any(|u| u.name == self.scope.reactions[k].name))
+                .collect();
+            let equations: usize = balances.iter().map(|b| b.components).sum();
+            let unknown: usize = reactions.iter().map(|&k| self.scope.reactions[k].components).sum();
+            let coordinates = self.model.coordinates.len();
+            if equations != coordinates + unknown {
+                let place = system.place.clone();
+                self.bench.problems.push(mechanics::unequal_counts(place, name, equations, coordinates, unknown));
+                continue;
+            }
+            self.model.balances.push(BalanceSystem { name, balances, reactions, place: system.place.of_key() });
+        }
+    }
+
+    /// The systems by name; a single one is called `balances`.
+    fn balance_systems(&mut self) -> Vec<(String, Spot<'a>)> {
+        let Some(root) = self.root.get("balances") else { return Vec::new() };
+        if root.get("equations").is_some() || root.get("reactions").is_some() {
+            return vec![("balances".to_owned(), root)];
+        }
+        let systems = root.entries(&mut Vec::new());
+        systems.into_iter().map(|(name, spot)| (name.to_owned(), spot)).collect()
+    }
+
+    /// A system's reactions as pushes of their symbols.
+    fn unknowns(&mut self, system: &Spot<'a>) -> Vec<Unknown> {
+        let mut unknowns = Vec::new();
+        let Some(list) = system.get("reactions") else { return unknowns };
+        for (key, spot) in list.entries(&mut self.bench.problems) {
+            if !spot.only(&["on", "at", "along", "from", "couple"], "a reaction", &mut self.bench.problems) {
+                continue;
+            }
+            let Some(family) = self.expand(key, &spot) else { continue };
+            for member in &family.members {
+                unknowns.extend(self.unknown(&spot, &member.name(), &member.locals));
+            }
+        }
+        unknowns
+    }
+
+    fn unknown(&mut self, spot: &Spot<'_>, name: &str, locals: &Locals) -> Option<Unknown> {
+        let reaction = self.scope.reactions.iter().find(|r| r.name == name)?.clone();
+        let problems = &mut self.bench.problems;
+        let on = spot.need("on", "a reaction", problems)?.text(problems)?;
+        let mut written = |key: &str| match spot.get(key) {
+            Some(spot) => spot.written(problems).map(Some),
+            None => Some(None),
+        };
+        let (at, along) = (written("at")?, written("along")?);
+        let from = match spot.get("from") {
+            Some(from) => Some(from.text(problems)?),
+            None => None,
+        };
+        let symbols: Vec<Id> = (0..reaction.components as u32)
+            .map(|k| self.bench.graph.symbol(Symbol::Reaction(reaction.first + k)))
+            .collect();
+        let couple = spot.get("couple").is_some();
+        let mut drafts = Drafts::default();
+        let end = self.placed(&on, at.as_ref(), locals, &mut drafts)?;
+        let opposite = match &from {
+            Some(from) => Some(self.opposite(from, &end.at, locals)?),
+            None => None,
+        };
+        let direction = match &along {
+            Some(along) => {
+                let vector = self.vector(along, Rules::velocity("a direction"), locals)?;
+                Some(value::unit(&mut self.bench.graph, &vector))
+            }
+            None => None,
+        };
+        let full = match direction {
+            Some(direction) => direction.iter().map(|e| self.bench.graph.mul(symbols[0], *e)).collect(),
+            None => symbols,
+        };
+        let minus = value::negative(&mut self.bench.graph, &full);
+        let zero = vec![Id::ZERO; self.scope.dimension];
+        let mut pushes = Vec::new();
+        for (end, load) in std::iter::once((end, full)).chain(opposite.map(|end| (end, minus))) {
+            let Holder::Body(body) = end.holder else { continue };
+            let (force, couple) = if couple { (zero.clone(), load) } else { (load, Vec::new()) };
+            pushes.push(Push { body: Some(body), at: end.at, force, couple });
+        }
+        Some(Unknown { name: name.to_owned(), pushes })
+    }
+
+    /// One entry of `equations`: a mapping with one kind.
+    fn balance(&mut self, spot: &Spot<'_>, label: &str, locals: &Locals, sums: &Sums<'_>) -> Option<Balance> {
+        if !spot.only(&KINDS, "a balance", &mut self.bench.problems) {
+            return None;
+        }
+        let Some((kind, inner)) = KINDS.iter().find_map(|kind| Some((*kind, spot.get(kind)?))) else {
+            self.bench.problems.push(sections::missing_key(spot.place.of_key(), "moment", "a balance"));
+            return None;
+        };
+        if matches!(kind, "moment" | "force") {
+            for key in ["kinetic_energy", "potential_energy", "generalized_forces"] {
+                if let Some(raw) = self.root.get(key) {
+                    self.bench.problems.push(mechanics::raw_beside_balances(raw.place.of_key(), key));
+                    return None;
+                }
+            }
+        }
+        let parts = match kind {
+            "moment" => self.moment(&inner, locals, sums)?,
+            "force" => self.momentum(&inner, locals, sums)?,
+            "power" => self.power(&inner, locals, sums)?,
+            "energy" => self.energy_rate(&inner, sums)?,
+            _ => {
+                let text = inner.equation(&mut self.bench.problems)?;
+                let (left, right) = self.sides(&text, locals)?;
+                let minus = value::negative(&mut self.bench.graph, &right);
+                vec![Part { name: "the left side".to_owned(), value: left }, Part { name: "the right side".to_owned(), value: minus }]
+            }
+        };
+        let components = parts.first().map_or(0, |p| p.value.len());
+        let void_at_rest = matches!(kind, "power" | "energy");
+        Some(Balance { label: format!("{label} ({kind})"), parts, components, void_at_rest, place: spot.place.clone() })
+    }
+
+    /// Σ (r − P) × m a + I α − moments about P.
+    fn moment(&mut self, spot: &Spot<'_>, locals: &Locals, sums: &Sums<'_>) -> Option<Vec<Part>> {
+        let problems = &mut self.bench.problems;
+        spot.only(&["about", "of", "along"], "a moment balance", problems);
+        let about = spot.need("about", "a moment balance", problems)?.written(problems)?;
+        let about = self.vector(&about, Rules::position("a point"), locals)?;
+        let along = self.along(spot, locals)?;
+        let set = self.of(spot, locals)?;
+        let mut parts = Vec::new();
+        for &b in &set {
+            let body = self.model.bodies[b].clone();
+            let arm = value::difference(&mut self.bench.graph, &about, &body.position);
+            let momentum = self.mass_times_acceleration(b);
+            let turning = self.cross(&arm, &momentum);
+            parts.push(self.part(format!("m a of {}", body.name), turning, false));
+            if let Some(rotation) = body.rotation {
+                let omega = self.bench.rate(rotation.angle);
+                let alpha = self.bench.rate(omega);
+                let turning = vec![self.bench.graph.mul(rotation.inertia, alpha)];
+                parts.push(self.part(format!("I alpha of {}", body.name), turning, false));
+            }
+            if let Some(gravity) = self.model.gravity.clone() {
+                let weight: Vec<Id> = gravity.iter().map(|g| self.bench.graph.mul(body.mass, *g)).collect();
+                let turning = self.cross(&arm, &weight);
+                parts.push(self.part(format!("the weight of {}", body.name), turning, true));
+            }
+        }
+        for (name, pushes) in self.all_pushes(sums) {
+            let mut total = vec![Id::ZERO; if self.scope.dimension == 2 { 1 } else { 3 }];
+            let mut touches = false;
+            for push in pushes.iter().filter(|p| p.body.is_some_and(|b| set.contains(&b))) {
+                touches = true;
+                let arm = value::difference(&mut self.bench.graph, &about, &push.at);
+                let turning = self.cross(&arm, &push.force);
+                for (k, sum) in total.iter_mut().enumerate() {
+                    *sum = self.bench.graph.add(*sum, turning[k]);
+                    if let Some(couple) = push.couple.get(k) {
+                        *sum = self.bench.graph.add(*sum, *couple);
+                    }
+                }
+            }
+            if touches {
+                parts.push(self.part(name, total, true));
+            }
+        }
+        Some(self.projected(parts, along.filter(|_| self.scope.dimension == 3)))
+    }
+
+    /// Σ m a − forces.
+    fn momentum(&mut self, spot: &Spot<'_>, locals: &Locals, sums: &Sums<'_>) -> Option<Vec<Part>> {
+        spot.only(&["of", "along"], "a force balance", &mut self.bench.problems);
+        let along = self.along(spot, locals)?;
+        let set = self.of(spot, locals)?;
+        let mut parts = Vec::new();
+        for &b in &set {
+            let body = self.model.bodies[b].clone();
+            let momentum = self.mass_times_acceleration(b);
+            parts.push(self.part(format!("m a of {}", body.name), momentum, false));
+            if let Some(gravity) = self.model.gravity.clone() {
+                let weight = gravity.iter().map(|g| self.bench.graph.mul(body.mass, *g)).collect();
+                parts.push(self.part(format!("the weight of {}", body.name), weight, true));
+            }
+        }
+        for (name, pushes) in self.all_pushes(sums) {
+            let mut total = vec![Id::ZERO; self.scope.dimension];
+            let mut touches = false;
+            for push in pushes.iter().filter(|p| p.body.is_some_and(|b| set.contains(&b))) {
+                touches = true;
+                for (sum, f) in total.iter_mut().zip(&push.force) {
+                    *sum = self.bench.graph.add(*sum, *f);
+                }
+            }
+            if touches {
+                parts.push(self.part(name, total, true));
+            }
+        }
+        Some(self.projected(parts, along))
+    }
+
+    /// d/dt of the set's kinetic energy less the power of all forces on it.
+    fn power(&mut self, spot: &Spot<'_>, locals: &Locals, sums: &Sums<'_>) -> Option<Vec<Part>> {
+        spot.only(&["of"], "a power balance", &mut self.bench.problems);
+        let set = self.of(spot, locals)?;
+        let half = self.half();
+        let mut parts = Vec::new();
+        for &b in &set {
+            let body = self.model.bodies[b].clone();
+            let velocity = self.bench.rates(&body.position);
+            let square = value::dot(&mut self.bench.graph, &velocity, &velocity);
+            let mut doubled = self.bench.graph.mul(body.mass, square);
+            if let Some(rotation) = body.rotation {
+                let omega = self.bench.rate(rotation.angle);
+                let square = self.bench.graph.mul(omega, omega);
+                let turning = self.bench.graph.mul(rotation.inertia, square);
+                doubled = self.bench.graph.add(doubled, turning);
+            }
+            let kinetic = self.bench.graph.mul(half, doubled);
+            let rate = self.bench.rate(kinetic);
+            parts.push(self.part(format!("the kinetic energy of {}", body.name), vec![rate], false));
+            if let Some(gravity) = self.model.gravity.clone() {
+                let falling = value::dot(&mut self.bench.graph, &gravity, &velocity);
+                let power = self.bench.graph.mul(body.mass, falling);
+                parts.push(self.part(format!("the weight of {}", body.name), vec![power], true));
+            }
+        }
+        for (name, pushes) in self.all_pushes(sums) {
+            let on_set: Vec<Push> = pushes.into_iter().filter(|p| p.body.is_some_and(|b| set.contains(&b))).collect();
+            if !on_set.is_empty() {
+                let power = self.power_of(&on_set);
+                parts.push(self.part(name, vec![power], true));
+            }
+        }
+        Some(parts)
+    }
+
+    /// d/dt (T + V) less the power of everything without a potential.
+    fn energy_rate(&mut self, spot: &Spot<'_>, sums: &Sums<'_>) -> Option<Vec<Part>> {
+        spot.only(&[], "an energy balance", &mut self.bench.problems);
+        let energies = self.scope.energies?;
+        let symbols = self.bench.graph.symbols([energies.kinetic, energies.potential]);
+        if symbols.iter().any(|s| matches!(s, Symbol::Time | Symbol::Input(..))) {
+            self.bench.problems.push(mechanics::energy_with_time(spot.place.of_key()));
+            return None;
+        }
+        let (kinetic, potential) = (self.bench.rate(energies.kinetic), self.bench.rate(energies.potential));
+        let mut parts = vec![
+            Part { name: "the kinetic energy".to_owned(), value: vec![kinetic] },
+            Part { name: "the potential energy".to_owned(), value: vec![potential] },
+        ];
+        let loads = self.model.loads.clone();
+        for load in loads.iter().filter(|load| !matches!(load.work, Work::Potential(_))) {
+            let power = self.power_of(&load.pushes);
+            parts.push(self.part(load.name.clone(), vec![power], true));
+        }
+        for unknown in sums.unknowns {
+            let power = self.power_of(&unknown.pushes);
+            parts.push(self.part(unknown.name.clone(), vec![power], true));
+        }
+        Some(parts)
+    }
+
+    /// Σ F · velocity of the material + couple · ω.
+    fn power_of(&mut self, pushes: &[Push]) -> Id {
+        let mut total = Id::ZERO;
+        for push in pushes {
+            let Some(b) = push.body else { continue };
+            let body = self.model.bodies[b].clone();
+            let mut velocity = self.bench.rates(&body.position);
+            if let Some(rotation) = body.rotation {
+                let omega = self.bench.rate(rotation.angle);
+                let arm = value::difference(&mut self.bench.graph, &body.position, &push.at);
+                let turning = value::turn(&mut self.bench.graph, omega, &arm);
+                velocity = value::add_scaled(&mut self.bench.graph, &velocity, Id::ONE, &turning);
+                if let Some(couple) = push.couple.first() {
+                    let work = self.bench.graph.mul(*couple, omega);
+                    total = self.bench.graph.add(total, work);
+                }
+            }
+            let work = value::dot(&mut self.bench.graph, &push.force, &velocity);
+            total = self.bench.graph.add(total, work);
+        }
+        total
+    }
+
+    fn mass_times_acceleration(&mut self, body: usize) -> Vec<Id> {
+        let body = self.model.bodies[body].clone();
+        let velocity = self.bench.rates(&body.position);
+        let acceleration = self.bench.rates(&velocity);
+        acceleration.iter().map(|a| self.bench.graph.mul(body.mass, *a)).collect()
+    }
+
+    /// Loads and reactions by name.
+    fn all_pushes(&self, sums: &Sums<'_>) -> Vec<(String, Vec<Push>)> {
+        let loads = self.model.loads.iter().map(|load| (load.name.clone(), load.pushes.clone()));
+        loads.chain(sums.unknowns.iter().map(|u| (u.name.clone(), u.pushes.clone()))).collect()
+    }
+
+    fn cross(&mut self, a: &[Id], b: &[Id]) -> Vec<Id> {
+        match self.scope.dimension {
+            2 => vec![value::cross_plane(&mut self.bench.graph, a, b)],
+            _ => value::cross_space(&mut self.bench.graph, a, b),
+        }
+    }
+
+    /// A named part of a residual; forces count negative.
+    fn part(&mut self, name: String, value: Vec<Id>, force: bool) -> Part {
+        let value = if force { value::negative(&mut self.bench.graph, &value) } else { value };
+        Part { name, value }
+    }
+
+    /// `along`, normalised, if it is there.  Outside, `None`: it is wrong (reported).
+    fn along(&mut self, spot: &Spot<'_>, locals: &Locals) -> Option<Option<Vec<Id>>> {
+        let Some(along) = spot.get("along") else { return Some(None) };
+        let written = along.written(&mut self.bench.problems)?;
+        let vector = self.vector(&written, Rules::velocity("a direction"), locals)?;
+        Some(Some(value::unit(&mut self.bench.graph, &vector)))
+    }
+
+    fn projected(&mut self, parts: Vec<Part>, along: Option<Vec<Id>>) -> Vec<Part> {
+        let Some(along) = along else { return parts };
+        parts
+            .into_iter()
+            .map(|part| Part { name: part.name, value: vec![value::dot(&mut self.bench.graph, &part.value, &along)] })
+            .collect()
+    }
+
+    /// The bodies of `of`.
+    fn of(&mut self, spot: &Spot<'_>, locals: &Locals) -> Option<Vec<usize>> {
+        let of = spot.need("of", "a balance", &mut self.bench.problems)?;
+        let items = of.items().unwrap_or_else(|| vec![of.clone()]);
+        let mut set = Vec::new();
+        for item in items {
+            if item.node == &Node::Scalar("all".to_owned()) {
+                return Some((0..self.model.bodies.len()).collect());
+            }
+            let texts: Vec<Text> = self.listed(&item, locals);
+            for text in texts {
+                set.extend(self.body(&text, locals)?);
+            }
+        }
+        Some(set)
+    }
+}
