@@ -69,13 +69,14 @@ fn evaluate(graph: &mut Graph, system: &BalanceSystem, columns: &[Symbol], state
         let known = |s: Symbol| if place(s).is_some() { 0.0 } else { state.value(s) };
         let numbers = tape.evaluate(known);
         let mut slope = numbers[values.len()..].iter();
-        let row = |((&(balance, part, equation), &rest), entries): ((&(usize, usize, usize), &f64), &Vec<(usize, Id)>)| {
-            let mut coefficients = vec![0.0; columns.len()];
-            for (column, _) in entries {
-                coefficients[*column] = slope.next().copied().unwrap_or(0.0);
-            }
-            Row { balance, part, equation, coefficients, rest }
-        };
+        let row =
+            |((&(balance, part, equation), &rest), entries): ((&(usize, usize, usize), &f64), &Vec<(usize, Id)>)| {
+                let mut coefficients = vec![0.0; columns.len()];
+                for (column, _) in entries {
+                    coefficients[*column] = slope.next().copied().unwrap_or(0.0);
+                }
+                Row { balance, part, equation, coefficients, rest }
+            };
         shape.iter().zip(&numbers).zip(&slopes).map(row).collect()
     };
     states.iter().map(at).collect()
@@ -173,7 +174,14 @@ fn compare(
             let help = cause(system, rows, size, states);
             let state = describe(model, state);
             return Err(Box::new(verdicts::balances_disagree(
-                place, &system.name, name, balances, lagrange, worst, state, help,
+                place,
+                &system.name,
+                name,
+                balances,
+                lagrange,
+                worst,
+                state,
+                help,
             )));
         }
         worst = worst.max(gap);

@@ -70,7 +70,11 @@ impl<'a> Resolver<'a> {
                 continue;
             }
             if let Some(phase) = system.get("phase") {
-                self.bench.problems.push(later::key_not_supported(phase.place.of_key(), "phase", "a system of balances"));
+                self.bench.problems.push(later::key_not_supported(
+                    phase.place.of_key(),
+                    "phase",
+                    "a system of balances",
+                ));
             }
             let before = self.bench.problems.len();
             let unknowns = self.unknowns(&system);
@@ -107,7 +111,8 @@ impl<'a> Resolver<'a> {
             let equations: usize = balances.iter().map(|b| b.components).sum();
             let unknown: usize = reactions.iter().map(|&k| self.scope.reactions[k].components).sum();
             let coordinates = self.model.coordinates.len();
-            if equations != coordinates + unknown {
+            // With constraints, which are refused as a whole, the numbers mean nothing.
+            if equations != coordinates + unknown && !self.scope.constrained {
                 let place = system.place.clone();
                 self.bench.problems.push(mechanics::unequal_counts(place, name, equations, coordinates, unknown));
                 continue;
@@ -213,7 +218,10 @@ impl<'a> Resolver<'a> {
                 let text = inner.equation(&mut self.bench.problems)?;
                 let (left, right) = self.sides(&text, locals)?;
                 let minus = value::negative(&mut self.bench.graph, &right);
-                vec![Part { name: "the left side".to_owned(), value: left }, Part { name: "the right side".to_owned(), value: minus }]
+                vec![
+                    Part { name: "the left side".to_owned(), value: left },
+                    Part { name: "the right side".to_owned(), value: minus },
+                ]
             }
         };
         let components = parts.first().map_or(0, |p| p.value.len());

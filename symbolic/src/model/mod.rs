@@ -45,7 +45,7 @@ pub use locate::locate;
 pub use node::Node;
 pub use read::read;
 pub use resolve::{load, resolve};
-pub use resolved::{Balance, BalanceSystem, Part, Reaction,
-    Body, Check, Conserved, Coordinate, Derived, Event, EventAction, Family, Input, Load, Model, Output, Parameter,
-    Push, Rotation, Sample, Scene, Shape, Vector, Work,
+pub use resolved::{
+    Balance, BalanceSystem, Body, Check, Conserved, Coordinate, Derived, Event, EventAction, Family, Input, Load,
+    Model, Output, Parameter, Part, Push, Reaction, Rotation, Sample, Scene, Shape, Vector, Work,
 };

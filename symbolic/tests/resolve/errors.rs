@@ -115,11 +115,11 @@ fn what_may_depend_on_what() {
 fn sections() {
     refused("cordinates: {}", "E301", "cordinates");
     refused("springs: {s: {betwen: [P, O], stiffness: 1}}", "E301", "betwen");
-    refused("balances: {equations: []}", "E901", "balances");
+    refused("balances: {equations: []}", "E414", "balances");
     refused("constraints: {c: x - y}", "E901", "constraints");
     refused("constraints: {c: x - y}\noutputs: {force: reaction(c)}", "E901", "constraints");
     refused("outputs: {force: reaction(c)}", "E201", "c");
-    refused("balances: {a: {equations: [], reactions: {h: {on: rod, at: P}}}}\noutputs: {h: h}", "E901", "balances");
+    refused("balances: {a: {equations: [], reactions: {h: {on: rod, at: P}}}}\noutputs: {h: h}", "E414", "a");
     refused("define: {a: }", "E303", "a");
     refused("define: {a: {b: 1}}", "E304", "{b: 1}");
     refused("define: [1, 2]", "E304", "[1, 2]");
