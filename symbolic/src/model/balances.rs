@@ -113,7 +113,7 @@ impl<'a> Resolver<'a> {
             let coordinates = self.model.coordinates.len();
             // With constraints, which are refused as a whole, the numbers mean nothing.
             if equations != coordinates + unknown && !self.scope.constrained {
-                let place = system.place.clone();
+                let place = system.place.of_key();
                 self.bench.problems.push(mechanics::unequal_counts(place, name, equations, coordinates, unknown));
                 continue;
             }
