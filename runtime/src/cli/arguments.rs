@@ -56,6 +56,9 @@ fn modes() -> Command {
         .args(sizes())
         .args([scene, set, input])
         .arg(many("at", "NAME=VALUE", "Where the search starts [default: the file's `equilibrium`]"))
+        .arg(value("plot", "FILE.svg", "Draw the shapes of the modes"))
+        .arg(value("animate", "FILE.html", "Write a page that animates a mode"))
+        .arg(value("mode", "NUMBER", "Which mode to animate [default: the first that is not rigid]"))
         .arg(flag("here", "Take that point as it is, and refuse it if it is no equilibrium"))
         .arg(flag("json", "Print one JSON object"))
 }

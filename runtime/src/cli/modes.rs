@@ -10,7 +10,9 @@ use super::json::{number, object};
 use super::load::Loaded;
 use super::set_up::choose;
 use super::{Entry, Problem};
-use crate::linear::{Guess, Kind, LinearError, Linearised, Mode, equilibrium_here, equilibrium_near, linearise};
+use crate::linear::{
+    Guess, Kind, LinearError, Linearised, Mode, animate_mode, draw_modes, equilibrium_here, equilibrium_near, linearise,
+};
 
 /// Matrices with more coordinates are not printed for people.
 const MOST_PRINTED: usize = 12;
@@ -33,11 +35,37 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     for note in notes(&linear, &modes) {
         eprintln!("warning: {note}");
     }
+    pictures(&loaded, options, &linear, &modes)?;
     if options.get_flag("json") {
         super::json::write(&as_json(&loaded.name, &linear, &modes), out)?;
         return Ok(());
     }
     table(&loaded.name, &linear, &modes, out)
+}
+
+/// Writes `--plot` and `--animate`.
+fn pictures(loaded: &Loaded, options: &ArgMatches, linear: &Linearised, modes: &[Mode]) -> Result<(), Problem> {
+    let system = &*loaded.system;
+    let file = |name: &str| options.get_one::<String>(name);
+    let write = |path: &String, text: String| {
+        std::fs::write(path, text).map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))
+    };
+    if let Some(path) = file("plot") {
+        write(path, draw_modes(system, linear, modes).to_svg())?;
+    }
+    let number = match file("mode") {
+        None => modes.iter().position(|mode| mode.kind != Kind::Rigid).unwrap_or(0),
+        Some(text) => match text.trim().parse::<usize>() {
+            Ok(number) if (1..=modes.len()).contains(&number) => number - 1,
+            _ => {
+                return Err(Problem::Usage(format!("error: --mode is `{text}`; there are modes 1 to {}", modes.len())));
+            }
+        },
+    };
+    if let (Some(path), Some(mode)) = (file("animate"), modes.get(number)) {
+        write(path, animate_mode(system, linear, mode).to_html())?;
+    }
+    Ok(())
 }
 
 /// What the numbers alone do not tell.

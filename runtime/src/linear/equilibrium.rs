@@ -163,41 +163,59 @@ impl Forces {
 
 fn newton(probe: &Probe, mut q: Vec<f64>) -> Result<Found, LinearError> {
     let mut force = probe.force(&q);
-    let mut earlier: Option<f64> = None;
-    let mut slow_steps = 0;
-    let mut ratio = 0.0;
+    let mut pace = Pace::default();
     for iterations in 0..MOST_ITERATIONS {
-        let [mass, _, stiffness] = probe.matrices(&q);
-        let slow = || (slow_steps >= 5).then_some(ratio);
-        let balanced = Forces::of(&stiffness, &q).balanced(&force);
         if force.iter().all(|f| *f == 0.0) {
-            return Ok(Found { q, iterations, slow: slow() });
+            return Ok(Found { q, iterations, slow: pace.slow });
         }
+        let [mass, _, stiffness] = probe.matrices(&q);
+        let balanced = Forces::of(&stiffness, &q).balanced(&force);
         let scaled = Scaled::new(&mass);
         let step = least_step(&scaled, &stiffness.to_dense(), &force)?;
-        let length = scaled.norm(&step);
         let (next, next_force, factor) = shorten(probe, &scaled, &q, &step, &force);
-        let better = size(&scaled, &next_force) < size(&scaled, &force);
-        if let Some(before) = earlier.filter(|before| *before > 0.0 && factor == 1.0) {
-            ratio = length / before;
-            slow_steps = if (SLOW..0.95).contains(&ratio) { slow_steps + 1 } else { 0 };
-        }
-        earlier = Some(length);
-        let small = step.iter().zip(&q).all(|(s, q)| s.abs() <= 1e-10 * q.abs().max(1.0));
-        let halved = size(&scaled, &next_force) <= 0.5 * size(&scaled, &force);
-        if better {
+        let (before, after) = (size(&scaled, &force), size(&scaled, &next_force));
+        let largest = step.iter().zip(&q).fold(0.0_f64, |most, (s, q)| most.max(s.abs() / q.abs().max(1.0)));
+        pace.note(scaled.norm(&step), factor, largest);
+        if after < before {
             (q, force) = (next, next_force);
         }
         // Rounding, or a multiple root that is near enough.
-        if balanced && (!halved || (small && slow_steps >= 5)) {
-            let slow = (slow_steps >= 5).then_some(ratio);
-            return Ok(Found { q, iterations: iterations + 1, slow });
+        if balanced && (after > 0.5 * before || (largest <= 1e-10 && pace.slow.is_some())) {
+            return Ok(Found { q, iterations: iterations + 1, slow: pace.slow });
         }
-        if !better {
+        if !(after < before) {
             return Err(failed(probe, iterations + 1, &q, &force));
         }
     }
     Err(failed(probe, MOST_ITERATIONS, &q, &force))
+}
+
+/// How the lengths of steps follow each other.
+#[derive(Default)]
+struct Pace {
+    earlier: Option<f64>,
+    /// Steps in a row that shrank slowly, and steps since that shrank fast.
+    slowly: u32,
+    fast: u32,
+    /// The ratio of slowly shrinking steps, if the search has not become fast since.
+    slow: Option<f64>,
+}
+
+impl Pace {
+    /// Notes a step's length, the factor by which it was shortened, and its largest part relative to its coordinate.
+    fn note(&mut self, length: f64, factor: f64, largest: f64) {
+        let ratio = self.earlier.filter(|before| *before > 0.0 && factor == 1.0).map(|before| length / before);
+        self.earlier = Some(length);
+        // Steps at the level of rounding tell nothing.
+        let Some(ratio) = ratio.filter(|_| largest > 1e-7) else { return };
+        self.slowly = if (SLOW..0.95).contains(&ratio) { self.slowly + 1 } else { 0 };
+        self.fast = if ratio < 0.3 { self.fast + 1 } else { 0 };
+        if self.slowly >= 5 {
+            self.slow = Some(ratio);
+        } else if self.fast >= 2 {
+            self.slow = None;
+        }
+    }
 }
 
 fn failed(probe: &Probe, iterations: usize, q: &[f64], force: &[f64]) -> LinearError {

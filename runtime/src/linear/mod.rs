@@ -9,6 +9,7 @@
 //!    `damped.rs`.  Motions by the matrix exponential [`expm`]: look in `motion.rs`.
 //! 5. Forced: steady states, resonance, steps, impulses, any input: look in `forced.rs`.
 //! 6. Proportional and diagonal damping: look in `proportional.rs`.
+//! 7. Pictures: look in `pictures.rs`.
 //!
 //! Matrices stay sparse until an eigenproblem or a factorization needs them dense, on the heap.
 
@@ -34,12 +35,18 @@ mod mechanism;
 mod mode;
 mod motion;
 mod normal;
+mod pictures;
 mod probe;
 mod proportional;
 mod sparse;
+mod typed;
 
 #[cfg(all(test, feature = "modal"))]
 mod damped_tests;
+#[cfg(test)]
+mod forced_tests;
+#[cfg(test)]
+mod steady_tests;
 #[cfg(test)]
 mod tests;
 
@@ -55,5 +62,7 @@ pub use linearise::{Linearised, linearise, state_matrix};
 pub use mechanism::LinearMechanism;
 pub use mode::{Kind, Mode};
 pub use normal::{Reduction, normal_modes};
+pub use pictures::{animate_mode, bode, draw_modes, root_locus};
 pub use proportional::{DiagonalDamping, proportional_damping};
 pub use sparse::SparseMatrix;
+pub use typed::Linearise;
