@@ -167,6 +167,17 @@ impl Recorder {
         Ok(())
     }
 
+    /// Takes note of a state or a mechanism that was changed by hand: what that does to the energy is no error
+    /// of the integration.
+    pub fn changed<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
+        if let Some(guard) = &mut self.guard {
+            guard.restart(system, t, y);
+        }
+        if let Some(monitor) = &mut self.monitor {
+            monitor.observe(system, t, y);
+        }
+    }
+
     /// Looks whether a coordinate singularity, `ahead` seconds on at most, is the reason for what went wrong.
     pub fn explain<S: System + ?Sized>(&self, system: &S, cause: Cause) -> Cause {
         let explicable = matches!(

@@ -73,6 +73,9 @@ impl<S: System> Stepping<S> {
     }
 
     fn go(&mut self, until: f64) -> Result<Halt, Cause> {
+        if self.changed {
+            self.recorder.changed(&self.system, self.march.time(), self.march.state());
+        }
         if self.changed || until > self.horizon {
             // Far enough not to begin anew with each step.
             self.horizon = self.horizon.max(until + 100.0 * self.spacing);

@@ -88,6 +88,16 @@ impl InertiaGuard {
         None
     }
 
+    /// Begins anew after the state was changed: there is no line through what was before.
+    pub fn restart<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
+        system.mass_matrix(t, &y[..system.len()], &mut self.values);
+        for i in 0..self.start.len() {
+            let w = self.mass(i).map_or(1.0, |mass| (self.start[i] / mass).sqrt());
+            self.latest[i] = Sample { t, w };
+        }
+        self.earlier.copy_from_slice(&self.latest);
+    }
+
     /// A coordinate whose inertia seems to grow without bound within `ahead` seconds.
     pub fn suspect(&self, ahead: f64) -> Option<Unbounded> {
         (0..self.start.len())

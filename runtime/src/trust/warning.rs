@@ -78,11 +78,18 @@ impl fmt::Display for Warning {
             Warning::EnergyJump { t, jump } => {
                 write!(f, "energy jumps by {jump:.1e} of its scale in the step that ends at t = {t} s")
             }
-            Warning::StepExceedsStability { method, step, limit, real, imaginary, growth } => write!(
-                f,
-                "step exceeds stability: `{method}` at a step of {step} s amplifies the mode with eigenvalue \
-                 {real:.4} ± {imaginary:.4}i 1/s by {growth:.2e} over the run; its limit is {limit:.4e} s"
-            ),
+            Warning::StepExceedsStability { method, step, limit, real, imaginary, growth } => {
+                write!(
+                    f,
+                    "step exceeds stability: `{method}` at a step of {step} s amplifies the mode with eigenvalue \
+                     {real:.4} ± {imaginary:.4}i 1/s by {growth:.2e} over the run"
+                )?;
+                if *limit > 0.0 {
+                    write!(f, "; its limit is {limit:.4e} s")
+                } else {
+                    write!(f, ", as it does at any step")
+                }
+            }
             Warning::DenseOutputEnds { t } => write!(f, "dense output ends at t = {t} s: it would fill the memory"),
             Warning::Stiff { t, step_times_rate } => write!(
                 f,
