@@ -43,6 +43,36 @@ fn double_pendulum_of_points_swings_synchronously() {
     }
 }
 
+/// When the slow mode of two points on rods, let go at this amplitude, first passes through rest.
+///
+/// Its coordinate is uᵀ M θ with u = (1, √2) and M ~ (2 1; 1 1): the other mode has no part in it.
+fn quarter_period(amplitude: f64) -> f64 {
+    let case = Case::new("double_pendulum_points").until(1.0).tolerance(1e-13);
+    let run = case.start("theta1", amplitude).start("theta2", SQRT_2 * amplitude).run();
+    let mode = |t: f64| {
+        let state = run.at(t).expect("dense output");
+        (2.0 + SQRT_2) * state["theta1"] + (1.0 + SQRT_2) * state["theta2"]
+    };
+    let (mut low, mut high) = (0.0, 1.0);
+    assert!(mode(low) > 0.0 && mode(high) < 0.0);
+    for _ in 0..50 {
+        let middle = (low + high) / 2.0;
+        if mode(middle) > 0.0 { low = middle } else { high = middle }
+    }
+    low
+}
+
+/// Problem 24: the period's departure from that of the linear mode grows as the square of the amplitude.
+#[test]
+fn the_departure_from_the_linear_mode_grows_as_the_amplitude_squared() {
+    let linear = PI / 2.0 / (20.0 - 10.0 * SQRT_2).sqrt();
+    let departure = |amplitude: f64| quarter_period(amplitude) / linear - 1.0;
+    let (small, middle, large) = (departure(0.05), departure(0.1), departure(0.2));
+    assert!(small > 0.0, "slower, as a pendulum is");
+    near(middle / small, 4.0, 0.05);
+    near(large / middle, 4.0, 0.2);
+}
+
 /// Drift (1, 1, 1) and the modes (1, 0, −1), (1, −2, 1) of a chain that is thrown and displaced at one end.
 #[test]
 fn a_free_chain_drifts_and_vibrates() {
