@@ -110,6 +110,8 @@ pub struct Bench {
     pub needs: Vec<usize>,
     work: u64,
     exhausted: bool,
+    /// Texts that raised problems, by the place of their trees, which are kept so that the places stay theirs.
+    failed: HashMap<usize, Rc<Ast>>,
     rates: Forward<Rate>,
     partials: HashMap<Symbol, Forward<Partial>>,
 }
@@ -124,6 +126,7 @@ impl Bench {
             needs: Vec::new(),
             work: 0,
             exhausted: false,
+            failed: HashMap::new(),
             rates: Forward::new(rate_of_symbol),
             partials: HashMap::new(),
         }
@@ -172,7 +175,8 @@ impl Bench {
 
     /// The value of an expression.
     pub fn value(&mut self, scope: &Scope, text: &Text, rules: Rules, locals: &[(String, Local)]) -> Value {
-        Lower::new(self, scope, text, rules, locals).expression(&text.ast)
+        self.once(text, |bench| Lower::new(bench, scope, text, rules, locals).expression(&text.ast))
+            .unwrap_or(Value::Poison)
     }
 
     /// Both sides of an equation; of an expression without `=`, the value and nothing.
@@ -183,7 +187,23 @@ impl Bench {
         rules: Rules,
         locals: &[(String, Local)],
     ) -> (Value, Option<Value>) {
-        Lower::new(self, scope, text, rules, locals).equation(&text.ast)
+        self.once(text, |bench| Lower::new(bench, scope, text, rules, locals).equation(&text.ast))
+            .unwrap_or((Value::Poison, None))
+    }
+
+    /// What a text gives; nothing once it has raised a problem, for members of a family share their text.
+    fn once<T>(&mut self, text: &Text, lower: impl FnOnce(&mut Bench) -> T) -> Option<T> {
+        let place = Rc::as_ptr(&text.ast) as usize;
+        if self.failed.contains_key(&place) {
+            return None;
+        }
+        let before = self.problems.len();
+        let value = lower(self);
+        // Problems found while values are missing are found again.
+        if self.problems.len() > before && self.needs.is_empty() {
+            self.failed.insert(place, Rc::clone(&text.ast));
+        }
+        Some(value)
     }
 
     /// The value of an expression or a list.

@@ -111,7 +111,7 @@ pub fn expand_name(
 }
 
 /// A fixed index is a range of one value without a name.
-fn as_range(index: &KeyIndex) -> Range {
+pub fn as_range(index: &KeyIndex) -> Range {
     match index {
         KeyIndex::Range(range) => range.clone(),
         KeyIndex::Fixed(ast) => Range { name: String::new(), name_span: ast.span, from: ast.clone(), to: ast.clone() },

@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use super::bench::Text;
-use super::families::Locals;
+use super::families::{Locals, as_range};
 use super::index::{self, Indices};
 use super::reader::Spot;
 use super::resolver::Resolver;
@@ -20,16 +20,7 @@ impl Resolver<'_> {
             .ok()
             .filter(|key| key.primes == 0 && key.indices.iter().any(|index| matches!(index, KeyIndex::Range(_))));
         let Some(key) = family else { return spot.text(problems).into_iter().collect() };
-        let ranges: Vec<Range> = key
-            .indices
-            .iter()
-            .map(|index| match index {
-                KeyIndex::Range(range) => range.clone(),
-                KeyIndex::Fixed(ast) => {
-                    Range { name: String::new(), name_span: ast.span, from: ast.clone(), to: ast.clone() }
-                }
-            })
-            .collect();
+        let ranges: Vec<Range> = key.indices.iter().map(as_range).collect();
         for range in &ranges {
             let hides =
                 self.scope.names.contains_key(&range.name) || locals.iter().any(|(name, _)| *name == range.name);

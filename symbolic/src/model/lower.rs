@@ -284,6 +284,7 @@ impl<'a> Lower<'a> {
             Err(refusal) => return self.told(refusal),
         };
         let mut total = Value::Nothing;
+        let known_problems = self.bench.problems.len();
         for member in members {
             for (local, value) in self.locals[known..].iter_mut().zip(member) {
                 local.1 = Local::Integer(value);
@@ -293,7 +294,8 @@ impl<'a> Lower<'a> {
                 Some(value) => value,
                 None => return Value::Poison,
             };
-            if self.bench.exhausted() {
+            // A mistake in the terms is told once.
+            if self.bench.exhausted() || self.bench.problems.len() > known_problems {
                 return Value::Poison;
             }
         }

@@ -216,6 +216,9 @@ fn one_mistake_one_message() {
     // What depends on a name that failed is silent, and members of a family speak once.
     refused("define: {a: thta, b: 2*a, c_: a + b, d: \"[a, b]\"}", "E201", "thta");
     refused("define: {\"a[i in 1..5]\": thta + i}", "E201", "thta");
+    refused("outputs: {\"a[i in 1..5]\": thta + i}", "E201", "thta");
+    refused("outputs: {a: \"sum(thta*i, i in 1..1000)\"}", "E201", "thta");
+    refused("define: {\"a[i in 1..two]\": 1, b: \"a[1]\"}\noutputs: {c_: b, d: \"2*a[2]\"}", "E201", "two");
 }
 
 #[test]

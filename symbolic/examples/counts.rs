@@ -1,8 +1,0 @@
-//! Prints `docs/counts.md`.
-
-#[path = "../tests/counts/table.rs"]
-mod table;
-
-fn main() {
-    print!("{}", table::table());
-}
