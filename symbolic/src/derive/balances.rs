@@ -7,7 +7,7 @@ use super::sample::State;
 use super::test::{Agreement, describe};
 use crate::diagnose::Problem;
 use crate::diagnose::catalogue::verdicts;
-use crate::expr::{Graph, Id, Symbol, Tape, expand, jacobian};
+use crate::expr::{Graph, Id, Symbol, Tape, jacobian};
 use crate::model::{BalanceSystem, Model};
 
 /// Accelerations may differ by this much of the largest of them.
@@ -37,7 +37,7 @@ pub(super) fn agree(model: &mut Model, states: &[State]) -> Result<Vec<Agreement
 }
 
 /// The unknowns of a system: accelerations, then the components of its reactions.
-fn columns(model: &Model, system: &BalanceSystem) -> Vec<Symbol> {
+pub(super) fn columns(model: &Model, system: &BalanceSystem) -> Vec<Symbol> {
     let accelerations = (0..model.coordinates.len()).map(|i| Symbol::Acceleration(i as u32));
     let reactions = system.reactions.iter().flat_map(|&k| {
         let reaction = &model.reactions[k];
@@ -111,7 +111,8 @@ fn eliminate(mut matrix: Vec<f64>, size: usize) -> Option<Vec<f64>> {
     }
     for k in 0..size {
         let pivot = (k..size).max_by(|a, b| matrix[a * width + k].abs().total_cmp(&matrix[b * width + k].abs()))?;
-        if !(matrix[pivot * width + k].abs() > 1e-11) {
+        let size_of_pivot = matrix[pivot * width + k].abs();
+        if size_of_pivot.is_nan() || size_of_pivot <= 1e-11 {
             return None;
         }
         for j in 0..width {
@@ -172,7 +173,7 @@ fn compare(
             let (balances, lagrange) = (format!("{:.9}", found[coordinate]), format!("{:.9}", state.a[coordinate]));
             let (worst, place) = worst_balance(system, rows_here, size, state);
             let help = cause(system, rows, size, states);
-            let state = describe(model, state);
+            let worst = format!("{worst}, at {}", describe(model, state));
             return Err(Box::new(verdicts::balances_disagree(
                 place,
                 &system.name,
@@ -180,7 +181,6 @@ fn compare(
                 balances,
                 lagrange,
                 worst,
-                state,
                 help,
             )));
         }
@@ -248,79 +248,4 @@ fn cause(system: &BalanceSystem, rows: &[Vec<Row>], size: usize, states: &[State
         }
     }
     "look at what the balance leaves out, at the point it is taken about, and at where forces act".to_owned()
-}
-
-/// Each reaction component as an expression of the state and the accelerations: the least-squares solution of the
-/// first system that names it, which is exact since the system agrees with the motion.
-pub(super) fn reactions(model: &mut Model) -> rustc_hash::FxHashMap<Symbol, Id> {
-    let mut known = rustc_hash::FxHashMap::default();
-    for system in model.balances.clone() {
-        let unknowns: Vec<Symbol> = columns(model, &system)[model.coordinates.len()..].to_vec();
-        if unknowns.is_empty() || unknowns.iter().all(|s| known.contains_key(s)) {
-            continue;
-        }
-        for (symbol, value) in unknowns.iter().zip(least_squares(&mut model.graph, &system, &unknowns)) {
-            known.entry(*symbol).or_insert(value);
-        }
-    }
-    known
-}
-
-/// (RᵀR)⁻¹Rᵀ(−s) for residuals R r + s, with s at r = 0.
-fn least_squares(graph: &mut Graph, system: &BalanceSystem, unknowns: &[Symbol]) -> Vec<Id> {
-    let m = unknowns.len();
-    let mut residuals = Vec::new();
-    for balance in &system.balances {
-        for k in 0..balance.components {
-            let mut sum = Id::ZERO;
-            for part in &balance.parts {
-                sum = graph.add(sum, part.value[k]);
-            }
-            residuals.push(sum);
-        }
-    }
-    let rows = jacobian(graph, &residuals, |s| unknowns.iter().position(|u| *u == s));
-    let zero = unknowns.iter().map(|u| (*u, Id::ZERO)).collect();
-    let rest = crate::expr::substitute(graph, &residuals, &zero);
-    let mut normal = vec![vec![Id::ZERO; m + 1]; m];
-    for (row, s) in rows.iter().zip(&rest) {
-        for &(i, a) in row {
-            for &(j, b) in row {
-                let product = graph.mul(a, b);
-                normal[i][j] = graph.add(normal[i][j], product);
-            }
-            let product = graph.mul(a, *s);
-            normal[i][m] = graph.sub(normal[i][m], product);
-        }
-    }
-    // cos² + sin² of a direction becomes 1, so that most pivots are constants.
-    for row in &mut normal {
-        let constant = |s: Symbol| matches!(s, Symbol::Parameter(_));
-        if let Some(simple) = expand(graph, &row[..m].to_vec(), constant) {
-            row[..m].copy_from_slice(&simple);
-        }
-    }
-    for k in 0..m {
-        let pivot = graph.div(Id::ONE, normal[k][k]);
-        for i in k + 1..m {
-            if normal[i][k] == Id::ZERO {
-                continue;
-            }
-            let factor = graph.mul(normal[i][k], pivot);
-            for j in k + 1..=m {
-                let update = graph.mul(factor, normal[k][j]);
-                normal[i][j] = graph.sub(normal[i][j], update);
-            }
-        }
-    }
-    let mut solution = vec![Id::ZERO; m];
-    for k in (0..m).rev() {
-        let mut value = normal[k][m];
-        for j in k + 1..m {
-            let term = graph.mul(normal[k][j], solution[j]);
-            value = graph.sub(value, term);
-        }
-        solution[k] = graph.div(value, normal[k][k]);
-    }
-    solution
 }

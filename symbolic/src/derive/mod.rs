@@ -10,6 +10,7 @@
 
 mod balances;
 mod lagrange;
+mod reactions;
 mod sample;
 mod switches;
 mod test;
@@ -101,34 +102,10 @@ pub fn derive(mut model: Model) -> Result<Derivation, Vec<Problem>> {
     if model.graph.overflowed() {
         return Err(vec![too_large()]);
     }
-    put_in_reactions(&mut model);
+    reactions::put_in(&mut model);
     let report = test::all(&mut model, &equations, &switches)?;
     let cyclic = test::cyclic(&mut model, &equations, &switches, &momenta);
     Ok(Derivation { model, equations, energies, cyclic, switches, report })
-}
-
-/// Reactions by name, in what observes: expressions of the state and the accelerations in their place.
-fn put_in_reactions(model: &mut Model) {
-    let known = balances::reactions(model);
-    if known.is_empty() {
-        return;
-    }
-    let graph = &mut model.graph;
-    let mut put = |list: &mut [Id]| {
-        let new = crate::expr::substitute(graph, list, &known);
-        list.copy_from_slice(&new);
-    };
-    model.outputs.iter_mut().for_each(|output| put(&mut output.value));
-    for event in &mut model.events {
-        put(std::slice::from_mut(&mut event.when));
-        if let Some(condition) = &mut event.condition {
-            put(std::slice::from_mut(condition));
-        }
-    }
-    for check in &mut model.checks {
-        put(&mut check.left);
-        put(&mut check.right);
-    }
 }
 
 /// What enters the equations of motion: the model's expressions in canonical form, with modes for

@@ -24,6 +24,7 @@ mod node;
 mod outline;
 mod parameters;
 mod quadrature;
+mod reactions;
 mod read;
 mod reader;
 mod resolve;

@@ -16,8 +16,8 @@ super::entries! {
     E505 singular_mass(name, state) "a mass matrix that is singular"
         "the mass matrix is singular in `{name}`" "" "at {state}"
         "Accelerations do not exist where the mass matrix is singular at all states tried.";
-    E506 balances_disagree(system, coordinate, balances, lagrange, worst, state, help) "a system of balances that disagrees"
-        "`{system}` gives {coordinate}'' = {balances}, Lagrange's equations give {lagrange}" "{worst}, at {state}" "{help}"
+    E506 balances_disagree(system, coordinate, balances, lagrange, worst, help) "a system of balances that disagrees"
+        "`{system}` gives {coordinate}'' = {balances}, Lagrange's equations give {lagrange}" "{worst}" "{help}"
         "Momentum balance and Lagrange's equations are two derivations of one motion; where they differ one of them is wrong.";
     E507 balances_singular(system, state) "a system of balances that is singular"
         "`{system}` does not determine the accelerations" "singular at every state tried, such as {state}" "a balance may follow from others, or be identically zero: choose another point, or another direction with `along`"

@@ -1,0 +1,104 @@
+//! Reactions as expressions of the state and the accelerations.
+
+use rustc_hash::FxHashMap as HashMap;
+
+use super::balances::columns;
+use crate::expr::{Graph, Id, Symbol, expand, jacobian};
+use crate::model::{BalanceSystem, Model};
+
+/// Puts reactions, by name, into what observes: outputs, events and checks.
+pub(super) fn put_in(model: &mut Model) {
+    let known = reactions(model);
+    if known.is_empty() {
+        return;
+    }
+    let graph = &mut model.graph;
+    let mut put = |list: &mut [Id]| {
+        let new = crate::expr::substitute(graph, list, &known);
+        list.copy_from_slice(&new);
+    };
+    model.outputs.iter_mut().for_each(|output| put(&mut output.value));
+    for event in &mut model.events {
+        put(std::slice::from_mut(&mut event.when));
+        if let Some(condition) = &mut event.condition {
+            put(std::slice::from_mut(condition));
+        }
+    }
+    for check in &mut model.checks {
+        put(&mut check.left);
+        put(&mut check.right);
+    }
+}
+
+/// Each reaction component as an expression of the state and the accelerations: the least-squares solution of the
+/// first system that names it, which is exact since the system agrees with the motion.
+fn reactions(model: &mut Model) -> HashMap<Symbol, Id> {
+    let mut known = HashMap::default();
+    for system in model.balances.clone() {
+        let unknowns: Vec<Symbol> = columns(model, &system)[model.coordinates.len()..].to_vec();
+        if unknowns.is_empty() || unknowns.iter().all(|s| known.contains_key(s)) {
+            continue;
+        }
+        for (symbol, value) in unknowns.iter().zip(least_squares(&mut model.graph, &system, &unknowns)) {
+            known.entry(*symbol).or_insert(value);
+        }
+    }
+    known
+}
+
+/// (RᵀR)⁻¹Rᵀ(−s) for residuals R r + s, with s at r = 0.
+fn least_squares(graph: &mut Graph, system: &BalanceSystem, unknowns: &[Symbol]) -> Vec<Id> {
+    let m = unknowns.len();
+    let mut residuals = Vec::new();
+    for balance in &system.balances {
+        for k in 0..balance.components {
+            let mut sum = Id::ZERO;
+            for part in &balance.parts {
+                sum = graph.add(sum, part.value[k]);
+            }
+            residuals.push(sum);
+        }
+    }
+    let rows = jacobian(graph, &residuals, |s| unknowns.iter().position(|u| *u == s));
+    let zero = unknowns.iter().map(|u| (*u, Id::ZERO)).collect();
+    let rest = crate::expr::substitute(graph, &residuals, &zero);
+    let mut normal = vec![vec![Id::ZERO; m + 1]; m];
+    for (row, s) in rows.iter().zip(&rest) {
+        for &(i, a) in row {
+            for &(j, b) in row {
+                let product = graph.mul(a, b);
+                normal[i][j] = graph.add(normal[i][j], product);
+            }
+            let product = graph.mul(a, *s);
+            normal[i][m] = graph.sub(normal[i][m], product);
+        }
+    }
+    // cos² + sin² of a direction becomes 1, so that most pivots are constants.
+    for row in &mut normal {
+        let constant = |s: Symbol| matches!(s, Symbol::Parameter(_));
+        if let Some(simple) = expand(graph, &row[..m], constant) {
+            row[..m].copy_from_slice(&simple);
+        }
+    }
+    for k in 0..m {
+        let pivot_row = normal[k].clone();
+        let pivot = graph.div(Id::ONE, pivot_row[k]);
+        for row in normal.iter_mut().skip(k + 1).filter(|row| row[k] != Id::ZERO) {
+            let factor = graph.mul(row[k], pivot);
+            for (entry, above) in row.iter_mut().zip(&pivot_row).skip(k + 1) {
+                let update = graph.mul(factor, *above);
+                *entry = graph.sub(*entry, update);
+            }
+        }
+    }
+    let mut solution = vec![Id::ZERO; m];
+    for k in (0..m).rev() {
+        let mut value = normal[k][m];
+        for j in k + 1..m {
+            let term = graph.mul(normal[k][j], solution[j]);
+            value = graph.sub(value, term);
+        }
+        solution[k] = graph.div(value, normal[k][k]);
+    }
+    solution
+}

@@ -1,0 +1,117 @@
+//! `reactions` of `balances`: unknown forces and couples by name.
+
+use std::collections::BTreeMap;
+
+use super::bench::Rules;
+use super::families::Locals;
+use super::loads::{Drafts, Holder};
+use super::node::Node;
+use super::reader::Spot;
+use super::resolved::{Push, Reaction};
+use super::resolver::Resolver;
+use super::scope::{Member, Section};
+use super::value;
+use crate::diagnose::catalogue::names;
+use crate::expr::{Id, Symbol};
+
+/// A reaction of one system, as pushes on bodies.
+pub struct Unknown {
+    /// Its expanded name.
+    pub name: String,
+    /// The reaction, and its opposite where it has one.
+    pub pushes: Vec<Push>,
+}
+
+impl<'a> Resolver<'a> {
+    /// The names of unknown reactions.
+    pub fn reactions(&mut self) {
+        let mut declared: BTreeMap<String, &Node> = BTreeMap::new();
+        let mut symbols = 0;
+        for (_, system) in self.balance_systems() {
+            let Some(list) = system.get("reactions") else { continue };
+            for (key, spot) in list.entries(&mut self.bench.problems) {
+                if let Some(known) = declared.get(key) {
+                    if *known != spot.node {
+                        self.bench.problems.push(names::duplicate_name(spot.place.of_key(), key, "reactions"));
+                    }
+                    continue;
+                }
+                declared.insert(key.to_owned(), spot.node);
+                let Some(family) = self.expand_declared(key, &spot, Section::Reaction) else { continue };
+                let planar_couple = spot.get("couple").is_some() && self.scope.dimension == 2;
+                let scalar = spot.get("along").is_some() || planar_couple;
+                let components = if scalar { 1 } else { self.scope.dimension };
+                for member in &family.members {
+                    let place = self.scope.reactions.len();
+                    if self.declare(Section::Reaction, member, Member::Reaction(place), &spot.place) {
+                        let reaction = Reaction { name: member.name(), first: symbols, components, scalar };
+                        self.scope.reactions.push(reaction);
+                        symbols += components as u32;
+                    }
+                }
+            }
+        }
+        self.model.reactions.clone_from(&self.scope.reactions);
+    }
+
+    /// A system's reactions as pushes of their symbols.
+    pub fn unknowns(&mut self, system: &Spot<'a>) -> Vec<Unknown> {
+        let mut unknowns = Vec::new();
+        let Some(list) = system.get("reactions") else { return unknowns };
+        for (key, spot) in list.entries(&mut self.bench.problems) {
+            if !spot.only(&["on", "at", "along", "from", "couple"], "a reaction", &mut self.bench.problems) {
+                continue;
+            }
+            let Some(family) = self.expand(key, &spot) else { continue };
+            for member in &family.members {
+                unknowns.extend(self.unknown(&spot, &member.name(), &member.locals));
+            }
+        }
+        unknowns
+    }
+
+    fn unknown(&mut self, spot: &Spot<'_>, name: &str, locals: &Locals) -> Option<Unknown> {
+        let reaction = self.scope.reactions.iter().find(|r| r.name == name)?.clone();
+        let problems = &mut self.bench.problems;
+        let on = spot.need("on", "a reaction", problems)?.text(problems)?;
+        let mut written = |key: &str| match spot.get(key) {
+            Some(spot) => spot.written(problems).map(Some),
+            None => Some(None),
+        };
+        let (at, along) = (written("at")?, written("along")?);
+        let from = match spot.get("from") {
+            Some(from) => Some(from.text(problems)?),
+            None => None,
+        };
+        let symbols: Vec<Id> = (0..reaction.components as u32)
+            .map(|k| self.bench.graph.symbol(Symbol::Reaction(reaction.first + k)))
+            .collect();
+        let couple = spot.get("couple").is_some();
+        let mut drafts = Drafts::default();
+        let end = self.placed(&on, at.as_ref(), locals, &mut drafts)?;
+        let opposite = match &from {
+            Some(from) => Some(self.opposite(from, &end.at, locals)?),
+            None => None,
+        };
+        let direction = match &along {
+            Some(along) => {
+                let vector = self.vector(along, Rules::velocity("a direction"), locals)?;
+                Some(value::unit(&mut self.bench.graph, &vector))
+            }
+            None => None,
+        };
+        let full = match direction {
+            Some(direction) => direction.iter().map(|e| self.bench.graph.mul(symbols[0], *e)).collect(),
+            None => symbols,
+        };
+        let minus = value::negative(&mut self.bench.graph, &full);
+        let zero = vec![Id::ZERO; self.scope.dimension];
+        let mut pushes = Vec::new();
+        for (end, load) in std::iter::once((end, full)).chain(opposite.map(|end| (end, minus))) {
+            let Holder::Body(body) = end.holder else { continue };
+            let (force, couple) = if couple { (zero.clone(), load) } else { (load, Vec::new()) };
+            pushes.push(Push { body: Some(body), at: end.at, force, couple });
+        }
+        Some(Unknown { name: name.to_owned(), pushes })
+    }
+}
