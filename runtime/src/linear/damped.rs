@@ -60,8 +60,14 @@ pub fn complex_modes(linear: &Linearised) -> Result<ComplexModes, LinearError> {
     order.sort_by(|a, b| eigenvalues[*a].norm().total_cmp(&eigenvalues[*b].norm()));
     let (zero, rest) = order.split_at(rigid.multiplicity.min(2 * n));
     let shape = |k: usize| -> Vec<Complex<f64>> { units.back((0..n).map(|i| solved.U()[(i, k)])) };
-    let conservative = linear.dissipative().is_zero() && linear.circulatory().is_zero();
-    let floor = 64.0 * n as f64 * f64::EPSILON * norm;
+    let condition = |columns: &[usize]| -> Result<f64, LinearError> {
+        let part = Mat::from_fn(2 * n, columns.len(), |i, j| solved.U()[(i, columns[j])]);
+        let values = part.singular_values().map_err(|_| failed.clone())?;
+        Ok(values.first().zip(values.last()).map_or(1.0, |(most, least)| most / least))
+    };
+    // Bauer and Fike's bound: rounding moves eigenvalues by no more than this.
+    let floor = 16.0 * n as f64 * f64::EPSILON * norm * condition(rest)?.min(WORST_CONDITION);
+    let dissipates = !linear.dissipative().is_zero();
 
     let mut modes: Vec<Mode> = Vec::new();
     let mut real: Vec<usize> = Vec::new();
@@ -72,16 +78,21 @@ pub fn complex_modes(linear: &Linearised) -> Result<ComplexModes, LinearError> {
         if value.im == 0.0 {
             real.push(k);
         } else if value.im > 0.0 {
-            let value = Complex::new(if conservative && value.re.abs() <= floor { 0.0 } else { value.re }, value.im);
-            modes.push(Mode::new(shape(k), &mass, &linear.coordinates, of_pair(value, floor)));
+            let value = Complex::new(if !dissipates && value.re.abs() <= floor { 0.0 } else { value.re }, value.im);
+            modes.push(Mode::new(shape(k), &linear.mass, &linear.coordinates, of_pair(value, floor)));
         }
     }
     real_modes(&real, &eigenvalues, &shape, &mut |shape, what| {
-        modes.push(Mode::new(shape, &mass, &linear.coordinates, what));
+        modes.push(Mode::new(shape, &linear.mass, &linear.coordinates, what));
     });
     for vector in rigid.shapes.column_iter() {
         let shape = vector.iter().map(|x| Complex::new(*x, 0.0)).collect();
-        modes.push(Mode::new(shape, &mass, &linear.coordinates, (0.0, None, Complex::new(0.0, 0.0), Kind::Rigid)));
+        modes.push(Mode::new(
+            shape,
+            &linear.mass,
+            &linear.coordinates,
+            (0.0, None, Complex::new(0.0, 0.0), Kind::Rigid),
+        ));
     }
     let rank = |m: &Mode| match m.kind {
         Kind::Unstable => (0, -m.eigenvalue.re),
@@ -94,17 +105,13 @@ pub fn complex_modes(linear: &Linearised) -> Result<ComplexModes, LinearError> {
     });
     mark_repeated(&mut modes, 1e6 * f64::EPSILON * norm);
 
-    let condition = if rigid.multiplicity > rigid.shapes.ncols() {
-        f64::INFINITY
-    } else {
-        let values = solved.U().singular_values().map_err(|_| failed)?;
-        match (values.first(), values.last()) {
-            (Some(most), Some(least)) => most / least,
-            _ => 1.0,
-        }
-    };
+    let condition = if rigid.multiplicity > rigid.shapes.ncols() { f64::INFINITY } else { condition(&order)? };
+    let conservative = !dissipates && linear.circulatory().is_zero();
     let held = conservative && !linear.gyroscopic().is_zero() && modes.iter().all(|m| m.kind != Kind::Unstable);
-    let indefinite = || Scaled::new(&linear.mass).stiffness(&linear.k()).symmetric_eigenvalues().min() < -floor * floor;
+    let indefinite = || {
+        Scaled::new(&linear.mass).stiffness(&linear.k()).symmetric_eigenvalues().min()
+            < -Scaled::threshold(n, norm * norm)
+    };
     Ok(ComplexModes {
         modes,
         eigenvalues: exact,

@@ -9,7 +9,8 @@
 //!    `damped.rs`.  Motions by the matrix exponential [`expm`]: look in `motion.rs`.
 //! 5. Forced: steady states, resonance, steps, impulses, any input: look in `forced.rs`.
 //! 6. Proportional and diagonal damping: look in `proportional.rs`.
-//! 7. Pictures: look in `pictures.rs`.
+//! 7. Measuring frequency and damping of a run: look in `measured.rs`.
+//! 8. Pictures: look in `pictures.rs`.
 //!
 //! Matrices stay sparse until an eigenproblem or a factorization needs them dense, on the heap.
 
@@ -31,6 +32,7 @@ mod family;
 mod forced;
 mod initial_value;
 mod linearise;
+mod measured;
 mod mechanism;
 mod mode;
 mod motion;
@@ -59,6 +61,7 @@ pub use family::Freedom;
 pub use forced::{Harmonic, beat};
 pub use initial_value::{Motion, solvemode, solvenorm, solvenum};
 pub use linearise::{Linearised, linearise, state_matrix};
+pub use measured::{Measured, measure};
 pub use mechanism::LinearMechanism;
 pub use mode::{Kind, Mode};
 pub use normal::{Reduction, normal_modes};

@@ -2,7 +2,9 @@
 
 use std::fmt;
 
-use nalgebra::{Complex, DMatrix};
+use nalgebra::Complex;
+
+use super::SparseMatrix;
 
 /// What a mode does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,23 +62,25 @@ impl Mode {
     /// Normalises the shape and finds what carries the energy.
     pub(super) fn new(
         mut shape: Vec<Complex<f64>>,
-        mass: &DMatrix<f64>,
+        mass: &SparseMatrix,
         names: &[String],
         (omega, zeta, eigenvalue, kind): (f64, Option<f64>, Complex<f64>, Kind),
     ) -> Mode {
-        let n = shape.len();
-        let momentum = |shape: &[Complex<f64>], i: usize| (0..n).map(|j| shape[j] * mass[(i, j)]).sum::<Complex<f64>>();
-        let energy: f64 = (0..n).map(|i| (shape[i].conj() * momentum(&shape, i)).re).sum();
+        let mut momentum = vec![Complex::new(0.0, 0.0); shape.len()];
+        for (row, column, value) in &mass.entries {
+            momentum[*row as usize] += shape[*column as usize] * *value;
+        }
+        let parts: Vec<f64> = shape.iter().zip(&momentum).map(|(x, p)| (x.conj() * p).re).collect();
+        let energy: f64 = parts.iter().sum();
         let largest = shape.iter().fold(0.0_f64, |most, x| most.max(x.norm()));
         let first = shape.iter().find(|x| x.norm() > 1e-6 * largest).copied().unwrap_or(Complex::new(1.0, 0.0));
         let factor = first.conj() / (first.norm() * energy.sqrt());
         for x in &mut shape {
             *x *= factor;
         }
-        let mut carriers: Vec<(String, f64)> = (0..n)
-            .map(|i| (names.get(i).cloned().unwrap_or_default(), (shape[i].conj() * momentum(&shape, i)).re))
-            .filter(|(_, part)| *part >= 0.01)
-            .collect();
+        let mut carriers: Vec<(String, f64)> =
+            names.iter().cloned().zip(parts.iter().map(|part| part / energy)).collect();
+        carriers.retain(|(_, part)| *part >= 0.01);
         carriers.sort_by(|a, b| b.1.total_cmp(&a.1));
         Mode { omega, zeta, eigenvalue, kind, shape, carriers, repeated: false }
     }

@@ -28,7 +28,7 @@ pub enum Reduction {
 pub fn normal_modes(linear: &Linearised, reduction: Reduction) -> Result<Vec<Mode>, LinearError> {
     let (mass, stiffness) = (&linear.mass, &linear.conservative());
     let spectrum = Spectrum::new(mass, stiffness, reduction).map_err(|e| e.named(linear))?;
-    Ok(spectrum.modes(&mass.to_dense(), &linear.coordinates))
+    Ok(spectrum.modes(mass, &linear.coordinates))
 }
 
 /// ω² in rising order, with mass-normalised shapes as columns.
@@ -114,7 +114,7 @@ impl Spectrum {
         })
     }
 
-    fn modes(&self, mass: &DMatrix<f64>, names: &[String]) -> Vec<Mode> {
+    fn modes(&self, mass: &SparseMatrix, names: &[String]) -> Vec<Mode> {
         let n = self.squares.len();
         (0..n)
             .map(|k| {

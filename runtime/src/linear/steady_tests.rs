@@ -116,3 +116,23 @@ fn the_energies_to_second_order_give_the_same_matrices() {
         close(energy.potential, 0.5 * vector.dot(&(linear.k() * &vector)), 1e-15);
     }
 }
+
+/// Problem 21 b: undamped, damped and measured frequency of x'' + c x' + k x = 0.
+#[test]
+fn problem_21_measured_frequency_and_decrement() {
+    let mut oscillator = LinearMechanism::new(dmatrix![2.0], dmatrix![0.3], dmatrix![5.0]).unwrap();
+    let rest = equilibrium_near(&oscillator, &Guess::at(&[0.0])).unwrap();
+    let scene = crate::mechanism::Scene { q: vec![1.0], until: 30.0, tolerance: 1e-12, ..oscillator.scene(0) };
+    let run = simulate(&mut oscillator, &Settings::new(&scene)).unwrap();
+    let measured = measure(&run, "x[1]", 0.0).unwrap();
+    let (omega, zeta) = (2.5_f64.sqrt(), 0.075 / 2.5_f64.sqrt());
+    close(measured.omega(), omega, 1e-8);
+    close(measured.zeta(), zeta, 1e-8);
+    close(measured.damped_omega(), omega * (1.0 - zeta * zeta).sqrt(), 1e-8);
+    assert!(measured.maxima > 5 && measure(&run, "y", 0.0).is_none());
+    let linear = linearise(&oscillator, &rest).unwrap();
+    #[cfg(feature = "modal")]
+    close(linear.modes().unwrap()[0].damped_omega(), measured.damped_omega(), 1e-8);
+    #[cfg(not(feature = "modal"))]
+    assert_eq!(linear.modes().unwrap_err(), LinearError::NeedsFeature { feature: "modal" });
+}

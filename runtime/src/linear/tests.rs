@@ -266,6 +266,18 @@ fn b20_string_of_masses() {
     }
 }
 
+/// A long chain between walls, ω = 2 sin(jπ/(2(n + 1))), to 10⁻¹⁰ of the closed form; M and K stay sparse.
+#[test]
+fn a_long_chain_has_the_frequencies_of_its_closed_form() {
+    let n = 150;
+    let linear = undamped(DMatrix::identity(n, n), chain(n, 1.0, true));
+    assert_eq!((linear.mass.entries.len(), linear.stiffness.entries.len()), (n, 3 * n - 2));
+    for (j, mode) in normal_modes(&linear, Reduction::Cholesky).unwrap().iter().enumerate() {
+        let exact = 2.0 * ((j as f64 + 1.0) * PI / (2.0 * (n as f64 + 1.0))).sin();
+        assert!((mode.omega / exact - 1.0).abs() < 1e-10, "{j}: {} is not {exact}", mode.omega);
+    }
+}
+
 /// Catalogue L3: exactly one rigid mode of a free chain, by rank, whatever its stiffness.
 #[test]
 fn l3_a_free_chain_has_one_rigid_mode() {
