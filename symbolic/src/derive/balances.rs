@@ -69,15 +69,15 @@ fn evaluate(graph: &mut Graph, system: &BalanceSystem, columns: &[Symbol], state
         let known = |s: Symbol| if place(s).is_some() { 0.0 } else { state.value(s) };
         let numbers = tape.evaluate(known);
         let mut slope = numbers[values.len()..].iter();
-        let row =
-            |((&(balance, part, equation), &rest), entries): ((&(usize, usize, usize), &f64), &Vec<(usize, Id)>)| {
-                let mut coefficients = vec![0.0; columns.len()];
-                for (column, _) in entries {
-                    coefficients[*column] = slope.next().copied().unwrap_or(0.0);
-                }
-                Row { balance, part, equation, coefficients, rest }
-            };
-        shape.iter().zip(&numbers).zip(&slopes).map(row).collect()
+        let mut rows = Vec::with_capacity(shape.len());
+        for (k, &(balance, part, equation)) in shape.iter().enumerate() {
+            let mut coefficients = vec![0.0; columns.len()];
+            for (column, _) in &slopes[k] {
+                coefficients[*column] = slope.next().copied().unwrap_or(0.0);
+            }
+            rows.push(Row { balance, part, equation, coefficients, rest: numbers[k] });
+        }
+        rows
     };
     states.iter().map(at).collect()
 }
