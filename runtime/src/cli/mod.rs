@@ -46,7 +46,8 @@ pub struct Entry {
 /// Runs the program with the process's arguments.
 pub fn main(models: &[Entry]) -> ExitCode {
     match run(models, std::env::args_os(), &mut std::io::stdout().lock()) {
-        Ok(()) => ExitCode::SUCCESS,
+        // Whoever reads has seen enough.
+        Ok(()) | Err(Problem::Closed) => ExitCode::SUCCESS,
         Err(problem) => {
             eprintln!("{problem}");
             ExitCode::from(problem.status())

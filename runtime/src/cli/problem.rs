@@ -13,6 +13,8 @@ pub enum Problem {
     Run(String),
     /// Something could not be written or read.
     File(String),
+    /// The reader of the output has gone.
+    Closed,
 }
 
 impl Problem {
@@ -20,7 +22,7 @@ impl Problem {
     pub fn status(&self) -> u8 {
         match self {
             Problem::Usage(_) | Problem::Model(_) => 2,
-            Problem::Run(_) | Problem::File(_) => 1,
+            Problem::Run(_) | Problem::File(_) | Problem::Closed => 1,
         }
     }
 }
@@ -29,6 +31,7 @@ impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Problem::Usage(text) | Problem::Model(text) => f.write_str(text.trim_end()),
+            Problem::Closed => f.write_str("the output was closed"),
             Problem::Run(text) | Problem::File(text) => write!(f, "error: {}", text.trim_end()),
         }
     }
@@ -38,6 +41,9 @@ impl std::error::Error for Problem {}
 
 impl From<std::io::Error> for Problem {
     fn from(error: std::io::Error) -> Self {
-        Problem::File(error.to_string())
+        match error.kind() {
+            std::io::ErrorKind::BrokenPipe => Problem::Closed,
+            _ => Problem::File(error.to_string()),
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! `simulate`: runs a scene and reports.
 
-use std::io::Write;
+use std::io::{IsTerminal, Write};
+use std::time::{Duration, Instant};
 
 use clap::ArgMatches;
 use dalembert_symbolic::print::fnv1a;
@@ -23,13 +24,48 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     for warning in &loaded.warnings {
         eprintln!("warning: {warning}");
     }
-    match crate::simulate(&mut *loaded.system, &settings) {
+    let mut progress = Progress::new(&settings);
+    let outcome = crate::simulate_with(&mut *loaded.system, &settings, &mut |t| progress.tell(t));
+    progress.clear();
+    match outcome {
         Ok(run) => report(&loaded, &settings, &run, options, out),
         Err(Error::Run(failure)) => {
             report(&loaded, &settings, &failure.run, options, out)?;
             Err(Problem::Run(failure.to_string()))
         }
         Err(error) => Err(Problem::Usage(format!("error: {error}"))),
+    }
+}
+
+/// The time that a long run has reached, on standard error and only on a terminal.
+struct Progress {
+    from: f64,
+    until: f64,
+    next: Option<Instant>,
+    shown: bool,
+}
+
+impl Progress {
+    const PAUSE: Duration = Duration::from_millis(500);
+
+    fn new(settings: &Settings) -> Progress {
+        let next = std::io::stderr().is_terminal().then(|| Instant::now() + Progress::PAUSE);
+        Progress { from: settings.from, until: settings.until, next, shown: false }
+    }
+
+    fn tell(&mut self, t: f64) {
+        if self.next.is_some_and(|next| Instant::now() >= next) {
+            let done = 100.0 * (t - self.from) / (self.until - self.from);
+            eprint!("\r{done:5.1} %, t = {t:.4}\x1b[K");
+            self.next = Some(Instant::now() + Progress::PAUSE);
+            self.shown = true;
+        }
+    }
+
+    fn clear(&self) {
+        if self.shown {
+            eprint!("\r\x1b[K");
+        }
     }
 }
 

@@ -37,6 +37,6 @@ impl fmt::Display for Trust<'_> {
 fn write_drift(f: &mut fmt::Formatter<'_>, name: &str, value: Option<f64>) -> fmt::Result {
     match value {
         Some(value) => writeln!(f, "drift          {name} {value:.1e}"),
-        None => writeln!(f, "drift          {name} not available"),
+        None => writeln!(f, "drift          {name} does not apply here"),
     }
 }

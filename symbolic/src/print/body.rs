@@ -287,14 +287,16 @@ fn literal(number: Number) -> Piece {
         Number::Exact(r) if exact(r.numerator()) && exact(r.denominator()) => {
             format!("S::ratio({:?}, {:?})", r.numerator() as f64, r.denominator() as f64)
         }
-        _ => match CONSTANTS.iter().find(|(_, value)| *value == number.to_f64().abs()) {
-            Some((name, _)) => {
-                let sign = if number.to_f64() < 0.0 { "-" } else { "" };
-                format!("S::from_f64({sign}::std::f64::consts::{name})")
-            }
-            None => format!("S::from_f64({:?})", number.to_f64()),
-        },
+        _ => format!("S::from_f64({})", float(number.to_f64())),
     })
+}
+
+/// A float as Rust text: a well-known constant by its name, any other by its shortest digits.
+pub(super) fn float(x: f64) -> String {
+    match CONSTANTS.iter().find(|(_, value)| *value == x.abs()) {
+        Some((name, _)) => format!("{}::std::f64::consts::{name}", if x < 0.0 { "-" } else { "" }),
+        None => format!("{x:?}"),
+    }
 }
 
 /// Constants that are printed by name.

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use super::body::float;
 use super::text;
 use crate::derive::SwitchKind;
 use crate::lower::{Entry, Program};
@@ -30,7 +31,7 @@ pub(super) fn description(program: &Program, source: &str) -> String {
     field(
         "parameters",
         list(model.parameters.iter().map(|p| {
-            format!("Parameter {{ name: {}, unit: {}, default: {:?} }}", string(&p.name), unit(&p.unit), p.default)
+            format!("Parameter {{ name: {}, unit: {}, default: {} }}", string(&p.name), unit(&p.unit), float(p.default))
         })),
     );
     field("derived", list(model.derived.iter().map(|d| string(&d.name))));

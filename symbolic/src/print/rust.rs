@@ -3,7 +3,7 @@
 use rustc_hash::FxHashMap as HashMap;
 use std::fmt::Write;
 
-use super::body::{Bodies, Use};
+use super::body::{Bodies, Use, float};
 use super::description::description;
 use super::names::{Locals, field_name};
 use super::text;
@@ -110,7 +110,7 @@ fn fields(parameters: &[Parameter]) -> Vec<Field> {
                 name: field_name(&parameter.name),
                 label: parameter.name.clone(),
                 kind: "f64".to_owned(),
-                default: format!("{:?}", parameter.default),
+                default: float(parameter.default),
                 unit: parameter.unit.clone(),
             });
             continue;
@@ -123,7 +123,7 @@ fn fields(parameters: &[Parameter]) -> Vec<Field> {
             let member = parameters
                 .iter()
                 .find(|p| p.family.as_ref().is_some_and(|f| f.name == family.name && f.indices.as_slice() == indices));
-            format!("{:?}", member.map_or(0.0, |p| p.default))
+            float(member.map_or(0.0, |p| p.default))
         };
         let size = |k: usize| family.ranges[k].1 - family.ranges[k].0 + 1;
         let span = |k: usize| family.ranges[k].0..=family.ranges[k].1;
