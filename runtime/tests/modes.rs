@@ -1,6 +1,7 @@
 //! The command `modes` on the library's model files, against the reference cases (`B02` … `B21` of the reference
 //! numbers) and closed forms.
 #![cfg(feature = "cli")]
+#![expect(clippy::excessive_precision, reason = "reference numbers as they were given")]
 
 use serde_json::Value;
 

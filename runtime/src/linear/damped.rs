@@ -116,7 +116,7 @@ pub fn complex_modes(linear: &Linearised) -> Result<ComplexModes, LinearError> {
         modes,
         eigenvalues: exact,
         condition,
-        defective: !(condition < WORST_CONDITION),
+        defective: condition.is_nan() || condition >= WORST_CONDITION,
         only_gyroscopic: held && n > 0 && indefinite(),
     })
 }

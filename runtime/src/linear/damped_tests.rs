@@ -1,4 +1,5 @@
 //! Damped, gyroscopic and circulatory modes against the reference cases and the catalogue's group L.
+#![expect(clippy::excessive_precision, reason = "reference numbers as they were given")]
 
 use nalgebra::{Complex, DMatrix};
 

@@ -180,10 +180,11 @@ fn newton(probe: &Probe, mut q: Vec<f64>) -> Result<Found, LinearError> {
             (q, force) = (next, next_force);
         }
         // Rounding, or a multiple root that is near enough.
-        if balanced && (after > 0.5 * before || (largest <= 1e-10 && pace.slow.is_some())) {
+        let enough = if pace.slow.is_some() { 1e-10 } else { f64::EPSILON };
+        if balanced && (after > 0.5 * before || largest <= enough) {
             return Ok(Found { q, iterations: iterations + 1, slow: pace.slow });
         }
-        if !(after < before) {
+        if after >= before {
             return Err(failed(probe, iterations + 1, &q, &force));
         }
     }

@@ -29,7 +29,7 @@ impl Linearised {
         let scale = self.largest(omega);
         let floor = 16.0 * self.len() as f64 * f64::EPSILON * scale;
         let resonance = LinearError::Resonance { omega };
-        if pivots.iter().any(|pivot| !(*pivot > floor)) {
+        if pivots.iter().any(|pivot| pivot.is_nan() || *pivot <= floor) {
             return Err(resonance);
         }
         let solution = lu.solve(&DVector::from_column_slice(force)).ok_or(resonance)?;

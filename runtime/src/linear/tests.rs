@@ -1,4 +1,5 @@
 //! Equilibria, linearisation and normal modes against closed forms and the reference cases.
+#![expect(clippy::excessive_precision, reason = "reference numbers as they were given")]
 
 use std::f64::consts::{PI, SQRT_2};
 use std::sync::Arc;
@@ -109,6 +110,16 @@ fn a_pendulum_has_two_equilibria_found_from_several_starts() {
     let modes = normal_modes(&up, Reduction::Cholesky).unwrap();
     assert_eq!(modes[0].kind, Kind::Unstable);
     close(modes[0].growth_time().unwrap(), 1.0 / 10.0_f64.sqrt(), 1e-14);
+}
+
+/// Newton's method is exact on a linear mechanism, but for rounding; it must not chase 0 down to 10⁻¹⁷².
+#[test]
+fn a_linear_mechanism_is_at_rest_after_a_step_or_two() {
+    let system = LinearMechanism::new(DMatrix::identity(2, 2), DMatrix::zeros(2, 2), chain(2, 1.0, true)).unwrap();
+    for start in [[0.3, 0.0], [1e8, -3.0], [0.1, 0.7]] {
+        let found = equilibrium_near(&system, &Guess::at(&start)).unwrap();
+        assert!(found.iterations <= 4 && found.q.iter().all(|q| q.abs() < 1e-15), "{found:?}");
+    }
 }
 
 #[test]
