@@ -1,0 +1,145 @@
+// `docs/faults.md`.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use dalembert_symbolic::derive::derive;
+use dalembert_symbolic::diagnose::catalogue::CATALOGUE;
+use dalembert_symbolic::diagnose::render;
+use dalembert_symbolic::model::load;
+
+use super::shared::{Notice, notices};
+use super::{Fate, Outcome, models, sound};
+
+const HEAD: &str = "# Seeded faults
+
+Each fault below is planted alone, in one derivation of a model that has `balances`, and the model is then compiled with
+nothing but the spoilt part to notice it: the one system of balances, or the one check. *Caught by comparison* is a
+verdict: the two sides differ. *Refused by name* is any other error (counts that do not fit, a system that has become
+singular, a placement that makes no sense). *Motion unchanged* are faults that are none: the accelerations are the same
+(a moment about another point of a complete system, a mass that cancels); they are listed below and not counted. Which
+these are is decided apart from the program's own comparison: by another solver, at other states, and for every fault,
+so that a refusal without cause would show too. The rate is what was refused of the rest.
+
+Regenerate: `cargo run --release --example faults -p dalembert-symbolic > docs/faults.md`.
+
+";
+
+const SHARED: &str = "
+## What no second derivation can see
+
+Masses, inertias, gravity and stiffnesses are given once and used by every derivation. Where one is wrong, all of them
+agree on the wrong motion. Two things help: a system of balances that writes a datum out again (`equation: \"…\"`), and
+a claim in `checks` or `conserved` that was derived elsewhere, by hand or in a book. Here the whole of each model is
+compiled with one such fault; *noticed by nobody* is what to expect of a model without `checks`.
+
+";
+
+const EXAMPLE: &str = "
+A real example: in `models/double_pendulum.yaml` the lower bar is given twice its mass, `fore: {mass: 2*m, …}`. The two
+systems of balances agree with Lagrange's equations, energy is conserved, and without its `checks` the model compiles.
+Its one check, the kinetic energy as worked out by hand, does not hold:
+
+";
+
+/// The rates by kind of fault.
+fn rates(outcomes: &[Outcome]) -> String {
+    let mut kinds: BTreeMap<&str, [usize; 5]> = BTreeMap::new();
+    let mut all = [0; 5];
+    for outcome in outcomes {
+        let column = match outcome.fate {
+            Fate::Caught => 1,
+            Fate::Named(_) => 2,
+            Fate::Unchanged | Fate::Alarm => 3,
+            Fate::Missed => 4,
+        };
+        for counts in [&mut all, kinds.entry(outcome.kind).or_default()] {
+            counts[0] += 1;
+            counts[column] += 1;
+        }
+    }
+    let mut text = String::from(
+        "| fault | planted | caught by comparison | refused by name | motion unchanged | missed | rate |\n\
+         | --- | ---: | ---: | ---: | ---: | ---: | ---: |\n",
+    );
+    for (kind, c) in kinds.into_iter().chain([("**all**", all)]) {
+        let counted = c[0] - c[3];
+        let rate = if counted == 0 {
+            "–".to_owned()
+        } else {
+            format!("{:.1} %", 100.0 * (c[1] + c[2]) as f64 / counted as f64)
+        };
+        let _ = writeln!(text, "| {kind} | {} | {} | {} | {} | {} | {rate} |", c[0], c[1], c[2], c[3], c[4]);
+    }
+    text
+}
+
+/// The whole page.
+pub fn page(outcomes: &[Outcome]) -> String {
+    let example = example();
+    let (rates, shared) = (rates(outcomes), shared());
+    let (named, listed) = (named(outcomes), listed(outcomes));
+    format!("{HEAD}{rates}\n{named}{SHARED}{shared}{EXAMPLE}```text\n{example}```\n{listed}")
+}
+
+/// The errors by which faults were refused without a comparison.
+fn named(outcomes: &[Outcome]) -> String {
+    let mut codes: BTreeMap<&str, usize> = BTreeMap::new();
+    for outcome in outcomes {
+        if let Fate::Named(code) = outcome.fate {
+            *codes.entry(code).or_default() += 1;
+        }
+    }
+    let title =
+        |code: &str| CATALOGUE.iter().copied().flatten().find(|entry| entry.code == code).map_or("", |e| e.title);
+    let words: Vec<String> = codes.iter().map(|(code, n)| format!("{n} by {code} ({})", title(code))).collect();
+    format!("Refused by name: {}.\n", words.join(", "))
+}
+
+/// Who notices faults in shared data.
+fn shared() -> String {
+    let mut kinds: BTreeMap<&str, [usize; 5]> = BTreeMap::new();
+    for sound in models().iter().filter_map(|name| sound(name)) {
+        for (kind, notice) in notices(&sound) {
+            let counts = kinds.entry(kind).or_default();
+            counts[0] += 1;
+            counts[match notice {
+                Notice::Balances => 1,
+                Notice::Claims => 2,
+                Notice::Nobody => 3,
+                Notice::Same => 4,
+            }] += 1;
+        }
+    }
+    let mut text = String::from(
+        "| fault | planted | noticed by balances | noticed by `checks` or `conserved` | noticed by nobody | motion unchanged |\n\
+         | --- | ---: | ---: | ---: | ---: | ---: |\n",
+    );
+    for (kind, c) in kinds {
+        let _ = writeln!(text, "| {kind} | {} | {} | {} | {} | {} |", c[0], c[1], c[2], c[3], c[4]);
+    }
+    text
+}
+
+/// What is said of a double pendulum with a wrong mass.
+fn example() -> String {
+    let text = include_str!("../../../models/double_pendulum.yaml").replace("fore:  {mass: m,", "fore:  {mass: 2*m,");
+    let problems = load(&text, &[]).and_then(derive).err().unwrap_or_default();
+    render("double_pendulum.yaml", &text, &problems)
+}
+
+/// The faults that are none.
+fn listed(outcomes: &[Outcome]) -> String {
+    let mut groups: BTreeMap<&str, BTreeMap<&str, Vec<&str>>> = BTreeMap::new();
+    for outcome in outcomes.iter().filter(|o| o.fate == Fate::Unchanged) {
+        groups.entry(outcome.kind).or_default().entry(&outcome.model).or_default().push(&outcome.what);
+    }
+    let mut text = String::from("\n## Faults that leave the motion unchanged\n");
+    for (kind, models) in groups {
+        let _ = write!(text, "\n{kind}:\n");
+        for (model, what) in models {
+            let _ = writeln!(text, "- {model}: {}", what.join("; "));
+        }
+    }
+    text
+}
