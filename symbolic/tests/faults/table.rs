@@ -141,7 +141,11 @@ fn plant(sound: &Sound) -> Vec<Outcome> {
         let step = faults.len().div_ceil(OF_A_KIND);
         for fault in faults.into_iter().step_by(step) {
             let fate = fate(sound, &fault);
-            outcomes.push(Outcome { model: sound.name.clone(), kind: fault.kind, what: fault.what, fate });
+            let what = match fault.watch {
+                Watch::System(system) if sound.model.balances.len() > 1 => format!("{} ({system})", fault.what),
+                _ => fault.what,
+            };
+            outcomes.push(Outcome { model: sound.name.clone(), kind: fault.kind, what, fate });
         }
     }
     outcomes
