@@ -8,6 +8,7 @@
 //!
 //! Every derivation gives the same [`Equations`]; `lower` picks the cheapest.
 
+mod agreement;
 mod balances;
 mod lagrange;
 mod reactions;

@@ -15,7 +15,7 @@ const STATES: usize = 16;
 /// How many draws are made for them at the most.
 const DRAWS: usize = 400;
 /// Two derivations, or two sides, may differ by this much of their terms.
-const TOLERANCE: f64 = 1e-9;
+pub(super) const TOLERANCE: f64 = 1e-9;
 
 /// How well two derivations agree.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,7 +50,7 @@ pub(super) fn all(model: &mut Model, equations: &[Equations], switches: &[Switch
     match finite_states(model, equations, switches, &[]) {
         Err(problem) => return Err(vec![*problem]),
         Ok(states) => {
-            match agreement(model, equations, &states) {
+            match super::agreement::agreement(model, equations, &states) {
                 Ok(agreements) => report.agreements = agreements,
                 Err(problem) => problems.push(*problem),
             }
@@ -193,43 +193,6 @@ pub(crate) fn solve(mut m: Vec<f64>, mut f: Vec<f64>) -> Result<Vec<f64>, usize>
         f[k] = (f[k] - known) / m[k * n + k];
     }
     Ok(f)
-}
-
-/// Every derivation's residual and mass matrix against the first one's.
-fn agreement(model: &Model, equations: &[Equations], states: &[State]) -> Result<Vec<Agreement>, Box<Problem>> {
-    let first = &equations[0];
-    let n = model.coordinates.len();
-    let mut agreements = Vec::new();
-    for other in &equations[1..] {
-        let mut worst = 0.0_f64;
-        for (a, b) in [(&first.residual, &other.residual), (&first.bias, &other.bias)] {
-            let tape = Tape::new(&model.graph, &[a.as_slice(), b.as_slice()].concat());
-            for state in states {
-                // Random accelerations: the residual must agree off the motion as well.
-                let mut state = state.clone();
-                state.a = state.v.iter().map(|v| 1.3 * v.cos()).collect();
-                let values = tape.evaluate(|s| state.value(s));
-                let (x, y) = values.split_at(n);
-                let scale = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-                for i in 0..n {
-                    let difference = (x[i] - y[i]).abs() / scale.max(f64::MIN_POSITIVE);
-                    if difference > TOLERANCE || difference.is_nan() {
-                        let name = &model.coordinates[i].name;
-                        let place = Place::default().key("bodies");
-                        let by = format!("{:.3e}", (x[i] - y[i]).abs());
-                        return Err(Box::new(verdicts::derivations_disagree(place, name, by, describe(model, &state))));
-                    }
-                    worst = worst.max(difference);
-                }
-            }
-        }
-        agreements.push(Agreement {
-            between: (first.name.to_owned(), other.name.to_owned()),
-            states: states.len(),
-            worst,
-        });
-    }
-    Ok(agreements)
 }
 
 /// For each conserved quantity and component: its rate and the parts of its rate.

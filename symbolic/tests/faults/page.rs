@@ -21,6 +21,9 @@ singular, a placement that makes no sense). *Motion unchanged* are faults that a
 these are is decided apart from the program's own comparison: by another solver, at other states, and for every fault,
 so that a refusal without cause would show too. The rate is what was refused of the rest.
 
+Beneath this, every entry of M, h and the residual of either of the program's own two derivations is flipped, dropped and
+halved in the unit tests of `derive::agreement`; each such fault is E503.
+
 Regenerate: `cargo run --release --example faults -p dalembert-symbolic > docs/faults.md`.
 
 ";
