@@ -1,4 +1,4 @@
-//! Seeded faults: every model with balances is spoilt in one derivation at a time, and must then be refused.
+//! Seeded faults: every model with balances or checks is spoilt in one derivation at a time, and must then be refused.
 
 #[path = "table.rs"]
 mod table;

@@ -13,13 +13,14 @@ use super::{Fate, Outcome, models, sound};
 
 const HEAD: &str = "# Seeded faults
 
-Each fault below is planted alone, in one derivation of a model that has `balances`, and the model is then compiled with
-nothing but the spoilt part to notice it: the one system of balances, or the one check. *Caught by comparison* is a
+Each fault below is planted alone, in one derivation of a model that has `balances` or `checks`, which is then compiled
+with nothing but the spoilt part to notice it: the one system of balances, or the one check. *Caught by comparison* is a
 verdict: the two sides differ. *Refused by name* is any other error (counts that do not fit, a system that has become
 singular, a placement that makes no sense). *Motion unchanged* are faults that are none: the accelerations are the same
 (a moment about another point of a complete system, a mass that cancels); they are listed below and not counted. Which
 these are is decided apart from the program's own comparison: by another solver, at other states, and for every fault,
 so that a refusal without cause would show too. The rate is what was refused of the rest.
+Where a model offers more than 24 faults of one kind, at most 24 are planted, evenly chosen; long chains are shortened.
 
 Beneath this, every entry of M, h and the residual of either of the program's own two derivations is flipped, dropped and
 halved in the unit tests of `derive::agreement`; each such fault is E503.

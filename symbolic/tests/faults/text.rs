@@ -27,7 +27,9 @@ pub fn faults(root: &Node, model: &Model) -> Vec<Fault> {
     let points = named.filter(|p| !p.contains(" in ")).chain(bodies.iter().cloned()).collect();
     let mut planter = Planter { root, names: Names { bodies, points }, faults: Vec::new() };
     planter.systems();
-    planter.loads();
+    if !model.balances.is_empty() {
+        planter.loads();
+    }
     planter.checks();
     planter.faults
 }
