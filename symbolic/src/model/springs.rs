@@ -84,7 +84,13 @@ impl Resolver<'_> {
         for member in &family.members {
             let Some([p, q]) = self.between(&between, &member.locals) else { return };
             let ends = self.spring_ends(&p, &q, &member.name(), spot, &member.locals, drafts);
-            let (Some((p, q)), Some(law)) = (ends, &law) else { continue };
+            let Some(law) = &law else { continue };
+            let Some((p, q)) = ends else {
+                // Without its ends the law is still read, for what is wrong with it.
+                let (here, there) = (vec![Id::ZERO; self.scope.dimension], vec![Id::ONE; self.scope.dimension]);
+                self.pull(law, &here, &there, &member.locals);
+                continue;
+            };
             if let Some((work, pull)) = self.pull(law, &p.at, &q.at, &member.locals) {
                 let pushes = self.pair(&p, &q, pull);
                 drafts.loads.push(Draft { name: member.name(), work, pushes, place: spot.place.clone() });
