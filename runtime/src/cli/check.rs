@@ -12,7 +12,8 @@ use super::{Entry, Problem};
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let loaded = Loaded::find(models, options)?;
     let program = loaded.program()?;
-    writeln!(out, "{}: {} coordinates", loaded.name, program.model.coordinates.len())?;
+    let n = program.model.coordinates.len();
+    writeln!(out, "{}: {n} coordinate{}", loaded.name, if n == 1 { "" } else { "s" })?;
     for agreement in &program.report.agreements {
         let (first, second) = &agreement.between;
         let (states, worst) = (agreement.states, agreement.worst);

@@ -12,7 +12,7 @@ pub fn run(models: &[Entry], out: &mut dyn Write) -> Result<(), Problem> {
         let description = system.description();
         let n = description.coordinates.len();
         let about = description.about.split(". ").next().unwrap_or("").trim_end_matches('.');
-        writeln!(out, "{:width$}  {n:3} coordinates  {n:3} degrees of freedom  {about}", entry.name)?;
+        writeln!(out, "{:width$}  {n:3} coordinates, {n:3} degrees of freedom  {about}", entry.name)?;
     }
     Ok(())
 }

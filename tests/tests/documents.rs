@@ -1,0 +1,25 @@
+//! The documents speak of files that are there.
+
+use std::path::Path;
+
+/// Folders at the top of the workspace whose paths the documents name in full.
+const FOLDERS: [&str; 6] = ["symbolic/", "macros/", "runtime/", "models/", "tests/", "docs/"];
+
+#[test]
+fn every_path_in_the_documents_exists() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace's folder");
+    let mut named = 0;
+    for document in ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"] {
+        let text = std::fs::read_to_string(root.join(document)).expect("a document at the top of the workspace");
+        for path in text.split('`').skip(1).step_by(2) {
+            let full = FOLDERS.iter().any(|folder| path.starts_with(folder));
+            // `NAME` stands for a name that the reader chooses.
+            if !full || path.contains("NAME") || path.contains(' ') {
+                continue;
+            }
+            named += 1;
+            assert!(root.join(path).exists(), "{document} names `{path}`, which does not exist");
+        }
+    }
+    assert!(named > 20, "only {named} paths were found");
+}
