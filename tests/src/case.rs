@@ -103,7 +103,7 @@ impl Case {
     }
 
     /// Compares the motion with the states of a reference.  Names that the model does not have are looked for
-    /// by the rules of [`our_name`]; those in `skip` are not compared.
+    /// by the rules of `our_name`; those in `skip` are not compared.
     ///
     /// # Panics
     /// If a number is off by more than `tolerance` says for its time, or if a name is not found.
