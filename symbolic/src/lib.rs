@@ -8,3 +8,4 @@ pub mod language;
 pub mod lower;
 pub mod model;
 pub mod print;
+mod random;

@@ -2,6 +2,7 @@
 
 use crate::expr::{Symbol, Tape, apply_unary};
 use crate::model::Model;
+use crate::random::Random;
 
 use super::switches::{Switch, SwitchKind};
 
@@ -62,7 +63,7 @@ impl<'a> Draws<'a> {
         let roots: Vec<_> = [first.until].into_iter().chain(first.q.iter().chain(&first.v).copied()).collect();
         Draws {
             model,
-            random: Random(0x9e37_79b9_7f4a_7c15),
+            random: Random::new(),
             drawn: 0,
             inputs: model.inputs.iter().map(|u| Tape::new(graph, &u.signal)).collect(),
             switches: switches.iter().map(|s| (s.kind, Tape::new(graph, &[s.argument]))).collect(),
@@ -132,19 +133,5 @@ impl<'a> Draws<'a> {
             state.modes.push(apply_unary(function, argument));
         }
         state
-    }
-}
-
-/// SplitMix64 (Steele, Lea, Flood 2014): small, reproducible, good enough to draw test states.
-struct Random(u64);
-
-impl Random {
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        let unit = ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64;
-        low + (high - low) * unit
     }
 }

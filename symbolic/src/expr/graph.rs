@@ -68,6 +68,30 @@ pub enum Unary {
     Step,
 }
 
+impl Unary {
+    /// Its name in the model language, and of the method in generated code.
+    pub fn name(self) -> &'static str {
+        match self {
+            Unary::Neg => "neg",
+            Unary::Sqrt => "sqrt",
+            Unary::Sin => "sin",
+            Unary::Cos => "cos",
+            Unary::Tan => "tan",
+            Unary::Asin => "asin",
+            Unary::Acos => "acos",
+            Unary::Atan => "atan",
+            Unary::Sinh => "sinh",
+            Unary::Cosh => "cosh",
+            Unary::Tanh => "tanh",
+            Unary::Exp => "exp",
+            Unary::Ln => "ln",
+            Unary::Abs => "abs",
+            Unary::Sign => "sign",
+            Unary::Step => "step",
+        }
+    }
+}
+
 /// Operations on two arguments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[expect(missing_docs, reason = "the usual operations")]

@@ -4,6 +4,7 @@ use super::bench::Bench;
 use super::facts::Depends;
 use super::resolved::Model;
 use crate::expr::{Id, Symbol, Tape};
+use crate::random::Random;
 
 /// States at which the motions of points and bodies are compared.
 const STATES: usize = 24;
@@ -121,7 +122,7 @@ fn states(bench: &Bench, model: &Model) -> Vec<State> {
     let ranges: Vec<Id> = model.sample.iter().flat_map(|sample| [sample.low, sample.high]).collect();
     let roots: Vec<Id> = start.iter().chain(&ranges).copied().collect();
     let tape = Tape::new(&bench.graph, &roots);
-    let mut random = Random(0x9E37_79B9_7F4A_7C15);
+    let mut random = Random::new();
     let mut states = Vec::new();
     for k in 0..STATES {
         let mut state = State {
@@ -155,20 +156,6 @@ fn states(bench: &Bench, model: &Model) -> Vec<State> {
         states.push(state);
     }
     states
-}
-
-/// Sequence of Weyl numbers, scrambled (splitmix64; Steele, Lea and Flood, 2014): the same in every build.
-struct Random(u64);
-
-impl Random {
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^= z >> 31;
-        low + (high - low) * ((z >> 11) as f64 / (1_u64 << 53) as f64)
-    }
 }
 
 /// True when a point depends on time, inputs and parameters only, and so belongs to the ground.

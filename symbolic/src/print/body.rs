@@ -188,7 +188,7 @@ impl Bodies<'_> {
             }
             Node::Unary(f, x) => {
                 let inner = &pieces[&x];
-                let text = format!("{}.{}()", at_least(inner, Level::Atom), method(f));
+                let text = format!("{}.{}()", at_least(inner, Level::Atom), f.name());
                 Piece { text, level: Level::Atom, depth: inner.depth + 1 }
             }
             Node::Binary(operation, x, y) => {
@@ -324,24 +324,3 @@ const CONSTANTS: &[(&str, f64)] = {
         ("LOG10_2", of::LOG10_2),
     ]
 };
-
-fn method(f: Unary) -> &'static str {
-    match f {
-        Unary::Neg => "neg",
-        Unary::Sqrt => "sqrt",
-        Unary::Sin => "sin",
-        Unary::Cos => "cos",
-        Unary::Tan => "tan",
-        Unary::Asin => "asin",
-        Unary::Acos => "acos",
-        Unary::Atan => "atan",
-        Unary::Sinh => "sinh",
-        Unary::Cosh => "cosh",
-        Unary::Tanh => "tanh",
-        Unary::Exp => "exp",
-        Unary::Ln => "ln",
-        Unary::Abs => "abs",
-        Unary::Sign => "sign",
-        Unary::Step => "step",
-    }
-}

@@ -31,7 +31,7 @@ fn written(model: &Model, graph: &Graph, id: Id, budget: &mut usize) -> (String,
         Node::Number(place) => number(graph.number_at(place)),
         Node::Symbol(s) => (symbol(model, s), Level::Atom),
         Node::Unary(Unary::Neg, x) => (format!("-{}", at(x, Level::Product)), Level::Sum),
-        Node::Unary(f, x) => (format!("{}({})", function(f), at(x, Level::Sum)), Level::Atom),
+        Node::Unary(f, x) => (format!("{}({})", f.name(), at(x, Level::Sum)), Level::Atom),
         Node::Binary(Binary::Add, x, y) => (format!("{} + {}", at(x, Level::Sum), at(y, Level::Sum)), Level::Sum),
         Node::Binary(Binary::Sub, x, y) => (format!("{} - {}", at(x, Level::Sum), at(y, Level::Product)), Level::Sum),
         Node::Binary(Binary::Mul, x, y) if x == y => (format!("{}^2", at(x, Level::Atom)), Level::Power),
@@ -80,26 +80,5 @@ fn symbol(model: &Model, symbol: Symbol) -> String {
         Symbol::Mode(k) => format!("mode{k}"),
         Symbol::Reaction(k) => format!("reaction{k}"),
         Symbol::Dummy(_) => "length".to_owned(),
-    }
-}
-
-fn function(f: Unary) -> &'static str {
-    match f {
-        Unary::Neg => "-",
-        Unary::Sqrt => "sqrt",
-        Unary::Sin => "sin",
-        Unary::Cos => "cos",
-        Unary::Tan => "tan",
-        Unary::Asin => "asin",
-        Unary::Acos => "acos",
-        Unary::Atan => "atan",
-        Unary::Sinh => "sinh",
-        Unary::Cosh => "cosh",
-        Unary::Tanh => "tanh",
-        Unary::Exp => "exp",
-        Unary::Ln => "ln",
-        Unary::Abs => "abs",
-        Unary::Sign => "sign",
-        Unary::Step => "step",
     }
 }
