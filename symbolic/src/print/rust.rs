@@ -390,13 +390,30 @@ fn documentation(about: &str, name: &str) -> String {
     if about.trim().is_empty() { format!("`{name}`.") } else { about.trim().replace('\n', "\n/// ") }
 }
 
-/// The header of operation counts, as documentation.
+/// Operation counts and what was tested, as documentation.
 fn counts(program: &Program) -> String {
     let c = program.counts;
-    format!(
+    let mut text = format!(
         "/// Operations: M {}, h {}, M and h {}, accelerations {}, F {}, F with its Jacobians {}.\n/// {}.",
         c.mass, c.bias, c.mass_and_bias, c.accelerations, c.residual, c.jacobians, program.choice
-    )
+    );
+    let report = &program.report;
+    for agreement in &report.agreements {
+        let ((first, second), states, worst) = (&agreement.between, agreement.states, agreement.worst);
+        let _ = write!(text, "\n///\n/// {first} and `{second}` agree at {states} states, worst {worst:.0e}.");
+    }
+    if !report.agreements.is_empty() {
+        text += "\n/// What both derivations share, such as a wrong mass, their agreement cannot show.";
+    }
+    let names =
+        |list: &[(String, f64)]| list.iter().map(|(name, _)| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+    if !report.conserved.is_empty() {
+        let _ = write!(text, "\n///\n/// Conserved: {}.", names(&report.conserved));
+    }
+    if !report.checks.is_empty() {
+        let _ = write!(text, "\n///\n/// Checks that hold: {}.", names(&report.checks));
+    }
+    text
 }
 
 impl Program {
