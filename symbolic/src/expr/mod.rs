@@ -1,5 +1,6 @@
 //! The expression graph: hash-consed arena, exact rationals, differentiation, evaluation.
 
+mod arithmetic;
 mod canonical;
 mod differentiate;
 mod evaluate;

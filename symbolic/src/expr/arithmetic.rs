@@ -1,0 +1,383 @@
+//! The constructors of sums, products and functions, which simplify as they go.
+//!
+//! They fold 0, 1 and constants, pull signs outwards, put constants in front, collect like terms of two, cancel
+//! x − x and x/x, and put the operands of sums and products in the order of the arena.
+
+use super::{Binary, Graph, Id, Node, Number, Rational, Unary};
+
+impl Graph {
+    /// −x.
+    pub fn neg(&mut self, x: Id) -> Id {
+        match self.node(x) {
+            Node::Number(place) => {
+                let value = self.number_at(place);
+                let negated = match value {
+                    Number::Exact(r) => r.negated().map_or(Number::Float(-r.to_f64()), Number::Exact),
+                    Number::Float(f) => Number::Float(-f),
+                };
+                self.constant(negated)
+            }
+            Node::Unary(Unary::Neg, y) => y,
+            Node::Binary(Binary::Sub, a, b) => self.sub(b, a),
+            _ => self.intern(Node::Unary(Unary::Neg, x)),
+        }
+    }
+
+    /// a + b.
+    pub fn add(&mut self, a: Id, b: Id) -> Id {
+        if a == Id::ZERO {
+            return b;
+        }
+        if b == Id::ZERO {
+            return a;
+        }
+        if let (Some(x), Some(y)) = (self.number(a), self.number(b)) {
+            return self.constant(add_numbers(x, y));
+        }
+        if let Some(y) = self.negated(b) {
+            return self.sub(a, y);
+        }
+        if let Some(x) = self.negated(a) {
+            return self.sub(b, x);
+        }
+        if let Some(sum) = self.combine_like(a, b, false) {
+            return sum;
+        }
+        // (x − y) + y = x
+        if let Node::Binary(Binary::Sub, x, y) = self.node(a)
+            && y == b
+        {
+            return x;
+        }
+        if let Node::Binary(Binary::Sub, x, y) = self.node(b)
+            && y == a
+        {
+            return x;
+        }
+        let (a, b) = if a <= b { (a, b) } else { (b, a) };
+        self.intern(Node::Binary(Binary::Add, a, b))
+    }
+
+    /// a − b.
+    pub fn sub(&mut self, a: Id, b: Id) -> Id {
+        if b == Id::ZERO {
+            return a;
+        }
+        if a == b {
+            return Id::ZERO;
+        }
+        if a == Id::ZERO {
+            return self.neg(b);
+        }
+        if let (Some(x), Some(y)) = (self.number(a), self.number(b)) {
+            let minus = match y {
+                Number::Exact(r) => r.negated().map_or(Number::Float(-r.to_f64()), Number::Exact),
+                Number::Float(f) => Number::Float(-f),
+            };
+            return self.constant(add_numbers(x, minus));
+        }
+        if let Some(y) = self.negated(b) {
+            return self.add(a, y);
+        }
+        if let Node::Unary(Unary::Neg, x) = self.node(a) {
+            let sum = self.add(x, b);
+            return self.neg(sum);
+        }
+        if let Some(difference) = self.combine_like(a, b, true) {
+            return difference;
+        }
+        match (self.node(a), self.node(b)) {
+            // (x + y) − x = y
+            (Node::Binary(Binary::Add, x, y), _) if x == b => return y,
+            (Node::Binary(Binary::Add, x, y), _) if y == b => return x,
+            (_, Node::Binary(Binary::Add, x, y)) if x == a => return self.neg(y),
+            (_, Node::Binary(Binary::Add, x, y)) if y == a => return self.neg(x),
+            (_, Node::Binary(Binary::Sub, x, y)) if x == a => return y,
+            _ => {}
+        }
+        self.intern(Node::Binary(Binary::Sub, a, b))
+    }
+
+    /// a b.
+    pub fn mul(&mut self, a: Id, b: Id) -> Id {
+        if a == Id::ZERO || b == Id::ZERO {
+            return Id::ZERO;
+        }
+        if a == Id::ONE {
+            return b;
+        }
+        if b == Id::ONE {
+            return a;
+        }
+        if let (Some(x), Some(y)) = (self.number(a), self.number(b)) {
+            return self.constant(multiply_numbers(x, y));
+        }
+        if let Some(x) = self.negated(a) {
+            let product = self.mul(x, b);
+            return self.neg(product);
+        }
+        if let Some(y) = self.negated(b) {
+            let product = self.mul(a, y);
+            return self.neg(product);
+        }
+        // Constants to the front: c (d x) = (c d) x, x (c y) = c (x y).
+        let (c, x) = self.split_factor(a);
+        let (d, y) = self.split_factor(b);
+        if c.is_some() || d.is_some() {
+            let c = c.unwrap_or(Number::Exact(Rational::ONE));
+            let d = d.unwrap_or(Number::Exact(Rational::ONE));
+            let factor = self.constant(multiply_numbers(c, d));
+            let rest = match (x, y) {
+                (Some(x), Some(y)) => self.mul(x, y),
+                (Some(x), None) | (None, Some(x)) => x,
+                (None, None) => return factor,
+            };
+            if factor == Id::ONE || factor == Id::ZERO {
+                return if factor == Id::ONE { rest } else { Id::ZERO };
+            }
+            if let Some(x) = self.negated(rest) {
+                let product = self.mul(factor, x);
+                return self.neg(product);
+            }
+            if self.number(rest).is_some() {
+                return self.mul(factor, rest);
+            }
+            return self.intern(Node::Binary(Binary::Mul, factor, rest));
+        }
+        match (self.node(a), self.node(b)) {
+            (Node::Unary(Unary::Sqrt, x), Node::Unary(Unary::Sqrt, y)) if x == y => return x,
+            (Node::Binary(Binary::Div, n, d), _) if d == b => return n,
+            (_, Node::Binary(Binary::Div, n, d)) if d == a => return n,
+            _ => {}
+        }
+        let (a, b) = if a <= b { (a, b) } else { (b, a) };
+        self.intern(Node::Binary(Binary::Mul, a, b))
+    }
+
+    /// a b as it stands, so that a factor of parameters keeps its number: (m/2) x, not (m x)/2.
+    pub(crate) fn mul_as_is(&mut self, a: Id, b: Id) -> Id {
+        if self.number(a).is_some() || self.number(b).is_some() {
+            return self.mul(a, b);
+        }
+        self.intern(Node::Binary(Binary::Mul, a, b))
+    }
+
+    /// a / b.  Division by the constant 0 gives a node that evaluates to no finite number.
+    pub fn div(&mut self, a: Id, b: Id) -> Id {
+        if b == Id::ONE {
+            return a;
+        }
+        if let Some(d) = self.number(b)
+            && d.to_f64() != 0.0
+        {
+            let reciprocal = match d {
+                Number::Exact(r) => r.recip().map_or(Number::Float(1.0 / r.to_f64()), Number::Exact),
+                Number::Float(f) => Number::Float(1.0 / f),
+            };
+            let reciprocal = self.constant(reciprocal);
+            return self.mul(reciprocal, a);
+        }
+        if a == Id::ZERO && b != Id::ZERO {
+            return Id::ZERO;
+        }
+        if a == b && b != Id::ZERO {
+            return Id::ONE;
+        }
+        if let Some(x) = self.negated(a) {
+            let quotient = self.div(x, b);
+            return self.neg(quotient);
+        }
+        if let Some(y) = self.negated(b) {
+            let quotient = self.div(a, y);
+            return self.neg(quotient);
+        }
+        match (self.node(a), self.node(b)) {
+            (Node::Binary(Binary::Mul, x, y), _) if x == b => return y,
+            (Node::Binary(Binary::Mul, x, y), _) if y == b => return x,
+            (_, Node::Unary(Unary::Sqrt, x)) if x == a => return b,
+            (_, Node::Binary(Binary::Div, n, d)) => {
+                let product = self.mul(a, d);
+                return self.div(product, n);
+            }
+            (Node::Binary(Binary::Div, n, d), _) => {
+                let product = self.mul(d, b);
+                return self.div(n, product);
+            }
+            // (c x) / y = c (x / y): constants stay in front.
+            (Node::Binary(Binary::Mul, c, x), _) if self.number(c).is_some() => {
+                let quotient = self.div(x, b);
+                return self.mul(c, quotient);
+            }
+            (_, Node::Binary(Binary::Mul, c, y)) if self.number(c).is_some() => {
+                let scaled = self.div(a, c);
+                return self.div(scaled, y);
+            }
+            _ => {}
+        }
+        self.intern(Node::Binary(Binary::Div, a, b))
+    }
+
+    /// xⁿ by repeated multiplication.
+    pub fn powi(&mut self, x: Id, n: i32) -> Id {
+        if n < 0 {
+            let power = self.powi(x, n.saturating_neg());
+            return self.div(Id::ONE, power);
+        }
+        let mut result = Id::ONE;
+        let mut square = x;
+        let mut rest = n;
+        while rest > 0 {
+            if rest & 1 == 1 {
+                result = self.mul(result, square);
+            }
+            rest >>= 1;
+            if rest > 0 {
+                square = self.mul(square, square);
+            }
+        }
+        result
+    }
+
+    /// xʸ: integer powers up to 64 and their halves by multiplication and roots.
+    pub fn pow(&mut self, x: Id, y: Id) -> Id {
+        if let Some(Number::Exact(exponent)) = self.number(y) {
+            let numerator = i32::try_from(exponent.numerator()).ok().filter(|n| n.abs() <= 64);
+            match (numerator, exponent.denominator()) {
+                (Some(n), 1) => return self.powi(x, n),
+                (Some(n), 2) => {
+                    let root = self.unary(Unary::Sqrt, x);
+                    let whole = self.powi(x, n.abs() / 2);
+                    let power = self.mul(whole, root);
+                    return if n < 0 { self.div(Id::ONE, power) } else { power };
+                }
+                _ => {}
+            }
+        }
+        if x == Id::ONE {
+            return Id::ONE;
+        }
+        if let (Some(a), Some(b)) = (self.number(x), self.number(y)) {
+            let value = a.to_f64().powf(b.to_f64());
+            if value.is_finite() {
+                return self.float(value);
+            }
+        }
+        self.intern(Node::Binary(Binary::Pow, x, y))
+    }
+
+    /// A function of one argument.
+    pub fn unary(&mut self, function: Unary, x: Id) -> Id {
+        if function == Unary::Neg {
+            return self.neg(x);
+        }
+        if let Some(value) = self.number(x)
+            && let Some(id) = self.fold_unary(function, value)
+        {
+            return id;
+        }
+        if let Some(y) = self.negated(x) {
+            match function {
+                Unary::Cos | Unary::Cosh | Unary::Abs => return self.unary(function, y),
+                Unary::Sin | Unary::Tan | Unary::Asin | Unary::Atan | Unary::Sinh | Unary::Tanh | Unary::Sign => {
+                    let value = self.unary(function, y);
+                    return self.neg(value);
+                }
+                _ => {}
+            }
+        }
+        self.intern(Node::Unary(function, x))
+    }
+
+    /// An operation on two arguments.
+    pub fn binary(&mut self, operation: Binary, a: Id, b: Id) -> Id {
+        match operation {
+            Binary::Add => self.add(a, b),
+            Binary::Sub => self.sub(a, b),
+            Binary::Mul => self.mul(a, b),
+            Binary::Div => self.div(a, b),
+            Binary::Pow => self.pow(a, b),
+            Binary::Min | Binary::Max if a == b => a,
+            Binary::Atan2 | Binary::Min | Binary::Max => {
+                if let (Some(x), Some(y)) = (self.number(a), self.number(b)) {
+                    let value = super::evaluate::apply_binary(operation, x.to_f64(), y.to_f64());
+                    return match operation {
+                        Binary::Atan2 => self.float(value),
+                        _ if value == x.to_f64() => a,
+                        _ => b,
+                    };
+                }
+                let ordered = operation != Binary::Atan2 && b < a;
+                let (a, b) = if ordered { (b, a) } else { (a, b) };
+                self.intern(Node::Binary(operation, a, b))
+            }
+        }
+    }
+
+    fn fold_unary(&mut self, function: Unary, value: Number) -> Option<Id> {
+        if let (Unary::Sqrt, Number::Exact(r)) = (function, value)
+            && let Some(root) = r.sqrt()
+        {
+            return Some(self.rational(root));
+        }
+        if let (Unary::Abs, Number::Exact(r)) = (function, value) {
+            let absolute = if r.numerator() < 0 { r.negated()? } else { r };
+            return Some(self.rational(absolute));
+        }
+        let folded = super::evaluate::apply_unary(function, value.to_f64());
+        // Irrational values of parameters' numbers stay exact nodes only when they are not finite.
+        if folded.is_finite() { Some(self.float(folded)) } else { None }
+    }
+
+    /// y where x = −y for a node or a negative constant.
+    fn negated(&mut self, x: Id) -> Option<Id> {
+        match self.node(x) {
+            Node::Unary(Unary::Neg, y) => Some(y),
+            Node::Number(place) if self.number_at(place).to_f64() < 0.0 => Some(self.neg(x)),
+            _ => None,
+        }
+    }
+
+    /// c and x where the expression is c x with a constant c.
+    fn split_factor(&self, x: Id) -> (Option<Number>, Option<Id>) {
+        match self.node(x) {
+            Node::Number(place) => (Some(self.number_at(place)), None),
+            Node::Binary(Binary::Mul, c, rest) => match self.number(c) {
+                Some(number) => (Some(number), Some(rest)),
+                None => (None, Some(x)),
+            },
+            _ => (None, Some(x)),
+        }
+    }
+
+    /// c x ± d x = (c ± d) x.
+    fn combine_like(&mut self, a: Id, b: Id, subtract: bool) -> Option<Id> {
+        let (c, x) = self.split_factor(a);
+        let (d, y) = self.split_factor(b);
+        if x.is_none() || x != y {
+            return None;
+        }
+        let one = Number::Exact(Rational::ONE);
+        let d = d.unwrap_or(one);
+        let d = if subtract { multiply_numbers(Number::Exact(Rational::integer(-1)), d) } else { d };
+        let factor = self.constant(add_numbers(c.unwrap_or(one), d));
+        Some(self.mul(factor, x?))
+    }
+}
+
+fn add_numbers(x: Number, y: Number) -> Number {
+    if let (Number::Exact(a), Number::Exact(b)) = (x, y)
+        && let Some(sum) = a.checked_add(b)
+    {
+        return Number::Exact(sum);
+    }
+    Number::Float(x.to_f64() + y.to_f64())
+}
+
+fn multiply_numbers(x: Number, y: Number) -> Number {
+    if let (Number::Exact(a), Number::Exact(b)) = (x, y)
+        && let Some(product) = a.checked_mul(b)
+    {
+        return Number::Exact(product);
+    }
+    Number::Float(x.to_f64() * y.to_f64())
+}
