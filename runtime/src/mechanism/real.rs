@@ -1,4 +1,6 @@
 //! The scalar that generated code is generic over.
+//!
+//! Every method is `#[inline]`: in an incremental build these calls would otherwise stay calls in generated code.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -52,36 +54,43 @@ pub trait Real:
     fn exceeds(self, floor: Self) -> bool;
 
     /// A pivot of M smaller than this, relative to M's diagonal, is rounding.
+    #[inline]
     fn pivot_floor() -> Self {
         Self::from_f64(1e-15)
     }
 
     /// The constant `x`.
+    #[inline]
     fn from_f64(x: f64) -> Self {
         Self::ratio(x, 1.0)
     }
 
     /// |x|.
+    #[inline]
     fn abs(self) -> Self {
         self.select_nonnegative(self, -self)
     }
 
     /// −1, 0 or 1; `sign(0)` is 0.
+    #[inline]
     fn sign(self) -> Self {
         self.step() - (-self).step()
     }
 
     /// Heaviside's function, 1 at 0.
+    #[inline]
     fn step(self) -> Self {
         self.select_nonnegative(Self::ratio(1.0, 1.0), Self::ratio(0.0, 1.0))
     }
 
     /// The smaller of two.
+    #[inline]
     fn min(self, other: Self) -> Self {
         (other - self).select_nonnegative(self, other)
     }
 
     /// The larger of two.
+    #[inline]
     fn max(self, other: Self) -> Self {
         (self - other).select_nonnegative(self, other)
     }
@@ -92,60 +101,79 @@ macro_rules! real_for_float {
         impl Real for $float {
             const LANES: usize = 1;
 
+            #[inline]
             fn gather(lane: impl Fn(usize) -> f64) -> Self {
                 lane(0) as $float
             }
+            #[inline]
             fn ratio(n: f64, d: f64) -> Self {
                 (n / d) as $float
             }
+            #[inline]
             fn sqrt(self) -> Self {
                 $float::sqrt(self)
             }
+            #[inline]
             fn sin_cos(self) -> (Self, Self) {
                 $float::sin_cos(self)
             }
+            #[inline]
             fn tan(self) -> Self {
                 $float::tan(self)
             }
+            #[inline]
             fn asin(self) -> Self {
                 $float::asin(self)
             }
+            #[inline]
             fn acos(self) -> Self {
                 $float::acos(self)
             }
+            #[inline]
             fn atan(self) -> Self {
                 $float::atan(self)
             }
+            #[inline]
             fn atan2(self, x: Self) -> Self {
                 $float::atan2(self, x)
             }
+            #[inline]
             fn sinh(self) -> Self {
                 $float::sinh(self)
             }
+            #[inline]
             fn cosh(self) -> Self {
                 $float::cosh(self)
             }
+            #[inline]
             fn tanh(self) -> Self {
                 $float::tanh(self)
             }
+            #[inline]
             fn exp(self) -> Self {
                 $float::exp(self)
             }
+            #[inline]
             fn ln(self) -> Self {
                 $float::ln(self)
             }
+            #[inline]
             fn powf(self, y: Self) -> Self {
                 $float::powf(self, y)
             }
+            #[inline]
             fn select_nonnegative(self, yes: Self, no: Self) -> Self {
                 if self >= 0.0 { yes } else { no }
             }
+            #[inline]
             fn exceeds(self, floor: Self) -> bool {
                 self > floor
             }
+            #[inline]
             fn pivot_floor() -> Self {
                 4.0 * $float::EPSILON
             }
+            #[inline]
             fn abs(self) -> Self {
                 $float::abs(self)
             }
