@@ -26,8 +26,10 @@ fn problems(text: &str) -> Vec<Problem> {
         Ok(model) => model,
         Err(problems) => return problems,
     };
-    let warnings = model.warnings.clone();
-    derive(model).err().unwrap_or(warnings)
+    match derive(model) {
+        Ok(derivation) => derivation.model.warnings,
+        Err(problems) => problems,
+    }
 }
 
 fn entries() -> impl Iterator<Item = &'static Entry> {
@@ -74,7 +76,7 @@ fn comparable(entry: &Entry, shown: String) -> String {
 
 fn without_numbers(line: &str) -> String {
     let (code, rest) = line.split_at(line.find(':').unwrap_or(0));
-    let numeric = |word: &str| word.trim_end_matches(',').parse::<f64>().is_ok();
+    let numeric = |word: &str| word.trim_end_matches([',', ':', ';']).parse::<f64>().is_ok();
     let words = rest.split(' ').map(|word| if numeric(word) { "#" } else { word });
     format!("{code}{}", words.collect::<Vec<_>>().join(" "))
 }

@@ -3,6 +3,8 @@
 use std::io::Write;
 
 use clap::ArgMatches;
+use dalembert_symbolic::derive::{Conservative, Nature};
+use dalembert_symbolic::diagnose;
 use dalembert_symbolic::lower::Program;
 
 use super::load::Loaded;
@@ -25,7 +27,35 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     for (name, worst) in &program.report.checks {
         writeln!(out, "  check {name} holds, worst {worst:.1e}")?;
     }
+    for force in &program.report.forces {
+        writeln!(out, "  {}", nature(force))?;
+    }
+    write!(out, "{}", diagnose::render(&loaded.path, &loaded.source, &program.model.warnings))?;
     recognised(&program, out)
+}
+
+/// What kind of force an entry is, in words.
+fn nature(force: &Conservative) -> String {
+    let name = match (force.section.as_str(), force.name.as_str()) {
+        (_, "") => "all forces together".to_owned(),
+        ("torques", name) => format!("torque {name}"),
+        ("generalized_forces", name) => format!("generalized force on {name}"),
+        (_, name) => format!("force {name}"),
+    };
+    match &force.nature {
+        Nature::Idle => format!("{name}: does no work"),
+        Nature::Potential if force.name.is_empty() => format!("{name} have a potential"),
+        Nature::Potential => format!("{name} has a potential"),
+        Nature::TimeDependent => format!("{name} depends on time: it has a potential at each time, which changes"),
+        Nature::Velocity { idle: true } => format!("{name} has no potential: it depends on velocity, but does no work"),
+        Nature::Velocity { idle: false } => format!("{name} has no potential: it depends on velocity"),
+        Nature::Curl { between: Some((i, j)), value, state } => {
+            format!("{name} has no potential: ∂Q({i})/∂{j} − ∂Q({j})/∂{i} = {value:.3e} at {state}")
+        }
+        Nature::Curl { between: None, state, .. } => {
+            format!("{name} has no potential: its curl is not zero at {state}")
+        }
+    }
 }
 
 /// What was recognised, and operation counts.

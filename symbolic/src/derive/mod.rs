@@ -5,16 +5,22 @@
 //! 3. Lagrange's equations from the energies: look in `lagrange`.
 //! 4. Virtual power from the bodies: look in `virtual_power`.
 //! 5. Both are compared at random states, and what the file says is conserved or holds is tested: look in `test`.
+//!    Forces are tested for potentials and for being counted twice (`potential`, `twice`), and for what they do to
+//!    what should be conserved (`blame`); what each entry does is in `effects`.
 //!
 //! Every derivation gives the same [`Equations`]; `lower` picks the cheapest.
 
 mod agreement;
 mod balances;
+mod blame;
+mod effects;
 mod lagrange;
+mod potential;
 mod reactions;
 mod sample;
 mod switches;
 mod test;
+mod twice;
 mod virtual_power;
 
 use crate::diagnose::Problem;
@@ -22,6 +28,7 @@ use crate::diagnose::catalogue::mechanics;
 use crate::expr::{Forward, Graph, Id, Symbol, canonical};
 use crate::model::{Load, Model, Work};
 
+pub use potential::{Conservative, Nature};
 pub use sample::{Draws, State};
 pub use switches::{Switch, SwitchKind};
 pub(crate) use test::solve;
@@ -164,7 +171,7 @@ impl Dynamics {
                 }
             }
         }
-        roots.extend(model.generalized_forces.iter().map(|f| f.1));
+        roots.extend(model.generalized_forces.iter().map(|f| f.force));
         let graph = &mut model.graph;
         let roots = canonical(graph, &roots);
         let (roots, switches) = switches::introduce(graph, &roots);
@@ -197,7 +204,7 @@ impl Dynamics {
                 Work::Pushes => collect_pushes(graph, load, &bodies, &mut wrenches, &mut take),
             }
         }
-        let generalized = model.generalized_forces.iter().map(|f| (f.0, take())).collect();
+        let generalized = model.generalized_forces.iter().map(|f| (f.coordinate, take())).collect();
         Dynamics {
             n: model.coordinates.len(),
             bodies,

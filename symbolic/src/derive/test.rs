@@ -2,13 +2,17 @@
 
 use std::collections::BTreeMap;
 
+use super::blame::{Blame, Court, blame};
+use super::effects::effects;
+use super::potential::{Conservative, natures};
 use super::sample::{Draws, State};
 use super::switches::Switch;
+use super::twice::counted_twice;
 use super::{Equations, rates};
 use crate::diagnose::catalogue::{mechanics, verdicts};
 use crate::diagnose::{Place, Problem};
 use crate::expr::{Binary, Forward, Graph, Id, Node, Symbol, Tape, Unary};
-use crate::model::Model;
+use crate::model::{Conserved, Load, Model, Work};
 
 /// How many states each test wants.
 const STATES: usize = 16;
@@ -37,6 +41,8 @@ pub struct Report {
     pub conserved: Vec<(String, f64)>,
     /// Identities: name, largest relative difference.
     pub checks: Vec<(String, f64)>,
+    /// Which forces have potentials.
+    pub forces: Vec<Conservative>,
 }
 
 /// Runs every test and collects every failure.
@@ -58,6 +64,14 @@ pub(super) fn all(model: &mut Model, equations: &[Equations], switches: &[Switch
                 Ok(agreements) => report.agreements.extend(agreements),
                 Err(found) => problems.extend(found),
             }
+            let force = |load: &Load| load.work == Work::Pushes;
+            if model.loads.iter().any(force) || !model.generalized_forces.is_empty() {
+                let (mut graph, effects) = effects(model);
+                report.forces = natures(&mut graph, model, &effects, &states);
+                let (errors, warnings) = counted_twice(&mut graph, model, &effects, &states);
+                problems.extend(errors);
+                model.warnings.extend(warnings);
+            }
         }
     }
     let model = &*model;
@@ -69,9 +83,15 @@ pub(super) fn all(model: &mut Model, equations: &[Equations], switches: &[Switch
             Ok(states) => states,
             Err(problem) => return Err(vec![*problem]),
         };
-        match conserved(model, &invariant.name, components, &states, &invariant.place) {
+        match conserved(model, components, &states) {
             Ok(worst) => report.conserved.push((invariant.name.clone(), worst)),
-            Err(problem) => problems.push(*problem),
+            Err(change) => {
+                let (mut graph, effects) = effects(model);
+                let court = Court { model, equations: &equations[0], effects: &effects, natures: &report.forces };
+                let component = (invariant.value[change.component], components[change.component].0);
+                let blame = blame(&mut graph, &court, invariant, component, &states, &states[change.state]);
+                problems.push(change.problem(model, invariant, blame, &states));
+            }
         }
     }
     for check in &model.checks {
@@ -222,23 +242,38 @@ fn invariant_rates(model: &mut Model) -> Vec<Vec<(Id, Vec<Id>)>> {
         .collect()
 }
 
-fn conserved(
-    model: &Model,
-    name: &str,
-    components: &[(Id, Vec<Id>)],
-    states: &[State],
-    place: &Place,
-) -> Result<f64, Box<Problem>> {
+/// How a quantity was seen to change.
+struct Change {
+    component: usize,
+    state: usize,
+    rate: f64,
+    scale: f64,
+}
+
+impl Change {
+    fn problem(&self, model: &Model, invariant: &Conserved, blame: Option<Blame>, states: &[State]) -> Problem {
+        let (place, name) = (invariant.place.clone(), &invariant.name);
+        match blame {
+            Some(Blame { causes, help }) => verdicts::changed_by(place, name, causes, help),
+            None => {
+                let by = format!("{:.6e} where its terms change at up to {:.3e}", self.rate, self.scale);
+                verdicts::not_conserved(place, name, by, describe(model, &states[self.state]))
+            }
+        }
+    }
+}
+
+/// The largest relative rate, or where it is too large.
+fn conserved(model: &Model, components: &[(Id, Vec<Id>)], states: &[State]) -> Result<f64, Change> {
     let mut worst = 0.0_f64;
-    for (total, parts) in components {
+    for (component, (total, parts)) in components.iter().enumerate() {
         let roots: Vec<Id> = std::iter::once(*total).chain(parts.iter().copied()).collect();
         let tape = Tape::new(&model.graph, &roots);
-        for state in states {
+        for (k, state) in states.iter().enumerate() {
             let values = tape.evaluate(|s| state.value(s));
             let scale: f64 = values[1..].iter().map(|p| p.abs()).sum();
             if values[0].abs() > TOLERANCE * scale || !values[0].is_finite() {
-                let by = format!("{:.6e} where its terms change at up to {scale:.3e}", values[0]);
-                return Err(Box::new(verdicts::not_conserved(place.clone(), name, by, describe(model, state))));
+                return Err(Change { component, state: k, rate: values[0], scale });
             }
             worst = worst.max(if scale > 0.0 { values[0].abs() / scale } else { 0.0 });
         }
@@ -291,22 +326,27 @@ fn terms(graph: &Graph, root: Id) -> Vec<(Id, f64)> {
 }
 
 /// Expressions with the terms that scale them: evaluates to each expression's value and its scale.
-struct Scaled {
+pub(super) struct Scaled {
     tape: Tape,
     weights: Vec<f64>,
     roots: usize,
 }
 
 impl Scaled {
-    fn new(graph: &Graph, roots: &[Id]) -> Scaled {
+    pub fn new(graph: &Graph, roots: &[Id]) -> Scaled {
         let terms: Vec<(Id, f64)> = roots.iter().flat_map(|r| terms(graph, *r)).collect();
         let all: Vec<Id> = roots.iter().copied().chain(terms.iter().map(|t| t.0)).collect();
         Scaled { tape: Tape::new(graph, &all), weights: terms.iter().map(|t| t.1).collect(), roots: roots.len() }
     }
 
     /// The values, and the sum of the absolute values of all their terms.
-    fn at(&self, state: &State) -> (Vec<f64>, f64) {
-        let mut values = self.tape.evaluate(|s| state.value(s));
+    pub fn at(&self, state: &State) -> (Vec<f64>, f64) {
+        self.with(|s| state.value(s))
+    }
+
+    /// The same, with values for symbols that are no part of a state.
+    pub fn with(&self, value: impl Fn(Symbol) -> f64) -> (Vec<f64>, f64) {
+        let mut values = self.tape.evaluate(value);
         let scale = values[self.roots..].iter().zip(&self.weights).map(|(x, w)| x.abs() * w).sum();
         values.truncate(self.roots);
         (values, scale)

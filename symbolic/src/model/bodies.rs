@@ -4,7 +4,7 @@ use super::bench::Rules;
 use super::declare::DeclaredBody;
 use super::families::Locals;
 use super::reader::Quantity;
-use super::resolved::{Body, Rotation};
+use super::resolved::{Body, GeneralizedForce, Rotation};
 use super::resolver::Resolver;
 use super::scope::Energies;
 use super::value::{self, Value};
@@ -134,7 +134,8 @@ impl Resolver<'_> {
                 let Some(text) = &text else { continue };
                 let rules = Rules::velocity("a generalized force");
                 if let Some(force) = self.scalar(text, rules, &member.locals) {
-                    self.model.generalized_forces.push((coordinate, force));
+                    let place = spot.place.clone();
+                    self.model.generalized_forces.push(GeneralizedForce { coordinate, force, place });
                 }
             }
         }

@@ -47,6 +47,6 @@ pub use node::Node;
 pub use read::read;
 pub use resolve::{load, resolve};
 pub use resolved::{
-    Balance, BalanceSystem, Body, Check, Conserved, Coordinate, Derived, Event, EventAction, Family, Input, Load,
-    Model, Output, Parameter, Part, Push, Reaction, Rotation, Sample, Scene, Shape, Vector, Work,
+    Balance, BalanceSystem, Body, Check, Conserved, Coordinate, Derived, Event, EventAction, Family, GeneralizedForce,
+    Input, Load, Model, Output, Parameter, Part, Push, Reaction, Rotation, Sample, Scene, Shape, Vector, Work,
 };

@@ -43,8 +43,8 @@ pub struct Model {
     pub raw_potential_energy: Id,
     /// Rayleigh's dissipation function as written: Q = −∂D/∂q'; 0 if absent.
     pub dissipation: Id,
-    /// `generalized_forces`: coordinate and force.
-    pub generalized_forces: Vec<(usize, Id)>,
+    /// `generalized_forces`.
+    pub generalized_forces: Vec<GeneralizedForce>,
     /// All terms of T: bodies', then raw ones.
     pub kinetic_terms: Vec<Id>,
     /// All terms of V: gravity's, springs', then raw ones.
@@ -198,6 +198,17 @@ pub struct Push {
     pub couple: Vec<Id>,
 }
 
+/// A generalized force as written.
+#[derive(Clone, Debug)]
+pub struct GeneralizedForce {
+    /// The place of the coordinate on which it acts.
+    pub coordinate: usize,
+    /// The force.
+    pub force: Id,
+    /// Where it stands.
+    pub place: Place,
+}
+
 /// A quantity that the file says is conserved.
 #[derive(Clone, Debug)]
 pub struct Conserved {
@@ -208,6 +219,8 @@ pub struct Conserved {
     /// The terms whose absolute values scale its drift, by component (top-level sums and `sum()` taken apart;
     /// `energy` into the terms of T and V).
     pub terms: Vec<Vec<Id>>,
+    /// True where `energy` or `potential_energy` stands in it.
+    pub counts_energy: bool,
     /// Parameters that must have these values.
     pub when: Vec<(usize, f64)>,
     /// Where it stands.

@@ -43,7 +43,8 @@ impl Resolver<'_> {
                 let value = components(value, 1);
                 let terms = value.iter().map(|x| terms(&mut self.bench.graph, *x)).collect();
                 let place = spot.place.clone();
-                self.model.conserved.push(Conserved { name, value, terms, when: when.clone(), place });
+                let counts_energy = names_energy(written);
+                self.model.conserved.push(Conserved { name, value, terms, counts_energy, when: when.clone(), place });
             }
         }
     }
@@ -311,6 +312,16 @@ impl Resolver<'_> {
     fn has_phase(&self, name: &str) -> bool {
         self.root.get("phases").is_some_and(|phases| phases.get(name).is_some())
     }
+}
+
+/// Whether `energy` or `potential_energy` stands in an expression.
+fn names_energy(written: &Written) -> bool {
+    let texts = match written {
+        Written::One(text) => std::slice::from_ref(text),
+        Written::List(texts, _) => texts,
+    };
+    let letter = |c: char| c.is_alphanumeric() || c == '_';
+    texts.iter().flat_map(|text| text.source.split(|c| !letter(c))).any(|w| matches!(w, "energy" | "potential_energy"))
 }
 
 /// `a`, `b` and `c`.

@@ -5,8 +5,13 @@ use crate::model::Model;
 
 /// An expression as a person would write it; parts beyond some 200 nodes become `…`.
 pub fn text(model: &Model, root: Id) -> String {
+    text_in(&model.graph, model, root)
+}
+
+/// The same for an expression of another graph with the model's symbols.
+pub(crate) fn text_in(graph: &Graph, model: &Model, root: Id) -> String {
     let mut budget = 200;
-    written(model, &model.graph, root, &mut budget).0
+    written(model, graph, root, &mut budget).0
 }
 
 /// How tightly an expression holds together.

@@ -46,4 +46,10 @@ super::entries! {
     E417 too_many_coordinates(limit) "more coordinates than can be derived"
         "a model may have {limit} coordinates" "one too many" "make families smaller"
         "Deriving keeps the equations of all coordinates at once; the limit bounds time and memory.";
+    E418 counted_twice(names, key, terms) "a force that an energy counts too"
+        "{names} is in `{key}` too, as {terms}" "counted twice" "keep one of the two; if both are meant, write one with twice the factor"
+        "Q + ∂V/∂q = 0 (for `dissipation` Q + ∂D/∂q' = 0) at all states tried: the entry and these terms are one and the same force, which would act twice.";
+    W419 repeats(name, other) "a force that another entry gives too"
+        "{name} does what {other} does" "acts once more" "remove one of the two unless both are meant"
+        "Two entries have the same generalized force at all states tried, such as a weight that is written out beside `gravity`.";
 }

@@ -25,4 +25,7 @@ super::entries! {
     E508 empty_balance(label) "a balance that says nothing"
         "{label} is identically zero" "" "one direction may be enough: say which with `along`"
         "An equation 0 = 0 determines nothing.";
+    E509 changed_by(name, causes, help) "a quantity that some force changes"
+        "`{name}` is not conserved: {causes}" "claimed to be conserved" "{help}"
+        "The forces named make up all of the rate of what should be conserved. For `energy` that is their power: a force that has a potential belongs in `potential_energy` (or is a spring, or gravity), and one that has none takes part in no energy that is conserved.";
 }
