@@ -184,6 +184,128 @@ fn people_get_a_table() {
     }
 }
 
+/// What the program writes for people.
+fn text(model: &str, options: &[&str]) -> String {
+    let path = format!("{}/../models/{model}.yaml", env!("CARGO_MANIFEST_DIR"));
+    let mut arguments = vec!["dalembert", "modes", &path];
+    arguments.extend(options);
+    let mut out = Vec::new();
+    dalembert::cli::run(&[], arguments, &mut out).unwrap();
+    String::from_utf8(out).unwrap()
+}
+
+fn contains(text: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(text.contains(part), "{part:?} is not in\n{text}");
+    }
+}
+
+/// Problem 37's main question, answered by the program: in the mode (1, 0, -1) the middle mass rests, and it moves in
+/// the other two; that is the only force on the last mass, which alone would be in resonance.
+#[cfg(feature = "modal")]
+#[test]
+fn problem_37_main_question() {
+    let written = text("forced_chain", &["--omega", "w"]);
+    contains(
+        &written,
+        &[
+            "x[2]  0.477072 m",
+            "x[3]: driven by x[2] 0.4818; stiffness 0.2828 (at rest 2): alone it would be near resonance here",
+            "x[2] rests in mode 2, the largest, and yet moves by 0.477072 m, in mode(s) 1, 3",
+        ],
+    );
+    let undamped = text("forced_chain", &["--scene", "resonance", "--omega", "w"]);
+    let growth = "every second the amplitude grows: x[1] by 0.176777 m, x[3] by 0.176777 m";
+    contains(&undamped, &[growth, "x[2]      0.5 m", "x[2] rests in mode 2"]);
+    let found = run("forced_chain", &["--omega", "w"]).unwrap();
+    let parts = found["steady"]["modes"].as_array().unwrap();
+    assert!(parts[1]["amplitude"]["x[2]"][0].as_f64().unwrap().abs() < 1e-14);
+}
+
+/// B21 from the command line: transmissibilities, and the four excitations of problem 21 a as drives.
+#[cfg(feature = "modal")]
+#[test]
+fn b21_transmissibility_and_the_four_excitations() {
+    let amplitude = |model: &str, options: &[&str]| -> [f64; 2] {
+        let found = run(model, options).unwrap();
+        let pair = numbers(&found["steady"]["amplitude"]["x"]);
+        [pair[0].hypot(pair[1]), pair[1].atan2(pair[0])]
+    };
+    let table = [
+        ("0", "0.5", 1.3333333333333333333),
+        ("0.25", "3", 0.22148725420119530133),
+        ("1", "5", 0.38653367773541885655),
+    ];
+    for (zeta, r, size) in table {
+        let c = format!("c=2*{zeta}");
+        let [found, _] = amplitude("vibration_isolation", &["--set", &c, "--drive", "y", "--omega", r]);
+        assert!((found - size).abs() < 1e-13, "{zeta} {r}: {found}");
+    }
+    // m = c = k = 1 at twice the natural frequency: |1, 2i, 1, 1 + 2i| over |-3 + 2i|.
+    let below = 13.0_f64.sqrt();
+    let cases: [(&[&str], f64); 4] = [(&["force"], 1.0), (&["D"], 2.0), (&["C"], 1.0), (&["C", "D"], 5.0_f64.sqrt())];
+    for (names, above) in cases {
+        let mut options = vec!["--omega", "2"];
+        names.iter().for_each(|name| options.extend(["--drive", name]));
+        let [found, _] = amplitude("base_excitation", &options);
+        assert!((found - above / below).abs() < 1e-14, "{names:?}: {found}");
+    }
+}
+
+#[cfg(feature = "modal")]
+#[test]
+fn responses_and_loci_are_drawn_and_told() {
+    let folder = std::env::temp_dir().join(format!("dalembert-responses-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = |name: &str| folder.join(name).to_str().unwrap().to_owned();
+    let (bode, locus) = (file("bode.svg"), file("locus.svg"));
+    let found = run("damped_chain", &["--drive", "x[1]", "--bode", &bode, "--range", "0.5..3"]).unwrap();
+    assert_eq!(found["response"]["drive"], "a force on x[1]");
+    let (omegas, answers) = (numbers(&found["response"]["omega"]), found["response"]["amplitude"]["x[3]"].clone());
+    assert_eq!((omegas[0], *omegas.last().unwrap(), omegas.len()), (0.5, 3.0, answers.as_array().unwrap().len()));
+    let drawn = std::fs::read_to_string(&bode).unwrap();
+    contains(&drawn, &["<svg", "amplitude (m)", "phase (degrees)", "frequency (rad/s)", "x[3]"]);
+
+    // x'' + c x' + x = 0 is critical at c = 2; a negative c makes it grow.
+    let found = run("vibration_isolation", &["--vary", "c=-1..3", "--locus", &locus]).unwrap();
+    let limits = found["locus"]["limits"].as_array().unwrap();
+    assert!(limits.len() == 1 && limits[0]["value"].as_f64().unwrap().abs() < 1e-9, "{limits:?}");
+    assert_eq!(limits[0]["stable_above"], true);
+    for step in found["locus"]["steps"].as_array().unwrap() {
+        let c = step["value"].as_f64().unwrap();
+        for pair in step["eigenvalues"].as_array().unwrap() {
+            let (re, im) = (pair[0].as_f64().unwrap(), pair[1].as_f64().unwrap());
+            let left = [re * re - im * im + c * re + 1.0, 2.0 * re * im + c * im];
+            assert!(left[0].hypot(left[1]) < 1e-12 * (1.0 + re * re), "{c} {re} {im}");
+        }
+    }
+    contains(&std::fs::read_to_string(&locus).unwrap(), &["real part (1/s)", "c = -1 N*s/m", "c = 3 N*s/m"]);
+    let told = text("vibration_isolation", &["--vary", "c=-1..3"]);
+    contains(&told, &["c = 0 N*s/m: growth ends", "c = 3 N*s/m: nothing grows; -2.61803, -0.381966"]);
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn bad_drives_and_ranges_are_refused() {
+    let cases: [(&str, &[&str], &str); 9] = [
+        ("three_masses", &["--omega", "1"], "has no inputs; name a coordinate that a force acts on: --drive x[1]"),
+        ("forced_chain", &["--drive", "push3", "--omega", "1"], "did you mean `push1`?"),
+        ("forced_chain", &["--drive", "push1"], "--drive wants --omega, --bode or --range"),
+        ("forced_chain", &["--omega", "-1"], "a frequency is 0 or more"),
+        ("forced_chain", &["--drive", "push1", "--range", "0..3"], "frequencies go from more than 0 upwards"),
+        ("forced_chain", &["--drive", "push1", "--range", "3"], "--range wants a range A..B"),
+        ("forced_chain", &["--vary", "mm=1..2"], "did you mean `m`?"),
+        ("forced_chain", &["--vary", "m=1..1"], "has no width"),
+        ("forced_chain", &["--locus", "x.svg"], "--locus wants --vary"),
+    ];
+    for (model, options, part) in cases {
+        let (status, text) = run(model, options).unwrap_err();
+        assert!(status == 2 && text.contains(part), "{options:?}: {status} {text}");
+    }
+    let (status, text) = run("free_chain", &["--drive", "x[1]", "--omega", "0"]).unwrap_err();
+    assert!(status == 1 && text.contains("no steady state"), "{text}");
+}
+
 #[test]
 fn modes_are_drawn_and_animated() {
     let folder = std::env::temp_dir().join(format!("dalembert-modes-{}", std::process::id()));

@@ -59,6 +59,12 @@ fn modes() -> Command {
         .arg(value("plot", "FILE.svg", "Draw the shapes of the modes"))
         .arg(value("animate", "FILE.html", "Write a page that animates a mode"))
         .arg(value("mode", "NUMBER", "Which mode to animate [default: the first that is not rigid]"))
+        .arg(many("drive", "NAME[=AMPLITUDE]", "What shakes it: an input, or a coordinate that a force acts on; several go in step [default: the first input]"))
+        .arg(value("omega", "FREQUENCY", "Print the steady state at this frequency, rad/s: by modes, and what drives what"))
+        .arg(value("bode", "FILE.svg", "Draw the frequency response: amplitude and phase of every coordinate"))
+        .arg(value("range", "A..B", "Frequencies of the response, rad/s [default: about those of the modes]"))
+        .arg(many("vary", "PARAMETER=A..B", "Follow the eigenvalues while a parameter changes, and find where stability does"))
+        .arg(value("locus", "FILE.svg", "Draw them"))
         .arg(flag("here", "Take that point as it is, and refuse it if it is no equilibrium"))
         .arg(flag("json", "Print one JSON object"))
 }

@@ -86,7 +86,8 @@ impl Reader {
         Ok(())
     }
 
-    fn value(&mut self, loaded: &Loaded, option: &str, text: &str) -> Result<f64, Problem> {
+    /// The number that an option's value stands for.
+    pub fn value(&mut self, loaded: &Loaded, option: &str, text: &str) -> Result<f64, Problem> {
         if let Ok(number) = text.trim().parse::<f64>()
             && number.is_finite()
         {
@@ -133,7 +134,8 @@ fn scene_index(loaded: &Loaded, options: &ArgMatches) -> Result<usize, Problem> 
     found.ok_or_else(|| unknown("scene", name, scenes.iter().map(AsRef::as_ref)))
 }
 
-fn parameter_index(loaded: &Loaded, name: &str) -> Result<usize, Problem> {
+/// The index of a free parameter, by its expanded name.
+pub fn parameter_index(loaded: &Loaded, name: &str) -> Result<usize, Problem> {
     let description = loaded.system.description();
     if let Some(index) = description.parameters.iter().position(|p| p.name == name) {
         return Ok(index);
@@ -155,7 +157,8 @@ pub fn coordinate_index(loaded: &Loaded, name: &str) -> Result<usize, Problem> {
     found.ok_or_else(|| unknown("coordinate", name, coordinates.iter().map(|c| c.name.as_ref())))
 }
 
-fn unknown<'a>(kind: &str, name: &str, known: impl Iterator<Item = &'a str>) -> Problem {
+/// No such name, and which there are.
+pub fn unknown<'a>(kind: &str, name: &str, known: impl Iterator<Item = &'a str>) -> Problem {
     let known: Vec<&str> = known.collect();
     let hint = diagnose::did_you_mean_or(name, &known);
     Problem::Usage(format!("error: no {kind} is called `{name}`; {hint}"))

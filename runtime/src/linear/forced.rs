@@ -3,7 +3,7 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::normal::Spectrum;
-use super::{LinearError, Linearised, Motion, Reduction, expm};
+use super::{LinearError, Linearised, Motion, Reduction, Source, expm};
 
 /// A force F(t) = cos(Ωt) `cosine` + sin(Ωt) `sine`.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -77,19 +77,7 @@ impl Linearised {
     /// # Errors
     /// As [`Linearised::steady_state`]; [`LinearError::WrongSize`] for an input that does not exist.
     pub fn response_to_input(&self, input: usize, omega: f64) -> Result<Vec<Complex<f64>>, LinearError> {
-        if 3 * input >= self.input.columns {
-            return Err(LinearError::WrongSize {
-                what: "the input's index",
-                given: input,
-                expected: self.inputs.len(),
-            });
-        }
-        let mut force = vec![Complex::new(0.0, 0.0); self.len()];
-        for (row, column, value) in &self.input.entries {
-            if *column as usize / 3 == input {
-                force[*row as usize] += Complex::new(0.0, omega).powu(*column % 3) * *value;
-            }
-        }
+        let force = self.driving_force(&Source::Input(input).into(), omega)?;
         self.steady_state(&force, omega)
     }
 

@@ -95,6 +95,85 @@ fn problem_37_the_middle_mass_moves_in_the_other_modes() {
     assert!(alone[1].norm() < 1e-14 && (alone[0] + alone[2]).norm() < 1e-13);
 }
 
+/// Problem 37 without damping: the mode (1, 0, −1) grows by F/(4mΩ) a second at both ends, and what stays bounded moves
+/// the middle mass by F/(2k) alone, which is just what pulls the last mass at its own frequency √(2k/m).
+#[test]
+fn problem_37_without_damping_grows_in_one_mode() {
+    let omega = 2.0_f64.sqrt();
+    let steady = three_masses().steady(&Source::Force(0).into(), omega).unwrap();
+    let growth = steady.growth.unwrap();
+    for (g, expected) in growth.iter().zip([-0.25 / omega, 0.0, 0.25 / omega]) {
+        assert!((g - Complex::new(0.0, expected)).norm() < 1e-14, "{g}");
+    }
+    assert!((steady.total[1] + 0.5).norm() < 1e-14, "{}", steady.total[1]);
+    // A growing amplitude of the last mass, m x3'' + 2 k x3 = k x2: k x2/(2 m Ω) a second.
+    assert!((growth[2].norm() - steady.total[1].norm() / (2.0 * omega)).abs() < 1e-14);
+    // By integration from rest: x3 = t sin(Ωt)/(4Ω) and what stays bounded.
+    let motion = three_masses().harmonic_motion(&[0.0; 3], &[0.0; 3], &cosine(omega, 0), &[400.0, 800.0]).unwrap();
+    for (row, t) in [(0, 400.0), (1, 800.0)] {
+        assert!((motion.x[(row, 2)] + t / (4.0 * omega) * (omega * t).sin()).abs() < 1.0);
+    }
+    let middle = three_masses().steady(&Source::Force(1).into(), omega).unwrap();
+    assert!(middle.growth.is_none() && (middle.total[0] + 0.5).norm() < 1e-13);
+}
+
+/// The parts of a steady state by modes add up to it, whatever the damping; a constant force is a static load.
+#[test]
+fn a_steady_state_is_the_sum_of_its_parts() {
+    let mut c = DMatrix::zeros(3, 3);
+    c[(0, 0)] = 0.5;
+    let damped = linear(DMatrix::identity(3, 3), c, chain(3, 1.0, true));
+    for omega in [0.0, 1.1, 2.0_f64.sqrt()] {
+        let drive = Drive { parts: vec![(Source::Force(0), 2.0), (Source::Force(2), -1.0)] };
+        let steady = damped.steady(&drive, omega).unwrap();
+        for i in 0..3 {
+            let sum: Complex<f64> = steady.modes.iter().map(|mode| mode[i]).sum();
+            assert!((sum - steady.total[i]).norm() < 1e-13);
+        }
+        if omega == 0.0 {
+            close(steady.total[0].re, 2.0 * 0.75 - 0.25, 1e-14);
+        }
+    }
+    assert!(damped.steady(&Source::Force(3).into(), 1.0).is_err());
+    let free = undamped(DMatrix::identity(2, 2), chain(2, 1.0, false));
+    assert_eq!(free.steady(&Source::Force(0).into(), 0.0).unwrap_err(), LinearError::Resonance { omega: 0.0 });
+}
+
+/// Frequencies to look at reach beyond all modes and come close to each, however narrow its peak.
+#[test]
+fn telling_frequencies_do_not_miss_a_peak() {
+    let k = chain(3, 1.0, true);
+    let damped = linear(DMatrix::identity(3, 3), &k * 1e-6, k);
+    let omegas = damped.telling_frequencies(None).unwrap();
+    assert!(omegas[0] < 0.2 && omegas[omegas.len() - 1] > 9.0 && omegas.len() < 800);
+    let answers = damped.frequency_response(&Source::Force(0).into(), &omegas).unwrap();
+    let peak = answers.iter().flatten().map(|x| x[1].norm()).fold(0.0, f64::max);
+    // φ₁ φ₂/(c ω) with c = 10⁻⁶ ω², ω² = 2 − √2.
+    let expected = 0.5 * 0.5_f64.sqrt() * 1e6 / (2.0 - 2.0_f64.sqrt()).powf(1.5);
+    assert!((peak / expected - 1.0).abs() < 1e-2, "{peak} {expected}");
+    let narrow = damped.telling_frequencies(Some((2.0, 3.0))).unwrap();
+    assert_eq!((narrow[0], narrow[narrow.len() - 1]), (2.0, 3.0));
+}
+
+#[test]
+fn frequency_responses_and_root_loci_are_drawn() {
+    let oscillator = undamped(DMatrix::identity(1, 1), DMatrix::identity(1, 1));
+    let figure = bode(&oscillator, &Source::Force(0).into(), "a force", &[0.5, 0.9, 1.0, 1.1, 2.0]).unwrap();
+    let points = |chart: usize| figure.charts[chart].series[0].points.clone();
+    assert_eq!(points(0)[2], None, "an undamped resonance is a gap");
+    close(points(0)[4].unwrap().1, 1.0 / 3.0, 1e-15);
+    let phases: Vec<Option<f64>> = points(1).into_iter().map(|point| point.map(|p| p.1)).collect();
+    assert_eq!(phases, [Some(0.0), Some(0.0), None, Some(-180.0), Some(-180.0)]);
+    let pair = |re: f64, im: f64| vec![Complex::new(re, im), Complex::new(re, -im)];
+    let steps =
+        [(0.0, pair(0.0, 1.0)), (1.0, pair(-0.5, 0.8)), (1.5, vec![pair(-0.75, -0.6)[0], pair(-0.75, -0.6)[1]])];
+    let chart = root_locus("c", "N*s/m", &steps);
+    assert_eq!((chart.series[1].name.as_str(), chart.series[2].name.as_str()), ("c = 0 N*s/m", "c = 1.5 N*s/m"));
+    // Each branch goes on where it is nearest, though the order of the last list is another.
+    let upper = &chart.series[0].points[..4];
+    assert_eq!(upper, [None, Some((0.0, 1.0)), Some((-0.5, 0.8)), Some((-0.75, 0.6))]);
+}
+
 /// B21: transmissibility of a base-excited oscillator, (k u + c u') on the right-hand side.
 #[test]
 fn b21_transmissibility() {

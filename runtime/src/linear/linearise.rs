@@ -16,6 +16,8 @@ use crate::mechanism::{SingularMass, System};
 pub struct Linearised {
     /// Names of the coordinates, n of them.
     pub coordinates: Vec<String>,
+    /// Their units, as the model file has them; empty where it has none.
+    pub units: Vec<String>,
     /// Names of the inputs.
     pub inputs: Vec<String>,
     /// Where.
@@ -61,6 +63,7 @@ pub fn linearise<S: System + ?Sized>(system: &S, equilibrium: &Equilibrium) -> R
     }
     Ok(Linearised {
         coordinates: probe.names(),
+        units: system.description().coordinates.iter().map(|c| c.unit.to_string()).collect(),
         inputs: system.description().inputs.iter().map(ToString::to_string).collect(),
         equilibrium: equilibrium.clone(),
         input: probe.input(&state.q),

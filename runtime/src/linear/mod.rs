@@ -7,7 +7,8 @@
 //!    ([`solvenum`], [`solvemode`], [`solvenorm`]) in `initial_value.rs`.
 //! 4. Damped, gyroscopic, circulatory: [`Linearised::modes`]; complex modes need the feature `modal`: look in
 //!    `damped.rs`.  Motions by the matrix exponential [`expm`]: look in `motion.rs`.
-//! 5. Forced: steady states, resonance, steps, impulses, any input: look in `forced.rs`.
+//! 5. Forced: steady states, resonance, steps, impulses, any input: look in `forced.rs`; frequency responses, by
+//!    modes: look in `drive.rs`.
 //! 6. Proportional and diagonal damping: look in `proportional.rs`.
 //! 7. Measuring frequency and damping of a run: look in `measured.rs`.
 //! 8. Pictures: look in `pictures.rs`.
@@ -25,6 +26,7 @@ macro_rules! dmatrix {
 
 #[cfg(feature = "modal")]
 mod damped;
+mod drive;
 mod equilibrium;
 mod error;
 mod expm;
@@ -37,6 +39,7 @@ mod mechanism;
 mod mode;
 mod motion;
 mod normal;
+mod numbers;
 mod pictures;
 mod probe;
 mod proportional;
@@ -54,6 +57,7 @@ mod tests;
 
 #[cfg(feature = "modal")]
 pub use damped::{ComplexModes, complex_modes};
+pub use drive::{Drive, Source, Steady};
 pub use equilibrium::{Equilibrium, Guess, equilibria, equilibrium_here, equilibrium_near};
 pub use error::LinearError;
 pub use expm::expm;
@@ -65,6 +69,9 @@ pub use measured::{Measured, measure};
 pub use mechanism::LinearMechanism;
 pub use mode::{Kind, Mode};
 pub use normal::{Reduction, normal_modes};
+pub use numbers::{short, short_beside};
+#[cfg(feature = "cli")]
+pub(crate) use pictures::matched;
 pub use pictures::{animate_mode, bode, draw_modes, root_locus};
 pub use proportional::{DiagonalDamping, proportional_damping};
 pub use sparse::SparseMatrix;

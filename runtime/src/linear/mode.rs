@@ -1,10 +1,11 @@
 //! One mode of small motions.
 
+use std::f64::consts::TAU;
 use std::fmt;
 
 use nalgebra::Complex;
 
-use super::SparseMatrix;
+use super::{SparseMatrix, short};
 
 /// What a mode does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,24 +108,25 @@ impl Mode {
 }
 
 impl fmt::Display for Mode {
+    /// `damped, omega = 1.2 rad/s, zeta = 0.1, falls by e in 8.3 s; carried by x 90 %, y 10 %`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (omega, seen) = (short(self.omega), short(self.eigenvalue.im));
+        let growth = short(1.0 / self.eigenvalue.re);
         match self.kind {
-            Kind::Rigid => write!(f, "rigid")?,
-            Kind::Unstable if self.eigenvalue.im == 0.0 => {
-                write!(f, "unstable, grows by e in {} s", 1.0 / self.eigenvalue.re)?;
-            }
-            Kind::Unstable => {
-                let (re, im) = (self.eigenvalue.re, self.eigenvalue.im);
-                write!(f, "unstable, omega = {im} rad/s, grows by e in {} s", 1.0 / re)?;
-            }
-            Kind::Oscillating => write!(f, "oscillating, omega = {} rad/s", self.omega)?,
+            Kind::Rigid => write!(f, "rigid, no stiffness")?,
+            Kind::Unstable if self.eigenvalue.im == 0.0 => write!(f, "unstable, grows by e in {growth} s")?,
+            Kind::Unstable => write!(f, "unstable, omega = {seen} rad/s, grows by e in {growth} s")?,
+            Kind::Oscillating => write!(f, "oscillating, omega = {omega} rad/s, period {} s", short(TAU / self.omega))?,
             kind => {
-                write!(f, "{}, omega = {} rad/s", kind.word(), self.omega)?;
+                write!(f, "{}, omega = {omega} rad/s", kind.word())?;
                 if let Some(zeta) = self.zeta {
-                    write!(f, ", zeta = {zeta}")?;
+                    write!(f, ", zeta = {}", short(zeta))?;
+                }
+                if kind == Kind::Damped {
+                    write!(f, ", seen at {seen} rad/s")?;
                 }
                 if let Some(time) = self.decay_time() {
-                    write!(f, ", falls by e in {time} s")?;
+                    write!(f, ", falls by e in {} s", short(time))?;
                 }
             }
         }

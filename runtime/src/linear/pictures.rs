@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::Complex;
 
-use super::{LinearError, Linearised, Mode};
+use super::{Drive, LinearError, Linearised, Mode, short};
 use crate::mechanism::{Shape, System};
 use crate::show::{Animation, Axis, Chart, Figure, Series, Style};
 
@@ -52,40 +52,94 @@ pub fn draw_modes<S: System + ?Sized>(system: &S, linear: &Linearised, modes: &[
     Figure { charts: modes.iter().enumerate().map(chart).collect() }
 }
 
-/// Size and phase of every coordinate's answer to an input, against the frequency.
+/// Size and phase of every coordinate's answer to a drive of unit amplitude, against the frequency; `name` says what
+/// drives.
+///
+/// Phases are in degrees, negative where the answer comes late, and continuous along the curve.  Frequencies that meet
+/// an undamped mode leave a gap.
 ///
 /// # Errors
-/// As [`Linearised::response_to_input`]; frequencies that meet an undamped mode leave a gap instead.
-pub fn bode(linear: &Linearised, input: usize, omegas: &[f64]) -> Result<Figure, LinearError> {
-    let mut answers: Vec<Option<Vec<Complex<f64>>>> = Vec::new();
-    for omega in omegas {
-        answers.push(match linear.response_to_input(input, *omega) {
-            Err(LinearError::Resonance { .. }) => None,
-            answer => Some(answer?),
-        });
-    }
+/// As [`Linearised::frequency_response`].
+pub fn bode(linear: &Linearised, drive: &Drive, name: &str, omegas: &[f64]) -> Result<Figure, LinearError> {
+    let answers = linear.frequency_response(drive, omegas)?;
     let frequency = || Axis::new("frequency", "rad/s").log();
-    let name = linear.inputs.get(input).map_or("the input", String::as_str);
-    let mut size = Chart::new(format!("response to {name}"), frequency(), Axis::new("size", "").log());
-    let mut phase = Chart::new("", frequency(), Axis::new("phase", "rad"));
+    let same = linear.units.windows(2).all(|pair| pair[0] == pair[1]);
+    let unit = if same { linear.units.first().map_or("", String::as_str) } else { "" };
+    let mut size = Chart::new(format!("response to {name}"), frequency(), Axis::new("amplitude", unit).log());
+    let mut phase = Chart::new("", frequency(), Axis::new("phase", "degrees").every(45.0));
     for (index, coordinate) in linear.coordinates.iter().enumerate() {
-        let series = |value: fn(&Complex<f64>) -> f64| {
-            let point =
-                |(omega, answer): (&f64, &Option<Vec<Complex<f64>>>)| Some((*omega, value(&answer.as_ref()?[index])));
-            Series::line(coordinate.clone(), omegas.iter().zip(&answers).map(point))
+        let label = match linear.units.get(index) {
+            Some(unit) if !same && !unit.is_empty() => format!("{coordinate} ({unit})"),
+            _ => coordinate.clone(),
         };
-        size.series.push(series(|x| x.norm()));
-        phase.series.push(series(|x| x.arg()));
+        let elements = || omegas.iter().zip(answers.iter().map(|answer| answer.as_ref().map(|x| x[index])));
+        // What is rounding beside the largest answer has no phase.
+        let most = answers.iter().flatten().flatten().fold(0.0_f64, |most, x| most.max(x.norm()));
+        let moves = |x: &Complex<f64>| x.norm() > 1e-13 * most;
+        let sizes = elements().map(|(omega, x)| x.filter(moves).map(|x| (*omega, x.norm())));
+        size.series.push(Series::line(label.clone(), sizes));
+        let mut before: Option<f64> = None;
+        let phases = elements().map(|(omega, x)| {
+            let Some(x) = x.filter(moves) else {
+                before = None;
+                return None;
+            };
+            // Half a turn counts as late.
+            let angle = Some(x.arg().to_degrees()).map(|a| if a > 179.999 { a - 360.0 } else { a })?;
+            let turns = before.map_or(0.0, |last| (last - angle) / 360.0);
+            // Without damping answers are in step or opposed, and half a turn to and fro is no winding.
+            let opposed = x.im.abs() <= 1e-12 * x.norm();
+            let turned =
+                if opposed && (turns.abs() - 0.5).abs() < 1e-6 { angle } else { angle + 360.0 * turns.round() };
+            before = Some(turned);
+            Some((*omega, turned))
+        });
+        phase.series.push(Series::line(label, phases.collect::<Vec<_>>()));
     }
     Ok(Figure { charts: vec![size, phase] })
 }
 
-/// Eigenvalues in the complex plane as a parameter changes; a series of marks for each of its values.
-pub fn root_locus(title: &str, eigenvalues: &[(f64, Vec<Complex<f64>>)]) -> Chart {
-    let chart = Chart::new(title, Axis::new("Re", "1/s"), Axis::new("Im", "rad/s"));
-    eigenvalues.iter().fold(chart, |chart, (value, list)| {
-        chart.with(Series::marks(format!("{value}"), list.iter().map(|x| Some((x.re, x.im)))))
-    })
+/// Eigenvalues in the complex plane as a parameter goes through some values; marks where it begins and ends.
+///
+/// `eigenvalues` are pairs of a value and all eigenvalues there; neighbours are joined where they are nearest.
+pub fn root_locus(parameter: &str, unit: &str, eigenvalues: &[(f64, Vec<Complex<f64>>)]) -> Chart {
+    let mut branches: Vec<Vec<Option<(f64, f64)>>> = Vec::new();
+    let mut ends: Vec<Complex<f64>> = Vec::new();
+    for (_, list) in eigenvalues {
+        if ends.len() != list.len() {
+            ends.clone_from(list);
+            branches.extend(ends.iter().map(|x| vec![None, Some((x.re, x.im))]));
+            continue;
+        }
+        let last = branches.len() - ends.len();
+        ends = matched(&ends, list);
+        for (end, branch) in ends.iter().zip(&mut branches[last..]) {
+            branch.push(Some((end.re, end.im)));
+        }
+    }
+    let value =
+        |value: f64| format!("{parameter} = {}", if unit == "1" { short(value) } else { with_unit(value, unit) });
+    let title = format!("eigenvalues as {parameter} changes");
+    let chart = Chart::new(title, Axis::new("real part", "1/s"), Axis::new("imaginary part", "rad/s"));
+    let marks =
+        |(at, list): &(f64, Vec<Complex<f64>>)| Series::marks(value(*at), list.iter().map(|x| Some((x.re, x.im))));
+    let chart = chart.with(Series::line("", branches.into_iter().flatten()));
+    eigenvalues.first().into_iter().chain(eigenvalues.last()).fold(chart, |chart, end| chart.with(marks(end)))
+}
+
+/// `next` in such an order that each stands where one of `before` is near.
+pub(crate) fn matched(before: &[Complex<f64>], next: &[Complex<f64>]) -> Vec<Complex<f64>> {
+    let mut left = next.to_vec();
+    let take = |end: &Complex<f64>| {
+        let apart = |x: &Complex<f64>| (x - *end).norm();
+        let nearest = (0..left.len()).min_by(|a, b| apart(&left[*a]).total_cmp(&apart(&left[*b])));
+        nearest.map_or(*end, |nearest| left.swap_remove(nearest))
+    };
+    before.iter().map(take).collect()
+}
+
+fn with_unit(value: f64, unit: &str) -> String {
+    format!("{} {unit}", short(value)).trim_end().to_owned()
 }
 
 /// The numbers of all shapes at q₀ + a Re(φ e^(i phase)).

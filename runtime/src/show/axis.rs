@@ -25,6 +25,8 @@ pub struct Axis {
     pub scale: Scale,
     /// Ends; `None` (the default) fits the data.
     pub range: Option<(f64, f64)>,
+    /// Distance of the marks of a linear axis, where they are not too many; `None` (the default) chooses a round one.
+    pub step: Option<f64>,
 }
 
 impl Axis {
@@ -36,6 +38,11 @@ impl Axis {
     /// The same axis with a logarithmic scale.
     pub fn log(self) -> Axis {
         Axis { scale: Scale::Log, ..self }
+    }
+
+    /// The same axis with a mark at multiples of this, twice this, four times this …, as many as fit.
+    pub fn every(self, step: f64) -> Axis {
+        Axis { step: Some(step), ..self }
     }
 
     /// `time (s)`.
@@ -57,6 +64,7 @@ pub(super) struct Extent {
     high: f64,
     /// All values are the same: the ends are a mere guess.
     flat: bool,
+    step: Option<f64>,
     ticks: Ticks,
 }
 
@@ -69,7 +77,7 @@ impl Extent {
         let given = axis.range.filter(|(low, high)| axis.has(*low) && axis.has(*high) && low < high);
         let (low, high) = given.unwrap_or_else(|| padded(axis.scale, found, pad));
         let flat = given.is_none() && found.is_none_or(|(low, high)| low == high);
-        Extent { scale: axis.scale, low, high, flat, ticks: Ticks::default() }
+        Extent { scale: axis.scale, low, high, flat, step: axis.step, ticks: Ticks::default() }
     }
 
     /// Gives an axis whose values are all the same a fifth of the other's range.
@@ -86,7 +94,7 @@ impl Extent {
     /// The same axis with about this many marks.
     pub fn with_ticks(mut self, count: usize) -> Extent {
         self.ticks = match self.scale {
-            Scale::Linear => Ticks::linear(self.low, self.high, count),
+            Scale::Linear => Ticks::linear(self.low, self.high, count, self.step),
             Scale::Log => Ticks::log(self.low, self.high, count),
         };
         self

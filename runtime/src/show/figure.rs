@@ -119,7 +119,7 @@ fn draw_chart<'a>(chart: &Chart, canvas: &Canvas<'a>, top: i32, height: i32, nam
         .draw()?;
 
     let place = |x: f64, y: f64| context.backend_coord(&(x, y));
-    if x.crosses_zero() && chart.equal {
+    if x.crosses_zero() {
         canvas.draw(&PathElement::new([place(0.0, y.at(0.0)), place(0.0, y.at(1.0))], ZERO.stroke_width(12)))?;
     }
     if y.crosses_zero() {

@@ -9,9 +9,12 @@ pub(super) struct Ticks {
 }
 
 impl Ticks {
-    /// Multiples of 1, 2 or 5 times a power of ten in `low..=high`, about `count` of them.
-    pub fn linear(low: f64, high: f64, count: usize) -> Ticks {
-        let step = round_step((high - low) / count.max(1) as f64);
+    /// Multiples of 1, 2 or 5 times a power of ten in `low..=high`, or of `step` times a power of two, about `count` of
+    /// them.
+    pub fn linear(low: f64, high: f64, count: usize, step: Option<f64>) -> Ticks {
+        let least = (high - low) / count.max(1) as f64;
+        let doubled = |step: f64| step * (least / step).log2().ceil().max(0.0).exp2();
+        let step = step.filter(|step| *step > 0.0).map_or_else(|| round_step(least), doubled);
         let slack = 1e-6;
         let (first, last) = ((low / step - slack).ceil(), (high / step + slack).floor());
         let count = (last - first).clamp(0.0, 100.0) as usize;
@@ -32,7 +35,7 @@ impl Ticks {
         };
         let decades = high.log10() - low.log10();
         if decades < 0.5 {
-            return Ticks::linear(low, high, count);
+            return Ticks::linear(low, high, count, None);
         }
         let stride = (decades / count.max(1) as f64).ceil().max(1.0) as i32;
         let major = if decades < 2.0 {
@@ -109,11 +112,13 @@ mod tests {
 
     #[test]
     fn linear_ticks_are_round() {
-        assert_eq!(labels(&Ticks::linear(0.0, 10.0, 5)), ["0", "2", "4", "6", "8", "10"]);
-        assert_eq!(labels(&Ticks::linear(-0.13, 0.11, 5)), ["−0.10", "−0.05", "0", "0.05", "0.10"]);
-        assert_eq!(labels(&Ticks::linear(1e6, 3e6, 2)), ["1·10⁶", "2·10⁶", "3·10⁶"]);
+        assert_eq!(labels(&Ticks::linear(0.0, 10.0, 5, None)), ["0", "2", "4", "6", "8", "10"]);
+        assert_eq!(labels(&Ticks::linear(-190.0, 10.0, 5, Some(45.0))), ["−180", "−135", "−90", "−45", "0"]);
+        assert_eq!(labels(&Ticks::linear(-500.0, 0.0, 5, Some(45.0))), ["−360", "−180", "0"]);
+        assert_eq!(labels(&Ticks::linear(-0.13, 0.11, 5, None)), ["−0.10", "−0.05", "0", "0.05", "0.10"]);
+        assert_eq!(labels(&Ticks::linear(1e6, 3e6, 2, None)), ["1·10⁶", "2·10⁶", "3·10⁶"]);
         assert_eq!(
-            labels(&Ticks::linear(0.0, 2.5e-9, 5)),
+            labels(&Ticks::linear(0.0, 2.5e-9, 5, None)),
             ["0", "0.5·10⁻⁹", "1.0·10⁻⁹", "1.5·10⁻⁹", "2.0·10⁻⁹", "2.5·10⁻⁹"]
         );
     }
@@ -143,7 +148,7 @@ mod tests {
     #[test]
     fn ticks_stay_inside() {
         for (low, high) in [(0.0, 1.0), (-3.7, 12.9), (1e-300, 1e300), (1.0 - 1e-7, 1.0 + 1e-7), (-1e12, 3.0)] {
-            let ticks = Ticks::linear(low, high, 6);
+            let ticks = Ticks::linear(low, high, 6, None);
             let slack = (high - low) * 1e-5;
             assert!((2..=14).contains(&ticks.major.len()), "{ticks:?}");
             assert!(ticks.major.iter().all(|x| (low - slack..=high + slack).contains(x)), "{ticks:?}");

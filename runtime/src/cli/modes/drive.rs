@@ -1,0 +1,339 @@
+//! `--drive`, `--omega`, `--bode`: steady states and frequency responses.
+
+use std::io::Write;
+
+use clap::ArgMatches;
+use nalgebra::Complex;
+use serde_json::{Value, json};
+
+use super::super::Problem;
+use super::super::json::{number, object};
+use super::super::load::Loaded;
+use super::super::set_up::{Reader, unknown};
+use super::{failed, write_file};
+use crate::linear::{Drive, Kind, Linearised, Source, Steady, bode, short, short_beside};
+
+/// Below this part of its static stiffness a coordinate by itself is near resonance.
+const NEAR_RESONANCE: f64 = 0.3;
+
+/// What was asked of a drive, and its answers.
+pub struct Driven {
+    /// What drives, in words: `push1`, or `1*C + 1*D`.
+    label: String,
+    steady: Option<Steady>,
+    response: Option<Response>,
+}
+
+/// A frequency response.
+struct Response {
+    omegas: Vec<f64>,
+    answers: Vec<Option<Vec<Complex<f64>>>>,
+}
+
+impl Driven {
+    /// Computes what `--omega`, `--bode` and `--range` ask for, and draws; `None` if nothing is asked.
+    pub fn new(
+        loaded: &Loaded,
+        options: &ArgMatches,
+        reader: &mut Reader,
+        linear: &Linearised,
+    ) -> Result<Option<Driven>, Problem> {
+        let omega = options.get_one::<String>("omega");
+        let (bode_file, range) = (options.get_one::<String>("bode"), options.get_one::<String>("range"));
+        let asked = omega.is_some() || bode_file.is_some() || range.is_some();
+        if !asked {
+            return match options.contains_id("drive") {
+                true => Err(Problem::Usage("error: --drive wants --omega, --bode or --range beside it".to_owned())),
+                false => Ok(None),
+            };
+        }
+        let (drive, label) = drive(loaded, options, reader, linear)?;
+        let mut driven = Driven { label, steady: None, response: None };
+        if let Some(text) = omega {
+            let omega = reader.value(loaded, "omega", text)?;
+            if omega < 0.0 {
+                return Err(Problem::Usage(format!("error: --omega is `{text}`; a frequency is 0 or more")));
+            }
+            driven.steady = Some(linear.steady(&drive, omega).map_err(failed)?);
+        }
+        if bode_file.is_some() || range.is_some() {
+            let range = range.map(|text| frequencies(loaded, reader, text)).transpose()?;
+            let omegas = linear.telling_frequencies(range).map_err(failed)?;
+            let answers = linear.frequency_response(&drive, &omegas).map_err(failed)?;
+            if let Some(path) = bode_file {
+                write_file(path, bode(linear, &drive, &driven.label, &omegas).map_err(failed)?.to_svg())?;
+            }
+            driven.response = Some(Response { omegas, answers });
+        }
+        Ok(Some(driven))
+    }
+
+    /// Frequencies of undamped modes in the range of the response, rad/s.
+    fn undamped(&self, linear: &Linearised) -> Vec<f64> {
+        let Some(Response { omegas, .. }) = &self.response else { return Vec::new() };
+        let (low, high) = (omegas[0], omegas[omegas.len() - 1]);
+        let modes = linear.modes().unwrap_or_default();
+        let undamped = modes.iter().filter(|mode| mode.kind == Kind::Oscillating && (low..=high).contains(&mode.omega));
+        undamped.map(|mode| mode.omega).collect()
+    }
+
+    /// What the numbers alone do not tell.
+    pub fn notes(&self, linear: &Linearised) -> Vec<String> {
+        let list: Vec<String> = self.undamped(linear).into_iter().map(short).collect();
+        if list.is_empty() {
+            return Vec::new();
+        }
+        let at = list.join(", ");
+        vec![format!("undamped modes at {at} rad/s: where the drive reaches one of them the answer has no bound")]
+    }
+
+    /// The keys `steady` and `response`, where they were asked for.
+    pub fn as_json(&self, linear: &Linearised) -> Vec<(&'static str, Value)> {
+        let pair = |x: &Complex<f64>| json!([number(x.re), number(x.im)]);
+        let by_name =
+            |x: &[Complex<f64>]| object(linear.coordinates.iter().zip(x).map(|(name, x)| (name.clone(), pair(x))));
+        let mut entries = Vec::new();
+        if let Some(steady) = &self.steady {
+            let mode = |(omega, part): (&f64, &Vec<Complex<f64>>)| {
+                object([("omega", number(*omega)), ("amplitude", by_name(part))])
+            };
+            entries.push((
+                "steady",
+                object([
+                    ("drive", json!(self.label)),
+                    ("omega", number(steady.omega)),
+                    ("amplitude", by_name(&steady.total)),
+                    ("growth", steady.growth.as_ref().map_or(Value::Null, |g| by_name(g))),
+                    ("modes", steady.omegas.iter().zip(&steady.modes).map(mode).collect::<Vec<_>>().into()),
+                ]),
+            ));
+        }
+        if let Some(Response { omegas, answers }) = &self.response {
+            let column = |index: usize| -> Value {
+                let cell =
+                    |answer: &Option<Vec<Complex<f64>>>| answer.as_ref().map_or(Value::Null, |x| pair(&x[index]));
+                answers.iter().map(cell).collect::<Vec<_>>().into()
+            };
+            let columns = linear.coordinates.iter().enumerate().map(|(i, name)| (name.clone(), column(i)));
+            entries.push((
+                "response",
+                object([
+                    ("drive", json!(self.label)),
+                    ("omega", omegas.iter().map(|omega| number(*omega)).collect::<Vec<_>>().into()),
+                    ("amplitude", object(columns)),
+                ]),
+            ));
+        }
+        entries
+    }
+
+    /// For people.
+    pub fn table(&self, linear: &Linearised, out: &mut dyn Write) -> Result<(), Problem> {
+        if let Some(steady) = &self.steady {
+            writeln!(out, "steady state, if {} goes as cos({} t):", self.label, short(steady.omega))?;
+            parts(linear, steady, out)?;
+            if steady.growth.is_some() {
+                growth(linear, steady, out)?;
+            } else {
+                forces(linear, steady, &self.label, out)?;
+            }
+            for sentence in resting(linear, steady) {
+                writeln!(out, "  {sentence}")?;
+            }
+        }
+        if let Some(response) = &self.response {
+            let (low, high) = (response.omegas[0], response.omegas[response.omegas.len() - 1]);
+            let undamped = self.undamped(linear);
+            writeln!(out, "largest answers to {} between {} and {} rad/s:", self.label, short(low), short(high))?;
+            for (index, name) in linear.coordinates.iter().enumerate() {
+                let sizes = response.omegas.iter().zip(&response.answers);
+                let peak = sizes
+                    .filter_map(|(omega, answer)| Some((*omega, answer.as_ref()?[index].norm())))
+                    .max_by(|a, b| a.1.total_cmp(&b.1));
+                let Some((omega, size)) = peak else { continue };
+                if let Some(mode) = undamped.iter().find(|mode| (omega - **mode).abs() < 1e-3 * omega) {
+                    writeln!(out, "  {name}: without bound at {} rad/s", short(*mode))?;
+                } else {
+                    writeln!(out, "  {name}: {}{} at {} rad/s", short(size), unit(linear, index), short(omega))?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Each coordinate's amplitude, and what each mode contributes to it.
+fn parts(linear: &Linearised, steady: &Steady, out: &mut dyn Write) -> Result<(), Problem> {
+    let scale = largest(&steady.total).max(steady.growth.as_deref().map_or(0.0, largest));
+    let polar = |x: &Complex<f64>| {
+        if x.norm() <= 1e-12 * scale { "0".to_owned() } else { format!("{}<{:.0}", short4(x.norm()), degrees(x)) }
+    };
+    let mut rows = vec![["".to_owned(), "amplitude".to_owned(), "phase".to_owned()].to_vec()];
+    rows[0].extend((1..=steady.modes.len()).map(|k| format!("mode {k}")));
+    rows[0].truncate(3 + super::MOST_PRINTED);
+    for (index, name) in linear.coordinates.iter().enumerate() {
+        let x = steady.total[index];
+        let phase = if x.norm() <= 1e-12 * scale { "-".to_owned() } else { format!("{:.1} deg", degrees(&x)) };
+        let amplitude = format!("{}{}", short_beside(x.norm(), scale), unit(linear, index));
+        let mut row = vec![name.clone(), amplitude, phase];
+        row.extend(steady.modes.iter().take(super::MOST_PRINTED).map(|mode| polar(&mode[index])));
+        rows.push(row);
+    }
+    super::report::columns(&rows, out)?;
+    writeln!(out, "  (each mode's part as size<phase in degrees; the parts add up as complex numbers)")?;
+    Ok(())
+}
+
+/// What grows where the force meets undamped modes.
+fn growth(linear: &Linearised, steady: &Steady, out: &mut dyn Write) -> Result<(), Problem> {
+    let Some(growth) = &steady.growth else { return Ok(()) };
+    let scale = largest(growth);
+    let each = linear.coordinates.iter().zip(growth).enumerate().filter(|(_, (_, g))| g.norm() > 1e-12 * scale);
+    let list: Vec<String> =
+        each.map(|(i, (name, g))| format!("{name} by {}{}", short(g.norm()), unit(linear, i))).collect();
+    writeln!(out, "  resonance: there is no steady state; every second the amplitude grows: {}", list.join(", "))?;
+    writeln!(out, "  (the table holds what stays bounded)")?;
+    Ok(())
+}
+
+/// What pulls at each coordinate, and how stiff it is by itself.
+fn forces(linear: &Linearised, steady: &Steady, label: &str, out: &mut dyn Write) -> Result<(), Problem> {
+    if linear.len() < 2 || linear.len() > super::MOST_PRINTED {
+        return Ok(());
+    }
+    let dynamic = linear.dynamic_stiffness(steady.omega);
+    let still = linear.dynamic_stiffness(0.0);
+    writeln!(
+        out,
+        "what drives each coordinate (amplitudes), against its own dynamic stiffness |Kii + i w Cii - w^2 Mii|:"
+    )?;
+    for (i, name) in linear.coordinates.iter().enumerate() {
+        let mut pulls: Vec<(String, f64)> = vec![(label.to_owned(), steady.force[i].norm())];
+        pulls.extend(
+            (0..linear.len())
+                .filter(|j| *j != i)
+                .map(|j| (linear.coordinates[j].clone(), (dynamic[(i, j)] * steady.total[j]).norm())),
+        );
+        let most = pulls.iter().fold(0.0_f64, |most, pull| most.max(pull.1));
+        pulls.retain(|pull| pull.1 > 1e-9 * most);
+        let list: Vec<String> = pulls.iter().map(|(from, size)| format!("{from} {}", short4(*size))).collect();
+        let (own, rest) = (dynamic[(i, i)].norm(), still[(i, i)].norm());
+        let alone = if own < NEAR_RESONANCE * rest { ": alone it would be near resonance here" } else { "" };
+        let list = if list.is_empty() { "nothing".to_owned() } else { list.join(", ") };
+        writeln!(out, "  {name}: driven by {list}; stiffness {} (at rest {}){alone}", short4(own), short4(rest))?;
+    }
+    Ok(())
+}
+
+/// Coordinates that the largest mode leaves at rest and that move in others all the same.
+fn resting(linear: &Linearised, steady: &Steady) -> Vec<String> {
+    // A mode that grows is larger than any other, sooner or later.
+    let by_growth = steady.growth.as_ref().map(|growth| {
+        let near = |k: &usize| (steady.omegas[*k] - steady.omega).abs() <= 1e-9 * steady.omega;
+        ((0..steady.modes.len()).find(near), growth.clone())
+    });
+    let (leading, part) = match by_growth {
+        Some((Some(k), growth)) => (k, growth),
+        _ => {
+            let size = |k: &usize| largest(&steady.modes[*k]);
+            let Some(k) = (0..steady.modes.len()).max_by(|a, b| size(a).total_cmp(&size(b))) else { return Vec::new() };
+            (k, steady.modes[k].clone())
+        }
+    };
+    let (scale, total) = (largest(&part), largest(&steady.total));
+    let rests = |i: &usize| part[*i].norm() < 1e-3 * scale && steady.total[*i].norm() > 1e-2 * total;
+    let sentence = |i: usize| {
+        let others: Vec<String> = (0..steady.modes.len())
+            .filter(|k| *k != leading && steady.modes[*k][i].norm() > 1e-3 * steady.total[i].norm())
+            .map(|k| (k + 1).to_string())
+            .collect();
+        format!(
+            "{} rests in mode {}, the largest, and yet moves by {}{}, in mode(s) {}: so it passes the motion on",
+            linear.coordinates[i],
+            leading + 1,
+            short(steady.total[i].norm()),
+            unit(linear, i),
+            others.join(", ")
+        )
+    };
+    if linear.len() > super::MOST_PRINTED {
+        return Vec::new();
+    }
+    (0..linear.len()).filter(rests).map(sentence).collect()
+}
+
+fn largest(x: &[Complex<f64>]) -> f64 {
+    x.iter().fold(0.0, |most, x| most.max(x.norm()))
+}
+
+fn degrees(x: &Complex<f64>) -> f64 {
+    let angle = x.arg().to_degrees();
+    // Half a turn is late; and no -0.
+    if angle > 179.95 { angle - 360.0 } else { angle + 0.0 }
+}
+
+/// Four significant digits.
+fn short4(x: f64) -> String {
+    let rounded: f64 = format!("{x:.3e}").parse().unwrap_or(x);
+    short(rounded)
+}
+
+/// ` m`, or nothing.
+fn unit(linear: &Linearised, index: usize) -> String {
+    match linear.units.get(index).map_or("", String::as_str) {
+        "" | "1" => String::new(),
+        unit => format!(" {unit}"),
+    }
+}
+
+/// What `--drive` names: the first input if it is absent.
+fn drive(
+    loaded: &Loaded,
+    options: &ArgMatches,
+    reader: &mut Reader,
+    linear: &Linearised,
+) -> Result<(Drive, String), Problem> {
+    let given: Vec<&String> = options.get_many::<String>("drive").into_iter().flatten().collect();
+    let mut drive = Drive::default();
+    let mut label = String::new();
+    if given.is_empty() {
+        let Some(input) = linear.inputs.first() else {
+            let example = linear.coordinates.first().map_or("", String::as_str);
+            return Err(Problem::Usage(format!(
+                "error: `{}` has no inputs; name a coordinate that a force acts on: --drive {example}",
+                loaded.name
+            )));
+        };
+        drive.parts.push((Source::Input(0), 1.0));
+        label.clone_from(input);
+    }
+    for text in given {
+        let (name, amplitude) = text.split_once('=').map_or((text.trim(), "1"), |(name, value)| (name.trim(), value));
+        let Some(source) = linear.source(name) else {
+            let known = linear.inputs.iter().chain(&linear.coordinates).map(String::as_str);
+            return Err(unknown("input or coordinate", name, known));
+        };
+        let size = reader.value(loaded, "drive", amplitude)?;
+        let what = match source {
+            Source::Input(_) => name.to_owned(),
+            Source::Force(_) => format!("a force on {name}"),
+        };
+        let times = if size == 1.0 { String::new() } else { format!("{} times ", short(size)) };
+        label = if label.is_empty() { format!("{times}{what}") } else { format!("{label} and {times}{what}") };
+        drive.parts.push((source, size));
+    }
+    let acts = [0.7, 1.9].iter().try_fold(false, |acts, omega| {
+        let force = linear.driving_force(&drive, *omega).map_err(failed)?;
+        Ok::<bool, Problem>(acts || force.iter().any(|f| f.norm() > 0.0))
+    })?;
+    if acts { Ok((drive, label)) } else { Err(Problem::Run(format!("{label} does not act on small motions here"))) }
+}
+
+/// `A..B` with 0 < A < B.
+fn frequencies(loaded: &Loaded, reader: &mut Reader, text: &str) -> Result<(f64, f64), Problem> {
+    let (low, high) = super::range(loaded, reader, "range", text)?;
+    if low > 0.0 && high > low {
+        return Ok((low, high));
+    }
+    Err(Problem::Usage(format!("error: --range is `{text}`; frequencies go from more than 0 upwards")))
+}

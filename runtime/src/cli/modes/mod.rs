@@ -1,0 +1,130 @@
+//! `modes`: an equilibrium, M, C and K there, the modes, and answers to what shakes them.
+
+mod drive;
+mod locus;
+mod report;
+
+use std::io::Write;
+
+use super::load::Loaded;
+use super::set_up::{Reader, choose};
+use super::{Entry, Problem};
+use crate::linear::{
+    Guess, Kind, LinearError, Linearised, Mode, animate_mode, draw_modes, equilibrium_here, equilibrium_near, linearise,
+};
+use clap::ArgMatches;
+use drive::Driven;
+use locus::Locus;
+
+/// Matrices with more coordinates are not printed for people.
+const MOST_PRINTED: usize = 12;
+
+/// Searches from `--at` or the file's guess (or takes it as it is), linearises, and prints the modes.
+pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+    let mut loaded = Loaded::find(models, options)?;
+    let (_, mut reader) = choose(&mut loaded, options)?;
+    let mut guess = Guess::at(&loaded.system.equilibrium_guess());
+    reader.states(&loaded, options, "at", &mut guess.q, &mut guess.v)?;
+    for warning in &loaded.warnings {
+        eprintln!("warning: {warning}");
+    }
+    let system = &*loaded.system;
+    let found =
+        if options.get_flag("here") { equilibrium_here(system, &guess) } else { equilibrium_near(system, &guess) };
+    let linear = linearise(system, &found.map_err(failed)?).map_err(failed)?;
+    let modes = linear.modes().map_err(failed)?;
+    let driven = Driven::new(&loaded, options, &mut reader, &linear)?;
+    let locus = Locus::new(&loaded, options, &mut reader, &linear.equilibrium)?;
+    let more = driven.iter().flat_map(|driven| driven.notes(&linear)).chain(locus.iter().flat_map(Locus::notes));
+    for note in notes(&linear, &modes).into_iter().chain(more) {
+        eprintln!("warning: {note}");
+    }
+    pictures(&loaded, options, &linear, &modes)?;
+    if options.get_flag("json") {
+        let mut more = driven.map_or_else(Vec::new, |driven| driven.as_json(&linear));
+        more.extend(locus.map(|locus| locus.as_json()));
+        super::json::write(&report::as_json(&loaded.name, &linear, &modes, more), out)?;
+        return Ok(());
+    }
+    report::table(&loaded.name, &linear, &modes, out)?;
+    if let Some(driven) = driven {
+        driven.table(&linear, out)?;
+    }
+    if let Some(locus) = locus {
+        locus.table(out)?;
+    }
+    Ok(())
+}
+
+fn failed(error: LinearError) -> Problem {
+    Problem::Run(error.to_string())
+}
+
+fn write_file(path: &String, text: String) -> Result<(), Problem> {
+    std::fs::write(path, text).map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))
+}
+
+/// `A..B`, both expressions of the model language.
+fn range(loaded: &Loaded, reader: &mut Reader, option: &str, text: &str) -> Result<(f64, f64), Problem> {
+    let Some((from, to)) = text.split_once("..") else {
+        return Err(Problem::Usage(format!("error: --{option} wants a range A..B, not `{text}`")));
+    };
+    let (from, to) = (reader.value(loaded, option, from)?, reader.value(loaded, option, to)?);
+    if from == to {
+        return Err(Problem::Usage(format!("error: --{option}: the range `{text}` has no width")));
+    }
+    Ok((from, to))
+}
+
+/// Writes `--plot` and `--animate`.
+fn pictures(loaded: &Loaded, options: &ArgMatches, linear: &Linearised, modes: &[Mode]) -> Result<(), Problem> {
+    let system = &*loaded.system;
+    let file = |name: &str| options.get_one::<String>(name);
+    if let Some(path) = file("plot") {
+        write_file(path, draw_modes(system, linear, modes).to_svg())?;
+    }
+    let number = match file("mode") {
+        None => modes.iter().position(|mode| mode.kind != Kind::Rigid).unwrap_or(0),
+        Some(text) => match text.trim().parse::<usize>() {
+            Ok(number) if (1..=modes.len()).contains(&number) => number - 1,
+            _ => {
+                return Err(Problem::Usage(format!("error: --mode is `{text}`; there are modes 1 to {}", modes.len())));
+            }
+        },
+    };
+    if let (Some(path), Some(mode)) = (file("animate"), modes.get(number)) {
+        write_file(path, animate_mode(system, linear, mode).to_html())?;
+    }
+    Ok(())
+}
+
+/// What the numbers alone do not tell.
+fn notes(linear: &Linearised, modes: &[Mode]) -> Vec<String> {
+    let mut notes = Vec::new();
+    if linear.equilibrium.is_degenerate() {
+        let directions = linear.equilibrium.freedom.degenerate.len().max(1);
+        notes.push(format!(
+            "the equilibrium is degenerate: in {directions} direction(s) the stiffness vanishes though nothing moves \
+             freely there; the linear model does not tell what happens"
+        ));
+    }
+    if modes.iter().any(|mode| mode.repeated && mode.kind != Kind::Rigid) {
+        notes.push("some frequencies are equal: only the space that their shapes span has a meaning".to_owned());
+    }
+    if !linear.circulatory().is_zero() {
+        notes.push("K is not symmetric: some force has no potential, and damping may destabilise".to_owned());
+    }
+    #[cfg(feature = "modal")]
+    if !linear.damping.is_zero()
+        && let Ok(analysis) = crate::linear::complex_modes(linear)
+    {
+        if analysis.only_gyroscopic {
+            notes.push("K alone is unstable and only gyroscopic forces hold it: any damping destroys that".to_owned());
+        }
+        if analysis.defective {
+            notes
+                .push("the modes are too few to superpose: some motions are (A + B t) times an exponential".to_owned());
+        }
+    }
+    notes
+}

@@ -1,0 +1,131 @@
+//! What `modes` prints, for people and as JSON.
+
+use std::io::Write;
+
+use nalgebra::DMatrix;
+use serde_json::{Value, json};
+
+use super::super::Problem;
+use super::super::json::{number, object};
+use super::MOST_PRINTED;
+use crate::linear::{Kind, Linearised, Mode, short_beside};
+
+/// One object; `more` stands at its end.
+pub fn as_json(name: &str, linear: &Linearised, modes: &[Mode], more: Vec<(&'static str, Value)>) -> Value {
+    let at = &linear.equilibrium;
+    let matrix = |matrix: DMatrix<f64>| -> Value {
+        let row = |i: usize| matrix.row(i).iter().map(|x| number(*x)).collect::<Vec<Value>>();
+        (0..matrix.nrows()).map(row).collect::<Vec<_>>().into()
+    };
+    let pair = |re: f64, im: f64| Value::Array(vec![number(re), number(im)]);
+    let mode = |mode: &Mode| {
+        object([
+            ("omega", number(mode.omega)),
+            ("zeta", mode.zeta.map_or(Value::Null, number)),
+            ("eigenvalue", pair(mode.eigenvalue.re, mode.eigenvalue.im)),
+            ("kind", json!(mode.kind.word())),
+            ("shape", mode.shape.iter().map(|x| pair(x.re, x.im)).collect::<Vec<_>>().into()),
+        ])
+    };
+    let entries = [
+        ("model", json!(name)),
+        ("equilibrium", object(at.coordinates.iter().zip(&at.q).map(|(name, q)| (name.clone(), number(*q))))),
+        ("residual", number(at.largest_residual())),
+        ("coordinates", json!(linear.coordinates)),
+        ("M", matrix(linear.m())),
+        ("C", matrix(linear.c())),
+        ("K", matrix(linear.k())),
+        ("modes", modes.iter().map(mode).collect::<Vec<_>>().into()),
+    ];
+    object(entries.into_iter().chain(more))
+}
+
+/// Equilibrium, matrices and modes for people.
+pub fn table(name: &str, linear: &Linearised, modes: &[Mode], out: &mut dyn Write) -> Result<(), Problem> {
+    let at = &linear.equilibrium;
+    let steady = if at.v.iter().any(|v| *v != 0.0) { "steady motion" } else { "equilibrium" };
+    writeln!(out, "{name}: {steady} at {at}")?;
+    let iterations = match at.iterations {
+        0 => "the start is one".to_owned(),
+        1 => "1 iteration".to_owned(),
+        n => format!("{n} iterations"),
+    };
+    writeln!(out, "  residual {:.1e}, {iterations}", at.largest_residual())?;
+    match at.freedom.family {
+        0 => {}
+        1 => writeln!(out, "  one of a family of equilibria: 1 direction is free")?,
+        n => writeln!(out, "  one of a family of equilibria: {n} directions are free")?,
+    }
+    if linear.len() <= MOST_PRINTED {
+        matrices(linear, out)?;
+    }
+    writeln!(out, "modes, each scaled to unit modal mass:")?;
+    for (index, mode) in modes.iter().enumerate() {
+        writeln!(out, "  {}: {mode}", index + 1)?;
+        if linear.len() <= MOST_PRINTED {
+            writeln!(out, "     {}", shape(linear, mode).join(", "))?;
+        }
+    }
+    let rigid = modes.iter().filter(|mode| mode.kind == Kind::Rigid).count();
+    if rigid > 1 {
+        writeln!(out, "  (of the {rigid} rigid modes any combination is one)")?;
+    }
+    Ok(())
+}
+
+/// M, C and K; C in its two parts, and what K has without a potential.
+fn matrices(linear: &Linearised, out: &mut dyn Write) -> Result<(), Problem> {
+    let mut parts = vec![("M", linear.m())];
+    let (gyroscopic, circulatory) = (linear.gyroscopic(), linear.circulatory());
+    match (linear.damping.is_zero(), gyroscopic.is_zero()) {
+        (true, _) => {}
+        (false, true) => parts.push(("C", linear.c())),
+        (false, false) => {
+            if !linear.dissipative().is_zero() {
+                parts.push(("C, what dissipates", linear.dissipative().to_dense()));
+            }
+            parts.push(("C, gyroscopic (does no work)", gyroscopic.to_dense()));
+        }
+    }
+    parts.push(("K", linear.k()));
+    if !circulatory.is_zero() {
+        parts.push(("K, what has no potential", circulatory.to_dense()));
+    }
+    for (symbol, matrix) in parts {
+        writeln!(out, "{symbol} =")?;
+        let scale = matrix.amax();
+        let row = |row: usize| matrix.row(row).iter().map(|x| short_beside(*x, scale)).collect::<Vec<String>>();
+        let rows: Vec<Vec<String>> = (0..matrix.nrows()).map(row).collect();
+        columns(&rows, out)?;
+        if symbol == "M" && linear.damping.is_zero() {
+            writeln!(out, "C = 0")?;
+        }
+    }
+    Ok(())
+}
+
+/// Rows of cells, right-aligned under each other.
+pub fn columns(rows: &[Vec<String>], out: &mut dyn Write) -> Result<(), Problem> {
+    let most = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |k: usize| rows.iter().filter_map(|row| row.get(k)).map(|cell| cell.chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..most).map(width).collect();
+    for row in rows {
+        let cells = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:>width$}"));
+        writeln!(out, "  {}", cells.collect::<Vec<_>>().join("  "))?;
+    }
+    Ok(())
+}
+
+/// `theta1 0.5`, or `theta1 0.5+0.1i` for complex shapes.
+fn shape(linear: &Linearised, mode: &Mode) -> Vec<String> {
+    let scale = mode.shape.iter().fold(0.0_f64, |most, x| most.max(x.norm()));
+    let element = |(name, x): (&String, &nalgebra::Complex<f64>)| {
+        let re = short_beside(x.re, scale);
+        if x.im.abs() <= 1e-12 * scale {
+            return format!("{name} {re}");
+        }
+        let sign = if x.im < 0.0 { '-' } else { '+' };
+        format!("{name} {re}{sign}{}i", short_beside(x.im.abs(), scale))
+    };
+    linear.coordinates.iter().zip(&mode.shape).map(element).collect()
+}
