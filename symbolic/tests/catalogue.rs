@@ -64,11 +64,11 @@ fn every_entry_is_shown_as_expected() {
 
 /// Verdicts tell numbers found at random states: each becomes `#`, and all of them one, so that the states may change.
 fn comparable(entry: &Entry, shown: String) -> String {
-    if !entry.code.starts_with("E5") {
+    if !entry.code.starts_with("E5") && entry.code != "E403" {
         return shown;
     }
     let line = |line: &str| {
-        let told = line.starts_with("error") || line.contains("= help: at");
+        let told = line.starts_with("error") || line.contains("= help: ");
         if told { without_numbers(line) } else { line.to_owned() }
     };
     shown.lines().map(line).map(|line| line + "\n").collect()

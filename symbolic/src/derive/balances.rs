@@ -14,12 +14,20 @@ use crate::model::{BalanceSystem, Model};
 const TOLERANCE: f64 = 1e-8;
 
 /// One part of one equation of a system, at one state: coefficients of the unknowns, and the rest.
-struct Row {
+#[derive(Clone)]
+pub(super) struct Row {
     balance: usize,
     part: usize,
     equation: usize,
     coefficients: Vec<f64>,
     rest: f64,
+}
+
+impl Row {
+    /// A part that belongs to no balance of the file.
+    pub fn known(equation: usize, coefficients: Vec<f64>, rest: f64) -> Row {
+        Row { balance: usize::MAX, part: usize::MAX, equation, coefficients, rest }
+    }
 }
 
 /// Compares every system at every state.
@@ -47,7 +55,12 @@ pub(super) fn columns(model: &Model, system: &BalanceSystem) -> Vec<Symbol> {
 }
 
 /// Every part of every equation at every state.
-fn evaluate(graph: &mut Graph, system: &BalanceSystem, columns: &[Symbol], states: &[State]) -> Vec<Vec<Row>> {
+pub(super) fn evaluate(
+    graph: &mut Graph,
+    system: &BalanceSystem,
+    columns: &[Symbol],
+    states: &[State],
+) -> Vec<Vec<Row>> {
     let mut shape = Vec::new();
     let mut values = Vec::new();
     let mut equation = 0;
@@ -83,7 +96,7 @@ fn evaluate(graph: &mut Graph, system: &BalanceSystem, columns: &[Symbol], state
 }
 
 /// The sum of all parts with one of them scaled, solved for the unknowns; `None` where it is singular.
-fn solve(rows: &[Row], size: usize, changed: Option<(usize, usize, f64)>) -> Option<Vec<f64>> {
+pub(super) fn solve(rows: &[Row], size: usize, changed: Option<(usize, usize, f64)>) -> Option<Vec<f64>> {
     let mut matrix = vec![0.0; size * (size + 1)];
     for row in rows {
         let factor = match changed {

@@ -18,6 +18,7 @@ mod lagrange;
 mod potential;
 mod reactions;
 mod sample;
+mod shared;
 mod switches;
 mod test;
 mod twice;

@@ -60,10 +60,15 @@ pub(super) fn all(model: &mut Model, equations: &[Equations], switches: &[Switch
                 Ok(agreements) => report.agreements = agreements,
                 Err(problem) => problems.push(*problem),
             }
-            match super::balances::agree(model, &states) {
-                Ok(agreements) => report.agreements.extend(agreements),
-                Err(found) => problems.extend(found),
+            // Where it matters which body takes a load, there is no one second derivation to compare.
+            let unclear = super::shared::ambiguous(model, &states);
+            if unclear.is_empty() {
+                match super::balances::agree(model, &states) {
+                    Ok(agreements) => report.agreements.extend(agreements),
+                    Err(found) => problems.extend(found),
+                }
             }
+            problems.extend(unclear);
             let force = |load: &Load| load.work == Work::Pushes;
             if model.loads.iter().any(force) || !model.generalized_forces.is_empty() {
                 let (mut graph, effects) = effects(model);

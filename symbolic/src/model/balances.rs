@@ -25,8 +25,18 @@ struct Sums<'s> {
 }
 
 impl<'a> Resolver<'a> {
-    /// The balances themselves.
+    /// The balances themselves, and how loads at shared points would change them.
     pub fn balances(&mut self) {
+        let before = self.bench.problems.len();
+        self.model.balances = self.systems();
+        if self.bench.problems.len() == before {
+            self.shared_ends();
+        }
+    }
+
+    /// Every system that is complete.
+    pub fn systems(&mut self) -> Vec<BalanceSystem> {
+        let mut systems = Vec::new();
         for (name, system) in self.balance_systems() {
             if !system.only(&["equations", "reactions", "phase"], "a system of balances", &mut self.bench.problems) {
                 continue;
@@ -79,8 +89,9 @@ impl<'a> Resolver<'a> {
                 self.bench.problems.push(mechanics::unequal_counts(place, name, equations, coordinates, unknown));
                 continue;
             }
-            self.model.balances.push(BalanceSystem { name, balances, reactions, place: system.place.of_key() });
+            systems.push(BalanceSystem { name, balances, reactions, place: system.place.of_key() });
         }
+        systems
     }
 
     /// The systems by name; a single one is called `balances`.

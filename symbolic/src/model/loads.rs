@@ -6,7 +6,7 @@ use super::carriers::{belongs_to_ground, carriers};
 use super::families::Family;
 use super::index::MEMBER_LIMIT;
 use super::reader::Spot;
-use super::resolved::{Load, Push, Work};
+use super::resolved::{Load, Push, SharedEnd, Work};
 use super::resolver::Resolver;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{later, mechanics, names};
@@ -148,9 +148,17 @@ impl Resolver<'_> {
                 let body = match push.holder {
                     Holder::Ground => None,
                     Holder::Body(body) => Some(body),
-                    Holder::Carrier(wanted) => match found.get(wanted).and_then(|bodies| bodies.first()) {
-                        Some(body) => Some(*body),
-                        None => continue,
+                    Holder::Carrier(wanted) => match found.get(wanted).map(Vec::as_slice) {
+                        Some([body]) => Some(*body),
+                        Some(bodies @ [body, ..]) => {
+                            let (load, push) = (self.model.loads.len(), pushes.len());
+                            let Wanted { words, place, .. } = &drafts.wanted[wanted];
+                            let (bodies, point, place) = (bodies.to_vec(), words.clone(), place.clone());
+                            let end = SharedEnd { load, push, bodies, point, place, changes: Vec::new() };
+                            self.model.shared_ends.push(end);
+                            Some(*body)
+                        }
+                        _ => continue,
                     },
                 };
                 pushes.push(Push { body, at: push.at, force: push.force, couple: push.couple });

@@ -33,6 +33,7 @@ mod resolver;
 mod scenes;
 mod scope;
 mod settle;
+mod shared;
 mod springs;
 mod substitute;
 mod taken_apart;
@@ -47,6 +48,7 @@ pub use node::Node;
 pub use read::read;
 pub use resolve::{load, resolve};
 pub use resolved::{
-    Balance, BalanceSystem, Body, Check, Conserved, Coordinate, Derived, Event, EventAction, Family, GeneralizedForce,
-    Input, Load, Model, Output, Parameter, Part, Push, Reaction, Rotation, Sample, Scene, Shape, Vector, Work,
+    Balance, BalanceSystem, Body, Change, Check, Conserved, Coordinate, Derived, Event, EventAction, Family,
+    GeneralizedForce, Input, Load, Model, Output, Parameter, Part, Push, Reaction, Rotation, Sample, Scene, Shape,
+    SharedEnd, Vector, Work,
 };

@@ -53,6 +53,8 @@ pub struct Model {
     pub reactions: Vec<Reaction>,
     /// Systems of momentum balances: second derivations.
     pub balances: Vec<BalanceSystem>,
+    /// Ends of loads at points that several bodies carry; the first of them takes the load.
+    pub shared_ends: Vec<SharedEnd>,
     /// Quantities that the file says are conserved.
     pub conserved: Vec<Conserved>,
     /// Identities that the file says hold.
@@ -207,6 +209,36 @@ pub struct GeneralizedForce {
     pub force: Id,
     /// Where it stands.
     pub place: Place,
+}
+
+/// An end of a load at a point that several bodies carry (a hinge).
+#[derive(Clone, Debug)]
+pub struct SharedEnd {
+    /// The load's place in the list.
+    pub load: usize,
+    /// Which of its pushes.
+    pub push: usize,
+    /// The bodies, the one that takes it first.
+    pub bodies: Vec<usize>,
+    /// The point as written.
+    pub point: String,
+    /// Where that stands.
+    pub place: Place,
+    /// What it would change in the balances if another body took it.
+    pub changes: Vec<Change>,
+}
+
+/// What moving a load from one body to another adds to a balance.
+#[derive(Clone, Debug)]
+pub struct Change {
+    /// The body that would take it.
+    pub body: usize,
+    /// The system's place.
+    pub system: usize,
+    /// The equation in its system.
+    pub equation: usize,
+    /// The addition to its residual.
+    pub value: Id,
 }
 
 /// A quantity that the file says is conserved.

@@ -7,6 +7,9 @@ super::entries! {
     E402 no_mass(name) "a coordinate that carries no mass"
         "the coordinate `{name}` carries no mass" "nothing resists its acceleration" "give a body that moves with `{name}` a mass or inertia"
         "The mass matrix is singular at every state, so accelerations do not exist.";
+    E403 shared_point(load, point, bodies, first, difference) "a force at a hinge that does not say on which body"
+        "`{load}` acts at `{point}`, which {bodies} carry, and it matters which of them takes it" "name the body" "write `{{on: {first}, at: {point}}}` or another of them: {difference}"
+        "At a hinge the bodies move alike, but a force on one of them or on the other makes a different force of the hinge. Where no acceleration and no named reaction differs, the body need not be named.";
     E404 no_body(point) "a force at a point that no body carries"
         "no body carries the point `{point}`" "name the body" "write `{{on: BODY, at: {point}, …}}`"
         "A force acts on the material of a body in which the point is at rest.";

@@ -1,0 +1,89 @@
+//! Loads at points that several bodies carry (a hinge): does it matter which of them takes the load?
+//!
+//! Lagrange's equations cannot tell, since the materials of all carriers move alike there.  A system of balances can: a
+//! force that passes from one bar to the next through a hinge changes the hinge's reaction.  The load enters linearly,
+//! so each change of one end is judged alone, with the solution of the system before and after it.
+
+use super::balances::{Row, columns, evaluate, solve};
+use super::sample::State;
+use crate::diagnose::Problem;
+use crate::diagnose::catalogue::mechanics;
+use crate::expr::{Symbol, Tape};
+use crate::model::{Model, SharedEnd};
+
+/// Two solutions are one where they differ by no more than this of the largest unknown of their kind.
+const TOLERANCE: f64 = 1e-7;
+
+/// An error for every end whose body must be named.
+pub(super) fn ambiguous(model: &mut Model, states: &[State]) -> Vec<Problem> {
+    let ends = model.shared_ends.clone();
+    let mut problems = Vec::new();
+    for end in &ends {
+        if let Some(difference) = difference(model, end, states) {
+            let name = |body: &usize| format!("`{}`", model.bodies[*body].name);
+            let bodies: Vec<String> = end.bodies.iter().map(name).collect();
+            let (last, others) = bodies.split_last().map_or(("", Vec::new()), |(l, o)| (l.as_str(), o.to_vec()));
+            let listed = format!("{} and {last}", others.join(", "));
+            let first = &model.bodies[end.bodies[0]].name;
+            let load = &model.loads[end.load].name;
+            problems.push(mechanics::shared_point(end.place.clone(), load, &end.point, listed, first, difference));
+        }
+    }
+    problems
+}
+
+/// What another choice of the body would change, in words.
+fn difference(model: &mut Model, end: &SharedEnd, states: &[State]) -> Option<String> {
+    for (s, system) in model.balances.clone().iter().enumerate() {
+        let changes: Vec<_> = end.changes.iter().filter(|c| c.system == s).collect();
+        let tape = Tape::new(&model.graph, &changes.iter().map(|c| c.value).collect::<Vec<_>>());
+        let values: Vec<Vec<f64>> = states.iter().map(|state| tape.evaluate(|s| state.value(s))).collect();
+        if values.iter().flatten().all(|x| *x == 0.0) {
+            continue;
+        }
+        let columns = columns(model, system);
+        let rows = evaluate(&mut model.graph, system, &columns, states);
+        for &body in end.bodies.iter().skip(1) {
+            for (rows, values) in rows.iter().zip(&values) {
+                let Some(before) = solve(rows, columns.len(), None) else { continue };
+                let moved = changes.iter().zip(values).filter(|(c, _)| c.body == body);
+                let zero = || vec![0.0; columns.len()];
+                let extra = moved.map(|(c, x)| Row::known(c.equation, zero(), *x));
+                let all: Vec<Row> = rows.iter().cloned().chain(extra).collect();
+                let Some(after) = solve(&all, columns.len(), None) else { continue };
+                if let Some(k) = differing(&before, &after, model.coordinates.len()) {
+                    let bodies = [end.bodies[0], body].map(|b| model.bodies[b].name.as_str());
+                    let what = unknown(model, columns[k]);
+                    return Some(format!(
+                        "{what} of `{}` is {:.6e} with it on `{}` and {:.6e} with it on `{}`",
+                        system.name, before[k], bodies[0], after[k], bodies[1]
+                    ));
+                }
+            }
+        }
+    }
+    None
+}
+
+/// The unknown that differs most; reactions are looked at first, and each kind is measured by its own largest.
+fn differing(before: &[f64], after: &[f64], coordinates: usize) -> Option<usize> {
+    let among = |range: std::ops::Range<usize>| {
+        let size = range.clone().fold(0.0_f64, |most, k| most.max(before[k].abs()).max(after[k].abs()));
+        let gap = |k: usize| (before[k] - after[k]).abs();
+        range.max_by(|i, j| gap(*i).total_cmp(&gap(*j))).filter(|&k| gap(k) > TOLERANCE * size)
+    };
+    among(coordinates..before.len()).or_else(|| among(0..coordinates))
+}
+
+/// A reaction, or an acceleration, in words.
+fn unknown(model: &Model, symbol: Symbol) -> String {
+    match symbol {
+        Symbol::Reaction(k) => {
+            let owner = model.reactions.iter().find(|r| (r.first..r.first + r.components as u32).contains(&k));
+            let component = |first: u32| [".x", ".y", ".z"].get((k - first) as usize).copied().unwrap_or("");
+            owner.map_or(String::new(), |r| format!("`{}{}`", r.name, if r.scalar { "" } else { component(r.first) }))
+        }
+        Symbol::Acceleration(i) => format!("`{}''`", model.coordinates[i as usize].name),
+        _ => String::new(),
+    }
+}
