@@ -35,6 +35,10 @@ pub(super) fn agree(model: &mut Model, states: &[State]) -> Result<Vec<Agreement
     let (mut agreements, mut problems) = (Vec::new(), Vec::new());
     for system in model.balances.clone() {
         let columns = columns(model, &system);
+        if let Some(problem) = nonlinear(&mut model.graph, &system, &columns) {
+            problems.push(problem);
+            continue;
+        }
         let rows: Vec<Vec<Row>> = evaluate(&mut model.graph, &system, &columns, states);
         match compare(model, &system, columns.len(), &rows, states) {
             Ok(agreement) => agreements.push(agreement),
@@ -42,6 +46,18 @@ pub(super) fn agree(model: &mut Model, states: &[State]) -> Result<Vec<Agreement
         }
     }
     if problems.is_empty() { Ok(agreements) } else { Err(problems) }
+}
+
+/// An error for the first balance in which an unknown multiplies another, or stands in a function.
+fn nonlinear(graph: &mut Graph, system: &BalanceSystem, columns: &[Symbol]) -> Option<Problem> {
+    let unknown = |s: Symbol| columns.iter().position(|c| *c == s);
+    system.balances.iter().find_map(|balance| {
+        let values: Vec<Id> = balance.parts.iter().flat_map(|part| part.value.iter().copied()).collect();
+        let slopes = jacobian(graph, &values, unknown);
+        let slopes: Vec<Id> = slopes.iter().flatten().map(|e| e.1).collect();
+        let curved = graph.symbols(slopes).into_iter().any(|s| unknown(s).is_some());
+        curved.then(|| verdicts::nonlinear_balance(balance.place.clone(), &balance.label))
+    })
 }
 
 /// The unknowns of a system: accelerations, then the components of its reactions.

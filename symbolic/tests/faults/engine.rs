@@ -9,7 +9,7 @@ use super::{Fault, Plant, Watch};
 const CHANGES: [(&str, i128, i128); 4] = [("opposite", -1, 1), ("zero", 0, 1), ("twice", 2, 1), ("half", 1, 2)];
 
 fn fault(kind: &'static str, watch: Watch, what: String, alter: impl Fn(&mut Model) + Send + Sync + 'static) -> Fault {
-    Fault { kind, what, watch, plant: Plant::Engine(Box::new(alter)) }
+    Fault { kind: kind.to_owned(), what, watch, plant: Plant::Engine(Box::new(alter)) }
 }
 
 fn scale(graph: &mut Graph, list: &mut [Id], numerator: i128, denominator: i128) {

@@ -89,6 +89,13 @@ pub fn system_unchanged(model: &mut Model, system: &BalanceSystem, states: &[Sta
         if !close(&found[..n], &state.a) {
             return false;
         }
+        // Of equations that are not linear this is no solution.
+        let unknown = |s: Symbol| place(s).map_or_else(|| state.value(s), |k| found[k]);
+        let left = tape.evaluate(unknown);
+        let scale = found.iter().chain(&values).fold(0.0_f64, |m, x| m.max(x.abs()));
+        if left[..sums.len()].iter().any(|x| x.abs() > 1e-6 * scale) {
+            return false;
+        }
     }
     solved > 0
 }

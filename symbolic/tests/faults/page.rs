@@ -14,7 +14,8 @@ use super::{Fate, Outcome, models, sound};
 const HEAD: &str = "# Seeded faults
 
 Each fault below is planted alone, in one derivation of a model that has `balances` or `checks`, which is then compiled
-with nothing but the spoilt part to notice it: the one system of balances, or the one check. *Caught by comparison* is a
+with nothing but the spoilt part to notice it: the one system of balances, or the one check. Balances written out by hand
+are those of `symbolic/tests/faults/written`. *Caught by comparison* is a
 verdict: the two sides differ. *Refused by name* is any other error (counts that do not fit, a system that has become
 singular, a placement that makes no sense). *Motion unchanged* are faults that are none: the accelerations are the same
 (a moment about another point of a complete system, a mass that cancels); they are listed below and not counted. Which
@@ -46,6 +47,30 @@ Its one check, the kinetic energy as worked out by hand, does not hold:
 
 ";
 
+const UNCHANGED: &str = "
+## Faults that leave the motion unchanged
+
+All of them, read one by one. They are of five sorts:
+
+- *Another balance that is as true.* Moments about another point, of other bodies, forces in another direction: each is a
+  theorem about the same motion, and as long as the system stays complete the accelerations are the same. These are the
+  lines under `about`, `of` and, for a force balance, `along` (a direction is normalised, so its length and sign do not
+  count either).
+- *The same in other words.* `mass[3]` for `mass[n]`, a point by its name for its expression, `-(0)` for `0`, the factors
+  of a cross product that is to vanish in the other order, both sides of an equation whose right side is 0 scaled at once,
+  `position + hinge` where the hinge is the origin, a part that is zero.
+- *Only the value of a reaction.* Where one reaction stands in one equation, its sign and size are its own business: the
+  accelerations do not see them. Of `along` the opposite direction counts the force the other way, which is a choice; in
+  a balance that the program forms, its size cannot be wrong. **In equations written out by hand it can**: a reaction is
+  then what the equations make of it, and `on`, `at`, `along` and `from` are not used. Name it in a `force` or `moment`
+  balance too (`\"normal = …\"` beside it in `checks`) if its value matters.
+- *What is not used.* Where springs and dampers act, in a model whose balances are all written out; a term of an energy
+  that the derivative in front of it drops (the weight in `diff(…, theta')`).
+- *Symmetry.* The opposite of a coordinate in which the energies are even; a mass that cancels, or of a body that stays
+  where it is; a part of a balance that holds with any factor (the areal velocity of a central force, the pull in the
+  moment about its centre).
+";
+
 /// The rates by kind of fault.
 fn rates(outcomes: &[Outcome]) -> String {
     let mut kinds: BTreeMap<&str, [usize; 5]> = BTreeMap::new();
@@ -57,7 +82,7 @@ fn rates(outcomes: &[Outcome]) -> String {
             Fate::Unchanged | Fate::Alarm => 3,
             Fate::Missed => 4,
         };
-        for counts in [&mut all, kinds.entry(outcome.kind).or_default()] {
+        for counts in [&mut all, kinds.entry(&outcome.kind).or_default()] {
             counts[0] += 1;
             counts[column] += 1;
         }
@@ -136,9 +161,9 @@ fn example() -> String {
 fn listed(outcomes: &[Outcome]) -> String {
     let mut groups: BTreeMap<&str, BTreeMap<&str, Vec<&str>>> = BTreeMap::new();
     for outcome in outcomes.iter().filter(|o| o.fate == Fate::Unchanged) {
-        groups.entry(outcome.kind).or_default().entry(&outcome.model).or_default().push(&outcome.what);
+        groups.entry(&outcome.kind).or_default().entry(&outcome.model).or_default().push(&outcome.what);
     }
-    let mut text = String::from("\n## Faults that leave the motion unchanged\n");
+    let mut text = UNCHANGED.to_owned();
     for (kind, models) in groups {
         let _ = write!(text, "\n{kind}:\n");
         for (model, what) in models {

@@ -35,31 +35,32 @@ pub fn faults(root: &Node, model: &Model) -> Vec<Fault> {
 }
 
 impl Planter<'_> {
-    fn plant(&mut self, kind: &'static str, watch: &Watch, what: String, root: Node) {
+    fn plant(&mut self, kind: &str, watch: &Watch, what: String, root: Node) {
         let root = Box::new(root);
-        self.faults.push(Fault { kind, what, watch: watch.clone(), plant: Plant::Text(root) });
+        self.faults.push(Fault { kind: kind.to_owned(), what, watch: watch.clone(), plant: Plant::Text(root) });
     }
 
     /// Replaces the text at a path.
-    fn replace(&mut self, kind: &'static str, watch: &Watch, path: &[usize], new: &str) {
+    fn replace(&mut self, kind: &str, watch: &Watch, path: &[usize], new: &str) {
         let old = at(self.root, path).and_then(text).unwrap_or("").to_owned();
         if old.trim() != new.trim() {
             let root = with(self.root, path, Some(Node::Scalar(new.to_owned())));
+            let (new, old) = difference(new, &old);
             self.plant(kind, watch, format!("`{new}` for `{old}`"), root);
         }
     }
 
-    /// Every slip of the expression at a path.
-    fn slip(&mut self, kinds: [&'static str; 4], watch: &Watch, path: &[usize]) {
+    /// Every slip of the expression at a path, as a kind of its own under `subject`, or of this one kind if it has a colon.
+    fn slip(&mut self, subject: &str, watch: &Watch, path: &[usize]) {
         let Some(old) = at(self.root, path).and_then(text) else { return };
-        for (slip, new) in slips(old) {
-            let kind = match slip {
-                Slip::Sign => kinds[0],
-                Slip::SineCosine => kinds[1],
-                Slip::Term => kinds[2],
-                Slip::Number => kinds[3],
-            };
-            self.replace(kind, watch, path, &new);
+        let points = self.names.points.clone();
+        for (slip, new) in slips(old, &points) {
+            // Other points in `about` are a kind of their own.
+            if subject.contains("checks") && !slip.plain() || subject.contains("about") && slip == Slip::Point {
+                continue;
+            }
+            let kind = if subject.contains(": ") { subject.to_owned() } else { format!("{subject}: {}", slip.words()) };
+            self.replace(&kind, watch, path, &new);
         }
     }
 
@@ -113,15 +114,9 @@ impl Planter<'_> {
     }
 
     fn balance(&mut self, watch: &Watch, path: &[usize]) {
-        const EXPRESSION: [&str; 4] = [
-            "balances: a sign in an expression",
-            "balances: sine and cosine swapped",
-            "balances: a term dropped",
-            "balances: a number changed",
-        ];
         let root = self.root;
         if let Some(equation) = to_key(root, path, "equation") {
-            self.slip(EXPRESSION, watch, &equation);
+            self.slip("written-out equations", watch, &equation);
         }
         for kind in ["moment", "force", "power"] {
             let Some(inner) = to_key(root, path, kind) else { continue };
@@ -129,13 +124,13 @@ impl Planter<'_> {
                 for point in self.names.points.clone() {
                     self.replace("balances: a moment about another point", watch, &about, &point);
                 }
-                self.slip(EXPRESSION, watch, &about);
+                self.slip("balances, expressions in `about`", watch, &about);
             }
             if let Some(along) = to_key(root, &inner, "along") {
                 for direction in ["ground.x", "ground.y"] {
                     self.replace("balances: another direction in `along`", watch, &along, direction);
                 }
-                self.slip(EXPRESSION, watch, &along);
+                self.slip("balances, expressions in `along`", watch, &along);
                 let root = with(root, &along, None);
                 self.plant("balances: another direction in `along`", watch, "without `along`".to_owned(), root);
             }
@@ -210,7 +205,7 @@ impl Planter<'_> {
             self.plant(kinds[2], watch, "without `at`".to_owned(), with(root, &here, None));
         }
         if let Some(here) = to_key(root, path, "along") {
-            self.slip([kinds[3]; 4], watch, &here);
+            self.slip(kinds[3], watch, &here);
             for direction in ["ground.x", "ground.y"] {
                 self.replace(kinds[3], watch, &here, direction);
             }
@@ -248,22 +243,27 @@ impl Planter<'_> {
             let here: Path = [path.as_slice(), &[k]].concat();
             let here = to_key(self.root, &here, "holds").unwrap_or(here);
             let energy = get(check, "holds").or(Some(check)).and_then(text).is_some_and(|t| t.contains("_energy ="));
-            let kinds = if energy {
-                [
-                    "checks of an energy: a sign",
-                    "checks of an energy: sine and cosine",
-                    "checks of an energy: a term",
-                    "checks of an energy: a number",
-                ]
-            } else {
-                [
-                    "other checks: a sign",
-                    "other checks: sine and cosine",
-                    "other checks: a term",
-                    "other checks: a number",
-                ]
-            };
-            self.slip(kinds, &Watch::Check(Step::Key(name.clone())), &here);
+            let subject = if energy { "checks of an energy" } else { "other checks" };
+            self.slip(subject, &Watch::Check(Step::Key(name.clone())), &here);
         }
     }
+}
+
+/// Two long texts without what they have in common but for some letters about the place where they differ.
+fn difference(new: &str, old: &str) -> (String, String) {
+    const SHORT: usize = 40;
+    const ABOUT: usize = 14;
+    let (a, b): (Vec<char>, Vec<char>) = (new.chars().collect(), old.chars().collect());
+    if a.len().max(b.len()) <= SHORT {
+        return (new.to_owned(), old.to_owned());
+    }
+    let before = a.iter().zip(&b).take_while(|(x, y)| x == y).count();
+    let room = a.len().min(b.len()) - before;
+    let after = a.iter().rev().zip(b.iter().rev()).take(room).take_while(|(x, y)| x == y).count();
+    let part = |text: &[char]| {
+        let (from, to) = (before.saturating_sub(ABOUT), (text.len() - after + ABOUT).min(text.len()));
+        let (first, last) = (if from > 0 { "…" } else { "" }, if to < text.len() { "…" } else { "" });
+        format!("{first}{}{last}", text[from..to].iter().collect::<String>())
+    };
+    (part(&a), part(&b))
 }

@@ -28,4 +28,7 @@ super::entries! {
     E509 changed_by(name, causes, help) "a quantity that some force changes"
         "`{name}` is not conserved: {causes}" "claimed to be conserved" "{help}"
         "The forces named make up all of the rate of what should be conserved. For `energy` that is their power: a force that has a potential belongs in `potential_energy` (or is a spring, or gravity), and one that has none takes part in no energy that is conserved.";
+    E510 nonlinear_balance(label) "a balance that is not linear in its unknowns"
+        "{label} is not linear in the accelerations and reactions" "" "an acceleration or reaction may stand in sums, times anything of the state"
+        "Every balance of mechanics is linear in accelerations and reactions: forces and inertia add.";
 }
