@@ -5,7 +5,7 @@ use std::sync::Arc;
 use clap::ArgMatches;
 use dalembert_symbolic::diagnose;
 use dalembert_symbolic::expr::{Symbol, Tape};
-use dalembert_symbolic::model::Model;
+use dalembert_symbolic::model::{Model, Sets};
 
 use super::Problem;
 use super::load::{Loaded, pairs};
@@ -17,7 +17,8 @@ pub fn set_up(loaded: &mut Loaded, options: &ArgMatches) -> Result<Settings, Pro
     let mut settings = Settings::new(&loaded.system.scene(scene));
     reader.states(loaded, options, "start", &mut settings.q, &mut settings.v)?;
     let mut option = |name: &str| -> Result<Option<f64>, Problem> {
-        options.get_one::<String>(name).map(|text| reader.value(loaded, name, text)).transpose()
+        let sets = if name == "tolerance" { Sets::Number } else { Sets::Time };
+        options.get_one::<String>(name).map(|text| reader.value(loaded, name, sets, text)).transpose()
     };
     if let Some(until) = option("until")? {
         settings.until = until;
@@ -41,7 +42,7 @@ pub fn choose(loaded: &mut Loaded, options: &ArgMatches) -> Result<(usize, Reade
     let mut reader = Reader::new(loaded);
     for (name, text) in pairs(options, "set")? {
         let index = parameter_index(loaded, &name)?;
-        let value = reader.value(loaded, "set", &text)?;
+        let value = reader.value(loaded, "set", Sets::Parameter(index), &text)?;
         loaded.system.set_parameter(index, value);
     }
     for (name, text) in pairs(options, "input")? {
@@ -77,24 +78,29 @@ impl Reader {
         v: &mut [f64],
     ) -> Result<(), Problem> {
         for (name, text) in pairs(options, option)? {
-            let value = self.value(loaded, option, &text)?;
             match name.strip_suffix('\'') {
-                Some(name) => v[coordinate_index(loaded, name)?] = value,
-                None => q[coordinate_index(loaded, &name)?] = value,
+                Some(name) => {
+                    let index = coordinate_index(loaded, name)?;
+                    v[index] = self.value(loaded, option, Sets::Speed(index), &text)?;
+                }
+                None => {
+                    let index = coordinate_index(loaded, &name)?;
+                    q[index] = self.value(loaded, option, Sets::Coordinate(index), &text)?;
+                }
             }
         }
         Ok(())
     }
 
     /// The number that an option's value stands for.
-    pub fn value(&mut self, loaded: &Loaded, option: &str, text: &str) -> Result<f64, Problem> {
+    pub fn value(&mut self, loaded: &Loaded, option: &str, sets: Sets, text: &str) -> Result<f64, Problem> {
         if let Ok(number) = text.trim().parse::<f64>()
             && number.is_finite()
         {
             return Ok(number);
         }
         let parameters = loaded.system.parameters();
-        self.model(loaded)?.constant(text, &parameters).map_err(|problems| in_option(option, text, &problems))
+        self.model(loaded)?.constant(text, sets, &parameters).map_err(|problems| in_option(option, text, &problems))
     }
 }
 

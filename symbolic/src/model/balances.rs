@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 
 use super::bench::{Rules, Text};
+use super::dimension::Dimension;
 use super::families::Locals;
 use super::node::Node;
 use super::reactions::Unknown;
@@ -146,7 +147,7 @@ impl<'a> Resolver<'a> {
         let problems = &mut self.bench.problems;
         spot.only(&["about", "of", "along"], "a moment balance", problems);
         let about = spot.need("about", "a moment balance", problems)?.written(problems)?;
-        let about = self.vector(&about, Rules::position("a point"), locals)?;
+        let about = self.vector(&about, Rules::position("a point").si(Dimension::LENGTH), locals)?;
         let along = self.along(spot, locals)?;
         let set = self.of(spot, locals)?;
         let mut parts = Vec::new();

@@ -3,15 +3,17 @@
 use std::collections::HashMap;
 use std::rc::Rc;
 
+use super::dimension::{Dimension, Measure};
 use super::facts::{Depends, Facts};
 use super::lower::{Local, Lower};
+use super::parameters::is_bare;
 use super::reader::Quantity;
 use super::scope::Scope;
 use super::value::Value;
-use crate::diagnose::catalogue::names;
+use crate::diagnose::catalogue::{names, units};
 use crate::diagnose::{Place, Problem};
 use crate::expr::{Forward, Graph, Id, Symbol};
-use crate::language::{Ast, Span};
+use crate::language::{Ast, Span, Unit};
 
 /// One expression of the file.
 #[derive(Clone, Debug)]
@@ -33,6 +35,17 @@ pub enum Written {
     List(Vec<Text>, Rc<Place>),
 }
 
+/// The unit that an expression is to have.
+#[derive(Clone, Copy, Debug)]
+pub enum Wanted {
+    /// Any.
+    Any,
+    /// That of a kind of quantity, in a model with units.
+    Si(Dimension),
+    /// That of something else.
+    Like(Measure),
+}
+
 /// What an expression may depend on.
 #[derive(Clone, Copy, Debug)]
 pub struct Rules {
@@ -44,6 +57,10 @@ pub struct Rules {
     pub energy: bool,
     /// True where an input's name stands for its expression instead of a symbol.
     pub signals: bool,
+    /// The unit that is wanted.
+    pub unit: Wanted,
+    /// True where a bare number in a sum is in the unit of the other terms.
+    pub numbers_fit: bool,
 }
 
 const ACCELERATION: Depends = Depends::ACCELERATION.and(Depends::JERK);
@@ -88,7 +105,24 @@ impl Rules {
 
     /// Of everything but energies: what definitions may hold.
     pub const fn any(what: &'static str) -> Rules {
-        Rules { what, refused: Depends::JERK, energy: false, signals: false }
+        Rules { what, refused: Depends::JERK, energy: false, signals: false, unit: Wanted::Any, numbers_fit: false }
+    }
+}
+
+impl Rules {
+    /// A quantity of this kind.
+    pub const fn si(self, dimension: Dimension) -> Rules {
+        Rules { unit: Wanted::Si(dimension), ..self }
+    }
+
+    /// With sums in which a bare number is in the unit of the other terms.
+    pub const fn numbers_fit(self) -> Rules {
+        Rules { numbers_fit: true, ..self }
+    }
+
+    /// In the unit of something else.
+    pub const fn like(self, measure: Measure) -> Rules {
+        Rules { unit: Wanted::Like(measure), ..self }
     }
 }
 
@@ -108,6 +142,8 @@ pub struct Bench {
     pub problems: Vec<Problem>,
     /// Items whose values were wanted and not known.
     pub needs: Vec<usize>,
+    /// The unit of the value that was evaluated last.
+    pub measured: Measure,
     work: u64,
     exhausted: bool,
     /// Texts that raised problems, by the place of their trees, which are kept so that the places stay theirs.
@@ -124,6 +160,7 @@ impl Bench {
             facts: Facts::default(),
             problems: Vec::new(),
             needs: Vec::new(),
+            measured: Measure::Unknown,
             work: 0,
             exhausted: false,
             failed: HashMap::new(),
@@ -175,7 +212,7 @@ impl Bench {
 
     /// The value of an expression.
     pub fn value(&mut self, scope: &Scope, text: &Text, rules: Rules, locals: &[(String, Local)]) -> Value {
-        self.once(text, |bench| Lower::new(bench, scope, text, rules, locals).expression(&text.ast))
+        self.once(text, |bench| Lower::new(bench, scope, text, rules, locals).measured(&text.ast))
             .unwrap_or(Value::Poison)
     }
 
@@ -194,6 +231,7 @@ impl Bench {
     /// What a text gives; nothing once it has raised a problem, for members of a family share their text.
     fn once<T>(&mut self, text: &Text, lower: impl FnOnce(&mut Bench) -> T) -> Option<T> {
         let place = Rc::as_ptr(&text.ast) as usize;
+        self.measured = Measure::Unknown;
         if self.failed.contains_key(&place) {
             return None;
         }
@@ -211,8 +249,16 @@ impl Bench {
         match written {
             Written::One(text) => self.value(scope, text, rules, locals),
             Written::List(texts, place) => {
-                let components: Vec<Option<Id>> =
-                    texts.iter().map(|text| self.scalar(scope, text, rules, locals)).collect();
+                let mut all = Measure::Zero;
+                let mut components: Vec<Option<Id>> = Vec::new();
+                for text in texts {
+                    components.push(self.scalar(scope, text, rules.like(Measure::Unknown), locals));
+                    if !is_bare(&text.ast, locals) {
+                        all = self.like(all, texts, text);
+                    }
+                }
+                let bare = texts.iter().all(|text| is_bare(&text.ast, locals));
+                self.measured = if bare { Measure::ONE } else { all };
                 if scope.dimension != components.len() {
                     let found = components.len();
                     self.problems.push(names::vector_size(Place::clone(place), scope.dimension, found));
@@ -226,7 +272,11 @@ impl Bench {
     /// A number; `None` if it is none (reported) or poisoned.
     pub fn scalar(&mut self, scope: &Scope, text: &Text, rules: Rules, locals: &[(String, Local)]) -> Option<Id> {
         let value = self.value(scope, text, rules, locals);
-        self.want_scalar(value, text)
+        let scalar = self.want_scalar(value, text)?;
+        let place = text.place.at(text.ast.span);
+        let words = text.words(text.ast.span);
+        self.want(scope.units.wanted(rules.unit), rules.what, is_bare(&text.ast, locals), words, &place);
+        Some(scalar)
     }
 
     /// A vector; `None` if it is none (reported) or poisoned.
@@ -239,7 +289,17 @@ impl Bench {
     ) -> Option<Vec<Id>> {
         let place = Place::clone(written.place());
         match self.written(scope, written, rules, locals) {
-            Value::Vector(v) => Some(v),
+            Value::Vector(v) => {
+                let (words, bare) = match written {
+                    Written::One(text) => (text.source.to_string(), is_bare(&text.ast, locals)),
+                    Written::List(texts, _) => {
+                        let words: Vec<&str> = texts.iter().map(|text| &*text.source).collect();
+                        (format!("[{}]", words.join(", ")), texts.iter().all(|text| is_bare(&text.ast, locals)))
+                    }
+                };
+                self.want(scope.units.wanted(rules.unit), rules.what, bare, &words, &place);
+                Some(v)
+            }
             Value::Nothing => Some(vec![Id::ZERO; scope.dimension]),
             Value::Poison => None,
             value @ Value::Scalar(_) => {
@@ -250,7 +310,7 @@ impl Bench {
     }
 
     /// A value in SI.  Its unit converts it where it is a pure number: what is computed from quantities with units
-    /// is in SI already.
+    /// is in SI already, and must be of that unit.
     pub fn quantity(
         &mut self,
         scope: &Scope,
@@ -258,14 +318,80 @@ impl Bench {
         rules: Rules,
         locals: &[(String, Local)],
     ) -> Option<Id> {
-        let value = self.scalar(scope, &quantity.text, rules, locals)?;
-        match &quantity.unit {
-            Some((_, unit)) if !self.depends(&[value]).meets(Depends::UNIT) => {
-                let factor = self.graph.float(unit.factor());
-                Some(self.graph.mul(factor, value))
-            }
-            _ => Some(value),
+        let value = self.scalar(scope, &quantity.text, rules.like(Measure::Unknown), locals)?;
+        let value = match &quantity.unit {
+            Some((_, unit)) => self.converted(value, unit, &quantity.text),
+            None => value,
+        };
+        let bare = quantity.unit.is_none() && is_bare(&quantity.text.ast, locals);
+        let place = quantity.text.place.at(quantity.text.ast.span);
+        self.want(scope.units.wanted(rules.unit), rules.what, bare, &quantity.text.source, &place);
+        Some(value)
+    }
+
+    /// As [`Bench::quantity`], where a pure number is in the unit of what it sets.
+    pub fn setting(
+        &mut self,
+        scope: &Scope,
+        quantity: &Quantity,
+        rules: Rules,
+        locals: &[(String, Local)],
+    ) -> Option<Id> {
+        let value = self.quantity(scope, quantity, rules.like(Measure::Unknown), locals)?;
+        if quantity.unit.is_some() || self.measured != Measure::ONE {
+            let place = quantity.text.place.at(quantity.text.ast.span);
+            self.want(scope.units.wanted(rules.unit), rules.what, false, &quantity.text.source, &place);
         }
+        Some(value)
+    }
+
+    /// A value with a unit after it, in SI.
+    pub fn converted(&mut self, value: Id, unit: &Unit, text: &Text) -> Id {
+        let dimension = Dimension::of(unit);
+        let pure = match self.measured {
+            Measure::Of(found) => found == Dimension::ONE,
+            Measure::Zero => true,
+            Measure::Unknown => !self.depends(&[value]).meets(Depends::UNIT),
+        };
+        if !pure {
+            let place = text.place.at(text.ast.span);
+            self.want(Measure::Of(dimension), "its unit", false, text.words(text.ast.span), &place);
+        }
+        self.measured = Measure::Of(dimension);
+        if !pure {
+            return value;
+        }
+        let factor = self.graph.float(unit.factor());
+        self.graph.mul(factor, value)
+    }
+
+    /// Reports a value that was evaluated last and is not in the unit that is wanted.  A bare number is in that unit.
+    pub fn want(&mut self, wanted: Measure, what: &str, bare: bool, words: &str, place: &Place) {
+        if bare && matches!(wanted, Measure::Of(_)) {
+            self.measured = wanted;
+        }
+        if let (None, Measure::Of(found), Measure::Of(wanted)) = (self.measured.alike(wanted), self.measured, wanted) {
+            let help = match found {
+                Dimension::ONE => "numbers in sums and products are pure, and so are angles; parameters carry units",
+                _ => "",
+            };
+            let problem = units::wrong_unit(place.clone(), words, found.described(), what, wanted.wanted(), help);
+            self.problems.push(problem);
+            self.measured = Measure::Unknown;
+        }
+    }
+
+    /// The unit of a component that was evaluated last and those before it; reports when they differ.
+    fn like(&mut self, all: Measure, texts: &[Text], text: &Text) -> Measure {
+        if let Some(measure) = all.alike(self.measured) {
+            return measure;
+        }
+        let unit = |measure: Measure| measure.dimension().unwrap_or_default().described();
+        let first = texts.first().map_or("", |text| &text.source);
+        let place = text.place.at(text.ast.span);
+        let problem = units::unlike_terms(place, first, unit(all), &text.source, unit(self.measured));
+        self.problems.push(problem);
+        Measure::Unknown
     }
 
     fn want_scalar(&mut self, value: Value, text: &Text) -> Option<Id> {

@@ -1,8 +1,10 @@
 //! Masses, gravity, energies.
 
-use super::bench::Rules;
+use super::bench::{Rules, Text};
 use super::declare::DeclaredBody;
+use super::dimension::{Dimension, Measure};
 use super::families::Locals;
+use super::parameters::is_bare;
 use super::reader::Quantity;
 use super::resolved::{Body, GeneralizedForce, Rotation};
 use super::resolver::Resolver;
@@ -11,6 +13,14 @@ use super::value::{self, Value};
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{mechanics, names};
 use crate::expr::{Id, Rational};
+
+/// An energy written by hand.
+struct Raw {
+    text: Option<Text>,
+    value: Id,
+    measure: Measure,
+    what: &'static str,
+}
 
 impl Resolver<'_> {
     /// Inputs with their derivatives.
@@ -38,8 +48,10 @@ impl Resolver<'_> {
         for (place, body) in declared.into_iter().enumerate() {
             let names = &self.scope.bodies[place];
             let (name, position, angle) = (names.name.clone(), names.position, names.angle);
-            let mass = self.constant(body.text.mass.as_ref(), "a mass", &body.locals);
-            let inertia = self.constant(body.text.inertia.as_ref(), "a moment of inertia", &body.locals);
+            let mass =
+                self.constant(body.text.mass.as_ref(), Rules::constant("a mass").si(Dimension::MASS), &body.locals);
+            let rules = Rules::constant("a moment of inertia").si(Dimension::INERTIA);
+            let inertia = self.constant(body.text.inertia.as_ref(), rules, &body.locals);
             let position = match self.scope.value(position) {
                 Some(Value::Vector(position)) => position.clone(),
                 _ => vec![Id::ZERO; self.scope.dimension],
@@ -75,14 +87,19 @@ impl Resolver<'_> {
     }
 
     /// A mass or moment of inertia: of parameters only, not negative; 0 where absent.
-    fn constant(&mut self, quantity: Option<&Quantity>, what: &'static str, locals: &Locals) -> Id {
+    fn constant(&mut self, quantity: Option<&Quantity>, rules: Rules, locals: &Locals) -> Id {
         let Some(quantity) = quantity else { return Id::ZERO };
-        let Some(value) = self.quantity(quantity, Rules::constant(what), locals) else { return Id::ZERO };
+        let Some(value) = self.quantity(quantity, rules, locals) else { return Id::ZERO };
         if let Some(number) = self.bench.graph.number(value)
             && number.to_f64() < 0.0
         {
             let place = quantity.text.place.at(quantity.text.ast.span);
-            self.bench.problems.push(mechanics::value_out_of_range(place, what, "positive or 0", number.to_f64()));
+            self.bench.problems.push(mechanics::value_out_of_range(
+                place,
+                rules.what,
+                "positive or 0",
+                number.to_f64(),
+            ));
         }
         value
     }
@@ -96,7 +113,11 @@ impl Resolver<'_> {
     pub fn gravity(&mut self) {
         let Some(spot) = self.root.get("gravity") else { return };
         let Some(written) = spot.written(&mut self.bench.problems) else { return };
-        let Some(gravity) = self.vector(&written, Rules::of_time("gravity"), &Self::no_locals()) else { return };
+        let Some(gravity) =
+            self.vector(&written, Rules::of_time("gravity").si(Dimension::ACCELERATION), &Self::no_locals())
+        else {
+            return;
+        };
         for body in &self.model.bodies {
             let graph = &mut self.bench.graph;
             let along = value::dot(graph, &gravity, &body.position);
@@ -113,9 +134,20 @@ impl Resolver<'_> {
     pub fn raw_energies(&mut self) {
         let kinetic = self.raw("kinetic_energy", Rules::velocity("the kinetic energy"));
         let potential = self.raw("potential_energy", Rules::position("the potential energy"));
+        let energy = self.energy_unit(&[&kinetic, &potential]);
+        self.scope.units.energy = energy;
+        let dissipation = self.raw("dissipation", Rules::velocity("the dissipation function"));
+        for (raw, wanted) in [(&kinetic, energy), (&potential, energy), (&dissipation, self.scope.units.rate(energy))] {
+            if let Some(text) = &raw.text {
+                self.bench.measured = raw.measure;
+                let place = text.place.at(text.ast.span);
+                self.bench.want(wanted, raw.what, is_bare(&text.ast, &[]), text.words(text.ast.span), &place);
+            }
+        }
+        let [kinetic, potential, dissipation] = [kinetic, potential, dissipation].map(|raw| raw.value);
         self.model.raw_kinetic_energy = kinetic;
         self.model.raw_potential_energy = potential;
-        self.model.dissipation = self.raw("dissipation", Rules::velocity("the dissipation function"));
+        self.model.dissipation = dissipation;
         for (term, terms) in [(kinetic, &mut self.model.kinetic_terms), (potential, &mut self.model.potential_terms)] {
             if term != Id::ZERO {
                 terms.push(term);
@@ -132,7 +164,8 @@ impl Resolver<'_> {
                     break;
                 }
                 let Some(text) = &text else { continue };
-                let rules = Rules::velocity("a generalized force");
+                let unit = energy.over(self.scope.units.coordinates[coordinate]);
+                let rules = Rules::velocity("the generalized force here").like(unit);
                 if let Some(force) = self.scalar(text, rules, &member.locals) {
                     let place = spot.place.clone();
                     self.model.generalized_forces.push(GeneralizedForce { coordinate, force, place });
@@ -141,9 +174,24 @@ impl Resolver<'_> {
         }
     }
 
-    fn raw(&mut self, key: &str, rules: Rules) -> Id {
+    fn raw(&mut self, key: &str, rules: Rules) -> Raw {
         let text = self.root.get(key).and_then(|spot| spot.text(&mut self.bench.problems));
-        text.and_then(|text| self.scalar(&text, rules, &Self::no_locals())).unwrap_or(Id::ZERO)
+        let value = text.as_ref().and_then(|text| self.scalar(text, rules, &Self::no_locals()));
+        let measure = if value.is_some() { self.bench.measured } else { Measure::Unknown };
+        Raw { text, value: value.unwrap_or(Id::ZERO), measure, what: rules.what }
+    }
+
+    /// J; in a model of raw energies alone, which may be per unit mass or moment of inertia, what these are in.
+    fn energy_unit(&self, raw: &[&Raw]) -> Measure {
+        let units = &self.scope.units;
+        if units.pure {
+            return Measure::ONE;
+        }
+        let joule = units.of(Dimension::ENERGY);
+        let reduced = [Dimension::MASS, Dimension::INERTIA].map(|by| joule.over(units.of(by)));
+        let known = || raw.iter().map(|raw| raw.measure).filter(|measure| matches!(measure, Measure::Of(_)));
+        let alone = self.model.bodies.is_empty() && self.model.loads.is_empty() && !known().any(|m| m == joule);
+        known().next().filter(|first| alone && reduced.contains(first)).unwrap_or(joule)
     }
 
     /// The coordinate that a key names; reports when it names none.

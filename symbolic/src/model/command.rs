@@ -3,6 +3,7 @@
 use std::rc::Rc;
 
 use super::bench::{Bench, Rules, Text};
+use super::dimension::{Dimension, Measure};
 use super::reader;
 use super::resolved::Model;
 use super::value::Value;
@@ -10,6 +11,21 @@ use crate::diagnose::catalogue::names;
 use crate::diagnose::{Place, Problem};
 use crate::expr::{Graph, Id, Symbol, Tape};
 use crate::language::parse;
+
+/// What a value from the command line sets, which has a unit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sets {
+    /// A time.
+    Time,
+    /// A pure number.
+    Number,
+    /// A free parameter, by its place.
+    Parameter(usize),
+    /// A coordinate, by its place.
+    Coordinate(usize),
+    /// The velocity of a coordinate, by its place.
+    Speed(usize),
+}
 
 impl Model {
     /// The components of an expression that may stand in `outputs`.
@@ -19,7 +35,7 @@ impl Model {
     pub fn expression(&mut self, text: &str) -> Result<Vec<Id>, Vec<Problem>> {
         let text = read(text)?;
         let mut bench = self.bench();
-        let value = bench.value(&self.scope, &text, Rules::anything("an expression"), &[]);
+        let value = bench.value(&self.scope, &text, Rules::anything("an expression").numbers_fit(), &[]);
         self.take_back(bench)?;
         match value {
             Value::Scalar(x) => Ok(vec![x]),
@@ -29,14 +45,24 @@ impl Model {
     }
 
     /// The number that an expression of parameters, sizes and definitions without coordinates stands for, in SI,
-    /// with these values of the free parameters.  A unit may follow: `30 deg`.
+    /// with these values of the free parameters.  A unit may follow: `30 deg`; it must be that of what is set.
     ///
     /// # Errors
     /// What is wrong with it; places are spans of `text`.
-    pub fn constant(&mut self, text: &str, parameters: &[f64]) -> Result<f64, Vec<Problem>> {
+    pub fn constant(&mut self, text: &str, sets: Sets, parameters: &[f64]) -> Result<f64, Vec<Problem>> {
         let quantity = reader::quantity(text, &Place::default())?;
+        let units = &self.scope.units;
+        let known = |units: &[Measure], place: usize| units.get(place).copied().unwrap_or_default();
+        let (what, unit) = match sets {
+            Sets::Time => ("a time", units.of(Dimension::TIME)),
+            Sets::Number => ("this option", Measure::ONE),
+            Sets::Parameter(place) => ("this parameter", known(&units.parameters, place)),
+            Sets::Coordinate(place) => ("this coordinate", known(&units.coordinates, place)),
+            Sets::Speed(place) => ("this velocity", units.rate(known(&units.coordinates, place))),
+        };
+        let rules = Rules::constant(what).numbers_fit().like(unit);
         let mut bench = self.bench();
-        let value = bench.quantity(&self.scope, &quantity, Rules::constant("a value"), &[]);
+        let value = bench.setting(&self.scope, &quantity, rules, &[]);
         self.take_back(bench)?;
         let undefined = || vec![names::undefined_value(Place::default(), text)];
         value.and_then(|id| evaluate(&self.graph, id, parameters)).ok_or_else(undefined)

@@ -3,6 +3,7 @@
 use std::rc::Rc;
 
 use super::bench::{Rules, Written};
+use super::dimension::{Dimension, Measure};
 use super::families::Family;
 use super::index::{Indices, integer};
 use super::lower::Local;
@@ -87,6 +88,7 @@ impl Resolver<'_> {
         let entries = self.section("coordinates");
         for (key, spot) in entries {
             let Some(family) = self.expand_declared(key, &spot, Section::Coordinate) else { continue };
+            let mut measure = Measure::Unknown;
             let unit = match spot.node {
                 Node::Null => None,
                 _ => {
@@ -95,8 +97,9 @@ impl Resolver<'_> {
                         Some(Ok(unit)) if unit.pi != 0 => {
                             self.bench.problems.push(sections::degrees_misplaced(spot.place.clone()));
                         }
+                        Some(Ok(unit)) => measure = self.note_unit(Some(&unit)),
                         Some(Err(found)) => self.bench.problems.extend(found),
-                        _ => {}
+                        None => {}
                     }
                     words.map(str::to_owned)
                 }
@@ -107,6 +110,7 @@ impl Resolver<'_> {
                 if self.declare(Section::Coordinate, member, Member::Coordinate(place), &spot.place) {
                     let coordinate = Coordinate { name: member.name(), unit: unit.clone(), place: spot.place.of_key() };
                     self.model.coordinates.push(coordinate);
+                    self.scope.units.coordinates.push(measure);
                 }
             }
         }
@@ -137,7 +141,7 @@ impl Resolver<'_> {
     pub fn definitions(&mut self) {
         let kinds = [
             (Section::Definition, Rules::any("a definition"), Want::Any),
-            (Section::Point, Rules::position("a point"), Want::Vector),
+            (Section::Point, Rules::position("a point").si(Dimension::LENGTH), Want::Vector),
         ];
         for (section, rules, want) in kinds {
             for (key, spot) in self.section(section.key()) {
@@ -183,7 +187,7 @@ impl Resolver<'_> {
                     self.declare(Section::Frame, member, Member::Refused, &spot.place);
                     continue;
                 }
-                let rules = Rules::position("an angle");
+                let rules = Rules::position("an angle").si(Dimension::ONE);
                 let item = self.item(member.name(), written.clone(), rules, Want::Scalar, &member.locals);
                 self.items[item].from = from.clone().flatten();
                 self.declare(Section::Frame, member, Member::Frame(item), &spot.place);
@@ -224,13 +228,16 @@ impl Resolver<'_> {
         }
         let angle = turns.as_ref().and_then(|angle| angle.text(problems)).map(Written::One);
         let inertia = inertia.and_then(|inertia| inertia.quantity(problems));
+        for quantity in [&mass, &inertia].into_iter().flatten() {
+            self.note_unit(quantity.unit.as_ref().map(|(_, unit)| unit));
+        }
         let text = Rc::new(BodyText { mass, inertia, place: spot.place.of_key() });
         for member in &family.members {
             let name = member.name();
-            let rules = Rules::position("a position");
+            let rules = Rules::position("a position").si(Dimension::LENGTH);
             let at = self.item(name.clone(), position.clone(), rules, Want::Vector, &member.locals);
             let angle = turns.is_some().then(|| {
-                let rules = Rules::position("an angle");
+                let rules = Rules::position("an angle").si(Dimension::ONE);
                 self.item(format!("{name}'s angle"), angle.clone(), rules, Want::Scalar, &member.locals)
             });
             let place = self.scope.bodies.len();

@@ -3,6 +3,7 @@
 use std::rc::Rc;
 
 use super::bench::{Rules, Text, Written};
+use super::dimension::{Dimension, Measure};
 use super::lower::Local;
 use super::reader::Spot;
 use super::resolved::{Shape, Vector};
@@ -15,7 +16,7 @@ use crate::language::{is_reserved, parse_bounds};
 /// Stretches into which a curve is divided.
 const STRETCHES: i64 = 100;
 
-const RULES: Rules = Rules::velocity("a drawing");
+const RULES: Rules = Rules::velocity("a drawing").numbers_fit();
 
 impl Resolver<'_> {
     /// Every shape.
@@ -108,7 +109,7 @@ impl Resolver<'_> {
             (true, Some(written)) => self.vector(&written, RULES, &Self::no_locals()).into_iter().collect(),
             _ => self.points(&at).into_iter().map(|(_, point)| point).collect::<Vec<_>>(),
         };
-        let radius = radius.and_then(|radius| self.quantity(&radius, RULES, &Self::no_locals()));
+        let radius = radius.and_then(|radius| self.setting(&radius, RULES.si(Dimension::LENGTH), &Self::no_locals()));
         let Some(radius) = radius else { return };
         self.model.draw.extend(centres.into_iter().map(|at| Shape::Circle { at, radius }));
     }
@@ -127,9 +128,9 @@ impl Resolver<'_> {
             self.bench.problems.push(names::index_hides_name(range.place.of_key(), name));
             return;
         }
-        let Some([from, to]) = self.range(range) else { return };
+        let Some(([from, to], measure)) = self.range(range) else { return };
         let symbol = Symbol::Dummy(0);
-        let locals = vec![((*name).to_owned(), Local::Symbol(symbol))];
+        let locals = vec![((*name).to_owned(), Local::Symbol(symbol, measure))];
         let Some(curve) = self.bench.vector(&self.scope, &written, RULES, &locals) else { return };
         let points = (0..=STRETCHES).map(|k| self.on_curve(&curve, symbol, from, to, k, what)).collect();
         self.model.draw.push(Shape::Curve(points));
@@ -151,7 +152,7 @@ impl Resolver<'_> {
     }
 
     /// `-2..2`.
-    fn range(&mut self, spot: &Spot<'_>) -> Option<[Id; 2]> {
+    fn range(&mut self, spot: &Spot<'_>) -> Option<([Id; 2], Measure)> {
         let words = spot.words(&mut self.bench.problems)?;
         let (from, to) = match parse_bounds(words) {
             Ok(bounds) => bounds,
@@ -160,11 +161,15 @@ impl Resolver<'_> {
                 return None;
             }
         };
-        let mut ends = [Id::ZERO; 2];
+        let (mut ends, mut measure) = ([Id::ZERO; 2], Measure::Unknown);
         for (end, ast) in ends.iter_mut().zip([from, to]) {
             let text = Text { source: words.into(), ast: Rc::new(ast), place: Rc::new(spot.place.clone()) };
             *end = self.scalar(&text, RULES, &Self::no_locals())?;
+            // A bare number is in the unit of what is drawn.
+            if self.bench.measured != Measure::ONE {
+                measure = self.bench.measured;
+            }
         }
-        Some(ends)
+        Some((ends, measure))
     }
 }

@@ -1,6 +1,7 @@
 //! Where loads act: ends of springs, bodies and points of forces.
 
 use super::bench::{Rules, Text, Written};
+use super::dimension::Dimension;
 use super::families::Locals;
 use super::loads::{Drafts, Holder, Wanted};
 use super::lower::Lower;
@@ -33,7 +34,7 @@ pub enum EndText {
     On(Text, Option<Written>),
 }
 
-const POSITION: Rules = Rules::position("a position");
+const POSITION: Rules = Rules::position("a position").si(Dimension::LENGTH);
 
 impl Resolver<'_> {
     /// Both ends of `between`, as texts.

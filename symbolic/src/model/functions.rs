@@ -288,7 +288,7 @@ impl Lower<'_> {
         }
         let local = self.locals.iter().rev().find(|(local, _)| local == name).map(|(_, local)| *local);
         let found = match local {
-            Some(Local::Symbol(symbol)) if *primes == 0 && indices.is_empty() => return Some(symbol),
+            Some(Local::Symbol(symbol, _)) if *primes == 0 && indices.is_empty() => return Some(symbol),
             Some(_) => "an index",
             None => match self.member(name, indices, by.span)? {
                 (_, Member::Coordinate(place)) => {

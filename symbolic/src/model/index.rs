@@ -69,7 +69,7 @@ pub fn integer(at: &Indices<'_>, locals: &[(String, Local)], ast: &Ast) -> Resul
             if let Some((_, local)) = locals.iter().rev().find(|(local, _)| local == name) {
                 return match local {
                     Local::Integer(value) => Ok(*value),
-                    Local::Symbol(_) => refuse("it is not a size or an index"),
+                    Local::Symbol(..) => refuse("it is not a size or an index"),
                 };
             }
             match at.scope.names.get(name) {

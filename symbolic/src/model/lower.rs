@@ -1,6 +1,7 @@
 //! From syntax to values: numbers, names, operators, sums and integrals.
 
 use super::bench::{Bench, Rules, Text};
+use super::dimension::Measure;
 use super::facts::Depends;
 use super::index::{self, Indices, Refusal};
 use super::quadrature::gauss_legendre;
@@ -17,8 +18,8 @@ use crate::language::{Ast, AstKind, Operator, Range, Span, is_reserved};
 pub enum Local {
     /// An index.
     Integer(i64),
-    /// A bound variable: the dummy of an integral, a spring's `length`, a curve's parameter.
-    Symbol(Symbol),
+    /// A bound variable with its unit: the dummy of an integral, a spring's `length`, a curve's parameter.
+    Symbol(Symbol, Measure),
 }
 
 /// One expression on its way from syntax to a value.
@@ -53,11 +54,30 @@ impl<'a> Lower<'a> {
 
     /// Both sides of `a = b`, or one value.
     pub fn equation(&mut self, ast: &Ast) -> (Value, Option<Value>) {
-        if let AstKind::Binary(Operator::Equal, left, right) = &ast.kind {
-            let left = self.expression(left);
-            return (left, Some(self.expression(right)));
+        let AstKind::Binary(Operator::Equal, left, right) = &ast.kind else { return (self.measured(ast), None) };
+        let before = self.bench.problems.len();
+        let sides = [self.expression(left), self.expression(right)];
+        self.take_measure(ast, before, &sides);
+        let [left, right] = sides;
+        (left, Some(right))
+    }
+
+    /// The value, and on the bench its unit.
+    pub fn measured(&mut self, ast: &Ast) -> Value {
+        let before = self.bench.problems.len();
+        let value = self.expression(ast);
+        self.take_measure(ast, before, std::slice::from_ref(&value));
+        value
+    }
+
+    /// The unit of what was found to have these values without problems.
+    fn take_measure(&mut self, ast: &Ast, before: usize, values: &[Value]) {
+        let sound = self.bench.problems.len() == before && self.bench.needs.is_empty();
+        if !sound || values.contains(&Value::Poison) {
+            self.bench.measured = Measure::Unknown;
+            return;
         }
-        (self.expression(ast), None)
+        self.bench.measured = self.measure(ast);
     }
 
     /// The value; the syntax tree is at most 200 levels deep.
@@ -310,7 +330,7 @@ impl<'a> Lower<'a> {
         }
         let known = self.locals.len();
         let symbol = Symbol::Dummy(known as u32);
-        self.locals.push((range.name.clone(), Local::Symbol(symbol)));
+        self.locals.push((range.name.clone(), Local::Symbol(symbol, Measure::Unknown)));
         let integrand = self.expression(body);
         self.locals.truncate(known);
         let mut limits = [Id::ZERO; 2];

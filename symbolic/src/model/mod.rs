@@ -8,6 +8,7 @@ mod carriers;
 mod command;
 mod complaint;
 mod declare;
+mod dimension;
 mod draw;
 mod ends;
 mod facts;
@@ -19,6 +20,7 @@ mod lists;
 mod loads;
 mod locate;
 mod lower;
+mod measure;
 mod names;
 mod node;
 mod outline;
@@ -43,6 +45,7 @@ mod watched;
 #[cfg(test)]
 mod reading_tests;
 
+pub use command::Sets;
 pub use locate::locate;
 pub use node::Node;
 pub use read::read;

@@ -29,7 +29,7 @@ impl Lower<'_> {
             let found = if matches!(local, Local::Integer(_)) { "an index" } else { "a bound variable" };
             return self.unprimed(name, primes, found, span, |lower| match local {
                 Local::Integer(value) => Value::Scalar(lower.bench.graph.integer(value)),
-                Local::Symbol(symbol) => Value::Scalar(lower.bench.graph.symbol(symbol)),
+                Local::Symbol(symbol, _) => Value::Scalar(lower.bench.graph.symbol(symbol)),
             });
         }
         if let Some(value) = self.built_in(name, primes, span) {
@@ -62,7 +62,7 @@ impl Lower<'_> {
     }
 
     /// What an index or bound variable stands for.
-    fn local(&self, name: &str) -> Option<Local> {
+    pub(super) fn local(&self, name: &str) -> Option<Local> {
         self.locals.iter().rev().find(|(local, _)| local == name).map(|(_, local)| *local)
     }
 
@@ -186,17 +186,12 @@ impl Lower<'_> {
         if usize::from(axis) >= self.scope.dimension {
             return self.refuse(names::no_such_component(self.place(span), letter));
         }
-        let parenthesis = self.text.words(of.span).starts_with('(');
-        if let AstKind::Name { name, indices, primes: 0 } = &of.kind
-            && !parenthesis
-            && self.local(name).is_none()
+        if let AstKind::Name { name, indices, .. } = &of.kind
+            && self.oriented(of)
         {
-            let oriented = |section| matches!(section, Section::Frame | Section::Body);
-            if name == "ground" || self.scope.names.get(name).is_some_and(|entry| oriented(entry.section)) {
-                let Some(solid) = self.solid(name, indices, of.span) else { return Value::Poison };
-                let value = self.unit_vector(solid, name, axis, of.span);
-                return self.admit(value, span);
-            }
+            let Some(solid) = self.solid(name, indices, of.span) else { return Value::Poison };
+            let value = self.unit_vector(solid, name, axis, of.span);
+            return self.admit(value, span);
         }
         match self.expression(of) {
             Value::Vector(v) => v.get(usize::from(axis)).map_or(Value::Poison, |x| Value::Scalar(*x)),

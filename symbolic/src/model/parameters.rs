@@ -1,6 +1,7 @@
 //! `parameters`: free ones with their defaults, derived ones, families of both.
 
 use super::bench::{Rules, Text, Written};
+use super::dimension::{Dimension, Measure};
 use super::families::{Expanded, Family as KeyFamily};
 use super::lower::Local;
 use super::reader::{Quantity, Spot};
@@ -10,7 +11,7 @@ use super::scope::{Member, Section};
 use super::settle::Want;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{names, sections};
-use crate::language::{Ast, AstKind};
+use crate::language::{Ast, AstKind, Unit};
 
 /// A derived parameter as declared: its item, and its unit as written.
 pub type DeclaredDerived = (String, Option<String>, usize);
@@ -47,7 +48,8 @@ impl Resolver<'_> {
             let written = Some(Written::One(value.text.clone()));
             let rules = Rules::constant("a parameter");
             let item = self.item(member.name(), written, rules, Want::Scalar, &member.locals);
-            self.items[item].factor = value.unit.as_ref().map(|(_, unit)| unit.factor());
+            self.items[item].unit = value.unit.as_ref().map(|(_, unit)| *unit);
+            self.note_unit(value.unit.as_ref().map(|(_, unit)| unit));
             if self.declare(Section::Parameter, member, Member::Item(item), &spot.place) {
                 derived.push((member.name(), unit, item));
             }
@@ -66,6 +68,8 @@ impl Resolver<'_> {
                         indices: indices.clone(),
                     });
                     let place = spot.place.of_key();
+                    let measure = self.note_unit(value.unit.as_ref().map(|(_, unit)| unit));
+                    self.scope.units.parameters.push(measure);
                     self.model.parameters.push(Parameter { name: member.name(), family, unit, default, place });
                 }
             }
@@ -77,6 +81,13 @@ impl Resolver<'_> {
                 self.declare(Section::Parameter, member, Member::Refused, &spot.place);
             }
         }
+    }
+
+    /// What a unit written after a value or coordinate says; a model with one has time in seconds.
+    pub fn note_unit(&mut self, unit: Option<&Unit>) -> Measure {
+        let dimension = unit.map(Dimension::of);
+        self.scope.units.pure &= dimension.is_none_or(|dimension| dimension == Dimension::ONE);
+        Measure::from(dimension)
     }
 
     /// Each family of free parameters is an array over the smallest box that holds its members.
@@ -150,6 +161,12 @@ pub fn flat<'a>(spot: &Spot<'a>) -> Vec<Spot<'a>> {
 /// True when a value names anything but `pi` and its own indices.
 pub fn names_others(ast: &Ast, locals: &[(String, Local)]) -> bool {
     any_name(ast, &mut |name| name != "pi" && !locals.iter().any(|(local, _)| local == name))
+}
+
+/// True of `-9.81`, `[0, 2]` and `pi/4`, which name nothing but indices.
+pub fn is_bare(ast: &Ast, locals: &[(String, Local)]) -> bool {
+    let index = |name: &str| locals.iter().any(|(local, found)| local == name && matches!(found, Local::Integer(_)));
+    !any_name(ast, &mut |name| name != "pi" && !index(name))
 }
 
 /// True when `test` holds for some name in a syntax tree, which is at most 200 levels deep.

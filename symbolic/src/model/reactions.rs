@@ -38,13 +38,13 @@ impl<'a> Resolver<'a> {
                 }
                 declared.insert(key.to_owned(), spot.node);
                 let Some(family) = self.expand_declared(key, &spot, Section::Reaction) else { continue };
-                let planar_couple = spot.get("couple").is_some() && self.scope.dimension == 2;
-                let scalar = spot.get("along").is_some() || planar_couple;
+                let couple = spot.get("couple").is_some();
+                let scalar = spot.get("along").is_some() || (couple && self.scope.dimension == 2);
                 let components = if scalar { 1 } else { self.scope.dimension };
                 for member in &family.members {
                     let place = self.scope.reactions.len();
                     if self.declare(Section::Reaction, member, Member::Reaction(place), &spot.place) {
-                        let reaction = Reaction { name: member.name(), first: symbols, components, scalar };
+                        let reaction = Reaction { name: member.name(), first: symbols, components, scalar, couple };
                         self.scope.reactions.push(reaction);
                         symbols += components as u32;
                     }

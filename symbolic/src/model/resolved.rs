@@ -370,6 +370,8 @@ pub struct Reaction {
     pub components: usize,
     /// True for a number, false for a vector.
     pub scalar: bool,
+    /// True for a moment, false for a force.
+    pub couple: bool,
 }
 
 /// One complete system of momentum balances.

@@ -144,7 +144,7 @@ impl<'a> Resolver<'a> {
     /// Adds something with a value and returns its place.
     pub fn item(&mut self, name: String, written: Option<Written>, rules: Rules, want: Want, locals: &Locals) -> usize {
         let locals = Rc::clone(locals);
-        self.items.push(Item { name, written, rules, want, locals, from: None, factor: None });
+        self.items.push(Item { name, written, rules, want, locals, from: None, unit: None });
         self.items.len() - 1
     }
 

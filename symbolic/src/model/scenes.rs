@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::bench::Rules;
-use super::families::{self, Expanded, Family};
+use super::dimension::Dimension;
+use super::families::{self, Expanded, Family, Locals};
 use super::node::Node;
 use super::parameters::flat;
 use super::reader::{Quantity, Spot};
@@ -14,7 +15,16 @@ use crate::expr::{Id, Rational};
 
 const SCENE_KEYS: [&str; 8] = ["start", "until", "tolerance", "every", "phase", "set", "guess", "also"];
 
+const END: Rules = Rules::constant("the end of a run").si(Dimension::TIME);
+const SPACING: Rules = Rules::constant("a spacing").si(Dimension::TIME);
+const TOLERANCE: Rules = Rules::constant("a tolerance").si(Dimension::ONE);
+
 impl Resolver<'_> {
+    /// A value in SI; a pure number is in the unit of what it sets.
+    pub fn setting(&mut self, quantity: &Quantity, rules: Rules, locals: &Locals) -> Option<Id> {
+        self.bench.setting(&self.scope, quantity, rules, locals)
+    }
+
     /// All scenes; the default one is there even if the file has none.
     pub fn scenes(&mut self) {
         let empty = Node::Map(Vec::new());
@@ -67,18 +77,18 @@ impl Resolver<'_> {
         if let Some(set) = get("set") {
             self.set(&set, &mut scene);
         }
-        scene.until =
-            get("until").and_then(|spot| self.positive(&spot, "the end of a run", &scene)).unwrap_or(scene.until);
-        let tolerance = get("tolerance").and_then(|spot| self.positive(&spot, "a tolerance", &scene));
+        scene.until = get("until").and_then(|spot| self.positive(&spot, END, &scene)).unwrap_or(scene.until);
+        let tolerance = get("tolerance").and_then(|spot| self.positive(&spot, TOLERANCE, &scene));
         scene.tolerance = tolerance.unwrap_or(scene.tolerance);
-        scene.every = get("every").and_then(|spot| self.positive(&spot, "a spacing", &scene));
+        scene.every = get("every").and_then(|spot| self.positive(&spot, SPACING, &scene));
         self.model.scenes.push(scene);
     }
 
     /// A positive number of parameters.
-    fn positive(&mut self, spot: &Spot<'_>, what: &'static str, scene: &Scene) -> Option<Id> {
+    fn positive(&mut self, spot: &Spot<'_>, rules: Rules, scene: &Scene) -> Option<Id> {
+        let what = rules.what;
         let quantity = spot.quantity(&mut self.bench.problems)?;
-        let value = self.quantity(&quantity, Rules::constant(what), &Self::no_locals())?;
+        let value = self.setting(&quantity, rules, &Self::no_locals())?;
         let mut parameters: Vec<f64> = self.model.parameters.iter().map(|p| p.default).collect();
         if self.bench.graph.number(value).is_none() {
             let set: Vec<Id> = scene.set.iter().map(|(_, value)| *value).collect();
@@ -121,7 +131,10 @@ impl Resolver<'_> {
                     self.bench.problems.push(names::member_twice(spot.place.of_key(), name));
                     break;
                 }
-                if let Some(value) = self.quantity(&value, Rules::constant("a start"), &member.locals) {
+                let unit = self.scope.units.coordinates[coordinate];
+                let unit = if speed == 1 { self.scope.units.rate(unit) } else { unit };
+                let rules = Rules::constant("a start of it").like(unit);
+                if let Some(value) = self.setting(&value, rules, &member.locals) {
                     let list = if speed == 1 { &mut scene.v } else { &mut scene.q };
                     list[coordinate] = value;
                 }
@@ -185,7 +198,8 @@ impl Resolver<'_> {
                     self.bench.problems.push(names::member_twice(spot.place.of_key(), member.name()));
                     break;
                 }
-                if let Some(value) = self.quantity(&value, Rules::constant("a parameter"), &member.locals) {
+                let rules = Rules::constant("this parameter").like(self.scope.units.parameters[parameter]);
+                if let Some(value) = self.setting(&value, rules, &member.locals) {
                     scene.set.push((parameter, value));
                 }
             }
@@ -205,7 +219,9 @@ impl Resolver<'_> {
             let Some(values) = self.values_for(&spot, &family) else { continue };
             for (member, value) in family.members.iter().zip(values) {
                 let Some(coordinate) = self.started(member, key, &spot) else { break };
-                if let Some(value) = self.quantity(&value, Rules::constant("an equilibrium"), &member.locals) {
+                let unit = self.scope.units.coordinates[coordinate];
+                let rules = Rules::constant("an equilibrium of it").like(unit);
+                if let Some(value) = self.setting(&value, rules, &member.locals) {
                     self.model.equilibrium[coordinate] = value;
                 }
             }

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use super::bench::Wanted;
+use super::dimension::{Dimension, Measure};
 use super::resolved::Reaction;
 use super::value::Value;
 use crate::expr::Id;
@@ -118,6 +120,54 @@ pub struct Energies {
     pub potential: Id,
 }
 
+/// What is known of the units of names.
+#[derive(Clone, Debug)]
+pub struct Units {
+    /// True where no unit but `1` and `rad` is written: then time is a pure number too.
+    pub pure: bool,
+    /// Of free parameters, by their place.
+    pub parameters: Vec<Measure>,
+    /// Of coordinates, by their place.
+    pub coordinates: Vec<Measure>,
+    /// Of items.
+    pub items: Vec<Measure>,
+    /// Of the model's energies.
+    pub energy: Measure,
+}
+
+impl Default for Units {
+    fn default() -> Units {
+        Units {
+            pure: true,
+            parameters: Vec::new(),
+            coordinates: Vec::new(),
+            items: Vec::new(),
+            energy: Measure::Unknown,
+        }
+    }
+}
+
+impl Units {
+    /// The unit of a kind of quantity; unknown in a model without units.
+    pub fn of(&self, dimension: Dimension) -> Measure {
+        if self.pure { Measure::Unknown } else { Measure::Of(dimension) }
+    }
+
+    /// The unit that an expression is to have.
+    pub fn wanted(&self, wanted: Wanted) -> Measure {
+        match wanted {
+            Wanted::Any => Measure::Unknown,
+            Wanted::Si(dimension) => self.of(dimension),
+            Wanted::Like(measure) => measure,
+        }
+    }
+
+    /// The unit of the rate of something.
+    pub fn rate(&self, measure: Measure) -> Measure {
+        measure.over(Measure::Of(if self.pure { Dimension::ONE } else { Dimension::TIME }))
+    }
+}
+
 /// All names of a model.
 #[derive(Clone, Debug, Default)]
 pub struct Scope {
@@ -133,6 +183,8 @@ pub struct Scope {
     pub reactions: Vec<Reaction>,
     /// Known once bodies and loads are.
     pub energies: Option<Energies>,
+    /// What is known of units.
+    pub units: Units,
     /// True when the file has constraints, which are refused as a whole.
     pub constrained: bool,
 }

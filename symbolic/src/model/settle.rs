@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use super::bench::{Bench, Rules, Text, Written};
-use super::facts::Depends;
+use super::dimension::Measure;
 use super::families::Locals;
 use super::lower::Lower;
 use super::names::Solid;
@@ -11,7 +11,7 @@ use super::scope::Scope;
 use super::value::{self, Value};
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::names;
-use crate::language::{Ast, AstKind};
+use crate::language::{Ast, AstKind, Unit};
 
 /// Something with a value that expressions may name.
 #[derive(Clone, Debug)]
@@ -28,8 +28,8 @@ pub struct Item {
     pub locals: Locals,
     /// The frame that an angle is measured from.
     pub from: Option<Text>,
-    /// Its unit in SI, where the value is a pure number.
-    pub factor: Option<f64>,
+    /// Its unit as written.
+    pub unit: Option<Unit>,
 }
 
 /// What the value of an item must be.
@@ -53,6 +53,7 @@ enum State {
 /// Gives every item its value.  A worklist instead of recursion: chains of definitions may be long.
 pub fn settle(bench: &mut Bench, scope: &mut Scope, items: &[Item]) {
     scope.values = vec![None; items.len()];
+    scope.units.items = vec![Measure::Unknown; items.len()];
     let mut states = vec![State::New; items.len()];
     let mut stack = Vec::new();
     for first in 0..items.len() {
@@ -69,6 +70,7 @@ pub fn settle(bench: &mut Bench, scope: &mut Scope, items: &[Item]) {
             needs.retain(|need| states[*need] != State::Done);
             if needs.is_empty() || bench.exhausted() {
                 scope.values[top] = Some(if bench.exhausted() { Value::Poison } else { value });
+                scope.units.items[top] = bench.measured;
                 states[top] = State::Done;
                 stack.pop();
                 continue;
@@ -105,12 +107,8 @@ fn evaluate(bench: &mut Bench, scope: &Scope, item: &Item) -> Value {
             }
         },
     };
-    let value = match item.factor {
-        // What is computed from quantities with units is in SI already.
-        Some(factor) if !bench.depends(value.components()).meets(Depends::UNIT) => {
-            let factor = bench.graph.float(factor);
-            value.map(|x| bench.graph.mul(factor, x))
-        }
+    let value = match (&item.unit, &item.written) {
+        (Some(unit), Some(Written::One(text))) => value.map(|x| bench.converted(x, unit, text)),
         _ => value,
     };
     match &item.from {

@@ -2,6 +2,7 @@
 
 use super::antiderivative::antiderivative;
 use super::bench::{Rules, Text};
+use super::dimension::{Dimension, Measure};
 use super::ends::{End, EndText};
 use super::facts::Depends;
 use super::families::{Family, Locals};
@@ -31,6 +32,17 @@ struct Placement {
     from: Option<Text>,
     along: Option<super::bench::Written>,
     at: Option<super::bench::Written>,
+}
+
+impl Placement {
+    /// The unit of the stretch: a length along a direction, an angle about a body, anything where no body is named.
+    fn unit(&self, resolver: &Resolver<'_>) -> Measure {
+        match (&self.on, &self.along) {
+            (_, Some(_)) => resolver.scope.units.of(Dimension::LENGTH),
+            (Some(_), None) => resolver.scope.units.of(Dimension::ONE),
+            (None, None) => Measure::Unknown,
+        }
+    }
 }
 
 impl Resolver<'_> {
@@ -163,9 +175,9 @@ impl Resolver<'_> {
         let line = value::difference(&mut self.bench.graph, p, q);
         match law {
             Law::Linear(stiffness, rest) => {
-                let k = self.scalar(stiffness, Rules::of_time("a stiffness"), locals);
+                let k = self.scalar(stiffness, Rules::of_time("a stiffness").si(Dimension::STIFFNESS), locals);
                 let rest = match rest {
-                    Some(rest) => self.scalar(rest, Rules::of_time("a rest length"), locals)?,
+                    Some(rest) => self.scalar(rest, Rules::of_time("a rest length").si(Dimension::LENGTH), locals)?,
                     None => Id::ZERO,
                 };
                 let (k, half) = (k?, self.half());
@@ -185,14 +197,15 @@ impl Resolver<'_> {
                 Some((Work::Potential(energy), along(graph, tension, &line, length)))
             }
             Law::Energy(text) => {
-                let energy = self.law_of_length(text, Rules::of_time("the energy of a spring"), locals)?;
+                let energy =
+                    self.law_of_length(text, Rules::of_time("the energy of a spring").si(Dimension::ENERGY), locals)?;
                 let slope = self.bench.partial(energy, LENGTH, &text.place);
                 let length = value::norm(&mut self.bench.graph, &line);
                 let (energy, tension) = (self.put_length(energy, length, text), self.put_length(slope, length, text));
                 Some((Work::Potential(energy), along(&mut self.bench.graph, tension, &line, length)))
             }
             Law::Tension(text) => {
-                let tension = self.law_of_length(text, Rules::velocity("a tension"), locals)?;
+                let tension = self.law_of_length(text, Rules::velocity("a tension").si(Dimension::FORCE), locals)?;
                 let length = value::norm(&mut self.bench.graph, &line);
                 let motion = Depends::COORDINATE.and(Depends::VELOCITY);
                 let energy = if self.bench.depends(&[tension]).meets(motion) {
@@ -213,7 +226,7 @@ impl Resolver<'_> {
 
     fn law_of_length(&mut self, text: &Text, rules: Rules, locals: &Locals) -> Option<Id> {
         let mut locals = locals.to_vec();
-        locals.push(("length".to_owned(), Local::Symbol(LENGTH)));
+        locals.push(("length".to_owned(), Local::Symbol(LENGTH, self.scope.units.of(Dimension::LENGTH))));
         self.bench.scalar(&self.scope, text, rules, &locals)
     }
 
@@ -240,8 +253,9 @@ impl Resolver<'_> {
         let placement = self.placement(spot);
         let (Some(stretch), Some(stiffness), Some(placement)) = (stretch, stiffness, placement) else { return };
         for member in &family.members {
-            let e = self.scalar(&stretch, Rules::position("a stretch"), &member.locals);
-            let k = self.scalar(&stiffness, Rules::of_time("a stiffness"), &member.locals);
+            let e = self.scalar(&stretch, Rules::position("a stretch").like(placement.unit(self)), &member.locals);
+            let wanted = self.per_square(Dimension::ENERGY);
+            let k = self.scalar(&stiffness, Rules::of_time("the stiffness here").like(wanted), &member.locals);
             let (Some(e), Some(k)) = (e, k) else { continue };
             let half = self.half();
             let graph = &mut self.bench.graph;
@@ -336,7 +350,8 @@ impl Resolver<'_> {
                     let line = value::difference(&mut self.bench.graph, &p.at, &q.at);
                     let length = value::norm(&mut self.bench.graph, &line);
                     let rate = self.bench.rate(length);
-                    let Some(tension) = self.damping(&damping, rate, &member.locals) else { continue };
+                    let unit = self.scope.units.of(Dimension::DAMPING);
+                    let Some(tension) = self.damping(&damping, rate, unit, &member.locals) else { continue };
                     let pull = along(&mut self.bench.graph, tension, &line, length);
                     let pushes = self.pair(&p, &q, pull);
                     let work = Work::Resistance { rate, tension };
@@ -353,18 +368,26 @@ impl Resolver<'_> {
         let placement = self.placement(spot);
         let (Some(rate), Some(placement)) = (rate, placement) else { return };
         for member in &family.members {
-            let Some(rate) = self.scalar(&rate, Rules::velocity("a rate"), &member.locals) else { continue };
-            let Some(tension) = self.damping(damping, rate, &member.locals) else { continue };
+            let wanted = self.scope.units.rate(placement.unit(self));
+            let rules = Rules::velocity("a rate").like(wanted);
+            let Some(rate) = self.scalar(&rate, rules, &member.locals) else { continue };
+            let unit = self.per_square(Dimension::POWER);
+            let Some(tension) = self.damping(damping, rate, unit, &member.locals) else { continue };
             let Some(pushes) = self.placed_pushes(&placement, tension, &member.locals, drafts) else { continue };
             let work = Work::Resistance { rate, tension };
             drafts.loads.push(Draft { name: member.name(), work, pushes, place: spot.place.clone() });
         }
     }
 
-    /// c times the rate.
-    fn damping(&mut self, damping: &Text, rate: Id, locals: &Locals) -> Option<Id> {
-        let c = self.scalar(damping, Rules::velocity("a damping coefficient"), locals)?;
+    /// c times the rate; c is in this unit.
+    fn damping(&mut self, damping: &Text, rate: Id, unit: Measure, locals: &Locals) -> Option<Id> {
+        let c = self.scalar(damping, Rules::velocity("the damping here").like(unit), locals)?;
         Some(self.bench.graph.mul(c, rate))
+    }
+
+    /// The unit of a coefficient that gives something with the square of what was evaluated last.
+    fn per_square(&self, dimension: Dimension) -> Measure {
+        self.scope.units.of(dimension).over(self.bench.measured).over(self.bench.measured)
     }
 }
 

@@ -114,7 +114,8 @@ impl Resolver<'_> {
             for member in &family.members {
                 let Some(parameter) = self.free_parameter(member, &spot.place) else { break };
                 let Some(quantity) = &quantity else { continue };
-                let id = self.quantity(quantity, Rules::constant("a condition"), &member.locals);
+                let rules = Rules::constant("this parameter").like(self.scope.units.parameters[parameter]);
+                let id = self.setting(quantity, rules, &member.locals);
                 let Some(id) = id else { continue };
                 match self.default_value(id) {
                     Some(number) => conditions.push((parameter, number)),
@@ -186,11 +187,13 @@ impl Resolver<'_> {
             }
             for member in &family.members {
                 let Some(coordinate) = self.coordinate(member, &spot.place) else { break };
-                let rules = Rules::constant("a range");
-                let low = self.quantity(low, rules, &member.locals);
-                let high = self.quantity(high, rules, &member.locals);
+                let speed = family.key.primes == 1;
+                let unit = self.scope.units.coordinates[coordinate];
+                let unit = if speed { self.scope.units.rate(unit) } else { unit };
+                let rules = Rules::constant("a range of it").like(unit);
+                let low = self.setting(low, rules, &member.locals);
+                let high = self.setting(high, rules, &member.locals);
                 if let (Some(low), Some(high)) = (low, high) {
-                    let speed = family.key.primes == 1;
                     self.model.sample.push(Sample { coordinate, speed, low, high });
                 }
             }

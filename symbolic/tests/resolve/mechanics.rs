@@ -7,15 +7,15 @@ use crate::{At, close, model};
 /// A rod of length 2 hinged at the origin, a bead on it, a cart on rails above.
 const MECHANISM: &str = r#"
 name: Mechanism
-parameters: {m: 2 kg, k: 100 N/m, c: 3 kg/s, l: 2 m}
+parameters: {m: 2 kg, k: 100 N/m, c: 3 kg/s, l: 2 m, a: 0.1 m, w: 1 rad/s, R: 0.5 m}
 coordinates: {phi: rad, s: m, x: m}
-inputs: {base: 0.1*sin(t)}
+inputs: {base: a*sin(w*t)}
 points: {O: "[0, 0]", tip: l*rod.x, hook: "[x, 1]", shaker: "[base, 0]", wheel_contact: "[x, 0.5]"}
 bodies:
   rod: {mass: m, inertia: m*l^2/12, angle: phi, position: tip/2}
   bead: {mass: m, position: s*rod.x}
   cart: {mass: m, inertia: 0, angle: 0, position: "[x, 1.2]"}
-  wheel: {mass: m, inertia: m/8, angle: -2*x, position: "[x, 1]"}
+  wheel: {mass: m, inertia: m*R^2/2, angle: -x/R, position: "[x, 1]"}
 "#;
 
 fn with(more: &str) -> Model {
@@ -72,10 +72,10 @@ fn carriers() {
     takes("springs: {f: {between: [tip, shaker], stiffness: k}}", &[Some("rod"), None]);
     takes("springs: {f: {between: [bead, {on: rod, at: tip}], stiffness: k}}", &[Some("bead"), Some("rod")]);
     takes("springs: {f: {between: [ground, cart], stiffness: k}}", &[None, Some("cart")]);
-    takes("springs: {f: {stretch: phi, stiffness: k, on: rod}}", &[Some("rod")]);
+    takes("springs: {f: {stretch: phi, stiffness: k*l^2, on: rod}}", &[Some("rod")]);
     takes("springs: {f: {stretch: s, stiffness: k, on: bead, along: rod.x, from: rod}}", &[Some("bead"), Some("rod")]);
-    takes("dampers: {f: {rate: phi', damping: c, on: rod, from: wheel}}", &[Some("rod"), Some("wheel")]);
-    takes("torques: {f: {on: rod, torque: 3*t, from: cart}}", &[Some("rod"), Some("cart")]);
+    takes("dampers: {f: {rate: phi', damping: c*l^2, on: rod, from: wheel}}", &[Some("rod"), Some("wheel")]);
+    takes("torques: {f: {on: rod, torque: k*l^2*w*t, from: cart}}", &[Some("rod"), Some("cart")]);
 }
 
 #[test]
@@ -88,7 +88,7 @@ fn a_force_on_the_ground_is_a_warning() {
 #[test]
 fn opposites() {
     let (c, s) = (0.5_f64.cos(), 0.5_f64.sin());
-    let found = with("forces: {f: {on: rod, at: tip, force: \"[x, 2]\", from: bead}}");
+    let found = with("forces: {f: {on: rod, at: tip, force: \"[k*x/100, 2]\", from: bead}}");
     let pushes = pushes(&found);
     close(&pushes[0].1, &[2.0 * c, 2.0 * s]);
     close(&pushes[0].2, &[0.4, 2.0]);
@@ -106,17 +106,17 @@ fn springs() {
     };
     close(&potential("springs: {f: {between: [tip, O], stiffness: k}}"), &[200.0]);
     close(&potential("springs: {f: {between: [tip, O], stiffness: k, rest: l/4}}"), &[112.5]);
-    close(&potential("springs: {f: {between: [tip, O], energy: k*length^4}}"), &[1600.0]);
-    close(&potential("springs: {f: {between: [tip, O], tension: \"k*(length - 0.5)\"}}"), &[100.0]);
-    close(&potential("springs: {f: {between: [tip, O], tension: k/length^2}}"), &[-50.0]);
-    close(&potential("springs: {f: {between: [tip, O], tension: \"k*max(0, length - 0.5)\"}}"), &[112.5]);
-    close(&potential("springs: {f: {between: [tip, O], tension: \"k*max(0, length - 3)\"}}"), &[0.0]);
-    close(&potential("springs: {f: {stretch: phi - 1, stiffness: k, on: rod}}"), &[12.5]);
+    close(&potential("springs: {f: {between: [tip, O], energy: 4*k*length^4/l^2}}"), &[1600.0]);
+    close(&potential("springs: {f: {between: [tip, O], tension: \"k*(length - l/4)\"}}"), &[100.0]);
+    close(&potential("springs: {f: {between: [tip, O], tension: k*l^3/8/length^2}}"), &[-50.0]);
+    close(&potential("springs: {f: {between: [tip, O], tension: \"k*max(0, length - l/4)\"}}"), &[112.5]);
+    close(&potential("springs: {f: {between: [tip, O], tension: \"k*max(0, length - 1.5*l)\"}}"), &[0.0]);
+    close(&potential("springs: {f: {stretch: phi - 1, stiffness: k*l^2/4, on: rod}}"), &[12.5]);
     let one = with("springs: {f: {between: [O, tip], stiffness: k, rest: l/4}}");
     let (c, s) = (0.5_f64.cos(), 0.5_f64.sin());
     // Stretched by 1.5: pulls the tip inwards with 150.
     close(&pushes(&one)[1].2, &[-150.0 * c, -150.0 * s]);
-    let law = with("springs: {f: {between: [O, tip], energy: k*length^4}}");
+    let law = with("springs: {f: {between: [O, tip], energy: 4*k*length^4/l^2}}");
     close(&pushes(&law)[1].2, &[-3200.0 * c, -3200.0 * s]);
     // Without a rest length there is no square root.
     let free = with("springs: {f: {between: [O, tip], stiffness: k}}");
@@ -133,7 +133,7 @@ fn the_dimension_is_what_most_vectors_have() {
 
 #[test]
 fn tensions_without_a_closed_form_resist() {
-    let found = with("springs: {f: {between: [O, hook], tension: k*tanh(length^2)}}");
+    let found = with("springs: {f: {between: [O, hook], tension: k*l/2*tanh(length^2/l^2*4)}}");
     let Work::Resistance { rate, tension } = found.loads[0].work else { panic!("{:?}", found.loads[0].work) };
     let length = (0.16_f64 + 1.0).sqrt();
     close(&at().values(&found, &[rate, tension]), &[0.4 * -1.5 / length, 100.0 * (length * length).tanh()]);
@@ -147,7 +147,7 @@ fn dampers() {
     let closing = 0.4 * -1.5 / length;
     close(&at().values(&found, &[rate, tension]), &[closing, 3.0 * closing]);
     close(&pushes(&found)[1].2, &[-3.0 * closing * 0.4 / length, -3.0 * closing / length]);
-    let turning = with("dampers: {d: {rate: phi' - x', damping: c, on: rod}}");
+    let turning = with("dampers: {d: {rate: phi' - x'/l*2, damping: c*l^2/4, on: rod}}");
     close(&at().values(&turning, &turning.loads[0].pushes[0].couple), &[-10.5]);
 }
 
@@ -225,9 +225,9 @@ parameters:
   free: pi/4 rad
   stiffness: 1e3 N/m
 sizes: {n: 3}
-coordinates: {x: , y: 1, z_: m/s}
+coordinates: {x: , y: m, z_: m/s}
 kinetic_energy: x'^2 + y'^2 + z_'^2
-scene: {start: {x: 30 cm, y: 2*l, z_: 36 deg}, set: {m: 1 kg}, until: 2*m s}
+scene: {start: {x: 30 cm, y: 2*l, z_: 2 km/s}, set: {m: 1 kg}, until: 2*0.25 s}
 ",
     );
     let value = |name: &str| found.parameters.iter().find(|p| p.name == name).unwrap().default;
@@ -240,7 +240,7 @@ scene: {start: {x: 30 cm, y: 2*l, z_: 36 deg}, set: {m: 1 kg}, until: 2*m s}
     close(&at.of(&mut found, "twice"), &[PI / 3.0]);
     close(&at.of(&mut found, "third"), &[PI / 6.0]);
     close(&at.of(&mut found, "I"), &[0.25 * 0.04 / 12.0]);
-    close(&at.values(&found, &found.scenes[0].q), &[0.3, 0.4, PI / 5.0]);
+    close(&at.values(&found, &found.scenes[0].q), &[0.3, 0.4, 2000.0]);
     close(&at.values(&found, &[found.scenes[0].until, found.scenes[0].set[0].1]), &[0.5, 1.0]);
     assert_eq!(found.coordinates[0].unit, None);
     assert_eq!(found.coordinates[2].unit.as_deref(), Some("m/s"));
@@ -250,7 +250,7 @@ scene: {start: {x: 30 cm, y: 2*l, z_: 36 deg}, set: {m: 1 kg}, until: 2*m s}
 fn inputs_are_symbols_with_their_signals() {
     let mut found = model(
         "name: Inputs
-coordinates: {x: m}
+coordinates: {x: 1}
 inputs: {drive: 2*base + t, base: sin(3*t)}
 kinetic_energy: (x' + drive')^2/2
 outputs: {o: \"[drive'', base]\"}
@@ -269,15 +269,15 @@ fn watched() {
     let mut found = with(
         "conserved:
   energy: energy
-  part: {value: \"[x, phi] + position(bead)\", when: {c: 0, m: 1 g}}
-  sum_: sum(i*x, i in 1..2) - s + 3
+  part: {value: \"[x, phi*l] + position(bead)\", when: {c: 0, m: 1 g}}
+  sum_: sum(i*x, i in 1..2) - s + 1.5*l
 checks:
   zero: \"velocity(wheel, wheel_contact) = 0\"
   both: {holds: \"x = x\", when: {k: 2*k}}
   alone: x'' - x''
 sample: {x: [-0.9*l, 0.9*l], phi': [0, 1]}
 outputs: [tip, bead, x]
-events: {e: {when: \"norm(velocity(tip)) - 1\", direction: rising, if: x, then: stop}}",
+events: {e: {when: \"norm(velocity(tip)) - l*w\", direction: rising, if: x, then: stop}}",
     );
     let at = at();
     let part = &found.conserved[1];
@@ -303,7 +303,7 @@ fn scenes_inherit() {
         "scene: {start: {x: 1, phi: 2}, until: 5, every: 0.5, set: {m: 3}}
 scenes:
   other: {start: {x: l}, tolerance: 1e-6}
-  third: {set: {c: 2*m}}
+  third: {set: {c: 2*m*w}}
 equilibrium: {phi: -pi/2}",
     );
     let at = at();
@@ -325,15 +325,15 @@ fn drawings() {
   - {circle: {at: cart, radius: 10 cm}}
   - {circle: {at: [1, 2], radius: l}}
   - {spring: [O, tip]}
-  - {curve: \"[s_, l*s_^2]\", s_: -2..l}
+  - {curve: \"[s_, s_^2/l]\", s_: -2..l}
   - {trace: tip}",
     );
     let at = at();
     assert_eq!(found.draw.len(), 6);
     let Shape::Curve(points) = &found.draw[4] else { panic!() };
     assert_eq!(points.len(), 101);
-    close(&at.values(&found, &points[0]), &[-2.0, 8.0]);
-    close(&at.values(&found, &points[25]), &[-1.0, 2.0]);
+    close(&at.values(&found, &points[0]), &[-2.0, 2.0]);
+    close(&at.values(&found, &points[25]), &[-1.0, 0.5]);
     let Shape::Circle { radius, .. } = &found.draw[1] else { panic!() };
     close(&at.values(&found, &[*radius]), &[0.1]);
 }

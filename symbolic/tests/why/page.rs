@@ -20,10 +20,11 @@ Regenerate: `cargo run --example why -p dalembert-symbolic > docs/why-it-did-not
 ";
 
 /// The subjects of the catalogue, in its order.
-const SUBJECTS: [&str; 7] = [
+const SUBJECTS: [&str; 8] = [
     "YAML",
     "Expressions, keys and units",
     "Names, sizes and indices",
+    "Units",
     "The shape of a file",
     "Mechanics",
     "What deriving and testing at random states finds",

@@ -1,7 +1,7 @@
 //! The catalogue of errors: data, and one constructor for each entry.
 //!
 //! By subject: [`yaml`] E001–, [`syntax`] E101– (inside expressions, keys and units), [`names`] E201– (names, sizes,
-//! indices, kinds), [`sections`] E301– (the shape of a file), [`mechanics`] E401– (bodies, forces, scenes),
+//! indices, kinds), [`units`] E241–, [`sections`] E301– (the shape of a file), [`mechanics`] E401– (bodies, forces, scenes),
 //! [`verdicts`] E501– (what deriving finds), [`later`] E901– (not supported yet).
 //!
 //! A constructor takes the [`Place`](super::Place) first and then what its message names.  An argument called
@@ -12,6 +12,7 @@ pub mod mechanics;
 pub mod names;
 pub mod sections;
 pub mod syntax;
+pub mod units;
 pub mod verdicts;
 pub mod yaml;
 
@@ -41,6 +42,7 @@ pub static CATALOGUE: &[&[Entry]] = &[
     yaml::ENTRIES,
     syntax::ENTRIES,
     names::ENTRIES,
+    units::ENTRIES,
     sections::ENTRIES,
     mechanics::ENTRIES,
     verdicts::ENTRIES,
