@@ -4,12 +4,12 @@ use dalembert_symbolic::derive::{Conservative, Nature, derive};
 use dalembert_symbolic::diagnose::Problem;
 use dalembert_symbolic::model::load;
 
-/// A bob in the plane with these further lines.
+/// A bob in the plane with these further lines, without units.
 fn bob(lines: &str) -> String {
     format!(
         "name: Bob
-parameters: {{m: 1 kg, k: 3 N/m, b: 2 N/m, c: 0.3 N*s/m, F: 2 N, w: 3 1/s, g: 10 m/s^2}}
-coordinates: {{x: m, y: m}}
+parameters: {{m: 1, k: 3, b: 2, c: 0.3, F: 2, w: 3, g: 10}}
+coordinates: {{x: , y: }}
 bodies: {{bob: {{mass: m, position: \"[x, y]\"}}}}
 {lines}
 "
@@ -141,8 +141,8 @@ forces: {push: {on: bob, force: \"[F, 0]\"}, drag: {on: bob, force: \"-c*velocit
 #[test]
 fn the_power_is_force_times_velocity() {
     let text = "name: A
-parameters: {m: 1 kg, F: 2 N}
-coordinates: {x: m}
+parameters: {m: 1, F: 2}
+coordinates: {x: }
 bodies: {cart: {mass: m, position: \"[x, 0]\"}}
 forces: {push: {on: cart, force: \"[F*x, 0]\"}, pull: {on: cart, force: \"[3*x^2, 0]\"}}
 conserved: {energy: energy}";
