@@ -15,8 +15,12 @@ use crate::language::parse;
 /// What a value from the command line sets, which has a unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sets {
+    /// Something of any unit.
+    Any,
     /// A time.
     Time,
+    /// An angular frequency.
+    Frequency,
     /// A pure number.
     Number,
     /// A free parameter, by its place.
@@ -54,6 +58,8 @@ impl Model {
         let units = &self.scope.units;
         let known = |units: &[Measure], place: usize| units.get(place).copied().unwrap_or_default();
         let (what, unit) = match sets {
+            Sets::Any => ("this option", Measure::Unknown),
+            Sets::Frequency => ("an angular frequency", units.of(Dimension::RATE)),
             Sets::Time => ("a time", units.of(Dimension::TIME)),
             Sets::Number => ("this option", Measure::ONE),
             Sets::Parameter(place) => ("this parameter", known(&units.parameters, place)),

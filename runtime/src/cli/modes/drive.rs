@@ -3,6 +3,7 @@
 use std::io::Write;
 
 use clap::ArgMatches;
+use dalembert_symbolic::model::Sets;
 use nalgebra::Complex;
 use serde_json::{Value, json};
 
@@ -50,7 +51,7 @@ impl Driven {
         let (drive, label) = drive(loaded, options, reader, linear)?;
         let mut driven = Driven { label, steady: None, response: None };
         if let Some(text) = omega {
-            let omega = reader.value(loaded, "omega", text)?;
+            let omega = reader.value(loaded, "omega", Sets::Frequency, text)?;
             if omega < 0.0 {
                 return Err(Problem::Usage(format!("error: --omega is `{text}`; a frequency is 0 or more")));
             }
@@ -313,7 +314,7 @@ fn drive(
             let known = linear.inputs.iter().chain(&linear.coordinates).map(String::as_str);
             return Err(unknown("input or coordinate", name, known));
         };
-        let size = reader.value(loaded, "drive", amplitude)?;
+        let size = reader.value(loaded, "drive", Sets::Any, amplitude)?;
         let what = match source {
             Source::Input(_) => name.to_owned(),
             Source::Force(_) => format!("a force on {name}"),
@@ -331,7 +332,7 @@ fn drive(
 
 /// `A..B` with 0 < A < B.
 fn frequencies(loaded: &Loaded, reader: &mut Reader, text: &str) -> Result<(f64, f64), Problem> {
-    let (low, high) = super::range(loaded, reader, "range", text)?;
+    let (low, high) = super::range(loaded, reader, "range", Sets::Frequency, text)?;
     if low > 0.0 && high > low {
         return Ok((low, high));
     }

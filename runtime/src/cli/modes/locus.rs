@@ -3,6 +3,7 @@
 use std::io::Write;
 
 use clap::ArgMatches;
+use dalembert_symbolic::model::Sets;
 use nalgebra::Complex;
 use serde_json::{Value, json};
 
@@ -53,7 +54,7 @@ impl Locus {
             return Err(Problem::Usage("error: --vary takes one parameter".to_owned()));
         }
         let index = parameter_index(loaded, &parameter)?;
-        let (from, to) = super::range(loaded, reader, "vary", &text)?;
+        let (from, to) = super::range(loaded, reader, "vary", Sets::Parameter(index), &text)?;
         let unit = loaded.system.description().parameters[index].unit.to_string();
         let mut locus = Locus { parameter, unit, steps: Vec::new(), limits: Vec::new(), missing: None };
         let mut system = loaded.system.boxed_clone();

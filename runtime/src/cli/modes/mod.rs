@@ -13,6 +13,7 @@ use crate::linear::{
     Guess, Kind, LinearError, Linearised, Mode, animate_mode, draw_modes, equilibrium_here, equilibrium_near, linearise,
 };
 use clap::ArgMatches;
+use dalembert_symbolic::model::Sets;
 use drive::Driven;
 use locus::Locus;
 
@@ -65,11 +66,11 @@ fn write_file(path: &String, text: String) -> Result<(), Problem> {
 }
 
 /// `A..B`, both expressions of the model language.
-fn range(loaded: &Loaded, reader: &mut Reader, option: &str, text: &str) -> Result<(f64, f64), Problem> {
+fn range(loaded: &Loaded, reader: &mut Reader, option: &str, sets: Sets, text: &str) -> Result<(f64, f64), Problem> {
     let Some((from, to)) = text.split_once("..") else {
         return Err(Problem::Usage(format!("error: --{option} wants a range A..B, not `{text}`")));
     };
-    let (from, to) = (reader.value(loaded, option, from)?, reader.value(loaded, option, to)?);
+    let (from, to) = (reader.value(loaded, option, sets, from)?, reader.value(loaded, option, sets, to)?);
     if from == to {
         return Err(Problem::Usage(format!("error: --{option}: the range `{text}` has no width")));
     }
