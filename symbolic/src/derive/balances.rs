@@ -8,7 +8,7 @@ use super::test::{Agreement, describe};
 use crate::diagnose::Problem;
 use crate::diagnose::catalogue::verdicts;
 use crate::expr::{Graph, Id, Symbol, Tape, jacobian};
-use crate::model::{BalanceSystem, Model};
+use crate::model::{BalanceSystem, Model, Part};
 
 /// Accelerations may differ by this much of the largest of them.
 const TOLERANCE: f64 = 1e-8;
@@ -46,6 +46,14 @@ pub(super) fn agree(model: &mut Model, states: &[State]) -> Result<Vec<Agreement
         }
     }
     if problems.is_empty() { Ok(agreements) } else { Err(problems) }
+}
+
+/// A system with written-out equations in their terms.
+fn in_terms(mut system: BalanceSystem) -> BalanceSystem {
+    for balance in system.balances.iter_mut().filter(|balance| !balance.terms.is_empty()) {
+        balance.parts = std::mem::take(&mut balance.terms);
+    }
+    system
 }
 
 /// An error for the first balance in which an unknown multiplies another, or stands in a function.
@@ -200,8 +208,15 @@ fn compare(
         if gap > TOLERANCE || gap.is_nan() {
             let name = &model.coordinates[coordinate].name;
             let (balances, lagrange) = (format!("{:.9}", found[coordinate]), format!("{:.9}", state.a[coordinate]));
-            let (worst, place) = worst_balance(system, rows_here, size, state);
-            let help = cause(system, rows, size, states);
+            let (worst, balance) = worst_balance(system, rows_here, size, state);
+            let place = system.balances[balance].place.clone();
+            // Judged by its parts, explained by their terms.
+            let finer = in_terms(system.clone());
+            let mut graph = model.graph.clone();
+            let in_terms = evaluate(&mut graph, &finer, &columns(model, system), states);
+            let help = cause(&finer, balance, &in_terms, size, states)
+                .or_else(|| forgotten_inertia(model, system, rows, size, states))
+                .unwrap_or_else(|| suspects(&system.balances[balance].label));
             let worst = format!("{worst}, at {}", describe(model, state));
             return Err(Box::new(verdicts::balances_disagree(
                 place,
@@ -223,7 +238,7 @@ fn compare(
 }
 
 /// The balance that Lagrange's accelerations violate most, once its reactions are at their best.
-fn worst_balance(system: &BalanceSystem, rows: &[Row], size: usize, state: &State) -> (String, crate::diagnose::Place) {
+fn worst_balance(system: &BalanceSystem, rows: &[Row], size: usize, state: &State) -> (String, usize) {
     let n = state.a.len();
     let equations: usize = system.balances.iter().map(|b| b.components).sum();
     let mut residual = vec![0.0; equations];
@@ -259,22 +274,86 @@ fn worst_balance(system: &BalanceSystem, rows: &[Row], size: usize, state: &Stat
     let worst = (0..equations).max_by(|a, b| relative(*a).total_cmp(&relative(*b))).unwrap_or(0);
     let balance = rows.iter().find(|r| r.equation == worst).map_or(0, |r| r.balance);
     let words = format!("{} is off by {:.3e}", system.balances[balance].label, residual[worst].abs());
-    (words, system.balances[balance].place.clone())
+    (words, balance)
 }
 
-/// The one part whose flip or removal restores agreement at all states, in words.
-fn cause(system: &BalanceSystem, rows: &[Vec<Row>], size: usize, states: &[State]) -> String {
-    for (b, balance) in system.balances.iter().enumerate() {
-        for (p, part) in balance.parts.iter().enumerate() {
-            for (factor, words) in [(-1.0, "with the opposite sign of"), (0.0, "without"), (2.0, "with twice")] {
+/// The one part whose flip, removal or another factor restores agreement at all states, in words.
+fn cause(system: &BalanceSystem, worst: usize, rows: &[Vec<Row>], size: usize, states: &[State]) -> Option<String> {
+    let factors = [(-1.0, "with the opposite sign of"), (0.0, "without"), (2.0, "with twice"), (0.5, "with half of")];
+    // The balance that is off most comes first.
+    let order = || std::iter::once(worst).chain((0..system.balances.len()).filter(move |b| *b != worst));
+    for (factor, words) in factors {
+        for b in order() {
+            let balance = &system.balances[b];
+            for (p, part) in balance.parts.iter().enumerate() {
                 let restores = rows.iter().zip(states).all(|(rows, state)| {
                     solve(rows, size, Some((b, p, factor))).is_some_and(|x| difference(&x, state).0 <= TOLERANCE)
                 });
                 if restores {
-                    return format!("{words} {} in {} they agree", part.name, balance.label);
+                    return Some(format!("{words} {} in {} they agree", part.name, balance.label));
                 }
             }
         }
     }
-    "look at what the balance leaves out, at the point it is taken about, and at where forces act".to_owned()
+    None
+}
+
+/// The body whose I α, added to or taken from one balance of one component, restores agreement at all states, in words.
+fn forgotten_inertia(
+    model: &Model,
+    system: &BalanceSystem,
+    rows: &[Vec<Row>],
+    size: usize,
+    states: &[State],
+) -> Option<String> {
+    let mut graph = model.graph.clone();
+    let turning = model.bodies.iter().filter_map(|body| Some((body, body.rotation?)));
+    let parts: Vec<Part> = turning
+        .map(|(body, rotation)| {
+            let omega = super::rate(&mut graph, rotation.angle);
+            let alpha = super::rate(&mut graph, omega);
+            Part { name: format!("I alpha of {}", body.name), value: vec![graph.mul(rotation.inertia, alpha)] }
+        })
+        .collect();
+    let mut inertias = BalanceSystem { balances: system.balances[..1].to_vec(), ..system.clone() };
+    inertias.balances[0].parts.clone_from(&parts);
+    let seen = evaluate(&mut graph, &inertias, &columns(model, system), states);
+    let mut equation = 0;
+    for balance in &system.balances {
+        for (p, part) in parts.iter().enumerate().filter(|_| balance.components == 1) {
+            for (sign, words) in [(1.0, "added to the left of"), (-1.0, "taken from the left of")] {
+                let restores = rows.iter().zip(&seen).zip(states).all(|((rows, seen), state)| {
+                    let signed = |x: &f64| sign * x;
+                    let extra =
+                        Row::known(equation, seen[p].coefficients.iter().map(signed).collect(), sign * seen[p].rest);
+                    let all: Vec<Row> = rows.iter().cloned().chain([extra]).collect();
+                    solve(&all, size, None).is_some_and(|x| difference(&x, state).0 <= TOLERANCE)
+                });
+                if restores {
+                    return Some(format!("with {} {words} {} they agree", part.name, balance.label));
+                }
+            }
+        }
+        equation += balance.components;
+    }
+    None
+}
+
+/// Where to look if no single term explains a disagreement.
+fn suspects(label: &str) -> String {
+    let suspects = match label.rsplit(['(', ')']).nth(1) {
+        Some("equation") => {
+            "for a term that is missing, another body or point, and the acceleration of a moving point that is left out"
+        }
+        Some("force") => {
+            "for a constraint's force on these bodies that is not in `reactions` or lacks its opposite (`from`), for a \
+             body missing in `of`, and for where forces act"
+        }
+        Some("moment") => {
+            "for a constraint's force that has a moment about this point and is not in `reactions` or lacks its \
+             opposite (`from`), for a body missing in `of`, and for where forces act"
+        }
+        _ => "for forces that do work and are not declared, and for bodies missing in `of`",
+    };
+    format!("no single term explains it; look in {label} {suspects}")
 }

@@ -122,6 +122,7 @@ impl<'a> Resolver<'a> {
                 }
             }
         }
+        let mut terms = Vec::new();
         let parts = match kind {
             "moment" => self.moment(&inner, locals, sums)?,
             "force" => self.momentum(&inner, locals, sums)?,
@@ -130,6 +131,7 @@ impl<'a> Resolver<'a> {
             _ => {
                 let text = inner.equation(&mut self.bench.problems)?;
                 let (left, right) = self.sides(&text, locals)?;
+                terms = self.terms(&text, left.len(), locals);
                 let minus = value::negative(&mut self.bench.graph, &right);
                 vec![
                     Part { name: "the left side".to_owned(), value: left },
@@ -139,7 +141,8 @@ impl<'a> Resolver<'a> {
         };
         let components = parts.first().map_or(0, |p| p.value.len());
         let void_at_rest = matches!(kind, "power" | "energy");
-        Some(Balance { label: format!("{label} ({kind})"), parts, components, void_at_rest, place: spot.place.clone() })
+        let (label, place) = (format!("{label} ({kind})"), spot.place.clone());
+        Some(Balance { label, parts, terms, components, void_at_rest, place })
     }
 
     /// Σ (r − P) × m a + I α − moments about P.

@@ -39,6 +39,7 @@ mod shared;
 mod springs;
 mod substitute;
 mod taken_apart;
+mod terms;
 mod value;
 mod watched;
 

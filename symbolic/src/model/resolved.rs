@@ -394,6 +394,8 @@ pub struct Balance {
     pub label: String,
     /// Inertia, less forces.
     pub parts: Vec<Part>,
+    /// The same in finer parts, to name a wrong one: the terms of a written-out equation; empty where there are none.
+    pub terms: Vec<Part>,
     /// How many equations it is.
     pub components: usize,
     /// True for power and energy, which say nothing at rest.
