@@ -6,7 +6,7 @@ use std::{fmt, io};
 
 use crate::integrate::Method;
 use crate::linear::LinearError;
-use crate::mechanism::{SingularMass, System};
+use crate::mechanism::{Singular, SingularMass, System};
 use crate::run::{Run, State};
 use crate::trust::Unbounded;
 
@@ -101,6 +101,23 @@ pub enum Cause {
         /// The coordinate whose pivot vanishes.
         coordinate: String,
     },
+    /// The run goes by a system of balances, and one of its equations says nothing in this state: power and energy at
+    /// rest.
+    VoidBalance {
+        /// The system of balances.
+        system: String,
+        /// The equation's balance.
+        balance: String,
+        /// True where the balance is one of power or energy.
+        at_rest: bool,
+    },
+    /// The run goes by a system of balances, and they are not independent in this state.
+    SingularBalances {
+        /// The system of balances.
+        system: String,
+        /// An unknown that it does not determine: an acceleration `theta''`, or a reaction.
+        unknown: String,
+    },
     /// The coordinates fail where the mechanism does not: an element of M grows beyond bounds.
     CoordinateSingularity {
         /// The coordinate.
@@ -145,8 +162,27 @@ impl Error {
 }
 
 impl Cause {
-    pub(crate) fn singular_mass<S: System + ?Sized>(system: &S, fault: SingularMass) -> Self {
-        Cause::SingularMass { coordinate: coordinate_name(system, fault.coordinate) }
+    pub(crate) fn singular<S: System + ?Sized>(mechanism: &S, fault: Singular) -> Self {
+        let systems = &mechanism.description().balances;
+        let name = |system: usize| systems.get(system).map_or_else(String::new, |s| s.name.to_string());
+        match fault {
+            Singular::Mass(SingularMass { coordinate }) => {
+                Cause::SingularMass { coordinate: coordinate_name(mechanism, coordinate) }
+            }
+            Singular::VoidBalance { system, equation } => {
+                let balance = systems.get(system).and_then(|s| s.equations.get(equation));
+                Cause::VoidBalance {
+                    system: name(system),
+                    balance: balance.map_or_else(|| format!("equation {}", equation + 1), |b| b.name.to_string()),
+                    at_rest: balance.is_some_and(|b| b.void_at_rest),
+                }
+            }
+            Singular::Balances { system, unknown } => {
+                let known = systems.get(system).and_then(|s| s.unknowns.get(unknown));
+                let unknown = known.map_or_else(|| format!("unknown {}", unknown + 1), ToString::to_string);
+                Cause::SingularBalances { system: name(system), unknown }
+            }
+        }
     }
 
     pub(crate) fn coordinate_singularity<S: System + ?Sized>(system: &S, unbounded: Unbounded) -> Self {
@@ -236,6 +272,22 @@ impl fmt::Display for Cause {
             Cause::SingularMass { coordinate } => {
                 write!(f, "singular mass matrix: nothing gives `{coordinate}` an inertia here")
             }
+            Cause::VoidBalance { system, balance, at_rest } => {
+                write!(f, "void balance: in `{system}`, {balance} ")?;
+                match at_rest {
+                    true => write!(
+                        f,
+                        "says nothing about what is at rest, since power vanishes with the speeds; start with a speed, \
+                         or go by another system"
+                    ),
+                    false => write!(f, "contains no acceleration and no reaction in this state; go by another system"),
+                }
+            }
+            Cause::SingularBalances { system, unknown } => write!(
+                f,
+                "singular balances: `{system}` does not determine {unknown} in this state, where its equations depend \
+                 on each other; go by another system"
+            ),
             Cause::CoordinateSingularity { coordinate, t } => write!(
                 f,
                 "coordinate singularity: `{coordinate}` cannot describe the motion beyond t = {t} s, where its inertia \

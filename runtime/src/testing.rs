@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::mechanism::{
-    Coordinate, Description, Energy, Event, Quantity, Scene, Signal, SingularMass, Structure, Switch, System,
+    Coordinate, Description, Energy, Event, Quantity, Scene, Signal, Singular, SingularMass, Structure, Switch, System,
 };
 
 type Accelerations = Arc<dyn Fn(f64, &[f64], &[f64], &[f64], &mut [f64]) + Send + Sync>;
@@ -154,11 +154,11 @@ impl System for Toy {
     fn description(&self) -> &Description {
         &self.description
     }
-    fn accelerations(&self, t: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), SingularMass> {
+    fn accelerations(&self, t: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Singular> {
         (self.acceleration)(t, q, v, &self.modes, a);
         let masses = if self.description.structure.constant_mass { Vec::new() } else { (self.mass)(t, q) };
         match masses.iter().position(|mass| *mass == 0.0) {
-            Some(coordinate) => Err(SingularMass { coordinate }),
+            Some(coordinate) => Err(SingularMass { coordinate }.into()),
             None => Ok(()),
         }
     }

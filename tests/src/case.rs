@@ -1,6 +1,6 @@
 //! A model of the library, made ready to run.
 
-use dalembert::mechanism::{Erased, Mechanism, System};
+use dalembert::mechanism::{Balances, Erased, Mechanism, System};
 use dalembert::{Error, Run, Settings, State, simulate};
 
 use crate::reference::{Reference, States};
@@ -58,6 +58,26 @@ impl Case {
         let index = coordinates.iter().position(|c| c.name == coordinate);
         list[index.unwrap_or_else(|| panic!("no coordinate `{coordinate}`"))] = value;
         self
+    }
+
+    /// With accelerations from a system of balances.
+    pub fn by(mut self, name: &str) -> Self {
+        let systems = &self.system.description().balances;
+        let index = systems.iter().position(|s| s.name == name).unwrap_or_else(|| panic!("no balances `{name}`"));
+        self.system.set_derivation(Some(index));
+        self
+    }
+
+    /// The unknowns of a system of balances at a state, by name.
+    pub fn unknown(&self, balances: &str, unknown: &str, (t, q, v): (f64, &[f64], &[f64])) -> f64 {
+        let systems = &self.system.description().balances;
+        let index = systems.iter().position(|s| s.name == balances).unwrap_or_else(|| panic!("no `{balances}`"));
+        let place = systems[index].unknowns.iter().position(|u| u == unknown);
+        let mut system = Balances::new(&*self.system, index).expect("a system of balances");
+        let mut values = vec![0.0; system.size()];
+        system.evaluate(&*self.system, t, q, v);
+        system.solve(&mut values).expect("independent balances");
+        values[place.unwrap_or_else(|| panic!("`{balances}` has no `{unknown}`"))]
     }
 
     /// Until another time, s.

@@ -41,6 +41,7 @@ fn simulate() -> Command {
         .args(scene())
         .arg(value("method", "METHOD", "euler, midpoint, rk4, dopri5, dop853 or auto [default: auto]"))
         .arg(value("step", "TIME", "A fixed step"))
+        .arg(value("by", "SYSTEM", "Accelerations from a system of `balances` of the file; `all` compares them"))
         .arg(value("every", "TIME", "Spacing of reported states [default: 500 points]"))
         .arg(value("csv", "FILE", "Write reported states and outputs as a table"))
         .arg(value("plot", "FILE.svg", "Draw them"))

@@ -8,7 +8,8 @@ use dalembert_symbolic::diagnose;
 use dalembert_symbolic::lower::Program;
 
 use super::load::Loaded;
-use super::{Entry, Problem};
+use super::{Entry, Interpreted, Problem};
+use crate::mechanism::{Balances, System};
 
 /// Derives the model anew and prints the report.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
@@ -21,6 +22,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         let (states, worst) = (agreement.states, agreement.worst);
         writeln!(out, "  {first} and {second} agree at {states} states, worst {worst:.1e}")?;
     }
+    conditions(&program, &loaded.source, out)?;
     for (name, worst) in &program.report.conserved {
         writeln!(out, "  {name} is conserved, worst {worst:.1e}")?;
     }
@@ -56,6 +58,43 @@ fn nature(force: &Conservative) -> String {
             format!("{name} has no potential: its curl is not zero at {state}")
         }
     }
+}
+
+/// Size, operations and conditioning of every system of balances, at the states where it was compared.
+fn conditions(program: &Program, source: &str, out: &mut dyn Write) -> Result<(), Problem> {
+    if program.momentum.is_empty() {
+        return Ok(());
+    }
+    let mut mechanism = Interpreted::new(program.clone(), source);
+    let mut ranges = vec![(f64::INFINITY, 0.0_f64); program.momentum.len()];
+    for state in &program.report.states {
+        for (index, value) in state.parameters.iter().enumerate() {
+            mechanism.set_parameter(index, *value);
+        }
+        mechanism.set_modes(&state.modes);
+        for (k, range) in ranges.iter_mut().enumerate() {
+            let Some(mut balances) = Balances::new(&mechanism, k) else { continue };
+            balances.evaluate(&mechanism, state.t, &state.q, &state.v);
+            let condition = 1.0 / balances.reciprocal_condition();
+            *range = (range.0.min(condition), range.1.max(condition));
+        }
+    }
+    for (system, (low, high)) in program.momentum.iter().zip(ranges) {
+        let reactions = system.unknowns.len() - program.model.coordinates.len();
+        let unknowns = match reactions {
+            0 => "accelerations only".to_owned(),
+            1 => "1 reaction component".to_owned(),
+            n => format!("{n} reaction components"),
+        };
+        let n = system.right.len();
+        let s = if n == 1 { "" } else { "s" };
+        writeln!(
+            out,
+            "  {}: {n} equation{s}, {unknowns}, {} operations, condition number {low:.1e} to {high:.1e}",
+            system.name, system.operations
+        )?;
+    }
+    Ok(())
 }
 
 /// What was recognised, and operation counts.

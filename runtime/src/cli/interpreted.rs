@@ -2,13 +2,14 @@
 
 use dalembert_symbolic::derive::SwitchKind as SymbolicSwitchKind;
 use dalembert_symbolic::interpret::{At, Function, Interpreter};
-use dalembert_symbolic::lower::{Entry, Program};
+use dalembert_symbolic::lower::{Entry, MomentumSystem, Program};
 use dalembert_symbolic::model::{EventAction, Shape as SymbolicShape};
 use dalembert_symbolic::print;
 
+use crate::mechanism::put_reactions;
 use crate::mechanism::{
-    Action, Coordinate, Counts, Description, Direction, Energy, Event, List, Parameter, Quantity, Scene, Shape, Signal,
-    SingularMass, Structure, Switch, SwitchKind, System, Text,
+    Action, Balance, BalanceSystem, Balances, Coordinate, Counts, Description, Direction, Energy, Event, List,
+    Parameter, Quantity, Scene, Shape, Signal, Singular, SingularMass, Structure, Switch, SwitchKind, System, Text,
 };
 
 /// An interpreted mechanism.
@@ -17,6 +18,7 @@ pub struct Interpreted {
     interpreter: Interpreter,
     description: Description,
     signals: Vec<Option<Signal>>,
+    derivation: Option<usize>,
 }
 
 impl Interpreted {
@@ -24,12 +26,20 @@ impl Interpreted {
     pub fn new(program: Program, source: &str) -> Self {
         let description = describe(&program, source);
         let signals = vec![None; program.model.inputs.len()];
-        Interpreted { interpreter: Interpreter::new(program), description, signals }
+        Interpreted { interpreter: Interpreter::new(program), description, signals, derivation: None }
     }
 
     fn evaluate(&self, function: Function, t: f64, q: &[f64], v: &[f64], a: &[f64], values: &mut [f64]) {
         let u = self.input_values(t);
         self.interpreter.evaluate(function, At { t, u: &u, q, v, a }, values);
+    }
+
+    /// The unknowns of the system of balances in force; `None` without one.
+    fn unknowns(&self, t: f64, q: &[f64], v: &[f64]) -> Option<Result<Vec<f64>, Singular>> {
+        let mut balances = Balances::new(self, self.derivation?)?;
+        balances.evaluate(self, t, q, v);
+        let mut unknowns = vec![0.0; balances.size()];
+        Some(balances.solve(&mut unknowns).map(|()| unknowns))
     }
 
     fn input_values(&self, t: f64) -> Vec<f64> {
@@ -49,10 +59,14 @@ impl System for Interpreted {
         &self.description
     }
 
-    fn accelerations(&self, t: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), SingularMass> {
+    fn accelerations(&self, t: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Singular> {
+        if let Some(unknowns) = self.unknowns(t, q, v) {
+            a.copy_from_slice(&unknowns?[..a.len()]);
+            return Ok(());
+        }
         let u = self.input_values(t);
         let at = At { t, u: &u, q, v, a: &[] };
-        self.interpreter.accelerations(at, a).map_err(|coordinate| SingularMass { coordinate })
+        self.interpreter.accelerations(at, a).map_err(|coordinate| SingularMass { coordinate }.into())
     }
 
     fn mass_matrix(&self, t: f64, q: &[f64], values: &mut [f64]) {
@@ -88,6 +102,11 @@ impl System for Interpreted {
 
     fn outputs(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], values: &mut [f64]) {
         self.evaluate(Function::Outputs, t, q, v, a, values);
+        let Some(system) = self.derivation else { return };
+        let pairs = &self.description.balances[system].outputs;
+        if let Some(Ok(unknowns)) = self.unknowns(t, q, v).filter(|_| !pairs.is_empty()) {
+            put_reactions(pairs, &unknowns, values);
+        }
     }
 
     fn events(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], pairs: &mut [f64]) {
@@ -153,6 +172,21 @@ impl System for Interpreted {
     fn equilibrium_guess(&self) -> Vec<f64> {
         let guess = &self.interpreter.program().model.equilibrium;
         guess.iter().map(|id| self.interpreter.constant(*id)).collect()
+    }
+
+    fn balances(&self, system: usize, t: f64, q: &[f64], v: &[f64], matrix: &mut [f64], right: &mut [f64]) {
+        let u = self.input_values(t);
+        self.interpreter.balances(system, At { t, u: &u, q, v, a: &[] }, matrix, right);
+    }
+
+    fn derivation(&self) -> Option<usize> {
+        self.derivation
+    }
+
+    fn set_derivation(&mut self, system: Option<usize>) {
+        if system.is_none_or(|system| system < self.description.balances.len()) {
+            self.derivation = system;
+        }
     }
 
     fn boxed_clone(&self) -> Box<dyn System> {
@@ -234,6 +268,7 @@ fn describe(program: &Program, source: &str) -> Description {
                 SymbolicShape::Trace(name, _) => Shape::Trace(text(name)),
             })
             .collect(),
+        balances: program.momentum.iter().map(balances).collect(),
         structure: Structure {
             dimension: model.dimension as u32,
             constant_mass: s.constant_mass,
@@ -252,5 +287,18 @@ fn describe(program: &Program, source: &str) -> Description {
             residual: c.residual as u32,
             jacobians: c.jacobians as u32,
         },
+    }
+}
+
+fn balances(system: &MomentumSystem) -> BalanceSystem {
+    let text = |s: &String| Text::Owned(s.clone());
+    let balance = |(name, void): &(String, bool)| Balance { name: text(name), void_at_rest: *void };
+    BalanceSystem {
+        name: text(&system.name),
+        unknowns: system.unknowns.iter().map(text).collect(),
+        equations: system.equations.iter().map(balance).collect(),
+        nonzeros: system.matrix.len() as u32,
+        operations: system.operations as u32,
+        outputs: system.outputs.iter().map(|(output, unknown)| (*output as u32, *unknown as u32)).collect(),
     }
 }

@@ -12,6 +12,7 @@
 
 mod arguments;
 mod check;
+mod compare;
 mod interpreted;
 mod json;
 mod list;

@@ -4,14 +4,16 @@ use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
 
 use clap::ArgMatches;
+use dalembert_symbolic::diagnose::did_you_mean_or;
 use dalembert_symbolic::print::fnv1a;
 use serde_json::{Value, json};
 
 use super::json::{number, object};
 use super::load::Loaded;
 use super::set_up::set_up;
-use super::{Entry, Problem};
+use super::{Entry, Problem, compare};
 use crate::mechanism::Description;
+use crate::simulate::LAGRANGE;
 use crate::{Error, Run, Settings};
 
 /// Runs, writes files that were asked for, and prints the outcome; a run that failed is written and printed too.
@@ -24,6 +26,11 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     for warning in &loaded.warnings {
         eprintln!("warning: {warning}");
     }
+    match options.get_one::<String>("by").map(String::as_str) {
+        Some("all") => return compare::run(&mut loaded, &settings, options, out),
+        Some(name) => choose_derivation(&mut loaded, name)?,
+        None => (),
+    }
     let mut progress = Progress::new(&settings);
     let outcome = crate::simulate_with(&mut *loaded.system, &settings, &mut |t| progress.tell(t));
     progress.clear();
@@ -34,6 +41,26 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
             Err(Problem::Run(failure.to_string()))
         }
         Err(error) => Err(Problem::Usage(format!("error: {error}"))),
+    }
+}
+
+/// Puts the system of balances of this name in force.
+fn choose_derivation(loaded: &mut Loaded, name: &str) -> Result<(), Problem> {
+    let description = loaded.system.description();
+    match crate::simulate::derivation(description, name) {
+        Ok(system) => {
+            loaded.system.set_derivation(system);
+            Ok(())
+        }
+        Err(_) if description.balances.is_empty() => Err(Problem::Usage(format!(
+            "error: {} has no `balances`, so that its accelerations come from Lagrange's equations alone",
+            loaded.name
+        ))),
+        Err(_) => {
+            let known: Vec<&str> = description.balances.iter().map(|s| s.name.as_ref()).chain(["all"]).collect();
+            let hint = did_you_mean_or(name, &known);
+            Err(Problem::Usage(format!("error: no system of balances is called `{name}`; {hint}")))
+        }
     }
 }
 
@@ -122,6 +149,8 @@ fn as_json(loaded: &Loaded, settings: &Settings, run: &Run) -> Value {
         ("model", json!(loaded.name)),
         ("source", json!(format!("{:016x}", fnv1a(&loaded.source)))),
         ("method", json!(run.method.to_string())),
+        ("derivation", json!(run.balances.as_ref().map_or(LAGRANGE, |b| b.system.as_str()))),
+        ("condition", run.balances.as_ref().map_or(Value::Null, |b| number(b.worst))),
         ("tolerance", if settings.step.is_some() { Value::Null } else { number(settings.tolerance) }),
         ("t", number(last.t)),
         ("q", named(&last.q)),

@@ -2,7 +2,7 @@
 
 use super::explicit::Control;
 use super::{Rates, Tolerance};
-use crate::mechanism::{SingularMass, System};
+use crate::mechanism::{Singular, System};
 
 /// The step a method proposes next, from the errors of the last steps.
 ///
@@ -56,7 +56,7 @@ pub(crate) fn first_step<S: System + ?Sized>(
     tolerance: &Tolerance,
     order: u32,
     longest: f64,
-) -> Result<f64, SingularMass> {
+) -> Result<f64, Singular> {
     let size = tolerance.norm(y, y);
     let speed = tolerance.norm(rate, y);
     let guess = if size < 1e-10 || speed < 1e-10 { 1e-6 } else { 0.01 * size / speed };

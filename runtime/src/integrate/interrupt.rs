@@ -76,7 +76,7 @@ impl<S: System + ?Sized> March<S> {
                 return Ok(shorter);
             }
             let trial = Step { h, next: now + h, lands: false };
-            self.try_step(system, trial, true).map_err(|fault| Cause::singular_mass(system, fault))?;
+            self.try_step(system, trial, true).map_err(|fault| Cause::singular(system, fault))?;
             finite(system, &self.end, 0)?;
             self.dense(system, trial)?;
             shorter = Some(trial);

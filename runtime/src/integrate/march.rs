@@ -3,7 +3,7 @@
 use super::{Clock, JumpDetector, Method, OneStep, Rates, StepControl, Tolerance, Upset, first_step};
 use crate::error::Cause;
 use crate::events::Watch;
-use crate::mechanism::{SingularMass, System};
+use crate::mechanism::{Singular, System};
 use crate::run::{Recorder, Segment, Work};
 use crate::trust::{StiffnessDetector, Warning};
 
@@ -187,7 +187,7 @@ impl<S: System + ?Sized> March<S> {
         self.jumps.restart();
         self.rates
             .evaluate(system, self.clock.now(), &self.y, &mut self.rate)
-            .map_err(|fault| Cause::singular_mass(system, fault))?;
+            .map_err(|fault| Cause::singular(system, fault))?;
         finite(system, &self.rate, 1)
     }
 
@@ -195,7 +195,7 @@ impl<S: System + ?Sized> March<S> {
     pub(super) fn dense(&mut self, system: &S, step: Step) -> Result<(), Cause> {
         self.stepper
             .dense(&mut self.rates, system, (self.clock.now(), step.h, &self.y), &self.end, &mut self.pieces)
-            .map_err(|fault| Cause::singular_mass(system, fault))
+            .map_err(|fault| Cause::singular(system, fault))
     }
 
     pub(super) fn segment(&self, step: Step) -> Segment<'_> {
@@ -209,7 +209,7 @@ impl<S: System + ?Sized> March<S> {
         }
         let now = self.clock.now();
         if self.h == 0.0 {
-            self.h = self.first(system, stop - now).map_err(|fault| Cause::singular_mass(system, fault))?;
+            self.h = self.first(system, stop - now).map_err(|fault| Cause::singular(system, fault))?;
         }
         loop {
             let step = self.plan(stop);
@@ -223,7 +223,7 @@ impl<S: System + ?Sized> March<S> {
             let outcome = self.try_step(system, step, false);
             match &self.pace {
                 Pace::Fixed(_) => {
-                    let error = outcome.map_err(|fault| Cause::singular_mass(system, fault))?;
+                    let error = outcome.map_err(|fault| Cause::singular(system, fault))?;
                     self.all_finite(system, error)?;
                     return Ok(step);
                 }
@@ -239,7 +239,7 @@ impl<S: System + ?Sized> March<S> {
                     self.work.rejected += 1;
                     self.h = self.control.rejected(h, error);
                     if self.h < 16.0 * f64::EPSILON * now.abs() || self.h < f64::MIN_POSITIVE / f64::EPSILON {
-                        outcome.map_err(|fault| Cause::singular_mass(system, fault))?;
+                        outcome.map_err(|fault| Cause::singular(system, fault))?;
                         self.all_finite(system, error)?;
                         return Err(Cause::StepTooSmall { h: self.h });
                     }
@@ -281,7 +281,7 @@ impl<S: System + ?Sized> March<S> {
 
     /// Tries a step; leaves its end behind, and its rate there if it is good (or `whatever` its error), which
     /// is returned.
-    pub(super) fn try_step(&mut self, system: &S, step: Step, whatever: bool) -> Result<f64, SingularMass> {
+    pub(super) fn try_step(&mut self, system: &S, step: Step, whatever: bool) -> Result<f64, Singular> {
         let from = (self.clock.now(), step.h, self.y.as_slice());
         let tolerance = match &self.pace {
             Pace::Fixed(_) => None,
@@ -328,7 +328,7 @@ impl<S: System + ?Sized> March<S> {
                 let mut earlier = vec![0.0; self.rates.width];
                 self.rates
                     .evaluate(system, self.clock.now(), &self.end, &mut earlier)
-                    .map_err(|fault| Cause::singular_mass(system, fault))?;
+                    .map_err(|fault| Cause::singular(system, fault))?;
                 let by_state = (earlier[n + coordinate] - before[coordinate]).abs();
                 if by_state > 0.5 * (after[coordinate] - before[coordinate]).abs() {
                     return Err(Cause::direction_lost(system, coordinate));
@@ -349,7 +349,7 @@ impl<S: System + ?Sized> March<S> {
     }
 
     /// The first step.
-    fn first(&mut self, system: &S, left: f64) -> Result<f64, SingularMass> {
+    fn first(&mut self, system: &S, left: f64) -> Result<f64, Singular> {
         match &self.pace {
             Pace::Fixed(h) => Ok(*h),
             Pace::Adaptive { tolerance, longest } => {

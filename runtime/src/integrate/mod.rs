@@ -26,7 +26,7 @@ pub use method::{Method, ParseMethodError};
 pub(crate) use rates::Rates;
 pub(crate) use tolerance::Tolerance;
 
-use crate::mechanism::{SingularMass, System};
+use crate::mechanism::{Singular, System};
 
 /// What [`March`] asks of a family of one-step methods.
 ///
@@ -43,13 +43,13 @@ pub(crate) trait OneStep<S: System + ?Sized> {
         from: (f64, f64, &[f64]),
         rate: &[f64],
         tolerance: Option<&Tolerance>,
-    ) -> Result<f64, SingularMass>;
+    ) -> Result<f64, Singular>;
 
     /// y(t + h) − y(t) of the last attempt.
     fn increment(&self) -> &[f64];
 
     /// The rate at the end of the step, (t, y) being the end.
-    fn end_rate(&mut self, rates: &mut Rates, system: &S, t: f64, y: &[f64]) -> Result<&[f64], SingularMass>;
+    fn end_rate(&mut self, rates: &mut Rates, system: &S, t: f64, y: &[f64]) -> Result<&[f64], Singular>;
 
     /// The rate at the end of the step, after [`OneStep::end_rate`].
     fn last_rate(&self) -> &[f64];
@@ -69,5 +69,5 @@ pub(crate) trait OneStep<S: System + ?Sized> {
         from: (f64, f64, &[f64]),
         end: &[f64],
         pieces: &mut [f64],
-    ) -> Result<(), SingularMass>;
+    ) -> Result<(), Singular>;
 }

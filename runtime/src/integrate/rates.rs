@@ -1,6 +1,6 @@
 //! The mechanism as a first-order system.
 
-use crate::mechanism::{SingularMass, System};
+use crate::mechanism::{Singular, System};
 
 /// y = [q; q'; W] and its rates [q'; q''; P]; W, the work of what has no potential, only where there is any.
 ///
@@ -30,7 +30,7 @@ impl Rates {
         t: f64,
         y: &[f64],
         rate: &mut [f64],
-    ) -> Result<(), SingularMass> {
+    ) -> Result<(), Singular> {
         self.evaluations += 1;
         let n = self.n;
         let (q, v) = (&y[..n], &y[n..2 * n]);

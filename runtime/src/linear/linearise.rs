@@ -5,7 +5,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::probe::Probe;
 use super::{Equilibrium, LinearError, SparseMatrix, equilibrium_here};
 use crate::linear::Guess;
-use crate::mechanism::{SingularMass, System};
+use crate::mechanism::{Singular, SingularMass, System};
 
 /// M x'' + C x' + K x = B (u, u', u''), for small departures x from an equilibrium.
 ///
@@ -193,13 +193,8 @@ fn solve_cholesky(l: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
 /// A(t) of δz' = A δz along a motion, z = (q, q'): −M⁻¹∂F/∂q and −M⁻¹∂F/∂q' at the state's accelerations.
 ///
 /// # Errors
-/// [`SingularMass`] where the accelerations do not exist.
-pub fn state_matrix<S: System + ?Sized>(
-    system: &S,
-    t: f64,
-    q: &[f64],
-    v: &[f64],
-) -> Result<DMatrix<f64>, SingularMass> {
+/// [`Singular`] where the accelerations do not exist.
+pub fn state_matrix<S: System + ?Sized>(system: &S, t: f64, q: &[f64], v: &[f64]) -> Result<DMatrix<f64>, Singular> {
     let (n, description) = (system.len(), system.description());
     let mut a = vec![0.0; n];
     system.accelerations(t, q, v, &mut a)?;
@@ -211,5 +206,5 @@ pub fn state_matrix<S: System + ?Sized>(
     let mass = SparseMatrix::symmetric(n, &description.mass_pattern, &mass).to_dense();
     let stiffness = SparseMatrix::new(n, n, &description.stiffness_pattern, &dq).to_dense();
     let damping = SparseMatrix::new(n, n, &description.damping_pattern, &dv).to_dense();
-    first_order(&mass, &damping, &stiffness).map_err(|coordinate| SingularMass { coordinate })
+    first_order(&mass, &damping, &stiffness).map_err(|coordinate| SingularMass { coordinate }.into())
 }

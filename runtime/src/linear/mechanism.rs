@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::LinearError;
 use super::linearise::cholesky;
-use crate::mechanism::{Coordinate, Description, Energy, Scene, Signal, SingularMass, Structure, System};
+use crate::mechanism::{Coordinate, Description, Energy, Scene, Signal, Singular, Structure, System};
 
 /// A mechanism given by its matrices; what works on mechanisms works on it.
 ///
@@ -116,7 +116,7 @@ impl System for LinearMechanism {
         &self.description
     }
 
-    fn accelerations(&self, t: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), SingularMass> {
+    fn accelerations(&self, t: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Singular> {
         let mut force = -self.unbalanced(t, q, v);
         self.factor.solve_lower_triangular_mut(&mut force);
         self.factor.tr_solve_lower_triangular_mut(&mut force);

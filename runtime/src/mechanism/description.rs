@@ -48,6 +48,8 @@ pub struct Description {
     pub scenes: List<Text>,
     /// What to draw; points of all shapes come from `System::drawing`.
     pub draw: List<Shape>,
+    /// Systems of momentum balances, each of which gives the accelerations too.
+    pub balances: List<BalanceSystem>,
     /// What the deriver recognised.
     pub structure: Structure,
     /// Operations of the generated functions.
@@ -150,6 +152,32 @@ pub enum Shape {
     Curve(u32),
     /// The path that one point leaves behind.
     Trace(Text),
+}
+
+/// A system of momentum balances A·[q''; reactions] = b.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BalanceSystem {
+    /// Its name in the file; `balances` where the file has only one and gives it none.
+    pub name: Text,
+    /// Its unknowns: accelerations, `theta''`, then components of reactions, `hinge.x`.
+    pub unknowns: List<Text>,
+    /// Its equations, as many as unknowns.
+    pub equations: List<Balance>,
+    /// How many entries of A are not structurally zero.
+    pub nonzeros: u32,
+    /// Operations of A and b.
+    pub operations: u32,
+    /// Output components that are an unknown as it stands: (index among all components of outputs, unknown).
+    pub outputs: List<(u32, u32)>,
+}
+
+/// One equation of a system of balances.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Balance {
+    /// The label and the kind of the balance it belongs to: `balance 1 (moment)`.
+    pub name: Text,
+    /// True for power and energy, which say nothing about the acceleration of what is at rest.
+    pub void_at_rest: bool,
 }
 
 /// What the deriver recognised.

@@ -1,6 +1,7 @@
 //! A [`Mechanism`] behind slices.
 
-use super::{Description, Energy, Mechanism, Scene, Signal, SingularMass, System};
+use super::balances::solve_rows;
+use super::{Description, Energy, Mechanism, Scene, Signal, Singular, System, Values};
 
 /// A mechanism of static size as a [`System`], with its block of constants at hand.
 #[derive(Clone)]
@@ -8,6 +9,7 @@ pub struct Erased<M: Mechanism<N, C>, const N: usize, const C: usize> {
     mechanism: M,
     constants: M::Constants<f64>,
     signals: Vec<Option<Signal>>,
+    derivation: Option<usize>,
 }
 
 impl<M: Mechanism<N, C>, const N: usize, const C: usize> Erased<M, N, C> {
@@ -15,7 +17,7 @@ impl<M: Mechanism<N, C>, const N: usize, const C: usize> Erased<M, N, C> {
     pub fn new(mechanism: M) -> Self {
         let constants = M::constants(|_| mechanism.clone());
         let signals = vec![None; M::description().inputs.len()];
-        Erased { mechanism, constants, signals }
+        Erased { mechanism, constants, signals, derivation: None }
     }
 
     /// The parameters.
@@ -31,6 +33,26 @@ impl<M: Mechanism<N, C>, const N: usize, const C: usize> Erased<M, N, C> {
             }
         }
         block
+    }
+
+    /// Solves a system of balances on the stack and hands its unknowns on.
+    fn by_balances(
+        &self,
+        system: usize,
+        t: f64,
+        q: &[f64],
+        v: &[f64],
+        then: impl FnOnce(&[f64]),
+    ) -> Result<(), Singular> {
+        let size = M::description().balances[system].unknowns.len();
+        let mut block = M::Balances::filled(0.0);
+        let (matrix, rest) = block.as_mut().split_at_mut(size * size);
+        let (unknowns, rest) = rest.split_at_mut(size);
+        let u = self.input_block(t);
+        M::balances(&self.constants, system, t, u.as_ref(), array(q), array(v), matrix, unknowns);
+        solve_rows(matrix, unknowns, &mut rest[..size]).map_err(|fault| fault.of(system))?;
+        then(unknowns);
+        Ok(())
     }
 
     fn first_mode(&self) -> usize {
@@ -60,8 +82,12 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
         M::description()
     }
 
-    fn accelerations(&self, t: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), SingularMass> {
-        M::accelerations(&self.constants, t, self.input_block(t).as_ref(), array(q), array(v), array_mut(a))
+    fn accelerations(&self, t: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Singular> {
+        if let Some(system) = self.derivation {
+            return self.by_balances(system, t, q, v, |unknowns| a.copy_from_slice(&unknowns[..N]));
+        }
+        M::accelerations(&self.constants, t, self.input_block(t).as_ref(), array(q), array(v), array_mut(a))?;
+        Ok(())
     }
 
     fn mass_matrix(&self, t: f64, q: &[f64], values: &mut [f64]) {
@@ -98,6 +124,13 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
     fn outputs(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], values: &mut [f64]) {
         let u = self.input_block(t);
         M::outputs(&self.constants, t, u.as_ref(), array(q), array(v), &array_or_zero(a), values);
+        let Some(system) = self.derivation else { return };
+        let pairs = &M::description().balances[system].outputs;
+        if !pairs.is_empty() {
+            let put = |unknowns: &[f64]| super::balances::put_reactions(pairs, unknowns, values);
+            // Where the system is singular its accelerations are missing already.
+            let _ = self.by_balances(system, t, q, v, put);
+        }
     }
 
     fn events(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], pairs: &mut [f64]) {
@@ -156,6 +189,21 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
 
     fn equilibrium_guess(&self) -> Vec<f64> {
         self.mechanism.equilibrium_guess().to_vec()
+    }
+
+    fn balances(&self, system: usize, t: f64, q: &[f64], v: &[f64], matrix: &mut [f64], right: &mut [f64]) {
+        let u = self.input_block(t);
+        M::balances(&self.constants, system, t, u.as_ref(), array(q), array(v), matrix, right);
+    }
+
+    fn derivation(&self) -> Option<usize> {
+        self.derivation
+    }
+
+    fn set_derivation(&mut self, system: Option<usize>) {
+        if system.is_none_or(|system| system < M::description().balances.len()) {
+            self.derivation = system;
+        }
     }
 
     fn boxed_clone(&self) -> Box<dyn System> {

@@ -26,6 +26,8 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone {
     type Constants<S: Real>: Values<S>;
     /// The block of inputs, three numbers each.
     type Inputs<S: Real>: Values<S>;
+    /// Room for A and b of the largest system of balances, and for solving it.
+    type Balances: Values<f64>;
     /// How many modes end the block of constants.
     const MODES: usize;
 
@@ -52,6 +54,18 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone {
         v: &[S; N],
         a: &mut [S; N],
     ) -> Result<(), SingularMass>;
+    /// A, row by row, and b of a system of balances; nothing where there is no such system.
+    #[expect(clippy::too_many_arguments, reason = "a state and a linear system")]
+    fn balances<S: Real>(
+        c: &Self::Constants<S>,
+        system: usize,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        matrix: &mut [S],
+        right: &mut [S],
+    );
     /// F = M a + h.
     fn residual<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], f: &mut [S; N]);
     /// ∂F/∂q and ∂F/∂q' as values of their patterns.

@@ -1,5 +1,6 @@
 //! What generated code implements, and what is built on it: scalars, mechanisms, systems, descriptions.
 
+mod balances;
 mod description;
 mod erased;
 mod generated;
@@ -7,9 +8,12 @@ mod real;
 mod solve;
 mod system;
 
+pub use balances::Balances;
+#[cfg(feature = "cli")]
+pub(crate) use balances::put_reactions;
 pub use description::{
-    Action, Coordinate, Counts, Description, Direction, Event, List, Parameter, Quantity, Shape, Structure, Switch,
-    SwitchKind, Text,
+    Action, Balance, BalanceSystem, Coordinate, Counts, Description, Direction, Event, List, Parameter, Quantity,
+    Shape, Structure, Switch, SwitchKind, Text,
 };
 pub use erased::Erased;
 pub use generated::{Mechanism, Values};
@@ -56,4 +60,31 @@ pub struct Scene {
 pub struct SingularMass {
     /// Index of the coordinate.
     pub coordinate: usize,
+}
+
+/// There are no accelerations at a state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Singular {
+    /// M has no inverse.
+    Mass(SingularMass),
+    /// An equation of a system of balances has no unknowns, as that of power has at rest.
+    VoidBalance {
+        /// Index of the system.
+        system: usize,
+        /// Index of the equation.
+        equation: usize,
+    },
+    /// A system of balances does not determine an unknown.
+    Balances {
+        /// Index of the system.
+        system: usize,
+        /// Index of the unknown.
+        unknown: usize,
+    },
+}
+
+impl From<SingularMass> for Singular {
+    fn from(fault: SingularMass) -> Self {
+        Singular::Mass(fault)
+    }
 }

@@ -1,6 +1,6 @@
 //! The object-safe face of a mechanism, on slices: everything downstream is written once over it.
 
-use super::{Description, Energy, Scene, SingularMass};
+use super::{Description, Energy, Scene, Singular};
 
 /// A mechanism with its parameters, behind slices.
 ///
@@ -14,15 +14,19 @@ use super::{Description, Energy, Scene, SingularMass};
 /// Discontinuities are held by *modes*: one number per switch, set with [`System::set_modes`], stands
 /// for the `sign` or `step` in the equations, which are smooth while the modes stay as they are.
 /// Whoever integrates locates the zeros of [`System::switches`] and resets the modes there.
+///
+/// Accelerations come from Lagrange's equations unless [`System::set_derivation`] says that they come from a system of
+/// momentum balances.
 pub trait System {
     /// Names, shapes and structure.
     fn description(&self) -> &Description;
 
-    /// Solves M a = −h.
+    /// Solves M a = −h, or the system of balances that is the derivation in force.
     ///
     /// # Errors
-    /// [`SingularMass`] names the coordinate whose pivot vanishes, to rounding, or is not finite.
-    fn accelerations(&self, t: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), SingularMass>;
+    /// [`Singular`] names the coordinate whose pivot vanishes, to rounding, or is not finite; or what is void or
+    /// undetermined in the balances.
+    fn accelerations(&self, t: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Singular>;
 
     /// M's lower triangle, as values of `description().mass_pattern`.
     fn mass_matrix(&self, t: f64, q: &[f64], values: &mut [f64]);
@@ -86,6 +90,23 @@ pub trait System {
 
     /// The guess for an equilibrium that the file gives (0 where it gives none); n numbers.
     fn equilibrium_guess(&self) -> Vec<f64>;
+
+    /// A (row by row) and b of the system of balances of this index, so that A·[q''; reactions] = b; nothing is
+    /// written where there is none.  [`Balances`](super::Balances) evaluates, solves and judges it.
+    fn balances(&self, system: usize, t: f64, q: &[f64], v: &[f64], matrix: &mut [f64], right: &mut [f64]) {
+        let _ = (system, t, q, v, matrix, right);
+    }
+
+    /// The system of balances that gives the accelerations; `None`: Lagrange's equations.
+    fn derivation(&self) -> Option<usize> {
+        None
+    }
+
+    /// Takes the accelerations, and reactions that are outputs, from a system of balances from now on; `None` goes
+    /// back to Lagrange's equations.  A system that is not there changes nothing.
+    fn set_derivation(&mut self, system: Option<usize>) {
+        let _ = system;
+    }
 
     /// A copy on the heap, for running several at once.
     fn boxed_clone(&self) -> Box<dyn System>;

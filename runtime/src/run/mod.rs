@@ -15,7 +15,7 @@ pub(crate) use trajectory::{Segment, Trajectory};
 
 use crate::integrate::Method;
 use crate::mechanism::Description;
-use crate::trust::{Drift, Trust, Warning};
+use crate::trust::{Conditioning, Drift, Trust, Warning};
 
 /// A motion that was computed, and what tells how far it can be trusted.
 #[derive(Clone, Debug)]
@@ -26,6 +26,8 @@ pub struct Run {
     pub tolerance: Option<f64>,
     /// The fixed step, s, if there was one.
     pub step: Option<f64>,
+    /// The system of momentum balances that the accelerations came from; `None`: Lagrange's equations.
+    pub balances: Option<Conditioning>,
     /// Events that were recorded or that ended the run, in order.
     pub events: Vec<Occurrence>,
     /// Work done.

@@ -6,7 +6,7 @@ use super::{Frames, Names, Occurrence, Run, Segment, State, Trajectory, Work};
 use crate::error::Cause;
 use crate::integrate::Method;
 use crate::mechanism::System;
-use crate::trust::{InertiaGuard, Monitor, Warning, Watchman};
+use crate::trust::{ConditionMonitor, InertiaGuard, Monitor, Warning, Watchman};
 
 /// Collects what a [`Run`] holds: reported states, outputs, dense output, drift.
 #[derive(Clone)]
@@ -24,6 +24,7 @@ pub(crate) struct Recorder {
     keep_dense: bool,
     monitor: Option<Monitor>,
     guard: Option<InertiaGuard>,
+    condition: Option<ConditionMonitor>,
     watchman: Option<Watchman>,
     n: usize,
     needs_accelerations: bool,
@@ -60,6 +61,7 @@ impl Recorder {
             method: plan.method,
             tolerance: plan.tolerance,
             step: plan.step,
+            balances: None,
             events: Vec::new(),
             work: Work::default(),
             drift: Vec::new(),
@@ -86,6 +88,7 @@ impl Recorder {
             keep_dense: plan.dense,
             monitor: plan.watch.then(|| Monitor::new(system, t, y)),
             guard: InertiaGuard::new(system, t, y),
+            condition: ConditionMonitor::new(system, t, y),
             watchman: plan
                 .step
                 .filter(|_| plan.watch)
@@ -146,6 +149,9 @@ impl Recorder {
     fn judge<S: System + ?Sized>(&mut self, system: &S, t: f64, end: &[f64]) -> Result<(), Cause> {
         let h = t - self.judged;
         self.judged = t;
+        if let Some(condition) = &mut self.condition {
+            condition.observe(system, t, end);
+        }
         let unbounded = self.guard.as_mut().and_then(|guard| guard.observe(system, t, end));
         if let Some(unbounded) = unbounded {
             return Err(Cause::coordinate_singularity(system, unbounded));
@@ -247,6 +253,7 @@ impl Recorder {
                 self.run.warnings.push(Warning::EnergyBudgetExceeded { drift, limit: self.usual_drift });
             }
         }
+        self.run.balances = self.condition.map(ConditionMonitor::found);
         self.run.work = work;
         self.run.seconds = seconds;
         self.run

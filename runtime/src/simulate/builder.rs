@@ -4,7 +4,7 @@ use super::by_hand::Stepping;
 use super::{Settings, simulate};
 use crate::error::Error;
 use crate::integrate::Method;
-use crate::mechanism::{Scene, Signal, System};
+use crate::mechanism::{Description, Scene, Signal, System};
 use crate::run::Run;
 
 /// A run that is being described: what is not said comes from the model file's first scene.
@@ -90,6 +90,18 @@ impl<S: System> Simulation<S> {
         }
     }
 
+    /// Takes the accelerations from a system of momentum balances of the model file instead of Lagrange's equations,
+    /// and reactions that are outputs from its own solution; `"lagrange"` goes back.
+    pub fn derivation(mut self, name: &str) -> Self {
+        match derivation(self.system.description(), name) {
+            Ok(index) => {
+                self.system.set_derivation(index);
+                self
+            }
+            Err(error) => self.fail(error),
+        }
+    }
+
     /// Where the run ends, s.
     pub fn until(mut self, t: f64) -> Self {
         self.settings.until = t;
@@ -165,6 +177,19 @@ impl<S: System> Simulation<S> {
         self
     }
 }
+
+/// The system of balances of this name; `None` for `lagrange`.
+pub(crate) fn derivation(mechanism: &Description, name: &str) -> Result<Option<usize>, Error> {
+    let found = mechanism.balances.iter().position(|system| system.name == name);
+    if found.is_some() || name == LAGRANGE {
+        return Ok(found);
+    }
+    let known = mechanism.balances.iter().map(|system| system.name.to_string()).collect();
+    Err(Error::UnknownName { kind: "system of balances", name: name.to_owned(), known })
+}
+
+/// The name of the derivation that every mechanism has.
+pub(crate) const LAGRANGE: &str = "lagrange";
 
 /// Sets what a scene sets, where the file's value still holds, and returns the scene.
 fn set_scene<S: System>(system: &mut S, index: usize) -> Scene {

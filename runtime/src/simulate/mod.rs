@@ -16,6 +16,8 @@ mod typed;
 use std::time::Instant;
 
 pub use builder::Simulation;
+#[cfg(feature = "cli")]
+pub(crate) use builder::{LAGRANGE, derivation};
 pub use by_hand::{StateMut, Stepping};
 pub use settings::Settings;
 pub use typed::Simulate;

@@ -1,9 +1,10 @@
 //! What every mechanism that `model!` makes can do.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
-use super::builder::Simulation;
-use crate::mechanism::{Erased, Mechanism, SingularMass, System};
+use super::builder::{Simulation, derivation};
+use crate::error::Error;
+use crate::mechanism::{Balances, Erased, Mechanism, Singular, System};
 
 /// Runs and single evaluations of a mechanism with N coordinates, on static sizes.
 ///
@@ -40,11 +41,33 @@ pub trait Simulate<const N: usize, const C: usize>: Mechanism<N, C> + 'static {
     /// q'' = −M⁻¹h.
     ///
     /// # Errors
-    /// [`SingularMass`] names the coordinate whose pivot vanishes.
-    fn accelerations_at(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> Result<SVector<f64, N>, SingularMass> {
+    /// [`Singular`] names the coordinate whose pivot vanishes.
+    fn accelerations_at(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> Result<SVector<f64, N>, Singular> {
         let mut a = SVector::<f64, N>::zeros();
         self.system().accelerations(t, q, v, a.as_mut_slice())?;
         Ok(a)
+    }
+
+    /// A and b of a system of balances, so that A·[q''; reactions] = b; rows and columns are named by
+    /// `description().balances`.
+    ///
+    /// # Errors
+    /// [`Error::UnknownName`]: no system of balances has this name.
+    fn balances_at(
+        &self,
+        name: &str,
+        t: f64,
+        q: &[f64; N],
+        v: &[f64; N],
+    ) -> Result<(DMatrix<f64>, DVector<f64>), Error> {
+        let system = self.system();
+        let index = derivation(system.description(), name)?;
+        let Some(mut balances) = index.and_then(|index| Balances::new(&system, index)) else {
+            return Err(Error::UnknownName { kind: "system of balances", name: name.to_owned(), known: Vec::new() });
+        };
+        balances.evaluate(&system, t, q, v);
+        let size = balances.size();
+        Ok((DMatrix::from_row_slice(size, size, balances.matrix()), DVector::from_column_slice(balances.right())))
     }
 
     /// F(t, q, q', q'') = M q'' + h.

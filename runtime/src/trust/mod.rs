@@ -1,5 +1,6 @@
 //! How far a run can be trusted.
 
+mod conditioning;
 mod drift;
 mod inertia;
 mod report;
@@ -9,6 +10,8 @@ mod stiffness;
 mod tests;
 mod warning;
 
+pub(crate) use conditioning::ConditionMonitor;
+pub use conditioning::Conditioning;
 pub use drift::Drift;
 pub(crate) use drift::Monitor;
 pub(crate) use inertia::{InertiaGuard, Unbounded};

@@ -17,6 +17,10 @@ impl fmt::Display for Trust<'_> {
             (Some(tolerance), None) => writeln!(f, ", tolerance {tolerance:e}")?,
             (None, None) => writeln!(f)?,
         }
+        if let Some(found) = &run.balances {
+            let (system, worst, t) = (&found.system, found.worst, found.t);
+            writeln!(f, "derivation     balances `{system}`, condition number at most {worst:.1e} (at t = {t:.4} s)")?;
+        }
         let work = run.work;
         writeln!(
             f,

@@ -3,6 +3,7 @@
 //! A system of balances is linear in the accelerations and the reactions that it names.  At random parameters and
 //! states it is solved numerically, and its accelerations must be those of Lagrange's equations.
 
+use super::momentum::Momentum;
 use super::sample::State;
 use super::test::{Agreement, describe};
 use crate::diagnose::Problem;
@@ -31,16 +32,25 @@ impl Row {
 }
 
 /// Compares every system at every state.
-pub(super) fn agree(model: &mut Model, states: &[State]) -> Result<Vec<Agreement>, Vec<Problem>> {
+pub(super) fn agree(
+    model: &mut Model,
+    momentum: &[Momentum],
+    states: &[State],
+) -> Result<Vec<Agreement>, Vec<Problem>> {
     let (mut agreements, mut problems) = (Vec::new(), Vec::new());
-    for system in model.balances.clone() {
-        let columns = columns(model, &system);
-        if let Some(problem) = nonlinear(&mut model.graph, &system, &columns) {
-            problems.push(problem);
+    for (system, linear) in model.balances.clone().iter().zip(momentum) {
+        if linear.is_nonlinear(&model.graph) {
+            problems.extend(nonlinear(&mut model.graph, system, &linear.unknowns));
             continue;
         }
-        let rows: Vec<Vec<Row>> = evaluate(&mut model.graph, &system, &columns, states);
-        match compare(model, &system, columns.len(), &rows, states) {
+        if let Some(agreement) = at_once(model, system, linear, states) {
+            agreements.push(agreement);
+            continue;
+        }
+        // Only what does not agree is taken apart.
+        let columns = &linear.unknowns;
+        let rows: Vec<Vec<Row>> = evaluate(&mut model.graph, system, columns, states);
+        match compare(model, system, columns.len(), &rows, states) {
             Ok(agreement) => agreements.push(agreement),
             Err(problem) => problems.push(*problem),
         }
@@ -68,14 +78,28 @@ fn nonlinear(graph: &mut Graph, system: &BalanceSystem, columns: &[Symbol]) -> O
     })
 }
 
-/// The unknowns of a system: accelerations, then the components of its reactions.
-pub(super) fn columns(model: &Model, system: &BalanceSystem) -> Vec<Symbol> {
-    let accelerations = (0..model.coordinates.len()).map(|i| Symbol::Acceleration(i as u32));
-    let reactions = system.reactions.iter().flat_map(|&k| {
-        let reaction = &model.reactions[k];
-        (0..reaction.components as u32).map(|c| Symbol::Reaction(reaction.first + c))
-    });
-    accelerations.chain(reactions).collect()
+/// The agreement of a system that is regular at every state and gives Lagrange's accelerations there.
+fn at_once(model: &Model, system: &BalanceSystem, linear: &Momentum, states: &[State]) -> Option<Agreement> {
+    let size = linear.unknowns.len();
+    let entries = linear.matrix.iter().map(|e| e.2);
+    let tape = Tape::new(&model.graph, &entries.chain(linear.right.iter().copied()).collect::<Vec<Id>>());
+    let mut values = vec![0.0; tape.len()];
+    let mut scratch = Vec::new();
+    let mut worst = 0.0_f64;
+    for state in states {
+        tape.run(|s| state.value(s), &mut scratch, &mut values);
+        let mut matrix = vec![0.0; size * (size + 1)];
+        for ((i, j, _), value) in linear.matrix.iter().zip(&values) {
+            matrix[i * (size + 1) + j] = *value;
+        }
+        for (i, value) in values[linear.matrix.len()..].iter().enumerate() {
+            matrix[i * (size + 1) + size] = *value;
+        }
+        let (gap, _) = difference(&eliminate(matrix, size)?, state);
+        worst = worst.max(if gap.is_nan() { f64::INFINITY } else { gap });
+    }
+    let between = ("Lagrange".to_owned(), system.name.clone());
+    (worst <= TOLERANCE).then_some(Agreement { between, states: states.len(), worst })
 }
 
 /// Every part of every equation at every state.

@@ -4,7 +4,8 @@
 //! 2. Sums get one order: look in `expr/canonical`.
 //! 3. Lagrange's equations from the energies: look in `lagrange`.
 //! 4. Virtual power from the bodies: look in `virtual_power`.
-//! 5. Both are compared at random states, and what the file says is conserved or holds is tested: look in `test`.
+//! 5. Momentum balances as linear equations for accelerations and reactions: look in `momentum`.
+//! 6. All are compared at random states, and what the file says is conserved or holds is tested: look in `test`.
 //!    Forces are tested for potentials and for being counted twice (`potential`, `twice`), and for what they do to
 //!    what should be conserved (`blame`); what each entry does is in `effects`.
 //!
@@ -15,6 +16,7 @@ mod balances;
 mod blame;
 mod effects;
 mod lagrange;
+mod momentum;
 mod potential;
 mod reactions;
 mod sample;
@@ -29,6 +31,7 @@ use crate::diagnose::catalogue::mechanics;
 use crate::expr::{Forward, Graph, Id, Symbol, canonical};
 use crate::model::{Load, Model, Work};
 
+pub use momentum::Momentum;
 pub use potential::{Conservative, Nature};
 pub use sample::{Draws, State};
 pub use switches::{Switch, SwitchKind};
@@ -70,6 +73,10 @@ pub struct Derivation {
     pub model: Model,
     /// Equations by every derivation that applies; never empty.
     pub equations: Vec<Equations>,
+    /// Systems of momentum balances, in the order of the model's.
+    pub momentum: Vec<Momentum>,
+    /// Output components, by place, that are a component of a reaction as it stands.
+    pub named_reactions: Vec<(usize, Symbol)>,
     /// Energies for the balance.
     pub energies: Energies,
     /// Cyclic coordinates and their momenta.
@@ -111,10 +118,14 @@ pub fn derive(mut model: Model) -> Result<Derivation, Vec<Problem>> {
     if model.graph.overflowed() {
         return Err(vec![too_large()]);
     }
-    reactions::put_in(&mut model);
-    let report = test::all(&mut model, &equations, &switches)?;
+    let momentum = momentum::systems(&mut model, &switches);
+    if model.graph.overflowed() {
+        return Err(vec![too_large()]);
+    }
+    let named_reactions = reactions::put_in(&mut model);
+    let report = test::all(&mut model, &equations, &momentum, &switches)?;
     let cyclic = test::cyclic(&mut model, &equations, &switches, &momenta);
-    Ok(Derivation { model, equations, energies, cyclic, switches, report })
+    Ok(Derivation { model, equations, momentum, named_reactions, energies, cyclic, switches, report })
 }
 
 /// What enters the equations of motion: the model's expressions in canonical form, with modes for

@@ -2,15 +2,22 @@
 
 use rustc_hash::FxHashMap as HashMap;
 
-use super::balances::columns;
-use crate::expr::{Graph, Id, Symbol, expand, jacobian};
+use super::momentum::unknowns;
+use crate::expr::{Graph, Id, Node, Symbol, expand, jacobian};
 use crate::model::{BalanceSystem, Model};
 
-/// Puts reactions, by name, into what observes: outputs, events and checks.
-pub(super) fn put_in(model: &mut Model) {
+/// Puts reactions, by name, into what observes: outputs, events and checks.  Tells which components of outputs,
+/// by place, were a component of a reaction as it stands.
+pub(super) fn put_in(model: &mut Model) -> Vec<(usize, Symbol)> {
+    let components = model.outputs.iter().flat_map(|output| &output.value).enumerate();
+    let named = components.filter_map(|(place, id)| match model.graph.node(*id) {
+        Node::Symbol(reaction @ Symbol::Reaction(_)) => Some((place, reaction)),
+        _ => None,
+    });
+    let named = named.collect();
     let known = reactions(model);
     if known.is_empty() {
-        return;
+        return named;
     }
     let graph = &mut model.graph;
     let mut put = |list: &mut [Id]| {
@@ -28,6 +35,7 @@ pub(super) fn put_in(model: &mut Model) {
         put(&mut check.left);
         put(&mut check.right);
     }
+    named
 }
 
 /// Each reaction component as an expression of the state and the accelerations: the least-squares solution of the
@@ -35,7 +43,7 @@ pub(super) fn put_in(model: &mut Model) {
 fn reactions(model: &mut Model) -> HashMap<Symbol, Id> {
     let mut known = HashMap::default();
     for system in model.balances.clone() {
-        let unknowns: Vec<Symbol> = columns(model, &system)[model.coordinates.len()..].to_vec();
+        let unknowns: Vec<Symbol> = unknowns(model, &system)[model.coordinates.len()..].to_vec();
         if unknowns.is_empty() || unknowns.iter().all(|s| known.contains_key(s)) {
             continue;
         }

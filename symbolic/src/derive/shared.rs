@@ -4,7 +4,8 @@
 //! force that passes from one bar to the next through a hinge changes the hinge's reaction.  The load enters linearly,
 //! so each change of one end is judged alone, with the solution of the system before and after it.
 
-use super::balances::{Row, columns, evaluate, solve};
+use super::balances::{Row, evaluate, solve};
+use super::momentum::unknowns;
 use super::sample::State;
 use crate::diagnose::Problem;
 use crate::diagnose::catalogue::mechanics;
@@ -41,7 +42,7 @@ fn difference(model: &mut Model, end: &SharedEnd, states: &[State]) -> Option<St
         if values.iter().flatten().all(|x| *x == 0.0) {
             continue;
         }
-        let columns = columns(model, system);
+        let columns = unknowns(model, system);
         let rows = evaluate(&mut model.graph, system, &columns, states);
         for &body in end.bodies.iter().skip(1) {
             for (rows, values) in rows.iter().zip(&values) {

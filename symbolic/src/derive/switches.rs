@@ -4,7 +4,7 @@
 //! between two crossings: sign(x) = s, |x| = s x, step(x) = e, min(a, b) = b + e (a − b) with e = step(b − a).
 //! The equations that are integrated are then smooth, and the runtime locates the crossings.
 
-use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary, rewrite};
+use crate::expr::{Binary, Graph, Id, Node, Rational, Symbol, Unary, canonical, rewrite};
 
 /// One discontinuity.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -66,6 +66,69 @@ pub(super) fn introduce(graph: &mut Graph, roots: &[Id]) -> (Vec<Id>, Vec<Switch
         })
     });
     (roots, switches)
+}
+
+/// Puts the modes of known switches in the place of discontinuities; what is no known switch stays as it is.
+///
+/// Arguments are compared in canonical form and up to sign, since a derivation may write sums in another order, or
+/// the derivative of |x| where another has |x|.
+pub(super) fn recall(graph: &mut Graph, roots: &[Id], known: &[Switch]) -> Vec<Id> {
+    if known.is_empty() {
+        return roots.to_vec();
+    }
+    rewrite(graph, roots, |graph, node| {
+        let (wanted, argument) = match node {
+            Node::Unary(Unary::Abs | Unary::Sign, x) => (SwitchKind::Sign, x),
+            Node::Unary(Unary::Step, x) => (SwitchKind::Step, x),
+            Node::Binary(Binary::Min, a, b) => (SwitchKind::Step, graph.sub(b, a)),
+            Node::Binary(Binary::Max, a, b) => (SwitchKind::Step, graph.sub(a, b)),
+            _ => return None,
+        };
+        let (k, forward) = find(graph, argument, known)?;
+        let mode = graph.symbol(Symbol::Mode(k as u32));
+        let value = value_of_mode(graph, mode, (known[k].kind, wanted), forward);
+        Some(match node {
+            Node::Unary(Unary::Abs, x) => graph.mul(value, x),
+            Node::Binary(_, a, b) => {
+                let difference = graph.sub(a, b);
+                let chosen = graph.mul(value, difference);
+                graph.add(b, chosen)
+            }
+            _ => value,
+        })
+    })
+}
+
+/// The switch whose argument is this one (true) or its opposite (false).
+fn find(graph: &mut Graph, argument: Id, known: &[Switch]) -> Option<(usize, bool)> {
+    let opposite = graph.neg(argument);
+    known.iter().enumerate().find_map(|(k, switch)| {
+        let forms = canonical(graph, &[argument, opposite, switch.argument]);
+        (forms[0] == forms[2]).then_some((k, true)).or((forms[1] == forms[2]).then_some((k, false)))
+    })
+}
+
+/// The sign or the step of a switch's argument, or of its opposite, from the switch's mode.
+fn value_of_mode(graph: &mut Graph, mode: Id, (has, wanted): (SwitchKind, SwitchKind), forward: bool) -> Id {
+    let half = Rational::new(1, 2).map_or(Id::ONE, |half| graph.rational(half));
+    // As a sign in −1 … 1 of the argument that is asked for.
+    let sign = match has {
+        SwitchKind::Sign => mode,
+        SwitchKind::Step => {
+            let difference = graph.sub(mode, half);
+            graph.div(difference, half)
+        }
+    };
+    let sign = if forward { sign } else { graph.neg(sign) };
+    match (has, wanted, forward) {
+        (SwitchKind::Step, SwitchKind::Step, true) => mode,
+        (SwitchKind::Step, SwitchKind::Step, false) => graph.sub(Id::ONE, mode),
+        (_, SwitchKind::Sign, _) => sign,
+        (SwitchKind::Sign, SwitchKind::Step, _) => {
+            let sum = graph.add(Id::ONE, sign);
+            graph.mul(half, sum)
+        }
+    }
 }
 
 /// Puts the true functions back, for what only observes.

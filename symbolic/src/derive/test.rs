@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::blame::{Blame, Court, blame};
 use super::effects::effects;
+use super::momentum::Momentum;
 use super::potential::{Conservative, natures};
 use super::sample::{Draws, State};
 use super::switches::Switch;
@@ -43,10 +44,17 @@ pub struct Report {
     pub checks: Vec<(String, f64)>,
     /// Which forces have potentials.
     pub forces: Vec<Conservative>,
+    /// The states at which derivations were compared.
+    pub states: Vec<State>,
 }
 
 /// Runs every test and collects every failure.
-pub(super) fn all(model: &mut Model, equations: &[Equations], switches: &[Switch]) -> Result<Report, Vec<Problem>> {
+pub(super) fn all(
+    model: &mut Model,
+    equations: &[Equations],
+    momentum: &[Momentum],
+    switches: &[Switch],
+) -> Result<Report, Vec<Problem>> {
     let mut problems = massless(model, equations);
     if !problems.is_empty() {
         return Err(problems);
@@ -63,7 +71,7 @@ pub(super) fn all(model: &mut Model, equations: &[Equations], switches: &[Switch
             // Where it matters which body takes a load, there is no one second derivation to compare.
             let unclear = super::shared::ambiguous(model, &states);
             if unclear.is_empty() {
-                match super::balances::agree(model, &states) {
+                match super::balances::agree(model, momentum, &states) {
                     Ok(agreements) => report.agreements.extend(agreements),
                     Err(found) => problems.extend(found),
                 }
@@ -77,6 +85,7 @@ pub(super) fn all(model: &mut Model, equations: &[Equations], switches: &[Switch
                 problems.extend(errors);
                 model.warnings.extend(warnings);
             }
+            report.states = states;
         }
     }
     let model = &*model;

@@ -40,6 +40,8 @@ struct Tapes {
     functions: Vec<Tape>,
     accelerations: Tape,
     pivots: Vec<usize>,
+    /// A's non-zeros, then b, of each system of balances.
+    balances: Vec<Tape>,
 }
 
 /// A state, in the order of the model's coordinates; slices may be empty where nothing reads them.
@@ -86,7 +88,8 @@ impl Interpreter {
             Accelerations::Loop => (Vec::new(), Vec::new()),
         };
         let accelerations = Tape::new(graph, &roots);
-        let tapes = Tapes { functions, accelerations, pivots };
+        let balances = program.momentum.iter().map(|s| Tape::new(graph, &[&entries(&s.matrix)[..], &s.right].concat()));
+        let tapes = Tapes { functions, accelerations, pivots, balances: balances.collect() };
         let parameters = program.model.parameters.iter().map(|p| p.default).collect();
         let modes = vec![1.0; program.switches.len()];
         Interpreter { program, parameters, modes, tapes }
@@ -121,6 +124,19 @@ impl Interpreter {
         }
         a.copy_from_slice(&values[..n]);
         Ok(())
+    }
+
+    /// A (row by row) and b of a system of balances.
+    pub fn balances(&self, system: usize, at: At<'_>, matrix: &mut [f64], right: &mut [f64]) {
+        let Some((form, tape)) = self.program.momentum.get(system).zip(self.tapes.balances.get(system)) else { return };
+        let mut values = vec![0.0; tape.len()];
+        self.run(tape, at, &mut values);
+        matrix.fill(0.0);
+        let (entries, rest) = values.split_at(form.matrix.len());
+        for ((i, j, _), value) in form.matrix.iter().zip(entries) {
+            matrix[i * form.right.len() + j] = *value;
+        }
+        right.copy_from_slice(rest);
     }
 
     /// Evaluates an expression of parameters.

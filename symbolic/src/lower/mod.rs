@@ -4,6 +4,7 @@ mod candidates;
 mod count;
 mod factor;
 mod gather;
+mod momentum;
 mod structure;
 
 use crate::derive::{Derivation, Report, Switch, rates};
@@ -13,6 +14,7 @@ use crate::model::{Model, Scene, Shape};
 
 pub use count::operations;
 pub use factor::Accelerations;
+pub use momentum::MomentumSystem;
 pub use structure::Structure;
 
 /// An entry of a sparse matrix: row, column, value.
@@ -53,6 +55,8 @@ pub struct Program {
     pub switch_pairs: Vec<Id>,
     /// Points and radii to draw.
     pub drawing: Vec<Id>,
+    /// Systems of momentum balances, a second way to the accelerations.
+    pub momentum: Vec<MomentumSystem>,
     /// What was recognised.
     pub structure: Structure,
     /// Operations of the generated functions.
@@ -87,7 +91,7 @@ pub fn compile(text: &str, sizes: &[(String, i64)]) -> Result<Program, Vec<Probl
 /// # Errors
 /// The model is too large.
 pub fn lower(derivation: Derivation) -> Result<Program, Vec<Problem>> {
-    let Derivation { mut model, equations, energies, cyclic, switches, report } = derivation;
+    let Derivation { mut model, equations, momentum, named_reactions, energies, cyclic, switches, report } = derivation;
     let n = model.coordinates.len();
     let graph = &mut model.graph;
 
@@ -123,6 +127,7 @@ pub fn lower(derivation: Derivation) -> Result<Program, Vec<Problem>> {
         residual: count(chosen.residual.clone()),
         jacobians: count([values(&stiffness), values(&damping), chosen.residual.clone()].concat()),
     };
+    let momentum = momentum::systems(&mut model, momentum, &named_reactions);
     if model.graph.overflowed() {
         return Err(vec![crate::derive::too_large()]);
     }
@@ -142,6 +147,7 @@ pub fn lower(derivation: Derivation) -> Result<Program, Vec<Problem>> {
         events,
         switch_pairs,
         drawing,
+        momentum,
         structure,
         counts,
         choice: chosen.words,
@@ -170,6 +176,7 @@ impl Program {
             events: Vec::new(),
             switch_pairs: Vec::new(),
             drawing: Vec::new(),
+            momentum: Vec::new(),
             structure: Structure::default(),
             counts: Counts::default(),
             choice: String::new(),

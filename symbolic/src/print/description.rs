@@ -86,6 +86,22 @@ pub(super) fn description(program: &Program, source: &str) -> String {
             Shape::Trace(name, _) => format!("Shape::Trace({})", string(name)),
         })),
     );
+    field(
+        "balances",
+        list(program.momentum.iter().map(|s| {
+            let equations = list(s.equations.iter().map(|(words, void)| {
+                format!("Balance {{ name: {}, void_at_rest: {void} }}", string(words))
+            }));
+            let pairs = list(s.outputs.iter().map(|(output, unknown)| format!("({output}, {unknown})")));
+            let unknowns = list(s.unknowns.iter().map(|u| string(u)));
+            format!(
+                "BalanceSystem {{ name: {}, unknowns: {unknowns}, equations: {equations}, nonzeros: {}, operations: {}, outputs: {pairs} }}",
+                string(&s.name),
+                s.matrix.len(),
+                s.operations,
+            )
+        })),
+    );
     let s = &program.structure;
     field(
         "structure",

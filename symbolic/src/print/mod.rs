@@ -2,6 +2,7 @@
 
 mod body;
 mod description;
+mod momentum;
 mod names;
 mod rust;
 mod text;

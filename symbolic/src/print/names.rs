@@ -79,6 +79,11 @@ pub fn type_name(name: &str) -> String {
     camel
 }
 
+/// The function that writes a system of balances.
+pub(super) fn balances_function(system: &str) -> String {
+    format!("balances_{}", ascii(system).to_lowercase())
+}
+
 /// ASCII letters, digits and underscores; another letter becomes its code point.
 fn ascii(name: &str) -> String {
     let mut plain = String::new();
@@ -111,7 +116,7 @@ pub(super) struct Locals {
 impl Locals {
     pub fn of(model: &Model) -> Locals {
         // Names that generated functions use themselves.
-        let own = ["c", "t", "u", "q", "v", "a", "out", "dq", "dv", "S", "x"];
+        let own = ["c", "t", "u", "q", "v", "a", "out", "dq", "dv", "S", "x", "matrix", "right"];
         let mut taken: HashSet<String> = own.iter().map(|s| (*s).to_owned()).collect();
         let mut coordinates = Vec::new();
         for coordinate in &model.coordinates {

@@ -5,6 +5,7 @@ use std::fmt::Write;
 
 use super::body::{Bodies, Use, float};
 use super::description::description;
+use super::momentum;
 use super::names::{Locals, field_name};
 use super::text;
 use crate::expr::{Id, Node, Symbol, Unary};
@@ -173,17 +174,19 @@ fn mechanism(
         "impl ::dalembert::mechanism::Mechanism<{n}, 0> for {name} {{
     type Constants<S: ::dalembert::mechanism::Real> = [S; {block}];
     type Inputs<S: ::dalembert::mechanism::Real> = [S; {inputs}];
+    type Balances = [f64; {}];
     const MODES: usize = {modes};
 
     fn description() -> &'static ::dalembert::mechanism::Description {{
-        use ::dalembert::mechanism::{{Action, Coordinate, Counts, Description, Direction, Event, List, Parameter, Quantity, Shape, Structure, Switch, SwitchKind, Text}};
+        use ::dalembert::mechanism::{{Action, Balance, BalanceSystem, Coordinate, Counts, Description, Direction, Event, List, Parameter, Quantity, Shape, Structure, Switch, SwitchKind, Text}};
         #[allow(unused_imports)]
-        use {{Action as _, Direction as _, Event as _, Parameter as _, Quantity as _, Shape as _, Switch as _, SwitchKind as _}};
+        use {{Action as _, Balance as _, BalanceSystem as _, Direction as _, Event as _, Parameter as _, Quantity as _, Shape as _, Switch as _, SwitchKind as _}};
         static DESCRIPTION: Description = Description {{
 {}        }};
         &DESCRIPTION
     }}
 ",
+        momentum::block(program),
         description(program, source)
     );
     constants_function(out, program, unhoisted, constants, block);
@@ -252,6 +255,7 @@ fn mechanism(
 "
     );
     accelerations(out, program, bodies, n);
+    momentum::balances(out, program, bodies, block);
     scenes(out, program, unhoisted, n);
     let _ = writeln!(out, "}}");
 }
@@ -433,6 +437,9 @@ impl Program {
         roots.extend(lists.into_iter().flatten());
         roots.extend(self.energy);
         roots.extend(self.model.inputs.iter().flat_map(|u| u.signal));
+        for system in &self.momentum {
+            roots.extend(system.matrix.iter().map(|e| e.2).chain(system.right.iter().copied()));
+        }
         if let Accelerations::Unrolled { values, pivots } = &self.accelerations {
             roots.extend(values);
             roots.extend(pivots.iter().flat_map(|p| [p.1, p.2]));

@@ -41,6 +41,13 @@ fn everything(system: &dyn System, state: &State) -> Vec<(&'static str, Vec<f64>
     collect("energy", 5, &|x| {
         x.copy_from_slice(&[energy.kinetic, energy.potential, energy.jacobi, energy.power, energy.scale]);
     });
+    for k in 0..description.balances.len() {
+        let size = description.balances[k].unknowns.len();
+        collect("balances", size * (size + 1), &|x| {
+            let (matrix, right) = x.split_at_mut(size * size);
+            system.balances(k, *t, q, v, matrix, right);
+        });
+    }
     all.push(("parameters", system.parameters()));
     all.push(("equilibrium", system.equilibrium_guess()));
     all
@@ -71,6 +78,7 @@ fn compiled_and_interpreted_models_agree() {
             };
             let (q, v) = (vary(&start.q, 0.3), vary(&start.v, 1.7));
             let state = State { t: 0.37, a: vary(&q, 2.9), q, v };
+            assert_eq!(compiled.description().balances, interpreted.description().balances, "{}", entry.name);
             let pairs = everything(&*compiled, &state).into_iter().zip(everything(&interpreted, &state));
             for ((what, found), (_, expected)) in pairs {
                 assert_eq!(found.len(), expected.len(), "{}: {what}", entry.name);

@@ -3,6 +3,7 @@
 mod chains;
 mod interpreted;
 mod invariants;
+mod momentum;
 mod oscillators;
 mod particles;
 mod pendulums;

@@ -3,7 +3,7 @@
 use super::dense::write_dense;
 use super::tableau::{Estimate, Tableau, Term};
 use crate::integrate::{OneStep, Rates, Tolerance};
-use crate::mechanism::{SingularMass, System};
+use crate::mechanism::{Singular, System};
 
 /// Any method that is given by a [`Tableau`].
 pub(crate) struct ExplicitRungeKutta {
@@ -50,7 +50,7 @@ impl ExplicitRungeKutta {
         rates: &mut Rates,
         system: &S,
         (t, h, y): (f64, f64, &[f64]),
-    ) -> Result<(), SingularMass> {
+    ) -> Result<(), Singular> {
         std::mem::swap(&mut self.argument, &mut self.earlier);
         combine(&mut self.argument, h, row, &self.stages, self.width);
         for (argument, y) in self.argument.iter_mut().zip(y) {
@@ -108,7 +108,7 @@ impl<S: System + ?Sized> OneStep<S> for ExplicitRungeKutta {
         (t, h, y): (f64, f64, &[f64]),
         rate: &[f64],
         tolerance: Option<&Tolerance>,
-    ) -> Result<f64, SingularMass> {
+    ) -> Result<f64, Singular> {
         self.stage_mut(0).copy_from_slice(rate);
         self.argument.copy_from_slice(y);
         for (index, &(node, row)) in self.tableau.rows.iter().enumerate().skip(1) {
@@ -122,7 +122,7 @@ impl<S: System + ?Sized> OneStep<S> for ExplicitRungeKutta {
         &self.increment
     }
 
-    fn end_rate(&mut self, rates: &mut Rates, system: &S, t: f64, y: &[f64]) -> Result<&[f64], SingularMass> {
+    fn end_rate(&mut self, rates: &mut Rates, system: &S, t: f64, y: &[f64]) -> Result<&[f64], Singular> {
         let end = self.tableau.end_stage();
         if !self.tableau.first_same_as_last {
             let slot = &mut self.stages[end * self.width..][..self.width];
@@ -162,7 +162,7 @@ impl<S: System + ?Sized> OneStep<S> for ExplicitRungeKutta {
         (t, h, y): (f64, f64, &[f64]),
         end: &[f64],
         pieces: &mut [f64],
-    ) -> Result<(), SingularMass> {
+    ) -> Result<(), Singular> {
         let first = self.tableau.end_stage() + 1;
         for (offset, &(node, row)) in self.tableau.dense_rows.iter().enumerate() {
             self.evaluate_stage(first + offset, (node, row), rates, system, (t, h, y))?;

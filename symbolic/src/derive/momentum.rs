@@ -1,0 +1,84 @@
+//! Systems of balances as linear equations A·[q''; reactions] = b.
+//!
+//! A and b come from the balances alone: A by one reverse pass for each equation (or one forward pass for all where
+//! that is cheaper, which is decided when lowering), b as what is left where all unknowns are zero.
+
+use super::switches::{self, Switch};
+use crate::expr::{Graph, Id, Symbol, jacobian, reverse, substitute};
+use crate::model::{BalanceSystem, Model};
+
+/// One system of balances, solved for nothing yet.
+#[derive(Clone, Debug)]
+pub struct Momentum {
+    /// The unknowns: accelerations, then the components of its reactions.
+    pub unknowns: Vec<Symbol>,
+    /// The non-zeros of A, row by row: (row, column, value).
+    pub matrix: Vec<(usize, usize, Id)>,
+    /// b.
+    pub right: Vec<Id>,
+}
+
+impl Momentum {
+    /// True where A contains an unknown, so that the equations are not linear.
+    pub fn is_nonlinear(&self, graph: &Graph) -> bool {
+        let symbols = graph.symbols(self.matrix.iter().map(|e| e.2));
+        symbols.iter().any(|s| self.unknowns.contains(s))
+    }
+}
+
+/// Every system of a model, with modes in the place of the discontinuities that the equations of motion have.
+pub(super) fn systems(model: &mut Model, known: &[Switch]) -> Vec<Momentum> {
+    let balances = std::mem::take(&mut model.balances);
+    let systems = balances.iter().map(|system| linear(model, system, known)).collect();
+    model.balances = balances;
+    systems
+}
+
+fn linear(model: &mut Model, system: &BalanceSystem, known: &[Switch]) -> Momentum {
+    let unknowns = unknowns(model, system);
+    let graph = &mut model.graph;
+    let mut residuals = Vec::new();
+    for balance in &system.balances {
+        for k in 0..balance.components {
+            let sum = balance.parts.iter().fold(Id::ZERO, |sum, part| graph.add(sum, part.value[k]));
+            residuals.push(sum);
+        }
+    }
+    let residuals = switches::recall(graph, &residuals, known);
+    let matrix = slopes(graph, &residuals, &unknowns);
+    let zero = unknowns.iter().map(|s| (*s, Id::ZERO)).collect();
+    let right = substitute(graph, &residuals, &zero).into_iter().map(|rest| graph.neg(rest)).collect();
+    Momentum { unknowns, matrix, right }
+}
+
+/// The unknowns of a system: accelerations, then the components of its reactions.
+pub(super) fn unknowns(model: &Model, system: &BalanceSystem) -> Vec<Symbol> {
+    let accelerations = (0..model.coordinates.len()).map(|i| Symbol::Acceleration(i as u32));
+    let reactions = system.reactions.iter().flat_map(|&k| {
+        let reaction = &model.reactions[k];
+        (0..reaction.components as u32).map(|c| Symbol::Reaction(reaction.first + c))
+    });
+    accelerations.chain(reactions).collect()
+}
+
+/// With more equations than this a reverse pass for each, which walks a chain of bodies once, is always cheaper
+/// than a forward pass, which carries every column through every body.
+const FORWARD_LIMIT: usize = 16;
+
+/// ∂residuals/∂unknowns.
+fn slopes(graph: &mut Graph, residuals: &[Id], unknowns: &[Symbol]) -> Vec<(usize, usize, Id)> {
+    let column = |s: Symbol| unknowns.iter().position(|u| *u == s);
+    if residuals.len() <= FORWARD_LIMIT {
+        let rows = jacobian(graph, residuals, column).into_iter().enumerate();
+        return rows.flat_map(|(i, row)| row.into_iter().map(move |(j, slope)| (i, j, slope))).collect();
+    }
+    let mut entries = Vec::new();
+    for (i, residual) in residuals.iter().enumerate() {
+        let gradient = reverse(graph, &[(*residual, Id::ONE)], |s| unknowns.contains(&s));
+        let first = entries.len();
+        entries.extend(gradient.iter().filter_map(|(s, slope)| Some((i, column(*s)?, *slope))));
+        entries[first..].sort_by_key(|e| e.1);
+    }
+    entries.retain(|e| e.2 != Id::ZERO);
+    entries
+}

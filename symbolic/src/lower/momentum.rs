@@ -1,0 +1,113 @@
+//! Systems of momentum balances, ready to print: A·[q''; reactions] = b in its cheapest form.
+
+use super::count::operations;
+use super::gather::gather;
+use super::{Entry, gather_entries};
+use crate::derive::Momentum;
+use crate::expr::{Graph, Id, Symbol, expand};
+use crate::model::{BalanceSystem, Model};
+
+/// One system of balances.
+#[derive(Clone, Debug)]
+pub struct MomentumSystem {
+    /// Its name.
+    pub name: String,
+    /// Names of the unknowns: accelerations, `theta''`, then components of reactions, `hinge.x`.
+    pub unknowns: Vec<String>,
+    /// Each equation's balance, in words, and whether it says nothing at rest.
+    pub equations: Vec<(String, bool)>,
+    /// The non-zeros of A.
+    pub matrix: Vec<Entry>,
+    /// b.
+    pub right: Vec<Id>,
+    /// Output components that are an unknown as it stands: (place among the outputs' components, unknown).
+    pub outputs: Vec<(usize, usize)>,
+    /// Operations of A and b.
+    pub operations: usize,
+}
+
+/// Expanding is tried up to this many equations.
+const EXPAND_LIMIT: usize = 12;
+
+/// Lowers every system.
+pub(super) fn systems(model: &mut Model, momentum: Vec<Momentum>, named: &[(usize, Symbol)]) -> Vec<MomentumSystem> {
+    let balances = std::mem::take(&mut model.balances);
+    let lowered = balances.iter().zip(momentum).map(|(system, linear)| lower(model, system, linear, named)).collect();
+    model.balances = balances;
+    lowered
+}
+
+fn lower(model: &mut Model, system: &BalanceSystem, linear: Momentum, named: &[(usize, Symbol)]) -> MomentumSystem {
+    let Momentum { unknowns, matrix, right } = linear;
+    let outputs = named.iter().filter_map(|(place, s)| Some((*place, unknowns.iter().position(|u| u == s)?)));
+    let outputs = outputs.collect();
+    let (mut matrix, right) = cheapest(&mut model.graph, matrix, right);
+    gather_entries(&mut model.graph, &mut matrix);
+    let right = gather(&mut model.graph, &right);
+    let roots: Vec<Id> = matrix.iter().map(|e| e.2).chain(right.iter().copied()).collect();
+    MomentumSystem {
+        name: system.name.clone(),
+        unknowns: unknown_names(model, system),
+        equations: equation_names(system),
+        operations: operations(&model.graph, &roots),
+        outputs,
+        matrix,
+        right,
+    }
+}
+
+/// As derived, or expanded over atoms of the state and factored again.
+fn cheapest(graph: &mut Graph, matrix: Vec<Entry>, right: Vec<Id>) -> (Vec<Entry>, Vec<Id>) {
+    if right.len() > EXPAND_LIMIT {
+        return (matrix, right);
+    }
+    let constant = |s: Symbol| matches!(s, Symbol::Parameter(_));
+    let values: Vec<Id> = matrix.iter().map(|e| e.2).collect();
+    let mut best = (matrix, right);
+    let cost = |graph: &Graph, (matrix, right): &(Vec<Entry>, Vec<Id>)| {
+        operations(graph, &matrix.iter().map(|e| e.2).chain(right.iter().copied()).collect::<Vec<Id>>())
+    };
+    let put = |old: &[Entry], values: Vec<Id>| -> Vec<Entry> {
+        let entries = old.iter().zip(values).map(|(e, value)| (e.0, e.1, value));
+        entries.filter(|e| e.2 != Id::ZERO).collect()
+    };
+    let expanded_matrix = expand(graph, &values, constant).map(|values| put(&best.0, values));
+    let expanded_right = expand(graph, &best.1, constant);
+    for matrix in [None, expanded_matrix] {
+        for right in [None, expanded_right.clone()] {
+            let candidate = (matrix.clone().unwrap_or_else(|| best.0.clone()), right.unwrap_or_else(|| best.1.clone()));
+            if cost(graph, &candidate) < cost(graph, &best) {
+                best = candidate;
+            }
+        }
+    }
+    best
+}
+
+/// The components of vectors.
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+fn equation_names(system: &BalanceSystem) -> Vec<(String, bool)> {
+    let mut names = Vec::new();
+    for balance in &system.balances {
+        let void = balance.void_at_rest;
+        match balance.components {
+            1 => names.push((balance.label.clone(), void)),
+            n => names.extend(AXES.iter().take(n).map(|axis| (format!("{axis} of {}", balance.label), void))),
+        }
+    }
+    names
+}
+
+fn unknown_names(model: &Model, system: &BalanceSystem) -> Vec<String> {
+    let mut names: Vec<String> = model.coordinates.iter().map(|c| format!("{}''", c.name)).collect();
+    for reaction in system.reactions.iter().map(|&k| &model.reactions[k]) {
+        if reaction.scalar {
+            names.push(reaction.name.clone());
+        } else {
+            let axes = AXES.iter().take(reaction.components);
+            names.extend(axes.map(|axis| format!("{}.{axis}", reaction.name)));
+        }
+    }
+    names
+}
