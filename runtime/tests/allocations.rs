@@ -3,13 +3,47 @@
 use allocation_counter::measure;
 use dalembert::mechanism;
 use dalembert::mechanism::{Action, Direction, Event, Switch, SwitchKind};
-use dalembert::{Method, Settings, simulate};
+use dalembert::{Method, Settings, Simulate, simulate};
 
 #[path = "../src/testing.rs"]
 #[expect(dead_code, reason = "shared with the unit tests")]
 mod testing;
 
 use testing::Toy;
+
+dalembert::model!(
+    yaml = r#"
+name: Pendulum
+parameters: {m: 1 kg, l: 1 m, g: 10 m/s^2}
+coordinates: {theta: rad}
+bodies: {bob: {mass: m, position: "l*[sin(theta), -cos(theta)]"}}
+gravity: [0, -g]
+balances:
+  equations:
+    - force: {of: [bob]}
+  reactions:
+    rod: {on: bob, along: position(bob)}
+scene: {start: {theta: 1}, until: 10, tolerance: 1e-9}
+"#
+);
+
+/// By momentum balances, their condition number watched, a step allocates nothing either.
+#[test]
+fn longer_runs_by_balances_allocate_no_more() {
+    let run = |until: f64| {
+        let simulation = Pendulum::default().simulate().derivation("balances").until(until).every(until);
+        let mut steps = 0;
+        let counted = measure(|| {
+            let run = simulation.with(|settings| settings.dense = false).run().unwrap();
+            assert!(run.balances.is_some());
+            steps = run.work.steps;
+        });
+        (counted.count_total, steps)
+    };
+    let ((short, few), (long, many)) = (run(20.0), run(200.0));
+    assert!(many > 8 * few, "{few} and {many} steps");
+    assert_eq!(short, long, "allocations of {few} and of {many} steps");
+}
 
 /// Allocations and steps of a run.
 fn count(toy: &Toy, until: f64, change: impl Fn(&mut Settings)) -> (u64, u64) {

@@ -4,7 +4,7 @@
 //! that is cheaper, which is decided when lowering), b as what is left where all unknowns are zero.
 
 use super::switches::{self, Switch};
-use crate::expr::{Graph, Id, Symbol, jacobian, reverse, substitute};
+use crate::expr::{Graph, Id, Symbol, gradients, jacobian, substitute};
 use crate::model::{BalanceSystem, Model};
 
 /// One system of balances, solved for nothing yet.
@@ -73,8 +73,7 @@ fn slopes(graph: &mut Graph, residuals: &[Id], unknowns: &[Symbol]) -> Vec<(usiz
         return rows.flat_map(|(i, row)| row.into_iter().map(move |(j, slope)| (i, j, slope))).collect();
     }
     let mut entries = Vec::new();
-    for (i, residual) in residuals.iter().enumerate() {
-        let gradient = reverse(graph, &[(*residual, Id::ONE)], |s| unknowns.contains(&s));
+    for (i, gradient) in gradients(graph, residuals, |s| unknowns.contains(&s)).iter().enumerate() {
         let first = entries.len();
         entries.extend(gradient.iter().filter_map(|(s, slope)| Some((i, column(*s)?, *slope))));
         entries[first..].sort_by_key(|e| e.1);

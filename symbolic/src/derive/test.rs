@@ -12,7 +12,7 @@ use super::twice::counted_twice;
 use super::{Equations, rates};
 use crate::diagnose::catalogue::{mechanics, verdicts};
 use crate::diagnose::{Place, Problem};
-use crate::expr::{Binary, Forward, Graph, Id, Node, Symbol, Tape, Unary};
+use crate::expr::{Binary, Graph, Id, Node, Symbol, Tape, Unary, reverse};
 use crate::model::{Conserved, Load, Model, Work};
 
 /// How many states each test wants.
@@ -240,14 +240,15 @@ fn invariant_rates(model: &mut Model) -> Vec<Vec<(Id, Vec<Id>)>> {
                 .into_iter()
                 .map(|component| {
                     let total = rates(graph, &[component])[0];
+                    let gradient = reverse(graph, &[(component, Id::ONE)], |_| true);
                     let mut parts = Vec::new();
                     for symbol in graph.symbols([component]) {
-                        let mut forward = Forward::new(move |g: &mut Graph, s: Symbol| match s {
-                            _ if s != symbol => Id::ZERO,
+                        let rate = match symbol {
                             Symbol::Time => Id::ONE,
-                            _ => s.rate().map_or(Id::ZERO, |r| g.symbol(r)),
-                        });
-                        parts.push(forward.of(graph, component));
+                            _ => symbol.rate().map_or(Id::ZERO, |r| graph.symbol(r)),
+                        };
+                        let slope = gradient.get(&symbol).copied().unwrap_or(Id::ZERO);
+                        parts.push(graph.mul(slope, rate));
                     }
                     (total, parts)
                 })

@@ -150,7 +150,18 @@ fn merged(
 /// Partial derivatives are formed for the nodes between the roots and the wanted symbols only.
 pub fn reverse(graph: &mut Graph, seeds: &[(Id, Id)], wanted: impl Fn(Symbol) -> bool) -> HashMap<Symbol, Id> {
     let active = graph.contains(wanted);
-    let mut cotangent: Vec<Id> = vec![Id::ZERO; active.len()];
+    sweep(graph, seeds, &active, &mut vec![Id::ZERO; active.len()])
+}
+
+/// The gradient of each root by itself, as [`reverse`] gives it.
+pub fn gradients(graph: &mut Graph, roots: &[Id], wanted: impl Fn(Symbol) -> bool) -> Vec<HashMap<Symbol, Id>> {
+    let active = graph.contains(wanted);
+    let mut cotangent = vec![Id::ZERO; active.len()];
+    roots.iter().map(|root| sweep(graph, &[(*root, Id::ONE)], &active, &mut cotangent)).collect()
+}
+
+/// One reverse pass; `cotangent` is zero before and after.
+fn sweep(graph: &mut Graph, seeds: &[(Id, Id)], active: &[bool], cotangent: &mut [Id]) -> HashMap<Symbol, Id> {
     let mut last = 0;
     for &(root, seed) in seeds {
         if active[root.index()] {
@@ -164,6 +175,7 @@ pub fn reverse(graph: &mut Graph, seeds: &[(Id, Id)], wanted: impl Fn(Symbol) ->
         if bar == Id::ZERO {
             continue;
         }
+        cotangent[i] = Id::ZERO;
         let id = graph.id_at(i);
         let mut give = |graph: &mut Graph, child: Id, amount: Id| {
             let slot = &mut cotangent[child.index()];

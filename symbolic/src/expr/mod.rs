@@ -11,7 +11,7 @@ mod rewrite;
 mod symbol;
 
 pub use canonical::canonical;
-pub use differentiate::{Forward, jacobian, partial, reverse};
+pub use differentiate::{Forward, gradients, jacobian, partial, reverse};
 pub use evaluate::{Tape, apply_binary, apply_unary};
 pub use expand::expand;
 pub use graph::{Binary, Graph, Id, Node, Number, Unary};

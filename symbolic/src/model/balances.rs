@@ -15,7 +15,7 @@ use super::resolved::{Balance, BalanceSystem, Part, Push, Work};
 use super::resolver::Resolver;
 use super::value;
 use crate::diagnose::catalogue::{later, mechanics, sections};
-use crate::expr::{Id, Symbol};
+use crate::expr::{Id, Symbol, partial};
 
 /// The kinds of balances.
 const KINDS: [&str; 5] = ["moment", "force", "power", "energy", "equation"];
@@ -114,8 +114,8 @@ impl<'a> Resolver<'a> {
             self.bench.problems.push(sections::missing_key(spot.place.of_key(), "moment", "a balance"));
             return None;
         };
-        if matches!(kind, "moment" | "force") {
-            for key in ["kinetic_energy", "potential_energy", "generalized_forces"] {
+        if matches!(kind, "moment" | "force" | "power") {
+            for key in ["kinetic_energy", "potential_energy", "dissipation", "generalized_forces"] {
                 if let Some(raw) = self.root.get(key) {
                     self.bench.problems.push(mechanics::raw_beside_balances(raw.place.of_key(), key));
                     return None;
@@ -283,7 +283,30 @@ impl<'a> Resolver<'a> {
             let power = self.power_of(&unknown.pushes);
             parts.push(self.part(unknown.name.clone(), vec![power], true));
         }
+        parts.extend(self.raw_powers());
         Some(parts)
+    }
+
+    /// The power of `generalized_forces` and of `dissipation`, Q q' and −q'·∂D/∂q'.
+    fn raw_powers(&mut self) -> Vec<Part> {
+        let mut powers = Vec::new();
+        let graph = &mut self.bench.graph;
+        for raw in &self.model.generalized_forces {
+            let speed = graph.symbol(Symbol::Speed(raw.coordinate as u32));
+            let power = graph.mul(raw.force, speed);
+            powers.push((format!("the generalized force on {}", self.model.coordinates[raw.coordinate].name), power));
+        }
+        let mut loss = Id::ZERO;
+        for i in 0..self.model.coordinates.len() as u32 {
+            let slope = partial(graph, self.model.dissipation, Symbol::Speed(i));
+            let speed = graph.symbol(Symbol::Speed(i));
+            let product = graph.mul(slope, speed);
+            loss = graph.sub(loss, product);
+        }
+        if loss != Id::ZERO {
+            powers.push(("the dissipation".to_owned(), loss));
+        }
+        powers.into_iter().map(|(name, power)| self.part(name, vec![power], true)).collect()
     }
 
     /// Σ F · velocity of the material + couple · ω.

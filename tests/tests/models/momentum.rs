@@ -134,7 +134,7 @@ fn typed_pendulum_goes_by_a_system_of_its_choice() {
 }
 
 dalembert::model!(
-    r#"
+    yaml = r#"
 name: Corner
 parameters: {m: 1 kg}
 coordinates: {x: m, y: m}

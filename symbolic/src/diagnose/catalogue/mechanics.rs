@@ -41,7 +41,7 @@ super::entries! {
         "`{system}` has {equations} equations for {coordinates} accelerations and {unknowns} reaction components" "" "choose balances that eliminate the other reactions, or name more of them"
         "Equations and unknowns of a system of balances must be equal in number; a force balance in the plane is two equations, a moment balance one.";
     E415 raw_beside_balances(key) "raw energies beside momentum balances"
-        "`{key}` beside force or moment balances" "on which body does this act?" "say it with `springs`, `dampers`, `forces` or `torques`, which know their bodies"
+        "`{key}` beside balances of forces, moments or power" "on which body does this act?" "say it with `springs`, `dampers`, `forces` or `torques`, which know their bodies"
         "Momentum balances see bodies, gravity, springs, dampers, forces, torques and reactions, nothing else.";
     E416 energy_with_time() "an energy balance with explicit time"
         "the energies contain time, so that something does work that this balance does not see" "" "use `power`"
