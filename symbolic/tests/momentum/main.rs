@@ -26,8 +26,8 @@ fn roots(system: &MomentumSystem) -> Vec<Id> {
 
 const CART: &str = r#"
 name: Cart
-parameters: {m: 1 kg, mu: 0.3 1, g: 10 m/s^2, k: 5 N/m, l: 1 m, b: 0.1 N*m*s^2}
-coordinates: {x: m, th: rad}
+parameters: {m: 1, mu: 0.3, g: 10, k: 5, l: 1, b: 0.1}
+coordinates: {x: 1, th: rad}
 points: {c: "[x, 0]", e: "c + l*[sin(th), -cos(th)]", wall: [-2, 0], post: [2, 0]}
 bodies:
   block: {mass: m, position: c}

@@ -136,8 +136,8 @@ fn typed_pendulum_goes_by_a_system_of_its_choice() {
 dalembert::model!(
     yaml = r#"
 name: Corner
-parameters: {m: 1 kg}
-coordinates: {x: m, y: m}
+parameters: {m: 1}
+coordinates: {x: 1, y: 1}
 bodies: {bead: {mass: m, position: "[x, y]"}}
 balances:
   equations:
