@@ -3,7 +3,7 @@
 //! A system of balances is linear in the accelerations and the reactions that it names.  At random parameters and
 //! states it is solved numerically, and its accelerations must be those of Lagrange's equations.
 
-use super::momentum::Momentum;
+use super::momentum::{Momentum, unknowns};
 use super::sample::State;
 use super::test::{Agreement, describe};
 use crate::diagnose::Problem;
@@ -237,7 +237,7 @@ fn compare(
             // Judged by its parts, explained by their terms.
             let finer = in_terms(system.clone());
             let mut graph = model.graph.clone();
-            let in_terms = evaluate(&mut graph, &finer, &columns(model, system), states);
+            let in_terms = evaluate(&mut graph, &finer, &unknowns(model, system), states);
             let help = cause(&finer, balance, &in_terms, size, states)
                 .or_else(|| forgotten_inertia(model, system, rows, size, states))
                 .unwrap_or_else(|| suspects(&system.balances[balance].label));
@@ -341,7 +341,7 @@ fn forgotten_inertia(
         .collect();
     let mut inertias = BalanceSystem { balances: system.balances[..1].to_vec(), ..system.clone() };
     inertias.balances[0].parts.clone_from(&parts);
-    let seen = evaluate(&mut graph, &inertias, &columns(model, system), states);
+    let seen = evaluate(&mut graph, &inertias, &unknowns(model, system), states);
     let mut equation = 0;
     for balance in &system.balances {
         for (p, part) in parts.iter().enumerate().filter(|_| balance.components == 1) {
