@@ -50,16 +50,18 @@ fn simulate() -> Command {
 }
 
 fn modes() -> Command {
-    let [scene, set, _, input, ..] = scene();
+    let [scene, set, ..] = scene();
     Command::new("modes")
         .about("Finds an equilibrium; prints M, C, K and the modes of small motions about it")
         .arg(model())
         .args(sizes())
-        .args([scene, set, input])
+        .args([scene, set])
+        .arg(many("input", "NAME=VALUE", "Hold an input at a value [default: all at 0]"))
         .arg(many("at", "NAME=VALUE", "Where the search starts [default: the file's `equilibrium`]"))
         .arg(value("plot", "FILE.svg", "Draw the shapes of the modes"))
         .arg(value("animate", "FILE.html", "Write a page that animates a mode"))
         .arg(value("mode", "NUMBER", "Which mode to animate [default: the first that is not rigid]"))
+        .arg(value("motion", "FILE.svg", "Draw the free motion from the scene's start, computed in several ways, and compare them"))
         .arg(many("drive", "NAME[=AMPLITUDE]", "What shakes it: an input, or a coordinate that a force acts on; several go in step [default: the first input]"))
         .arg(value("omega", "FREQUENCY", "Print the steady state at this frequency, rad/s: by modes, and what drives what"))
         .arg(value("bode", "FILE.svg", "Draw the frequency response: amplitude and phase of every coordinate"))

@@ -2,11 +2,13 @@
 
 use std::fmt;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
+use super::dense::Singular;
+use super::discontinuity::{Jump, held};
 use super::family::{Freedom, Scaled};
 use super::probe::Probe;
-use super::{LinearError, SparseMatrix};
+use super::{LinearError, SparseMatrix, short, short_beside};
 use crate::mechanism::System;
 
 /// Residual forces below this part of the forces in play count as zero.
@@ -24,12 +26,14 @@ pub struct Guess {
     pub q: Vec<f64>,
     /// Speeds of cyclic coordinates in a steady motion, SI; 0 for all others.  They are kept.
     pub v: Vec<f64>,
+    /// Values at which inputs are held; those that are not listed are 0.
+    pub inputs: Vec<f64>,
 }
 
 impl Guess {
-    /// At rest.
+    /// At rest, with all inputs 0.
     pub fn at(q: &[f64]) -> Self {
-        Guess { q: q.to_vec(), v: vec![0.0; q.len()] }
+        Guess { q: q.to_vec(), v: vec![0.0; q.len()], inputs: Vec::new() }
     }
 }
 
@@ -42,7 +46,11 @@ pub struct Equilibrium {
     pub q: Vec<f64>,
     /// Their speeds, SI: 0 except for cyclic coordinates in a steady motion.
     pub v: Vec<f64>,
-    /// The generalized forces left, SI.
+    /// Values at which inputs are held; those that are not listed are 0.
+    pub inputs: Vec<f64>,
+    /// Dry friction that acts here: the equilibrium is one of a set, and has no linear model.
+    pub friction: Vec<Jump>,
+    /// The generalized forces left (without dry friction), SI.
     pub residual: Vec<f64>,
     /// Iterations of Newton's method.
     pub iterations: usize,
@@ -53,6 +61,11 @@ pub struct Equilibrium {
 }
 
 impl Equilibrium {
+    /// The state, to start from.
+    pub fn guess(&self) -> Guess {
+        Guess { q: self.q.clone(), v: self.v.clone(), inputs: self.inputs.clone() }
+    }
+
     /// The largest residual force.
     pub fn largest_residual(&self) -> f64 {
         self.residual.iter().fold(0.0, |most, f| f.abs().max(most))
@@ -67,6 +80,10 @@ impl Equilibrium {
 
 /// Solves F(q, q', 0) = 0 by Newton's method from a guess.
 ///
+/// Discontinuities are on the side where a point lies.  Dry friction (`sign` of a speed) counts as 0 in the search,
+/// so what is found is the middle of the set of equilibria that it makes; only where nothing else balances is the
+/// guess itself one, if friction can hold it.  [`Equilibrium::friction`] tells.
+///
 /// Steps solve K Δq = −F with the exact K = ∂F/∂q, of least norm (in the metric of M's diagonal) where K is
 /// singular, and are halved until F decreases.  It goes on until rounding stops it.
 ///
@@ -74,11 +91,19 @@ impl Equilibrium {
 /// [`LinearError::NoEquilibrium`] with where it stood and the forces left; [`LinearError::DependsOnTime`],
 /// [`LinearError::NotSteady`], wrong sizes and numbers that are not finite.
 pub fn equilibrium_near<S: System + ?Sized>(system: &S, guess: &Guess) -> Result<Equilibrium, LinearError> {
-    let probe = Probe::new(system, &guess.v);
+    let probe = Probe::new(system, guess);
     probe.check(&guess.q)?;
-    let found = newton(&probe, guess.q.clone())?;
-    probe.check(&found.q)?;
-    finish(system, &probe, found)
+    match newton(&probe, guess.q.clone()) {
+        Ok(found) => {
+            probe.check(&found.q)?;
+            finish(system, &probe, found, guess)
+        }
+        // A block that dry friction holds on a slope is at rest wherever it is put.
+        Err(LinearError::NoEquilibrium { iterations, .. }) if holds(&probe, &guess.q) => {
+            finish(system, &probe, Found { q: guess.q.clone(), iterations, slow: None }, guess)
+        }
+        Err(other) => Err(other),
+    }
 }
 
 /// Takes a state as it is, if it is an equilibrium.
@@ -86,13 +111,21 @@ pub fn equilibrium_near<S: System + ?Sized>(system: &S, guess: &Guess) -> Result
 /// # Errors
 /// [`LinearError::NotAnEquilibrium`] with the residual force by coordinate, and as [`equilibrium_near`].
 pub fn equilibrium_here<S: System + ?Sized>(system: &S, state: &Guess) -> Result<Equilibrium, LinearError> {
-    let probe = Probe::new(system, &state.v);
+    let probe = Probe::new(system, state);
     probe.check(&state.q)?;
     let force = probe.force(&state.q);
-    if !Forces::new(&probe, &state.q).balanced(&force) {
-        return Err(LinearError::NotAnEquilibrium { residual: probe.named(&force) });
+    if !Forces::new(&probe, &state.q).balanced(&force) && !holds(&probe, &state.q) {
+        return Err(LinearError::NotAnEquilibrium { residual: probe.forces(&force) });
     }
-    finish(system, &probe, Found { q: state.q.clone(), iterations: 0, slow: None })
+    finish(system, &probe, Found { q: state.q.clone(), iterations: 0, slow: None }, state)
+}
+
+/// True where dry friction can balance what is left at rest.
+fn holds(probe: &Probe, q: &[f64]) -> bool {
+    let forces = Forces::new(probe, q);
+    let scale = probe.scale(q);
+    let enough = |left: &[f64]| forces.balanced(left) || left.iter().all(|f| f.abs() <= TOLERANCE * scale);
+    held(&probe.force(q), &probe.jumps(q), &enough)
 }
 
 /// The different equilibria that are found from several guesses; guesses that lead nowhere are left out.
@@ -122,12 +155,19 @@ struct Found {
     slow: Option<f64>,
 }
 
-fn finish<S: System + ?Sized>(system: &S, probe: &Probe, found: Found) -> Result<Equilibrium, LinearError> {
+fn finish<S: System + ?Sized>(
+    system: &S,
+    probe: &Probe,
+    found: Found,
+    guess: &Guess,
+) -> Result<Equilibrium, LinearError> {
     let freedom = Freedom::of(probe, &found.q, system.description().structure.linear)?;
     Ok(Equilibrium {
         coordinates: probe.names(),
         residual: probe.force(&found.q),
         v: probe.v.clone(),
+        inputs: guess.inputs.clone(),
+        friction: probe.jumps(&found.q),
         q: found.q,
         iterations: found.iterations,
         slow: found.slow,
@@ -220,7 +260,7 @@ impl Pace {
 }
 
 fn failed(probe: &Probe, iterations: usize, q: &[f64], force: &[f64]) -> LinearError {
-    LinearError::NoEquilibrium { iterations, point: probe.named(q), residual: probe.named(force) }
+    LinearError::NoEquilibrium { iterations, point: probe.named(q), residual: probe.forces(force) }
 }
 
 /// ‖F‖ in the metric of M's diagonal.
@@ -243,10 +283,9 @@ pub(super) fn least_step(scaled: &Scaled, stiffness: &DMatrix<f64>, force: &[f64
             return Ok(scaled.step(&step));
         }
     }
-    let svd = matrix.try_svd(true, true, f64::EPSILON, 0);
-    let svd = svd.ok_or(LinearError::NoConvergence { what: "the singular value decomposition of K" })?;
-    let threshold = Scaled::threshold(n, svd.singular_values.max());
-    let step = svd.solve(&wanted, threshold).unwrap_or_else(|_| DVector::zeros(n));
+    let failed = LinearError::NoConvergence { what: "the singular value decomposition of K" };
+    let singular = Singular::of(&matrix).ok_or(failed)?;
+    let step = singular.least_squares(&wanted, Scaled::threshold(n, singular.values.max()));
     Ok(scaled.step(&step))
 }
 
@@ -265,12 +304,14 @@ fn shorten(probe: &Probe, scaled: &Scaled, q: &[f64], step: &[f64], force: &[f64
 }
 
 impl fmt::Display for Equilibrium {
+    /// `x = 0, theta = 3.14159`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let scale = self.q.iter().fold(1e-3_f64, |most, q| most.max(q.abs()));
         for (index, (name, value)) in self.coordinates.iter().zip(&self.q).enumerate() {
-            write!(f, "{}{name} = {value}", if index == 0 { "" } else { ", " })?;
+            write!(f, "{}{name} = {}", if index == 0 { "" } else { ", " }, short_beside(*value, scale))?;
         }
         for (name, value) in self.coordinates.iter().zip(&self.v).filter(|(_, v)| **v != 0.0) {
-            write!(f, ", {name}' = {value}")?;
+            write!(f, ", {name}' = {}", short(*value))?;
         }
         Ok(())
     }

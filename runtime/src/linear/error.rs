@@ -2,14 +2,27 @@
 
 use std::fmt;
 
+use super::short;
+
+/// A generalized force that is left where there should be none.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Residual {
+    /// The coordinate.
+    pub coordinate: String,
+    /// F(q, q', 0), SI.
+    pub force: f64,
+    /// Its unit: `N` for a length, `N m` for an angle.
+    pub unit: String,
+}
+
 /// Why there is no equilibrium, no linearisation or no mode.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum LinearError {
     /// The point is no equilibrium: forces are left.
     NotAnEquilibrium {
-        /// (coordinate, residual generalized force F(q, q', 0), SI) of every coordinate.
-        residual: Vec<(String, f64)>,
+        /// What is left for every coordinate.
+        residual: Vec<Residual>,
     },
     /// Newton's method found no equilibrium.
     NoEquilibrium {
@@ -17,8 +30,22 @@ pub enum LinearError {
         iterations: usize,
         /// (coordinate, value) where it stood at the end.
         point: Vec<(String, f64)>,
-        /// (coordinate, residual generalized force there).
-        residual: Vec<(String, f64)>,
+        /// What is left there for every coordinate.
+        residual: Vec<Residual>,
+    },
+    /// Forces jump here, as dry friction does at rest: the equilibria are a whole set, and there is no linear model.
+    Discontinuous {
+        /// (coordinate, value) of the point.
+        point: Vec<(String, f64)>,
+        /// What jumps, `x'` of `sign(x')`.
+        switch: String,
+        /// How far the force on each coordinate that is concerned may go to either side.
+        jump: Vec<Residual>,
+    },
+    /// Forces are continuous here, but their derivatives are not: a contact that just touches.
+    NotSmooth {
+        /// The argument of the switch that lies at zero.
+        switch: String,
     },
     /// A speed was asked for in a coordinate whose value matters: the state cannot persist.
     NotSteady {
@@ -75,13 +102,27 @@ impl fmt::Display for LinearError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             LinearError::NotAnEquilibrium { residual } => {
-                write!(f, "no equilibrium: the residual force is {}", Pairs(residual))
+                write!(f, "no equilibrium: the residual force is {}", Forces(residual))
             }
             LinearError::NoEquilibrium { iterations, point, residual } => write!(
                 f,
-                "no equilibrium found in {iterations} iterations: at {} the residual force is {}",
+                "no equilibrium found in {iterations} iteration{}: at {} the residual force is {}",
+                if *iterations == 1 { "" } else { "s" },
                 Pairs(point),
-                Pairs(residual)
+                Forces(residual)
+            ),
+            LinearError::Discontinuous { point, switch, jump } => write!(
+                f,
+                "at {} the system is held by dry friction, which jumps with the sign of `{switch}`: the force may be \
+                 up to {} to either side, so every state near by that it can hold is an equilibrium too, and there is \
+                 no linear model",
+                Pairs(point),
+                Forces(jump)
+            ),
+            LinearError::NotSmooth { switch } => write!(
+                f,
+                "the equilibrium lies where `{switch}` changes sign and with it the stiffness or the damping: there is \
+                 no linear model"
             ),
             LinearError::NotSteady { coordinate } => write!(
                 f,
@@ -118,7 +159,21 @@ struct Pairs<'a>(&'a [(String, f64)]);
 impl fmt::Display for Pairs<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (index, (name, value)) in self.0.iter().enumerate() {
-            write!(f, "{}{name}: {value}", if index == 0 { "" } else { ", " })?;
+            write!(f, "{}{name} = {}", if index == 0 { "" } else { ", " }, short(*value))?;
+        }
+        Ok(())
+    }
+}
+
+struct Forces<'a>(&'a [Residual]);
+
+impl fmt::Display for Forces<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, Residual { coordinate, force, unit }) in self.0.iter().enumerate() {
+            let (comma, space) = (if index == 0 { "" } else { ", " }, if unit.is_empty() { "" } else { " " });
+            // Twelve digits; what comes after them is rounding.
+            let force = format!("{force:.11e}").parse().unwrap_or(*force);
+            write!(f, "{comma}{coordinate}: {force}{space}{unit}")?;
         }
         Ok(())
     }

@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::dense::Singular;
 use super::equilibrium::least_step;
 use super::probe::Probe;
 use super::{LinearError, SparseMatrix};
@@ -74,13 +75,10 @@ pub(super) fn null_space(matrix: &DMatrix<f64>) -> Result<DMatrix<f64>, LinearEr
     if n == 0 || (n > 60 && is_regular(matrix)) {
         return Ok(DMatrix::zeros(n, 0));
     }
-    let svd = matrix.clone().try_svd(false, true, f64::EPSILON, 0);
-    let svd = svd.ok_or(LinearError::NoConvergence { what: "the singular value decomposition of K" })?;
-    let threshold = Scaled::threshold(n, svd.singular_values.max());
-    let v_t = svd.v_t.unwrap_or_else(|| DMatrix::identity(n, n));
-    let free: Vec<usize> = (0..n).filter(|k| svd.singular_values[*k] <= threshold).collect();
-    let columns: Vec<DVector<f64>> = free.iter().map(|k| v_t.row(*k).transpose()).collect();
-    if columns.is_empty() { Ok(DMatrix::zeros(n, 0)) } else { Ok(DMatrix::from_columns(&columns)) }
+    let failed = LinearError::NoConvergence { what: "the singular value decomposition of K" };
+    let singular = Singular::of(matrix).ok_or(failed)?;
+    let threshold = Scaled::threshold(n, singular.values.max());
+    Ok(singular.directions(|value| value <= threshold))
 }
 
 /// Quick and safe: pivots of an LU factorization far above rounding.

@@ -3,8 +3,7 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::probe::Probe;
-use super::{Equilibrium, LinearError, SparseMatrix, equilibrium_here};
-use crate::linear::Guess;
+use super::{Equilibrium, Jump, LinearError, Residual, SparseMatrix, equilibrium_here};
 use crate::mechanism::{Singular, SingularMass, System};
 
 /// M x'' + C x' + K x = B (u, u', u''), for small departures x from an equilibrium.
@@ -35,8 +34,9 @@ pub struct Linearised {
 /// Linearises a mechanism at an equilibrium.
 ///
 /// # Errors
-/// [`LinearError::NotAnEquilibrium`] with the residual force of every coordinate; a mass matrix that is not
-/// finite.
+/// [`LinearError::NotAnEquilibrium`] with the residual force of every coordinate;
+/// [`LinearError::Discontinuous`] where dry friction holds the state, [`LinearError::NotSmooth`] where a contact just
+/// touches; a mass matrix that is not finite.
 ///
 /// # Example
 /// ```
@@ -50,10 +50,18 @@ pub struct Linearised {
 /// # Ok::<(), dalembert::linear::LinearError>(())
 /// ```
 pub fn linearise<S: System + ?Sized>(system: &S, equilibrium: &Equilibrium) -> Result<Linearised, LinearError> {
-    let state = Guess { q: equilibrium.q.clone(), v: equilibrium.v.clone() };
+    let state = equilibrium.guess();
     // A degenerate equilibrium is known less well than its forces vanish, and a found one is as good as it gets.
-    equilibrium_here(system, &state)?;
-    let probe = Probe::new(system, &state.v);
+    let here = equilibrium_here(system, &state)?;
+    let probe = Probe::new(system, &state);
+    if let Some(Jump { switch, force }) = here.friction.into_iter().next() {
+        let jump = probe.forces(&force).into_iter().filter(|jump| jump.force != 0.0);
+        let jump = jump.map(|jump| Residual { force: jump.force.abs(), ..jump }).collect();
+        return Err(LinearError::Discontinuous { point: probe.named(&state.q), switch, jump });
+    }
+    if let Some(switch) = probe.kink(&state.q) {
+        return Err(LinearError::NotSmooth { switch });
+    }
     let [mass, damping, stiffness] = probe.matrices(&state.q);
     for (matrix, what) in [(&mass, "M"), (&damping, "C"), (&stiffness, "K")] {
         if let Some((row, column, _)) = matrix.entries.iter().find(|e| !e.2.is_finite()) {

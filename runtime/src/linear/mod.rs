@@ -1,12 +1,13 @@
 //! Small motions: equilibria, linearisation to M, C and K, and modes.
 //!
 //! 1. [`equilibrium_near`] searches, [`equilibrium_here`] verifies: look in `equilibrium.rs`; what directions
-//!    without stiffness are (families, degenerate equilibria): look in `family.rs`.
+//!    without stiffness are (families, degenerate equilibria): look in `family.rs`; dry friction and contacts: look in
+//!    `discontinuity.rs`.
 //! 2. [`linearise`] gives M, C and K there as [`Linearised`]: look in `linearise.rs`.
 //! 3. Undamped: [`normal_modes`]; look in `normal.rs`, and for starting from given states
 //!    ([`solvenum`], [`solvemode`], [`solvenorm`]) in `initial_value.rs`.
 //! 4. Damped, gyroscopic, circulatory: [`Linearised::modes`]; complex modes need the feature `modal`: look in
-//!    `damped.rs`.  Motions by the matrix exponential [`expm`]: look in `motion.rs`.
+//!    `damped.rs`; systems z' = A z of first order: look in `first_order.rs`.  Motions by the matrix exponential [`expm`]: look in `motion.rs`.
 //! 5. Forced: steady states, resonance, steps, impulses, any input: look in `forced.rs`; frequency responses, by
 //!    modes: look in `drive.rs`.
 //! 6. Proportional and diagonal damping: look in `proportional.rs`.
@@ -26,11 +27,15 @@ macro_rules! dmatrix {
 
 #[cfg(feature = "modal")]
 mod damped;
+mod dense;
+mod discontinuity;
 mod drive;
 mod equilibrium;
 mod error;
 mod expm;
 mod family;
+#[cfg(feature = "modal")]
+mod first_order;
 mod forced;
 mod initial_value;
 mod linearise;
@@ -57,11 +62,14 @@ mod tests;
 
 #[cfg(feature = "modal")]
 pub use damped::{ComplexModes, complex_modes};
+pub use discontinuity::Jump;
 pub use drive::{Drive, Source, Steady};
 pub use equilibrium::{Equilibrium, Guess, equilibria, equilibrium_here, equilibrium_near};
-pub use error::LinearError;
+pub use error::{LinearError, Residual};
 pub use expm::expm;
 pub use family::Freedom;
+#[cfg(feature = "modal")]
+pub use first_order::{FirstOrder, Stability, first_order_modes};
 pub use forced::{Harmonic, beat};
 pub use initial_value::{Motion, solvemode, solvenorm, solvenum};
 pub use linearise::{Linearised, linearise, state_matrix};

@@ -1,7 +1,8 @@
 //! Normal modes: M x'' + K x = 0 with symmetric M and K.
 
-use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
+use nalgebra::{Complex, DMatrix, DVector};
 
+use super::dense::symmetric_eigen;
 use super::family::Scaled;
 use super::linearise::cholesky;
 use super::{Kind, LinearError, Linearised, Mode, SparseMatrix};
@@ -87,21 +88,21 @@ impl Spectrum {
             (None, Reduction::SquareRoot) => {
                 let dense = mass.to_dense();
                 cholesky(&dense).map_err(Fault::SingularMass)?;
-                let parts = eigen(dense)?;
-                let root = DMatrix::from_diagonal(&parts.eigenvalues.map(|m| 1.0 / m.sqrt()));
-                let inverse_root = &parts.eigenvectors * root * parts.eigenvectors.transpose();
+                let (masses, vectors) = eigen(dense)?;
+                let root = DMatrix::from_diagonal(&masses.map(|m| 1.0 / m.sqrt()));
+                let inverse_root = &vectors * root * vectors.transpose();
                 (symmetric(&inverse_root * stiffness.to_dense() * &inverse_root), Back::Whole(inverse_root))
             }
         };
-        let solved = eigen(problem)?;
+        let (eigenvalues, vectors) = eigen(problem)?;
         let nullity = match &back {
-            Back::Diagonal(_) => nullity(solved.eigenvalues.as_slice()),
+            Back::Diagonal(_) => nullity(eigenvalues.as_slice()),
             _ => nullity(in_units.symmetric_eigenvalues().as_slice()),
         };
-        let shapes = back.shapes(solved.eigenvectors);
+        let shapes = back.shapes(vectors);
         let mut order: Vec<usize> = (0..n).collect();
-        order.sort_by(|a, b| solved.eigenvalues[*a].abs().total_cmp(&solved.eigenvalues[*b].abs()));
-        let mut squares: Vec<f64> = solved.eigenvalues.iter().copied().collect();
+        order.sort_by(|a, b| eigenvalues[*a].abs().total_cmp(&eigenvalues[*b].abs()));
+        let mut squares: Vec<f64> = eigenvalues.iter().copied().collect();
         for index in &order[..nullity] {
             squares[*index] = 0.0;
         }
@@ -168,9 +169,8 @@ fn nullity(eigenvalues: &[f64]) -> usize {
     eigenvalues.iter().filter(|x| x.abs() <= threshold).count()
 }
 
-fn eigen(matrix: DMatrix<f64>) -> Result<SymmetricEigen<f64, nalgebra::Dyn>, Fault> {
-    let most = 100 * matrix.nrows().max(10);
-    SymmetricEigen::try_new(matrix, f64::EPSILON, most).ok_or(Fault::NoConvergence)
+fn eigen(matrix: DMatrix<f64>) -> Result<(DVector<f64>, DMatrix<f64>), Fault> {
+    symmetric_eigen(matrix).ok_or(Fault::NoConvergence)
 }
 
 fn symmetric(matrix: DMatrix<f64>) -> DMatrix<f64> {

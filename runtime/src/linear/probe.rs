@@ -1,38 +1,54 @@
 //! A mechanism whose inputs and clock stand still: F(q) = F(q, q', q'' = 0) and its derivatives.
 
+use std::cell::RefCell;
+
 use nalgebra::DMatrix;
 
-use super::{LinearError, SparseMatrix};
-use crate::mechanism::System;
+use super::{Guess, LinearError, Residual, SparseMatrix, short};
+use crate::mechanism::{SwitchKind, System};
 
-/// Steady forces of a mechanism.
+/// Arguments of switches nearer to zero than this, relative to the largest coordinate, are on the surface.
+const ON_SURFACE: f64 = 1e-10;
+
+/// Steady forces of a mechanism; discontinuities are on the side where a point lies, and at 0 on their surface.
 pub(super) struct Probe {
-    system: Box<dyn System>,
+    system: RefCell<Box<dyn System>>,
     pub n: usize,
     pub v: Vec<f64>,
     zero: Vec<f64>,
 }
 
 impl Probe {
-    /// Holds inputs at their values at t = 0; their rates count as 0.
-    pub fn new<S: System + ?Sized>(system: &S, v: &[f64]) -> Self {
+    /// Holds inputs at the guess's values, 0 where it has none; their rates are 0.
+    pub fn new<S: System + ?Sized>(system: &S, guess: &Guess) -> Self {
         let n = system.len();
         let mut held = system.boxed_clone();
-        let mut inputs = vec![0.0; 3 * system.description().inputs.len()];
-        system.inputs(0.0, &mut inputs);
-        for (index, input) in inputs.chunks_exact(3).enumerate() {
-            let value = input[0];
+        for index in 0..system.description().inputs.len() {
+            let value = guess.inputs.get(index).copied().unwrap_or(0.0);
             held.set_input(index, std::sync::Arc::new(move |_| [value, 0.0, 0.0]));
         }
-        Probe { system: held, n, v: v.to_vec(), zero: vec![0.0; n] }
+        Probe { system: RefCell::new(held), n, v: guess.v.clone(), zero: vec![0.0; n] }
     }
 
     pub fn names(&self) -> Vec<String> {
-        self.system.description().coordinates.iter().map(|c| c.name.to_string()).collect()
+        self.system.borrow().description().coordinates.iter().map(|c| c.name.to_string()).collect()
     }
 
+    /// (coordinate, force) of every coordinate.
     pub fn named(&self, values: &[f64]) -> Vec<(String, f64)> {
         self.names().into_iter().zip(values.iter().copied()).collect()
+    }
+
+    /// (coordinate, force, its unit) of every coordinate.
+    pub fn forces(&self, values: &[f64]) -> Vec<Residual> {
+        let system = self.system.borrow();
+        let list = system.description().coordinates.iter().zip(values);
+        list.map(|(coordinate, value)| Residual {
+            coordinate: coordinate.name.to_string(),
+            force: *value,
+            unit: force_unit(&coordinate.unit),
+        })
+        .collect()
     }
 
     fn name(&self, index: usize) -> String {
@@ -45,19 +61,119 @@ impl Probe {
     }
 
     fn force_at(&self, t: f64, q: &[f64]) -> Vec<f64> {
+        self.settle(t, q, &self.v);
+        self.present_force(t, q, &self.v)
+    }
+
+    /// F with another speed of one coordinate.
+    pub fn force_moving(&self, q: &[f64], coordinate: usize, speed: f64) -> Vec<f64> {
+        let mut v = self.v.clone();
+        v[coordinate] = speed;
+        self.settle(0.0, q, &v);
+        self.present_force(0.0, q, &v)
+    }
+
+    fn present_force(&self, t: f64, q: &[f64], v: &[f64]) -> Vec<f64> {
         let mut force = vec![0.0; self.n];
-        self.system.residual(t, q, &self.v, &self.zero, &mut force);
+        self.system.borrow().residual(t, q, v, &self.zero, &mut force);
         force
+    }
+
+    /// Puts every switch on the side where its argument is; on its surface `sign` is 0 and `step` is 1.
+    fn settle(&self, t: f64, q: &[f64], v: &[f64]) {
+        let arguments = self.arguments(t, q, v);
+        if arguments.is_empty() {
+            return;
+        }
+        let near = ON_SURFACE * q.iter().fold(1.0_f64, |most, q| most.max(q.abs()));
+        // An argument may contain another switch.
+        for _ in 0..4 {
+            let arguments = self.arguments(t, q, v);
+            let mut system = self.system.borrow_mut();
+            let side = |(index, x): (usize, &f64)| match system.description().switches[index].kind {
+                SwitchKind::Sign if x.abs() <= near => 0.0,
+                SwitchKind::Sign => x.signum(),
+                SwitchKind::Step => f64::from(*x >= -near),
+            };
+            let modes: Vec<f64> = arguments.iter().enumerate().map(side).collect();
+            if modes == system.modes() {
+                break;
+            }
+            system.set_modes(&modes);
+        }
+    }
+
+    fn arguments(&self, t: f64, q: &[f64], v: &[f64]) -> Vec<f64> {
+        let system = self.system.borrow();
+        let mut pairs = vec![0.0; 2 * system.description().switches.len()];
+        if !pairs.is_empty() {
+            system.switches(t, q, v, &self.zero, &mut pairs);
+        }
+        pairs.chunks_exact(2).map(|pair| pair[0]).collect()
+    }
+
+    /// Switches of the state (not of time alone) on whose surface a point lies.
+    pub fn on_surface(&self, q: &[f64]) -> Vec<usize> {
+        self.settle(0.0, q, &self.v);
+        let near = ON_SURFACE * q.iter().fold(1.0_f64, |most, q| most.max(q.abs()));
+        let arguments = self.arguments(0.0, q, &self.v);
+        let system = self.system.borrow();
+        let of_state = |index: &usize| !system.description().switches[*index].time_only;
+        (0..arguments.len()).filter(of_state).filter(|index| arguments[*index].abs() <= near).collect()
+    }
+
+    /// A switch's argument as text, and its kind.
+    pub fn switch(&self, index: usize) -> (String, SwitchKind) {
+        let system = self.system.borrow();
+        let switch = &system.description().switches[index];
+        (switch.text.to_string(), switch.kind)
+    }
+
+    /// F and its derivatives by q and q' on one side of a switch, all others as they are.
+    pub fn with_mode(&self, q: &[f64], switch: usize, side: f64) -> OneSide {
+        self.settle(0.0, q, &self.v);
+        let mut modes = self.system.borrow().modes().to_vec();
+        modes[switch] = side;
+        self.system.borrow_mut().set_modes(&modes);
+        let [_, damping, stiffness] = self.present_matrices(q);
+        let derivatives = damping.entries.iter().chain(&stiffness.entries).map(|entry| entry.2).collect();
+        OneSide { force: self.present_force(0.0, q, &self.v), derivatives }
+    }
+
+    fn changes_with_time(&self) -> bool {
+        let system = self.system.borrow();
+        let description = system.description();
+        description.structure.time_dependent || description.switches.iter().any(|switch| switch.time_only)
+    }
+
+    /// True where no force can jump: a linear mechanism, or nothing but potentials.
+    pub fn is_smooth(&self) -> bool {
+        let system = self.system.borrow();
+        let description = system.description();
+        description.switches.is_empty() && (description.structure.linear || description.structure.conservative)
+    }
+
+    /// How large forces are here: the largest element of K times the largest coordinate (at least 1), and of F.
+    pub fn scale(&self, q: &[f64]) -> f64 {
+        let stiffness = self.matrices(q)[2].entries.iter().fold(0.0_f64, |most, e| most.max(e.2.abs()));
+        let extent = q.iter().fold(1.0_f64, |most, q| most.max(q.abs()));
+        self.force(q).iter().fold(stiffness * extent, |most, f| most.max(f.abs()))
     }
 
     /// M, ∂F/∂q' and ∂F/∂q.
     pub fn matrices(&self, q: &[f64]) -> [SparseMatrix; 3] {
-        let description = self.system.description();
+        self.settle(0.0, q, &self.v);
+        self.present_matrices(q)
+    }
+
+    fn present_matrices(&self, q: &[f64]) -> [SparseMatrix; 3] {
+        let system = self.system.borrow();
+        let description = system.description();
         let mut mass = vec![0.0; description.mass_pattern.len()];
         let mut stiffness = vec![0.0; description.stiffness_pattern.len()];
         let mut damping = vec![0.0; description.damping_pattern.len()];
-        self.system.mass_matrix(0.0, q, &mut mass);
-        self.system.jacobians(0.0, q, &self.v, &self.zero, &mut stiffness, &mut damping);
+        system.mass_matrix(0.0, q, &mut mass);
+        system.jacobians(0.0, q, &self.v, &self.zero, &mut stiffness, &mut damping);
         [
             SparseMatrix::symmetric(self.n, &description.mass_pattern, &mass),
             SparseMatrix::new(self.n, self.n, &description.damping_pattern, &damping),
@@ -72,9 +188,11 @@ impl Probe {
 
     /// −∂F/∂(u, u', u''), n × 3m.
     pub fn input(&self, q: &[f64]) -> SparseMatrix {
-        let description = self.system.description();
+        self.settle(0.0, q, &self.v);
+        let system = self.system.borrow();
+        let description = system.description();
         let mut values = vec![0.0; description.input_pattern.len()];
-        self.system.input_jacobian(0.0, q, &self.v, &self.zero, &mut values);
+        system.input_jacobian(0.0, q, &self.v, &self.zero, &mut values);
         for value in &mut values {
             *value = -*value;
         }
@@ -95,9 +213,12 @@ impl Probe {
         }
         let now = self.force(q);
         if let Some(i) = now.iter().position(|f| !f.is_finite()) {
-            return Err(LinearError::NonFinite { what: format!("the force of `{}`", self.name(i)) });
+            let point: Vec<String> =
+                self.named(q).into_iter().map(|(name, value)| format!("{name} = {}", short(value))).collect();
+            let what = format!("the force on `{}` at {}", self.name(i), point.join(", "));
+            return Err(LinearError::NonFinite { what });
         }
-        if self.system.description().structure.time_dependent {
+        if self.changes_with_time() {
             for t in [0.37, 1.9, 53.0] {
                 let later = self.force_at(t, q);
                 let scale = now.iter().chain(&later).fold(0.0_f64, |s, f| s.max(f.abs()));
@@ -106,15 +227,50 @@ impl Probe {
                 }
             }
         }
-        if self.v.iter().any(|v| *v != 0.0) {
-            let stiffness = &self.matrices(q)[2];
-            let scale = stiffness.entries.iter().fold(0.0_f64, |s, e| s.max(e.2.abs()));
-            for (_, column, value) in &stiffness.entries {
-                if self.v[*column as usize] != 0.0 && value.abs() > 1e-12 * scale {
-                    return Err(LinearError::NotSteady { coordinate: self.name(*column as usize) });
+        self.check_steadiness(q)
+    }
+
+    /// Speeds last, and M, C and K stay as they are, only along coordinates on which nothing depends.
+    fn check_steadiness(&self, q: &[f64]) -> Result<(), LinearError> {
+        let moving: Vec<usize> = (0..self.n).filter(|i| self.v[*i] != 0.0).collect();
+        if moving.is_empty() {
+            return Ok(());
+        }
+        let here = self.matrices(q);
+        let largest = |matrix: &SparseMatrix| matrix.entries.iter().fold(0.0_f64, |s, e| s.max(e.2.abs()));
+        let scales: Vec<f64> = here.iter().map(largest).collect();
+        let pulls = |e: &&(u32, u32, f64)| moving.contains(&(e.1 as usize)) && e.2.abs() > 1e-12 * scales[2];
+        if let Some((_, column, _)) = here[2].entries.iter().find(pulls) {
+            return Err(LinearError::NotSteady { coordinate: self.name(*column as usize) });
+        }
+        for &index in &moving {
+            for distance in [0.31, 2.3] {
+                let mut there = q.to_vec();
+                there[index] += distance;
+                let changed = here.iter().zip(self.matrices(&there)).zip(&scales).any(|((a, b), scale)| {
+                    a.entries.iter().zip(&b.entries).any(|(a, b)| (a.2 - b.2).abs() > 1e-9 * scale)
+                });
+                if changed {
+                    return Err(LinearError::NotSteady { coordinate: self.name(index) });
                 }
             }
         }
         Ok(())
+    }
+}
+
+/// F and its derivatives on one side of a discontinuity.
+pub(super) struct OneSide {
+    pub force: Vec<f64>,
+    pub derivatives: Vec<f64>,
+}
+
+/// The unit of the generalized force that belongs to a coordinate: work per its unit.
+fn force_unit(coordinate: &str) -> String {
+    match coordinate {
+        "" | "1" => String::new(),
+        "m" => "N".to_owned(),
+        "rad" => "N m".to_owned(),
+        unit => format!("J/({unit})"),
     }
 }

@@ -29,7 +29,7 @@ fn turning_tube(k: f64, r0: f64) -> Toy {
 fn steady_turning_is_an_equilibrium_of_the_other_coordinates() {
     let (k, r0, spin) = (4.0, 1.0, 1.0);
     let tube = turning_tube(k, r0);
-    let found = equilibrium_near(&tube, &Guess { q: vec![1.0, 0.5], v: vec![0.0, spin] }).unwrap();
+    let found = equilibrium_near(&tube, &Guess { v: vec![0.0, spin], ..Guess::at(&[1.0, 0.5]) }).unwrap();
     close(found.q[0], k * r0 / (k - spin * spin), 1e-14);
     assert_eq!((found.q[1], found.v[1], found.freedom.family), (0.5, spin, 1));
     let small = linearise(&tube, &found).unwrap();
@@ -46,7 +46,7 @@ fn steady_turning_is_an_equilibrium_of_the_other_coordinates() {
         assert_eq!(modes.iter().map(|m| m.kind).collect::<Vec<_>>(), [Kind::Rigid, Kind::Oscillating]);
         close(modes[1].omega, (k + 3.0 * spin * spin).sqrt(), 1e-13);
     }
-    let refused = equilibrium_near(&tube, &Guess { q: vec![1.0, 0.0], v: vec![0.1, spin] });
+    let refused = equilibrium_near(&tube, &Guess { v: vec![0.1, spin], ..Guess::at(&[1.0, 0.0]) });
     assert_eq!(refused.unwrap_err(), LinearError::NotSteady { coordinate: "r".into() });
 }
 
@@ -100,6 +100,48 @@ fn l14_large_swings_are_slower() {
         let second_order = 1.0 + angle * angle / 16.0;
         assert!(degrees > 30.0 || (ratio - second_order).abs() < 11.0 / 3072.0 * angle.powi(4) * 1.1);
     }
+}
+
+/// A(t) along a large swing: δz' = A(t) δz is how neighbouring swings depart from it.
+#[test]
+fn departures_along_a_motion_follow_the_matrix_of_the_state() {
+    let until = 5.0;
+    let end = |shift: f64| {
+        let mut toy = Toy::pendulum(1.0, 2.0 + shift, until);
+        let settings = Settings { tolerance: 1e-13, watch: false, ..Settings::new(&toy.scene) };
+        let run = simulate(&mut toy, &settings).unwrap();
+        (run.last().q[0], run.last().v[0], run)
+    };
+    let (small, (_, _, run)) = (1e-5, end(0.0));
+    let (high, low) = (end(small), end(-small));
+    let expected = DVector::from_vec(vec![(high.0 - low.0) / (2.0 * small), (high.1 - low.1) / (2.0 * small)]);
+    let toy = pendulum_with_derivatives();
+    let matrix = |t: f64| {
+        let state = run.at(t).unwrap();
+        state_matrix(&toy, t, &state.q, &state.v).unwrap()
+    };
+    let (mut z, h) = (DVector::from_vec(vec![1.0, 0.0]), 0.005);
+    for step in 0..1000 {
+        let t = h * f64::from(step);
+        let (first, middle, last) = (matrix(t), matrix(t + h / 2.0), matrix(t + h));
+        let a = &first * &z;
+        let b = &middle * (&z + &a * (h / 2.0));
+        let c = &middle * (&z + &b * (h / 2.0));
+        let d = &last * (&z + &c * h);
+        z += (a + (b + c) * 2.0 + d) * (h / 6.0);
+    }
+    assert!((&z - &expected).amax() < 1e-7 * expected.amax(), "{z}{expected}");
+    assert!(expected.amax() > 2.0, "a large swing's period depends on its amplitude");
+}
+
+/// θ'' = −sin θ.
+fn pendulum_with_derivatives() -> Toy {
+    let mut toy = Toy::new(&["theta"], (&[0.0], &[0.0]), 1.0, |_, q, _, _, a| a[0] = -q[0].sin());
+    toy.jacobian = Arc::new(|q, _, _, dq, dv| {
+        dq[0] = q[0].cos();
+        dv[0] = 0.0;
+    });
+    toy
 }
 
 /// Lecture 25: M and K are the energies to second order.  For a linear mechanism they are so exactly.

@@ -58,7 +58,7 @@ impl Locus {
         let unit = loaded.system.description().parameters[index].unit.to_string();
         let mut locus = Locus { parameter, unit, steps: Vec::new(), limits: Vec::new(), missing: None };
         let mut system = loaded.system.boxed_clone();
-        let mut guess = Guess { q: start.q.clone(), v: start.v.clone() };
+        let mut guess = start.guess();
         // Towards the first value by small steps: the equilibrium there is the one that belongs to ours.
         let present = system.parameters()[index];
         for step in 1..20 {
@@ -182,7 +182,7 @@ fn analyse(system: &mut dyn System, index: usize, value: f64, guess: &Guess) -> 
     let at = equilibrium_near(system, guess)?;
     let linear: Linearised = linearise(system, &at)?;
     let grows = linear.modes()?.iter().any(|mode| mode.kind == Kind::Unstable);
-    Ok((Guess { q: at.q, v: at.v }, linear.eigenvalues()?, grows))
+    Ok((at.guess(), linear.eigenvalues()?, grows))
 }
 
 /// Where stability changes between two values, to a part in 10¹⁰ of their distance.

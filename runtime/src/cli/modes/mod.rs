@@ -1,12 +1,15 @@
 //! `modes`: an equilibrium, M, C and K there, the modes, and answers to what shakes them.
 
+mod bodies;
+mod damping;
 mod drive;
 mod locus;
+mod motion;
 mod report;
 
 use std::io::Write;
 
-use super::load::Loaded;
+use super::load::{Loaded, pairs};
 use super::set_up::{Reader, choose};
 use super::{Entry, Problem};
 use crate::linear::{
@@ -14,8 +17,10 @@ use crate::linear::{
 };
 use clap::ArgMatches;
 use dalembert_symbolic::model::Sets;
+use damping::Damping;
 use drive::Driven;
 use locus::Locus;
+use motion::Compared;
 
 /// Matrices with more coordinates are not printed for people.
 const MOST_PRINTED: usize = 12;
@@ -23,9 +28,10 @@ const MOST_PRINTED: usize = 12;
 /// Searches from `--at` or the file's guess (or takes it as it is), linearises, and prints the modes.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let mut loaded = Loaded::find(models, options)?;
-    let (_, mut reader) = choose(&mut loaded, options)?;
+    let (scene, mut reader) = choose(&mut loaded, options)?;
     let mut guess = Guess::at(&loaded.system.equilibrium_guess());
     reader.states(&loaded, options, "at", &mut guess.q, &mut guess.v)?;
+    guess.inputs = held_inputs(&loaded, options)?;
     for warning in &loaded.warnings {
         eprintln!("warning: {warning}");
     }
@@ -36,18 +42,29 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     let modes = linear.modes().map_err(failed)?;
     let driven = Driven::new(&loaded, options, &mut reader, &linear)?;
     let locus = Locus::new(&loaded, options, &mut reader, &linear.equilibrium)?;
+    let damping = Damping::new(&linear, &modes);
+    let motion = Compared::new(&loaded, options, scene, &linear, damping.as_ref())?;
     let more = driven.iter().flat_map(|driven| driven.notes(&linear)).chain(locus.iter().flat_map(Locus::notes));
     for note in notes(&linear, &modes).into_iter().chain(more) {
         eprintln!("warning: {note}");
     }
     pictures(&loaded, options, &linear, &modes)?;
     if options.get_flag("json") {
-        let mut more = driven.map_or_else(Vec::new, |driven| driven.as_json(&linear));
+        let mut more: Vec<_> = damping.iter().map(Damping::as_json).collect();
+        more.extend(motion.iter().map(Compared::as_json));
+        more.extend(driven.iter().flat_map(|driven| driven.as_json(&linear)));
         more.extend(locus.map(|locus| locus.as_json()));
         super::json::write(&report::as_json(&loaded.name, &linear, &modes, more), out)?;
         return Ok(());
     }
-    report::table(&loaded.name, &linear, &modes, out)?;
+    let bodies = bodies::shares(&loaded, &linear, &modes)?;
+    report::table(&loaded.name, &linear, &modes, &bodies, out)?;
+    if let Some(damping) = damping {
+        damping.table(out)?;
+    }
+    if let Some(motion) = motion {
+        motion.table(out)?;
+    }
     if let Some(driven) = driven {
         driven.table(&linear, out)?;
     }
@@ -58,7 +75,13 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
 }
 
 fn failed(error: LinearError) -> Problem {
-    Problem::Run(error.to_string())
+    let hint = match error {
+        LinearError::NoEquilibrium { .. } | LinearError::NonFinite { .. } => {
+            "; --at NAME=VALUE lets the search start elsewhere"
+        }
+        _ => "",
+    };
+    Problem::Run(format!("{error}{hint}"))
 }
 
 fn write_file(path: &String, text: String) -> Result<(), Problem> {
@@ -75,6 +98,16 @@ fn range(loaded: &Loaded, reader: &mut Reader, option: &str, sets: Sets, text: &
         return Err(Problem::Usage(format!("error: --{option}: the range `{text}` has no width")));
     }
     Ok((from, to))
+}
+
+/// Inputs are 0, but for those that `--input` gives: they stay as they are at t = 0.
+fn held_inputs(loaded: &Loaded, options: &ArgMatches) -> Result<Vec<f64>, Problem> {
+    let names = &loaded.system.description().inputs;
+    let mut values = vec![0.0; 3 * names.len()];
+    loaded.system.inputs(0.0, &mut values);
+    let given = pairs(options, "input")?;
+    let value = |(name, block): (&_, &[f64])| if given.iter().any(|(known, _)| known == name) { block[0] } else { 0.0 };
+    Ok(names.iter().zip(values.chunks_exact(3)).map(value).collect())
 }
 
 /// Writes `--plot` and `--animate`.

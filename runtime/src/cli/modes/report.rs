@@ -10,6 +10,13 @@ use super::super::json::{number, object};
 use super::MOST_PRINTED;
 use crate::linear::{Kind, Linearised, Mode, short_beside};
 
+/// With more coordinates that are all 0 it is enough to say so.
+const MANY: usize = 4;
+/// Places this near to 0 are there.
+const ROUNDING: f64 = 1e-14;
+/// So many bodies are named.
+const MOST_NAMED: usize = 4;
+
 /// One object; `more` stands at its end.
 pub fn as_json(name: &str, linear: &Linearised, modes: &[Mode], more: Vec<(&'static str, Value)>) -> Value {
     let at = &linear.equilibrium;
@@ -41,10 +48,21 @@ pub fn as_json(name: &str, linear: &Linearised, modes: &[Mode], more: Vec<(&'sta
 }
 
 /// Equilibrium, matrices and modes for people.
-pub fn table(name: &str, linear: &Linearised, modes: &[Mode], out: &mut dyn Write) -> Result<(), Problem> {
+///
+/// `bodies` holds, for each mode, the names of bodies and their parts of its kinetic energy.
+pub fn table(
+    name: &str,
+    linear: &Linearised,
+    modes: &[Mode],
+    bodies: &[Vec<(String, f64)>],
+    out: &mut dyn Write,
+) -> Result<(), Problem> {
     let at = &linear.equilibrium;
     let steady = if at.v.iter().any(|v| *v != 0.0) { "steady motion" } else { "equilibrium" };
-    writeln!(out, "{name}: {steady} at {at}")?;
+    match linear.len() > MANY && at.q.iter().chain(&at.v).all(|x| x.abs() <= ROUNDING) {
+        true => writeln!(out, "{name}: {steady} with all coordinates 0")?,
+        false => writeln!(out, "{name}: {steady} at {at}")?,
+    }
     let iterations = match at.iterations {
         0 => "the start is one".to_owned(),
         1 => "1 iteration".to_owned(),
@@ -62,6 +80,11 @@ pub fn table(name: &str, linear: &Linearised, modes: &[Mode], out: &mut dyn Writ
     writeln!(out, "modes, each scaled to unit modal mass:")?;
     for (index, mode) in modes.iter().enumerate() {
         writeln!(out, "  {}: {mode}", index + 1)?;
+        let list = bodies.get(index).map_or(&[][..], Vec::as_slice).iter().take(MOST_NAMED);
+        let list: Vec<String> = list.map(|(name, part)| format!("{name} {:.0} %", 100.0 * part)).collect();
+        if !list.is_empty() {
+            writeln!(out, "     bodies: {}", list.join(", "))?;
+        }
         if linear.len() <= MOST_PRINTED {
             writeln!(out, "     {}", shape(linear, mode).join(", "))?;
         }

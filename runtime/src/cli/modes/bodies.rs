@@ -1,0 +1,78 @@
+//! Which bodies carry a mode's kinetic energy.
+
+use dalembert_symbolic::expr::{Symbol, Tape};
+use dalembert_symbolic::model::Model;
+
+use super::super::Problem;
+use super::super::load::Loaded;
+use crate::linear::{Linearised, Mode};
+
+/// Parts of the energy below this are not named.
+const LEAST: f64 = 0.01;
+
+/// For each mode the bodies that carry at least a hundredth of its kinetic energy, largest first; empty lists for a
+/// model with one body or none.
+pub fn shares(loaded: &Loaded, linear: &Linearised, modes: &[Mode]) -> Result<Vec<Vec<(String, f64)>>, Problem> {
+    let mut model = loaded.model()?;
+    if model.bodies.len() < 2 || linear.len() > 10 * super::MOST_PRINTED {
+        return Ok(vec![Vec::new(); modes.len()]);
+    }
+    let parameters = loaded.system.parameters();
+    let bodies = moving(&mut model);
+    let of_mode = |mode: &Mode| {
+        let (re, im): (Vec<f64>, Vec<f64>) = mode.shape.iter().map(|x| (x.re, x.im)).unzip();
+        let part =
+            |body: &Moving| body.twice_energy(linear, &parameters, &re) + body.twice_energy(linear, &parameters, &im);
+        // The shape has unit modal mass: twice the kinetic energy at unit amplitude of the speeds is 1.
+        let mut list: Vec<(String, f64)> = bodies.iter().map(|body| (body.name.clone(), part(body))).collect();
+        list.retain(|(_, part)| *part >= LEAST);
+        list.sort_by(|a, b| b.1.total_cmp(&a.1));
+        list
+    };
+    Ok(modes.iter().map(of_mode).collect())
+}
+
+/// A body's velocities, then the mass or moment of inertia of each.
+struct Moving {
+    name: String,
+    tape: Tape,
+}
+
+fn moving(model: &mut Model) -> Vec<Moving> {
+    let mut list = Vec::new();
+    for body in model.bodies.clone() {
+        let mut components = model.expression(&format!("velocity({})", body.name)).unwrap_or_default();
+        let mut inertias = vec![body.mass; components.len()];
+        if let Some(rotation) = body.rotation {
+            let turning = model.expression(&format!("angular_velocity({})", body.name)).unwrap_or_default();
+            inertias.extend(turning.iter().map(|_| rotation.inertia));
+            components.extend(turning);
+        }
+        components.extend(inertias);
+        list.push(Moving { name: body.name, tape: Tape::new(&model.graph, &components) });
+    }
+    list
+}
+
+impl Moving {
+    /// Σ m v² and I ω² of the velocities that speeds q' add to the steady ones.
+    fn twice_energy(&self, linear: &Linearised, parameters: &[f64], speeds: &[f64]) -> f64 {
+        let at = &linear.equilibrium;
+        let run = |part: f64| {
+            let mut found = vec![0.0; self.tape.len()];
+            let value = |symbol: Symbol| match symbol {
+                Symbol::Coordinate(i) => at.q[i as usize],
+                Symbol::Speed(i) => at.v[i as usize] + part * speeds[i as usize],
+                Symbol::Parameter(i) => parameters[i as usize],
+                Symbol::Input(i, 0) => at.inputs.get(i as usize).copied().unwrap_or(0.0),
+                _ => 0.0,
+            };
+            self.tape.run(value, &mut Vec::new(), &mut found);
+            found
+        };
+        let (with, without) = (run(1.0), run(0.0));
+        let (velocities, inertias) = with.split_at(with.len() / 2);
+        let each = velocities.iter().zip(&without).zip(inertias);
+        each.map(|((with, without), inertia)| inertia * (with - without).powi(2)).sum()
+    }
+}

@@ -1,0 +1,132 @@
+//! `--motion`: small motions from a scene's start, computed in several ways and compared (problems 24, 25 and 34).
+
+use std::io::Write;
+
+use clap::ArgMatches;
+use serde_json::{Value, json};
+
+use super::super::Problem;
+use super::super::json::{number, object};
+use super::super::load::Loaded;
+use super::damping::Damping;
+use super::{failed, write_file};
+use crate::linear::{Linearised, Motion, SparseMatrix, short};
+use crate::show::{Axis, Chart, Figure, Series, Style};
+use crate::{Settings, simulate};
+
+/// Points of a motion.
+const POINTS: u32 = 400;
+/// The exponential of more coordinates takes too long.
+const MOST_COORDINATES: usize = 40;
+/// Coordinates that are drawn.
+const MOST_DRAWN: usize = 6;
+
+/// A free motion, in several ways.
+pub struct Compared {
+    until: f64,
+    /// Name, and the largest difference from the matrix exponential, as a part of the largest departure.
+    differences: Vec<(&'static str, f64)>,
+}
+
+impl Compared {
+    /// Computes and draws the motion from a scene's start; `None` if it is not asked for.
+    pub fn new(
+        loaded: &Loaded,
+        options: &ArgMatches,
+        scene: usize,
+        linear: &Linearised,
+        damping: Option<&Damping>,
+    ) -> Result<Option<Compared>, Problem> {
+        let Some(path) = options.get_one::<String>("motion") else { return Ok(None) };
+        if linear.len() > MOST_COORDINATES {
+            let text = format!("--motion is for up to {MOST_COORDINATES} coordinates; here are {}", linear.len());
+            return Err(Problem::Usage(format!("error: {text}")));
+        }
+        let at = &linear.equilibrium;
+        let start = loaded.system.scene(scene);
+        let less = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<f64>>();
+        let (x0, v0) = (less(&start.q, &at.q), less(&start.v, &at.v));
+        if x0.iter().chain(&v0).all(|x| *x == 0.0) {
+            return Err(Problem::Usage("error: --motion: the scene starts at rest in the equilibrium".to_owned()));
+        }
+        let times: Vec<f64> = (0..=POINTS).map(|i| start.until * f64::from(i) / f64::from(POINTS)).collect();
+        let exact = linear.free_motion(&x0, &v0, &times).map_err(failed)?;
+        let mut ways: Vec<(&'static str, Motion)> = Vec::new();
+        ways.push(("the full equations, integrated", integrated(loaded, scene, linear, &times)?));
+        if let Some(damping) = damping {
+            let with = |c: nalgebra::DMatrix<f64>| {
+                let other = Linearised { damping: SparseMatrix::from_dense(&c), ..linear.clone() };
+                other.free_motion(&x0, &v0, &times).map_err(failed)
+            };
+            ways.push(("damping treated as diagonal", with(damping.diagonal.matrix.clone())?));
+            if let Some((alpha, beta)) = damping.fitted {
+                ways.push(("C = alpha M + beta K", with(linear.m() * alpha + linear.k() * beta)?));
+            }
+        }
+        write_file(path, figure(linear, &times, &exact, &ways).to_svg())?;
+        let scale = exact.x.amax().max(f64::MIN_POSITIVE);
+        let difference = |motion: &Motion| (&motion.x - &exact.x).amax() / scale;
+        let differences = ways.iter().map(|(name, motion)| (*name, difference(motion))).collect();
+        Ok(Some(Compared { until: start.until, differences }))
+    }
+
+    /// The key `motion`.
+    pub fn as_json(&self) -> (&'static str, Value) {
+        let list = self.differences.iter().map(|(name, difference)| (*name, number(*difference)));
+        ("motion", object([("until", number(self.until)), ("differences", object(list)), ("from", json!("exp(A t)"))]))
+    }
+
+    /// For people.
+    pub fn table(&self, out: &mut dyn Write) -> Result<(), Problem> {
+        writeln!(
+            out,
+            "free motion from the scene's start, up to t = {} s: differs from exp(A t) by",
+            short(self.until)
+        )?;
+        for (name, difference) in &self.differences {
+            writeln!(out, "  {:.1e} of the largest departure: {name}", difference)?;
+        }
+        Ok(())
+    }
+}
+
+/// The model's own equations from the scene's start, inputs held; as departures.
+fn integrated(loaded: &Loaded, scene: usize, linear: &Linearised, times: &[f64]) -> Result<Motion, Problem> {
+    let (mut system, at) = (loaded.system.boxed_clone(), &linear.equilibrium);
+    for index in 0..linear.inputs.len() {
+        let value = at.inputs.get(index).copied().unwrap_or(0.0);
+        system.set_input(index, std::sync::Arc::new(move |_| [value, 0.0, 0.0]));
+    }
+    let run = simulate(&mut *system, &Settings::new(&loaded.system.scene(scene)));
+    let run = run.map_err(|error| Problem::Run(error.to_string()))?;
+    let n = linear.len();
+    let zero = || nalgebra::DMatrix::zeros(times.len(), n);
+    let mut motion = Motion { x: zero(), v: zero() };
+    for (row, t) in times.iter().enumerate() {
+        // An event may have ended the run before.
+        let Some(state) = run.at(*t) else {
+            motion.x.row_mut(row).fill(f64::NAN);
+            continue;
+        };
+        for i in 0..n {
+            // A steady motion goes on by itself.
+            motion.x[(row, i)] = state.q[i] - at.q[i] - at.v[i] * t;
+            motion.v[(row, i)] = state.v[i] - at.v[i];
+        }
+    }
+    Ok(motion)
+}
+
+fn figure(linear: &Linearised, times: &[f64], exact: &Motion, ways: &[(&'static str, Motion)]) -> Figure {
+    let chart = |i: usize| {
+        let unit = linear.units.get(i).map_or("", String::as_str);
+        let line = |name: &str, motion: &Motion| {
+            Series::line(name, times.iter().enumerate().map(|(row, t)| Some((*t, motion.x[(row, i)]))))
+        };
+        let axis = Axis::new(linear.coordinates[i].clone(), if unit == "1" { "" } else { unit });
+        let chart = Chart::new("", Axis::new("time", "s"), axis).with(line("exp(A t)", exact));
+        ways.iter()
+            .fold(chart, |chart, (name, motion)| chart.with(Series { style: Style::Dashed, ..line(name, motion) }))
+    };
+    Figure { charts: (0..linear.len().min(MOST_DRAWN)).map(chart).collect() }
+}
