@@ -229,7 +229,7 @@ fn run_text(name: &str, text: &str, options: &[&str]) -> Result<Value, (u8, Stri
 /// A block on a spring k = 4 N/m and on a surface that pushes it by `force`.
 fn block(force: &str) -> String {
     format!(
-        "name: Block\nparameters: {{m: 1 kg, k: 4 N/m, F: 1 N}}\ncoordinates: {{x: m}}\n\
+        "name: Block\nparameters: {{m: 1 kg, k: 4 N/m, F: 1 N, a: 1 m, T: 1 s, b: 1 N*s^2/m^2}}\ncoordinates: {{x: m}}\n\
          bodies: {{block: {{mass: m, position: \"[x, 0]\"}}}}\n\
          springs: {{s: {{stretch: x, stiffness: k, along: ground.x, on: block}}}}\n\
          forces: {{surface: {{on: block, force: \"{force}\"}}}}\nscene: {{start: {{x: 1}}, until: 1}}\n"
@@ -265,17 +265,17 @@ fn dry_friction_has_no_linear_model() {
 #[test]
 fn other_discontinuities_are_linearised_on_their_side_or_refused() {
     // 4 x + 4 (x − 1) = 8 has x = 1.5 on the second spring, and K = 8.
-    let contact = block("[-k*max(0, x - 1/m*m) + 8*F, 0]").replace("1/m*m", "1");
+    let contact = block("[-k*max(0, x - a) + 8*F, 0]");
     let found = run_text("contact", &contact, &[]).unwrap();
     close(&[found["equilibrium"]["x"].as_f64().unwrap()], &[1.5]);
     close(&omegas(&found), &[8.0_f64.sqrt()]);
     let found = run_text("apart", &contact.replace("8*F", "F"), &[]).unwrap();
     close(&[found["equilibrium"]["x"].as_f64().unwrap(), omegas(&found)[0]], &[0.25, 2.0]);
-    let found = run_text("drag", &block("[-F*x'*abs(x'), 0]"), &[]).unwrap();
+    let found = run_text("drag", &block("[-b*x'*abs(x'), 0]"), &[]).unwrap();
     assert_eq!((kinds(&found), matrix(&found["C"])), (vec!["oscillating"], vec![vec![0.0]]));
     let (status, text) = run_text("touching", &block("[-k*max(0, x), 0]"), &[]).unwrap_err();
     assert!(status == 1 && text.contains("changes sign and with it the stiffness"), "{text}");
-    let (_, text) = run_text("later", &block("[F*step(t - 1), 0]"), &[]).unwrap_err();
+    let (_, text) = run_text("later", &block("[F*step(t - T), 0]"), &[]).unwrap_err();
     assert!(text.contains("depends on time"), "{text}");
 }
 

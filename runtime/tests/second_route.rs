@@ -222,10 +222,10 @@ potential_energy: -m*g*R*cos(theta)
 /// A particle on springs in a frame that turns: T has a part linear in the velocities.
 const FRAME: &str = "
 name: TurningFrame
-parameters: {m: 2 kg, k: 9 N/m, W: 0.7 rad/s, g: 3 m/s^2}
+parameters: {m: 2 kg, k: 9 N/m, W: 0.7 rad/s, g: 3 m/s^2, e: 1 N/m^3}
 coordinates: {x: m, y: m}
 kinetic_energy: m*((x' - W*y)^2 + (y' + W*x)^2)/2
-potential_energy: k*(x^2 + 2*y^2)/2 + m*g*x + x^4/3
+potential_energy: k*(x^2 + 2*y^2)/2 + m*g*x + e*x^4/3
 ";
 
 #[test]
