@@ -48,7 +48,7 @@ fn the_wrong_term_of_a_written_out_equation_is_named() {
         ("x''*cos", "2*x''*cos", "with half of `m*l/2*2*x''*cos(th)`"),
         ("+ I*th''", "- I*th''", "with the opposite sign of `I*th''`"),
         (" + I*th''", "", "with I alpha of bar added to the left of balance 2 (equation)"),
-        ("+ I*th''", "+ I*th'' + k*x", "without `k*x`"),
+        ("+ I*th''", "+ I*th'' + k*x*l", "without `k*x*l`"),
     ] {
         let found = help(ALL, &equation(&right.replace(old, new)));
         assert!(found.starts_with(said), "{new}: {found}");

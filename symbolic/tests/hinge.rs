@@ -109,7 +109,7 @@ parameters: {m: 1 kg, l: 1 m, k: 3 N/m, M: 2 kg}
 coordinates: {x: m, a: rad, b: rad}
 points: {pin: \"[x, 0]\", elbow: \"pin + l*[sin(a), -cos(a)]\"}
 bodies:
-  cart: {mass: M, inertia: 1, angle: 0*x, position: pin}
+  cart: {mass: M, inertia: M*l^2, angle: 0*x, position: pin}
   upper: {mass: m, inertia: m*l^2/12, angle: a, position: (pin + elbow)/2}
   fore: {mass: m, inertia: m*l^2/12, angle: b, position: \"elbow + l/2*[sin(b), -cos(b)]\"}
 springs: {string: {between: [pin, elbow], stiffness: k, rest: l/2}}
