@@ -200,7 +200,11 @@ fn describe(program: &Program, source: &str) -> Description {
     let text = |s: &str| Text::Owned(s.to_owned());
     let unit = |u: &Option<String>| text(u.as_deref().unwrap_or(""));
     let pattern = |entries: &[Entry]| entries.iter().map(|e| (e.0 as u32, e.1 as u32)).collect::<List<(u32, u32)>>();
-    let quantity = |name: &str, n: usize| Quantity { name: text(name), components: n as u32 };
+    let quantity = |name: &str, n: usize, of: &Option<String>| Quantity {
+        name: text(name),
+        components: n as u32,
+        unit: unit(of),
+    };
     let s = &program.structure;
     let c = program.counts;
     Description {
@@ -223,9 +227,9 @@ fn describe(program: &Program, source: &str) -> Description {
         stiffness_pattern: pattern(&program.stiffness),
         damping_pattern: pattern(&program.damping),
         input_pattern: pattern(&program.input),
-        outputs: model.outputs.iter().map(|o| quantity(&o.name, o.value.len())).collect(),
+        outputs: model.outputs.iter().map(|o| quantity(&o.name, o.value.len(), &o.unit)).collect(),
         outputs_use_accelerations: program.outputs_use_accelerations(),
-        invariants: model.conserved.iter().map(|i| quantity(&i.name, i.value.len())).collect(),
+        invariants: model.conserved.iter().map(|i| quantity(&i.name, i.value.len(), &None)).collect(),
         events: model
             .events
             .iter()

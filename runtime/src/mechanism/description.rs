@@ -83,6 +83,8 @@ pub struct Quantity {
     pub name: Text,
     /// 1 for a scalar, else 2 or 3.
     pub components: u32,
+    /// Its unit in SI; empty where it is a pure number or not known.
+    pub unit: Text,
 }
 
 /// Something that happens when a function crosses zero.

@@ -168,9 +168,13 @@ impl Run {
         Ok(sampled.filter(|_| self.times.len() < POINTS).unwrap_or_else(reported))
     }
 
-    /// The unit that all of these have in common, of coordinates and rates; else none is written.
+    /// The unit that all of these have in common; else none is written.
     fn common_unit(&self, names: &[&str]) -> String {
         let unit = |name: &str| {
+            let output = [".x", ".y", ".z"].iter().find_map(|axis| name.strip_suffix(axis)).unwrap_or(name);
+            if let Some(output) = self.description.outputs.iter().find(|known| known.name == output) {
+                return Some(output.unit.to_string());
+            }
             let coordinate = name.strip_suffix('\'').unwrap_or(name);
             let found = self.description.coordinates.iter().find(|known| known.name == coordinate)?;
             let unit = si(found);

@@ -216,9 +216,9 @@ fn drift_is_relative_to_the_largest_terms() {
     let mut toy =
         Toy::new(&["x", "y"], (&[0.0, 0.0], &[1.0, -1.0]), 1.0, |_, _, _, _, a| a.copy_from_slice(&[1e-3, 0.0]));
     toy.description.invariants = vec![
-        Quantity { name: "momentum".into(), components: 1 },
-        Quantity { name: "both".into(), components: 2 },
-        Quantity { name: "nothing".into(), components: 1 },
+        Quantity { name: "momentum".into(), components: 1, ..Quantity::default() },
+        Quantity { name: "both".into(), components: 2, ..Quantity::default() },
+        Quantity { name: "nothing".into(), components: 1, ..Quantity::default() },
     ]
     .into();
     toy.invariants = std::sync::Arc::new(|_, _, v, _, pairs| {

@@ -294,6 +294,8 @@ pub struct Output {
     pub name: String,
     /// Its components.
     pub value: Vec<Id>,
+    /// Its unit in SI, where it is known and not 1.
+    pub unit: Option<String>,
 }
 
 /// An event.

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::bench::{Rules, Text, Written};
+use super::dimension::Dimension;
 use super::families::{Expanded, Locals};
 use super::node::Node;
 use super::reader::Spot;
@@ -238,7 +239,9 @@ impl Resolver<'_> {
 
     fn output(&mut self, name: String, written: &Written, locals: &Locals) {
         let value = self.bench.written(&self.scope, written, Rules::anything("an output"), locals);
-        self.model.outputs.push(Output { name, value: components(value, 1) });
+        let known = self.bench.measured.dimension().filter(|dimension| *dimension != Dimension::ONE);
+        let unit = known.map(|dimension| dimension.to_string());
+        self.model.outputs.push(Output { name, value: components(value, 1), unit });
     }
 
     /// `events`.

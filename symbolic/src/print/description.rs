@@ -40,11 +40,12 @@ pub(super) fn description(program: &Program, source: &str) -> String {
     field("stiffness_pattern", pattern(&program.stiffness));
     field("damping_pattern", pattern(&program.damping));
     field("input_pattern", pattern(&program.input));
-    let quantity =
-        |name: &str, components: usize| format!("Quantity {{ name: {}, components: {components} }}", string(name));
-    field("outputs", list(model.outputs.iter().map(|o| quantity(&o.name, o.value.len()))));
+    let quantity = |name: &str, components: usize, of: &Option<String>| {
+        format!("Quantity {{ name: {}, components: {components}, unit: {} }}", string(name), unit(of))
+    };
+    field("outputs", list(model.outputs.iter().map(|o| quantity(&o.name, o.value.len(), &o.unit))));
     field("outputs_use_accelerations", program.outputs_use_accelerations().to_string());
-    field("invariants", list(model.conserved.iter().map(|c| quantity(&c.name, c.value.len()))));
+    field("invariants", list(model.conserved.iter().map(|c| quantity(&c.name, c.value.len(), &None))));
     field(
         "events",
         list(model.events.iter().map(|e| {
