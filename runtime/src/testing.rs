@@ -126,7 +126,8 @@ impl Toy {
         names: &[&'static str],
         values: impl Fn(f64, &[f64], &[f64], &[f64], &mut [f64]) + Send + Sync + 'static,
     ) -> Self {
-        self.description.outputs = names.iter().map(|&name| Quantity { name: name.into(), components: 1, ..Quantity::default() }).collect();
+        self.description.outputs =
+            names.iter().map(|&name| Quantity { name: name.into(), components: 1, ..Quantity::default() }).collect();
         self.outputs = Arc::new(values);
         self
     }

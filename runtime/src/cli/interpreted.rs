@@ -200,11 +200,8 @@ fn describe(program: &Program, source: &str) -> Description {
     let text = |s: &str| Text::Owned(s.to_owned());
     let unit = |u: &Option<String>| text(u.as_deref().unwrap_or(""));
     let pattern = |entries: &[Entry]| entries.iter().map(|e| (e.0 as u32, e.1 as u32)).collect::<List<(u32, u32)>>();
-    let quantity = |name: &str, n: usize, of: &Option<String>| Quantity {
-        name: text(name),
-        components: n as u32,
-        unit: unit(of),
-    };
+    let quantity =
+        |name: &str, n: usize, of: &Option<String>| Quantity { name: text(name), components: n as u32, unit: unit(of) };
     let s = &program.structure;
     let c = program.counts;
     Description {

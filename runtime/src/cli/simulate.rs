@@ -119,13 +119,17 @@ fn report(
         return Ok(());
     }
     let last = run.last();
+    let unit = |name: &str| match run.unit(name) {
+        unit if unit.is_empty() => unit,
+        unit => format!(" {unit}"),
+    };
     writeln!(out, "{} at t = {}, by {}", loaded.name, last.t, run.method)?;
     for (name, value) in last.entries() {
-        writeln!(out, "  {name} = {value}")?;
+        writeln!(out, "  {name} = {value}{}", unit(&name))?;
     }
     for (name, value) in last.outputs() {
         match value {
-            Some(value) => writeln!(out, "  {name} = {value}")?,
+            Some(value) => writeln!(out, "  {name} = {value}{}", unit(&name))?,
             None => writeln!(out, "  {name} is absent")?,
         }
     }

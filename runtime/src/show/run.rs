@@ -170,7 +170,14 @@ impl Run {
 
     /// The unit that all of these have in common; else none is written.
     fn common_unit(&self, names: &[&str]) -> String {
-        let unit = |name: &str| {
+        let mut units = names.iter().map(|name| self.unit(name));
+        let first = units.next().unwrap_or_default();
+        if units.all(|unit| unit == first) { first } else { String::new() }
+    }
+
+    /// The SI unit of a coordinate, rate or output; empty where it is pure or not known.
+    pub(crate) fn unit(&self, name: &str) -> String {
+        let found = || {
             let output = [".x", ".y", ".z"].iter().find_map(|axis| name.strip_suffix(axis)).unwrap_or(name);
             if let Some(output) = self.description.outputs.iter().find(|known| known.name == output) {
                 return Some(output.unit.to_string());
@@ -185,9 +192,7 @@ impl Run {
                 (unit, false) => unit.to_owned(),
             })
         };
-        let mut units = names.iter().map(|name| unit(name));
-        let first = units.next().flatten();
-        if units.all(|unit| unit == first) { first.unwrap_or_default() } else { String::new() }
+        found().unwrap_or_default()
     }
 }
 
