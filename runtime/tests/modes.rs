@@ -365,7 +365,7 @@ fn problem_37_main_question() {
         &[
             "x[2]  0.477072 m",
             "x[3]: driven by x[2] 0.4818; stiffness 0.2828 (at rest 2): alone it would be near resonance here",
-            "x[2] rests in mode 2, the largest, and yet moves by 0.477072 m, in mode(s) 1, 3",
+            "x[2] rests in mode 2, the largest, and yet moves by 0.477072 m, in mode(s) 1, 3: it alone drives x[3]",
         ],
     );
     let undamped = text("forced_chain", &["--scene", "resonance", "--omega", "w"]);
@@ -442,6 +442,7 @@ fn responses_and_loci_are_drawn_and_told() {
     std::fs::remove_dir_all(folder).unwrap();
 }
 
+#[cfg(feature = "modal")]
 #[test]
 fn bad_drives_and_ranges_are_refused() {
     let cases: [(&str, &[&str], &str); 9] = [
@@ -459,6 +460,8 @@ fn bad_drives_and_ranges_are_refused() {
         let (status, text) = run(model, options).unwrap_err();
         assert!(status == 2 && text.contains(part), "{options:?}: {status} {text}");
     }
+    let (status, text) = run("forced_chain", &["--omega", "1e308"]).unwrap_err();
+    assert!(status == 1 && text.contains("the dynamic stiffness at 1e308 rad/s is not finite"), "{text}");
     // A floor that moves up and down does not push a pendulum that hangs straight.
     let (status, text) = run("shaken_pendulum", &["--omega", "1"]).unwrap_err();
     assert!(status == 1 && text.contains("does not act on small motions here"), "{text}");

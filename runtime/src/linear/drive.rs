@@ -161,8 +161,9 @@ impl Linearised {
         let (least, most) =
             moving.clone().fold((f64::INFINITY, 0.0_f64), |(low, high), m| (low.min(m.omega), high.max(m.omega)));
         let (low, high) = range.unwrap_or(if most > 0.0 { (least / 5.0, most * 5.0) } else { (0.1, 10.0) });
-        let grid = (0..=EVENLY).map(|i| low * (high / low).powf(f64::from(i) / f64::from(EVENLY)));
-        let mut list: Vec<f64> = grid.collect();
+        let between = |i: i32| (low.ln() + f64::from(i) / f64::from(EVENLY) * (high.ln() - low.ln())).exp();
+        let mut list: Vec<f64> = (1..EVENLY).map(between).filter(|omega| (low..=high).contains(omega)).collect();
+        list.extend([low, high]);
         for mode in moving.filter(|mode| mode.damped_omega() > 0.0) {
             let centre = mode.damped_omega();
             // Half the width of the peak, or what the eye can tell.

@@ -143,6 +143,7 @@ impl fmt::Display for LinearError {
             LinearError::NotSymmetric { what } => write!(f, "{what} is not symmetric"),
             LinearError::NoConvergence { what } => write!(f, "{what} does not converge"),
             LinearError::Resonance { omega } => {
+                let omega = short(*omega);
                 write!(f, "no steady state: the force at {omega} rad/s meets an undamped mode, which grows with time")
             }
             LinearError::NeedsFeature { feature } => {

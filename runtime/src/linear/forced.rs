@@ -3,7 +3,7 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::normal::Spectrum;
-use super::{LinearError, Linearised, Motion, Reduction, Source, expm};
+use super::{LinearError, Linearised, Motion, Reduction, Source, expm, short};
 
 /// A force F(t) = cos(Ωt) `cosine` + sin(Ωt) `sine`.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -29,7 +29,10 @@ impl Linearised {
         let scale = self.largest(omega);
         let floor = 16.0 * self.len() as f64 * f64::EPSILON * scale;
         let resonance = LinearError::Resonance { omega };
-        if pivots.iter().any(|pivot| pivot.is_nan() || *pivot <= floor) {
+        if !scale.is_finite() || pivots.iter().any(|pivot| pivot.is_nan()) {
+            return Err(LinearError::NonFinite { what: format!("the dynamic stiffness at {} rad/s", short(omega)) });
+        }
+        if pivots.iter().any(|pivot| *pivot <= floor) {
             return Err(resonance);
         }
         let solution = lu.solve(&DVector::from_column_slice(force)).ok_or(resonance)?;

@@ -140,6 +140,7 @@ fn a_steady_state_is_the_sum_of_its_parts() {
 }
 
 /// Frequencies to look at reach beyond all modes and come close to each, however narrow its peak.
+#[cfg(feature = "modal")]
 #[test]
 fn telling_frequencies_do_not_miss_a_peak() {
     let k = chain(3, 1.0, true);

@@ -210,13 +210,8 @@ fn forces(linear: &Linearised, steady: &Steady, label: &str, out: &mut dyn Write
     )?;
     for (i, name) in linear.coordinates.iter().enumerate() {
         let mut pulls: Vec<(String, f64)> = vec![(label.to_owned(), steady.force[i].norm())];
-        pulls.extend(
-            (0..linear.len())
-                .filter(|j| *j != i)
-                .map(|j| (linear.coordinates[j].clone(), (dynamic[(i, j)] * steady.total[j]).norm())),
-        );
-        let most = pulls.iter().fold(0.0_f64, |most, pull| most.max(pull.1));
-        pulls.retain(|pull| pull.1 > 1e-9 * most);
+        pulls.extend(neighbours(linear, steady, i).into_iter().map(|(j, size)| (linear.coordinates[j].clone(), size)));
+        pulls.retain(|pull| pull.1 > 0.0);
         let list: Vec<String> = pulls.iter().map(|(from, size)| format!("{from} {}", short4(*size))).collect();
         let (own, rest) = (dynamic[(i, i)].norm(), still[(i, i)].norm());
         let alone = if own < NEAR_RESONANCE * rest { ": alone it would be near resonance here" } else { "" };
@@ -224,6 +219,15 @@ fn forces(linear: &Linearised, steady: &Steady, label: &str, out: &mut dyn Write
         writeln!(out, "  {name}: driven by {list}; stiffness {} (at rest {}){alone}", short4(own), short4(rest))?;
     }
     Ok(())
+}
+
+/// The coordinates that pull at one, and how much; without rounding.
+fn neighbours(linear: &Linearised, steady: &Steady, i: usize) -> Vec<(usize, f64)> {
+    let dynamic = linear.dynamic_stiffness(steady.omega);
+    let scale = dynamic.iter().fold(0.0_f64, |most, z| most.max(z.norm())) * largest(&steady.total);
+    let others = (0..linear.len()).filter(|j| *j != i);
+    let pulls = others.map(|j| (j, (dynamic[(i, j)] * steady.total[j]).norm()));
+    pulls.filter(|(_, size)| *size > 1e-12 * scale).collect()
 }
 
 /// Coordinates that the largest mode leaves at rest and that move in others all the same.
@@ -248,8 +252,15 @@ fn resting(linear: &Linearised, steady: &Steady) -> Vec<String> {
             .filter(|k| *k != leading && steady.modes[*k][i].norm() > 1e-3 * steady.total[i].norm())
             .map(|k| (k + 1).to_string())
             .collect();
+        let only = |j: &usize| {
+            let others = neighbours(linear, steady, *j);
+            steady.force[*j].norm() == 0.0 && !others.is_empty() && others.iter().all(|other| other.0 == i)
+        };
+        let driven: Vec<&str> =
+            (0..linear.len()).filter(|j| *j != i).filter(only).map(|j| linear.coordinates[j].as_str()).collect();
+        let effect = if driven.is_empty() { String::new() } else { format!(": it alone drives {}", driven.join(", ")) };
         format!(
-            "{} rests in mode {}, the largest, and yet moves by {}{}, in mode(s) {}: so it passes the motion on",
+            "{} rests in mode {}, the largest, and yet moves by {}{}, in mode(s) {}{effect}",
             linear.coordinates[i],
             leading + 1,
             short(steady.total[i].norm()),
