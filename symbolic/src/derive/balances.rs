@@ -181,9 +181,12 @@ fn eliminate(mut matrix: Vec<f64>, size: usize) -> Option<Vec<f64>> {
         }
         for i in k + 1..size {
             let factor = matrix[i * width + k] / matrix[k * width + k];
-            for j in k..width {
-                matrix[i * width + j] -= factor * matrix[k * width + j];
+            if factor == 0.0 {
+                continue;
             }
+            let (above, below) = matrix.split_at_mut(i * width);
+            let top = &above[k * width..][k..width];
+            below[k..width].iter_mut().zip(top).for_each(|(x, y)| *x -= factor * y);
         }
     }
     let mut x = vec![0.0; size];

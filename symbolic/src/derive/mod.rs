@@ -124,7 +124,7 @@ pub fn derive(mut model: Model) -> Result<Derivation, Vec<Problem>> {
     }
     let named_reactions = reactions::put_in(&mut model);
     let report = test::all(&mut model, &equations, &momentum, &switches)?;
-    let cyclic = test::cyclic(&mut model, &equations, &switches, &momenta);
+    let cyclic = test::cyclic(&mut model, &report.states, &momenta);
     Ok(Derivation { model, equations, momentum, named_reactions, energies, cyclic, switches, report })
 }
 

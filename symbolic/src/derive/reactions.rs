@@ -42,9 +42,10 @@ pub(super) fn put_in(model: &mut Model) -> Vec<(usize, Symbol)> {
 /// first system that names it, which is exact since the system agrees with the motion.
 fn reactions(model: &mut Model) -> HashMap<Symbol, Id> {
     let mut known = HashMap::default();
+    let wanted = wanted(model);
     for system in model.balances.clone() {
         let unknowns: Vec<Symbol> = unknowns(model, &system)[model.coordinates.len()..].to_vec();
-        if unknowns.is_empty() || unknowns.iter().all(|s| known.contains_key(s)) {
+        if !unknowns.iter().any(|s| wanted.contains(s) && !known.contains_key(s)) {
             continue;
         }
         for (symbol, value) in unknowns.iter().zip(least_squares(&mut model.graph, &system, &unknowns)) {
@@ -52,6 +53,15 @@ fn reactions(model: &mut Model) -> HashMap<Symbol, Id> {
         }
     }
     known
+}
+
+/// The reactions that outputs, events and checks contain.
+fn wanted(model: &Model) -> Vec<Symbol> {
+    let outputs = model.outputs.iter().flat_map(|output| output.value.iter().copied());
+    let events = model.events.iter().flat_map(|event| [Some(event.when), event.condition]).flatten();
+    let checks = model.checks.iter().flat_map(|check| check.left.iter().chain(&check.right).copied());
+    let symbols = model.graph.symbols(outputs.chain(events).chain(checks));
+    symbols.into_iter().filter(|s| matches!(s, Symbol::Reaction(_))).collect()
 }
 
 /// (RᵀR)⁻¹Rᵀ(−s) for residuals R r + s, with s at r = 0.
@@ -82,9 +92,16 @@ fn least_squares(graph: &mut Graph, system: &BalanceSystem, unknowns: &[Symbol])
         }
     }
     // cos² + sin² of a direction becomes 1, so that most pivots are constants.
-    for row in &mut normal {
-        let constant = |s: Symbol| matches!(s, Symbol::Parameter(_));
-        if let Some(simple) = expand(graph, &row[..m], constant) {
+    // All rows at once, for what they share; row by row where that grows too large.
+    let constant = |s: Symbol| matches!(s, Symbol::Parameter(_));
+    let all: Vec<Id> = normal.iter().flat_map(|row| &row[..m]).copied().collect();
+    let together = expand(graph, &all, constant);
+    for (k, row) in normal.iter_mut().enumerate() {
+        let simple = match &together {
+            Some(all) => Some(all[k * m..][..m].to_vec()),
+            None => expand(graph, &row[..m], constant),
+        };
+        if let Some(simple) = simple {
             row[..m].copy_from_slice(&simple);
         }
     }
@@ -93,7 +110,7 @@ fn least_squares(graph: &mut Graph, system: &BalanceSystem, unknowns: &[Symbol])
         let pivot = graph.div(Id::ONE, pivot_row[k]);
         for row in normal.iter_mut().skip(k + 1).filter(|row| row[k] != Id::ZERO) {
             let factor = graph.mul(row[k], pivot);
-            for (entry, above) in row.iter_mut().zip(&pivot_row).skip(k + 1) {
+            for (entry, above) in row.iter_mut().zip(&pivot_row).skip(k + 1).filter(|(_, above)| **above != Id::ZERO) {
                 let update = graph.mul(factor, *above);
                 *entry = graph.sub(*entry, update);
             }

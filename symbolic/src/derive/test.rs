@@ -92,11 +92,15 @@ pub(super) fn all(
     if !problems.is_empty() {
         return Err(problems);
     }
+    let everywhere = report.states.clone();
+    let states_when = |when: &[(usize, f64)]| {
+        if when.is_empty() {
+            return Ok(everywhere.clone());
+        }
+        finite_states(model, equations, switches, when).map_err(|problem| vec![*problem])
+    };
     for (invariant, components) in model.conserved.iter().zip(&invariants) {
-        let states = match finite_states(model, equations, switches, &invariant.when) {
-            Ok(states) => states,
-            Err(problem) => return Err(vec![*problem]),
-        };
+        let states = states_when(&invariant.when)?;
         match conserved(model, components, &states) {
             Ok(worst) => report.conserved.push((invariant.name.clone(), worst)),
             Err(change) => {
@@ -109,10 +113,7 @@ pub(super) fn all(
         }
     }
     for check in &model.checks {
-        let states = match finite_states(model, equations, switches, &check.when) {
-            Ok(states) => states,
-            Err(problem) => return Err(vec![*problem]),
-        };
+        let states = states_when(&check.when)?;
         let pairs: Vec<(Id, Id)> = check.left.iter().copied().zip(check.right.iter().copied()).collect();
         match identity(model, &check.name, &pairs, &states, &check.place) {
             Ok(worst) => report.checks.push((check.name.clone(), worst)),
@@ -180,13 +181,7 @@ fn finite_states(
 }
 
 /// Coordinates on which neither T − V nor any force depends or acts, with their momenta, which are conserved.
-pub(super) fn cyclic(
-    model: &mut Model,
-    equations: &[Equations],
-    switches: &[Switch],
-    momenta: &[(Id, Id)],
-) -> Vec<(usize, Id)> {
-    let Ok(states) = finite_states(model, equations, switches, &[]) else { return Vec::new() };
+pub(super) fn cyclic(model: &mut Model, states: &[State], momenta: &[(Id, Id)]) -> Vec<(usize, Id)> {
     let mut found = Vec::new();
     for (i, &(momentum, rest)) in momenta.iter().enumerate() {
         let scaled = Scaled::new(&model.graph, &[rest]);

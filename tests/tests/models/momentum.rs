@@ -157,3 +157,44 @@ fn balances_that_become_dependent_end_the_run() {
     assert_eq!((system.as_str(), unknown.as_str()), ("balances", "y''"));
     assert_eq!(error.partial().map(|run| run.len()), Some(1));
 }
+
+/// What the program prints, or what it says is wrong.
+fn told(arguments: &[&str]) -> Result<String, String> {
+    let mut out = Vec::new();
+    let arguments = std::iter::once(&"dalembert").chain(arguments);
+    match dalembert::cli::run(MODELS, arguments, &mut out) {
+        Ok(()) => Ok(String::from_utf8(out).expect("text")),
+        Err(problem) => Err(problem.to_string()),
+    }
+}
+
+#[test]
+fn the_program_goes_by_balances_and_compares() {
+    let told_by = |by: &str| told(&["simulate", "simple_pendulum", "--until", "0.5", "--by", by]);
+    assert!(told_by("a_components").expect("a run").contains("derivation     balances `a_components`"));
+    assert!(
+        told_by("e_energy").expect_err("at rest").starts_with("error: void balance: in `e_energy`, balance 1 (energy)")
+    );
+    assert!(told_by("a_component").expect_err("no such system").contains("a_components"));
+    let error = told(&["simulate", "string_rayleigh", "--by", "moments"]).expect_err("no balances");
+    assert!(error.contains("string_rayleigh has no `balances`"), "{error}");
+
+    let table = told_by("all").expect("a comparison");
+    let lines: Vec<&str> = table.lines().collect();
+    let ended = lines.iter().filter(|line| line.contains("ended early: void balance")).count();
+    assert_eq!((lines.len(), ended), (1 + 1 + 8 + 2, 2), "{table}");
+    let json = told(&["simulate", "double_pendulum", "--until", "1", "--by", "all", "--json"]).expect("JSON");
+    let value: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    let derivations = value["derivations"].as_array().expect("a list");
+    assert_eq!(derivations.len(), 3);
+    for derivation in &derivations[1..] {
+        assert!(derivation["difference"].as_f64().expect("a number") < 1e-9, "{json}");
+        assert!(derivation["condition"].as_f64().expect("a number") > 1.0, "{json}");
+    }
+
+    let check = told(&["check", "double_pendulum"]).expect("a report");
+    assert!(
+        check.contains("six_equations: 6 equations, 4 reaction components, 30 operations, condition number"),
+        "{check}"
+    );
+}
