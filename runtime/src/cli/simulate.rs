@@ -129,7 +129,7 @@ fn report(
     }
     for (name, value) in last.outputs() {
         match value {
-            Some(value) => writeln!(out, "  {name} = {value}{}", unit(&name))?,
+            Some(value) => writeln!(out, "  {name} = {value}{}", unit(name))?,
             None => writeln!(out, "  {name} is absent")?,
         }
     }
