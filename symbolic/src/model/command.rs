@@ -2,11 +2,12 @@
 
 use std::rc::Rc;
 
-use super::bench::{Bench, Rules, Text};
-use super::dimension::{Dimension, Measure};
-use super::reader;
+use super::expression::bench::{Bench, Text};
+use super::expression::dimension::{Dimension, Measure};
+use super::expression::rules::Rules;
+use super::expression::value::Value;
 use super::resolved::Model;
-use super::value::Value;
+use super::yaml::reader;
 use crate::diagnose::catalogue::names;
 use crate::diagnose::{Place, Problem};
 use crate::expr::{Graph, Id, Symbol, Tape};

@@ -1,11 +1,11 @@
 //! From the tree of a file to a model: the passes in order.
 
-use super::declare::dimension;
-use super::node::Node;
-use super::reader::Spot;
 use super::resolved::Model;
 use super::resolver::Resolver;
-use super::settle::settle;
+use super::section::declare::dimension;
+use super::section::settle::settle;
+use super::yaml::node::Node;
+use super::yaml::reader::Spot;
 use crate::diagnose::catalogue::{later, names, sections};
 use crate::diagnose::{Place, Problem};
 

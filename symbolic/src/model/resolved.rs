@@ -1,6 +1,6 @@
 //! A model with every name resolved and every family expanded: expressions of one graph.
 
-use super::scope::Scope;
+use super::expression::scope::Scope;
 use crate::diagnose::{Place, Problem};
 use crate::expr::{Graph, Id};
 

@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-use super::bench::{Bench, Rules, Text, Written};
-use super::families::{self, Expanded, Family, IndexNames, Locals};
-use super::index::MEMBER_LIMIT;
-use super::reader::Spot;
+use super::expression::bench::{Bench, Text, Written};
+use super::expression::families::{self, Expanded, Family, IndexNames, Locals};
+use super::expression::index::MEMBER_LIMIT;
+use super::expression::rules::Rules;
+use super::expression::scope::{Entry, Member, Scope, Section};
 use super::resolved::Model;
-use super::scope::{Entry, Member, Scope, Section};
-use super::settle::{Item, Want};
+use super::section::settle::{Item, Want};
+use super::yaml::reader::Spot;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{names, sections};
 use crate::expr::Id;

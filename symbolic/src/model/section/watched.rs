@@ -2,19 +2,20 @@
 
 use std::collections::BTreeMap;
 
-use super::bench::{Rules, Text, Written};
-use super::dimension::Dimension;
-use super::families::{Expanded, Locals};
-use super::node::Node;
-use super::reader::Spot;
-use super::resolved::{Check, Conserved, Event, EventAction, Output, Sample};
-use super::resolver::Resolver;
-use super::scope::Member;
-use super::value::Value;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{later, mechanics, names, sections};
 use crate::diagnose::did_you_mean_or;
 use crate::expr::{Binary, Graph, Id, Node as Expression, Unary};
+use crate::model::expression::bench::{Text, Written};
+use crate::model::expression::dimension::Dimension;
+use crate::model::expression::families::{Expanded, Locals};
+use crate::model::expression::rules::Rules;
+use crate::model::expression::scope::Member;
+use crate::model::expression::value::Value;
+use crate::model::resolved::{Check, Conserved, Event, EventAction, Output, Sample};
+use crate::model::resolver::Resolver;
+use crate::model::yaml::node::Node;
+use crate::model::yaml::reader::Spot;
 
 /// Terms that one invariant is taken apart into.
 const TERM_LIMIT: usize = 1000;
@@ -137,7 +138,7 @@ impl Resolver<'_> {
             return None;
         }
         let parameters: Vec<f64> = self.model.parameters.iter().map(|p| p.default).collect();
-        super::command::evaluate(&self.bench.graph, id, &parameters)
+        crate::model::command::evaluate(&self.bench.graph, id, &parameters)
     }
 
     /// The free parameter that a key names; reports when it names none.
@@ -149,12 +150,12 @@ impl Resolver<'_> {
                 Some(Member::Parameter(parameter)) => return Some(*parameter as usize),
                 Some(Member::Refused) => return None,
                 _ if entry.refused => return None,
-                Some(Member::Item(_)) if entry.section == super::scope::Section::Parameter => {
+                Some(Member::Item(_)) if entry.section == crate::model::expression::scope::Section::Parameter => {
                     let free = free_names(&self.model);
                     self.bench.problems.push(mechanics::derived_parameter(place, name, free));
                     return None;
                 }
-                _ if entry.section != super::scope::Section::Parameter => {
+                _ if entry.section != crate::model::expression::scope::Section::Parameter => {
                     let found = entry.section.noun();
                     self.bench.problems.push(names::wrong_thing(place, name, "a parameter", found));
                     return None;
@@ -331,7 +332,7 @@ fn names_energy(written: &Written) -> bool {
 }
 
 /// `a`, `b` and `c`.
-pub fn free_names(model: &super::resolved::Model) -> String {
+pub fn free_names(model: &crate::model::resolved::Model) -> String {
     let names: Vec<String> = model.parameters.iter().take(20).map(|p| format!("`{}`", p.name)).collect();
     names.join(", ")
 }

@@ -1,6 +1,6 @@
 //! Expressions that YAML took apart because they were not quoted.
 
-use super::Node;
+use super::node::Node;
 use crate::diagnose::{Place, Problem, catalogue::yaml};
 
 /// Keys and items of lists with half of a bracket: `{force: dot(a, b)}` is `force: dot(a` and `b)`.

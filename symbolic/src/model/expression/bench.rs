@@ -3,17 +3,17 @@
 use std::collections::HashMap;
 use std::rc::Rc;
 
-use super::dimension::{Dimension, Measure};
+use super::dimension::Measure;
 use super::facts::{Depends, Facts};
 use super::lower::{Local, Lower};
-use super::parameters::is_bare;
-use super::reader::Quantity;
+use super::rules::Rules;
 use super::scope::Scope;
 use super::value::Value;
-use crate::diagnose::catalogue::{names, units};
+use crate::diagnose::catalogue::names;
 use crate::diagnose::{Place, Problem};
 use crate::expr::{Forward, Graph, Id, Symbol};
-use crate::language::{Ast, Span, Unit};
+use crate::language::{Ast, Span};
+use crate::model::section::parameters::is_bare;
 
 /// One expression of the file.
 #[derive(Clone, Debug)]
@@ -33,97 +33,6 @@ pub enum Written {
     One(Text),
     /// Components.
     List(Vec<Text>, Rc<Place>),
-}
-
-/// The unit that an expression is to have.
-#[derive(Clone, Copy, Debug)]
-pub enum Wanted {
-    /// Any.
-    Any,
-    /// That of a kind of quantity, in a model with units.
-    Si(Dimension),
-    /// That of something else.
-    Like(Measure),
-}
-
-/// What an expression may depend on.
-#[derive(Clone, Copy, Debug)]
-pub struct Rules {
-    /// What is being written, with its article, for messages.
-    pub what: &'static str,
-    /// What it must not depend on.
-    pub refused: Depends,
-    /// True where `energy` and its parts may stand.
-    pub energy: bool,
-    /// True where an input's name stands for its expression instead of a symbol.
-    pub signals: bool,
-    /// The unit that is wanted.
-    pub unit: Wanted,
-    /// True where a bare number in a sum is in the unit of the other terms.
-    pub numbers_fit: bool,
-}
-
-const ACCELERATION: Depends = Depends::ACCELERATION.and(Depends::JERK);
-const VELOCITY: Depends = ACCELERATION.and(Depends::VELOCITY);
-const MOTION: Depends = VELOCITY.and(Depends::COORDINATE);
-
-impl Rules {
-    /// Of parameters and sizes only.
-    pub const fn constant(what: &'static str) -> Rules {
-        Rules { refused: MOTION.and(Depends::TIME).and(Depends::INPUT), ..Rules::any(what) }
-    }
-
-    /// Of parameters, time and other inputs.
-    pub const fn signal(what: &'static str) -> Rules {
-        Rules { refused: MOTION, signals: true, ..Rules::any(what) }
-    }
-
-    /// Of parameters, time and inputs.
-    pub const fn of_time(what: &'static str) -> Rules {
-        Rules { refused: MOTION, ..Rules::any(what) }
-    }
-
-    /// Of coordinates, time and inputs.
-    pub const fn position(what: &'static str) -> Rules {
-        Rules { refused: VELOCITY, ..Rules::any(what) }
-    }
-
-    /// Of coordinates, velocities, time and inputs.
-    pub const fn velocity(what: &'static str) -> Rules {
-        Rules { refused: ACCELERATION, ..Rules::any(what) }
-    }
-
-    /// Of everything but accelerations, and energies.
-    pub const fn invariant(what: &'static str) -> Rules {
-        Rules { energy: true, ..Rules::velocity(what) }
-    }
-
-    /// Of everything.
-    pub const fn anything(what: &'static str) -> Rules {
-        Rules { energy: true, ..Rules::any(what) }
-    }
-
-    /// Of everything but energies: what definitions may hold.
-    pub const fn any(what: &'static str) -> Rules {
-        Rules { what, refused: Depends::JERK, energy: false, signals: false, unit: Wanted::Any, numbers_fit: false }
-    }
-}
-
-impl Rules {
-    /// A quantity of this kind.
-    pub const fn si(self, dimension: Dimension) -> Rules {
-        Rules { unit: Wanted::Si(dimension), ..self }
-    }
-
-    /// With sums in which a bare number is in the unit of the other terms.
-    pub const fn numbers_fit(self) -> Rules {
-        Rules { numbers_fit: true, ..self }
-    }
-
-    /// In the unit of something else.
-    pub const fn like(self, measure: Measure) -> Rules {
-        Rules { unit: Wanted::Like(measure), ..self }
-    }
 }
 
 type Rate = fn(&mut Graph, Symbol) -> Id;
@@ -275,7 +184,7 @@ impl Bench {
         let scalar = self.want_scalar(value, text)?;
         let place = text.place.at(text.ast.span);
         let words = text.words(text.ast.span);
-        self.want(scope.units.wanted(rules.unit), rules.what, is_bare(&text.ast, locals), words, &place);
+        self.expect_unit(scope.units.expected(rules.unit), rules.what, is_bare(&text.ast, locals), words, &place);
         Some(scalar)
     }
 
@@ -297,7 +206,7 @@ impl Bench {
                         (format!("[{}]", words.join(", ")), texts.iter().all(|text| is_bare(&text.ast, locals)))
                     }
                 };
-                self.want(scope.units.wanted(rules.unit), rules.what, bare, &words, &place);
+                self.expect_unit(scope.units.expected(rules.unit), rules.what, bare, &words, &place);
                 Some(v)
             }
             Value::Nothing => Some(vec![Id::ZERO; scope.dimension]),
@@ -307,91 +216,6 @@ impl Bench {
                 None
             }
         }
-    }
-
-    /// A value in SI.  Its unit converts it where it is a pure number: what is computed from quantities with units
-    /// is in SI already, and must be of that unit.
-    pub fn quantity(
-        &mut self,
-        scope: &Scope,
-        quantity: &Quantity,
-        rules: Rules,
-        locals: &[(String, Local)],
-    ) -> Option<Id> {
-        let value = self.scalar(scope, &quantity.text, rules.like(Measure::Unknown), locals)?;
-        let value = match &quantity.unit {
-            Some((_, unit)) => self.converted(value, unit, &quantity.text),
-            None => value,
-        };
-        let bare = quantity.unit.is_none() && is_bare(&quantity.text.ast, locals);
-        let place = quantity.text.place.at(quantity.text.ast.span);
-        self.want(scope.units.wanted(rules.unit), rules.what, bare, &quantity.text.source, &place);
-        Some(value)
-    }
-
-    /// As [`Bench::quantity`], where a pure number is in the unit of what it sets.
-    pub fn setting(
-        &mut self,
-        scope: &Scope,
-        quantity: &Quantity,
-        rules: Rules,
-        locals: &[(String, Local)],
-    ) -> Option<Id> {
-        let value = self.quantity(scope, quantity, rules.like(Measure::Unknown), locals)?;
-        if quantity.unit.is_some() || self.measured != Measure::ONE {
-            let place = quantity.text.place.at(quantity.text.ast.span);
-            self.want(scope.units.wanted(rules.unit), rules.what, false, &quantity.text.source, &place);
-        }
-        Some(value)
-    }
-
-    /// A value with a unit after it, in SI.
-    pub fn converted(&mut self, value: Id, unit: &Unit, text: &Text) -> Id {
-        let dimension = Dimension::of(unit);
-        let pure = match self.measured {
-            Measure::Of(found) => found == Dimension::ONE,
-            Measure::Zero => true,
-            Measure::Unknown => !self.depends(&[value]).meets(Depends::UNIT),
-        };
-        if !pure {
-            let place = text.place.at(text.ast.span);
-            self.want(Measure::Of(dimension), "its unit", false, text.words(text.ast.span), &place);
-        }
-        self.measured = Measure::Of(dimension);
-        if !pure {
-            return value;
-        }
-        let factor = self.graph.float(unit.factor());
-        self.graph.mul(factor, value)
-    }
-
-    /// Reports a value that was evaluated last and is not in the unit that is wanted.  A bare number is in that unit.
-    pub fn want(&mut self, wanted: Measure, what: &str, bare: bool, words: &str, place: &Place) {
-        if bare && matches!(wanted, Measure::Of(_)) {
-            self.measured = wanted;
-        }
-        if let (None, Measure::Of(found), Measure::Of(wanted)) = (self.measured.alike(wanted), self.measured, wanted) {
-            let help = match found {
-                Dimension::ONE => "numbers in sums and products are pure, and so are angles; parameters carry units",
-                _ => "",
-            };
-            let problem = units::wrong_unit(place.clone(), words, found.described(), what, wanted.wanted(), help);
-            self.problems.push(problem);
-            self.measured = Measure::Unknown;
-        }
-    }
-
-    /// The unit of a component that was evaluated last and those before it; reports when they differ.
-    fn like(&mut self, all: Measure, texts: &[Text], text: &Text) -> Measure {
-        if let Some(measure) = all.alike(self.measured) {
-            return measure;
-        }
-        let unit = |measure: Measure| measure.dimension().unwrap_or_default().described();
-        let first = texts.first().map_or("", |text| &text.source);
-        let place = text.place.at(text.ast.span);
-        let problem = units::unlike_terms(place, first, unit(all), &text.source, unit(self.measured));
-        self.problems.push(problem);
-        Measure::Unknown
     }
 
     fn want_scalar(&mut self, value: Value, text: &Text) -> Option<Id> {

@@ -2,16 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use super::bench::Rules;
-use super::dimension::Dimension;
-use super::families::{self, Expanded, Family, Locals};
-use super::node::Node;
 use super::parameters::flat;
-use super::reader::{Quantity, Spot};
-use super::resolved::Scene;
-use super::resolver::Resolver;
 use crate::diagnose::catalogue::{later, mechanics, names, sections};
 use crate::expr::{Id, Rational};
+use crate::model::expression::dimension::Dimension;
+use crate::model::expression::families::{self, Expanded, Family, Locals};
+use crate::model::expression::rules::Rules;
+use crate::model::resolved::Scene;
+use crate::model::resolver::Resolver;
+use crate::model::yaml::node::Node;
+use crate::model::yaml::reader::{Quantity, Spot};
 
 const SCENE_KEYS: [&str; 8] = ["start", "until", "tolerance", "every", "phase", "set", "guess", "also"];
 
@@ -93,12 +93,12 @@ impl Resolver<'_> {
         if self.bench.graph.number(value).is_none() {
             let set: Vec<Id> = scene.set.iter().map(|(_, value)| *value).collect();
             for ((parameter, _), value) in
-                scene.set.iter().zip(super::command::evaluate_all(&self.bench.graph, &set, &parameters.clone()))
+                scene.set.iter().zip(crate::model::command::evaluate_all(&self.bench.graph, &set, &parameters.clone()))
             {
                 parameters[*parameter] = value;
             }
         }
-        match super::command::evaluate(&self.bench.graph, value, &parameters) {
+        match crate::model::command::evaluate(&self.bench.graph, value, &parameters) {
             Some(number) if number > 0.0 => Some(value),
             Some(number) => {
                 let problem = mechanics::value_out_of_range(spot.place.clone(), what, "positive", number);

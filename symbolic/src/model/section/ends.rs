@@ -1,20 +1,21 @@
 //! Where loads act: ends of springs, bodies and points of forces.
 
-use super::bench::{Rules, Text, Written};
-use super::dimension::Dimension;
-use super::families::Locals;
 use super::loads::{Drafts, Holder, Wanted};
-use super::lower::Lower;
-use super::names::Solid;
-use super::node::Node;
-use super::reader::Spot;
-use super::resolver::Resolver;
-use super::scope::Section;
-use super::value::Value;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{mechanics, names, sections};
 use crate::expr::Id;
 use crate::language::AstKind;
+use crate::model::expression::bench::{Text, Written};
+use crate::model::expression::dimension::Dimension;
+use crate::model::expression::families::Locals;
+use crate::model::expression::lower::Lower;
+use crate::model::expression::names::Solid;
+use crate::model::expression::rules::Rules;
+use crate::model::expression::scope::Section;
+use crate::model::expression::value::Value;
+use crate::model::resolver::Resolver;
+use crate::model::yaml::node::Node;
+use crate::model::yaml::reader::Spot;
 
 /// A point on the material of something.
 #[derive(Clone, Debug)]

@@ -150,7 +150,7 @@ impl Lower<'_> {
     }
 
     /// The value of an item, or a note that it is needed.
-    pub(super) fn item(&mut self, item: usize) -> Value {
+    pub fn item(&mut self, item: usize) -> Value {
         match self.scope.value(item) {
             Some(value) => value.clone(),
             None => {
@@ -206,7 +206,7 @@ impl Lower<'_> {
     }
 
     /// A name as a body, frame or the ground; reports what is wrong.
-    pub(super) fn solid(&mut self, name: &str, indices: &[Ast], span: Span) -> Option<Solid> {
+    pub fn solid(&mut self, name: &str, indices: &[Ast], span: Span) -> Option<Solid> {
         if name == "ground" && indices.is_empty() {
             return Some(Solid::Ground);
         }

@@ -5,17 +5,18 @@
 
 use std::collections::BTreeMap;
 
-use super::bench::{Rules, Text};
-use super::dimension::Dimension;
-use super::families::Locals;
-use super::node::Node;
 use super::reactions::Unknown;
-use super::reader::Spot;
-use super::resolved::{Balance, BalanceSystem, Part, Push, Work};
-use super::resolver::Resolver;
-use super::value;
 use crate::diagnose::catalogue::{later, mechanics, sections};
 use crate::expr::{Id, Symbol, partial};
+use crate::model::expression::bench::Text;
+use crate::model::expression::dimension::Dimension;
+use crate::model::expression::families::Locals;
+use crate::model::expression::rules::Rules;
+use crate::model::expression::value;
+use crate::model::resolved::{Balance, BalanceSystem, Part, Push, Work};
+use crate::model::resolver::Resolver;
+use crate::model::yaml::node::Node;
+use crate::model::yaml::reader::Spot;
 
 /// The kinds of balances.
 const KINDS: [&str; 5] = ["moment", "force", "power", "energy", "equation"];

@@ -1,10 +1,11 @@
 //! From syntax to values: numbers, names, operators, sums and integrals.
 
-use super::bench::{Bench, Rules, Text};
+use super::bench::{Bench, Text};
 use super::dimension::Measure;
 use super::facts::Depends;
 use super::index::{self, Indices, Refusal};
 use super::quadrature::gauss_legendre;
+use super::rules::Rules;
 use super::scope::Scope;
 use super::substitute::{degree, substitute};
 use super::value::{self, Value};
@@ -112,7 +113,7 @@ impl<'a> Lower<'a> {
     }
 
     /// Reports a problem; the value is lost.
-    pub(super) fn refuse(&mut self, problem: Problem) -> Value {
+    pub fn refuse(&mut self, problem: Problem) -> Value {
         self.bench.problems.push(problem);
         Value::Poison
     }

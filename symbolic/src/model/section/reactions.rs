@@ -2,17 +2,17 @@
 
 use std::collections::BTreeMap;
 
-use super::bench::Rules;
-use super::families::Locals;
 use super::loads::{Drafts, Holder};
-use super::node::Node;
-use super::reader::Spot;
-use super::resolved::{Push, Reaction};
-use super::resolver::Resolver;
-use super::scope::{Member, Section};
-use super::value;
 use crate::diagnose::catalogue::names;
 use crate::expr::{Id, Symbol};
+use crate::model::expression::families::Locals;
+use crate::model::expression::rules::Rules;
+use crate::model::expression::scope::{Member, Section};
+use crate::model::expression::value;
+use crate::model::resolved::{Push, Reaction};
+use crate::model::resolver::Resolver;
+use crate::model::yaml::node::Node;
+use crate::model::yaml::reader::Spot;
 
 /// A reaction of one system, as pushes on bodies.
 pub struct Unknown {

@@ -4,8 +4,8 @@ use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor}
 use std::collections::BTreeSet;
 use std::fmt;
 
-use super::Node;
 use super::complaint::{complaint, complex_key};
+use super::node::Node;
 use super::outline::{duplicates, outline};
 use super::taken_apart::taken_apart;
 use crate::diagnose::{Place, Problem, catalogue::yaml};

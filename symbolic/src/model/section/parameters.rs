@@ -1,17 +1,18 @@
 //! `parameters`: free ones with their defaults, derived ones, families of both.
 
-use super::bench::{Rules, Text, Written};
-use super::dimension::{Dimension, Measure};
-use super::families::{Expanded, Family as KeyFamily};
-use super::lower::Local;
-use super::reader::{Quantity, Spot};
-use super::resolved::{Derived, Family, Parameter};
-use super::resolver::Resolver;
-use super::scope::{Member, Section};
 use super::settle::Want;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{names, sections};
 use crate::language::{Ast, AstKind, Unit};
+use crate::model::expression::bench::{Text, Written};
+use crate::model::expression::dimension::{Dimension, Measure};
+use crate::model::expression::families::{Expanded, Family as KeyFamily};
+use crate::model::expression::lower::Local;
+use crate::model::expression::rules::Rules;
+use crate::model::expression::scope::{Member, Section};
+use crate::model::resolved::{Derived, Family, Parameter};
+use crate::model::resolver::Resolver;
+use crate::model::yaml::reader::{Quantity, Spot};
 
 /// A derived parameter as declared: its item, and its unit as written.
 pub type DeclaredDerived = (String, Option<String>, usize);
@@ -110,7 +111,7 @@ impl Resolver<'_> {
     /// Derived parameters with their values.
     pub fn finish_derived(&mut self, declared: Vec<DeclaredDerived>) {
         for (name, unit, item) in declared {
-            if let Some(super::value::Value::Scalar(value)) = self.scope.value(item) {
+            if let Some(crate::model::expression::value::Value::Scalar(value)) = self.scope.value(item) {
                 self.model.derived.push(Derived { name, unit, value: *value });
             }
         }

@@ -1,18 +1,19 @@
 //! Masses, gravity, energies.
 
-use super::bench::{Rules, Text};
 use super::declare::DeclaredBody;
-use super::dimension::{Dimension, Measure};
-use super::families::Locals;
 use super::parameters::is_bare;
-use super::reader::Quantity;
-use super::resolved::{Body, GeneralizedForce, Rotation};
-use super::resolver::Resolver;
-use super::scope::Energies;
-use super::value::{self, Value};
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{mechanics, names};
 use crate::expr::{Id, Rational};
+use crate::model::expression::bench::Text;
+use crate::model::expression::dimension::{Dimension, Measure};
+use crate::model::expression::families::Locals;
+use crate::model::expression::rules::Rules;
+use crate::model::expression::scope::Energies;
+use crate::model::expression::value::{self, Value};
+use crate::model::resolved::{Body, GeneralizedForce, Rotation};
+use crate::model::resolver::Resolver;
+use crate::model::yaml::reader::Quantity;
 
 /// An energy written by hand.
 struct Raw {
@@ -31,7 +32,7 @@ impl Resolver<'_> {
             .values()
             .flat_map(|entry| entry.members.values())
             .filter_map(|member| match member {
-                super::scope::Member::Input(place, item) => Some((*place, *item)),
+                crate::model::expression::scope::Member::Input(place, item) => Some((*place, *item)),
                 _ => None,
             })
             .collect();
@@ -141,7 +142,7 @@ impl Resolver<'_> {
             if let Some(text) = &raw.text {
                 self.bench.measured = raw.measure;
                 let place = text.place.at(text.ast.span);
-                self.bench.want(wanted, raw.what, is_bare(&text.ast, &[]), text.words(text.ast.span), &place);
+                self.bench.expect_unit(wanted, raw.what, is_bare(&text.ast, &[]), text.words(text.ast.span), &place);
             }
         }
         let [kinetic, potential, dissipation] = [kinetic, potential, dissipation].map(|raw| raw.value);
@@ -195,7 +196,11 @@ impl Resolver<'_> {
     }
 
     /// The coordinate that a key names; reports when it names none.
-    pub fn coordinate(&mut self, member: &super::families::Expanded, place: &Place) -> Option<usize> {
+    pub fn coordinate(
+        &mut self,
+        member: &crate::model::expression::families::Expanded,
+        place: &Place,
+    ) -> Option<usize> {
         let place = place.of_key();
         let Some(entry) = self.scope.names.get(&member.base) else {
             let known = self.model.coordinates.iter().map(|c| c.name.split('[').next().unwrap_or(&c.name));
@@ -206,13 +211,13 @@ impl Resolver<'_> {
         if entry.refused {
             return None;
         }
-        if entry.section != super::scope::Section::Coordinate {
+        if entry.section != crate::model::expression::scope::Section::Coordinate {
             let found = entry.section.noun();
             self.bench.problems.push(names::wrong_thing(place, &member.base, "a coordinate", found));
             return None;
         }
         match entry.members.get(&member.indices) {
-            Some(super::scope::Member::Coordinate(coordinate)) => Some(*coordinate as usize),
+            Some(crate::model::expression::scope::Member::Coordinate(coordinate)) => Some(*coordinate as usize),
             _ => {
                 let problem = if entry.indices == member.indices.len() {
                     let listed: Vec<String> = member.indices.iter().map(i64::to_string).collect();

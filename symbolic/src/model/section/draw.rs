@@ -2,16 +2,17 @@
 
 use std::rc::Rc;
 
-use super::bench::{Rules, Text, Written};
-use super::dimension::{Dimension, Measure};
-use super::lower::Local;
-use super::reader::Spot;
-use super::resolved::{Shape, Vector};
-use super::resolver::Resolver;
-use super::substitute::substitute;
 use crate::diagnose::catalogue::{names, sections};
 use crate::expr::{Id, Rational, Symbol};
 use crate::language::{is_reserved, parse_bounds};
+use crate::model::expression::bench::{Text, Written};
+use crate::model::expression::dimension::{Dimension, Measure};
+use crate::model::expression::lower::Local;
+use crate::model::expression::rules::Rules;
+use crate::model::expression::substitute::substitute;
+use crate::model::resolved::{Shape, Vector};
+use crate::model::resolver::Resolver;
+use crate::model::yaml::reader::Spot;
 
 /// Stretches into which a curve is divided.
 const STRETCHES: i64 = 100;

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use super::bench::Wanted;
 use super::dimension::{Dimension, Measure};
-use super::resolved::Reaction;
+use super::rules::Expected;
 use super::value::Value;
 use crate::expr::Id;
 use crate::language::FUNCTIONS;
+use crate::model::resolved::Reaction;
 
 /// The section that declares a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -154,11 +154,11 @@ impl Units {
     }
 
     /// The unit that an expression is to have.
-    pub fn wanted(&self, wanted: Wanted) -> Measure {
-        match wanted {
-            Wanted::Any => Measure::Unknown,
-            Wanted::Si(dimension) => self.of(dimension),
-            Wanted::Like(measure) => measure,
+    pub fn expected(&self, expected: Expected) -> Measure {
+        match expected {
+            Expected::Any => Measure::Unknown,
+            Expected::Si(dimension) => self.of(dimension),
+            Expected::Like(measure) => measure,
         }
     }
 

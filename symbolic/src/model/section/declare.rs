@@ -2,21 +2,22 @@
 
 use std::rc::Rc;
 
-use super::bench::{Rules, Written};
-use super::dimension::{Dimension, Measure};
-use super::families::Family;
-use super::index::{Indices, integer};
-use super::lower::Local;
-use super::node::Node;
-use super::reader::{Quantity, Spot, describe, unit_at};
-use super::resolved::{Coordinate, Input};
-use super::resolver::Resolver;
-use super::scope::{BodyNames, Entry, Member, Section};
 use super::settle::Want;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{later, mechanics, names, sections};
 use crate::expr::Id;
 use crate::language::{Ast, parse, parse_key};
+use crate::model::expression::bench::Written;
+use crate::model::expression::dimension::{Dimension, Measure};
+use crate::model::expression::families::Family;
+use crate::model::expression::index::{Indices, integer};
+use crate::model::expression::lower::Local;
+use crate::model::expression::rules::Rules;
+use crate::model::expression::scope::{BodyNames, Entry, Member, Section};
+use crate::model::resolved::{Coordinate, Input};
+use crate::model::resolver::Resolver;
+use crate::model::yaml::node::Node;
+use crate::model::yaml::reader::{Quantity, Spot, describe, unit_at};
 
 /// A body's entry in the file, read once for all members of a family.
 #[derive(Clone, Debug)]
@@ -35,7 +36,7 @@ pub struct DeclaredBody {
     /// Its entry.
     pub text: Rc<BodyText>,
     /// Its indices.
-    pub locals: super::families::Locals,
+    pub locals: crate::model::expression::families::Locals,
 }
 
 impl Resolver<'_> {

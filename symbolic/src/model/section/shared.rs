@@ -1,9 +1,9 @@
 //! Loads at points that several bodies carry: what the balances would be if another body took them.
 
-use super::resolved::{Change, Load, Push, Work};
-use super::resolver::Resolver;
-use super::value;
 use crate::diagnose::Place;
+use crate::model::expression::value;
+use crate::model::resolved::{Change, Load, Push, Work};
+use crate::model::resolver::Resolver;
 
 impl Resolver<'_> {
     /// Fills in what each other choice of a body would change.

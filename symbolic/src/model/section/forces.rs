@@ -1,16 +1,17 @@
 //! `forces` and `torques`.
 
-use super::bench::{Rules, Text, Written};
-use super::dimension::Dimension;
 use super::ends::End;
-use super::families::{Family, Locals};
 use super::loads::{Draft, DraftPush, Drafts, Holder};
-use super::reader::Spot;
-use super::resolved::Work;
-use super::resolver::Resolver;
-use super::value;
 use crate::diagnose::catalogue::sections;
 use crate::expr::Id;
+use crate::model::expression::bench::{Text, Written};
+use crate::model::expression::dimension::Dimension;
+use crate::model::expression::families::{Family, Locals};
+use crate::model::expression::rules::Rules;
+use crate::model::expression::value;
+use crate::model::resolved::Work;
+use crate::model::resolver::Resolver;
+use crate::model::yaml::reader::Spot;
 
 impl Resolver<'_> {
     /// One entry of `forces`.

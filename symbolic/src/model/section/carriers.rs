@@ -1,9 +1,9 @@
 //! Which body carries a point: the one in whose material it is at rest, at several random states.
 
-use super::bench::Bench;
-use super::facts::Depends;
-use super::resolved::Model;
 use crate::expr::{Id, Symbol, Tape};
+use crate::model::expression::bench::Bench;
+use crate::model::expression::facts::Depends;
+use crate::model::resolved::Model;
 use crate::random::Random;
 
 /// States at which the motions of points and bodies are compared.

@@ -1,20 +1,21 @@
 //! `springs` and `dampers`.
 
-use super::antiderivative::antiderivative;
-use super::bench::{Rules, Text};
-use super::dimension::{Dimension, Measure};
 use super::ends::{End, EndText};
-use super::facts::Depends;
-use super::families::{Family, Locals};
 use super::loads::{Draft, DraftPush, Drafts, Holder};
-use super::lower::Local;
-use super::reader::Spot;
-use super::resolved::Work;
-use super::resolver::Resolver;
-use super::substitute::substitute;
-use super::value;
 use crate::diagnose::catalogue::{mechanics, sections};
 use crate::expr::{Id, Symbol};
+use crate::model::expression::antiderivative::antiderivative;
+use crate::model::expression::bench::Text;
+use crate::model::expression::dimension::{Dimension, Measure};
+use crate::model::expression::facts::Depends;
+use crate::model::expression::families::{Family, Locals};
+use crate::model::expression::lower::Local;
+use crate::model::expression::rules::Rules;
+use crate::model::expression::substitute::substitute;
+use crate::model::expression::value;
+use crate::model::resolved::Work;
+use crate::model::resolver::Resolver;
+use crate::model::yaml::reader::Spot;
 
 /// The law of a spring in the distance of its ends.
 enum Law {
@@ -30,8 +31,8 @@ enum Law {
 struct Placement {
     on: Option<Text>,
     from: Option<Text>,
-    along: Option<super::bench::Written>,
-    at: Option<super::bench::Written>,
+    along: Option<crate::model::expression::bench::Written>,
+    at: Option<crate::model::expression::bench::Written>,
 }
 
 impl Placement {

@@ -2,12 +2,13 @@
 
 use std::rc::Rc;
 
-use super::bench::{Rules, Text};
+use super::bench::Text;
 use super::families::Locals;
-use super::resolved::Part;
-use super::resolver::Resolver;
+use super::rules::Rules;
 use super::value::{self, Value};
 use crate::language::{Ast, AstKind, Operator};
+use crate::model::resolved::Part;
+use crate::model::resolver::Resolver;
 
 /// An equation with more terms than this is left in its two sides.
 const MOST: usize = 30;

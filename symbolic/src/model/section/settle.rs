@@ -2,16 +2,17 @@
 
 use std::rc::Rc;
 
-use super::bench::{Bench, Rules, Text, Written};
-use super::dimension::Measure;
-use super::families::Locals;
-use super::lower::Lower;
-use super::names::Solid;
-use super::scope::Scope;
-use super::value::{self, Value};
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::names;
 use crate::language::{Ast, AstKind, Unit};
+use crate::model::expression::bench::{Bench, Text, Written};
+use crate::model::expression::dimension::Measure;
+use crate::model::expression::families::Locals;
+use crate::model::expression::lower::Lower;
+use crate::model::expression::names::Solid;
+use crate::model::expression::rules::Rules;
+use crate::model::expression::scope::Scope;
+use crate::model::expression::value::{self, Value};
 
 /// Something with a value that expressions may name.
 #[derive(Clone, Debug)]

@@ -1,0 +1,101 @@
+//! Values with units, and places that want one (LANGUAGE, section 10).
+
+use super::bench::{Bench, Text};
+use super::dimension::{Dimension, Measure};
+use super::facts::Depends;
+use super::lower::Local;
+use super::rules::Rules;
+use super::scope::Scope;
+use crate::diagnose::Place;
+use crate::diagnose::catalogue::units;
+use crate::expr::Id;
+use crate::language::Unit;
+use crate::model::section::parameters::is_bare;
+use crate::model::yaml::reader::Quantity;
+
+impl Bench {
+    /// A value in SI.  Its unit converts it where it is a pure number: what is computed from quantities with units
+    /// is in SI already, and must be of that unit.
+    pub fn quantity(
+        &mut self,
+        scope: &Scope,
+        quantity: &Quantity,
+        rules: Rules,
+        locals: &[(String, Local)],
+    ) -> Option<Id> {
+        let value = self.scalar(scope, &quantity.text, rules.like(Measure::Unknown), locals)?;
+        let value = match &quantity.unit {
+            Some((_, unit)) => self.converted(value, unit, &quantity.text),
+            None => value,
+        };
+        let bare = quantity.unit.is_none() && is_bare(&quantity.text.ast, locals);
+        let place = quantity.text.place.at(quantity.text.ast.span);
+        self.expect_unit(scope.units.expected(rules.unit), rules.what, bare, &quantity.text.source, &place);
+        Some(value)
+    }
+
+    /// As [`Bench::quantity`], where a pure number is in the unit of what it sets.
+    pub fn setting(
+        &mut self,
+        scope: &Scope,
+        quantity: &Quantity,
+        rules: Rules,
+        locals: &[(String, Local)],
+    ) -> Option<Id> {
+        let value = self.quantity(scope, quantity, rules.like(Measure::Unknown), locals)?;
+        if quantity.unit.is_some() || self.measured != Measure::ONE {
+            let place = quantity.text.place.at(quantity.text.ast.span);
+            self.expect_unit(scope.units.expected(rules.unit), rules.what, false, &quantity.text.source, &place);
+        }
+        Some(value)
+    }
+
+    /// A value with a unit after it, in SI.
+    pub fn converted(&mut self, value: Id, unit: &Unit, text: &Text) -> Id {
+        let dimension = Dimension::of(unit);
+        let pure = match self.measured {
+            Measure::Of(found) => found == Dimension::ONE,
+            Measure::Zero => true,
+            Measure::Unknown => !self.depends(&[value]).meets(Depends::UNIT),
+        };
+        if !pure {
+            let place = text.place.at(text.ast.span);
+            self.expect_unit(Measure::Of(dimension), "its unit", false, text.words(text.ast.span), &place);
+        }
+        self.measured = Measure::Of(dimension);
+        if !pure {
+            return value;
+        }
+        let factor = self.graph.float(unit.factor());
+        self.graph.mul(factor, value)
+    }
+
+    /// Reports a value that was evaluated last and is not in the unit that is wanted.  A bare number is in that unit.
+    pub fn expect_unit(&mut self, wanted: Measure, what: &str, bare: bool, words: &str, place: &Place) {
+        if bare && matches!(wanted, Measure::Of(_)) {
+            self.measured = wanted;
+        }
+        if let (None, Measure::Of(found), Measure::Of(wanted)) = (self.measured.alike(wanted), self.measured, wanted) {
+            let help = match found {
+                Dimension::ONE => "numbers in sums and products are pure, and so are angles; parameters carry units",
+                _ => "",
+            };
+            let problem = units::wrong_unit(place.clone(), words, found.described(), what, wanted.wanted(), help);
+            self.problems.push(problem);
+            self.measured = Measure::Unknown;
+        }
+    }
+
+    /// The unit of a component that was evaluated last and those before it; reports when they differ.
+    pub fn like(&mut self, all: Measure, texts: &[Text], text: &Text) -> Measure {
+        if let Some(measure) = all.alike(self.measured) {
+            return measure;
+        }
+        let unit = |measure: Measure| measure.dimension().unwrap_or_default().described();
+        let first = texts.first().map_or("", |text| &text.source);
+        let place = text.place.at(text.ast.span);
+        let problem = units::unlike_terms(place, first, unit(all), &text.source, unit(self.measured));
+        self.problems.push(problem);
+        Measure::Unknown
+    }
+}

@@ -1,0 +1,93 @@
+//! What an expression may depend on, and the unit that it is to have.
+
+use super::dimension::{Dimension, Measure};
+use super::facts::Depends;
+
+/// The unit that an expression is to have.
+#[derive(Clone, Copy, Debug)]
+pub enum Expected {
+    /// Any.
+    Any,
+    /// That of a kind of quantity, in a model with units.
+    Si(Dimension),
+    /// That of something else.
+    Like(Measure),
+}
+
+/// What an expression may depend on.
+#[derive(Clone, Copy, Debug)]
+pub struct Rules {
+    /// What is being written, with its article, for messages.
+    pub what: &'static str,
+    /// What it must not depend on.
+    pub refused: Depends,
+    /// True where `energy` and its parts may stand.
+    pub energy: bool,
+    /// True where an input's name stands for its expression instead of a symbol.
+    pub signals: bool,
+    /// The unit that is wanted.
+    pub unit: Expected,
+    /// True where a bare number in a sum is in the unit of the other terms.
+    pub numbers_fit: bool,
+}
+
+const ACCELERATION: Depends = Depends::ACCELERATION.and(Depends::JERK);
+const VELOCITY: Depends = ACCELERATION.and(Depends::VELOCITY);
+const MOTION: Depends = VELOCITY.and(Depends::COORDINATE);
+
+impl Rules {
+    /// Of parameters and sizes only.
+    pub const fn constant(what: &'static str) -> Rules {
+        Rules { refused: MOTION.and(Depends::TIME).and(Depends::INPUT), ..Rules::any(what) }
+    }
+
+    /// Of parameters, time and other inputs.
+    pub const fn signal(what: &'static str) -> Rules {
+        Rules { refused: MOTION, signals: true, ..Rules::any(what) }
+    }
+
+    /// Of parameters, time and inputs.
+    pub const fn of_time(what: &'static str) -> Rules {
+        Rules { refused: MOTION, ..Rules::any(what) }
+    }
+
+    /// Of coordinates, time and inputs.
+    pub const fn position(what: &'static str) -> Rules {
+        Rules { refused: VELOCITY, ..Rules::any(what) }
+    }
+
+    /// Of coordinates, velocities, time and inputs.
+    pub const fn velocity(what: &'static str) -> Rules {
+        Rules { refused: ACCELERATION, ..Rules::any(what) }
+    }
+
+    /// Of everything but accelerations, and energies.
+    pub const fn invariant(what: &'static str) -> Rules {
+        Rules { energy: true, ..Rules::velocity(what) }
+    }
+
+    /// Of everything.
+    pub const fn anything(what: &'static str) -> Rules {
+        Rules { energy: true, ..Rules::any(what) }
+    }
+
+    /// Of everything but energies: what definitions may hold.
+    pub const fn any(what: &'static str) -> Rules {
+        Rules { what, refused: Depends::JERK, energy: false, signals: false, unit: Expected::Any, numbers_fit: false }
+    }
+
+    /// A quantity of this kind.
+    pub const fn si(self, dimension: Dimension) -> Rules {
+        Rules { unit: Expected::Si(dimension), ..self }
+    }
+
+    /// With sums in which a bare number is in the unit of the other terms.
+    pub const fn numbers_fit(self) -> Rules {
+        Rules { numbers_fit: true, ..self }
+    }
+
+    /// In the unit of something else.
+    pub const fn like(self, measure: Measure) -> Rules {
+        Rules { unit: Expected::Like(measure), ..self }
+    }
+}

@@ -1,0 +1,17 @@
+//! Sections of the file, each with its meaning: declarations, bodies, loads, balances, scenes, what is watched.
+
+pub mod balances;
+pub mod bodies;
+pub mod carriers;
+pub mod declare;
+pub mod draw;
+pub mod ends;
+pub mod forces;
+pub mod loads;
+pub mod parameters;
+pub mod reactions;
+pub mod scenes;
+pub mod settle;
+pub mod shared;
+pub mod springs;
+pub mod watched;
