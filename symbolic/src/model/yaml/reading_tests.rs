@@ -1,8 +1,8 @@
 //! Reading YAML and finding places in it again.
 
-use super::{Node, locate, read};
 use crate::diagnose::{Place, render};
 use crate::language::Span;
+use crate::model::{Node, locate, read};
 
 fn scalar(text: &str) -> Node {
     Node::Scalar(text.to_owned())
