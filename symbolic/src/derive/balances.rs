@@ -55,6 +55,9 @@ pub(super) fn agree(
             Err(problem) => problems.push(*problem),
         }
     }
+    if problems.is_empty() {
+        problems.extend(super::named::disagreements(model, momentum, states));
+    }
     if problems.is_empty() { Ok(agreements) } else { Err(problems) }
 }
 
@@ -78,15 +81,14 @@ fn nonlinear(graph: &mut Graph, system: &BalanceSystem, columns: &[Symbol]) -> O
     })
 }
 
-/// The agreement of a system that is regular at every state and gives Lagrange's accelerations there.
-fn at_once(model: &Model, system: &BalanceSystem, linear: &Momentum, states: &[State]) -> Option<Agreement> {
+/// The unknowns of a system at every state; `None` where it is singular.
+pub(super) fn solutions(graph: &Graph, linear: &Momentum, states: &[State]) -> Vec<Option<Vec<f64>>> {
     let size = linear.unknowns.len();
     let entries = linear.matrix.iter().map(|e| e.2);
-    let tape = Tape::new(&model.graph, &entries.chain(linear.right.iter().copied()).collect::<Vec<Id>>());
+    let tape = Tape::new(graph, &entries.chain(linear.right.iter().copied()).collect::<Vec<Id>>());
     let mut values = vec![0.0; tape.len()];
     let mut scratch = Vec::new();
-    let mut worst = 0.0_f64;
-    for state in states {
+    let at = |state: &State| {
         tape.run(|s| state.value(s), &mut scratch, &mut values);
         let mut matrix = vec![0.0; size * (size + 1)];
         for ((i, j, _), value) in linear.matrix.iter().zip(&values) {
@@ -95,7 +97,16 @@ fn at_once(model: &Model, system: &BalanceSystem, linear: &Momentum, states: &[S
         for (i, value) in values[linear.matrix.len()..].iter().enumerate() {
             matrix[i * (size + 1) + size] = *value;
         }
-        let (gap, _) = difference(&eliminate(matrix, size)?, state);
+        eliminate(matrix, size)
+    };
+    states.iter().map(at).collect()
+}
+
+/// The agreement of a system that is regular at every state and gives Lagrange's accelerations there.
+fn at_once(model: &Model, system: &BalanceSystem, linear: &Momentum, states: &[State]) -> Option<Agreement> {
+    let mut worst = 0.0_f64;
+    for (found, state) in solutions(&model.graph, linear, states).into_iter().zip(states) {
+        let (gap, _) = difference(&found?, state);
         worst = worst.max(if gap.is_nan() { f64::INFINITY } else { gap });
     }
     let between = ("Lagrange".to_owned(), system.name.clone());

@@ -17,6 +17,7 @@ mod blame;
 mod effects;
 mod lagrange;
 mod momentum;
+mod named;
 mod potential;
 mod reactions;
 mod sample;

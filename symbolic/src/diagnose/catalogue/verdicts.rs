@@ -31,4 +31,7 @@ super::entries! {
     E510 nonlinear_balance(label) "a balance that is not linear in its unknowns"
         "{label} is not linear in the accelerations and reactions" "" "an acceleration or reaction may stand in sums, times anything of the state"
         "Every balance of mechanics is linear in accelerations and reactions: forces and inertia add.";
+    E511 reactions_disagree(name, first, here, second, there, state) "a reaction with two values"
+        "`{name}` is {here} in `{first}` and {there} in `{second}`" "both give the same motion" "at {state}; a sign or a place of `{name}` is wrong in one of the two"
+        "Systems that name the same reaction must give it the same value. In a written-out `equation` a reaction can stand with a wrong sign without changing the motion.";
 }
