@@ -62,8 +62,8 @@ All of them, read one by one. They are of five sorts:
 - *Only the value of a reaction.* Where one reaction stands in one equation, its sign and size are its own business: the
   accelerations do not see them. Of `along` the opposite direction counts the force the other way, which is a choice; in
   a balance that the program forms, its size cannot be wrong. **In equations written out by hand it can**: a reaction is
-  then what the equations make of it, and `on`, `at`, `along` and `from` are not used. Name it in a `force` or `moment`
-  balance too (`\"normal = …\"` beside it in `checks`) if its value matters.
+  then what the equations make of it, and `on`, `at`, `along` and `from` are not used. Name it in a second
+  system of `force` or `moment` balances, whose value it must then have (E511), if its value matters.
 - *What is not used.* Where springs and dampers act, in a model whose balances are all written out; a term of an energy
   that the derivative in front of it drops (the weight in `diff(…, theta')`).
 - *Symmetry.* The opposite of a coordinate in which the energies are even; a mass that cancels, or of a body that stays
