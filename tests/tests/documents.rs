@@ -23,3 +23,18 @@ fn every_path_in_the_documents_exists() {
     }
     assert!(named > 20, "only {named} paths were found");
 }
+
+#[test]
+fn every_generated_page_names_the_example_that_prints_it() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace's folder");
+    let mut named = 0;
+    for page in std::fs::read_dir(root.join("docs")).expect("the folder of documents") {
+        let Ok(text) = std::fs::read_to_string(page.expect("an entry").path()) else { continue };
+        for command in text.split("--example ").skip(1) {
+            let example = command.split(' ').next().unwrap_or("");
+            named += 1;
+            assert!(root.join(format!("symbolic/examples/{example}.rs")).exists(), "there is no example `{example}`");
+        }
+    }
+    assert!(named >= 4, "only {named} examples were found");
+}

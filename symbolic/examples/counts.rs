@@ -1,0 +1,8 @@
+//! Prints `docs/counts.md`.
+
+#[path = "../tests/counts/table.rs"]
+mod table;
+
+fn main() {
+    print!("{}", table::table());
+}
