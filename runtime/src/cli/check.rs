@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use clap::ArgMatches;
-use dalembert_symbolic::derive::{Conservative, Nature};
+use dalembert_symbolic::derive::{Conservative, Nature, shared_data};
 use dalembert_symbolic::diagnose;
 use dalembert_symbolic::lower::Program;
 
@@ -22,6 +22,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         let (states, worst) = (agreement.states, agreement.worst);
         writeln!(out, "  {first} and {second} agree at {states} states, worst {worst:.1e}")?;
     }
+    unseen(&program, out)?;
     conditions(&program, &loaded.source, out)?;
     for (name, worst) in &program.report.conserved {
         writeln!(out, "  {name} is conserved, worst {worst:.1e}")?;
@@ -34,6 +35,17 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     }
     write!(out, "{}", diagnose::render(&loaded.path, &loaded.source, &program.model.warnings))?;
     recognised(&program, out)
+}
+
+/// What the comparisons cannot show to be wrong.
+fn unseen(program: &Program, out: &mut dyn Write) -> Result<(), Problem> {
+    let shared = shared_data(&program.model).join(", ");
+    let say = if program.model.checks.is_empty() { "; say what you know of it in `checks`" } else { "" };
+    match program.report.agreements.is_empty() {
+        true => writeln!(out, "  one derivation only, from {shared}{say}")?,
+        false => writeln!(out, "  all derivations share, and cannot show wrong: {shared}{say}")?,
+    }
+    Ok(())
 }
 
 /// What kind of force an entry is, in words.

@@ -25,6 +25,7 @@ mod shared;
 mod switches;
 mod test;
 mod twice;
+mod unseen;
 mod virtual_power;
 
 use crate::diagnose::Problem;
@@ -38,6 +39,7 @@ pub use sample::{Draws, State};
 pub use switches::{Switch, SwitchKind};
 pub(crate) use test::solve;
 pub use test::{Agreement, Report};
+pub use unseen::shared_data;
 
 /// M q'' + h = 0 as one derivation gives it.
 #[derive(Clone, Debug)]

@@ -8,6 +8,7 @@ use super::description::description;
 use super::momentum;
 use super::names::{Locals, field_name};
 use super::text;
+use crate::derive::shared_data;
 use crate::expr::{Id, Node, Symbol, Unary};
 use crate::lower::{Accelerations, Entry, Program};
 use crate::model::Parameter;
@@ -407,7 +408,11 @@ fn counts(program: &Program) -> String {
         let _ = write!(text, "\n///\n/// {first} and `{second}` agree at {states} states, worst {worst:.0e}.");
     }
     if !report.agreements.is_empty() {
-        text += "\n/// What both derivations share, such as a wrong mass, their agreement cannot show.";
+        let shared = shared_data(&program.model).join(", ");
+        let _ = write!(
+            text,
+            "\n///\n/// All derivations share {shared}: that one of these is wrong their agreement cannot show."
+        );
     }
     let names =
         |list: &[(String, f64)]| list.iter().map(|(name, _)| format!("`{name}`")).collect::<Vec<_>>().join(", ");

@@ -137,6 +137,18 @@ fn what_acts() {
 }
 
 #[test]
+fn an_input_that_is_a_bare_number_is_not_checked() {
+    let file = |input: &str| {
+        format!(
+            "name: A\nparameters: {{m: 1 kg}}\ncoordinates: {{x: m}}\ninputs: {{F: {input}}}\nkinetic_energy: m*x'^2/2\ngeneralized_forces: {{x: F}}\n"
+        )
+    };
+    assert_eq!(told(&file("5")), [""; 0]);
+    let message = "E242 `F` is a mass (kg), but the generalized force here is in N";
+    assert_eq!(told(&file("m*2")), [message]);
+}
+
+#[test]
 fn values() {
     fits(
         "scene: {start: {x: 2*l, x': 3, phi: 30 deg, phi': w, u: 3 kg}, until: 4 s, every: 1/w, set: {m: 3, mu: 0.1}}",

@@ -194,6 +194,10 @@ fn the_program_goes_by_balances_and_compares() {
 
     let check = told(&["check", "double_pendulum"]).expect("a report");
     assert!(
+        check.contains("all derivations share, and cannot show wrong: masses, inertias, positions, gravity\n"),
+        "{check}"
+    );
+    assert!(
         check.contains("six_equations: 6 equations, 4 reaction components, 30 operations, condition number"),
         "{check}"
     );

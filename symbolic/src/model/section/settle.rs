@@ -13,6 +13,7 @@ use crate::model::expression::names::Solid;
 use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::Scope;
 use crate::model::expression::value::{self, Value};
+use crate::model::section::parameters::is_bare;
 
 /// Something with a value that expressions may name.
 #[derive(Clone, Debug)]
@@ -100,7 +101,12 @@ fn evaluate(bench: &mut Bench, scope: &Scope, item: &Item) -> Value {
         Want::Vector => bench.vector(scope, written, item.rules, &item.locals).map_or(Value::Poison, Value::Vector),
         Want::Scalar => match written {
             Written::One(text) => {
-                bench.scalar(scope, text, item.rules, &item.locals).map_or(Value::Poison, Value::Scalar)
+                let value = bench.scalar(scope, text, item.rules, &item.locals);
+                if item.rules.signals && is_bare(&text.ast, &item.locals) {
+                    // An input has no place for a unit.
+                    bench.measured = Measure::Unknown;
+                }
+                value.map_or(Value::Poison, Value::Scalar)
             }
             Written::List(_, place) => {
                 bench.problems.push(names::not_a_scalar(Place::clone(place), "a list"));
