@@ -6,6 +6,7 @@ use clap::ArgMatches;
 use dalembert_symbolic::derive::{Conservative, Nature, shared_data};
 use dalembert_symbolic::diagnose;
 use dalembert_symbolic::lower::Program;
+use dalembert_symbolic::model::Model;
 
 use super::load::Loaded;
 use super::{Entry, Interpreted, Problem};
@@ -24,11 +25,12 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     }
     unseen(&program, out)?;
     conditions(&program, &loaded.source, out)?;
-    for (name, worst) in &program.report.conserved {
-        writeln!(out, "  {name} is conserved, worst {worst:.1e}")?;
+    let model = &program.model;
+    for ((name, worst), claim) in program.report.conserved.iter().zip(&model.conserved) {
+        writeln!(out, "  {name} is conserved{}, worst {worst:.1e}", condition(model, &claim.when))?;
     }
-    for (name, worst) in &program.report.checks {
-        writeln!(out, "  check {name} holds, worst {worst:.1e}")?;
+    for ((name, worst), claim) in program.report.checks.iter().zip(&model.checks) {
+        writeln!(out, "  check {name} holds{}, worst {worst:.1e}", condition(model, &claim.when))?;
     }
     for force in &program.report.forces {
         writeln!(out, "  {}", nature(force))?;
@@ -37,13 +39,19 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     recognised(&program, out)
 }
 
+/// The condition under which something is claimed: ` where c = 0 and k = 2`.
+fn condition(model: &Model, when: &[(usize, f64)]) -> String {
+    let parts: Vec<String> = when.iter().map(|(i, value)| format!("{} = {value}", model.parameters[*i].name)).collect();
+    if parts.is_empty() { String::new() } else { format!(" where {}", parts.join(" and ")) }
+}
+
 /// What the comparisons cannot show to be wrong.
 fn unseen(program: &Program, out: &mut dyn Write) -> Result<(), Problem> {
     let shared = shared_data(&program.model).join(", ");
-    let say = if program.model.checks.is_empty() { "; say what you know of it in `checks`" } else { "" };
+    let say = if program.model.checks.is_empty() { "; say what you know of these in `checks`" } else { "" };
     match program.report.agreements.is_empty() {
         true => writeln!(out, "  one derivation only, from {shared}{say}")?,
-        false => writeln!(out, "  all derivations share, and cannot show wrong: {shared}{say}")?,
+        false => writeln!(out, "  shared by all derivations, so not tested by comparing them: {shared}{say}")?,
     }
     Ok(())
 }
