@@ -11,6 +11,33 @@ pub struct Ast {
     pub span: Span,
 }
 
+impl Ast {
+    /// True when `test` holds for some name in it; the tree is at most 200 levels deep.
+    pub fn any_name(&self, test: &mut dyn FnMut(&str) -> bool) -> bool {
+        match &self.kind {
+            AstKind::Number(_) => false,
+            AstKind::Name { name, indices, .. } => test(name) || indices.iter().any(|index| index.any_name(test)),
+            AstKind::Negate(inner) | AstKind::Component(inner, _) => inner.any_name(test),
+            AstKind::Binary(_, left, right) => left.any_name(test) || right.any_name(test),
+            AstKind::Vector(parts) => parts.iter().any(|part| part.any_name(test)),
+            AstKind::Call { arguments, .. } => arguments.iter().any(|part| part.any_name(test)),
+            AstKind::Sum(body, ranges) => {
+                let bound = |name: &str| ranges.iter().any(|range| range.name == name);
+                body.any_name(&mut |name| !bound(name) && test(name))
+                    || ranges.iter().any(|range| {
+                        range.from.any_name(&mut |name| !bound(name) && test(name))
+                            || range.to.any_name(&mut |name| !bound(name) && test(name))
+                    })
+            }
+            AstKind::Integral(body, range) => {
+                body.any_name(&mut |name| name != range.name && test(name))
+                    || range.from.any_name(test)
+                    || range.to.any_name(test)
+            }
+        }
+    }
+}
+
 /// The forms of LANGUAGE section 1.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AstKind {

@@ -1,8 +1,7 @@
 //! Antiderivatives in closed form: energies of springs from their tensions.
 
-use std::collections::HashMap;
-
 use super::facts::{Depends, Facts};
+use super::substitute::bottom_up;
 use crate::expr::{Binary, Graph, Id, Node, Number, Rational, Symbol, Unary};
 
 /// Terms beyond which no closed form is looked for.
@@ -149,25 +148,10 @@ fn slope(graph: &mut Graph, facts: &mut Facts, f: Id, x: Symbol) -> Option<Id> {
     found.filter(|slope| linear && *slope != Id::ZERO)
 }
 
-/// The expression as a sum of powers.  Nodes are visited in order, children first.
+/// The expression as a sum of powers.
 fn powers(graph: &mut Graph, facts: &mut Facts, root: Id, x: Symbol) -> Option<Vec<Term>> {
-    let mut known: HashMap<Id, Vec<Term>> = HashMap::new();
-    let mut stack = vec![root];
-    while let Some(&top) = stack.last() {
-        if known.contains_key(&top) {
-            stack.pop();
-            continue;
-        }
-        if !facts.of(graph, top).meets(Depends::DUMMY) {
-            known.insert(top, vec![(top, Id::ZERO)]);
-            stack.pop();
-            continue;
-        }
-        let before = stack.len();
-        stack.extend(graph.children(top).filter(|child| !known.contains_key(child)));
-        if stack.len() > before {
-            continue;
-        }
+    let leaf = |id: Id| vec![(id, Id::ZERO)];
+    let found = bottom_up(graph, facts, root, leaf, |graph, facts, top, known| {
         let terms = match graph.node(top) {
             Node::Symbol(s) if s == x => vec![(Id::ONE, Id::ONE)],
             Node::Unary(Unary::Neg, a) => scaled(graph, &known[&a], Id::ONE, true),
@@ -207,13 +191,9 @@ fn powers(graph: &mut Graph, facts: &mut Facts, root: Id, x: Symbol) -> Option<V
             }
             _ => return None,
         };
-        if terms.len() > TERM_LIMIT {
-            return None;
-        }
-        known.insert(top, terms);
-        stack.pop();
-    }
-    known.remove(&root)
+        (terms.len() <= TERM_LIMIT).then_some(terms)
+    });
+    found.map(|(terms, _)| terms)
 }
 
 fn scaled(graph: &mut Graph, terms: &[Term], by: Id, negative: bool) -> Vec<Term> {

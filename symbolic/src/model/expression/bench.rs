@@ -6,6 +6,7 @@ use std::rc::Rc;
 use super::dimension::Measure;
 use super::facts::{Depends, Facts};
 use super::lower::{Local, Lower};
+use super::quantities::is_bare;
 use super::rules::Rules;
 use super::scope::Scope;
 use super::value::Value;
@@ -13,7 +14,6 @@ use crate::diagnose::catalogue::names;
 use crate::diagnose::{Place, Problem};
 use crate::expr::{Forward, Graph, Id, Symbol};
 use crate::language::{Ast, Span};
-use crate::model::section::parameters::is_bare;
 
 /// One expression of the file.
 #[derive(Clone, Debug)]

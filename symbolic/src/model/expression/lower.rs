@@ -353,7 +353,7 @@ impl<'a> Lower<'a> {
         let (middle, reach) = (graph.mul(half, sum), graph.mul(half, width));
         let place = &self.text.place;
         integrand.map(|e| {
-            let needed = degree(&bench.graph, &mut bench.facts, e, symbol);
+            let needed = degree(&mut bench.graph, &mut bench.facts, e, symbol);
             let points = needed.map_or(POINTS, |d| (d as usize / 2 + 1).min(POINTS));
             let mut total = Id::ZERO;
             for (node, weight) in gauss_legendre(points) {

@@ -3,11 +3,11 @@
 use super::dimension::{Dimension, Measure};
 use super::index::{self, Indices};
 use super::lower::{Local, Lower};
+use super::quantities::is_bare;
 use super::scope::{Member, Section};
 use super::value::Value;
 use crate::diagnose::catalogue::units;
 use crate::language::{Ast, AstKind, Operator, Range};
-use crate::model::section::parameters::is_bare;
 
 impl Lower<'_> {
     /// The unit of an expression that was found to have a value; reports what does not fit.

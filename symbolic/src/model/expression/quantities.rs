@@ -9,8 +9,7 @@ use super::scope::Scope;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::units;
 use crate::expr::Id;
-use crate::language::Unit;
-use crate::model::section::parameters::is_bare;
+use crate::language::{Ast, Unit};
 use crate::model::yaml::reader::Quantity;
 
 impl Bench {
@@ -98,4 +97,10 @@ impl Bench {
         self.problems.push(problem);
         Measure::Unknown
     }
+}
+
+/// True of `-9.81`, `[0, 2]` and `pi/4`, which name nothing but indices.
+pub fn is_bare(ast: &Ast, locals: &[(String, Local)]) -> bool {
+    let index = |name: &str| locals.iter().any(|(local, found)| local == name && matches!(found, Local::Integer(_)));
+    !ast.any_name(&mut |name| name != "pi" && !index(name))
 }

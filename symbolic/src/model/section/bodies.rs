@@ -1,13 +1,13 @@
 //! Masses, gravity, energies.
 
 use super::declare::DeclaredBody;
-use super::parameters::is_bare;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{mechanics, names};
 use crate::expr::{Id, Rational};
 use crate::model::expression::bench::Text;
 use crate::model::expression::dimension::{Dimension, Measure};
 use crate::model::expression::families::Locals;
+use crate::model::expression::quantities::is_bare;
 use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::Energies;
 use crate::model::expression::value::{self, Value};

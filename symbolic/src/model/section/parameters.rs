@@ -161,36 +161,5 @@ pub fn flat<'a>(spot: &Spot<'a>) -> Vec<Spot<'a>> {
 
 /// True when a value names anything but `pi` and its own indices.
 pub fn names_others(ast: &Ast, locals: &[(String, Local)]) -> bool {
-    any_name(ast, &mut |name| name != "pi" && !locals.iter().any(|(local, _)| local == name))
-}
-
-/// True of `-9.81`, `[0, 2]` and `pi/4`, which name nothing but indices.
-pub fn is_bare(ast: &Ast, locals: &[(String, Local)]) -> bool {
-    let index = |name: &str| locals.iter().any(|(local, found)| local == name && matches!(found, Local::Integer(_)));
-    !any_name(ast, &mut |name| name != "pi" && !index(name))
-}
-
-/// True when `test` holds for some name in a syntax tree, which is at most 200 levels deep.
-fn any_name(ast: &Ast, test: &mut dyn FnMut(&str) -> bool) -> bool {
-    match &ast.kind {
-        AstKind::Number(_) => false,
-        AstKind::Name { name, indices, .. } => test(name) || indices.iter().any(|index| any_name(index, test)),
-        AstKind::Negate(inner) | AstKind::Component(inner, _) => any_name(inner, test),
-        AstKind::Binary(_, left, right) => any_name(left, test) || any_name(right, test),
-        AstKind::Vector(parts) => parts.iter().any(|part| any_name(part, test)),
-        AstKind::Call { arguments, .. } => arguments.iter().any(|part| any_name(part, test)),
-        AstKind::Sum(body, ranges) => {
-            let bound = |name: &str| ranges.iter().any(|range| range.name == name);
-            any_name(body, &mut |name| !bound(name) && test(name))
-                || ranges.iter().any(|range| {
-                    any_name(&range.from, &mut |name| !bound(name) && test(name))
-                        || any_name(&range.to, &mut |name| !bound(name) && test(name))
-                })
-        }
-        AstKind::Integral(body, range) => {
-            any_name(body, &mut |name| name != range.name && test(name))
-                || any_name(&range.from, test)
-                || any_name(&range.to, test)
-        }
-    }
+    ast.any_name(&mut |name| name != "pi" && !locals.iter().any(|(local, _)| local == name))
 }

@@ -10,10 +10,10 @@ use crate::model::expression::dimension::Measure;
 use crate::model::expression::families::Locals;
 use crate::model::expression::lower::Lower;
 use crate::model::expression::names::Solid;
+use crate::model::expression::quantities::is_bare;
 use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::Scope;
 use crate::model::expression::value::{self, Value};
-use crate::model::section::parameters::is_bare;
 
 /// Something with a value that expressions may name.
 #[derive(Clone, Debug)]
