@@ -6,7 +6,6 @@ use clap::ArgMatches;
 use dalembert_symbolic::derive::{Conservative, Nature, shared_data};
 use dalembert_symbolic::diagnose;
 use dalembert_symbolic::lower::Program;
-use dalembert_symbolic::model::Model;
 
 use super::load::Loaded;
 use super::{Entry, Interpreted, Problem};
@@ -27,22 +26,16 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     conditions(&program, &loaded.source, out)?;
     let model = &program.model;
     for ((name, worst), claim) in program.report.conserved.iter().zip(&model.conserved) {
-        writeln!(out, "  {name} is conserved{}, worst {worst:.1e}", condition(model, &claim.when))?;
+        writeln!(out, "  {name} is conserved{}, worst {worst:.1e}", model.condition(&claim.when))?;
     }
     for ((name, worst), claim) in program.report.checks.iter().zip(&model.checks) {
-        writeln!(out, "  check {name} holds{}, worst {worst:.1e}", condition(model, &claim.when))?;
+        writeln!(out, "  check {name} holds{}, worst {worst:.1e}", model.condition(&claim.when))?;
     }
     for force in &program.report.forces {
         writeln!(out, "  {}", nature(force))?;
     }
     write!(out, "{}", diagnose::render(&loaded.path, &loaded.source, &program.model.warnings))?;
     recognised(&program, out)
-}
-
-/// The condition under which something is claimed: ` where c = 0 and k = 2`.
-fn condition(model: &Model, when: &[(usize, f64)]) -> String {
-    let parts: Vec<String> = when.iter().map(|(i, value)| format!("{} = {value}", model.parameters[*i].name)).collect();
-    if parts.is_empty() { String::new() } else { format!(" where {}", parts.join(" and ")) }
 }
 
 /// What the comparisons cannot show to be wrong.

@@ -77,6 +77,15 @@ pub struct Model {
     pub(crate) scope: Scope,
 }
 
+impl Model {
+    /// The condition under which something is claimed: ` where c = 0 and k = 2`; nothing where it always holds.
+    pub fn condition(&self, when: &[(usize, f64)]) -> String {
+        let parts: Vec<String> =
+            when.iter().map(|(k, value)| format!("{} = {value}", self.parameters[*k].name)).collect();
+        if parts.is_empty() { String::new() } else { format!(" where {}", parts.join(" and ")) }
+    }
+}
+
 /// A free parameter.
 #[derive(Clone, Debug)]
 pub struct Parameter {

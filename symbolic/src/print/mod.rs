@@ -2,6 +2,7 @@
 
 mod body;
 mod description;
+mod documentation;
 mod momentum;
 mod names;
 mod rust;

@@ -5,10 +5,10 @@ use std::fmt::Write;
 
 use super::body::{Bodies, Use, float};
 use super::description::description;
+use super::documentation::{about, tested};
 use super::momentum;
 use super::names::{Locals, field_name};
 use super::text;
-use crate::derive::shared_data;
 use crate::expr::{Id, Node, Symbol, Unary};
 use crate::lower::{Accelerations, Entry, Program};
 use crate::model::Parameter;
@@ -60,9 +60,9 @@ fn hoist(program: &Program) -> Vec<Id> {
 fn parameters(out: &mut String, program: &Program, name: &str, bodies: &Bodies<'_>) {
     let model = &program.model;
     let fields = fields(&model.parameters);
-    let _ = writeln!(out, "/// {}", documentation(&model.about, name));
+    let _ = writeln!(out, "/// {}", about(&model.about, name));
     let _ = writeln!(out, "///");
-    let _ = writeln!(out, "{}", counts(program));
+    let _ = writeln!(out, "{}", tested(program));
     let snake = |s: &str| s.chars().all(|c| !c.is_uppercase());
     let mixed = fields.iter().map(|f| f.name.as_str()).chain(model.derived.iter().map(|d| d.name.as_str()));
     let allow = if mixed.clone().all(snake) { "" } else { "#[allow(non_snake_case)]\n" };
@@ -389,40 +389,6 @@ fn scenes(out: &mut String, program: &Program, bodies: &Bodies<'_>, n: usize) {
         "\n    fn equilibrium_guess(&self) -> [f64; {n}] {{\n        use ::dalembert::mechanism::Real as _;\n{head}        let mut out = [0.0; {n}];\n        let _ = &mut out;\n{}        out\n    }}\n",
         bodies.body(&guess, "        ")
     );
-}
-
-fn documentation(about: &str, name: &str) -> String {
-    if about.trim().is_empty() { format!("`{name}`.") } else { about.trim().replace('\n', "\n/// ") }
-}
-
-/// Operation counts and what was tested, as documentation.
-fn counts(program: &Program) -> String {
-    let c = program.counts;
-    let mut text = format!(
-        "/// Operations: M {}, h {}, M and h {}, accelerations {}, F {}, F with its Jacobians {}.\n/// {}.",
-        c.mass, c.bias, c.mass_and_bias, c.accelerations, c.residual, c.jacobians, program.choice
-    );
-    let report = &program.report;
-    for agreement in &report.agreements {
-        let ((first, second), states, worst) = (&agreement.between, agreement.states, agreement.worst);
-        let _ = write!(text, "\n///\n/// {first} and `{second}` agree at {states} states, worst {worst:.0e}.");
-    }
-    if !report.agreements.is_empty() {
-        let shared = shared_data(&program.model).join(", ");
-        let _ = write!(
-            text,
-            "\n///\n/// All derivations share {shared}: that one of these is wrong their agreement cannot show."
-        );
-    }
-    let names =
-        |list: &[(String, f64)]| list.iter().map(|(name, _)| format!("`{name}`")).collect::<Vec<_>>().join(", ");
-    if !report.conserved.is_empty() {
-        let _ = write!(text, "\n///\n/// Conserved: {}.", names(&report.conserved));
-    }
-    if !report.checks.is_empty() {
-        let _ = write!(text, "\n///\n/// Checks that hold: {}.", names(&report.checks));
-    }
-    text
 }
 
 impl Program {
