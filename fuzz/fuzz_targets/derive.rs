@@ -2,7 +2,7 @@
 #![no_main]
 
 use dalembert_symbolic::derive::derive;
-use dalembert_symbolic::diagnose::render;
+use dalembert_symbolic::file::render;
 use dalembert_symbolic::model::load;
 use libfuzzer_sys::fuzz_target;
 

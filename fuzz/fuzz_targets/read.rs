@@ -1,8 +1,8 @@
 //! Any text read as a model file; what is wrong with it can be shown.
 #![no_main]
 
-use dalembert_symbolic::diagnose::render;
-use dalembert_symbolic::model::read;
+use dalembert_symbolic::file::render;
+use dalembert_symbolic::file::read;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|text: &str| {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use dalembert_symbolic::{diagnose, lower, print};
+use dalembert_symbolic::{file, lower, print};
 use proc_macro2::{Span, TokenStream};
 use quote::quote;
 
@@ -28,7 +28,7 @@ pub fn expand(arguments: &Arguments) -> TokenStream {
             }
         }
         Err(problems) => {
-            let message = diagnose::render(&path, &text, &problems);
+            let message = file::render(&path, &text, &problems);
             let error = syn::Error::new(span, format!("\n{message}")).to_compile_error();
             let name = given.unwrap_or_else(|| print::type_name(&print::name_in(&text)));
             let skeleton = print::skeleton(&name).parse::<TokenStream>().unwrap_or_default();

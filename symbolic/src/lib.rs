@@ -3,9 +3,11 @@
 pub mod derive;
 pub mod diagnose;
 pub mod expr;
+pub mod file;
 pub mod interpret;
 pub mod language;
 pub mod lower;
 pub mod model;
+mod place;
 pub mod print;
 mod random;

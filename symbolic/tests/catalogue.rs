@@ -5,7 +5,8 @@
 
 use dalembert_symbolic::derive::derive;
 use dalembert_symbolic::diagnose::catalogue::CATALOGUE;
-use dalembert_symbolic::diagnose::{Entry, Problem, render};
+use dalembert_symbolic::diagnose::{Entry, Problem};
+use dalembert_symbolic::file::render;
 use dalembert_symbolic::model::load;
 use std::fs;
 use std::path::PathBuf;

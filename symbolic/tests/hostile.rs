@@ -1,9 +1,11 @@
 //! No text makes reading, parsing or deriving panic: the seeds of the fuzz targets, and random texts.
 
 use dalembert_symbolic::derive::derive;
-use dalembert_symbolic::diagnose::{Problem, render};
+use dalembert_symbolic::diagnose::Problem;
+use dalembert_symbolic::file::read;
+use dalembert_symbolic::file::render;
 use dalembert_symbolic::language::{parse, parse_equation, parse_key, parse_unit, parse_value_with_unit};
-use dalembert_symbolic::model::{load, read};
+use dalembert_symbolic::model::load;
 use proptest::prelude::*;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use clap::ArgMatches;
 use dalembert_symbolic::derive::{Conservative, Nature, shared_data};
-use dalembert_symbolic::diagnose;
+use dalembert_symbolic::file;
 use dalembert_symbolic::lower::Program;
 
 use super::load::Loaded;
@@ -34,7 +34,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     for force in &program.report.forces {
         writeln!(out, "  {}", nature(force))?;
     }
-    write!(out, "{}", diagnose::render(&loaded.path, &loaded.source, &program.model.warnings))?;
+    write!(out, "{}", file::render(&loaded.path, &loaded.source, &program.model.warnings))?;
     recognised(&program, out)
 }
 

@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use clap::ArgMatches;
-use dalembert_symbolic::diagnose;
 use dalembert_symbolic::lower::{Program, compile};
 use dalembert_symbolic::model::Model;
 use dalembert_symbolic::print::fnv1a;
+use dalembert_symbolic::{diagnose, file};
 
 use super::{Entry, Interpreted, Problem};
 use crate::mechanism::System;
@@ -74,12 +74,12 @@ impl Loaded {
     /// The model with its names, for reading expressions.
     pub fn model(&self) -> Result<Model, Problem> {
         dalembert_symbolic::model::load(&self.source, &self.sizes)
-            .map_err(|problems| Problem::Model(diagnose::render(&self.path, &self.source, &problems)))
+            .map_err(|problems| Problem::Model(file::render(&self.path, &self.source, &problems)))
     }
 }
 
 fn compiled_or_problem(path: &str, source: &str, sizes: &[(String, i64)]) -> Result<Program, Problem> {
-    compile(source, sizes).map_err(|problems| Problem::Model(diagnose::render(path, source, &problems)))
+    compile(source, sizes).map_err(|problems| Problem::Model(file::render(path, source, &problems)))
 }
 
 fn sizes(options: &ArgMatches) -> Result<Vec<(String, i64)>, Problem> {

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use clap::ArgMatches;
-use dalembert_symbolic::diagnose;
 use dalembert_symbolic::expr::{Symbol, Tape};
 use dalembert_symbolic::model::{Model, Sets};
+use dalembert_symbolic::{diagnose, file};
 
 use super::Problem;
 use super::load::{Loaded, pairs};
@@ -105,7 +105,7 @@ impl Reader {
 }
 
 fn in_option(option: &str, text: &str, problems: &[diagnose::Problem]) -> Problem {
-    Problem::Usage(diagnose::render(&format!("--{option}"), text, problems))
+    Problem::Usage(file::render(&format!("--{option}"), text, problems))
 }
 
 fn set_input(loaded: &mut Loaded, reader: &mut Reader, name: &str, text: &str) -> Result<(), Problem> {

@@ -13,14 +13,12 @@
 //! ```
 
 pub mod catalogue;
-mod place;
-mod render;
 mod suggest;
 
-use crate::language::Span;
+use crate::place::Span;
 
+pub use crate::place::{Place, Step};
 pub use catalogue::Entry;
-pub use render::render;
 pub use suggest::{did_you_mean, did_you_mean_or, nearest};
 
 /// One thing that is wrong with a model file.
@@ -38,24 +36,19 @@ pub struct Problem {
     pub place: Place,
 }
 
-/// Where in a model file: a path of keys and indices, and then perhaps some bytes of the scalar there.
-///
-/// With an empty path the span counts bytes of the file itself; that is how errors of YAML's own syntax are placed.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Place {
-    /// From the root down.
-    pub path: Vec<Step>,
-    /// True when the key itself is meant, not its value.
-    pub key: bool,
-    /// Bytes of the scalar's (or key's) text; `None`: all of it.
-    pub span: Option<Span>,
-}
+impl Problem {
+    /// Whether the model can be used all the same.
+    pub fn is_warning(&self) -> bool {
+        self.code.starts_with('W')
+    }
 
-/// One step down into a YAML file.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub enum Step {
-    /// Into a mapping, by the key as written.
-    Key(String),
-    /// Into a list.
-    Index(usize),
+    /// The same problem, found in a text that stands at `place`; a span there shifts this one's.
+    pub fn moved_to(self, place: &Place) -> Problem {
+        let offset = place.span.map_or(0, |span| span.start);
+        let span = self
+            .place
+            .span
+            .map(|span| Span { start: span.start.saturating_add(offset), end: span.end.saturating_add(offset) });
+        Problem { place: Place { span: span.or(place.span), ..place.clone() }, ..self }
+    }
 }

@@ -2,15 +2,16 @@
 
 use std::rc::Rc;
 
-use super::expression::bench::{Bench, Text};
+use super::expression::bench::Bench;
 use super::expression::dimension::{Dimension, Measure};
 use super::expression::rules::Rules;
 use super::expression::value::Value;
 use super::resolved::Model;
-use super::yaml::reader;
 use crate::diagnose::catalogue::names;
 use crate::diagnose::{Place, Problem};
 use crate::expr::{Graph, Id, Symbol, Tape};
+use crate::file;
+use crate::file::Text;
 use crate::language::parse;
 
 /// What a value from the command line sets, which has a unit.
@@ -55,7 +56,7 @@ impl Model {
     /// # Errors
     /// What is wrong with it; places are spans of `text`.
     pub fn constant(&mut self, text: &str, sets: Sets, parameters: &[f64]) -> Result<f64, Vec<Problem>> {
-        let quantity = reader::quantity(text, &Place::default())?;
+        let quantity = file::quantity(text, &Place::default())?;
         let units = &self.scope.units;
         let known = |units: &[Measure], place: usize| units.get(place).copied().unwrap_or_default();
         let (what, unit) = match sets {

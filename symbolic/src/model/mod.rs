@@ -1,4 +1,4 @@
-//! The model file: read, locate, resolve names, expand families, check.
+//! The model: names resolved, families expanded, every expression in the graph, units checked.
 
 mod command;
 mod expression;
@@ -6,7 +6,6 @@ mod resolve;
 mod resolved;
 mod resolver;
 mod section;
-mod yaml;
 
 pub use command::Sets;
 pub use resolve::{load, resolve};
@@ -15,6 +14,3 @@ pub use resolved::{
     GeneralizedForce, Input, Load, Model, Output, Parameter, Part, Push, Reaction, Rotation, Sample, Scene, Shape,
     SharedEnd, Vector, Work,
 };
-pub use yaml::locate::locate;
-pub use yaml::node::Node;
-pub use yaml::read::read;

@@ -4,10 +4,9 @@ use super::resolved::Model;
 use super::resolver::Resolver;
 use super::section::declare::dimension;
 use super::section::settle::settle;
-use super::yaml::node::Node;
-use super::yaml::reader::Spot;
 use crate::diagnose::catalogue::{later, names, sections};
 use crate::diagnose::{Place, Problem};
+use crate::file::{Node, Spot};
 
 /// Every key that a model file may have.
 const KEYS: [&str; 29] = [
@@ -94,7 +93,7 @@ pub fn resolve(root: &Node, sizes: &[(String, i64)]) -> Result<Model, Vec<Proble
 /// # Errors
 /// Everything that is wrong with it; YAML's own syntax is reported alone.
 pub fn load(text: &str, sizes: &[(String, i64)]) -> Result<Model, Vec<Problem>> {
-    resolve(&super::read(text)?, sizes)
+    resolve(&crate::file::read(text)?, sizes)
 }
 
 impl Resolver<'_> {

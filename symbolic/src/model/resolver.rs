@@ -3,17 +3,17 @@
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-use super::expression::bench::{Bench, Text, Written};
+use super::expression::bench::Bench;
 use super::expression::families::{self, Expanded, Family, IndexNames, Locals};
 use super::expression::index::MEMBER_LIMIT;
 use super::expression::rules::Rules;
 use super::expression::scope::{Entry, Member, Scope, Section};
 use super::resolved::Model;
 use super::section::settle::{Item, Want};
-use super::yaml::reader::Spot;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{names, sections};
 use crate::expr::Id;
+use crate::file::{Spot, Text, Written};
 use crate::language::is_reserved;
 
 /// A model half resolved.

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use dalembert_symbolic::derive::derive;
 use dalembert_symbolic::diagnose::catalogue::CATALOGUE;
-use dalembert_symbolic::diagnose::render;
+use dalembert_symbolic::file::render;
 use dalembert_symbolic::model::load;
 
 use super::shared::{Notice, notices};

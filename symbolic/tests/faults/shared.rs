@@ -1,7 +1,8 @@
 // Faults in data that all derivations share: no comparison of them can see these, but a `checks` line may.
 
 use dalembert_symbolic::derive::derive;
-use dalembert_symbolic::model::{Node, resolve};
+use dalembert_symbolic::file::Node;
+use dalembert_symbolic::model::resolve;
 
 use super::tree::{at, entries, get, items, text, to_key, with};
 use super::{Sound, judge};

@@ -13,7 +13,8 @@ use std::path::PathBuf;
 
 use dalembert_symbolic::derive::{Derivation, State, derive};
 use dalembert_symbolic::diagnose::Step;
-use dalembert_symbolic::model::{Check, Model, Node, read, resolve};
+use dalembert_symbolic::file::{Node, read};
+use dalembert_symbolic::model::{Check, Model, resolve};
 
 pub use page::page;
 

@@ -1,7 +1,8 @@
 // Faults in the text of a file that only one derivation sees: balances, reactions, placements of loads, checks.
 
 use dalembert_symbolic::diagnose::Step;
-use dalembert_symbolic::model::{Model, Node};
+use dalembert_symbolic::file::Node;
+use dalembert_symbolic::model::Model;
 
 use super::expression::{Slip, slips};
 use super::tree::{Path, at, entries, get, items, text, to_key, with, with_entry};

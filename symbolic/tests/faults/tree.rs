@@ -1,6 +1,6 @@
 // Ways through the tree of a model file.
 
-use dalembert_symbolic::model::Node;
+use dalembert_symbolic::file::Node;
 
 /// The value of a key.
 pub fn get<'n>(node: &'n Node, key: &str) -> Option<&'n Node> {

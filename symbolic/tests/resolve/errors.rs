@@ -1,7 +1,8 @@
 //! What is refused: the code, and the words under the caret.
 
 use dalembert_symbolic::diagnose::Problem;
-use dalembert_symbolic::model::{load, locate};
+use dalembert_symbolic::file::locate;
+use dalembert_symbolic::model::load;
 
 /// The problems of a file: code and the words that are marked.
 fn marked(text: &str) -> Vec<(&'static str, String)> {

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use dalembert_symbolic::diagnose::render;
+use dalembert_symbolic::file::render;
 use dalembert_symbolic::model::{Sets, load};
 
 use crate::model;

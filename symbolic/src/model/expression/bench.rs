@@ -13,27 +13,8 @@ use super::value::Value;
 use crate::diagnose::catalogue::names;
 use crate::diagnose::{Place, Problem};
 use crate::expr::{Forward, Graph, Id, Symbol};
+use crate::file::{Text, Written};
 use crate::language::{Ast, Span};
-
-/// One expression of the file.
-#[derive(Clone, Debug)]
-pub struct Text {
-    /// As written.
-    pub source: Rc<str>,
-    /// Parsed.
-    pub ast: Rc<Ast>,
-    /// Where it stands.
-    pub place: Rc<Place>,
-}
-
-/// An expression, or a YAML list of two or three that stands for a vector.
-#[derive(Clone, Debug)]
-pub enum Written {
-    /// One expression.
-    One(Text),
-    /// Components.
-    List(Vec<Text>, Rc<Place>),
-}
 
 type Rate = fn(&mut Graph, Symbol) -> Id;
 type Partial = Box<dyn Fn(&mut Graph, Symbol) -> Id>;
@@ -230,28 +211,6 @@ impl Bench {
             }
         }
     }
-}
-
-impl Written {
-    /// Where it stands.
-    pub fn place(&self) -> &Rc<Place> {
-        match self {
-            Written::One(text) => &text.place,
-            Written::List(_, place) => place,
-        }
-    }
-}
-
-impl Text {
-    /// The words at a span.
-    pub fn words(&self, span: Span) -> &str {
-        words(&self.source, span)
-    }
-}
-
-/// The words of a text at a span.
-pub fn words(source: &str, span: Span) -> &str {
-    source.get(span.range()).unwrap_or(source)
 }
 
 /// d/dt of a symbol: time runs at 1, coordinates and inputs at their rates, parameters and dummies stand still.

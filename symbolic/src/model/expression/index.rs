@@ -1,10 +1,11 @@
 //! Integers known at compile time: sizes, indices and their arithmetic.
 
-use super::bench::{Bench, Text, words};
+use super::bench::Bench;
 use super::lower::Local;
 use super::scope::{Member, Scope};
 use crate::diagnose::catalogue::names;
 use crate::diagnose::{Place, Problem, did_you_mean};
+use crate::file::{Text, words};
 use crate::language::{Ast, AstKind, Operator, Range};
 
 /// Members that one family, sum or file may expand to.

@@ -2,14 +2,13 @@
 
 use std::rc::Rc;
 
-use super::bench::Text;
 use super::families::{Locals, as_range};
 use super::index::{self, Indices};
 use super::scope::expanded;
 use crate::diagnose::catalogue::names;
+use crate::file::{Spot, Text};
 use crate::language::{Ast, AstKind, KeyIndex, Range, Span, parse_key};
 use crate::model::resolver::Resolver;
-use crate::model::yaml::reader::Spot;
 
 impl Resolver<'_> {
     /// The expressions that one entry of a list stands for: itself, or the members of a family.

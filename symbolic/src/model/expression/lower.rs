@@ -1,6 +1,6 @@
 //! From syntax to values: numbers, names, operators, sums and integrals.
 
-use super::bench::{Bench, Text};
+use super::bench::Bench;
 use super::dimension::Measure;
 use super::facts::Depends;
 use super::index::{self, Indices, Refusal};
@@ -12,6 +12,7 @@ use super::value::{self, Value};
 use crate::diagnose::catalogue::{names, syntax};
 use crate::diagnose::{Place, Problem, did_you_mean};
 use crate::expr::{Id, Rational, Symbol};
+use crate::file::Text;
 use crate::language::{Ast, AstKind, Operator, Range, Span, is_reserved};
 
 /// What a name means inside one expression only.

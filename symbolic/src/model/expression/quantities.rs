@@ -1,6 +1,6 @@
 //! Values with units, and places that want one (LANGUAGE, section 10).
 
-use super::bench::{Bench, Text};
+use super::bench::Bench;
 use super::dimension::{Dimension, Measure};
 use super::facts::Depends;
 use super::lower::Local;
@@ -9,8 +9,8 @@ use super::scope::Scope;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::units;
 use crate::expr::Id;
+use crate::file::{Quantity, Text};
 use crate::language::{Ast, Unit};
-use crate::model::yaml::reader::Quantity;
 
 impl Bench {
     /// A value in SI.  Its unit converts it where it is a pure number: what is computed from quantities with units

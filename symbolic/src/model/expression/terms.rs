@@ -2,10 +2,10 @@
 
 use std::rc::Rc;
 
-use super::bench::Text;
 use super::families::Locals;
 use super::rules::Rules;
 use super::value::{self, Value};
+use crate::file::Text;
 use crate::language::{Ast, AstKind, Operator};
 use crate::model::resolved::Part;
 use crate::model::resolver::Resolver;

@@ -8,15 +8,13 @@ use std::collections::BTreeMap;
 use super::reactions::Unknown;
 use crate::diagnose::catalogue::{later, mechanics, sections};
 use crate::expr::{Id, Symbol, partial};
-use crate::model::expression::bench::Text;
+use crate::file::{Node, Spot, Text};
 use crate::model::expression::dimension::Dimension;
 use crate::model::expression::families::Locals;
 use crate::model::expression::rules::Rules;
 use crate::model::expression::value;
 use crate::model::resolved::{Balance, BalanceSystem, Part, Push, Work};
 use crate::model::resolver::Resolver;
-use crate::model::yaml::node::Node;
-use crate::model::yaml::reader::Spot;
 
 /// The kinds of balances.
 const KINDS: [&str; 5] = ["moment", "force", "power", "energy", "equation"];

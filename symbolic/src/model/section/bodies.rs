@@ -4,7 +4,7 @@ use super::declare::DeclaredBody;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{mechanics, names};
 use crate::expr::{Id, Rational};
-use crate::model::expression::bench::Text;
+use crate::file::{Quantity, Text};
 use crate::model::expression::dimension::{Dimension, Measure};
 use crate::model::expression::families::Locals;
 use crate::model::expression::quantities::is_bare;
@@ -13,7 +13,6 @@ use crate::model::expression::scope::Energies;
 use crate::model::expression::value::{self, Value};
 use crate::model::resolved::{Body, GeneralizedForce, Rotation};
 use crate::model::resolver::Resolver;
-use crate::model::yaml::reader::Quantity;
 
 /// An energy written by hand.
 struct Raw {

@@ -6,8 +6,8 @@ use super::settle::Want;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{later, mechanics, names, sections};
 use crate::expr::Id;
+use crate::file::{Node, Quantity, Spot, Written, describe, unit_at};
 use crate::language::{Ast, parse, parse_key};
-use crate::model::expression::bench::Written;
 use crate::model::expression::dimension::{Dimension, Measure};
 use crate::model::expression::families::Family;
 use crate::model::expression::index::{Indices, integer};
@@ -16,8 +16,6 @@ use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::{BodyNames, Entry, Member, Section};
 use crate::model::resolved::{Coordinate, Input};
 use crate::model::resolver::Resolver;
-use crate::model::yaml::node::Node;
-use crate::model::yaml::reader::{Quantity, Spot, describe, unit_at};
 
 /// A body's entry in the file, read once for all members of a family.
 #[derive(Clone, Debug)]

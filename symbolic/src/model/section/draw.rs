@@ -4,15 +4,14 @@ use std::rc::Rc;
 
 use crate::diagnose::catalogue::{names, sections};
 use crate::expr::{Id, Rational, Symbol};
+use crate::file::{Spot, Text, Written};
 use crate::language::{is_reserved, parse_bounds};
-use crate::model::expression::bench::{Text, Written};
 use crate::model::expression::dimension::{Dimension, Measure};
 use crate::model::expression::lower::Local;
 use crate::model::expression::rules::Rules;
 use crate::model::expression::substitute::substitute;
 use crate::model::resolved::{Shape, Vector};
 use crate::model::resolver::Resolver;
-use crate::model::yaml::reader::Spot;
 
 /// Stretches into which a curve is divided.
 const STRETCHES: i64 = 100;

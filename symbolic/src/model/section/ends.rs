@@ -4,8 +4,8 @@ use super::loads::{Drafts, Holder, Wanted};
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{mechanics, names, sections};
 use crate::expr::Id;
+use crate::file::{Node, Spot, Text, Written};
 use crate::language::AstKind;
-use crate::model::expression::bench::{Text, Written};
 use crate::model::expression::dimension::Dimension;
 use crate::model::expression::families::Locals;
 use crate::model::expression::lower::Lower;
@@ -14,8 +14,6 @@ use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::Section;
 use crate::model::expression::value::Value;
 use crate::model::resolver::Resolver;
-use crate::model::yaml::node::Node;
-use crate::model::yaml::reader::Spot;
 
 /// A point on the material of something.
 #[derive(Clone, Debug)]

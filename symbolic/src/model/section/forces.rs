@@ -4,14 +4,13 @@ use super::ends::End;
 use super::loads::{Draft, DraftPush, Drafts, Holder};
 use crate::diagnose::catalogue::sections;
 use crate::expr::Id;
-use crate::model::expression::bench::{Text, Written};
+use crate::file::{Spot, Text, Written};
 use crate::model::expression::dimension::Dimension;
 use crate::model::expression::families::{Family, Locals};
 use crate::model::expression::rules::Rules;
 use crate::model::expression::value;
 use crate::model::resolved::Work;
 use crate::model::resolver::Resolver;
-use crate::model::yaml::reader::Spot;
 
 impl Resolver<'_> {
     /// One entry of `forces`.

@@ -6,11 +6,11 @@ use super::carriers::{belongs_to_ground, carriers};
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{later, mechanics, names};
 use crate::expr::Id;
+use crate::file::Spot;
 use crate::model::expression::families::Family;
 use crate::model::expression::index::MEMBER_LIMIT;
 use crate::model::resolved::{Load, Push, SharedEnd, Work};
 use crate::model::resolver::Resolver;
-use crate::model::yaml::reader::Spot;
 
 /// The body that takes a push.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,8 +3,8 @@
 use super::settle::Want;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{names, sections};
+use crate::file::{Quantity, Spot, Text, Written};
 use crate::language::{Ast, AstKind, Unit};
-use crate::model::expression::bench::{Text, Written};
 use crate::model::expression::dimension::{Dimension, Measure};
 use crate::model::expression::families::{Expanded, Family as KeyFamily};
 use crate::model::expression::lower::Local;
@@ -12,7 +12,6 @@ use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::{Member, Section};
 use crate::model::resolved::{Derived, Family, Parameter};
 use crate::model::resolver::Resolver;
-use crate::model::yaml::reader::{Quantity, Spot};
 
 /// A derived parameter as declared: its item, and its unit as written.
 pub type DeclaredDerived = (String, Option<String>, usize);

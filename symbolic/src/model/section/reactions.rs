@@ -5,14 +5,13 @@ use std::collections::BTreeMap;
 use super::loads::{Drafts, Holder};
 use crate::diagnose::catalogue::names;
 use crate::expr::{Id, Symbol};
+use crate::file::{Node, Spot};
 use crate::model::expression::families::Locals;
 use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::{Member, Section};
 use crate::model::expression::value;
 use crate::model::resolved::{Push, Reaction};
 use crate::model::resolver::Resolver;
-use crate::model::yaml::node::Node;
-use crate::model::yaml::reader::Spot;
 
 /// A reaction of one system, as pushes on bodies.
 pub struct Unknown {

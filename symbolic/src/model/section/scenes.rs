@@ -5,13 +5,12 @@ use std::collections::BTreeMap;
 use super::parameters::flat;
 use crate::diagnose::catalogue::{later, mechanics, names, sections};
 use crate::expr::{Id, Rational};
+use crate::file::{Node, Quantity, Spot};
 use crate::model::expression::dimension::Dimension;
 use crate::model::expression::families::{self, Expanded, Family, Locals};
 use crate::model::expression::rules::Rules;
 use crate::model::resolved::Scene;
 use crate::model::resolver::Resolver;
-use crate::model::yaml::node::Node;
-use crate::model::yaml::reader::{Quantity, Spot};
 
 const SCENE_KEYS: [&str; 8] = ["start", "until", "tolerance", "every", "phase", "set", "guess", "also"];
 

@@ -4,8 +4,9 @@ use std::rc::Rc;
 
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::names;
+use crate::file::{Text, Written};
 use crate::language::{Ast, AstKind, Unit};
-use crate::model::expression::bench::{Bench, Text, Written};
+use crate::model::expression::bench::Bench;
 use crate::model::expression::dimension::Measure;
 use crate::model::expression::families::Locals;
 use crate::model::expression::lower::Lower;

@@ -4,8 +4,8 @@ use super::ends::{End, EndText};
 use super::loads::{Draft, DraftPush, Drafts, Holder};
 use crate::diagnose::catalogue::{mechanics, sections};
 use crate::expr::{Id, Symbol};
+use crate::file::{Spot, Text, Written};
 use crate::model::expression::antiderivative::antiderivative;
-use crate::model::expression::bench::Text;
 use crate::model::expression::dimension::{Dimension, Measure};
 use crate::model::expression::facts::Depends;
 use crate::model::expression::families::{Family, Locals};
@@ -15,7 +15,6 @@ use crate::model::expression::substitute::substitute;
 use crate::model::expression::value;
 use crate::model::resolved::Work;
 use crate::model::resolver::Resolver;
-use crate::model::yaml::reader::Spot;
 
 /// The law of a spring in the distance of its ends.
 enum Law {
@@ -31,8 +30,8 @@ enum Law {
 struct Placement {
     on: Option<Text>,
     from: Option<Text>,
-    along: Option<crate::model::expression::bench::Written>,
-    at: Option<crate::model::expression::bench::Written>,
+    along: Option<Written>,
+    at: Option<Written>,
 }
 
 impl Placement {

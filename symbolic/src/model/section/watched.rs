@@ -6,7 +6,7 @@ use crate::diagnose::Place;
 use crate::diagnose::catalogue::{later, mechanics, names, sections};
 use crate::diagnose::did_you_mean_or;
 use crate::expr::{Binary, Graph, Id, Node as Expression, Unary};
-use crate::model::expression::bench::{Text, Written};
+use crate::file::{Node, Spot, Text, Written};
 use crate::model::expression::dimension::Dimension;
 use crate::model::expression::families::{Expanded, Locals};
 use crate::model::expression::rules::Rules;
@@ -14,8 +14,6 @@ use crate::model::expression::scope::Member;
 use crate::model::expression::value::Value;
 use crate::model::resolved::{Check, Conserved, Event, EventAction, Output, Sample};
 use crate::model::resolver::Resolver;
-use crate::model::yaml::node::Node;
-use crate::model::yaml::reader::Spot;
 
 /// Terms that one invariant is taken apart into.
 const TERM_LIMIT: usize = 1000;

@@ -2,11 +2,10 @@
 
 use std::rc::Rc;
 
-use super::node::Node;
+use super::{Node, Text, Written};
 use crate::diagnose::catalogue::{sections, syntax};
 use crate::diagnose::{Place, Problem, did_you_mean_or};
 use crate::language::{Ast, Unit, Valued, parse, parse_equation, parse_unit, parse_value_with_unit};
-use crate::model::expression::bench::{Text, Written};
 
 /// A node and where it stands.
 #[derive(Clone, Debug)]

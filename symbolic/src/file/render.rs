@@ -3,8 +3,8 @@
 use std::fmt::Write;
 use std::ops::Range;
 
-use super::Problem;
-use crate::model::locate;
+use super::locate;
+use crate::diagnose::Problem;
 
 /// Most problems shown.
 const MOST: usize = 50;

@@ -1,8 +1,8 @@
 //! Reading YAML and finding places in it again.
 
-use crate::diagnose::{Place, render};
+use super::{Node, locate, read, render};
+use crate::diagnose::Place;
 use crate::language::Span;
-use crate::model::{Node, locate, read};
 
 fn scalar(text: &str) -> Node {
     Node::Scalar(text.to_owned())

@@ -1,0 +1,21 @@
+//! The file as YAML: read to a tree of nodes with places, and problems shown where they stand in it.
+
+mod complaint;
+mod locate;
+mod node;
+mod outline;
+mod read;
+mod reader;
+mod render;
+mod taken_apart;
+mod written;
+
+pub use locate::locate;
+pub use node::Node;
+pub use read::read;
+pub(crate) use reader::{Quantity, Spot, describe, quantity, unit_at};
+pub use render::render;
+pub(crate) use written::{Text, Written, words};
+
+#[cfg(test)]
+mod reading_tests;
