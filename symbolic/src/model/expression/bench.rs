@@ -14,7 +14,7 @@ use crate::diagnose::catalogue::names;
 use crate::diagnose::{Place, Problem};
 use crate::expr::{Forward, Graph, Id, Symbol};
 use crate::file::{Text, Written};
-use crate::language::{Ast, Span};
+use crate::language::Ast;
 
 type Rate = fn(&mut Graph, Symbol) -> Id;
 type Partial = Box<dyn Fn(&mut Graph, Symbol) -> Id>;
