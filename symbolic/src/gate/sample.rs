@@ -4,7 +4,7 @@ use crate::expr::{Symbol, Tape, apply_unary};
 use crate::model::Model;
 use crate::random::Random;
 
-use super::switches::{Switch, SwitchKind};
+use crate::derive::{Switch, SwitchKind};
 
 /// Parameters, a time and a state.
 #[derive(Clone, Debug, PartialEq)]
