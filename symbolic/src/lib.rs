@@ -9,6 +9,7 @@ pub mod interpret;
 pub mod language;
 pub mod lower;
 pub mod model;
+pub mod number;
 mod place;
 pub mod print;
 mod random;
