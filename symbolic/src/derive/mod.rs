@@ -20,6 +20,7 @@ use crate::expr::{Forward, Graph, Id, Symbol, canonical};
 use crate::model::{Load, Model, Work};
 
 pub use momentum::Momentum;
+pub(crate) use switches::introduce;
 pub use switches::{Switch, SwitchKind};
 
 /// M q'' + h = 0 as one derivation gives it.
