@@ -40,6 +40,7 @@ impl Resolver<'_> {
         self.array_fields();
         let has_unit = |unit: Option<&str>| !matches!(unit, None | Some("1"));
         self.bench.facts.dimensional = self.model.parameters.iter().map(|p| has_unit(p.unit.as_deref())).collect();
+        self.bench.defaults = self.model.parameters.iter().map(|p| p.default).collect();
         derived
     }
 
