@@ -2,12 +2,14 @@
 
 mod command;
 mod expression;
+mod identifier;
 mod resolve;
 mod resolved;
 mod resolver;
 mod section;
 
 pub use command::Sets;
+pub use identifier::{KEYWORDS, METHODS, field_name, is_snake_case, local_name, method_name, type_name};
 pub use resolve::{load, resolve};
 pub use resolved::{
     Balance, BalanceSystem, Body, Change, Check, Conserved, Coordinate, Derived, Event, EventAction, Family,

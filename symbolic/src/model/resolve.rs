@@ -1,5 +1,6 @@
 //! From the tree of a file to a model: the passes in order.
 
+use super::identifier::type_name;
 use super::resolved::Model;
 use super::resolver::Resolver;
 use super::section::declare::dimension;
@@ -155,20 +156,5 @@ impl Resolver<'_> {
         self.model.graph = self.bench.graph;
         self.model.scope = self.scope;
         Ok(self.model)
-    }
-}
-
-/// A name in the form of a Rust type: `double_pendulum` → `DoublePendulum`.
-fn type_name(words: &str) -> String {
-    let parts = words.split(|c: char| !c.is_ascii_alphanumeric()).filter(|part| !part.is_empty());
-    let name: String = parts
-        .map(|part| {
-            let (first, rest) = part.split_at(1);
-            first.to_ascii_uppercase() + rest
-        })
-        .collect();
-    match name.starts_with(|c: char| c.is_ascii_uppercase()) {
-        true => name,
-        false => format!("Model{name}"),
     }
 }

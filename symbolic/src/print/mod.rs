@@ -3,14 +3,20 @@
 mod body;
 mod description;
 mod documentation;
+mod function;
+mod mechanism;
 mod momentum;
-mod names;
+mod parameters;
 mod rust;
+mod scenes;
+mod scope;
 mod text;
+mod words;
 
 pub use description::fnv1a;
-pub use names::{field_name, type_name};
+pub use crate::model::{field_name, type_name};
 pub use rust::rust;
+pub use scope::OWN;
 pub use text::text;
 pub(crate) use text::text_in;
 
