@@ -10,7 +10,7 @@ mod section;
 
 pub use command::Sets;
 pub use identifier::{KEYWORDS, METHODS, field_name, is_snake_case, local_name, method_name, type_name};
-pub use resolve::{load, resolve};
+pub use resolve::{load, read_through, resolve};
 pub use resolved::{
     Balance, BalanceSystem, Body, Change, Check, Conserved, Coordinate, Derived, Event, EventAction, Family,
     GeneralizedForce, Input, Load, Model, Output, Parameter, Part, Push, Reaction, Rotation, Sample, Scene, Shape,

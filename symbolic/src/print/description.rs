@@ -82,7 +82,7 @@ pub(super) fn description(program: &Program, source: &str) -> String {
         list(model.draw.iter().map(|shape| match shape {
             Shape::Line(points) => format!("mechanism::Shape::Line({})", points.len()),
             Shape::Circle { .. } => "mechanism::Shape::Circle".to_owned(),
-            Shape::Spring(..) => "Shape::Spring".to_owned(),
+            Shape::Spring(..) => "mechanism::Shape::Spring".to_owned(),
             Shape::Curve(points) => format!("mechanism::Shape::Curve({})", points.len()),
             Shape::Trace(name, _) => format!("mechanism::Shape::Trace({})", string(name)),
         })),

@@ -97,4 +97,7 @@ super::entries! {
     E232 not_a_symbol(found) "a derivative by something that is no symbol"
         "`diff` wants the name of a coordinate, velocity, parameter or dummy, this is {found}" "" ""
         "`diff(e, x)` is the partial derivative of e by a symbol x.";
+    E233 moving_by_time(words) "a partial derivative by time of what moves"
+        "`{words}` moves, and `diff(…, t)` would hold the motion still" "" "write `rate({words})` for the time derivative along the motion"
+        "The partial derivative by t leaves out all change through coordinates and inputs. It may stand of what contains t explicitly where an identity is tested, in `checks`, `conserved` and `equation`, and of what does not move.";
 }
