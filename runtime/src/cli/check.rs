@@ -23,6 +23,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         writeln!(out, "  {first} and {second} agree at {states} states, worst {worst:.1e}")?;
     }
     unseen(&program, out)?;
+    without_units(&program, out)?;
     conditions(&program, &loaded.source, out)?;
     let model = &program.model;
     for ((name, worst), claim) in program.report.conserved.iter().zip(&model.conserved) {
@@ -45,6 +46,24 @@ fn unseen(program: &Program, out: &mut dyn Write) -> Result<(), Problem> {
     match program.report.agreements.is_empty() {
         true => writeln!(out, "  one derivation only, from {shared}{say}")?,
         false => writeln!(out, "  shared by all derivations, so not tested by comparing them: {shared}{say}")?,
+    }
+    Ok(())
+}
+
+/// Names without a unit, which leave what depends on them unchecked.
+fn without_units(program: &Program, out: &mut dyn Write) -> Result<(), Problem> {
+    let model = &program.model;
+    let parameters = model.parameters.iter().filter(|p| p.unit.is_none()).map(|p| match &p.family {
+        Some(family) => family.name.as_str(),
+        None => p.name.as_str(),
+    });
+    let coordinates = model.coordinates.iter().filter(|c| c.unit.is_none());
+    let coordinates = coordinates.map(|c| c.name.split('[').next().unwrap_or(&c.name));
+    let mut names: Vec<&str> = parameters.chain(coordinates).collect();
+    names.dedup();
+    if !names.is_empty() {
+        let list = names.join(", ");
+        writeln!(out, "  no unit is given for {list}: units of what depends on them are not checked")?;
     }
     Ok(())
 }

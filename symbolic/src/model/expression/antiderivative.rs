@@ -167,13 +167,19 @@ fn by_parts(graph: &mut Graph, facts: &mut Facts, root: Id, x: Symbol) -> Option
 /// The values of x at which something linear in it vanishes, of everything in an expression that is linear in x.
 pub fn roots_of_linear(graph: &mut Graph, facts: &mut Facts, root: Id, x: Symbol) -> Vec<Id> {
     let mut linear = Vec::new();
-    let _: Option<((), u64)> = bottom_up(graph, facts, root, |_| (), |graph, _, id, _| {
-        match graph.node(id) {
-            Node::Binary(Binary::Min | Binary::Max, a, b) => linear.push(graph.sub(a, b)),
-            _ => linear.push(id),
-        }
-        Some(())
-    });
+    let _: Option<((), u64)> = bottom_up(
+        graph,
+        facts,
+        root,
+        |_| (),
+        |graph, _, id, _| {
+            match graph.node(id) {
+                Node::Binary(Binary::Min | Binary::Max, a, b) => linear.push(graph.sub(a, b)),
+                _ => linear.push(id),
+            }
+            Some(())
+        },
+    );
     let mut roots = Vec::new();
     for f in linear {
         if let Some(slope) = slope(graph, facts, f, x) {

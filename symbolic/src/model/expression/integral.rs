@@ -61,7 +61,8 @@ fn integral_of_term(bench: &mut Bench, e: Id, over: Over, place: &Place) -> Opti
     if let Some(points) = polynomial_points(bench, e, over.symbol) {
         return Some(gauss(bench, e, over, points, place));
     }
-    let size = bottom_up(&mut bench.graph, &mut bench.facts, e, |_| (), |_, _, _, _| Some(())).map_or(0, |found| found.1);
+    let size =
+        bottom_up(&mut bench.graph, &mut bench.facts, e, |_| (), |_, _, _, _| Some(())).map_or(0, |found| found.1);
     if size > INTEGRAND_LIMIT || !bench.spend(size, place) {
         return None;
     }
@@ -137,7 +138,8 @@ fn by_rule(bench: &mut Bench, pieces: &[Piece], nodes: &[RuleNode], place: &Plac
         for (distance, right, weight) in nodes {
             let share = bench.graph.double_double(*distance);
             let offset = bench.graph.mul(share, piece.width);
-            let (from, symbol) = if *right { (piece.from_right, Piece::OFFSET) } else { (piece.from_left, Piece::OFFSET) };
+            let (from, symbol) =
+                if *right { (piece.from_right, Piece::OFFSET) } else { (piece.from_left, Piece::OFFSET) };
             let (value, visited) = substitute(&mut bench.graph, &mut bench.facts, from, symbol, offset);
             if !bench.spend(visited, place) {
                 return Id::ZERO;
@@ -291,18 +293,25 @@ fn joined(graph: &mut Graph, mut terms: Vec<(Id, Id)>, more: &[(Id, Id)]) -> Vec
 
 /// Whether the integrand has neither pole, branch nor kink, so that an antiderivative is right everywhere.
 fn is_entire(bench: &mut Bench, e: Id) -> bool {
-    let entire = bottom_up(&mut bench.graph, &mut bench.facts, e, |_| true, |graph, _, id, known| {
-        let grows = match graph.node(id) {
-            Node::Number(_) | Node::Symbol(_) => true,
-            Node::Unary(f, _) => {
-                matches!(f, Unary::Neg | Unary::Sin | Unary::Cos | Unary::Exp | Unary::Sinh | Unary::Cosh)
-            }
-            Node::Binary(f, _, y) => {
-                // A divisor is free of dummies where it is a leaf of this walk.
-                matches!(f, Binary::Add | Binary::Sub | Binary::Mul) || f == Binary::Div && known.get(&y) == Some(&true)
-            }
-        };
-        Some(grows && graph.children(id).all(|child| known.get(&child).copied().unwrap_or(true)))
-    });
+    let entire = bottom_up(
+        &mut bench.graph,
+        &mut bench.facts,
+        e,
+        |_| true,
+        |graph, _, id, known| {
+            let grows = match graph.node(id) {
+                Node::Number(_) | Node::Symbol(_) => true,
+                Node::Unary(f, _) => {
+                    matches!(f, Unary::Neg | Unary::Sin | Unary::Cos | Unary::Exp | Unary::Sinh | Unary::Cosh)
+                }
+                Node::Binary(f, _, y) => {
+                    // A divisor is free of dummies where it is a leaf of this walk.
+                    matches!(f, Binary::Add | Binary::Sub | Binary::Mul)
+                        || f == Binary::Div && known.get(&y) == Some(&true)
+                }
+            };
+            Some(grows && graph.children(id).all(|child| known.get(&child).copied().unwrap_or(true)))
+        },
+    );
     entire.is_some_and(|(entire, _)| entire)
 }
