@@ -189,6 +189,8 @@ pub struct Structure {
     pub dimension: u32,
     /// M does not depend on the state: factored once.
     pub constant_mass: bool,
+    /// The diagonal of M does not depend on the state.
+    pub constant_inertias: bool,
     /// M is diagonal: divided by.
     pub diagonal_mass: bool,
     /// Sizes of the diagonal blocks of M, when there is more than one.
@@ -221,6 +223,11 @@ pub struct Counts {
 }
 
 impl Description {
+    /// The name of a coordinate, for messages.
+    pub(crate) fn coordinate_name(&self, index: usize) -> String {
+        self.coordinates.get(index).map_or_else(|| format!("coordinate {index}"), |c| c.name.to_string())
+    }
+
     /// How many numbers `System::outputs` writes.
     pub fn output_len(&self) -> usize {
         self.outputs.iter().map(|o| o.components as usize).sum()
