@@ -90,6 +90,18 @@ impl System for Interpreted {
         self.evaluate(Function::Input, t, q, v, a, du);
     }
 
+    fn time_jacobian(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], dt: &mut [f64]) {
+        self.evaluate(Function::Time, t, q, v, a, dt);
+    }
+
+    fn time_dependence(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], dt: &mut [f64]) {
+        self.evaluate(Function::TimeDependence, t, q, v, a, dt);
+    }
+
+    fn magnitudes(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], sums: &mut [f64]) {
+        self.evaluate(Function::Magnitudes, t, q, v, a, sums);
+    }
+
     fn energy(&self, t: f64, q: &[f64], v: &[f64]) -> Energy {
         let mut values = [0.0; 5];
         self.evaluate(Function::Energy, t, q, v, &[], &mut values);
@@ -224,6 +236,8 @@ fn describe(program: &Program, source: &str) -> Description {
         stiffness_pattern: pattern(&program.stiffness),
         damping_pattern: pattern(&program.damping),
         input_pattern: pattern(&program.input),
+        time_pattern: program.time.iter().map(|e| e.0 as u32).collect(),
+        timed_switches: program.timed_switches.iter().map(|k| *k as u32).collect(),
         outputs: model.outputs.iter().map(|o| quantity(&o.name, o.value.len(), &o.unit)).collect(),
         outputs_use_accelerations: program.outputs_use_accelerations(),
         invariants: model.conserved.iter().map(|i| quantity(&i.name, i.value.len(), &None)).collect(),

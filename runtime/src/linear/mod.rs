@@ -25,62 +25,31 @@ macro_rules! dmatrix {
     }};
 }
 
-#[cfg(feature = "modal")]
-mod damped;
-mod dense;
-mod discontinuity;
-mod drive;
+mod branch;
 mod equilibrium;
 mod error;
-mod expm;
-mod family;
-#[cfg(feature = "modal")]
-mod first_order;
 mod forced;
-mod initial_value;
-mod linearise;
-mod measured;
-mod mechanism;
-mod mode;
-mod motion;
-mod normal;
+mod matrices;
+mod modes;
 mod numbers;
-mod pictures;
-mod probe;
-mod proportional;
-mod sparse;
+mod rigid;
 mod typed;
 
-#[cfg(all(test, feature = "modal"))]
-mod damped_tests;
-#[cfg(test)]
-mod forced_tests;
-#[cfg(test)]
-mod steady_tests;
-#[cfg(test)]
-mod tests;
-
-#[cfg(feature = "modal")]
-pub use damped::{ComplexModes, complex_modes};
-pub use discontinuity::Jump;
-pub use drive::{Drive, Source, Steady};
-pub use equilibrium::{Equilibrium, Guess, equilibria, equilibrium_here, equilibrium_near};
+pub use branch::{Branch, BranchPoint, Change, Threshold, ThresholdKind, follow};
+pub use equilibrium::{
+    Equilibrium, Freedom, Guess, Jump, Linearised, equilibria, equilibrium_here, equilibrium_near, linearise,
+    state_matrix,
+};
 pub use error::{LinearError, Residual};
-pub use expm::expm;
-pub use family::Freedom;
+pub use forced::{
+    Drive, Harmonic, Measured, Motion, Source, Steady, beat, bode, measure, solvemode, solvenorm, solvenum,
+};
+pub use matrices::{LinearMechanism, SparseMatrix, expm};
 #[cfg(feature = "modal")]
-pub use first_order::{FirstOrder, Stability, first_order_modes};
-pub use forced::{Harmonic, beat};
-pub use initial_value::{Motion, solvemode, solvenorm, solvenum};
-pub use linearise::{Linearised, linearise, state_matrix};
-pub use measured::{Measured, measure};
-pub use mechanism::LinearMechanism;
-pub use mode::{Kind, Mode};
-pub use normal::{Reduction, normal_modes};
+pub use modes::{ComplexModes, FirstOrder, Stability, complex_modes, first_order_modes};
+pub use modes::{
+    DiagonalDamping, Kind, Mode, Reduction, animate_mode, draw_modes, normal_modes, proportional_damping, root_locus,
+};
 pub use numbers::{short, short_beside};
-#[cfg(feature = "cli")]
-pub(crate) use pictures::matched;
-pub use pictures::{animate_mode, bode, draw_modes, root_locus};
-pub use proportional::{DiagonalDamping, proportional_damping};
-pub use sparse::SparseMatrix;
+pub use rigid::{Part, name_free_modes};
 pub use typed::Linearise;

@@ -34,6 +34,10 @@ pub struct Description {
     pub damping_pattern: List<(u32, u32)>,
     /// (row, 3·input + order) of the structural non-zeros of ∂F/∂(u, u', u'').
     pub input_pattern: List<(u32, u32)>,
+    /// Rows of F that depend on time by themselves (not by way of inputs), in the order of `System::time_jacobian`.
+    pub time_pattern: List<u32>,
+    /// Switches whose argument depends on time.
+    pub timed_switches: List<u32>,
     /// Outputs, in the order of `System::outputs`.
     pub outputs: List<Quantity>,
     /// True when some output needs accelerations.

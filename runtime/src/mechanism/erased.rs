@@ -113,6 +113,21 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
         M::input_jacobian(&self.constants, t, u.as_ref(), array(q), array(v), array(a), du);
     }
 
+    fn time_jacobian(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], dt: &mut [f64]) {
+        let u = self.input_block(t);
+        M::time_jacobian(&self.constants, t, u.as_ref(), array(q), array(v), array(a), dt);
+    }
+
+    fn time_dependence(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], dt: &mut [f64]) {
+        let u = self.input_block(t);
+        M::time_dependence(&self.constants, t, u.as_ref(), array(q), array(v), array(a), dt);
+    }
+
+    fn magnitudes(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], sums: &mut [f64]) {
+        let u = self.input_block(t);
+        M::magnitudes(&self.constants, t, u.as_ref(), array(q), array(v), array(a), sums);
+    }
+
     fn energy(&self, t: f64, q: &[f64], v: &[f64]) -> Energy {
         Energy::from_array(M::energy(&self.constants, t, self.input_block(t).as_ref(), array(q), array(v)))
     }

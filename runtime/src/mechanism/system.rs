@@ -43,6 +43,29 @@ pub trait System {
     /// ∂F/∂(u, u', u'') as values of `input_pattern`.
     fn input_jacobian(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], du: &mut [f64]);
 
+    /// ∂F/∂t, inputs held, of the rows of `time_pattern`; nothing where no equation depends on time by itself.
+    fn time_jacobian(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], dt: &mut [f64]) {
+        let _ = (t, q, v, a, dt);
+    }
+
+    /// As [`System::time_jacobian`], with generic numbers in the place of functions of time that can be as small as
+    /// none: 0 only where the parameters take time out of the equations, never because a pulse is far away.
+    fn time_dependence(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], dt: &mut [f64]) {
+        self.time_jacobian(t, q, v, a, dt);
+    }
+
+    /// Σ |terms| of each component of F, n numbers: what a residual is judged by.
+    ///
+    /// Hand-written systems that do not know their terms have |F − F(q = 0)| + |F(q = 0)|.
+    fn magnitudes(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], sums: &mut [f64]) {
+        let mut rest = vec![0.0; sums.len()];
+        self.residual(t, q, v, a, sums);
+        self.residual(t, &vec![0.0; q.len()], v, a, &mut rest);
+        for (sum, rest) in sums.iter_mut().zip(rest) {
+            *sum = if rest.is_finite() { (*sum - rest).abs() + rest.abs() } else { sum.abs() };
+        }
+    }
+
     /// Kinetic and potential energy, and what the energy balance needs.
     fn energy(&self, t: f64, q: &[f64], v: &[f64]) -> Energy;
 

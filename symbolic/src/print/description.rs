@@ -40,6 +40,8 @@ pub(super) fn description(program: &Program, source: &str) -> String {
     field("stiffness_pattern", pattern(&program.stiffness));
     field("damping_pattern", pattern(&program.damping));
     field("input_pattern", pattern(&program.input));
+    field("time_pattern", list(program.time.iter().map(|e| e.0.to_string())));
+    field("timed_switches", list(program.timed_switches.iter().map(ToString::to_string)));
     let quantity = |name: &str, components: usize, of: &Option<String>| {
         format!("Quantity {{ name: {}, components: {components}, unit: {} }}", string(name), unit(of))
     };

@@ -239,6 +239,9 @@ fn mechanism(
     both.extend(into("dv", &program.damping));
     function("jacobians", State::Acceleration, "dq: &mut [S], dv: &mut [S]", both);
     function("input_jacobian", State::Acceleration, slice, stores(&entries(&program.input)));
+    function("time_jacobian", State::Acceleration, slice, stores(&entries(&program.time)));
+    function("time_dependence", State::Acceleration, slice, stores(&program.generic_time));
+    function("magnitudes", State::Acceleration, slice, stores(&program.magnitudes));
     function("invariants", State::Velocity, slice, stores(&program.invariants));
     function("outputs", State::Acceleration, slice, stores(&program.outputs));
     function("events", State::Acceleration, slice, stores(&program.events));
@@ -394,11 +397,13 @@ fn scenes(out: &mut String, program: &Program, bodies: &Bodies<'_>, n: usize) {
 impl Program {
     /// Every expression that some generated function computes from a state.
     fn roots(&self) -> Vec<Id> {
-        let entries = [&self.mass, &self.stiffness, &self.damping, &self.input];
+        let entries = [&self.mass, &self.stiffness, &self.damping, &self.input, &self.time];
         let mut roots: Vec<Id> = entries.into_iter().flatten().map(|e| e.2).collect();
         let lists = [
             &self.bias,
             &self.residual,
+            &self.generic_time,
+            &self.magnitudes,
             &self.invariants,
             &self.outputs,
             &self.events,

@@ -31,6 +31,10 @@ fn everything(system: &dyn System, state: &State) -> Vec<(&'static str, Vec<f64>
     collect("stiffness", stiffness, &|x| system.jacobians(*t, q, v, a, x, &mut vec![0.0; damping]));
     collect("damping", damping, &|x| system.jacobians(*t, q, v, a, &mut vec![0.0; stiffness], x));
     collect("inputs' Jacobian", description.input_pattern.len(), &|x| system.input_jacobian(*t, q, v, a, x));
+    let timed = description.time_pattern.len();
+    collect("time Jacobian", timed, &|x| system.time_jacobian(*t, q, v, a, x));
+    collect("time dependence", timed, &|x| system.time_dependence(*t, q, v, a, x));
+    collect("magnitudes", n, &|x| system.magnitudes(*t, q, v, a, x));
     collect("inputs", 3 * description.inputs.len(), &|x| system.inputs(*t, x));
     collect("invariants", 2 * description.invariant_len(), &|x| system.invariants(*t, q, v, x));
     collect("outputs", description.output_len(), &|x| system.outputs(*t, q, v, a, x));

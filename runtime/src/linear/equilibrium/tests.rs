@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
-use super::*;
+use crate::linear::*;
 use crate::mechanism::System;
 use crate::testing::Toy;
 
@@ -66,17 +66,17 @@ fn springs(points: &'static [[f64; 2]], pairs: &'static [(usize, usize)]) -> Toy
     field(&names, force, stiffness)
 }
 
-pub(super) fn flat(points: &[[f64; 2]]) -> Vec<f64> {
+fn flat(points: &[[f64; 2]]) -> Vec<f64> {
     points.iter().flatten().copied().collect()
 }
 
-pub(super) fn linear(m: DMatrix<f64>, c: DMatrix<f64>, k: DMatrix<f64>) -> Linearised {
+pub fn linear(m: DMatrix<f64>, c: DMatrix<f64>, k: DMatrix<f64>) -> Linearised {
     let system = LinearMechanism::new(m, c, k).unwrap();
     let rest = equilibrium_near(&system, &Guess::at(&system.equilibrium_guess())).unwrap();
     linearise(&system, &rest).unwrap()
 }
 
-pub(super) fn undamped(m: DMatrix<f64>, k: DMatrix<f64>) -> Linearised {
+pub fn undamped(m: DMatrix<f64>, k: DMatrix<f64>) -> Linearised {
     let n = m.nrows();
     linear(m, DMatrix::zeros(n, n), k)
 }
@@ -85,7 +85,7 @@ fn normal(m: DMatrix<f64>, k: DMatrix<f64>) -> Vec<Mode> {
     normal_modes(&undamped(m, k), Reduction::Cholesky).unwrap()
 }
 
-pub(super) fn chain(n: usize, k: f64, ends: bool) -> DMatrix<f64> {
+pub fn chain(n: usize, k: f64, ends: bool) -> DMatrix<f64> {
     DMatrix::from_fn(n, n, |i, j| match i.abs_diff(j) {
         0 if !ends && (i == 0 || i == n - 1) => k,
         0 => 2.0 * k,
@@ -94,7 +94,7 @@ pub(super) fn chain(n: usize, k: f64, ends: bool) -> DMatrix<f64> {
     })
 }
 
-pub(super) fn close(a: f64, b: f64, tolerance: f64) {
+pub fn close(a: f64, b: f64, tolerance: f64) {
     assert!((a - b).abs() <= tolerance * b.abs().max(1.0), "{a} is not {b}: off by {:e}", a - b);
 }
 

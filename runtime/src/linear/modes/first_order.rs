@@ -1,11 +1,9 @@
 //! Systems of first order, z' = A z: reduced equations of nonholonomic mechanisms, and whatever else has no M, C, K.
 
-use faer::Mat;
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::LinearError;
-use super::dense::Singular;
-use super::family::Scaled;
+use crate::linear::LinearError;
+use crate::linear::matrices::{Eigen, Scaled, Singular};
 
 /// What happens to small departures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,7 +36,7 @@ pub struct FirstOrder {
     /// Condition number of the eigenvectors of the eigenvalues that are not 0.
     pub condition: f64,
     /// True where the zeros have fewer eigenvectors than their number, or the others none to speak of: motions are then
-    /// to be computed by [`super::expm`].
+    /// to be computed by [`expm`](crate::linear::expm).
     pub defective: bool,
     /// What happens to small departures.
     pub stability: Stability,
@@ -144,15 +142,10 @@ fn eigenvalues(matrix: &DMatrix<f64>) -> Result<(Vec<Pair>, f64), LinearError> {
     if n == 0 {
         return Ok((Vec::new(), 1.0));
     }
-    let failed = |_| LinearError::NoConvergence { what: "the eigenvalue iteration" };
-    let dense = Mat::from_fn(n, n, |i, j| matrix[(i, j)]);
-    let solved = faer::linalg::solvers::Eigen::new_from_real(dense.as_ref()).map_err(failed)?;
-    let vector = |k: usize| DVector::from_fn(n, |i, _| solved.U()[(i, k)]);
-    let values = (0..n).map(|k| (solved.S()[k], vector(k))).collect();
-    let singular = solved.U().singular_values();
-    let singular = singular.map_err(|_| LinearError::NoConvergence { what: "the singular values of eigenvectors" })?;
-    let condition = singular.first().zip(singular.last()).map_or(1.0, |(most, least)| most / least);
-    Ok((values, condition))
+    let solved = Eigen::of(matrix).ok_or(LinearError::NoConvergence { what: "the eigenvalue iteration" })?;
+    let vector = |k: usize| solved.vectors.column(k).into_owned();
+    let values = (0..n).map(|k| (solved.values[k], vector(k))).collect();
+    Ok((values, solved.condition()))
 }
 
 #[cfg(test)]
@@ -245,7 +238,7 @@ mod tests {
                 let t = 3.0;
                 let expected = (v * (value * t).exp()).map(|x| x.re);
                 let w = v.map(|x| x.re);
-                let by_exponential = super::super::expm(&(&a * t)) * &w;
+                let by_exponential = crate::linear::expm(&(&a * t)) * &w;
                 assert!((by_exponential - &expected).amax() < 1e-12 * (1.0 + expected.amax()), "{n} {value}");
                 // Taylor steps of order 8.
                 let mut z = w;

@@ -2,8 +2,8 @@
 
 use nalgebra::{Complex, DVector};
 
-use super::normal::Spectrum;
-use super::{LinearError, Linearised, Reduction};
+use crate::linear::modes::Spectrum;
+use crate::linear::{LinearError, Linearised, Reduction};
 
 /// Inputs and forces that swing with one frequency and in step, each with its amplitude.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -104,7 +104,7 @@ impl Linearised {
     /// η = f t e^(iΩt)/(2iΩ), and the others are as steady as ever (problem 37 without damping).
     ///
     /// # Errors
-    /// As [`super::normal_modes`]; [`LinearError::Resonance`] for a constant force on a mode without stiffness,
+    /// As [`normal_modes`](crate::linear::normal_modes); [`LinearError::Resonance`] for a constant force on a mode without stiffness,
     /// and where damping or forces without a potential couple a singular matrix.
     pub fn steady(&self, drive: &Drive, omega: f64) -> Result<Steady, LinearError> {
         let n = self.len();
@@ -182,7 +182,7 @@ impl Linearised {
     /// As [`Linearised::modes`].
     pub fn eigenvalues(&self) -> Result<Vec<Complex<f64>>, LinearError> {
         #[cfg(feature = "modal")]
-        return Ok(super::complex_modes(self)?.eigenvalues);
+        return Ok(crate::linear::complex_modes(self)?.eigenvalues);
         #[cfg(not(feature = "modal"))]
         return Ok(self.modes()?.iter().flat_map(|mode| [mode.eigenvalue, -mode.eigenvalue]).collect());
     }

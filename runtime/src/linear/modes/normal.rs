@@ -2,10 +2,12 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::dense::symmetric_eigen;
-use super::family::Scaled;
-use super::linearise::cholesky;
-use super::{Kind, LinearError, Linearised, Mode, SparseMatrix};
+use super::{Kind, Mode};
+use crate::linear::matrices::{Scaled, cholesky, null_space, symmetric_eigen};
+use crate::linear::{LinearError, Linearised, SparseMatrix};
+
+/// Matrices of more rows have their rank by the eigenvalues that are computed anyway.
+const LARGE: usize = 60;
 
 /// How the generalized eigenproblem K φ = ω² M φ becomes a symmetric one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -21,8 +23,8 @@ pub enum Reduction {
 ///
 /// They come in rising order of ω²: growing directions (ω² < 0, e^(±γt)), then rigid modes, then
 /// oscillations.  Shapes fulfil φᵢᵀ M φⱼ = δᵢⱼ, those of equal and nearly equal frequencies included.
-/// Rigid modes are counted by the rank of K (singular values above 16 n ε ‖K‖, K in units of M's diagonal),
-/// never by a bound on ω (catalogue L3).
+/// Rigid modes are counted by the rank of K, its rows and columns brought to one size (singular values above
+/// 16 n ε), never by a bound on ω (catalogue L3): a stiffness of 1e-3 N/m counts beside 1e12 N/m.
 ///
 /// # Errors
 /// [`LinearError::SingularMass`], and [`LinearError::NoConvergence`] of the eigenvalue iteration.
@@ -33,15 +35,13 @@ pub fn normal_modes(linear: &Linearised, reduction: Reduction) -> Result<Vec<Mod
 }
 
 /// ω² in rising order, with mass-normalised shapes as columns.
-pub(super) struct Spectrum {
+pub struct Spectrum {
     pub squares: Vec<f64>,
     pub shapes: DMatrix<f64>,
-    /// Frequencies whose squares differ by less have shapes without a meaning of their own.
-    near: f64,
 }
 
 /// What failed, before names are known.
-pub(super) enum Fault {
+pub enum Fault {
     SingularMass(usize),
     NoConvergence,
 }
@@ -66,7 +66,7 @@ impl Spectrum {
     pub fn new(mass: &SparseMatrix, stiffness: &SparseMatrix, reduction: Reduction) -> Result<Spectrum, Fault> {
         let n = mass.rows;
         if n == 0 {
-            return Ok(Spectrum { squares: Vec::new(), shapes: DMatrix::zeros(0, 0), near: 0.0 });
+            return Ok(Spectrum { squares: Vec::new(), shapes: DMatrix::zeros(0, 0) });
         }
         let scaled = Scaled::new(mass);
         let in_units = scaled.stiffness(&stiffness.to_dense());
@@ -96,8 +96,8 @@ impl Spectrum {
         };
         let (eigenvalues, vectors) = eigen(problem)?;
         let nullity = match &back {
-            Back::Diagonal(_) => nullity(eigenvalues.as_slice()),
-            _ => nullity(in_units.symmetric_eigenvalues().as_slice()),
+            Back::Diagonal(_) if n > LARGE => nullity(eigenvalues.as_slice()),
+            _ => null_space(&in_units).ok_or(Fault::NoConvergence)?.ncols(),
         };
         let shapes = back.shapes(vectors);
         let mut order: Vec<usize> = (0..n).collect();
@@ -107,11 +107,9 @@ impl Spectrum {
             squares[*index] = 0.0;
         }
         order.sort_by(|a, b| squares[*a].total_cmp(&squares[*b]));
-        let near = 1e6 * f64::EPSILON * squares.iter().fold(0.0_f64, |most, s| most.max(s.abs()));
         Ok(Spectrum {
             squares: order.iter().map(|i| squares[*i]).collect(),
             shapes: DMatrix::from_fn(n, n, |row, column| shapes[(row, order[column])]),
-            near,
         })
     }
 
@@ -130,7 +128,9 @@ impl Spectrum {
                 };
                 let shape = self.shapes.column(k).iter().map(|x| Complex::new(*x, 0.0)).collect();
                 let mut mode = Mode::new(shape, mass, names, what);
-                let close = |j: usize| (self.squares[j] - square).abs() < self.near;
+                // Nearer ones have shapes without a meaning of their own.
+                let near = |other: f64| 1e6 * f64::EPSILON * square.abs().max(other.abs());
+                let close = |j: usize| (self.squares[j] - square).abs() <= near(self.squares[j]);
                 mode.repeated = (k > 0 && close(k - 1)) || (k + 1 < n && close(k + 1));
                 mode
             })

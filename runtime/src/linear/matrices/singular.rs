@@ -1,28 +1,14 @@
-//! Dense decompositions: nalgebra's, and for large matrices faer's, which is many times faster there, where the crate
-//! has it (feature `modal`).
+//! The singular value decomposition, for ranks and least squares.
 
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra::{DMatrix, DVector};
 
-/// Matrices of more rows are large.
-#[cfg(feature = "modal")]
-const LARGE: usize = 80;
+use super::{is_symmetric, symmetric_eigen};
 
-/// Eigenvalues and orthonormal eigenvectors, as columns, of a symmetric matrix, in no order; `None` where the
-/// iteration does not end.
-pub(super) fn symmetric_eigen(matrix: DMatrix<f64>) -> Option<(DVector<f64>, DMatrix<f64>)> {
-    let n = matrix.nrows();
-    #[cfg(feature = "modal")]
-    if n > LARGE {
-        let solved = from_nalgebra(&matrix).self_adjoint_eigen(faer::Side::Lower).ok()?;
-        let values = DVector::from_fn(n, |k, _| solved.S()[k]);
-        return Some((values, DMatrix::from_fn(n, n, |i, k| solved.U()[(i, k)])));
-    }
-    let solved = SymmetricEigen::try_new(matrix, f64::EPSILON, 100 * n.max(10))?;
-    Some((solved.eigenvalues, solved.eigenvectors))
-}
+/// Large symmetric matrices go by their eigenvalues, which cost less.
+const LARGE: usize = 60;
 
 /// A = U diag(values) Vᵀ of a square matrix.
-pub(super) struct Singular {
+pub struct Singular {
     u: DMatrix<f64>,
     pub values: DVector<f64>,
     pub v: DMatrix<f64>,
@@ -32,14 +18,18 @@ impl Singular {
     /// `None` where the iteration does not end.
     pub fn of(matrix: &DMatrix<f64>) -> Option<Singular> {
         let n = matrix.nrows();
-        #[cfg(feature = "modal")]
-        if n > LARGE {
-            let solved = from_nalgebra(matrix).svd().ok()?;
-            let dense = |from: faer::MatRef<'_, f64>| DMatrix::from_fn(n, n, |i, k| from[(i, k)]);
-            let values = DVector::from_fn(n, |k, _| solved.S()[k]);
-            return Some(Singular { u: dense(solved.U()), values, v: dense(solved.V()) });
+        if matrix.iter().any(|x| !x.is_finite()) {
+            return None;
         }
-        let solved = matrix.clone().try_svd(true, true, f64::EPSILON, 0)?;
+        if n > LARGE && is_symmetric(matrix) {
+            let (values, v) = symmetric_eigen(matrix.clone())?;
+            let mut u = v.clone();
+            for (mut column, value) in u.column_iter_mut().zip(values.iter()) {
+                column *= value.signum();
+            }
+            return Some(Singular { u, values: values.abs(), v });
+        }
+        let solved = matrix.clone().try_svd(true, true, f64::EPSILON, 1000 * n.max(10))?;
         let (u, v_t) = solved.u.zip(solved.v_t).unwrap_or_else(|| (DMatrix::identity(n, n), DMatrix::identity(n, n)));
         Some(Singular { u, values: solved.singular_values, v: v_t.transpose() })
     }
@@ -61,16 +51,10 @@ impl Singular {
     }
 }
 
-#[cfg(feature = "modal")]
-fn from_nalgebra(matrix: &DMatrix<f64>) -> faer::Mat<f64> {
-    faer::Mat::from_fn(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// The same for small and for large matrices, of deficient rank too.
     #[test]
     fn decompositions_are_right_at_any_size() {
         for n in [3, 120] {
@@ -80,9 +64,6 @@ mod tests {
                 1 => -1.0,
                 _ => 0.0,
             });
-            let (values, vectors) = symmetric_eigen(matrix.clone()).unwrap();
-            let back = &vectors * DMatrix::from_diagonal(&values) * vectors.transpose();
-            assert!((&back - &matrix).amax() < 1e-13);
             let singular = Singular::of(&matrix).unwrap();
             let back = &singular.u * DMatrix::from_diagonal(&singular.values) * singular.v.transpose();
             assert!((&back - &matrix).amax() < 1e-13);

@@ -3,8 +3,8 @@
 
 use nalgebra::{Complex, DMatrix};
 
-use super::tests::{chain, close, linear, undamped};
-use super::*;
+use crate::linear::equilibrium::tests::{chain, close, linear, undamped};
+use crate::linear::*;
 
 fn three_masses() -> Linearised {
     undamped(DMatrix::identity(3, 3), chain(3, 1.0, true))

@@ -2,7 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{LinearError, Linearised, Mode, Motion, Reduction, expm, normal_modes};
+use super::Motion;
+use crate::linear::{LinearError, Linearised, Mode, Reduction, expm, normal_modes};
 
 impl Linearised {
     /// The modes: normal ones where nothing but M and a symmetric K acts, else complex ones.
@@ -15,7 +16,7 @@ impl Linearised {
             return normal_modes(self, Reduction::Cholesky);
         }
         #[cfg(feature = "modal")]
-        return Ok(super::complex_modes(self)?.modes);
+        return Ok(crate::linear::complex_modes(self)?.modes);
         #[cfg(not(feature = "modal"))]
         return Err(LinearError::NeedsFeature { feature: "modal" });
     }

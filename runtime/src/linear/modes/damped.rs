@@ -1,11 +1,11 @@
 //! Modes of damped, gyroscopic and circulatory systems: M x'' + C x' + K x = 0 with any C and K.
 
-use faer::Mat;
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::family::{Scaled, null_space};
-use super::linearise::cholesky;
-use super::{Kind, LinearError, Linearised, Mode};
+use super::dissipation::Dissipation;
+use super::{Kind, Mode, secular};
+use crate::linear::matrices::{Eigen, Scaled, cholesky, condition, equilibrated, null_space};
+use crate::linear::{LinearError, Linearised};
 
 /// Eigenvectors beyond this condition number are no basis to compute with.
 const WORST_CONDITION: f64 = 1e6;
@@ -27,6 +27,9 @@ pub struct ComplexModes {
     /// True where the eigenvectors are no basis: motions are then to be computed by the matrix exponential, as
     /// [`Linearised::free_motion`] always does.
     pub defective: bool,
+    /// Secular (defective) groups: modes, by index, that share one eigenvalue and one shape.  Their motions are
+    /// (A + B t) e^(λt), which grows without bound where λ is imaginary.
+    pub secular: Vec<Vec<usize>>,
     /// True where K alone would be unstable and only gyroscopic forces hold it: any damping destroys that.
     pub only_gyroscopic: bool,
 }
@@ -44,30 +47,26 @@ pub fn complex_modes(linear: &Linearised) -> Result<ComplexModes, LinearError> {
     let factor = cholesky(&mass).map_err(|index| linear.singular(index))?;
     let units = Units { k: in_units(&factor, &linear.k()), c: in_units(&factor, &linear.c()), factor };
     let rate = units.rate();
-    let first_order = Mat::from_fn(2 * n, 2 * n, |i, j| match (i < n, j < n) {
+    let first_order = DMatrix::from_fn(2 * n, 2 * n, |i, j| match (i < n, j < n) {
         (true, true) => 0.0,
         (true, false) => f64::from(u8::from(i + n == j)) * rate,
         (false, true) => -units.k[(i - n, j)] / rate,
         (false, false) => -units.c[(i - n, j - n)],
     });
     let failed = LinearError::NoConvergence { what: "the eigenvalue iteration" };
-    let solved = faer::linalg::solvers::Eigen::new_from_real(first_order.as_ref()).map_err(|_| failed.clone())?;
-    let eigenvalues: Vec<Complex<f64>> = (0..2 * n).map(|k| solved.S()[k]).collect();
+    let solved = Eigen::of(&first_order).ok_or(failed)?;
+    let eigenvalues = solved.values;
     let norm = eigenvalues.iter().fold(0.0_f64, |most, x| most.max(x.norm()));
 
     let rigid = Rigid::new(linear, &mass)?;
     let mut order: Vec<usize> = (0..2 * n).collect();
     order.sort_by(|a, b| eigenvalues[*a].norm().total_cmp(&eigenvalues[*b].norm()));
     let (zero, rest) = order.split_at(rigid.multiplicity.min(2 * n));
-    let shape = |k: usize| -> Vec<Complex<f64>> { units.back((0..n).map(|i| solved.U()[(i, k)])) };
-    let condition = |columns: &[usize]| -> Result<f64, LinearError> {
-        let part = Mat::from_fn(2 * n, columns.len(), |i, j| solved.U()[(i, columns[j])]);
-        let values = part.singular_values().map_err(|_| failed.clone())?;
-        Ok(values.first().zip(values.last()).map_or(1.0, |(most, least)| most / least))
-    };
+    let shape = |k: usize| -> Vec<Complex<f64>> { units.back((0..n).map(|i| solved.vectors[(i, k)])) };
+    let condition = |columns: &[usize]| condition(&solved.vectors.select_columns(columns));
     // Bauer and Fike's bound: rounding moves eigenvalues by no more than this.
-    let floor = 16.0 * n as f64 * f64::EPSILON * norm * condition(rest)?.min(WORST_CONDITION);
-    let dissipates = !linear.dissipative().is_zero();
+    let floor = 16.0 * n as f64 * f64::EPSILON * norm * condition(rest).min(WORST_CONDITION);
+    let dissipation = Dissipation::of(linear);
 
     let mut modes: Vec<Mode> = Vec::new();
     let mut real: Vec<usize> = Vec::new();
@@ -78,8 +77,12 @@ pub fn complex_modes(linear: &Linearised) -> Result<ComplexModes, LinearError> {
         if value.im == 0.0 {
             real.push(k);
         } else if value.im > 0.0 {
-            let value = Complex::new(if !dissipates && value.re.abs() <= floor { 0.0 } else { value.re }, value.im);
-            modes.push(Mode::new(shape(k), &linear.mass, &linear.coordinates, of_pair(value, floor)));
+            let shape = shape(k);
+            let what = match dissipation.rate(&shape, value, floor) {
+                Some(rate) => of_pair(Complex::new(rate, value.im), 0.0),
+                None => of_pair(value, floor),
+            };
+            modes.push(Mode::new(shape, &linear.mass, &linear.coordinates, what));
         }
     }
     real_modes(&real, &eigenvalues, &shape, &mut |shape, what| {
@@ -103,20 +106,22 @@ pub fn complex_modes(linear: &Linearised) -> Result<ComplexModes, LinearError> {
         let (a, b) = (rank(a), rank(b));
         a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
     });
-    mark_repeated(&mut modes, 1e6 * f64::EPSILON * norm);
+    let secular = secular::merge(&mut modes, dissipation.is_none());
+    mark_repeated(&mut modes);
 
-    let condition = if rigid.multiplicity > rigid.shapes.ncols() { f64::INFINITY } else { condition(&order)? };
-    let conservative = !dissipates && linear.circulatory().is_zero();
+    let condition = if rigid.multiplicity > rigid.shapes.ncols() { f64::INFINITY } else { condition(&order) };
+    let conservative = dissipation.is_none() && linear.circulatory().is_zero();
     let held = conservative && !linear.gyroscopic().is_zero() && modes.iter().all(|m| m.kind != Kind::Unstable);
     let indefinite = || {
-        Scaled::new(&linear.mass).stiffness(&linear.k()).symmetric_eigenvalues().min()
-            < -Scaled::threshold(n, norm * norm)
+        // By Sylvester's law the signs are those of the matrix of one size.
+        equilibrated(&linear.k()).0.symmetric_eigenvalues().min() < -Scaled::threshold(n, 1.0)
     };
     Ok(ComplexModes {
         modes,
         eigenvalues: exact,
         condition,
-        defective: condition.is_nan() || condition >= WORST_CONDITION,
+        defective: condition.is_nan() || condition >= WORST_CONDITION || !secular.is_empty(),
+        secular,
         only_gyroscopic: held && n > 0 && indefinite(),
     })
 }
@@ -178,14 +183,16 @@ fn real_modes(
 }
 
 /// |aᴴb|²/(|a|²|b|²): 1 for parallel shapes.
-fn likeness(a: &[Complex<f64>], b: &[Complex<f64>]) -> f64 {
+pub fn likeness(a: &[Complex<f64>], b: &[Complex<f64>]) -> f64 {
     let dot = |a: &[Complex<f64>], b: &[Complex<f64>]| a.iter().zip(b).map(|(a, b)| a.conj() * b).sum::<Complex<f64>>();
     dot(a, b).norm_sqr() / (dot(a, a).re * dot(b, b).re)
 }
 
-fn mark_repeated(modes: &mut [Mode], near: f64) {
+fn mark_repeated(modes: &mut [Mode]) {
     for k in 0..modes.len() {
-        let close = |j: usize| (modes[j].eigenvalue - modes[k].eigenvalue).norm() <= near;
+        let size = |j: usize| modes[j].eigenvalue.norm();
+        let near = |j: usize| 1e6 * f64::EPSILON * size(j).max(size(k));
+        let close = |j: usize| (modes[j].eigenvalue - modes[k].eigenvalue).norm() <= near(j);
         modes[k].repeated = (0..modes.len()).any(|j| j != k && close(j));
     }
 }
@@ -242,16 +249,18 @@ impl Rigid {
     fn new(linear: &Linearised, mass: &DMatrix<f64>) -> Result<Rigid, LinearError> {
         let scaled = Scaled::new(&linear.mass);
         let stiffness = scaled.stiffness(&linear.k());
-        let right = null_space(&stiffness)?;
+        let failed = || LinearError::NoConvergence { what: "the singular value decomposition of K" };
+        let right = null_space(&stiffness).ok_or_else(failed)?;
         let free = right.ncols();
         if free == 0 {
             return Ok(Rigid { shapes: right, multiplicity: 0 });
         }
-        let left = null_space(&stiffness.transpose())?;
+        let left = null_space(&stiffness.transpose()).ok_or_else(failed)?;
         let damping = scaled.stiffness(&linear.c());
         let coupled = left.transpose() * &damping * &right;
-        // Singular values of Nᵀ C N against those of C itself.
-        let threshold = Scaled::threshold(linear.len(), damping.norm());
+        // Singular values of Nᵀ C N against the terms that it is made of.
+        let terms = left.abs().transpose() * damping.abs() * right.abs();
+        let threshold = Scaled::threshold(linear.len(), terms.amax());
         let working = coupled.singular_values().iter().filter(|s| **s > threshold).count();
         let columns: Vec<DVector<f64>> =
             right.column_iter().map(|c| DVector::from_vec(scaled.step(&c.into_owned()))).collect();

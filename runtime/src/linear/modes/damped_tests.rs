@@ -3,8 +3,8 @@
 
 use nalgebra::{Complex, DMatrix};
 
-use super::tests::{chain, close, linear, undamped};
-use super::*;
+use crate::linear::equilibrium::tests::{chain, close, linear, undamped};
+use crate::linear::*;
 
 fn modes(m: DMatrix<f64>, c: DMatrix<f64>, k: DMatrix<f64>) -> ComplexModes {
     complex_modes(&linear(m, c, k)).unwrap()

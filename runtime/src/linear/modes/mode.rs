@@ -5,7 +5,7 @@ use std::fmt;
 
 use nalgebra::Complex;
 
-use super::{SparseMatrix, short};
+use crate::linear::{SparseMatrix, short};
 
 /// What a mode does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,11 +57,15 @@ pub struct Mode {
     /// True where another frequency is equal, or so near (10⁶ ε ‖K‖) that only the space spanned by the shapes
     /// has a meaning, not each of them.
     pub repeated: bool,
+    /// True where another mode has this eigenvalue and this shape: motions are (A + B t) e^(λt).
+    pub secular: bool,
+    /// What a motion without stiffness is, `translation along x` or `mechanism 1`, where it is known.
+    pub name: Option<String>,
 }
 
 impl Mode {
     /// Normalises the shape and finds what carries the energy.
-    pub(super) fn new(
+    pub(in crate::linear) fn new(
         mut shape: Vec<Complex<f64>>,
         mass: &SparseMatrix,
         names: &[String],
@@ -83,7 +87,7 @@ impl Mode {
             names.iter().cloned().zip(parts.iter().map(|part| part / energy)).collect();
         carriers.retain(|(_, part)| *part >= 0.01);
         carriers.sort_by(|a, b| b.1.total_cmp(&a.1));
-        Mode { omega, zeta, eigenvalue, kind, shape, carriers, repeated: false }
+        Mode { omega, zeta, eigenvalue, kind, shape, carriers, repeated: false, secular: false, name: None }
     }
 
     /// The time in which the motion falls to 1/e of itself, −1/Re λ, s; `None` where it does not fall.
@@ -113,10 +117,13 @@ impl fmt::Display for Mode {
         let (omega, seen) = (short(self.omega), short(self.eigenvalue.im));
         let growth = short(1.0 / self.eigenvalue.re);
         match self.kind {
-            Kind::Rigid => write!(f, "rigid, no stiffness")?,
+            Kind::Rigid => match &self.name {
+                Some(name) => write!(f, "rigid, no stiffness: {name}")?,
+                None => write!(f, "rigid, no stiffness")?,
+            },
             Kind::Unstable if self.eigenvalue.im == 0.0 => write!(f, "unstable, grows by e in {growth} s")?,
             Kind::Unstable => write!(f, "unstable, omega = {seen} rad/s, grows by e in {growth} s")?,
-            Kind::Oscillating => write!(f, "oscillating, omega = {omega} rad/s, period {} s", short(TAU / self.omega))?,
+            Kind::Oscillating => write!(f, "oscillating, omega = {omega} rad/s, {} Hz, period {} s", short(self.omega / TAU), short(TAU / self.omega))?,
             kind => {
                 write!(f, "{}, omega = {omega} rad/s", kind.word())?;
                 if let Some(zeta) = self.zeta {
@@ -129,6 +136,9 @@ impl fmt::Display for Mode {
                     write!(f, ", falls by e in {} s", short(time))?;
                 }
             }
+        }
+        if self.secular {
+            write!(f, ", secular: with a factor A + B t")?;
         }
         for (index, (name, part)) in self.carriers.iter().take(4).enumerate() {
             write!(f, "{}{name} {:.0} %", if index == 0 { "; carried by " } else { ", " }, 100.0 * part)?;

@@ -1,9 +1,11 @@
 //! M, C and K at an equilibrium, from generated exact derivatives.
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{Complex, DMatrix};
 
 use super::probe::Probe;
-use super::{Equilibrium, Jump, LinearError, Residual, SparseMatrix, equilibrium_here};
+use super::{Equilibrium, Guess, Jump, equilibrium_here};
+use crate::linear::matrices::first_order;
+use crate::linear::{LinearError, Residual, SparseMatrix};
 use crate::mechanism::{Singular, SingularMass, System};
 
 /// M x'' + C x' + K x = B (u, u', u''), for small departures x from an equilibrium.
@@ -53,8 +55,21 @@ pub fn linearise<S: System + ?Sized>(system: &S, equilibrium: &Equilibrium) -> R
     let state = equilibrium.guess();
     // A degenerate equilibrium is known less well than its forces vanish, and a found one is as good as it gets.
     let here = equilibrium_here(system, &state)?;
-    let probe = Probe::new(system, &state);
-    if let Some(Jump { switch, force }) = here.friction.into_iter().next() {
+    linearised_with(system, &Probe::new(system, &state), &state, &here.friction).map(|linear| Linearised { equilibrium: equilibrium.clone(), ..linear })
+}
+
+/// As [`linearise`], for a state that is known to be an equilibrium of a probe's system, whose freedom nobody asks for.
+pub(in crate::linear) fn linearised_at(system: &dyn System, probe: &Probe, state: &Guess) -> Result<Linearised, LinearError> {
+    linearised_with(system, probe, state, &probe.jumps(&state.q))
+}
+
+fn linearised_with<S: System + ?Sized>(
+    system: &S,
+    probe: &Probe,
+    state: &Guess,
+    friction: &[Jump],
+) -> Result<Linearised, LinearError> {
+    if let Some(Jump { switch, force }) = friction.first().cloned() {
         let jump = probe.forces(&force).into_iter().filter(|jump| jump.force != 0.0);
         let jump = jump.map(|jump| Residual { force: jump.force.abs(), ..jump }).collect();
         return Err(LinearError::Discontinuous { point: probe.named(&state.q), switch, jump });
@@ -62,7 +77,7 @@ pub fn linearise<S: System + ?Sized>(system: &S, equilibrium: &Equilibrium) -> R
     if let Some(switch) = probe.kink(&state.q) {
         return Err(LinearError::NotSmooth { switch });
     }
-    let [mass, damping, stiffness] = probe.matrices(&state.q);
+    let [mass, damping, stiffness] = probe.cleaned(&state.q);
     for (matrix, what) in [(&mass, "M"), (&damping, "C"), (&stiffness, "K")] {
         if let Some((row, column, _)) = matrix.entries.iter().find(|e| !e.2.is_finite()) {
             let name = |i: &u32| probe.names().swap_remove(*i as usize);
@@ -73,7 +88,7 @@ pub fn linearise<S: System + ?Sized>(system: &S, equilibrium: &Equilibrium) -> R
         coordinates: probe.names(),
         units: system.description().coordinates.iter().map(|c| c.unit.to_string()).collect(),
         inputs: system.description().inputs.iter().map(ToString::to_string).collect(),
-        equilibrium: equilibrium.clone(),
+        equilibrium: Equilibrium::at(probe, state),
         input: probe.input(&state.q),
         mass,
         damping,
@@ -135,7 +150,7 @@ impl Linearised {
         first_order(&self.m(), &self.c(), &self.k()).map_err(|i| self.singular(i))
     }
 
-    pub(super) fn singular(&self, index: usize) -> LinearError {
+    pub(in crate::linear) fn singular(&self, index: usize) -> LinearError {
         let name = self.coordinates.get(index).cloned();
         LinearError::SingularMass { coordinate: name.unwrap_or_else(|| format!("coordinate {index}")) }
     }
@@ -155,47 +170,6 @@ impl Linearised {
         }
         z
     }
-}
-
-/// [[0, I], [−M⁻¹K, −M⁻¹C]]; the index of a pivot of M that is not positive.
-pub(super) fn first_order(m: &DMatrix<f64>, c: &DMatrix<f64>, k: &DMatrix<f64>) -> Result<DMatrix<f64>, usize> {
-    let n = m.nrows();
-    let factor = cholesky(m)?;
-    let mut a = DMatrix::zeros(2 * n, 2 * n);
-    for j in 0..n {
-        a[(j, n + j)] = 1.0;
-        for (matrix, first) in [(k, 0), (c, n)] {
-            let column = solve_cholesky(&factor, &matrix.column(j).into_owned());
-            for i in 0..n {
-                a[(n + i, first + j)] = -column[i];
-            }
-        }
-    }
-    Ok(a)
-}
-
-/// L of M = L Lᵀ; the index of the first pivot that is not positive beside its diagonal element.
-pub(super) fn cholesky(m: &DMatrix<f64>) -> Result<DMatrix<f64>, usize> {
-    let n = m.nrows();
-    if let Some(factor) = m.clone().cholesky() {
-        let l = factor.unpack();
-        let weak = |i: &usize| l[(*i, *i)] * l[(*i, *i)] <= 4.0 * n as f64 * f64::EPSILON * m[(*i, *i)];
-        return match (0..n).find(weak) {
-            Some(i) => Err(i),
-            None => Ok(l),
-        };
-    }
-    Err((1..=n)
-        .find(|size| m.view((0, 0), (*size, *size)).into_owned().cholesky().is_none())
-        .map_or(0, |size| size - 1))
-}
-
-fn solve_cholesky(l: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
-    let mut x = b.clone();
-    // The diagonal of L is positive, so neither substitution can fail.
-    l.solve_lower_triangular_mut(&mut x);
-    l.tr_solve_lower_triangular_mut(&mut x);
-    x
 }
 
 /// A(t) of δz' = A δz along a motion, z = (q, q'): −M⁻¹∂F/∂q and −M⁻¹∂F/∂q' at the state's accelerations.

@@ -2,8 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::normal::{Fault, Spectrum};
-use super::{LinearError, LinearMechanism, Reduction, SparseMatrix};
+use crate::linear::matrices::is_symmetric;
+use crate::linear::modes::{Fault, Spectrum};
+use crate::linear::{LinearError, LinearMechanism, Reduction, SparseMatrix};
 use crate::mechanism::Scene;
 use crate::{Error, Method, Settings, simulate};
 
@@ -99,7 +100,7 @@ fn superpose(
             return Err(LinearError::WrongSize { what, given: list.len(), expected: n });
         }
     }
-    if !super::mechanism::is_symmetric(k) {
+    if !is_symmetric(k) {
         return Err(LinearError::NotSymmetric { what: "K" });
     }
     let spectrum = Spectrum::new(&SparseMatrix::from_dense(m), &SparseMatrix::from_dense(k), reduction);

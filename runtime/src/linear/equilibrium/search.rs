@@ -2,22 +2,28 @@
 
 use std::fmt;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
-use super::dense::Singular;
 use super::discontinuity::{Jump, held};
-use super::family::{Freedom, Scaled};
+use super::family::Freedom;
 use super::probe::Probe;
-use super::{LinearError, SparseMatrix, short, short_beside};
+use crate::linear::matrices::{Scaled, Singular, equilibrated};
+use crate::linear::{LinearError, SparseMatrix, short, short_beside};
 use crate::mechanism::System;
 
-/// Residual forces below this part of the forces in play count as zero.
-const TOLERANCE: f64 = 1e-9;
+/// Residual forces of a given state below this part of their own row's terms count as zero.
+const GIVEN: f64 = 1e-9;
+/// Those of a state that was found: what rounding leaves.
+const FOUND: f64 = 1e-11;
+/// Coordinates that have shrunk to this part of what they were are tried at 0.
+const GONE: f64 = 1e-9;
 /// Newton's method gives up after so many iterations.
 const MOST_ITERATIONS: usize = 200;
 /// Steps that keep shrinking no faster than this point to a multiple root (catalogue C15: 1/2 for a double
 /// root, 2/3 for a triple one).
 const SLOW: f64 = 0.45;
+/// Matrices of more rows are factored first, and judged by singular values only where that fails.
+const LARGE: usize = 60;
 
 /// Where a search for an equilibrium starts.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -61,6 +67,21 @@ pub struct Equilibrium {
 }
 
 impl Equilibrium {
+    /// A state that is known to be one.
+    pub(super) fn at(probe: &Probe, state: &Guess) -> Equilibrium {
+        Equilibrium {
+            coordinates: probe.names(),
+            q: state.q.clone(),
+            v: state.v.clone(),
+            inputs: state.inputs.clone(),
+            friction: Vec::new(),
+            residual: probe.force(&state.q),
+            iterations: 0,
+            slow: None,
+            freedom: Freedom::default(),
+        }
+    }
+
     /// The state, to start from.
     pub fn guess(&self) -> Guess {
         Guess { q: self.q.clone(), v: self.v.clone(), inputs: self.inputs.clone() }
@@ -114,7 +135,7 @@ pub fn equilibrium_here<S: System + ?Sized>(system: &S, state: &Guess) -> Result
     let probe = Probe::new(system, state);
     probe.check(&state.q)?;
     let force = probe.force(&state.q);
-    if !Forces::new(&probe, &state.q).balanced(&force) && !holds(&probe, &state.q) {
+    if !balanced(&force, &probe.measure(&state.q), GIVEN) && !holds(&probe, &state.q) {
         return Err(LinearError::NotAnEquilibrium { residual: probe.forces(&force) });
     }
     finish(system, &probe, Found { q: state.q.clone(), iterations: 0, slow: None }, state)
@@ -122,10 +143,12 @@ pub fn equilibrium_here<S: System + ?Sized>(system: &S, state: &Guess) -> Result
 
 /// True where dry friction can balance what is left at rest.
 fn holds(probe: &Probe, q: &[f64]) -> bool {
-    let forces = Forces::new(probe, q);
-    let scale = probe.scale(q);
-    let enough = |left: &[f64]| forces.balanced(left) || left.iter().all(|f| f.abs() <= TOLERANCE * scale);
-    held(&probe.force(q), &probe.jumps(q), &enough)
+    let jumps = probe.jumps(q);
+    let mut measure = probe.measure(q);
+    for jump in &jumps {
+        measure.iter_mut().zip(&jump.force).for_each(|(sum, f)| *sum += f.abs());
+    }
+    held(&probe.force(q), &jumps, &|left: &[f64]| balanced(left, &measure, GIVEN))
 }
 
 /// The different equilibria that are found from several guesses; guesses that lead nowhere are left out.
@@ -175,53 +198,38 @@ fn finish<S: System + ?Sized>(
     })
 }
 
-/// How large the forces in play are, by coordinate: Σ |Kᵢⱼ| max(1, |qⱼ|).
-struct Forces {
-    each: Vec<f64>,
-    largest: f64,
-}
-
-impl Forces {
-    fn new(probe: &Probe, q: &[f64]) -> Self {
-        Forces::of(&probe.matrices(q)[2], q)
-    }
-
-    fn of(stiffness: &SparseMatrix, q: &[f64]) -> Self {
-        let mut each = vec![0.0; q.len()];
-        for (row, column, value) in &stiffness.entries {
-            each[*row as usize] += value.abs() * q[*column as usize].abs().max(1.0);
-        }
-        let largest = each.iter().copied().fold(0.0, f64::max);
-        Forces { each, largest }
-    }
-
-    fn balanced(&self, force: &[f64]) -> bool {
-        let bound = |scale: f64| TOLERANCE * scale + 1e-13 * self.largest;
-        force.iter().zip(&self.each).all(|(f, scale)| f.abs() <= bound(*scale))
-    }
+/// True where every force is small in its own row's measure.
+fn balanced(force: &[f64], measure: &[f64], part: f64) -> bool {
+    force.iter().zip(measure).all(|(f, measure)| f.abs() <= part * measure)
 }
 
 fn newton(probe: &Probe, mut q: Vec<f64>) -> Result<Found, LinearError> {
     let mut force = probe.force(&q);
     let mut pace = Pace::default();
+    let mut reach: Vec<f64> = q.iter().map(|q| q.abs()).collect();
     for iterations in 0..MOST_ITERATIONS {
         if force.iter().all(|f| *f == 0.0) {
             return Ok(Found { q, iterations, slow: pace.slow });
         }
         let [mass, _, stiffness] = probe.matrices(&q);
-        let balanced = Forces::of(&stiffness, &q).balanced(&force);
-        let scaled = Scaled::new(&mass);
-        let step = least_step(&scaled, &stiffness.to_dense(), &force)?;
-        let (next, next_force, factor) = shorten(probe, &scaled, &q, &step, &force);
-        let (before, after) = (size(&scaled, &force), size(&scaled, &next_force));
-        let largest = step.iter().zip(&q).fold(0.0_f64, |most, (s, q)| most.max(s.abs() / q.abs().max(1.0)));
-        pace.note(scaled.norm(&step), factor, largest);
+        let here = balanced(&force, &probe.measure(&q), FOUND);
+        let rows = Rows::new(&mass, &stiffness.to_dense());
+        let step = rows.step(&force)?;
+        let (next, next_force, factor) = shorten(probe, &rows, &q, &step, &force);
+        let (before, after) = (rows.size(&force), rows.size(&next_force));
+        reach.iter_mut().zip(&next).for_each(|(reach, q)| *reach = reach.max(q.abs()));
+        let part = |(step, reach): (&f64, &f64)| if *step == 0.0 { 0.0 } else { step.abs() / reach };
+        let largest = step.iter().zip(&reach).map(part).fold(0.0, f64::max);
+        pace.note(rows.scaled.norm(&step), factor, largest);
         if after < before {
             (q, force) = (next, next_force);
         }
+        if let Some(q) = without_rounding(probe, &q, &reach) {
+            return Ok(Found { q, iterations: iterations + 1, slow: pace.slow });
+        }
         // Rounding, or a multiple root that is near enough.
         let enough = if pace.slow.is_some() { 1e-10 } else { f64::EPSILON };
-        if balanced && (after > 0.5 * before || largest <= enough) {
+        if here && (after > 0.5 * before || largest <= enough) {
             return Ok(Found { q, iterations: iterations + 1, slow: pace.slow });
         }
         if after >= before {
@@ -229,6 +237,16 @@ fn newton(probe: &Probe, mut q: Vec<f64>) -> Result<Found, LinearError> {
         }
     }
     Err(failed(probe, MOST_ITERATIONS, &q, &force))
+}
+
+/// The point with all coordinates that have all but vanished at 0, if it is an equilibrium.
+fn without_rounding(probe: &Probe, q: &[f64], reach: &[f64]) -> Option<Vec<f64>> {
+    let gone = |(q, reach): (&f64, &f64)| *q != 0.0 && q.abs() <= GONE * reach;
+    if !q.iter().zip(reach).any(gone) {
+        return None;
+    }
+    let clean: Vec<f64> = q.iter().zip(reach).map(|(q, reach)| if gone((q, reach)) { 0.0 } else { *q }).collect();
+    balanced(&probe.force(&clean), &probe.measure(&clean), FOUND).then_some(clean)
 }
 
 /// How the lengths of steps follow each other.
@@ -263,40 +281,65 @@ fn failed(probe: &Probe, iterations: usize, q: &[f64], force: &[f64]) -> LinearE
     LinearError::NoEquilibrium { iterations, point: probe.named(q), residual: probe.forces(force) }
 }
 
-/// ‖F‖ in the metric of M's diagonal.
-fn size(scaled: &Scaled, force: &[f64]) -> f64 {
-    let norm = scaled.force(force).norm();
-    if norm.is_finite() { norm } else { f64::INFINITY }
+/// K in the units of M's diagonal, its rows and columns brought to one size: so that a row of 1e-3 N/m counts beside one
+/// of 1e12 N/m.
+struct Rows {
+    scaled: Scaled,
+    matrix: DMatrix<f64>,
+    rows: DVector<f64>,
+    columns: DVector<f64>,
+}
+
+impl Rows {
+    fn new(mass: &SparseMatrix, stiffness: &DMatrix<f64>) -> Rows {
+        let scaled = Scaled::new(mass);
+        let (matrix, rows, columns) = equilibrated(&scaled.stiffness(stiffness));
+        Rows { scaled, matrix, rows, columns }
+    }
+
+    fn in_rows(&self, force: &[f64]) -> DVector<f64> {
+        self.scaled.force(force).component_mul(&self.rows)
+    }
+
+    /// ‖F‖, each row in its own measure.
+    fn size(&self, force: &[f64]) -> f64 {
+        let norm = self.in_rows(force).norm();
+        if norm.is_finite() { norm } else { f64::INFINITY }
+    }
+
+    /// The shortest Δq that minimises ‖K Δq + F‖.
+    fn step(&self, force: &[f64]) -> Result<Vec<f64>, LinearError> {
+        let wanted = -self.in_rows(force);
+        let n = force.len();
+        if n > LARGE {
+            let lu = self.matrix.clone().lu();
+            let pivots = lu.u().diagonal().abs();
+            if pivots.min() > 1e-10 * pivots.max()
+                && let Some(step) = lu.solve(&wanted)
+            {
+                return Ok(self.scaled.step(&step.component_mul(&self.columns)));
+            }
+        }
+        let failed = LinearError::NoConvergence { what: "the singular value decomposition of K" };
+        let singular = Singular::of(&self.matrix).ok_or(failed)?;
+        let step = singular.least_squares(&wanted, Scaled::threshold(n, singular.values.max()));
+        Ok(self.scaled.step(&step.component_mul(&self.columns)))
+    }
 }
 
 /// The shortest Δq that minimises ‖K Δq + F‖.
-pub(super) fn least_step(scaled: &Scaled, stiffness: &DMatrix<f64>, force: &[f64]) -> Result<Vec<f64>, LinearError> {
-    let matrix = scaled.stiffness(stiffness);
-    let wanted = -scaled.force(force);
-    let n = force.len();
-    if n > 60 {
-        let lu = matrix.clone().lu();
-        let pivots = lu.u().diagonal().abs();
-        if pivots.min() > 1e-10 * pivots.max()
-            && let Some(step) = lu.solve(&wanted)
-        {
-            return Ok(scaled.step(&step));
-        }
-    }
-    let failed = LinearError::NoConvergence { what: "the singular value decomposition of K" };
-    let singular = Singular::of(&matrix).ok_or(failed)?;
-    let step = singular.least_squares(&wanted, Scaled::threshold(n, singular.values.max()));
-    Ok(scaled.step(&step))
+pub fn least_step(mass: &SparseMatrix, stiffness: &DMatrix<f64>, force: &[f64]) -> Result<Vec<f64>, LinearError> {
+    Rows::new(mass, stiffness).step(force)
 }
 
 /// Halves a step until F decreases; the point reached, F there, and the factor.
-fn shorten(probe: &Probe, scaled: &Scaled, q: &[f64], step: &[f64], force: &[f64]) -> (Vec<f64>, Vec<f64>, f64) {
-    let before = size(scaled, force);
+fn shorten(probe: &Probe, rows: &Rows, q: &[f64], step: &[f64], force: &[f64]) -> (Vec<f64>, Vec<f64>, f64) {
+    let before = rows.size(force);
     let mut factor = 1.0;
     loop {
         let next: Vec<f64> = q.iter().zip(step).map(|(q, s)| q + factor * s).collect();
         let there = probe.force(&next);
-        if size(scaled, &there) < (1.0 - 1e-4 * factor) * before || factor < 1e-9 {
+        if rows.size(&there) < (1.0 - 1e-4 * factor) * before || factor < 1e-9 {
             return (next, there, factor);
         }
         factor *= 0.5;

@@ -1,21 +1,23 @@
 //! A mechanism whose inputs and clock stand still: F(q) = F(q, q', q'' = 0) and its derivatives.
 
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 
 use nalgebra::DMatrix;
 
-use super::{Guess, LinearError, Residual, SparseMatrix, short};
+use super::Guess;
+use crate::linear::{LinearError, Residual, SparseMatrix, short};
 use crate::mechanism::{SwitchKind, System};
 
 /// Arguments of switches nearer to zero than this, relative to the largest coordinate, are on the surface.
 const ON_SURFACE: f64 = 1e-10;
 
 /// Steady forces of a mechanism; discontinuities are on the side where a point lies, and at 0 on their surface.
-pub(super) struct Probe {
-    system: RefCell<Box<dyn System>>,
+pub(in crate::linear) struct Probe {
+    pub(super) system: RefCell<Box<dyn System>>,
     pub n: usize,
     pub v: Vec<f64>,
-    zero: Vec<f64>,
+    pub(super) zero: Vec<f64>,
 }
 
 impl Probe {
@@ -28,6 +30,11 @@ impl Probe {
             held.set_input(index, std::sync::Arc::new(move |_| [value, 0.0, 0.0]));
         }
         Probe { system: RefCell::new(held), n, v: guess.v.clone(), zero: vec![0.0; n] }
+    }
+
+    /// Another value of a parameter.
+    pub fn set_parameter(&self, index: usize, value: f64) {
+        self.system.borrow_mut().set_parameter(index, value);
     }
 
     pub fn names(&self) -> Vec<String> {
@@ -51,18 +58,14 @@ impl Probe {
         .collect()
     }
 
-    fn name(&self, index: usize) -> String {
+    pub(super) fn name(&self, index: usize) -> String {
         self.names().swap_remove(index)
     }
 
     /// F(q, q', 0).
     pub fn force(&self, q: &[f64]) -> Vec<f64> {
-        self.force_at(0.0, q)
-    }
-
-    fn force_at(&self, t: f64, q: &[f64]) -> Vec<f64> {
-        self.settle(t, q, &self.v);
-        self.present_force(t, q, &self.v)
+        self.settle(0.0, q, &self.v);
+        self.present_force(0.0, q, &self.v)
     }
 
     /// F with another speed of one coordinate.
@@ -140,12 +143,6 @@ impl Probe {
         OneSide { force: self.present_force(0.0, q, &self.v), derivatives }
     }
 
-    fn changes_with_time(&self) -> bool {
-        let system = self.system.borrow();
-        let description = system.description();
-        description.structure.time_dependent || description.switches.iter().any(|switch| switch.time_only)
-    }
-
     /// True where no force can jump: a linear mechanism, or nothing but potentials.
     pub fn is_smooth(&self) -> bool {
         let system = self.system.borrow();
@@ -153,11 +150,55 @@ impl Probe {
         description.switches.is_empty() && (description.structure.linear || description.structure.conservative)
     }
 
-    /// How large forces are here: the largest element of K times the largest coordinate (at least 1), and of F.
-    pub fn scale(&self, q: &[f64]) -> f64 {
-        let stiffness = self.matrices(q)[2].entries.iter().fold(0.0_f64, |most, e| most.max(e.2.abs()));
-        let extent = q.iter().fold(1.0_f64, |most, q| most.max(q.abs()));
-        self.force(q).iter().fold(stiffness * extent, |most, f| most.max(f.abs()))
+    /// What each row of forces is judged by: Σ |terms|, and what the state's own size makes of the derivatives.
+    ///
+    /// Rounding leaves some ε of it; forces that are far below it are balanced.
+    pub fn measure(&self, q: &[f64]) -> Vec<f64> {
+        self.settle(0.0, q, &self.v);
+        let mut sums = self.magnitudes(q, &self.v);
+        let [_, damping, stiffness] = self.present_matrices(q);
+        for (matrix, state) in [(stiffness, q), (damping, &self.v)] {
+            for (row, column, value) in &matrix.entries {
+                sums[*row as usize] += (value * state[*column as usize]).abs();
+            }
+        }
+        sums
+    }
+
+    fn magnitudes(&self, q: &[f64], v: &[f64]) -> Vec<f64> {
+        let mut sums = vec![0.0; self.n];
+        self.system.borrow().magnitudes(0.0, q, v, &self.zero, &mut sums);
+        sums
+    }
+
+    /// M, ∂F/∂q' and ∂F/∂q without what is rounding: elements far below the terms that they are the difference of.
+    pub fn cleaned(&self, q: &[f64]) -> [SparseMatrix; 3] {
+        let [mass, mut damping, mut stiffness] = self.matrices(q);
+        let near: Vec<f64> = q.iter().map(|q| q * (1.0 + 1e-7)).collect();
+        let [_, damping_near, stiffness_near] = self.present_matrices(&near);
+        let here = self.magnitudes(q, &self.v);
+        for (matrix, near, of_speed) in [(&mut damping, damping_near, true), (&mut stiffness, stiffness_near, false)] {
+            let largest = matrix.entries.iter().fold(0.0_f64, |most, e| most.max(e.2.abs()));
+            let doubtful = |value: f64| value != 0.0 && value.abs() <= 1e-9 * largest;
+            let mut slopes: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
+            for (entry, near) in matrix.entries.iter_mut().zip(&near.entries).filter(|(e, _)| doubtful(e.2)) {
+                let slopes = slopes.entry(entry.1).or_insert_with(|| self.slopes(q, entry.1 as usize, of_speed, &here));
+                let terms = slopes[entry.0 as usize] + (near.2 - entry.2).abs() / 1e-7;
+                if entry.2.abs() <= 64.0 * f64::EPSILON * terms {
+                    entry.2 = 0.0;
+                }
+            }
+        }
+        [mass, damping, stiffness]
+    }
+
+    /// How fast the magnitudes of all rows grow with one coordinate or its speed.
+    fn slopes(&self, q: &[f64], index: usize, of_speed: bool, here: &[f64]) -> Vec<f64> {
+        let (mut q, mut v) = (q.to_vec(), self.v.clone());
+        let moved = if of_speed { &mut v[index] } else { &mut q[index] };
+        let step = (1e-7 * moved.abs()).max(1e-12);
+        *moved += step;
+        self.magnitudes(&q, &v).iter().zip(here).map(|(there, here)| (there - here).abs() / step).collect()
     }
 
     /// M, ∂F/∂q' and ∂F/∂q.
@@ -218,15 +259,7 @@ impl Probe {
             let what = format!("the force on `{}` at {}", self.name(i), point.join(", "));
             return Err(LinearError::NonFinite { what });
         }
-        if self.changes_with_time() {
-            for t in [0.37, 1.9, 53.0] {
-                let later = self.force_at(t, q);
-                let scale = now.iter().chain(&later).fold(0.0_f64, |s, f| s.max(f.abs()));
-                if let Some(i) = (0..self.n).find(|i| (later[*i] - now[*i]).abs() > 1e-9 * scale) {
-                    return Err(LinearError::DependsOnTime { coordinate: self.name(i) });
-                }
-            }
-        }
+        self.check_time(q)?;
         self.check_steadiness(q)
     }
 
@@ -239,8 +272,8 @@ impl Probe {
         let here = self.matrices(q);
         let largest = |matrix: &SparseMatrix| matrix.entries.iter().fold(0.0_f64, |s, e| s.max(e.2.abs()));
         let scales: Vec<f64> = here.iter().map(largest).collect();
-        let pulls = |e: &&(u32, u32, f64)| moving.contains(&(e.1 as usize)) && e.2.abs() > 1e-12 * scales[2];
-        if let Some((_, column, _)) = here[2].entries.iter().find(pulls) {
+        let pulls = |e: &&(u32, u32, f64)| moving.contains(&(e.1 as usize)) && e.2 != 0.0;
+        if let Some((_, column, _)) = self.cleaned(q)[2].entries.iter().find(pulls) {
             return Err(LinearError::NotSteady { coordinate: self.name(*column as usize) });
         }
         for &index in &moving {
@@ -260,7 +293,7 @@ impl Probe {
 }
 
 /// F and its derivatives on one side of a discontinuity.
-pub(super) struct OneSide {
+pub(in crate::linear) struct OneSide {
     pub force: Vec<f64>,
     pub derivatives: Vec<f64>,
 }

@@ -22,15 +22,15 @@ impl Probe {
         if self.is_smooth() {
             return Vec::new();
         }
-        let scale = self.scale(q);
+        let measure = self.measure(q);
         let jump = |switch: usize| {
             let [low, high] = self.sides(q, switch);
             let force: Vec<f64> = high.force.iter().zip(&low.force).map(|(a, b)| 0.5 * (a - b)).collect();
-            let jumps = force.iter().any(|f| f.abs() > 1e-12 * scale);
+            let jumps = force.iter().zip(&measure).any(|(f, measure)| f.abs() > 1e-12 * measure);
             jumps.then(|| Jump { switch: self.switch(switch).0, force })
         };
         let list: Vec<Jump> = self.on_surface(q).into_iter().filter_map(jump).collect();
-        if list.is_empty() { self.jumps_of_speed(q, scale) } else { list }
+        if list.is_empty() { self.jumps_of_speed(q, &measure) } else { list }
     }
 
     /// A switch at whose surface a state lies where derivatives of the forces differ from side to side.
@@ -43,7 +43,7 @@ impl Probe {
         self.on_surface(q).into_iter().find(differs).map(|switch| self.switch(switch).0)
     }
 
-    fn sides(&self, q: &[f64], switch: usize) -> [OneSide; 2] {
+    pub(super) fn sides(&self, q: &[f64], switch: usize) -> [OneSide; 2] {
         let below = match self.switch(switch).1 {
             SwitchKind::Sign => -1.0,
             SwitchKind::Step => 0.0,
@@ -52,7 +52,7 @@ impl Probe {
     }
 
     /// What jumps though no switch does: F at a small speed to either side of rest.
-    fn jumps_of_speed(&self, q: &[f64], scale: f64) -> Vec<Jump> {
+    fn jumps_of_speed(&self, q: &[f64], measure: &[f64]) -> Vec<Jump> {
         let jump = |coordinate: usize| {
             if self.v[coordinate] != 0.0 {
                 return None;
@@ -62,9 +62,11 @@ impl Probe {
             // A viscous force is as small as the speed: a tenth of it at a tenth of the speed.
             let [high, low] = [0.1, -0.1].map(|part| self.force_moving(q, coordinate, part * SMALL_SPEED));
             let slower: Vec<f64> = high.iter().zip(&low).map(|(a, b)| 0.5 * (a - b)).collect();
-            let stays = |(f, slow): (&f64, &f64)| f.abs() > 1e-12 * scale && slow.abs() > 0.5 * f.abs();
+            let stays = |((f, slow), measure): ((&f64, &f64), &f64)| {
+                f.abs() > 1e-12 * measure && slow.abs() > 0.5 * f.abs()
+            };
             let name = format!("{}'", self.names()[coordinate]);
-            force.iter().zip(&slower).any(stays).then_some(Jump { switch: name, force })
+            force.iter().zip(&slower).zip(measure).any(stays).then_some(Jump { switch: name, force })
         };
         (0..self.n).filter_map(jump).collect()
     }

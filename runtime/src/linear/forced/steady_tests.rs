@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use nalgebra::DVector;
 
-use super::tests::close;
-use super::*;
+use crate::linear::equilibrium::tests::close;
+use crate::linear::*;
 use crate::mechanism::System;
 use crate::testing::Toy;
 use crate::{Settings, simulate};

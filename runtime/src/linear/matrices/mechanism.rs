@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::LinearError;
-use super::linearise::cholesky;
+use super::cholesky;
+use crate::linear::LinearError;
 use crate::mechanism::{Coordinate, Description, Energy, Scene, Signal, Singular, Structure, System};
 
 /// A mechanism given by its matrices; what works on mechanisms works on it.
@@ -106,7 +106,7 @@ impl LinearMechanism {
     }
 }
 
-pub(super) fn is_symmetric(matrix: &DMatrix<f64>) -> bool {
+pub fn is_symmetric(matrix: &DMatrix<f64>) -> bool {
     let largest = matrix.amax();
     (matrix - matrix.transpose()).amax() <= 1e-13 * largest
 }
@@ -146,6 +146,15 @@ impl System for LinearMechanism {
         for ((row, column), value) in self.description.input_pattern.iter().zip(du) {
             *value = -self.inputs[*column as usize / 3].column[*row as usize];
         }
+    }
+
+    fn magnitudes(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], sums: &mut [f64]) {
+        let size = |x: &[f64]| DVector::from_iterator(x.len(), x.iter().map(|x| x.abs()));
+        let inputs = self.inputs.iter().fold(DVector::zeros(self.m.nrows()), |sum, input| {
+            sum + input.column.abs() * (input.signal)(t)[0].abs()
+        });
+        let sum = self.m.abs() * size(a) + self.c.abs() * size(v) + self.k.abs() * size(q) + inputs;
+        sums.copy_from_slice(sum.as_slice());
     }
 
     fn energy(&self, t: f64, q: &[f64], v: &[f64]) -> Energy {

@@ -2,9 +2,8 @@
 
 use nalgebra::DMatrix;
 
-use super::normal::Fault;
-use super::normal::Spectrum;
-use super::{LinearError, Linearised, Reduction};
+use super::{Fault, Reduction, Spectrum};
+use crate::linear::{LinearError, Linearised};
 
 /// α and β of C = αM + βK that damps two frequencies by given ratios: ζ = α/(2ω) + βω/2.
 ///

@@ -2,8 +2,10 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::normal::Spectrum;
-use super::{LinearError, Linearised, Motion, Reduction, Source, expm, short};
+use super::{Motion, Source};
+use crate::linear::matrices::cholesky;
+use crate::linear::modes::Spectrum;
+use crate::linear::{LinearError, Linearised, Reduction, expm, short};
 
 /// A force F(t) = cos(Ωt) `cosine` + sin(Ωt) `sine`.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -47,7 +49,7 @@ impl Linearised {
     ///
     /// # Errors
     /// [`LinearError::Resonance`] where an undamped mode that the force reaches has the frequency Ω; as
-    /// [`super::normal_modes`].
+    /// [`normal_modes`](crate::linear::normal_modes).
     pub fn steady_state_by_modes(&self, force: &[Complex<f64>], omega: f64) -> Result<Vec<Complex<f64>>, LinearError> {
         self.expect("the force", force.len(), self.len())?;
         let spectrum = Spectrum::new(&self.mass, &self.conservative(), Reduction::Cholesky);
@@ -116,7 +118,7 @@ impl Linearised {
     /// [`LinearError::SingularMass`] and wrong sizes.
     pub fn impulse_motion(&self, impulse: &[f64], times: &[f64]) -> Result<Motion, LinearError> {
         self.expect("the impulse", impulse.len(), self.len())?;
-        let factor = super::linearise::cholesky(&self.m()).map_err(|index| self.singular(index))?;
+        let factor = cholesky(&self.m()).map_err(|index| self.singular(index))?;
         let mut speed = DVector::from_column_slice(impulse);
         factor.solve_lower_triangular_mut(&mut speed);
         factor.tr_solve_lower_triangular_mut(&mut speed);
@@ -184,7 +186,7 @@ impl Linearised {
     /// (0, M⁻¹ f) for each force, as columns.
     fn accelerated_by(&self, columns: &[&[f64]]) -> Result<DMatrix<f64>, LinearError> {
         let n = self.len();
-        let factor = super::linearise::cholesky(&self.m()).map_err(|index| self.singular(index))?;
+        let factor = cholesky(&self.m()).map_err(|index| self.singular(index))?;
         let mut input = DMatrix::zeros(2 * n, columns.len());
         for (k, force) in columns.iter().enumerate() {
             self.expect("the force", force.len(), n)?;
@@ -202,7 +204,7 @@ impl Linearised {
 
     /// The largest element of K, ΩC and Ω²M.
     fn largest(&self, omega: f64) -> f64 {
-        let most = |matrix: &super::SparseMatrix| matrix.entries.iter().fold(0.0_f64, |most, e| most.max(e.2.abs()));
+        let most = |matrix: &crate::linear::SparseMatrix| matrix.entries.iter().fold(0.0_f64, |most, e| most.max(e.2.abs()));
         most(&self.stiffness).max(omega.abs() * most(&self.damping)).max(omega * omega * most(&self.mass))
     }
 }
