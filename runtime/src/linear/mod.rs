@@ -1,18 +1,15 @@
 //! Small motions: equilibria, linearisation to M, C and K, and modes.
 //!
-//! 1. [`equilibrium_near`] searches, [`equilibrium_here`] verifies: look in `equilibrium.rs`; what directions
-//!    without stiffness are (families, degenerate equilibria): look in `family.rs`; dry friction and contacts: look in
-//!    `discontinuity.rs`.
-//! 2. [`linearise`] gives M, C and K there as [`Linearised`]: look in `linearise.rs`.
-//! 3. Undamped: [`normal_modes`]; look in `normal.rs`, and for starting from given states
-//!    ([`solvenum`], [`solvemode`], [`solvenorm`]) in `initial_value.rs`.
-//! 4. Damped, gyroscopic, circulatory: [`Linearised::modes`]; complex modes need the feature `modal`: look in
-//!    `damped.rs`; systems z' = A z of first order: look in `first_order.rs`.  Motions by the matrix exponential [`expm`]: look in `motion.rs`.
-//! 5. Forced: steady states, resonance, steps, impulses, any input: look in `forced.rs`; frequency responses, by
-//!    modes: look in `drive.rs`.
-//! 6. Proportional and diagonal damping: look in `proportional.rs`.
-//! 7. Measuring frequency and damping of a run: look in `measured.rs`.
-//! 8. Pictures: look in `pictures.rs`.
+//! 1. [`equilibrium_near`] searches, [`equilibrium_here`] verifies, each row by its own terms; what directions without
+//!    stiffness are, dry friction, contacts, dependence on time, and M, C and K as [`Linearised`]: look in
+//!    `equilibrium/`.
+//! 2. Modes: normal ([`normal_modes`]), damped, gyroscopic and circulatory ([`Linearised::modes`], `complex_modes`),
+//!    of systems z' = A z, secular pairs, proportional damping, pictures: look in `modes/`.
+//! 3. Rigid motions told apart from mechanisms ([`name_free_modes`]): look in `rigid.rs`.
+//! 4. A branch of equilibria as a parameter changes, its folds and thresholds ([`follow`]): look in `branch/`.
+//! 5. Motions of the linear model: from given states, by the matrix exponential [`expm`], forced, steady, measured:
+//!    look in `forced/`.
+//! 6. Decompositions, scaling and ranks: look in `matrices/`.
 //!
 //! Matrices stay sparse until an eigenproblem or a factorization needs them dense, on the heap.
 
@@ -27,11 +24,9 @@ macro_rules! dmatrix {
 
 mod branch;
 mod equilibrium;
-mod error;
 mod forced;
 mod matrices;
 mod modes;
-mod numbers;
 mod rigid;
 mod typed;
 
@@ -40,7 +35,7 @@ pub use equilibrium::{
     Equilibrium, Freedom, Guess, Jump, Linearised, equilibria, equilibrium_here, equilibrium_near, linearise,
     state_matrix,
 };
-pub use error::{LinearError, Residual};
+pub use crate::error::{LinearError, Residual};
 pub use forced::{
     Drive, Harmonic, Measured, Motion, Source, Steady, beat, bode, measure, solvemode, solvenorm, solvenum,
 };
@@ -50,6 +45,6 @@ pub use modes::{ComplexModes, FirstOrder, Stability, complex_modes, first_order_
 pub use modes::{
     DiagonalDamping, Kind, Mode, Reduction, animate_mode, draw_modes, normal_modes, proportional_damping, root_locus,
 };
-pub use numbers::{short, short_beside};
+pub use crate::numbers::{short, short_beside};
 pub use rigid::{Part, name_free_modes};
 pub use typed::Linearise;

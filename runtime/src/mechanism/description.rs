@@ -65,7 +65,7 @@ pub struct Description {
 pub struct Coordinate {
     /// `theta[3]`.
     pub name: Text,
-    /// As written in the file, `rad`; empty when none is given.
+    /// The unit of its numbers, SI: the file's without prefixes (`mm` is `m`); empty when none is given.
     pub unit: Text,
 }
 
@@ -74,7 +74,7 @@ pub struct Coordinate {
 pub struct Parameter {
     /// `m[2]`.
     pub name: Text,
-    /// As written in the file.
+    /// The unit of its numbers, SI: the file's without prefixes (`N/mm` is `N/m`); empty when none is given.
     pub unit: Text,
     /// The file's value, in SI.
     pub default: f64,
@@ -225,6 +225,11 @@ pub struct Counts {
 }
 
 impl Description {
+    /// The name of a coordinate, for messages.
+    pub(crate) fn coordinate_name(&self, index: usize) -> String {
+        self.coordinates.get(index).map_or_else(|| format!("coordinate {index}"), |c| c.name.to_string())
+    }
+
     /// How many numbers `System::outputs` writes.
     pub fn output_len(&self) -> usize {
         self.outputs.iter().map(|o| o.components as usize).sum()

@@ -85,3 +85,27 @@ fn changing(graph: &mut Graph, rates: &[Id], generic: &[Id]) -> Vec<bool> {
     // What could not be evaluated is not known to stand still.
     (0..n).map(|k| rates[k] != Id::ZERO && (changes[k] || !seen[k])).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::lower::compile;
+
+    fn rows(force: &str) -> usize {
+        let text = format!(
+            "name: Block\nparameters: {{m: 1, k: 4, W: 2}}\ncoordinates: {{x: 1, y: 1}}\n\
+             kinetic_energy: m*(x'^2 + y'^2)/2\npotential_energy: k*x^2/2\ngeneralized_forces: {{x: \"{force}\"}}\n"
+        );
+        compile(&text, &[]).map_or(99, |program| program.time.len())
+    }
+
+    /// Time that cancels, also by the theorem of addition, is none; a pulse that no sample meets is.
+    #[test]
+    fn equations_depend_on_time_or_do_not() {
+        assert_eq!(rows("-k*x"), 0);
+        assert_eq!(rows("k*(cos(W*t)^2 + sin(W*t)^2)"), 0);
+        assert_eq!(rows("k*(cos(W*t + y)*cos(W*t) + sin(W*t + y)*sin(W*t))"), 0);
+        assert_eq!(rows("exp(-(t - 700)^2)"), 1);
+        assert_eq!(rows("-x*cos(W*t)"), 1);
+        assert_eq!(rows("tanh(t - 1e6)"), 1);
+    }
+}

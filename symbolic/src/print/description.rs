@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::body::float;
-use super::text;
+use super::{si_unit, text};
 use crate::derive::SwitchKind;
 use crate::lower::{Entry, Program};
 use crate::model::{EventAction, Shape};
@@ -15,7 +15,7 @@ pub(super) fn description(program: &Program, source: &str) -> String {
     let mut field = |name: &str, value: String| {
         let _ = writeln!(out, "        {name}: {value},");
     };
-    let unit = |unit: &Option<String>| string(unit.as_deref().unwrap_or(""));
+    let unit = |unit: &Option<String>| string(&unit.as_deref().map(si_unit).unwrap_or_default());
     field("name", string(&model.name));
     field("about", string(&model.about));
     field("source_hash", format!("{:#018x}", fnv1a(source)));

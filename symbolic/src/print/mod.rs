@@ -7,11 +7,13 @@ mod momentum;
 mod names;
 mod rust;
 mod text;
+mod units;
 
 pub use description::fnv1a;
 pub use names::{field_name, type_name};
 pub use rust::rust;
 pub use text::text;
+pub use units::si_unit;
 pub(crate) use text::text_in;
 
 /// What stands for a model that has errors: a type without coordinates that implements `Mechanism<0, 0>`, so that

@@ -8,7 +8,7 @@ use super::description::description;
 use super::documentation::{about, tested};
 use super::momentum;
 use super::names::{Locals, field_name};
-use super::text;
+use super::{si_unit, text};
 use crate::expr::{Id, Node, Symbol, Unary};
 use crate::lower::{Accelerations, Entry, Program};
 use crate::model::Parameter;
@@ -68,7 +68,7 @@ fn parameters(out: &mut String, program: &Program, name: &str, bodies: &Bodies<'
     let allow = if mixed.clone().all(snake) { "" } else { "#[allow(non_snake_case)]\n" };
     let _ = writeln!(out, "{allow}#[derive(Clone, Debug, PartialEq)]\npub struct {name} {{");
     for field in &fields {
-        let unit = field.unit.as_deref().unwrap_or("no unit");
+        let unit = field.unit.as_deref().map_or_else(|| "no unit".to_owned(), si_unit);
         let _ = writeln!(out, "    /// `{}`, {unit}.\n    pub {}: {},", field.label, field.name, field.kind);
     }
     let _ = writeln!(out, "}}\n\nimpl Default for {name} {{\n    fn default() -> Self {{\n        {name} {{");
@@ -83,7 +83,7 @@ fn parameters(out: &mut String, program: &Program, name: &str, bodies: &Bodies<'
     let _ = writeln!(out, "{allow}impl {name} {{");
     for derived in scalar {
         let body = bodies.body(&[Use::Store("let value".to_owned(), derived.value)], "        ");
-        let unit = derived.unit.as_deref().unwrap_or("unit from what it is computed from");
+        let unit = derived.unit.as_deref().map_or_else(|| "unit from what it is computed from".to_owned(), si_unit);
         let _ = writeln!(
             out,
             "    /// `{} = {}`, {unit}.\n    #[must_use]\n    pub fn {}(&self) -> f64 {{\n        type S = f64;\n        let c = ::dalembert::mechanism::Mechanism::parameters(self);\n        use ::dalembert::mechanism::Real as _;\n        let _ = (&c, S::ratio(0.0, 1.0));\n{body}        value\n    }}",

@@ -6,7 +6,7 @@ use super::probe::Probe;
 use super::{Equilibrium, Guess, Jump, equilibrium_here};
 use crate::linear::matrices::first_order;
 use crate::linear::{LinearError, Residual, SparseMatrix};
-use crate::mechanism::{Singular, SingularMass, System};
+use crate::mechanism::{At, Singular, SingularMass, System};
 
 /// M x'' + C x' + K x = B (u, u', u''), for small departures x from an equilibrium.
 ///
@@ -17,7 +17,7 @@ use crate::mechanism::{Singular, SingularMass, System};
 pub struct Linearised {
     /// Names of the coordinates, n of them.
     pub coordinates: Vec<String>,
-    /// Their units, as the model file has them; empty where it has none.
+    /// Their units, SI; empty where the model file has none.
     pub units: Vec<String>,
     /// Names of the inputs.
     pub inputs: Vec<String>,
@@ -179,12 +179,12 @@ impl Linearised {
 pub fn state_matrix<S: System + ?Sized>(system: &S, t: f64, q: &[f64], v: &[f64]) -> Result<DMatrix<f64>, Singular> {
     let (n, description) = (system.len(), system.description());
     let mut a = vec![0.0; n];
-    system.accelerations(t, q, v, &mut a)?;
+    system.accelerations(At::new(t, q, v), &mut a)?;
     let mut mass = vec![0.0; description.mass_pattern.len()];
     let mut dq = vec![0.0; description.stiffness_pattern.len()];
     let mut dv = vec![0.0; description.damping_pattern.len()];
-    system.mass_matrix(t, q, &mut mass);
-    system.jacobians(t, q, v, &a, &mut dq, &mut dv);
+    system.mass_matrix(At::place(t, q), &mut mass);
+    system.jacobians(At::new(t, q, v).accelerated(&a), &mut dq, &mut dv);
     let mass = SparseMatrix::symmetric(n, &description.mass_pattern, &mass).to_dense();
     let stiffness = SparseMatrix::new(n, n, &description.stiffness_pattern, &dq).to_dense();
     let damping = SparseMatrix::new(n, n, &description.damping_pattern, &dv).to_dense();

@@ -266,7 +266,7 @@ impl Pace {
         let ratio = self.earlier.filter(|before| *before > 0.0 && factor == 1.0).map(|before| length / before);
         self.earlier = Some(length);
         // Steps at the level of rounding tell nothing.
-        let Some(ratio) = ratio.filter(|_| largest > 1e-7) else { return };
+        let Some(ratio) = ratio.filter(|_| largest > 1e-6) else { return };
         self.slowly = if (SLOW..0.95).contains(&ratio) { self.slowly + 1 } else { 0 };
         self.fast = if ratio < 0.3 { self.fast + 1 } else { 0 };
         if self.slowly >= 5 {

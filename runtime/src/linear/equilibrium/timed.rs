@@ -2,6 +2,7 @@
 
 use super::probe::Probe;
 use crate::linear::LinearError;
+use crate::mechanism::At;
 
 /// Times at which ∂F/∂t is looked at, s; pulses that are elsewhere show in `time_dependence`.
 const TIMES: [f64; 5] = [0.0, 0.37, 1.9, 53.0, 1234.5];
@@ -50,11 +51,12 @@ impl Probe {
         let mut rates = vec![0.0; rows.len()];
         for t in TIMES {
             for generic in [false, true] {
+                let at = At::new(t, q, &self.v).accelerated(&self.zero);
                 match generic {
-                    false => system.time_jacobian(t, q, &self.v, &self.zero, &mut rates),
-                    true => system.time_dependence(t, q, &self.v, &self.zero, &mut rates),
+                    false => system.time_jacobian(at, &mut rates),
+                    true => system.time_dependence(at, &mut rates),
                 }
-                system.magnitudes(t, q, &self.v, &self.zero, &mut sums);
+                system.magnitudes(at, &mut sums);
                 // A rate of one part in 10¹² a second is rounding of what cancels.
                 let changes =
                     |(row, rate): (&u32, &f64)| rate.is_finite() && rate.abs() > 1e-12 * sums[*row as usize];

@@ -9,6 +9,7 @@ mod scaled;
 mod singular;
 mod sparse;
 mod symmetric;
+mod tridiagonal;
 
 pub(super) use cholesky::{cholesky, first_order};
 #[cfg(feature = "modal")]

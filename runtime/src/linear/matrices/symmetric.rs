@@ -2,7 +2,9 @@
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-/// Matrices of more rows are left to the tridiagonal method, which is faster and knows small eigenvalues less well.
+use super::tridiagonal::tridiagonal_eigen;
+
+/// Matrices of more rows are left to the tridiagonal form, which is faster and knows small eigenvalues less well.
 const LARGE: usize = 60;
 /// Jacobi's method needs some six sweeps, and a few more for matrices with entries of very different size.
 const MOST_SWEEPS: usize = 40;
@@ -18,6 +20,9 @@ pub fn symmetric_eigen(matrix: DMatrix<f64>) -> Option<(DVector<f64>, DMatrix<f6
         return None;
     }
     if n > LARGE {
+        if let Some(found) = tridiagonal_eigen(&matrix) {
+            return Some(found);
+        }
         let solved = SymmetricEigen::try_new(matrix, f64::EPSILON, 100 * n)?;
         return Some((solved.eigenvalues, solved.eigenvectors));
     }

@@ -122,7 +122,7 @@ impl fmt::Display for Mode {
                 None => write!(f, "rigid, no stiffness")?,
             },
             Kind::Unstable if self.eigenvalue.im == 0.0 => write!(f, "unstable, grows by e in {growth} s")?,
-            Kind::Unstable => write!(f, "unstable, omega = {seen} rad/s, grows by e in {growth} s")?,
+            Kind::Unstable => write!(f, "unstable, omega = {seen} rad/s, {} Hz, grows by e in {growth} s", short(self.eigenvalue.im / TAU))?,
             Kind::Oscillating => write!(f, "oscillating, omega = {omega} rad/s, {} Hz, period {} s", short(self.omega / TAU), short(TAU / self.omega))?,
             kind => {
                 write!(f, "{}, omega = {omega} rad/s", kind.word())?;
@@ -130,7 +130,7 @@ impl fmt::Display for Mode {
                     write!(f, ", zeta = {}", short(zeta))?;
                 }
                 if kind == Kind::Damped {
-                    write!(f, ", seen at {seen} rad/s")?;
+                    write!(f, ", seen at {seen} rad/s ({} Hz)", short(self.eigenvalue.im / TAU))?;
                 }
                 if let Some(time) = self.decay_time() {
                     write!(f, ", falls by e in {} s", short(time))?;
