@@ -3,8 +3,8 @@
 use std::io::Write;
 
 use clap::ArgMatches;
-use dalembert_symbolic::derive::{Conservative, Nature, shared_data};
 use dalembert_symbolic::file;
+use dalembert_symbolic::gate::{Conservative, Nature, shared_data};
 use dalembert_symbolic::lower::Program;
 
 use super::load::Loaded;
@@ -23,6 +23,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         writeln!(out, "  {first} and {second} agree at {states} states, worst {worst:.1e}")?;
     }
     unseen(&program, out)?;
+    without_units(&program, out)?;
     conditions(&program, &loaded.source, out)?;
     let model = &program.model;
     for ((name, worst), claim) in program.report.conserved.iter().zip(&model.conserved) {
@@ -45,6 +46,24 @@ fn unseen(program: &Program, out: &mut dyn Write) -> Result<(), Problem> {
     match program.report.agreements.is_empty() {
         true => writeln!(out, "  one derivation only, from {shared}{say}")?,
         false => writeln!(out, "  shared by all derivations, so not tested by comparing them: {shared}{say}")?,
+    }
+    Ok(())
+}
+
+/// Names without a unit, which leave what depends on them unchecked.
+fn without_units(program: &Program, out: &mut dyn Write) -> Result<(), Problem> {
+    let model = &program.model;
+    let parameters = model.parameters.iter().filter(|p| p.unit.is_none()).map(|p| match &p.family {
+        Some(family) => family.name.as_str(),
+        None => p.name.as_str(),
+    });
+    let coordinates = model.coordinates.iter().filter(|c| c.unit.is_none());
+    let coordinates = coordinates.map(|c| c.name.split('[').next().unwrap_or(&c.name));
+    let mut names: Vec<&str> = parameters.chain(coordinates).collect();
+    names.dedup();
+    if !names.is_empty() {
+        let list = names.join(", ");
+        writeln!(out, "  no unit is given for {list}: units of what depends on them are not checked")?;
     }
     Ok(())
 }
@@ -129,7 +148,7 @@ pub fn recognised(program: &Program, out: &mut dyn Write) -> Result<(), Problem>
         words.push(format!("mass matrix in {} blocks", s.mass_blocks.len()));
     }
     for (i, momentum) in &s.cyclic {
-        let momentum = dalembert_symbolic::print::text(&program.model, *momentum);
+        let momentum = dalembert_symbolic::model::text(&program.model, *momentum);
         words.push(format!("{} is cyclic, its momentum {momentum} is conserved", name(*i)));
     }
     for word in words {

@@ -8,6 +8,8 @@ use crate::linear::{LinearError, Linearised};
 
 /// Parts of an eigenvalue below this are what rounding makes of a double one.
 const SPLIT: f64 = 1e-7;
+/// Parts below this are rounding of eigenvalues that are not double.
+const ROUNDING: f64 = 1e-12;
 
 /// λ, or where no force depends on speed κ = −λ², the eigenvalues of M⁻¹K: these do not turn back where two meet.
 #[derive(Clone, Debug)]
@@ -17,7 +19,8 @@ pub(super) struct Spectrum {
     squares: bool,
     /// Symmetric: eigenvalues are real, and may pass each other.
     symmetric: bool,
-    /// Dissipative: eigenvalues cross the border one by one.
+    dissipates: bool,
+    /// Real parts up to this are rounding.
     floor: f64,
     /// All λ.
     pub eigenvalues: Vec<Complex<f64>>,
@@ -43,39 +46,40 @@ impl Spectrum {
             true => values.iter().flat_map(|kappa| both_roots(*kappa)).collect(),
             false => eigenvalues(linear)?,
         };
-        let floor = match linear.dissipative().is_zero() {
-            true => SPLIT,
-            false => 64.0 * linear.len() as f64 * f64::EPSILON,
-        };
+        let dissipates = !linear.dissipative().is_zero();
+        let floor = if dissipates { 64.0 * linear.len() as f64 * f64::EPSILON } else { SPLIT };
         values.sort_by(|a, b| a.im.abs().total_cmp(&b.im.abs()).then(a.re.total_cmp(&b.re)).then(a.im.total_cmp(&b.im)));
         if symmetric {
             values.sort_by(|a, b| a.re.total_cmp(&b.re));
         }
         let floor = if squares { SPLIT } else { floor * norm };
-        Ok(Spectrum { values, squares, symmetric, floor, eigenvalues })
+        Ok(Spectrum { values, squares, symmetric, dissipates, floor, eigenvalues })
     }
 
     /// How many modes grow.
     pub fn growing(&self) -> usize {
-        self.values.iter().filter(|x| self.grows(x)).count()
+        self.values.iter().filter(|x| self.grows(x, SPLIT)).count()
     }
 
-    fn grows(&self, x: &Complex<f64>) -> bool {
+    /// The same by a finer measure, which double eigenvalues with one shape may not bear.
+    pub fn finely_growing(&self) -> usize {
+        self.values.iter().filter(|x| self.grows(x, ROUNDING)).count()
+    }
+
+    fn grows(&self, x: &Complex<f64>, part: f64) -> bool {
+        let real = x.im.abs() <= part * x.norm();
         match self.squares {
             // √−κ has a positive real part: κ < 0, or a pair off the axis.
-            true => (self.is_real(x) && x.re < 0.0) || (!self.is_real(x) && x.im > 0.0),
-            false => x.re > self.floor && x.im >= 0.0,
+            true => (real && x.re < 0.0) || (!real && x.im > 0.0),
+            false if self.dissipates => x.re > self.floor && x.im >= 0.0,
+            false => x.re > self.floor * part / SPLIT && x.im >= 0.0,
         }
-    }
-
-    fn is_real(&self, x: &Complex<f64>) -> bool {
-        x.im.abs() <= SPLIT * x.norm()
     }
 
     /// Im λ of the growing mode that is nearest to the border; 0 where it does not oscillate.
     pub fn border(&self) -> Option<f64> {
         let lambda = |x: &Complex<f64>| if self.squares { both_roots(*x)[0] } else { *x };
-        let growing = self.values.iter().filter(|x| self.grows(x)).map(lambda);
+        let growing = self.values.iter().filter(|x| self.grows(x, ROUNDING)).map(lambda);
         let nearest = growing.min_by(|a, b| a.re.abs().total_cmp(&b.re.abs()))?;
         Some(if nearest.im.abs() <= SPLIT * nearest.norm() { 0.0 } else { nearest.im.abs() })
     }

@@ -112,17 +112,22 @@ impl Search<'_> {
     /// One change of stability; what else happens between shows in what is left on both sides.
     fn bisect(&self, a: &Sample, b: &Sample, kept: &mut Vec<Sample>, found: &mut Vec<Threshold>) {
         let (mut low, mut high) = (a.clone(), b.clone());
-        let grew = a.spectrum.growing();
+        // Double eigenvalues with one shape are split by rounding all the way: then only the coarse measure will do.
+        let fine = [a, b].iter().all(|end| end.spectrum.finely_growing() == end.spectrum.growing());
+        let growing = |sample: &Sample| if fine { sample.spectrum.finely_growing() } else { sample.spectrum.growing() };
+        let grew = growing(a);
         for _ in 0..60 {
             let Some(middle) = self.middle(&low, &high) else { break };
             let narrow = middle.state.value == low.state.value || middle.state.value == high.state.value;
-            if middle.spectrum.growing() == grew { low = middle } else { high = middle }
+            if growing(&middle) == grew { low = middle } else { high = middle }
             if narrow {
                 break;
             }
         }
-        found.push(threshold(&low, &high));
-        if high.spectrum.growing() != b.spectrum.growing() {
+        let mut here = threshold(&low, &high);
+        here.growing = if low.state.value <= high.state.value { [grew, growing(&high)] } else { [growing(&high), grew] };
+        found.push(here);
+        if growing(&high) != growing(b) {
             self.between(&high, b, SHALLOW, kept, found);
         }
     }
