@@ -6,51 +6,52 @@ use crate::events::{Interruption, Watch};
 use crate::mechanism::System;
 use crate::run::Recorder;
 
-impl<S: System + ?Sized> March<S> {
+impl March {
     /// Writes down and takes a step, as far as the first event that stops or the first discontinuity.
     pub(super) fn watched(
         &mut self,
-        system: &mut S,
+        system: &mut dyn System,
         step: Step,
         watch: &mut Watch,
         recorder: &mut Recorder,
     ) -> Result<Halt, Cause> {
         self.dense(system, step)?;
-        let Some(interruption) = watch.scan(system, &self.segment(step)) else {
-            recorder.accept(system, Some(&self.segment(step)), step.next, &self.end)?;
-            watch.pass(system, &self.segment(step), recorder);
+        let segment = self.segment(step);
+        let Some(interruption) = watch.scan(system, &segment) else {
+            recorder.accept(system, Some(&segment), step.next, self.stepper.end())?;
+            watch.pass(system, &segment, recorder);
             self.commit(step);
-            if step.lands && watch.switch(system, step.next, &self.y)? {
-                self.restart(system)?;
+            if step.lands && watch.switch(system, step.next, self.stepper.start().y)? {
+                self.restart(system, recorder)?;
             }
             return Ok(Halt::Arrived);
         };
         let crossing = match interruption {
             Interruption::At(crossing) => crossing,
             Interruption::LeavesRest { switch, side } => {
-                watch.leave_rest(system, (switch, side), (self.clock.now(), &self.y))?;
-                self.restart(system)?;
+                watch.leave_rest(system, (switch, side), (self.clock.now(), self.stepper.start().y))?;
+                self.restart(system, recorder)?;
                 return Ok(Halt::Arrived);
             }
         };
-        let together = watch.simultaneous(crossing, &self.segment(step));
+        let together = watch.simultaneous(crossing, &segment);
         let stops = match self.shorten(system, step, crossing.theta, crossing.function, watch)? {
             Some(shorter) => {
-                let segment = self.segment(shorter);
-                recorder.accept(system, Some(&segment), shorter.next, &self.end)?;
+                let (segment, end) = (self.segment(shorter), self.stepper.end());
+                recorder.accept(system, Some(&segment), shorter.next, end)?;
                 watch.record_before(system, &segment, recorder, &together);
-                let stops = watch.fire(system, &together, (shorter.next, &self.end), recorder);
+                let stops = watch.fire(system, &together, (shorter.next, end.y), recorder);
                 self.commit(shorter);
                 stops
             }
-            None => watch.fire(system, &together, (self.clock.now(), &self.y), recorder),
+            None => watch.fire(system, &together, (self.clock.now(), self.stepper.start().y), recorder),
         };
         if stops {
             return Ok(Halt::Event);
         }
         // A stop time may coincide with the crossing.
-        watch.switch(system, self.clock.now(), &self.y)?;
-        self.restart(system)?;
+        watch.switch(system, self.clock.now(), self.stepper.start().y)?;
+        self.restart(system, recorder)?;
         Ok(Halt::Arrived)
     }
 
@@ -61,7 +62,7 @@ impl<S: System + ?Sized> March<S> {
     /// accurate (catalogue E7).
     fn shorten(
         &mut self,
-        system: &S,
+        system: &dyn System,
         step: Step,
         theta: f64,
         function: usize,
@@ -76,12 +77,12 @@ impl<S: System + ?Sized> March<S> {
                 return Ok(shorter);
             }
             let trial = Step { h, next: now + h, lands: false };
-            self.try_step(system, trial, true).map_err(|fault| fault.cause(system.description()))?;
-            finite(system, &self.end, 0)?;
+            self.try_step(system, trial, true).map_err(|setback| setback.cause(system.description()))?;
+            finite(system, self.stepper.end().y, 0)?;
             self.dense(system, trial)?;
             shorter = Some(trial);
-            let segment = self.segment(trial);
-            let (value, slope) = watch.value_and_slope(system, function, &segment, &self.end);
+            let (segment, end) = (self.segment(trial), self.stepper.end());
+            let (value, slope) = watch.value_and_slope(system, function, &segment, end.y);
             let correction = -value / slope;
             if !(correction.abs() > resolution && correction.abs() < 0.1 * h) {
                 break;
