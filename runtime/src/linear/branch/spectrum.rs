@@ -48,7 +48,8 @@ impl Spectrum {
         };
         let dissipates = !linear.dissipative().is_zero();
         let floor = if dissipates { 64.0 * linear.len() as f64 * f64::EPSILON } else { SPLIT };
-        values.sort_by(|a, b| a.im.abs().total_cmp(&b.im.abs()).then(a.re.total_cmp(&b.re)).then(a.im.total_cmp(&b.im)));
+        values
+            .sort_by(|a, b| a.im.abs().total_cmp(&b.im.abs()).then(a.re.total_cmp(&b.re)).then(a.im.total_cmp(&b.im)));
         if symmetric {
             values.sort_by(|a, b| a.re.total_cmp(&b.re));
         }
@@ -87,12 +88,15 @@ impl Spectrum {
     /// True where nothing can have happened on the way to another spectrum: no value has moved by more than a part of
     /// its distance from the others and from the border of stability.
     pub fn is_near(&self, other: &Spectrum) -> bool {
-        if self.values.len() != other.values.len() || self.squares != other.squares || self.symmetric != other.symmetric {
+        if self.values.len() != other.values.len() || self.squares != other.squares || self.symmetric != other.symmetric
+        {
             return false;
         }
         if self.symmetric {
             let pairs = self.values.iter().zip(&other.values);
-            return pairs.into_iter().all(|(a, b)| (a - b).norm() <= 0.5 * a.norm().max(b.norm()) && a.re * b.re >= 0.0);
+            return pairs
+                .into_iter()
+                .all(|(a, b)| (a - b).norm() <= 0.5 * a.norm().max(b.norm()) && a.re * b.re >= 0.0);
         }
         self.all_near(other) && other.all_near(self)
     }
@@ -107,7 +111,9 @@ impl Spectrum {
             let border = match self.squares {
                 true => x.norm(),
                 // What lies on the axis for want of damping has no distance from it.
-                false if x.re.abs() <= self.floor.max(SPLIT * x.norm() * f64::from(u8::from(self.floor == 0.0))) => f64::INFINITY,
+                false if x.re.abs() <= self.floor.max(SPLIT * x.norm() * f64::from(u8::from(self.floor == 0.0))) => {
+                    f64::INFINITY
+                }
                 false => x.re.abs(),
             };
             let across = match self.squares {

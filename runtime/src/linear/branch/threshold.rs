@@ -119,13 +119,18 @@ impl Search<'_> {
         for _ in 0..60 {
             let Some(middle) = self.middle(&low, &high) else { break };
             let narrow = middle.state.value == low.state.value || middle.state.value == high.state.value;
-            if growing(&middle) == grew { low = middle } else { high = middle }
+            if growing(&middle) == grew {
+                low = middle
+            } else {
+                high = middle
+            }
             if narrow {
                 break;
             }
         }
         let mut here = threshold(&low, &high);
-        here.growing = if low.state.value <= high.state.value { [grew, growing(&high)] } else { [growing(&high), grew] };
+        here.growing =
+            if low.state.value <= high.state.value { [grew, growing(&high)] } else { [growing(&high), grew] };
         found.push(here);
         if growing(&high) != growing(b) {
             self.between(&high, b, SHALLOW, kept, found);

@@ -153,7 +153,8 @@ impl<'a> Walker<'a> {
             };
             if !(self.range.0..=self.range.1).contains(&next.value) {
                 let bound = if next.value > self.range.1 { self.range.1 } else { self.range.0 };
-                let part = if next.value == here.value { 0.0 } else { (bound - here.value) / (next.value - here.value) };
+                let part =
+                    if next.value == here.value { 0.0 } else { (bound - here.value) / (next.value - here.value) };
                 let guess: Vec<f64> = here.q.iter().zip(&next.q).map(|(a, b)| a + part * (b - a)).collect();
                 let Some(q) = self.at(bound, &guess) else {
                     step *= 0.5;
@@ -207,7 +208,8 @@ impl<'a> Walker<'a> {
             return None;
         }
         let next_tangent = self.tangent(&next, tangent, units)?;
-        let cosine: f64 = tangent.iter().zip(&next_tangent).zip(units).map(|((a, b), unit)| a * b / (unit * unit)).sum();
+        let cosine: f64 =
+            tangent.iter().zip(&next_tangent).zip(units).map(|((a, b), unit)| a * b / (unit * unit)).sum();
         (cosine > TURN).then_some((next, next_tangent))
     }
 
@@ -284,10 +286,7 @@ impl<'a> Walker<'a> {
     /// The state of the branch between two of its states, at a part of the way.
     pub fn between(&self, a: &State, b: &State, part: f64) -> Option<State> {
         let mix = |a: f64, b: f64| a + part * (b - a);
-        let guess = State {
-            q: a.q.iter().zip(&b.q).map(|(a, b)| mix(*a, *b)).collect(),
-            value: mix(a.value, b.value),
-        };
+        let guess = State { q: a.q.iter().zip(&b.q).map(|(a, b)| mix(*a, *b)).collect(), value: mix(a.value, b.value) };
         let chord: Vec<f64> = a.q.iter().zip(&b.q).map(|(a, b)| b - a).chain([b.value - a.value]).collect();
         let unit = |x: f64, of: f64| if of > 0.0 { x / (of * of) } else { 0.0 };
         let extent = |a: f64, b: f64| a.abs().max(b.abs());
@@ -310,7 +309,11 @@ impl<'a> Walker<'a> {
             let middle = 0.5 * (low + high);
             let state = self.between(a, b, middle)?;
             let tangent = self.tangent(&state, &chord, units)?;
-            if tangent[n] * sign > 0.0 { low = middle } else { high = middle }
+            if tangent[n] * sign > 0.0 {
+                low = middle
+            } else {
+                high = middle
+            }
             at = Some(state);
         }
         at
