@@ -4,6 +4,7 @@ pub mod derive;
 pub mod diagnose;
 pub mod expr;
 pub mod file;
+pub mod gate;
 pub mod interpret;
 pub mod language;
 pub mod lower;

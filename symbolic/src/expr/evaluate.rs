@@ -45,6 +45,11 @@ impl Tape {
         self.results.len()
     }
 
+    /// How many instructions there are.
+    pub fn operations(&self) -> usize {
+        self.steps.len()
+    }
+
     /// True when there is nothing to compute.
     pub fn is_empty(&self) -> bool {
         self.results.is_empty()

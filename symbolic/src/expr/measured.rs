@@ -152,7 +152,8 @@ mod tests {
         };
         let found = measured(root, 0.1, 0.7);
         assert!(found.value.to_f64() <= 10.0 * DoubleDouble::UNIT * found.magnitude, "{found:?}");
-        for f in [Unary::Sqrt, Unary::Asin, Unary::Acos, Unary::Atan, Unary::Tanh, Unary::Cosh, Unary::Exp, Unary::Abs] {
+        for f in [Unary::Sqrt, Unary::Asin, Unary::Acos, Unary::Atan, Unary::Tanh, Unary::Cosh, Unary::Exp, Unary::Abs]
+        {
             for x in [0.0, 0.5, 1.0] {
                 let found = measured(|g, x, _| g.unary(f, x), x, 0.0);
                 assert!(found.magnitude.is_finite() && found.magnitude >= found.value.to_f64().abs(), "{f:?} {x}");

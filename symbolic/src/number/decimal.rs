@@ -76,7 +76,10 @@ mod tests {
         let pi = "3.14159265358979323846264338327950288419716939937510582097494459230781640628620899";
         assert_eq!(DoubleDouble::from_decimal(pi), Some(DoubleDouble::PI));
         assert_eq!(DoubleDouble::from_decimal(&format!("-{pi}")), Some(-DoubleDouble::PI));
-        assert_eq!(DoubleDouble::from_decimal("31415926535897932384626433832795028841971.69e-40"), Some(DoubleDouble::PI));
+        assert_eq!(
+            DoubleDouble::from_decimal("31415926535897932384626433832795028841971.69e-40"),
+            Some(DoubleDouble::PI)
+        );
         let tenth = DoubleDouble::from_decimal("0.1").unwrap();
         assert_eq!((tenth.to_f64(), tenth.rest()), (0.1, -5.551115123125783e-18));
         assert_eq!(DoubleDouble::from_decimal("0.5e1"), Some(5.0.into()));

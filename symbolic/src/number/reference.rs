@@ -164,8 +164,7 @@ fn powers_and_angles_of_points_are_right_to_28_digits() {
 
         let exponent = drawn(&mut random, [-2.0, 0.3]);
         let power = x.abs().pow(exponent);
-        let exact =
-            CONSTANTS.with_borrow_mut(|constants| big(x.abs()).pow(&big(exponent), BITS, ROUND, constants));
+        let exact = CONSTANTS.with_borrow_mut(|constants| big(x.abs()).pow(&big(exponent), BITS, ROUND, constants));
         worst[1] = worst[1].max(error(power, &exact) / small(&exact).abs());
     }
     println!("atan2, pow: {worst:?}");

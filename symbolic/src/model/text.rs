@@ -1,7 +1,7 @@
 //! Expressions as text in the model language.
 
+use super::Model;
 use crate::expr::{Binary, DoubleDouble, Graph, Id, Node, Number, Symbol, Unary};
-use crate::model::Model;
 
 /// An expression as a person would write it; parts beyond some 200 nodes become `…`.
 pub fn text(model: &Model, root: Id) -> String {
