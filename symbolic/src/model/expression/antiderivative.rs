@@ -1,7 +1,7 @@
 //! Antiderivatives in closed form: energies of springs from their tensions.
 
 use super::facts::{Depends, Facts};
-use super::substitute::{bottom_up, substitute};
+use super::substitute::{Known, bottom_up};
 use crate::expr::{Binary, Graph, Id, Node, Number, Rational, Symbol, Unary, partial};
 
 /// Terms beyond which no closed form is looked for.
@@ -164,25 +164,47 @@ fn by_parts(graph: &mut Graph, facts: &mut Facts, root: Id, x: Symbol) -> Option
     Some(sum)
 }
 
-/// The values of x at which something linear in it vanishes, of everything in an expression that is linear in x.
+/// The values of x at which something vanishes, or the sides of a `min` or `max` meet, that is linear in x.
 pub fn roots_of_linear(graph: &mut Graph, facts: &mut Facts, root: Id, x: Symbol) -> Vec<Id> {
-    let mut linear = Vec::new();
-    let _: Option<((), u64)> = bottom_up(graph, facts, root, |_| (), |graph, _, id, _| {
-        match graph.node(id) {
-            Node::Binary(Binary::Min | Binary::Max, a, b) => linear.push(graph.sub(a, b)),
-            _ => linear.push(id),
-        }
-        Some(())
+    /// s and c of s x + c.
+    type Line = Option<(Id, Id)>;
+    let mut lines = Vec::new();
+    let leaf = |id: Id| Some((Id::ZERO, id));
+    let _: Option<(Line, u64)> = bottom_up(graph, facts, root, leaf, |graph, _, id, known: &Known<Line>| {
+        let line: Line = match graph.node(id) {
+            Node::Symbol(s) if s == x => Some((Id::ONE, Id::ZERO)),
+            Node::Unary(Unary::Neg, a) => known[&a].map(|(s, c)| (graph.neg(s), graph.neg(c))),
+            Node::Binary(operation @ (Binary::Add | Binary::Sub | Binary::Min | Binary::Max), a, b) => {
+                let join = if operation == Binary::Add { Graph::add } else { Graph::sub };
+                let both = known[&a].zip(known[&b]);
+                let line = both.map(|((s, c), (r, d))| (join(graph, s, r), join(graph, c, d)));
+                if matches!(operation, Binary::Min | Binary::Max) {
+                    lines.extend(line);
+                    return Some(None);
+                }
+                line
+            }
+            Node::Binary(Binary::Mul, a, b) => match known[&a].zip(known[&b]) {
+                Some(((Id::ZERO, f), (s, c))) | Some(((s, c), (Id::ZERO, f))) => {
+                    Some((graph.mul(f, s), graph.mul(f, c)))
+                }
+                _ => None,
+            },
+            Node::Binary(Binary::Div, a, b) => match known[&a].zip(known[&b]) {
+                Some(((s, c), (Id::ZERO, f))) => Some((graph.div(s, f), graph.div(c, f))),
+                _ => None,
+            },
+            _ => graph.children(id).all(|a| known[&a].is_some_and(|(s, _)| s == Id::ZERO)).then_some((Id::ZERO, id)),
+        };
+        lines.extend(line);
+        Some(line)
     });
-    let mut roots = Vec::new();
-    for f in linear {
-        if let Some(slope) = slope(graph, facts, f, x) {
-            let (constant, _) = substitute(graph, facts, f, x, Id::ZERO);
-            let quotient = graph.div(constant, slope);
-            roots.push(graph.neg(quotient));
-        }
-    }
-    roots
+    lines.retain(|(s, _)| *s != Id::ZERO);
+    let root = |(s, c): (Id, Id)| {
+        let quotient = graph.div(c, s);
+        graph.neg(quotient)
+    };
+    lines.into_iter().map(root).collect()
 }
 
 /// ∫ F(f) dx = (∫F)(f)/s for f = s x + c.
