@@ -40,7 +40,10 @@ fn check(text: &str, exact: &str) {
     let exact = number(exact);
     println!("{text}: {size} nodes, {:.1e}, {:.1e}", (long - exact).to_f64(), short - exact.to_f64());
     assert!((long - exact).abs().to_f64() <= 1e-24 * exact.to_f64().abs(), "{text}: {long:?} is not {exact:?}");
-    assert!((short - exact.to_f64()).abs() <= 2e-15 * exact.to_f64().abs().max(0.01), "{text}: {short} is not {exact:?}");
+    assert!(
+        (short - exact.to_f64()).abs() <= 2e-15 * exact.to_f64().abs().max(0.01),
+        "{text}: {short} is not {exact:?}"
+    );
 }
 
 #[test]
@@ -75,7 +78,9 @@ fn kinks_jumps_and_peaks() {
 #[test]
 fn a_frequency_that_vanishes_leaves_no_hole() {
     // The closed form of ∫ cos(q x) dx is 0/0 at q = 0 and loses digits beside it.
-    for (q, exact) in [("0", "1"), ("1e-9", "0.99999999999999999983333333333333"), ("2", "0.454648713412840847698009932956")] {
+    for (q, exact) in
+        [("0", "1"), ("1e-9", "0.99999999999999999983333333333333"), ("2", "0.454648713412840847698009932956")]
+    {
         let (long, short, _) = integral("cos(q*x), x in 0..1", ["0.3", "1.7", "0.001", "7", "0", q]);
         assert!((long - number(exact)).abs().to_f64() < 1e-24, "{q}: {long:?}");
         assert!((short - number(exact).to_f64()).abs() < 1e-15, "{q}: {short}");
@@ -100,7 +105,8 @@ fn what_has_no_value_or_is_out_of_reach_is_refused() {
     assert_eq!(refused("sin(1/x), x in 0..1"), ["E233"]);
     assert_eq!(refused("sqrt(x - 1/2), x in 0..1"), ["E233"]);
     // Their neighbours.
-    for near in ["1/x, x in a..1", "abs(sin(20*x)), x in 0..0.1", "sin(1/x), x in 0.1..1", "sqrt(x - 1/2), x in 0.5..1"] {
+    for near in ["1/x, x in a..1", "abs(sin(20*x)), x in 0..0.1", "sin(1/x), x in 0.1..1", "sqrt(x - 1/2), x in 0.5..1"]
+    {
         assert_eq!(refused(near), [""; 0], "{near}");
     }
 }

@@ -6,8 +6,9 @@
 
 use std::collections::HashSet;
 
-use super::antiderivative::{antiderivative, roots_of_linear};
+use super::antiderivative::antiderivative;
 use super::bench::Bench;
+use super::lines::roots_of_linear;
 use super::quadrature::{gauss_legendre, tanh_sinh};
 use super::substitute::{bottom_up, degree, substitute};
 use super::trial::{Piece, Trial};
@@ -63,7 +64,8 @@ fn integral_of_term(bench: &mut Bench, e: Id, over: Over, place: &Place) -> Opti
     if let Some(points) = polynomial_points(bench, e, over.symbol) {
         return Some(gauss(bench, e, over, points, place));
     }
-    let size = bottom_up(&mut bench.graph, &mut bench.facts, e, |_| (), |_, _, _, _| Some(())).map_or(0, |found| found.1);
+    let size =
+        bottom_up(&mut bench.graph, &mut bench.facts, e, |_| (), |_, _, _, _| Some(())).map_or(0, |found| found.1);
     if size > INTEGRAND_LIMIT || !bench.spend(size, place) {
         return None;
     }
@@ -101,7 +103,9 @@ fn may_divide_by_zero(graph: &Graph, value: Id, e: Id) -> bool {
     let divisors = |root: Id| -> HashSet<Id> {
         let needed = graph.reachable([root]);
         let quotients = (0..needed.len()).filter(|i| needed[*i]).map(|i| graph.id_at(i));
-        quotients.filter_map(|id| if let Node::Binary(Binary::Div, _, y) = graph.node(id) { Some(y) } else { None }).collect()
+        quotients
+            .filter_map(|id| if let Node::Binary(Binary::Div, _, y) = graph.node(id) { Some(y) } else { None })
+            .collect()
     };
     let known = divisors(e);
     divisors(value).difference(&known).any(|divisor| {
@@ -328,18 +332,25 @@ fn joined(graph: &mut Graph, mut terms: Vec<(Id, Id)>, more: &[(Id, Id)]) -> Vec
 
 /// Whether the integrand has neither pole, branch nor kink, so that an antiderivative is right everywhere.
 fn is_entire(bench: &mut Bench, e: Id) -> bool {
-    let entire = bottom_up(&mut bench.graph, &mut bench.facts, e, |_| true, |graph, _, id, known| {
-        let grows = match graph.node(id) {
-            Node::Number(_) | Node::Symbol(_) => true,
-            Node::Unary(f, _) => {
-                matches!(f, Unary::Neg | Unary::Sin | Unary::Cos | Unary::Exp | Unary::Sinh | Unary::Cosh)
-            }
-            Node::Binary(f, _, y) => {
-                // A divisor is free of dummies where it is a leaf of this walk.
-                matches!(f, Binary::Add | Binary::Sub | Binary::Mul) || f == Binary::Div && known.get(&y) == Some(&true)
-            }
-        };
-        Some(grows && graph.children(id).all(|child| known.get(&child).copied().unwrap_or(true)))
-    });
+    let entire = bottom_up(
+        &mut bench.graph,
+        &mut bench.facts,
+        e,
+        |_| true,
+        |graph, _, id, known| {
+            let grows = match graph.node(id) {
+                Node::Number(_) | Node::Symbol(_) => true,
+                Node::Unary(f, _) => {
+                    matches!(f, Unary::Neg | Unary::Sin | Unary::Cos | Unary::Exp | Unary::Sinh | Unary::Cosh)
+                }
+                Node::Binary(f, _, y) => {
+                    // A divisor is free of dummies where it is a leaf of this walk.
+                    matches!(f, Binary::Add | Binary::Sub | Binary::Mul)
+                        || f == Binary::Div && known.get(&y) == Some(&true)
+                }
+            };
+            Some(grows && graph.children(id).all(|child| known.get(&child).copied().unwrap_or(true)))
+        },
+    );
     entire.is_some_and(|(entire, _)| entire)
 }

@@ -91,7 +91,8 @@ mod tests {
             for degree in 0..2 * n {
                 let power = |x: DoubleDouble| (0..degree).fold(DoubleDouble::ONE, |power, _| power * x);
                 let sum = rule.iter().fold(DoubleDouble::ZERO, |sum, (x, w)| sum + *w * power(*x));
-                let exact = if degree % 2 == 0 { DoubleDouble::from(2.0) / ((degree + 1) as f64).into() } else { 0.0.into() };
+                let exact =
+                    if degree % 2 == 0 { DoubleDouble::from(2.0) / ((degree + 1) as f64).into() } else { 0.0.into() };
                 assert!((sum - exact).abs().to_f64() < 1e-30, "{n} points, degree {degree}: {sum:?} {exact:?}");
             }
         }
