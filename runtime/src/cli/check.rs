@@ -8,8 +8,8 @@ use dalembert_symbolic::gate::{Conservative, Nature, shared_data};
 use dalembert_symbolic::lower::Program;
 
 use super::load::Loaded;
-use super::{Entry, Interpreted, Problem};
-use crate::mechanism::{Balances, System};
+use super::{Entry, Problem};
+use crate::mechanism::{At, Balances, Interpreted, System};
 
 /// Derives the model anew and prints the report.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
@@ -23,6 +23,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         writeln!(out, "  {first} and {second} agree at {states} states, worst {worst:.1e}")?;
     }
     unseen(&program, out)?;
+    without_units(&program, out)?;
     conditions(&program, &loaded.source, out)?;
     let model = &program.model;
     for ((name, worst), claim) in program.report.conserved.iter().zip(&model.conserved) {
@@ -45,6 +46,24 @@ fn unseen(program: &Program, out: &mut dyn Write) -> Result<(), Problem> {
     match program.report.agreements.is_empty() {
         true => writeln!(out, "  one derivation only, from {shared}{say}")?,
         false => writeln!(out, "  shared by all derivations, so not tested by comparing them: {shared}{say}")?,
+    }
+    Ok(())
+}
+
+/// Names without a unit, which leave what depends on them unchecked.
+fn without_units(program: &Program, out: &mut dyn Write) -> Result<(), Problem> {
+    let model = &program.model;
+    let parameters = model.parameters.iter().filter(|p| p.unit.is_none()).map(|p| match &p.family {
+        Some(family) => family.name.as_str(),
+        None => p.name.as_str(),
+    });
+    let coordinates = model.coordinates.iter().filter(|c| c.unit.is_none());
+    let coordinates = coordinates.map(|c| c.name.split('[').next().unwrap_or(&c.name));
+    let mut names: Vec<&str> = parameters.chain(coordinates).collect();
+    names.dedup();
+    if !names.is_empty() {
+        let list = names.join(", ");
+        writeln!(out, "  no unit is given for {list}: units of what depends on them are not checked")?;
     }
     Ok(())
 }
@@ -87,7 +106,7 @@ fn conditions(program: &Program, source: &str, out: &mut dyn Write) -> Result<()
         mechanism.set_modes(&state.modes);
         for (k, range) in ranges.iter_mut().enumerate() {
             let Some(mut balances) = Balances::new(&mechanism, k) else { continue };
-            balances.evaluate(&mechanism, state.t, &state.q, &state.v);
+            balances.evaluate(&mechanism, At::new(state.t, &state.q, &state.v));
             let condition = 1.0 / balances.reciprocal_condition();
             *range = (range.0.min(condition), range.1.max(condition));
         }

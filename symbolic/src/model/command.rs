@@ -81,9 +81,10 @@ impl Model {
     /// # Errors
     /// What is wrong with it; places are spans of `text`.
     pub fn signal(&mut self, text: &str) -> Result<[Id; 3], Vec<Problem>> {
-        let text = read(text)?;
+        let quantity = file::quantity(text, &Place::default())?;
         let mut bench = self.bench();
-        let value = bench.scalar(&self.scope, &text, Rules::signal("an input"), &[]).unwrap_or(Id::ZERO);
+        let rules = Rules::signal("an input").numbers_fit();
+        let value = bench.quantity(&self.scope, &quantity, rules, &[]).unwrap_or(Id::ZERO);
         let rate = bench.rate(value);
         let second = bench.rate(rate);
         self.take_back(bench)?;
@@ -122,5 +123,5 @@ pub fn evaluate_all(graph: &Graph, ids: &[Id], parameters: &[f64]) -> Vec<f64> {
 
 fn read(words: &str) -> Result<Text, Vec<Problem>> {
     let ast = parse(words)?;
-    Ok(Text { source: words.into(), ast: Rc::new(ast), place: Rc::default() })
+    Ok(Text { source: words.into(), ast: Rc::new(ast), unit: None, place: Rc::default() })
 }

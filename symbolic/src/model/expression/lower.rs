@@ -78,7 +78,7 @@ impl<'a> Lower<'a> {
         self.bench.measured = self.measure(ast);
     }
 
-    /// The value; the syntax tree is at most 200 levels deep.
+    /// The value; the syntax tree is at most 1000 levels deep.
     pub fn expression(&mut self, ast: &Ast) -> Value {
         if !self.bench.spend(1, &self.text.place) {
             return Value::Poison;
