@@ -40,7 +40,8 @@ fn printed(program: &Program, name: &str) -> syn::File {
 }
 
 fn program(text: &str) -> Program {
-    compile(text, &[]).unwrap_or_else(|problems| panic!("{}", dalembert_symbolic::file::render("m.yaml", text, &problems)))
+    compile(text, &[])
+        .unwrap_or_else(|problems| panic!("{}", dalembert_symbolic::file::render("m.yaml", text, &problems)))
 }
 
 fn ident(ty: &Type) -> String {
@@ -274,7 +275,9 @@ fn names_of_systems_and_scenes_are_keys_of_the_language() {
              scenes:\n  {scene}: {{start: {{x': 1}}}}\n"
         )
     };
-    for hostile in ["\"a\\nconst _: () = panic!(\\\"pwned\\\"); //\"", "\"a b\"", "a-b", "\"\"", "\"//\"", "1", "\"a'\""] {
+    for hostile in
+        ["\"a\\nconst _: () = panic!(\\\"pwned\\\"); //\"", "\"a b\"", "a-b", "\"\"", "\"//\"", "1", "\"a'\""]
+    {
         for text in [model(hostile, "fast"), model("newton", hostile)] {
             let problems = compile(&text, &[]).unwrap_err();
             assert!(problems.iter().all(|p| p.code.starts_with("E1") && p.place.key), "{text}: {problems:?}");
@@ -324,17 +327,17 @@ fn parameters_that_would_be_one_field_are_refused() {
 #[test]
 fn no_two_coordinates_share_a_variable() {
     let mut names: Vec<String> = KEYWORDS.iter().chain(OWN).map(|name| (*name).to_owned()).collect();
-    names.extend(["theta", "sin_theta", "cos_theta", "x", "x_dot", "x_ddot", "X", "w1", "w2", "w1_", "m", "_", "__"].map(str::to_owned));
+    names.extend(
+        ["theta", "sin_theta", "cos_theta", "x", "x_dot", "x_ddot", "X", "w1", "w2", "w1_", "m", "_", "__"]
+            .map(str::to_owned),
+    );
     names.sort();
     names.dedup();
     names.retain(|name| !dalembert_symbolic::language::is_reserved(name));
     let coordinates: Vec<String> = names.iter().map(|name| format!("{name}: ")).collect();
     let energy: Vec<String> = names.iter().map(|name| format!("{name}'^2*(2 + sin({name}))")).collect();
-    let text = format!(
-        "name: Own\ncoordinates: {{{}}}\nkinetic_energy: {}\n",
-        coordinates.join(", "),
-        energy.join(" + ")
-    );
+    let text =
+        format!("name: Own\ncoordinates: {{{}}}\nkinetic_energy: {}\n", coordinates.join(", "), energy.join(" + "));
     let program = program(&text);
     let text = rust(&program, "", "Own");
     let file: syn::File = syn::parse_str(&text).unwrap();

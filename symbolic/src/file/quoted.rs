@@ -41,7 +41,8 @@ fn look(text: &str, node: &Outline, problems: &mut Vec<Problem>) {
 
 /// Where `''` stands right after what may have a prime.
 fn after_a_name(written: &str) -> Option<usize> {
-    written.match_indices("''").map(|(at, _)| at).find(|&at| {
-        written[..at].ends_with(|c: char| c == '_' || c == ']' || unicode_ident::is_xid_continue(c))
-    })
+    written
+        .match_indices("''")
+        .map(|(at, _)| at)
+        .find(|&at| written[..at].ends_with(|c: char| c == '_' || c == ']' || unicode_ident::is_xid_continue(c)))
 }

@@ -135,7 +135,8 @@ pub fn method_name(name: &str) -> String {
 
 /// A type's name in `CamelCase`, from a name or a file's name: `double_pendulum` is `DoublePendulum`.
 pub fn type_name(name: &str) -> String {
-    let spelt: String = name.chars().map(|c| if c == '_' || c.is_alphanumeric() { spell(c) } else { " ".into() }).collect();
+    let spelt: String =
+        name.chars().map(|c| if c == '_' || c.is_alphanumeric() { spell(c) } else { " ".into() }).collect();
     let parts = spelt.split(|c: char| !c.is_ascii_alphanumeric()).filter(|part| !part.is_empty());
     let camel: String = parts
         .map(|part| {
@@ -235,7 +236,9 @@ mod tests {
 
     #[test]
     fn variables_are_in_snake_case() {
-        for (name, local) in [("In", "in"), ("theta[3]", "theta_3"), ("__a__B_", "a_b"), ("_", "value_"), ("_1", "value_1")] {
+        for (name, local) in
+            [("In", "in"), ("theta[3]", "theta_3"), ("__a__B_", "a_b"), ("_", "value_"), ("_1", "value_1")]
+        {
             assert_eq!(local_name(name), local, "{name}");
             assert!(is_snake_case(&local_name(name)));
         }

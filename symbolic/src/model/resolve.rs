@@ -1,12 +1,12 @@
 //! From the tree of a file to a model: the passes in order.
 
+use super::expression::bench::is_of_units;
 use super::identifier::type_name;
 use super::resolved::Model;
 use super::resolver::Resolver;
 use super::section::declare::dimension;
 use super::section::settle::settle;
 use crate::diagnose::catalogue::{later, names, sections};
-use super::expression::bench::is_of_units;
 use crate::diagnose::{Place, Problem, Step};
 use crate::file::{Node, Spot};
 

@@ -31,7 +31,12 @@ pub(super) fn description(program: &Program, source: &str) -> String {
     field(
         "parameters",
         list(model.parameters.iter().map(|p| {
-            format!("mechanism::Parameter {{ name: {}, unit: {}, default: {} }}", string(&p.name), unit(&p.unit), float(p.default))
+            format!(
+                "mechanism::Parameter {{ name: {}, unit: {}, default: {} }}",
+                string(&p.name),
+                unit(&p.unit),
+                float(p.default)
+            )
         })),
     );
     field("derived", list(model.derived.iter().map(|d| string(&d.name))));

@@ -25,10 +25,8 @@ pub fn tested(program: &Program) -> String {
     }
     if !report.agreements.is_empty() {
         let shared = shared_data(&program.model).join(", ");
-        let _ = write!(
-            text,
-            "\n\nAll derivations share {shared}: that one of these is wrong their agreement cannot show."
-        );
+        let _ =
+            write!(text, "\n\nAll derivations share {shared}: that one of these is wrong their agreement cannot show.");
     }
     let model = &program.model;
     let conserved = model.conserved.iter().map(|claim| (claim.name.as_str(), claim.when.as_slice()));

@@ -79,9 +79,7 @@ impl Mechanism<'_> {
         let lines = lines + &self.unhoisted.body(&uses, "        ").lines;
         let lane = argument("lane", "impl ::core::ops::Fn(usize) -> Self", count > 0);
         let body = block_of("c", self.block, &lines);
-        format!(
-            "\n    fn constants<S: ::dalembert::mechanism::Real>({lane}) -> Self::Constants<S> {{\n{body}    }}\n"
-        )
+        format!("\n    fn constants<S: ::dalembert::mechanism::Real>({lane}) -> Self::Constants<S> {{\n{body}    }}\n")
     }
 
     fn inputs(&self) -> String {
@@ -89,9 +87,7 @@ impl Mechanism<'_> {
         let body = self.bodies.body(&stores("out", &signals), "        ");
         let (c, t) = (argument("c", "&Self::Constants<S>", body.reads.constants), argument("t", "S", body.reads.time));
         let body = block_of("out", signals.len(), &body.lines);
-        format!(
-            "\n    fn inputs<S: ::dalembert::mechanism::Real>({c}, {t}) -> Self::Inputs<S> {{\n{body}    }}\n"
-        )
+        format!("\n    fn inputs<S: ::dalembert::mechanism::Real>({c}, {t}) -> Self::Inputs<S> {{\n{body}    }}\n")
     }
 
     /// Functions of the state that write what they compute.

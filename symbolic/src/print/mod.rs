@@ -13,8 +13,8 @@ mod scope;
 mod text;
 mod words;
 
-pub use description::fnv1a;
 pub use crate::model::{field_name, type_name};
+pub use description::fnv1a;
 pub use rust::rust;
 pub use scope::OWN;
 pub use text::text;

@@ -33,8 +33,11 @@ pub(super) fn balances(program: &Program, bodies: &Bodies<'_>, block: usize) -> 
         ("right", "&mut [S]"),
     ];
     let arguments: Vec<String> = arguments.iter().map(|(name, kind)| argument(name, kind, used)).collect();
-    let body =
-        if used { format!("{functions}        match system {{\n{arms}            _ => (),\n        }}\n") } else { String::new() };
+    let body = if used {
+        format!("{functions}        match system {{\n{arms}            _ => (),\n        }}\n")
+    } else {
+        String::new()
+    };
     format!("\n    fn balances<S: ::dalembert::mechanism::Real>({}) {{\n{body}    }}\n", arguments.join(", "))
 }
 

@@ -87,7 +87,13 @@ fn fields(parameters: &[Parameter]) -> Vec<Field> {
                 None => continue,
             },
         };
-        fields.push(Field { name: field_name(label), label: label.clone(), kind, default, unit: parameter.unit.clone() });
+        fields.push(Field {
+            name: field_name(label),
+            label: label.clone(),
+            kind,
+            default,
+            unit: parameter.unit.clone(),
+        });
     }
     fields
 }

@@ -8,8 +8,29 @@ use crate::model::{KEYWORDS, Model, local_name};
 ///
 /// `symbolic/tests/generated.rs` finds every binding of generated code here or among those that a scope gave out.
 pub const OWN: &[&str] = &[
-    "c", "t", "u", "q", "v", "a", "out", "dq", "dv", "matrix", "right", "packed", "lane", "i", "index", "scene",
-    "system", "value", "values", "start", "x", "S", "DESCRIPTION",
+    "c",
+    "t",
+    "u",
+    "q",
+    "v",
+    "a",
+    "out",
+    "dq",
+    "dv",
+    "matrix",
+    "right",
+    "packed",
+    "lane",
+    "i",
+    "index",
+    "scene",
+    "system",
+    "value",
+    "values",
+    "start",
+    "x",
+    "S",
+    "DESCRIPTION",
 ];
 
 /// Names given out, on top of those of the scopes around.

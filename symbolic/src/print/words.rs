@@ -75,7 +75,9 @@ mod tests {
 
     #[test]
     fn nothing_ends_a_comment() {
-        for words in ["a\nb", "a\r\nb", "a\rb", "a\u{2028}b", "a\u{85}b", "a\u{b}b", "a\u{202e}b", "a\u{0}b", "a\u{fffe}b"] {
+        for words in
+            ["a\nb", "a\r\nb", "a\rb", "a\u{2028}b", "a\u{85}b", "a\u{b}b", "a\u{202e}b", "a\u{0}b", "a\u{fffe}b"]
+        {
             let text = comment(words, "");
             assert_eq!(text.matches('\n').count(), 1, "{text:?}");
             let strange = |c: char| c != '\n' && !(' '..='~').contains(&c);

@@ -5,6 +5,7 @@ mod examples;
 mod expressions;
 mod limits;
 mod mechanics;
+mod reading;
 mod units;
 
 use std::collections::HashMap;

@@ -75,7 +75,15 @@ impl Rules {
 
     /// Of everything but energies: what definitions may hold.
     pub const fn any(what: &'static str) -> Rules {
-        Rules { what, refused: Depends::JERK, energy: false, signals: false, unit: Expected::Any, numbers_fit: false, tested: false }
+        Rules {
+            what,
+            refused: Depends::JERK,
+            energy: false,
+            signals: false,
+            unit: Expected::Any,
+            numbers_fit: false,
+            tested: false,
+        }
     }
 
     /// A quantity of this kind.
