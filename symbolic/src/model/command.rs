@@ -93,6 +93,7 @@ impl Model {
 
     fn bench(&mut self) -> Bench {
         let mut bench = Bench::new(std::mem::take(&mut self.graph));
+        bench.defaults = self.parameters.iter().map(|p| p.default).collect();
         bench.facts.dimensional =
             self.parameters.iter().map(|p| !matches!(p.unit.as_deref(), None | Some("1"))).collect();
         bench

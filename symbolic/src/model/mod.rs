@@ -7,6 +7,7 @@ mod resolve;
 mod resolved;
 mod resolver;
 mod section;
+mod text;
 
 pub use command::Sets;
 pub use identifier::{KEYWORDS, METHODS, field_name, is_snake_case, local_name, method_name, type_name};
@@ -16,3 +17,5 @@ pub use resolved::{
     GeneralizedForce, Input, Load, Model, Output, Parameter, Part, Push, Reaction, Rotation, Sample, Scene, Shape,
     SharedEnd, Vector, Work,
 };
+pub use text::text;
+pub(crate) use text::text_in;

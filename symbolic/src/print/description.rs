@@ -3,10 +3,10 @@
 use std::fmt::Write;
 
 use super::body::float;
-use super::{text, words};
+use super::words;
 use crate::derive::SwitchKind;
 use crate::lower::{Entry, Program};
-use crate::model::{EventAction, Shape};
+use crate::model::{EventAction, Shape, text};
 
 /// `static DESCRIPTION: … = …;`
 pub(super) fn description(program: &Program, source: &str) -> String {

@@ -7,9 +7,10 @@ use super::description::description;
 use super::function::{Function, Target, argument, stores};
 use super::parameters::field;
 use super::words::comment;
-use super::{momentum, scenes, text};
+use super::{momentum, scenes};
 use crate::expr::Id;
 use crate::lower::{Accelerations, Entry, Program};
+use crate::model::text;
 
 /// Everything that the functions of one mechanism are printed with.
 pub(super) struct Mechanism<'a> {

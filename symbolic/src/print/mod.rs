@@ -1,4 +1,4 @@
-//! Programs to Rust; expressions to text.
+//! Programs to Rust.
 
 mod body;
 mod description;
@@ -10,15 +10,12 @@ mod parameters;
 mod rust;
 mod scenes;
 mod scope;
-mod text;
 mod words;
 
 pub use crate::model::{field_name, type_name};
 pub use description::fnv1a;
 pub use rust::rust;
 pub use scope::OWN;
-pub use text::text;
-pub(crate) use text::text_in;
 
 /// What stands for a model that has errors: a type without coordinates that implements `Mechanism<0, 0>`, so that
 /// the errors are the only ones.

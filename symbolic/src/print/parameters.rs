@@ -6,10 +6,9 @@ use std::fmt::Write;
 use super::body::{Bodies, float};
 use super::documentation::{about, tested};
 use super::function::of_constants;
-use super::text;
 use super::words::documentation;
 use crate::lower::Program;
-use crate::model::{Parameter, field_name, is_snake_case, method_name};
+use crate::model::{Parameter, field_name, is_snake_case, method_name, text};
 
 /// The struct, its default, and a method per derived parameter.
 pub(super) fn parameters(program: &Program, name: &str, bodies: &Bodies<'_>) -> String {

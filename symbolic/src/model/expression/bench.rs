@@ -34,6 +34,8 @@ pub struct Bench {
     pub needs: Vec<usize>,
     /// The unit of the value that was evaluated last.
     pub measured: Measure,
+    /// The defaults of the free parameters.
+    pub defaults: Vec<f64>,
     work: u64,
     exhausted: bool,
     /// Texts that raised problems, by the place of their trees, which are kept so that the places stay theirs.
@@ -53,6 +55,7 @@ impl Bench {
             problems: Vec::new(),
             needs: Vec::new(),
             measured: Measure::Unknown,
+            defaults: Vec::new(),
             work: 0,
             exhausted: false,
             failed: HashMap::new(),

@@ -4,18 +4,19 @@
 //! ∂I/∂q'·M⁻¹Q; for I = T + V it is the force's power q'·Q.  Where the shares of some forces make up the whole rate
 //! at all states, they are the cause.
 
-use super::Equations;
+use super::dense::factor;
 use super::effects::{Effect, Kind};
-use super::lagrange::speed_gradient;
 use super::potential::{Conservative, Nature};
-use super::sample::State;
-use super::test::{describe, solve};
+use super::state::{State, describe};
+use crate::derive::Equations;
+use crate::derive::lagrange::speed_gradient;
 use crate::diagnose::Step;
 use crate::expr::{Graph, Id, Symbol, Tape};
 use crate::model::{Conserved, Model};
+use crate::number::DoubleDouble;
 
 /// Shares make up a rate where they leave no more than this of their sizes.
-const TOLERANCE: f64 = 1e-8;
+const TOLERANCE: f64 = 1e-16;
 /// So many causes are named.
 const NAMED: usize = 4;
 
@@ -57,15 +58,16 @@ pub(super) fn blame(
     worst: &State,
 ) -> Option<Blame> {
     let shares = Shares::new(graph, court, component, rate);
-    let seen: Vec<(f64, Vec<f64>)> = states.iter().filter_map(|state| shares.at(state)).collect();
-    let (total, here) = shares.at(worst)?;
-    let left = |(total, shares): &(f64, Vec<f64>), counted: bool| {
+    let seen: Vec<(DoubleDouble, Vec<DoubleDouble>)> = states.iter().filter_map(|state| shares.at(state)).collect();
+    let here_all = shares.at(worst)?;
+    let here = &here_all.1;
+    let left = |(total, shares): &(DoubleDouble, Vec<DoubleDouble>), counted: bool| {
         let taken = court.effects.iter().zip(shares).filter(|(e, _)| counted || !e.kind.counted());
-        total - taken.map(|(_, share)| share).sum::<f64>()
+        taken.fold(*total, |left, (_, share)| left - *share).to_f64()
     };
     let explains = |counted: bool| {
-        let vanishes = |at: &(f64, Vec<f64>)| {
-            let size = at.0.abs() + at.1.iter().map(|x| x.abs()).sum::<f64>();
+        let vanishes = |at: &(DoubleDouble, Vec<DoubleDouble>)| {
+            let size = at.0.to_f64().abs() + at.1.iter().map(|x| x.to_f64().abs()).sum::<f64>();
             left(at, counted).abs() <= TOLERANCE * size
         };
         !seen.is_empty() && seen.iter().all(vanishes)
@@ -78,9 +80,10 @@ pub(super) fn blame(
         (false, None) if explains(true) => (true, None),
         (false, None) => return None,
     };
-    let mut causes: Vec<(usize, f64)> = here.iter().copied().enumerate().collect();
-    let size = total.abs() + here.iter().map(|x| x.abs()).sum::<f64>();
-    causes.retain(|&(k, x)| (counted || !court.effects[k].kind.counted()) && x.abs() > 1e-9 * size);
+    let mut causes: Vec<(usize, f64)> = here.iter().map(|x| x.to_f64()).enumerate().collect();
+    let named = |k: usize| counted || !court.effects[k].kind.counted();
+    let size: f64 = causes.iter().filter(|(k, _)| named(*k)).map(|(_, x)| x.abs()).sum();
+    causes.retain(|&(k, x)| named(k) && x.abs() > 1e-9 * size);
     causes.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
     let verb = if invariant.counts_energy { "does work at the rate" } else { "changes it at the rate" };
     let mut words: Vec<String> = Vec::new();
@@ -93,7 +96,7 @@ pub(super) fn blame(
         words.push("…".to_owned());
     }
     if let Some(name) = &moving {
-        let by_time = left(&(total, here.clone()), false);
+        let by_time = left(&here_all, false);
         words.push(format!("what moves with `{name}` does work at the rate {by_time:.6e}"));
     }
     let mut help: Vec<String> = Vec::new();
@@ -134,22 +137,22 @@ impl Shares {
         Shares { tape, mass: mass.map(|e| (e.0, e.1)).collect(), n, effects: court.effects.len() }
     }
 
-    fn at(&self, state: &State) -> Option<(f64, Vec<f64>)> {
+    fn at(&self, state: &State) -> Option<(DoubleDouble, Vec<DoubleDouble>)> {
         let values = self.tape.evaluate(|s| state.value(s));
         let (rate, rest) = values.split_first()?;
         let (slopes, rest) = rest.split_at(self.n);
         let (entries, forces) = rest.split_at(self.mass.len());
-        let mut mass = vec![0.0; self.n * self.n];
+        let mut mass = vec![DoubleDouble::ZERO; self.n * self.n];
         for (&(i, j), m) in self.mass.iter().zip(entries) {
             mass[i * self.n + j] = *m;
             mass[j * self.n + i] = *m;
         }
-        let weights = solve(mass, slopes.to_vec()).ok()?;
+        let weights = factor(&mass, &vec![0.0; mass.len()], self.n).ok()?.solve(slopes);
         let share = |k: usize| {
             let force = &forces[k * self.n..][..self.n];
-            weights.iter().zip(force).map(|(w, q)| w * q).sum::<f64>()
+            weights.iter().zip(force).fold(DoubleDouble::ZERO, |sum, (w, q)| sum + *w * *q)
         };
-        let shares: Vec<f64> = (0..self.effects).map(share).collect();
+        let shares: Vec<DoubleDouble> = (0..self.effects).map(share).collect();
         (rate.is_finite() && shares.iter().all(|x| x.is_finite())).then_some((*rate, shares))
     }
 }
@@ -200,8 +203,9 @@ fn switched_off(graph: &Graph, court: &Court<'_>, forces: &[usize], states: &[St
         });
         let vanishes = |p: u32| {
             states.iter().all(|state| {
-                let without = |s: Symbol| if s == Symbol::Parameter(p) { 0.0 } else { state.value(s) };
-                tape.evaluate(without).iter().all(|q| *q == 0.0)
+                let zero = DoubleDouble::ZERO;
+                let without = |s: Symbol| if s == Symbol::Parameter(p) { zero } else { state.value(s) };
+                tape.evaluate(without).iter().all(|q| *q == zero)
             })
         };
         // A parameter that bodies and springs need too cannot be set to 0.

@@ -5,16 +5,13 @@
 //! u·(∂Q/∂q)w = w·(∂Q/∂q)u for all u and w says the same, in two passes whatever the number of coordinates.
 
 use super::effects::{Effect, Kind};
-use super::sample::State;
-use super::test::{Scaled, describe};
-use crate::expr::{Forward, Graph, Id, Symbol, Tape};
+use super::motion::Motion;
+use super::state::{State, describe};
+use crate::expr::{Forward, Graph, Id, Measured, Symbol, Tape};
 use crate::model::Model;
+use crate::number::DoubleDouble;
 use crate::random::Random;
 
-/// A derivative may differ from what it should be by this much of its terms.
-const TOLERANCE: f64 = 1e-9;
-/// The same, of the force itself over the largest coordinate: what rounding leaves of a derivative that vanishes.
-const ROUNDING: f64 = 1e-13;
 /// With more coordinates than this the largest component of a curl is not looked for.
 const SEARCHED: usize = 40;
 
@@ -55,7 +52,13 @@ pub struct Conservative {
 }
 
 /// The nature of each force, and of all together where they have a potential that some of them lacks alone.
-pub(super) fn natures(graph: &mut Graph, model: &Model, effects: &[Effect], states: &[State]) -> Vec<Conservative> {
+pub(super) fn natures(
+    graph: &mut Graph,
+    model: &Model,
+    motion: &Motion,
+    effects: &[Effect],
+    states: &[State],
+) -> Vec<Conservative> {
     let forces: Vec<&Effect> = effects.iter().filter(|e| e.kind == Kind::Force).collect();
     let mut found: Vec<Conservative> = forces
         .iter()
@@ -64,13 +67,13 @@ pub(super) fn natures(graph: &mut Graph, model: &Model, effects: &[Effect], stat
                 Some(crate::diagnose::Step::Key(key)) => key.clone(),
                 _ => String::new(),
             };
-            let nature = nature(graph, model, &effect.force, states);
+            let nature = nature(graph, model, motion, &effect.force, states);
             Conservative { section, name: effect.name.clone(), nature }
         })
         .collect();
     if found.len() > 1 && found.iter().any(|f| matches!(f.nature, Nature::Curl { .. })) {
         let together = sum(graph, &forces);
-        if matches!(nature(graph, model, &together, states), Nature::Potential | Nature::Idle) {
+        if matches!(nature(graph, model, motion, &together, states), Nature::Potential | Nature::Idle) {
             found.push(Conservative { section: String::new(), name: String::new(), nature: Nature::Potential });
         }
     }
@@ -89,7 +92,7 @@ fn component(k: usize, n: usize, i: usize) -> Symbol {
 }
 
 /// The kind of the generalized force Q.
-fn nature(graph: &mut Graph, model: &Model, force: &[Id], states: &[State]) -> Nature {
+fn nature(graph: &mut Graph, model: &Model, motion: &Motion, force: &[Id], states: &[State]) -> Nature {
     let n = force.len();
     let along = |graph: &mut Graph, k: usize| {
         let mut total = Id::ZERO;
@@ -127,29 +130,42 @@ fn nature(graph: &mut Graph, model: &Model, force: &[Id], states: &[State]) -> N
         let term = graph.mul(v, *q);
         power = graph.add(power, term);
     }
-    let tests = [first, by_velocity, by_time, curl, power].map(|root| Scaled::new(graph, &[root]));
+    let tape = Tape::new(graph, &[first, by_velocity, by_time, curl, power]);
     let (mut acts, mut velocity, mut time, mut works) = (false, false, false, false);
     let mut turning: Option<&State> = None;
     let mut random = Random::new();
-    for state in states {
+    for (k, state) in states.iter().enumerate() {
         let directions: Vec<f64> = (0..2 * n + 1 + 4 * model.inputs.len()).map(|_| random.between(-1.0, 1.0)).collect();
-        let value = |s: Symbol| match s {
-            Symbol::Dummy(k) => directions.get(k as usize).copied().unwrap_or(0.0),
-            _ => state.value(s),
+        let at = |state: &State| {
+            tape.evaluate(|s| match s {
+                Symbol::Dummy(k) => {
+                    Measured::exact(DoubleDouble::from(directions.get(k as usize).copied().unwrap_or(0.0)))
+                }
+                _ => state.measured(s),
+            })
         };
-        let [(q, own), v, t, c, p] = [0, 1, 2, 3, 4].map(|k| {
-            let (values, scale) = tests[k].with(value);
-            (values[0].abs(), scale)
-        });
-        let reach = state.q.iter().fold(f64::MIN_POSITIVE, |most, x| most.max(x.abs()));
-        let differs = |(value, scale): (f64, f64)| value > TOLERANCE * scale && value > ROUNDING * own / reach;
-        acts |= q > 1e-12 * own;
-        velocity |= differs(v);
-        time |= differs(t);
-        works |= p.0 > TOLERANCE * p.1;
-        if differs(c) && turning.is_none() {
+        let here = at(state);
+        let differs = |x: &Measured| x.value.is_finite() && !x.vanishes(super::ROUNDINGS);
+        acts |= differs(&here[0]);
+        velocity |= differs(&here[1]);
+        time |= differs(&here[2]);
+        works |= differs(&here[4]);
+        if differs(&here[3]) && turning.is_none() {
             turning = Some(state);
         }
+        // What switches with speed or time has no derivative that tells: the values at another speed and time do.
+        let other = &states[(k + 1) % states.len()];
+        let changed = |with: &dyn Fn(&mut State)| {
+            let mut moved = state.clone();
+            with(&mut moved);
+            motion.prepare(&mut moved);
+            let there = at(&moved)[0];
+            let gap = (there.value - here[0].value).abs().to_f64();
+            gap.is_finite() && gap > 1e-20 * (there.magnitude + here[0].magnitude)
+        };
+        velocity =
+            velocity || changed(&|s| s.v.clone_from(&other.v)) || changed(&|s| s.v.iter_mut().for_each(|v| *v = -*v));
+        time = time || changed(&|s| s.t = other.t);
     }
     match turning {
         _ if !acts => Nature::Idle,
@@ -167,10 +183,10 @@ fn largest_curl(graph: &Graph, model: &Model, curl: Id, state: &State) -> Nature
     let between = |i: usize, j: usize| {
         let chosen = [component(0, n, i), component(1, n, j)];
         let value = |s: Symbol| match s {
-            Symbol::Dummy(_) => f64::from(u8::from(chosen.contains(&s))),
+            Symbol::Dummy(_) => DoubleDouble::from(f64::from(u8::from(chosen.contains(&s)))),
             _ => state.value(s),
         };
-        tape.evaluate(value)[0]
+        tape.evaluate(value)[0].to_f64()
     };
     let searched = n.min(SEARCHED);
     let pairs = (0..searched).flat_map(|i| (i + 1..searched).map(move |j| (i, j)));

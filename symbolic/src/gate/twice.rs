@@ -5,14 +5,14 @@
 //! either 0 or 1.
 
 use super::effects::{Effect, Kind, downhill};
-use super::lagrange::speed_gradient;
 use super::potential::sum;
-use super::sample::State;
+use super::state::State;
+use crate::derive::lagrange::speed_gradient;
 use crate::diagnose::Problem;
 use crate::diagnose::catalogue::mechanics;
 use crate::expr::{Binary, Graph, Id, Node, Tape, Unary};
 use crate::model::Model;
-use crate::print::text_in;
+use crate::model::text_in;
 
 /// Q and a gradient are opposite where they differ by no more than this of the larger.
 const TOLERANCE: f64 = 1e-9;
@@ -138,7 +138,7 @@ fn subset(graph: &Graph, group: &Group, forces: &[Vec<Id>], states: &[State]) ->
     let tape = Tape::new(graph, &roots);
     let mut samples: Vec<Vec<f64>> = vec![Vec::new(); forces.len() + 1];
     for state in states {
-        let values = tape.evaluate(|s| state.value(s));
+        let values: Vec<f64> = tape.evaluate(|s| state.value(s)).iter().map(|x| x.to_f64()).collect();
         let scale = values[..rows.len()].iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         if scale == 0.0 || values.iter().any(|x| !x.is_finite()) {
             continue;

@@ -4,16 +4,13 @@
 //! force that passes from one bar to the next through a hinge changes the hinge's reaction.  The load enters linearly,
 //! so each change of one end is judged alone, with the solution of the system before and after it.
 
-use super::balances::{Row, evaluate, solve};
-use super::momentum::unknowns;
-use super::sample::State;
+use super::state::State;
+use super::system::{Assembled, Row, evaluate, zero};
+use crate::derive::momentum::unknowns;
 use crate::diagnose::Problem;
 use crate::diagnose::catalogue::mechanics;
-use crate::expr::{Symbol, Tape};
+use crate::expr::{Measured, Symbol, Tape};
 use crate::model::{Model, SharedEnd};
-
-/// Two solutions are one where they differ by no more than this of the largest unknown of their kind.
-const TOLERANCE: f64 = 1e-7;
 
 /// An error for every end whose body must be named.
 pub(super) fn ambiguous(model: &mut Model, states: &[State]) -> Vec<Problem> {
@@ -38,26 +35,31 @@ fn difference(model: &mut Model, end: &SharedEnd, states: &[State]) -> Option<St
     for (s, system) in model.balances.clone().iter().enumerate() {
         let changes: Vec<_> = end.changes.iter().filter(|c| c.system == s).collect();
         let tape = Tape::new(&model.graph, &changes.iter().map(|c| c.value).collect::<Vec<_>>());
-        let values: Vec<Vec<f64>> = states.iter().map(|state| tape.evaluate(|s| state.value(s))).collect();
-        if values.iter().flatten().all(|x| *x == 0.0) {
+        let values: Vec<Vec<Measured>> = states.iter().map(|state| tape.evaluate(|s| state.measured(s))).collect();
+        if values.iter().flatten().all(|x| x.vanishes(super::ROUNDINGS)) {
             continue;
         }
         let columns = unknowns(model, system);
         let rows = evaluate(&mut model.graph, system, &columns, states);
+        let equations = system.balances.iter().map(|b| b.components).sum();
+        let solve = |rows: &[Row]| Assembled::of(rows, equations, columns.len(), None).solution();
         for &body in end.bodies.iter().skip(1) {
             for (rows, values) in rows.iter().zip(&values) {
-                let Some(before) = solve(rows, columns.len(), None) else { continue };
+                let Some(before) = solve(rows) else { continue };
                 let moved = changes.iter().zip(values).filter(|(c, _)| c.body == body);
-                let zero = || vec![0.0; columns.len()];
-                let extra = moved.map(|(c, x)| Row::known(c.equation, zero(), *x));
+                let extra = moved.map(|(c, x)| Row::known(c.equation, vec![zero(); columns.len()], *x));
                 let all: Vec<Row> = rows.iter().cloned().chain(extra).collect();
-                let Some(after) = solve(&all, columns.len(), None) else { continue };
+                let Some(after) = solve(&all) else { continue };
                 if let Some(k) = differing(&before, &after, model.coordinates.len()) {
                     let bodies = [end.bodies[0], body].map(|b| model.bodies[b].name.as_str());
                     let what = unknown(model, columns[k]);
                     return Some(format!(
                         "{what} of `{}` is {:.6e} with it on `{}` and {:.6e} with it on `{}`",
-                        system.name, before[k], bodies[0], after[k], bodies[1]
+                        system.name,
+                        before[k].value.to_f64(),
+                        bodies[0],
+                        after[k].value.to_f64(),
+                        bodies[1]
                     ));
                 }
             }
@@ -66,12 +68,13 @@ fn difference(model: &mut Model, end: &SharedEnd, states: &[State]) -> Option<St
     None
 }
 
-/// The unknown that differs most; reactions are looked at first, and each kind is measured by its own largest.
-fn differing(before: &[f64], after: &[f64], coordinates: usize) -> Option<usize> {
+/// The unknown that differs most beside its own magnitude; reactions are looked at first.
+fn differing(before: &[Measured], after: &[Measured], coordinates: usize) -> Option<usize> {
+    let gap = |k: usize| (before[k].value - after[k].value).abs().to_f64();
+    let size = |k: usize| before[k].magnitude + after[k].magnitude;
+    let share = |k: usize| if size(k) > 0.0 { gap(k) / size(k) } else { 0.0 };
     let among = |range: std::ops::Range<usize>| {
-        let size = range.clone().fold(0.0_f64, |most, k| most.max(before[k].abs()).max(after[k].abs()));
-        let gap = |k: usize| (before[k] - after[k]).abs();
-        range.max_by(|i, j| gap(*i).total_cmp(&gap(*j))).filter(|&k| gap(k) > TOLERANCE * size)
+        range.max_by(|i, j| share(*i).total_cmp(&share(*j))).filter(|&k| share(k) > 1e-20)
     };
     among(coordinates..before.len()).or_else(|| among(0..coordinates))
 }
