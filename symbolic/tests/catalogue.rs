@@ -94,7 +94,7 @@ fn proposals_lead_on() {
             let range = dalembert_symbolic::file::locate(&text, &[&problem.place]).remove(0);
             // `did you mean` replaces what is marked, with what stands before it where that is part of the proposal.
             let before = proposal.find(&text[range.clone()]).unwrap_or(0);
-            let lead = proposal[..before].trim_end_matches('*');
+            let lead = proposal[..before].trim_end_matches(['*', '(']);
             let start = text[..range.start].trim_end().strip_suffix(lead).map_or(range.start, str::len);
             let start = if before > 0 { start } else { range.start };
             let mended = format!("{}{proposal}{}", &text[..start], &text[range.end..]);
