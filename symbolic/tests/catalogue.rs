@@ -113,7 +113,10 @@ fn proposals_lead_on() {
 fn proposal(help: &str) -> Option<&str> {
     let rest = ["did you mean `", "write it like `", "write `"].iter().find_map(|lead| help.split_once(lead))?.1;
     let words = rest.split('`').next()?;
-    let whole = !words.contains(['…', '{']) && !words.contains(" e ") && !help.contains("BODY");
+    let whole = !words.contains(['…', '{'])
+        && !words.contains(" e ")
+        && !help.contains("BODY")
+        && !help.contains("for an equation");
     whole.then_some(words)
 }
 

@@ -1,10 +1,9 @@
 //! Whatever a file calls its things, compiled code computes what the interpreter computes.
 
-use dalembert::cli::Interpreted;
-use dalembert::mechanism::{Erased, System};
+use dalembert::mechanism::{Erased, Interpreted, System};
 use dalembert_symbolic::lower::compile;
 use dalembert_symbolic::model::METHODS;
-use dalembert_tests::both::{At, assert_same};
+use dalembert_tests::both::{Drawn, assert_same};
 use std::path::Path;
 
 /// Name, text, and the compiled system.
@@ -41,7 +40,7 @@ fn compare(name: &str, text: &str, mut compiled: Box<dyn System>) {
             interpreted.set_parameter(index, value);
         }
         let n = compiled.len();
-        let state = At { t: 0.7, q: draws.list(n), v: draws.list(n), a: draws.list(n) };
+        let state = Drawn { t: 0.7, q: draws.list(n), v: draws.list(n), a: draws.list(n) };
         assert_same(name, &*compiled, &interpreted, &state, 1e-13);
     }
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::body::float;
-use super::words;
+use super::{si_unit, words};
 use crate::derive::SwitchKind;
 use crate::lower::{Entry, Program};
 use crate::model::{EventAction, Shape, text};
@@ -15,7 +15,7 @@ pub(super) fn description(program: &Program, source: &str) -> String {
     let mut field = |name: &str, value: String| {
         let _ = writeln!(out, "            {name}: {value},");
     };
-    let unit = |unit: &Option<String>| string(unit.as_deref().unwrap_or(""));
+    let unit = |unit: &Option<String>| string(&unit.as_deref().map(si_unit).unwrap_or_default());
     field("name", string(&model.name));
     field("about", string(&model.about));
     field("source_hash", format!("{:#018x}", fnv1a(source)));
@@ -45,6 +45,8 @@ pub(super) fn description(program: &Program, source: &str) -> String {
     field("stiffness_pattern", pattern(&program.stiffness));
     field("damping_pattern", pattern(&program.damping));
     field("input_pattern", pattern(&program.input));
+    field("time_pattern", list(program.time.iter().map(|e| e.0.to_string())));
+    field("timed_switches", list(program.timed_switches.iter().map(ToString::to_string)));
     let quantity = |name: &str, components: usize, of: &Option<String>| {
         format!("mechanism::Quantity {{ name: {}, components: {components}, unit: {} }}", string(name), unit(of))
     };
@@ -112,9 +114,10 @@ pub(super) fn description(program: &Program, source: &str) -> String {
     field(
         "structure",
         format!(
-            "mechanism::Structure {{ dimension: {}, constant_mass: {}, diagonal_mass: {}, mass_blocks: {}, linear: {}, conservative: {}, time_dependent: {}, cyclic: {} }}",
+            "mechanism::Structure {{ dimension: {}, constant_mass: {}, constant_inertias: {}, diagonal_mass: {}, mass_blocks: {}, linear: {}, conservative: {}, time_dependent: {}, cyclic: {} }}",
             model.dimension,
             s.constant_mass,
+            s.constant_inertias,
             s.diagonal_mass,
             list(s.mass_blocks.iter().map(ToString::to_string)),
             s.linear,

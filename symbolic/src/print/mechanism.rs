@@ -124,6 +124,9 @@ impl Mechanism<'_> {
                 ..Function::default()
             },
             into_slice("input_jacobian", 3, &values(&program.input)),
+            into_slice("time_jacobian", 3, &values(&program.time)),
+            into_slice("time_dependence", 3, &program.generic_time),
+            into_slice("magnitudes", 3, &program.magnitudes),
             into_slice("invariants", 2, &program.invariants),
             into_slice("outputs", 3, &program.outputs),
             into_slice("events", 3, &program.events),

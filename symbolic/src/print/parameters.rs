@@ -6,6 +6,7 @@ use std::fmt::Write;
 use super::body::{Bodies, float};
 use super::documentation::{about, tested};
 use super::function::of_constants;
+use super::units::si_unit;
 use super::words::documentation;
 use crate::lower::Program;
 use crate::model::{Parameter, field_name, is_snake_case, method_name, text};
@@ -17,7 +18,7 @@ pub(super) fn parameters(program: &Program, name: &str, bodies: &Bodies<'_>) -> 
     out += attributes(fields.iter().map(|f| f.name.as_str()));
     let _ = writeln!(out, "#[derive(Clone, Debug, PartialEq)]\npub struct {name} {{");
     for field in &fields {
-        let unit = field.unit.as_deref().unwrap_or("no unit");
+        let unit = field.unit.as_deref().map_or_else(|| "no unit".to_owned(), si_unit);
         out += &documentation(&format!("`{}`, {unit}.", field.label).replace('\n', " "), "    ");
         let _ = writeln!(out, "    pub {}: {},", field.name, field.kind);
     }
@@ -47,7 +48,8 @@ fn derived(program: &Program, name: &str, bodies: &Bodies<'_>) -> String {
     let names: Vec<String> = scalar.iter().map(|d| method_name(&d.name)).collect();
     let mut out = format!("{}impl {name} {{\n", attributes(names.iter().map(String::as_str)));
     for (derived, name) in scalar.iter().zip(&names) {
-        let unit = derived.unit.as_deref().unwrap_or("unit from what it is computed from");
+        let unit = derived.unit.as_deref();
+        let unit = unit.map_or_else(|| "unit from what it is computed from".to_owned(), si_unit);
         let words = format!("`{} = {}`, {unit}.", derived.name, text(model, derived.value));
         let function = of_constants(bodies, "value", &[derived.value], "        ");
         let parameters = format!("<Self as ::dalembert::mechanism::Mechanism<{n}, 0>>::parameters(self)");

@@ -58,11 +58,13 @@ fn hoist(program: &Program) -> Vec<Id> {
 impl Program {
     /// Every expression that some generated function computes from a state.
     fn roots(&self) -> Vec<Id> {
-        let entries = [&self.mass, &self.stiffness, &self.damping, &self.input];
+        let entries = [&self.mass, &self.stiffness, &self.damping, &self.input, &self.time];
         let mut roots: Vec<Id> = entries.into_iter().flatten().map(|e| e.2).collect();
         let lists = [
             &self.bias,
             &self.residual,
+            &self.generic_time,
+            &self.magnitudes,
             &self.invariants,
             &self.outputs,
             &self.events,

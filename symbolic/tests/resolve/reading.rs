@@ -69,7 +69,7 @@ fn units_wherever_one_value_is_wanted() {
     );
     let at = At::new(&[("x", 0.3)]);
     close(&at.of(&mut whole, "potential_energy"), &[5000.0 * 0.04 / 2.0 + 9.81 * 0.5]);
-    close(&at.of(&mut whole, "[w, tilted.x.x]"), &[0.2, 3_f64.sqrt() / 2.0]);
+    close(&[at.of(&mut whole, "w")[0], at.of(&mut whole, "tilted.x.x")[0]], &[0.2, 3_f64.sqrt() / 2.0]);
     close(&at.of(&mut whole, "d + p"), &[1000.1, 3.0]);
     close(&at.values(&whole, &[whole.generalized_forces[0].force, whole.inputs[0].signal[0]]), &[0.003, 0.3]);
     // A wrong unit is told, and a forgotten operator is no unit.
@@ -160,7 +160,8 @@ fn a_model_with_wrong_units_can_be_judged() {
     );
     assert_eq!((model.unwrap().generalized_forces.len(), problems.len()), (3, 1));
     // What a run observes enters no equation; what does leaves nothing to judge.
-    let (model, problems) = read_through(&particle("outputs: {o: nothing}\nevents: {e: {when: x + }}"), &[]);
+    let (model, problems) =
+        read_through(&particle("outputs: {o: nothing}\nevents: {e: {when: x + , then: record}}"), &[]);
     assert!(model.is_some() && problems.len() == 2, "{problems:?}");
     for wrong in
         ["potential_energy: nothing", "bodis: {}", "forces: {f: {on: nobody, force: [1, 0]}}", "scene: {start: {q: 1}}"]

@@ -1,9 +1,8 @@
 //! Generated code against the interpreter of the same program.
 
-use dalembert::cli::Interpreted;
-use dalembert::mechanism::System;
+use dalembert::mechanism::{Interpreted, System};
 use dalembert_symbolic::lower::compile;
-use dalembert_tests::both::{At, assert_same};
+use dalembert_tests::both::{Drawn, assert_same};
 
 /// In every scene of every model, and with other parameters, both compute the same to rounding.
 #[test]
@@ -29,7 +28,7 @@ fn compiled_and_interpreted_models_agree() {
                 list.iter().enumerate().map(|(i, x)| 0.9 * x + 0.05 * (i as f64 + phase).sin()).collect()
             };
             let (q, v) = (vary(&start.q, 0.3), vary(&start.v, 1.7));
-            let state = At { t: 0.37, a: vary(&q, 2.9), q, v };
+            let state = Drawn { t: 0.37, a: vary(&q, 2.9), q, v };
             assert_eq!(compiled.description().balances, interpreted.description().balances, "{}", entry.name);
             let name = format!("{}, scene {scene}", entry.name);
             assert_same(&name, &*compiled, &interpreted, &state, 1e-12);
