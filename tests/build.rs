@@ -148,7 +148,7 @@ fn models(names: &[String]) -> Vec<(&'static str, String)> {
     let free = distinct(field_name, "zz");
     let derived = distinct(method_name, "zz");
     let list = |names: &[&String], entry: &dyn Fn(usize, &str) -> String| -> String {
-        let entries = names.iter().enumerate().map(|(k, name)| format!("  {:?}: {}\n", name, entry(k + 1, name)));
+        let entries = names.iter().enumerate().map(|(k, name)| format!("  \"{name}\": {}\n", entry(k + 1, name)));
         entries.collect()
     };
     let all: Vec<&String> = names.iter().collect();
@@ -197,7 +197,7 @@ fn models(names: &[String]) -> Vec<(&'static str, String)> {
         "points:\n{}outputs:\n  ozz: {}\ndraw: [{{line: [{}]}}]\n",
         list(&all, &|k, _| format!("\"[xzz, {k}*yzz]\"")),
         sum(&all, &|_, p| format!("dot({p}, velocity({p}))")),
-        all.iter().map(|p| format!("{p:?}")).collect::<Vec<_>>().join(", "),
+        all.iter().map(|p| format!("\"{p}\"")).collect::<Vec<_>>().join(", "),
     ));
     let frames = line(&format!(
         "frames:\n{}outputs:\n  ozz: {}\n",
