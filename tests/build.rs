@@ -232,9 +232,12 @@ fn models(names: &[String]) -> Vec<(&'static str, String)> {
         list(&all, &|k, _| format!("zz*{k}")),
         list(&all, &|_, _| "xzz = xzz".to_owned()),
     ));
+    // A system of these names would be taken for the only one.
+    let systems: Vec<&String> =
+        all.iter().copied().filter(|name| !["equations", "reactions"].contains(&name.as_str())).collect();
     let balances = line(&format!(
         "springs: {{szz: {{between: [ground, bzz], stiffness: 3}}}}\nbalances:\n{}scenes:\n{}",
-        list(&all, &|_, _| {
+        list(&systems, &|_, _| {
             "{equations: [{force: {of: all, along: [1, 0]}}, {force: {of: all, along: [0, 1]}}], reactions: {}}"
                 .to_owned()
         }),

@@ -89,12 +89,12 @@ mod crowded {
 
     pub const TEXT: &str = "name: Crowded\nparameters: {a: 2, b: 3*a, clone: a^2}\ncoordinates: {x: , m: }\n\
         inputs: {u: sin(t)}\nkinetic_energy: b*x'^2/2 + clone*m'^2*(2 + cos(x))\npotential_energy: a*x^2/2 + abs(x)\n\
-        generalized_forces: {x: u - max(x', 0)}\nscenes: {far: {set: {a: 5}}}\nequilibrium: {x: a}\n";
+        generalized_forces: {x: u - abs(x')}\nscenes: {far: {set: {a: 5}}}\nequilibrium: {x: a}\n";
 
     pub mod of_types {
         pub mod default {
             dalembert::model!(
-                yaml = "name: Crowded\nparameters: {a: 2, b: 3*a, clone: a^2}\ncoordinates: {x: , m: }\ninputs: {u: sin(t)}\nkinetic_energy: b*x'^2/2 + clone*m'^2*(2 + cos(x))\npotential_energy: a*x^2/2 + abs(x)\ngeneralized_forces: {x: u - max(x', 0)}\nscenes: {far: {set: {a: 5}}}\nequilibrium: {x: a}\n",
+                yaml = "name: Crowded\nparameters: {a: 2, b: 3*a, clone: a^2}\ncoordinates: {x: , m: }\ninputs: {u: sin(t)}\nkinetic_energy: b*x'^2/2 + clone*m'^2*(2 + cos(x))\npotential_energy: a*x^2/2 + abs(x)\ngeneralized_forces: {x: u - abs(x')}\nscenes: {far: {set: {a: 5}}}\nequilibrium: {x: a}\n",
                 name = Default
             );
         }
@@ -119,7 +119,7 @@ mod crowded {
     }
 
     dalembert::model!(
-        yaml = "name: Crowded\nparameters: {a: 2, b: 3*a, clone: a^2}\ncoordinates: {x: , m: }\ninputs: {u: sin(t)}\nkinetic_energy: b*x'^2/2 + clone*m'^2*(2 + cos(x))\npotential_energy: a*x^2/2 + abs(x)\ngeneralized_forces: {x: u - max(x', 0)}\nscenes: {far: {set: {a: 5}}}\nequilibrium: {x: a}\n"
+        yaml = "name: Crowded\nparameters: {a: 2, b: 3*a, clone: a^2}\ncoordinates: {x: , m: }\ninputs: {u: sin(t)}\nkinetic_energy: b*x'^2/2 + clone*m'^2*(2 + cos(x))\npotential_energy: a*x^2/2 + abs(x)\ngeneralized_forces: {x: u - abs(x')}\nscenes: {far: {set: {a: 5}}}\nequilibrium: {x: a}\n"
     );
 }
 
