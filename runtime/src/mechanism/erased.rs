@@ -113,6 +113,21 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
         M::input_jacobian(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), array(at.a), du);
     }
 
+    fn time_jacobian(&self, at: At<'_>, dt: &mut [f64]) {
+        let u = self.input_block(at.t);
+        M::time_jacobian(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), array(at.a), dt);
+    }
+
+    fn time_dependence(&self, at: At<'_>, dt: &mut [f64]) {
+        let u = self.input_block(at.t);
+        M::time_dependence(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), array(at.a), dt);
+    }
+
+    fn magnitudes(&self, at: At<'_>, sums: &mut [f64]) {
+        let u = self.input_block(at.t);
+        M::magnitudes(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), array(at.a), sums);
+    }
+
     fn energy(&self, at: At<'_>) -> Energy {
         Energy::from_array(M::energy(&self.constants, at.t, self.input_block(at.t).as_ref(), array(at.q), array(at.v)))
     }

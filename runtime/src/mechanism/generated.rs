@@ -83,6 +83,20 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
     );
     /// ∂F/∂(u, u', u'') as values of its pattern.
     fn input_jacobian<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], du: &mut [S]);
+    /// ∂F/∂t of the rows of its pattern.
+    fn time_jacobian<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], dt: &mut [S]);
+    /// ∂F/∂t with generic numbers for functions of time that can be as small as none.
+    fn time_dependence<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &[S; N],
+        dt: &mut [S],
+    );
+    /// Sums of the absolute values of the terms of each component of F.
+    fn magnitudes<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], sums: &mut [S]);
     /// T, V, the Jacobi function, the power and the scale, in the order of [`Energy`]'s fields.
     fn energy<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N]) -> [S; 5];
     /// Pairs (value, sum of the absolute terms) of the invariants.

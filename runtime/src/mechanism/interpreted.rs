@@ -4,7 +4,7 @@ use dalembert_symbolic::derive::SwitchKind as SymbolicSwitchKind;
 use dalembert_symbolic::interpret::{self, Function, Interpreter};
 use dalembert_symbolic::lower::{Entry, MomentumSystem, Program};
 use dalembert_symbolic::model::{EventAction, Shape as SymbolicShape};
-use dalembert_symbolic::print;
+use dalembert_symbolic::{model, print};
 
 use super::balances::put_reactions;
 use super::{
@@ -87,6 +87,18 @@ impl System for Interpreted {
 
     fn input_jacobian(&self, at: At<'_>, du: &mut [f64]) {
         self.evaluate(Function::Input, at, du);
+    }
+
+    fn time_jacobian(&self, at: At<'_>, dt: &mut [f64]) {
+        self.evaluate(Function::Time, at, dt);
+    }
+
+    fn time_dependence(&self, at: At<'_>, dt: &mut [f64]) {
+        self.evaluate(Function::TimeDependence, at, dt);
+    }
+
+    fn magnitudes(&self, at: At<'_>, sums: &mut [f64]) {
+        self.evaluate(Function::Magnitudes, at, sums);
     }
 
     fn energy(&self, at: At<'_>) -> Energy {
@@ -201,7 +213,7 @@ fn with_inputs<'a>(at: At<'a>, u: &'a [f64]) -> interpret::At<'a> {
 fn describe(program: &Program, source: &str) -> Description {
     let model = &program.model;
     let text = |s: &str| Text::Owned(s.to_owned());
-    let unit = |u: &Option<String>| text(u.as_deref().unwrap_or(""));
+    let unit = |u: &Option<String>| Text::Owned(u.as_deref().map(print::si_unit).unwrap_or_default());
     let pattern = |entries: &[Entry]| entries.iter().map(|e| (e.0 as u32, e.1 as u32)).collect::<List<(u32, u32)>>();
     let quantity =
         |name: &str, n: usize, of: &Option<String>| Quantity { name: text(name), components: n as u32, unit: unit(of) };
@@ -227,6 +239,8 @@ fn describe(program: &Program, source: &str) -> Description {
         stiffness_pattern: pattern(&program.stiffness),
         damping_pattern: pattern(&program.damping),
         input_pattern: pattern(&program.input),
+        time_pattern: program.time.iter().map(|e| e.0 as u32).collect(),
+        timed_switches: program.timed_switches.iter().map(|k| *k as u32).collect(),
         outputs: model.outputs.iter().map(|o| quantity(&o.name, o.value.len(), &o.unit)).collect(),
         outputs_use_accelerations: program.outputs_use_accelerations(),
         invariants: model.conserved.iter().map(|i| quantity(&i.name, i.value.len(), &None)).collect(),
@@ -255,7 +269,7 @@ fn describe(program: &Program, source: &str) -> Description {
             .switches
             .iter()
             .map(|s| Switch {
-                text: Text::Owned(print::text(model, s.argument)),
+                text: Text::Owned(model::text(model, s.argument)),
                 kind: if s.kind == SymbolicSwitchKind::Sign { SwitchKind::Sign } else { SwitchKind::Step },
                 time_only: s.time_only,
             })

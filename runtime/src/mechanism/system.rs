@@ -44,6 +44,29 @@ pub trait System: Send + Sync {
         let _ = (at, du);
     }
 
+    /// ∂F/∂t, inputs held, of the rows of `time_pattern`; nothing where no equation depends on time by itself.
+    fn time_jacobian(&self, at: At<'_>, dt: &mut [f64]) {
+        let _ = (at, dt);
+    }
+
+    /// As [`System::time_jacobian`], with generic numbers in the place of functions of time that can be as small as
+    /// none: 0 only where the parameters take time out of the equations, never because a pulse is far away.
+    fn time_dependence(&self, at: At<'_>, dt: &mut [f64]) {
+        self.time_jacobian(at, dt);
+    }
+
+    /// Σ |terms| of each component of F, n numbers: what a residual is judged by.
+    ///
+    /// Hand-written systems that do not know their terms have |F − F(q = 0)| + |F(q = 0)|.
+    fn magnitudes(&self, at: At<'_>, sums: &mut [f64]) {
+        let (mut rest, zero) = (vec![0.0; sums.len()], vec![0.0; at.q.len()]);
+        self.residual(at, sums);
+        self.residual(At { q: &zero, ..at }, &mut rest);
+        for (sum, rest) in sums.iter_mut().zip(rest) {
+            *sum = if rest.is_finite() { (*sum - rest).abs() + rest.abs() } else { sum.abs() };
+        }
+    }
+
     /// Kinetic and potential energy, and what the energy balance needs.
     fn energy(&self, at: At<'_>) -> Energy;
 

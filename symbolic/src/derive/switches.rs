@@ -27,7 +27,7 @@ pub enum SwitchKind {
 }
 
 /// Puts modes in the place of discontinuities.
-pub(super) fn introduce(graph: &mut Graph, roots: &[Id]) -> (Vec<Id>, Vec<Switch>) {
+pub(crate) fn introduce(graph: &mut Graph, roots: &[Id]) -> (Vec<Id>, Vec<Switch>) {
     let moving = |s: Symbol| !matches!(s, Symbol::Parameter(_) | Symbol::Dummy(_));
     let stateful = |s: Symbol| moving(s) && s != Symbol::Time;
     let mut switches: Vec<Switch> = Vec::new();
@@ -72,7 +72,7 @@ pub(super) fn introduce(graph: &mut Graph, roots: &[Id]) -> (Vec<Id>, Vec<Switch
 ///
 /// Arguments are compared in canonical form and up to sign, since a derivation may write sums in another order, or
 /// the derivative of |x| where another has |x|.
-pub(super) fn recall(graph: &mut Graph, roots: &[Id], known: &[Switch]) -> Vec<Id> {
+pub(crate) fn recall(graph: &mut Graph, roots: &[Id], known: &[Switch]) -> Vec<Id> {
     if known.is_empty() {
         return roots.to_vec();
     }
@@ -132,7 +132,7 @@ fn value_of_mode(graph: &mut Graph, mode: Id, (has, wanted): (SwitchKind, Switch
 }
 
 /// Puts the true functions back, for what only observes.
-pub(super) fn remove(graph: &mut Graph, roots: &[Id], switches: &[Switch]) -> Vec<Id> {
+pub(crate) fn remove(graph: &mut Graph, roots: &[Id], switches: &[Switch]) -> Vec<Id> {
     // A mode's argument contains earlier modes only, so one sweep over the list replaces all.
     let mut values: rustc_hash::FxHashMap<Symbol, Id> = rustc_hash::FxHashMap::default();
     for (k, switch) in switches.iter().enumerate() {

@@ -24,6 +24,9 @@ pub enum Function {
     Stiffness,
     Damping,
     Input,
+    Time,
+    TimeDependence,
+    Magnitudes,
     Energy,
     Invariants,
     Outputs,
@@ -72,6 +75,9 @@ impl Interpreter {
         set(Function::Stiffness, &entries(&program.stiffness));
         set(Function::Damping, &entries(&program.damping));
         set(Function::Input, &entries(&program.input));
+        set(Function::Time, &entries(&program.time));
+        set(Function::TimeDependence, &program.generic_time);
+        set(Function::Magnitudes, &program.magnitudes);
         set(Function::Energy, &program.energy);
         set(Function::Invariants, &program.invariants);
         set(Function::Outputs, &program.outputs);
@@ -158,7 +164,7 @@ impl Interpreter {
         let mut f = vec![0.0; n];
         self.evaluate(Function::Bias, at, &mut f);
         f.iter_mut().for_each(|h| *h = -*h);
-        a.copy_from_slice(&crate::derive::solve(m, f)?);
+        a.copy_from_slice(&solve(m, f)?);
         Ok(())
     }
 
@@ -176,4 +182,30 @@ impl Interpreter {
         };
         tape.run(value, &mut Vec::new(), values);
     }
+}
+
+/// Gaussian elimination on the diagonal of a symmetric matrix; the place of a pivot that vanishes to rounding.
+fn solve(mut m: Vec<f64>, mut f: Vec<f64>) -> Result<Vec<f64>, usize> {
+    let n = f.len();
+    let diagonal: Vec<f64> = (0..n).map(|i| m[i * n + i].abs()).collect();
+    for k in 0..n {
+        let pivot = m[k * n + k];
+        if pivot.abs() <= 1e-13 * diagonal[k] || !pivot.is_finite() {
+            return Err(k);
+        }
+        for i in k + 1..n {
+            let factor = m[i * n + k] / pivot;
+            if factor != 0.0 {
+                for j in k..n {
+                    m[i * n + j] -= factor * m[k * n + j];
+                }
+                f[i] -= factor * f[k];
+            }
+        }
+    }
+    for k in (0..n).rev() {
+        let known: f64 = (k + 1..n).map(|j| m[k * n + j] * f[j]).sum();
+        f[k] = (f[k] - known) / m[k * n + k];
+    }
+    Ok(f)
 }

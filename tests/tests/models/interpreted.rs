@@ -34,6 +34,11 @@ fn everything(system: &dyn System, state: &State) -> Vec<(&'static str, Vec<f64>
     collect("inputs' Jacobian", description.input_pattern.len(), &|x| {
         system.input_jacobian(At::new(*t, q, v).accelerated(a), x)
     });
+    let timed = description.time_pattern.len();
+    let at = At::new(*t, q, v).accelerated(a);
+    collect("time Jacobian", timed, &|x| system.time_jacobian(at, x));
+    collect("time dependence", timed, &|x| system.time_dependence(at, x));
+    collect("magnitudes", n, &|x| system.magnitudes(at, x));
     collect("inputs", 3 * description.inputs.len(), &|x| system.inputs(*t, x));
     collect("invariants", 2 * description.invariant_len(), &|x| system.invariants(At::new(*t, q, v), x));
     collect("outputs", description.output_len(), &|x| system.outputs(At::new(*t, q, v).accelerated(a), x));

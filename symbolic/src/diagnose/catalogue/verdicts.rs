@@ -13,9 +13,9 @@ super::entries! {
     E504 too_few_states(found, wanted) "too few states to test at"
         "only {found} of {wanted} random states are usable" "" "say where the model is defined, `sample: {{y: [-0.9*l, 0.9*l]}}`"
         "States that are not finite or fall on a discontinuity are drawn again, up to a limit.";
-    E505 singular_mass(name, state) "a mass matrix that is singular"
-        "the mass matrix is singular in `{name}`" "" "at {state}"
-        "Accelerations do not exist where the mass matrix is singular at all states tried.";
+    E505 singular_mass(rank, names, state) "coordinates that are redundant, or move no mass"
+        "the mass matrix has rank {rank} in every state tried" "some motion of {names} moves no mass" "leave out a coordinate that the others determine, or give what it moves a mass; tried at {state}"
+        "Accelerations do not exist where the mass matrix is singular. A particle in the plane has two coordinates; a third one that also moves it leaves a combination that moves nothing.";
     E506 balances_disagree(system, coordinate, balances, lagrange, worst, help) "a system of balances that disagrees"
         "`{system}` gives {coordinate}'' = {balances}, Lagrange's equations give {lagrange}" "{worst}" "{help}"
         "Momentum balance and Lagrange's equations are two derivations of one motion; where they differ one of them is wrong.";
@@ -34,4 +34,10 @@ super::entries! {
     E511 reactions_disagree(name, first, here, second, there, state) "a reaction with two values"
         "`{name}` is {here} in `{first}` and {there} in `{second}`" "both give the same motion" "at {state}; a sign or a place of `{name}` is wrong in one of the two"
         "Systems that name the same reaction must give it the same value. In a written-out `equation` a reaction can stand with a wrong sign without changing the motion.";
+    E512 balance_violated(label, worst, help) "a balance that the motion violates"
+        "{label} does not hold" "{worst}" "{help}"
+        "With the accelerations of Lagrange's equations and whatever values its reactions may take, this balance is not 0 = 0.";
+    E513 jumps(name, by, state) "a quantity that jumps where something switches"
+        "`{name}` is not conserved: it jumps from {by}" "claimed to be conserved" "at {state}"
+        "Positions and speeds are continuous where a `step`, `sign` or the like changes its value; what is conserved must be so too.";
 }

@@ -65,7 +65,7 @@ impl Bench {
         if !pure {
             return value;
         }
-        let factor = self.graph.float(unit.factor());
+        let factor = self.graph.constant(unit.factor());
         self.graph.mul(factor, value)
     }
 
@@ -97,6 +97,11 @@ impl Bench {
         self.problems.push(problem);
         Measure::Unknown
     }
+}
+
+/// True of a number that stands alone, without a unit.
+pub fn stands_alone(text: &Text, locals: &[(String, Local)]) -> bool {
+    text.unit.is_none() && is_bare(&text.ast, locals)
 }
 
 /// True of `-9.81`, `[0, 2]` and `pi/4`, which name nothing but indices.

@@ -1,0 +1,113 @@
+//! The routes from energies and from bodies against each other, entry by entry.
+//!
+//! M of two routes is compared entry by entry, h and F(t, q, q', q'') row by row, F at accelerations of its own, and F
+//! with M q'' + h within each route; every difference by the magnitude of the terms of its own entry.
+
+use super::Gate;
+use super::report::Agreement;
+use super::state::{State, describe};
+use crate::derive::Equations;
+use crate::diagnose::catalogue::verdicts;
+use crate::diagnose::{Place, Problem};
+use crate::expr::{Graph, Id, Measured, Symbol, Tape};
+use crate::model::Model;
+use crate::number::DoubleDouble;
+
+/// Compares every further route with the first.
+pub(super) fn agreement(
+    model: &mut Model,
+    equations: &[Equations],
+    states: &[State],
+    gate: Gate,
+) -> Result<Vec<Agreement>, Box<Problem>> {
+    let mut agreements = Vec::new();
+    for (k, route) in equations.iter().enumerate() {
+        // A route with its own M q'' + h, and with the first route's results.
+        let n = model.coordinates.len();
+        let mut pairs = Vec::new();
+        let composed = composed(&mut model.graph, n, route);
+        pairs.extend(route.residual.iter().copied().zip(composed).enumerate().map(|(i, (x, y))| (i, x, y)));
+        if k > 0 {
+            let first = &equations[0];
+            pairs.extend((0..n).map(|i| (i, first.residual[i], route.residual[i])));
+            pairs.extend((0..n).map(|i| (i, first.bias[i], route.bias[i])));
+            pairs.extend(entries(first, route));
+        }
+        let worst = compare(model, &pairs, states, gate)?;
+        if k > 0 {
+            let between = (equations[0].name.to_owned(), route.name.to_owned());
+            agreements.push(Agreement { between, states: states.len(), worst });
+        }
+    }
+    Ok(agreements)
+}
+
+/// M q'' + h.
+fn composed(graph: &mut Graph, n: usize, route: &Equations) -> Vec<Id> {
+    let accelerations: Vec<Id> = (0..n).map(|i| graph.symbol(Symbol::Acceleration(i as u32))).collect();
+    let mut rows = route.bias.clone();
+    for &(i, j, m) in &route.mass {
+        let term = graph.mul(m, accelerations[j]);
+        rows[i] = graph.add(rows[i], term);
+        if i != j {
+            let term = graph.mul(m, accelerations[i]);
+            rows[j] = graph.add(rows[j], term);
+        }
+    }
+    rows
+}
+
+/// Entries of M by both routes, 0 where one has none.
+fn entries(first: &Equations, second: &Equations) -> Vec<(usize, Id, Id)> {
+    let in_order = |route: &Equations| {
+        let mut mass = route.mass.clone();
+        mass.sort_by_key(|e| (e.0, e.1));
+        mass
+    };
+    let (first, second) = (in_order(first), in_order(second));
+    let value = |mass: &[(usize, usize, Id)], at: (usize, usize)| {
+        mass.binary_search_by_key(&at, |e| (e.0, e.1)).map_or(Id::ZERO, |k| mass[k].2)
+    };
+    let mut places: Vec<(usize, usize)> = first.iter().chain(&second).map(|e| (e.0, e.1)).collect();
+    places.sort_unstable();
+    places.dedup();
+    places.into_iter().map(|at| (at.0, value(&first, at), value(&second, at))).collect()
+}
+
+/// The largest relative difference of pairs that stand for the same row, or the first that differs.
+fn compare(model: &Model, pairs: &[(usize, Id, Id)], states: &[State], gate: Gate) -> Result<f64, Box<Problem>> {
+    let differing: Vec<&(usize, Id, Id)> = pairs.iter().filter(|(_, x, y)| x != y).collect();
+    let roots: Vec<Id> = differing.iter().flat_map(|(_, x, y)| [*x, *y]).collect();
+    let tape = Tape::new(&model.graph, &roots);
+    let (mut scratch, mut values) = (Vec::new(), vec![Measured::exact(DoubleDouble::ZERO); roots.len()]);
+    let mut worst = 0.0_f64;
+    for (k, state) in states.iter().enumerate() {
+        // Accelerations other than the motion's: the residual must agree off the motion as well.
+        let off = |s: Symbol| match s {
+            Symbol::Acceleration(i) => {
+                let along = state.a.get(i as usize).map_or(1.0, |a| a.value.to_f64());
+                let size = if along == 0.0 { 1.0 } else { along };
+                let turn = f64::from(i) * 1.7 + k as f64;
+                Measured::exact(DoubleDouble::from(size * (0.6 + turn.sin())))
+            }
+            _ => state.measured(s),
+        };
+        tape.run(off, &mut scratch, &mut values);
+        let rows: Vec<(Measured, Measured)> = values.chunks_exact(2).map(|pair| (pair[0], pair[1])).collect();
+        let largest = rows.iter().fold(0.0_f64, |most, (x, y)| most.max(x.magnitude).max(y.magnitude));
+        for ((i, ..), (x, y)) in differing.iter().zip(&rows) {
+            let own = x.magnitude + y.magnitude;
+            let difference = (x.value - y.value).abs().to_f64();
+            if !gate.agrees(difference, own, largest) {
+                let name = &model.coordinates[*i].name;
+                let by = format!("{difference:.3e}");
+                let place = Place::default().key("bodies");
+                return Err(Box::new(verdicts::derivations_disagree(place, name, by, describe(model, state))));
+            }
+            if difference > 0.0 {
+                worst = worst.max(difference / own);
+            }
+        }
+    }
+    Ok(worst)
+}

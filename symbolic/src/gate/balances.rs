@@ -1,0 +1,186 @@
+//! Momentum balances against Lagrange's equations.
+//!
+//! A system of balances is linear in the accelerations and the reactions that it names.  With Lagrange's accelerations
+//! put in and the reactions eliminated nothing may be left of any equation, by the magnitude of its own terms; and
+//! somewhere the system must determine the accelerations by itself.
+
+use super::Gate;
+use super::causes::cause;
+use super::report::Agreement;
+use super::state::{State, describe, reproduce};
+use super::system::{Assembled, Row, evaluate};
+use crate::derive::momentum::Momentum;
+use crate::diagnose::Problem;
+use crate::diagnose::catalogue::verdicts;
+use crate::expr::{Graph, Id, Symbol, jacobian};
+use crate::model::{BalanceSystem, Model};
+
+/// Compares every system at every state.
+pub(super) fn agree(
+    model: &mut Model,
+    momentum: &[Momentum],
+    states: &[State],
+    gate: Gate,
+) -> Result<Vec<Agreement>, Vec<Problem>> {
+    let (mut agreements, mut problems) = (Vec::new(), Vec::new());
+    for (system, linear) in model.balances.clone().iter().zip(momentum) {
+        if linear.is_nonlinear(&model.graph) {
+            problems.extend(nonlinear(&mut model.graph, system, &linear.unknowns));
+            continue;
+        }
+        match compare(model, system, linear, states, gate) {
+            Ok(agreement) => agreements.push(agreement),
+            Err(problem) => problems.push(*problem),
+        }
+    }
+    if problems.is_empty() {
+        problems.extend(super::named::disagreements(model, momentum, states, gate));
+    }
+    if problems.is_empty() { Ok(agreements) } else { Err(problems) }
+}
+
+/// An error for the first balance in which an unknown multiplies another, or stands in a function.
+fn nonlinear(graph: &mut Graph, system: &BalanceSystem, columns: &[Symbol]) -> Option<Problem> {
+    let unknown = |s: Symbol| columns.iter().position(|c| *c == s);
+    system.balances.iter().find_map(|balance| {
+        let values: Vec<Id> = balance.parts.iter().flat_map(|part| part.value.iter().copied()).collect();
+        let slopes = jacobian(graph, &values, unknown);
+        let slopes: Vec<Id> = slopes.iter().flatten().map(|e| e.1).collect();
+        let curved = graph.symbols(slopes).into_iter().any(|s| unknown(s).is_some());
+        curved.then(|| verdicts::nonlinear_balance(balance.place.clone(), &balance.label))
+    })
+}
+
+/// The largest relative residual that Lagrange's accelerations leave, and the equation that has it.
+pub(super) fn residual(system: &Assembled, state: &State, gate: Gate) -> Residual {
+    let left = system.left_over(&state.a);
+    let largest = left.iter().fold(0.0_f64, |most, (_, r)| most.max(r.magnitude));
+    let mut worst = Residual { agrees: true, relative: 0.0, equation: 0 };
+    for (equation, r) in left {
+        let size = r.value.abs().to_f64();
+        if !size.is_finite() {
+            // Nothing can be said here.
+            continue;
+        }
+        let agrees = gate.agrees(size, r.magnitude, largest);
+        let relative = r.relative();
+        if relative > worst.relative || (worst.agrees && !agrees) {
+            worst = Residual { agrees: worst.agrees && agrees, relative, equation };
+        }
+    }
+    worst
+}
+
+/// How well a system holds with given accelerations.
+pub(super) struct Residual {
+    /// Whether every equation holds.
+    pub agrees: bool,
+    /// The largest residual of an equation, of its own magnitude.
+    pub relative: f64,
+    /// The equation that has it.
+    pub equation: usize,
+}
+
+fn compare(
+    model: &Model,
+    system: &BalanceSystem,
+    linear: &Momentum,
+    states: &[State],
+    gate: Gate,
+) -> Result<Agreement, Box<Problem>> {
+    let assembled = Assembled::derived(&model.graph, linear, states);
+    let silent = |equation: usize| {
+        let line = |a: &Assembled| a.matrix[equation * a.size..][..a.size].to_vec();
+        assembled.iter().all(|a| line(a).iter().all(|c| c.vanishes(1e6)))
+    };
+    let mut first = 0;
+    for balance in &system.balances {
+        if (first..first + balance.components).any(silent) {
+            return Err(Box::new(verdicts::empty_balance(balance.place.clone(), &balance.label)));
+        }
+        first += balance.components;
+    }
+    let mut worst = 0.0_f64;
+    for (a, state) in assembled.iter().zip(states) {
+        let found = residual(a, state, gate);
+        if !found.agrees {
+            return Err(Box::new(disagreement(model, system, linear, (a, state), &found, states, gate)));
+        }
+        worst = worst.max(found.relative);
+    }
+    if !assembled.iter().any(|a| a.solution().is_some()) {
+        let state = states.first().map_or_else(String::new, |s| describe(model, s));
+        return Err(Box::new(verdicts::balances_singular(system.place.clone(), &system.name, state)));
+    }
+    Ok(Agreement { between: ("Lagrange".to_owned(), system.name.clone()), states: states.len(), worst })
+}
+
+/// The error: what the system gives, which balance is off, and what would mend it.
+fn disagreement(
+    model: &Model,
+    system: &BalanceSystem,
+    linear: &Momentum,
+    (assembled, state): (&Assembled, &State),
+    found: &Residual,
+    states: &[State],
+    gate: Gate,
+) -> Problem {
+    let balance = owner(system, found.equation);
+    let place = system.balances[balance].place.clone();
+    // Judged by its parts, explained by their terms.
+    let finer = in_terms(system.clone());
+    let mut graph = model.graph.clone();
+    let in_terms: Vec<Vec<Row>> = evaluate(&mut graph, &finer, &linear.unknowns, states);
+    let in_parts: Vec<Vec<Row>> = evaluate(&mut graph, system, &linear.unknowns, states);
+    let help = cause(model, &finer, system, balance, (&in_terms, &in_parts), states, gate);
+    let reproduce = reproduce(model, state).map_or(String::new(), |options| format!("; try `simulate{options}`"));
+    let label = &system.balances[balance].label;
+    let off = found.relative;
+    let worst = format!("{label} is off by {off:.1e} of its terms, at {}{reproduce}", describe(model, state));
+    let solution = assembled.solution().unwrap_or_default();
+    let gap = |i: &usize| {
+        let (x, y) = (solution[*i].value.to_f64(), state.a[*i].value.to_f64());
+        let scale = x.abs().max(y.abs());
+        if scale > 0.0 { (x - y).abs() / scale } else { 0.0 }
+    };
+    let n = state.a.len();
+    let coordinate = (0..n).filter(|_| solution.len() >= n).max_by(|a, b| gap(a).total_cmp(&gap(b)));
+    match coordinate {
+        Some(i) => {
+            let name = &model.coordinates[i].name;
+            let [balances, lagrange] = [solution[i].value, state.a[i].value].map(|x| number(x.to_f64()));
+            verdicts::balances_disagree(place, &system.name, name, balances, lagrange, worst, help)
+        }
+        None => verdicts::balance_violated(place, label, worst, help),
+    }
+}
+
+/// Nine digits, as a person writes a number of its size.
+fn number(x: f64) -> String {
+    if x == 0.0 || (1e-4..1e7).contains(&x.abs()) { format!("{x:.9}") } else { format!("{x:.9e}") }
+}
+
+/// The balance to which an equation belongs.
+fn owner(system: &BalanceSystem, equation: usize) -> usize {
+    let mut first = 0;
+    for (b, balance) in system.balances.iter().enumerate() {
+        first += balance.components;
+        if equation < first {
+            return b;
+        }
+    }
+    0
+}
+
+/// A system with written-out equations in their terms.
+fn in_terms(mut system: BalanceSystem) -> BalanceSystem {
+    for balance in system.balances.iter_mut().filter(|balance| !balance.terms.is_empty()) {
+        balance.parts = std::mem::take(&mut balance.terms);
+    }
+    system
+}
+
+/// The unknowns of a system at every state; `None` where it is singular.
+pub(super) fn solutions(graph: &Graph, linear: &Momentum, states: &[State]) -> Vec<Option<Vec<crate::expr::Measured>>> {
+    Assembled::derived(graph, linear, states).iter().map(Assembled::solution).collect()
+}

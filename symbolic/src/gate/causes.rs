@@ -1,0 +1,130 @@
+//! What would mend a system of balances that disagrees.
+
+use super::Gate;
+use super::balances::residual;
+use super::state::State;
+use super::system::{Assembled, Row, evaluate};
+use crate::derive::momentum::unknowns;
+use crate::derive::rate;
+use crate::expr::Measured;
+use crate::model::{BalanceSystem, Model, Part};
+
+/// A system of more coefficients times parts than this is not searched.
+const WORK: usize = 20_000_000;
+
+/// The one term whose sign or factor, or the inertia whose absence, explains a disagreement at all states; else where to
+/// look.  `finer` is the system in terms, with its rows and those of the system in parts.
+pub(super) fn cause(
+    model: &Model,
+    finer: &BalanceSystem,
+    system: &BalanceSystem,
+    worst: usize,
+    (in_terms, in_parts): (&[Vec<Row>], &[Vec<Row>]),
+    states: &[State],
+    gate: Gate,
+) -> String {
+    let search = Search { model, states, gate };
+    let (parts, (_, size)) = (in_terms.first().map_or(0, Vec::len), extent(model, system));
+    if parts * parts * size > WORK {
+        return suspects(&system.balances[worst].label);
+    }
+    search
+        .one_part(finer, worst, in_terms)
+        .or_else(|| search.forgotten_inertia(system, in_parts))
+        .unwrap_or_else(|| suspects(&system.balances[worst].label))
+}
+
+struct Search<'a> {
+    model: &'a Model,
+    states: &'a [State],
+    gate: Gate,
+}
+
+impl Search<'_> {
+    /// Whether a system so assembled holds at all states.
+    fn restores(&self, assembled: &dyn Fn(usize) -> Assembled) -> bool {
+        // The states that disagreed come early or late alike: all must hold.
+        (0..self.states.len()).all(|k| residual(&assembled(k), &self.states[k], self.gate).agrees)
+    }
+
+    /// The one part whose flip, removal or another factor restores agreement, in words.
+    fn one_part(&self, system: &BalanceSystem, worst: usize, rows: &[Vec<Row>]) -> Option<String> {
+        let (equations, size) = extent(self.model, system);
+        let factors =
+            [(-1.0, "with the opposite sign of"), (0.0, "without"), (2.0, "with twice"), (0.5, "with half of")];
+        // The balance that is off most comes first.
+        let order = || std::iter::once(worst).chain((0..system.balances.len()).filter(move |b| *b != worst));
+        for (factor, words) in factors {
+            for b in order() {
+                let balance = &system.balances[b];
+                for (p, part) in balance.parts.iter().enumerate() {
+                    if self.restores(&|k| Assembled::of(&rows[k], equations, size, Some((b, p, factor)))) {
+                        return Some(format!("{words} {} in {} they agree", part.name, balance.label));
+                    }
+                }
+            }
+        }
+        None
+    }
+
+    /// The body whose I α, added to or taken from one balance of one component, restores agreement, in words.
+    fn forgotten_inertia(&self, system: &BalanceSystem, rows: &[Vec<Row>]) -> Option<String> {
+        let mut graph = self.model.graph.clone();
+        let turning = self.model.bodies.iter().filter_map(|body| Some((body, body.rotation?)));
+        let parts: Vec<Part> = turning
+            .map(|(body, rotation)| {
+                let omega = rate(&mut graph, rotation.angle);
+                let alpha = rate(&mut graph, omega);
+                Part { name: format!("I alpha of {}", body.name), value: vec![graph.mul(rotation.inertia, alpha)] }
+            })
+            .collect();
+        let mut inertias = BalanceSystem { balances: system.balances[..1].to_vec(), ..system.clone() };
+        inertias.balances[0].parts.clone_from(&parts);
+        let seen = evaluate(&mut graph, &inertias, &unknowns(self.model, system), self.states);
+        let (equations, size) = extent(self.model, system);
+        let mut equation = 0;
+        for balance in &system.balances {
+            for (p, part) in parts.iter().enumerate().filter(|_| balance.components == 1) {
+                for (negative, words) in [(false, "added to the left of"), (true, "taken from the left of")] {
+                    let signed = |x: &Measured| Measured { value: if negative { -x.value } else { x.value }, ..*x };
+                    let assembled = |k: usize| {
+                        let inertia = &seen[k][p];
+                        let coefficients = inertia.coefficients.iter().map(signed).collect();
+                        let extra = Row::known(equation, coefficients, signed(&inertia.rest));
+                        let all: Vec<Row> = rows[k].iter().cloned().chain([extra]).collect();
+                        Assembled::of(&all, equations, size, None)
+                    };
+                    if self.restores(&assembled) {
+                        return Some(format!("with {} {words} {} they agree", part.name, balance.label));
+                    }
+                }
+            }
+            equation += balance.components;
+        }
+        None
+    }
+}
+
+/// How many equations and unknowns a system has.
+fn extent(model: &Model, system: &BalanceSystem) -> (usize, usize) {
+    (system.balances.iter().map(|b| b.components).sum(), unknowns(model, system).len())
+}
+
+/// Where to look if no single term explains a disagreement.
+fn suspects(label: &str) -> String {
+    let suspects = match label.rsplit(['(', ')']).nth(1) {
+        Some("equation") => {
+            "for a term that is missing, another body or point, and the acceleration of a moving point that is left out"
+        }
+        Some("force") => {
+            "for a constraint's force on these bodies that is not in `reactions` or lacks its opposite (`from`), for a \
+             body missing in `of`, and for where forces act"
+        }
+        Some("moment") => {
+            "for a constraint's force that has a moment about this point and is not in `reactions` or lacks its \
+             opposite (`from`), for a body missing in `of`, and for where forces act"
+        }
+        _ => "for forces that do work and are not declared, and for bodies missing in `of`",
+    };
+    format!("no single term explains it; look in {label} {suspects}")
+}

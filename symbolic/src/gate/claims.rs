@@ -1,0 +1,179 @@
+//! What a file says is conserved, or holds.
+
+use super::Gate;
+use super::blame::{Blame, Court, blame};
+use super::effects::effects;
+use super::potential::Conservative;
+use super::state::{State, describe, reproduce};
+use super::states::States;
+use crate::derive::{Equations, Switch, SwitchKind, introduce, rates};
+use crate::diagnose::Problem;
+use crate::diagnose::catalogue::verdicts;
+use crate::expr::{Graph, Id, Measured, Scalar, Symbol, Tape, Unary};
+use crate::model::{Check, Conserved, Model};
+use crate::number::DoubleDouble;
+
+/// The rates of everything that is claimed to be conserved, component by component.
+pub(super) fn invariant_rates(model: &mut Model) -> Vec<Vec<Id>> {
+    let Model { graph, conserved, .. } = model;
+    conserved.iter().map(|claim| rates(graph, &claim.value)).collect()
+}
+
+/// Every derivative must vanish by the magnitude of its own terms: the largest rate beside them.
+pub(super) fn conserved(
+    model: &Model,
+    equations: &Equations,
+    natures: &[Conservative],
+    (invariant, rates): (&Conserved, &[Id]),
+    states: &States,
+    gate: Gate,
+) -> Result<f64, Box<Problem>> {
+    let tape = Tape::new(&model.graph, rates);
+    let mut worst = 0.0_f64;
+    for (k, state) in states.all.iter().enumerate() {
+        let values = tape.evaluate(|s| state.measured(s));
+        let largest = values.iter().fold(0.0_f64, |most, x| most.max(x.magnitude));
+        for (component, rate) in values.iter().enumerate() {
+            let size = rate.value.abs().to_f64();
+            if !size.is_finite() && state.is_special() {
+                continue;
+            }
+            if !gate.agrees(size, rate.magnitude, largest) {
+                let change = Change { component, state: k, rate: *rate };
+                let (mut graph, effects) = effects(model);
+                let court = Court { model, equations, effects: &effects, natures };
+                let claim = (invariant.value[component], rates[component]);
+                let blame = blame(&mut graph, &court, invariant, claim, &states.all, state);
+                return Err(Box::new(change.problem(model, invariant, blame, &states.all)));
+            }
+            worst = worst.max(rate.relative());
+        }
+    }
+    match jump(model, invariant, &states.surfaces, gate) {
+        Some(problem) => Err(Box::new(problem)),
+        None => Ok(worst),
+    }
+}
+
+/// How a quantity was seen to change.
+struct Change {
+    component: usize,
+    state: usize,
+    rate: Measured,
+}
+
+impl Change {
+    fn problem(&self, model: &Model, invariant: &Conserved, blame: Option<Blame>, states: &[State]) -> Problem {
+        let (place, name) = (invariant.place.clone(), &invariant.name);
+        match blame {
+            Some(Blame { causes, help }) => verdicts::changed_by(place, name, causes, help),
+            None => {
+                let component = match invariant.value.len() {
+                    1 => "",
+                    _ => ["x component ", "y component ", "z component "][self.component.min(2)],
+                };
+                let (rate, terms) = (self.rate.value.to_f64(), self.rate.magnitude);
+                let by = format!("{component}{rate:.6e} where its terms change at up to {terms:.3e}");
+                verdicts::not_conserved(place, name, by, where_found(model, &states[self.state]))
+            }
+        }
+    }
+}
+
+/// A state, and how to come back to it.
+fn where_found(model: &Model, state: &State) -> String {
+    let again = reproduce(model, state).map_or(String::new(), |options| format!("; try `simulate{options}`"));
+    format!("{}{again}", describe(model, state))
+}
+
+/// An error for an invariant that jumps where a discontinuity is met, with positions and speeds as they are.
+fn jump(model: &Model, invariant: &Conserved, surfaces: &[State], gate: Gate) -> Option<Problem> {
+    if surfaces.is_empty() {
+        return None;
+    }
+    let mut graph = model.graph.clone();
+    let (roots, switches) = introduce(&mut graph, &invariant.value);
+    if switches.is_empty() {
+        return None;
+    }
+    let sides = Sides::new(&graph, &roots, &switches);
+    surfaces.iter().find_map(|state| {
+        let (before, after) = sides.at(state)?;
+        let largest = before.iter().chain(&after).fold(0.0_f64, |most, x| most.max(x.magnitude));
+        before.iter().zip(&after).find_map(|(x, y)| {
+            let gap = (x.value - y.value).abs().to_f64();
+            let sound = !gap.is_finite() || gate.agrees(gap, x.magnitude + y.magnitude, largest);
+            (!sound).then(|| {
+                let by = format!("{:.6e} to {:.6e}", x.value.to_f64(), y.value.to_f64());
+                verdicts::jumps(invariant.place.clone(), &invariant.name, by, describe(model, state))
+            })
+        })
+    })
+}
+
+/// Expressions with modes, evaluated on both sides of the discontinuity that a state lies on.
+struct Sides {
+    values: Tape,
+    arguments: Vec<(SwitchKind, Tape)>,
+}
+
+impl Sides {
+    fn new(graph: &Graph, roots: &[Id], switches: &[Switch]) -> Sides {
+        let arguments = switches.iter().map(|s| (s.kind, Tape::new(graph, &[s.argument]))).collect();
+        Sides { values: Tape::new(graph, roots), arguments }
+    }
+
+    /// The values with the modes of what vanishes here on one side and on the other; `None` where nothing vanishes.
+    fn at(&self, state: &State) -> Option<(Vec<Measured>, Vec<Measured>)> {
+        let mut met = false;
+        let mut side = |positive: bool| {
+            let mut modes: Vec<f64> = Vec::new();
+            for (kind, tape) in &self.arguments {
+                let argument = tape.evaluate(|s| with_modes(state, &modes, s))[0];
+                let zero = argument.vanishes(1e6);
+                met |= zero;
+                let value = if zero { if positive { 1.0 } else { -1.0 } } else { argument.value.to_f64() };
+                let function = if *kind == SwitchKind::Sign { Unary::Sign } else { Unary::Step };
+                modes.push(f64::unary(function, value));
+            }
+            self.values.evaluate(|s| with_modes(state, &modes, s))
+        };
+        let both = (side(false), side(true));
+        met.then_some(both)
+    }
+}
+
+fn with_modes(state: &State, modes: &[f64], symbol: Symbol) -> Measured {
+    match symbol {
+        Symbol::Mode(k) => Measured::exact(DoubleDouble::from(modes.get(k as usize).copied().unwrap_or(0.0))),
+        _ => state.measured(symbol),
+    }
+}
+
+/// Both sides of an identity must be equal by the magnitude of their own terms.
+pub(super) fn identity(model: &Model, check: &Check, states: &States, gate: Gate) -> Result<f64, Box<Problem>> {
+    let roots: Vec<Id> = check.left.iter().zip(&check.right).flat_map(|(l, r)| [*l, *r]).collect();
+    let tape = Tape::new(&model.graph, &roots);
+    let mut worst = 0.0_f64;
+    for state in states.all.iter().chain(&states.surfaces) {
+        let values = tape.evaluate(|s| state.measured(s));
+        let largest = values.iter().fold(0.0_f64, |most, x| most.max(x.magnitude));
+        for pair in values.chunks_exact(2) {
+            let [left, right] = [pair[0], pair[1]];
+            let difference = (left.value - right.value).abs().to_f64();
+            if !difference.is_finite() && state.is_special() {
+                continue;
+            }
+            let own = left.magnitude + right.magnitude;
+            if !gate.agrees(difference, own, largest) {
+                let by = format!("{difference:.6e}, {:.9e} against {:.9e}", left.value.to_f64(), right.value.to_f64());
+                let at = where_found(model, state);
+                return Err(Box::new(verdicts::check_fails(check.place.clone(), &check.name, by, at)));
+            }
+            if difference > 0.0 {
+                worst = worst.max(difference / own);
+            }
+        }
+    }
+    Ok(worst)
+}

@@ -1,0 +1,137 @@
+//! The generalized force of every entry of a file, one by one.
+
+use crate::derive::lagrange::{coordinate_entry, speed_gradient};
+use crate::derive::rates;
+use crate::diagnose::Place;
+use crate::expr::{Graph, Id, Symbol, reverse};
+use crate::model::{Load, Model, Work};
+
+/// What an entry is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// An entry of `forces`, `torques` or `generalized_forces`.
+    Force,
+    /// A damper, or a spring whose tension has no potential.
+    Resistance,
+    /// `dissipation`.
+    Dissipation,
+    /// Gravity on one body.
+    Gravity,
+    /// A spring.
+    Spring,
+    /// `potential_energy`.
+    RawPotential,
+}
+
+/// What one entry does.
+#[derive(Clone, Debug)]
+pub(super) struct Effect {
+    /// Its label, or the coordinate on which it acts.
+    pub name: String,
+    /// What it is called in messages: `push`, the generalized force on `x`.
+    pub words: String,
+    /// What it is.
+    pub kind: Kind,
+    /// Where it stands.
+    pub place: Place,
+    /// Its generalized force Q, by coordinate.
+    pub force: Vec<Id>,
+    /// The one coordinate on which an entry of `generalized_forces` acts.
+    pub coordinate: Option<usize>,
+}
+
+impl Kind {
+    /// Whether `energy` counts a potential of it.
+    pub fn counted(self) -> bool {
+        matches!(self, Kind::Gravity | Kind::Spring | Kind::RawPotential)
+    }
+}
+
+/// All entries that act, in the file's order of sections; the true functions, without modes.  They live in a copy of
+/// the model's graph: what is formed to judge forces by is no part of the equations.
+pub(super) fn effects(model: &Model) -> (Graph, Vec<Effect>) {
+    let mut copy = model.graph.clone();
+    let graph = &mut copy;
+    let n = model.coordinates.len();
+    let velocities: Vec<Vec<Id>> = model.bodies.iter().map(|body| rates(graph, &body.position)).collect();
+    let angular: Vec<Id> =
+        model.bodies.iter().map(|body| body.rotation.map_or(Id::ZERO, |r| rates(graph, &[r.angle])[0])).collect();
+    let mut found = Vec::new();
+    for load in &model.loads {
+        let (kind, force) = match load.work {
+            Work::Potential(potential) => (Kind::Spring, downhill(graph, n, potential)),
+            Work::Resistance { rate, tension } => {
+                let minus = graph.neg(tension);
+                (Kind::Resistance, speed_gradient(graph, n, &[(rate, minus)]))
+            }
+            Work::Pushes => (Kind::Force, pushed(graph, model, load, &velocities, &angular)),
+        };
+        let (name, words) = (load.name.clone(), format!("`{}`", load.name));
+        found.push(Effect { name, words, kind, place: load.place.clone(), force, coordinate: None });
+    }
+    for given in &model.generalized_forces {
+        let mut force = vec![Id::ZERO; n];
+        force[given.coordinate] = given.force;
+        let name = model.coordinates[given.coordinate].name.clone();
+        let words = format!("the generalized force on `{name}`");
+        let (coordinate, place) = (Some(given.coordinate), given.place.clone());
+        found.push(Effect { name, words, kind: Kind::Force, place, force, coordinate });
+    }
+    if model.dissipation != Id::ZERO {
+        let minus = graph.integer(-1);
+        let force = speed_gradient(graph, n, &[(model.dissipation, minus)]);
+        found.push(whole("dissipation", Kind::Dissipation, force));
+    }
+    if let Some(gravity) = &model.gravity {
+        for body in &model.bodies {
+            let mut height = Id::ZERO;
+            for (g, r) in gravity.iter().zip(&body.position) {
+                let term = graph.mul(*g, *r);
+                height = graph.sub(height, term);
+            }
+            let potential = graph.mul(body.mass, height);
+            let force = downhill(graph, n, potential);
+            let words = format!("gravity on `{}`", body.name);
+            found.push(Effect { words, ..whole("gravity", Kind::Gravity, force) });
+        }
+    }
+    if model.raw_potential_energy != Id::ZERO {
+        let force = downhill(graph, n, model.raw_potential_energy);
+        found.push(whole("potential_energy", Kind::RawPotential, force));
+    }
+    (copy, found)
+}
+
+fn whole(key: &str, kind: Kind, force: Vec<Id>) -> Effect {
+    let (name, words) = (key.to_owned(), format!("`{key}`"));
+    Effect { name, words, kind, place: Place::default().key(key), force, coordinate: None }
+}
+
+/// −∂V/∂q.
+pub(super) fn downhill(graph: &mut Graph, n: usize, potential: Id) -> Vec<Id> {
+    let minus = graph.integer(-1);
+    let gradient = reverse(graph, &[(potential, minus)], |s| matches!(s, Symbol::Coordinate(_)));
+    (0..n).map(|i| coordinate_entry(&gradient, i)).collect()
+}
+
+/// Σ F·∂v/∂q' + M ∂ω/∂q' over a load's pushes, each force taken to the centre of mass.
+fn pushed(graph: &mut Graph, model: &Model, load: &Load, velocities: &[Vec<Id>], angular: &[Id]) -> Vec<Id> {
+    let mut seeds = Vec::new();
+    for push in &load.pushes {
+        let Some(b) = push.body else { continue };
+        seeds.extend(velocities[b].iter().copied().zip(push.force.iter().copied()));
+        let mut moment = push.couple.first().copied().unwrap_or(Id::ZERO);
+        if model.bodies[b].rotation.is_some()
+            && let ([x, y], [fx, fy]) = (push.at.as_slice(), push.force.as_slice())
+        {
+            let arm_x = graph.sub(*x, model.bodies[b].position[0]);
+            let arm_y = graph.sub(*y, model.bodies[b].position[1]);
+            let (up, across) = (graph.mul(arm_x, *fy), graph.mul(arm_y, *fx));
+            let turning = graph.sub(up, across);
+            moment = graph.add(moment, turning);
+        }
+        seeds.push((angular[b], moment));
+    }
+    seeds.retain(|seed| seed.1 != Id::ZERO);
+    speed_gradient(graph, model.coordinates.len(), &seeds)
+}

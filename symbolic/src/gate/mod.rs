@@ -1,0 +1,188 @@
+//! The gate: what must hold before a model compiles.
+//!
+//! 1. States to judge at: look in `states`.
+//! 2. The routes from energies and from bodies agree, entry by entry: look in `agreement`.
+//! 3. It does not matter which body takes a load at a hinge: look in `shared`.
+//! 4. Systems of momentum balances hold, and determine the motion: look in `balances`; what would mend one that does
+//!    not is found in `causes`.
+//! 5. Forces are tested for potentials (`potential`) and for being counted twice (`twice`); what each entry does is in
+//!    `effects`.
+//! 6. What the file says is conserved or holds, does (`claims`); who changes what should be conserved is found in
+//!    `blame`.
+//!
+//! Everything is evaluated in double-double with running magnitudes, so that every row is judged by the size of its own
+//! terms and agreement means twenty digits.
+
+mod agreement;
+mod balances;
+mod blame;
+mod causes;
+mod claims;
+mod cyclic;
+mod dense;
+mod draw;
+mod effects;
+mod motion;
+mod named;
+mod potential;
+mod report;
+mod shared;
+mod sides;
+mod state;
+mod states;
+mod system;
+mod trajectory;
+mod twice;
+mod unseen;
+
+use crate::derive::{Derivation, Equations, derive};
+use crate::diagnose::Problem;
+use crate::diagnose::catalogue::mechanics;
+use crate::expr::Id;
+use crate::model::{Load, Model, Work};
+use crate::number::DoubleDouble;
+
+pub use potential::{Conservative, Nature};
+pub use report::{Agreement, Report};
+pub use state::{Origin, State};
+pub use unseen::shared_data;
+
+/// What is off by no more roundings of a double-double than this agrees: twenty digits.
+const ROUNDINGS: f64 = 1e-20 / DoubleDouble::UNIT;
+
+/// A derivation that has passed.
+#[derive(Clone, Debug)]
+pub struct Judged {
+    /// What was judged.
+    pub derivation: Derivation,
+    /// Cyclic coordinates and their momenta.
+    pub cyclic: Vec<(usize, Id)>,
+    /// What was tested, and how well it held.
+    pub report: Report,
+}
+
+/// How closely the gate looks.  All of it is on; a study turns parts off to see what each of them catches.
+#[derive(Clone, Copy, Debug)]
+#[doc(hidden)]
+pub struct Gate {
+    /// Twenty digits, not nine.
+    pub digits: bool,
+    /// Every row by its own measure, not by the largest of all; groups of coordinates moving alone.
+    pub rows: bool,
+    /// States from the motion.
+    pub motion: bool,
+    /// States on both sides of discontinuities, and where narrow functions say something.
+    pub sides: bool,
+}
+
+impl Default for Gate {
+    fn default() -> Gate {
+        Gate { digits: true, rows: true, motion: true, sides: true }
+    }
+}
+
+impl Gate {
+    /// Whether a difference is none, in a row whose terms have the magnitude `own`, among rows of at most `largest`.
+    fn agrees(self, difference: f64, own: f64, largest: f64) -> bool {
+        let tolerance = if self.digits { 1e-20 } else { 1e-9 };
+        difference <= tolerance * if self.rows { own } else { largest }
+    }
+
+    /// Compares derivations and tests claims.
+    ///
+    /// # Errors
+    /// A coordinate that carries no mass, or is redundant; derivations that disagree; something said to be conserved,
+    /// or an identity, that is not.
+    pub fn judge(self, mut derivation: Derivation) -> Result<Judged, Vec<Problem>> {
+        let report = self.report(&mut derivation)?;
+        let Derivation { model, momenta, .. } = &mut derivation;
+        let cyclic = cyclic::cyclic(model, &report.states, momenta);
+        Ok(Judged { derivation, cyclic, report })
+    }
+
+    /// Runs every test and collects every failure.
+    fn report(self, derivation: &mut Derivation) -> Result<Report, Vec<Problem>> {
+        let Derivation { model, equations, momentum, switches, .. } = derivation;
+        let problems = massless(model, equations);
+        if !problems.is_empty() {
+            return Err(problems);
+        }
+        let motion = motion::Motion::new(model, &equations[0], switches);
+        let states = states::states(model, &motion, &[], self).map_err(|problem| vec![*problem])?;
+        let mut report =
+            Report { followed: states.followed.clone(), unreached: states.unreached.clone(), ..Report::default() };
+        let mut problems = Vec::new();
+        match agreement::agreement(model, equations, &states.all, self) {
+            Ok(agreements) => report.agreements = agreements,
+            Err(problem) => problems.push(*problem),
+        }
+        // Where it matters which body takes a load, there is no one second derivation to compare.
+        let unclear = shared::ambiguous(model, &states.all);
+        if unclear.is_empty() {
+            match balances::agree(model, momentum, &states.all, self) {
+                Ok(agreements) => report.agreements.extend(agreements),
+                Err(found) => problems.extend(found),
+            }
+        }
+        problems.extend(unclear);
+        problems.extend(self.forces(model, &motion, &states.all, &mut report));
+        let rates = claims::invariant_rates(model);
+        let model = &*model;
+        let states_when = |when: &[(usize, f64)]| match when {
+            [] => Ok(states.clone()),
+            _ => states::states(model, &motion, when, self).map_err(|problem| vec![*problem]),
+        };
+        for (invariant, rates) in model.conserved.iter().zip(&rates) {
+            let states = states_when(&invariant.when)?;
+            match claims::conserved(model, &equations[0], &report.forces, (invariant, rates), &states, self) {
+                Ok(worst) => report.conserved.push((invariant.name.clone(), worst)),
+                Err(problem) => problems.push(*problem),
+            }
+        }
+        for check in &model.checks {
+            let states = states_when(&check.when)?;
+            match claims::identity(model, check, &states, self) {
+                Ok(worst) => report.checks.push((check.name.clone(), worst)),
+                Err(problem) => problems.push(*problem),
+            }
+        }
+        report.states = states.all;
+        if problems.is_empty() { Ok(report) } else { Err(problems) }
+    }
+
+    /// Which forces have potentials, and what is counted twice.
+    fn forces(self, model: &mut Model, motion: &motion::Motion, states: &[State], report: &mut Report) -> Vec<Problem> {
+        let force = |load: &Load| load.work == Work::Pushes;
+        if !model.loads.iter().any(force) && model.generalized_forces.is_empty() {
+            return Vec::new();
+        }
+        let (mut graph, effects) = effects::effects(model);
+        report.forces = potential::natures(&mut graph, model, motion, &effects, states);
+        let (errors, warnings) = twice::counted_twice(&mut graph, model, &effects, states);
+        model.warnings.extend(warnings);
+        errors
+    }
+}
+
+/// Compares derivations and tests claims.
+///
+/// # Errors
+/// See [`Gate::judge`].
+pub fn judge(derivation: Derivation) -> Result<Judged, Vec<Problem>> {
+    Gate::default().judge(derivation)
+}
+
+/// Derives and judges.
+///
+/// # Errors
+/// Everything that either finds.
+pub fn judged(model: Model) -> Result<Judged, Vec<Problem>> {
+    judge(derive(model)?)
+}
+
+/// Coordinates without an entry on M's diagonal.
+fn massless(model: &Model, equations: &[Equations]) -> Vec<Problem> {
+    let moved = |i: usize| equations[0].mass.iter().any(|e| (e.0, e.1) == (i, i));
+    let coordinates = model.coordinates.iter().enumerate();
+    coordinates.filter(|(i, _)| !moved(*i)).map(|(_, c)| mechanics::no_mass(c.place.clone(), &c.name)).collect()
+}

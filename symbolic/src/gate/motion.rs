@@ -1,0 +1,257 @@
+//! The motion at a state: inputs, modes, and the accelerations with the scale of their errors.
+
+use super::dense::{Deficient, factor, solve};
+use super::state::State;
+use crate::derive::{Equations, Switch, SwitchKind, rates};
+use crate::expr::{Id, Measured, Scalar, Symbol, Tape, Unary};
+use crate::model::Model;
+use crate::number::DoubleDouble;
+
+/// Lagrange's equations of a model, ready to evaluate anywhere.
+pub(super) struct Motion {
+    /// How many coordinates there are.
+    pub n: usize,
+    inputs: Vec<Tape>,
+    switches: Vec<(SwitchKind, Tape)>,
+    /// M's entries, then h.
+    equations: Tape,
+    places: Vec<(usize, usize)>,
+    /// Coordinates that M couples.
+    pub blocks: Vec<Vec<usize>>,
+}
+
+/// Why a state has no motion.
+pub(super) enum Incomplete {
+    /// Something is infinite or undefined there.
+    NotFinite,
+    /// M is singular: so many combinations of the coordinates move nothing, and these take part in them.
+    Singular {
+        /// The rank of M.
+        rank: usize,
+        /// The coordinates.
+        coordinates: Vec<usize>,
+    },
+}
+
+impl Motion {
+    /// For equations by any derivation.
+    pub fn new(model: &mut Model, equations: &Equations, switches: &[Switch]) -> Motion {
+        let graph = &mut model.graph;
+        let inputs = model
+            .inputs
+            .iter()
+            .map(|input| {
+                let third = rates(graph, &[input.signal[2]])[0];
+                Tape::new(graph, &[input.signal.as_slice(), &[third]].concat())
+            })
+            .collect();
+        let n = model.coordinates.len();
+        let mass = equations.mass.iter();
+        let roots: Vec<Id> = mass.clone().map(|e| e.2).chain(equations.bias.iter().copied()).collect();
+        let places: Vec<(usize, usize)> = mass.map(|e| (e.0, e.1)).collect();
+        Motion {
+            n,
+            inputs,
+            switches: switches.iter().map(|s| (s.kind, Tape::new(graph, &[s.argument]))).collect(),
+            equations: Tape::new(graph, &roots),
+            blocks: blocks(n, &places),
+            places,
+        }
+    }
+
+    /// Operations of one evaluation, to bound work by.
+    pub fn work(&self) -> usize {
+        let cubes: usize = self.blocks.iter().map(|block| block.len().pow(3) / 3).sum();
+        self.equations.operations() + cubes + self.n
+    }
+
+    /// Inputs and modes at a state's time, coordinates and speeds.
+    pub fn prepare(&self, state: &mut State) {
+        state.inputs.clear();
+        for tape in &self.inputs {
+            let u = tape.evaluate(|s| state.value(s));
+            state.inputs.push([u[0], u[1], u[2], u[3]]);
+        }
+        state.modes.clear();
+        for (kind, tape) in &self.switches {
+            let argument = tape.evaluate(|s| state.value(s))[0].to_f64();
+            state.modes.push(f64::unary(kind.function(), argument));
+        }
+    }
+
+    /// Fills in inputs, modes and accelerations.
+    pub fn complete(&self, state: &mut State) -> Result<(), Incomplete> {
+        self.prepare(state);
+        let values = self.equations.measured(|s| state.value(s));
+        if values.iter().any(|x| !x.value.is_finite() || !x.magnitude.is_finite()) {
+            return Err(Incomplete::NotFinite);
+        }
+        let (mass, bias) = values.split_at(self.places.len());
+        state.a = vec![Measured::exact(DoubleDouble::ZERO); self.n];
+        let mut rank = self.n;
+        let mut coordinates = Vec::new();
+        for block in &self.blocks {
+            if let Err(Deficient { rank: of, columns }) = self.block(block, mass, bias, &mut state.a) {
+                rank -= block.len() - of;
+                coordinates.extend(columns.iter().map(|k| block[*k]));
+            }
+        }
+        match coordinates.is_empty() {
+            true => Ok(()),
+            false => Err(Incomplete::Singular { rank, coordinates }),
+        }
+    }
+
+    /// The accelerations of one block: −M⁻¹h, and |a| + |M⁻¹|(m(M)|a| + m(h)).
+    fn block(
+        &self,
+        block: &[usize],
+        mass: &[Measured],
+        bias: &[Measured],
+        a: &mut [Measured],
+    ) -> Result<(), Deficient> {
+        let n = block.len();
+        let within = |i: usize| block.binary_search(&i).ok();
+        let mut matrix = vec![DoubleDouble::ZERO; n * n];
+        let mut sizes = vec![0.0; n * n];
+        for ((i, j), m) in self.places.iter().zip(mass) {
+            let (Some(i), Some(j)) = (within(*i), within(*j)) else { continue };
+            for k in [i * n + j, j * n + i] {
+                matrix[k] = m.value;
+                sizes[k] = m.magnitude;
+            }
+        }
+        let factored = factor(&matrix, &sizes, n)?;
+        let right: Vec<DoubleDouble> = block.iter().map(|&i| -bias[i].value).collect();
+        let found = factored.solve(&right);
+        let errors: Vec<f64> = (0..n)
+            .map(|i| {
+                let moving: f64 = (0..n).map(|j| sizes[i * n + j] * found[j].to_f64().abs()).sum();
+                moving + bias[block[i]].magnitude
+            })
+            .collect();
+        for ((&i, value), felt) in block.iter().zip(found).zip(factored.spread(&errors)) {
+            a[i] = Measured { value, magnitude: felt.max(value.to_f64().abs()) };
+        }
+        Ok(())
+    }
+
+    /// Accelerations in `f64`, for a coarse run: false where there are none.
+    pub fn roughly(&self, rough: &mut Rough) -> bool {
+        let at = |list: &[f64], i: u32| list.get(i as usize).copied().unwrap_or(0.0);
+        let Rough { parameters, t, q, v, a, inputs, modes, scratch, values } = rough;
+        inputs.clear();
+        for tape in &self.inputs {
+            let mut u = [0.0; 4];
+            tape.run(
+                |s| {
+                    if s == Symbol::Time {
+                        *t
+                    } else if let Symbol::Parameter(i) = s {
+                        at(parameters, i)
+                    } else {
+                        0.0
+                    }
+                },
+                scratch,
+                &mut u,
+            );
+            inputs.push(u);
+        }
+        modes.clear();
+        for (kind, tape) in &self.switches {
+            let mut argument = [0.0];
+            tape.run(|s| symbol(s, parameters, *t, q, v, inputs, modes), scratch, &mut argument);
+            modes.push(f64::unary(kind.function(), argument[0]));
+        }
+        values.resize(self.equations.len(), 0.0);
+        self.equations.run(|s| symbol(s, parameters, *t, q, v, inputs, modes), scratch, values);
+        let (mass, bias) = values.split_at(self.places.len());
+        self.blocks.iter().all(|block| self.rough_block(block, mass, bias, a)) && a.iter().all(|x| x.is_finite())
+    }
+
+    fn rough_block(&self, block: &[usize], mass: &[f64], bias: &[f64], a: &mut [f64]) -> bool {
+        let n = block.len();
+        let mut matrix = vec![0.0; n * n];
+        for ((i, j), m) in self.places.iter().zip(mass) {
+            if let (Ok(i), Ok(j)) = (block.binary_search(i), block.binary_search(j)) {
+                matrix[i * n + j] = *m;
+                matrix[j * n + i] = *m;
+            }
+        }
+        let force = block.iter().map(|&i| -bias[i]).collect();
+        let found = solve(matrix, force);
+        found.iter().for_each(|found| block.iter().zip(found).for_each(|(&i, x)| a[i] = *x));
+        found.is_some()
+    }
+}
+
+/// A state in `f64` with room to compute in.
+pub(super) struct Rough {
+    pub parameters: Vec<f64>,
+    pub t: f64,
+    pub q: Vec<f64>,
+    pub v: Vec<f64>,
+    pub a: Vec<f64>,
+    inputs: Vec<[f64; 4]>,
+    modes: Vec<f64>,
+    scratch: Vec<f64>,
+    values: Vec<f64>,
+}
+
+impl Rough {
+    /// At rest at the origin.
+    pub fn new(parameters: Vec<f64>, n: usize) -> Rough {
+        let zeros = || vec![0.0; n];
+        let (inputs, modes, scratch, values) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Rough { parameters, t: 0.0, q: zeros(), v: zeros(), a: zeros(), inputs, modes, scratch, values }
+    }
+}
+
+fn symbol(s: Symbol, parameters: &[f64], t: f64, q: &[f64], v: &[f64], inputs: &[[f64; 4]], modes: &[f64]) -> f64 {
+    let at = |list: &[f64], i: u32| list.get(i as usize).copied().unwrap_or(0.0);
+    match s {
+        Symbol::Time => t,
+        Symbol::Coordinate(i) => at(q, i),
+        Symbol::Speed(i) => at(v, i),
+        Symbol::Input(k, order) => {
+            inputs.get(k as usize).and_then(|u| u.get(usize::from(order))).copied().unwrap_or(0.0)
+        }
+        Symbol::Parameter(i) => at(parameters, i),
+        Symbol::Mode(k) => at(modes, k),
+        Symbol::Acceleration(_) | Symbol::Reaction(_) | Symbol::Dummy(_) => 0.0,
+    }
+}
+
+impl SwitchKind {
+    /// The function whose values the modes are.
+    fn function(self) -> Unary {
+        match self {
+            SwitchKind::Sign => Unary::Sign,
+            SwitchKind::Step => Unary::Step,
+        }
+    }
+}
+
+/// Sets of coordinates that M's non-zeros connect, each in order.
+fn blocks(n: usize, places: &[(usize, usize)]) -> Vec<Vec<usize>> {
+    let mut leader: Vec<usize> = (0..n).collect();
+    fn find(leader: &mut [usize], mut i: usize) -> usize {
+        while leader[i] != i {
+            leader[i] = leader[leader[i]];
+            i = leader[i];
+        }
+        i
+    }
+    for &(i, j) in places {
+        let (i, j) = (find(&mut leader, i), find(&mut leader, j));
+        leader[i.max(j)] = i.min(j);
+    }
+    let mut blocks: Vec<Vec<usize>> = vec![Vec::new(); n];
+    for i in 0..n {
+        let first = find(&mut leader, i);
+        blocks[first].push(i);
+    }
+    blocks.retain(|block| !block.is_empty());
+    blocks
+}

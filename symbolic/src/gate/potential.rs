@@ -1,0 +1,200 @@
+//! Whether a force has a potential (lecture 3 of TAM 4735; Goldstein, Classical Mechanics, 1980, section 1-2).
+//!
+//! A generalized force Q(q, t) that depends on no velocity has one, in any simply connected region, exactly where
+//! ∂Qᵢ/∂qⱼ = ∂Qⱼ/∂qᵢ.  Both are tested at random states by exact derivatives along two random directions u and w:
+//! u·(∂Q/∂q)w = w·(∂Q/∂q)u for all u and w says the same, in two passes whatever the number of coordinates.
+
+use super::effects::{Effect, Kind};
+use super::motion::Motion;
+use super::state::{State, describe};
+use crate::expr::{Forward, Graph, Id, Measured, Symbol, Tape};
+use crate::model::Model;
+use crate::number::DoubleDouble;
+use crate::random::Random;
+
+/// With more coordinates than this the largest component of a curl is not looked for.
+const SEARCHED: usize = 40;
+
+/// What kind of force an entry is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Nature {
+    /// Its generalized force vanishes: it does no work on any motion.
+    Idle,
+    /// It has a potential.
+    Potential,
+    /// At any one time it has a potential, which changes with time.
+    TimeDependent,
+    /// It depends on velocity, so it has none; `idle` where it does no work all the same (a magnetic force).
+    Velocity {
+        /// True where its power vanishes in all states.
+        idle: bool,
+    },
+    /// ∂Qᵢ/∂qⱼ differs from ∂Qⱼ/∂qᵢ.
+    Curl {
+        /// Names of the coordinates i and j between which the difference is largest, where they were found.
+        between: Option<(String, String)>,
+        /// The difference.
+        value: f64,
+        /// A state where it is found, in words.
+        state: String,
+    },
+}
+
+/// What was found about the entries of `forces`, `torques` and `generalized_forces`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Conservative {
+    /// The key above the entry, `forces`; empty for all entries together.
+    pub section: String,
+    /// The entry's name.
+    pub name: String,
+    /// What it is.
+    pub nature: Nature,
+}
+
+/// The nature of each force, and of all together where they have a potential that some of them lacks alone.
+pub(super) fn natures(
+    graph: &mut Graph,
+    model: &Model,
+    motion: &Motion,
+    effects: &[Effect],
+    states: &[State],
+) -> Vec<Conservative> {
+    let forces: Vec<&Effect> = effects.iter().filter(|e| e.kind == Kind::Force).collect();
+    let mut found: Vec<Conservative> = forces
+        .iter()
+        .map(|effect| {
+            let section = match effect.place.path.first() {
+                Some(crate::diagnose::Step::Key(key)) => key.clone(),
+                _ => String::new(),
+            };
+            let nature = nature(graph, model, motion, &effect.force, states);
+            Conservative { section, name: effect.name.clone(), nature }
+        })
+        .collect();
+    if found.len() > 1 && found.iter().any(|f| matches!(f.nature, Nature::Curl { .. })) {
+        let together = sum(graph, &forces);
+        if matches!(nature(graph, model, motion, &together, states), Nature::Potential | Nature::Idle) {
+            found.push(Conservative { section: String::new(), name: String::new(), nature: Nature::Potential });
+        }
+    }
+    found
+}
+
+/// The generalized force of several entries.
+pub(super) fn sum(graph: &mut Graph, effects: &[&Effect]) -> Vec<Id> {
+    let n = effects.first().map_or(0, |effect| effect.force.len());
+    (0..n).map(|i| effects.iter().fold(Id::ZERO, |total, effect| graph.add(total, effect.force[i]))).collect()
+}
+
+/// Directions in the space of coordinates, as symbols: component i of direction k of n coordinates.
+fn component(k: usize, n: usize, i: usize) -> Symbol {
+    Symbol::Dummy((k * n + i) as u32)
+}
+
+/// The kind of the generalized force Q.
+fn nature(graph: &mut Graph, model: &Model, motion: &Motion, force: &[Id], states: &[State]) -> Nature {
+    let n = force.len();
+    let along = |graph: &mut Graph, k: usize| {
+        let mut total = Id::ZERO;
+        for (i, q) in force.iter().enumerate().filter(|(_, q)| **q != Id::ZERO) {
+            let u = graph.symbol(component(k, n, i));
+            let term = graph.mul(u, *q);
+            total = graph.add(total, term);
+        }
+        total
+    };
+    let (first, second) = (along(graph, 0), along(graph, 1));
+    let derivative = |graph: &mut Graph, root: Id, rate: &dyn Fn(Symbol) -> Option<Symbol>| {
+        Forward::new(|g: &mut Graph, s| rate(s).map_or(Id::ZERO, |r| g.symbol(r))).of(graph, root)
+    };
+    let by_velocity = derivative(graph, first, &|s| match s {
+        Symbol::Speed(j) => Some(component(1, n, j as usize)),
+        _ => None,
+    });
+    // Time and each input move at rates of their own.
+    let by_time = derivative(graph, first, &|s| match s {
+        Symbol::Time => Some(component(2, n, 0)),
+        Symbol::Input(k, order) => Some(component(2, n, 1 + 4 * k as usize + usize::from(order))),
+        _ => None,
+    });
+    let by_position = [(first, 1), (second, 0)].map(|(root, k)| {
+        derivative(graph, root, &|s| match s {
+            Symbol::Coordinate(j) => Some(component(k, n, j as usize)),
+            _ => None,
+        })
+    });
+    let curl = graph.sub(by_position[0], by_position[1]);
+    let mut power = Id::ZERO;
+    for (i, q) in force.iter().enumerate() {
+        let v = graph.symbol(Symbol::Speed(i as u32));
+        let term = graph.mul(v, *q);
+        power = graph.add(power, term);
+    }
+    let tape = Tape::new(graph, &[first, by_velocity, by_time, curl, power]);
+    let (mut acts, mut velocity, mut time, mut works) = (false, false, false, false);
+    let mut turning: Option<&State> = None;
+    let mut random = Random::new();
+    for (k, state) in states.iter().enumerate() {
+        let directions: Vec<f64> = (0..2 * n + 1 + 4 * model.inputs.len()).map(|_| random.between(-1.0, 1.0)).collect();
+        let at = |state: &State| {
+            tape.evaluate(|s| match s {
+                Symbol::Dummy(k) => {
+                    Measured::exact(DoubleDouble::from(directions.get(k as usize).copied().unwrap_or(0.0)))
+                }
+                _ => state.measured(s),
+            })
+        };
+        let here = at(state);
+        let differs = |x: &Measured| x.value.is_finite() && !x.vanishes(super::ROUNDINGS);
+        acts |= differs(&here[0]);
+        velocity |= differs(&here[1]);
+        time |= differs(&here[2]);
+        works |= differs(&here[4]);
+        if differs(&here[3]) && turning.is_none() {
+            turning = Some(state);
+        }
+        // What switches with speed or time has no derivative that tells: the values at another speed and time do.
+        let other = &states[(k + 1) % states.len()];
+        let changed = |with: &dyn Fn(&mut State)| {
+            let mut moved = state.clone();
+            with(&mut moved);
+            motion.prepare(&mut moved);
+            let there = at(&moved)[0];
+            let gap = (there.value - here[0].value).abs().to_f64();
+            gap.is_finite() && gap > 1e-20 * (there.magnitude + here[0].magnitude)
+        };
+        velocity =
+            velocity || changed(&|s| s.v.clone_from(&other.v)) || changed(&|s| s.v.iter_mut().for_each(|v| *v = -*v));
+        time = time || changed(&|s| s.t = other.t);
+    }
+    match turning {
+        _ if !acts => Nature::Idle,
+        _ if velocity => Nature::Velocity { idle: !works },
+        Some(state) => largest_curl(graph, model, curl, state),
+        None if time => Nature::TimeDependent,
+        None => Nature::Potential,
+    }
+}
+
+/// The two coordinates between which a force's curl is largest at a state.
+fn largest_curl(graph: &Graph, model: &Model, curl: Id, state: &State) -> Nature {
+    let n = model.coordinates.len();
+    let tape = Tape::new(graph, &[curl]);
+    let between = |i: usize, j: usize| {
+        let chosen = [component(0, n, i), component(1, n, j)];
+        let value = |s: Symbol| match s {
+            Symbol::Dummy(_) => DoubleDouble::from(f64::from(u8::from(chosen.contains(&s)))),
+            _ => state.value(s),
+        };
+        tape.evaluate(value)[0].to_f64()
+    };
+    let searched = n.min(SEARCHED);
+    let pairs = (0..searched).flat_map(|i| (i + 1..searched).map(move |j| (i, j)));
+    let largest = pairs.map(|(i, j)| (i, j, between(i, j))).max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()));
+    let name = |i: usize| model.coordinates[i].name.clone();
+    let (between, value) = match largest {
+        Some((i, j, value)) if value != 0.0 => (Some((name(i), name(j))), value),
+        _ => (None, f64::NAN),
+    };
+    Nature::Curl { between, value, state: describe(model, state) }
+}

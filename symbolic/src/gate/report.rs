@@ -1,0 +1,34 @@
+//! What was tested and held.
+
+use super::potential::Conservative;
+use super::state::State;
+
+/// How well two derivations agree.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Agreement {
+    /// The derivations.
+    pub between: (String, String),
+    /// At how many states.
+    pub states: usize,
+    /// The largest difference in an equation, relative to the magnitude of that equation's own terms.
+    pub worst: f64,
+}
+
+/// Everything that was tested and held.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Report {
+    /// Derivations against each other.
+    pub agreements: Vec<Agreement>,
+    /// Conserved quantities: name, largest relative rate.
+    pub conserved: Vec<(String, f64)>,
+    /// Identities: name, largest relative difference.
+    pub checks: Vec<(String, f64)>,
+    /// Which forces have potentials.
+    pub forces: Vec<Conservative>,
+    /// The states at which derivations were compared.
+    pub states: Vec<State>,
+    /// Scenes whose motion was followed, until when, and until when they should go.
+    pub followed: Vec<(String, f64, f64)>,
+    /// Arguments of functions that were not brought to where the function changes.
+    pub unreached: Vec<String>,
+}

@@ -1,0 +1,142 @@
+//! A state at which derivations are compared and claims tested.
+
+use std::fmt::Write;
+
+use crate::expr::{Measured, Symbol};
+use crate::model::Model;
+use crate::number::DoubleDouble;
+
+/// Parameters, a time and a state of motion.
+///
+/// Free parameters are drawn as `f64`; all else has the digits of a double-double.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State {
+    /// Free parameters.
+    pub parameters: Vec<f64>,
+    /// Time.
+    pub t: DoubleDouble,
+    /// Coordinates.
+    pub q: Vec<DoubleDouble>,
+    /// Speeds.
+    pub v: Vec<DoubleDouble>,
+    /// Accelerations, with the scale of their rounding errors.
+    pub a: Vec<Measured>,
+    /// Inputs: u, u', u'', u''' each, at this time.
+    pub inputs: Vec<[DoubleDouble; 4]>,
+    /// Modes of the switches at this state.
+    pub modes: Vec<f64>,
+    /// Where it comes from.
+    pub origin: Origin,
+}
+
+/// Where a state comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// Drawn near the start of a scene.
+    Near,
+    /// Drawn at large.
+    Large,
+    /// One group of coordinates moves, the others rest.
+    Group,
+    /// From the motion of a scene.
+    Motion,
+    /// Where the argument of some function is of order one, zero, or next to it.
+    Side,
+}
+
+impl State {
+    /// At rest at the origin and at time 0.
+    pub fn at_rest(parameters: Vec<f64>, n: usize) -> State {
+        State {
+            parameters,
+            t: DoubleDouble::ZERO,
+            q: vec![DoubleDouble::ZERO; n],
+            v: vec![DoubleDouble::ZERO; n],
+            a: Vec::new(),
+            inputs: Vec::new(),
+            modes: Vec::new(),
+            origin: Origin::Near,
+        }
+    }
+
+    /// Whether it was made to lie where something may be singular.
+    pub(super) fn is_special(&self) -> bool {
+        matches!(self.origin, Origin::Side | Origin::Group)
+    }
+
+    /// A symbol's value.
+    pub fn value(&self, symbol: Symbol) -> DoubleDouble {
+        let at = |list: &[DoubleDouble], i: u32| list.get(i as usize).copied().unwrap_or(DoubleDouble::ZERO);
+        let float = |list: &[f64], i: u32| DoubleDouble::from(list.get(i as usize).copied().unwrap_or(0.0));
+        match symbol {
+            Symbol::Time => self.t,
+            Symbol::Coordinate(i) => at(&self.q, i),
+            Symbol::Speed(i) => at(&self.v, i),
+            Symbol::Acceleration(i) => self.a.get(i as usize).map_or(DoubleDouble::ZERO, |a| a.value),
+            Symbol::Input(k, order) => {
+                let input = self.inputs.get(k as usize).and_then(|u| u.get(usize::from(order)));
+                input.copied().unwrap_or(DoubleDouble::ZERO)
+            }
+            Symbol::Parameter(i) => float(&self.parameters, i),
+            Symbol::Mode(k) => float(&self.modes, k),
+            Symbol::Reaction(_) | Symbol::Dummy(_) => DoubleDouble::ZERO,
+        }
+    }
+
+    /// A symbol's value with the scale of its rounding error; only accelerations have more than their own size.
+    pub fn measured(&self, symbol: Symbol) -> Measured {
+        match symbol {
+            Symbol::Acceleration(i) => self.a.get(i as usize).copied().unwrap_or(Measured::exact(DoubleDouble::ZERO)),
+            _ => Measured::exact(self.value(symbol)),
+        }
+    }
+}
+
+/// Most coordinates and parameters that messages show.
+const SHOWN: usize = 12;
+
+/// A state in words, for messages: time, coordinates and speeds, parameters.
+pub(super) fn describe(model: &Model, state: &State) -> String {
+    let mut words = format!("t = {:.4}", state.t.to_f64());
+    for (k, c) in model.coordinates.iter().enumerate().take(SHOWN) {
+        let (q, v) = (state.q[k].to_f64(), state.v[k].to_f64());
+        // Writing to a String cannot fail.
+        let _ = write!(words, ", {} = {}, {}' = {}", c.name, short(q), c.name, short(v));
+    }
+    if model.coordinates.len() > SHOWN {
+        words.push_str(", …");
+    }
+    for (p, x) in model.parameters.iter().zip(&state.parameters).take(SHOWN) {
+        let _ = write!(words, ", {} = {}", p.name, short(*x));
+    }
+    if model.parameters.len() > SHOWN {
+        words.push_str(", …");
+    }
+    words
+}
+
+/// A number with enough digits to see where a state is.
+fn short(x: f64) -> String {
+    if x == 0.0 || (1e-3..1e5).contains(&x.abs()) { format!("{x:.4}") } else { format!("{x:.4e}") }
+}
+
+/// Options of `simulate` and `check` that start in this state: `--set m=1.1 --start theta=0.3 --start "theta'=-2"`.
+pub(super) fn reproduce(model: &Model, state: &State) -> Option<String> {
+    if model.coordinates.len() > SHOWN || model.parameters.len() > SHOWN {
+        return None;
+    }
+    let mut words = String::new();
+    for (p, x) in model.parameters.iter().zip(&state.parameters) {
+        let _ = write!(words, " --set {}={x}", quoted(&p.name));
+    }
+    for (k, c) in model.coordinates.iter().enumerate() {
+        let (q, v) = (state.q[k].to_f64(), state.v[k].to_f64());
+        let _ = write!(words, " --start {}={q} --start \"{}'={v}\"", quoted(&c.name), c.name);
+    }
+    Some(words)
+}
+
+/// Indexed names need quotes in a shell.
+fn quoted(name: &str) -> String {
+    if name.contains('[') { format!("'{name}'") } else { name.to_owned() }
+}

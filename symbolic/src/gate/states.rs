@@ -1,0 +1,193 @@
+//! The states at which everything is judged.
+//!
+//! 1. Near each scene's start and at large, in the file's own measure: look in `draw`.
+//! 2. One group of coordinates moving, the others at rest.
+//! 3. From the motion itself, by a coarse run of each scene: look in `trajectory`.
+//! 4. On both sides of every discontinuity, at it, and where functions that are local through their arguments say
+//!    something: look in `sides`.
+
+use super::Gate;
+use super::draw::{Draws, with_set};
+use super::motion::{Incomplete, Motion};
+use super::sides::sides;
+use super::state::{Origin, State, describe};
+use super::trajectory::Trajectory;
+use crate::diagnose::catalogue::verdicts;
+use crate::diagnose::{Place, Problem};
+use crate::expr::{Symbol, Tape};
+use crate::model::Model;
+use crate::number::DoubleDouble;
+
+/// How many drawn states each test wants.
+const DRAWN: usize = 16;
+/// How many draws are made for them at the most.
+const DRAWS: usize = 400;
+/// So many states come from the motion of each scene.
+const FROM_MOTION: usize = 5;
+/// So many scenes are run.
+const SCENES: usize = 8;
+/// Operations that all states together may cost.
+const WORK: usize = 20_000_000;
+
+/// States and how they were found.
+#[derive(Clone, Debug, Default)]
+pub(super) struct States {
+    /// With their motion.
+    pub all: Vec<State>,
+    /// Where a discontinuity is met; with their motion.
+    pub surfaces: Vec<State>,
+    /// Arguments of functions that could not be brought to where they matter.
+    pub unreached: Vec<String>,
+    /// Scenes that were run, until when, and until when they should go.
+    pub followed: Vec<(String, f64, f64)>,
+}
+
+/// Finds states where some parameters are fixed.
+pub(super) fn states(
+    model: &Model,
+    motion: &Motion,
+    when: &[(usize, f64)],
+    gate: Gate,
+) -> Result<States, Box<Problem>> {
+    let trajectories = if gate.motion { trajectories(model, motion, when) } else { Vec::new() };
+    let mut draws = Draws::new(model, motion, &trajectories);
+    let mut found = States::default();
+    let room = (WORK / motion.work().max(1)).clamp(6, 128);
+    drawn(model, motion, &mut draws, when, room.min(DRAWN), &mut found)?;
+    if gate.rows {
+        for group in groups(model).into_iter().take(room / 4) {
+            let state = draws.group(&group, when);
+            if draws.inside(&state) {
+                keep(motion, state, &mut found.all);
+            }
+        }
+    }
+    let mut bases: Vec<State> = found.all.iter().filter(|s| s.origin != Origin::Group).take(2).cloned().collect();
+    for (run, scene) in trajectories.iter().zip(&model.scenes) {
+        found.followed.push((scene.name.clone(), run.reached(), run.until));
+        let share = (room / 4 / trajectories.len()).clamp(1, FROM_MOTION);
+        for (t, q, v) in run.spread(share) {
+            let double = |list: &[f64]| list.iter().map(|x| DoubleDouble::from(*x)).collect();
+            let mut state = State::at_rest(run.parameters.clone(), motion.n);
+            (state.t, state.q, state.v, state.origin) = (DoubleDouble::from(*t), double(q), double(v), Origin::Motion);
+            bases.push(state.clone());
+            keep(motion, state, &mut found.all);
+        }
+    }
+    if gate.sides {
+        let until = trajectories.iter().map(|run| run.until).fold(0.0, f64::max);
+        let until = if until > 0.0 { until } else { 10.0 };
+        let reach = |i: usize, speed: bool| draws.reach(i, speed);
+        let beside = sides(model, motion, &bases, until, &reach);
+        found.unreached = beside.unreached;
+        let inside = |state: &State| draws.inside(state);
+        for state in beside.states.into_iter().filter(inside).take(room) {
+            keep(motion, state, &mut found.all);
+        }
+        for state in beside.surfaces.into_iter().filter(inside).take(room) {
+            keep(motion, state, &mut found.surfaces);
+        }
+    }
+    Ok(found)
+}
+
+/// Coarse runs of the scenes.
+fn trajectories(model: &Model, motion: &Motion, when: &[(usize, f64)]) -> Vec<Trajectory> {
+    let n = motion.n;
+    let run = |scene: &crate::model::Scene| {
+        let defaults = model.parameters.iter().map(|p| p.default).collect();
+        let mut parameters = with_set(&model.graph, &scene.set, defaults);
+        when.iter().for_each(|(i, x)| parameters[*i] = *x);
+        let roots: Vec<_> = scene.q.iter().chain(&scene.v).copied().chain([scene.until]).collect();
+        let value = |s: Symbol| match s {
+            Symbol::Parameter(i) => parameters.get(i as usize).copied().unwrap_or(0.0),
+            _ => 0.0,
+        };
+        let start: Vec<f64> = Tape::new(&model.graph, &roots).evaluate(value);
+        let until = if start[2 * n].is_finite() && start[2 * n] > 0.0 { start[2 * n] } else { 10.0 };
+        Trajectory::new(motion, parameters, &start[..n], &start[n..2 * n], until)
+    };
+    model.scenes.iter().take(SCENES).map(run).collect()
+}
+
+/// Random states that have a motion.
+fn drawn(
+    model: &Model,
+    motion: &Motion,
+    draws: &mut Draws<'_>,
+    when: &[(usize, f64)],
+    wanted: usize,
+    found: &mut States,
+) -> Result<(), Box<Problem>> {
+    let (mut singular, mut largest_rank) = (None, 0);
+    let mut tried = 0;
+    while found.all.len() < wanted && tried < DRAWS {
+        tried += 1;
+        let mut state = draws.next(when);
+        match motion.complete(&mut state) {
+            Ok(()) => found.all.push(state),
+            Err(Incomplete::NotFinite) => {}
+            // Where M has full rank somewhere, other states are singular positions; where it has it nowhere, the
+            // largest rank counts.
+            Err(Incomplete::Singular { rank, coordinates }) => {
+                if rank >= largest_rank {
+                    (largest_rank, singular) = (rank, Some((coordinates, state)));
+                }
+                if found.all.is_empty() && tried >= 2 * wanted.max(8) {
+                    break;
+                }
+            }
+        }
+    }
+    if found.all.len() >= wanted {
+        return Ok(());
+    }
+    Err(Box::new(match singular {
+        Some((coordinates, state)) if found.all.is_empty() => {
+            let names: Vec<String> = coordinates.iter().map(|i| format!("`{}`", model.coordinates[*i].name)).collect();
+            let place = model.coordinates[coordinates[0]].place.clone();
+            let rank = format!("{largest_rank} of {}", motion.n);
+            verdicts::singular_mass(place, rank, listed(&names), describe(model, &state))
+        }
+        _ => verdicts::too_few_states(Place::default().key("coordinates"), found.all.len(), DRAWS),
+    }))
+}
+
+/// "`a`, `b` and `c`".
+fn listed(names: &[String]) -> String {
+    match names.split_last() {
+        Some((last, others)) if !others.is_empty() => format!("{} and {last}", others.join(", ")),
+        Some((last, _)) => last.clone(),
+        None => String::new(),
+    }
+}
+
+/// Coordinates that are made to move alone: each, or each family where there are many.
+fn groups(model: &Model) -> Vec<Vec<usize>> {
+    let n = model.coordinates.len();
+    if n < 2 {
+        return Vec::new();
+    }
+    if n <= 8 {
+        return (0..n).map(|i| vec![i]).collect();
+    }
+    let family = |i: usize| model.coordinates[i].name.split('[').next().unwrap_or("").to_owned();
+    let mut groups: Vec<(String, Vec<usize>)> = Vec::new();
+    for i in 0..n {
+        match groups.iter().position(|g| g.0 == family(i)) {
+            Some(k) => groups[k].1.push(i),
+            None if groups.len() < 12 => groups.push((family(i), vec![i])),
+            None => {}
+        }
+    }
+    let mut groups: Vec<Vec<usize>> = groups.into_iter().map(|g| g.1).collect();
+    groups.extend([vec![0], vec![n - 1]]);
+    groups
+}
+
+/// Keeps a state that has a motion.
+fn keep(motion: &Motion, mut state: State, kept: &mut Vec<State>) {
+    if motion.complete(&mut state).is_ok() {
+        kept.push(state);
+    }
+}

@@ -1,0 +1,233 @@
+//! A coarse run of a scene: where the motion goes, to judge there.
+//!
+//! Bogacki and Shampine's pair of orders 3 and 2 (Appl. Math. Lett. 2, 1989), a thousandth off at the most; where that
+//! would need too many steps, the linearly implicit ROS2 (Verwer, Spee, Blom, Hundsdorfer, SIAM J. Sci. Comput. 20,
+//! 1999), whose order does not depend on its Jacobian.  Evaluations are counted, so that no verdict depends on a clock.
+
+use super::dense::solve;
+use super::motion::{Motion, Rough};
+
+/// Most evaluations of the accelerations a scene.
+const EVALUATIONS: usize = 2000;
+/// Operations that the evaluations of a scene may cost.
+const WORK: usize = 8_000_000;
+/// The error of a step, relative to the range of each component.
+const TOLERANCE: f64 = 1e-3;
+
+/// A run.
+pub(super) struct Trajectory {
+    /// The parameters.
+    pub parameters: Vec<f64>,
+    /// (t, q, v) at the ends of steps, the start first.
+    pub states: Vec<(f64, Vec<f64>, Vec<f64>)>,
+    /// How long it should have gone.
+    pub until: f64,
+}
+
+impl Trajectory {
+    /// The motion from a start, as far as it can be followed.
+    pub fn new(motion: &Motion, parameters: Vec<f64>, q: &[f64], v: &[f64], until: f64) -> Trajectory {
+        let budget = (WORK / motion.work().max(1)).clamp(60, EVALUATIONS);
+        let mut runner = Runner::new(motion, parameters, q, v, until, budget);
+        runner.explicit(budget / 2);
+        if runner.t < 0.5 * until && !runner.stuck {
+            // Stiff, or fast: whoever gets further is believed.
+            let mut implicit = Runner::new(motion, runner.rough.parameters.clone(), q, v, until, budget / 2);
+            implicit.implicit();
+            if implicit.t > runner.t {
+                runner = implicit;
+            }
+        } else {
+            runner.explicit(budget);
+        }
+        Trajectory { parameters: runner.rough.parameters, states: runner.states, until }
+    }
+
+    /// When it ends.
+    pub fn reached(&self) -> f64 {
+        self.states.last().map_or(0.0, |s| s.0)
+    }
+
+    /// States spread evenly over its time, the start left out.
+    pub fn spread(&self, count: usize) -> impl Iterator<Item = &(f64, Vec<f64>, Vec<f64>)> {
+        let end = self.reached();
+        (1..=count).filter_map(move |k| {
+            let t = end * k as f64 / count as f64;
+            self.states.iter().skip(1).min_by(|a, b| (a.0 - t).abs().total_cmp(&(b.0 - t).abs()))
+        })
+    }
+}
+
+struct Runner<'a> {
+    motion: &'a Motion,
+    rough: Rough,
+    /// q, then v.
+    y: Vec<f64>,
+    t: f64,
+    until: f64,
+    h: f64,
+    used: usize,
+    budget: usize,
+    /// Least and largest value of every component.
+    range: Vec<(f64, f64)>,
+    states: Vec<(f64, Vec<f64>, Vec<f64>)>,
+    /// True once the accelerations cannot be computed further on.
+    stuck: bool,
+}
+
+impl<'a> Runner<'a> {
+    fn new(motion: &'a Motion, parameters: Vec<f64>, q: &[f64], v: &[f64], until: f64, budget: usize) -> Self {
+        let y: Vec<f64> = q.iter().chain(v).copied().collect();
+        Runner {
+            motion,
+            rough: Rough::new(parameters, q.len()),
+            range: y.iter().map(|x| (*x, *x)).collect(),
+            y,
+            t: 0.0,
+            until,
+            h: until / 100.0,
+            used: 0,
+            budget,
+            states: vec![(0.0, q.to_vec(), v.to_vec())],
+            stuck: false,
+        }
+    }
+
+    /// y' = (v, a).
+    fn rate(&mut self, t: f64, y: &[f64]) -> Option<Vec<f64>> {
+        let n = self.motion.n;
+        self.used += 1;
+        self.rough.t = t;
+        self.rough.q.copy_from_slice(&y[..n]);
+        self.rough.v.copy_from_slice(&y[n..]);
+        let finite = y.iter().all(|x| x.is_finite()) && self.motion.roughly(&mut self.rough);
+        finite.then(|| y[n..].iter().chain(&self.rough.a).copied().collect())
+    }
+
+    /// Takes a trial step or makes the next one smaller.
+    fn judge(&mut self, trial: Option<(Vec<f64>, Vec<f64>)>, order: f64) -> bool {
+        let mut error = f64::INFINITY;
+        if let Some((y, difference)) = &trial {
+            error = 0.0;
+            for (i, d) in difference.iter().enumerate() {
+                let (low, high) = self.range[i];
+                let size = high.max(y[i]) - low.min(y[i]);
+                let share = if size > 0.0 { d.abs() / (TOLERANCE * size) } else { 0.0 };
+                error = if share.is_nan() { f64::INFINITY } else { error.max(share) };
+            }
+        }
+        let step = self.h;
+        let factor = if error.is_finite() { (0.9 * error.powf(-1.0 / order)).clamp(0.2, 4.0) } else { 0.2 };
+        self.h = (self.h * factor).min(self.until / 20.0);
+        let Some((y, _)) = trial.filter(|_| error <= 1.0) else {
+            self.stuck = self.h < 1e-14 * self.until;
+            return false;
+        };
+        self.t += step;
+        for (range, x) in self.range.iter_mut().zip(&y) {
+            *range = (range.0.min(*x), range.1.max(*x));
+        }
+        self.y = y;
+        let (q, v) = self.y.split_at(self.motion.n);
+        self.states.push((self.t, q.to_vec(), v.to_vec()));
+        true
+    }
+
+    fn going(&self, budget: usize) -> bool {
+        !self.stuck && self.used < budget && self.t < self.until * (1.0 - 1e-12)
+    }
+
+    fn explicit(&mut self, budget: usize) {
+        let start = self.y.clone();
+        let Some(mut first) = self.rate(self.t, &start) else {
+            self.stuck = true;
+            return;
+        };
+        while self.going(budget) {
+            self.h = self.h.min(self.until - self.t);
+            let trial = self.bogacki_shampine(&first);
+            let last = trial.as_ref().map(|t| t.2.clone());
+            if self.judge(trial.map(|(y, d, _)| (y, d)), 3.0)
+                && let Some(last) = last
+            {
+                first = last;
+            }
+        }
+    }
+
+    fn bogacki_shampine(&mut self, k1: &[f64]) -> Option<(Vec<f64>, Vec<f64>, Vec<f64>)> {
+        let (t, h, y) = (self.t, self.h, self.y.clone());
+        let plus = |terms: &[(f64, &[f64])]| -> Vec<f64> {
+            (0..y.len()).map(|i| y[i] + h * terms.iter().map(|(c, k)| c * k[i]).sum::<f64>()).collect()
+        };
+        let k2 = self.rate(t + 0.5 * h, &plus(&[(0.5, k1)]))?;
+        let k3 = self.rate(t + 0.75 * h, &plus(&[(0.75, &k2)]))?;
+        let next = plus(&[(2.0 / 9.0, k1), (1.0 / 3.0, &k2), (4.0 / 9.0, &k3)]);
+        let k4 = self.rate(t + h, &next)?;
+        let difference = |i: usize| h * (-5.0 / 72.0 * k1[i] + k2[i] / 12.0 + k3[i] / 9.0 - 0.125 * k4[i]);
+        let differences = (0..y.len()).map(difference).collect();
+        Some((next, differences, k4))
+    }
+
+    fn implicit(&mut self) {
+        let mut jacobian: Option<Vec<f64>> = None;
+        let mut age = 0;
+        while self.going(self.budget) {
+            self.h = self.h.min(self.until - self.t);
+            if jacobian.is_none() || age >= 20 {
+                jacobian = self.differences();
+                age = 0;
+            }
+            let Some(slopes) = &jacobian else {
+                self.stuck = true;
+                return;
+            };
+            let slopes = slopes.clone();
+            let trial = self.ros2(&slopes);
+            age += 1;
+            if !self.judge(trial, 2.0) {
+                age += 10;
+            }
+        }
+    }
+
+    /// ∂f/∂y by differences, row by row.
+    fn differences(&mut self) -> Option<Vec<f64>> {
+        let size = self.y.len();
+        let (t, y) = (self.t, self.y.clone());
+        let base = self.rate(t, &y)?;
+        let mut jacobian = vec![0.0; size * size];
+        for j in 0..size {
+            let (low, high) = self.range[j];
+            let mut moved = y.clone();
+            let step = 1e-7 * (high - low).max(y[j].abs()).max(self.h * base[j].abs()).max(f64::MIN_POSITIVE);
+            moved[j] += step;
+            let step = moved[j] - y[j];
+            if step == 0.0 {
+                continue;
+            }
+            let slope = self.rate(t, &moved)?;
+            for i in 0..size {
+                jacobian[i * size + j] = (slope[i] - base[i]) / step;
+            }
+        }
+        Some(jacobian)
+    }
+
+    fn ros2(&mut self, jacobian: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
+        let gamma = 1.0 + std::f64::consts::FRAC_1_SQRT_2;
+        let (t, h, y) = (self.t, self.h, self.y.clone());
+        let size = y.len();
+        let mut matrix: Vec<f64> = jacobian.iter().map(|j| -gamma * h * j).collect();
+        (0..size).for_each(|i| matrix[i * size + i] += 1.0);
+        let f = self.rate(t, &y)?;
+        let k1 = solve(matrix.clone(), f)?;
+        let middle: Vec<f64> = y.iter().zip(&k1).map(|(y, k)| y + h * k).collect();
+        let g = self.rate(t + h, &middle)?;
+        let right = g.iter().zip(&k1).map(|(g, k)| g - 2.0 * k).collect();
+        let k2 = solve(matrix, right)?;
+        let next: Vec<f64> = (0..size).map(|i| y[i] + h * (1.5 * k1[i] + 0.5 * k2[i])).collect();
+        let difference = (0..size).map(|i| next[i] - middle[i]).collect();
+        Some((next, difference))
+    }
+}

@@ -1,0 +1,88 @@
+//! Expressions as text in the model language.
+
+use super::Model;
+use crate::expr::{Binary, DoubleDouble, Graph, Id, Node, Number, Symbol, Unary};
+
+/// An expression as a person would write it; parts beyond some 200 nodes become `…`.
+pub fn text(model: &Model, root: Id) -> String {
+    text_in(&model.graph, model, root)
+}
+
+/// The same for an expression of another graph with the model's symbols.
+pub(crate) fn text_in(graph: &Graph, model: &Model, root: Id) -> String {
+    let mut budget = 200;
+    written(model, graph, root, &mut budget).0
+}
+
+/// How tightly an expression holds together.
+#[derive(Clone, Copy, PartialEq, PartialOrd)]
+enum Level {
+    Sum,
+    Product,
+    Power,
+    Atom,
+}
+
+fn written(model: &Model, graph: &Graph, id: Id, budget: &mut usize) -> (String, Level) {
+    if *budget == 0 {
+        return ("…".to_owned(), Level::Atom);
+    }
+    *budget -= 1;
+    let mut at = |x: Id, level: Level| {
+        let (text, own) = written(model, graph, x, budget);
+        if own < level { format!("({text})") } else { text }
+    };
+    match graph.node(id) {
+        Node::Number(place) => number(graph.number_at(place)),
+        Node::Symbol(s) => (symbol(model, s), Level::Atom),
+        Node::Unary(Unary::Neg, x) => (format!("-{}", at(x, Level::Product)), Level::Sum),
+        Node::Unary(f, x) => (format!("{}({})", f.name(), at(x, Level::Sum)), Level::Atom),
+        Node::Binary(Binary::Add, x, y) => (format!("{} + {}", at(x, Level::Sum), at(y, Level::Sum)), Level::Sum),
+        Node::Binary(Binary::Sub, x, y) => (format!("{} - {}", at(x, Level::Sum), at(y, Level::Product)), Level::Sum),
+        Node::Binary(Binary::Mul, x, y) if x == y => (format!("{}^2", at(x, Level::Atom)), Level::Power),
+        Node::Binary(Binary::Mul, x, y) => {
+            (format!("{}*{}", at(x, Level::Product), at(y, Level::Product)), Level::Product)
+        }
+        Node::Binary(Binary::Div, x, y) => {
+            (format!("{}/{}", at(x, Level::Product), at(y, Level::Power)), Level::Product)
+        }
+        Node::Binary(Binary::Pow, x, y) => (format!("{}^{}", at(x, Level::Atom), at(y, Level::Atom)), Level::Power),
+        Node::Binary(f, x, y) => {
+            let name = match f {
+                Binary::Atan2 => "atan2",
+                Binary::Min => "min",
+                _ => "max",
+            };
+            (format!("{name}({}, {})", at(x, Level::Sum), at(y, Level::Sum)), Level::Atom)
+        }
+    }
+}
+
+fn number(number: Number) -> (String, Level) {
+    match number {
+        Number::Exact(r) if r.denominator() == 1 && r.numerator() >= 0 => (r.numerator().to_string(), Level::Atom),
+        Number::Exact(r) if r.denominator() == 1 => (r.numerator().to_string(), Level::Sum),
+        Number::Exact(r) => (format!("{}/{}", r.numerator(), r.denominator()), Level::Product),
+        Number::Float(x) if x == DoubleDouble::PI => ("pi".to_owned(), Level::Atom),
+        Number::Float(x) => (x.to_f64().to_string(), if x.to_f64() < 0.0 { Level::Sum } else { Level::Atom }),
+    }
+}
+
+fn symbol(model: &Model, symbol: Symbol) -> String {
+    let name = |name: Option<&str>| name.unwrap_or("?").to_owned();
+    let coordinate = |i: u32| name(model.coordinates.get(i as usize).map(|c| c.name.as_str()));
+    match symbol {
+        Symbol::Time => "t".to_owned(),
+        Symbol::Coordinate(i) => coordinate(i),
+        Symbol::Speed(i) => format!("{}'", coordinate(i)),
+        Symbol::Acceleration(i) => format!("{}''", coordinate(i)),
+        Symbol::Input(k, order) => {
+            let primes = "'".repeat(usize::from(order));
+            format!("{}{primes}", name(model.inputs.get(k as usize).map(|u| u.name.as_str())))
+        }
+        Symbol::Parameter(i) => name(model.parameters.get(i as usize).map(|p| p.name.as_str())),
+        Symbol::Mode(k) => format!("mode{k}"),
+        Symbol::Reaction(k) => format!("reaction{k}"),
+        Symbol::Dummy(_) => "length".to_owned(),
+    }
+}
