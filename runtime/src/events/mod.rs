@@ -6,7 +6,12 @@
 //! 3. At a discontinuity the modes are chosen anew: look in `modes.rs`.
 //! 4. Discontinuities of time are known beforehand: look in `stops.rs`.
 
+mod certify;
+#[cfg(test)]
+mod certify_tests;
+pub(crate) mod draws;
 mod modes;
+mod old;
 mod root;
 mod sample;
 mod scan;

@@ -1,6 +1,6 @@
 //! Finding all zeros of the watched functions within a step.
 
-use super::root::{dip, root};
+use super::old::{dip, root};
 use super::sample::Sampler;
 use crate::mechanism::System;
 use crate::run::Segment;

@@ -1,6 +1,6 @@
 //! Discontinuities of time: the times at which every step must end.
 
-use super::root::{dip, root};
+use super::old::{dip, root};
 use super::sample::Sampler;
 use crate::mechanism::System;
 
