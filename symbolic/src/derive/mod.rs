@@ -36,7 +36,7 @@ use crate::model::{Load, Model, Work};
 pub use momentum::Momentum;
 pub use potential::{Conservative, Nature};
 pub use sample::{Draws, State};
-pub use switches::{Switch, SwitchKind};
+pub use switches::{Switch, SwitchKind, remove as without_modes};
 pub(crate) use test::solve;
 pub use test::{Agreement, Report};
 pub use unseen::shared_data;
@@ -84,7 +84,9 @@ pub struct Derivation {
     pub energies: Energies,
     /// Cyclic coordinates and their momenta.
     pub cyclic: Vec<(usize, Id)>,
-    /// Discontinuities of the equations of motion.
+    /// Inputs as functions of time, (u, u', u''), with modes.
+    pub signals: Vec<[Id; 3]>,
+    /// Discontinuities of the equations of motion and of inputs.
     pub switches: Vec<Switch>,
     /// What was tested, and how well it held.
     pub report: Report,
@@ -117,7 +119,7 @@ pub fn derive(mut model: Model) -> Result<Derivation, Vec<Problem>> {
         equations.push(virtual_power::equations(&mut model.graph, &dynamics));
     }
     let energies = lagrange::energies(&mut model, &dynamics);
-    let switches = dynamics.switches;
+    let (switches, signals) = (dynamics.switches, dynamics.signals);
     if model.graph.overflowed() {
         return Err(vec![too_large()]);
     }
@@ -128,7 +130,7 @@ pub fn derive(mut model: Model) -> Result<Derivation, Vec<Problem>> {
     let named_reactions = reactions::put_in(&mut model);
     let report = test::all(&mut model, &equations, &momentum, &switches)?;
     let cyclic = test::cyclic(&mut model, &report.states, &momenta);
-    Ok(Derivation { model, equations, momentum, named_reactions, energies, cyclic, switches, report })
+    Ok(Derivation { model, equations, momentum, named_reactions, energies, cyclic, signals, switches, report })
 }
 
 /// What enters the equations of motion: the model's expressions in canonical form, with modes for
@@ -152,6 +154,8 @@ pub(crate) struct Dynamics {
     pub wrenches: Vec<(usize, Vec<Id>, Id)>,
     /// Generalized forces as written.
     pub generalized: Vec<(usize, Id)>,
+    /// Inputs as functions of time, (u, u', u'').
+    pub signals: Vec<[Id; 3]>,
     /// Discontinuities.
     pub switches: Vec<Switch>,
 }
@@ -187,9 +191,10 @@ impl Dynamics {
             }
         }
         roots.extend(model.generalized_forces.iter().map(|f| f.force));
+        roots.extend(model.inputs.iter().map(|input| input.signal[0]));
         let graph = &mut model.graph;
         let roots = canonical(graph, &roots);
-        let (roots, switches) = switches::introduce(graph, &roots);
+        let (roots, switches) = switches::introduce(graph, &roots, model.inputs.len());
 
         let mut next = roots.into_iter();
         let mut take = || next.next().unwrap_or(Id::ZERO);
@@ -220,6 +225,10 @@ impl Dynamics {
             }
         }
         let generalized = model.generalized_forces.iter().map(|f| (f.coordinate, take())).collect();
+        let values: Vec<Id> = model.inputs.iter().map(|_| take()).collect();
+        let first = rates(graph, &values);
+        let second = rates(graph, &first);
+        let signals = values.iter().zip(first.iter().zip(&second)).map(|(u, (v, w))| [*u, *v, *w]).collect();
         Dynamics {
             n: model.coordinates.len(),
             bodies,
@@ -230,6 +239,7 @@ impl Dynamics {
             resistances,
             wrenches,
             generalized,
+            signals,
             switches,
         }
     }

@@ -3,9 +3,10 @@
 use std::fmt::Write;
 
 use super::body::float;
-use super::text;
-use crate::derive::SwitchKind;
-use crate::lower::{Entry, Program};
+use super::text_in;
+use crate::derive::{Switch, SwitchKind, without_modes};
+use crate::expr::Symbol;
+use crate::lower::{Argument, Entry, Program, Role, Watched};
 use crate::model::{EventAction, Shape};
 
 /// `static DESCRIPTION: … = …;`
@@ -48,7 +49,7 @@ pub(super) fn description(program: &Program, source: &str) -> String {
     field("invariants", list(model.conserved.iter().map(|c| quantity(&c.name, c.value.len(), &None))));
     field(
         "events",
-        list(model.events.iter().map(|e| {
+        list(model.events.iter().zip(&program.event_rates).map(|(e, rate)| {
             let direction = match e.direction {
                 1 => "Rising",
                 -1 => "Falling",
@@ -59,9 +60,10 @@ pub(super) fn description(program: &Program, source: &str) -> String {
                 EventAction::Record => "Action::Record".to_owned(),
             }));
             format!(
-                "Event {{ name: {}, direction: Direction::{direction}, conditional: {}, actions: {actions} }}",
+                "Event {{ name: {}, direction: Direction::{direction}, conditional: {}, actions: {actions}, rated: {} }}",
                 string(&e.name),
-                e.condition.is_some()
+                e.condition.is_some(),
+                rate.is_some()
             )
         })),
     );
@@ -70,12 +72,15 @@ pub(super) fn description(program: &Program, source: &str) -> String {
         list(program.switches.iter().map(|s| {
             let kind = if s.kind == SwitchKind::Sign { "Sign" } else { "Step" };
             format!(
-                "Switch {{ text: {}, kind: SwitchKind::{kind}, time_only: {} }}",
-                string(&text(model, s.argument)),
-                s.time_only
+                "Switch {{ text: {}, kind: SwitchKind::{kind}, time_only: {}, of_input: {} }}",
+                string(&switch_text(program, s)),
+                s.time_only,
+                s.of_input
             )
         })),
     );
+    field("arguments", list(program.arguments.iter().map(argument)));
+    field("input_jumps", list(program.jumps.iter().map(|jump| format!("InputJump::{jump:?}"))));
     field("scenes", list(model.scenes.iter().map(|s| string(&s.name))));
     field(
         "draw",
@@ -127,6 +132,31 @@ pub(super) fn description(program: &Program, source: &str) -> String {
         ),
     );
     out
+}
+
+/// A switch's argument in the file's words: with functions in the place of modes.
+pub fn switch_text(program: &Program, switch: &Switch) -> String {
+    let nested = program.model.graph.symbols([switch.argument]).iter().any(|s| matches!(s, Symbol::Mode(_)));
+    if !nested {
+        return text_in(&program.model.graph, &program.model, switch.argument);
+    }
+    let mut graph = program.model.graph.clone();
+    let plain = without_modes(&mut graph, &[switch.argument], &program.switches)[0];
+    text_in(&graph, &program.model, plain)
+}
+
+fn argument(argument: &Argument) -> String {
+    let of = match argument.of {
+        Watched::Event(k) => format!("Watched::Event({k})"),
+        Watched::Switch(k) => format!("Watched::Switch({k})"),
+        Watched::Motion => "Watched::Motion".to_owned(),
+        Watched::Argument(k) => format!("Watched::Argument({k})"),
+    };
+    let role = match argument.role {
+        Role::Power(p) => format!("Role::Power({})", float(p)),
+        role => format!("Role::{role:?}"),
+    };
+    format!("Argument {{ of: {of}, role: {role}, time_only: {} }}", argument.time_only)
 }
 
 /// FNV-1a of 64 bits (Fowler, Noll, Vo).

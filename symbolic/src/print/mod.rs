@@ -8,7 +8,7 @@ mod names;
 mod rust;
 mod text;
 
-pub use description::fnv1a;
+pub use description::{fnv1a, switch_text};
 pub use names::{field_name, type_name};
 pub use rust::rust;
 pub use text::text;

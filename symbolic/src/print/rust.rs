@@ -179,9 +179,9 @@ fn mechanism(
     const MODES: usize = {modes};
 
     fn description() -> &'static ::dalembert::mechanism::Description {{
-        use ::dalembert::mechanism::{{Action, Balance, BalanceSystem, Coordinate, Counts, Description, Direction, Event, List, Parameter, Quantity, Shape, Structure, Switch, SwitchKind, Text}};
+        use ::dalembert::mechanism::{{Action, Argument, Balance, BalanceSystem, Coordinate, Counts, Description, Direction, Event, InputJump, List, Parameter, Quantity, Role, Shape, Structure, Switch, SwitchKind, Text, Watched}};
         #[allow(unused_imports)]
-        use {{Action as _, Balance as _, BalanceSystem as _, Direction as _, Event as _, Parameter as _, Quantity as _, Shape as _, Switch as _, SwitchKind as _}};
+        use {{Action as _, Argument as _, Balance as _, BalanceSystem as _, Direction as _, Event as _, InputJump as _, Parameter as _, Quantity as _, Role as _, Shape as _, Switch as _, SwitchKind as _, Watched as _}};
         static DESCRIPTION: Description = Description {{
 {}        }};
         &DESCRIPTION
@@ -196,7 +196,7 @@ fn mechanism(
         ids.iter().enumerate().map(|(k, id)| Use::Store(format!("out[{k}]"), *id)).collect()
     };
     let entries = |list: &[Entry]| list.iter().map(|e| e.2).collect::<Vec<_>>();
-    let signals: Vec<Id> = model.inputs.iter().flat_map(|u| u.signal).collect();
+    let signals: Vec<Id> = program.signals.iter().flatten().copied().collect();
     let body = bodies.body(&stores(&signals), "        ");
     let _ = write!(
         out,
@@ -242,7 +242,11 @@ fn mechanism(
     function("invariants", State::Velocity, slice, stores(&program.invariants));
     function("outputs", State::Acceleration, slice, stores(&program.outputs));
     function("events", State::Acceleration, slice, stores(&program.events));
+    let rates: Vec<Id> = program.event_rates.iter().map(|rate| rate.unwrap_or(Id::ZERO)).collect();
+    function("event_rates", State::Acceleration, slice, stores(&rates));
     function("switches", State::Acceleration, slice, stores(&program.switch_pairs));
+    let pairs: Vec<Id> = program.arguments.iter().flat_map(|a| [a.value, a.rate]).collect();
+    function("arguments", State::Acceleration, slice, stores(&pairs));
     function("drawing", State::Velocity, slice, stores(&program.drawing));
     let body = bodies.body(&stores(&program.energy), "        ");
     let _ = write!(
@@ -407,7 +411,9 @@ impl Program {
         ];
         roots.extend(lists.into_iter().flatten());
         roots.extend(self.energy);
-        roots.extend(self.model.inputs.iter().flat_map(|u| u.signal));
+        roots.extend(self.signals.iter().flatten());
+        roots.extend(self.event_rates.iter().flatten());
+        roots.extend(self.arguments.iter().flat_map(|a| [a.value, a.rate]));
         for system in &self.momentum {
             roots.extend(system.matrix.iter().map(|e| e.2).chain(system.right.iter().copied()));
         }
