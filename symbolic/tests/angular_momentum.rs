@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::PathBuf;
 
-use dalembert_symbolic::derive::derive;
+use dalembert_symbolic::gate::judged;
 use dalembert_symbolic::model::load;
 
 /// A model of the library.
@@ -16,7 +16,7 @@ fn library(name: &str) -> String {
 /// The codes and messages of a file with one piece replaced.
 fn told(text: &str, piece: &str, by: &str) -> Vec<String> {
     assert_eq!(text.matches(piece).count(), 1, "{piece}");
-    let problems = load(&text.replace(piece, by), &[]).and_then(derive).err().unwrap_or_default();
+    let problems = load(&text.replace(piece, by), &[]).and_then(judged).err().unwrap_or_default();
     problems.iter().map(|problem| format!("{} {}", problem.code, problem.message)).collect()
 }
 
@@ -25,7 +25,7 @@ fn wrong_definitions_are_refused_where_they_are_wrong() {
     for name in ["angular_momentum", "angular_momentum_system"] {
         let text = library(name);
         let (b, c) = (", when: {u: 0, w: 0}}", ", when: {w: 0}}");
-        assert!(load(&text, &[]).and_then(derive).is_ok());
+        assert!(load(&text, &[]).and_then(judged).is_ok());
         for (piece, widened, check) in [
             // Absolute velocities: wrong as soon as C moves, also when it does not accelerate, or starts from rest.
             (b, "}", "b"),

@@ -3,10 +3,10 @@
 //! `errors/E201.yaml` is the file and `errors/E201.txt` what is said about it.  With `UPDATE_EXPECTED=1` in the
 //! environment the texts are written anew; read them before you commit them.
 
-use dalembert_symbolic::derive::derive;
 use dalembert_symbolic::diagnose::catalogue::CATALOGUE;
 use dalembert_symbolic::diagnose::{Entry, Problem};
 use dalembert_symbolic::file::render;
+use dalembert_symbolic::gate::judged;
 use dalembert_symbolic::model::load;
 use std::fs;
 use std::path::PathBuf;
@@ -27,8 +27,8 @@ fn problems(text: &str) -> Vec<Problem> {
         Ok(model) => model,
         Err(problems) => return problems,
     };
-    match derive(model) {
-        Ok(derivation) => derivation.model.warnings,
+    match judged(model) {
+        Ok(judged) => judged.derivation.model.warnings,
         Err(problems) => problems,
     }
 }

@@ -1,6 +1,6 @@
 //! What the error says of a wrong balance: the term of a written-out equation, a forgotten inertia, or where to look.
 
-use dalembert_symbolic::derive::derive;
+use dalembert_symbolic::gate::judged;
 use dalembert_symbolic::model::load;
 
 /// A bar on the axle of a rolling wheel with a spring; these two balances.
@@ -22,7 +22,7 @@ balances:
     - {second}
 "
     );
-    match derive(load(&text, &[]).unwrap()) {
+    match judged(load(&text, &[]).unwrap()) {
         Ok(_) => String::new(),
         Err(problems) => {
             assert_eq!(problems.iter().map(|p| p.code).collect::<Vec<_>>(), ["E506"]);

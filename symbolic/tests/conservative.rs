@@ -1,7 +1,7 @@
 //! Which forces have potentials, which are counted twice, and who is blamed for what is not conserved.
 
-use dalembert_symbolic::derive::{Conservative, Nature, derive};
 use dalembert_symbolic::diagnose::Problem;
+use dalembert_symbolic::gate::{Conservative, Nature, judged};
 use dalembert_symbolic::model::load;
 
 /// A bob in the plane with these further lines, without units.
@@ -17,11 +17,11 @@ bodies: {{bob: {{mass: m, position: \"[x, y]\"}}}}
 }
 
 fn natures(text: &str) -> Vec<Conservative> {
-    derive(load(text, &[]).unwrap()).unwrap().report.forces
+    judged(load(text, &[]).unwrap()).unwrap().report.forces
 }
 
 fn problems(text: &str) -> Vec<Problem> {
-    derive(load(text, &[]).unwrap()).unwrap_err()
+    judged(load(text, &[]).unwrap()).unwrap_err()
 }
 
 /// The nature of one force on the bob.
@@ -92,7 +92,7 @@ torques: {motor: {on: bar, torque: -k*theta}}
     let found = natures(bar);
     assert_eq!((found[0].section.as_str(), &found[0].nature), ("torques", &Nature::Potential));
     assert_eq!(problems(&format!("{bar}potential_energy: k*theta^2/2"))[0].code, "E418");
-    assert!(derive(load(&format!("{bar}potential_energy: k*theta^2"), &[]).unwrap()).is_ok());
+    assert!(judged(load(&format!("{bar}potential_energy: k*theta^2"), &[]).unwrap()).is_ok());
 }
 
 #[test]
@@ -112,7 +112,7 @@ fn summands_counted_twice_are_found_and_neighbours_are_not() {
         format!("{pull}\npotential_energy: k*x^2/2"),
         "generalized_forces: {x: -c*x'}\ndissipation: c*x'^2".to_owned(),
     ] {
-        assert!(derive(load(&bob(&lines), &[]).unwrap()).is_ok(), "{lines}");
+        assert!(judged(load(&bob(&lines), &[]).unwrap()).is_ok(), "{lines}");
     }
 }
 

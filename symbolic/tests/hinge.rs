@@ -1,7 +1,7 @@
 //! Forces and springs at a hinge: the body must be named exactly where it matters.
 
-use dalembert_symbolic::derive::derive;
 use dalembert_symbolic::diagnose::Problem;
+use dalembert_symbolic::gate::judged;
 use dalembert_symbolic::model::load;
 
 const TWO_MOMENTS: &str = "  two_moments:
@@ -44,7 +44,7 @@ gravity: [0, -g]
 {acting}
 {balances}"
     );
-    derive(load(&text, &[])?).map(|_| ())
+    judged(load(&text, &[])?).map(|_| ())
 }
 
 const ACTING: [&str; 4] = [
@@ -125,7 +125,7 @@ balances:
     pin_force: {on: upper, at: pin, from: cart}
     elbow_force: {on: fore, at: elbow, from: upper}
 ";
-    let problems = load(text, &[]).and_then(derive).map(|_| ()).unwrap_err();
+    let problems = load(text, &[]).and_then(judged).map(|_| ()).unwrap_err();
     assert_eq!(problems.iter().map(|p| p.code).collect::<Vec<_>>(), ["E403", "E403"]);
     assert!(problems[0].message.contains("`cart` and `upper`") && problems[1].message.contains("`upper` and `fore`"));
 }

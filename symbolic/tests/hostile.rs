@@ -1,9 +1,9 @@
 //! No text makes reading, parsing or deriving panic: the seeds of the fuzz targets, and random texts.
 
-use dalembert_symbolic::derive::derive;
 use dalembert_symbolic::diagnose::Problem;
 use dalembert_symbolic::file::read;
 use dalembert_symbolic::file::render;
+use dalembert_symbolic::gate::judged;
 use dalembert_symbolic::language::{parse, parse_equation, parse_key, parse_unit, parse_value_with_unit};
 use dalembert_symbolic::model::load;
 use proptest::prelude::*;
@@ -20,7 +20,7 @@ fn read_file(text: &str) {
 
 /// What the fuzz target `derive` does.
 fn derive_file(text: &str) {
-    if let Err(problems) = load(text, &[]).and_then(derive) {
+    if let Err(problems) = load(text, &[]).and_then(judged) {
         assert!(!problems.is_empty());
         render("hostile.yaml", text, &problems);
     }
@@ -82,7 +82,7 @@ const WHOLE: &str = include_str!("../../fuzz/corpus/derive/whole.yaml");
 
 #[test]
 fn the_whole_model_is_valid() {
-    let derivation = load(WHOLE, &[]).and_then(derive);
+    let derivation = load(WHOLE, &[]).and_then(judged);
     if let Err(problems) = derivation {
         panic!("{}", render("whole.yaml", WHOLE, &problems));
     }

@@ -1,6 +1,6 @@
 //! A reaction that several systems of balances name has one value in all of them.
 
-use dalembert_symbolic::derive::derive;
+use dalembert_symbolic::gate::judged;
 use dalembert_symbolic::model::load;
 
 /// What is said of a pendulum whose second system, written out, has this force of the rod.
@@ -20,7 +20,7 @@ balances:
     reactions: {{rod: {{on: bob, along: position(bob)}}}}
 "
     );
-    let problems = load(&text, &[]).and_then(derive).err().unwrap_or_default();
+    let problems = load(&text, &[]).and_then(judged).err().unwrap_or_default();
     problems.into_iter().map(|problem| (problem.code, problem.message)).collect()
 }
 

@@ -3,8 +3,8 @@
 use std::io::Write;
 
 use clap::ArgMatches;
-use dalembert_symbolic::derive::{Conservative, Nature, shared_data};
 use dalembert_symbolic::file;
+use dalembert_symbolic::gate::{Conservative, Nature, shared_data};
 use dalembert_symbolic::lower::Program;
 
 use super::load::Loaded;
@@ -129,7 +129,7 @@ pub fn recognised(program: &Program, out: &mut dyn Write) -> Result<(), Problem>
         words.push(format!("mass matrix in {} blocks", s.mass_blocks.len()));
     }
     for (i, momentum) in &s.cyclic {
-        let momentum = dalembert_symbolic::print::text(&program.model, *momentum);
+        let momentum = dalembert_symbolic::model::text(&program.model, *momentum);
         words.push(format!("{} is cyclic, its momentum {momentum} is conserved", name(*i)));
     }
     for word in words {

@@ -4,7 +4,7 @@ use dalembert_symbolic::derive::SwitchKind as SymbolicSwitchKind;
 use dalembert_symbolic::interpret::{At, Function, Interpreter};
 use dalembert_symbolic::lower::{Entry, MomentumSystem, Program};
 use dalembert_symbolic::model::{EventAction, Shape as SymbolicShape};
-use dalembert_symbolic::print;
+use dalembert_symbolic::{model, print};
 
 use crate::mechanism::put_reactions;
 use crate::mechanism::{
@@ -252,7 +252,7 @@ fn describe(program: &Program, source: &str) -> Description {
             .switches
             .iter()
             .map(|s| Switch {
-                text: Text::Owned(print::text(model, s.argument)),
+                text: Text::Owned(model::text(model, s.argument)),
                 kind: if s.kind == SymbolicSwitchKind::Sign { SwitchKind::Sign } else { SwitchKind::Step },
                 time_only: s.time_only,
             })

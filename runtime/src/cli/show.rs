@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use clap::ArgMatches;
-use dalembert_symbolic::print;
+use dalembert_symbolic::{model, print};
 
 use super::load::Loaded;
 use super::{Entry, Problem, check};
@@ -25,10 +25,10 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     writeln!(out, "\nM q'' + h = 0, with ({})", program.choice)?;
     let name = |i: usize| &model.coordinates[i].name;
     for (i, j, m) in &program.mass {
-        writeln!(out, "  M[{}, {}] = {}", name(*i), name(*j), print::text(model, *m))?;
+        writeln!(out, "  M[{}, {}] = {}", name(*i), name(*j), model::text(model, *m))?;
     }
     for (i, h) in program.bias.iter().enumerate() {
-        writeln!(out, "  h[{}] = {}", name(i), print::text(model, *h))?;
+        writeln!(out, "  h[{}] = {}", name(i), model::text(model, *h))?;
     }
     writeln!(out)?;
     check::recognised(&program, out)

@@ -10,7 +10,7 @@ use crate::expr::{Forward, Graph, Id, Rational, Symbol, Unary, reverse};
 use crate::model::Model;
 
 /// M, h and F from the energies; and for each coordinate its momentum and the rate of that, −∂L/∂q − Q.
-pub(super) fn equations(graph: &mut Graph, dynamics: &Dynamics) -> (Equations, Vec<(Id, Id)>) {
+pub(crate) fn equations(graph: &mut Graph, dynamics: &Dynamics) -> (Equations, Vec<(Id, Id)>) {
     let n = dynamics.n;
     let velocities = Velocities::of(graph, dynamics);
     let kinetic = kinetic_energy(graph, dynamics, &velocities);
@@ -38,7 +38,7 @@ pub(super) fn equations(graph: &mut Graph, dynamics: &Dynamics) -> (Equations, V
 
 /// T and V with the true functions, since they are observed; the Jacobi function and its power with modes, since they
 /// are integrated.
-pub(super) fn energies(model: &mut Model, dynamics: &Dynamics) -> Energies {
+pub(crate) fn energies(model: &mut Model, dynamics: &Dynamics) -> Energies {
     let graph = &mut model.graph;
     let velocities = Velocities::of(graph, dynamics);
     let kinetic = kinetic_energy(graph, dynamics, &velocities);
@@ -139,14 +139,14 @@ fn resisting_forces(graph: &mut Graph, dynamics: &Dynamics, velocities: &Velocit
 }
 
 /// Seeds whose gradient by the speeds gives the resistance of dampers and of Rayleigh's function.
-pub(super) fn speed_seeds(dynamics: &Dynamics) -> Vec<(Id, Id)> {
+pub(crate) fn speed_seeds(dynamics: &Dynamics) -> Vec<(Id, Id)> {
     let mut seeds = vec![(dynamics.dissipation, Id::ONE)];
     seeds.extend(&dynamics.resistances);
     seeds
 }
 
 /// Subtracts the generalized forces as written.
-pub(super) fn with_generalized(graph: &mut Graph, dynamics: &Dynamics, mut forces: Vec<Id>) -> Vec<Id> {
+pub(crate) fn with_generalized(graph: &mut Graph, dynamics: &Dynamics, mut forces: Vec<Id>) -> Vec<Id> {
     for (i, q) in &dynamics.generalized {
         forces[*i] = graph.sub(forces[*i], *q);
     }
@@ -154,12 +154,12 @@ pub(super) fn with_generalized(graph: &mut Graph, dynamics: &Dynamics, mut force
 }
 
 /// The gradient of Σ seed·root by every speed.
-pub(super) fn speed_gradient(graph: &mut Graph, n: usize, seeds: &[(Id, Id)]) -> Vec<Id> {
+pub(crate) fn speed_gradient(graph: &mut Graph, n: usize, seeds: &[(Id, Id)]) -> Vec<Id> {
     let gradient = reverse(graph, seeds, |s| matches!(s, Symbol::Speed(_)));
     (0..n).map(|i| gradient.get(&Symbol::Speed(i as u32)).copied().unwrap_or(Id::ZERO)).collect()
 }
 
 /// One component of a gradient by the coordinates.
-pub(super) fn coordinate_entry(gradient: &HashMap<Symbol, Id>, i: usize) -> Id {
+pub(crate) fn coordinate_entry(gradient: &HashMap<Symbol, Id>, i: usize) -> Id {
     gradient.get(&Symbol::Coordinate(i as u32)).copied().unwrap_or(Id::ZERO)
 }

@@ -5,27 +5,13 @@
 //! 3. Lagrange's equations from the energies: look in `lagrange`.
 //! 4. Virtual power from the bodies: look in `virtual_power`.
 //! 5. Momentum balances as linear equations for accelerations and reactions: look in `momentum`.
-//! 6. All are compared at random states, and what the file says is conserved or holds is tested: look in `test`.
-//!    Forces are tested for potentials and for being counted twice (`potential`, `twice`), and for what they do to
-//!    what should be conserved (`blame`); what each entry does is in `effects`.
 //!
-//! Every derivation gives the same [`Equations`]; `lower` picks the cheapest.
+//! Every derivation gives the same [`Equations`]; `gate` compares them, `lower` picks the cheapest.
 
-mod agreement;
-mod balances;
-mod blame;
-mod effects;
-mod lagrange;
-mod momentum;
-mod named;
-mod potential;
+pub(crate) mod lagrange;
+pub(crate) mod momentum;
 mod reactions;
-mod sample;
-mod shared;
 mod switches;
-mod test;
-mod twice;
-mod unseen;
 mod virtual_power;
 
 use crate::diagnose::Problem;
@@ -34,12 +20,7 @@ use crate::expr::{Forward, Graph, Id, Symbol, canonical};
 use crate::model::{Load, Model, Work};
 
 pub use momentum::Momentum;
-pub use potential::{Conservative, Nature};
-pub use sample::{Draws, State};
 pub use switches::{Switch, SwitchKind, remove as without_modes};
-pub(crate) use test::solve;
-pub use test::{Agreement, Report};
-pub use unseen::shared_data;
 
 /// M q'' + h = 0 as one derivation gives it.
 #[derive(Clone, Debug)]
@@ -82,14 +63,12 @@ pub struct Derivation {
     pub named_reactions: Vec<(usize, Symbol)>,
     /// Energies for the balance.
     pub energies: Energies,
-    /// Cyclic coordinates and their momenta.
-    pub cyclic: Vec<(usize, Id)>,
+    /// Each coordinate's momentum, and the rate of that, −∂L/∂q − Q.
+    pub momenta: Vec<(Id, Id)>,
     /// Inputs as functions of time, (u, u', u''), with modes.
     pub signals: Vec<[Id; 3]>,
     /// Discontinuities of the equations of motion and of inputs.
     pub switches: Vec<Switch>,
-    /// What was tested, and how well it held.
-    pub report: Report,
 }
 
 /// More coordinates than this would need a dense mass matrix beyond the limit of the graph.
@@ -97,11 +76,10 @@ const COORDINATE_LIMIT: usize = 2000;
 /// More discontinuities than this cannot be located in reasonable time.
 const SWITCH_LIMIT: usize = 1000;
 
-/// Derives, compares and tests.
+/// Derives.
 ///
 /// # Errors
-/// A coordinate that carries no mass; derivations that disagree; something said to be conserved, or an
-/// identity, that is not.
+/// The model is too large.
 pub fn derive(mut model: Model) -> Result<Derivation, Vec<Problem>> {
     if let Some(extra) = model.coordinates.get(COORDINATE_LIMIT) {
         return Err(vec![mechanics::too_many_coordinates(extra.place.clone(), COORDINATE_LIMIT)]);
@@ -128,9 +106,7 @@ pub fn derive(mut model: Model) -> Result<Derivation, Vec<Problem>> {
         return Err(vec![too_large()]);
     }
     let named_reactions = reactions::put_in(&mut model);
-    let report = test::all(&mut model, &equations, &momentum, &switches)?;
-    let cyclic = test::cyclic(&mut model, &report.states, &momenta);
-    Ok(Derivation { model, equations, momentum, named_reactions, energies, cyclic, signals, switches, report })
+    Ok(Derivation { model, equations, momentum, named_reactions, energies, momenta, signals, switches })
 }
 
 /// What enters the equations of motion: the model's expressions in canonical form, with modes for

@@ -27,7 +27,7 @@ impl Momentum {
 }
 
 /// Every system of a model, with modes in the place of the discontinuities that the equations of motion have.
-pub(super) fn systems(model: &mut Model, known: &[Switch]) -> Vec<Momentum> {
+pub(crate) fn systems(model: &mut Model, known: &[Switch]) -> Vec<Momentum> {
     let balances = std::mem::take(&mut model.balances);
     let systems = balances.iter().map(|system| linear(model, system, known)).collect();
     model.balances = balances;
@@ -52,7 +52,7 @@ fn linear(model: &mut Model, system: &BalanceSystem, known: &[Switch]) -> Moment
 }
 
 /// The unknowns of a system: accelerations, then the components of its reactions.
-pub(super) fn unknowns(model: &Model, system: &BalanceSystem) -> Vec<Symbol> {
+pub(crate) fn unknowns(model: &Model, system: &BalanceSystem) -> Vec<Symbol> {
     let accelerations = (0..model.coordinates.len()).map(|i| Symbol::Acceleration(i as u32));
     let reactions = system.reactions.iter().flat_map(|&k| {
         let reaction = &model.reactions[k];

@@ -8,7 +8,7 @@ use crate::model::{BalanceSystem, Model};
 
 /// Puts reactions, by name, into what observes: outputs, events and checks.  Tells which components of outputs,
 /// by place, were a component of a reaction as it stands.
-pub(super) fn put_in(model: &mut Model) -> Vec<(usize, Symbol)> {
+pub(crate) fn put_in(model: &mut Model) -> Vec<(usize, Symbol)> {
     let components = model.outputs.iter().flat_map(|output| &output.value).enumerate();
     let named = components.filter_map(|(place, id)| match model.graph.node(*id) {
         Node::Symbol(reaction @ Symbol::Reaction(_)) => Some((place, reaction)),

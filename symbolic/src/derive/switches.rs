@@ -29,7 +29,7 @@ pub enum SwitchKind {
 }
 
 /// Puts modes in the place of discontinuities; the last `signals` of the roots are inputs' functions of time.
-pub(super) fn introduce(graph: &mut Graph, roots: &[Id], signals: usize) -> (Vec<Id>, Vec<Switch>) {
+pub(crate) fn introduce(graph: &mut Graph, roots: &[Id], signals: usize) -> (Vec<Id>, Vec<Switch>) {
     let mut switches: Vec<Switch> = Vec::new();
     let images = rewrite(graph, roots, |graph, node| {
         if let Node::Unary(Unary::Sqrt, base) | Node::Binary(Binary::Pow, base, _) = node {
@@ -156,7 +156,7 @@ fn one_sided(graph: &mut Graph, node: Node, base: Id, switches: &[Switch]) -> Op
 ///
 /// Arguments are compared in canonical form and up to sign, since a derivation may write sums in another order, or
 /// the derivative of |x| where another has |x|.
-pub(super) fn recall(graph: &mut Graph, roots: &[Id], known: &[Switch]) -> Vec<Id> {
+pub(crate) fn recall(graph: &mut Graph, roots: &[Id], known: &[Switch]) -> Vec<Id> {
     if known.is_empty() {
         return roots.to_vec();
     }

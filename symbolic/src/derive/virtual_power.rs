@@ -9,7 +9,7 @@ use super::{Dynamics, Equations, bias_rates, lagrange, mass_entries, rates};
 use crate::expr::{Graph, Id, Symbol, reverse};
 
 /// M, h and F from the bodies.
-pub(super) fn equations(graph: &mut Graph, dynamics: &Dynamics) -> Equations {
+pub(crate) fn equations(graph: &mut Graph, dynamics: &Dynamics) -> Equations {
     let with_accelerations = residual(graph, dynamics, rates);
     let bias = residual(graph, dynamics, bias_rates);
     let mass = mass_entries(graph, &with_accelerations, |s| match s {

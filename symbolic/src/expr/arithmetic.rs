@@ -3,18 +3,15 @@
 //! They fold 0, 1 and constants, pull signs outwards, put constants in front, collect like terms of two, cancel
 //! x − x and x/x, and put the operands of sums and products in the order of the arena.
 
-use super::{Binary, Graph, Id, Node, Number, Rational, Unary};
+use super::{Binary, Graph, Id, Node, Scalar, Unary};
+use crate::number::{DoubleDouble, Number};
 
 impl Graph {
     /// −x.
     pub fn neg(&mut self, x: Id) -> Id {
         match self.node(x) {
             Node::Number(place) => {
-                let value = self.number_at(place);
-                let negated = match value {
-                    Number::Exact(r) => r.negated().map_or(Number::Float(-r.to_f64()), Number::Exact),
-                    Number::Float(f) => Number::Float(-f),
-                };
+                let negated = self.number_at(place).negated();
                 self.constant(negated)
             }
             Node::Unary(Unary::Neg, y) => y,
@@ -32,7 +29,7 @@ impl Graph {
             return a;
         }
         if let (Some(x), Some(y)) = (self.number(a), self.number(b)) {
-            return self.constant(add_numbers(x, y));
+            return self.constant(x.plus(y));
         }
         if let Some(y) = self.negated(b) {
             return self.sub(a, y);
@@ -70,11 +67,7 @@ impl Graph {
             return self.neg(b);
         }
         if let (Some(x), Some(y)) = (self.number(a), self.number(b)) {
-            let minus = match y {
-                Number::Exact(r) => r.negated().map_or(Number::Float(-r.to_f64()), Number::Exact),
-                Number::Float(f) => Number::Float(-f),
-            };
-            return self.constant(add_numbers(x, minus));
+            return self.constant(x.plus(y.negated()));
         }
         if let Some(y) = self.negated(b) {
             return self.add(a, y);
@@ -110,7 +103,7 @@ impl Graph {
             return a;
         }
         if let (Some(x), Some(y)) = (self.number(a), self.number(b)) {
-            return self.constant(multiply_numbers(x, y));
+            return self.constant(x.times(y));
         }
         if let Some(x) = self.negated(a) {
             let product = self.mul(x, b);
@@ -124,9 +117,7 @@ impl Graph {
         let (c, x) = self.split_factor(a);
         let (d, y) = self.split_factor(b);
         if c.is_some() || d.is_some() {
-            let c = c.unwrap_or(Number::Exact(Rational::ONE));
-            let d = d.unwrap_or(Number::Exact(Rational::ONE));
-            let factor = self.constant(multiply_numbers(c, d));
+            let factor = self.constant(c.unwrap_or(Number::ONE).times(d.unwrap_or(Number::ONE)));
             let rest = match (x, y) {
                 (Some(x), Some(y)) => self.mul(x, y),
                 (Some(x), None) | (None, Some(x)) => x,
@@ -170,11 +161,7 @@ impl Graph {
         if let Some(d) = self.number(b)
             && d.to_f64() != 0.0
         {
-            let reciprocal = match d {
-                Number::Exact(r) => r.recip().map_or(Number::Float(1.0 / r.to_f64()), Number::Exact),
-                Number::Float(f) => Number::Float(1.0 / f),
-            };
-            let reciprocal = self.constant(reciprocal);
+            let reciprocal = self.constant(d.recip());
             return self.mul(reciprocal, a);
         }
         if a == Id::ZERO && b != Id::ZERO {
@@ -258,9 +245,9 @@ impl Graph {
             return Id::ONE;
         }
         if let (Some(a), Some(b)) = (self.number(x), self.number(y)) {
-            let value = a.to_f64().powf(b.to_f64());
+            let value = a.to_double_double().pow(b.to_double_double());
             if value.is_finite() {
-                return self.float(value);
+                return self.double_double(value);
             }
         }
         self.intern(Node::Binary(Binary::Pow, x, y))
@@ -310,10 +297,11 @@ impl Graph {
             Binary::Min | Binary::Max if a == b => a,
             Binary::Atan2 | Binary::Min | Binary::Max => {
                 if let (Some(x), Some(y)) = (self.number(a), self.number(b)) {
-                    let value = super::evaluate::apply_binary(operation, x.to_f64(), y.to_f64());
+                    let (x, y) = (x.to_double_double(), y.to_double_double());
+                    let value = DoubleDouble::binary(operation, x, y);
                     return match operation {
-                        Binary::Atan2 => self.float(value),
-                        _ if value == x.to_f64() => a,
+                        Binary::Atan2 => self.double_double(value),
+                        _ if value == x => a,
                         _ => b,
                     };
                 }
@@ -325,18 +313,13 @@ impl Graph {
     }
 
     fn fold_unary(&mut self, function: Unary, value: Number) -> Option<Id> {
-        if let (Unary::Sqrt, Number::Exact(r)) = (function, value)
-            && let Some(root) = r.sqrt()
-        {
-            return Some(self.rational(root));
-        }
-        if let (Unary::Abs, Number::Exact(r)) = (function, value) {
-            let absolute = if r.numerator() < 0 { r.negated()? } else { r };
-            return Some(self.rational(absolute));
-        }
-        let folded = super::evaluate::apply_unary(function, value.to_f64());
-        // Irrational values of parameters' numbers stay exact nodes only when they are not finite.
-        if folded.is_finite() { Some(self.float(folded)) } else { None }
+        let folded = match function {
+            Unary::Sqrt => value.sqrt(),
+            Unary::Abs => value.abs(),
+            _ => DoubleDouble::unary(function, value.to_double_double()).into(),
+        };
+        // Values that are not finite stay nodes.
+        folded.is_finite().then(|| self.constant(folded))
     }
 
     /// y where x = −y for a node or a negative constant.
@@ -367,28 +350,9 @@ impl Graph {
         if x.is_none() || x != y {
             return None;
         }
-        let one = Number::Exact(Rational::ONE);
-        let d = d.unwrap_or(one);
-        let d = if subtract { multiply_numbers(Number::Exact(Rational::integer(-1)), d) } else { d };
-        let factor = self.constant(add_numbers(c.unwrap_or(one), d));
+        let d = d.unwrap_or(Number::ONE);
+        let d = if subtract { d.negated() } else { d };
+        let factor = self.constant(c.unwrap_or(Number::ONE).plus(d));
         Some(self.mul(factor, x?))
     }
-}
-
-fn add_numbers(x: Number, y: Number) -> Number {
-    if let (Number::Exact(a), Number::Exact(b)) = (x, y)
-        && let Some(sum) = a.checked_add(b)
-    {
-        return Number::Exact(sum);
-    }
-    Number::Float(x.to_f64() + y.to_f64())
-}
-
-fn multiply_numbers(x: Number, y: Number) -> Number {
-    if let (Number::Exact(a), Number::Exact(b)) = (x, y)
-        && let Some(product) = a.checked_mul(b)
-    {
-        return Number::Exact(product);
-    }
-    Number::Float(x.to_f64() * y.to_f64())
 }

@@ -5,7 +5,8 @@
 //! *popularity* (the number of sums a term occurs in).  In a chain of links the terms of inner links occur
 //! in most positions, so the recursion tip[i] = tip[i−1] + … comes back by itself from closed-form sums.
 
-use super::{Binary, Graph, Id, Node, Number, Rational, Unary};
+use super::{Binary, Graph, Id, Node, Unary};
+use crate::number::Number;
 
 /// Rebuilds all roots together.
 pub fn canonical(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
@@ -38,7 +39,7 @@ fn pass(graph: &mut Graph, roots: &[Id], order: impl Fn(&Graph, &mut Vec<(Id, Nu
                 order(graph, &mut terms);
                 let mut sum = Id::ZERO;
                 for (term, coefficient) in terms {
-                    let factor = constant(graph, coefficient);
+                    let factor = graph.constant(coefficient);
                     let product = graph.mul(factor, of(&image, term));
                     sum = graph.add(sum, product);
                 }
@@ -104,19 +105,19 @@ fn is_sum(graph: &Graph, id: Id) -> bool {
 
 /// The terms of a sum and their coefficients, like terms collected, in the order of the arena.
 fn flatten(graph: &Graph, root: Id) -> Vec<(Id, Number)> {
-    let one = Number::Exact(Rational::ONE);
+    let one = Number::ONE;
     let mut terms: Vec<(Id, Number)> = Vec::new();
     // Parents have larger places than children, so taking the largest first visits each node once.
     let mut open = std::collections::BTreeMap::from([(root, one)]);
     while let Some((id, factor)) = open.pop_last() {
         let parts = match graph.node(id) {
             Node::Binary(Binary::Add, x, y) => vec![(x, factor), (y, factor)],
-            Node::Binary(Binary::Sub, x, y) => vec![(x, factor), (y, negated(factor))],
-            Node::Unary(Unary::Neg, x) => vec![(x, negated(factor))],
+            Node::Binary(Binary::Sub, x, y) => vec![(x, factor), (y, factor.negated())],
+            Node::Unary(Unary::Neg, x) => vec![(x, factor.negated())],
             Node::Binary(Binary::Mul, c, x) if graph.number(c).is_some() => {
-                vec![(x, times(factor, graph.number(c).unwrap_or(one)))]
+                vec![(x, factor.times(graph.number(c).unwrap_or(one)))]
             }
-            Node::Number(_) if id != Id::ONE => vec![(Id::ONE, times(factor, graph.number(id).unwrap_or(one)))],
+            Node::Number(_) if id != Id::ONE => vec![(Id::ONE, factor.times(graph.number(id).unwrap_or(one)))],
             _ => {
                 terms.push((id, factor));
                 continue;
@@ -124,39 +125,10 @@ fn flatten(graph: &Graph, root: Id) -> Vec<(Id, Number)> {
         };
         for (part, factor) in parts {
             let known = open.get(&part).copied();
-            open.insert(part, known.map_or(factor, |k| plus(k, factor)));
+            open.insert(part, known.map_or(factor, |k| k.plus(factor)));
         }
     }
     terms.retain(|(_, c)| c.to_f64() != 0.0);
     terms.reverse();
     terms
-}
-
-fn constant(graph: &mut Graph, number: Number) -> Id {
-    match number {
-        Number::Exact(r) => graph.rational(r),
-        Number::Float(x) => graph.float(x),
-    }
-}
-
-fn negated(x: Number) -> Number {
-    times(Number::Exact(Rational::integer(-1)), x)
-}
-
-fn times(x: Number, y: Number) -> Number {
-    match (x, y) {
-        (Number::Exact(a), Number::Exact(b)) => {
-            a.checked_mul(b).map_or(Number::Float(a.to_f64() * b.to_f64()), Number::Exact)
-        }
-        _ => Number::Float(x.to_f64() * y.to_f64()),
-    }
-}
-
-fn plus(x: Number, y: Number) -> Number {
-    match (x, y) {
-        (Number::Exact(a), Number::Exact(b)) => {
-            a.checked_add(b).map_or(Number::Float(a.to_f64() + b.to_f64()), Number::Exact)
-        }
-        _ => Number::Float(x.to_f64() + y.to_f64()),
-    }
 }

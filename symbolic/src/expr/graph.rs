@@ -2,7 +2,8 @@
 
 use rustc_hash::FxHashMap as HashMap;
 
-use super::{Rational, Symbol};
+use super::Symbol;
+use crate::number::{DoubleDouble, Number, Rational};
 
 /// An expression: an index into the [`Graph`] that made it.  Children have smaller indices than parents.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -17,32 +18,6 @@ impl Id {
     /// Its place in the graph.
     pub fn index(self) -> usize {
         self.0 as usize
-    }
-}
-
-/// A constant: exact where 128 bits suffice.
-#[derive(Clone, Copy, Debug)]
-pub enum Number {
-    /// An exact rational.
-    Exact(Rational),
-    /// A float, where the exact value needs more than 128 bits or is irrational.
-    Float(f64),
-}
-
-impl Number {
-    /// The nearest `f64`.
-    pub fn to_f64(self) -> f64 {
-        match self {
-            Number::Exact(r) => r.to_f64(),
-            Number::Float(x) => x,
-        }
-    }
-
-    fn bits(self) -> (u8, i128, i128) {
-        match self {
-            Number::Exact(r) => (0, r.numerator(), r.denominator()),
-            Number::Float(x) => (1, i128::from(x.to_bits()), 0),
-        }
     }
 }
 
@@ -263,15 +238,18 @@ impl Graph {
         self.rational(Rational::integer(value))
     }
 
-    /// A float constant; integers of moderate size become exact.
+    /// A float constant, exactly as it is.
     pub fn float(&mut self, value: f64) -> Id {
-        if value.fract() == 0.0 && value.abs() < 1e15 {
-            return self.integer(value as i64);
-        }
-        self.constant(Number::Float(value))
+        self.constant(value.into())
     }
 
-    pub(super) fn constant(&mut self, number: Number) -> Id {
+    /// A constant of about 32 digits.
+    pub fn double_double(&mut self, value: DoubleDouble) -> Id {
+        self.constant(value.into())
+    }
+
+    /// A constant.
+    pub fn constant(&mut self, number: Number) -> Id {
         let key = number.bits();
         let place = match self.number_index.get(&key) {
             Some(&place) => place,

@@ -1,4 +1,4 @@
-//! The expression graph: hash-consed arena, exact rationals, differentiation, evaluation.
+//! The expression graph: hash-consed arena, differentiation, evaluation.
 
 mod arithmetic;
 mod canonical;
@@ -6,15 +6,19 @@ mod differentiate;
 mod evaluate;
 mod expand;
 mod graph;
-mod rational;
+mod measured;
 mod rewrite;
+mod scalar;
 mod symbol;
 
 pub use canonical::canonical;
 pub use differentiate::{Forward, gradients, jacobian, partial, reverse};
-pub use evaluate::{Tape, apply_binary, apply_unary};
+pub use evaluate::Tape;
 pub use expand::expand;
-pub use graph::{Binary, Graph, Id, Node, Number, Unary};
-pub use rational::Rational;
+pub use graph::{Binary, Graph, Id, Node, Unary};
+pub use measured::Measured;
 pub use rewrite::{rewrite, substitute};
+pub use scalar::Scalar;
 pub use symbol::Symbol;
+
+pub use crate::number::{DoubleDouble, Number, Rational};

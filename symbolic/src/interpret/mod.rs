@@ -164,7 +164,7 @@ impl Interpreter {
         let mut f = vec![0.0; n];
         self.evaluate(Function::Bias, at, &mut f);
         f.iter_mut().for_each(|h| *h = -*h);
-        a.copy_from_slice(&crate::derive::solve(m, f)?);
+        a.copy_from_slice(&crate::gate::solve(m, f)?);
         Ok(())
     }
 

@@ -2,7 +2,7 @@
 
 use super::token::{Kind, Token, shorten, tokens};
 use crate::diagnose::{Problem, catalogue::syntax, nearest};
-use crate::expr::Rational;
+use crate::number::{DoubleDouble, Number, Rational};
 
 /// A unit as a factor to SI and a dimension.
 ///
@@ -21,9 +21,11 @@ impl Unit {
     /// The pure number 1.
     pub const ONE: Unit = Unit { scale: Rational::ONE, pi: 0, dimension: [0; 3] };
 
-    /// The factor to SI as the nearest `f64`.
-    pub fn factor(&self) -> f64 {
-        self.scale.to_f64() * std::f64::consts::PI.powi(i32::from(self.pi))
+    /// The factor to SI.
+    pub fn factor(&self) -> Number {
+        let pi = Number::Float(DoubleDouble::PI);
+        let pi = if self.pi < 0 { pi.recip() } else { pi };
+        (0..self.pi.unsigned_abs()).fold(Number::Exact(self.scale), |factor, _| factor.times(pi))
     }
 
     fn multiply(self, other: Unit) -> Option<Unit> {
@@ -290,7 +292,7 @@ mod tests {
         let degrees = parse_unit("deg").unwrap();
         assert_eq!((degrees.pi, degrees.scale), (1, Rational::new(1, 180).unwrap()));
         assert_eq!(parse_unit("deg/s").unwrap().dimension, [0, 0, -1]);
-        assert!((parse_unit("1/deg").unwrap().factor() - 57.295_779_513_082_32).abs() < 1e-13);
+        assert!((parse_unit("1/deg").unwrap().factor().to_f64() - 57.295_779_513_082_32).abs() < 1e-13);
     }
 
     #[test]

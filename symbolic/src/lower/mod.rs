@@ -8,9 +8,10 @@ mod gather;
 mod momentum;
 mod structure;
 
-use crate::derive::{Derivation, Report, Switch, rates};
+use crate::derive::{Derivation, Switch, rates};
 use crate::diagnose::Problem;
 use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary, jacobian, reverse};
+use crate::gate::{Judged, Report};
 use crate::model::{Model, Scene, Shape};
 
 pub use arguments::{Argument, Role, Watched};
@@ -104,15 +105,16 @@ pub struct Counts {
 /// Everything that is wrong with the model file.
 pub fn compile(text: &str, sizes: &[(String, i64)]) -> Result<Program, Vec<Problem>> {
     let model = crate::model::load(text, sizes)?;
-    lower(crate::derive::derive(model)?)
+    lower(crate::gate::judged(model)?)
 }
 
 /// Turns derived equations into a program.
 ///
 /// # Errors
 /// The model is too large.
-pub fn lower(derivation: Derivation) -> Result<Program, Vec<Problem>> {
-    let Derivation { mut model, equations, momentum, named_reactions, energies, cyclic, signals, switches, report } = derivation;
+pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
+    let Judged { derivation, cyclic, report } = judged;
+    let Derivation { mut model, equations, momentum, named_reactions, energies, signals, switches, .. } = derivation;
     let n = model.coordinates.len();
     let graph = &mut model.graph;
 

@@ -6,6 +6,7 @@ mod resolve;
 mod resolved;
 mod resolver;
 mod section;
+mod text;
 
 pub use command::Sets;
 pub use resolve::{load, resolve};
@@ -14,3 +15,5 @@ pub use resolved::{
     GeneralizedForce, Input, Load, Model, Output, Parameter, Part, Push, Reaction, Rotation, Sample, Scene, Shape,
     SharedEnd, Vector, Work,
 };
+pub use text::text;
+pub(crate) use text::text_in;

@@ -3,11 +3,10 @@
 use std::fmt::Write;
 
 use super::body::float;
-use super::text_in;
 use crate::derive::{Switch, SwitchKind, without_modes};
 use crate::expr::Symbol;
 use crate::lower::{Argument, Entry, Program, Role, Watched};
-use crate::model::{EventAction, Shape};
+use crate::model::{EventAction, Shape, text_in};
 
 /// `static DESCRIPTION: … = …;`
 pub(super) fn description(program: &Program, source: &str) -> String {

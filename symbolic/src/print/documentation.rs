@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::derive::shared_data;
+use crate::gate::shared_data;
 use crate::lower::Program;
 
 /// The file's own words, or the name.

@@ -1,4 +1,4 @@
-//! Programs to Rust; expressions to text.
+//! Programs to Rust.
 
 mod body;
 mod description;
@@ -6,13 +6,10 @@ mod documentation;
 mod momentum;
 mod names;
 mod rust;
-mod text;
 
 pub use description::{fnv1a, switch_text};
 pub use names::{field_name, type_name};
 pub use rust::rust;
-pub use text::text;
-pub(crate) use text::text_in;
 
 /// What stands for a model that has errors: a type without coordinates that implements `Mechanism<0, 0>`, so that
 /// the errors are the only ones.

@@ -8,10 +8,9 @@ use super::description::description;
 use super::documentation::{about, tested};
 use super::momentum;
 use super::names::{Locals, field_name};
-use super::text;
 use crate::expr::{Id, Node, Symbol, Unary};
 use crate::lower::{Accelerations, Entry, Program};
-use crate::model::Parameter;
+use crate::model::{Parameter, text};
 
 /// The items that `model!` expands to: the type, its parameters, and its `Mechanism`.
 ///

@@ -1,7 +1,8 @@
 // Whether an altered model moves otherwise: decided apart from the program's own comparison, at other states.
 
-use dalembert_symbolic::derive::{Derivation, Draws, Equations, State};
+use dalembert_symbolic::derive::{Derivation, Equations};
 use dalembert_symbolic::expr::{Graph, Id, Symbol, Tape, jacobian};
+use dalembert_symbolic::gate::{Draws, State};
 use dalembert_symbolic::model::{BalanceSystem, Check, Model};
 
 /// How many states are looked at.

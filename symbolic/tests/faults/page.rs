@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use dalembert_symbolic::derive::derive;
 use dalembert_symbolic::diagnose::catalogue::CATALOGUE;
 use dalembert_symbolic::file::render;
+use dalembert_symbolic::gate::judged;
 use dalembert_symbolic::model::load;
 
 use super::shared::{Notice, notices};
@@ -153,7 +153,7 @@ fn shared() -> String {
 /// What is said of a double pendulum with a wrong mass.
 fn example() -> String {
     let text = include_str!("../../../models/double_pendulum.yaml").replace("fore:  {mass: m,", "fore:  {mass: 2*m,");
-    let problems = load(&text, &[]).and_then(derive).err().unwrap_or_default();
+    let problems = load(&text, &[]).and_then(judged).err().unwrap_or_default();
     render("double_pendulum.yaml", &text, &problems)
 }
 

@@ -1,7 +1,7 @@
 // Faults in data that all derivations share: no comparison of them can see these, but a `checks` line may.
 
-use dalembert_symbolic::derive::derive;
 use dalembert_symbolic::file::Node;
+use dalembert_symbolic::gate::judged;
 use dalembert_symbolic::model::resolve;
 
 use super::tree::{at, entries, get, items, text, to_key, with};
@@ -63,10 +63,10 @@ fn planted(root: &Node) -> Vec<(&'static str, Node)> {
 
 fn notice(sound: &Sound, root: &Node) -> Notice {
     let Ok(model) = resolve(root, &sound.sizes) else { return Notice::Claims };
-    match derive(model.clone()) {
+    match judged(model.clone()) {
         Err(problems) if problems.iter().any(|p| p.code == "E506") => Notice::Balances,
         Err(_) => Notice::Claims,
-        Ok(derivation) if judge::lagrange_unchanged(&derivation, &sound.states) => Notice::Same,
+        Ok(judged) if judge::lagrange_unchanged(&judged.derivation, &sound.states) => Notice::Same,
         Ok(_) => Notice::Nobody,
     }
 }

@@ -11,9 +11,10 @@ mod tree;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use dalembert_symbolic::derive::{Derivation, State, derive};
+use dalembert_symbolic::derive::Derivation;
 use dalembert_symbolic::diagnose::Step;
 use dalembert_symbolic::file::{Node, read};
+use dalembert_symbolic::gate::{State, judged};
 use dalembert_symbolic::model::{Check, Model, resolve};
 
 pub use page::page;
@@ -128,7 +129,7 @@ fn sound(name: &str) -> Option<Sound> {
     let size = SIZES.iter().find(|s| s.0 == name).map(|s| ("n".to_owned(), s.1));
     let sizes: Vec<(String, i64)> = size.into_iter().collect();
     let model = resolve(&root, &sizes).unwrap_or_else(|e| panic!("{name}: {e:?}"));
-    let derivation = derive(model.clone()).unwrap_or_else(|e| panic!("{name}: {e:?}"));
+    let derivation = judged(model.clone()).unwrap_or_else(|e| panic!("{name}: {e:?}")).derivation;
     let states = judge::states(&derivation, &[]);
     Some(Sound { name: name.to_owned(), root, sizes, model, derivation, states })
 }
@@ -180,7 +181,7 @@ fn fate(sound: &Sound, fault: &Fault) -> Fate {
         // A check may speak of reactions, which the balances give.
         Watch::Check(place) => model.checks.retain(|check| check.place.path.get(1) == Some(place)),
     }
-    let verdict = derive(model.clone());
+    let verdict = judged(model.clone());
     if let Err(problems) = &verdict
         && problems.iter().all(|p| !matches!(p.code, "E502" | "E506"))
     {
@@ -188,8 +189,8 @@ fn fate(sound: &Sound, fault: &Fault) -> Fate {
     }
     let refused = verdict.is_err();
     // Reactions in checks have their values only after deriving.
-    if let Ok(derivation) = verdict {
-        model = derivation.model;
+    if let Ok(judged) = verdict {
+        model = judged.derivation.model;
     }
     match (!refused, unchanged(sound, model, &fault.watch)) {
         (true, true) => Fate::Unchanged,
@@ -210,7 +211,7 @@ fn unchanged(sound: &Sound, mut model: Model, watch: &Watch) -> bool {
     }
     let systems = std::mem::take(&mut model.balances);
     let balances = systems.iter().all(|system| judge::system_unchanged(&mut model, system, &sound.states));
-    balances && derive(model).is_ok_and(|alone| judge::lagrange_unchanged(&alone, &sound.states))
+    balances && judged(model).is_ok_and(|alone| judge::lagrange_unchanged(&alone.derivation, &sound.states))
 }
 
 /// The faults that were missed, and the sound models that were refused, in words.

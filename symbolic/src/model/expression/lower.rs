@@ -11,7 +11,7 @@ use super::substitute::{degree, substitute};
 use super::value::{self, Value};
 use crate::diagnose::catalogue::{names, syntax};
 use crate::diagnose::{Place, Problem, did_you_mean};
-use crate::expr::{Id, Rational, Symbol};
+use crate::expr::{DoubleDouble, Id, Rational, Symbol};
 use crate::file::Text;
 use crate::language::{Ast, AstKind, Operator, Range, Span, is_reserved};
 
@@ -156,9 +156,9 @@ impl<'a> Lower<'a> {
     fn number(&mut self, text: &str, span: Span) -> Value {
         match Rational::from_decimal(text) {
             Some(exact) => Value::Scalar(self.bench.graph.rational(exact)),
-            None => match text.parse::<f64>() {
-                Ok(x) if x.is_finite() => Value::Scalar(self.bench.graph.float(x)),
-                _ => {
+            None => match DoubleDouble::from_decimal(text) {
+                Some(x) => Value::Scalar(self.bench.graph.double_double(x)),
+                None => {
                     let place = self.place(span);
                     self.refuse(syntax::bad_number(place, text))
                 }

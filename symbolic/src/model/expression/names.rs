@@ -5,7 +5,7 @@ use super::lower::{Local, Lower};
 use super::scope::{Member, Section, expanded};
 use super::value::Value;
 use crate::diagnose::catalogue::names;
-use crate::expr::{Id, Symbol, Unary};
+use crate::expr::{DoubleDouble, Id, Symbol, Unary};
 use crate::language::{Ast, AstKind, Span};
 
 /// Something that turns, or stands.
@@ -71,7 +71,7 @@ impl Lower<'_> {
         let energies = self.scope.energies;
         let value = match name {
             "t" => Value::Scalar(self.bench.graph.symbol(Symbol::Time)),
-            "pi" => Value::Scalar(self.bench.graph.float(std::f64::consts::PI)),
+            "pi" => Value::Scalar(self.bench.graph.double_double(DoubleDouble::PI)),
             "ground" => Value::Vector(vec![Id::ZERO; self.scope.dimension]),
             "energy" | "kinetic_energy" | "potential_energy" if self.rules.energy => match energies {
                 None => Value::Poison,

@@ -65,7 +65,7 @@ impl Bench {
         if !pure {
             return value;
         }
-        let factor = self.graph.float(unit.factor());
+        let factor = self.graph.constant(unit.factor());
         self.graph.mul(factor, value)
     }
 

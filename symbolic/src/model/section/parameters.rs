@@ -3,6 +3,7 @@
 use super::settle::Want;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{names, sections};
+use crate::expr::Number;
 use crate::file::{Quantity, Spot, Text, Written};
 use crate::language::{Ast, AstKind, Unit};
 use crate::model::expression::dimension::{Dimension, Measure};
@@ -56,8 +57,9 @@ impl Resolver<'_> {
             return;
         }
         let id = self.scalar(&value.text, Rules::constant("a parameter"), &member.locals);
-        let number = id.and_then(|id| self.bench.graph.number(id)).map(crate::expr::Number::to_f64);
-        let default = number.map(|x| x * value.unit.as_ref().map_or(1.0, |(_, unit)| unit.factor()));
+        let number = id.and_then(|id| self.bench.graph.number(id));
+        let factor = value.unit.as_ref().map_or(Number::ONE, |(_, unit)| unit.factor());
+        let default = number.map(|x| x.times(factor).to_f64());
         match default.filter(|x| x.is_finite()) {
             Some(default) => {
                 let place = self.model.parameters.len() as u32;

@@ -4,9 +4,9 @@
 //! accelerations do not tell; another system that names it does.
 
 use super::balances::solutions;
-use super::momentum::Momentum;
 use super::sample::State;
 use super::test::describe;
+use crate::derive::momentum::Momentum;
 use crate::diagnose::Problem;
 use crate::diagnose::catalogue::verdicts;
 use crate::model::{BalanceSystem, Model, Reaction};

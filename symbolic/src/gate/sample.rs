@@ -1,10 +1,10 @@
 //! Random parameters and states at which derivations are compared (LANGUAGE, section 8).
 
-use crate::expr::{Symbol, Tape, apply_unary};
+use crate::expr::{Scalar, Symbol, Tape};
 use crate::model::Model;
 use crate::random::Random;
 
-use super::switches::{Switch, SwitchKind};
+use crate::derive::{Switch, SwitchKind};
 
 /// Parameters, a time and a state.
 #[derive(Clone, Debug, PartialEq)]
@@ -130,7 +130,7 @@ impl<'a> Draws<'a> {
         for (kind, tape) in &self.switches {
             let argument = tape.evaluate(|s| state.value(s))[0];
             let function = if *kind == SwitchKind::Sign { crate::expr::Unary::Sign } else { crate::expr::Unary::Step };
-            state.modes.push(apply_unary(function, argument));
+            state.modes.push(f64::unary(function, argument));
         }
         state
     }

@@ -1,8 +1,8 @@
 //! Every derivation against the first one, and each one's M q'' + h against its own residual.
 
-use super::Equations;
 use super::sample::State;
 use super::test::{Agreement, TOLERANCE, describe};
+use crate::derive::Equations;
 use crate::diagnose::catalogue::verdicts;
 use crate::diagnose::{Place, Problem};
 use crate::expr::{Id, Tape};
@@ -86,8 +86,9 @@ pub(super) fn agreement(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::derive::{Draws, derive};
+    use crate::derive::derive;
     use crate::expr::Rational;
+    use crate::gate::Draws;
     use crate::model::load;
 
     /// Every entry of M, h and F of either derivation scaled, alone: all are refused.

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 
 use super::blame::{Blame, Court, blame};
 use super::effects::effects;
-use super::momentum::Momentum;
 use super::potential::{Conservative, natures};
 use super::sample::{Draws, State};
-use super::switches::Switch;
 use super::twice::counted_twice;
-use super::{Equations, rates};
+use crate::derive::Switch;
+use crate::derive::momentum::Momentum;
+use crate::derive::{Equations, rates};
 use crate::diagnose::catalogue::{mechanics, verdicts};
 use crate::diagnose::{Place, Problem};
 use crate::expr::{Binary, Graph, Id, Node, Symbol, Tape, Unary, reverse};

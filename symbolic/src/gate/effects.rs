@@ -1,7 +1,7 @@
 //! The generalized force of every entry of a file, one by one.
 
-use super::lagrange::{coordinate_entry, speed_gradient};
-use super::rates;
+use crate::derive::lagrange::{coordinate_entry, speed_gradient};
+use crate::derive::rates;
 use crate::diagnose::Place;
 use crate::expr::{Graph, Id, Symbol, reverse};
 use crate::model::{Load, Model, Work};

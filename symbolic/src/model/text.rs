@@ -1,7 +1,7 @@
 //! Expressions as text in the model language.
 
-use crate::expr::{Binary, Graph, Id, Node, Number, Symbol, Unary};
-use crate::model::Model;
+use super::Model;
+use crate::expr::{Binary, DoubleDouble, Graph, Id, Node, Number, Symbol, Unary};
 
 /// An expression as a person would write it; parts beyond some 200 nodes become `…`.
 pub fn text(model: &Model, root: Id) -> String {
@@ -63,9 +63,8 @@ fn number(number: Number) -> (String, Level) {
         Number::Exact(r) if r.denominator() == 1 && r.numerator() >= 0 => (r.numerator().to_string(), Level::Atom),
         Number::Exact(r) if r.denominator() == 1 => (r.numerator().to_string(), Level::Sum),
         Number::Exact(r) => (format!("{}/{}", r.numerator(), r.denominator()), Level::Product),
-        Number::Float(x) if x == std::f64::consts::PI => ("pi".to_owned(), Level::Atom),
-        Number::Float(x) if x < 0.0 => (x.to_string(), Level::Sum),
-        Number::Float(x) => (x.to_string(), Level::Atom),
+        Number::Float(x) if x == DoubleDouble::PI => ("pi".to_owned(), Level::Atom),
+        Number::Float(x) => (x.to_f64().to_string(), if x.to_f64() < 0.0 { Level::Sum } else { Level::Atom }),
     }
 }
 

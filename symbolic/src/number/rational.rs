@@ -1,5 +1,7 @@
 //! Exact rational numbers of 128 bits.
 
+use super::DoubleDouble;
+
 /// n/d in lowest terms, d > 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Rational {
@@ -67,7 +69,33 @@ impl Rational {
 
     /// The nearest `f64`.
     pub fn to_f64(self) -> f64 {
-        self.numerator as f64 / self.denominator as f64
+        let short = |n: i128| n.unsigned_abs() <= 1 << 53;
+        if short(self.numerator) && short(self.denominator) {
+            return self.numerator as f64 / self.denominator as f64;
+        }
+        self.to_double_double().to_f64()
+    }
+
+    /// The nearest double-double, but for 2⁻¹²⁵ of it.
+    pub fn to_double_double(self) -> DoubleDouble {
+        let d = self.denominator.unsigned_abs();
+        let (mut quotient, mut rest) = (self.numerator.unsigned_abs() / d, self.numerator.unsigned_abs() % d);
+        // Long division, bit by bit, until the quotient has 127 bits.
+        let mut bits = 0;
+        while quotient >> 126 == 0 && rest != 0 {
+            rest <<= 1;
+            let bit = u128::from(rest >= d);
+            rest -= bit * d;
+            quotient = quotient << 1 | bit;
+            bits -= 1;
+        }
+        // What remains decides between two neighbours only.
+        let quotient = quotient | u128::from(rest != 0);
+        let hi = quotient as f64;
+        let nearest = hi as u128;
+        let lo = if nearest > quotient { -((nearest - quotient) as f64) } else { (quotient - nearest) as f64 };
+        let value = DoubleDouble::sum(hi, lo).scaled(bits);
+        if self.numerator < 0 { -value } else { value }
     }
 
     /// The value, if it is an integer that fits.
@@ -130,6 +158,27 @@ mod tests {
         assert_eq!(Rational::from_decimal("12e2"), Rational::new(1200, 1));
         assert_eq!(Rational::from_decimal("1e400"), None);
         assert_eq!(Rational::from_decimal("."), None);
+    }
+
+    #[test]
+    fn the_nearest_double_double_is_exact_to_its_last_digit() {
+        let near = |n, d| {
+            let value = Rational::new(n, d).unwrap().to_double_double();
+            (value.to_f64(), value.rest())
+        };
+        assert_eq!(near(1, 3), (1.0 / 3.0, 1.850371707708594e-17));
+        assert_eq!(near(-1, 10), (-0.1, 5.551115123125783e-18));
+        assert_eq!(near((1 << 60) + 1, 1), ((1_u64 << 60) as f64, 1.0));
+        assert_eq!(near(i128::MAX, 1), (2_f64.powi(127), -1.0));
+        assert_eq!(near(7, 4), (1.75, 0.0));
+        // 10^30/(10^30 + 1) = 1 − 10⁻³⁰ + …
+        let (hi, lo) = near(10_i128.pow(30), 10_i128.pow(30) + 1);
+        assert!(hi == 1.0 && (lo + 1e-30).abs() < 2_f64.powi(-125), "{lo:e}");
+        // Parts of 127 bits each.
+        assert_eq!(near(i128::MAX, i128::MAX - 1).0, 1.0);
+        assert_eq!(near(1, i128::MAX).0, 2_f64.powi(-127));
+        // The quotient of the rounded parts would be the next float.
+        assert_eq!(Rational::new(9_007_199_254_740_993, 9_007_199_254_740_992).unwrap().to_f64(), 1.0);
     }
 
     #[test]

@@ -5,8 +5,8 @@
 //! so each change of one end is judged alone, with the solution of the system before and after it.
 
 use super::balances::{Row, evaluate, solve};
-use super::momentum::unknowns;
 use super::sample::State;
+use crate::derive::momentum::unknowns;
 use crate::diagnose::Problem;
 use crate::diagnose::catalogue::mechanics;
 use crate::expr::{Symbol, Tape};

@@ -4,12 +4,12 @@
 //! ∂I/∂q'·M⁻¹Q; for I = T + V it is the force's power q'·Q.  Where the shares of some forces make up the whole rate
 //! at all states, they are the cause.
 
-use super::Equations;
 use super::effects::{Effect, Kind};
-use super::lagrange::speed_gradient;
 use super::potential::{Conservative, Nature};
 use super::sample::State;
 use super::test::{describe, solve};
+use crate::derive::Equations;
+use crate::derive::lagrange::speed_gradient;
 use crate::diagnose::Step;
 use crate::expr::{Graph, Id, Symbol, Tape};
 use crate::model::{Conserved, Model};

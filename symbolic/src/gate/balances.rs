@@ -3,9 +3,9 @@
 //! A system of balances is linear in the accelerations and the reactions that it names.  At random parameters and
 //! states it is solved numerically, and its accelerations must be those of Lagrange's equations.
 
-use super::momentum::{Momentum, unknowns};
 use super::sample::State;
 use super::test::{Agreement, describe};
+use crate::derive::momentum::{Momentum, unknowns};
 use crate::diagnose::Problem;
 use crate::diagnose::catalogue::verdicts;
 use crate::expr::{Graph, Id, Symbol, Tape, jacobian};
@@ -348,8 +348,8 @@ fn forgotten_inertia(
     let turning = model.bodies.iter().filter_map(|body| Some((body, body.rotation?)));
     let parts: Vec<Part> = turning
         .map(|(body, rotation)| {
-            let omega = super::rate(&mut graph, rotation.angle);
-            let alpha = super::rate(&mut graph, omega);
+            let omega = crate::derive::rate(&mut graph, rotation.angle);
+            let alpha = crate::derive::rate(&mut graph, omega);
             Part { name: format!("I alpha of {}", body.name), value: vec![graph.mul(rotation.inertia, alpha)] }
         })
         .collect();

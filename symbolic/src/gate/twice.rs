@@ -5,14 +5,14 @@
 //! either 0 or 1.
 
 use super::effects::{Effect, Kind, downhill};
-use super::lagrange::speed_gradient;
 use super::potential::sum;
 use super::sample::State;
+use crate::derive::lagrange::speed_gradient;
 use crate::diagnose::Problem;
 use crate::diagnose::catalogue::mechanics;
 use crate::expr::{Binary, Graph, Id, Node, Tape, Unary};
 use crate::model::Model;
-use crate::print::text_in;
+use crate::model::text_in;
 
 /// Q and a gradient are opposite where they differ by no more than this of the larger.
 const TOLERANCE: f64 = 1e-9;
