@@ -8,8 +8,8 @@ use dalembert_symbolic::gate::{Conservative, Nature, shared_data};
 use dalembert_symbolic::lower::Program;
 
 use super::load::Loaded;
-use super::{Entry, Interpreted, Problem};
-use crate::mechanism::{Balances, System};
+use super::{Entry, Problem};
+use crate::mechanism::{At, Balances, Interpreted, System};
 
 /// Derives the model anew and prints the report.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
@@ -87,7 +87,7 @@ fn conditions(program: &Program, source: &str, out: &mut dyn Write) -> Result<()
         mechanism.set_modes(&state.modes);
         for (k, range) in ranges.iter_mut().enumerate() {
             let Some(mut balances) = Balances::new(&mechanism, k) else { continue };
-            balances.evaluate(&mechanism, state.t, &state.q, &state.v);
+            balances.evaluate(&mechanism, At::new(state.t, &state.q, &state.v));
             let condition = 1.0 / balances.reciprocal_condition();
             *range = (range.0.min(condition), range.1.max(condition));
         }

@@ -4,31 +4,32 @@
 //! 2. A family of one-step methods, each in its folder with the files `tableau`, `step`, `dense`,
 //!    implements [`OneStep`]: look in `explicit/`.
 //! 3. [`StepControl`] chooses steps against a [`Tolerance`]: look in `control.rs`.
-//! 4. [`March`] puts steps together to a motion, with its stops and restarts: look in `march.rs`, and for what
-//!    may end a step early in `interrupt.rs`.
+//! 4. Between its ends a step is a [`Segment`]: look in `segment.rs`.
+//!
+//! `march` puts steps together to a motion.
 
+mod choose;
 mod clock;
 mod control;
 mod explicit;
-mod interrupt;
-mod jump;
-mod march;
-mod method;
 mod rates;
+mod segment;
+mod stiffness;
 mod tolerance;
+
+pub(crate) use choose::{stability, stepper};
 
 pub(crate) use clock::Clock;
 pub(crate) use control::{StepControl, first_step};
 pub(crate) use explicit::Tableau;
-pub(crate) use jump::{JumpDetector, Upset};
-pub(crate) use march::{Halt, March, Pace};
-pub use method::{Method, ParseMethodError};
 pub(crate) use rates::Rates;
+pub(crate) use segment::Segment;
+pub(crate) use stiffness::StiffnessDetector;
 pub(crate) use tolerance::Tolerance;
 
 use crate::mechanism::{Singular, System};
 
-/// What [`March`] asks of a family of one-step methods.
+/// What a march asks of a family of one-step methods.
 ///
 /// A step goes from (t, y), where the rate is known, to t + h.
 pub(crate) trait OneStep<S: System + ?Sized> {

@@ -1,6 +1,6 @@
 //! The mechanism as a first-order system.
 
-use crate::mechanism::{Singular, System};
+use crate::mechanism::{At, Singular, System};
 
 /// y = [q; q'; W] and its rates [q'; q''; P]; W, the work of what has no potential, only where there is any.
 ///
@@ -35,9 +35,9 @@ impl Rates {
         let n = self.n;
         let (q, v) = (&y[..n], &y[n..2 * n]);
         rate[..n].copy_from_slice(v);
-        system.accelerations(t, q, v, &mut rate[n..2 * n])?;
+        system.accelerations(At::new(t, q, v), &mut rate[n..2 * n])?;
         if self.work {
-            rate[2 * n] = system.energy(t, q, v).power;
+            rate[2 * n] = system.energy(At::new(t, q, v)).power;
         }
         Ok(())
     }

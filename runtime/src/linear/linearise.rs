@@ -4,7 +4,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use super::probe::Probe;
 use super::{Equilibrium, Jump, LinearError, Residual, SparseMatrix, equilibrium_here};
-use crate::mechanism::{Singular, SingularMass, System};
+use crate::mechanism::{At, Singular, SingularMass, System};
 
 /// M x'' + C x' + K x = B (u, u', u''), for small departures x from an equilibrium.
 ///
@@ -205,12 +205,12 @@ fn solve_cholesky(l: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
 pub fn state_matrix<S: System + ?Sized>(system: &S, t: f64, q: &[f64], v: &[f64]) -> Result<DMatrix<f64>, Singular> {
     let (n, description) = (system.len(), system.description());
     let mut a = vec![0.0; n];
-    system.accelerations(t, q, v, &mut a)?;
+    system.accelerations(At::new(t, q, v), &mut a)?;
     let mut mass = vec![0.0; description.mass_pattern.len()];
     let mut dq = vec![0.0; description.stiffness_pattern.len()];
     let mut dv = vec![0.0; description.damping_pattern.len()];
-    system.mass_matrix(t, q, &mut mass);
-    system.jacobians(t, q, v, &a, &mut dq, &mut dv);
+    system.mass_matrix(At::place(t, q), &mut mass);
+    system.jacobians(At::new(t, q, v).accelerated(&a), &mut dq, &mut dv);
     let mass = SparseMatrix::symmetric(n, &description.mass_pattern, &mass).to_dense();
     let stiffness = SparseMatrix::new(n, n, &description.stiffness_pattern, &dq).to_dense();
     let damping = SparseMatrix::new(n, n, &description.damping_pattern, &dv).to_dense();

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::LinearError;
 use super::linearise::cholesky;
-use crate::mechanism::{Coordinate, Description, Energy, Scene, Signal, Singular, Structure, System};
+use crate::mechanism::{At, Coordinate, Description, Energy, Scene, Signal, Singular, Structure, System};
 
 /// A mechanism given by its matrices; what works on mechanisms works on it.
 ///
@@ -101,8 +101,8 @@ impl LinearMechanism {
         self.inputs.iter().fold(zero, |sum, input| sum + &input.column * (input.signal)(t)[0])
     }
 
-    fn unbalanced(&self, t: f64, q: &[f64], v: &[f64]) -> DVector<f64> {
-        &self.c * DVector::from_column_slice(v) + &self.k * DVector::from_column_slice(q) - self.forces(t)
+    fn unbalanced(&self, at: At<'_>) -> DVector<f64> {
+        &self.c * DVector::from_column_slice(at.v) + &self.k * DVector::from_column_slice(at.q) - self.forces(at.t)
     }
 }
 
@@ -116,66 +116,48 @@ impl System for LinearMechanism {
         &self.description
     }
 
-    fn accelerations(&self, t: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Singular> {
-        let mut force = -self.unbalanced(t, q, v);
+    fn accelerations(&self, at: At<'_>, a: &mut [f64]) -> Result<(), Singular> {
+        let mut force = -self.unbalanced(at);
         self.factor.solve_lower_triangular_mut(&mut force);
         self.factor.tr_solve_lower_triangular_mut(&mut force);
         a.copy_from_slice(force.as_slice());
         Ok(())
     }
 
-    fn mass_matrix(&self, _: f64, _: &[f64], values: &mut [f64]) {
+    fn mass_matrix(&self, _: At<'_>, values: &mut [f64]) {
         pick(&self.m, &self.description.mass_pattern, values);
     }
 
-    fn bias(&self, t: f64, q: &[f64], v: &[f64], h: &mut [f64]) {
-        h.copy_from_slice(self.unbalanced(t, q, v).as_slice());
+    fn bias(&self, at: At<'_>, h: &mut [f64]) {
+        h.copy_from_slice(self.unbalanced(at).as_slice());
     }
 
-    fn residual(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], f: &mut [f64]) {
-        let force = self.unbalanced(t, q, v) + &self.m * DVector::from_column_slice(a);
+    fn residual(&self, at: At<'_>, f: &mut [f64]) {
+        let force = self.unbalanced(at) + &self.m * DVector::from_column_slice(at.a);
         f.copy_from_slice(force.as_slice());
     }
 
-    fn jacobians(&self, _: f64, _: &[f64], _: &[f64], _: &[f64], dq: &mut [f64], dv: &mut [f64]) {
+    fn jacobians(&self, _: At<'_>, dq: &mut [f64], dv: &mut [f64]) {
         pick(&self.k, &self.description.stiffness_pattern, dq);
         pick(&self.c, &self.description.damping_pattern, dv);
     }
 
-    fn input_jacobian(&self, _: f64, _: &[f64], _: &[f64], _: &[f64], du: &mut [f64]) {
+    fn input_jacobian(&self, _: At<'_>, du: &mut [f64]) {
         for ((row, column), value) in self.description.input_pattern.iter().zip(du) {
             *value = -self.inputs[*column as usize / 3].column[*row as usize];
         }
     }
 
-    fn energy(&self, t: f64, q: &[f64], v: &[f64]) -> Energy {
-        let (q, v) = (DVector::from_column_slice(q), DVector::from_column_slice(v));
+    fn energy(&self, at: At<'_>) -> Energy {
+        let (q, v) = (DVector::from_column_slice(at.q), DVector::from_column_slice(at.v));
         let even = (&self.k + self.k.transpose()) * 0.5;
         let kinetic = 0.5 * v.dot(&(&self.m * &v));
         let potential = 0.5 * q.dot(&(&even * &q));
-        let power = v.dot(&(self.forces(t) - &self.c * &v - (&self.k - &even) * &q));
+        let power = v.dot(&(self.forces(at.t) - &self.c * &v - (&self.k - &even) * &q));
         let (speeds, places) = (v.abs(), q.abs());
         let scale = 0.5 * (speeds.dot(&(self.m.abs() * &speeds)) + places.dot(&(even.abs() * &places)));
         Energy { kinetic, potential, jacobi: kinetic + potential, power, scale }
     }
-
-    fn invariants(&self, _: f64, _: &[f64], _: &[f64], _: &mut [f64]) {}
-    fn outputs(&self, _: f64, _: &[f64], _: &[f64], _: &[f64], _: &mut [f64]) {}
-    fn events(&self, _: f64, _: &[f64], _: &[f64], _: &[f64], _: &mut [f64]) {}
-    fn switches(&self, _: f64, _: &[f64], _: &[f64], _: &[f64], _: &mut [f64]) {}
-
-    fn modes(&self) -> &[f64] {
-        &[]
-    }
-
-    fn set_modes(&mut self, _: &[f64]) {}
-    fn drawing(&self, _: f64, _: &[f64], _: &[f64], _: &mut [f64]) {}
-
-    fn parameters(&self) -> Vec<f64> {
-        Vec::new()
-    }
-
-    fn set_parameter(&mut self, _: usize, _: f64) {}
 
     fn inputs(&self, t: f64, values: &mut [f64]) {
         for (input, slot) in self.inputs.iter().zip(values.chunks_exact_mut(3)) {
@@ -189,17 +171,9 @@ impl System for LinearMechanism {
         }
     }
 
-    fn scene_parameters(&self, _: usize) -> Vec<(usize, f64)> {
-        Vec::new()
-    }
-
     fn scene(&self, _: usize) -> Scene {
         let zero = vec![0.0; self.m.nrows()];
         Scene { q: zero.clone(), v: zero, until: 10.0, tolerance: 1e-10, every: None }
-    }
-
-    fn equilibrium_guess(&self) -> Vec<f64> {
-        vec![0.0; self.m.nrows()]
     }
 
     fn boxed_clone(&self) -> Box<dyn System> {

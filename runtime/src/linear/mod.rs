@@ -31,7 +31,6 @@ mod dense;
 mod discontinuity;
 mod drive;
 mod equilibrium;
-mod error;
 mod expm;
 mod family;
 #[cfg(feature = "modal")]
@@ -44,7 +43,6 @@ mod mechanism;
 mod mode;
 mod motion;
 mod normal;
-mod numbers;
 mod pictures;
 mod probe;
 mod proportional;
@@ -60,12 +58,13 @@ mod steady_tests;
 #[cfg(test)]
 mod tests;
 
+pub use crate::error::{LinearError, Residual};
+pub use crate::numbers::{short, short_beside};
 #[cfg(feature = "modal")]
 pub use damped::{ComplexModes, complex_modes};
 pub use discontinuity::Jump;
 pub use drive::{Drive, Source, Steady};
 pub use equilibrium::{Equilibrium, Guess, equilibria, equilibrium_here, equilibrium_near};
-pub use error::{LinearError, Residual};
 pub use expm::expm;
 pub use family::Freedom;
 #[cfg(feature = "modal")]
@@ -77,7 +76,6 @@ pub use measured::{Measured, measure};
 pub use mechanism::LinearMechanism;
 pub use mode::{Kind, Mode};
 pub use normal::{Reduction, normal_modes};
-pub use numbers::{short, short_beside};
 #[cfg(feature = "cli")]
 pub(crate) use pictures::matched;
 pub use pictures::{animate_mode, bode, draw_modes, root_locus};

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use nalgebra::Complex;
 
 use super::{Drive, LinearError, Linearised, Mode, short};
-use crate::mechanism::{Shape, System};
+use crate::mechanism::{At, Shape, System};
 use crate::show::{Animation, Axis, Chart, Figure, Series, Style};
 
 /// Drawn points move by at most this part of the drawing's size.
@@ -148,7 +148,7 @@ fn drawing<S: System + ?Sized>(system: &S, linear: &Linearised, mode: &Mode, a: 
     let at = &linear.equilibrium;
     let q: Vec<f64> = at.q.iter().zip(&mode.shape).map(|(q, x)| q + a * (x * turn).re).collect();
     let mut numbers = vec![0.0; system.description().drawing_len()];
-    system.drawing(0.0, &q, &at.v, &mut numbers);
+    system.drawing(At::new(0.0, &q, &at.v), &mut numbers);
     numbers
 }
 

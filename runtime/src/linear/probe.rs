@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use nalgebra::DMatrix;
 
 use super::{Guess, LinearError, Residual, SparseMatrix, short};
-use crate::mechanism::{SwitchKind, System};
+use crate::mechanism::{At, SwitchKind, System};
 
 /// Arguments of switches nearer to zero than this, relative to the largest coordinate, are on the surface.
 const ON_SURFACE: f64 = 1e-10;
@@ -75,7 +75,7 @@ impl Probe {
 
     fn present_force(&self, t: f64, q: &[f64], v: &[f64]) -> Vec<f64> {
         let mut force = vec![0.0; self.n];
-        self.system.borrow().residual(t, q, v, &self.zero, &mut force);
+        self.system.borrow().residual(At::new(t, q, v).accelerated(&self.zero), &mut force);
         force
     }
 
@@ -107,7 +107,7 @@ impl Probe {
         let system = self.system.borrow();
         let mut pairs = vec![0.0; 2 * system.description().switches.len()];
         if !pairs.is_empty() {
-            system.switches(t, q, v, &self.zero, &mut pairs);
+            system.switches(At::new(t, q, v).accelerated(&self.zero), &mut pairs);
         }
         pairs.chunks_exact(2).map(|pair| pair[0]).collect()
     }
@@ -172,8 +172,8 @@ impl Probe {
         let mut mass = vec![0.0; description.mass_pattern.len()];
         let mut stiffness = vec![0.0; description.stiffness_pattern.len()];
         let mut damping = vec![0.0; description.damping_pattern.len()];
-        system.mass_matrix(0.0, q, &mut mass);
-        system.jacobians(0.0, q, &self.v, &self.zero, &mut stiffness, &mut damping);
+        system.mass_matrix(At::place(0.0, q), &mut mass);
+        system.jacobians(At::new(0.0, q, &self.v).accelerated(&self.zero), &mut stiffness, &mut damping);
         [
             SparseMatrix::symmetric(self.n, &description.mass_pattern, &mass),
             SparseMatrix::new(self.n, self.n, &description.damping_pattern, &damping),
@@ -192,7 +192,7 @@ impl Probe {
         let system = self.system.borrow();
         let description = system.description();
         let mut values = vec![0.0; description.input_pattern.len()];
-        system.input_jacobian(0.0, q, &self.v, &self.zero, &mut values);
+        system.input_jacobian(At::new(0.0, q, &self.v).accelerated(&self.zero), &mut values);
         for value in &mut values {
             *value = -*value;
         }

@@ -6,7 +6,7 @@ use nalgebra::DVector;
 
 use super::tests::close;
 use super::*;
-use crate::mechanism::System;
+use crate::mechanism::{At, System};
 use crate::testing::Toy;
 use crate::{Settings, simulate};
 
@@ -153,7 +153,7 @@ fn the_energies_to_second_order_give_the_same_matrices() {
     let linear = linearise(&system, &equilibrium_near(&system, &Guess::at(&[0.0, 0.0])).unwrap()).unwrap();
     for x in [[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [0.3, -0.7]] {
         let vector = DVector::from_column_slice(&x);
-        let energy = system.energy(0.0, &x, &x);
+        let energy = system.energy(At::new(0.0, &x, &x));
         close(energy.kinetic, 0.5 * vector.dot(&(linear.m() * &vector)), 1e-15);
         close(energy.potential, 0.5 * vector.dot(&(linear.k() * &vector)), 1e-15);
     }

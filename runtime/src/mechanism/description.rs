@@ -221,6 +221,11 @@ pub struct Counts {
 }
 
 impl Description {
+    /// The name of a coordinate, for messages.
+    pub(crate) fn coordinate_name(&self, index: usize) -> String {
+        self.coordinates.get(index).map_or_else(|| format!("coordinate {index}"), |c| c.name.to_string())
+    }
+
     /// How many numbers `System::outputs` writes.
     pub fn output_len(&self) -> usize {
         self.outputs.iter().map(|o| o.components as usize).sum()

@@ -3,12 +3,13 @@
 use super::{Description, Energy, Real, Scene, SingularMass};
 
 /// A block of scalars of a size that only generated code knows: an array `[S; K]`.
-pub trait Values<S>: Clone + AsRef<[S]> + AsMut<[S]> {
+#[doc(hidden)]
+pub trait Values<S>: Clone + Send + Sync + AsRef<[S]> + AsMut<[S]> {
     /// A block of equal numbers.
     fn filled(value: S) -> Self;
 }
 
-impl<S: Copy, const K: usize> Values<S> for [S; K] {
+impl<S: Copy + Send + Sync, const K: usize> Values<S> for [S; K] {
     fn filled(value: S) -> Self {
         [value; K]
     }
@@ -21,7 +22,7 @@ impl<S: Copy, const K: usize> Values<S> for [S; K] {
 /// the switches.  `u` are the inputs with their first and second derivatives, three numbers each.
 /// Functions that nobody calls cost nothing.  Shapes, units and signs are those of
 /// [`System`](super::System).
-pub trait Mechanism<const N: usize, const C: usize>: Clone {
+pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
     /// The block of constants.
     type Constants<S: Real>: Values<S>;
     /// The block of inputs, three numbers each.

@@ -1,7 +1,7 @@
 //! What a run draws, at closer times than those it reports.
 
-use super::Segment;
-use crate::mechanism::System;
+use crate::integrate::Segment;
+use crate::mechanism::{At, System};
 
 /// Frames of a whole run, fewer where one frame has many numbers.
 const MOST_FRAMES: f64 = 2000.0;
@@ -43,11 +43,10 @@ impl Frames {
         if self.size == 0 || self.times.last().is_some_and(|last| *last >= t) {
             return;
         }
-        let (q, v) = y.split_at(system.len());
         let first = self.numbers.len();
         self.times.push(t);
         self.numbers.resize(first + self.size, f64::NAN);
-        system.drawing(t, q, &v[..q.len()], &mut self.numbers[first..]);
+        system.drawing(At::packed(t, y, system.len()), &mut self.numbers[first..]);
     }
 
     /// (time, numbers) of each frame.

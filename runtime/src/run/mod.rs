@@ -1,24 +1,28 @@
 //! What a run returns.
 
+mod failure;
 mod frames;
 mod record;
 mod state;
 mod trajectory;
+mod trust;
 
 use std::sync::Arc;
 
+pub use failure::Failure;
 pub(crate) use frames::Frames;
 pub(crate) use record::{Plan, Recorder};
 pub(crate) use state::Names;
 pub use state::State;
-pub(crate) use trajectory::{Segment, Trajectory};
+pub(crate) use trajectory::Trajectory;
+pub use trust::Trust;
 
-use crate::integrate::Method;
-use crate::mechanism::Description;
-use crate::trust::{Conditioning, Drift, Trust, Warning};
+use crate::mechanism::{Description, Method};
+use crate::trust::{Conditioning, Drift, Warning};
 
 /// A motion that was computed, and what tells how far it can be trusted.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Run {
     /// The method that was used; never [`Method::Auto`].
     pub method: Method,
@@ -54,6 +58,7 @@ pub struct Run {
 
 /// An event that happened.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Occurrence {
     /// Its label in the model file.
     pub name: String,
@@ -65,6 +70,7 @@ pub struct Occurrence {
 
 /// What a run cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Work {
     /// Accepted steps.
     pub steps: u64,

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use super::{Frames, Names, Occurrence, Run, Segment, State, Trajectory, Work};
-use crate::error::Cause;
-use crate::integrate::Method;
-use crate::mechanism::System;
+use super::{Frames, Names, Occurrence, Run, State, Trajectory, Work};
+use crate::cause::Cause;
+use crate::events::Log;
+use crate::integrate::Segment;
+use crate::mechanism::{At, Method, System};
 use crate::trust::{ConditionMonitor, InertiaGuard, Monitor, Warning, Watchman};
 
 /// Collects what a [`Run`] holds: reported states, outputs, dense output, drift.
@@ -154,7 +155,7 @@ impl Recorder {
         }
         let unbounded = self.guard.as_mut().and_then(|guard| guard.observe(system, t, end));
         if let Some(unbounded) = unbounded {
-            return Err(Cause::coordinate_singularity(system, unbounded));
+            return Err(unbounded.cause(system.description()));
         }
         if let Some(warning) = self.watchman.as_mut().and_then(|watchman| watchman.check(system, t, end)) {
             self.watchman = None;
@@ -166,7 +167,7 @@ impl Recorder {
         let jump = (monitor.present_imbalance() - before).abs();
         if jump > self.usual_jump {
             if let Some(unbounded) = self.guard.as_ref().and_then(|guard| guard.suspect(2.0 * h)) {
-                return Err(Cause::coordinate_singularity(system, unbounded));
+                return Err(unbounded.cause(system.description()));
             }
             self.warn(Warning::EnergyJump { t, jump });
         }
@@ -195,18 +196,8 @@ impl Recorder {
         );
         let suspect = self.guard.as_ref().and_then(|guard| guard.suspect(guard.last_step() * 2.0));
         match suspect {
-            Some(unbounded) if explicable => Cause::coordinate_singularity(system, unbounded),
+            Some(unbounded) if explicable => unbounded.cause(system.description()),
             _ => cause,
-        }
-    }
-
-    /// Notes an event.
-    pub fn event<S: System + ?Sized>(&mut self, system: &S, event: usize, t: f64, y: &[f64], ends: bool) {
-        let name = system.description().events[event].name.to_string();
-        let state = self.state_with_outputs(system, t, y);
-        self.run.events.push(Occurrence { name, event, state });
-        if ends {
-            self.run.ended_by = Some(self.run.events.len() - 1);
         }
     }
 
@@ -278,14 +269,25 @@ impl Recorder {
         if outputs.is_empty() {
             return;
         }
-        let (q, v) = (&y[..self.n], &y[self.n..2 * self.n]);
+        let at = At::packed(t, y, self.n);
         if !self.needs_accelerations {
-            system.outputs(t, q, v, &[], outputs);
+            system.outputs(at, outputs);
         } else {
-            if system.accelerations(t, q, v, &mut self.accelerations).is_err() {
+            if system.accelerations(at, &mut self.accelerations).is_err() {
                 self.accelerations.fill(f64::NAN);
             }
-            system.outputs(t, q, v, &self.accelerations, outputs);
+            system.outputs(at.accelerated(&self.accelerations), outputs);
+        }
+    }
+}
+
+impl Log for Recorder {
+    fn event<S: System + ?Sized>(&mut self, system: &S, event: usize, t: f64, y: &[f64], ends: bool) {
+        let name = system.description().events[event].name.to_string();
+        let state = self.state_with_outputs(system, t, y);
+        self.run.events.push(Occurrence { name, event, state });
+        if ends {
+            self.run.ended_by = Some(self.run.events.len() - 1);
         }
     }
 }

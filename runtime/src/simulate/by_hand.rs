@@ -3,8 +3,9 @@
 use std::time::Instant;
 
 use super::{Settings, Start, fail, finish, start};
-use crate::error::{Cause, Error};
-use crate::integrate::{Halt, March};
+use crate::cause::Cause;
+use crate::error::Error;
+use crate::march::{Halt, March};
 use crate::mechanism::System;
 use crate::run::{Occurrence, Recorder, Run, State};
 

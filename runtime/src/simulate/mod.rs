@@ -22,10 +22,12 @@ pub use by_hand::{StateMut, Stepping};
 pub use settings::Settings;
 pub use typed::Simulate;
 
-use crate::error::{Cause, Error, Failure};
-use crate::integrate::{March, Pace, Rates, Tolerance};
+use crate::cause::Cause;
+use crate::error::Error;
+use crate::integrate::{Rates, Tolerance};
+use crate::march::{March, Pace};
 use crate::mechanism::System;
-use crate::run::{Plan, Recorder, Run};
+use crate::run::{Failure, Plan, Recorder, Run};
 use crate::trust::{Warning, check_step};
 
 /// Runs a mechanism.

@@ -1,6 +1,6 @@
 //! Drift of what should be conserved.
 
-use crate::mechanism::{Description, System};
+use crate::mechanism::{At, Description, System};
 
 /// How far a conserved quantity went from its first value.
 ///
@@ -60,7 +60,7 @@ impl Monitor {
         let n = system.len();
         let work = !system.description().structure.conservative;
         let mut pairs = vec![0.0; 2 * system.description().invariant_len()];
-        system.invariants(t, &y[..n], &y[n..2 * n], &mut pairs);
+        system.invariants(At::packed(t, y, n), &mut pairs);
         let invariants = pairs.chunks_exact(2).map(|pair| Watched::new(pair[0], pair[1])).collect();
         let (balance, scale) = balance(system, t, y, work);
         Monitor { n, work, balance: Watched::new(balance, scale), invariants, pairs }
@@ -71,7 +71,7 @@ impl Monitor {
         let (value, scale) = balance(system, t, y, self.work);
         self.balance.observe(value, scale);
         if !self.invariants.is_empty() {
-            system.invariants(t, &y[..self.n], &y[self.n..2 * self.n], &mut self.pairs);
+            system.invariants(At::packed(t, y, self.n), &mut self.pairs);
             for (watched, pair) in self.invariants.iter_mut().zip(self.pairs.chunks_exact(2)) {
                 watched.observe(pair[0], pair[1]);
             }
@@ -108,7 +108,7 @@ impl Monitor {
 /// J − W and the sum of the absolute values of its terms.
 fn balance<S: System + ?Sized>(system: &S, t: f64, y: &[f64], work: bool) -> (f64, f64) {
     let n = system.len();
-    let energy = system.energy(t, &y[..n], &y[n..2 * n]);
+    let energy = system.energy(At::packed(t, y, n));
     let done = if work { y[2 * n] } else { 0.0 };
     (energy.jacobi - done, energy.scale + done.abs())
 }

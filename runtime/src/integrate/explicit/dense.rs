@@ -3,7 +3,7 @@
 use super::step::combine;
 use super::tableau::Tableau;
 
-/// Writes the pieces r₀, r₁, … of the nested form that [`crate::run::Segment`] evaluates.
+/// Writes the pieces r₀, r₁, … of the nested form that [`crate::integrate::Segment`] evaluates.
 ///
 /// The cubic Hermite interpolant is r₀ = y₀, r₁ = Δ = y₁ − y₀, r₂ = h k₀ − Δ, r₃ = Δ − h k_end − r₂; what a
 /// method knows beyond it (order 4 of DOPRI5, order 7 of DOP853) are h Σ dᵢkᵢ.

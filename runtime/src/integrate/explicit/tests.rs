@@ -8,7 +8,7 @@ use nalgebra::Complex;
 use super::tableau::{Estimate, Tableau, Term};
 use super::{DOP853, DOPRI5, EULER, MIDPOINT, RK4};
 use crate::Settings;
-use crate::integrate::Method;
+use crate::mechanism::Method;
 use crate::run::Run;
 use crate::simulate::simulate;
 use crate::testing::Toy;

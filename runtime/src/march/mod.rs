@@ -1,11 +1,20 @@
 //! Putting steps together to a motion.
+//!
+//! What may end a step early: look in `interrupt.rs`; jumps of the acceleration that nobody declared: in `jump.rs`.
 
-use super::{Clock, JumpDetector, Method, OneStep, Rates, StepControl, Tolerance, Upset, first_step};
-use crate::error::Cause;
+mod interrupt;
+mod jump;
+
+use jump::{JumpDetector, Upset};
+
+use crate::cause::Cause;
 use crate::events::Watch;
-use crate::mechanism::{Singular, System};
-use crate::run::{Recorder, Segment, Work};
-use crate::trust::{StiffnessDetector, Warning};
+use crate::integrate::{
+    Clock, OneStep, Rates, Segment, StepControl, StiffnessDetector, Tolerance, first_step, stepper,
+};
+use crate::mechanism::{Method, Singular, System};
+use crate::run::{Recorder, Work};
+use crate::trust::Warning;
 
 /// How steps are chosen.
 #[derive(Clone, Debug)]
@@ -67,7 +76,7 @@ pub(crate) struct March<S: System + ?Sized> {
 impl<S: System + ?Sized> March<S> {
     /// A march from (t, q, v), not yet begun.
     pub fn new(method: Method, pace: Pace, rates: Rates, t: f64, y: Vec<f64>) -> Self {
-        let stepper = method.stepper(rates.width);
+        let stepper = stepper(method, rates.width);
         let zero = vec![0.0; rates.width];
         let pieces = vec![0.0; rates.width * stepper.pieces()];
         March {
@@ -187,7 +196,7 @@ impl<S: System + ?Sized> March<S> {
         self.jumps.restart();
         self.rates
             .evaluate(system, self.clock.now(), &self.y, &mut self.rate)
-            .map_err(|fault| Cause::singular(system, fault))?;
+            .map_err(|fault| fault.cause(system.description()))?;
         finite(system, &self.rate, 1)
     }
 
@@ -195,7 +204,7 @@ impl<S: System + ?Sized> March<S> {
     pub(super) fn dense(&mut self, system: &S, step: Step) -> Result<(), Cause> {
         self.stepper
             .dense(&mut self.rates, system, (self.clock.now(), step.h, &self.y), &self.end, &mut self.pieces)
-            .map_err(|fault| Cause::singular(system, fault))
+            .map_err(|fault| fault.cause(system.description()))
     }
 
     pub(super) fn segment(&self, step: Step) -> Segment<'_> {
@@ -209,7 +218,7 @@ impl<S: System + ?Sized> March<S> {
         }
         let now = self.clock.now();
         if self.h == 0.0 {
-            self.h = self.first(system, stop - now).map_err(|fault| Cause::singular(system, fault))?;
+            self.h = self.first(system, stop - now).map_err(|fault| fault.cause(system.description()))?;
         }
         loop {
             let step = self.plan(stop);
@@ -223,7 +232,7 @@ impl<S: System + ?Sized> March<S> {
             let outcome = self.try_step(system, step, false);
             match &self.pace {
                 Pace::Fixed(_) => {
-                    let error = outcome.map_err(|fault| Cause::singular(system, fault))?;
+                    let error = outcome.map_err(|fault| fault.cause(system.description()))?;
                     self.all_finite(system, error)?;
                     return Ok(step);
                 }
@@ -239,7 +248,7 @@ impl<S: System + ?Sized> March<S> {
                     self.work.rejected += 1;
                     self.h = self.control.rejected(h, error);
                     if self.h < 16.0 * f64::EPSILON * now.abs() || self.h < f64::MIN_POSITIVE / f64::EPSILON {
-                        outcome.map_err(|fault| Cause::singular(system, fault))?;
+                        outcome.map_err(|fault| fault.cause(system.description()))?;
                         self.all_finite(system, error)?;
                         return Err(Cause::StepTooSmall { h: self.h });
                     }
@@ -328,10 +337,10 @@ impl<S: System + ?Sized> March<S> {
                 let mut earlier = vec![0.0; self.rates.width];
                 self.rates
                     .evaluate(system, self.clock.now(), &self.end, &mut earlier)
-                    .map_err(|fault| Cause::singular(system, fault))?;
+                    .map_err(|fault| fault.cause(system.description()))?;
                 let by_state = (earlier[n + coordinate] - before[coordinate]).abs();
                 if by_state > 0.5 * (after[coordinate] - before[coordinate]).abs() {
-                    return Err(Cause::direction_lost(system, coordinate));
+                    return Err(Cause::DirectionLost { coordinate: system.description().coordinate_name(coordinate) });
                 }
                 Ok(())
             }
@@ -364,7 +373,18 @@ impl<S: System + ?Sized> March<S> {
 /// An error that names the first number that is not finite.
 pub(super) fn finite<S: System + ?Sized>(system: &S, y: &[f64], primes: usize) -> Result<(), Cause> {
     match y.iter().position(|y| !y.is_finite()) {
-        Some(index) => Err(Cause::non_finite(system, index, primes)),
+        Some(index) => Err(non_finite(system, index, primes)),
         None => Ok(()),
     }
+}
+
+/// Names the number of [q; v; W] that is not finite, `primes` derivatives of it being meant.
+fn non_finite<S: System + ?Sized>(system: &S, index: usize, primes: usize) -> Cause {
+    let n = system.len().max(1);
+    let name = || system.description().coordinate_name(index % n);
+    let what = match index / n {
+        order @ (0 | 1) => format!("`{}{}`", name(), "'".repeat(order + primes)),
+        _ => "the work of the forces".to_owned(),
+    };
+    Cause::NonFinite { what }
 }

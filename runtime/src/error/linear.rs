@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::short;
+use crate::numbers::short;
 
 /// A generalized force that is left where there should be none.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::run::Run;
+use super::Run;
 
 /// How far a run can be trusted; made by [`Run::trust`], printed with `{}`.
 #[derive(Clone, Copy, Debug)]

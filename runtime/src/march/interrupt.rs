@@ -1,7 +1,7 @@
 //! Steps that events and discontinuities may end early.
 
-use super::march::{Halt, March, Step, finite};
-use crate::error::Cause;
+use super::{Halt, March, Step, finite};
+use crate::cause::Cause;
 use crate::events::{Interruption, Watch};
 use crate::mechanism::System;
 use crate::run::Recorder;
@@ -76,7 +76,7 @@ impl<S: System + ?Sized> March<S> {
                 return Ok(shorter);
             }
             let trial = Step { h, next: now + h, lands: false };
-            self.try_step(system, trial, true).map_err(|fault| Cause::singular(system, fault))?;
+            self.try_step(system, trial, true).map_err(|fault| fault.cause(system.description()))?;
             finite(system, &self.end, 0)?;
             self.dense(system, trial)?;
             shorter = Some(trial);

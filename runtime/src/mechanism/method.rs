@@ -3,12 +3,9 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::OneStep;
-use super::explicit::{DOP853, DOPRI5, EULER, ExplicitRungeKutta, MIDPOINT, RK4, Tableau};
-use crate::mechanism::System;
-
 /// A method of integration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Method {
     /// Euler's method, order 1, fixed step.
     Euler,
@@ -56,21 +53,6 @@ impl Method {
             (Method::Auto, None) => Method::Dop853,
             (method, _) => method,
         }
-    }
-
-    pub(crate) fn tableau(self) -> &'static Tableau {
-        match self {
-            Method::Euler => &EULER,
-            Method::Midpoint => &MIDPOINT,
-            Method::Rk4 => &RK4,
-            Method::Dopri5 => &DOPRI5,
-            Method::Dop853 | Method::Auto => &DOP853,
-        }
-    }
-
-    /// A stepper for states of this width.
-    pub(crate) fn stepper<S: System + ?Sized>(self, width: usize) -> Box<dyn OneStep<S>> {
-        Box::new(ExplicitRungeKutta::new(self.tableau(), width))
     }
 }
 

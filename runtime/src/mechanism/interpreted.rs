@@ -1,14 +1,14 @@
 //! A model file that nobody compiled, as a [`System`].
 
 use dalembert_symbolic::derive::SwitchKind as SymbolicSwitchKind;
-use dalembert_symbolic::interpret::{At, Function, Interpreter};
+use dalembert_symbolic::interpret::{self, Function, Interpreter};
 use dalembert_symbolic::lower::{Entry, MomentumSystem, Program};
 use dalembert_symbolic::model::{EventAction, Shape as SymbolicShape};
 use dalembert_symbolic::{model, print};
 
-use crate::mechanism::put_reactions;
-use crate::mechanism::{
-    Action, Balance, BalanceSystem, Balances, Coordinate, Counts, Description, Direction, Energy, Event, List,
+use super::balances::put_reactions;
+use super::{
+    Action, At, Balance, BalanceSystem, Balances, Coordinate, Counts, Description, Direction, Energy, Event, List,
     Parameter, Quantity, Scene, Shape, Signal, Singular, SingularMass, Structure, Switch, SwitchKind, System, Text,
 };
 
@@ -29,22 +29,22 @@ impl Interpreted {
         Interpreted { interpreter: Interpreter::new(program), description, signals, derivation: None }
     }
 
-    fn evaluate(&self, function: Function, t: f64, q: &[f64], v: &[f64], a: &[f64], values: &mut [f64]) {
-        let u = self.input_values(t);
-        self.interpreter.evaluate(function, At { t, u: &u, q, v, a }, values);
+    fn evaluate(&self, function: Function, at: At<'_>, values: &mut [f64]) {
+        let u = self.input_values(at.t);
+        self.interpreter.evaluate(function, with_inputs(at, &u), values);
     }
 
     /// The unknowns of the system of balances in force; `None` without one.
-    fn unknowns(&self, t: f64, q: &[f64], v: &[f64]) -> Option<Result<Vec<f64>, Singular>> {
+    fn unknowns(&self, at: At<'_>) -> Option<Result<Vec<f64>, Singular>> {
         let mut balances = Balances::new(self, self.derivation?)?;
-        balances.evaluate(self, t, q, v);
+        balances.evaluate(self, at);
         let mut unknowns = vec![0.0; balances.size()];
         Some(balances.solve(&mut unknowns).map(|()| unknowns))
     }
 
     fn input_values(&self, t: f64) -> Vec<f64> {
         let mut u = vec![0.0; 3 * self.signals.len()];
-        self.interpreter.evaluate(Function::Inputs, At { t, ..At::default() }, &mut u);
+        self.interpreter.evaluate(Function::Inputs, interpret::At { t, ..interpret::At::default() }, &mut u);
         for (signal, slot) in self.signals.iter().zip(u.chunks_exact_mut(3)) {
             if let Some(signal) = signal {
                 slot.copy_from_slice(&signal(t));
@@ -59,62 +59,61 @@ impl System for Interpreted {
         &self.description
     }
 
-    fn accelerations(&self, t: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Singular> {
-        if let Some(unknowns) = self.unknowns(t, q, v) {
+    fn accelerations(&self, at: At<'_>, a: &mut [f64]) -> Result<(), Singular> {
+        if let Some(unknowns) = self.unknowns(at) {
             a.copy_from_slice(&unknowns?[..a.len()]);
             return Ok(());
         }
-        let u = self.input_values(t);
-        let at = At { t, u: &u, q, v, a: &[] };
-        self.interpreter.accelerations(at, a).map_err(|coordinate| SingularMass { coordinate }.into())
+        let u = self.input_values(at.t);
+        self.interpreter.accelerations(with_inputs(at, &u), a).map_err(|coordinate| SingularMass { coordinate }.into())
     }
 
-    fn mass_matrix(&self, t: f64, q: &[f64], values: &mut [f64]) {
-        self.evaluate(Function::Mass, t, q, &[], &[], values);
+    fn mass_matrix(&self, at: At<'_>, values: &mut [f64]) {
+        self.evaluate(Function::Mass, at, values);
     }
 
-    fn bias(&self, t: f64, q: &[f64], v: &[f64], h: &mut [f64]) {
-        self.evaluate(Function::Bias, t, q, v, &[], h);
+    fn bias(&self, at: At<'_>, h: &mut [f64]) {
+        self.evaluate(Function::Bias, at, h);
     }
 
-    fn residual(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], f: &mut [f64]) {
-        self.evaluate(Function::Residual, t, q, v, a, f);
+    fn residual(&self, at: At<'_>, f: &mut [f64]) {
+        self.evaluate(Function::Residual, at, f);
     }
 
-    fn jacobians(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], dq: &mut [f64], dv: &mut [f64]) {
-        self.evaluate(Function::Stiffness, t, q, v, a, dq);
-        self.evaluate(Function::Damping, t, q, v, a, dv);
+    fn jacobians(&self, at: At<'_>, dq: &mut [f64], dv: &mut [f64]) {
+        self.evaluate(Function::Stiffness, at, dq);
+        self.evaluate(Function::Damping, at, dv);
     }
 
-    fn input_jacobian(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], du: &mut [f64]) {
-        self.evaluate(Function::Input, t, q, v, a, du);
+    fn input_jacobian(&self, at: At<'_>, du: &mut [f64]) {
+        self.evaluate(Function::Input, at, du);
     }
 
-    fn energy(&self, t: f64, q: &[f64], v: &[f64]) -> Energy {
+    fn energy(&self, at: At<'_>) -> Energy {
         let mut values = [0.0; 5];
-        self.evaluate(Function::Energy, t, q, v, &[], &mut values);
+        self.evaluate(Function::Energy, at, &mut values);
         Energy::from_array(values)
     }
 
-    fn invariants(&self, t: f64, q: &[f64], v: &[f64], pairs: &mut [f64]) {
-        self.evaluate(Function::Invariants, t, q, v, &[], pairs);
+    fn invariants(&self, at: At<'_>, pairs: &mut [f64]) {
+        self.evaluate(Function::Invariants, at, pairs);
     }
 
-    fn outputs(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], values: &mut [f64]) {
-        self.evaluate(Function::Outputs, t, q, v, a, values);
+    fn outputs(&self, at: At<'_>, values: &mut [f64]) {
+        self.evaluate(Function::Outputs, at, values);
         let Some(system) = self.derivation else { return };
         let pairs = &self.description.balances[system].outputs;
-        if let Some(Ok(unknowns)) = self.unknowns(t, q, v).filter(|_| !pairs.is_empty()) {
+        if let Some(Ok(unknowns)) = self.unknowns(at).filter(|_| !pairs.is_empty()) {
             put_reactions(pairs, &unknowns, values);
         }
     }
 
-    fn events(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], pairs: &mut [f64]) {
-        self.evaluate(Function::Events, t, q, v, a, pairs);
+    fn events(&self, at: At<'_>, pairs: &mut [f64]) {
+        self.evaluate(Function::Events, at, pairs);
     }
 
-    fn switches(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], pairs: &mut [f64]) {
-        self.evaluate(Function::Switches, t, q, v, a, pairs);
+    fn switches(&self, at: At<'_>, pairs: &mut [f64]) {
+        self.evaluate(Function::Switches, at, pairs);
     }
 
     fn modes(&self) -> &[f64] {
@@ -125,8 +124,8 @@ impl System for Interpreted {
         self.interpreter.modes.copy_from_slice(modes);
     }
 
-    fn drawing(&self, t: f64, q: &[f64], v: &[f64], values: &mut [f64]) {
-        self.evaluate(Function::Drawing, t, q, v, &[], values);
+    fn drawing(&self, at: At<'_>, values: &mut [f64]) {
+        self.evaluate(Function::Drawing, at, values);
     }
 
     fn parameters(&self) -> Vec<f64> {
@@ -174,9 +173,9 @@ impl System for Interpreted {
         guess.iter().map(|id| self.interpreter.constant(*id)).collect()
     }
 
-    fn balances(&self, system: usize, t: f64, q: &[f64], v: &[f64], matrix: &mut [f64], right: &mut [f64]) {
-        let u = self.input_values(t);
-        self.interpreter.balances(system, At { t, u: &u, q, v, a: &[] }, matrix, right);
+    fn balances(&self, system: usize, at: At<'_>, matrix: &mut [f64], right: &mut [f64]) {
+        let u = self.input_values(at.t);
+        self.interpreter.balances(system, with_inputs(at, &u), matrix, right);
     }
 
     fn derivation(&self) -> Option<usize> {
@@ -192,6 +191,10 @@ impl System for Interpreted {
     fn boxed_clone(&self) -> Box<dyn System> {
         Box::new(self.clone())
     }
+}
+
+fn with_inputs<'a>(at: At<'a>, u: &'a [f64]) -> interpret::At<'a> {
+    interpret::At { t: at.t, u, q: at.q, v: at.v, a: at.a }
 }
 
 /// The description that generated code would have.
