@@ -1,6 +1,6 @@
 //! A function along a step, looked at until nothing can hide between the points.
 
-use super::root::{Nature, locate};
+use super::root::{Nature, locate, nature_of_zero};
 
 /// A point of a function.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,6 +68,8 @@ pub(crate) struct Certifier {
     noise: f64,
     /// Whether every extremum is wanted, not only those that might hide zeros.
     pub extrema: bool,
+    /// Whether as many samples may be taken as there are pieces to begin with, times this many and more.
+    pub patient: bool,
 }
 
 /// Radians by which the argument of a sine or cosine may change within a first piece.
@@ -98,7 +100,8 @@ impl Certifier {
         self.marks.clear();
         self.points.clear();
         self.points.push(*first);
-        let limit = self.samples + MOST_SAMPLES;
+        let pieces = if self.patient { 20 * grid.len() as u64 } else { 0 };
+        let limit = self.samples + MOST_SAMPLES + pieces;
         self.stack.clear();
         self.stack.extend(grid.windows(2).rev().map(|pair| (pair[0], pair[1], 0)));
         while let Some((a, b, depth)) = self.stack.pop() {
@@ -259,7 +262,15 @@ impl Certifier {
             if let Some(before) = last {
                 let rising = here.value > 0.0;
                 match (zero, (before.value > 0.0) != rising) {
-                    (Some(x), true) => self.marks.push(Mark { x, deed: Deed::Crosses { rising } }),
+                    (Some(x), true) => {
+                        let samples = &mut self.samples;
+                        let value = |x: f64| {
+                            *samples += 1;
+                            f(x).0
+                        };
+                        let nature = nature_of_zero(value, x, (before.x, before.value), (here.x, here.value));
+                        self.marks.push(Mark { x, deed: deed(nature, rising) });
+                    }
                     (Some(x), false) => self.marks.push(Mark { x, deed: Deed::Touches }),
                     (None, false) => {}
                     (None, true) => {
@@ -280,13 +291,7 @@ impl Certifier {
             f(x).0
         };
         let (x, nature) = locate(value, (a.x, a.value), (b.x, b.value));
-        let deed = match nature {
-            Nature::Root => Deed::Crosses { rising: b.value > 0.0 },
-            Nature::Pole => Deed::Pole,
-            Nature::Jump => Deed::Jumps,
-            Nature::Undefined => Deed::Undefined,
-        };
-        Mark { x, deed }
+        Mark { x, deed: deed(nature, b.value > 0.0) }
     }
 
     fn sample(&mut self, f: &mut impl FnMut(f64) -> (f64, f64), x: f64) -> Sample {
@@ -296,6 +301,15 @@ impl Certifier {
             self.noise = self.noise.max(4.0 * f64::EPSILON * value.abs());
         }
         Sample { x, value, slope }
+    }
+}
+
+fn deed(nature: Nature, rising: bool) -> Deed {
+    match nature {
+        Nature::Root => Deed::Crosses { rising },
+        Nature::Pole => Deed::Pole,
+        Nature::Jump => Deed::Jumps,
+        Nature::Undefined => Deed::Undefined,
     }
 }
 

@@ -53,6 +53,26 @@ pub(crate) fn locate(mut f: impl FnMut(f64) -> f64, from: (f64, f64), to: (f64, 
     (best.0, nature)
 }
 
+/// What is at a point with the value zero and values of opposite signs to its sides, `low` and `high`.
+pub(crate) fn nature_of_zero(mut f: impl FnMut(f64) -> f64, x: f64, low: (f64, f64), high: (f64, f64)) -> Nature {
+    let largest = low.1.abs().max(high.1.abs());
+    let width = f64::EPSILON * x.abs().max(high.0 - low.0);
+    let mut change = |factor: f64| {
+        let (left, right) = ((x - factor * width).max(low.0), (x + factor * width).min(high.0));
+        (f(right) - f(left)).abs()
+    };
+    let (narrow, wide) = (change(1024.0), change(1024.0 * 1024.0));
+    if !(narrow.is_finite() && wide.is_finite()) {
+        Nature::Undefined
+    } else if narrow <= ZERO * ROUND_OFF * largest || narrow <= 0.5 * wide {
+        Nature::Root
+    } else if narrow >= 2.0 * wide {
+        Nature::Pole
+    } else {
+        Nature::Jump
+    }
+}
+
 /// A bracket of adjacent numbers (or a zero, twice) around a change of sign; `None` where f is not a number.
 fn narrow(f: &mut impl FnMut(f64) -> f64, a: (f64, f64), b: (f64, f64)) -> Option<[(f64, f64); 2]> {
     let (mut a, mut b) = (a, b);

@@ -118,7 +118,10 @@ impl Probe {
         let near = ON_SURFACE * q.iter().fold(1.0_f64, |most, q| most.max(q.abs()));
         let arguments = self.arguments(0.0, q, &self.v);
         let system = self.system.borrow();
-        let of_state = |index: &usize| !system.description().switches[*index].time_only;
+        let of_state = |index: &usize| {
+            let switch = &system.description().switches[*index];
+            !switch.time_only || switch.of_input
+        };
         (0..arguments.len()).filter(of_state).filter(|index| arguments[*index].abs() <= near).collect()
     }
 
@@ -143,7 +146,7 @@ impl Probe {
     fn changes_with_time(&self) -> bool {
         let system = self.system.borrow();
         let description = system.description();
-        description.structure.time_dependent || description.switches.iter().any(|switch| switch.time_only)
+        description.structure.time_dependent || description.switches.iter().any(|switch| switch.time_only && !switch.of_input)
     }
 
     /// True where no force can jump: a linear mechanism, or nothing but potentials.

@@ -2,12 +2,13 @@
 
 use super::{Halt, March, Step, finite};
 use crate::cause::Cause;
-use crate::events::{Interruption, Watch};
-use crate::mechanism::System;
+use crate::events::{Interruption, Switched, Watch};
+use crate::mechanism::{At, System};
 use crate::run::Recorder;
 
 impl<S: System + ?Sized> March<S> {
-    /// Writes down and takes a step, as far as the first event that stops or the first discontinuity.
+    /// Writes down and takes a step whose dense output is made, as far as the first event that stops or the first
+    /// discontinuity.
     pub(super) fn watched(
         &mut self,
         system: &mut S,
@@ -15,21 +16,22 @@ impl<S: System + ?Sized> March<S> {
         watch: &mut Watch,
         recorder: &mut Recorder,
     ) -> Result<Halt, Cause> {
-        self.dense(system, step)?;
-        let Some(interruption) = watch.scan(system, &self.segment(step)) else {
+        let Some(interruption) = watch.scan(system, &self.segment(step))? else {
             recorder.accept(system, Some(&self.segment(step)), step.next, &self.end)?;
             watch.pass(system, &self.segment(step), recorder);
             self.commit(step);
-            if step.lands && watch.switch(system, step.next, &self.y)? {
-                self.restart(system)?;
+            if step.lands {
+                self.switch(system, watch, recorder)?;
             }
             return Ok(Halt::Arrived);
         };
         let crossing = match interruption {
             Interruption::At(crossing) => crossing,
-            Interruption::LeavesRest { switch, side } => {
-                watch.leave_rest(system, (switch, side), (self.clock.now(), &self.y))?;
-                self.restart(system)?;
+            Interruption::Leaves { switch, side } => {
+                let y = self.y.clone();
+                let now = self.clock.now();
+                watch.leave(system, (switch, side), (now, &y), &mut |system| self.trial(system))?;
+                self.restart(system, false)?;
                 return Ok(Halt::Arrived);
             }
         };
@@ -38,7 +40,7 @@ impl<S: System + ?Sized> March<S> {
             Some(shorter) => {
                 let segment = self.segment(shorter);
                 recorder.accept(system, Some(&segment), shorter.next, &self.end)?;
-                watch.record_before(system, &segment, recorder, &together);
+                watch.record_before(system, &segment, recorder, &together)?;
                 let stops = watch.fire(system, &together, (shorter.next, &self.end), recorder);
                 self.commit(shorter);
                 stops
@@ -49,9 +51,41 @@ impl<S: System + ?Sized> March<S> {
             return Ok(Halt::Event);
         }
         // A stop time may coincide with the crossing.
-        watch.switch(system, self.clock.now(), &self.y)?;
-        self.restart(system)?;
+        if !self.switch(system, watch, recorder)? {
+            self.restart(system, false)?;
+        }
         Ok(Halt::Arrived)
+    }
+
+    /// Switches what is on its surface at the present state, and lets inputs that turn or jump there kick; returns
+    /// whether anything was.
+    fn switch(&mut self, system: &mut S, watch: &mut Watch, recorder: &mut Recorder) -> Result<bool, Cause> {
+        let (now, n) = (self.clock.now(), self.rates.n);
+        let y = self.y.clone();
+        let before = self.rates.work.then(|| system.energy(At::packed(now, &y, n)).jacobi);
+        let switched = watch.switch(system, (now, &y), &mut |system| self.trial(system))?;
+        let Switched { any, timed, resume, impulse } = switched;
+        if !any {
+            return Ok(false);
+        }
+        if resume > now {
+            self.clock.set(resume);
+        }
+        if let Some(impulse) = impulse {
+            for (v, jump) in self.y[n..2 * n].iter_mut().zip(&impulse.jump) {
+                *v += jump;
+            }
+            recorder.impulse(impulse);
+        }
+        if let Some(before) = before.filter(|_| timed) {
+            // What the switch of a potential, or the kick, does to the energy is the work of what does it.
+            let work = system.energy(At::packed(now, &self.y, n)).jacobi - before;
+            if work.is_finite() {
+                self.y[2 * n] += work;
+            }
+        }
+        self.restart(system, timed)?;
+        Ok(true)
     }
 
     /// Steps again, as far as the zero of a watched function at about θ of the step that was tried; `None` if
@@ -81,8 +115,8 @@ impl<S: System + ?Sized> March<S> {
             self.dense(system, trial)?;
             shorter = Some(trial);
             let segment = self.segment(trial);
-            let (value, slope) = watch.value_and_slope(system, function, &segment, &self.end);
-            let correction = -value / slope;
+            let (value, rate) = watch.value_and_rate(system, function, &segment, &self.end);
+            let correction = -value / rate;
             if !(correction.abs() > resolution && correction.abs() < 0.1 * h) {
                 break;
             }

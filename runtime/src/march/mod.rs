@@ -1,10 +1,12 @@
 //! Putting steps together to a motion.
 //!
-//! What may end a step early: look in `interrupt.rs`; jumps of the acceleration that nobody declared: in `jump.rs`.
+//! What may end a step early: look in `interrupt.rs`; what is asked of a step between its ends: in `between.rs`; jumps of the acceleration that nobody declared: in `jump.rs`.
 
+mod between;
 mod interrupt;
 mod jump;
 
+use between::Defect;
 use jump::{JumpDetector, Upset};
 
 use crate::cause::Cause;
@@ -69,6 +71,9 @@ pub(crate) struct March<S: System + ?Sized> {
     max_steps: u64,
     compensated: bool,
     watch: Option<Watch>,
+    defect: Defect,
+    /// Until when the motion goes on at most, s.
+    until: f64,
     stiffness: StiffnessDetector,
     jumps: JumpDetector,
 }
@@ -95,6 +100,8 @@ impl<S: System + ?Sized> March<S> {
             max_steps: u64::MAX,
             compensated: true,
             watch: None,
+            defect: Defect::new(),
+            until: t,
             rates,
             y,
         }
@@ -134,7 +141,8 @@ impl<S: System + ?Sized> March<S> {
 
     /// Work done so far.
     pub fn work(&self) -> Work {
-        Work { evaluations: self.rates.evaluations, ..self.work }
+        let samples = self.work.samples + self.watch.as_ref().map_or(0, Watch::samples);
+        Work { evaluations: self.rates.evaluations, samples, ..self.work }
     }
 
     /// Begins at the present state a motion that goes on to `until` at most: watches it, chooses the modes.
@@ -142,11 +150,17 @@ impl<S: System + ?Sized> March<S> {
         let now = self.clock.now();
         finite(system, &self.y, 0)?;
         self.jumps = JumpDetector::new(until - now);
-        self.watch = Watch::new(system, (now, until), &self.y);
-        if let Some(watch) = &mut self.watch {
-            watch.begin(system, now, &self.y)?;
+        self.until = until;
+        self.h = 0.0;
+        self.work.samples += self.watch.as_ref().map_or(0, Watch::samples);
+        self.watch = None;
+        if let Some(mut watch) = Watch::new(system, (now, until), &self.y)? {
+            let y = self.y.clone();
+            let outcome = watch.begin(system, (now, &y), &mut |system| self.trial(system));
+            self.watch = Some(watch);
+            outcome?;
         }
-        self.restart(system)
+        self.restart(system, false)
     }
 
     /// Goes on to `until`, or to an event that stops; tells `progress` the time after every step.
@@ -159,10 +173,14 @@ impl<S: System + ?Sized> March<S> {
     ) -> Result<Halt, Cause> {
         while self.clock.now() < until {
             let stop = self.watch.as_ref().map_or(until, |watch| watch.next_stop(until));
-            let step = self.attempt(system, stop)?;
+            let mut watch = self.watch.take();
+            let tried = self.sound(system, stop, &mut watch, recorder);
+            let tried = tried.map_err(|cause| self.explained(system, cause, &mut watch));
+            self.watch = watch;
+            let (step, dense) = tried?;
             self.look_for_stiffness(step, recorder);
             let Some(mut watch) = self.watch.take() else {
-                self.keep(system, step, recorder)?;
+                self.keep(system, step, dense, recorder)?;
                 progress(self.clock.now());
                 continue;
             };
@@ -177,9 +195,8 @@ impl<S: System + ?Sized> March<S> {
     }
 
     /// Writes down and takes a step that nothing can interrupt.
-    fn keep(&mut self, system: &S, step: Step, recorder: &mut Recorder) -> Result<(), Cause> {
-        if recorder.wants_dense(step.next) {
-            self.dense(system, step)?;
+    fn keep(&mut self, system: &S, step: Step, dense: bool, recorder: &mut Recorder) -> Result<(), Cause> {
+        if dense {
             recorder.accept(system, Some(&self.segment(step)), step.next, &self.end)?;
         } else {
             recorder.accept(system, None, step.next, &self.end)?;
@@ -189,9 +206,13 @@ impl<S: System + ?Sized> March<S> {
     }
 
     /// Begins anew after the state or the equations changed.
-    pub(super) fn restart(&mut self, system: &S) -> Result<(), Cause> {
+    ///
+    /// At a time that was known beforehand the length of the last step says what it said before: it is kept.
+    pub(super) fn restart(&mut self, system: &S, keeps_step: bool) -> Result<(), Cause> {
         self.carry.fill(0.0);
-        self.h = 0.0;
+        if !keeps_step {
+            self.h = 0.0;
+        }
         self.control = StepControl::new(self.stepper.tableau().control);
         self.jumps.restart();
         self.rates
@@ -212,7 +233,15 @@ impl<S: System + ?Sized> March<S> {
     }
 
     /// Tries steps until one is good.
-    fn attempt(&mut self, system: &S, stop: f64) -> Result<Step, Cause> {
+    ///
+    /// None is longer than `most` seconds; one that would be is taken of just that length.
+    fn attempt(
+        &mut self,
+        system: &S,
+        stop: f64,
+        most: f64,
+        watch: &mut Option<Watch>,
+    ) -> Result<Step, Cause> {
         if self.work.steps >= self.max_steps {
             return Err(Cause::TooManySteps { limit: self.max_steps });
         }
@@ -221,7 +250,17 @@ impl<S: System + ?Sized> March<S> {
             self.h = self.first(system, stop - now).map_err(|fault| fault.cause(system.description()))?;
         }
         loop {
-            let step = self.plan(stop);
+            let mut step = self.plan(stop);
+            if let Pace::Adaptive { .. } = self.pace {
+                let met = watch.as_mut().map_or(step.h, |watch| watch.ahead(system, now, step.h));
+                if met.min(most) < step.h {
+                    let h = met.min(most);
+                    if met < step.h {
+                        self.jumps.restart();
+                    }
+                    step = Step { h, next: self.clock.after(h), lands: false };
+                }
+            }
             let Step { h, next, lands } = step;
             if next <= now {
                 return Err(match self.pace {

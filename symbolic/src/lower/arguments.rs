@@ -9,7 +9,7 @@ use crate::derive::rates;
 use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary};
 
 /// An argument of a function inside something that is watched.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Argument {
     /// Inside what.
     pub of: Watched,
@@ -21,6 +21,8 @@ pub struct Argument {
     pub rate: Id,
     /// True when it depends on time and parameters alone.
     pub time_only: bool,
+    /// The spring, damper or force whose direction it tells; else empty.
+    pub load: String,
 }
 
 /// What is watched.
@@ -49,13 +51,21 @@ pub enum Role {
     Bounded,
     /// atan A.
     Arctangent,
+    /// A squared distance: a force acts along the line, which has no direction where A vanishes.
+    Distance,
     /// Aᵖ, p negative or no integer; ln A counts as p = 1.
     Power(f64),
 }
 
 /// Arguments inside the events, the switches' arguments and the equations of motion, in an order in which an argument's
 /// own arguments come after it.
-pub(super) fn arguments(graph: &mut Graph, events: &[Id], switches: &[Id], motion: &[Id]) -> Vec<Argument> {
+pub(super) fn arguments(
+    graph: &mut Graph,
+    events: &[Id],
+    switches: &[Id],
+    motion: &[Id],
+    loads: &[(String, Vec<Id>)],
+) -> Vec<Argument> {
     let mut list = Vec::new();
     for (k, event) in events.iter().enumerate() {
         add(graph, &mut list, Watched::Event(k), &[*event]);
@@ -64,13 +74,18 @@ pub(super) fn arguments(graph: &mut Graph, events: &[Id], switches: &[Id], motio
         add(graph, &mut list, Watched::Switch(k), &[*switch]);
     }
     add(graph, &mut list, Watched::Motion, motion);
+    for (name, roots) in loads {
+        for square in squares(graph, roots) {
+            push(graph, &mut list, (Watched::Motion, Role::Distance, square), name);
+        }
+    }
     // Phases inside arguments that are followed themselves.
     for index in 0..list.len() {
-        let Argument { role, value, .. } = list[index];
+        let (role, value) = (list[index].role, list[index].value);
         if role != Role::Phase {
             for (role, inner) in inside(graph, &[value]) {
                 if role == Role::Phase {
-                    push(graph, &mut list, Watched::Argument(index), role, inner);
+                    push(graph, &mut list, (Watched::Argument(index), role, inner), "");
                 }
             }
         }
@@ -83,14 +98,30 @@ fn add(graph: &mut Graph, list: &mut Vec<Argument>, of: Watched, roots: &[Id]) {
         match (of, role) {
             // Error control sees the sines of the forces, and the discontinuities are switches.
             (Watched::Motion, Role::Phase | Role::Landmark) => {}
-            (Watched::Motion, role) => push(graph, list, of, role, value),
-            (_, Role::Phase) => push(graph, list, of, role, value),
-            _ => push(graph, list, of, Role::Landmark, value),
+            (Watched::Motion, role) => push(graph, list, (of, role, value), ""),
+            (_, Role::Phase) => push(graph, list, (of, role, value), ""),
+            _ => push(graph, list, (of, Role::Landmark, value), ""),
         }
     }
 }
 
-fn push(graph: &mut Graph, list: &mut Vec<Argument>, of: Watched, role: Role, value: Id) {
+/// Squares of distances: arguments of roots that contain coordinates and no speeds.
+fn squares(graph: &Graph, roots: &[Id]) -> Vec<Id> {
+    let needed = graph.reachable(roots.iter().copied());
+    let places = (0..needed.len()).filter(|&i| needed[i]);
+    let root = |i: usize| match graph.node(graph.id_at(i)) {
+        Node::Unary(Unary::Sqrt, x) => Some(x),
+        _ => None,
+    };
+    let of_place = |x: &Id| {
+        let symbols = graph.symbols([*x]);
+        symbols.iter().any(|s| matches!(s, Symbol::Coordinate(_)))
+            && !symbols.iter().any(|s| matches!(s, Symbol::Speed(_) | Symbol::Acceleration(_) | Symbol::Dummy(_)))
+    };
+    places.filter_map(root).filter(of_place).collect()
+}
+
+fn push(graph: &mut Graph, list: &mut Vec<Argument>, (of, role, value): (Watched, Role, Id), load: &str) {
     let rate = rates(graph, &[value])[0];
     let symbols = graph.symbols([value, rate]);
     // Rates of accelerations, and inputs beyond their second derivative, are not known.
@@ -101,7 +132,7 @@ fn push(graph: &mut Graph, list: &mut Vec<Argument>, of: Watched, role: Role, va
     }
     let of_time = |s: &Symbol| matches!(s, Symbol::Time | Symbol::Parameter(_));
     let time_only = symbols.iter().all(of_time);
-    let argument = Argument { of, role, value, rate, time_only };
+    let argument = Argument { of, role, value, rate, time_only, load: load.to_owned() };
     if !list.contains(&argument) {
         list.push(argument);
     }
@@ -167,6 +198,8 @@ fn factors(graph: &Graph, root: Id, power: f64, bases: &mut BTreeSet<(Id, i32)>)
     while let Some((id, power)) = stack.pop() {
         match graph.node(id) {
             Node::Number(_) => {}
+            // A power of |x| is that of a one-sided base: the discontinuity is a switch.
+            Node::Unary(Unary::Abs, _) if power > 0.0 => {}
             Node::Unary(Unary::Neg | Unary::Abs, x) => stack.push((x, power)),
             Node::Unary(Unary::Sqrt, x) => stack.push((x, 0.5 * power)),
             Node::Binary(Binary::Mul, x, y) => stack.extend([(x, power), (y, power)]),

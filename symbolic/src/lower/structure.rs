@@ -3,6 +3,7 @@
 use super::Entry;
 use super::candidates::Chosen;
 use super::count::varying;
+use crate::derive::Switch;
 use crate::expr::{Graph, Id, Symbol};
 
 /// What was recognised.
@@ -29,7 +30,8 @@ pub(super) fn recognise(
     n: usize,
     chosen: &Chosen,
     (stiffness, damping): (&[Entry], &[Entry]),
-    power: Id,
+    (power, jacobi): (Id, Id),
+    switches: &[Switch],
     cyclic: &[(usize, Id)],
 ) -> Structure {
     let varying = varying(graph);
@@ -37,6 +39,7 @@ pub(super) fn recognise(
     let time = |s: Symbol| matches!(s, Symbol::Time | Symbol::Input(..));
     let constant_mass = constant(&chosen.mass);
     let modes = |s: Symbol| matches!(s, Symbol::Mode(_));
+    let by_time = |s: Symbol| matches!(s, Symbol::Mode(k) if switches.get(k as usize).is_some_and(|s| s.time_only));
     Structure {
         constant_mass,
         diagonal_mass: chosen.mass.iter().all(|e| e.0 == e.1),
@@ -45,7 +48,8 @@ pub(super) fn recognise(
             && constant(stiffness)
             && constant(damping)
             && !graph.symbols(chosen.residual.iter().copied()).into_iter().any(modes),
-        conservative: power == Id::ZERO,
+        // A potential that time switches changes the energy at once.
+        conservative: power == Id::ZERO && !graph.symbols([jacobi]).into_iter().any(by_time),
         time_dependent: graph.symbols(chosen.residual.iter().copied()).into_iter().any(time),
         cyclic: cyclic.to_vec(),
     }

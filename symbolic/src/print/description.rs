@@ -155,7 +155,7 @@ fn argument(argument: &Argument) -> String {
         Role::Power(p) => format!("Role::Power({})", float(p)),
         role => format!("Role::{role:?}"),
     };
-    format!("Argument {{ of: {of}, role: {role}, time_only: {} }}", argument.time_only)
+    format!("Argument {{ of: {of}, role: {role}, time_only: {}, load: {} }}", argument.time_only, string(&argument.load))
 }
 
 /// FNV-1a of 64 bits (Fowler, Noll, Vo).

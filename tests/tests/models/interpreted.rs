@@ -38,6 +38,8 @@ fn everything(system: &dyn System, state: &State) -> Vec<(&'static str, Vec<f64>
     collect("invariants", 2 * description.invariant_len(), &|x| system.invariants(At::new(*t, q, v), x));
     collect("outputs", description.output_len(), &|x| system.outputs(At::new(*t, q, v).accelerated(a), x));
     collect("events", 2 * description.events.len(), &|x| system.events(At::new(*t, q, v).accelerated(a), x));
+    collect("event rates", description.events.len(), &|x| system.event_rates(At::new(*t, q, v).accelerated(a), x));
+    collect("arguments", 2 * description.arguments.len(), &|x| system.arguments(At::new(*t, q, v).accelerated(a), x));
     collect("switches", 2 * description.switches.len(), &|x| system.switches(At::new(*t, q, v).accelerated(a), x));
     collect("drawing", description.drawing_len(), &|x| system.drawing(At::new(*t, q, v), x));
     let energy = system.energy(At::new(*t, q, v));
@@ -81,7 +83,9 @@ fn compiled_and_interpreted_models_agree() {
             };
             let (q, v) = (vary(&start.q, 0.3), vary(&start.v, 1.7));
             let state = State { t: 0.37, a: vary(&q, 2.9), q, v };
-            assert_eq!(compiled.description().balances, interpreted.description().balances, "{}", entry.name);
+            let (one, other) = (compiled.description(), interpreted.description());
+            assert_eq!(one.balances, other.balances, "{}", entry.name);
+            assert_eq!((&one.arguments, &one.input_jumps), (&other.arguments, &other.input_jumps), "{}", entry.name);
             let pairs = everything(&*compiled, &state).into_iter().zip(everything(&interpreted, &state));
             for ((what, found), (_, expected)) in pairs {
                 assert_eq!(found.len(), expected.len(), "{}: {what}", entry.name);
