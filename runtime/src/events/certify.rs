@@ -150,7 +150,8 @@ impl Certifier {
         let steepest = a.slope.abs().max(b.slope.abs()).max(m.slope.abs());
         let least = a.value.abs().min(b.value.abs()).min(m.value.abs());
         let one_side = (a.value > 0.0) == (m.value > 0.0) && (m.value > 0.0) == (b.value > 0.0);
-        let unexplained = depth >= UNEXPLAINED && r > 4.0 * length * steepest;
+        let blind = ![a, m, b].iter().any(|sample| sample.slope.is_finite());
+        let unexplained = blind || depth >= UNEXPLAINED && r > 4.0 * length * steepest;
         if unexplained || depth >= AWAY && one_side && least > 4.0 * r && !self.extrema {
             self.points.extend([m, b]);
             return;
