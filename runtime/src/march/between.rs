@@ -2,8 +2,9 @@
 
 use super::{March, Pace, Step};
 use crate::cause::Cause;
-use crate::events::{OwnedSegment, Watch};
 use crate::events::draws::Draws;
+use crate::events::{OwnedSegment, Watch};
+use crate::integrate::Segment;
 use crate::mechanism::System;
 use crate::run::Recorder;
 
@@ -24,9 +25,10 @@ impl Defect {
     /// Steps whose defect over their length is more than this times the tolerance are lies.
     pub const MOST: f64 = 1e3;
 
-    /// At the start of a march.
-    pub fn new() -> Self {
-        Defect { draws: Draws::new(0x0dec_af00), longest: 0.0, y: Vec::new(), slope: Vec::new(), rate: Vec::new() }
+    /// At the start of a march of states of this size.
+    pub fn new(size: usize) -> Self {
+        let zero = vec![0.0; size];
+        Defect { draws: Draws::new(0x0dec_af00), longest: 0.0, y: zero.clone(), slope: zero.clone(), rate: zero }
     }
 
     fn place(&mut self) -> f64 {
@@ -39,17 +41,15 @@ impl Defect {
 const RETRIES: u32 = 16;
 /// Distances are zero within this part of the largest.
 const NEAR: f64 = 1e-9;
-/// A method with fewer evaluations per step than this is checked on its long steps only.
-const CHEAP: usize = 10;
 
-impl<S: System + ?Sized> March<S> {
+impl March {
     /// Tries steps until one is good between its ends too; returns it, and whether its dense output is made.
     ///
     /// In this order, since each reads what the one before has cleared: the error test; the defect of the dense output,
     /// which halves; features that arguments of local functions reveal, which cut.
     pub(super) fn sound(
         &mut self,
-        system: &S,
+        system: &dyn System,
         stop: f64,
         watch: &mut Option<Watch>,
         recorder: &Recorder,
@@ -84,7 +84,7 @@ impl<S: System + ?Sized> March<S> {
     }
 
     /// Refuses a step within which the ends of a force meet, as far as the tolerance tells.
-    fn meets(&self, system: &S, step: Step, watch: &mut Option<Watch>) -> Result<(), Cause> {
+    fn meets(&self, system: &dyn System, step: Step, watch: &mut Option<Watch>) -> Result<(), Cause> {
         let part = match &self.pace {
             Pace::Fixed(_) => NEAR,
             Pace::Adaptive { tolerance, .. } => tolerance.relative.clamp(NEAR, 1e-5),
@@ -93,22 +93,23 @@ impl<S: System + ?Sized> March<S> {
     }
 
     /// Why no further step can be taken, in the words of the file where it is ends that meet.
-    pub(super) fn explained(&self, system: &S, cause: Cause, watch: &mut Option<Watch>) -> Cause {
+    pub(super) fn explained(&self, system: &dyn System, cause: Cause, watch: &mut Option<Watch>) -> Cause {
         let Some(watch) = watch else { return cause };
         let ahead = (1e3 * self.h.abs()).max(1e-6 * self.defect.longest);
-        watch.explain(system, cause, (self.clock.now(), &self.y), ahead)
+        watch.explain(system, cause, (self.clock.now(), self.stepper.start().y), ahead)
     }
 
     /// True where the dense output of the step that was tried is far from fulfilling the equations.
-    fn lies(&mut self, system: &S, step: Step) -> Result<bool, Cause> {
+    fn lies(&mut self, system: &dyn System, step: Step) -> Result<bool, Cause> {
         let Pace::Adaptive { tolerance, .. } = &self.pace else { return Ok(false) };
         // Where stability limits the step, dense output is poor and says nothing.
-        if self.stepper.stiffness(step.h, &self.end) > 0.5 * self.stepper.tableau().control.stiff {
+        if self.stepper.stiffness(step.h) > 0.25 * self.stepper.control().stiff {
             return Ok(false);
         }
+        // An evaluation more is dear to a method whose steps have few: its long steps only.
         let short = step.h < 0.5 * self.defect.longest;
         self.defect.longest = self.defect.longest.max(step.h);
-        if short && self.stepper.tableau().rows.len() < CHEAP {
+        if short && self.stepper.dense_is_free() {
             return Ok(false);
         }
         let theta = self.defect.place();
@@ -117,36 +118,33 @@ impl<S: System + ?Sized> March<S> {
             std::mem::take(&mut self.defect.slope),
             std::mem::take(&mut self.defect.rate),
         );
-        for list in [&mut y, &mut slope, &mut rate] {
-            list.resize(self.rates.width, 0.0);
-        }
-        let now = self.clock.now();
         self.segment(step).evaluate_with_slope(theta, &mut y, &mut slope);
-        let evaluated = self.rates.evaluate(system, now + theta * step.h, &y, &mut rate);
-        for (slope, rate) in slope.iter_mut().zip(&rate) {
-            *slope = slope.mul_add(1.0 / step.h, -rate);
+        let evaluated = self.stepper.evaluate(system, self.clock.now() + theta * step.h, &y, &mut rate);
+        let (start, end) = (self.stepper.start().y, self.stepper.end().y);
+        let mut sum = 0.0;
+        for i in 0..y.len() {
+            // h δᵢ in units of the tolerance.
+            sum += ((slope[i] - step.h * rate[i]) / tolerance.unit(i, start[i], end[i])).powi(2);
         }
-        let size = step.h * tolerance.mean_square(&slope, &self.y, self.stepper.increment()).sqrt();
+        let size = if y.is_empty() { 0.0 } else { (sum / y.len() as f64).sqrt() };
         (self.defect.y, self.defect.slope, self.defect.rate) = (y, slope, rate);
         // A state that has no accelerations is for the error test to judge, in a shorter step.
         Ok(evaluated.is_err() || !(size <= Defect::MOST))
     }
 
     /// Takes one error-controlled step under the modes in force only to see where it leads; the march stays where it
-    /// is.  `None` where there is none.
-    pub(super) fn trial(&mut self, system: &S) -> Option<OwnedSegment> {
-        let (h, control, rate) = (self.h, self.control.clone(), self.rate.clone());
+    /// is, and has to begin anew.  `None` where there is none.
+    pub(super) fn trial(&mut self, system: &dyn System) -> Option<OwnedSegment> {
+        let (h, control) = (self.h, self.control.clone());
         let outcome = self.try_shorter(system);
-        self.h = h;
-        self.control = control;
-        self.rate.copy_from_slice(&rate);
+        (self.h, self.control) = (h, control);
         outcome
     }
 
-    fn try_shorter(&mut self, system: &S) -> Option<OwnedSegment> {
+    fn try_shorter(&mut self, system: &dyn System) -> Option<OwnedSegment> {
         const ROUNDS: u32 = 200;
         let now = self.clock.now();
-        self.rates.evaluate(system, now, &self.y, &mut self.rate).ok()?;
+        self.stepper.begin(system, now).ok()?;
         if self.h == 0.0 {
             self.h = self.first(system, self.until - now).ok()?;
         }
@@ -159,8 +157,8 @@ impl<S: System + ?Sized> March<S> {
             let error = self.try_step(system, step, false).unwrap_or(f64::NAN);
             if error <= 1.0 {
                 self.dense(system, step).ok()?;
-                let pieces = self.pieces.clone();
-                return Some(OwnedSegment { t: now, h, width: self.rates.width, pieces });
+                let Segment { t, h, width, pieces } = self.segment(step);
+                return Some(OwnedSegment { t, h, width, pieces: pieces.to_vec() });
             }
             self.h = self.control.rejected(h, error);
         }

@@ -6,19 +6,20 @@ use crate::events::{Interruption, Switched, Watch};
 use crate::mechanism::{At, System};
 use crate::run::Recorder;
 
-impl<S: System + ?Sized> March<S> {
+impl March {
     /// Writes down and takes a step whose dense output is made, as far as the first event that stops or the first
     /// discontinuity.
     pub(super) fn watched(
         &mut self,
-        system: &mut S,
+        system: &mut dyn System,
         step: Step,
         watch: &mut Watch,
         recorder: &mut Recorder,
     ) -> Result<Halt, Cause> {
-        let Some(interruption) = watch.scan(system, &self.segment(step))? else {
-            recorder.accept(system, Some(&self.segment(step)), step.next, &self.end)?;
-            watch.pass(system, &self.segment(step), recorder);
+        let segment = self.segment(step);
+        let Some(interruption) = watch.scan(system, &segment)? else {
+            recorder.accept(system, Some(&segment), step.next, self.stepper.end())?;
+            watch.pass(system, &segment, recorder);
             self.commit(step);
             if step.lands {
                 self.switch(system, watch, recorder)?;
@@ -28,41 +29,40 @@ impl<S: System + ?Sized> March<S> {
         let crossing = match interruption {
             Interruption::At(crossing) => crossing,
             Interruption::Leaves { switch, side } => {
-                let y = self.y.clone();
-                let now = self.clock.now();
+                let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
                 watch.leave(system, (switch, side), (now, &y), &mut |system| self.trial(system))?;
-                self.restart(system, false)?;
+                self.restart(system, recorder, false)?;
                 return Ok(Halt::Arrived);
             }
         };
-        let together = watch.simultaneous(crossing, &self.segment(step));
+        let together = watch.simultaneous(crossing, &segment);
         let stops = match self.shorten(system, step, crossing.theta, crossing.function, watch)? {
             Some(shorter) => {
-                let segment = self.segment(shorter);
-                recorder.accept(system, Some(&segment), shorter.next, &self.end)?;
+                let (segment, end) = (self.segment(shorter), self.stepper.end());
+                recorder.accept(system, Some(&segment), shorter.next, end)?;
                 watch.record_before(system, &segment, recorder, &together)?;
-                let stops = watch.fire(system, &together, (shorter.next, &self.end), recorder);
+                let stops = watch.fire(system, &together, (shorter.next, end.y), recorder);
                 self.commit(shorter);
                 stops
             }
-            None => watch.fire(system, &together, (self.clock.now(), &self.y), recorder),
+            None => watch.fire(system, &together, (self.clock.now(), self.stepper.start().y), recorder),
         };
         if stops {
             return Ok(Halt::Event);
         }
         // A stop time may coincide with the crossing.
         if !self.switch(system, watch, recorder)? {
-            self.restart(system, false)?;
+            self.restart(system, recorder, false)?;
         }
         Ok(Halt::Arrived)
     }
 
     /// Switches what is on its surface at the present state, and lets inputs that turn or jump there kick; returns
     /// whether anything was.
-    fn switch(&mut self, system: &mut S, watch: &mut Watch, recorder: &mut Recorder) -> Result<bool, Cause> {
-        let (now, n) = (self.clock.now(), self.rates.n);
-        let y = self.y.clone();
-        let before = self.rates.work.then(|| system.energy(At::packed(now, &y, n)).jacobi);
+    fn switch(&mut self, system: &mut dyn System, watch: &mut Watch, recorder: &mut Recorder) -> Result<bool, Cause> {
+        let (now, n) = (self.clock.now(), system.len());
+        let y = self.stepper.start().y.to_vec();
+        let before = system.energy(At::packed(now, &y, n)).jacobi;
         let switched = watch.switch(system, (now, &y), &mut |system| self.trial(system))?;
         let Switched { any, timed, resume, impulse } = switched;
         if !any {
@@ -72,19 +72,19 @@ impl<S: System + ?Sized> March<S> {
             self.clock.set(resume);
         }
         if let Some(impulse) = impulse {
-            for (v, jump) in self.y[n..2 * n].iter_mut().zip(&impulse.jump) {
+            for (v, jump) in self.stepper.state_mut()[n..].iter_mut().zip(&impulse.jump) {
                 *v += jump;
             }
             recorder.impulse(impulse);
         }
-        if let Some(before) = before.filter(|_| timed) {
+        if timed {
             // What the switch of a potential, or the kick, does to the energy is the work of what does it.
-            let work = system.energy(At::packed(now, &self.y, n)).jacobi - before;
+            let work = system.energy(At::packed(now, self.stepper.start().y, n)).jacobi - before;
             if work.is_finite() {
-                self.y[2 * n] += work;
+                recorder.worked(work);
             }
         }
-        self.restart(system, timed)?;
+        self.restart(system, recorder, timed)?;
         Ok(true)
     }
 
@@ -95,7 +95,7 @@ impl<S: System + ?Sized> March<S> {
     /// accurate (catalogue E7).
     fn shorten(
         &mut self,
-        system: &S,
+        system: &dyn System,
         step: Step,
         theta: f64,
         function: usize,
@@ -110,12 +110,12 @@ impl<S: System + ?Sized> March<S> {
                 return Ok(shorter);
             }
             let trial = Step { h, next: now + h, lands: false };
-            self.try_step(system, trial, true).map_err(|fault| fault.cause(system.description()))?;
-            finite(system, &self.end, 0)?;
+            self.try_step(system, trial, true).map_err(|setback| setback.cause(system.description()))?;
+            finite(system, self.stepper.end().y, 0)?;
             self.dense(system, trial)?;
             shorter = Some(trial);
-            let segment = self.segment(trial);
-            let (value, rate) = watch.value_and_rate(system, function, &segment, &self.end);
+            let (segment, end) = (self.segment(trial), self.stepper.end());
+            let (value, rate) = watch.value_and_rate(system, function, &segment, end.y);
             let correction = -value / rate;
             if !(correction.abs() > resolution && correction.abs() < 0.1 * h) {
                 break;

@@ -1,6 +1,8 @@
 //! Putting steps together to a motion.
 //!
-//! What may end a step early: look in `interrupt.rs`; what is asked of a step between its ends: in `between.rs`; jumps of the acceleration that nobody declared: in `jump.rs`.
+//! A step is tried until its error is small enough; its dense output is made where anything reads it; what is watched
+//! may end it early: look in `interrupt.rs`; it is written down and taken.  Jumps of the acceleration that
+//! nobody declared: look in `jump.rs`; what is asked of a step between its ends: in `between.rs`.
 
 mod between;
 mod interrupt;
@@ -12,9 +14,9 @@ use jump::{JumpDetector, Upset};
 use crate::cause::Cause;
 use crate::events::Watch;
 use crate::integrate::{
-    Clock, OneStep, Rates, Segment, StepControl, StiffnessDetector, Tolerance, first_step, stepper,
+    Clock, OneStep, Reached, Segment, Setback, StepControl, StiffnessDetector, Tolerance, Trial, first_step, stepper,
 };
-use crate::mechanism::{Method, Singular, System};
+use crate::mechanism::{Method, System};
 use crate::run::{Recorder, Work};
 use crate::trust::Warning;
 
@@ -43,7 +45,7 @@ pub(crate) enum Halt {
 
 /// A step to try, or one that was.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Step {
+struct Step {
     /// Its length, s.
     pub h: f64,
     /// Where it ends, s.
@@ -53,20 +55,13 @@ pub(super) struct Step {
 }
 
 /// A motion that is under way.
-pub(crate) struct March<S: System + ?Sized> {
-    pub(super) rates: Rates,
-    stepper: Box<dyn OneStep<S>>,
+pub(crate) struct March {
+    stepper: Box<dyn OneStep>,
     pace: Pace,
     control: StepControl,
-    pub(super) clock: Clock,
+    clock: Clock,
     /// The next step; 0 when it must be chosen anew.
     h: f64,
-    pub(super) y: Vec<f64>,
-    /// What rounding took from y in the last step.
-    carry: Vec<f64>,
-    rate: Vec<f64>,
-    pub(super) end: Vec<f64>,
-    pub(super) pieces: Vec<f64>,
     work: Work,
     max_steps: u64,
     compensated: bool,
@@ -78,32 +73,26 @@ pub(crate) struct March<S: System + ?Sized> {
     jumps: JumpDetector,
 }
 
-impl<S: System + ?Sized> March<S> {
-    /// A march from (t, q, v), not yet begun.
-    pub fn new(method: Method, pace: Pace, rates: Rates, t: f64, y: Vec<f64>) -> Self {
-        let stepper = stepper(method, rates.width);
-        let zero = vec![0.0; rates.width];
-        let pieces = vec![0.0; rates.width * stepper.pieces()];
+impl March {
+    /// A march from t at the state y = [q; q'], not yet begun; `work` tells whether it integrates the power of what has
+    /// no potential.
+    pub fn new(method: Method, pace: Pace, t: f64, y: &[f64], work: bool) -> Self {
+        let mut stepper = stepper(method, y.len() / 2, work);
+        stepper.state_mut().copy_from_slice(y);
         March {
-            control: StepControl::new(stepper.tableau().control),
-            stiffness: StiffnessDetector::new(stepper.tableau().control.stiff),
+            control: StepControl::new(stepper.control()),
+            stiffness: StiffnessDetector::new(stepper.control().stiff),
             jumps: JumpDetector::new(0.0),
             stepper,
             pace,
             clock: Clock::new(t),
             h: 0.0,
-            carry: zero.clone(),
-            rate: zero.clone(),
-            end: zero,
-            pieces,
             work: Work::default(),
             max_steps: u64::MAX,
             compensated: true,
             watch: None,
-            defect: Defect::new(),
+            defect: Defect::new(y.len()),
             until: t,
-            rates,
-            y,
         }
     }
 
@@ -124,49 +113,55 @@ impl<S: System + ?Sized> March<S> {
         self.clock.now()
     }
 
-    /// The present state with its work.
-    pub fn state(&self) -> &[f64] {
-        &self.y
+    /// The present state.
+    pub fn state(&self) -> Reached<'_> {
+        self.stepper.start()
     }
 
-    /// The present state with its work, to be changed before the march begins anew.
+    /// The present state [q; q'], to be changed before the march begins anew.
     pub fn state_mut(&mut self) -> &mut [f64] {
-        &mut self.y
+        self.stepper.state_mut()
     }
 
-    /// Vectors of a step's dense output.
-    pub fn pieces(&self) -> usize {
-        self.stepper.pieces()
+    /// True where dense output costs no evaluation.
+    pub fn dense_is_free(&self) -> bool {
+        self.stepper.dense_is_free()
     }
 
     /// Work done so far.
     pub fn work(&self) -> Work {
-        let samples = self.work.samples + self.watch.as_ref().map_or(0, Watch::samples);
-        Work { evaluations: self.rates.evaluations, samples, ..self.work }
+        let counters = self.stepper.counters();
+        Work {
+            evaluations: counters.evaluations,
+            jacobians: counters.jacobians,
+            factorizations: counters.factorizations,
+            samples: self.work.samples + self.watch.as_ref().map_or(0, Watch::samples),
+            ..self.work
+        }
     }
 
     /// Begins at the present state a motion that goes on to `until` at most: watches it, chooses the modes.
-    pub fn begin(&mut self, system: &mut S, until: f64) -> Result<(), Cause> {
+    pub fn begin(&mut self, system: &mut dyn System, until: f64) -> Result<(), Cause> {
         let now = self.clock.now();
-        finite(system, &self.y, 0)?;
+        finite(system, self.stepper.start().y, 0)?;
         self.jumps = JumpDetector::new(until - now);
         self.until = until;
         self.h = 0.0;
         self.work.samples += self.watch.as_ref().map_or(0, Watch::samples);
         self.watch = None;
-        if let Some(mut watch) = Watch::new(system, (now, until), &self.y)? {
-            let y = self.y.clone();
+        let y = self.stepper.start().y.to_vec();
+        if let Some(mut watch) = Watch::new(system, (now, until), &y)? {
             let outcome = watch.begin(system, (now, &y), &mut |system| self.trial(system));
             self.watch = Some(watch);
             outcome?;
         }
-        self.restart(system, false)
+        self.begin_anew(system, false)
     }
 
     /// Goes on to `until`, or to an event that stops; tells `progress` the time after every step.
     pub fn advance(
         &mut self,
-        system: &mut S,
+        system: &mut dyn System,
         until: f64,
         recorder: &mut Recorder,
         progress: &mut dyn FnMut(f64),
@@ -179,15 +174,16 @@ impl<S: System + ?Sized> March<S> {
             self.watch = watch;
             let (step, dense) = tried?;
             self.look_for_stiffness(step, recorder);
-            let Some(mut watch) = self.watch.take() else {
-                self.keep(system, step, dense, recorder)?;
-                progress(self.clock.now());
-                continue;
+            let halt = match self.watch.take() {
+                None => self.keep(system, step, dense, recorder).map(|()| Halt::Arrived),
+                Some(mut watch) => {
+                    let outcome = self.watched(system, step, &mut watch, recorder);
+                    self.watch = Some(watch);
+                    outcome
+                }
             };
-            let outcome = self.watched(system, step, &mut watch, recorder);
-            self.watch = Some(watch);
             progress(self.clock.now());
-            if outcome? == Halt::Event {
+            if halt? == Halt::Event {
                 return Ok(Halt::Event);
             }
         }
@@ -195,41 +191,46 @@ impl<S: System + ?Sized> March<S> {
     }
 
     /// Writes down and takes a step that nothing can interrupt.
-    fn keep(&mut self, system: &S, step: Step, dense: bool, recorder: &mut Recorder) -> Result<(), Cause> {
-        if dense {
-            recorder.accept(system, Some(&self.segment(step)), step.next, &self.end)?;
-        } else {
-            recorder.accept(system, None, step.next, &self.end)?;
-        }
+    fn keep(
+        &mut self,
+        system: &dyn System,
+        step: Step,
+        dense: bool,
+        recorder: &mut Recorder,
+    ) -> Result<(), Cause> {
+        let segment = dense.then(|| self.segment(step));
+        recorder.accept(system, segment.as_ref(), step.next, self.stepper.end())?;
         self.commit(step);
         Ok(())
     }
 
-    /// Begins anew after the state or the equations changed.
+    /// Begins anew after the equations changed on the way.
     ///
     /// At a time that was known beforehand the length of the last step says what it said before: it is kept.
-    pub(super) fn restart(&mut self, system: &S, keeps_step: bool) -> Result<(), Cause> {
-        self.carry.fill(0.0);
+    fn restart(&mut self, system: &dyn System, recorder: &mut Recorder, keeps_step: bool) -> Result<(), Cause> {
+        self.begin_anew(system, keeps_step)?;
+        recorder.restart(system, self.clock.now(), self.stepper.start());
+        Ok(())
+    }
+
+    fn begin_anew(&mut self, system: &dyn System, keeps_step: bool) -> Result<(), Cause> {
         if !keeps_step {
             self.h = 0.0;
         }
-        self.control = StepControl::new(self.stepper.tableau().control);
+        self.control = StepControl::new(self.stepper.control());
         self.jumps.restart();
-        self.rates
-            .evaluate(system, self.clock.now(), &self.y, &mut self.rate)
-            .map_err(|fault| fault.cause(system.description()))?;
-        finite(system, &self.rate, 1)
+        self.stepper.begin(system, self.clock.now()).map_err(|setback| setback.cause(system.description()))?;
+        finite(system, self.stepper.start().rate, 1)
     }
 
-    /// Dense output of the step that was tried.
-    pub(super) fn dense(&mut self, system: &S, step: Step) -> Result<(), Cause> {
-        self.stepper
-            .dense(&mut self.rates, system, (self.clock.now(), step.h, &self.y), &self.end, &mut self.pieces)
-            .map_err(|fault| fault.cause(system.description()))
+    /// Computes dense output of the step that was tried.
+    fn dense(&mut self, system: &dyn System, step: Step) -> Result<(), Cause> {
+        let computed = self.stepper.dense(system, self.clock.now(), step.h);
+        computed.map_err(|setback| setback.cause(system.description()))
     }
 
-    pub(super) fn segment(&self, step: Step) -> Segment<'_> {
-        Segment { t: self.clock.now(), h: step.h, width: self.rates.width, pieces: &self.pieces }
+    fn segment(&self, step: Step) -> Segment<'_> {
+        self.stepper.segment(self.clock.now(), step.h)
     }
 
     /// Tries steps until one is good.
@@ -237,7 +238,7 @@ impl<S: System + ?Sized> March<S> {
     /// None is longer than `most` seconds; one that would be is taken of just that length.
     fn attempt(
         &mut self,
-        system: &S,
+        system: &dyn System,
         stop: f64,
         most: f64,
         watch: &mut Option<Watch>,
@@ -247,17 +248,17 @@ impl<S: System + ?Sized> March<S> {
         }
         let now = self.clock.now();
         if self.h == 0.0 {
-            self.h = self.first(system, stop - now).map_err(|fault| fault.cause(system.description()))?;
+            self.h = self.first(system, stop - now).map_err(|setback| setback.cause(system.description()))?;
         }
         loop {
             let mut step = self.plan(stop);
             if let Pace::Adaptive { .. } = self.pace {
                 let met = watch.as_mut().map_or(step.h, |watch| watch.ahead(system, now, step.h));
-                if met.min(most) < step.h {
-                    let h = met.min(most);
-                    if met < step.h {
-                        self.jumps.restart();
-                    }
+                if met < step.h {
+                    self.jumps.restart();
+                }
+                let h = met.min(most);
+                if h < step.h {
                     step = Step { h, next: self.clock.after(h), lands: false };
                 }
             }
@@ -271,7 +272,7 @@ impl<S: System + ?Sized> March<S> {
             let outcome = self.try_step(system, step, false);
             match &self.pace {
                 Pace::Fixed(_) => {
-                    let error = outcome.map_err(|fault| fault.cause(system.description()))?;
+                    let error = outcome.map_err(|setback| setback.cause(system.description()))?;
                     self.all_finite(system, error)?;
                     return Ok(step);
                 }
@@ -287,7 +288,7 @@ impl<S: System + ?Sized> March<S> {
                     self.work.rejected += 1;
                     self.h = self.control.rejected(h, error);
                     if self.h < 16.0 * f64::EPSILON * now.abs() || self.h < f64::MIN_POSITIVE / f64::EPSILON {
-                        outcome.map_err(|fault| fault.cause(system.description()))?;
+                        outcome.map_err(|setback| setback.cause(system.description()))?;
                         self.all_finite(system, error)?;
                         return Err(Cause::StepTooSmall { h: self.h });
                     }
@@ -297,9 +298,10 @@ impl<S: System + ?Sized> March<S> {
     }
 
     /// Refuses a step whose end, or the rate there, is not finite.
-    fn all_finite(&self, system: &S, error: f64) -> Result<(), Cause> {
-        finite(system, &self.end, 0)?;
-        if error.is_nan() { finite(system, self.stepper.last_rate(), 1) } else { Ok(()) }
+    fn all_finite(&self, system: &dyn System, error: f64) -> Result<(), Cause> {
+        let end = self.stepper.end();
+        finite(system, end.y, 0)?;
+        if error.is_nan() { finite(system, end.rate, 1) } else { Ok(()) }
     }
 
     /// The next step to try.
@@ -327,36 +329,19 @@ impl<S: System + ?Sized> March<S> {
         }
     }
 
-    /// Tries a step; leaves its end behind, and its rate there if it is good (or `whatever` its error), which
-    /// is returned.
-    pub(super) fn try_step(&mut self, system: &S, step: Step, whatever: bool) -> Result<f64, Singular> {
-        let from = (self.clock.now(), step.h, self.y.as_slice());
+    /// Tries a step, and returns its error; the rate at its end is there if it is good, or `whatever` its error.
+    fn try_step(&mut self, system: &dyn System, step: Step, whatever: bool) -> Result<f64, Setback> {
         let tolerance = match &self.pace {
             Pace::Fixed(_) => None,
             Pace::Adaptive { tolerance, .. } => Some(tolerance),
         };
-        let error = self.stepper.attempt(&mut self.rates, system, from, &self.rate, tolerance)?;
-        let increment = self.stepper.increment();
-        for (i, end) in self.end.iter_mut().enumerate() {
-            *end = self.y[i] + (increment[i] + self.carry[i]);
-        }
-        if error <= 1.0 || whatever {
-            let rate = self.stepper.end_rate(&mut self.rates, system, step.next, &self.end)?;
-            if !rate.iter().all(|rate| rate.is_finite()) {
-                return Ok(f64::NAN);
-            }
-        }
-        Ok(error)
+        let trial = Trial { t: self.clock.now(), h: step.h, next: step.next, tolerance, whatever };
+        self.stepper.attempt(system, trial)
     }
 
     /// Takes the step that was tried.
-    pub(super) fn commit(&mut self, step: Step) {
-        let increment = self.stepper.increment();
-        for (i, carry) in self.carry.iter_mut().enumerate() {
-            *carry = if self.compensated { (increment[i] + *carry) - (self.end[i] - self.y[i]) } else { 0.0 };
-        }
-        std::mem::swap(&mut self.y, &mut self.end);
-        self.rate.copy_from_slice(self.stepper.last_rate());
+    fn commit(&mut self, step: Step) {
+        self.stepper.accept(self.compensated);
         match self.pace {
             Pace::Fixed(h) if step.h == h => self.clock.equal_step(h),
             Pace::Adaptive { .. } if !step.lands => self.clock.step(step.h),
@@ -366,19 +351,19 @@ impl<S: System + ?Sized> March<S> {
     }
 
     /// Refuses a step across which the acceleration jumps, unless it is time that makes it jump.
-    fn look_for_jumps(&mut self, system: &S, step: Step) -> Result<(), Cause> {
-        let n = self.rates.n;
-        let (before, after) = (&self.rate[n..2 * n], &self.stepper.last_rate()[n..2 * n]);
-        match self.jumps.observe(step.h, before, after) {
+    fn look_for_jumps(&mut self, system: &dyn System, step: Step) -> Result<(), Cause> {
+        let (start, end) = (self.stepper.start(), self.stepper.end());
+        let n = start.y.len() / 2;
+        match self.jumps.observe(step.h, &start.rate[n..], &end.rate[n..]) {
             None => Ok(()),
             Some(Upset::Stall) => Err(Cause::StepTooSmall { h: step.h }),
             Some(Upset::Jump(coordinate)) => {
-                let mut earlier = vec![0.0; self.rates.width];
-                self.rates
-                    .evaluate(system, self.clock.now(), &self.end, &mut earlier)
-                    .map_err(|fault| fault.cause(system.description()))?;
-                let by_state = (earlier[n + coordinate] - before[coordinate]).abs();
-                if by_state > 0.5 * (after[coordinate] - before[coordinate]).abs() {
+                let (before, after) = (start.rate[n + coordinate], end.rate[n + coordinate]);
+                let (end, mut earlier) = (end.y.to_vec(), vec![0.0; 2 * n]);
+                let evaluated = self.stepper.evaluate(system, self.clock.now(), &end, &mut earlier);
+                evaluated.map_err(|setback| setback.cause(system.description()))?;
+                let by_state = (earlier[n + coordinate] - before).abs();
+                if by_state > 0.5 * (after - before).abs() {
                     return Err(Cause::DirectionLost { coordinate: system.description().coordinate_name(coordinate) });
                 }
                 Ok(())
@@ -389,7 +374,7 @@ impl<S: System + ?Sized> March<S> {
     /// Warns once the step is limited by stability.
     fn look_for_stiffness(&mut self, step: Step, recorder: &mut Recorder) {
         if let Pace::Adaptive { .. } = self.pace {
-            let step_times_rate = self.stepper.stiffness(step.h, &self.end);
+            let step_times_rate = self.stepper.stiffness(step.h);
             if self.stiffness.observe(step_times_rate) {
                 recorder.warn(Warning::Stiff { t: step.next, step_times_rate });
             }
@@ -397,33 +382,27 @@ impl<S: System + ?Sized> March<S> {
     }
 
     /// The first step.
-    fn first(&mut self, system: &S, left: f64) -> Result<f64, Singular> {
+    fn first(&mut self, system: &dyn System, left: f64) -> Result<f64, Setback> {
         match &self.pace {
             Pace::Fixed(h) => Ok(*h),
             Pace::Adaptive { tolerance, longest } => {
-                let from = (self.clock.now(), self.y.as_slice(), self.rate.as_slice());
-                let order = self.stepper.tableau().order;
-                first_step(&mut self.rates, system, from, tolerance, order, longest.min(left))
+                first_step(&mut *self.stepper, system, self.clock.now(), tolerance, longest.min(left))
             }
         }
     }
 }
 
 /// An error that names the first number that is not finite.
-pub(super) fn finite<S: System + ?Sized>(system: &S, y: &[f64], primes: usize) -> Result<(), Cause> {
+fn finite(system: &dyn System, y: &[f64], primes: usize) -> Result<(), Cause> {
     match y.iter().position(|y| !y.is_finite()) {
         Some(index) => Err(non_finite(system, index, primes)),
         None => Ok(()),
     }
 }
 
-/// Names the number of [q; v; W] that is not finite, `primes` derivatives of it being meant.
-fn non_finite<S: System + ?Sized>(system: &S, index: usize, primes: usize) -> Cause {
+/// Names the number of [q; q'] that is not finite, `primes` derivatives of it being meant.
+fn non_finite(system: &dyn System, index: usize, primes: usize) -> Cause {
     let n = system.len().max(1);
-    let name = || system.description().coordinate_name(index % n);
-    let what = match index / n {
-        order @ (0 | 1) => format!("`{}{}`", name(), "'".repeat(order + primes)),
-        _ => "the work of the forces".to_owned(),
-    };
-    Cause::NonFinite { what }
+    let name = system.description().coordinate_name(index % n);
+    Cause::NonFinite { what: format!("`{name}{}`", "'".repeat(index / n + primes)) }
 }

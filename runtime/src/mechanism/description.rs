@@ -255,6 +255,8 @@ pub struct Structure {
     pub dimension: u32,
     /// M does not depend on the state: factored once.
     pub constant_mass: bool,
+    /// The diagonal of M does not depend on the state.
+    pub constant_inertias: bool,
     /// M is diagonal: divided by.
     pub diagonal_mass: bool,
     /// Sizes of the diagonal blocks of M, when there is more than one.

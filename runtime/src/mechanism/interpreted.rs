@@ -293,6 +293,7 @@ fn describe(program: &Program, source: &str) -> Description {
         structure: Structure {
             dimension: model.dimension as u32,
             constant_mass: s.constant_mass,
+            constant_inertias: s.constant_inertias,
             diagonal_mass: s.diagonal_mass,
             mass_blocks: s.mass_blocks.iter().map(|b| *b as u32).collect(),
             linear: s.linear,

@@ -2,6 +2,7 @@
 
 mod failure;
 mod frames;
+mod hermite;
 mod record;
 mod state;
 mod trajectory;
@@ -10,7 +11,7 @@ mod trust;
 use std::sync::Arc;
 
 pub use failure::Failure;
-pub(crate) use frames::Frames;
+pub(crate) use frames::Scenery;
 pub(crate) use record::{Plan, Recorder};
 pub(crate) use state::Names;
 pub use state::State;
@@ -52,8 +53,8 @@ pub struct Run {
     pub(crate) times: Vec<f64>,
     pub(crate) rows: Vec<f64>,
     pub(crate) outputs: Vec<f64>,
+    pub(crate) scenery: Scenery,
     /// Empty if the run was told to keep no dense output.
-    pub(crate) frames: Frames,
     pub(crate) trajectory: Trajectory,
     pub(crate) names: Arc<Names>,
     pub(crate) description: Arc<Description>,
@@ -143,10 +144,11 @@ impl Run {
     ///
     /// `None` outside of the run, and if the run was told to keep no dense output.
     pub fn at(&self, t: f64) -> Option<State> {
-        let segment = self.trajectory.find(t)?;
         let n = self.names.coordinates.len();
         let mut y = vec![0.0; 2 * n];
-        segment.evaluate(((t - segment.t) / segment.h).clamp(0.0, 1.0), &mut y);
+        if !self.trajectory.evaluate(t, &mut y) {
+            return None;
+        }
         let v = y.split_off(n);
         Some(State { t, q: y, v, outputs: Vec::new(), names: self.names.clone() })
     }
@@ -177,6 +179,11 @@ impl Run {
         let coordinates = &self.names.coordinates;
         let rates = coordinates.iter().map(|name| format!("{name}'"));
         coordinates.iter().cloned().chain(rates).chain(self.names.outputs.iter().cloned()).collect()
+    }
+
+    /// What the model draws at up to some thousands of times, evaluated now.
+    pub(crate) fn frames(&self) -> Vec<(f64, Vec<f64>)> {
+        self.scenery.frames(&self.trajectory)
     }
 
     /// The event that ended the run, if one did.

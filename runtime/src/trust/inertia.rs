@@ -48,10 +48,11 @@ const SMALLEST: f64 = 1e-4;
 const SUSPECT: f64 = 0.3;
 
 impl InertiaGuard {
-    /// Notes M at the start; `None` for a constant M.
+    /// Notes M at the start; `None` where its diagonal is constant.
     pub fn new<S: System + ?Sized>(system: &S, t: f64, y: &[f64]) -> Option<Self> {
         let description = system.description();
-        if description.structure.constant_mass || system.is_empty() {
+        let structure = &description.structure;
+        if structure.constant_mass || structure.constant_inertias || system.is_empty() {
             return None;
         }
         let place = |i: usize| {

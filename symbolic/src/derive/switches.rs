@@ -106,6 +106,9 @@ fn mode(graph: &mut Graph, switches: &mut Vec<Switch>, kind: SwitchKind, argumen
 /// e (|a| c)ᵖ, which is the same on the side in force and finite beyond the surface, where stages of a step may look.
 /// So does (s a c)ᵖ with the sign s of a.
 fn one_sided(graph: &mut Graph, node: Node, base: Id, switches: &[Switch]) -> Option<Id> {
+    if !has_mode(graph, base) {
+        return None;
+    }
     let (mut modes, mut factors, mut stack) = (Vec::new(), Vec::new(), vec![base]);
     while let Some(factor) = stack.pop() {
         match graph.node(factor) {
@@ -150,6 +153,20 @@ fn one_sided(graph: &mut Graph, node: Node, base: Id, switches: &[Switch]) -> Op
         _ => graph.unary(Unary::Sqrt, rest),
     };
     Some(graph.mul(force, power))
+}
+
+/// True where a mode is a factor of an expression.
+fn has_mode(graph: &Graph, root: Id) -> bool {
+    let mut stack = vec![root];
+    while let Some(factor) = stack.pop() {
+        match graph.node(factor) {
+            Node::Binary(Binary::Mul, a, b) => stack.extend([a, b]),
+            Node::Binary(Binary::Div, a, _) | Node::Unary(Unary::Neg, a) => stack.push(a),
+            Node::Symbol(Symbol::Mode(_)) => return true,
+            _ => {}
+        }
+    }
+    false
 }
 
 /// Puts the modes of known switches in the place of discontinuities; what is no known switch stays as it is.

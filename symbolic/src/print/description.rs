@@ -111,9 +111,10 @@ pub(super) fn description(program: &Program, source: &str) -> String {
     field(
         "structure",
         format!(
-            "Structure {{ dimension: {}, constant_mass: {}, diagonal_mass: {}, mass_blocks: {}, linear: {}, conservative: {}, time_dependent: {}, cyclic: {} }}",
+            "Structure {{ dimension: {}, constant_mass: {}, constant_inertias: {}, diagonal_mass: {}, mass_blocks: {}, linear: {}, conservative: {}, time_dependent: {}, cyclic: {} }}",
             model.dimension,
             s.constant_mass,
+            s.constant_inertias,
             s.diagonal_mass,
             list(s.mass_blocks.iter().map(ToString::to_string)),
             s.linear,
