@@ -92,7 +92,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for (name, text) in models(&names) {
         writeln!(
             out,
-            "pub mod {name} {{\n    dalembert::model!(yaml = {text:?}, name = Hostile, warnings = \"allow\");\n}}"
+            "mod {name} {{\n    dalembert::model!(yaml = {text:?}, name = Hostile, warnings = \"allow\");\n}}"
         )?;
         writeln!(entries, "    ({name:?}, {text:?}, || Box::new(Erased::new({name}::Hostile::default()))),")?;
     }
