@@ -69,6 +69,13 @@ pub enum Cause {
         /// The coordinate whose acceleration jumps most.
         coordinate: String,
     },
+    /// A mass, or a moment of inertia, is negative: M has a negative pivot, and the coordinate would move against the force.
+    NegativeInertia {
+        /// The coordinate whose pivot is negative.
+        coordinate: String,
+    },
+    /// Whoever was told the progress asked to stop.
+    Interrupted,
     /// More steps than `max_steps`.
     TooManySteps {
         /// The limit.
@@ -120,6 +127,11 @@ impl fmt::Display for Cause {
                 "direction lost: the acceleration of `{coordinate}` jumps, as where a `unit` or `norm` vanishes; stop \
                  before it by an event, such as `norm(v) - crawl`"
             ),
+            Cause::NegativeInertia { coordinate } => write!(
+                f,
+                "negative inertia: `{coordinate}` would move against the force; a mass or a moment of inertia is negative"
+            ),
+            Cause::Interrupted => write!(f, "interrupted"),
             Cause::TooManySteps { limit } => write!(f, "more than {limit} steps; raise `max_steps` to go on"),
         }
     }

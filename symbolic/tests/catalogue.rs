@@ -69,17 +69,20 @@ fn comparable(entry: &Entry, shown: String) -> String {
         return shown;
     }
     let line = |line: &str| {
-        let told = line.starts_with("error") || line.contains("= help: ");
+        let told = line.starts_with("error") || line.contains("= help: ") || line.contains("^ ");
         if told { without_numbers(line) } else { line.to_owned() }
     };
     shown.lines().map(line).map(|line| line + "\n").collect()
 }
 
 fn without_numbers(line: &str) -> String {
+    // The command that reproduces a state is full of them.
+    let (line, rest) = line.split_once("try `simulate").unwrap_or((line, ""));
+    let command = if rest.is_empty() { "" } else { "try `simulate #`" };
     let (code, rest) = line.split_at(line.find(':').unwrap_or(0));
     let numeric = |word: &str| word.trim_end_matches([',', ':', ';']).parse::<f64>().is_ok();
     let words = rest.split(' ').map(|word| if numeric(word) { "#" } else { word });
-    format!("{code}{}", words.collect::<Vec<_>>().join(" "))
+    format!("{code}{}{command}", words.collect::<Vec<_>>().join(" "))
 }
 
 /// What a help proposes to write leads to another error or to none: "write `…`" and "did you mean `…`?" are applied.

@@ -21,6 +21,9 @@ impl March {
             recorder.accept(system, Some(&segment), step.next, self.stepper.end())?;
             watch.pass(system, &segment, recorder);
             self.commit(step);
+            if step.lands {
+                recorder.leave(system, step.next, self.stepper.start());
+            }
             if step.lands && watch.switch(system, step.next, self.stepper.start().y)? {
                 self.restart(system, recorder)?;
             }
@@ -29,6 +32,7 @@ impl March {
         let crossing = match interruption {
             Interruption::At(crossing) => crossing,
             Interruption::LeavesRest { switch, side } => {
+                recorder.leave(system, self.clock.now(), self.stepper.start());
                 watch.leave_rest(system, (switch, side), (self.clock.now(), self.stepper.start().y))?;
                 self.restart(system, recorder)?;
                 return Ok(Halt::Arrived);
@@ -49,6 +53,7 @@ impl March {
         if stops {
             return Ok(Halt::Event);
         }
+        recorder.leave(system, self.clock.now(), self.stepper.start());
         // A stop time may coincide with the crossing.
         watch.switch(system, self.clock.now(), self.stepper.start().y)?;
         self.restart(system, recorder)?;

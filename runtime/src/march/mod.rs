@@ -7,12 +7,14 @@
 mod interrupt;
 mod jump;
 
+use std::ops::ControlFlow;
+
 use jump::{JumpDetector, Upset};
 
 use crate::cause::Cause;
 use crate::events::Watch;
 use crate::integrate::{
-    Clock, OneStep, Reached, Segment, Setback, StepControl, StiffnessDetector, Tolerance, Trial, first_step, stepper,
+    Clock, OneStep, Reached, Segment, Setback, StepControl, StiffnessDetector, Tolerance, Trial, stepper,
 };
 use crate::mechanism::{Method, System};
 use crate::run::{Recorder, Work};
@@ -66,6 +68,9 @@ pub(crate) struct March {
     watch: Option<Watch>,
     stiffness: StiffnessDetector,
     jumps: JumpDetector,
+    /// Errors and length of the last attempt at the present step, if it was rejected.
+    rejected: Vec<f64>,
+    rejected_step: f64,
 }
 
 impl March {
@@ -86,6 +91,8 @@ impl March {
             max_steps: u64::MAX,
             compensated: true,
             watch: None,
+            rejected: Vec::with_capacity(y.len()),
+            rejected_step: 0.0,
         }
     }
 
@@ -136,7 +143,11 @@ impl March {
     pub fn begin(&mut self, system: &mut dyn System, until: f64) -> Result<(), Cause> {
         let now = self.clock.now();
         finite(system, self.stepper.start().y, 0)?;
+        (self.h, self.control) = (0.0, StepControl::new(self.stepper.control()));
         self.jumps = JumpDetector::new(until - now);
+        if let Pace::Adaptive { tolerance, .. } = &mut self.pace {
+            tolerance.observe(self.stepper.start().y);
+        }
         self.watch = Watch::new(system, (now, until), self.stepper.start().y);
         if let Some(watch) = &mut self.watch {
             watch.begin(system, now, self.stepper.start().y)?;
@@ -150,11 +161,11 @@ impl March {
         system: &mut dyn System,
         until: f64,
         recorder: &mut Recorder,
-        progress: &mut dyn FnMut(f64),
+        progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
     ) -> Result<Halt, Cause> {
         while self.clock.now() < until {
             let stop = self.watch.as_ref().map_or(until, |watch| watch.next_stop(until));
-            let step = self.attempt(system, stop)?;
+            let step = self.attempt(system, stop, recorder)?;
             self.look_for_stiffness(step, recorder);
             let halt = match self.watch.take() {
                 None => self.keep(system, step, recorder).map(|()| Halt::Arrived),
@@ -164,9 +175,12 @@ impl March {
                     outcome
                 }
             };
-            progress(self.clock.now());
+            let goes_on = progress(self.clock.now());
             if halt? == Halt::Event {
                 return Ok(Halt::Event);
+            }
+            if goes_on.is_break() {
+                return Err(Cause::Interrupted);
             }
         }
         Ok(Halt::Arrived)
@@ -192,8 +206,8 @@ impl March {
     }
 
     fn begin_anew(&mut self, system: &dyn System) -> Result<(), Cause> {
-        self.h = 0.0;
-        self.control = StepControl::new(self.stepper.control());
+        // The length of the step stays: what happened says little about the next one, and the error test judges it.
+        self.control.restart();
         self.jumps.restart();
         self.stepper.begin(system, self.clock.now()).map_err(|setback| setback.cause(system.description()))?;
         finite(system, self.stepper.start().rate, 1)
@@ -210,14 +224,15 @@ impl March {
     }
 
     /// Tries steps until one is good.
-    fn attempt(&mut self, system: &dyn System, stop: f64) -> Result<Step, Cause> {
+    fn attempt(&mut self, system: &dyn System, stop: f64, recorder: &mut Recorder) -> Result<Step, Cause> {
         if self.work.steps >= self.max_steps {
             return Err(Cause::TooManySteps { limit: self.max_steps });
         }
         let now = self.clock.now();
         if self.h == 0.0 {
-            self.h = self.first(system, stop - now).map_err(|setback| setback.cause(system.description()))?;
+            self.h = self.first(stop - now);
         }
+        self.rejected.clear();
         loop {
             let step = self.plan(stop);
             let Step { h, next, lands } = step;
@@ -244,6 +259,7 @@ impl March {
                         return Ok(step);
                     }
                     self.work.rejected += 1;
+                    self.look_for_noise(system, step, recorder);
                     self.h = self.control.rejected(h, error);
                     if self.h < 16.0 * f64::EPSILON * now.abs() || self.h < f64::MIN_POSITIVE / f64::EPSILON {
                         outcome.map_err(|setback| setback.cause(system.description()))?;
@@ -300,6 +316,9 @@ impl March {
     /// Takes the step that was tried.
     fn commit(&mut self, step: Step) {
         self.stepper.accept(self.compensated);
+        if let Pace::Adaptive { tolerance, .. } = &mut self.pace {
+            tolerance.observe(self.stepper.start().y);
+        }
         match self.pace {
             Pace::Fixed(h) if step.h == h => self.clock.equal_step(h),
             Pace::Adaptive { .. } if !step.lands => self.clock.step(step.h),
@@ -339,16 +358,36 @@ impl March {
         }
     }
 
-    /// The first step.
-    fn first(&mut self, system: &dyn System, left: f64) -> Result<f64, Setback> {
-        match &self.pace {
-            Pace::Fixed(h) => Ok(*h),
-            Pace::Adaptive { tolerance, longest } => {
-                first_step(&mut *self.stepper, system, self.clock.now(), tolerance, longest.min(left))
+    /// Looks whether what was rejected twice running is the rounding of other coordinates.
+    fn look_for_noise(&mut self, system: &dyn System, step: Step, recorder: &mut Recorder) {
+        let Pace::Adaptive { tolerance, .. } = &mut self.pace else { return };
+        let errors = self.stepper.errors();
+        if !self.rejected.is_empty() {
+            let (n, before, earlier) = (errors.len() / 2, &self.rejected, self.rejected_step);
+            for i in 0..n {
+                let of = |errors: &[f64]| [errors[i].abs(), errors[n + i].abs()];
+                if tolerance.is_noise(i, (of(before), of(errors)), (earlier, step.h)) {
+                    let coordinate = system.description().coordinate_name(i);
+                    recorder.warn(Warning::RoundingLimits { coordinate, to: tolerance.rounding(i) });
+                }
             }
+        }
+        self.rejected.clear();
+        self.rejected.extend_from_slice(errors);
+        self.rejected_step = step.h;
+    }
+
+    /// The first step: a thousandth of the way at most, which the error test shortens.
+    fn first(&self, left: f64) -> f64 {
+        match &self.pace {
+            Pace::Fixed(h) => *h,
+            Pace::Adaptive { longest, .. } => longest.min(FIRST * left),
         }
     }
 }
+
+/// The first step is tried at this part of the way.
+const FIRST: f64 = 1e-3;
 
 /// An error that names the first number that is not finite.
 fn finite(system: &dyn System, y: &[f64], primes: usize) -> Result<(), Cause> {

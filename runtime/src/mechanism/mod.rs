@@ -58,7 +58,7 @@ pub struct Scene {
     pub v: Vec<f64>,
     /// Where the run ends, s.
     pub until: f64,
-    /// Relative tolerance; absolute in units of each coordinate's scale.
+    /// Tolerance, relative to the range that each coordinate goes through.
     pub tolerance: f64,
     /// Spacing of reported states, s; `None`: 500 points.
     pub every: Option<f64>,

@@ -14,6 +14,8 @@ use crate::run::Run;
 #[must_use = "nothing happens before `run`"]
 pub struct Simulation<S: System> {
     system: S,
+    /// The parameters before any scene set one.
+    given: Vec<f64>,
     settings: Settings,
     /// The first thing that was wrong; reported by `run`.
     wrong: Option<Error>,
@@ -22,8 +24,9 @@ pub struct Simulation<S: System> {
 impl<S: System> Simulation<S> {
     /// A run of the first scene.
     pub fn new(mut system: S) -> Self {
-        let settings = Settings::new(&set_scene(&mut system, 0));
-        Simulation { system, settings, wrong: None }
+        let given = system.parameters();
+        let settings = Settings::new(&set_scene(&mut system, &given, 0));
+        Simulation { system, given, settings, wrong: None }
     }
 
     /// Another scene of the model file.
@@ -31,7 +34,7 @@ impl<S: System> Simulation<S> {
         let scenes = &self.system.description().scenes;
         match scenes.iter().position(|scene| scene == name) {
             Some(index) => {
-                let scene = set_scene(&mut self.system, index);
+                let scene = set_scene(&mut self.system, &self.given, index);
                 self.from(&scene)
             }
             None => {
@@ -190,12 +193,16 @@ pub(crate) fn derivation(mechanism: &Description, name: &str) -> Result<Option<u
 /// The name of the derivation that every mechanism has.
 pub(crate) const LAGRANGE: &str = "lagrange";
 
-/// Sets what a scene sets, where the file's value still holds, and returns the scene.
-fn set_scene<S: System>(system: &mut S, index: usize) -> Scene {
-    let values = system.parameters();
+/// Sets what a scene sets, where the file's value was given, in place of what another scene set; returns the scene.
+fn set_scene<S: System>(system: &mut S, given: &[f64], index: usize) -> Scene {
+    for (parameter, value) in given.iter().enumerate() {
+        if system.parameters().get(parameter) != Some(value) {
+            system.set_parameter(parameter, *value);
+        }
+    }
     for (parameter, value) in system.scene_parameters(index) {
         let default = system.description().parameters.get(parameter).map(|parameter| parameter.default);
-        if default == values.get(parameter).copied() {
+        if default == given.get(parameter).copied() {
             system.set_parameter(parameter, value);
         }
     }
