@@ -92,7 +92,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for (name, text) in models(&names) {
         writeln!(
             out,
-            "pub mod {name} {{\n    dalembert::model!(yaml = {text:?}, name = Hostile, warnings = \"allow\");\n}}"
+            "mod {name} {{\n    dalembert::model!(yaml = {text:?}, name = Hostile, warnings = \"allow\");\n}}"
         )?;
         writeln!(entries, "    ({name:?}, {text:?}, || Box::new(Erased::new({name}::Hostile::default()))),")?;
     }
@@ -232,16 +232,15 @@ fn models(names: &[String]) -> Vec<(&'static str, String)> {
         list(&all, &|k, _| format!("zz*{k}")),
         list(&all, &|_, _| "xzz = xzz".to_owned()),
     ));
-    // A system of these names would be taken for the only one.
+    // Systems of these names would be taken for the only one, and `scene` is the name of the default scene.
     let systems: Vec<&String> =
-        all.iter().copied().filter(|name| !["equations", "reactions"].contains(&name.as_str())).collect();
+        all.iter().copied().filter(|name| !["equations", "reactions", "scene"].contains(&name.as_str())).collect();
     let balances = line(&format!(
         "springs: {{szz: {{between: [ground, bzz], stiffness: 3}}}}\nbalances:\n{}scenes:\n{}",
         list(&systems, &|_, _| {
-            "{equations: [{force: {of: all, along: [1, 0]}}, {force: {of: all, along: [0, 1]}}], reactions: {}}"
-                .to_owned()
+            "{equations: [{equation: 4*zz*xzz'' = -3*xzz}, {equation: 3*zz*yzz'' = -3*yzz}]}".to_owned()
         }),
-        list(&all, &|k, _| format!("{{set: {{zz: {k}}}, start: {{xzz: {k}}}}}")),
+        list(&systems, &|k, _| format!("{{set: {{zz: {k}}}, start: {{xzz: {k}}}}}")),
     ));
     vec![
         ("coordinates", coordinates),

@@ -90,8 +90,8 @@ mod tests {
 
     /// What a doubtful model expands to.
     fn doubtful(level: &str) -> String {
-        let yaml = "name: Plate\nparameters: {m: 1 kg}\ncoordinates: {theta: rad}\nbodies:\n  \
-                    a: {mass: m, angle: theta, position: \"[cos(theta), 0]\"}\n";
+        let yaml = "name: Plate\nparameters: {m: 1 kg, l: 1 m}\ncoordinates: {theta: rad}\nbodies:\n  \
+                    a: {mass: m, angle: theta, position: \"[l*cos(theta), 0]\"}\n";
         let arguments = syn::parse_str(&format!("yaml = {yaml:?}{level}")).unwrap();
         expand(&arguments).to_string()
     }
