@@ -6,6 +6,7 @@ use clap::ArgMatches;
 use dalembert_symbolic::file;
 use dalembert_symbolic::gate::{Conservative, Nature, shared_data};
 use dalembert_symbolic::lower::Program;
+use dalembert_symbolic::number::DoubleDouble;
 
 use super::load::Loaded;
 use super::{Entry, Problem};
@@ -106,7 +107,9 @@ fn conditions(program: &Program, source: &str, out: &mut dyn Write) -> Result<()
         mechanism.set_modes(&state.modes);
         for (k, range) in ranges.iter_mut().enumerate() {
             let Some(mut balances) = Balances::new(&mechanism, k) else { continue };
-            balances.evaluate(&mechanism, At::new(state.t, &state.q, &state.v));
+            let floats = |list: &[DoubleDouble]| list.iter().map(|x| x.to_f64()).collect::<Vec<f64>>();
+            let (q, v) = (floats(&state.q), floats(&state.v));
+            balances.evaluate(&mechanism, At::new(state.t.to_f64(), &q, &v));
             let condition = 1.0 / balances.reciprocal_condition();
             *range = (range.0.min(condition), range.1.max(condition));
         }

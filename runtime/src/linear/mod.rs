@@ -30,12 +30,13 @@ mod modes;
 mod rigid;
 mod typed;
 
+pub use crate::error::{LinearError, Residual};
+pub use crate::numbers::{short, short_beside};
 pub use branch::{Branch, BranchPoint, Change, Threshold, ThresholdKind, follow};
 pub use equilibrium::{
     Equilibrium, Freedom, Guess, Jump, Linearised, equilibria, equilibrium_here, equilibrium_near, linearise,
     state_matrix,
 };
-pub use crate::error::{LinearError, Residual};
 pub use forced::{
     Drive, Harmonic, Measured, Motion, Source, Steady, beat, bode, measure, solvemode, solvenorm, solvenum,
 };
@@ -45,6 +46,5 @@ pub use modes::{ComplexModes, FirstOrder, Stability, complex_modes, first_order_
 pub use modes::{
     DiagonalDamping, Kind, Mode, Reduction, animate_mode, draw_modes, normal_modes, proportional_damping, root_locus,
 };
-pub use crate::numbers::{short, short_beside};
 pub use rigid::{Part, name_free_modes};
 pub use typed::Linearise;

@@ -95,7 +95,11 @@ pub fn name_free_modes(linear: &Linearised, parts: &[Part], modes: &mut [Mode]) 
     for (k, (name, shape)) in free.into_iter().zip(basis) {
         let shape = shape.iter().map(|x| Complex::new(*x, 0.0)).collect();
         let what = (0.0, None, Complex::new(0.0, 0.0), Kind::Rigid);
-        modes[k] = Mode { name: Some(name), repeated: modes[k].repeated, ..Mode::new(shape, &linear.mass, &linear.coordinates, what) };
+        modes[k] = Mode {
+            name: Some(name),
+            repeated: modes[k].repeated,
+            ..Mode::new(shape, &linear.mass, &linear.coordinates, what)
+        };
     }
     Ok(())
 }

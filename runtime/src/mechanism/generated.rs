@@ -86,7 +86,15 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
     /// ∂F/∂t of the rows of its pattern.
     fn time_jacobian<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], dt: &mut [S]);
     /// ∂F/∂t with generic numbers for functions of time that can be as small as none.
-    fn time_dependence<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], dt: &mut [S]);
+    fn time_dependence<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &[S; N],
+        dt: &mut [S],
+    );
     /// Sums of the absolute values of the terms of each component of F.
     fn magnitudes<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], sums: &mut [S]);
     /// T, V, the Jacobi function, the power and the scale, in the order of [`Energy`]'s fields.

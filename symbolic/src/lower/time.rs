@@ -40,8 +40,9 @@ pub(super) fn of_time(graph: &mut Graph, residual: &[Id], switches: &[Switch]) -
 /// Functions of time alone, but for sine and cosine (which are nowhere small for long), become numbers.
 fn with_generic_functions(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
     let timed = graph.contains(|s| s == Symbol::Time);
-    let moving = graph
-        .contains(|s| matches!(s, Symbol::Coordinate(_) | Symbol::Speed(_) | Symbol::Acceleration(_) | Symbol::Mode(_)));
+    let moving = graph.contains(|s| {
+        matches!(s, Symbol::Coordinate(_) | Symbol::Speed(_) | Symbol::Acceleration(_) | Symbol::Mode(_))
+    });
     let mut random = Random::new();
     rewrite(graph, roots, |graph, node| {
         let Node::Unary(function, x) = node else { return None };

@@ -7,7 +7,7 @@ const COHERENT: [&str; 9] = ["kg", "m", "s", "rad", "N", "J", "W", "Pa", "Hz"];
 
 /// A unit as the file writes it, for a number that is in SI: `N/mm` becomes `N/m`, `deg` `rad`, `g` `kg`.
 pub fn si_unit(written: &str) -> String {
-    let coherent = |text: &str| parse_unit(text).is_ok_and(|unit| unit.factor() == 1.0);
+    let coherent = |text: &str| parse_unit(text).is_ok_and(|unit| unit.factor().to_f64() == 1.0);
     if coherent(written) {
         return written.to_owned();
     }
@@ -23,7 +23,8 @@ pub fn si_unit(written: &str) -> String {
         text.push(c);
     }
     let text = text.trim_end().to_owned();
-    let same = |a: &str, b: &str| matches!((parse_unit(a), parse_unit(b)), (Ok(a), Ok(b)) if a.dimension == b.dimension);
+    let same =
+        |a: &str, b: &str| matches!((parse_unit(a), parse_unit(b)), (Ok(a), Ok(b)) if a.dimension == b.dimension);
     if coherent(&text) && same(&text, written) {
         return text;
     }
@@ -33,7 +34,7 @@ pub fn si_unit(written: &str) -> String {
 
 fn without_prefix(name: &str) -> String {
     let Ok(unit) = parse_unit(name) else { return name.to_owned() };
-    if unit.factor() == 1.0 {
+    if unit.factor().to_f64() == 1.0 {
         return name.to_owned();
     }
     let fits = |base: &&&str| {

@@ -126,8 +126,7 @@ impl Locus {
         writeln!(out, "eigenvalues as {} changes:", self.parameter)?;
         for point in ends {
             let scale = point.eigenvalues.iter().fold(0.0_f64, |most, x| most.max(x.norm()));
-            let mut upper: Vec<&Complex<f64>> =
-                point.eigenvalues.iter().filter(|x| x.im >= -1e-12 * scale).collect();
+            let mut upper: Vec<&Complex<f64>> = point.eigenvalues.iter().filter(|x| x.im >= -1e-12 * scale).collect();
             upper.sort_by(|a, b| a.im.total_cmp(&b.im).then(a.re.total_cmp(&b.re)));
             let list: Vec<String> = upper.iter().take(super::MOST_PRINTED).map(|x| complex(x, scale)).collect();
             let grows = if point.growing > 0 { "unstable" } else { "nothing grows" };

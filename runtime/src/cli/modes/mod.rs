@@ -85,8 +85,7 @@ fn steady(loaded: &Loaded, scene: usize) -> Result<Guess, Problem> {
     let mut guess = Guess::at(&start.q);
     let cyclic = &description.structure.cyclic;
     cyclic.iter().for_each(|index| guess.v[*index as usize] = start.v[*index as usize]);
-    let names: Vec<&str> =
-        cyclic.iter().map(|index| description.coordinates[*index as usize].name.as_ref()).collect();
+    let names: Vec<&str> = cyclic.iter().map(|index| description.coordinates[*index as usize].name.as_ref()).collect();
     if names.is_empty() {
         return Err(Problem::Usage(format!(
             "error: --steady: `{}` has no cyclic coordinate; describe what turns by an angle on which nothing depends",
@@ -186,7 +185,8 @@ fn notes(linear: &Linearised, modes: &[Mode]) -> Vec<String> {
             let (count, plural) = (groups.len(), if groups.len() == 1 { "" } else { "s" });
             let list: Vec<String> = groups.iter().map(one).collect();
             let pairs = format!("{count} secular pair{plural}: {}", list.join("; "));
-            let grows = if modes.iter().any(|mode| mode.secular && mode.zeta == Some(0.0)) { ", and grow like t" } else { "" };
+            let grows =
+                if modes.iter().any(|mode| mode.secular && mode.zeta == Some(0.0)) { ", and grow like t" } else { "" };
             notes.push(format!("{pairs}; motions have a factor A + B t{grows}"));
         }
         if analysis.defective {

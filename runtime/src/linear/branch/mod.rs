@@ -14,7 +14,7 @@ mod tests;
 use nalgebra::Complex;
 
 use super::equilibrium::{Guess, equilibrium_near};
-use super::{LinearError, Linearised};
+use super::LinearError;
 use crate::mechanism::System;
 use threshold::thresholds;
 use walk::{End, Path, Walker};
@@ -188,9 +188,4 @@ struct Turn {
     /// The place of the state behind it in the path.
     index: usize,
     mirrored: bool,
-}
-
-/// The spectrum of a linear model is all that thresholds need.
-fn eigenvalues(linear: &Linearised) -> Result<Vec<Complex<f64>>, LinearError> {
-    linear.eigenvalues()
 }

@@ -2,8 +2,7 @@
 
 use nalgebra::{Complex, DMatrix};
 
-use super::eigenvalues;
-use crate::linear::matrices::{cholesky, is_symmetric, symmetric_eigen};
+use crate::linear::matrices::{Scaled, cholesky, is_symmetric, null_space, symmetric_eigen};
 use crate::linear::{LinearError, Linearised};
 
 /// Parts of an eigenvalue below this are what rounding makes of a double one.
@@ -30,7 +29,10 @@ impl Spectrum {
     pub fn of(linear: &Linearised) -> Result<Spectrum, LinearError> {
         let stiffness = linear.k();
         let squares = linear.damping.is_zero();
+        let mut free = 0;
         let (mut values, symmetric) = if squares {
+            let failed = || LinearError::NoConvergence { what: "the singular value decomposition of K" };
+            free = null_space(&Scaled::new(&linear.mass).stiffness(&stiffness)).ok_or_else(failed)?.ncols();
             let factor = cholesky(&linear.m()).map_err(|index| linear.singular(index))?;
             let mut half = stiffness;
             factor.solve_lower_triangular_mut(&mut half);
@@ -39,16 +41,23 @@ impl Spectrum {
             let symmetric = linear.circulatory().is_zero();
             (of_matrix(whole.transpose(), symmetric)?, symmetric)
         } else {
-            (eigenvalues(linear)?.into_iter().filter(|x| x.norm() > 0.0).collect(), false)
+            (linear.eigenvalues()?.into_iter().filter(|x| x.norm() > 0.0).collect(), false)
         };
+        // Those that are 0 by rank stay what they are.
+        values.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
+        values.drain(..free.min(values.len()));
         let norm = values.iter().fold(0.0_f64, |most, x| most.max(x.norm()));
         let eigenvalues: Vec<Complex<f64>> = match squares {
-            true => values.iter().flat_map(|kappa| both_roots(*kappa)).collect(),
-            false => eigenvalues(linear)?,
+            true => {
+                let zeros = std::iter::repeat_n(Complex::new(0.0, 0.0), 2 * free);
+                zeros.chain(values.iter().flat_map(|kappa| both_roots(*kappa))).collect()
+            }
+            false => linear.eigenvalues()?,
         };
         let dissipates = !linear.dissipative().is_zero();
         let floor = if dissipates { 64.0 * linear.len() as f64 * f64::EPSILON } else { SPLIT };
-        values.sort_by(|a, b| a.im.abs().total_cmp(&b.im.abs()).then(a.re.total_cmp(&b.re)).then(a.im.total_cmp(&b.im)));
+        values
+            .sort_by(|a, b| a.im.abs().total_cmp(&b.im.abs()).then(a.re.total_cmp(&b.re)).then(a.im.total_cmp(&b.im)));
         if symmetric {
             values.sort_by(|a, b| a.re.total_cmp(&b.re));
         }
@@ -87,12 +96,15 @@ impl Spectrum {
     /// True where nothing can have happened on the way to another spectrum: no value has moved by more than a part of
     /// its distance from the others and from the border of stability.
     pub fn is_near(&self, other: &Spectrum) -> bool {
-        if self.values.len() != other.values.len() || self.squares != other.squares || self.symmetric != other.symmetric {
+        if self.values.len() != other.values.len() || self.squares != other.squares || self.symmetric != other.symmetric
+        {
             return false;
         }
         if self.symmetric {
             let pairs = self.values.iter().zip(&other.values);
-            return pairs.into_iter().all(|(a, b)| (a - b).norm() <= 0.5 * a.norm().max(b.norm()) && a.re * b.re >= 0.0);
+            return pairs
+                .into_iter()
+                .all(|(a, b)| (a - b).norm() <= 0.5 * a.norm().max(b.norm()) && a.re * b.re >= 0.0);
         }
         self.all_near(other) && other.all_near(self)
     }
@@ -107,7 +119,9 @@ impl Spectrum {
             let border = match self.squares {
                 true => x.norm(),
                 // What lies on the axis for want of damping has no distance from it.
-                false if x.re.abs() <= self.floor.max(SPLIT * x.norm() * f64::from(u8::from(self.floor == 0.0))) => f64::INFINITY,
+                false if x.re.abs() <= self.floor.max(SPLIT * x.norm() * f64::from(u8::from(self.floor == 0.0))) => {
+                    f64::INFINITY
+                }
                 false => x.re.abs(),
             };
             let across = match self.squares {

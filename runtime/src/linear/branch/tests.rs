@@ -21,9 +21,7 @@ impl Tuned {
     fn new(n: usize, value: f64, matrices: impl Fn(f64) -> [DMatrix<f64>; 3] + Send + Sync + 'static) -> Tuned {
         let all: Vec<(u32, u32)> = (0..n as u32).flat_map(|i| (0..n as u32).map(move |j| (i, j))).collect();
         let description = Description {
-            coordinates: (0..n)
-                .map(|i| Coordinate { name: format!("x[{}]", i + 1).into(), unit: "".into() })
-                .collect(),
+            coordinates: (0..n).map(|i| Coordinate { name: format!("x[{}]", i + 1).into(), unit: "".into() }).collect(),
             parameters: vec![Parameter { name: "p".into(), ..Parameter::default() }].into(),
             mass_pattern: all.iter().copied().filter(|(i, j)| i >= j).collect(),
             stiffness_pattern: all.clone().into(),
@@ -136,7 +134,11 @@ fn ziegler_without_damping() {
             [m, DMatrix::zeros(2, 2), k]
         });
         let (middle, half) = (0.5 * (5.0 + r), r.sqrt());
-        expect(&system, (0.0, 6.1), &[(middle - half, Flutter), (middle + half, Divergence)][..1 + usize::from(middle + half < 6.1)]);
+        expect(
+            &system,
+            (0.0, 6.1),
+            &[(middle - half, Flutter), (middle + half, Divergence)][..1 + usize::from(middle + half < 6.1)],
+        );
     }
 }
 
@@ -216,9 +218,8 @@ fn the_bicycle_is_stable_between_two_speeds() {
 /// frequencies pass each other without one.
 #[test]
 fn narrow_windows_are_found_and_crossings_are_none() {
-    let crossing = |e: f64| {
-        Tuned::new(2, 1.3, move |s| [DMatrix::identity(2, 2), DMatrix::zeros(2, 2), dmatrix![1.0, e; -e, s]])
-    };
+    let crossing =
+        |e: f64| Tuned::new(2, 1.3, move |s| [DMatrix::identity(2, 2), DMatrix::zeros(2, 2), dmatrix![1.0, e; -e, s]]);
     for e in [1e-2, 1e-3, 1e-4, 1e-6] {
         expect(&crossing(e), (0.5, 2.01), &[(1.0 - 2.0 * e, Flutter), (1.0 + 2.0 * e, Flutter)]);
     }

@@ -52,7 +52,15 @@ pub(super) fn thresholds(walker: &Walker<'_>, points: &[State], turns: &[Turn], 
     for (index, pair) in samples.windows(2).enumerate() {
         let [Some(a), Some(b)] = pair else { continue };
         if turns.iter().any(|turn| turn.index == index + 1) {
-            // The fold has been named; on both sides of it the same modes are nearly without stiffness.
+            // The fold itself has been named: up to it, and on from it.
+            for turn in turns.iter().filter(|turn| turn.index == index + 1) {
+                for (end, first) in [(a, true), (b, false)] {
+                    let near = walker.between(&end.state, &turn.at, 0.98);
+                    let Some(Ok(near)) = near.map(|state| sample(walker, state, end.folded)) else { continue };
+                    let (low, high) = if first { (end, &near) } else { (&near, end) };
+                    search.between(low, high, 0, &mut found, &mut branch.thresholds);
+                }
+            }
             continue;
         }
         search.between(a, b, 0, &mut found, &mut branch.thresholds);
@@ -119,13 +127,18 @@ impl Search<'_> {
         for _ in 0..60 {
             let Some(middle) = self.middle(&low, &high) else { break };
             let narrow = middle.state.value == low.state.value || middle.state.value == high.state.value;
-            if growing(&middle) == grew { low = middle } else { high = middle }
+            if growing(&middle) == grew {
+                low = middle
+            } else {
+                high = middle
+            }
             if narrow {
                 break;
             }
         }
         let mut here = threshold(&low, &high);
-        here.growing = if low.state.value <= high.state.value { [grew, growing(&high)] } else { [growing(&high), grew] };
+        here.growing =
+            if low.state.value <= high.state.value { [grew, growing(&high)] } else { [growing(&high), grew] };
         found.push(here);
         if growing(&high) != growing(b) {
             self.between(&high, b, SHALLOW, kept, found);

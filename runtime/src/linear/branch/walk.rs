@@ -25,7 +25,7 @@ const BALANCED: f64 = 1e-11;
 pub(super) struct Walker<'a> {
     probe: Probe,
     system: Box<dyn System>,
-    names: &'a Guess,
+    guess: &'a Guess,
     parameter: usize,
     pub range: (f64, f64),
 }
@@ -50,7 +50,7 @@ impl<'a> Walker<'a> {
         system: &S,
         parameter: usize,
         range: (f64, f64),
-        names: &'a Guess,
+        guess: &'a Guess,
     ) -> Result<Self, LinearError> {
         let count = system.parameters().len();
         if parameter >= count {
@@ -59,7 +59,7 @@ impl<'a> Walker<'a> {
         if !(range.0.is_finite() && range.1.is_finite() && range.0 < range.1) {
             return Err(LinearError::NonFinite { what: "the range of the parameter".to_owned() });
         }
-        Ok(Walker { probe: Probe::new(system, names), system: system.boxed_clone(), names, parameter, range })
+        Ok(Walker { probe: Probe::new(system, guess), system: system.boxed_clone(), guess, parameter, range })
     }
 
     pub fn size(&self) -> usize {
@@ -74,7 +74,7 @@ impl<'a> Walker<'a> {
     pub fn linearise(&self, state: &State) -> Result<Linearised, LinearError> {
         self.probe.set_parameter(self.parameter, state.value);
         self.probe.check(&state.q)?;
-        linearised_at(&*self.system, &self.probe, &Guess { q: state.q.clone(), ..self.names.clone() })
+        linearised_at(&*self.system, &self.probe, &Guess { q: state.q.clone(), ..self.guess.clone() })
     }
 
     /// From one value to another, outside of the range, by equilibria that belong together.
@@ -114,7 +114,7 @@ impl<'a> Walker<'a> {
     fn search(&self, value: f64, q: &[f64]) -> Result<Vec<f64>, LinearError> {
         let mut system = self.system.boxed_clone();
         system.set_parameter(self.parameter, value);
-        Ok(equilibrium_near(&*system, &Guess { q: q.to_vec(), ..self.names.clone() })?.q)
+        Ok(equilibrium_near(&*system, &Guess { q: q.to_vec(), ..self.guess.clone() })?.q)
     }
 
     /// Another branch, a little beyond the end of one.
@@ -153,7 +153,8 @@ impl<'a> Walker<'a> {
             };
             if !(self.range.0..=self.range.1).contains(&next.value) {
                 let bound = if next.value > self.range.1 { self.range.1 } else { self.range.0 };
-                let part = if next.value == here.value { 0.0 } else { (bound - here.value) / (next.value - here.value) };
+                let part =
+                    if next.value == here.value { 0.0 } else { (bound - here.value) / (next.value - here.value) };
                 let guess: Vec<f64> = here.q.iter().zip(&next.q).map(|(a, b)| a + part * (b - a)).collect();
                 let Some(q) = self.at(bound, &guess) else {
                     step *= 0.5;
@@ -207,7 +208,8 @@ impl<'a> Walker<'a> {
             return None;
         }
         let next_tangent = self.tangent(&next, tangent, units)?;
-        let cosine: f64 = tangent.iter().zip(&next_tangent).zip(units).map(|((a, b), unit)| a * b / (unit * unit)).sum();
+        let cosine: f64 =
+            tangent.iter().zip(&next_tangent).zip(units).map(|((a, b), unit)| a * b / (unit * unit)).sum();
         (cosine > TURN).then_some((next, next_tangent))
     }
 
@@ -284,10 +286,7 @@ impl<'a> Walker<'a> {
     /// The state of the branch between two of its states, at a part of the way.
     pub fn between(&self, a: &State, b: &State, part: f64) -> Option<State> {
         let mix = |a: f64, b: f64| a + part * (b - a);
-        let guess = State {
-            q: a.q.iter().zip(&b.q).map(|(a, b)| mix(*a, *b)).collect(),
-            value: mix(a.value, b.value),
-        };
+        let guess = State { q: a.q.iter().zip(&b.q).map(|(a, b)| mix(*a, *b)).collect(), value: mix(a.value, b.value) };
         let chord: Vec<f64> = a.q.iter().zip(&b.q).map(|(a, b)| b - a).chain([b.value - a.value]).collect();
         let unit = |x: f64, of: f64| if of > 0.0 { x / (of * of) } else { 0.0 };
         let extent = |a: f64, b: f64| a.abs().max(b.abs());
@@ -310,7 +309,11 @@ impl<'a> Walker<'a> {
             let middle = 0.5 * (low + high);
             let state = self.between(a, b, middle)?;
             let tangent = self.tangent(&state, &chord, units)?;
-            if tangent[n] * sign > 0.0 { low = middle } else { high = middle }
+            if tangent[n] * sign > 0.0 {
+                low = middle
+            } else {
+                high = middle
+            }
             at = Some(state);
         }
         at

@@ -62,9 +62,8 @@ impl Probe {
             // A viscous force is as small as the speed: a tenth of it at a tenth of the speed.
             let [high, low] = [0.1, -0.1].map(|part| self.force_moving(q, coordinate, part * SMALL_SPEED));
             let slower: Vec<f64> = high.iter().zip(&low).map(|(a, b)| 0.5 * (a - b)).collect();
-            let stays = |((f, slow), measure): ((&f64, &f64), &f64)| {
-                f.abs() > 1e-12 * measure && slow.abs() > 0.5 * f.abs()
-            };
+            let stays =
+                |((f, slow), measure): ((&f64, &f64), &f64)| f.abs() > 1e-12 * measure && slow.abs() > 0.5 * f.abs();
             let name = format!("{}'", self.names()[coordinate]);
             force.iter().zip(&slower).zip(measure).any(stays).then_some(Jump { switch: name, force })
         };

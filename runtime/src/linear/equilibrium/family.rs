@@ -4,8 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::probe::Probe;
 use super::search::least_step;
-use crate::linear::{LinearError, SparseMatrix};
 use crate::linear::matrices::{Scaled, null_space};
+use crate::linear::{LinearError, SparseMatrix};
 
 /// What becomes of the directions in which the stiffness K vanishes.
 ///

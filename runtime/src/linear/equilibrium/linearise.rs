@@ -55,11 +55,16 @@ pub fn linearise<S: System + ?Sized>(system: &S, equilibrium: &Equilibrium) -> R
     let state = equilibrium.guess();
     // A degenerate equilibrium is known less well than its forces vanish, and a found one is as good as it gets.
     let here = equilibrium_here(system, &state)?;
-    linearised_with(system, &Probe::new(system, &state), &state, &here.friction).map(|linear| Linearised { equilibrium: equilibrium.clone(), ..linear })
+    linearised_with(system, &Probe::new(system, &state), &state, &here.friction)
+        .map(|linear| Linearised { equilibrium: equilibrium.clone(), ..linear })
 }
 
 /// As [`linearise`], for a state that is known to be an equilibrium of a probe's system, whose freedom nobody asks for.
-pub(in crate::linear) fn linearised_at(system: &dyn System, probe: &Probe, state: &Guess) -> Result<Linearised, LinearError> {
+pub(in crate::linear) fn linearised_at(
+    system: &dyn System,
+    probe: &Probe,
+    state: &Guess,
+) -> Result<Linearised, LinearError> {
     linearised_with(system, probe, state, &probe.jumps(&state.q))
 }
 

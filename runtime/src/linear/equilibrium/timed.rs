@@ -58,8 +58,7 @@ impl Probe {
                 }
                 system.magnitudes(at, &mut sums);
                 // A rate of one part in 10¹² a second is rounding of what cancels.
-                let changes =
-                    |(row, rate): (&u32, &f64)| rate.is_finite() && rate.abs() > 1e-12 * sums[*row as usize];
+                let changes = |(row, rate): (&u32, &f64)| rate.is_finite() && rate.abs() > 1e-12 * sums[*row as usize];
                 if let Some((row, _)) = rows.iter().zip(&rates).find(|pair| changes(*pair)) {
                     return Some(*row as usize);
                 }

@@ -204,7 +204,8 @@ impl Linearised {
 
     /// The largest element of K, ΩC and Ω²M.
     fn largest(&self, omega: f64) -> f64 {
-        let most = |matrix: &crate::linear::SparseMatrix| matrix.entries.iter().fold(0.0_f64, |most, e| most.max(e.2.abs()));
+        let most =
+            |matrix: &crate::linear::SparseMatrix| matrix.entries.iter().fold(0.0_f64, |most, e| most.max(e.2.abs()));
         most(&self.stiffness).max(omega.abs() * most(&self.damping)).max(omega * omega * most(&self.mass))
     }
 }

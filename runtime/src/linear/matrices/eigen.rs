@@ -34,7 +34,11 @@ impl Eigen {
         let mut k = 0;
         while k < n {
             let pair = k + 1 < n && t[(k + 1, k)] != 0.0;
-            let roots = if pair { block_roots(&t, k) } else { vec![(Complex::new(t[(k, k)], 0.0), vec![Complex::new(1.0, 0.0)])] };
+            let roots = if pair {
+                block_roots(&t, k)
+            } else {
+                vec![(Complex::new(t[(k, k)], 0.0), vec![Complex::new(1.0, 0.0)])]
+            };
             for (offset, (value, start)) in roots.into_iter().enumerate() {
                 values[k + offset] = value;
                 let y = substitute_back(&t, k, value, &start, smallest);

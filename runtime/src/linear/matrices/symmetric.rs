@@ -99,8 +99,7 @@ mod tests {
     #[test]
     fn small_eigenvalues_beside_large_ones_are_right() {
         let scale = |i: usize| 10.0_f64.powi(8 - 8 * i as i32);
-        let matrix =
-            DMatrix::from_fn(3, 3, |i, j| scale(i) * scale(j) * if i == j { 2.0 } else { 1.0 });
+        let matrix = DMatrix::from_fn(3, 3, |i, j| scale(i) * scale(j) * if i == j { 2.0 } else { 1.0 });
         let (values, _) = symmetric_eigen(matrix).unwrap();
         let mut values: Vec<f64> = values.iter().copied().collect();
         values.sort_by(f64::total_cmp);

@@ -27,7 +27,8 @@ pub fn tridiagonal_eigen(matrix: &DMatrix<f64>) -> Option<(DVector<f64>, DMatrix
         }
         // Equal eigenvalues are shifted apart by rounding, so that each solve is another one.
         let shift = value.max(before + 4.0 * f64::EPSILON * norm);
-        before = if k + 1 < n && values[k + 1] - value <= 4.0 * f64::EPSILON * norm { shift } else { f64::NEG_INFINITY };
+        before =
+            if k + 1 < n && values[k + 1] - value <= 4.0 * f64::EPSILON * norm { shift } else { f64::NEG_INFINITY };
         let shifted = Shifted::new(&diagonal, &beside, shift, norm);
         let mut x = DVector::from_fn(n, |i, _| 1.0 + 0.5 * ((i as f64 + 1.3) * (k as f64 + 0.7)).sin());
         for _ in 0..4 {

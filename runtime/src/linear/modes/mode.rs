@@ -122,8 +122,17 @@ impl fmt::Display for Mode {
                 None => write!(f, "rigid, no stiffness")?,
             },
             Kind::Unstable if self.eigenvalue.im == 0.0 => write!(f, "unstable, grows by e in {growth} s")?,
-            Kind::Unstable => write!(f, "unstable, omega = {seen} rad/s, {} Hz, grows by e in {growth} s", short(self.eigenvalue.im / TAU))?,
-            Kind::Oscillating => write!(f, "oscillating, omega = {omega} rad/s, {} Hz, period {} s", short(self.omega / TAU), short(TAU / self.omega))?,
+            Kind::Unstable => write!(
+                f,
+                "unstable, omega = {seen} rad/s, {} Hz, grows by e in {growth} s",
+                short(self.eigenvalue.im / TAU)
+            )?,
+            Kind::Oscillating => write!(
+                f,
+                "oscillating, omega = {omega} rad/s, {} Hz, period {} s",
+                short(self.omega / TAU),
+                short(TAU / self.omega)
+            )?,
             kind => {
                 write!(f, "{}, omega = {omega} rad/s", kind.word())?;
                 if let Some(zeta) = self.zeta {
