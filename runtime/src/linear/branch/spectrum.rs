@@ -18,7 +18,6 @@ pub(super) struct Spectrum {
     squares: bool,
     /// Symmetric: eigenvalues are real, and may pass each other.
     symmetric: bool,
-    dissipates: bool,
     /// Real parts up to this are rounding.
     floor: f64,
     /// All λ.
@@ -62,7 +61,7 @@ impl Spectrum {
             values.sort_by(|a, b| a.re.total_cmp(&b.re));
         }
         let floor = if squares { SPLIT } else { floor * norm };
-        Ok(Spectrum { values, squares, symmetric, dissipates, floor, eigenvalues })
+        Ok(Spectrum { values, squares, symmetric, floor, eigenvalues })
     }
 
     /// How many modes grow.
@@ -70,7 +69,7 @@ impl Spectrum {
         self.values.iter().filter(|x| self.grows(x, SPLIT)).count()
     }
 
-    /// The same by a finer measure, which double eigenvalues with one shape may not bear.
+    /// The same by a finer measure of κ, which double ones with one shape may not bear.
     pub fn finely_growing(&self) -> usize {
         self.values.iter().filter(|x| self.grows(x, ROUNDING)).count()
     }
@@ -80,8 +79,8 @@ impl Spectrum {
         match self.squares {
             // √−κ has a positive real part: κ < 0, or a pair off the axis.
             true => (real && x.re < 0.0) || (!real && x.im > 0.0),
-            false if self.dissipates => x.re > self.floor && x.im >= 0.0,
-            false => x.re > self.floor * part / SPLIT && x.im >= 0.0,
+            // Between two that are δ apart rounding leaves real parts of ε/δ: no measure is finer than √ε.
+            false => x.re > self.floor && x.im >= 0.0,
         }
     }
 

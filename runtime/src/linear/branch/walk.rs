@@ -171,7 +171,7 @@ impl<'a> Walker<'a> {
                 && let Some(at) = self.fold(here, &next, tangent[n], &units)
             {
                 let mirrored = self.is_bifurcation(&at, tangent[n], &units);
-                path.turns.push(Turn { before: here.clone(), at, index: path.points.len(), mirrored });
+                path.turns.push(Turn { at, index: path.points.len(), mirrored });
             }
             reach.iter_mut().zip(&next.q).for_each(|(reach, q)| *reach = reach.max(q.abs()));
             units = self.units(&reach);
@@ -307,8 +307,9 @@ impl<'a> Walker<'a> {
         let mut at = None;
         for _ in 0..48 {
             let middle = 0.5 * (low + high);
-            let state = self.between(a, b, middle)?;
-            let tangent = self.tangent(&state, &chord, units)?;
+            // Where branches cross, no direction is left in the end; by then the place is known.
+            let Some(state) = self.between(a, b, middle) else { break };
+            let Some(tangent) = self.tangent(&state, &chord, units) else { break };
             if tangent[n] * sign > 0.0 {
                 low = middle
             } else {
