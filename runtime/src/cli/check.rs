@@ -4,7 +4,7 @@ use std::io::Write;
 
 use clap::ArgMatches;
 use dalembert_symbolic::file;
-use dalembert_symbolic::gate::{Conservative, Nature, shared_data};
+use dalembert_symbolic::gate::{Conservative, Nature, Origin, shared_data};
 use dalembert_symbolic::lower::Program;
 use dalembert_symbolic::number::DoubleDouble;
 
@@ -23,6 +23,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         let (states, worst) = (agreement.states, agreement.worst);
         writeln!(out, "  {first} and {second} agree at {states} states, worst {worst:.1e}")?;
     }
+    looked_at(&program, out)?;
     unseen(&program, out)?;
     without_units(&program, out)?;
     conditions(&program, &loaded.source, out)?;
@@ -38,6 +39,29 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     }
     write!(out, "{}", file::render(&loaded.path, &loaded.source, &program.model.warnings))?;
     recognised(&program, out)
+}
+
+/// Where the states come from, and what they do not reach.
+fn looked_at(program: &Program, out: &mut dyn Write) -> Result<(), Problem> {
+    let report = &program.report;
+    let from = |origin: Origin| report.states.iter().filter(|state| state.origin == origin).count();
+    let (near, large, group) = (from(Origin::Near), from(Origin::Large), from(Origin::Group));
+    let (motion, side) = (from(Origin::Motion), from(Origin::Side));
+    writeln!(
+        out,
+        "  tested at {} states: {near} near a start, {large} at large, {group} with one group of coordinates moving, \
+         {motion} from the motion, {side} where some function changes",
+        report.states.len()
+    )?;
+    for (scene, reached, until) in &report.followed {
+        if reached < &(until * (1.0 - 1e-9)) {
+            writeln!(out, "  the motion of `{scene}` was followed until t = {reached:.4} of {until}")?;
+        }
+    }
+    for argument in &report.unreached {
+        writeln!(out, "  no state was found at which `{argument}` is zero or of order one")?;
+    }
+    Ok(())
 }
 
 /// What the comparisons cannot show to be wrong.

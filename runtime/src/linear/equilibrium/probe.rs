@@ -121,7 +121,10 @@ impl Probe {
         let near = ON_SURFACE * q.iter().fold(1.0_f64, |most, q| most.max(q.abs()));
         let arguments = self.arguments(0.0, q, &self.v);
         let system = self.system.borrow();
-        let of_state = |index: &usize| !system.description().switches[*index].time_only;
+        let of_state = |index: &usize| {
+            let switch = &system.description().switches[*index];
+            !switch.time_only || switch.of_input
+        };
         (0..arguments.len()).filter(of_state).filter(|index| arguments[*index].abs() <= near).collect()
     }
 
