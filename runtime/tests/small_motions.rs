@@ -262,7 +262,7 @@ fn steady_motions_are_found_and_have_modes() {
         kinetic_energy: m*l^2*(theta'^2 + sin(theta)^2*phi'^2)/2 + J*phi'^2/2\n\
         potential_energy: -m*g*l*cos(theta)\nscene: {start: {theta: 1, phi': W}, until: 1}\n";
     let found = run("governor", governor, &["--steady"]).unwrap();
-    let (w, cosine) = (5.0_f64, 9.81 / 25.0);
+    let (w, cosine) = (5.0_f64, 9.81_f64 / 25.0);
     close(found["equilibrium"]["theta"].as_f64().unwrap(), cosine.acos(), 1e-12);
     assert_eq!(kinds(&found), ["rigid", "oscillating"]);
     // ω² = W² sin²θ + (2 W sinθ cosθ)²/(J/(m l²) + sin²θ): by hand, from the reduced equation.

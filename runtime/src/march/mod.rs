@@ -259,7 +259,9 @@ impl March {
                         return Ok(step);
                     }
                     self.work.rejected += 1;
-                    self.look_for_noise(system, step, recorder);
+                    if error.is_finite() {
+                        self.look_for_noise(system, step, recorder);
+                    }
                     self.h = self.control.rejected(h, error);
                     if self.h < 16.0 * f64::EPSILON * now.abs() || self.h < f64::MIN_POSITIVE / f64::EPSILON {
                         outcome.map_err(|setback| setback.cause(system.description()))?;
