@@ -56,7 +56,7 @@ impl March {
     ) -> Result<(Step, bool), Cause> {
         let mut most = f64::INFINITY;
         for _ in 0..RETRIES {
-            let step = self.attempt(system, stop, most, watch, recorder)?;
+            let step = self.attempt(system, stop, most, watch)?;
             let watched = watch.as_ref().is_some_and(Watch::wants_dense);
             if !watched && !recorder.wants_dense(step.next) {
                 return Ok((step, false));
@@ -78,7 +78,7 @@ impl March {
             }
             self.work.retries += 1;
         }
-        let step = self.attempt(system, stop, most, watch, recorder)?;
+        let step = self.attempt(system, stop, most, watch)?;
         self.dense(system, step)?;
         Ok((step, true))
     }

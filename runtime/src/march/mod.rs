@@ -253,7 +253,6 @@ impl March {
         stop: f64,
         most: f64,
         watch: &mut Option<Watch>,
-        recorder: &mut Recorder,
     ) -> Result<Step, Cause> {
         if self.work.steps >= self.max_steps {
             return Err(Cause::TooManySteps { limit: self.max_steps });
@@ -299,7 +298,9 @@ impl March {
                         return Ok(step);
                     }
                     self.work.rejected += 1;
-                    self.look_for_noise(system, step, recorder);
+                    if error.is_finite() {
+                        self.look_for_noise(step);
+                    }
                     self.h = self.control.rejected(h, error);
                     if self.h < 16.0 * f64::EPSILON * now.abs() || self.h < f64::MIN_POSITIVE / f64::EPSILON {
                         outcome.map_err(|setback| setback.cause(system.description()))?;
@@ -399,22 +400,27 @@ impl March {
     }
 
     /// Looks whether what was rejected twice running is the rounding of other coordinates.
-    fn look_for_noise(&mut self, system: &dyn System, step: Step, recorder: &mut Recorder) {
+    fn look_for_noise(&mut self, step: Step) {
         let Pace::Adaptive { tolerance, .. } = &mut self.pace else { return };
-        let errors = self.stepper.errors();
+        let (errors, end, rate) = (self.stepper.errors(), self.stepper.end().y, self.stepper.start().rate);
         if !self.rejected.is_empty() {
-            let (n, before, earlier) = (errors.len() / 2, &self.rejected, self.rejected_step);
+            let n = errors.len() / 2;
             for i in 0..n {
                 let of = |errors: &[f64]| [errors[i].abs(), errors[n + i].abs()];
-                if tolerance.is_noise(i, (of(before), of(errors)), (earlier, step.h)) {
-                    let coordinate = system.description().coordinate_name(i);
-                    recorder.warn(Warning::RoundingLimits { coordinate, to: tolerance.rounding(i) });
-                }
+                let lengths = (self.rejected_step, step.h);
+                tolerance.look_for_noise(i, (of(&self.rejected), of(errors)), lengths, (end, rate));
             }
         }
         self.rejected.clear();
         self.rejected.extend_from_slice(errors);
         self.rejected_step = step.h;
+    }
+
+    /// What is to be said of the motion as a whole.
+    pub fn warnings(&self, system: &dyn System) -> Vec<Warning> {
+        let Pace::Adaptive { tolerance, .. } = &self.pace else { return Vec::new() };
+        let limited = |(i, to)| Warning::RoundingLimits { coordinate: system.description().coordinate_name(i), to };
+        tolerance.limited().map(limited).collect()
     }
 
     /// The first step: a thousandth of the way at most, which the error test shortens.

@@ -386,6 +386,8 @@ fn rounding_of_other_coordinates_ends_no_run() {
     });
     let run = run(toy, |s| s.tolerance = 1e-10).unwrap();
     assert!(run.work.evaluations < 5000, "{:?}", run.work);
+    let limited = |w: &Warning| matches!(w, Warning::RoundingLimits { coordinate, .. } if coordinate == "z");
+    assert!(run.warnings.iter().all(limited), "{:?}", run.warnings);
     assert!((run.last()["x"] - 20.0_f64.cos()).abs() < 1e-7);
 }
 
