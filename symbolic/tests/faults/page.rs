@@ -79,7 +79,7 @@ fn rates(outcomes: &[Outcome]) -> String {
         let column = match outcome.fate {
             Fate::Caught => 1,
             Fate::Named(_) => 2,
-            Fate::Unchanged | Fate::Alarm => 3,
+            Fate::Unchanged | Fate::Alarm | Fate::Slight => 3,
             Fate::Missed => 4,
         };
         for counts in [&mut all, kinds.entry(&outcome.kind).or_default()] {
