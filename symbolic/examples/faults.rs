@@ -4,9 +4,10 @@
 mod table;
 
 fn main() {
-    let outcomes = table::plant_all(&table::Extent::TEST, true);
+    let extent = if std::env::args().any(|word| word == "--few") { table::Extent::TEST } else { table::Extent::PAGE };
+    let outcomes = table::plant_all(&extent, true);
     for wrong in table::wrong(&outcomes) {
         eprintln!("{wrong}");
     }
-    print!("{}", table::page(&outcomes));
+    print!("{}", table::page(&outcomes, &table::smallest(&extent)));
 }

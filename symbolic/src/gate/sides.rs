@@ -19,6 +19,8 @@ const ARGUMENTS: usize = 48;
 const LINES: usize = 8;
 /// So many states are kept for each.
 const KEPT: usize = 8;
+/// So many steps of a motion that meets a discontinuity are looked at.
+const MET: usize = 3;
 
 /// An argument, and what is looked for.
 struct Argument {
@@ -49,11 +51,12 @@ pub(super) struct Sides {
     pub unreached: Vec<String>,
 }
 
-/// Looks for such states along lines through `bases` and between them; `until` is the longest scene's end.
+/// Looks for such states where the motion itself meets a discontinuity, and along lines through `bases` and between
+/// them; `paths` are the steps of each scene's motion, `until` is the longest scene's end.
 pub(super) fn sides(
     model: &Model,
     motion: &Motion,
-    bases: &[State],
+    (bases, paths): (&[State], &[Vec<State>]),
     until: f64,
     reach: &dyn Fn(usize, bool) -> f64,
 ) -> Sides {
@@ -63,6 +66,11 @@ pub(super) fn sides(
         if place >= ARGUMENTS {
             found.unreached.push(format!("{} more", arguments.len() - ARGUMENTS));
             break;
+        }
+        let first = found.states.len();
+        if argument.switches {
+            // What acts only there may want more than this one argument: the motion brings the rest.
+            paths.iter().for_each(|path| meet(motion, argument, path, &mut found));
         }
         let before = found.states.len();
         let mut followed = 0;
@@ -75,11 +83,21 @@ pub(super) fn sides(
                 follow(motion, argument, base, &line, &mut found);
             }
         }
-        if found.states.len() == before {
+        if found.states.len() == first {
             found.unreached.push(argument.words.clone());
         }
     }
     found
+}
+
+/// Follows an argument along those steps of a motion in which it changes its sign: the first, the last and one between.
+fn meet(motion: &Motion, argument: &Argument, path: &[State], found: &mut Sides) {
+    let values: Vec<f64> = path.iter().map(|s| argument.tape.evaluate(|x| s.value(x))[0].to_f64()).collect();
+    let met: Vec<usize> = (1..values.len()).filter(|&k| (values[k - 1] > 0.0) != (values[k] > 0.0)).collect();
+    let chosen: BTreeSet<usize> = (0..MET.min(met.len())).map(|k| met[k * (met.len() - 1) / (MET - 1).max(1)]).collect();
+    for k in chosen {
+        follow(motion, argument, &path[k - 1], &Line::Between(&path[k]), found);
+    }
 }
 
 /// Ways along which an argument may change.
@@ -336,6 +354,9 @@ fn roots(model: &Model) -> Vec<Id> {
         }
         roots.extend(load.pushes.iter().flat_map(|p| p.at.iter().chain(&p.force).chain(&p.couple)).copied());
     }
+    roots.extend(model.gravity.iter().flatten());
+    let parts = model.balances.iter().flat_map(|system| &system.balances).flat_map(|balance| &balance.parts);
+    roots.extend(parts.flat_map(|part| part.value.iter().copied()));
     roots.extend(model.conserved.iter().flat_map(|c| c.value.iter().copied()));
     roots.extend(model.checks.iter().flat_map(|c| c.left.iter().chain(&c.right)).copied());
     roots

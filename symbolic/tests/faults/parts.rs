@@ -6,7 +6,7 @@ use dalembert_symbolic::gate::Gate;
 use super::Outcome;
 
 /// The parts, by their names, and the gate without each.
-pub const PARTS: [(&str, Gate); 4] = {
+const PARTS: [(&str, Gate); 4] = {
     let all = Gate { digits: true, rows: true, motion: true, sides: true };
     [
         ("precision", Gate { digits: false, ..all }),

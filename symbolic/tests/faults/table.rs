@@ -25,7 +25,7 @@ use engine::Change;
 use judge::{Judge, Window};
 
 pub use page::page;
-pub use parts::{PARTS, Slipped};
+pub use smallest::smallest;
 
 /// What moves an acceleration by no more than this of its row is no fault.
 const NOTHING: f64 = 1e-24;
@@ -114,7 +114,6 @@ struct Sound {
     root: Node,
     sizes: Vec<(String, i64)>,
     model: Model,
-    derivation: Derivation,
     judge: Judge,
 }
 
@@ -171,7 +170,7 @@ fn sound(name: &str) -> Option<Sound> {
     let model = resolve(&root, &sizes).unwrap_or_else(|e| panic!("{name}: {e:?}"));
     let derivation = judged(model.clone()).unwrap_or_else(|e| panic!("{name}: {e:?}")).derivation;
     let judge = Judge::new(&derivation);
-    Some(Sound { name: name.to_owned(), root, sizes, model, derivation, judge })
+    Some(Sound { name: name.to_owned(), root, sizes, model, judge })
 }
 
 fn plant(sound: &Sound, extent: &Extent, blinded: bool) -> Vec<Outcome> {
