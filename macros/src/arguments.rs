@@ -11,6 +11,19 @@ pub struct Arguments {
     pub sizes: Vec<(String, i64)>,
     /// The type's name, if not the file's.
     pub name: Option<Ident>,
+    /// Whether what is doubtful in the file is told.
+    pub warnings: Warnings,
+}
+
+/// What becomes of the model file's warnings.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Warnings {
+    /// They are warnings of the compiler.
+    Warn,
+    /// They are dropped.
+    Allow,
+    /// They are errors.
+    Deny,
 }
 
 /// Where a model comes from.
@@ -27,7 +40,7 @@ impl Parse for Arguments {
         if input.peek(LitStr) {
             source = Some(Source::Path(input.parse()?));
         }
-        let (mut sizes, mut name) = (Vec::new(), None);
+        let (mut sizes, mut name, mut warnings) = (Vec::new(), None, Warnings::Warn);
         while !input.is_empty() {
             if source.is_some() {
                 input.parse::<Token![,]>()?;
@@ -41,6 +54,8 @@ impl Parse for Arguments {
                 source = Some(Source::Inline(input.parse()?));
             } else if key == "name" {
                 name = Some(input.parse()?);
+            } else if key == "warnings" && input.peek(LitStr) {
+                warnings = level(&input.parse()?)?;
             } else {
                 let negative = input.parse::<Option<Token![-]>>()?.is_some();
                 let size: i64 = input.parse::<LitInt>()?.base10_parse()?;
@@ -49,6 +64,15 @@ impl Parse for Arguments {
         }
         let expected = "expected the path of a model file, or `yaml = \"…\"`";
         let source = source.ok_or_else(|| input.error(expected))?;
-        Ok(Arguments { source, sizes, name })
+        Ok(Arguments { source, sizes, name, warnings })
+    }
+}
+
+fn level(literal: &LitStr) -> syn::Result<Warnings> {
+    match literal.value().as_str() {
+        "warn" => Ok(Warnings::Warn),
+        "allow" => Ok(Warnings::Allow),
+        "deny" => Ok(Warnings::Deny),
+        _ => Err(syn::Error::new(literal.span(), "expected `\"warn\"`, `\"allow\"` or `\"deny\"`")),
     }
 }

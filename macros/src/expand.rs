@@ -4,9 +4,9 @@ use std::path::Path;
 
 use dalembert_symbolic::{file, lower, print};
 use proc_macro2::{Span, TokenStream};
-use quote::quote;
+use quote::{quote, quote_spanned};
 
-use crate::arguments::{Arguments, Source};
+use crate::arguments::{Arguments, Source, Warnings};
 
 /// The items of a mechanism, or one error that tells all problems and a skeleton of the type.
 pub fn expand(arguments: &Arguments) -> TokenStream {
@@ -18,8 +18,9 @@ pub fn expand(arguments: &Arguments) -> TokenStream {
     match lower::compile(&text, &arguments.sizes) {
         Ok(program) => {
             let name = given.unwrap_or_else(|| print::type_name(&program.model.name));
+            let doubts = doubts(arguments.warnings, file::render(&path, &text, &program.model.warnings), span);
             match print::rust(&program, &text, &name).parse::<TokenStream>() {
-                Ok(items) => quote! { #watch #items },
+                Ok(items) => quote! { #watch #doubts #items },
                 Err(error) => {
                     let message =
                         format!("dalembert printed text that is not Rust ({error}); this is a fault of dalembert");
@@ -34,6 +35,27 @@ pub fn expand(arguments: &Arguments) -> TokenStream {
             let skeleton = print::skeleton(&name).parse::<TokenStream>().unwrap_or_default();
             quote! { #watch #error #skeleton }
         }
+    }
+}
+
+/// What makes the compiler tell the file's warnings where the macro is called.
+///
+/// Stable Rust lets a macro give errors only.  The use of something deprecated is a warning with a text, which is
+/// silenced, and made an error, like any other (`deprecated`).
+fn doubts(level: Warnings, message: String, span: Span) -> TokenStream {
+    if message.is_empty() || level == Warnings::Allow {
+        return TokenStream::new();
+    }
+    let message = format!("\n{message}");
+    if level == Warnings::Deny {
+        return syn::Error::new(span, message).to_compile_error();
+    }
+    quote_spanned! { span =>
+        const _: () = {
+            #[deprecated(note = #message)]
+            const DOUBTFUL_MODEL: () = ();
+            DOUBTFUL_MODEL
+        };
     }
 }
 
@@ -57,6 +79,7 @@ fn source(source: &Source) -> syn::Result<Found> {
     let text = std::fs::read_to_string(Path::new(&folder).join(&path))
         .map_err(|error| syn::Error::new(literal.span(), format!("cannot read `{path}`: {error}")))?;
     let slashed = format!("/{path}");
-    let watch = quote! { const _: &[u8] = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), #slashed)); };
+    let watch = quote! { const _: &[u8] =
+    ::core::include_bytes!(::core::concat!(::core::env!("CARGO_MANIFEST_DIR"), #slashed)); };
     Ok((path, text, literal.span(), watch))
 }

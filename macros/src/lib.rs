@@ -16,6 +16,14 @@ use proc_macro::TokenStream;
 /// Paths are relative to the crate's folder (where its `Cargo.toml` is); absolute paths are refused.  The
 /// crate is rebuilt when the file changes.  Everything that is wrong with the file is reported at once, with
 /// path, line and column; a skeleton of the type is emitted all the same, so that one mistake gives one message.
+///
+/// What is doubtful and no error becomes a warning of the compiler, under its lint `deprecated`, since stable Rust has no
+/// warnings of macros: `#[allow(deprecated)]` around the macro or `warnings = "allow"` in it silences what is meant,
+/// `-D warnings` turns it into an error like any other warning, and `warnings = "deny"` always does:
+///
+/// ```ignore
+/// dalembert::model!("models/two_springs.yaml", warnings = "allow");
+/// ```
 #[proc_macro]
 pub fn model(input: TokenStream) -> TokenStream {
     let arguments = syn::parse_macro_input!(input as arguments::Arguments);

@@ -6,7 +6,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use dalembert::mechanism::{Erased, Mechanism, System};
+use dalembert::mechanism::{At, Erased, Mechanism, System};
 
 dalembert::model!("chain.yaml", n = 5, name = Chain5);
 dalembert::model!("chain.yaml", n = 20, name = Chain20);
@@ -52,7 +52,7 @@ fn nanoseconds(system: &dyn System) -> f64 {
     let mut a = vec![0.0; n];
     let start = Instant::now();
     for _ in 0..calls {
-        system.accelerations(0.0, &q, &v, &mut a).expect("accelerations");
+        system.accelerations(At::new(0.0, &q, &v), &mut a).expect("accelerations");
         q[n - 1] += 1e-9 * a[0];
     }
     let elapsed = start.elapsed().as_secs_f64();

@@ -15,13 +15,16 @@
 //! - [`mechanism`]: the traits that generated code implements, for code of your own over any mechanism.
 //! - [`show`]: charts, tables and animations.
 
+mod cause;
 #[cfg(feature = "cli")]
 pub mod cli;
 mod error;
 mod events;
 mod integrate;
 pub mod linear;
+mod march;
 pub mod mechanism;
+mod numbers;
 pub mod prelude;
 mod run;
 pub mod show;
@@ -30,8 +33,9 @@ mod simulate;
 mod testing;
 pub mod trust;
 
+pub use cause::Cause;
 pub use dalembert_macros::model;
-pub use error::{Cause, Error, Failure};
-pub use integrate::{Method, ParseMethodError};
-pub use run::{Occurrence, Run, State, Work};
+pub use error::Error;
+pub use mechanism::{Method, ParseMethodError};
+pub use run::{Failure, Occurrence, Run, State, Work};
 pub use simulate::{Settings, Simulate, Simulation, StateMut, Stepping, simulate, simulate_with};

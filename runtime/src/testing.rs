@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::mechanism::{
-    Coordinate, Description, Energy, Event, Quantity, Scene, Signal, Singular, SingularMass, Structure, Switch, System,
+    At, Coordinate, Description, Energy, Event, Quantity, Scene, Singular, SingularMass, Structure, Switch, System,
 };
 
 type Accelerations = Arc<dyn Fn(f64, &[f64], &[f64], &[f64], &mut [f64]) + Send + Sync>;
@@ -155,47 +155,46 @@ impl System for Toy {
     fn description(&self) -> &Description {
         &self.description
     }
-    fn accelerations(&self, t: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Singular> {
-        (self.acceleration)(t, q, v, &self.modes, a);
-        let masses = if self.description.structure.constant_mass { Vec::new() } else { (self.mass)(t, q) };
+    fn accelerations(&self, at: At<'_>, a: &mut [f64]) -> Result<(), Singular> {
+        (self.acceleration)(at.t, at.q, at.v, &self.modes, a);
+        let masses = if self.description.structure.constant_mass { Vec::new() } else { (self.mass)(at.t, at.q) };
         match masses.iter().position(|mass| *mass == 0.0) {
             Some(coordinate) => Err(SingularMass { coordinate }.into()),
             None => Ok(()),
         }
     }
-    fn mass_matrix(&self, t: f64, q: &[f64], values: &mut [f64]) {
-        values.copy_from_slice(&(self.mass)(t, q));
+    fn mass_matrix(&self, at: At<'_>, values: &mut [f64]) {
+        values.copy_from_slice(&(self.mass)(at.t, at.q));
     }
-    fn bias(&self, t: f64, q: &[f64], v: &[f64], h: &mut [f64]) {
-        (self.acceleration)(t, q, v, &self.modes, h);
-        for (h, m) in h.iter_mut().zip((self.mass)(t, q)) {
+    fn bias(&self, at: At<'_>, h: &mut [f64]) {
+        (self.acceleration)(at.t, at.q, at.v, &self.modes, h);
+        for (h, m) in h.iter_mut().zip((self.mass)(at.t, at.q)) {
             *h *= -m;
         }
     }
-    fn residual(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], f: &mut [f64]) {
-        self.bias(t, q, v, f);
-        for ((f, m), a) in f.iter_mut().zip((self.mass)(t, q)).zip(a) {
+    fn residual(&self, at: At<'_>, f: &mut [f64]) {
+        self.bias(at, f);
+        for ((f, m), a) in f.iter_mut().zip((self.mass)(at.t, at.q)).zip(at.a) {
             *f += m * a;
         }
     }
-    fn jacobians(&self, _: f64, q: &[f64], v: &[f64], a: &[f64], dq: &mut [f64], dv: &mut [f64]) {
-        (self.jacobian)(q, v, a, dq, dv);
+    fn jacobians(&self, at: At<'_>, dq: &mut [f64], dv: &mut [f64]) {
+        (self.jacobian)(at.q, at.v, at.a, dq, dv);
     }
-    fn input_jacobian(&self, _: f64, _: &[f64], _: &[f64], _: &[f64], _: &mut [f64]) {}
-    fn energy(&self, t: f64, q: &[f64], v: &[f64]) -> Energy {
-        (self.energy)(t, q, v)
+    fn energy(&self, at: At<'_>) -> Energy {
+        (self.energy)(at.t, at.q, at.v)
     }
-    fn invariants(&self, t: f64, q: &[f64], v: &[f64], pairs: &mut [f64]) {
-        (self.invariants)(t, q, v, &[], pairs);
+    fn invariants(&self, at: At<'_>, pairs: &mut [f64]) {
+        (self.invariants)(at.t, at.q, at.v, &[], pairs);
     }
-    fn outputs(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], values: &mut [f64]) {
-        (self.outputs)(t, q, v, a, values);
+    fn outputs(&self, at: At<'_>, values: &mut [f64]) {
+        (self.outputs)(at.t, at.q, at.v, at.a, values);
     }
-    fn events(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], pairs: &mut [f64]) {
-        (self.events)(t, q, v, a, pairs);
+    fn events(&self, at: At<'_>, pairs: &mut [f64]) {
+        (self.events)(at.t, at.q, at.v, at.a, pairs);
     }
-    fn switches(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], pairs: &mut [f64]) {
-        (self.switches)(t, q, v, a, pairs);
+    fn switches(&self, at: At<'_>, pairs: &mut [f64]) {
+        (self.switches)(at.t, at.q, at.v, at.a, pairs);
     }
     fn modes(&self) -> &[f64] {
         &self.modes
@@ -203,23 +202,11 @@ impl System for Toy {
     fn set_modes(&mut self, modes: &[f64]) {
         self.modes.copy_from_slice(modes);
     }
-    fn drawing(&self, t: f64, q: &[f64], v: &[f64], values: &mut [f64]) {
-        (self.drawing)(t, q, v, &[], values);
-    }
-    fn parameters(&self) -> Vec<f64> {
-        Vec::new()
-    }
-    fn set_parameter(&mut self, _: usize, _: f64) {}
-    fn inputs(&self, _: f64, _: &mut [f64]) {}
-    fn set_input(&mut self, _: usize, _: Signal) {}
-    fn scene_parameters(&self, _: usize) -> Vec<(usize, f64)> {
-        Vec::new()
+    fn drawing(&self, at: At<'_>, values: &mut [f64]) {
+        (self.drawing)(at.t, at.q, at.v, &[], values);
     }
     fn scene(&self, _: usize) -> Scene {
         self.scene.clone()
-    }
-    fn equilibrium_guess(&self) -> Vec<f64> {
-        vec![0.0; self.len()]
     }
     fn boxed_clone(&self) -> Box<dyn System> {
         Box::new(self.clone())

@@ -48,7 +48,8 @@ fn longer_runs_by_balances_allocate_no_more() {
 /// Allocations and steps of a run.
 fn count(toy: &Toy, until: f64, change: impl Fn(&mut Settings)) -> (u64, u64) {
     let mut toy = toy.clone();
-    let mut settings = Settings { until, every: Some(until), ..Settings::new(&toy.scene) };
+    let mut settings = Settings::new(&toy.scene);
+    (settings.until, settings.every) = (until, Some(until));
     change(&mut settings);
     let mut steps = 0;
     let counted = measure(|| steps = simulate(&mut toy, &settings).unwrap().work.steps);

@@ -8,8 +8,8 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-use dalembert::cli::Interpreted;
 use dalembert::linear::{Guess, Linearised, equilibrium_near, linearise};
+use dalembert::mechanism::Interpreted;
 use dalembert::mechanism::System;
 use dalembert_symbolic::expr::{Binary, Graph, Id, Node, Symbol, Unary};
 use dalembert_symbolic::model::{Model, load};

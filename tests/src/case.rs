@@ -1,6 +1,6 @@
 //! A model of the library, made ready to run.
 
-use dalembert::mechanism::{Balances, Erased, Mechanism, System};
+use dalembert::mechanism::{At, Balances, Erased, Mechanism, System};
 use dalembert::{Error, Run, Settings, State, simulate};
 
 use crate::reference::{Reference, States};
@@ -75,7 +75,7 @@ impl Case {
         let place = systems[index].unknowns.iter().position(|u| u == unknown);
         let mut system = Balances::new(&*self.system, index).expect("a system of balances");
         let mut values = vec![0.0; system.size()];
-        system.evaluate(&*self.system, t, q, v);
+        system.evaluate(&*self.system, At::new(t, q, v));
         system.solve(&mut values).expect("independent balances");
         values[place.unwrap_or_else(|| panic!("`{balances}` has no `{unknown}`"))]
     }
@@ -118,7 +118,7 @@ impl Case {
     pub fn accelerations(&self) -> Vec<f64> {
         let mut a = vec![0.0; self.system.len()];
         let Settings { from, q, v, .. } = &self.settings;
-        self.system.accelerations(*from, q, v, &mut a).expect("a mass matrix that can be inverted");
+        self.system.accelerations(At::new(*from, q, v), &mut a).expect("a mass matrix that can be inverted");
         a
     }
 

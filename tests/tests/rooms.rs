@@ -161,6 +161,11 @@ fn no_folder_of_symbolic_uses_a_higher_one() {
 }
 
 #[test]
+fn no_folder_of_runtime_uses_a_higher_one() {
+    assert_eq!(climbing("runtime/src"), Vec::<String>::new());
+}
+
+#[test]
 fn the_reader_of_paths_sees_them_all() {
     let seen = |text: &str| {
         let mut found = Vec::new();

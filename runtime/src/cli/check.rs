@@ -4,12 +4,13 @@ use std::io::Write;
 
 use clap::ArgMatches;
 use dalembert_symbolic::file;
-use dalembert_symbolic::gate::{Conservative, Nature, shared_data};
+use dalembert_symbolic::gate::{Conservative, Nature, Origin, shared_data};
 use dalembert_symbolic::lower::Program;
+use dalembert_symbolic::number::DoubleDouble;
 
 use super::load::Loaded;
-use super::{Entry, Interpreted, Problem};
-use crate::mechanism::{Balances, System};
+use super::{Entry, Problem};
+use crate::mechanism::{At, Balances, Interpreted, System};
 
 /// Derives the model anew and prints the report.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
@@ -22,7 +23,9 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         let (states, worst) = (agreement.states, agreement.worst);
         writeln!(out, "  {first} and {second} agree at {states} states, worst {worst:.1e}")?;
     }
+    looked_at(&program, out)?;
     unseen(&program, out)?;
+    without_units(&program, out)?;
     conditions(&program, &loaded.source, out)?;
     let model = &program.model;
     for ((name, worst), claim) in program.report.conserved.iter().zip(&model.conserved) {
@@ -38,6 +41,29 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     recognised(&program, out)
 }
 
+/// Where the states come from, and what they do not reach.
+fn looked_at(program: &Program, out: &mut dyn Write) -> Result<(), Problem> {
+    let report = &program.report;
+    let from = |origin: Origin| report.states.iter().filter(|state| state.origin == origin).count();
+    let (near, large, group) = (from(Origin::Near), from(Origin::Large), from(Origin::Group));
+    let (motion, side) = (from(Origin::Motion), from(Origin::Side));
+    writeln!(
+        out,
+        "  tested at {} states: {near} near a start, {large} at large, {group} with one group of coordinates moving, \
+         {motion} from the motion, {side} where some function changes",
+        report.states.len()
+    )?;
+    for (scene, reached, until) in &report.followed {
+        if reached < &(until * (1.0 - 1e-9)) {
+            writeln!(out, "  the motion of `{scene}` was followed until t = {reached:.4} of {until}")?;
+        }
+    }
+    for argument in &report.unreached {
+        writeln!(out, "  no state was found at which `{argument}` is zero or of order one")?;
+    }
+    Ok(())
+}
+
 /// What the comparisons cannot show to be wrong.
 fn unseen(program: &Program, out: &mut dyn Write) -> Result<(), Problem> {
     let shared = shared_data(&program.model).join(", ");
@@ -45,6 +71,24 @@ fn unseen(program: &Program, out: &mut dyn Write) -> Result<(), Problem> {
     match program.report.agreements.is_empty() {
         true => writeln!(out, "  one derivation only, from {shared}{say}")?,
         false => writeln!(out, "  shared by all derivations, so not tested by comparing them: {shared}{say}")?,
+    }
+    Ok(())
+}
+
+/// Names without a unit, which leave what depends on them unchecked.
+fn without_units(program: &Program, out: &mut dyn Write) -> Result<(), Problem> {
+    let model = &program.model;
+    let parameters = model.parameters.iter().filter(|p| p.unit.is_none()).map(|p| match &p.family {
+        Some(family) => family.name.as_str(),
+        None => p.name.as_str(),
+    });
+    let coordinates = model.coordinates.iter().filter(|c| c.unit.is_none());
+    let coordinates = coordinates.map(|c| c.name.split('[').next().unwrap_or(&c.name));
+    let mut names: Vec<&str> = parameters.chain(coordinates).collect();
+    names.dedup();
+    if !names.is_empty() {
+        let list = names.join(", ");
+        writeln!(out, "  no unit is given for {list}: units of what depends on them are not checked")?;
     }
     Ok(())
 }
@@ -87,7 +131,9 @@ fn conditions(program: &Program, source: &str, out: &mut dyn Write) -> Result<()
         mechanism.set_modes(&state.modes);
         for (k, range) in ranges.iter_mut().enumerate() {
             let Some(mut balances) = Balances::new(&mechanism, k) else { continue };
-            balances.evaluate(&mechanism, state.t, &state.q, &state.v);
+            let floats = |list: &[DoubleDouble]| list.iter().map(|x| x.to_f64()).collect::<Vec<f64>>();
+            let (q, v) = (floats(&state.q), floats(&state.v));
+            balances.evaluate(&mechanism, At::new(state.t.to_f64(), &q, &v));
             let condition = 1.0 / balances.reciprocal_condition();
             *range = (range.0.min(condition), range.1.max(condition));
         }

@@ -8,8 +8,8 @@ use dalembert_symbolic::model::Model;
 use dalembert_symbolic::print::fnv1a;
 use dalembert_symbolic::{diagnose, file};
 
-use super::{Entry, Interpreted, Problem};
-use crate::mechanism::System;
+use super::{Entry, Problem};
+use crate::mechanism::{Interpreted, System};
 
 /// A model that was found.
 pub struct Loaded {

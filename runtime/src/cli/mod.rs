@@ -13,7 +13,6 @@
 mod arguments;
 mod check;
 mod compare;
-mod interpreted;
 mod json;
 mod list;
 mod load;
@@ -28,7 +27,6 @@ use std::process::ExitCode;
 
 use crate::mechanism::System;
 
-pub use interpreted::Interpreted;
 pub use problem::Problem;
 
 /// A compiled model.

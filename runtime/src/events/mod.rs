@@ -6,6 +6,8 @@
 //! 3. At a discontinuity the modes are chosen anew: look in `modes.rs`.
 //! 4. Discontinuities of time are known beforehand: look in `stops.rs`.
 
+use crate::mechanism::System;
+
 mod modes;
 mod root;
 mod sample;
@@ -16,3 +18,9 @@ mod tests;
 mod watch;
 
 pub(crate) use watch::{Interruption, Watch};
+
+/// Where events are noted.
+pub(crate) trait Log {
+    /// Notes an event in a state; `ends` tells whether it ends the run.
+    fn event<S: System + ?Sized>(&mut self, system: &S, event: usize, t: f64, y: &[f64], ends: bool);
+}

@@ -1,8 +1,8 @@
 //! Choosing the modes of the switches.
 
 use super::sample::Sampler;
-use crate::error::Cause;
-use crate::mechanism::{SwitchKind, System};
+use crate::cause::Cause;
+use crate::mechanism::{At, SwitchKind, System};
 
 /// Chooses the modes at a state.
 ///
@@ -154,7 +154,7 @@ fn direction<S: System + ?Sized>(
     let h = 1e6 * instant;
     let n = system.len();
     let mut a = vec![0.0; n];
-    if system.accelerations(t, &y[..n], &y[n..2 * n], &mut a).is_err() {
+    if system.accelerations(At::packed(t, y, n), &mut a).is_err() {
         return f64::NAN;
     }
     let mut moved = y[..2 * n].to_vec();

@@ -1,7 +1,7 @@
 //! Event functions and arguments of switches along a step.
 
-use crate::mechanism::System;
-use crate::run::Segment;
+use crate::integrate::Segment;
+use crate::mechanism::{At, System};
 
 /// Evaluates the watched functions: the events' first, then the switches' arguments.
 #[derive(Clone, Debug)]
@@ -63,8 +63,8 @@ impl Sampler {
 
     /// Evaluates all functions at a state.
     pub fn at_state<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
-        let (q, v) = (&y[..self.n], &y[self.n..2 * self.n]);
-        if self.needs_accelerations && system.accelerations(t, q, v, &mut self.a).is_err() {
+        let at = At::packed(t, y, self.n);
+        if self.needs_accelerations && system.accelerations(at, &mut self.a).is_err() {
             self.a.fill(f64::NAN);
         }
         self.evaluate(system, t, y);
@@ -79,13 +79,13 @@ impl Sampler {
     }
 
     fn evaluate<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
-        let (q, v) = (&y[..self.n], &y[self.n..2 * self.n]);
+        let at = At::packed(t, y, self.n);
         let (events, switches) = self.pairs.split_at_mut(2 * self.events);
         if self.events > 0 {
-            system.events(t, q, v, &self.a, events);
+            system.events(at.accelerated(&self.a), events);
         }
         if self.switches > 0 {
-            system.switches(t, q, v, &self.a, switches);
+            system.switches(at.accelerated(&self.a), switches);
         }
     }
 

@@ -2,8 +2,8 @@
 
 use super::root::{dip, root};
 use super::sample::Sampler;
+use crate::integrate::Segment;
 use crate::mechanism::System;
-use crate::run::Segment;
 
 /// Where the dense output is sampled: at the ends with their slopes, and in between.
 const GRID: [f64; 7] = [0.0, 1e-3, 0.25, 0.5, 0.75, 1.0 - 1e-3, 1.0];

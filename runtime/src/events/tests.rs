@@ -1,7 +1,8 @@
 use std::f64::consts::PI;
 
-use crate::error::{Cause, Error};
-use crate::integrate::Method;
+use crate::cause::Cause;
+use crate::error::Error;
+use crate::mechanism::Method;
 use crate::mechanism::{Action, Direction, Event, Switch, SwitchKind};
 use crate::run::Run;
 use crate::simulate::{Settings, simulate};

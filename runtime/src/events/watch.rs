@@ -1,12 +1,12 @@
 //! The watch over one motion.
 
-use super::modes;
 use super::sample::Sampler;
 use super::scan::{Crossing, Scanner};
 use super::stops::{Stop, stop_times};
-use crate::error::Cause;
+use super::{Log, modes};
+use crate::cause::Cause;
+use crate::integrate::Segment;
 use crate::mechanism::{Action, Direction, SwitchKind, System};
-use crate::run::{Recorder, Segment};
 
 /// Watches events and switches along a motion.
 #[derive(Clone, Debug)]
@@ -136,7 +136,7 @@ impl Watch {
     }
 
     /// Notes what is recorded within a step that nothing ended.
-    pub fn pass<S: System + ?Sized>(&mut self, system: &S, segment: &Segment<'_>, recorder: &mut Recorder) {
+    pub fn pass<S: System + ?Sized>(&mut self, system: &S, segment: &Segment<'_>, recorder: &mut impl Log) {
         self.record(system, segment, recorder, &[]);
         self.scanner.advance(segment.h);
     }
@@ -155,7 +155,7 @@ impl Watch {
         &mut self,
         system: &S,
         segment: &Segment<'_>,
-        recorder: &mut Recorder,
+        recorder: &mut impl Log,
         together: &[Crossing],
     ) {
         self.scanner.scan(&mut self.sampler, system, segment);
@@ -170,7 +170,7 @@ impl Watch {
         system: &S,
         together: &[Crossing],
         (t, y): (f64, &[f64]),
-        recorder: &mut Recorder,
+        recorder: &mut impl Log,
     ) -> bool {
         self.surface.fill(false);
         let mut stops = false;
@@ -248,7 +248,7 @@ impl Watch {
         &mut self,
         system: &S,
         segment: &Segment<'_>,
-        recorder: &mut Recorder,
+        recorder: &mut impl Log,
         but: &[Crossing],
     ) {
         for crossing in &self.scanner.crossings {

@@ -1,8 +1,22 @@
 //! Choosing the step.
 
-use super::explicit::Control;
-use super::{Rates, Tolerance};
-use crate::mechanism::{Singular, System};
+use super::{OneStep, Setback, Tolerance};
+use crate::mechanism::System;
+
+/// Constants of the step-size control h ← h·clamp(0.9·err₀^β/err^α), α = exponent − 3β/4.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Control {
+    /// 1/(q + 1), q the order of the error estimate.
+    pub exponent: f64,
+    /// Weight of the previous step's error (the integral part).
+    pub beta: f64,
+    /// The smallest factor.
+    pub shrink: f64,
+    /// The largest factor.
+    pub grow: f64,
+    /// h|λ| above this is near the stability limit.
+    pub stiff: f64,
+}
 
 /// The step a method proposes next, from the errors of the last steps.
 ///
@@ -49,25 +63,25 @@ impl StepControl {
 /// A first step: one that an explicit Euler step's curvature allows.
 ///
 /// Source: Hairer, Nørsett, Wanner I, section II.4, "starting step size".
-pub(crate) fn first_step<S: System + ?Sized>(
-    rates: &mut Rates,
-    system: &S,
-    (t, y, rate): (f64, &[f64], &[f64]),
+pub(crate) fn first_step(
+    stepper: &mut dyn OneStep,
+    system: &dyn System,
+    t: f64,
     tolerance: &Tolerance,
-    order: u32,
     longest: f64,
-) -> Result<f64, Singular> {
-    let size = tolerance.norm(y, y);
-    let speed = tolerance.norm(rate, y);
+) -> Result<f64, Setback> {
+    let (y, rate) = (stepper.start().y.to_vec(), stepper.start().rate.to_vec());
+    let size = tolerance.norm(&y, &y);
+    let speed = tolerance.norm(&rate, &y);
     let guess = if size < 1e-10 || speed < 1e-10 { 1e-6 } else { 0.01 * size / speed };
     let guess = guess.min(longest);
-    let moved: Vec<f64> = y.iter().zip(rate).map(|(y, rate)| y + guess * rate).collect();
+    let moved: Vec<f64> = y.iter().zip(&rate).map(|(y, rate)| y + guess * rate).collect();
     let mut new_rate = vec![0.0; y.len()];
-    rates.evaluate(system, t + guess, &moved, &mut new_rate)?;
-    let change: Vec<f64> = new_rate.iter().zip(rate).map(|(new, old)| new - old).collect();
-    let curvature = (tolerance.norm(&change, y) / guess).max(speed);
-    let step =
-        if curvature <= 1e-15 { (guess * 1e-3).max(1e-6) } else { (0.01 / curvature).powf(1.0 / f64::from(order)) };
+    stepper.evaluate(system, t + guess, &moved, &mut new_rate)?;
+    let change: Vec<f64> = new_rate.iter().zip(&rate).map(|(new, old)| new - old).collect();
+    let curvature = (tolerance.norm(&change, &y) / guess).max(speed);
+    let order = f64::from(stepper.order());
+    let step = if curvature <= 1e-15 { (guess * 1e-3).max(1e-6) } else { (0.01 / curvature).powf(1.0 / order) };
     let step = step.min(100.0 * guess).min(longest);
     Ok(if step.is_finite() { step } else { guess })
 }

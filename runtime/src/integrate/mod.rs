@@ -1,73 +1,137 @@
 //! Integrating the equations of motion in time.
 //!
-//! 1. [`Rates`] makes a first-order system of a mechanism: look in `rates.rs`.
-//! 2. A family of one-step methods, each in its folder with the files `tableau`, `step`, `dense`,
-//!    implements [`OneStep`]: look in `explicit/`.
+//! 1. A family of one-step methods, each in its folder with the files `tableau`, `step`, `dense`,
+//!    implements [`OneStep`]: look in `explicit/`, and for which name means which in `choose.rs`.
+//! 2. Methods are written once over [`Block`]s, whose size the compiler knows or not: look in `block.rs`.
 //! 3. [`StepControl`] chooses steps against a [`Tolerance`]: look in `control.rs`.
-//! 4. [`March`] puts steps together to a motion, with its stops and restarts: look in `march.rs`, and for what
-//!    may end a step early in `interrupt.rs`.
+//! 4. Between its ends a step is a [`Segment`]: look in `segment.rs`.
+//!
+//! `march` puts steps together to a motion.
 
+mod block;
+mod choose;
 mod clock;
 mod control;
 mod explicit;
-mod interrupt;
-mod jump;
-mod march;
-mod method;
-mod rates;
+mod segment;
+mod stiffness;
 mod tolerance;
 
+pub(crate) use block::Block;
+pub(crate) use choose::{stability, stepper};
+
 pub(crate) use clock::Clock;
-pub(crate) use control::{StepControl, first_step};
-pub(crate) use explicit::Tableau;
-pub(crate) use jump::{JumpDetector, Upset};
-pub(crate) use march::{Halt, March, Pace};
-pub use method::{Method, ParseMethodError};
-pub(crate) use rates::Rates;
+pub(crate) use control::{Control, StepControl, first_step};
+pub(crate) use segment::Segment;
+pub(crate) use stiffness::StiffnessDetector;
 pub(crate) use tolerance::Tolerance;
 
-use crate::mechanism::{Singular, System};
+use crate::cause::Cause;
+use crate::mechanism::{Description, Singular, System};
 
-/// What [`March`] asks of a family of one-step methods.
+/// A method of integration at work: it holds a motion's state, tries steps from it, and takes them.
 ///
-/// A step goes from (t, y), where the rate is known, to t + h.
-pub(crate) trait OneStep<S: System + ?Sized> {
-    /// Order, stability function and constants of control.
-    fn tableau(&self) -> &'static Tableau;
+/// States are [q; q'], so that a method that solves equations can solve for q'' alone.
+pub(crate) trait OneStep: Send {
+    /// Order of the solution.
+    fn order(&self) -> u32;
 
-    /// Computes the increment of y and returns its error in units of the tolerance (0 without one).
-    fn attempt(
-        &mut self,
-        rates: &mut Rates,
-        system: &S,
-        from: (f64, f64, &[f64]),
-        rate: &[f64],
-        tolerance: Option<&Tolerance>,
-    ) -> Result<f64, Singular>;
+    /// Constants of the step-size control.
+    fn control(&self) -> Control;
 
-    /// y(t + h) − y(t) of the last attempt.
-    fn increment(&self) -> &[f64];
+    /// Evaluations so far.
+    fn counters(&self) -> Counters;
 
-    /// The rate at the end of the step, (t, y) being the end.
-    fn end_rate(&mut self, rates: &mut Rates, system: &S, t: f64, y: &[f64]) -> Result<&[f64], Singular>;
+    /// Where the next step begins.
+    fn start(&self) -> Reached<'_>;
 
-    /// The rate at the end of the step, after [`OneStep::end_rate`].
-    fn last_rate(&self) -> &[f64];
+    /// The state where the next step begins, to be changed before [`OneStep::begin`].
+    fn state_mut(&mut self) -> &mut [f64];
 
-    /// h‖Δf‖/‖Δy‖ near the end of the step, an estimate of h|λ| of the stiffest mode; after
-    /// [`OneStep::end_rate`].
-    fn stiffness(&self, h: f64, end: &[f64]) -> f64;
+    /// Where the step that was tried ends.
+    fn end(&self) -> Reached<'_>;
 
-    /// How many vectors dense output has.
-    fn pieces(&self) -> usize;
+    /// Begins at the present state, after it or the equations changed.
+    fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), Setback>;
 
-    /// Writes dense output of the step; after [`OneStep::end_rate`].
-    fn dense(
-        &mut self,
-        rates: &mut Rates,
-        system: &S,
-        from: (f64, f64, &[f64]),
-        end: &[f64],
-        pieces: &mut [f64],
-    ) -> Result<(), Singular>;
+    /// The rate of a state that need not lie on the motion.
+    fn evaluate(&mut self, system: &dyn System, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), Setback>;
+
+    /// Tries a step and returns its error in units of the tolerance (0 without one, NaN where the rate at its end is not
+    /// finite).  The rate at the end is there if the error is at most 1, or if it was asked for.
+    fn attempt(&mut self, system: &dyn System, trial: Trial<'_>) -> Result<f64, Setback>;
+
+    /// Takes the step that was tried; adds what rounding took from it to the next one if `compensated`.
+    fn accept(&mut self, compensated: bool);
+
+    /// h‖Δf‖/‖Δy‖ near the end of the step, an estimate of h|λ| of the stiffest mode; after the rate at the end.
+    fn stiffness(&self, h: f64) -> f64;
+
+    /// True where dense output costs no evaluation.
+    fn dense_is_free(&self) -> bool;
+
+    /// Computes dense output of the step that was tried, of length h from t; after the rate at the end.
+    fn dense(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), Setback>;
+
+    /// The dense output, after [`OneStep::dense`].
+    fn segment(&self, t: f64, h: f64) -> Segment<'_>;
+}
+
+/// A step to try.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Trial<'a> {
+    /// Where it starts, s.
+    pub t: f64,
+    /// Its length, s.
+    pub h: f64,
+    /// Where it ends, s: t + h to rounding.
+    pub next: f64,
+    /// What its error is measured by.
+    pub tolerance: Option<&'a Tolerance>,
+    /// Whether the rate at its end is wanted, however large its error.
+    pub whatever: bool,
+}
+
+/// A state on the motion with its rate, and the work of what has no potential until then, J.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reached<'a> {
+    /// [q; q'].
+    pub y: &'a [f64],
+    /// [q'; q''].
+    pub rate: &'a [f64],
+    /// W = ∫P dt; 0 where it is not wanted.
+    pub work: f64,
+}
+
+/// Evaluations that a method made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Counters {
+    /// Of the accelerations.
+    pub evaluations: u64,
+    /// Of the Jacobians.
+    pub jacobians: u64,
+    /// Factorizations of iteration matrices.
+    pub factorizations: u64,
+}
+
+/// Why a step could not be computed.  An implicit method adds that its iteration stalled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Setback {
+    /// There are no accelerations at a state on the way.
+    Singular(Singular),
+}
+
+impl From<Singular> for Setback {
+    fn from(fault: Singular) -> Self {
+        Setback::Singular(fault)
+    }
+}
+
+impl Setback {
+    /// The end of a run that cannot go round it.
+    pub fn cause(self, mechanism: &Description) -> Cause {
+        match self {
+            Setback::Singular(fault) => fault.cause(mechanism),
+        }
+    }
 }

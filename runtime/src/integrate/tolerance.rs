@@ -11,19 +11,15 @@ pub(crate) struct Tolerance {
 }
 
 impl Tolerance {
-    /// Scales from the state at the start; work and padding, beyond `controlled`, are not controlled.
-    pub fn new(relative: f64, start: &[f64], controlled: usize) -> Self {
-        Tolerance { relative, scale: start[..controlled].iter().map(|y| y.abs().max(1.0)).collect() }
+    /// Scales from the state at the start.
+    pub fn new(relative: f64, start: &[f64]) -> Self {
+        Tolerance { relative, scale: start.iter().map(|y| y.abs().max(1.0)).collect() }
     }
 
-    /// The mean square of `error` in units of the tolerance, over a step from `y` to `y + increment`.
-    pub fn mean_square(&self, error: &[f64], y: &[f64], increment: &[f64]) -> f64 {
-        let mut sum = 0.0;
-        for (i, scale) in self.scale.iter().enumerate() {
-            let size = y[i].abs().max((y[i] + increment[i]).abs());
-            sum += (error[i] / (self.relative * (scale + size))).powi(2);
-        }
-        if self.scale.is_empty() { 0.0 } else { sum / self.scale.len() as f64 }
+    /// The error of component i that counts as 1, over a step from `start` to `end`.
+    #[inline(always)]
+    pub fn unit(&self, i: usize, start: f64, end: f64) -> f64 {
+        self.relative * (self.scale[i] + start.abs().max(end.abs()))
     }
 
     /// The norm of `x` at the state `y`, without the factor ε⁻¹ under the mean.

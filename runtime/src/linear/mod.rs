@@ -1,18 +1,15 @@
 //! Small motions: equilibria, linearisation to M, C and K, and modes.
 //!
-//! 1. [`equilibrium_near`] searches, [`equilibrium_here`] verifies: look in `equilibrium.rs`; what directions
-//!    without stiffness are (families, degenerate equilibria): look in `family.rs`; dry friction and contacts: look in
-//!    `discontinuity.rs`.
-//! 2. [`linearise`] gives M, C and K there as [`Linearised`]: look in `linearise.rs`.
-//! 3. Undamped: [`normal_modes`]; look in `normal.rs`, and for starting from given states
-//!    ([`solvenum`], [`solvemode`], [`solvenorm`]) in `initial_value.rs`.
-//! 4. Damped, gyroscopic, circulatory: [`Linearised::modes`]; complex modes need the feature `modal`: look in
-//!    `damped.rs`; systems z' = A z of first order: look in `first_order.rs`.  Motions by the matrix exponential [`expm`]: look in `motion.rs`.
-//! 5. Forced: steady states, resonance, steps, impulses, any input: look in `forced.rs`; frequency responses, by
-//!    modes: look in `drive.rs`.
-//! 6. Proportional and diagonal damping: look in `proportional.rs`.
-//! 7. Measuring frequency and damping of a run: look in `measured.rs`.
-//! 8. Pictures: look in `pictures.rs`.
+//! 1. [`equilibrium_near`] searches, [`equilibrium_here`] verifies, each row by its own terms; what directions without
+//!    stiffness are, dry friction, contacts, dependence on time, and M, C and K as [`Linearised`]: look in
+//!    `equilibrium/`.
+//! 2. Modes: normal ([`normal_modes`]), damped, gyroscopic and circulatory ([`Linearised::modes`], `complex_modes`),
+//!    of systems z' = A z, secular pairs, proportional damping, pictures: look in `modes/`.
+//! 3. Rigid motions told apart from mechanisms ([`name_free_modes`]): look in `rigid.rs`.
+//! 4. A branch of equilibria as a parameter changes, its folds and thresholds ([`follow`]): look in `branch/`.
+//! 5. Motions of the linear model: from given states, by the matrix exponential [`expm`], forced, steady, measured:
+//!    look in `forced/`.
+//! 6. Decompositions, scaling and ranks: look in `matrices/`.
 //!
 //! Matrices stay sparse until an eigenproblem or a factorization needs them dense, on the heap.
 
@@ -25,62 +22,29 @@ macro_rules! dmatrix {
     }};
 }
 
-#[cfg(feature = "modal")]
-mod damped;
-mod dense;
-mod discontinuity;
-mod drive;
+mod branch;
 mod equilibrium;
-mod error;
-mod expm;
-mod family;
-#[cfg(feature = "modal")]
-mod first_order;
 mod forced;
-mod initial_value;
-mod linearise;
-mod measured;
-mod mechanism;
-mod mode;
-mod motion;
-mod normal;
-mod numbers;
-mod pictures;
-mod probe;
-mod proportional;
-mod sparse;
+mod matrices;
+mod modes;
+mod rigid;
 mod typed;
 
-#[cfg(all(test, feature = "modal"))]
-mod damped_tests;
-#[cfg(test)]
-mod forced_tests;
-#[cfg(test)]
-mod steady_tests;
-#[cfg(test)]
-mod tests;
-
+pub use crate::error::{LinearError, Residual};
+pub use crate::numbers::{short, short_beside};
+pub use branch::{Branch, BranchPoint, Change, Threshold, ThresholdKind, follow};
+pub use equilibrium::{
+    Equilibrium, Freedom, Guess, Jump, Linearised, equilibria, equilibrium_here, equilibrium_near, linearise,
+    state_matrix,
+};
+pub use forced::{
+    Drive, Harmonic, Measured, Motion, Source, Steady, beat, bode, measure, solvemode, solvenorm, solvenum,
+};
+pub use matrices::{LinearMechanism, SparseMatrix, expm};
 #[cfg(feature = "modal")]
-pub use damped::{ComplexModes, complex_modes};
-pub use discontinuity::Jump;
-pub use drive::{Drive, Source, Steady};
-pub use equilibrium::{Equilibrium, Guess, equilibria, equilibrium_here, equilibrium_near};
-pub use error::{LinearError, Residual};
-pub use expm::expm;
-pub use family::Freedom;
-#[cfg(feature = "modal")]
-pub use first_order::{FirstOrder, Stability, first_order_modes};
-pub use forced::{Harmonic, beat};
-pub use initial_value::{Motion, solvemode, solvenorm, solvenum};
-pub use linearise::{Linearised, linearise, state_matrix};
-pub use measured::{Measured, measure};
-pub use mechanism::LinearMechanism;
-pub use mode::{Kind, Mode};
-pub use normal::{Reduction, normal_modes};
-pub use numbers::{short, short_beside};
-#[cfg(feature = "cli")]
-pub(crate) use pictures::matched;
-pub use pictures::{animate_mode, bode, draw_modes, root_locus};
-pub use proportional::{DiagonalDamping, proportional_damping};
-pub use sparse::SparseMatrix;
+pub use modes::{ComplexModes, FirstOrder, Stability, complex_modes, first_order_modes};
+pub use modes::{
+    DiagonalDamping, Kind, Mode, Reduction, animate_mode, draw_modes, normal_modes, proportional_damping, root_locus,
+};
+pub use rigid::{Part, name_free_modes};
 pub use typed::Linearise;

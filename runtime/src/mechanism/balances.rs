@@ -1,6 +1,6 @@
 //! Systems of momentum balances at work: A·[q''; reactions] = b, solved and judged.
 
-use super::{Singular, System};
+use super::{At, Singular, System};
 
 /// One system of balances of a mechanism at one state after another; it allocates when it is made and never again.
 ///
@@ -31,8 +31,8 @@ impl Balances {
     }
 
     /// Evaluates A and b at a state.
-    pub fn evaluate<S: System + ?Sized>(&mut self, mechanism: &S, t: f64, q: &[f64], v: &[f64]) {
-        mechanism.balances(self.system, t, q, v, &mut self.matrix, &mut self.right);
+    pub fn evaluate<S: System + ?Sized>(&mut self, mechanism: &S, at: At<'_>) {
+        mechanism.balances(self.system, at, &mut self.matrix, &mut self.right);
     }
 
     /// How many equations and unknowns there are.

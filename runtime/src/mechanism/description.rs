@@ -34,6 +34,10 @@ pub struct Description {
     pub damping_pattern: List<(u32, u32)>,
     /// (row, 3·input + order) of the structural non-zeros of ∂F/∂(u, u', u'').
     pub input_pattern: List<(u32, u32)>,
+    /// Rows of F that depend on time by themselves (not by way of inputs), in the order of `System::time_jacobian`.
+    pub time_pattern: List<u32>,
+    /// Switches whose argument depends on time.
+    pub timed_switches: List<u32>,
     /// Outputs, in the order of `System::outputs`.
     pub outputs: List<Quantity>,
     /// True when some output needs accelerations.
@@ -61,7 +65,7 @@ pub struct Description {
 pub struct Coordinate {
     /// `theta[3]`.
     pub name: Text,
-    /// As written in the file, `rad`; empty when none is given.
+    /// The unit of its numbers, SI: the file's without prefixes (`mm` is `m`); empty when none is given.
     pub unit: Text,
 }
 
@@ -70,7 +74,7 @@ pub struct Coordinate {
 pub struct Parameter {
     /// `m[2]`.
     pub name: Text,
-    /// As written in the file.
+    /// The unit of its numbers, SI: the file's without prefixes (`N/mm` is `N/m`); empty when none is given.
     pub unit: Text,
     /// The file's value, in SI.
     pub default: f64,
@@ -189,6 +193,8 @@ pub struct Structure {
     pub dimension: u32,
     /// M does not depend on the state: factored once.
     pub constant_mass: bool,
+    /// The diagonal of M does not depend on the state.
+    pub constant_inertias: bool,
     /// M is diagonal: divided by.
     pub diagonal_mass: bool,
     /// Sizes of the diagonal blocks of M, when there is more than one.
@@ -221,6 +227,11 @@ pub struct Counts {
 }
 
 impl Description {
+    /// The name of a coordinate, for messages.
+    pub(crate) fn coordinate_name(&self, index: usize) -> String {
+        self.coordinates.get(index).map_or_else(|| format!("coordinate {index}"), |c| c.name.to_string())
+    }
+
     /// How many numbers `System::outputs` writes.
     pub fn output_len(&self) -> usize {
         self.outputs.iter().map(|o| o.components as usize).sum()

@@ -1,7 +1,7 @@
 //! A [`Mechanism`] behind slices.
 
 use super::balances::solve_rows;
-use super::{Description, Energy, Mechanism, Scene, Signal, Singular, System, Values};
+use super::{At, Description, Energy, Mechanism, Scene, Signal, Singular, System, Values};
 
 /// A mechanism of static size as a [`System`], with its block of constants at hand.
 #[derive(Clone)]
@@ -36,20 +36,13 @@ impl<M: Mechanism<N, C>, const N: usize, const C: usize> Erased<M, N, C> {
     }
 
     /// Solves a system of balances on the stack and hands its unknowns on.
-    fn by_balances(
-        &self,
-        system: usize,
-        t: f64,
-        q: &[f64],
-        v: &[f64],
-        then: impl FnOnce(&[f64]),
-    ) -> Result<(), Singular> {
+    fn by_balances(&self, system: usize, at: At<'_>, then: impl FnOnce(&[f64])) -> Result<(), Singular> {
         let size = M::description().balances[system].unknowns.len();
         let mut block = M::Balances::filled(0.0);
         let (matrix, rest) = block.as_mut().split_at_mut(size * size);
         let (unknowns, rest) = rest.split_at_mut(size);
-        let u = self.input_block(t);
-        M::balances(&self.constants, system, t, u.as_ref(), array(q), array(v), matrix, unknowns);
+        let u = self.input_block(at.t);
+        M::balances(&self.constants, system, at.t, u.as_ref(), array(at.q), array(at.v), matrix, unknowns);
         solve_rows(matrix, unknowns, &mut rest[..size]).map_err(|fault| fault.of(system))?;
         then(unknowns);
         Ok(())
@@ -82,65 +75,87 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
         M::description()
     }
 
-    fn accelerations(&self, t: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Singular> {
+    fn accelerations(&self, at: At<'_>, a: &mut [f64]) -> Result<(), Singular> {
         if let Some(system) = self.derivation {
-            return self.by_balances(system, t, q, v, |unknowns| a.copy_from_slice(&unknowns[..N]));
+            return self.by_balances(system, at, |unknowns| a.copy_from_slice(&unknowns[..N]));
         }
-        M::accelerations(&self.constants, t, self.input_block(t).as_ref(), array(q), array(v), array_mut(a))?;
+        M::accelerations(
+            &self.constants,
+            at.t,
+            self.input_block(at.t).as_ref(),
+            array(at.q),
+            array(at.v),
+            array_mut(a),
+        )?;
         Ok(())
     }
 
-    fn mass_matrix(&self, t: f64, q: &[f64], values: &mut [f64]) {
-        M::mass_matrix(&self.constants, t, self.input_block(t).as_ref(), array(q), values);
+    fn mass_matrix(&self, at: At<'_>, values: &mut [f64]) {
+        M::mass_matrix(&self.constants, at.t, self.input_block(at.t).as_ref(), array(at.q), values);
     }
 
-    fn bias(&self, t: f64, q: &[f64], v: &[f64], h: &mut [f64]) {
-        M::bias(&self.constants, t, self.input_block(t).as_ref(), array(q), array(v), array_mut(h));
+    fn bias(&self, at: At<'_>, h: &mut [f64]) {
+        M::bias(&self.constants, at.t, self.input_block(at.t).as_ref(), array(at.q), array(at.v), array_mut(h));
     }
 
-    fn residual(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], f: &mut [f64]) {
-        let u = self.input_block(t);
-        M::residual(&self.constants, t, u.as_ref(), array(q), array(v), array(a), array_mut(f));
+    fn residual(&self, at: At<'_>, f: &mut [f64]) {
+        let u = self.input_block(at.t);
+        M::residual(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), array(at.a), array_mut(f));
     }
 
-    fn jacobians(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], dq: &mut [f64], dv: &mut [f64]) {
-        let u = self.input_block(t);
-        M::jacobians(&self.constants, t, u.as_ref(), array(q), array(v), array(a), dq, dv);
+    fn jacobians(&self, at: At<'_>, dq: &mut [f64], dv: &mut [f64]) {
+        let u = self.input_block(at.t);
+        M::jacobians(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), array(at.a), dq, dv);
     }
 
-    fn input_jacobian(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], du: &mut [f64]) {
-        let u = self.input_block(t);
-        M::input_jacobian(&self.constants, t, u.as_ref(), array(q), array(v), array(a), du);
+    fn input_jacobian(&self, at: At<'_>, du: &mut [f64]) {
+        let u = self.input_block(at.t);
+        M::input_jacobian(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), array(at.a), du);
     }
 
-    fn energy(&self, t: f64, q: &[f64], v: &[f64]) -> Energy {
-        Energy::from_array(M::energy(&self.constants, t, self.input_block(t).as_ref(), array(q), array(v)))
+    fn time_jacobian(&self, at: At<'_>, dt: &mut [f64]) {
+        let u = self.input_block(at.t);
+        M::time_jacobian(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), array(at.a), dt);
     }
 
-    fn invariants(&self, t: f64, q: &[f64], v: &[f64], pairs: &mut [f64]) {
-        M::invariants(&self.constants, t, self.input_block(t).as_ref(), array(q), array(v), pairs);
+    fn time_dependence(&self, at: At<'_>, dt: &mut [f64]) {
+        let u = self.input_block(at.t);
+        M::time_dependence(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), array(at.a), dt);
     }
 
-    fn outputs(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], values: &mut [f64]) {
-        let u = self.input_block(t);
-        M::outputs(&self.constants, t, u.as_ref(), array(q), array(v), &array_or_zero(a), values);
+    fn magnitudes(&self, at: At<'_>, sums: &mut [f64]) {
+        let u = self.input_block(at.t);
+        M::magnitudes(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), array(at.a), sums);
+    }
+
+    fn energy(&self, at: At<'_>) -> Energy {
+        Energy::from_array(M::energy(&self.constants, at.t, self.input_block(at.t).as_ref(), array(at.q), array(at.v)))
+    }
+
+    fn invariants(&self, at: At<'_>, pairs: &mut [f64]) {
+        M::invariants(&self.constants, at.t, self.input_block(at.t).as_ref(), array(at.q), array(at.v), pairs);
+    }
+
+    fn outputs(&self, at: At<'_>, values: &mut [f64]) {
+        let u = self.input_block(at.t);
+        M::outputs(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &array_or_zero(at.a), values);
         let Some(system) = self.derivation else { return };
         let pairs = &M::description().balances[system].outputs;
         if !pairs.is_empty() {
             let put = |unknowns: &[f64]| super::balances::put_reactions(pairs, unknowns, values);
             // Where the system is singular its accelerations are missing already.
-            let _ = self.by_balances(system, t, q, v, put);
+            let _ = self.by_balances(system, at, put);
         }
     }
 
-    fn events(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], pairs: &mut [f64]) {
-        let u = self.input_block(t);
-        M::events(&self.constants, t, u.as_ref(), array(q), array(v), &array_or_zero(a), pairs);
+    fn events(&self, at: At<'_>, pairs: &mut [f64]) {
+        let u = self.input_block(at.t);
+        M::events(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &array_or_zero(at.a), pairs);
     }
 
-    fn switches(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], pairs: &mut [f64]) {
-        let u = self.input_block(t);
-        M::switches(&self.constants, t, u.as_ref(), array(q), array(v), &array_or_zero(a), pairs);
+    fn switches(&self, at: At<'_>, pairs: &mut [f64]) {
+        let u = self.input_block(at.t);
+        M::switches(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &array_or_zero(at.a), pairs);
     }
 
     fn modes(&self) -> &[f64] {
@@ -152,8 +167,8 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
         self.constants.as_mut()[first..].copy_from_slice(modes);
     }
 
-    fn drawing(&self, t: f64, q: &[f64], v: &[f64], values: &mut [f64]) {
-        M::drawing(&self.constants, t, self.input_block(t).as_ref(), array(q), array(v), values);
+    fn drawing(&self, at: At<'_>, values: &mut [f64]) {
+        M::drawing(&self.constants, at.t, self.input_block(at.t).as_ref(), array(at.q), array(at.v), values);
     }
 
     fn parameters(&self) -> Vec<f64> {
@@ -191,9 +206,9 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
         self.mechanism.equilibrium_guess().to_vec()
     }
 
-    fn balances(&self, system: usize, t: f64, q: &[f64], v: &[f64], matrix: &mut [f64], right: &mut [f64]) {
-        let u = self.input_block(t);
-        M::balances(&self.constants, system, t, u.as_ref(), array(q), array(v), matrix, right);
+    fn balances(&self, system: usize, at: At<'_>, matrix: &mut [f64], right: &mut [f64]) {
+        let u = self.input_block(at.t);
+        M::balances(&self.constants, system, at.t, u.as_ref(), array(at.q), array(at.v), matrix, right);
     }
 
     fn derivation(&self) -> Option<usize> {

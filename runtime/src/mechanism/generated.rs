@@ -3,12 +3,13 @@
 use super::{Description, Energy, Real, Scene, SingularMass};
 
 /// A block of scalars of a size that only generated code knows: an array `[S; K]`.
-pub trait Values<S>: Clone + AsRef<[S]> + AsMut<[S]> {
+#[doc(hidden)]
+pub trait Values<S>: Clone + Send + Sync + AsRef<[S]> + AsMut<[S]> {
     /// A block of equal numbers.
     fn filled(value: S) -> Self;
 }
 
-impl<S: Copy, const K: usize> Values<S> for [S; K] {
+impl<S: Copy + Send + Sync, const K: usize> Values<S> for [S; K] {
     fn filled(value: S) -> Self {
         [value; K]
     }
@@ -21,7 +22,7 @@ impl<S: Copy, const K: usize> Values<S> for [S; K] {
 /// the switches.  `u` are the inputs with their first and second derivatives, three numbers each.
 /// Functions that nobody calls cost nothing.  Shapes, units and signs are those of
 /// [`System`](super::System).
-pub trait Mechanism<const N: usize, const C: usize>: Clone {
+pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
     /// The block of constants.
     type Constants<S: Real>: Values<S>;
     /// The block of inputs, three numbers each.
@@ -82,6 +83,20 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone {
     );
     /// ∂F/∂(u, u', u'') as values of its pattern.
     fn input_jacobian<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], du: &mut [S]);
+    /// ∂F/∂t of the rows of its pattern.
+    fn time_jacobian<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], dt: &mut [S]);
+    /// ∂F/∂t with generic numbers for functions of time that can be as small as none.
+    fn time_dependence<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &[S; N],
+        dt: &mut [S],
+    );
+    /// Sums of the absolute values of the terms of each component of F.
+    fn magnitudes<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], sums: &mut [S]);
     /// T, V, the Jacobi function, the power and the scale, in the order of [`Energy`]'s fields.
     fn energy<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N]) -> [S; 5];
     /// Pairs (value, sum of the absolute terms) of the invariants.

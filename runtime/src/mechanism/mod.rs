@@ -1,23 +1,32 @@
 //! What generated code implements, and what is built on it: scalars, mechanisms, systems, descriptions.
 
+mod at;
 mod balances;
 mod description;
 mod erased;
 mod generated;
+#[cfg(feature = "interpret")]
+mod interpreted;
+mod method;
 mod real;
+mod singular;
 mod solve;
 mod system;
 
+pub use at::At;
 pub use balances::Balances;
-#[cfg(feature = "cli")]
-pub(crate) use balances::put_reactions;
 pub use description::{
     Action, Balance, BalanceSystem, Coordinate, Counts, Description, Direction, Event, List, Parameter, Quantity,
     Shape, Structure, Switch, SwitchKind, Text,
 };
 pub use erased::Erased;
 pub use generated::{Mechanism, Values};
+#[cfg(feature = "interpret")]
+pub use interpreted::Interpreted;
+pub use method::{Method, ParseMethodError};
 pub use real::Real;
+pub use singular::{Singular, SingularMass};
+#[doc(hidden)]
 pub use solve::solve_packed;
 pub use system::{Signal, System};
 
@@ -53,38 +62,4 @@ pub struct Scene {
     pub tolerance: f64,
     /// Spacing of reported states, s; `None`: 500 points.
     pub every: Option<f64>,
-}
-
-/// M has no inverse: this coordinate's pivot vanishes to rounding, or is not finite.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SingularMass {
-    /// Index of the coordinate.
-    pub coordinate: usize,
-}
-
-/// There are no accelerations at a state.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Singular {
-    /// M has no inverse.
-    Mass(SingularMass),
-    /// An equation of a system of balances has no unknowns, as that of power has at rest.
-    VoidBalance {
-        /// Index of the system.
-        system: usize,
-        /// Index of the equation.
-        equation: usize,
-    },
-    /// A system of balances does not determine an unknown.
-    Balances {
-        /// Index of the system.
-        system: usize,
-        /// Index of the unknown.
-        unknown: usize,
-    },
-}
-
-impl From<SingularMass> for Singular {
-    fn from(fault: SingularMass) -> Self {
-        Singular::Mass(fault)
-    }
 }

@@ -9,7 +9,14 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// Small on purpose: generated text instantiates for `f64`, `f32`, dual numbers, SIMD lanes and
 /// double-double alike, at no cost for `f64`.
 pub trait Real:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
+    Copy
+    + Send
+    + Sync
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
 {
     /// How many numbers travel together.
     const LANES: usize;

@@ -1,61 +1,88 @@
-//! What a run draws, at closer times than those it reports.
+//! What a run draws, at closer times than those it reports, made when somebody asks.
 
-use super::Segment;
-use crate::mechanism::System;
+use std::fmt;
+use std::sync::Arc;
+
+use super::Trajectory;
+use crate::mechanism::{At, System};
 
 /// Frames of a whole run, fewer where one frame has many numbers.
 const MOST_FRAMES: f64 = 2000.0;
 const MOST_NUMBERS: f64 = 250_000.0;
 
-/// Points of `description().draw` along a run.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Frames {
-    /// Numbers per frame; nothing is written down where it is 0.
-    size: usize,
-    start: f64,
-    spacing: f64,
-    /// Frames lie at start + k·spacing.
-    next: u32,
-    pub times: Vec<f64>,
-    numbers: Vec<f64>,
+/// A time and the numbers of `description().draw`.
+pub(crate) type Frame = (f64, Vec<f64>);
+
+/// What is needed to draw a run after it ended.
+#[derive(Clone, Default)]
+pub(crate) struct Scenery {
+    /// The mechanism as it was at the end; `None` if there is nothing to draw.
+    system: Option<Arc<dyn System>>,
+    /// Where the run was to end, s.
+    until: f64,
+    /// Modes of the switches, from which time on.
+    modes: Vec<(f64, Vec<f64>)>,
+    /// Frames that were drawn before the mechanism was changed by hand.
+    drawn: Vec<Frame>,
 }
 
-impl Frames {
-    /// Frames from `start` to `until`; none if `wanted` is false.
-    pub fn new<S: System + ?Sized>(system: &S, wanted: bool, start: f64, until: f64) -> Frames {
-        let size = if wanted { system.description().drawing_len() } else { 0 };
+impl Scenery {
+    /// Notes the modes in force from t on.
+    pub fn modes(&mut self, t: f64, modes: &[f64]) {
+        if !modes.is_empty() && self.modes.last().is_none_or(|(_, last)| last != modes) {
+            self.modes.push((t, modes.to_vec()));
+        }
+    }
+
+    /// Keeps the mechanism, as it is at the end, if it draws anything.
+    pub fn keep(&mut self, system: &dyn System, until: f64) {
+        self.until = until;
+        self.system = (system.description().drawing_len() > 0).then(|| Arc::from(system.boxed_clone()));
+    }
+
+    /// Draws until the end of the trajectory with the mechanism as it is.
+    pub fn draw(&mut self, system: &dyn System, trajectory: &Trajectory, until: f64) {
+        self.until = until;
+        if system.description().drawing_len() > 0 {
+            let more = self.more(system.boxed_clone(), trajectory, false);
+            self.drawn.extend(more);
+        }
+    }
+
+    /// All frames; none where the run kept no dense output.
+    pub fn frames(&self, trajectory: &Trajectory) -> Vec<Frame> {
+        let more = self.system.as_ref().map(|system| self.more(system.boxed_clone(), trajectory, true));
+        self.drawn.iter().cloned().chain(more.unwrap_or_default()).collect()
+    }
+
+    /// Frames after those that were drawn, at start + k·spacing, and at the very end if `ends`.
+    fn more(&self, mut system: Box<dyn System>, trajectory: &Trajectory, ends: bool) -> Vec<Frame> {
+        let (Some(start), Some(end)) = (trajectory.start(), trajectory.end()) else { return Vec::new() };
+        let (n, size) = (system.len(), system.description().drawing_len());
         let count = (MOST_NUMBERS / size.max(1) as f64).clamp(100.0, MOST_FRAMES);
-        Frames { size, start, spacing: (until - start) / count, ..Frames::default() }
-    }
-
-    /// Writes down the frames that lie in an accepted step which ends at t.
-    pub fn accept<S: System + ?Sized>(&mut self, system: &S, segment: &Segment<'_>, t: f64, point: &mut [f64]) {
-        while self.size > 0 && self.spacing > 0.0 && self.next_time() < t {
-            let at = self.next_time();
-            segment.evaluate((at - segment.t) / segment.h, point);
-            self.write(system, at, point);
-            self.next += 1;
+        let spacing = (self.until - start) / count;
+        let last = self.drawn.last().map_or(f64::NEG_INFINITY, |frame| frame.0);
+        let regular = (0..=count as u32).map(|k| start + spacing * f64::from(k));
+        let inside = regular.take_while(|t| *t < end).filter(|t| *t > last);
+        let mut y = vec![0.0; 2 * n];
+        let mut modes = self.modes.iter().peekable();
+        let mut frames = Vec::new();
+        for t in inside.chain((ends && end > last).then_some(end)) {
+            while let Some((_, now)) = modes.next_if(|(from, _)| *from <= t) {
+                system.set_modes(now);
+            }
+            if trajectory.evaluate(t, &mut y) {
+                let mut numbers = vec![f64::NAN; size];
+                system.drawing(At::packed(t, &y, n), &mut numbers);
+                frames.push((t, numbers));
+            }
         }
+        frames
     }
+}
 
-    /// Writes down one frame, unless one is there for this time.
-    pub fn write<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
-        if self.size == 0 || self.times.last().is_some_and(|last| *last >= t) {
-            return;
-        }
-        let (q, v) = y.split_at(system.len());
-        let first = self.numbers.len();
-        self.times.push(t);
-        self.numbers.resize(first + self.size, f64::NAN);
-        system.drawing(t, q, &v[..q.len()], &mut self.numbers[first..]);
-    }
-
-    /// (time, numbers) of each frame.
-    pub fn iter(&self) -> impl Iterator<Item = (f64, &[f64])> + Clone {
-        self.times.iter().copied().zip(self.numbers.chunks_exact(self.size.max(1)))
-    }
-
-    fn next_time(&self) -> f64 {
-        self.spacing.mul_add(f64::from(self.next), self.start)
+impl fmt::Debug for Scenery {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Scenery").field("until", &self.until).field("modes", &self.modes).finish_non_exhaustive()
     }
 }

@@ -1,24 +1,29 @@
 //! What a run returns.
 
+mod failure;
 mod frames;
+mod hermite;
 mod record;
 mod state;
 mod trajectory;
+mod trust;
 
 use std::sync::Arc;
 
-pub(crate) use frames::Frames;
+pub use failure::Failure;
+pub(crate) use frames::Scenery;
 pub(crate) use record::{Plan, Recorder};
 pub(crate) use state::Names;
 pub use state::State;
-pub(crate) use trajectory::{Segment, Trajectory};
+pub(crate) use trajectory::Trajectory;
+pub use trust::Trust;
 
-use crate::integrate::Method;
-use crate::mechanism::Description;
-use crate::trust::{Conditioning, Drift, Trust, Warning};
+use crate::mechanism::{Description, Method};
+use crate::trust::{Conditioning, Drift, Warning};
 
 /// A motion that was computed, and what tells how far it can be trusted.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Run {
     /// The method that was used; never [`Method::Auto`].
     pub method: Method,
@@ -45,8 +50,8 @@ pub struct Run {
     pub(crate) times: Vec<f64>,
     pub(crate) rows: Vec<f64>,
     pub(crate) outputs: Vec<f64>,
+    pub(crate) scenery: Scenery,
     /// Empty if the run was told to keep no dense output.
-    pub(crate) frames: Frames,
     pub(crate) trajectory: Trajectory,
     pub(crate) names: Arc<Names>,
     pub(crate) description: Arc<Description>,
@@ -54,6 +59,7 @@ pub struct Run {
 
 /// An event that happened.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Occurrence {
     /// Its label in the model file.
     pub name: String,
@@ -65,6 +71,7 @@ pub struct Occurrence {
 
 /// What a run cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Work {
     /// Accepted steps.
     pub steps: u64,
@@ -130,10 +137,11 @@ impl Run {
     ///
     /// `None` outside of the run, and if the run was told to keep no dense output.
     pub fn at(&self, t: f64) -> Option<State> {
-        let segment = self.trajectory.find(t)?;
         let n = self.names.coordinates.len();
         let mut y = vec![0.0; 2 * n];
-        segment.evaluate(((t - segment.t) / segment.h).clamp(0.0, 1.0), &mut y);
+        if !self.trajectory.evaluate(t, &mut y) {
+            return None;
+        }
         let v = y.split_off(n);
         Some(State { t, q: y, v, outputs: Vec::new(), names: self.names.clone() })
     }
@@ -164,6 +172,11 @@ impl Run {
         let coordinates = &self.names.coordinates;
         let rates = coordinates.iter().map(|name| format!("{name}'"));
         coordinates.iter().cloned().chain(rates).chain(self.names.outputs.iter().cloned()).collect()
+    }
+
+    /// What the model draws at up to some thousands of times, evaluated now.
+    pub(crate) fn frames(&self) -> Vec<(f64, Vec<f64>)> {
+        self.scenery.frames(&self.trajectory)
     }
 
     /// The event that ended the run, if one did.

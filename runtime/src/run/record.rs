@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use super::{Frames, Names, Occurrence, Run, Segment, State, Trajectory, Work};
-use crate::error::Cause;
-use crate::integrate::Method;
-use crate::mechanism::System;
+use super::{Names, Occurrence, Run, Scenery, State, Trajectory, Work};
+use crate::cause::Cause;
+use crate::events::Log;
+use crate::integrate::{Reached, Segment};
+use crate::mechanism::{At, Method, System};
 use crate::trust::{ConditionMonitor, InertiaGuard, Monitor, Warning, Watchman};
 
 /// Collects what a [`Run`] holds: reported states, outputs, dense output, drift.
@@ -16,12 +17,19 @@ pub(crate) struct Recorder {
     start: f64,
     every: f64,
     next: u64,
-    /// Until when the motion has been judged.
+    /// When the next state is reported, s.
+    next_time: f64,
+    /// Where the last step ended, s.
     judged: f64,
+    /// Steps since the energy was looked at, and how long the last of those at which it was took.
+    unlooked: u32,
+    looked_step: f64,
     /// A larger change of the energy balance in one step is worth a warning.
     usual_jump: f64,
     usual_drift: f64,
     keep_dense: bool,
+    dense_is_free: bool,
+    until: f64,
     monitor: Option<Monitor>,
     guard: Option<InertiaGuard>,
     condition: Option<ConditionMonitor>,
@@ -31,6 +39,9 @@ pub(crate) struct Recorder {
     point: Vec<f64>,
     accelerations: Vec<f64>,
 }
+
+/// The energy is looked at every so many steps.
+const LOOKS: u32 = 8;
 
 /// What to write down.
 pub(crate) struct Plan {
@@ -42,8 +53,8 @@ pub(crate) struct Plan {
     pub dense: bool,
     /// Whether to watch invariants and the energy balance.
     pub watch: bool,
-    /// Vectors of a step's dense output.
-    pub pieces: usize,
+    /// Whether the method's own dense output costs no evaluation.
+    pub dense_is_free: bool,
     /// The method.
     pub method: Method,
     /// The tolerance, if there is one.
@@ -54,7 +65,8 @@ pub(crate) struct Plan {
 
 impl Recorder {
     /// Starts a run at the state y.
-    pub fn new<S: System + ?Sized>(plan: &Plan, system: &S, t: f64, y: &[f64]) -> Self {
+    pub fn new(plan: &Plan, system: &dyn System, t: f64, start: Reached<'_>) -> Self {
+        let y = start.y;
         let description = system.description();
         let n = system.len();
         let run = Run {
@@ -72,8 +84,8 @@ impl Recorder {
             times: Vec::new(),
             rows: Vec::new(),
             outputs: Vec::new(),
-            frames: Frames::new(system, plan.dense, t, plan.until),
-            trajectory: Trajectory::new(2 * n, plan.pieces),
+            scenery: Scenery::default(),
+            trajectory: Trajectory::new(n),
             names: Arc::new(Names::of(description)),
             description: Arc::new(description.clone()),
         };
@@ -82,11 +94,16 @@ impl Recorder {
             start: t,
             every: plan.every,
             next: 1,
+            next_time: t + plan.every,
             judged: t,
+            unlooked: 0,
+            looked_step: f64::INFINITY,
             usual_jump: plan.tolerance.map_or(1e-2, |tolerance| (1e3 * tolerance).clamp(1e-8, 1e-2)),
             usual_drift: plan.tolerance.map_or(1e-2, |tolerance| (1e4 * tolerance).clamp(1e-9, 1e-2)),
             keep_dense: plan.dense,
-            monitor: plan.watch.then(|| Monitor::new(system, t, y)),
+            dense_is_free: plan.dense_is_free,
+            until: plan.until,
+            monitor: plan.watch.then(|| Monitor::new(system, t, y, start.work)),
             guard: InertiaGuard::new(system, t, y),
             condition: ConditionMonitor::new(system, t, y),
             watchman: plan
@@ -98,94 +115,128 @@ impl Recorder {
             point: vec![0.0; 2 * n],
             accelerations: vec![0.0; n],
         };
-        recorder.write_row(system, t, &y[..2 * n]);
-        recorder.run.frames.write(system, t, y);
+        recorder.write_row(system, t, y);
+        recorder.begin_piece(system, t, start);
         recorder
     }
 
     /// True when the step that ends at t must bring its dense output.
     pub fn wants_dense(&self, t: f64) -> bool {
-        self.keep_dense || self.next_time() < t
+        self.next_time < t || self.keeps_own()
+    }
+
+    /// True when the method's own dense output of the next step is to be kept.
+    fn keeps_own(&self) -> bool {
+        self.keep_dense && (self.dense_is_free || self.run.trajectory.wants_own())
     }
 
     /// Writes down an accepted step; `segment` is there if [`Recorder::wants_dense`].
     ///
     /// # Errors
     /// A coordinate singularity, which no method notices by itself.
-    pub fn accept<S: System + ?Sized>(
+    pub fn accept(
         &mut self,
-        system: &S,
+        system: &dyn System,
         segment: Option<&Segment<'_>>,
         t: f64,
-        end: &[f64],
+        end: Reached<'_>,
     ) -> Result<(), Cause> {
         self.judge(system, t, end)?;
-        if let Some(segment) = segment {
-            if self.keep_dense {
-                self.run.trajectory.push(segment);
-                self.run.frames.accept(system, segment, t, &mut self.point);
-                if self.run.trajectory.is_full() {
-                    self.keep_dense = false;
-                    self.warn(Warning::DenseOutputEnds { t });
-                }
+        if self.keep_dense {
+            let own = segment.filter(|_| self.keeps_own());
+            self.run.trajectory.push(t, end.y, end.rate, own);
+            if self.run.trajectory.is_full() {
+                self.keep_dense = false;
+                self.warn(Warning::DenseOutputEnds { t });
             }
-            while self.next_time() < t {
-                let at = self.next_time();
+        }
+        if let Some(segment) = segment {
+            while self.next_time < t {
+                let at = self.next_time;
                 let mut point = std::mem::take(&mut self.point);
                 segment.evaluate((at - segment.t) / segment.h, &mut point);
                 self.write_row(system, at, &point);
                 self.point = point;
-                self.next += 1;
+                self.row_written();
             }
         }
-        if self.next_time() == t {
-            self.write_row(system, t, &end[..2 * self.n]);
-            self.next += 1;
+        if self.next_time == t {
+            self.write_row(system, t, end.y);
+            self.row_written();
         }
         Ok(())
     }
 
+    /// Takes note of new equations in force: dense output does not reach across.
+    pub fn restart(&mut self, system: &dyn System, t: f64, start: Reached<'_>) {
+        if self.keep_dense {
+            self.begin_piece(system, t, start);
+        }
+    }
+
+    fn begin_piece(&mut self, system: &dyn System, t: f64, start: Reached<'_>) {
+        if self.keep_dense {
+            self.run.trajectory.begin(t, start.y, start.rate);
+            self.run.scenery.modes(t, system.modes());
+        }
+    }
+
     /// Judges the end of a step by what should be conserved, and by M.
-    fn judge<S: System + ?Sized>(&mut self, system: &S, t: f64, end: &[f64]) -> Result<(), Cause> {
+    fn judge(&mut self, system: &dyn System, t: f64, end: Reached<'_>) -> Result<(), Cause> {
         let h = t - self.judged;
         self.judged = t;
         if let Some(condition) = &mut self.condition {
-            condition.observe(system, t, end);
+            condition.observe(system, t, end.y);
         }
-        let unbounded = self.guard.as_mut().and_then(|guard| guard.observe(system, t, end));
+        let unbounded = self.guard.as_mut().and_then(|guard| guard.observe(system, t, end.y));
         if let Some(unbounded) = unbounded {
-            return Err(Cause::coordinate_singularity(system, unbounded));
+            return Err(unbounded.cause(system.description()));
         }
-        if let Some(warning) = self.watchman.as_mut().and_then(|watchman| watchman.check(system, t, end)) {
+        if let Some(warning) = self.watchman.as_mut().and_then(|watchman| watchman.check(system, t, end.y)) {
             self.watchman = None;
             self.warn(warning);
         }
+        // A step that has shrunk to half may have met what the energy shows; where an inertia may grow without bound,
+        // the energy is its second witness.
+        self.unlooked += 1;
+        if self.unlooked < LOOKS && h >= 0.5 * self.looked_step && self.guard.is_none() {
+            return Ok(());
+        }
+        let steps = std::mem::take(&mut self.unlooked);
+        self.looked_step = h;
         let Some(monitor) = &mut self.monitor else { return Ok(()) };
         let before = monitor.present_imbalance();
-        monitor.observe(system, t, end);
+        monitor.observe(system, t, end.y, end.work);
         let jump = (monitor.present_imbalance() - before).abs();
-        if jump > self.usual_jump {
+        if jump > f64::from(steps) * self.usual_jump {
             if let Some(unbounded) = self.guard.as_ref().and_then(|guard| guard.suspect(2.0 * h)) {
-                return Err(Cause::coordinate_singularity(system, unbounded));
+                return Err(unbounded.cause(system.description()));
             }
             self.warn(Warning::EnergyJump { t, jump });
         }
         Ok(())
     }
 
+    /// Draws what the mechanism, as it is, went through until now, before it is changed by hand.
+    pub fn draw(&mut self, system: &dyn System) {
+        let run = &mut self.run;
+        run.scenery.draw(system, &run.trajectory, self.until);
+    }
+
     /// Takes note of a state or a mechanism that was changed by hand: what that does to the energy is no error
     /// of the integration.
-    pub fn changed<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
+    pub fn changed(&mut self, system: &dyn System, t: f64, start: Reached<'_>) {
         if let Some(guard) = &mut self.guard {
-            guard.restart(system, t, y);
+            guard.restart(system, t, start.y);
         }
         if let Some(monitor) = &mut self.monitor {
-            monitor.observe(system, t, y);
+            monitor.observe(system, t, start.y, start.work);
         }
+        self.unlooked = 0;
     }
 
     /// Looks whether a coordinate singularity, `ahead` seconds on at most, is the reason for what went wrong.
-    pub fn explain<S: System + ?Sized>(&self, system: &S, cause: Cause) -> Cause {
+    pub fn explain(&self, system: &dyn System, cause: Cause) -> Cause {
         let explicable = matches!(
             cause,
             Cause::StepTooSmall { .. }
@@ -195,18 +246,8 @@ impl Recorder {
         );
         let suspect = self.guard.as_ref().and_then(|guard| guard.suspect(guard.last_step() * 2.0));
         match suspect {
-            Some(unbounded) if explicable => Cause::coordinate_singularity(system, unbounded),
+            Some(unbounded) if explicable => unbounded.cause(system.description()),
             _ => cause,
-        }
-    }
-
-    /// Notes an event.
-    pub fn event<S: System + ?Sized>(&mut self, system: &S, event: usize, t: f64, y: &[f64], ends: bool) {
-        let name = system.description().events[event].name.to_string();
-        let state = self.state_with_outputs(system, t, y);
-        self.run.events.push(Occurrence { name, event, state });
-        if ends {
-            self.run.ended_by = Some(self.run.events.len() - 1);
         }
     }
 
@@ -216,9 +257,9 @@ impl Recorder {
     }
 
     /// Reports a state, unless it was.
-    pub fn report<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
+    pub fn report(&mut self, system: &dyn System, t: f64, y: &[f64]) {
         if self.run.times.last().is_none_or(|last| *last < t) {
-            self.write_row(system, t, &y[..2 * self.n]);
+            self.write_row(system, t, y);
         }
     }
 
@@ -243,10 +284,11 @@ impl Recorder {
     }
 
     /// Ends the run at this state.
-    pub fn finish<S: System + ?Sized>(mut self, system: &S, t: f64, y: &[f64], work: Work, seconds: f64) -> Run {
-        self.report(system, t, y);
-        self.run.frames.write(system, t, y);
-        if let Some(monitor) = self.monitor {
+    pub fn finish(mut self, system: &dyn System, t: f64, end: Reached<'_>, work: Work, seconds: f64) -> Run {
+        self.report(system, t, end.y);
+        self.run.scenery.keep(system, self.until);
+        if let Some(mut monitor) = self.monitor {
+            monitor.observe(system, t, end.y, end.work);
             self.run.drift = monitor.drifts(system.description());
             self.run.energy_balance = monitor.energy_balance();
             if let Some(drift) = self.run.energy_balance.filter(|drift| *drift > self.usual_drift) {
@@ -259,8 +301,9 @@ impl Recorder {
         self.run
     }
 
-    fn next_time(&self) -> f64 {
-        self.every.mul_add(self.next as f64, self.start)
+    fn row_written(&mut self) {
+        self.next += 1;
+        self.next_time = self.start + self.every * self.next as f64;
     }
 
     fn write_row<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
@@ -278,14 +321,25 @@ impl Recorder {
         if outputs.is_empty() {
             return;
         }
-        let (q, v) = (&y[..self.n], &y[self.n..2 * self.n]);
+        let at = At::packed(t, y, self.n);
         if !self.needs_accelerations {
-            system.outputs(t, q, v, &[], outputs);
+            system.outputs(at, outputs);
         } else {
-            if system.accelerations(t, q, v, &mut self.accelerations).is_err() {
+            if system.accelerations(at, &mut self.accelerations).is_err() {
                 self.accelerations.fill(f64::NAN);
             }
-            system.outputs(t, q, v, &self.accelerations, outputs);
+            system.outputs(at.accelerated(&self.accelerations), outputs);
+        }
+    }
+}
+
+impl Log for Recorder {
+    fn event<S: System + ?Sized>(&mut self, system: &S, event: usize, t: f64, y: &[f64], ends: bool) {
+        let name = system.description().events[event].name.to_string();
+        let state = self.state_with_outputs(system, t, y);
+        self.run.events.push(Occurrence { name, event, state });
+        if ends {
+            self.run.ended_by = Some(self.run.events.len() - 1);
         }
     }
 }

@@ -1,86 +1,133 @@
-//! The motion between accepted steps.
+//! Dense output of a whole run.
 
-/// Dense output of one accepted step, from t to t + h.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Segment<'a> {
-    /// Where it starts, s.
-    pub t: f64,
-    /// Its length, s.
-    pub h: f64,
-    /// Numbers per piece.
-    pub width: usize,
-    /// r₀, r₁, … one after the other.
-    pub pieces: &'a [f64],
-}
-
-impl Segment<'_> {
-    /// y(t + θh) = r₀ + θ(r₁ + (1−θ)(r₂ + θ(r₃ + (1−θ)(r₄ + …)))) into as many numbers as `out` has.
-    ///
-    /// Every method's dense output is brought to this form (Hairer, Nørsett, Wanner I, section II.6).
-    pub fn evaluate(&self, theta: f64, out: &mut [f64]) {
-        let count = self.pieces.len() / self.width;
-        out.fill(0.0);
-        for index in (0..count).rev() {
-            let factor = match index {
-                0 => 1.0,
-                odd if odd % 2 == 1 => theta,
-                _ => 1.0 - theta,
-            };
-            // What stands inside the bracket of piece `index` is multiplied by the next factor.
-            for (out, piece) in out.iter_mut().zip(&self.pieces[index * self.width..]) {
-                *out = (*out + piece) * factor;
-            }
-        }
-    }
-}
+use super::hermite::{Knot, hermite};
+use crate::integrate::Segment;
 
 /// More numbers of dense output than this (400 MB) are not kept.
 const MOST_NUMBERS: usize = 50_000_000;
+/// A method's own dense output is kept of so many steps after a start: later ones have four ends to go through.
+const OWN: usize = 2;
 
-/// Dense output of a whole run.
+/// The motion at any time: (q, q', q'') at the ends of steps, which cost no evaluation, with a polynomial through the
+/// four nearest; at a start, and where it is free, the method's own dense output.
+///
+/// At a tolerance of 10⁻¹⁰ the polynomial is ten times closer to the motion in q than the dense output of `dop853`, and
+/// up to three times farther in q'; at 10⁻⁶ three to six times farther in q'.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Trajectory {
-    width: usize,
-    pieces_per_step: usize,
-    starts: Vec<f64>,
-    lengths: Vec<f64>,
+    n: usize,
+    times: Vec<f64>,
+    /// q, q', q'' of each time.
+    knots: Vec<f64>,
+    /// Places in `times` where the equations changed; the time before is the same.
+    starts: Vec<usize>,
+    /// (place of the step's end in `times`, where its pieces begin, its start, its length).
+    own: Vec<Own>,
     pieces: Vec<f64>,
 }
 
+#[derive(Clone, Copy, Debug)]
+struct Own {
+    end: usize,
+    first: usize,
+    t: f64,
+    h: f64,
+}
+
 impl Trajectory {
-    /// An empty one.
-    pub fn new(width: usize, pieces_per_step: usize) -> Self {
-        Trajectory { width, pieces_per_step, ..Trajectory::default() }
+    /// An empty one, for n coordinates.
+    pub fn new(n: usize) -> Self {
+        Trajectory { n, ..Trajectory::default() }
     }
 
     /// True when it has grown beyond what is kept.
     pub fn is_full(&self) -> bool {
-        self.pieces.len() > MOST_NUMBERS
+        self.knots.len() + self.pieces.len() > MOST_NUMBERS
     }
 
-    /// Appends a step.  Only the first `width` numbers of each piece are kept.
-    pub fn push(&mut self, segment: &Segment<'_>) {
-        self.starts.push(segment.t);
-        self.lengths.push(segment.h);
-        for piece in segment.pieces.chunks_exact(segment.width) {
-            self.pieces.extend_from_slice(&piece[..self.width]);
+    /// True when the next step must come with the method's own dense output.
+    pub fn wants_own(&self) -> bool {
+        self.times.len() - self.starts.last().unwrap_or(&0) <= OWN
+    }
+
+    /// Where it starts, s.
+    pub fn start(&self) -> Option<f64> {
+        self.times.first().copied()
+    }
+
+    /// Where it ends, s.
+    pub fn end(&self) -> Option<f64> {
+        self.times.last().copied()
+    }
+
+    /// Begins, or begins anew, at a state with its rate.
+    pub fn begin(&mut self, t: f64, y: &[f64], rate: &[f64]) {
+        self.starts.push(self.times.len());
+        self.knot(t, y, rate);
+    }
+
+    /// Appends a step that ends in a state with its rate.
+    pub fn push(&mut self, t: f64, y: &[f64], rate: &[f64], own: Option<&Segment<'_>>) {
+        if let Some(segment) = own {
+            let (end, first) = (self.times.len(), self.pieces.len());
+            self.own.push(Own { end, first, t: segment.t, h: segment.h });
+            self.pieces.extend_from_slice(segment.pieces);
         }
+        self.knot(t, y, rate);
     }
 
-    /// The step that contains time t; `None` outside of the run (by more than rounding).
-    pub fn find(&self, t: f64) -> Option<Segment<'_>> {
-        let last = self.starts.len().checked_sub(1)?;
+    fn knot(&mut self, t: f64, y: &[f64], rate: &[f64]) {
+        self.times.push(t);
+        self.knots.extend_from_slice(y);
+        self.knots.extend_from_slice(&rate[self.n..]);
+    }
+
+    /// Writes the state at time t; false outside of the run (by more than rounding).
+    pub fn evaluate(&self, t: f64, y: &mut [f64]) -> bool {
+        let (Some(first), Some(last)) = (self.start(), self.end()) else { return false };
         let slack = 4.0 * f64::EPSILON * t.abs();
-        if !(t >= self.starts[0] - slack && t <= self.starts[last] + self.lengths[last] + slack) {
-            return None;
+        if !(t >= first - slack && t <= last + slack) {
+            return false;
         }
-        let index = self.starts.partition_point(|start| *start <= t).saturating_sub(1);
-        let size = self.width * self.pieces_per_step;
-        Some(Segment {
-            t: self.starts[index],
-            h: self.lengths[index],
-            width: self.width,
-            pieces: &self.pieces[index * size..][..size],
-        })
+        let t = t.clamp(first, last);
+        let end = self.times.partition_point(|time| *time < t);
+        if self.times[end] == t {
+            y.copy_from_slice(&self.knots[3 * self.n * end..][..2 * self.n]);
+            return true;
+        }
+        match self.own.binary_search_by_key(&end, |own| own.end) {
+            Ok(place) => {
+                let own = self.own[place];
+                let until = self.own.get(place + 1).map_or(self.pieces.len(), |next| next.first);
+                let segment = Segment { t: own.t, h: own.h, width: 2 * self.n, pieces: &self.pieces[own.first..until] };
+                segment.evaluate((t - own.t) / own.h, y);
+            }
+            Err(_) => self.interpolate(t, end, y),
+        }
+        true
+    }
+
+    /// By the polynomial through the four ends nearest to the step with this end.
+    fn interpolate(&self, t: f64, end: usize, y: &mut [f64]) {
+        let next_piece = self.starts.partition_point(|start| *start < end);
+        let piece = self.starts[next_piece - 1];
+        let beyond = self.starts.get(next_piece).copied().unwrap_or(self.times.len());
+        let first = (end.saturating_sub(2)).max(piece).min(beyond.saturating_sub(4)).max(piece);
+        let scale = self.times[end] - self.times[end - 1];
+        for i in 0..self.n {
+            let knot = |k: usize| {
+                let numbers = &self.knots[3 * self.n * k..][..3 * self.n];
+                let x = (self.times[k] - t) / scale;
+                Knot {
+                    x,
+                    value: numbers[i],
+                    slope: scale * numbers[self.n + i],
+                    bend: scale * scale * numbers[2 * self.n + i],
+                }
+            };
+            let knots = [knot(first), knot(first + 1), knot(first + 2), knot(first + 3)];
+            let (value, slope) = hermite(&knots);
+            (y[i], y[self.n + i]) = (value, slope / scale);
+        }
     }
 }

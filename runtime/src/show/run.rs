@@ -105,7 +105,7 @@ impl Run {
 
     /// The shapes that the model draws, at up to some thousands of times, none if the run kept no dense output.
     pub fn animation(&self) -> Animation {
-        Animation::of(&self.description).with_frames(self.frames.iter().map(|(t, numbers)| (t, numbers.to_vec())))
+        Animation::of(&self.description).with_frames(self.frames())
     }
 
     /// Paths of all traces, or of the only output if that is a vector; of motions in space two views.
@@ -131,9 +131,13 @@ impl Run {
         let dimension = self.description.structure.dimension as usize;
         let mut first = 0;
         let mut traces = Vec::new();
+        if !self.description.draw.iter().any(|shape| matches!(shape, Shape::Trace(_))) {
+            return traces;
+        }
+        let frames = self.frames();
         for shape in self.description.draw.iter() {
             if let Shape::Trace(name) = shape {
-                let points = self.frames.iter().map(|(_, frame)| point(&frame[first..first + dimension]));
+                let points = frames.iter().map(|(_, frame)| point(&frame[first..first + dimension]));
                 traces.push((name.to_string(), points.collect()));
             }
             first += shape.numbers(dimension);

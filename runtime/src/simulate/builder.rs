@@ -3,8 +3,7 @@
 use super::by_hand::Stepping;
 use super::{Settings, simulate};
 use crate::error::Error;
-use crate::integrate::Method;
-use crate::mechanism::{Description, Scene, Signal, System};
+use crate::mechanism::{Description, Method, Scene, Signal, System};
 use crate::run::Run;
 
 /// A run that is being described: what is not said comes from the model file's first scene.

@@ -3,8 +3,9 @@
 use std::time::Instant;
 
 use super::{Settings, Start, fail, finish, start};
-use crate::error::{Cause, Error};
-use crate::integrate::{Halt, March};
+use crate::cause::Cause;
+use crate::error::Error;
+use crate::march::{Halt, March};
 use crate::mechanism::System;
 use crate::run::{Occurrence, Recorder, Run, State};
 
@@ -14,7 +15,7 @@ use crate::run::{Occurrence, Recorder, Run, State};
 /// still counts from the start: what the caller does to the state is seen there.
 pub struct Stepping<S: System> {
     system: S,
-    march: March<S>,
+    march: March,
     recorder: Recorder,
     spacing: f64,
     /// Until when the march has been begun.
@@ -80,10 +81,11 @@ impl<S: System> Stepping<S> {
             // Far enough not to begin anew with each step.
             self.horizon = self.horizon.max(until + 100.0 * self.spacing);
             self.march.begin(&mut self.system, self.horizon)?;
+            self.recorder.restart(&self.system, self.march.time(), self.march.state());
             self.changed = false;
         }
         let halt = self.march.advance(&mut self.system, until, &mut self.recorder, &mut |_| ())?;
-        self.recorder.report(&self.system, self.march.time(), self.march.state());
+        self.recorder.report(&self.system, self.march.time(), self.march.state().y);
         Ok(halt)
     }
 
@@ -94,7 +96,7 @@ impl<S: System> Stepping<S> {
 
     /// The present state with its outputs.
     pub fn state(&mut self) -> State {
-        self.recorder.state_with_outputs(&self.system, self.march.time(), self.march.state())
+        self.recorder.state_with_outputs(&self.system, self.march.time(), self.march.state().y)
     }
 
     /// The present state, to be changed; the integration begins anew from there.
@@ -113,6 +115,7 @@ impl<S: System> Stepping<S> {
     /// The mechanism, to have its parameters or inputs changed; the integration begins anew.
     pub fn system_mut(&mut self) -> &mut S {
         self.changed = true;
+        self.recorder.draw(&self.system);
         &mut self.system
     }
 

@@ -22,17 +22,19 @@ pub use by_hand::{StateMut, Stepping};
 pub use settings::Settings;
 pub use typed::Simulate;
 
-use crate::error::{Cause, Error, Failure};
-use crate::integrate::{March, Pace, Rates, Tolerance};
+use crate::cause::Cause;
+use crate::error::Error;
+use crate::integrate::Tolerance;
+use crate::march::{March, Pace};
 use crate::mechanism::System;
-use crate::run::{Plan, Recorder, Run};
+use crate::run::{Failure, Plan, Recorder, Run};
 use crate::trust::{Warning, check_step};
 
 /// Runs a mechanism.
 ///
 /// # Errors
 /// A setting without meaning, or [`Error::Run`] with the time, the state and what was computed until then.
-pub fn simulate<S: System + ?Sized>(system: &mut S, settings: &Settings) -> Result<Run, Error> {
+pub fn simulate(system: &mut dyn System, settings: &Settings) -> Result<Run, Error> {
     simulate_with(system, settings, &mut |_| ())
 }
 
@@ -40,8 +42,8 @@ pub fn simulate<S: System + ?Sized>(system: &mut S, settings: &Settings) -> Resu
 ///
 /// # Errors
 /// As [`simulate`].
-pub fn simulate_with<S: System + ?Sized>(
-    system: &mut S,
+pub fn simulate_with(
+    system: &mut dyn System,
     settings: &Settings,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Run, Error> {
@@ -55,30 +57,28 @@ pub fn simulate_with<S: System + ?Sized>(
 }
 
 /// A run that has begun, or could not.
-struct Start<S: System + ?Sized> {
-    march: March<S>,
+struct Start {
+    march: March,
     recorder: Recorder,
     outcome: Result<(), Cause>,
 }
 
 /// Begins a run whose states are reported at this spacing.
-fn start<S: System + ?Sized>(system: &mut S, settings: &Settings, every: f64) -> Result<Start<S>, Error> {
+fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Start, Error> {
     settings.check(system.description())?;
     let method = settings.method.resolve(settings.step, settings.tolerance);
-    let rates = Rates::new(system.len(), settings.watch && !system.description().structure.conservative);
-    let mut y = vec![0.0; rates.width];
-    y[..rates.n].copy_from_slice(&settings.q);
-    y[rates.n..2 * rates.n].copy_from_slice(&settings.v);
+    let work = settings.watch && !system.description().structure.conservative;
+    let y = [settings.q.as_slice(), settings.v.as_slice()].concat();
     let tolerance = settings.tolerance.max(Settings::TIGHTEST);
     let pace = match settings.step {
         Some(step) => Pace::Fixed(step),
         None => {
-            let tolerance = Tolerance::new(tolerance, &y, rates.controlled());
+            let tolerance = Tolerance::new(tolerance, &y);
             Pace::Adaptive { tolerance, longest: settings.longest_step.unwrap_or(f64::INFINITY) }
         }
     };
     let mut march =
-        March::new(method, pace, rates, settings.from, y).limit(settings.max_steps).compensate(settings.compensated);
+        March::new(method, pace, settings.from, &y, work).limit(settings.max_steps).compensate(settings.compensated);
     // The modes of discontinuities come first: energies and outputs at the start depend on them.
     let outcome = march.begin(system, settings.until).and(settings.attainable());
     let plan = Plan {
@@ -86,7 +86,7 @@ fn start<S: System + ?Sized>(system: &mut S, settings: &Settings, every: f64) ->
         every,
         dense: settings.dense,
         watch: settings.watch,
-        pieces: march.pieces(),
+        dense_is_free: march.dense_is_free(),
         method,
         tolerance: settings.step.is_none().then_some(tolerance),
         step: settings.step,
@@ -102,12 +102,12 @@ fn start<S: System + ?Sized>(system: &mut S, settings: &Settings, every: f64) ->
     Ok(Start { march, recorder, outcome })
 }
 
-fn finish<S: System + ?Sized>(system: &S, march: &March<S>, recorder: Recorder, clock: Instant) -> Run {
+fn finish(system: &dyn System, march: &March, recorder: Recorder, clock: Instant) -> Run {
     recorder.finish(system, march.time(), march.state(), march.work(), clock.elapsed().as_secs_f64())
 }
 
-fn fail<S: System + ?Sized>(cause: Cause, system: &S, march: &March<S>, recorder: Recorder, clock: Instant) -> Error {
+fn fail(cause: Cause, system: &dyn System, march: &March, recorder: Recorder, clock: Instant) -> Error {
     let cause = recorder.explain(system, cause);
-    let state = recorder.state(march.time(), march.state(), Vec::new());
+    let state = recorder.state(march.time(), march.state().y, Vec::new());
     Error::Run(Box::new(Failure { cause, state, run: finish(system, march, recorder, clock) }))
 }

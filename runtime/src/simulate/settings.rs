@@ -1,14 +1,15 @@
 //! What a run can be told.
 
-use crate::error::{Cause, Error};
-use crate::integrate::Method;
-use crate::mechanism::{Description, Scene};
+use crate::cause::Cause;
+use crate::error::Error;
+use crate::mechanism::{Description, Method, Scene};
 
 /// More numbers than this are not reported: they would fill the memory.
 const MOST_NUMBERS: f64 = 1e8;
 
 /// How to run.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Settings {
     /// Generalized coordinates at the start, SI.
     pub q: Vec<f64>,

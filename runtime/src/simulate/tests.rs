@@ -1,5 +1,5 @@
 use super::*;
-use crate::integrate::Method;
+use crate::mechanism::Method;
 use crate::testing::Toy;
 
 /// Runs the toy's scene with changed settings.

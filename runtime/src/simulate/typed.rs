@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
 use super::builder::{Simulation, derivation};
 use crate::error::Error;
-use crate::mechanism::{Balances, Erased, Mechanism, Singular, System};
+use crate::mechanism::{At, Balances, Erased, Mechanism, Singular, System};
 
 /// Runs and single evaluations of a mechanism with N coordinates, on static sizes.
 ///
@@ -25,7 +25,7 @@ pub trait Simulate<const N: usize, const C: usize>: Mechanism<N, C> + 'static {
     fn mass_matrix_at(&self, t: f64, q: &[f64; N]) -> SMatrix<f64, N, N> {
         let pattern = &Self::description().mass_pattern;
         let mut values = vec![0.0; pattern.len()];
-        self.system().mass_matrix(t, q, &mut values);
+        self.system().mass_matrix(At::place(t, q), &mut values);
         let mut matrix: SMatrix<f64, N, N> = scatter(pattern, &values);
         matrix.fill_upper_triangle_with_lower_triangle();
         matrix
@@ -34,7 +34,7 @@ pub trait Simulate<const N: usize, const C: usize>: Mechanism<N, C> + 'static {
     /// h(t, q, q'), so that M q'' + h = 0.
     fn bias_at(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> SVector<f64, N> {
         let mut h = SVector::<f64, N>::zeros();
-        self.system().bias(t, q, v, h.as_mut_slice());
+        self.system().bias(At::new(t, q, v), h.as_mut_slice());
         h
     }
 
@@ -44,7 +44,7 @@ pub trait Simulate<const N: usize, const C: usize>: Mechanism<N, C> + 'static {
     /// [`Singular`] names the coordinate whose pivot vanishes.
     fn accelerations_at(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> Result<SVector<f64, N>, Singular> {
         let mut a = SVector::<f64, N>::zeros();
-        self.system().accelerations(t, q, v, a.as_mut_slice())?;
+        self.system().accelerations(At::new(t, q, v), a.as_mut_slice())?;
         Ok(a)
     }
 
@@ -65,7 +65,7 @@ pub trait Simulate<const N: usize, const C: usize>: Mechanism<N, C> + 'static {
         let Some(mut balances) = index.and_then(|index| Balances::new(&system, index)) else {
             return Err(Error::UnknownName { kind: "system of balances", name: name.to_owned(), known: Vec::new() });
         };
-        balances.evaluate(&system, t, q, v);
+        balances.evaluate(&system, At::new(t, q, v));
         let size = balances.size();
         Ok((DMatrix::from_row_slice(size, size, balances.matrix()), DVector::from_column_slice(balances.right())))
     }
@@ -73,7 +73,7 @@ pub trait Simulate<const N: usize, const C: usize>: Mechanism<N, C> + 'static {
     /// F(t, q, q', q'') = M q'' + h.
     fn residual_at(&self, t: f64, q: &[f64; N], v: &[f64; N], a: &[f64; N]) -> SVector<f64, N> {
         let mut f = SVector::<f64, N>::zeros();
-        self.system().residual(t, q, v, a, f.as_mut_slice());
+        self.system().residual(At::new(t, q, v).accelerated(a), f.as_mut_slice());
         f
     }
 
@@ -88,7 +88,7 @@ pub trait Simulate<const N: usize, const C: usize>: Mechanism<N, C> + 'static {
         let description = Self::description();
         let mut dq = vec![0.0; description.stiffness_pattern.len()];
         let mut dv = vec![0.0; description.damping_pattern.len()];
-        self.system().jacobians(t, q, v, a, &mut dq, &mut dv);
+        self.system().jacobians(At::new(t, q, v).accelerated(a), &mut dq, &mut dv);
         (scatter(&description.stiffness_pattern, &dq), scatter(&description.damping_pattern, &dv))
     }
 }

@@ -1,6 +1,6 @@
 //! How well a system of momentum balances determines the motion.
 
-use crate::mechanism::{Balances, System};
+use crate::mechanism::{At, Balances, System};
 
 /// The system of balances that a run went by, and its worst condition number on the way.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,7 +35,7 @@ impl ConditionMonitor {
     /// Looks at A at the end of a step.
     pub fn observe<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
         let n = system.len();
-        self.balances.evaluate(system, t, &y[..n], &y[n..2 * n]);
+        self.balances.evaluate(system, At::packed(t, y, n));
         let condition = 1.0 / self.balances.reciprocal_condition();
         if condition > self.found.worst {
             (self.found.worst, self.found.t) = (condition, t);

@@ -1,6 +1,6 @@
 //! Drift of what should be conserved.
 
-use crate::mechanism::{Description, System};
+use crate::mechanism::{At, Description, System};
 
 /// How far a conserved quantity went from its first value.
 ///
@@ -48,7 +48,6 @@ impl Watched {
 #[derive(Clone, Debug)]
 pub(crate) struct Monitor {
     n: usize,
-    work: bool,
     balance: Watched,
     invariants: Vec<Watched>,
     pairs: Vec<f64>,
@@ -56,22 +55,21 @@ pub(crate) struct Monitor {
 
 impl Monitor {
     /// Notes the values at the start.
-    pub fn new<S: System + ?Sized>(system: &S, t: f64, y: &[f64]) -> Self {
+    pub fn new<S: System + ?Sized>(system: &S, t: f64, y: &[f64], done: f64) -> Self {
         let n = system.len();
-        let work = !system.description().structure.conservative;
         let mut pairs = vec![0.0; 2 * system.description().invariant_len()];
-        system.invariants(t, &y[..n], &y[n..2 * n], &mut pairs);
+        system.invariants(At::packed(t, y, n), &mut pairs);
         let invariants = pairs.chunks_exact(2).map(|pair| Watched::new(pair[0], pair[1])).collect();
-        let (balance, scale) = balance(system, t, y, work);
-        Monitor { n, work, balance: Watched::new(balance, scale), invariants, pairs }
+        let (balance, scale) = balance(system, At::packed(t, y, n), done);
+        Monitor { n, balance: Watched::new(balance, scale), invariants, pairs }
     }
 
-    /// Notes the values after an accepted step.
-    pub fn observe<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
-        let (value, scale) = balance(system, t, y, self.work);
+    /// Notes the values after a step, `done` being the work of what has no potential.
+    pub fn observe<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64], done: f64) {
+        let (value, scale) = balance(system, At::packed(t, y, self.n), done);
         self.balance.observe(value, scale);
         if !self.invariants.is_empty() {
-            system.invariants(t, &y[..self.n], &y[self.n..2 * self.n], &mut self.pairs);
+            system.invariants(At::packed(t, y, self.n), &mut self.pairs);
             for (watched, pair) in self.invariants.iter_mut().zip(self.pairs.chunks_exact(2)) {
                 watched.observe(pair[0], pair[1]);
             }
@@ -106,9 +104,7 @@ impl Monitor {
 }
 
 /// J − W and the sum of the absolute values of its terms.
-fn balance<S: System + ?Sized>(system: &S, t: f64, y: &[f64], work: bool) -> (f64, f64) {
-    let n = system.len();
-    let energy = system.energy(t, &y[..n], &y[n..2 * n]);
-    let done = if work { y[2 * n] } else { 0.0 };
+fn balance<S: System + ?Sized>(system: &S, at: At<'_>, done: f64) -> (f64, f64) {
+    let energy = system.energy(at);
     (energy.jacobi - done, energy.scale + done.abs())
 }

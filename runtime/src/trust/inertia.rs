@@ -1,6 +1,7 @@
 //! Coordinates that fail where the mechanism does not.
 
-use crate::mechanism::System;
+use crate::cause::Cause;
+use crate::mechanism::{At, Description, System};
 
 /// Watches the diagonal of M for growth without bound.
 ///
@@ -34,16 +35,24 @@ pub(crate) struct Unbounded {
     pub t: f64,
 }
 
+impl Unbounded {
+    /// The end of a run that came there.
+    pub fn cause(self, mechanism: &Description) -> Cause {
+        Cause::CoordinateSingularity { coordinate: mechanism.coordinate_name(self.coordinate), t: self.t }
+    }
+}
+
 /// M grown by the inverse square of this is beyond bounds.
 const SMALLEST: f64 = 1e-4;
 /// w below this is a suspect once something else has gone wrong.
 const SUSPECT: f64 = 0.3;
 
 impl InertiaGuard {
-    /// Notes M at the start; `None` for a constant M.
+    /// Notes M at the start; `None` where its diagonal is constant.
     pub fn new<S: System + ?Sized>(system: &S, t: f64, y: &[f64]) -> Option<Self> {
         let description = system.description();
-        if description.structure.constant_mass || system.is_empty() {
+        let structure = &description.structure;
+        if structure.constant_mass || structure.constant_inertias || system.is_empty() {
             return None;
         }
         let place = |i: usize| {
@@ -58,7 +67,7 @@ impl InertiaGuard {
             latest: vec![Sample { t, w: 1.0 }; n],
             values: vec![0.0; description.mass_pattern.len()],
         };
-        system.mass_matrix(t, &y[..n], &mut guard.values);
+        system.mass_matrix(At::place(t, &y[..n]), &mut guard.values);
         for i in 0..n {
             guard.start[i] = guard.mass(i).unwrap_or(0.0);
         }
@@ -67,7 +76,7 @@ impl InertiaGuard {
 
     /// Looks at M after a step; tells if it has grown beyond bounds.
     pub fn observe<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) -> Option<Unbounded> {
-        system.mass_matrix(t, &y[..system.len()], &mut self.values);
+        system.mass_matrix(At::place(t, &y[..system.len()]), &mut self.values);
         for i in 0..self.start.len() {
             let Some(mass) = self.mass(i) else { continue };
             if !(self.start[i] > 0.0 && self.start[i].is_finite()) {
@@ -90,7 +99,7 @@ impl InertiaGuard {
 
     /// Begins anew after the state was changed: there is no line through what was before.
     pub fn restart<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
-        system.mass_matrix(t, &y[..system.len()], &mut self.values);
+        system.mass_matrix(At::place(t, &y[..system.len()]), &mut self.values);
         for i in 0..self.start.len() {
             let w = self.mass(i).map_or(1.0, |mass| (self.start[i] / mass).sqrt());
             self.latest[i] = Sample { t, w };

@@ -3,9 +3,7 @@
 mod conditioning;
 mod drift;
 mod inertia;
-mod report;
 mod stability;
-mod stiffness;
 #[cfg(test)]
 mod tests;
 mod warning;
@@ -14,10 +12,8 @@ pub(crate) use conditioning::ConditionMonitor;
 pub use conditioning::Conditioning;
 pub use drift::Drift;
 pub(crate) use drift::Monitor;
-pub(crate) use inertia::{InertiaGuard, Unbounded};
-pub use report::Trust;
+pub(crate) use inertia::InertiaGuard;
 #[cfg(test)]
 pub(crate) use stability::amplification;
 pub(crate) use stability::{Watchman, check_step};
-pub(crate) use stiffness::StiffnessDetector;
 pub use warning::Warning;

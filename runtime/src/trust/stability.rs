@@ -3,8 +3,8 @@
 use nalgebra::{Complex, DMatrix, Schur};
 
 use super::Warning;
-use crate::integrate::Method;
-use crate::mechanism::System;
+use crate::integrate::stability;
+use crate::mechanism::{At, Method, System};
 
 /// More coordinates than this are not looked at: the eigenvalues would cost more than they tell.
 const LARGEST: usize = 40;
@@ -24,7 +24,7 @@ pub(crate) fn check_step<S: System + ?Sized>(
     step: f64,
     span: f64,
 ) -> Option<Warning> {
-    let stability = method.tableau().stability();
+    let stability = stability(method);
     let mut worst: Option<(f64, Complex<f64>)> = None;
     // A mode that grows by itself hides what the method adds to it.
     let bounded = |rate: &Complex<f64>| rate.re <= 1e-3 * rate.norm();
@@ -111,12 +111,12 @@ fn eigenvalues<S: System + ?Sized>(system: &S, t: f64, q: &[f64], v: &[f64]) -> 
     }
     let description = system.description();
     let mut a = vec![0.0; n];
-    system.accelerations(t, q, v, &mut a).ok()?;
+    system.accelerations(At::new(t, q, v), &mut a).ok()?;
     let mut mass_values = vec![0.0; description.mass_pattern.len()];
     let mut dq = vec![0.0; description.stiffness_pattern.len()];
     let mut dv = vec![0.0; description.damping_pattern.len()];
-    system.mass_matrix(t, q, &mut mass_values);
-    system.jacobians(t, q, v, &a, &mut dq, &mut dv);
+    system.mass_matrix(At::place(t, q), &mut mass_values);
+    system.jacobians(At::new(t, q, v).accelerated(&a), &mut dq, &mut dv);
     let mut mass = scatter(n, &description.mass_pattern, &mass_values);
     mass.fill_upper_triangle_with_lower_triangle();
     let factors = mass.lu();

@@ -1,5 +1,6 @@
-use crate::error::{Cause, Error};
-use crate::integrate::Method;
+use crate::cause::Cause;
+use crate::error::Error;
+use crate::mechanism::Method;
 use crate::mechanism::Quantity;
 use crate::run::Run;
 use crate::simulate::{Settings, simulate};

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::mem;
 
-use crate::integrate::Method;
+use crate::mechanism::Method;
 
 /// A reason to trust a run less.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,6 +4,7 @@ mod complaint;
 mod locate;
 mod node;
 mod outline;
+mod quoted;
 mod read;
 mod reader;
 mod render;

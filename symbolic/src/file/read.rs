@@ -7,6 +7,7 @@ use std::fmt;
 use super::complaint::{complaint, complex_key};
 use super::node::Node;
 use super::outline::{duplicates, outline};
+use super::quoted::folded_primes;
 use super::taken_apart::taken_apart;
 use crate::diagnose::{Place, Problem, catalogue::yaml};
 
@@ -37,7 +38,10 @@ pub fn read(text: &str) -> Result<Node, Vec<Problem>> {
     // serde_yaml takes a byte order mark for a document of its own.
     match serde_yaml::from_str::<Loaded>(text.strip_prefix(MARK).unwrap_or(text)) {
         Ok(Loaded(node @ Node::Map(_))) => {
-            let problems = taken_apart(&node);
+            let mut problems = taken_apart(&node);
+            if problems.is_empty() && text.contains("''") {
+                problems = folded_primes(text);
+            }
             if problems.is_empty() { Ok(node) } else { Err(problems) }
         }
         Ok(Loaded(node)) => Err(vec![yaml::not_a_mapping(Place::in_file(0, 0), kind(&node))]),

@@ -128,7 +128,14 @@ impl<'a> Spot<'a> {
 
     /// An expression.
     pub fn text(&self, problems: &mut Problems) -> Option<Text> {
-        self.parsed(parse, problems)
+        let words = self.words(problems)?;
+        match with_unit(words) {
+            Some((ast, unit)) => {
+                let (source, place) = (words.into(), Rc::new(self.place.clone()));
+                Some(Text { source, ast: Rc::new(ast), unit: Some(unit), place })
+            }
+            None => self.parsed(parse, problems),
+        }
     }
 
     /// An expression or an equation.
@@ -139,7 +146,10 @@ impl<'a> Spot<'a> {
     fn parsed(&self, read: impl Fn(&str) -> Result<Ast, Vec<Problem>>, problems: &mut Problems) -> Option<Text> {
         let words = self.words(problems)?;
         match read(words) {
-            Ok(ast) => Some(Text { source: words.into(), ast: Rc::new(ast), place: Rc::new(self.place.clone()) }),
+            Ok(ast) => {
+                let (source, place) = (words.into(), Rc::new(self.place.clone()));
+                Some(Text { source, ast: Rc::new(ast), unit: None, place })
+            }
             Err(found) => {
                 problems.extend(found.into_iter().map(|problem| problem.moved_to(&self.place)));
                 None
@@ -181,6 +191,18 @@ impl<'a> Spot<'a> {
     }
 }
 
+/// A number with a unit after it, `5 N/m`; a unit after what names something would hide a forgotten operator.
+fn with_unit(words: &str) -> Option<(Ast, Unit)> {
+    // Most expressions are no number.
+    if !words.trim_start().starts_with(|c: char| c.is_ascii_digit() || "+-.(p".contains(c)) {
+        return None;
+    }
+    let Valued { value, unit: Some((unit, _)) } = parse_value_with_unit(words).ok()? else { return None };
+    let named = value.any_name(&mut |name| name != "pi");
+    let unit = parse_unit(&unit).ok()?;
+    (!named).then_some((value, unit))
+}
+
 /// Reads a value with a unit that stands at a place.
 ///
 /// # Errors
@@ -190,7 +212,7 @@ pub fn quantity(words: &str, place: &Place) -> Result<Quantity, Problems> {
         found.into_iter().map(|problem| problem.moved_to(place)).collect()
     };
     let Valued { value, unit } = parse_value_with_unit(words).map_err(|found| moved(found, place))?;
-    let text = Text { source: words.into(), ast: Rc::new(value), place: Rc::new(place.clone()) };
+    let text = Text { source: words.into(), ast: Rc::new(value), unit: None, place: Rc::new(place.clone()) };
     let unit = match unit {
         None => None,
         Some((unit, span)) => Some((unit.clone(), unit_at(&unit, &place.at(span))?)),

@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use crate::language::Ast;
+use crate::language::{Ast, Unit};
 use crate::place::{Place, Span};
 
 /// One expression of the file.
@@ -12,6 +12,8 @@ pub struct Text {
     pub source: Rc<str>,
     /// Parsed.
     pub ast: Rc<Ast>,
+    /// The unit after it, where one value is wanted.
+    pub unit: Option<Unit>,
     /// Where it stands.
     pub place: Rc<Place>,
 }

@@ -11,7 +11,7 @@ use super::state::{State, describe};
 use crate::derive::Equations;
 use crate::derive::lagrange::speed_gradient;
 use crate::diagnose::Step;
-use crate::expr::{Graph, Id, Symbol, Tape};
+use crate::expr::{Graph, Id, Measured, Symbol, Tape};
 use crate::model::{Conserved, Model};
 use crate::number::DoubleDouble;
 
@@ -58,16 +58,15 @@ pub(super) fn blame(
     worst: &State,
 ) -> Option<Blame> {
     let shares = Shares::new(graph, court, component, rate);
-    let seen: Vec<(DoubleDouble, Vec<DoubleDouble>)> = states.iter().filter_map(|state| shares.at(state)).collect();
-    let here_all = shares.at(worst)?;
-    let here = &here_all.1;
-    let left = |(total, shares): &(DoubleDouble, Vec<DoubleDouble>), counted: bool| {
-        let taken = court.effects.iter().zip(shares).filter(|(e, _)| counted || !e.kind.counted());
-        taken.fold(*total, |left, (_, share)| left - *share).to_f64()
+    let seen: Vec<Seen> = states.iter().filter_map(|state| shares.at(state)).collect();
+    let here = shares.at(worst)?;
+    let left = |seen: &Seen, counted: bool| {
+        let taken = court.effects.iter().zip(&seen.shares).filter(|(e, _)| counted || !e.kind.counted());
+        taken.fold(seen.rate.value, |left, (_, share)| left - *share).to_f64()
     };
     let explains = |counted: bool| {
-        let vanishes = |at: &(DoubleDouble, Vec<DoubleDouble>)| {
-            let size = at.0.to_f64().abs() + at.1.iter().map(|x| x.to_f64().abs()).sum::<f64>();
+        let vanishes = |at: &Seen| {
+            let size = at.rate.magnitude + at.shares.iter().map(|x| x.to_f64().abs()).sum::<f64>();
             left(at, counted).abs() <= TOLERANCE * size
         };
         !seen.is_empty() && seen.iter().all(vanishes)
@@ -80,7 +79,7 @@ pub(super) fn blame(
         (false, None) if explains(true) => (true, None),
         (false, None) => return None,
     };
-    let mut causes: Vec<(usize, f64)> = here.iter().map(|x| x.to_f64()).enumerate().collect();
+    let mut causes: Vec<(usize, f64)> = here.shares.iter().map(|x| x.to_f64()).enumerate().collect();
     let named = |k: usize| counted || !court.effects[k].kind.counted();
     let size: f64 = causes.iter().filter(|(k, _)| named(*k)).map(|(_, x)| x.abs()).sum();
     causes.retain(|&(k, x)| named(k) && x.abs() > 1e-9 * size);
@@ -96,7 +95,7 @@ pub(super) fn blame(
         words.push("…".to_owned());
     }
     if let Some(name) = &moving {
-        let by_time = left(&here_all, false);
+        let by_time = left(&here, false);
         words.push(format!("what moves with `{name}` does work at the rate {by_time:.6e}"));
     }
     let mut help: Vec<String> = Vec::new();
@@ -115,7 +114,13 @@ pub(super) fn blame(
     Some(Blame { causes: words.join(", "), help: format!("at {}: {}", describe(court.model, worst), help.join("; ")) })
 }
 
-/// The rate of an invariant and the share of every effect, as numbers.
+/// The rate of an invariant and the share of every effect at a state.
+struct Seen {
+    rate: Measured,
+    shares: Vec<DoubleDouble>,
+}
+
+/// The rate of an invariant and the share of every effect, ready to evaluate.
 struct Shares {
     tape: Tape,
     mass: Vec<(usize, usize)>,
@@ -137,8 +142,9 @@ impl Shares {
         Shares { tape, mass: mass.map(|e| (e.0, e.1)).collect(), n, effects: court.effects.len() }
     }
 
-    fn at(&self, state: &State) -> Option<(DoubleDouble, Vec<DoubleDouble>)> {
-        let values = self.tape.evaluate(|s| state.value(s));
+    fn at(&self, state: &State) -> Option<Seen> {
+        let measured = self.tape.evaluate(|s| state.measured(s));
+        let values: Vec<DoubleDouble> = measured.iter().map(|x| x.value).collect();
         let (rate, rest) = values.split_first()?;
         let (slopes, rest) = rest.split_at(self.n);
         let (entries, forces) = rest.split_at(self.mass.len());
@@ -153,7 +159,8 @@ impl Shares {
             weights.iter().zip(force).fold(DoubleDouble::ZERO, |sum, (w, q)| sum + *w * *q)
         };
         let shares: Vec<DoubleDouble> = (0..self.effects).map(share).collect();
-        (rate.is_finite() && shares.iter().all(|x| x.is_finite())).then_some((*rate, shares))
+        let finite = rate.is_finite() && shares.iter().all(|x| x.is_finite());
+        finite.then_some(Seen { rate: measured[0], shares })
     }
 }
 

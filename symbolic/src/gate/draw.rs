@@ -125,6 +125,15 @@ impl<'a> Draws<'a> {
         (state, start)
     }
 
+    /// Whether a state is where the file says that the model is defined (`sample`).
+    pub(super) fn inside(&self, state: &State) -> bool {
+        self.sample.iter().all(|(i, speed, range)| {
+            let ends = range.evaluate(|s| state.value(s).to_f64());
+            let x = if *speed { state.v[*i] } else { state.q[*i] }.to_f64();
+            (ends[0].min(ends[1])..=ends[0].max(ends[1])).contains(&x)
+        })
+    }
+
     /// The largest scale of a coordinate, or of its speed.
     pub(super) fn reach(&self, i: usize, speed: bool) -> f64 {
         let scales = if speed { &self.scales.v[i] } else { &self.scales.q[i] };

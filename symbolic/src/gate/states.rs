@@ -58,7 +58,10 @@ pub(super) fn states(
     drawn(model, motion, &mut draws, when, room.min(DRAWN), &mut found)?;
     if gate.rows {
         for group in groups(model).into_iter().take(room / 4) {
-            keep(motion, draws.group(&group, when), &mut found.all);
+            let state = draws.group(&group, when);
+            if draws.inside(&state) {
+                keep(motion, state, &mut found.all);
+            }
         }
     }
     let mut bases: Vec<State> = found.all.iter().filter(|s| s.origin != Origin::Group).take(2).cloned().collect();
@@ -79,10 +82,11 @@ pub(super) fn states(
         let reach = |i: usize, speed: bool| draws.reach(i, speed);
         let beside = sides(model, motion, (&bases, &paths), until, &reach);
         found.unreached = beside.unreached;
-        for state in beside.states.into_iter().take(room) {
+        let inside = |state: &State| draws.inside(state);
+        for state in beside.states.into_iter().filter(inside).take(room) {
             keep(motion, state, &mut found.all);
         }
-        for state in beside.surfaces.into_iter().take(room) {
+        for state in beside.surfaces.into_iter().filter(inside).take(room) {
             keep(motion, state, &mut found.surfaces);
         }
     }

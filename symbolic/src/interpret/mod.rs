@@ -24,6 +24,9 @@ pub enum Function {
     Stiffness,
     Damping,
     Input,
+    Time,
+    TimeDependence,
+    Magnitudes,
     Energy,
     Invariants,
     Outputs,
@@ -72,6 +75,9 @@ impl Interpreter {
         set(Function::Stiffness, &entries(&program.stiffness));
         set(Function::Damping, &entries(&program.damping));
         set(Function::Input, &entries(&program.input));
+        set(Function::Time, &entries(&program.time));
+        set(Function::TimeDependence, &program.generic_time);
+        set(Function::Magnitudes, &program.magnitudes);
         set(Function::Energy, &program.energy);
         set(Function::Invariants, &program.invariants);
         set(Function::Outputs, &program.outputs);

@@ -12,7 +12,7 @@ pub struct Ast {
 }
 
 impl Ast {
-    /// True when `test` holds for some name in it; the tree is at most 200 levels deep.
+    /// True when `test` holds for some name in it; the tree is at most 1000 levels deep.
     pub fn any_name(&self, test: &mut dyn FnMut(&str) -> bool) -> bool {
         match &self.kind {
             AstKind::Number(_) => false,
@@ -103,6 +103,19 @@ pub enum Operator {
     Power,
     /// `=`, allowed once, outermost, where an equation is wanted.
     Equal,
+}
+
+impl Operator {
+    /// The opposite where `inverse`: `+` and `-`, `*` and `/`.
+    pub(super) fn turned(self, inverse: bool) -> Operator {
+        match self {
+            Operator::Add if inverse => Operator::Subtract,
+            Operator::Subtract if inverse => Operator::Add,
+            Operator::Multiply if inverse => Operator::Divide,
+            Operator::Divide if inverse => Operator::Multiply,
+            other => other,
+        }
+    }
 }
 
 /// A key of a mapping: `theta`, `theta[i in 1..n]`, `x[2]'`, `s[i in 1..n, j in i+1..n]`.

@@ -147,6 +147,10 @@ impl<'a> Parser<'a> {
 
 /// "did you mean `2*x`?"
 fn product(left: Token<'_>, right: Token<'_>) -> String {
+    if left.kind == Kind::Number && right.kind == Kind::Name && super::parse_unit(right.text).is_ok() {
+        return "a unit follows only a value that stands alone: name the quantity in `parameters`; a product needs `*`"
+            .to_owned();
+    }
     let right_text = match right.kind {
         Kind::Open => "(…)".to_owned(),
         Kind::OpenBracket => "[…]".to_owned(),

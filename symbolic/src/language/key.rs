@@ -16,11 +16,17 @@ pub fn parse_key(text: &str) -> Result<Key, Vec<Problem>> {
     parser.finish(key)
 }
 
+/// Longest name in bytes; generated code repeats it.
+const LONGEST: usize = 200;
+
 fn key(parser: &mut Parser<'_>, text: &str) -> Parsed<Key> {
     let name = parser.peek();
     if name.kind != Kind::Name {
         let span = Span::new(0, text.len());
         return parser.report(syntax::bad_key(span.place(), shorten(text)));
+    }
+    if name.text.len() > LONGEST {
+        return parser.report(syntax::name_too_long(name.span.place(), shorten(name.text), LONGEST));
     }
     parser.next();
     let mut indices = Vec::new();

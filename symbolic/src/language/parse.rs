@@ -6,8 +6,14 @@ use super::token::{Kind, Token, shorten};
 use super::{Ast, AstKind, Operator, Range, Span};
 use crate::diagnose::{Problem, catalogue::syntax};
 
-/// Deepest tree; every operator of a sum or product of several terms counts.
+/// Deepest nesting of parentheses, calls, powers and signs; how many terms a sum has does not count.
 pub const DEEPEST: u32 = 200;
+
+/// Deepest tree, which bounds the stack of all that walks it.
+const DEEPEST_TREE: u32 = 1000;
+
+/// A sum or product of more operands than this becomes a balanced tree instead of a chain.
+const LONGEST_CHAIN: usize = 16;
 
 /// Reads an expression.
 ///
@@ -43,6 +49,13 @@ pub fn parse_bounds(text: &str) -> Result<(Ast, Ast), Vec<Problem>> {
 pub(super) struct Tree {
     pub ast: Ast,
     depth: u32,
+}
+
+/// An operator and what follows it.
+struct Link {
+    operator: Operator,
+    sign: Span,
+    operand: Tree,
 }
 
 /// How tightly an operator binds: those below `least` are left to the caller.
@@ -81,28 +94,50 @@ impl<'a> Parser<'a> {
             let place = self.peek().span.place();
             return self.report(syntax::expression_too_deep(place, DEEPEST));
         }
-        let mut left = self.operand()?;
-        while let Some((tightness, operator)) = binding(self.peek().kind) {
-            if tightness < least {
-                break;
+        let mut first = self.operand()?;
+        let mut chain = Vec::new();
+        let mut tightness = 0;
+        while let Some((next, operator)) = binding(self.peek().kind).filter(|(next, _)| *next >= least) {
+            if next != tightness {
+                // A product, say, that is the first term of a sum.
+                first = self.joined(first, std::mem::take(&mut chain))?;
+                tightness = next;
             }
-            let sign = self.next();
-            let right = self.expression(if operator == Operator::Power { POWER } else { tightness + 1 })?;
-            let depth = left.depth.max(right.depth);
-            let span = left.ast.span.to(right.ast.span);
-            let kind = AstKind::Binary(operator, Box::new(left.ast), Box::new(right.ast));
-            left = self.tree(kind, span, depth, sign.span)?;
+            let sign = self.next().span;
+            let operand = self.expression(if operator == Operator::Power { POWER } else { next + 1 })?;
+            chain.push(Link { operator, sign, operand });
             if operator == Operator::Equal {
                 break;
             }
         }
         self.nesting -= 1;
-        Ok(left)
+        self.joined(first, chain)
+    }
+
+    /// `first + a - b …`, from left to right; a long sum or product as a balanced tree of its parts.
+    fn joined(&mut self, first: Tree, mut chain: Vec<Link>) -> Parsed<Tree> {
+        if chain.len() < LONGEST_CHAIN {
+            return chain.into_iter().try_fold(first, |left, link| self.pair(left, link));
+        }
+        let mut right = chain.split_off(chain.len() / 2).into_iter();
+        let left = self.joined(first, chain)?;
+        let Some(Link { operator, sign, operand }) = right.next() else { return Ok(left) };
+        // a - (b - c) is a - b + c.
+        let inverse = matches!(operator, Operator::Subtract | Operator::Divide);
+        let rest = right.map(|link| Link { operator: link.operator.turned(inverse), ..link }).collect();
+        let operand = self.joined(operand, rest)?;
+        self.pair(left, Link { operator, sign, operand })
+    }
+
+    fn pair(&mut self, left: Tree, Link { operator, sign, operand: right }: Link) -> Parsed<Tree> {
+        let depth = left.depth.max(right.depth);
+        let span = left.ast.span.to(right.ast.span);
+        self.tree(AstKind::Binary(operator, Box::new(left.ast), Box::new(right.ast)), span, depth, sign)
     }
 
     /// One level more, unless that is too deep.
     fn tree(&mut self, kind: AstKind, span: Span, below: u32, at: Span) -> Parsed<Tree> {
-        if below >= DEEPEST {
+        if below >= DEEPEST_TREE {
             return self.report(syntax::expression_too_deep(at.place(), DEEPEST));
         }
         Ok(Tree { ast: Ast { kind, span }, depth: below + 1 })

@@ -4,8 +4,10 @@ mod candidates;
 mod count;
 mod factor;
 mod gather;
+mod magnitude;
 mod momentum;
 mod structure;
+mod time;
 
 use crate::derive::{Derivation, Switch, rates};
 use crate::diagnose::Problem;
@@ -44,6 +46,14 @@ pub struct Program {
     pub damping: Vec<Entry>,
     /// ∂F/∂(u, u', u''): columns 3·input + order.
     pub input: Vec<Entry>,
+    /// ∂F/∂t of the equations that depend on time by themselves; the column is 0.
+    pub time: Vec<Entry>,
+    /// The same with generic numbers for functions of time that can be as small as none.
+    pub generic_time: Vec<Id>,
+    /// Switches whose argument depends on time.
+    pub timed_switches: Vec<usize>,
+    /// Σ |terms| of every component of F.
+    pub magnitudes: Vec<Id>,
     /// T, V, Jacobi function, its power, Σ |terms|.
     pub energy: [Id; 5],
     /// Pairs (value, Σ |terms|).
@@ -109,6 +119,9 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
         Symbol::Input(k, order @ 0..=2) => Some(3 * k as usize + usize::from(order)),
         _ => None,
     }));
+    let of_time = time::of_time(graph, &chosen.residual, &switches);
+    let mut magnitudes = magnitude::Magnitudes::default();
+    let magnitudes = chosen.residual.iter().map(|f| magnitudes.of(graph, *f)).collect();
     let invariants = invariant_pairs(&mut model);
     let arguments: Vec<Id> = switches.iter().map(|s| s.argument).collect();
     let graph = &mut model.graph;
@@ -143,6 +156,10 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
         stiffness,
         damping,
         input,
+        time: of_time.entries,
+        generic_time: of_time.generic,
+        timed_switches: of_time.switches,
+        magnitudes,
         energy: [energies.kinetic, energies.potential, energies.jacobi, energies.power, energies.scale],
         invariants,
         outputs,
@@ -172,6 +189,10 @@ impl Program {
             stiffness: Vec::new(),
             damping: Vec::new(),
             input: Vec::new(),
+            time: Vec::new(),
+            generic_time: Vec::new(),
+            timed_switches: Vec::new(),
+            magnitudes: Vec::new(),
             energy: [Id::ZERO; 5],
             invariants: Vec::new(),
             outputs: Vec::new(),

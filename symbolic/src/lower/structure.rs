@@ -10,6 +10,8 @@ use crate::expr::{Graph, Id, Symbol};
 pub struct Structure {
     /// M does not change along a run.
     pub constant_mass: bool,
+    /// M's diagonal does not change along a run.
+    pub constant_inertias: bool,
     /// M is diagonal.
     pub diagonal_mass: bool,
     /// Sizes of M's diagonal blocks, in the order of their first coordinates.
@@ -36,9 +38,11 @@ pub(super) fn recognise(
     let constant = |entries: &[Entry]| entries.iter().all(|e| !varying[e.2.index()]);
     let time = |s: Symbol| matches!(s, Symbol::Time | Symbol::Input(..));
     let constant_mass = constant(&chosen.mass);
+    let constant_inertias = chosen.mass.iter().filter(|e| e.0 == e.1).all(|e| !varying[e.2.index()]);
     let modes = |s: Symbol| matches!(s, Symbol::Mode(_));
     Structure {
         constant_mass,
+        constant_inertias,
         diagonal_mass: chosen.mass.iter().all(|e| e.0 == e.1),
         mass_blocks: blocks(n, &chosen.mass),
         linear: constant_mass

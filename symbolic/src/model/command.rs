@@ -81,9 +81,10 @@ impl Model {
     /// # Errors
     /// What is wrong with it; places are spans of `text`.
     pub fn signal(&mut self, text: &str) -> Result<[Id; 3], Vec<Problem>> {
-        let text = read(text)?;
+        let quantity = file::quantity(text, &Place::default())?;
         let mut bench = self.bench();
-        let value = bench.scalar(&self.scope, &text, Rules::signal("an input"), &[]).unwrap_or(Id::ZERO);
+        let rules = Rules::signal("an input").numbers_fit();
+        let value = bench.quantity(&self.scope, &quantity, rules, &[]).unwrap_or(Id::ZERO);
         let rate = bench.rate(value);
         let second = bench.rate(rate);
         self.take_back(bench)?;
@@ -92,6 +93,7 @@ impl Model {
 
     fn bench(&mut self) -> Bench {
         let mut bench = Bench::new(std::mem::take(&mut self.graph));
+        bench.defaults = self.parameters.iter().map(|p| p.default).collect();
         bench.facts.dimensional =
             self.parameters.iter().map(|p| !matches!(p.unit.as_deref(), None | Some("1"))).collect();
         bench
@@ -121,5 +123,5 @@ pub fn evaluate_all(graph: &Graph, ids: &[Id], parameters: &[f64]) -> Vec<f64> {
 
 fn read(words: &str) -> Result<Text, Vec<Problem>> {
     let ast = parse(words)?;
-    Ok(Text { source: words.into(), ast: Rc::new(ast), place: Rc::default() })
+    Ok(Text { source: words.into(), ast: Rc::new(ast), unit: None, place: Rc::default() })
 }

@@ -2,6 +2,7 @@
 
 mod command;
 mod expression;
+mod identifier;
 mod resolve;
 mod resolved;
 mod resolver;
@@ -9,7 +10,8 @@ mod section;
 mod text;
 
 pub use command::Sets;
-pub use resolve::{load, resolve};
+pub use identifier::{KEYWORDS, METHODS, field_name, is_snake_case, local_name, method_name, type_name};
+pub use resolve::{load, read_through, resolve};
 pub use resolved::{
     Balance, BalanceSystem, Body, Change, Check, Conserved, Coordinate, Derived, Event, EventAction, Family,
     GeneralizedForce, Input, Load, Model, Output, Parameter, Part, Push, Reaction, Rotation, Sample, Scene, Shape,

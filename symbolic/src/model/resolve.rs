@@ -1,11 +1,13 @@
 //! From the tree of a file to a model: the passes in order.
 
+use super::expression::bench::is_of_units;
+use super::identifier::type_name;
 use super::resolved::Model;
 use super::resolver::Resolver;
 use super::section::declare::dimension;
 use super::section::settle::settle;
 use crate::diagnose::catalogue::{later, names, sections};
-use crate::diagnose::{Place, Problem};
+use crate::diagnose::{Place, Problem, Step};
 use crate::file::{Node, Spot};
 
 /// Every key that a model file may have.
@@ -48,6 +50,15 @@ const KEYS: [&str; 29] = [
 /// # Errors
 /// Everything that is wrong with the file.
 pub fn resolve(root: &Node, sizes: &[(String, i64)]) -> Result<Model, Vec<Problem>> {
+    match resolve_through(root, sizes) {
+        (Some(model), problems) if problems.is_empty() => Ok(model),
+        (_, problems) => Err(problems),
+    }
+}
+
+/// As [`resolve`], and with all that is wrong the model too where its equations of motion are as meant: problems of
+/// units leave every expression its meaning, and what a run only observes does not enter the equations.
+fn resolve_through(root: &Node, sizes: &[(String, i64)]) -> (Option<Model>, Vec<Problem>) {
     let mut resolver = Resolver::new(Spot::root(root));
     resolver.head();
     // 1. Names; look in `declare.rs` and `parameters.rs`.
@@ -96,6 +107,37 @@ pub fn load(text: &str, sizes: &[(String, i64)]) -> Result<Model, Vec<Problem>> 
     resolve(&crate::file::read(text)?, sizes)
 }
 
+/// Reads and resolves the text of a file as far as it goes: all problems, and the model wherever it can be derived and
+/// judged all the same.
+///
+/// A model that comes with problems must not be run: its equations are those that are written, but a unit in them, or
+/// something that is computed along a run, is wrong.  Sections with problems of their own may be missing from it.
+///
+/// ```
+/// use dalembert_symbolic::model::read_through;
+///
+/// let text = "name: Spring\nparameters: {m: 1 kg, k: 4 N/m}\ncoordinates: {x: m}\n\
+///     kinetic_energy: m*x'^2/2\npotential_energy: k*x/2";
+/// let (model, problems) = read_through(text, &[]);
+/// assert_eq!(problems[0].code, "E242"); // k*x/2 is no energy
+/// assert!(model.is_some());             // and can be judged as it stands
+/// ```
+pub fn read_through(text: &str, sizes: &[(String, i64)]) -> (Option<Model>, Vec<Problem>) {
+    match crate::file::read(text) {
+        Ok(root) => resolve_through(&root, sizes),
+        Err(problems) => (None, problems),
+    }
+}
+
+/// Sections that no equation of motion depends on.
+const OBSERVED: [&str; 7] = ["events", "conserved", "checks", "outputs", "draw", "equilibrium", "about"];
+
+/// Whether the equations of motion are as meant in spite of a problem.
+fn leaves_equations(problem: &Problem) -> bool {
+    let observed = |step: &Step| matches!(step, Step::Key(key) if OBSERVED.contains(&key.as_str()));
+    is_of_units(problem) || problem.place.path.first().is_some_and(observed)
+}
+
 impl Resolver<'_> {
     /// `name`, `about`, and keys that are unknown or not supported.
     fn head(&mut self) {
@@ -131,8 +173,8 @@ impl Resolver<'_> {
         }
     }
 
-    /// The model, or what is wrong: one problem for each place and kind.
-    fn finish(mut self) -> Result<Model, Vec<Problem>> {
+    /// What is wrong, one problem for each place and kind; and the model unless that concerns its equations.
+    fn finish(mut self) -> (Option<Model>, Vec<Problem>) {
         if self.bench.graph.overflowed() && !self.bench.exhausted() {
             self.bench.problems.push(names::too_many_nodes(Place::default(), 1_000_000));
         }
@@ -148,27 +190,12 @@ impl Resolver<'_> {
                 problems.push(problem);
             }
         }
-        if !problems.is_empty() {
-            return Err(problems);
+        if !problems.iter().all(leaves_equations) {
+            return (None, problems);
         }
         self.model.dimension = self.scope.dimension;
         self.model.graph = self.bench.graph;
         self.model.scope = self.scope;
-        Ok(self.model)
-    }
-}
-
-/// A name in the form of a Rust type: `double_pendulum` → `DoublePendulum`.
-fn type_name(words: &str) -> String {
-    let parts = words.split(|c: char| !c.is_ascii_alphanumeric()).filter(|part| !part.is_empty());
-    let name: String = parts
-        .map(|part| {
-            let (first, rest) = part.split_at(1);
-            first.to_ascii_uppercase() + rest
-        })
-        .collect();
-    match name.starts_with(|c: char| c.is_ascii_uppercase()) {
-        true => name,
-        false => format!("Model{name}"),
+        (Some(self.model), problems)
     }
 }

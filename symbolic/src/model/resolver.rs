@@ -68,6 +68,16 @@ impl<'a> Resolver<'a> {
         family.filter(|family| self.count(family.members.len(), &place))
     }
 
+    /// The key of an entry that is one thing: a name, or one member of an indexed name.
+    pub fn label(&mut self, words: &str, spot: &Spot<'_>, section: &str) -> Option<String> {
+        let family = self.expand(words, spot)?;
+        if family.ranged {
+            self.bench.problems.push(sections::family_not_allowed(spot.place.of_key(), section));
+            return None;
+        }
+        family.members.first().map(Expanded::name)
+    }
+
     /// Expands the key of a declaration; when that is refused, so are the uses of its name, silently.
     pub fn expand_declared(&mut self, words: &str, spot: &Spot<'_>, section: Section) -> Option<Family> {
         let family = self.expand(words, spot);

@@ -113,10 +113,11 @@ impl From<f64> for Number {
 }
 
 impl From<DoubleDouble> for Number {
-    /// Exactly; integers of moderate size as rationals.
+    /// Integers of moderate size as rationals, but for 2⁻¹¹⁰, which is rounding: 1 + 1e-300 is 1.
     fn from(value: DoubleDouble) -> Number {
         let hi = value.to_f64();
-        if value.rest() == 0.0 && hi.fract() == 0.0 && hi.abs() < 1e15 {
+        let whole = value.rest().abs() <= hi.abs() * 2_f64.powi(-110);
+        if whole && hi.fract() == 0.0 && hi.abs() < 1e15 {
             return Number::Exact(Rational::integer(hi as i64));
         }
         Number::Float(value)

@@ -15,6 +15,9 @@ impl Rational {
     /// 1.
     pub const ONE: Rational = Rational { numerator: 1, denominator: 1 };
 
+    /// ½.
+    pub const HALF: Rational = Rational { numerator: 1, denominator: 2 };
+
     /// n/d in lowest terms; `None` for d = 0 or beyond 128 bits.
     pub fn new(numerator: i128, denominator: i128) -> Option<Rational> {
         if denominator == 0 {

@@ -7,7 +7,7 @@
 use rustc_hash::FxHashMap as HashMap;
 use std::fmt::Write;
 
-use super::names::Locals;
+use super::scope::{Names, Scope, joined};
 use crate::expr::{Binary, Graph, Id, Node, Number, Symbol, Unary};
 
 /// What happens with a computed value.
@@ -27,13 +27,30 @@ impl Use {
     }
 }
 
+/// Statements, and what they read.
+#[derive(Default)]
+pub(super) struct Body {
+    pub lines: String,
+    pub reads: Reads,
+}
+
+/// Which arguments a body reads.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Reads {
+    pub constants: bool,
+    pub time: bool,
+    pub inputs: bool,
+    /// q, v, a.
+    pub state: [bool; 3],
+}
+
 /// Deepest nesting of one expression.
 const NESTING: u8 = 8;
 
 /// Prints bodies of functions of one program.
 pub(super) struct Bodies<'a> {
     pub graph: &'a Graph,
-    pub locals: &'a Locals,
+    pub names: &'a Names,
     /// Places of hoisted expressions in the block of constants.
     pub hoisted: &'a HashMap<Id, usize>,
     /// Place of the first mode in the block of constants.
@@ -55,10 +72,20 @@ enum Level {
     Atom,
 }
 
+/// The printing of one function.
+struct Writer<'a> {
+    of: &'a Bodies<'a>,
+    scope: Scope<'a>,
+    indent: &'a str,
+    lines: String,
+    pieces: HashMap<Id, Piece>,
+    /// The sine and the cosine that are wanted of each argument.
+    turns: HashMap<Id, [Option<Id>; 2]>,
+}
+
 impl Bodies<'_> {
     /// The statements that compute and use these values, symbols bound first.
-    pub fn body(&self, uses: &[Use], indent: &str) -> String {
-        let graph = self.graph;
+    pub fn body(&self, uses: &[Use], indent: &str) -> Body {
         let roots: Vec<Id> = uses.iter().flat_map(Use::values).collect();
         let needed = self.needed(&roots);
         let counts = self.counts(&needed, &roots);
@@ -67,43 +94,21 @@ impl Bodies<'_> {
             let at = item.values().iter().map(|id| id.index()).max().unwrap_or(0);
             due.entry(at).or_default().push(item);
         }
-        let mut lines = self.bindings(&needed, indent);
-        let mut pieces: HashMap<Id, Piece> = HashMap::default();
-        let mut next = 0;
+        let (lines, reads) = self.bindings(&needed, indent);
+        let (scope, pieces, turns) = (self.names.scope.inside(), HashMap::default(), self.turns(&needed));
+        let mut writer = Writer { of: self, scope, indent, lines, pieces, turns };
         for i in (0..needed.len()).filter(|&i| needed[i]) {
-            let id = graph.id_at(i);
-            let stored = due.get(&i).is_some_and(|list| list.iter().any(|u| matches!(u, Use::Pivot(..))));
-            if !pieces.contains_key(&id) {
-                let piece = self.piece(id, &mut pieces, &mut lines, &mut next, &needed, indent);
-                let single = counts[i] == 1 && piece.depth < NESTING && !stored;
-                let piece = if single || self.is_leaf(id) || piece.level == Level::Atom && piece.depth == 0 {
-                    piece
-                } else {
-                    next += 1;
-                    let name = format!("{}{next}", self.locals.prefix);
-                    let _ = writeln!(lines, "{indent}let {name} = {};", piece.text);
-                    atom(name)
-                };
-                pieces.insert(id, piece);
+            let id = self.graph.id_at(i);
+            let uses = due.get(&i).map_or(&[][..], Vec::as_slice);
+            let stored = uses.iter().any(|u| matches!(u, Use::Pivot(..)));
+            if !writer.pieces.contains_key(&id) {
+                writer.compute(id, counts[i] == 1 && !stored);
             }
-            for item in due.get(&i).into_iter().flatten() {
-                match item {
-                    Use::Store(target, _) => {
-                        let _ = writeln!(lines, "{indent}{target} = {};", pieces[&id].text);
-                    }
-                    Use::Pivot(coordinate, pivot, diagonal) => {
-                        let (pivot, diagonal) = (&pieces[pivot], &pieces[diagonal]);
-                        let _ = writeln!(
-                            lines,
-                            "{indent}if !{}.abs().exceeds({}.abs() * S::pivot_floor()) {{\n{indent}    return Err(::dalembert::mechanism::SingularMass {{ coordinate: {coordinate} }});\n{indent}}}",
-                            at_least(pivot, Level::Atom),
-                            at_least(diagonal, Level::Atom),
-                        );
-                    }
-                }
+            for item in uses {
+                writer.use_up(item);
             }
         }
-        lines
+        Body { lines: writer.lines, reads }
     }
 
     /// Nodes to print: reachable without looking inside hoisted ones.
@@ -139,137 +144,171 @@ impl Bodies<'_> {
         counts
     }
 
-    /// `let &[theta1, theta2] = q;` and the like, for what is used.
-    fn bindings(&self, needed: &[bool], indent: &str) -> String {
-        let n = self.locals.coordinates.len();
+    /// Wanted sines and cosines by their argument, which come from one call.
+    fn turns(&self, needed: &[bool]) -> HashMap<Id, [Option<Id>; 2]> {
+        let mut turns: HashMap<Id, [Option<Id>; 2]> = HashMap::default();
+        for id in (0..needed.len()).filter(|&i| needed[i]).map(|i| self.graph.id_at(i)) {
+            match self.graph.node(id) {
+                _ if self.hoisted.contains_key(&id) => {}
+                Node::Unary(Unary::Sin, x) => turns.entry(x).or_default()[0] = Some(id),
+                Node::Unary(Unary::Cos, x) => turns.entry(x).or_default()[1] = Some(id),
+                _ => {}
+            }
+        }
+        turns
+    }
+
+    /// `let &[theta1, theta2] = q;` and the like, for what is used; and all that is read.
+    fn bindings(&self, needed: &[bool], indent: &str) -> (String, Reads) {
+        let n = self.names.coordinates.len();
         let mut lists = vec![vec![None; n]; 3];
-        for i in (0..needed.len()).filter(|&i| needed[i]) {
-            let (order, k, suffix) = match self.graph.node(self.graph.id_at(i)) {
-                Node::Symbol(Symbol::Coordinate(k)) => (0, k, ""),
-                Node::Symbol(Symbol::Speed(k)) => (1, k, "_dot"),
-                Node::Symbol(Symbol::Acceleration(k)) => (2, k, "_ddot"),
-                _ => continue,
+        let mut reads = Reads::default();
+        for id in (0..needed.len()).filter(|&i| needed[i]).map(|i| self.graph.id_at(i)) {
+            if self.hoisted.contains_key(&id) {
+                reads.constants = true;
+                continue;
+            }
+            let Node::Symbol(symbol) = self.graph.node(id) else { continue };
+            let (order, k) = match symbol {
+                Symbol::Coordinate(k) => (0, k),
+                Symbol::Speed(k) => (1, k),
+                Symbol::Acceleration(k) => (2, k),
+                Symbol::Time => {
+                    reads.time = true;
+                    continue;
+                }
+                Symbol::Input(..) => {
+                    reads.inputs = true;
+                    continue;
+                }
+                Symbol::Parameter(_) | Symbol::Mode(_) => {
+                    reads.constants = true;
+                    continue;
+                }
+                Symbol::Reaction(_) | Symbol::Dummy(_) => continue,
             };
-            lists[order][k as usize] = Some(format!("{}{suffix}", self.locals.coordinates[k as usize]));
+            lists[order][k as usize] = Some(self.names.coordinates[k as usize][order].as_str());
         }
         let mut lines = String::new();
-        for (list, array) in lists.into_iter().zip(["q", "v", "a"]) {
+        for (order, (list, array)) in lists.into_iter().zip(["q", "v", "a"]).enumerate() {
             if list.iter().any(Option::is_some) {
-                let names: Vec<String> = list.into_iter().map(|n| n.unwrap_or_else(|| "_".to_owned())).collect();
+                reads.state[order] = true;
+                let names: Vec<&str> = list.into_iter().map(|n| n.unwrap_or("_")).collect();
                 let _ = writeln!(lines, "{indent}let &[{}] = {array};", names.join(", "));
             }
         }
-        lines
-    }
-
-    fn is_leaf(&self, id: Id) -> bool {
-        self.hoisted.contains_key(&id) || matches!(self.graph.node(id), Node::Number(_) | Node::Symbol(_))
-    }
-
-    fn piece(
-        &self,
-        id: Id,
-        pieces: &mut HashMap<Id, Piece>,
-        lines: &mut String,
-        next: &mut usize,
-        needed: &[bool],
-        indent: &str,
-    ) -> Piece {
-        if let Some(place) = self.hoisted.get(&id) {
-            return atom(format!("c[{place}]"));
-        }
-        match self.graph.node(id) {
-            Node::Number(place) => literal(self.graph.number_at(place)),
-            Node::Symbol(s) => atom(self.symbol(s)),
-            Node::Unary(Unary::Sin | Unary::Cos, x) => self.sine_and_cosine(id, x, pieces, lines, next, needed, indent),
-            Node::Unary(Unary::Neg, x) => {
-                let inner = &pieces[&x];
-                Piece { text: format!("-{}", at_least(inner, Level::Atom)), level: Level::Sign, depth: inner.depth + 1 }
-            }
-            Node::Unary(f, x) => {
-                let inner = &pieces[&x];
-                let text = format!("{}.{}()", at_least(inner, Level::Atom), f.name());
-                Piece { text, level: Level::Atom, depth: inner.depth + 1 }
-            }
-            Node::Binary(operation, x, y) => {
-                let (a, b) = (&pieces[&x], &pieces[&y]);
-                let depth = a.depth.max(b.depth) + 1;
-                let (sign, level, right) = match operation {
-                    Binary::Add => (" + ", Level::Sum, Level::Product),
-                    Binary::Sub => (" - ", Level::Sum, Level::Product),
-                    Binary::Mul => (" * ", Level::Product, Level::Sign),
-                    Binary::Div => (" / ", Level::Product, Level::Sign),
-                    Binary::Pow | Binary::Atan2 | Binary::Min | Binary::Max => {
-                        let name = match operation {
-                            Binary::Pow => "powf",
-                            Binary::Atan2 => "atan2",
-                            Binary::Min => "min",
-                            _ => "max",
-                        };
-                        let text = format!("{}.{name}({})", at_least(a, Level::Atom), b.text);
-                        return Piece { text, level: Level::Atom, depth };
-                    }
-                };
-                Piece { text: format!("{}{sign}{}", at_least(a, level), at_least(b, right)), level, depth }
-            }
-        }
-    }
-
-    /// Sine and cosine of one argument come from one call.
-    #[expect(clippy::too_many_arguments, reason = "the state of one function's printing")]
-    fn sine_and_cosine(
-        &self,
-        id: Id,
-        argument: Id,
-        pieces: &mut HashMap<Id, Piece>,
-        lines: &mut String,
-        next: &mut usize,
-        needed: &[bool],
-        indent: &str,
-    ) -> Piece {
-        let is = |i: usize, f: Unary| needed[i] && self.graph.node(self.graph.id_at(i)) == Node::Unary(f, argument);
-        let find = |f: Unary| (argument.index()..needed.len()).find(|&i| is(i, f)).map(|i| self.graph.id_at(i));
-        let (sine, cosine) = (find(Unary::Sin), find(Unary::Cos));
-        let angle = pieces[&argument].clone();
-        let plain = angle.text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-        let name = if plain {
-            angle.text.clone()
-        } else {
-            *next += 1;
-            format!("{}{next}", self.locals.prefix)
-        };
-        let receiver = at_least(&angle, Level::Atom);
-        match (sine, cosine) {
-            (Some(s), Some(c)) => {
-                let _ = writeln!(lines, "{indent}let (sin_{name}, cos_{name}) = {receiver}.sin_cos();");
-                pieces.insert(s, atom(format!("sin_{name}")));
-                pieces.insert(c, atom(format!("cos_{name}")));
-            }
-            (Some(s), None) => {
-                let _ = writeln!(lines, "{indent}let sin_{name} = {receiver}.sin_cos().0;");
-                pieces.insert(s, atom(format!("sin_{name}")));
-            }
-            (_, c) => {
-                let _ = writeln!(lines, "{indent}let cos_{name} = {receiver}.sin_cos().1;");
-                pieces.insert(c.unwrap_or(id), atom(format!("cos_{name}")));
-            }
-        }
-        pieces[&id].clone()
+        (lines, reads)
     }
 
     fn symbol(&self, symbol: Symbol) -> String {
-        let coordinate = |i: u32| &self.locals.coordinates[i as usize];
+        let coordinate = |i: u32, order: usize| self.names.coordinates[i as usize][order].clone();
         match symbol {
             Symbol::Time => "t".to_owned(),
-            Symbol::Coordinate(i) => coordinate(i).clone(),
-            Symbol::Speed(i) => format!("{}_dot", coordinate(i)),
-            Symbol::Acceleration(i) => format!("{}_ddot", coordinate(i)),
+            Symbol::Coordinate(i) => coordinate(i, 0),
+            Symbol::Speed(i) => coordinate(i, 1),
+            Symbol::Acceleration(i) => coordinate(i, 2),
             Symbol::Input(k, order) => format!("u[{}]", 3 * k + u32::from(order)),
             Symbol::Parameter(i) => format!("c[{i}]"),
             Symbol::Mode(k) => format!("c[{}]", self.first_mode + k as usize),
             Symbol::Reaction(_) | Symbol::Dummy(_) => "S::ratio(0.0, 1.0)".to_owned(),
         }
     }
+}
+
+impl Writer<'_> {
+    /// Makes the piece for a node: nested into its only consumer, or a variable.
+    fn compute(&mut self, id: Id, single: bool) {
+        let piece = self.piece(id);
+        let leaf = self.of.hoisted.contains_key(&id)
+            || matches!(self.of.graph.node(id), Node::Number(_) | Node::Symbol(_))
+            || piece.level == Level::Atom && piece.depth == 0;
+        let piece = if leaf || single && piece.depth < NESTING {
+            piece
+        } else {
+            let name = self.scope.temporary();
+            let _ = writeln!(self.lines, "{}let {name} = {};", self.indent, piece.text);
+            atom(name)
+        };
+        self.pieces.insert(id, piece);
+    }
+
+    fn use_up(&mut self, item: &Use) {
+        let indent = self.indent;
+        let _ = match item {
+            Use::Store(target, id) => writeln!(self.lines, "{indent}{target} = {};", self.pieces[id].text),
+            Use::Pivot(coordinate, pivot, diagonal) => writeln!(
+                self.lines,
+                "{indent}if !{}.abs().exceeds({}.abs() * S::pivot_floor()) {{\n{indent}    return ::core::result::Result::Err(::dalembert::mechanism::SingularMass {{ coordinate: {coordinate} }});\n{indent}}}",
+                at_least(&self.pieces[pivot], Level::Atom),
+                at_least(&self.pieces[diagonal], Level::Atom),
+            ),
+        };
+    }
+
+    fn piece(&mut self, id: Id) -> Piece {
+        if let Some(place) = self.of.hoisted.get(&id) {
+            return atom(format!("c[{place}]"));
+        }
+        match self.of.graph.node(id) {
+            Node::Number(place) => literal(self.of.graph.number_at(place)),
+            Node::Symbol(s) => atom(self.of.symbol(s)),
+            Node::Unary(Unary::Sin | Unary::Cos, x) => self.sine_and_cosine(id, x),
+            Node::Unary(Unary::Neg, x) => {
+                let inner = &self.pieces[&x];
+                Piece { text: format!("-{}", at_least(inner, Level::Atom)), level: Level::Sign, depth: inner.depth + 1 }
+            }
+            Node::Unary(f, x) => {
+                let inner = &self.pieces[&x];
+                let text = format!("{}.{}()", at_least(inner, Level::Atom), f.name());
+                Piece { text, level: Level::Atom, depth: inner.depth + 1 }
+            }
+            Node::Binary(operation, x, y) => binary(operation, &self.pieces[&x], &self.pieces[&y]),
+        }
+    }
+
+    /// Sine and cosine of one argument come from one call.
+    fn sine_and_cosine(&mut self, id: Id, argument: Id) -> Piece {
+        let angle = &self.pieces[&argument];
+        let receiver = at_least(angle, Level::Atom);
+        let plain = angle.text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+        let name = if plain { angle.text.clone() } else { self.scope.temporary() };
+        let (sine, cosine) = (joined("sin", &name), joined("cos", &name));
+        let indent = self.indent;
+        let mut give = |wanted: &str, id: Id| {
+            let name = self.scope.fresh(wanted);
+            self.pieces.insert(id, atom(name.clone()));
+            name
+        };
+        let _ = match self.turns[&argument] {
+            [Some(s), Some(c)] => {
+                let (sine, cosine) = (give(&sine, s), give(&cosine, c));
+                writeln!(self.lines, "{indent}let ({sine}, {cosine}) = {receiver}.sin_cos();")
+            }
+            [Some(s), None] => writeln!(self.lines, "{indent}let {} = {receiver}.sin_cos().0;", give(&sine, s)),
+            [None, _] => writeln!(self.lines, "{indent}let {} = {receiver}.sin_cos().1;", give(&cosine, id)),
+        };
+        self.pieces[&id].clone()
+    }
+}
+
+fn binary(operation: Binary, a: &Piece, b: &Piece) -> Piece {
+    let depth = a.depth.max(b.depth) + 1;
+    let call = |name: &str| Piece {
+        text: format!("{}.{name}({})", at_least(a, Level::Atom), b.text),
+        level: Level::Atom,
+        depth,
+    };
+    let (sign, level, right) = match operation {
+        Binary::Add => (" + ", Level::Sum, Level::Product),
+        Binary::Sub => (" - ", Level::Sum, Level::Product),
+        Binary::Mul => (" * ", Level::Product, Level::Sign),
+        Binary::Div => (" / ", Level::Product, Level::Sign),
+        Binary::Pow => return call("powf"),
+        Binary::Atan2 => return call("atan2"),
+        Binary::Min => return call("min"),
+        Binary::Max => return call("max"),
+    };
+    Piece { text: format!("{}{sign}{}", at_least(a, level), at_least(b, right)), level, depth }
 }
 
 fn atom(text: String) -> Piece {

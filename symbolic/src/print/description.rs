@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::body::float;
+use super::{si_unit, words};
 use crate::derive::SwitchKind;
 use crate::lower::{Entry, Program};
 use crate::model::{EventAction, Shape, text};
@@ -12,9 +13,9 @@ pub(super) fn description(program: &Program, source: &str) -> String {
     let model = &program.model;
     let mut out = String::new();
     let mut field = |name: &str, value: String| {
-        let _ = writeln!(out, "        {name}: {value},");
+        let _ = writeln!(out, "            {name}: {value},");
     };
-    let unit = |unit: &Option<String>| string(unit.as_deref().unwrap_or(""));
+    let unit = |unit: &Option<String>| string(&unit.as_deref().map(si_unit).unwrap_or_default());
     field("name", string(&model.name));
     field("about", string(&model.about));
     field("source_hash", format!("{:#018x}", fnv1a(source)));
@@ -24,13 +25,18 @@ pub(super) fn description(program: &Program, source: &str) -> String {
             model
                 .coordinates
                 .iter()
-                .map(|c| format!("Coordinate {{ name: {}, unit: {} }}", string(&c.name), unit(&c.unit))),
+                .map(|c| format!("mechanism::Coordinate {{ name: {}, unit: {} }}", string(&c.name), unit(&c.unit))),
         ),
     );
     field(
         "parameters",
         list(model.parameters.iter().map(|p| {
-            format!("Parameter {{ name: {}, unit: {}, default: {} }}", string(&p.name), unit(&p.unit), float(p.default))
+            format!(
+                "mechanism::Parameter {{ name: {}, unit: {}, default: {} }}",
+                string(&p.name),
+                unit(&p.unit),
+                float(p.default)
+            )
         })),
     );
     field("derived", list(model.derived.iter().map(|d| string(&d.name))));
@@ -39,8 +45,10 @@ pub(super) fn description(program: &Program, source: &str) -> String {
     field("stiffness_pattern", pattern(&program.stiffness));
     field("damping_pattern", pattern(&program.damping));
     field("input_pattern", pattern(&program.input));
+    field("time_pattern", list(program.time.iter().map(|e| e.0.to_string())));
+    field("timed_switches", list(program.timed_switches.iter().map(ToString::to_string)));
     let quantity = |name: &str, components: usize, of: &Option<String>| {
-        format!("Quantity {{ name: {}, components: {components}, unit: {} }}", string(name), unit(of))
+        format!("mechanism::Quantity {{ name: {}, components: {components}, unit: {} }}", string(name), unit(of))
     };
     field("outputs", list(model.outputs.iter().map(|o| quantity(&o.name, o.value.len(), &o.unit))));
     field("outputs_use_accelerations", program.outputs_use_accelerations().to_string());
@@ -54,11 +62,11 @@ pub(super) fn description(program: &Program, source: &str) -> String {
                 _ => "Both",
             };
             let actions = list(e.actions.iter().map(|a| match a {
-                EventAction::Stop => "Action::Stop".to_owned(),
-                EventAction::Record => "Action::Record".to_owned(),
+                EventAction::Stop => "mechanism::Action::Stop".to_owned(),
+                EventAction::Record => "mechanism::Action::Record".to_owned(),
             }));
             format!(
-                "Event {{ name: {}, direction: Direction::{direction}, conditional: {}, actions: {actions} }}",
+                "mechanism::Event {{ name: {}, direction: mechanism::Direction::{direction}, conditional: {}, actions: {actions} }}",
                 string(&e.name),
                 e.condition.is_some()
             )
@@ -69,7 +77,7 @@ pub(super) fn description(program: &Program, source: &str) -> String {
         list(program.switches.iter().map(|s| {
             let kind = if s.kind == SwitchKind::Sign { "Sign" } else { "Step" };
             format!(
-                "Switch {{ text: {}, kind: SwitchKind::{kind}, time_only: {} }}",
+                "mechanism::Switch {{ text: {}, kind: mechanism::SwitchKind::{kind}, time_only: {} }}",
                 string(&text(model, s.argument)),
                 s.time_only
             )
@@ -79,23 +87,23 @@ pub(super) fn description(program: &Program, source: &str) -> String {
     field(
         "draw",
         list(model.draw.iter().map(|shape| match shape {
-            Shape::Line(points) => format!("Shape::Line({})", points.len()),
-            Shape::Circle { .. } => "Shape::Circle".to_owned(),
-            Shape::Spring(..) => "Shape::Spring".to_owned(),
-            Shape::Curve(points) => format!("Shape::Curve({})", points.len()),
-            Shape::Trace(name, _) => format!("Shape::Trace({})", string(name)),
+            Shape::Line(points) => format!("mechanism::Shape::Line({})", points.len()),
+            Shape::Circle { .. } => "mechanism::Shape::Circle".to_owned(),
+            Shape::Spring(..) => "mechanism::Shape::Spring".to_owned(),
+            Shape::Curve(points) => format!("mechanism::Shape::Curve({})", points.len()),
+            Shape::Trace(name, _) => format!("mechanism::Shape::Trace({})", string(name)),
         })),
     );
     field(
         "balances",
         list(program.momentum.iter().map(|s| {
             let equations = list(s.equations.iter().map(|(words, void)| {
-                format!("Balance {{ name: {}, void_at_rest: {void} }}", string(words))
+                format!("mechanism::Balance {{ name: {}, void_at_rest: {void} }}", string(words))
             }));
             let pairs = list(s.outputs.iter().map(|(output, unknown)| format!("({output}, {unknown})")));
             let unknowns = list(s.unknowns.iter().map(|u| string(u)));
             format!(
-                "BalanceSystem {{ name: {}, unknowns: {unknowns}, equations: {equations}, nonzeros: {}, operations: {}, outputs: {pairs} }}",
+                "mechanism::BalanceSystem {{ name: {}, unknowns: {unknowns}, equations: {equations}, nonzeros: {}, operations: {}, outputs: {pairs} }}",
                 string(&s.name),
                 s.matrix.len(),
                 s.operations,
@@ -106,9 +114,10 @@ pub(super) fn description(program: &Program, source: &str) -> String {
     field(
         "structure",
         format!(
-            "Structure {{ dimension: {}, constant_mass: {}, diagonal_mass: {}, mass_blocks: {}, linear: {}, conservative: {}, time_dependent: {}, cyclic: {} }}",
+            "mechanism::Structure {{ dimension: {}, constant_mass: {}, constant_inertias: {}, diagonal_mass: {}, mass_blocks: {}, linear: {}, conservative: {}, time_dependent: {}, cyclic: {} }}",
             model.dimension,
             s.constant_mass,
+            s.constant_inertias,
             s.diagonal_mass,
             list(s.mass_blocks.iter().map(ToString::to_string)),
             s.linear,
@@ -121,7 +130,7 @@ pub(super) fn description(program: &Program, source: &str) -> String {
     field(
         "counts",
         format!(
-            "Counts {{ mass: {}, bias: {}, mass_and_bias: {}, accelerations: {}, residual: {}, jacobians: {} }}",
+            "mechanism::Counts {{ mass: {}, bias: {}, mass_and_bias: {}, accelerations: {}, residual: {}, jacobians: {} }}",
             c.mass, c.bias, c.mass_and_bias, c.accelerations, c.residual, c.jacobians
         ),
     );
@@ -134,11 +143,11 @@ pub fn fnv1a(text: &str) -> u64 {
 }
 
 fn string(text: &str) -> String {
-    format!("Text::Borrowed({text:?})")
+    format!("mechanism::Text::Borrowed({})", words::string(text))
 }
 
 fn list(items: impl Iterator<Item = String>) -> String {
-    format!("List::Borrowed(&[{}])", items.collect::<Vec<_>>().join(", "))
+    format!("mechanism::List::Borrowed(&[{}])", items.collect::<Vec<_>>().join(", "))
 }
 
 fn pattern(entries: &[Entry]) -> String {

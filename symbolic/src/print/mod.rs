@@ -3,13 +3,21 @@
 mod body;
 mod description;
 mod documentation;
+mod function;
+mod mechanism;
 mod momentum;
-mod names;
+mod parameters;
 mod rust;
+mod scenes;
+mod scope;
+mod units;
+mod words;
 
+pub use crate::model::{field_name, type_name};
 pub use description::fnv1a;
-pub use names::{field_name, type_name};
 pub use rust::rust;
+pub use scope::OWN;
+pub use units::si_unit;
 
 /// What stands for a model that has errors: a type without coordinates that implements `Mechanism<0, 0>`, so that
 /// the errors are the only ones.

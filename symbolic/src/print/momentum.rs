@@ -3,7 +3,8 @@
 use std::fmt::Write;
 
 use super::body::{Bodies, Use};
-use super::names::balances_function;
+use super::function::{Function, Target, argument, stores};
+use super::words::comment;
 use crate::lower::{MomentumSystem, Program};
 
 /// How many numbers hold the largest system: A, b, and the scales of its columns.
@@ -12,47 +13,53 @@ pub(super) fn block(program: &Program) -> usize {
 }
 
 /// The method `balances`, with a function for every system inside.
-pub(super) fn balances(out: &mut String, program: &Program, bodies: &Bodies<'_>, constants: usize) {
+pub(super) fn balances(program: &Program, bodies: &Bodies<'_>, block: usize) -> String {
     let n = program.model.coordinates.len();
-    let mut names: Vec<String> = Vec::new();
     let (mut functions, mut arms) = (String::new(), String::new());
-    for (k, system) in program.momentum.iter().enumerate() {
-        let mut name = balances_function(&system.name);
-        while names.contains(&name) {
-            name.push('_');
-        }
-        functions += &function(system, bodies, &name, (n, constants));
+    for (k, (system, name)) in program.momentum.iter().zip(&bodies.names.balances).enumerate() {
+        functions += &function(system, bodies, name, &format!("[S; {block}]"));
         let _ = writeln!(arms, "            {k} => {name}(c, t, u, q, v, matrix, right),");
-        names.push(name);
     }
-    let _ = write!(
-        out,
-        "
-    fn balances<S: ::dalembert::mechanism::Real>(c: &Self::Constants<S>, system: usize, t: S, u: &[S], q: &[S; {n}], v: &[S; {n}], matrix: &mut [S], right: &mut [S]) {{
-        let _ = (c, t, u, q, v, &matrix, &right);
-{functions}        match system {{
-{arms}            _ => (),
-        }}
-    }}
-"
-    );
+    let used = !program.momentum.is_empty();
+    let state = format!("&[S; {n}]");
+    let arguments = [
+        ("c", "&Self::Constants<S>"),
+        ("system", "usize"),
+        ("t", "S"),
+        ("u", "&[S]"),
+        ("q", &state),
+        ("v", &state),
+        ("matrix", "&mut [S]"),
+        ("right", "&mut [S]"),
+    ];
+    let arguments: Vec<String> = arguments.iter().map(|(name, kind)| argument(name, kind, used)).collect();
+    let body = if used {
+        format!("{functions}        match system {{\n{arms}            _ => (),\n        }}\n")
+    } else {
+        String::new()
+    };
+    format!("\n    fn balances<S: ::dalembert::mechanism::Real>({}) {{\n{body}    }}\n", arguments.join(", "))
 }
 
-fn function(system: &MomentumSystem, bodies: &Bodies<'_>, name: &str, (n, constants): (usize, usize)) -> String {
+fn function(system: &MomentumSystem, bodies: &Bodies<'_>, name: &str, constants: &str) -> String {
     let size = system.right.len();
     let matrix = system.matrix.iter().map(|(i, j, a)| Use::Store(format!("matrix[{}]", i * size + j), *a));
-    let right = system.right.iter().enumerate().map(|(i, b)| Use::Store(format!("right[{i}]"), *b));
-    let body = bodies.body(&matrix.chain(right).collect::<Vec<_>>(), "            ");
-    let equations: Vec<String> = system.equations.iter().map(|(words, _)| words.clone()).collect();
-    format!(
-        "        // Equations: {}.  Unknowns: {}.  {} operations.
-        fn {name}<S: ::dalembert::mechanism::Real>(c: &[S; {constants}], t: S, u: &[S], q: &[S; {n}], v: &[S; {n}], matrix: &mut [S], right: &mut [S]) {{
-            let _ = (c, t, u, q, v);
-            matrix.fill(S::ratio(0.0, 1.0));
-{body}        }}
-",
+    let equations: Vec<&str> = system.equations.iter().map(|(words, _)| words.as_str()).collect();
+    let words = format!(
+        "Equations: {}.  Unknowns: {}.  {} operations.",
         equations.join(", "),
         system.unknowns.join(", "),
         system.operations
-    )
+    );
+    let slice = |name| Target { name, kind: "&mut [S]".to_owned(), used: true };
+    let function = Function {
+        name,
+        constants,
+        state: 2,
+        targets: vec![slice("matrix"), slice("right")],
+        before: "matrix.fill(S::ratio(0.0, 1.0));".to_owned(),
+        uses: matrix.chain(stores("right", &system.right)).collect(),
+        ..Function::default()
+    };
+    format!("\n{}{}", comment(&words, "        "), function.text(bodies, "        ").trim_start_matches('\n'))
 }

@@ -50,7 +50,7 @@ fn too_much_to_expand() {
     for name in ["a", "b", "c_", "d", "e"] {
         integral = format!("integral({integral}, {name} in 0..1)");
     }
-    assert_eq!(codes(&family(2, &format!("define: {{z: \"{integral}\"}}"))), ["E229"]);
+    assert_eq!(codes(&family(2, &format!("define: {{z: \"{integral}\"}}"))), ["E233"]);
 }
 
 #[test]

@@ -3,6 +3,7 @@
 mod errors;
 mod examples;
 mod expressions;
+mod integrals;
 mod limits;
 mod mechanics;
 mod units;

@@ -1,7 +1,6 @@
 //! Generated code against the interpreter of the same program.
 
-use dalembert::cli::Interpreted;
-use dalembert::mechanism::System;
+use dalembert::mechanism::{At, Interpreted, System};
 use dalembert_symbolic::lower::compile;
 
 /// A time, a state near a scene's start, and accelerations that are not those of the motion.
@@ -23,21 +22,30 @@ fn everything(system: &dyn System, state: &State) -> Vec<(&'static str, Vec<f64>
         all.push((name, values));
     };
     let n = q.len();
-    collect("accelerations", n, &|x| system.accelerations(*t, q, v, x).expect("a regular mass matrix"));
-    collect("mass matrix", description.mass_pattern.len(), &|x| system.mass_matrix(*t, q, x));
-    collect("bias", n, &|x| system.bias(*t, q, v, x));
-    collect("residual", n, &|x| system.residual(*t, q, v, a, x));
+    collect("accelerations", n, &|x| system.accelerations(At::new(*t, q, v), x).expect("a regular mass matrix"));
+    collect("mass matrix", description.mass_pattern.len(), &|x| system.mass_matrix(At::place(*t, q), x));
+    collect("bias", n, &|x| system.bias(At::new(*t, q, v), x));
+    collect("residual", n, &|x| system.residual(At::new(*t, q, v).accelerated(a), x));
     let (stiffness, damping) = (description.stiffness_pattern.len(), description.damping_pattern.len());
-    collect("stiffness", stiffness, &|x| system.jacobians(*t, q, v, a, x, &mut vec![0.0; damping]));
-    collect("damping", damping, &|x| system.jacobians(*t, q, v, a, &mut vec![0.0; stiffness], x));
-    collect("inputs' Jacobian", description.input_pattern.len(), &|x| system.input_jacobian(*t, q, v, a, x));
+    collect("stiffness", stiffness, &|x| {
+        system.jacobians(At::new(*t, q, v).accelerated(a), x, &mut vec![0.0; damping])
+    });
+    collect("damping", damping, &|x| system.jacobians(At::new(*t, q, v).accelerated(a), &mut vec![0.0; stiffness], x));
+    collect("inputs' Jacobian", description.input_pattern.len(), &|x| {
+        system.input_jacobian(At::new(*t, q, v).accelerated(a), x)
+    });
+    let timed = description.time_pattern.len();
+    let at = At::new(*t, q, v).accelerated(a);
+    collect("time Jacobian", timed, &|x| system.time_jacobian(at, x));
+    collect("time dependence", timed, &|x| system.time_dependence(at, x));
+    collect("magnitudes", n, &|x| system.magnitudes(at, x));
     collect("inputs", 3 * description.inputs.len(), &|x| system.inputs(*t, x));
-    collect("invariants", 2 * description.invariant_len(), &|x| system.invariants(*t, q, v, x));
-    collect("outputs", description.output_len(), &|x| system.outputs(*t, q, v, a, x));
-    collect("events", 2 * description.events.len(), &|x| system.events(*t, q, v, a, x));
-    collect("switches", 2 * description.switches.len(), &|x| system.switches(*t, q, v, a, x));
-    collect("drawing", description.drawing_len(), &|x| system.drawing(*t, q, v, x));
-    let energy = system.energy(*t, q, v);
+    collect("invariants", 2 * description.invariant_len(), &|x| system.invariants(At::new(*t, q, v), x));
+    collect("outputs", description.output_len(), &|x| system.outputs(At::new(*t, q, v).accelerated(a), x));
+    collect("events", 2 * description.events.len(), &|x| system.events(At::new(*t, q, v).accelerated(a), x));
+    collect("switches", 2 * description.switches.len(), &|x| system.switches(At::new(*t, q, v).accelerated(a), x));
+    collect("drawing", description.drawing_len(), &|x| system.drawing(At::new(*t, q, v), x));
+    let energy = system.energy(At::new(*t, q, v));
     collect("energy", 5, &|x| {
         x.copy_from_slice(&[energy.kinetic, energy.potential, energy.jacobi, energy.power, energy.scale]);
     });
@@ -45,7 +53,7 @@ fn everything(system: &dyn System, state: &State) -> Vec<(&'static str, Vec<f64>
         let size = description.balances[k].unknowns.len();
         collect("balances", size * (size + 1), &|x| {
             let (matrix, right) = x.split_at_mut(size * size);
-            system.balances(k, *t, q, v, matrix, right);
+            system.balances(k, At::new(*t, q, v), matrix, right);
         });
     }
     all.push(("parameters", system.parameters()));

@@ -5,7 +5,9 @@ use dalembert_symbolic::model::Model;
 
 use super::super::Problem;
 use super::super::load::Loaded;
-use crate::linear::{Linearised, Mode};
+use super::failed;
+use crate::linear::{Kind, Linearised, Mode, Part, name_free_modes};
+use nalgebra::DMatrix;
 
 /// Parts of the energy below this are not named.
 const LEAST: f64 = 0.01;
@@ -30,6 +32,50 @@ pub fn shares(loaded: &Loaded, linear: &Linearised, modes: &[Mode]) -> Result<Ve
         list
     };
     Ok(modes.iter().map(of_mode).collect())
+}
+
+/// Tells rigid motions of all bodies together from mechanisms, and names them.
+pub fn name_free(loaded: &Loaded, linear: &Linearised, modes: &mut [Mode]) -> Result<(), Problem> {
+    if linear.len() > 10 * super::MOST_PRINTED || modes.iter().all(|mode| mode.kind != Kind::Rigid) {
+        return Ok(());
+    }
+    let mut model = loaded.model()?;
+    let parameters = loaded.system.parameters();
+    let mut parts = Vec::new();
+    for body in model.bodies.clone() {
+        let mut of = |function: &str| model.expression(&format!("{function}({})", body.name)).unwrap_or_default();
+        let (position, velocity) = (of("position"), of("velocity"));
+        let turning = if body.rotation.is_some() { of("angular_velocity") } else { Vec::new() };
+        let (d, r) = (position.len(), turning.len());
+        let tape = Tape::new(&model.graph, &[&[body.mass], &position[..], &velocity, &turning].concat());
+        let still = evaluate(&tape, linear, &parameters, None);
+        let mut rows = DMatrix::zeros(d + r, linear.len());
+        for j in 0..linear.len() {
+            let moving = evaluate(&tape, linear, &parameters, Some(j));
+            for i in 0..d + r {
+                rows[(i, j)] = moving[1 + d + i] - still[1 + d + i];
+            }
+        }
+        parts.push(Part {
+            mass: still[0],
+            position: still[1..=d].to_vec(),
+            velocity: rows.rows(0, d).into_owned(),
+            turning: rows.rows(d, r).into_owned(),
+        });
+    }
+    name_free_modes(linear, &parts, modes).map_err(failed)
+}
+
+/// Values at the equilibrium, with the speed of one coordinate greater by 1.
+fn evaluate(tape: &Tape, linear: &Linearised, parameters: &[f64], moving: Option<usize>) -> Vec<f64> {
+    let at = &linear.equilibrium;
+    tape.evaluate(|symbol| match symbol {
+        Symbol::Coordinate(i) => at.q[i as usize],
+        Symbol::Speed(i) => at.v[i as usize] + f64::from(u8::from(moving == Some(i as usize))),
+        Symbol::Parameter(i) => parameters[i as usize],
+        Symbol::Input(i, 0) => at.inputs.get(i as usize).copied().unwrap_or(0.0),
+        _ => 0.0,
+    })
 }
 
 /// A body's velocities, then the mass or moment of inertia of each.

@@ -131,7 +131,8 @@ impl Driven {
     /// For people.
     pub fn table(&self, linear: &Linearised, out: &mut dyn Write) -> Result<(), Problem> {
         if let Some(steady) = &self.steady {
-            writeln!(out, "steady state, if {} goes as cos({} t):", self.label, short(steady.omega))?;
+            let hertz = short(steady.omega / std::f64::consts::TAU);
+            writeln!(out, "steady state, if {} goes as cos({} t), {hertz} Hz:", self.label, short(steady.omega))?;
             parts(linear, steady, out)?;
             if steady.growth.is_some() {
                 growth(linear, steady, out)?;

@@ -29,7 +29,10 @@ const MOST_PRINTED: usize = 12;
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let mut loaded = Loaded::find(models, options)?;
     let (scene, mut reader) = choose(&mut loaded, options)?;
-    let mut guess = Guess::at(&loaded.system.equilibrium_guess());
+    let mut guess = match options.get_flag("steady") {
+        true => steady(&loaded, scene)?,
+        false => Guess::at(&loaded.system.equilibrium_guess()),
+    };
     reader.states(&loaded, options, "at", &mut guess.q, &mut guess.v)?;
     guess.inputs = held_inputs(&loaded, options)?;
     for warning in &loaded.warnings {
@@ -39,7 +42,8 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     let found =
         if options.get_flag("here") { equilibrium_here(system, &guess) } else { equilibrium_near(system, &guess) };
     let linear = linearise(system, &found.map_err(failed)?).map_err(failed)?;
-    let modes = linear.modes().map_err(failed)?;
+    let mut modes = linear.modes().map_err(failed)?;
+    bodies::name_free(&loaded, &linear, &mut modes)?;
     let driven = Driven::new(&loaded, options, &mut reader, &linear)?;
     let locus = Locus::new(&loaded, options, &mut reader, &linear.equilibrium)?;
     let damping = Damping::new(&linear, &modes);
@@ -72,6 +76,23 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         locus.table(out)?;
     }
     Ok(())
+}
+
+/// The scene's state with the speeds of cyclic coordinates only.
+fn steady(loaded: &Loaded, scene: usize) -> Result<Guess, Problem> {
+    let description = loaded.system.description();
+    let start = loaded.system.scene(scene);
+    let mut guess = Guess::at(&start.q);
+    let cyclic = &description.structure.cyclic;
+    cyclic.iter().for_each(|index| guess.v[*index as usize] = start.v[*index as usize]);
+    let names: Vec<&str> = cyclic.iter().map(|index| description.coordinates[*index as usize].name.as_ref()).collect();
+    if names.is_empty() {
+        return Err(Problem::Usage(format!(
+            "error: --steady: `{}` has no cyclic coordinate; describe what turns by an angle on which nothing depends",
+            loaded.name
+        )));
+    }
+    Ok(guess)
 }
 
 fn failed(error: LinearError) -> Problem {
@@ -149,11 +170,24 @@ fn notes(linear: &Linearised, modes: &[Mode]) -> Vec<String> {
         notes.push("K is not symmetric: some force has no potential, and damping may destabilise".to_owned());
     }
     #[cfg(feature = "modal")]
-    if !linear.damping.is_zero()
+    if !(linear.damping.is_zero() && linear.circulatory().is_zero())
         && let Ok(analysis) = crate::linear::complex_modes(linear)
     {
         if analysis.only_gyroscopic {
             notes.push("K alone is unstable and only gyroscopic forces hold it: any damping destroys that".to_owned());
+        }
+        if !analysis.secular.is_empty() {
+            let groups = &analysis.secular;
+            let one = |group: &Vec<usize>| {
+                let numbers: Vec<String> = group.iter().map(|index| (index + 1).to_string()).collect();
+                format!("modes {} share one shape", numbers.join(" and "))
+            };
+            let (count, plural) = (groups.len(), if groups.len() == 1 { "" } else { "s" });
+            let list: Vec<String> = groups.iter().map(one).collect();
+            let pairs = format!("{count} secular pair{plural}: {}", list.join("; "));
+            let grows =
+                if modes.iter().any(|mode| mode.secular && mode.zeta == Some(0.0)) { ", and grow like t" } else { "" };
+            notes.push(format!("{pairs}; motions have a factor A + B t{grows}"));
         }
         if analysis.defective {
             notes

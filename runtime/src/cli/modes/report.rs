@@ -26,13 +26,17 @@ pub fn as_json(name: &str, linear: &Linearised, modes: &[Mode], more: Vec<(&'sta
     };
     let pair = |re: f64, im: f64| Value::Array(vec![number(re), number(im)]);
     let mode = |mode: &Mode| {
-        object([
+        let name = mode.name.iter().map(|name| ("name", json!(name)));
+        let secular = mode.secular.then(|| ("secular", json!(true)));
+        let entries = [
             ("omega", number(mode.omega)),
+            ("hz", number(mode.omega / std::f64::consts::TAU)),
             ("zeta", mode.zeta.map_or(Value::Null, number)),
             ("eigenvalue", pair(mode.eigenvalue.re, mode.eigenvalue.im)),
             ("kind", json!(mode.kind.word())),
             ("shape", mode.shape.iter().map(|x| pair(x.re, x.im)).collect::<Vec<_>>().into()),
-        ])
+        ];
+        object(entries.into_iter().chain(name).chain(secular))
     };
     let entries = [
         ("model", json!(name)),
@@ -89,7 +93,7 @@ pub fn table(
             writeln!(out, "     {}", shape(linear, mode).join(", "))?;
         }
     }
-    let rigid = modes.iter().filter(|mode| mode.kind == Kind::Rigid).count();
+    let rigid = modes.iter().filter(|mode| mode.kind == Kind::Rigid && mode.name.is_none()).count();
     if rigid > 1 {
         writeln!(out, "  (of the {rigid} rigid modes any combination is one)")?;
     }

@@ -1,23 +1,17 @@
 //! Dense output of an explicit Runge–Kutta method.
 
-use super::step::combine;
+use super::sums::pair;
 use super::tableau::Tableau;
+use crate::integrate::Block;
 
-/// Writes the pieces r₀, r₁, … of the nested form that [`crate::run::Segment`] evaluates.
+/// Writes the pieces r₀, r₁, … of the nested form that [`crate::integrate::Segment`] evaluates.
 ///
 /// The cubic Hermite interpolant is r₀ = y₀, r₁ = Δ = y₁ − y₀, r₂ = h k₀ − Δ, r₃ = Δ − h k_end − r₂; what a
 /// method knows beyond it (order 4 of DOPRI5, order 7 of DOP853) are h Σ dᵢkᵢ.
-pub(super) fn write_dense(
-    tableau: &Tableau,
-    h: f64,
-    y: &[f64],
-    end: &[f64],
-    stages: &[f64],
-    width: usize,
-    pieces: &mut [f64],
-) {
-    let first = &stages[..width];
-    let last = &stages[tableau.end_stage() * width..][..width];
+pub(super) fn write_dense<Y: Block>(tableau: &Tableau, h: f64, y: &Y, end: &Y, stages: &[Y], pieces: &mut [f64]) {
+    let (y, end) = (y.all(), end.all());
+    let (first, last) = (stages[0].all(), stages[tableau.end_stage()].all());
+    let width = y.len();
     for i in 0..width {
         let change = end[i] - y[i];
         let bend = h * first[i] - change;
@@ -26,7 +20,14 @@ pub(super) fn write_dense(
         pieces[2 * width + i] = bend;
         pieces[3 * width + i] = change - h * last[i] - bend;
     }
+    if width == 0 {
+        return;
+    }
     for (terms, piece) in tableau.dense.iter().zip(pieces[4 * width..].chunks_exact_mut(width)) {
-        combine(piece, h, terms, stages, width);
+        for (k, out) in piece.chunks_exact_mut(2).enumerate() {
+            let sum = pair(terms, stages, 2 * k);
+            out[0] = h * sum[0];
+            out[1] = h * sum[1];
+        }
     }
 }

@@ -1,12 +1,13 @@
 //! Dormand and Prince's method of order 8 with error estimates of orders 5 and 3 and dense output of order 7.
 
-use super::tableau::{Control, Estimate, Tableau, Term, x};
+use super::tableau::{Estimate, Scheme, Tableau, Term, x};
+use crate::integrate::Control;
 
 /// Twelve stages, order 8.
 ///
 /// Source: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I (1993), section II.10,
 /// the coefficients of their program DOP853 rounded to `f64`.
-pub(crate) static DOP853: Tableau = Tableau {
+pub(crate) const DOP853: &Tableau = &Tableau {
     order: 8,
     rows: &ROWS,
     weights: WEIGHTS,
@@ -17,7 +18,14 @@ pub(crate) static DOP853: Tableau = Tableau {
     control: Control { exponent: 1.0 / 8.0, beta: 0.0, shrink: 1.0 / 3.0, grow: 6.0, stiff: 6.1 },
 };
 
-static ROWS: [(f64, &[Term]); 12] = [
+/// [`DOP853`] as a type.
+pub(crate) struct Dop853;
+
+impl Scheme for Dop853 {
+    const TABLEAU: &'static Tableau = DOP853;
+}
+
+const ROWS: [(f64, &[Term]); 12] = [
     (0.0, &[]),
     (0.05260015195876773, &[x(0, 0.05260015195876773)]),
     (0.0789002279381516, &[x(0, 0.0197250569845379), x(1, 0.0591751709536137)]),
@@ -123,7 +131,7 @@ const ERROR3: &[Term] = &[
 ];
 
 /// Stage 12 is the rate at the end of the step; these three follow it.
-static DENSE_ROWS: [(f64, &[Term]); 3] = [
+const DENSE_ROWS: [(f64, &[Term]); 3] = [
     (
         0.1,
         &[
@@ -165,7 +173,7 @@ static DENSE_ROWS: [(f64, &[Term]); 3] = [
     ),
 ];
 
-static DENSE: [&[Term]; 4] = [
+const DENSE: [&[Term]; 4] = [
     &[
         x(0, -8.428938276109013),
         x(5, 0.5667149535193777),

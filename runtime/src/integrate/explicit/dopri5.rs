@@ -1,12 +1,13 @@
 //! Dormand and Prince's method of order 5 with an error estimate of order 4 and dense output of order 4.
 
-use super::tableau::{Control, Estimate, Tableau, Term, r};
+use super::tableau::{Estimate, Scheme, Tableau, Term, r};
+use crate::integrate::Control;
 
 /// Seven stages, the last of which is the next step's first, order 5.
 ///
 /// Source: Dormand and Prince, J. Comp. Appl. Math. 6 (1980) 19; dense output by Shampine, as in Hairer,
 /// Nørsett, Wanner, Solving Ordinary Differential Equations I (1993), section II.6.
-pub(crate) static DOPRI5: Tableau = Tableau {
+pub(crate) const DOPRI5: &Tableau = &Tableau {
     order: 5,
     rows: &ROWS,
     weights: WEIGHTS,
@@ -17,7 +18,14 @@ pub(crate) static DOPRI5: Tableau = Tableau {
     control: Control { exponent: 1.0 / 5.0, beta: 0.04, shrink: 0.2, grow: 10.0, stiff: 3.25 },
 };
 
-static ROWS: [(f64, &[Term]); 7] = [
+/// [`DOPRI5`] as a type.
+pub(crate) struct Dopri5;
+
+impl Scheme for Dopri5 {
+    const TABLEAU: &'static Tableau = DOPRI5;
+}
+
+const ROWS: [(f64, &[Term]); 7] = [
     (0.0, &[]),
     (0.2, &[r(0, 1, 5)]),
     (0.3, &[r(0, 3, 40), r(1, 9, 40)]),

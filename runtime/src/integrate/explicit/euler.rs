@@ -1,11 +1,11 @@
 //! Euler's method.
 
-use super::tableau::{Estimate, NO_CONTROL, Tableau, r};
+use super::tableau::{Estimate, NO_CONTROL, Scheme, Tableau, r};
 
 /// y₁ = y + h f(t, y), order 1.  Amplifies every undamped vibration (catalogue A1).
 ///
 /// Source: Euler, Institutionum calculi integralis I (1768), §650.
-pub(crate) static EULER: Tableau = Tableau {
+pub(crate) const EULER: &Tableau = &Tableau {
     order: 1,
     rows: &[(0.0, &[])],
     weights: &[r(0, 1, 1)],
@@ -15,3 +15,10 @@ pub(crate) static EULER: Tableau = Tableau {
     dense: &[],
     control: NO_CONTROL,
 };
+
+/// [`EULER`] as a type.
+pub(crate) struct Euler;
+
+impl Scheme for Euler {
+    const TABLEAU: &'static Tableau = EULER;
+}

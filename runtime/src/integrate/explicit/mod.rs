@@ -7,14 +7,15 @@ mod euler;
 mod midpoint;
 mod rk4;
 mod step;
+mod sums;
 mod tableau;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use dop853::DOP853;
-pub(crate) use dopri5::DOPRI5;
-pub(crate) use euler::EULER;
-pub(crate) use midpoint::MIDPOINT;
-pub(crate) use rk4::RK4;
+pub(crate) use dop853::{DOP853, Dop853};
+pub(crate) use dopri5::{DOPRI5, Dopri5};
+pub(crate) use euler::{EULER, Euler};
+pub(crate) use midpoint::{MIDPOINT, Midpoint};
+pub(crate) use rk4::{RK4, Rk4};
 pub(crate) use step::ExplicitRungeKutta;
-pub(crate) use tableau::{Control, Tableau};
+pub(crate) use tableau::{Scheme, Tableau};

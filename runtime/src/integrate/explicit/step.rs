@@ -1,78 +1,144 @@
 //! One step of an explicit Runge–Kutta method.
 
-use super::dense::write_dense;
-use super::tableau::{Estimate, Tableau, Term};
-use crate::integrate::{OneStep, Rates, Tolerance};
-use crate::mechanism::{Singular, System};
+use std::marker::PhantomData;
 
-/// Any method that is given by a [`Tableau`].
-pub(crate) struct ExplicitRungeKutta {
-    tableau: &'static Tableau,
-    width: usize,
-    /// Rates of all stages, one after the other.
-    stages: Vec<f64>,
-    /// The argument of the present stage.
-    argument: Vec<f64>,
-    /// The argument of the stage before the last, for the stiffness test.
-    earlier: Vec<f64>,
-    scratch: Vec<f64>,
-    increment: Vec<f64>,
+use super::dense::write_dense;
+use super::sums::{argument, pair};
+use super::tableau::{Estimate, Scheme, Term};
+use crate::integrate::{Block, Control, Counters, OneStep, Reached, Segment, Setback, Tolerance, Trial};
+use crate::mechanism::{At, Singular, System};
+
+/// Any method that is given by a [`Scheme`], on blocks of any size.
+pub(crate) struct ExplicitRungeKutta<T, Y> {
+    scheme: PhantomData<T>,
+    n: usize,
+    y: Y,
+    /// What rounding took from y in the last step.
+    carry: Y,
+    end: Y,
+    increment: Y,
+    /// Rates of all stages; the first is that of y.
+    stages: [Y; STAGES],
+    /// The arguments of the last two stages, even ones first.
+    arguments: [Y; 2],
+    work: Option<Quadrature>,
+    pieces: Vec<f64>,
+    evaluations: u64,
 }
 
-impl ExplicitRungeKutta {
-    /// Makes room for the stages.
-    pub fn new(tableau: &'static Tableau, width: usize) -> Self {
-        let count = tableau.end_stage() + 1 + tableau.dense_rows.len();
+/// No method here has more, those for dense output and the rate at the end of the step included.
+const STAGES: usize = 16;
+
+/// W = ∫P dt beside the state: no rate depends on it, so that it is a sum over the stages.
+#[derive(Clone, Copy, Default)]
+struct Quadrature {
+    done: f64,
+    /// What the step that was tried adds.
+    increment: f64,
+    powers: [f64; STAGES],
+}
+
+/// Node and row of a stage, as constants.
+struct Stage<T, const I: usize>(PhantomData<T>);
+
+impl<T: Scheme, const I: usize> Stage<T, I> {
+    const NODE: f64 = T::TABLEAU.stage(I).0;
+    const ROW: &'static [Term] = T::TABLEAU.stage(I).1;
+    const WEIGHS: bool = T::TABLEAU.weighs(I);
+}
+
+impl<T: Scheme, Y: Block> ExplicitRungeKutta<T, Y> {
+    const END: usize = T::TABLEAU.end_stage();
+
+    /// Makes room for n coordinates.
+    pub fn new(n: usize, work: bool) -> Self {
+        let zeros = || Y::zeros(n);
         ExplicitRungeKutta {
-            tableau,
-            width,
-            stages: vec![0.0; count * width],
-            argument: vec![0.0; width],
-            earlier: vec![0.0; width],
-            scratch: vec![0.0; width],
-            increment: vec![0.0; width],
+            scheme: PhantomData,
+            n,
+            y: zeros(),
+            carry: zeros(),
+            end: zeros(),
+            increment: zeros(),
+            stages: std::array::from_fn(|_| zeros()),
+            arguments: [zeros(), zeros()],
+            work: work.then(Quadrature::default),
+            pieces: vec![0.0; 2 * n * (4 + T::TABLEAU.dense.len())],
+            evaluations: 0,
         }
     }
 
-    fn stage(&self, index: usize) -> &[f64] {
-        &self.stages[index * self.width..][..self.width]
-    }
-
-    fn stage_mut(&mut self, index: usize) -> &mut [f64] {
-        &mut self.stages[index * self.width..][..self.width]
-    }
-
-    /// kᵢ = f(t + cᵢh, y + h Σ aᵢⱼkⱼ).
-    fn evaluate_stage<S: System + ?Sized>(
-        &mut self,
-        index: usize,
-        (node, row): (f64, &[Term]),
-        rates: &mut Rates,
-        system: &S,
-        (t, h, y): (f64, f64, &[f64]),
-    ) -> Result<(), Singular> {
-        std::mem::swap(&mut self.argument, &mut self.earlier);
-        combine(&mut self.argument, h, row, &self.stages, self.width);
-        for (argument, y) in self.argument.iter_mut().zip(y) {
-            *argument += y;
+    /// kᵢ = f(t + cᵢh, y + h Σ aᵢⱼkⱼ), and the power there where it is wanted.
+    #[inline(always)]
+    fn stage<const I: usize>(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), Singular> {
+        let at = &mut self.arguments[I % 2];
+        argument(at, &self.y, h, Stage::<T, I>::ROW, &self.stages);
+        let t = t + Stage::<T, I>::NODE * h;
+        self.evaluations += 1;
+        rate(system, t, at, &mut self.stages[I])?;
+        if let Some(work) = self.work.as_mut().filter(|_| Stage::<T, I>::WEIGHS) {
+            work.powers[I] = system.energy(At::packed(t, at.all(), self.n)).power;
         }
-        let slot = &mut self.stages[index * self.width..][..self.width];
-        rates.evaluate(system, t + node * h, &self.argument, slot)
+        Ok(())
     }
 
-    /// The error estimate in units of the tolerance (root mean square over the components).
-    fn error(&mut self, h: f64, y: &[f64], tolerance: &Tolerance) -> f64 {
-        let (stages, width, increment) = (&self.stages, self.width, &self.increment);
-        let mean_square = |terms: &[Term], work: &mut [f64]| {
-            combine(work, 1.0, terms, stages, width);
-            tolerance.mean_square(work, y, increment)
+    /// The rate and the power at a state that a step ends or begins with.
+    fn rate_of(&mut self, system: &dyn System, t: f64, stage: usize, end: bool) -> Result<(), Singular> {
+        let y = if end { &self.end } else { &self.y };
+        if !(end && T::TABLEAU.first_same_as_last) {
+            self.evaluations += 1;
+            rate(system, t, y, &mut self.stages[stage])?;
+        }
+        if let Some(work) = &mut self.work {
+            work.powers[stage] = system.energy(At::packed(t, y.all(), self.n)).power;
+        }
+        Ok(())
+    }
+
+    /// y + h Σ bᵢkᵢ with what rounding took from the step before, and W with its part.
+    #[inline(always)]
+    fn finish(&mut self, h: f64) {
+        let (y, carry, increment) = (self.y.all(), self.carry.all(), self.increment.all_mut());
+        let end = self.end.all_mut();
+        for k in 0..y.len() / 2 {
+            let sum = pair(T::TABLEAU.weights, &self.stages, 2 * k);
+            for lane in 0..2 {
+                let i = 2 * k + lane;
+                increment[i] = h * sum[lane];
+                end[i] = y[i] + (increment[i] + carry[i]);
+            }
+        }
+        if let Some(work) = &mut self.work {
+            let powers = T::TABLEAU.weights.iter().map(|term| term.value * work.powers[term.stage]);
+            work.increment = h * powers.sum::<f64>();
+        }
+    }
+
+    /// The error estimate in units of the tolerance: a root mean square over the components.
+    #[inline(always)]
+    fn error(&self, h: f64, tolerance: &Tolerance) -> f64 {
+        let (y, increment) = (self.y.all(), self.increment.all());
+        if y.is_empty() {
+            return 0.0;
+        }
+        let mean_squares = |higher: &[Term], lower: &[Term]| {
+            let mut sums = [0.0; 2];
+            for k in 0..y.len() / 2 {
+                let (one, other) = (pair(higher, &self.stages, 2 * k), pair(lower, &self.stages, 2 * k));
+                for lane in 0..2 {
+                    let i = 2 * k + lane;
+                    let unit = tolerance.unit(i, y[i], y[i] + increment[i]);
+                    sums[0] += (one[lane] / unit).powi(2);
+                    sums[1] += (other[lane] / unit).powi(2);
+                }
+            }
+            sums.map(|sum| sum / y.len() as f64)
         };
-        match self.tableau.estimate {
+        match T::TABLEAU.estimate {
             Estimate::None => 0.0,
-            Estimate::Single(terms) => h.abs() * mean_square(terms, &mut self.scratch).sqrt(),
+            Estimate::Single(terms) => h.abs() * mean_squares(terms, &[])[0].sqrt(),
             Estimate::Pair { higher, lower } => {
-                let five = mean_square(higher, &mut self.scratch);
-                let three = mean_square(lower, &mut self.scratch);
+                let [five, three] = mean_squares(higher, lower);
                 let both = five + 0.01 * three;
                 if both == 0.0 { 0.0 } else { h.abs() * five / both.sqrt() }
             }
@@ -80,94 +146,116 @@ impl ExplicitRungeKutta {
     }
 }
 
-/// out = h Σ aⱼkⱼ.
-pub(super) fn combine(out: &mut [f64], h: f64, terms: &[Term], stages: &[f64], width: usize) {
-    for (block, out) in out.chunks_exact_mut(4).enumerate() {
-        let mut sum = [0.0; 4];
-        for term in terms {
-            let rates = &stages[term.stage * width + 4 * block..][..4];
-            for lane in 0..4 {
-                sum[lane] += term.value * rates[lane];
-            }
-        }
-        for lane in 0..4 {
-            out[lane] = h * sum[lane];
-        }
-    }
+/// [q'; q''] of a state.
+#[inline(always)]
+fn rate<Y: Block>(system: &dyn System, t: f64, y: &Y, out: &mut Y) -> Result<(), Singular> {
+    rate_into(system, t, y.all(), out.all_mut())
 }
 
-impl<S: System + ?Sized> OneStep<S> for ExplicitRungeKutta {
-    fn tableau(&self) -> &'static Tableau {
-        self.tableau
+#[inline(always)]
+fn rate_into(system: &dyn System, t: f64, y: &[f64], out: &mut [f64]) -> Result<(), Singular> {
+    let at = At::packed(t, y, y.len() / 2);
+    let (speeds, accelerations) = out.split_at_mut(at.q.len());
+    speeds.copy_from_slice(at.v);
+    system.accelerations(at, accelerations)
+}
+
+/// Calls `stage` for these stages, as far as the method has them.
+macro_rules! stages {
+    ($self:ident.stage($system:ident, $t:ident, $h:ident) for $($i:literal)* below $end:expr, from $first:expr) => {
+        $(if const { $i >= $first && $i < $end } { $self.stage::<$i>($system, $t, $h)?; })*
+    };
+}
+
+impl<T: Scheme, Y: Block> OneStep for ExplicitRungeKutta<T, Y> {
+    fn order(&self) -> u32 {
+        T::TABLEAU.order
     }
 
-    fn attempt(
-        &mut self,
-        rates: &mut Rates,
-        system: &S,
-        (t, h, y): (f64, f64, &[f64]),
-        rate: &[f64],
-        tolerance: Option<&Tolerance>,
-    ) -> Result<f64, Singular> {
-        self.stage_mut(0).copy_from_slice(rate);
-        self.argument.copy_from_slice(y);
-        for (index, &(node, row)) in self.tableau.rows.iter().enumerate().skip(1) {
-            self.evaluate_stage(index, (node, row), rates, system, (t, h, y))?;
+    fn control(&self) -> Control {
+        T::TABLEAU.control
+    }
+
+    fn counters(&self) -> Counters {
+        Counters { evaluations: self.evaluations, ..Counters::default() }
+    }
+
+    fn start(&self) -> Reached<'_> {
+        let work = self.work.map_or(0.0, |work| work.done);
+        Reached { y: self.y.all(), rate: self.stages[0].all(), work }
+    }
+
+    fn state_mut(&mut self) -> &mut [f64] {
+        self.y.all_mut()
+    }
+
+    fn end(&self) -> Reached<'_> {
+        let work = self.work.map_or(0.0, |work| work.done + work.increment);
+        Reached { y: self.end.all(), rate: self.stages[Self::END].all(), work }
+    }
+
+    fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), Setback> {
+        self.carry.all_mut().fill(0.0);
+        Ok(self.rate_of(system, t, 0, false)?)
+    }
+
+    fn evaluate(&mut self, system: &dyn System, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), Setback> {
+        self.evaluations += 1;
+        Ok(rate_into(system, t, y, rate)?)
+    }
+
+    fn attempt(&mut self, system: &dyn System, trial: Trial<'_>) -> Result<f64, Setback> {
+        let Trial { t, h, next, tolerance, whatever } = trial;
+        // A method of one stage has y as its last argument.
+        stages!(self.stage(system, t, h) for 1 2 3 4 5 6 7 8 9 10 11 below T::TABLEAU.rows.len(), from 1);
+        self.finish(h);
+        let error = tolerance.map_or(0.0, |tolerance| self.error(h, tolerance));
+        if error <= 1.0 || whatever {
+            self.rate_of(system, next, Self::END, true)?;
+            if !self.stages[Self::END].all().iter().all(|rate| rate.is_finite()) {
+                return Ok(f64::NAN);
+            }
         }
-        combine(&mut self.increment, h, self.tableau.weights, &self.stages, self.width);
-        Ok(tolerance.map_or(0.0, |tolerance| self.error(h, y, tolerance)))
+        Ok(error)
     }
 
-    fn increment(&self) -> &[f64] {
-        &self.increment
-    }
-
-    fn end_rate(&mut self, rates: &mut Rates, system: &S, t: f64, y: &[f64]) -> Result<&[f64], Singular> {
-        let end = self.tableau.end_stage();
-        if !self.tableau.first_same_as_last {
-            let slot = &mut self.stages[end * self.width..][..self.width];
-            rates.evaluate(system, t, y, slot)?;
+    fn accept(&mut self, compensated: bool) {
+        let (y, end, increment) = (self.y.all(), self.end.all(), self.increment.all());
+        for (i, carry) in self.carry.all_mut().iter_mut().enumerate() {
+            *carry = if compensated { (increment[i] + *carry) - (end[i] - y[i]) } else { 0.0 };
         }
-        Ok(self.stage(end))
-    }
-
-    fn last_rate(&self) -> &[f64] {
-        self.stage(self.tableau.end_stage())
-    }
-
-    fn stiffness(&self, h: f64, end: &[f64]) -> f64 {
-        let index = self.tableau.end_stage();
-        if index == 0 {
-            return 0.0;
+        std::mem::swap(&mut self.y, &mut self.end);
+        self.stages.swap(0, Self::END);
+        if let Some(work) = &mut self.work {
+            work.done += work.increment;
+            work.powers[0] = work.powers[Self::END];
         }
-        let (last, before) = (self.stage(index), self.stage(index - 1));
-        let argument = if self.tableau.first_same_as_last { &self.earlier } else { &self.argument };
+    }
+
+    fn stiffness(&self, h: f64) -> f64 {
+        let Some(before) = Self::END.checked_sub(1).filter(|before| *before > 0) else { return 0.0 };
+        let (last, rates) = (self.stages[Self::END].all(), self.stages[before].all());
+        let (end, argument) = (self.end.all(), self.arguments[before % 2].all());
         let mut above = 0.0;
         let mut below = 0.0;
-        for i in 0..self.width {
-            above += (last[i] - before[i]).powi(2);
+        for i in 0..end.len() {
+            above += (last[i] - rates[i]).powi(2);
             below += (end[i] - argument[i]).powi(2);
         }
         if below > 0.0 { h.abs() * (above / below).sqrt() } else { 0.0 }
     }
 
-    fn pieces(&self) -> usize {
-        4 + self.tableau.dense.len()
+    fn dense_is_free(&self) -> bool {
+        T::TABLEAU.dense_rows.is_empty()
     }
 
-    fn dense(
-        &mut self,
-        rates: &mut Rates,
-        system: &S,
-        (t, h, y): (f64, f64, &[f64]),
-        end: &[f64],
-        pieces: &mut [f64],
-    ) -> Result<(), Singular> {
-        let first = self.tableau.end_stage() + 1;
-        for (offset, &(node, row)) in self.tableau.dense_rows.iter().enumerate() {
-            self.evaluate_stage(first + offset, (node, row), rates, system, (t, h, y))?;
-        }
-        write_dense(self.tableau, h, y, end, &self.stages, self.width, pieces);
+    fn dense(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), Setback> {
+        stages!(self.stage(system, t, h) for 13 14 15 below Self::END + 1 + T::TABLEAU.dense_rows.len(), from Self::END + 1);
+        write_dense(T::TABLEAU, h, &self.y, &self.end, &self.stages, &mut self.pieces);
         Ok(())
+    }
+
+    fn segment(&self, t: f64, h: f64) -> Segment<'_> {
+        Segment { t, h, width: 2 * self.n, pieces: &self.pieces }
     }
 }

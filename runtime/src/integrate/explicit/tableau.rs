@@ -1,5 +1,7 @@
 //! The coefficients of an explicit Runge–Kutta method.
 
+use crate::integrate::Control;
+
 /// One product of a sum over stages: a coefficient times the rate of a stage.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Term {
@@ -38,19 +40,10 @@ pub(crate) enum Estimate {
     },
 }
 
-/// Constants of the step-size control h ← h·clamp(0.9·err₀^β/err^α), α = exponent − 3β/4.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Control {
-    /// 1/(q + 1), q the order of the error estimate.
-    pub exponent: f64,
-    /// Weight of the previous step's error (the integral part).
-    pub beta: f64,
-    /// The smallest factor.
-    pub shrink: f64,
-    /// The largest factor.
-    pub grow: f64,
-    /// h|λ| above this is near the stability limit.
-    pub stiff: f64,
+/// A method as a type, so that its coefficients are constants to the compiler.
+pub(crate) trait Scheme: Send + 'static {
+    /// Its coefficients.
+    const TABLEAU: &'static Tableau;
 }
 
 /// An explicit Runge–Kutta method: kᵢ = f(t + cᵢh, y + h Σ aᵢⱼkⱼ), y₁ = y + h Σ bᵢkᵢ.
@@ -85,8 +78,32 @@ impl Tableau {
     }
 
     /// Index of the stage that is the rate at the end of the step.
-    pub fn end_stage(&self) -> usize {
+    pub const fn end_stage(&self) -> usize {
         if self.first_same_as_last { self.rows.len() - 1 } else { self.rows.len() }
+    }
+
+    /// Node and row of a stage, those for dense output after the rate at the end; nothing where there is none.
+    pub const fn stage(&self, index: usize) -> (f64, &'static [Term]) {
+        let first_dense = self.end_stage() + 1;
+        if index < self.rows.len() {
+            self.rows[index]
+        } else if index >= first_dense && index - first_dense < self.dense_rows.len() {
+            self.dense_rows[index - first_dense]
+        } else {
+            (0.0, &[])
+        }
+    }
+
+    /// True when the increment of y takes this stage's rate.
+    pub const fn weighs(&self, stage: usize) -> bool {
+        let mut k = 0;
+        while k < self.weights.len() {
+            if self.weights[k].stage == stage {
+                return true;
+            }
+            k += 1;
+        }
+        false
     }
 
     /// Coefficients c₀, c₁, … of the stability function R(z) = Σ cₖzᵏ: y₁ = R(hλ)y for y' = λy.

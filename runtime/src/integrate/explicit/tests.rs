@@ -8,7 +8,7 @@ use nalgebra::Complex;
 use super::tableau::{Estimate, Tableau, Term};
 use super::{DOP853, DOPRI5, EULER, MIDPOINT, RK4};
 use crate::Settings;
-use crate::integrate::Method;
+use crate::mechanism::Method;
 use crate::run::Run;
 use crate::simulate::simulate;
 use crate::testing::Toy;
@@ -140,7 +140,7 @@ fn there_are_as_many_trees_as_cayley_counted() {
 
 #[test]
 fn rational_tableaux_satisfy_their_order_conditions_exactly() {
-    for tableau in [&EULER, &MIDPOINT, &RK4, &DOPRI5] {
+    for tableau in [EULER, MIDPOINT, RK4, DOPRI5] {
         for order in 1..=tableau.order as usize {
             for tree in trees(order) {
                 let left: Fraction = sum(tableau.weights, &tree.weights(tableau.rows));
@@ -185,7 +185,7 @@ fn dop853_satisfies_its_order_conditions_to_rounding() {
 
 #[test]
 fn nodes_are_the_sums_of_their_rows() {
-    for tableau in [&EULER, &MIDPOINT, &RK4, &DOPRI5, &DOP853] {
+    for tableau in [EULER, MIDPOINT, RK4, DOPRI5, DOP853] {
         for (node, row) in tableau.rows.iter().chain(tableau.dense_rows) {
             let sum: f64 = row.iter().map(|term| term.value).sum();
             assert!((sum - node).abs() < 4e-14, "{node}: {sum}");
@@ -210,11 +210,11 @@ fn limit(tableau: &Tableau, direction: Complex<f64>) -> f64 {
 fn stability_limits_are_those_of_the_catalogue_a1() {
     let (imaginary, real) = (Complex::new(0.0, 1.0), Complex::new(-1.0, 0.0));
     for (tableau, along_imaginary, along_real) in [
-        (&EULER, 0.0, 2.0),
-        (&MIDPOINT, 0.0, 2.0),
-        (&RK4, 2.828_43, 2.785_29),
-        (&DOPRI5, 0.997_19, 3.306_57),
-        (&DOP853, 5.960_36, 6.393_65),
+        (EULER, 0.0, 2.0),
+        (MIDPOINT, 0.0, 2.0),
+        (RK4, 2.828_43, 2.785_29),
+        (DOPRI5, 0.997_19, 3.306_57),
+        (DOP853, 5.960_36, 6.393_65),
     ] {
         // What grows by less than rounding per step cannot be told from what does not.
         assert!((limit(tableau, imaginary) - along_imaginary).abs() < 1e-3, "{}", limit(tableau, imaginary));

@@ -55,4 +55,7 @@ super::entries! {
     W419 repeats(name, other) "a force that another entry gives too"
         "{name} does what {other} does" "acts once more" "remove one of the two unless both are meant"
         "Two entries have the same generalized force at all states tried, such as a weight that is written out beside `gravity`.";
+    W420 no_inertia(name) "a body that turns and has no inertia"
+        "`{name}` has mass and an `angle`, and no `inertia`" "taken as 0" "give `inertia` about its centre of mass; `inertia: 0` if it is a point that carries a frame"
+        "A body with an angle whose inertia is left out resists no turning: its mass is in one point.";
 }

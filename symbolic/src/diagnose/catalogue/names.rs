@@ -97,4 +97,10 @@ super::entries! {
     E232 not_a_symbol(found) "a derivative by something that is no symbol"
         "`diff` wants the name of a coordinate, velocity, parameter or dummy, this is {found}" "" ""
         "`diff(e, x)` is the partial derivative of e by a symbol x.";
+    E233 integral_not_resolved(text) "an integral that cannot be computed"
+        "the integral of `{text}` is not resolved by any rule within reach" "" "split the range where the integrand has a kink, a pole or a narrow peak, or write the integral in closed form"
+        "An integral has a closed form, or a rule of quadrature that is right to 24 digits for parameters near their defaults. It has neither where the integrand is not finite or its integral does not exist, where it has a kink at a place that is no root of something linear in the dummy, or where it oscillates or peaks beyond some hundred points.";
+    E234 moving_by_time(words) "a partial derivative by time of what moves"
+        "`{words}` moves, and `diff(…, t)` would hold the motion still" "" "write `rate({words})` for the time derivative along the motion"
+        "The partial derivative by t leaves out all change through coordinates and inputs. It may stand of what contains t explicitly where an identity is tested, in `checks`, `conserved` and `equation`, and of what does not move.";
 }

@@ -37,6 +37,9 @@ super::entries! {
     E312 family_not_allowed(section) "a family where none may be"
         "{section} takes no family" "" "write the entries out"
         "`name[i in 1..n]` declares members; here a single name is wanted.";
+    E313 same_rust_name(name, other, rust) "two parameters with one name in Rust"
+        "`{name}` and `{other}` are both `{rust}` in Rust" "" "choose another name for one of the two"
+        "Parameters are fields and methods of the generated type, whose names are in ASCII: Greek letters become their names, accents are dropped, other scripts are transliterated. LANGUAGE.md, section 2, says how.";
     E314 degrees_misplaced() "degrees as the unit of a coordinate"
         "`deg` may stand only after a value" "" "write `rad` here, and `30 deg` where the value is given"
         "Inside the model angles are in radians.";

@@ -67,4 +67,7 @@ super::entries! {
     E122 expression_too_long(limit) "an expression too long"
         "the expression is longer than {limit} bytes" "" "give parts of it names in `define`"
         "The limit keeps a hostile file from exhausting memory.";
+    E123 name_too_long(name, limit) "a name too long"
+        "the name `{name}` is longer than {limit} bytes" "" "choose a shorter one"
+        "Names are repeated in everything that is said about the model, and in the code made from it.";
 }

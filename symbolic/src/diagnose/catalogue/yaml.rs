@@ -49,4 +49,7 @@ super::entries! {
     E016 open_collection(bracket, closing) "a list or mapping that is not closed"
         "this `{bracket}` is not closed" "opened here" "close it with `{closing}`"
         "`[…]` and `{…}` may go over several lines and must be closed.";
+    E017 folded_prime(written, read) "two primes in single quotes"
+        "in single quotes YAML reads `''` as one `'`: `{written}` becomes `{read}`" "one prime is lost" "put the expression in double quotes: `\"{written}\"`, or with one prime if a velocity is meant"
+        "A quote inside single quotes is written twice, so that an acceleration would silently become a velocity.";
 }

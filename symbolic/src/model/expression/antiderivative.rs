@@ -1,8 +1,8 @@
 //! Antiderivatives in closed form: energies of springs from their tensions.
 
 use super::facts::{Depends, Facts};
-use super::substitute::bottom_up;
-use crate::expr::{Binary, Graph, Id, Node, Number, Rational, Symbol, Unary};
+use super::substitute::{bottom_up, substitute};
+use crate::expr::{Binary, Graph, Id, Node, Number, Rational, Symbol, Unary, partial};
 
 /// Terms beyond which no closed form is looked for.
 const TERM_LIMIT: usize = 64;
@@ -51,7 +51,16 @@ pub fn antiderivative(graph: &mut Graph, facts: &mut Facts, root: Id, x: Symbol)
             }
             _ => match powers(graph, facts, node, x) {
                 Some(terms) => integrated(graph, terms, x),
-                None => of_linear(graph, facts, node, x)?,
+                None => match product_of_waves(graph, node) {
+                    Some(terms) => {
+                        stack.extend(terms.into_iter().map(|(c, part)| (graph.mul(factor, c), part)));
+                        continue;
+                    }
+                    None => match by_parts(graph, facts, node, x) {
+                        Some(integral) => integral,
+                        None => of_linear(graph, facts, node, x)?,
+                    },
+                },
             },
         };
         let term = graph.mul(factor, integral);
@@ -76,6 +85,110 @@ fn integrated(graph: &mut Graph, terms: Vec<Term>, x: Symbol) -> Id {
         sum = graph.add(sum, term);
     }
     sum
+}
+
+/// The factors of a product.
+fn factors(graph: &Graph, root: Id) -> Vec<Id> {
+    let mut open = vec![root];
+    let mut found = Vec::new();
+    while let Some(id) = open.pop() {
+        match graph.node(id) {
+            Node::Binary(Binary::Mul, a, b) if found.len() + open.len() < TERM_LIMIT => open.extend([a, b]),
+            _ => found.push(id),
+        }
+    }
+    found
+}
+
+fn product(graph: &mut Graph, factors: &[Id]) -> Id {
+    factors.iter().fold(Id::ONE, |product, factor| graph.mul(product, *factor))
+}
+
+/// The first two sines or cosines of a product as waves of the sum and the difference of their phases:
+/// 2 sin f sin g = cos(f − g) − cos(f + g) and its like.
+fn product_of_waves(graph: &mut Graph, root: Id) -> Option<[(Id, Id); 2]> {
+    let wave = |graph: &Graph, id: Id| match graph.node(id) {
+        Node::Unary(function @ (Unary::Sin | Unary::Cos), f) => Some((function, f)),
+        _ => None,
+    };
+    let mut rest = factors(graph, root);
+    let mut take = |graph: &Graph| {
+        let place = rest.iter().position(|id| wave(graph, *id).is_some())?;
+        wave(graph, rest.remove(place))
+    };
+    let (first, second) = (take(graph)?, take(graph)?);
+    let ((sine, f), (other, g)) = if first.0 == Unary::Sin { (first, second) } else { (second, first) };
+    let (sum, difference) = (graph.add(f, g), graph.sub(f, g));
+    let outer = if sine == other { Unary::Cos } else { Unary::Sin };
+    let waves = [graph.unary(outer, difference), graph.unary(outer, sum)];
+    let half = graph.rational(Rational::HALF);
+    let minus = if (sine, other) == (Unary::Sin, Unary::Sin) { graph.neg(half) } else { half };
+    let rest = product(graph, &rest);
+    Some([(half, graph.mul(waves[0], rest)), (minus, graph.mul(waves[1], rest))])
+}
+
+/// ∫ p(x) w(f) dx for a polynomial p and a sine, cosine or exponential w of a linear f = s x + c, by parts:
+/// p W/s − p' WW/s² + … with W, WW, … the integrals of w in its argument.
+fn by_parts(graph: &mut Graph, facts: &mut Facts, root: Id, x: Symbol) -> Option<Id> {
+    let mut rest = factors(graph, root);
+    let known = |id: &Id| matches!(graph.node(*id), Node::Unary(Unary::Sin | Unary::Cos | Unary::Exp, _));
+    let place = rest.iter().position(known)?;
+    let Node::Unary(mut function, f) = graph.node(rest.remove(place)) else { return None };
+    let rest = product(graph, &rest);
+    if rest == Id::ONE {
+        return None;
+    }
+    let slope = slope(graph, facts, f, x)?;
+    let terms = powers(graph, facts, rest, x)?;
+    let whole = |exponent: Id| match graph.number(exponent) {
+        Some(Number::Exact(n)) => n.to_integer().is_some_and(|n| (0..=64).contains(&n)),
+        _ => false,
+    };
+    if !terms.iter().all(|(_, exponent)| whole(*exponent)) {
+        return None;
+    }
+    let (mut polynomial, mut sum, mut negative) = (rest, Id::ZERO, false);
+    while polynomial != Id::ZERO {
+        (function, negative) = match function {
+            Unary::Sin => (Unary::Cos, !negative),
+            Unary::Cos => (Unary::Sin, negative),
+            _ => (function, negative),
+        };
+        polynomial = graph.div(polynomial, slope);
+        let wave = graph.unary(function, f);
+        let term = graph.mul(polynomial, wave);
+        sum = if negative { graph.sub(sum, term) } else { graph.add(sum, term) };
+        let derivative = partial(graph, polynomial, x);
+        polynomial = graph.neg(derivative);
+    }
+    Some(sum)
+}
+
+/// The values of x at which something linear in it vanishes, of everything in an expression that is linear in x.
+pub fn roots_of_linear(graph: &mut Graph, facts: &mut Facts, root: Id, x: Symbol) -> Vec<Id> {
+    let mut linear = Vec::new();
+    let _: Option<((), u64)> = bottom_up(
+        graph,
+        facts,
+        root,
+        |_| (),
+        |graph, _, id, _| {
+            match graph.node(id) {
+                Node::Binary(Binary::Min | Binary::Max, a, b) => linear.push(graph.sub(a, b)),
+                _ => linear.push(id),
+            }
+            Some(())
+        },
+    );
+    let mut roots = Vec::new();
+    for f in linear {
+        if let Some(slope) = slope(graph, facts, f, x) {
+            let (constant, _) = substitute(graph, facts, f, x, Id::ZERO);
+            let quotient = graph.div(constant, slope);
+            roots.push(graph.neg(quotient));
+        }
+    }
+    roots
 }
 
 /// ∫ F(f) dx = (∫F)(f)/s for f = s x + c.
@@ -111,8 +224,23 @@ fn of_linear(graph: &mut Graph, facts: &mut Facts, node: Id, x: Symbol) -> Optio
             let part = graph.binary(Binary::Max, Id::ZERO, f);
             (f, half_square(graph, part))
         }
+        Node::Binary(Binary::Pow, f, exponent) if !facts.of(graph, exponent).meets(Depends::DUMMY) => {
+            let next = graph.add(exponent, Id::ONE);
+            let power = graph.pow(f, next);
+            (f, graph.div(power, next))
+        }
+        Node::Binary(Binary::Div, a, b) if !facts.of(graph, a).meets(Depends::DUMMY) => {
+            let Node::Unary(Unary::Sqrt, f) = graph.node(b) else { return None };
+            let twice = graph.add(b, b);
+            (f, graph.mul(a, twice))
+        }
         Node::Unary(function, f) => {
             let integral = match function {
+                Unary::Sqrt => {
+                    let product = graph.mul(f, node);
+                    let two_thirds = graph.rational(Rational::new(2, 3)?);
+                    graph.mul(two_thirds, product)
+                }
                 Unary::Abs => {
                     let product = graph.mul(f, node);
                     graph.mul(half, product)
@@ -227,7 +355,7 @@ fn equal_numbers(graph: &Graph, a: Id, b: Id) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::expr::{Tape, partial};
+    use crate::expr::Tape;
 
     #[test]
     fn derivatives_of_antiderivatives_are_the_laws() {

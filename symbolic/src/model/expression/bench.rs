@@ -6,11 +6,11 @@ use std::rc::Rc;
 use super::dimension::Measure;
 use super::facts::{Depends, Facts};
 use super::lower::{Local, Lower};
-use super::quantities::is_bare;
+use super::quantities::stands_alone;
 use super::rules::Rules;
 use super::scope::Scope;
 use super::value::Value;
-use crate::diagnose::catalogue::names;
+use crate::diagnose::catalogue::{names, units};
 use crate::diagnose::{Place, Problem};
 use crate::expr::{Forward, Graph, Id, Symbol};
 use crate::file::{Text, Written};
@@ -34,10 +34,14 @@ pub struct Bench {
     pub needs: Vec<usize>,
     /// The unit of the value that was evaluated last.
     pub measured: Measure,
+    /// The defaults of the free parameters.
+    pub defaults: Vec<f64>,
     work: u64,
     exhausted: bool,
     /// Texts that raised problems, by the place of their trees, which are kept so that the places stay theirs.
     failed: HashMap<usize, Rc<Ast>>,
+    /// Texts with problems of units only, likewise.
+    mismeasured: HashMap<usize, Rc<Ast>>,
     rates: Forward<Rate>,
     partials: HashMap<Symbol, Forward<Partial>>,
 }
@@ -51,9 +55,11 @@ impl Bench {
             problems: Vec::new(),
             needs: Vec::new(),
             measured: Measure::Unknown,
+            defaults: Vec::new(),
             work: 0,
             exhausted: false,
             failed: HashMap::new(),
+            mismeasured: HashMap::new(),
             rates: Forward::new(rate_of_symbol),
             partials: HashMap::new(),
         }
@@ -102,8 +108,19 @@ impl Bench {
 
     /// The value of an expression.
     pub fn value(&mut self, scope: &Scope, text: &Text, rules: Rules, locals: &[(String, Local)]) -> Value {
-        self.once(text, |bench| Lower::new(bench, scope, text, rules, locals).measured(&text.ast))
-            .unwrap_or(Value::Poison)
+        let value = self
+            .once(text, |bench| Lower::new(bench, scope, text, rules, locals).measured(&text.ast))
+            .unwrap_or(Value::Poison);
+        match &text.unit {
+            Some(unit) => {
+                let measured = self.measured;
+                value.map(|x| {
+                    self.measured = measured;
+                    self.converted(x, unit, text)
+                })
+            }
+            None => value,
+        }
     }
 
     /// Both sides of an equation; of an expression without `=`, the value and nothing.
@@ -127,11 +144,21 @@ impl Bench {
         }
         let before = self.problems.len();
         let value = lower(self);
+        if self.mismeasured.contains_key(&place) && self.sound_since(before) {
+            // Told already, of another member.
+            self.problems.truncate(before);
+        }
         // Problems found while values are missing are found again.
         if self.problems.len() > before && self.needs.is_empty() {
-            self.failed.insert(place, Rc::clone(&text.ast));
+            let told = if self.sound_since(before) { &mut self.mismeasured } else { &mut self.failed };
+            told.insert(place, Rc::clone(&text.ast));
         }
         Some(value)
+    }
+
+    /// Whether all problems since there were so many are of units only, which leave a value its meaning.
+    pub fn sound_since(&self, before: usize) -> bool {
+        self.problems.get(before..).unwrap_or_default().iter().all(is_of_units)
     }
 
     /// The value of an expression or a list.
@@ -143,11 +170,11 @@ impl Bench {
                 let mut components: Vec<Option<Id>> = Vec::new();
                 for text in texts {
                     components.push(self.scalar(scope, text, rules.like(Measure::Unknown), locals));
-                    if !is_bare(&text.ast, locals) {
+                    if !stands_alone(text, locals) {
                         all = self.like(all, texts, text);
                     }
                 }
-                let bare = texts.iter().all(|text| is_bare(&text.ast, locals));
+                let bare = texts.iter().all(|text| stands_alone(text, locals));
                 self.measured = if bare { Measure::ONE } else { all };
                 if scope.dimension != components.len() {
                     let found = components.len();
@@ -165,7 +192,7 @@ impl Bench {
         let scalar = self.want_scalar(value, text)?;
         let place = text.place.at(text.ast.span);
         let words = text.words(text.ast.span);
-        self.expect_unit(scope.units.expected(rules.unit), rules.what, is_bare(&text.ast, locals), words, &place);
+        self.expect_unit(scope.units.expected(rules.unit), rules.what, stands_alone(text, locals), words, &place);
         Some(scalar)
     }
 
@@ -181,10 +208,10 @@ impl Bench {
         match self.written(scope, written, rules, locals) {
             Value::Vector(v) => {
                 let (words, bare) = match written {
-                    Written::One(text) => (text.source.to_string(), is_bare(&text.ast, locals)),
+                    Written::One(text) => (text.source.to_string(), stands_alone(text, locals)),
                     Written::List(texts, _) => {
                         let words: Vec<&str> = texts.iter().map(|text| &*text.source).collect();
-                        (format!("[{}]", words.join(", ")), texts.iter().all(|text| is_bare(&text.ast, locals)))
+                        (format!("[{}]", words.join(", ")), texts.iter().all(|text| stands_alone(text, locals)))
                     }
                 };
                 self.expect_unit(scope.units.expected(rules.unit), rules.what, bare, &words, &place);
@@ -211,6 +238,11 @@ impl Bench {
             }
         }
     }
+}
+
+/// Whether a problem is of the units of an expression, which has its value all the same.
+pub fn is_of_units(problem: &Problem) -> bool {
+    units::ENTRIES.iter().any(|entry| entry.code == problem.code)
 }
 
 /// d/dt of a symbol: time runs at 1, coordinates and inputs at their rates, parameters and dummies stand still.

@@ -271,10 +271,22 @@ impl Lower<'_> {
         let value = self.expression(of);
         let symbol = self.symbol(by);
         self.rules.refused = refused;
+        if symbol == Some(Symbol::Time) && !self.is_meant_by_time(&value) {
+            let words = self.text.words(of.span);
+            return self.refuse(names::moving_by_time(self.place(of.span), words));
+        }
         match symbol {
             Some(symbol) => value.map(|x| self.bench.partial(x, symbol, &self.text.place)),
             None => Value::Poison,
         }
+    }
+
+    /// Whether ∂e/∂t is meant of a value: of what moves it holds the motion, so that it is 0 where e has no explicit t
+    /// (a velocity was meant), and may stand only where an identity is tested (Jacobi's −∂L/∂t).
+    fn is_meant_by_time(&mut self, value: &Value) -> bool {
+        let depends = self.bench.depends(value.components());
+        let moves = Depends::COORDINATE.and(Depends::VELOCITY).and(Depends::ACCELERATION).and(Depends::INPUT);
+        !depends.meets(moves) || self.rules.tested && depends.meets(Depends::TIME)
     }
 
     /// The symbol that a name stands for; reports when it stands for none.

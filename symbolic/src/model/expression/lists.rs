@@ -43,7 +43,7 @@ impl Resolver<'_> {
             let source = expanded(&key.name, &row);
             let indices = row.into_iter().map(|value| number(value, span)).collect();
             let kind = AstKind::Name { name: key.name.clone(), indices, primes: 0 };
-            Text { source: source.into(), ast: Rc::new(Ast { kind, span }), place: Rc::clone(&place) }
+            Text { source: source.into(), ast: Rc::new(Ast { kind, span }), unit: None, place: Rc::clone(&place) }
         };
         rows.into_iter().map(member).collect()
     }

@@ -4,10 +4,9 @@ use super::bench::Bench;
 use super::dimension::Measure;
 use super::facts::Depends;
 use super::index::{self, Indices, Refusal};
-use super::quadrature::gauss_legendre;
+use super::integral::{Over, integral};
 use super::rules::Rules;
 use super::scope::Scope;
-use super::substitute::{degree, substitute};
 use super::value::{self, Value};
 use crate::diagnose::catalogue::{names, syntax};
 use crate::diagnose::{Place, Problem, did_you_mean};
@@ -38,9 +37,6 @@ const LARGEST_POWER: i64 = 64;
 
 /// Nodes that a graph may have.
 const NODE_LIMIT: u32 = 1_000_000;
-
-/// Points of the quadrature rule for what is no polynomial of lower degree.
-const POINTS: usize = 16;
 
 impl<'a> Lower<'a> {
     /// With indices and bound variables.
@@ -82,7 +78,7 @@ impl<'a> Lower<'a> {
         self.bench.measured = self.measure(ast);
     }
 
-    /// The value; the syntax tree is at most 200 levels deep.
+    /// The value; the syntax tree is at most 1000 levels deep.
     pub fn expression(&mut self, ast: &Ast) -> Value {
         if !self.bench.spend(1, &self.text.place) {
             return Value::Poison;
@@ -324,7 +320,7 @@ impl<'a> Lower<'a> {
         total
     }
 
-    /// ∫ₐᵇ e dx = h Σ wᵢ e(m + h ξᵢ), h = (b − a)/2, m = (a + b)/2, with as many points as the degree needs.
+    /// ∫ e dx.
     fn integral(&mut self, body: &Ast, range: &Range) -> Value {
         let ends = [self.expression(&range.from), self.expression(&range.to)];
         if !self.fresh(&range.name, range.name_span) {
@@ -347,30 +343,9 @@ impl<'a> Lower<'a> {
                 }
             }
         }
-        let bench = &mut *self.bench;
-        let graph = &mut bench.graph;
-        let half = graph.rational(Rational::new(1, 2).unwrap_or(Rational::ONE));
-        let (sum, width) = (graph.add(limits[0], limits[1]), graph.sub(limits[1], limits[0]));
-        let (middle, reach) = (graph.mul(half, sum), graph.mul(half, width));
-        let place = &self.text.place;
-        integrand.map(|e| {
-            let needed = degree(&mut bench.graph, &mut bench.facts, e, symbol);
-            let points = needed.map_or(POINTS, |d| (d as usize / 2 + 1).min(POINTS));
-            let mut total = Id::ZERO;
-            for (node, weight) in gauss_legendre(points) {
-                let node = bench.graph.float(node);
-                let offset = bench.graph.mul(node, reach);
-                let at = bench.graph.add(middle, offset);
-                let (value, visited) = substitute(&mut bench.graph, &mut bench.facts, e, symbol, at);
-                if !bench.spend(visited, place) {
-                    return Id::ZERO;
-                }
-                let weight = bench.graph.float(weight);
-                let term = bench.graph.mul(weight, value);
-                total = bench.graph.add(total, term);
-            }
-            bench.graph.mul(reach, total)
-        })
+        let (text, bench) = (self.text, &mut *self.bench);
+        let over = Over { symbol, limits };
+        integrand.map(|e| integral(bench, e, over, text.words(body.span), &text.place.at(body.span)))
     }
 
     /// A name that means nothing here.

@@ -42,6 +42,8 @@ impl Lower<'_> {
             None => {}
         }
         match name {
+            // In a signal of the command line no name can carry the rate in `cos(3*t)`.
+            "t" if self.rules.signals && self.rules.numbers_fit => return Measure::Unknown,
             "t" => return Measure::ONE.over(self.scope.units.rate(Measure::ONE)),
             "pi" => return Measure::ONE,
             "ground" => return Measure::Zero,

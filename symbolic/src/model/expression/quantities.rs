@@ -99,6 +99,11 @@ impl Bench {
     }
 }
 
+/// True of a number that stands alone, without a unit.
+pub fn stands_alone(text: &Text, locals: &[(String, Local)]) -> bool {
+    text.unit.is_none() && is_bare(&text.ast, locals)
+}
+
 /// True of `-9.81`, `[0, 2]` and `pi/4`, which name nothing but indices.
 pub fn is_bare(ast: &Ast, locals: &[(String, Local)]) -> bool {
     let index = |name: &str| locals.iter().any(|(local, found)| local == name && matches!(found, Local::Integer(_)));

@@ -29,6 +29,8 @@ pub struct Rules {
     pub unit: Expected,
     /// True where a bare number in a sum is in the unit of the other terms.
     pub numbers_fit: bool,
+    /// True where what is written is tested as an identity.
+    pub tested: bool,
 }
 
 const ACCELERATION: Depends = Depends::ACCELERATION.and(Depends::JERK);
@@ -73,7 +75,15 @@ impl Rules {
 
     /// Of everything but energies: what definitions may hold.
     pub const fn any(what: &'static str) -> Rules {
-        Rules { what, refused: Depends::JERK, energy: false, signals: false, unit: Expected::Any, numbers_fit: false }
+        Rules {
+            what,
+            refused: Depends::JERK,
+            energy: false,
+            signals: false,
+            unit: Expected::Any,
+            numbers_fit: false,
+            tested: false,
+        }
     }
 
     /// A quantity of this kind.
@@ -84,6 +94,11 @@ impl Rules {
     /// With sums in which a bare number is in the unit of the other terms.
     pub const fn numbers_fit(self) -> Rules {
         Rules { numbers_fit: true, ..self }
+    }
+
+    /// In an identity that is tested.
+    pub const fn tested(self) -> Rules {
+        Rules { tested: true, ..self }
     }
 
     /// In the unit of something else.

@@ -28,8 +28,8 @@ impl Resolver<'_> {
         let before = self.bench.problems.len();
         let mut parts = Vec::new();
         for (minus, ast, words) in terms {
-            let term = Text { source: text.source.clone(), ast: Rc::new(ast), place: text.place.clone() };
-            let found = self.bench.equation(&self.scope, &term, Rules::anything("a check"), locals).0;
+            let term = Text { source: text.source.clone(), ast: Rc::new(ast), unit: None, place: text.place.clone() };
+            let found = self.bench.equation(&self.scope, &term, Rules::anything("a check").tested(), locals).0;
             let value = match found {
                 Value::Scalar(x) if size == 1 => vec![x],
                 Value::Vector(v) if v.len() == size => v,

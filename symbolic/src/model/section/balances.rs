@@ -29,7 +29,7 @@ impl<'a> Resolver<'a> {
     pub fn balances(&mut self) {
         let before = self.bench.problems.len();
         self.model.balances = self.systems();
-        if self.bench.problems.len() == before {
+        if self.bench.sound_since(before) {
             self.shared_ends();
         }
     }
@@ -74,7 +74,7 @@ impl<'a> Resolver<'a> {
                     }
                 }
             }
-            if self.bench.problems.len() > before {
+            if !self.bench.sound_since(before) {
                 continue;
             }
             let reactions: Vec<usize> = (0..self.scope.reactions.len())
@@ -100,8 +100,15 @@ impl<'a> Resolver<'a> {
         if root.get("equations").is_some() || root.get("reactions").is_some() {
             return vec![("balances".to_owned(), root)];
         }
-        let systems = root.entries(&mut Vec::new());
-        systems.into_iter().map(|(name, spot)| (name.to_owned(), spot)).collect()
+        let mut seen = BTreeMap::new();
+        let mut systems = Vec::new();
+        for (key, spot) in root.entries(&mut Vec::new()) {
+            let Some(name) = self.label(key, &spot, "`balances`") else { continue };
+            if self.unique(&mut seen, &name, "`balances`", &spot.place) {
+                systems.push((name, spot));
+            }
+        }
+        systems
     }
 
     /// One entry of `equations`: a mapping with one kind.

@@ -7,7 +7,7 @@ use crate::expr::{Id, Rational};
 use crate::file::{Quantity, Text};
 use crate::model::expression::dimension::{Dimension, Measure};
 use crate::model::expression::families::Locals;
-use crate::model::expression::quantities::is_bare;
+use crate::model::expression::quantities::stands_alone;
 use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::Energies;
 use crate::model::expression::value::{self, Value};
@@ -141,7 +141,7 @@ impl Resolver<'_> {
             if let Some(text) = &raw.text {
                 self.bench.measured = raw.measure;
                 let place = text.place.at(text.ast.span);
-                self.bench.expect_unit(wanted, raw.what, is_bare(&text.ast, &[]), text.words(text.ast.span), &place);
+                self.bench.expect_unit(wanted, raw.what, stands_alone(text, &[]), text.words(text.ast.span), &place);
             }
         }
         let [kinetic, potential, dissipation] = [kinetic, potential, dissipation].map(|raw| raw.value);

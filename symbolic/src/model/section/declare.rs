@@ -225,6 +225,13 @@ impl Resolver<'_> {
         if let (Some(inertia), None) = (&inertia, &turns) {
             problems.push(mechanics::incomplete_body(inertia.place.of_key(), &family.key.name, "inertia", "angle"));
         }
+        if let (Some(turns), None) = (&turns, &inertia)
+            && !mass.as_ref().is_some_and(|mass| &*mass.text.source == "0")
+        {
+            let warning = mechanics::no_inertia(turns.place.of_key(), &family.key.name);
+            self.model.warnings.push(warning);
+        }
+        let problems = &mut self.bench.problems;
         let angle = turns.as_ref().and_then(|angle| angle.text(problems)).map(Written::One);
         let inertia = inertia.and_then(|inertia| inertia.quantity(problems));
         for quantity in [&mass, &inertia].into_iter().flatten() {
@@ -320,7 +327,7 @@ pub fn dimension(root: &Node) -> usize {
     if votes[1] > votes[0] { 3 } else { 2 }
 }
 
-/// Counts vectors in a syntax tree, which is at most 200 levels deep.
+/// Counts vectors in a syntax tree, which is at most 1000 levels deep.
 fn count_vectors(ast: &Ast, votes: &mut [usize; 2]) {
     use crate::language::AstKind;
     match &ast.kind {

@@ -163,7 +163,7 @@ impl Resolver<'_> {
         };
         let (mut ends, mut measure) = ([Id::ZERO; 2], Measure::Unknown);
         for (end, ast) in ends.iter_mut().zip([from, to]) {
-            let text = Text { source: words.into(), ast: Rc::new(ast), place: Rc::new(spot.place.clone()) };
+            let text = Text { source: words.into(), ast: Rc::new(ast), unit: None, place: Rc::new(spot.place.clone()) };
             *end = self.scalar(&text, RULES, &Self::no_locals())?;
             // A bare number is in the unit of what is drawn.
             if self.bench.measured != Measure::ONE {

@@ -1,5 +1,7 @@
 //! `parameters`: free ones with their defaults, derived ones, families of both.
 
+use std::collections::BTreeMap;
+
 use super::settle::Want;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{names, sections};
@@ -8,14 +10,16 @@ use crate::file::{Quantity, Spot, Text, Written};
 use crate::language::{Ast, AstKind, Unit};
 use crate::model::expression::dimension::{Dimension, Measure};
 use crate::model::expression::families::{Expanded, Family as KeyFamily};
+use crate::model::expression::index::MEMBER_LIMIT;
 use crate::model::expression::lower::Local;
 use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::{Member, Section};
+use crate::model::identifier::{field_name, method_name};
 use crate::model::resolved::{Derived, Family, Parameter};
 use crate::model::resolver::Resolver;
 
-/// A derived parameter as declared: its item, and its unit as written.
-pub type DeclaredDerived = (String, Option<String>, usize);
+/// A derived parameter as declared: its name, its unit as written, its item, and where it stands.
+pub type DeclaredDerived = (String, Option<String>, usize, Place);
 
 impl Resolver<'_> {
     /// Declares parameters; derived ones get their values when all names are known.
@@ -40,6 +44,7 @@ impl Resolver<'_> {
         self.array_fields();
         let has_unit = |unit: Option<&str>| !matches!(unit, None | Some("1"));
         self.bench.facts.dimensional = self.model.parameters.iter().map(|p| has_unit(p.unit.as_deref())).collect();
+        self.bench.defaults = self.model.parameters.iter().map(|p| p.default).collect();
         derived
     }
 
@@ -52,7 +57,7 @@ impl Resolver<'_> {
             self.items[item].unit = value.unit.as_ref().map(|(_, unit)| *unit);
             self.note_unit(value.unit.as_ref().map(|(_, unit)| unit));
             if self.declare(Section::Parameter, member, Member::Item(item), &spot.place) {
-                derived.push((member.name(), unit, item));
+                derived.push((member.name(), unit, item, spot.place.of_key()));
             }
             return;
         }
@@ -94,7 +99,7 @@ impl Resolver<'_> {
 
     /// Each family of free parameters is an array over the smallest box that holds its members.
     fn array_fields(&mut self) {
-        let mut boxes: std::collections::BTreeMap<String, Vec<(i64, i64)>> = Default::default();
+        let mut boxes: BTreeMap<String, Vec<(i64, i64)>> = BTreeMap::new();
         for family in self.model.parameters.iter().filter_map(|p| p.family.as_ref()) {
             let ranges =
                 boxes.entry(family.name.clone()).or_insert_with(|| family.indices.iter().map(|i| (*i, *i)).collect());
@@ -102,16 +107,46 @@ impl Resolver<'_> {
                 *range = (range.0.min(*index), range.1.max(*index));
             }
         }
-        for family in self.model.parameters.iter_mut().filter_map(|p| p.family.as_mut()) {
+        let size = |ranges: &[(i64, i64)]| {
+            ranges.iter().try_fold(1_i64, |size, (low, high)| size.checked_mul(high.checked_sub(*low)?.checked_add(1)?))
+        };
+        for parameter in &mut self.model.parameters {
+            let Some(family) = &mut parameter.family else { continue };
             if let Some(ranges) = boxes.get(&family.name) {
+                if size(ranges).is_none_or(|size| size > MEMBER_LIMIT as i64) {
+                    let problem = names::too_many_names(parameter.place.clone(), MEMBER_LIMIT);
+                    self.bench.problems.push(problem);
+                    break;
+                }
                 family.ranges.clone_from(ranges);
             }
         }
     }
 
+    /// Fields and methods of the generated type must differ in Rust too, where `θ` and `theta` are one name.
+    fn distinct_in_rust(&mut self, derived: &[DeclaredDerived]) {
+        let free = self.model.parameters.iter().map(|parameter| {
+            let name = parameter.family.as_ref().map_or(&parameter.name, |family| &family.name);
+            (name.clone(), field_name(name), parameter.place.clone())
+        });
+        let methods = derived.iter().filter(|(name, ..)| !name.contains('['));
+        let methods = methods.map(|(name, _, _, place)| (name.clone(), method_name(name), place.clone()));
+        let mut owners: BTreeMap<String, (String, Place)> = BTreeMap::new();
+        let mut clashes = Vec::new();
+        for (name, rust, place) in free.chain(methods) {
+            let (owner, first) = owners.entry(rust.clone()).or_insert_with(|| (name.clone(), place.clone()));
+            if *owner != name {
+                clashes.push(sections::same_rust_name(first.clone(), owner.as_str(), &name, &rust));
+                clashes.push(sections::same_rust_name(place, &name, owner.as_str(), &rust));
+            }
+        }
+        self.bench.problems.extend(clashes);
+    }
+
     /// Derived parameters with their values.
     pub fn finish_derived(&mut self, declared: Vec<DeclaredDerived>) {
-        for (name, unit, item) in declared {
+        self.distinct_in_rust(&declared);
+        for (name, unit, item, _) in declared {
             if let Some(crate::model::expression::value::Value::Scalar(value)) = self.scope.value(item) {
                 self.model.derived.push(Derived { name, unit, value: *value });
             }

@@ -35,10 +35,11 @@ impl Resolver<'_> {
         let default = default.filter(|spot| matches!(spot.node, Node::Map(_))).unwrap_or(absent);
         self.scene("scene", &default, None);
         let mut seen = BTreeMap::from([("scene".to_owned(), ())]);
-        for (name, spot) in self.section("scenes") {
-            let fresh = self.unique(&mut seen, name, "`scenes`", &spot.place);
+        for (key, spot) in self.section("scenes") {
+            let Some(name) = self.label(key, &spot, "`scenes`") else { continue };
+            let fresh = self.unique(&mut seen, &name, "`scenes`", &spot.place);
             if fresh && self.check_scene(&spot) {
-                self.scene(name, &spot, Some(&default));
+                self.scene(&name, &spot, Some(&default));
             }
         }
         self.equilibrium();

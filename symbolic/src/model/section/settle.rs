@@ -11,7 +11,7 @@ use crate::model::expression::dimension::Measure;
 use crate::model::expression::families::Locals;
 use crate::model::expression::lower::Lower;
 use crate::model::expression::names::Solid;
-use crate::model::expression::quantities::is_bare;
+use crate::model::expression::quantities::stands_alone;
 use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::Scope;
 use crate::model::expression::value::{self, Value};
@@ -103,7 +103,7 @@ fn evaluate(bench: &mut Bench, scope: &Scope, item: &Item) -> Value {
         Want::Scalar => match written {
             Written::One(text) => {
                 let value = bench.scalar(scope, text, item.rules, &item.locals);
-                if item.rules.signals && is_bare(&text.ast, &item.locals) {
+                if item.rules.signals && stands_alone(text, &item.locals) {
                     // An input has no place for a unit.
                     bench.measured = Measure::Unknown;
                 }

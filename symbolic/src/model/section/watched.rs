@@ -38,8 +38,11 @@ impl Resolver<'_> {
                     break;
                 }
                 let Some(written) = &written else { continue };
-                let rules = Rules::invariant("a conserved quantity");
+                let rules = Rules::invariant("a conserved quantity").tested();
                 let value = self.bench.written(&self.scope, written, rules, &member.locals);
+                if value == Value::Poison {
+                    continue;
+                }
                 let value = components(value, 1);
                 let terms = value.iter().map(|x| terms(&mut self.bench.graph, *x)).collect();
                 let place = spot.place.clone();
@@ -71,7 +74,7 @@ impl Resolver<'_> {
 
     /// Both sides of an identity, of equal size; an expression without `=` is to vanish.
     pub fn sides(&mut self, text: &Text, locals: &Locals) -> Option<(Vec<Id>, Vec<Id>)> {
-        let (left, right) = self.bench.equation(&self.scope, text, Rules::anything("a check"), locals);
+        let (left, right) = self.bench.equation(&self.scope, text, Rules::anything("a check").tested(), locals);
         let size = left.components().len().max(right.as_ref().map_or(0, |right| right.components().len())).max(1);
         let right = right.unwrap_or(Value::Nothing);
         match (&left, &right) {

@@ -1,0 +1,126 @@
+//! Why a run could not go on.
+
+use std::fmt;
+
+/// Why a run could not go on.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Cause {
+    /// The step that the tolerance asks for vanishes beside the time: the motion ends here (a pole, a
+    /// discontinuity that the model does not declare).
+    StepTooSmall {
+        /// The step, s.
+        h: f64,
+    },
+    /// Rounding errors alone exceed the tolerance, however small the step.
+    ToleranceTooTight {
+        /// What was asked for.
+        asked: f64,
+        /// What might be attained here.
+        attainable: f64,
+    },
+    /// t + h = t at the fixed step h.
+    StepBelowResolution {
+        /// The step, s.
+        h: f64,
+    },
+    /// A number is infinite or not a number.
+    NonFinite {
+        /// Of what: the acceleration of a coordinate, say.
+        what: String,
+    },
+    /// M has no inverse.
+    SingularMass {
+        /// The coordinate whose pivot vanishes.
+        coordinate: String,
+    },
+    /// The run goes by a system of balances, and one of its equations says nothing in this state: power and energy at
+    /// rest.
+    VoidBalance {
+        /// The system of balances.
+        system: String,
+        /// The equation's balance.
+        balance: String,
+        /// True where the balance is one of power or energy.
+        at_rest: bool,
+    },
+    /// The run goes by a system of balances, and they are not independent in this state.
+    SingularBalances {
+        /// The system of balances.
+        system: String,
+        /// An unknown that it does not determine: an acceleration `theta''`, or a reaction.
+        unknown: String,
+    },
+    /// The coordinates fail where the mechanism does not: an element of M grows beyond bounds.
+    CoordinateSingularity {
+        /// The coordinate.
+        coordinate: String,
+        /// When it is reached, s.
+        t: f64,
+    },
+    /// Both sides of a discontinuity push back to it.
+    Chattering {
+        /// The discontinuity's argument, as the model file has it.
+        switch: String,
+    },
+    /// The acceleration jumps where the model declares no discontinuity: a force along a direction (`unit`, or
+    /// a division by `norm`) has lost it.
+    DirectionLost {
+        /// The coordinate whose acceleration jumps most.
+        coordinate: String,
+    },
+    /// More steps than `max_steps`.
+    TooManySteps {
+        /// The limit.
+        limit: u64,
+    },
+}
+
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Cause::StepTooSmall { h } => {
+                write!(f, "step too small: the tolerance asks for a step of {h:e} s, which vanishes beside the time")
+            }
+            Cause::ToleranceTooTight { asked, attainable } => {
+                write!(f, "tolerance too tight: {asked:e} is below rounding here; {attainable:e} might be attained")
+            }
+            Cause::StepBelowResolution { h } => write!(f, "step below resolution: t + {h:e} s is t"),
+            Cause::NonFinite { what } => write!(f, "{what} is not finite"),
+            Cause::SingularMass { coordinate } => {
+                write!(f, "singular mass matrix: nothing gives `{coordinate}` an inertia here")
+            }
+            Cause::VoidBalance { system, balance, at_rest } => {
+                write!(f, "void balance: in `{system}`, {balance} ")?;
+                match at_rest {
+                    true => write!(
+                        f,
+                        "says nothing about what is at rest, since power vanishes with the speeds; start with a speed, \
+                         or go by another system"
+                    ),
+                    false => write!(f, "contains no acceleration and no reaction in this state; go by another system"),
+                }
+            }
+            Cause::SingularBalances { system, unknown } => write!(
+                f,
+                "singular balances: `{system}` does not determine {unknown} in this state, where its equations depend \
+                 on each other; go by another system"
+            ),
+            Cause::CoordinateSingularity { coordinate, t } => write!(
+                f,
+                "coordinate singularity: `{coordinate}` cannot describe the motion beyond t = {t} s, where its inertia \
+                 grows without bound; choose another coordinate, such as an angle"
+            ),
+            Cause::Chattering { switch } => write!(
+                f,
+                "chattering: both sides of `{switch}` = 0 push back to it; describe what happens there as a phase"
+            ),
+            Cause::DirectionLost { coordinate } => write!(
+                f,
+                "direction lost: the acceleration of `{coordinate}` jumps, as where a `unit` or `norm` vanishes; stop \
+                 before it by an event, such as `norm(v) - crawl`"
+            ),
+            Cause::TooManySteps { limit } => write!(f, "more than {limit} steps; raise `max_steps` to go on"),
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! What can go wrong with small motions.
+
+use std::fmt;
+
+use crate::numbers::short;
+
+/// A generalized force that is left where there should be none.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Residual {
+    /// The coordinate.
+    pub coordinate: String,
+    /// F(q, q', 0), SI.
+    pub force: f64,
+    /// Its unit: `N` for a length, `N m` for an angle.
+    pub unit: String,
+}
+
+/// Why there is no equilibrium, no linearisation or no mode.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum LinearError {
+    /// The point is no equilibrium: forces are left.
+    NotAnEquilibrium {
+        /// What is left for every coordinate.
+        residual: Vec<Residual>,
+    },
+    /// Newton's method found no equilibrium.
+    NoEquilibrium {
+        /// Iterations made.
+        iterations: usize,
+        /// (coordinate, value) where it stood at the end.
+        point: Vec<(String, f64)>,
+        /// What is left there for every coordinate.
+        residual: Vec<Residual>,
+    },
+    /// Forces jump here, as dry friction does at rest: the equilibria are a whole set, and there is no linear model.
+    Discontinuous {
+        /// (coordinate, value) of the point.
+        point: Vec<(String, f64)>,
+        /// What jumps, `x'` of `sign(x')`.
+        switch: String,
+        /// How far the force on each coordinate that is concerned may go to either side.
+        jump: Vec<Residual>,
+    },
+    /// Forces are continuous here, but their derivatives are not: a contact that just touches.
+    NotSmooth {
+        /// The argument of the switch that lies at zero.
+        switch: String,
+    },
+    /// A speed was asked for in a coordinate whose value matters: the state cannot persist.
+    NotSteady {
+        /// The coordinate.
+        coordinate: String,
+    },
+    /// The equations change with time, beyond the inputs.
+    DependsOnTime {
+        /// A coordinate whose equation changes.
+        coordinate: String,
+    },
+    /// M is not positive definite.
+    SingularMass {
+        /// The coordinate whose pivot is not positive.
+        coordinate: String,
+    },
+    /// A list or matrix has the wrong size.
+    WrongSize {
+        /// Which one.
+        what: &'static str,
+        /// Its size.
+        given: usize,
+        /// What it must be.
+        expected: usize,
+    },
+    /// A number is infinite or not a number.
+    NonFinite {
+        /// Of what.
+        what: String,
+    },
+    /// A matrix that must be symmetric is not.
+    NotSymmetric {
+        /// Which one: `M`.
+        what: &'static str,
+    },
+    /// An iteration of linear algebra did not end.
+    NoConvergence {
+        /// Which one.
+        what: &'static str,
+    },
+    /// The frequency response is infinite here.
+    Resonance {
+        /// The forcing frequency Ω, rad/s.
+        omega: f64,
+    },
+    /// The crate was built without what this needs.
+    NeedsFeature {
+        /// The feature of the crate.
+        feature: &'static str,
+    },
+}
+
+impl fmt::Display for LinearError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            LinearError::NotAnEquilibrium { residual } => {
+                write!(f, "no equilibrium: the residual force is {}", Forces(residual))
+            }
+            LinearError::NoEquilibrium { iterations, point, residual } => write!(
+                f,
+                "no equilibrium found in {iterations} iteration{}: at {} the residual force is {}",
+                if *iterations == 1 { "" } else { "s" },
+                Pairs(point),
+                Forces(residual)
+            ),
+            LinearError::Discontinuous { point, switch, jump } => write!(
+                f,
+                "at {} the system is held by dry friction, which jumps with the sign of `{switch}`: the force may be \
+                 up to {} to either side, so every state near by that it can hold is an equilibrium too, and there is \
+                 no linear model",
+                Pairs(point),
+                Forces(jump)
+            ),
+            LinearError::NotSmooth { switch } => write!(
+                f,
+                "the equilibrium lies where `{switch}` changes sign and with it the stiffness or the damping: there is \
+                 no linear model"
+            ),
+            LinearError::NotSteady { coordinate } => write!(
+                f,
+                "not a steady motion: `{coordinate}` has a speed, but the equations depend on its value; only cyclic \
+                 coordinates can turn or travel steadily"
+            ),
+            LinearError::DependsOnTime { coordinate } => write!(
+                f,
+                "the equation of `{coordinate}` depends on time, so it has no equilibrium; make what varies an input"
+            ),
+            LinearError::SingularMass { coordinate } => {
+                write!(f, "the mass matrix is not positive definite: nothing gives `{coordinate}` an inertia here")
+            }
+            LinearError::WrongSize { what, given, expected } => {
+                write!(f, "{what} has size {given}; expected {expected}")
+            }
+            LinearError::NonFinite { what } => write!(f, "{what} is not finite"),
+            LinearError::NotSymmetric { what } => write!(f, "{what} is not symmetric"),
+            LinearError::NoConvergence { what } => write!(f, "{what} does not converge"),
+            LinearError::Resonance { omega } => {
+                let omega = short(*omega);
+                write!(f, "no steady state: the force at {omega} rad/s meets an undamped mode, which grows with time")
+            }
+            LinearError::NeedsFeature { feature } => {
+                write!(f, "damped and gyroscopic modes need the feature `{feature}` of the crate `dalembert`")
+            }
+        }
+    }
+}
+
+impl std::error::Error for LinearError {}
+
+struct Pairs<'a>(&'a [(String, f64)]);
+
+impl fmt::Display for Pairs<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, (name, value)) in self.0.iter().enumerate() {
+            write!(f, "{}{name} = {}", if index == 0 { "" } else { ", " }, short(*value))?;
+        }
+        Ok(())
+    }
+}
+
+struct Forces<'a>(&'a [Residual]);
+
+impl fmt::Display for Forces<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, Residual { coordinate, force, unit }) in self.0.iter().enumerate() {
+            let (comma, space) = (if index == 0 { "" } else { ", " }, if unit.is_empty() { "" } else { " " });
+            // Twelve digits; what comes after them is rounding.
+            let force = format!("{force:.11e}").parse().unwrap_or(*force);
+            write!(f, "{comma}{coordinate}: {force}{space}{unit}")?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,122 @@
+//! What can go wrong, with the data to see why.
+
+mod linear;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::{fmt, io};
+
+pub use linear::{LinearError, Residual};
+
+use crate::cause::Cause;
+use crate::mechanism::Method;
+use crate::run::{Failure, Run};
+
+/// A setting that makes no sense, or a run that could not go on.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub enum Error {
+    /// A setting has no meaning.
+    BadSetting {
+        /// Which one: `step`.
+        setting: &'static str,
+        /// What was asked for.
+        value: f64,
+        /// What would have had a meaning.
+        expected: &'static str,
+    },
+    /// The method chooses no steps itself, and none was given.
+    NoStep {
+        /// The method.
+        method: Method,
+    },
+    /// A list has the wrong length.
+    WrongLength {
+        /// Which one: `start`.
+        setting: &'static str,
+        /// How many numbers it has.
+        given: usize,
+        /// How many it must have.
+        expected: usize,
+    },
+    /// The mechanism has nothing of this name.
+    UnknownName {
+        /// What was looked for: `scene`.
+        kind: &'static str,
+        /// The name.
+        name: String,
+        /// The names there are.
+        known: Vec<String>,
+    },
+    /// A file could not be written.
+    File {
+        /// Which one.
+        path: PathBuf,
+        /// What the operating system says.
+        problem: Arc<io::Error>,
+    },
+    /// Small motions: no equilibrium, no linearisation, no modes.
+    Linear(Box<LinearError>),
+    /// The run ended early.  It comes with the time, the state and what was computed until then.
+    Run(Box<Failure>),
+}
+
+impl Error {
+    /// Why a run ended early; `None` for a bad setting.
+    pub fn cause(&self) -> Option<&Cause> {
+        match self {
+            Error::Run(failure) => Some(&failure.cause),
+            _ => None,
+        }
+    }
+
+    /// What was computed before a run ended early.
+    pub fn partial(&self) -> Option<&Run> {
+        match self {
+            Error::Run(failure) => Some(&failure.run),
+            _ => None,
+        }
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Error::BadSetting { setting, value, expected } => write!(f, "`{setting}` is {value}; expected {expected}"),
+            Error::NoStep { method } => write!(f, "`{method}` needs a fixed step: give `step`"),
+            Error::WrongLength { setting, given, expected } => {
+                write!(f, "`{setting}` has {given} numbers; the mechanism has {expected} coordinates")
+            }
+            Error::UnknownName { kind, name, known } => {
+                write!(f, "no {kind} is called `{name}`")?;
+                match known.as_slice() {
+                    [] => write!(f, "; there is none"),
+                    known => write!(f, "; there are {}", Listed(known)),
+                }
+            }
+            Error::File { path, problem } => write!(f, "cannot write `{}`: {problem}", path.display()),
+            Error::Linear(problem) => write!(f, "{problem}"),
+            Error::Run(failure) => write!(f, "{failure}"),
+        }
+    }
+}
+
+/// Names in backticks, with commas.
+struct Listed<'a>(&'a [String]);
+
+impl fmt::Display for Listed<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, name) in self.0.iter().enumerate() {
+            write!(f, "{}`{name}`", if index == 0 { "" } else { ", " })?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for Error {}
+
+impl From<LinearError> for Error {
+    fn from(problem: LinearError) -> Self {
+        Error::Linear(Box::new(problem))
+    }
+}

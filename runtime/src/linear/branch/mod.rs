@@ -1,0 +1,196 @@
+//! Equilibria as a parameter changes: one branch is followed, round its folds too, and every threshold on it is found.
+//!
+//! 1. Pseudo-arclength continuation: look in `walk.rs`.
+//! 2. Eigenvalues along it, and between which two states of it stability changes: look in `threshold.rs`.
+//! 3. What of the range is left where the branch turns back: below.
+
+mod spectrum;
+mod threshold;
+mod walk;
+
+#[cfg(all(test, feature = "modal"))]
+mod tests;
+
+use nalgebra::Complex;
+
+use super::equilibrium::{Guess, equilibrium_near};
+use super::{LinearError, Linearised};
+use crate::mechanism::System;
+use threshold::thresholds;
+use walk::{End, Path, Walker};
+
+/// A state of the branch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BranchPoint {
+    /// The parameter's value, SI.
+    pub value: f64,
+    /// Generalized coordinates, SI.
+    pub q: Vec<f64>,
+    /// All eigenvalues λ of small motions e^(λt), 1/s.
+    pub eigenvalues: Vec<Complex<f64>>,
+    /// How many modes grow.
+    pub growing: usize,
+    /// True behind a fold: at this value the branch has another state too.
+    pub folded: bool,
+}
+
+/// What happens at a threshold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ThresholdKind {
+    /// An oscillation begins to grow, or ends growing.
+    Flutter,
+    /// A departure without oscillation does: the stiffness vanishes in a direction.
+    Divergence,
+    /// The branch turns back; beyond this value it has no equilibrium near by.
+    Fold,
+    /// The branch turns back where it meets another, its mirror image.
+    Bifurcation,
+}
+
+impl ThresholdKind {
+    /// The word for it.
+    pub fn word(self) -> &'static str {
+        match self {
+            ThresholdKind::Flutter => "flutter",
+            ThresholdKind::Divergence => "divergence",
+            ThresholdKind::Fold => "fold",
+            ThresholdKind::Bifurcation => "bifurcation",
+        }
+    }
+}
+
+/// A value at which something changes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Threshold {
+    /// The parameter's value, SI.
+    pub value: f64,
+    /// What happens.
+    pub kind: ThresholdKind,
+    /// How many modes grow below the value and above it; at a fold, before it and behind it.
+    pub growing: [usize; 2],
+    /// The frequency of what begins or ends to grow, rad/s; 0 but for flutter.
+    pub omega: f64,
+    /// True behind a fold.
+    pub folded: bool,
+}
+
+/// Where one branch ends and another had to be taken.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Change {
+    /// The parameter's value.
+    pub value: f64,
+    /// Where the branch ended.
+    pub from: Vec<f64>,
+    /// Where the other one was found.
+    pub to: Vec<f64>,
+}
+
+/// An equilibrium as a parameter goes through a range.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Branch {
+    /// States, in the direction of the range; those behind folds at the end.
+    pub points: Vec<BranchPoint>,
+    /// Thresholds, by rising value.
+    pub thresholds: Vec<Threshold>,
+    /// Where it had to change branch.
+    pub changes: Vec<Change>,
+    /// The part of the range without equilibrium, and why.
+    pub missing: Option<((f64, f64), LinearError)>,
+}
+
+/// Follows the equilibrium that a guess leads to at the system's present parameters, while one parameter goes through
+/// a range.
+///
+/// From the present value (or the end of the range that is nearest to it) the branch is followed to both ends.  Between
+/// two states no eigenvalue moves by more than a part of its distance from others and from the border of stability,
+/// or states are put between them, so that narrow windows of instability are found; thresholds are right to some 1e-12
+/// of the range.
+///
+/// # Errors
+/// As [`equilibrium_near`] and [`linearise`](super::linearise), where no part of the range has an equilibrium with
+/// a linear model.
+pub fn follow<S: System + ?Sized>(
+    system: &S,
+    parameter: usize,
+    (from, to): (f64, f64),
+    guess: &Guess,
+) -> Result<Branch, LinearError> {
+    let range = (from.min(to), from.max(to));
+    let present = system.parameters().get(parameter).copied().unwrap_or(f64::NAN);
+    let walker = Walker::new(system, parameter, range, guess)?;
+    let found = equilibrium_near(system, guess)?;
+    let mut branch = Branch::default();
+    let first = present.clamp(range.0, range.1);
+    let start = walker.towards(present, first, found.q, &mut branch.changes)?;
+    for direction in [-1.0, 1.0] {
+        collect(&walker, (first, start.clone()), direction, &mut branch)?;
+    }
+    let rising = from <= to;
+    branch.points.sort_by(|a, b| {
+        let by_value = a.value.total_cmp(&b.value);
+        a.folded.cmp(&b.folded).then(if rising { by_value } else { by_value.reverse() })
+    });
+    branch.points.dedup_by(|a, b| a.value == b.value && a.folded == b.folded);
+    branch.thresholds.sort_by(|a, b| a.value.total_cmp(&b.value));
+    match (&branch.missing, branch.points.is_empty()) {
+        (Some((_, error)), true) => Err(error.clone()),
+        _ => Ok(branch),
+    }
+}
+
+/// Follows in one direction to the end of the range, from branch to branch.
+fn collect(
+    walker: &Walker<'_>,
+    (mut value, mut q): (f64, Vec<f64>),
+    direction: f64,
+    branch: &mut Branch,
+) -> Result<(), LinearError> {
+    let (low, high) = walker.range;
+    let bound = if direction > 0.0 { high } else { low };
+    // A branch that ends is left for another one; more than a few are a sign of something else.
+    for _ in 0..8 {
+        if value == bound && !branch.points.is_empty() {
+            return Ok(());
+        }
+        let Path { points, turns, end } = walker.walk(value, &q, direction)?;
+        thresholds(walker, &points, &turns, branch);
+        let last = match (turns.first(), end) {
+            (None, End::Range) => return Ok(()),
+            (Some(turn), _) => turn.before.clone(),
+            (None, _) => points[points.len() - 1].clone(),
+        };
+        let rest = if direction > 0.0 { (last.value, high) } else { (low, last.value) };
+        match walker.another(&last, direction) {
+            Ok((next_value, next)) => {
+                branch.changes.push(Change { value: last.value, from: last.q.clone(), to: next.clone() });
+                (value, q) = (next_value, next);
+            }
+            Err(error) => {
+                branch.missing = branch.missing.take().or(Some((rest, error)));
+                return Ok(());
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A state (q, p) of the branch.
+#[derive(Clone, Debug)]
+struct State {
+    q: Vec<f64>,
+    value: f64,
+}
+
+/// A fold: the states on both sides and itself.
+struct Turn {
+    before: State,
+    at: State,
+    /// The place of the state behind it in the path.
+    index: usize,
+    mirrored: bool,
+}
+
+/// The spectrum of a linear model is all that thresholds need.
+fn eigenvalues(linear: &Linearised) -> Result<Vec<Complex<f64>>, LinearError> {
+    linear.eigenvalues()
+}

@@ -1,0 +1,153 @@
+//! Where stability changes along a branch.
+
+use std::cell::Cell;
+
+use super::spectrum::Spectrum;
+use super::walk::Walker;
+use super::{Branch, BranchPoint, State, Threshold, ThresholdKind, Turn};
+use crate::linear::LinearError;
+
+/// Halvings of the distance of two states of the walk.
+const DEEPEST: u32 = 40;
+/// Beyond so many halvings a single change of stability is bisected.
+const SHALLOW: u32 = 10;
+
+/// A state and what moves there.
+#[derive(Clone)]
+struct Sample {
+    state: State,
+    spectrum: Spectrum,
+    folded: bool,
+}
+
+/// Samples a path until nothing can hide between two samples; adds its states and thresholds to the branch.
+pub(super) fn thresholds(walker: &Walker<'_>, points: &[State], turns: &[Turn], branch: &mut Branch) {
+    let mut fault: Option<(f64, LinearError)> = None;
+    let mut samples: Vec<Option<Sample>> = Vec::new();
+    for (index, state) in points.iter().enumerate() {
+        let folded = turns.first().is_some_and(|turn| index >= turn.index);
+        match sample(walker, state.clone(), folded) {
+            Ok(found) => samples.push(Some(found)),
+            Err(error) => {
+                fault = fault.or(Some((state.value, error)));
+                samples.push(None);
+            }
+        }
+    }
+    for turn in turns {
+        let grows = |sample: Option<&Option<Sample>>| {
+            sample.and_then(Option::as_ref).map_or(0, |sample| sample.spectrum.growing())
+        };
+        branch.thresholds.push(Threshold {
+            value: turn.at.value,
+            kind: if turn.mirrored { ThresholdKind::Bifurcation } else { ThresholdKind::Fold },
+            growing: [grows(samples.get(turn.index - 1)), grows(samples.get(turn.index))],
+            omega: 0.0,
+            folded: false,
+        });
+    }
+    let size = walker.size();
+    let search = Search { walker, left: Cell::new(40_000 / (1 + size * size / 20)) };
+    let mut found: Vec<Sample> = Vec::new();
+    for (index, pair) in samples.windows(2).enumerate() {
+        let [Some(a), Some(b)] = pair else { continue };
+        if turns.iter().any(|turn| turn.index == index + 1) {
+            // The fold has been named; on both sides of it the same modes are nearly without stiffness.
+            continue;
+        }
+        search.between(a, b, 0, &mut found, &mut branch.thresholds);
+    }
+    let all = samples.into_iter().flatten().chain(found);
+    branch.points.extend(all.map(|sample| BranchPoint {
+        value: sample.state.value,
+        q: sample.state.q,
+        growing: sample.spectrum.growing(),
+        eigenvalues: sample.spectrum.eigenvalues,
+        folded: sample.folded,
+    }));
+    if let Some((value, error)) = fault {
+        branch.missing = branch.missing.take().or(Some(((value, value), error)));
+    }
+}
+
+fn sample(walker: &Walker<'_>, state: State, folded: bool) -> Result<Sample, LinearError> {
+    let spectrum = Spectrum::of(&walker.linearise(&state)?)?;
+    Ok(Sample { state, spectrum, folded })
+}
+
+struct Search<'a> {
+    walker: &'a Walker<'a>,
+    /// Evaluations that are left.
+    left: Cell<usize>,
+}
+
+impl Search<'_> {
+    fn middle(&self, a: &Sample, b: &Sample) -> Option<Sample> {
+        self.left.set(self.left.get().checked_sub(1)?);
+        let state = self.walker.between(&a.state, &b.state, 0.5)?;
+        sample(self.walker, state, a.folded).ok()
+    }
+
+    fn between(&self, a: &Sample, b: &Sample, depth: u32, kept: &mut Vec<Sample>, found: &mut Vec<Threshold>) {
+        let differ = a.spectrum.growing() != b.spectrum.growing();
+        if !differ && (depth >= DEEPEST || a.spectrum.is_near(&b.spectrum)) {
+            return;
+        }
+        if differ && depth >= SHALLOW {
+            return self.bisect(a, b, kept, found);
+        }
+        let Some(middle) = self.middle(a, b) else {
+            if differ {
+                found.push(threshold(a, b));
+            }
+            return;
+        };
+        self.between(a, &middle, depth + 1, kept, found);
+        self.between(&middle, b, depth + 1, kept, found);
+        if depth < SHALLOW {
+            kept.push(middle);
+        }
+    }
+
+    /// One change of stability; what else happens between shows in what is left on both sides.
+    fn bisect(&self, a: &Sample, b: &Sample, kept: &mut Vec<Sample>, found: &mut Vec<Threshold>) {
+        let (mut low, mut high) = (a.clone(), b.clone());
+        // Double eigenvalues with one shape are split by rounding all the way: then only the coarse measure will do.
+        let fine = [a, b].iter().all(|end| end.spectrum.finely_growing() == end.spectrum.growing());
+        let growing = |sample: &Sample| if fine { sample.spectrum.finely_growing() } else { sample.spectrum.growing() };
+        let grew = growing(a);
+        for _ in 0..60 {
+            let Some(middle) = self.middle(&low, &high) else { break };
+            let narrow = middle.state.value == low.state.value || middle.state.value == high.state.value;
+            if growing(&middle) == grew {
+                low = middle
+            } else {
+                high = middle
+            }
+            if narrow {
+                break;
+            }
+        }
+        let mut here = threshold(&low, &high);
+        here.growing =
+            if low.state.value <= high.state.value { [grew, growing(&high)] } else { [growing(&high), grew] };
+        found.push(here);
+        if growing(&high) != growing(b) {
+            self.between(&high, b, SHALLOW, kept, found);
+        }
+    }
+}
+
+fn threshold(a: &Sample, b: &Sample) -> Threshold {
+    let (below, above) = if a.state.value <= b.state.value { (a, b) } else { (b, a) };
+    let grows = [below.spectrum.growing(), above.spectrum.growing()];
+    let more = if grows[0] > grows[1] { below } else { above };
+    let omega = more.spectrum.border().unwrap_or(0.0);
+    Threshold {
+        value: 0.5 * (a.state.value + b.state.value),
+        kind: if omega > 0.0 { ThresholdKind::Flutter } else { ThresholdKind::Divergence },
+        growing: grows,
+        omega,
+        folded: a.folded,
+    }
+}

@@ -1,0 +1,72 @@
+//! Directions without stiffness: families of equilibria and degenerate equilibria.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::probe::Probe;
+use super::search::least_step;
+use crate::linear::matrices::{Scaled, null_space};
+use crate::linear::{LinearError, SparseMatrix};
+
+/// What becomes of the directions in which the stiffness K vanishes.
+///
+/// Their number is n less the rank of K.  A step along each, relaxed by Newton steps of least norm, either ends
+/// in a neighbouring equilibrium (a family: rigid motions, finite mechanisms) or falls back (a degenerate
+/// equilibrium such as x'' = −x³, which the linear model cannot describe; catalogue L13).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Freedom {
+    /// Rank of K.
+    pub rank: usize,
+    /// Dimension of the family of equilibria through this one.
+    pub family: usize,
+    /// Directions without stiffness and without neighbouring equilibria.
+    pub degenerate: Vec<Vec<f64>>,
+}
+
+impl Freedom {
+    pub(super) fn of(probe: &Probe, q: &[f64], linear: bool) -> Result<Freedom, LinearError> {
+        let [mass, _, stiffness] = probe.cleaned(q);
+        let scaled = Scaled::new(&mass);
+        let failed = LinearError::NoConvergence { what: "the singular value decomposition of K" };
+        let null = null_space(&scaled.stiffness(&stiffness.to_dense())).ok_or(failed)?;
+        let (rank, free) = (probe.n - null.ncols(), null.ncols());
+        if free == 0 || linear {
+            return Ok(Freedom { rank, family: free, degenerate: Vec::new() });
+        }
+        let mut reached = DMatrix::zeros(free, free);
+        for k in 0..free {
+            let direction = scaled.step(&null.column(k).into_owned());
+            let moved = relax(probe, &mass, q, &direction)?;
+            reached.set_column(k, &(null.transpose() * moved));
+        }
+        let svd = reached.try_svd(false, true, f64::EPSILON, 0);
+        let svd = svd.ok_or(LinearError::NoConvergence { what: "the singular value decomposition of a family" })?;
+        let v_t = svd.v_t.unwrap_or_else(|| DMatrix::identity(free, free));
+        let fallen: Vec<usize> = (0..free).filter(|k| svd.singular_values[*k] < 0.3).collect();
+        let degenerate = fallen.iter().map(|k| scaled.step(&(&null * v_t.row(*k).transpose()))).collect();
+        Ok(Freedom { rank, family: free - fallen.len(), degenerate })
+    }
+}
+
+/// Where a step along a direction relaxes to, in the metric of M's diagonal and in units of the step.
+fn relax(probe: &Probe, mass: &SparseMatrix, q: &[f64], direction: &[f64]) -> Result<DVector<f64>, LinearError> {
+    let scaled = Scaled::new(mass);
+    let largest = |x: &[f64]| x.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let extent = if largest(q) > 0.0 { largest(q) } else { 1.0 };
+    let length = 0.1 * extent / largest(direction).max(f64::MIN_POSITIVE);
+    let mut point: Vec<f64> = q.iter().zip(direction).map(|(q, d)| q + length * d).collect();
+    for _ in 0..40 {
+        let force = probe.force(&point);
+        if force.iter().any(|f| !f.is_finite()) {
+            break;
+        }
+        let step = least_step(mass, &probe.stiffness(&point), &force)?;
+        for (x, s) in point.iter_mut().zip(&step) {
+            *x += s;
+        }
+        if scaled.norm(&step) <= 1e-12 * length * scaled.norm(direction) {
+            break;
+        }
+    }
+    let moved: Vec<f64> = point.iter().zip(q).map(|(x, q)| (x - q) / length).collect();
+    Ok(scaled.coordinates(&moved).map(|x| if x.is_finite() { x.clamp(-2.0, 2.0) } else { 0.0 }))
+}

@@ -1,0 +1,189 @@
+//! What shakes a mechanism, and where the answer comes from: the frequency response, by modes and by forces.
+
+use nalgebra::{Complex, DVector};
+
+use crate::linear::modes::Spectrum;
+use crate::linear::{LinearError, Linearised, Reduction};
+
+/// Inputs and forces that swing with one frequency and in step, each with its amplitude.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Drive {
+    /// What acts, and its amplitude.
+    pub parts: Vec<(Source, f64)>,
+}
+
+/// Something that can swing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// An input of the model, by index; its derivatives act too.
+    Input(usize),
+    /// A generalized force on a coordinate, by index.
+    Force(usize),
+}
+
+impl From<Source> for Drive {
+    fn from(source: Source) -> Drive {
+        Drive { parts: vec![(source, 1.0)] }
+    }
+}
+
+/// A steady state x = Re(X e^(iΩt)), and where it comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Steady {
+    /// Ω, rad/s.
+    pub omega: f64,
+    /// The generalized forces F.
+    pub force: Vec<Complex<f64>>,
+    /// X; what grows without bound is left out of it.
+    pub total: Vec<Complex<f64>>,
+    /// Normal modes: what each contributes to X, φ φᵀM X, in rising order of ω²; they add up to X exactly, whatever
+    /// the damping.
+    pub modes: Vec<Vec<Complex<f64>>>,
+    /// ω of these modes, rad/s (0 where ω² is not positive).
+    pub omegas: Vec<f64>,
+    /// x grows as Re(G t e^(iΩt)): G, where Ω meets undamped modes that the force reaches.
+    pub growth: Option<Vec<Complex<f64>>>,
+}
+
+impl Linearised {
+    /// The input or coordinate of this name; an input first.
+    pub fn source(&self, name: &str) -> Option<Source> {
+        let at = |names: &[String]| names.iter().position(|known| known == name);
+        at(&self.inputs).map(Source::Input).or_else(|| at(&self.coordinates).map(Source::Force))
+    }
+
+    /// The complex generalized forces of a drive at a frequency Ω, rad/s: Σ a (B₀ + iΩ B₁ − Ω² B₂).
+    ///
+    /// # Errors
+    /// [`LinearError::WrongSize`] for an input or a coordinate that does not exist.
+    pub fn driving_force(&self, drive: &Drive, omega: f64) -> Result<Vec<Complex<f64>>, LinearError> {
+        let mut force = vec![Complex::new(0.0, 0.0); self.len()];
+        for (source, amplitude) in &drive.parts {
+            let (what, given, expected) = match source {
+                Source::Input(input) => ("the input's index", *input, self.inputs.len()),
+                Source::Force(coordinate) => ("the coordinate's index", *coordinate, self.len()),
+            };
+            if given >= expected {
+                return Err(LinearError::WrongSize { what, given, expected });
+            }
+            match source {
+                Source::Force(coordinate) => force[*coordinate] += *amplitude,
+                Source::Input(input) => {
+                    for (row, column, value) in &self.input.entries {
+                        if *column as usize / 3 == *input {
+                            let turn = Complex::new(0.0, omega).powu(*column % 3);
+                            force[*row as usize] += turn * (*amplitude * *value);
+                        }
+                    }
+                }
+            }
+        }
+        Ok(force)
+    }
+
+    /// The complex amplitude of every coordinate at each frequency, rad/s; `None` where an undamped mode makes it
+    /// infinite.
+    ///
+    /// # Errors
+    /// As [`Linearised::driving_force`].
+    pub fn frequency_response(
+        &self,
+        drive: &Drive,
+        omegas: &[f64],
+    ) -> Result<Vec<Option<Vec<Complex<f64>>>>, LinearError> {
+        let answer = |omega: &f64| match self.steady_state(&self.driving_force(drive, *omega)?, *omega) {
+            Err(LinearError::Resonance { .. }) => Ok(None),
+            other => other.map(Some),
+        };
+        omegas.iter().map(answer).collect()
+    }
+
+    /// The steady state at a frequency Ω, taken apart by normal modes.
+    ///
+    /// Where Ω meets an undamped mode that the force reaches there is none: that mode grows as
+    /// η = f t e^(iΩt)/(2iΩ), and the others are as steady as ever (problem 37 without damping).
+    ///
+    /// # Errors
+    /// As [`normal_modes`](crate::linear::normal_modes); [`LinearError::Resonance`] for a constant force on a mode without stiffness,
+    /// and where damping or forces without a potential couple a singular matrix.
+    pub fn steady(&self, drive: &Drive, omega: f64) -> Result<Steady, LinearError> {
+        let n = self.len();
+        let force = self.driving_force(drive, omega)?;
+        let spectrum = Spectrum::new(&self.mass, &self.conservative(), Reduction::Cholesky);
+        let Spectrum { squares, shapes, .. } = spectrum.map_err(|fault| fault.named(self))?;
+        let omegas = squares.iter().map(|square| square.max(0.0).sqrt()).collect();
+        let spread =
+            |k: usize, eta: Complex<f64>| -> Vec<Complex<f64>> { shapes.column(k).iter().map(|x| eta * *x).collect() };
+        match self.steady_state(&force, omega) {
+            Ok(total) => {
+                let weights = shapes.transpose() * self.m();
+                let modes =
+                    (0..n).map(|k| spread(k, weights.row(k).iter().zip(&total).map(|(weight, x)| x * *weight).sum()));
+                Ok(Steady { omega, force, modes: modes.collect(), total, omegas, growth: None })
+            }
+            // Only then do the modes not know of each other.
+            Err(LinearError::Resonance { .. })
+                if omega > 0.0 && self.damping.is_zero() && self.circulatory().is_zero() =>
+            {
+                let most = force.iter().fold(0.0_f64, |most, f| most.max(f.norm()));
+                let mut growth = DVector::zeros(n);
+                let modes: Vec<Vec<Complex<f64>>> = (0..n)
+                    .map(|k| {
+                        let modal: Complex<f64> = shapes.column(k).iter().zip(&force).map(|(x, f)| f * *x).sum();
+                        let gap = squares[k] - omega * omega;
+                        if gap.abs() > 16.0 * n as f64 * f64::EPSILON * squares[k].abs().max(omega * omega) {
+                            return spread(k, modal / gap);
+                        }
+                        if modal.norm() > 1e-12 * most * shapes.column(k).amax() {
+                            growth += DVector::from_vec(spread(k, modal / Complex::new(0.0, 2.0 * omega)));
+                        }
+                        spread(k, Complex::new(0.0, 0.0))
+                    })
+                    .collect();
+                let total = (0..n).map(|i| modes.iter().map(|mode| mode[i]).sum()).collect();
+                let growth = (growth.iter().any(|g: &Complex<f64>| g.norm() > 0.0)).then(|| growth.as_slice().to_vec());
+                Ok(Steady { omega, force, total, modes, omegas, growth })
+            }
+            Err(other) => Err(other),
+        }
+    }
+
+    /// Frequencies, rad/s, at which a frequency response shows all that happens: evenly over the logarithm from a
+    /// fifth of the lowest frequency of the modes to five times the highest (or over the range given), and closely
+    /// about each mode.
+    ///
+    /// # Errors
+    /// As [`Linearised::modes`].
+    pub fn telling_frequencies(&self, range: Option<(f64, f64)>) -> Result<Vec<f64>, LinearError> {
+        const EVENLY: i32 = 400;
+        let modes = self.modes()?;
+        let moving = modes.iter().filter(|mode| mode.omega > 0.0);
+        let (least, most) =
+            moving.clone().fold((f64::INFINITY, 0.0_f64), |(low, high), m| (low.min(m.omega), high.max(m.omega)));
+        let (low, high) = range.unwrap_or(if most > 0.0 { (least / 5.0, most * 5.0) } else { (0.1, 10.0) });
+        let between = |i: i32| (low.ln() + f64::from(i) / f64::from(EVENLY) * (high.ln() - low.ln())).exp();
+        let mut list: Vec<f64> = (1..EVENLY).map(between).filter(|omega| (low..=high).contains(omega)).collect();
+        list.extend([low, high]);
+        for mode in moving.filter(|mode| mode.damped_omega() > 0.0) {
+            let centre = mode.damped_omega();
+            // Half the width of the peak, or what the eye can tell.
+            let width = mode.eigenvalue.re.abs().max(1e-4 * centre);
+            let near = (-30..=30).map(|i| centre + width * (f64::from(i) / 7.0).sinh());
+            list.extend(near.filter(|omega| (low..=high).contains(omega)));
+        }
+        list.sort_by(f64::total_cmp);
+        list.dedup();
+        Ok(list)
+    }
+
+    /// All 2n eigenvalues λ of motions e^(λt), 1/s.
+    ///
+    /// # Errors
+    /// As [`Linearised::modes`].
+    pub fn eigenvalues(&self) -> Result<Vec<Complex<f64>>, LinearError> {
+        #[cfg(feature = "modal")]
+        return Ok(crate::linear::complex_modes(self)?.eigenvalues);
+        #[cfg(not(feature = "modal"))]
+        return Ok(self.modes()?.iter().flat_map(|mode| [mode.eigenvalue, -mode.eigenvalue]).collect());
+    }
+}

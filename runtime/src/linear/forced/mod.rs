@@ -1,0 +1,19 @@
+//! Motions of the linear model: free, forced, steady; frequency responses; and what is measured of a motion.
+
+mod bode;
+mod drive;
+mod harmonic;
+mod initial_value;
+mod measured;
+mod motion;
+
+#[cfg(test)]
+mod forced_tests;
+#[cfg(test)]
+mod steady_tests;
+
+pub use bode::bode;
+pub use drive::{Drive, Source, Steady};
+pub use harmonic::{Harmonic, beat};
+pub use initial_value::{Motion, solvemode, solvenorm, solvenum};
+pub use measured::{Measured, measure};

@@ -1,0 +1,23 @@
+//! Matrices: sparse ones, dense decompositions, scaling, ranks, the exponential, and mechanisms given by matrices.
+
+mod cholesky;
+#[cfg(feature = "modal")]
+mod eigen;
+mod expm;
+mod mechanism;
+mod scaled;
+mod singular;
+mod sparse;
+mod symmetric;
+mod tridiagonal;
+
+pub(super) use cholesky::{cholesky, first_order};
+#[cfg(feature = "modal")]
+pub(super) use eigen::{Eigen, condition};
+pub use expm::expm;
+pub use mechanism::LinearMechanism;
+pub(super) use mechanism::is_symmetric;
+pub(super) use scaled::{Scaled, equilibrated, null_space};
+pub(super) use singular::Singular;
+pub use sparse::SparseMatrix;
+pub(super) use symmetric::symmetric_eigen;

@@ -1,0 +1,103 @@
+//! Scales of rows, columns and coordinates, and ranks judged by them.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::{Singular, SparseMatrix, is_symmetric};
+
+/// A matrix of which the rank must be known fast where it is full.
+const LARGE: usize = 60;
+
+/// R A C with the largest element of every row and column near 1, and the diagonals of R and C, powers of two: so
+/// that what is small beside 1e12 counts in its own row (Ruiz 2001).
+pub fn equilibrated(matrix: &DMatrix<f64>) -> (DMatrix<f64>, DVector<f64>, DVector<f64>) {
+    let (n, m) = matrix.shape();
+    let (mut rows, mut columns) = (DVector::from_element(n, 1.0), DVector::from_element(m, 1.0));
+    let mut scaled = matrix.clone();
+    let power = |largest: f64| if largest > 0.0 { (-0.5 * largest.log2()).round().exp2() } else { 1.0 };
+    let symmetric = n == m && is_symmetric(matrix);
+    for _ in 0..12 {
+        let by_row: Vec<f64> = scaled.row_iter().map(|row| power(row.amax())).collect();
+        let by_column: Vec<f64> =
+            if symmetric { by_row.clone() } else { scaled.column_iter().map(|column| power(column.amax())).collect() };
+        if by_row.iter().chain(&by_column).all(|factor| *factor == 1.0) {
+            break;
+        }
+        for j in 0..m {
+            for i in 0..n {
+                scaled[(i, j)] *= by_row[i] * by_column[j];
+            }
+            columns[j] *= by_column[j];
+        }
+        rows.iter_mut().zip(&by_row).for_each(|(row, factor)| *row *= factor);
+    }
+    (scaled, rows, columns)
+}
+
+/// An orthonormal basis of the null space of a square matrix, by the singular values of the equilibrated one.
+pub fn null_space(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let n = matrix.nrows();
+    let (scaled, _, columns) = equilibrated(matrix);
+    if n == 0 || (n > LARGE && is_regular(&scaled)) {
+        return Some(DMatrix::zeros(n, 0));
+    }
+    let singular = Singular::of(&scaled)?;
+    let threshold = Scaled::threshold(n, singular.values.max());
+    let null = singular.directions(|value| value <= threshold);
+    if null.ncols() == 0 || columns.iter().all(|factor| *factor == columns[0]) {
+        return Some(null);
+    }
+    Some((DMatrix::from_diagonal(&columns) * null).qr().q())
+}
+
+/// Quick and safe: pivots of an LU factorization far above rounding.
+fn is_regular(matrix: &DMatrix<f64>) -> bool {
+    let pivots = matrix.clone().lu().u().diagonal().abs();
+    pivots.min() > 1e-8 * pivots.max()
+}
+
+/// Coordinates in units of 1/√Mᵢᵢ: in them, different units of coordinates do not matter.
+pub struct Scaled {
+    roots: DVector<f64>,
+}
+
+impl Scaled {
+    /// Scales by M's diagonal; coordinates without inertia are left alone.
+    pub fn new(mass: &SparseMatrix) -> Self {
+        let mut roots = DVector::zeros(mass.rows);
+        for (row, column, value) in &mass.entries {
+            if row == column {
+                roots[*row as usize] += value;
+            }
+        }
+        Scaled { roots: roots.map(|m: f64| if m > 0.0 && m.is_finite() { m.sqrt() } else { 1.0 }) }
+    }
+
+    /// Singular values and eigenvalues below this are zero to rounding: 16 n ε ‖A‖.
+    pub fn threshold(n: usize, norm: f64) -> f64 {
+        16.0 * n as f64 * f64::EPSILON * norm
+    }
+
+    pub fn stiffness(&self, stiffness: &DMatrix<f64>) -> DMatrix<f64> {
+        DMatrix::from_fn(stiffness.nrows(), stiffness.ncols(), |i, j| {
+            stiffness[(i, j)] / (self.roots[i] * self.roots[j])
+        })
+    }
+
+    pub fn force(&self, force: &[f64]) -> DVector<f64> {
+        DVector::from_fn(force.len(), |i, _| force[i] / self.roots[i])
+    }
+
+    /// From scaled to given coordinates.
+    pub fn step(&self, scaled: &DVector<f64>) -> Vec<f64> {
+        scaled.iter().zip(self.roots.iter()).map(|(x, root)| x / root).collect()
+    }
+
+    /// From given to scaled coordinates.
+    pub fn coordinates(&self, given: &[f64]) -> DVector<f64> {
+        DVector::from_fn(given.len(), |i, _| given[i] * self.roots[i])
+    }
+
+    pub fn norm(&self, given: &[f64]) -> f64 {
+        self.coordinates(given).norm()
+    }
+}

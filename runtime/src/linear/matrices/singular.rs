@@ -1,0 +1,77 @@
+//! The singular value decomposition, for ranks and least squares.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::{is_symmetric, symmetric_eigen};
+
+/// Large symmetric matrices go by their eigenvalues, which cost less.
+const LARGE: usize = 60;
+
+/// A = U diag(values) Vᵀ of a square matrix.
+pub struct Singular {
+    u: DMatrix<f64>,
+    pub values: DVector<f64>,
+    pub v: DMatrix<f64>,
+}
+
+impl Singular {
+    /// `None` where the iteration does not end.
+    pub fn of(matrix: &DMatrix<f64>) -> Option<Singular> {
+        let n = matrix.nrows();
+        if matrix.iter().any(|x| !x.is_finite()) {
+            return None;
+        }
+        if n > LARGE && is_symmetric(matrix) {
+            let (values, v) = symmetric_eigen(matrix.clone())?;
+            let mut u = v.clone();
+            for (mut column, value) in u.column_iter_mut().zip(values.iter()) {
+                column *= value.signum();
+            }
+            return Some(Singular { u, values: values.abs(), v });
+        }
+        let solved = matrix.clone().try_svd(true, true, f64::EPSILON, 1000 * n.max(10))?;
+        let (u, v_t) = solved.u.zip(solved.v_t).unwrap_or_else(|| (DMatrix::identity(n, n), DMatrix::identity(n, n)));
+        Some(Singular { u, values: solved.singular_values, v: v_t.transpose() })
+    }
+
+    /// The shortest x that minimises |A x − b|; singular values up to a threshold count as 0.
+    pub fn least_squares(&self, b: &DVector<f64>, threshold: f64) -> DVector<f64> {
+        let mut parts = self.u.tr_mul(b);
+        for (part, value) in parts.iter_mut().zip(self.values.iter()) {
+            *part = if *value > threshold { *part / value } else { 0.0 };
+        }
+        &self.v * parts
+    }
+
+    /// Columns of V whose singular values fulfil a condition.
+    pub fn directions(&self, keep: impl Fn(f64) -> bool) -> DMatrix<f64> {
+        let kept: Vec<DVector<f64>> =
+            (0..self.values.len()).filter(|k| keep(self.values[*k])).map(|k| self.v.column(k).into_owned()).collect();
+        if kept.is_empty() { DMatrix::zeros(self.v.nrows(), 0) } else { DMatrix::from_columns(&kept) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decompositions_are_right_at_any_size() {
+        for n in [3, 120] {
+            let matrix = DMatrix::from_fn(n, n, |i, j| match i.abs_diff(j) {
+                0 if i == 0 || i == n - 1 => 1.0,
+                0 => 2.0,
+                1 => -1.0,
+                _ => 0.0,
+            });
+            let singular = Singular::of(&matrix).unwrap();
+            let back = &singular.u * DMatrix::from_diagonal(&singular.values) * singular.v.transpose();
+            assert!((&back - &matrix).amax() < 1e-13);
+            let null = singular.directions(|value| value < 1e-12);
+            assert!(null.ncols() == 1 && (null[(0, 0)].abs() - 1.0 / (n as f64).sqrt()).abs() < 1e-12);
+            let b = DVector::from_fn(n, |i, _| if i == 0 { 1.0 } else { -1.0 / (n as f64 - 1.0) });
+            let x = singular.least_squares(&b, 1e-12);
+            assert!((&matrix * &x - &b).amax() < 1e-11 && x.sum().abs() < 1e-9);
+        }
+    }
+}

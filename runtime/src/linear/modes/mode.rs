@@ -1,0 +1,157 @@
+//! One mode of small motions.
+
+use std::f64::consts::TAU;
+use std::fmt;
+
+use nalgebra::Complex;
+
+use crate::linear::{SparseMatrix, short};
+
+/// What a mode does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Goes on for ever: cos ωt.
+    Oscillating,
+    /// Dies out while oscillating, 0 < ζ < 1.
+    Damped,
+    /// Dies out without oscillating, two equal eigenvalues: (A + B t) e^(−ωt).
+    Critical,
+    /// Dies out without oscillating, a real eigenvalue.
+    Overdamped,
+    /// A motion without potential energy: A + B t.
+    Rigid,
+    /// Grows.
+    Unstable,
+}
+
+impl Kind {
+    /// The word for it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Kind::Oscillating => "oscillating",
+            Kind::Damped => "damped",
+            Kind::Critical => "critical",
+            Kind::Overdamped => "overdamped",
+            Kind::Rigid => "rigid",
+            Kind::Unstable => "unstable",
+        }
+    }
+}
+
+/// A mode: x(t) = Re(shape · e^(λt)).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mode {
+    /// ω, rad/s: |λ|; √(λ₁λ₂) of two real eigenvalues that belong together; 0 of a rigid mode.
+    pub omega: f64,
+    /// ζ, −Re λ/ω; above 1 for two real eigenvalues that belong together, negative for growing motions; `None` of a
+    /// rigid mode.
+    pub zeta: Option<f64>,
+    /// λ, 1/s, the one with Im λ ≥ 0 of a conjugate pair.
+    pub eigenvalue: Complex<f64>,
+    /// What it does.
+    pub kind: Kind,
+    /// φ with φᴴ M φ = 1, real and positive in its first coordinate that is not negligible.
+    pub shape: Vec<Complex<f64>>,
+    /// (coordinate, part of the kinetic energy), largest first, of those that carry at least a hundredth.
+    pub carriers: Vec<(String, f64)>,
+    /// True where another frequency is equal, or so near (10⁶ ε ‖K‖) that only the space spanned by the shapes
+    /// has a meaning, not each of them.
+    pub repeated: bool,
+    /// True where another mode has this eigenvalue and this shape: motions are (A + B t) e^(λt).
+    pub secular: bool,
+    /// What a motion without stiffness is, `translation along x` or `mechanism 1`, where it is known.
+    pub name: Option<String>,
+}
+
+impl Mode {
+    /// Normalises the shape and finds what carries the energy.
+    pub(in crate::linear) fn new(
+        mut shape: Vec<Complex<f64>>,
+        mass: &SparseMatrix,
+        names: &[String],
+        (omega, zeta, eigenvalue, kind): (f64, Option<f64>, Complex<f64>, Kind),
+    ) -> Mode {
+        let mut momentum = vec![Complex::new(0.0, 0.0); shape.len()];
+        for (row, column, value) in &mass.entries {
+            momentum[*row as usize] += shape[*column as usize] * *value;
+        }
+        let parts: Vec<f64> = shape.iter().zip(&momentum).map(|(x, p)| (x.conj() * p).re).collect();
+        let energy: f64 = parts.iter().sum();
+        let largest = shape.iter().fold(0.0_f64, |most, x| most.max(x.norm()));
+        let first = shape.iter().find(|x| x.norm() > 1e-6 * largest).copied().unwrap_or(Complex::new(1.0, 0.0));
+        let factor = first.conj() / (first.norm() * energy.sqrt());
+        for x in &mut shape {
+            *x *= factor;
+        }
+        let mut carriers: Vec<(String, f64)> =
+            names.iter().cloned().zip(parts.iter().map(|part| part / energy)).collect();
+        carriers.retain(|(_, part)| *part >= 0.01);
+        carriers.sort_by(|a, b| b.1.total_cmp(&a.1));
+        Mode { omega, zeta, eigenvalue, kind, shape, carriers, repeated: false, secular: false, name: None }
+    }
+
+    /// The time in which the motion falls to 1/e of itself, −1/Re λ, s; `None` where it does not fall.
+    pub fn decay_time(&self) -> Option<f64> {
+        (self.eigenvalue.re < 0.0).then(|| -1.0 / self.eigenvalue.re)
+    }
+
+    /// The time in which the motion grows by e, 1/Re λ, s; `None` where it does not grow.
+    pub fn growth_time(&self) -> Option<f64> {
+        (self.kind == Kind::Unstable).then(|| 1.0 / self.eigenvalue.re)
+    }
+
+    /// The frequency at which it is seen to oscillate, Im λ, rad/s; the damped one where there is damping.
+    pub fn damped_omega(&self) -> f64 {
+        self.eigenvalue.im
+    }
+
+    /// The real parts of the shape.
+    pub fn real_shape(&self) -> Vec<f64> {
+        self.shape.iter().map(|x| x.re).collect()
+    }
+}
+
+impl fmt::Display for Mode {
+    /// `damped, omega = 1.2 rad/s, zeta = 0.1, falls by e in 8.3 s; carried by x 90 %, y 10 %`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (omega, seen) = (short(self.omega), short(self.eigenvalue.im));
+        let growth = short(1.0 / self.eigenvalue.re);
+        match self.kind {
+            Kind::Rigid => match &self.name {
+                Some(name) => write!(f, "rigid, no stiffness: {name}")?,
+                None => write!(f, "rigid, no stiffness")?,
+            },
+            Kind::Unstable if self.eigenvalue.im == 0.0 => write!(f, "unstable, grows by e in {growth} s")?,
+            Kind::Unstable => write!(
+                f,
+                "unstable, omega = {seen} rad/s, {} Hz, grows by e in {growth} s",
+                short(self.eigenvalue.im / TAU)
+            )?,
+            Kind::Oscillating => write!(
+                f,
+                "oscillating, omega = {omega} rad/s, {} Hz, period {} s",
+                short(self.omega / TAU),
+                short(TAU / self.omega)
+            )?,
+            kind => {
+                write!(f, "{}, omega = {omega} rad/s", kind.word())?;
+                if let Some(zeta) = self.zeta {
+                    write!(f, ", zeta = {}", short(zeta))?;
+                }
+                if kind == Kind::Damped {
+                    write!(f, ", seen at {seen} rad/s ({} Hz)", short(self.eigenvalue.im / TAU))?;
+                }
+                if let Some(time) = self.decay_time() {
+                    write!(f, ", falls by e in {} s", short(time))?;
+                }
+            }
+        }
+        if self.secular {
+            write!(f, ", secular: with a factor A + B t")?;
+        }
+        for (index, (name, part)) in self.carriers.iter().take(4).enumerate() {
+            write!(f, "{}{name} {:.0} %", if index == 0 { "; carried by " } else { ", " }, 100.0 * part)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,94 @@
+//! Steps that events and discontinuities may end early.
+
+use super::{Halt, March, Step, finite};
+use crate::cause::Cause;
+use crate::events::{Interruption, Watch};
+use crate::mechanism::System;
+use crate::run::Recorder;
+
+impl March {
+    /// Writes down and takes a step, as far as the first event that stops or the first discontinuity.
+    pub(super) fn watched(
+        &mut self,
+        system: &mut dyn System,
+        step: Step,
+        watch: &mut Watch,
+        recorder: &mut Recorder,
+    ) -> Result<Halt, Cause> {
+        self.dense(system, step)?;
+        let segment = self.segment(step);
+        let Some(interruption) = watch.scan(system, &segment) else {
+            recorder.accept(system, Some(&segment), step.next, self.stepper.end())?;
+            watch.pass(system, &segment, recorder);
+            self.commit(step);
+            if step.lands && watch.switch(system, step.next, self.stepper.start().y)? {
+                self.restart(system, recorder)?;
+            }
+            return Ok(Halt::Arrived);
+        };
+        let crossing = match interruption {
+            Interruption::At(crossing) => crossing,
+            Interruption::LeavesRest { switch, side } => {
+                watch.leave_rest(system, (switch, side), (self.clock.now(), self.stepper.start().y))?;
+                self.restart(system, recorder)?;
+                return Ok(Halt::Arrived);
+            }
+        };
+        let together = watch.simultaneous(crossing, &segment);
+        let stops = match self.shorten(system, step, crossing.theta, crossing.function, watch)? {
+            Some(shorter) => {
+                let (segment, end) = (self.segment(shorter), self.stepper.end());
+                recorder.accept(system, Some(&segment), shorter.next, end)?;
+                watch.record_before(system, &segment, recorder, &together);
+                let stops = watch.fire(system, &together, (shorter.next, end.y), recorder);
+                self.commit(shorter);
+                stops
+            }
+            None => watch.fire(system, &together, (self.clock.now(), self.stepper.start().y), recorder),
+        };
+        if stops {
+            return Ok(Halt::Event);
+        }
+        // A stop time may coincide with the crossing.
+        watch.switch(system, self.clock.now(), self.stepper.start().y)?;
+        self.restart(system, recorder)?;
+        Ok(Halt::Arrived)
+    }
+
+    /// Steps again, as far as the zero of a watched function at about θ of the step that was tried; `None` if
+    /// that is where the step began.
+    ///
+    /// The dense output finds the zero; the method's own step to it, corrected by Newton's method, is more
+    /// accurate (catalogue E7).
+    fn shorten(
+        &mut self,
+        system: &dyn System,
+        step: Step,
+        theta: f64,
+        function: usize,
+        watch: &mut Watch,
+    ) -> Result<Option<Step>, Cause> {
+        let now = self.clock.now();
+        let resolution = f64::EPSILON * now.abs().max(step.h);
+        let mut h = theta * step.h;
+        let mut shorter = None;
+        for _ in 0..5 {
+            if h <= resolution {
+                return Ok(shorter);
+            }
+            let trial = Step { h, next: now + h, lands: false };
+            self.try_step(system, trial, true).map_err(|setback| setback.cause(system.description()))?;
+            finite(system, self.stepper.end().y, 0)?;
+            self.dense(system, trial)?;
+            shorter = Some(trial);
+            let (segment, end) = (self.segment(trial), self.stepper.end());
+            let (value, slope) = watch.value_and_slope(system, function, &segment, end.y);
+            let correction = -value / slope;
+            if !(correction.abs() > resolution && correction.abs() < 0.1 * h) {
+                break;
+            }
+            h += correction;
+        }
+        Ok(shorter)
+    }
+}

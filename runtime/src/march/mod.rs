@@ -1,0 +1,366 @@
+//! Putting steps together to a motion.
+//!
+//! A step is tried until its error is small enough; its dense output is made where anything reads it; what is watched
+//! may end it early: look in `interrupt.rs`; it is written down and taken.  Jumps of the acceleration that
+//! nobody declared: look in `jump.rs`.
+
+mod interrupt;
+mod jump;
+
+use jump::{JumpDetector, Upset};
+
+use crate::cause::Cause;
+use crate::events::Watch;
+use crate::integrate::{
+    Clock, OneStep, Reached, Segment, Setback, StepControl, StiffnessDetector, Tolerance, Trial, first_step, stepper,
+};
+use crate::mechanism::{Method, System};
+use crate::run::{Recorder, Work};
+use crate::trust::Warning;
+
+/// How steps are chosen.
+#[derive(Clone, Debug)]
+pub(crate) enum Pace {
+    /// All alike, but for the last before a stop.
+    Fixed(f64),
+    /// Against a tolerance, none longer than `longest`.
+    Adaptive {
+        /// The tolerance.
+        tolerance: Tolerance,
+        /// s.
+        longest: f64,
+    },
+}
+
+/// Why a march paused without an error.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Halt {
+    /// It is where it was to go.
+    Arrived,
+    /// An event ended it.
+    Event,
+}
+
+/// A step to try, or one that was.
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    /// Its length, s.
+    pub h: f64,
+    /// Where it ends, s.
+    pub next: f64,
+    /// True when it ends at a time that was asked for.
+    pub lands: bool,
+}
+
+/// A motion that is under way.
+pub(crate) struct March {
+    stepper: Box<dyn OneStep>,
+    pace: Pace,
+    control: StepControl,
+    clock: Clock,
+    /// The next step; 0 when it must be chosen anew.
+    h: f64,
+    work: Work,
+    max_steps: u64,
+    compensated: bool,
+    watch: Option<Watch>,
+    stiffness: StiffnessDetector,
+    jumps: JumpDetector,
+}
+
+impl March {
+    /// A march from t at the state y = [q; q'], not yet begun; `work` tells whether it integrates the power of what has
+    /// no potential.
+    pub fn new(method: Method, pace: Pace, t: f64, y: &[f64], work: bool) -> Self {
+        let mut stepper = stepper(method, y.len() / 2, work);
+        stepper.state_mut().copy_from_slice(y);
+        March {
+            control: StepControl::new(stepper.control()),
+            stiffness: StiffnessDetector::new(stepper.control().stiff),
+            jumps: JumpDetector::new(0.0),
+            stepper,
+            pace,
+            clock: Clock::new(t),
+            h: 0.0,
+            work: Work::default(),
+            max_steps: u64::MAX,
+            compensated: true,
+            watch: None,
+        }
+    }
+
+    /// Fails beyond so many steps.
+    pub fn limit(mut self, max_steps: u64) -> Self {
+        self.max_steps = max_steps;
+        self
+    }
+
+    /// Adds what rounding takes from a step to the next one, or not.
+    pub fn compensate(mut self, compensated: bool) -> Self {
+        self.compensated = compensated;
+        self
+    }
+
+    /// The present time, s.
+    pub fn time(&self) -> f64 {
+        self.clock.now()
+    }
+
+    /// The present state.
+    pub fn state(&self) -> Reached<'_> {
+        self.stepper.start()
+    }
+
+    /// The present state [q; q'], to be changed before the march begins anew.
+    pub fn state_mut(&mut self) -> &mut [f64] {
+        self.stepper.state_mut()
+    }
+
+    /// True where dense output costs no evaluation.
+    pub fn dense_is_free(&self) -> bool {
+        self.stepper.dense_is_free()
+    }
+
+    /// Work done so far.
+    pub fn work(&self) -> Work {
+        let counters = self.stepper.counters();
+        Work {
+            evaluations: counters.evaluations,
+            jacobians: counters.jacobians,
+            factorizations: counters.factorizations,
+            ..self.work
+        }
+    }
+
+    /// Begins at the present state a motion that goes on to `until` at most: watches it, chooses the modes.
+    pub fn begin(&mut self, system: &mut dyn System, until: f64) -> Result<(), Cause> {
+        let now = self.clock.now();
+        finite(system, self.stepper.start().y, 0)?;
+        self.jumps = JumpDetector::new(until - now);
+        self.watch = Watch::new(system, (now, until), self.stepper.start().y);
+        if let Some(watch) = &mut self.watch {
+            watch.begin(system, now, self.stepper.start().y)?;
+        }
+        self.begin_anew(system)
+    }
+
+    /// Goes on to `until`, or to an event that stops; tells `progress` the time after every step.
+    pub fn advance(
+        &mut self,
+        system: &mut dyn System,
+        until: f64,
+        recorder: &mut Recorder,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<Halt, Cause> {
+        while self.clock.now() < until {
+            let stop = self.watch.as_ref().map_or(until, |watch| watch.next_stop(until));
+            let step = self.attempt(system, stop)?;
+            self.look_for_stiffness(step, recorder);
+            let halt = match self.watch.take() {
+                None => self.keep(system, step, recorder).map(|()| Halt::Arrived),
+                Some(mut watch) => {
+                    let outcome = self.watched(system, step, &mut watch, recorder);
+                    self.watch = Some(watch);
+                    outcome
+                }
+            };
+            progress(self.clock.now());
+            if halt? == Halt::Event {
+                return Ok(Halt::Event);
+            }
+        }
+        Ok(Halt::Arrived)
+    }
+
+    /// Writes down and takes a step that nothing can interrupt.
+    fn keep(&mut self, system: &dyn System, step: Step, recorder: &mut Recorder) -> Result<(), Cause> {
+        let dense = recorder.wants_dense(step.next);
+        if dense {
+            self.dense(system, step)?;
+        }
+        let segment = dense.then(|| self.segment(step));
+        recorder.accept(system, segment.as_ref(), step.next, self.stepper.end())?;
+        self.commit(step);
+        Ok(())
+    }
+
+    /// Begins anew after the equations changed on the way.
+    fn restart(&mut self, system: &dyn System, recorder: &mut Recorder) -> Result<(), Cause> {
+        self.begin_anew(system)?;
+        recorder.restart(system, self.clock.now(), self.stepper.start());
+        Ok(())
+    }
+
+    fn begin_anew(&mut self, system: &dyn System) -> Result<(), Cause> {
+        self.h = 0.0;
+        self.control = StepControl::new(self.stepper.control());
+        self.jumps.restart();
+        self.stepper.begin(system, self.clock.now()).map_err(|setback| setback.cause(system.description()))?;
+        finite(system, self.stepper.start().rate, 1)
+    }
+
+    /// Computes dense output of the step that was tried.
+    fn dense(&mut self, system: &dyn System, step: Step) -> Result<(), Cause> {
+        let computed = self.stepper.dense(system, self.clock.now(), step.h);
+        computed.map_err(|setback| setback.cause(system.description()))
+    }
+
+    fn segment(&self, step: Step) -> Segment<'_> {
+        self.stepper.segment(self.clock.now(), step.h)
+    }
+
+    /// Tries steps until one is good.
+    fn attempt(&mut self, system: &dyn System, stop: f64) -> Result<Step, Cause> {
+        if self.work.steps >= self.max_steps {
+            return Err(Cause::TooManySteps { limit: self.max_steps });
+        }
+        let now = self.clock.now();
+        if self.h == 0.0 {
+            self.h = self.first(system, stop - now).map_err(|setback| setback.cause(system.description()))?;
+        }
+        loop {
+            let step = self.plan(stop);
+            let Step { h, next, lands } = step;
+            if next <= now {
+                return Err(match self.pace {
+                    Pace::Fixed(h) => Cause::StepBelowResolution { h },
+                    Pace::Adaptive { .. } => Cause::StepTooSmall { h },
+                });
+            }
+            let outcome = self.try_step(system, step, false);
+            match &self.pace {
+                Pace::Fixed(_) => {
+                    let error = outcome.map_err(|setback| setback.cause(system.description()))?;
+                    self.all_finite(system, error)?;
+                    return Ok(step);
+                }
+                Pace::Adaptive { .. } => {
+                    let error = *outcome.as_ref().unwrap_or(&f64::NAN);
+                    if error <= 1.0 {
+                        self.look_for_jumps(system, step)?;
+                        let proposal = self.control.accepted(h, error);
+                        // A step cut short by a stop says nothing against the longer one before it.
+                        self.h = if lands { proposal.max(self.h) } else { proposal };
+                        return Ok(step);
+                    }
+                    self.work.rejected += 1;
+                    self.h = self.control.rejected(h, error);
+                    if self.h < 16.0 * f64::EPSILON * now.abs() || self.h < f64::MIN_POSITIVE / f64::EPSILON {
+                        outcome.map_err(|setback| setback.cause(system.description()))?;
+                        self.all_finite(system, error)?;
+                        return Err(Cause::StepTooSmall { h: self.h });
+                    }
+                }
+            }
+        }
+    }
+
+    /// Refuses a step whose end, or the rate there, is not finite.
+    fn all_finite(&self, system: &dyn System, error: f64) -> Result<(), Cause> {
+        let end = self.stepper.end();
+        finite(system, end.y, 0)?;
+        if error.is_nan() { finite(system, end.rate, 1) } else { Ok(()) }
+    }
+
+    /// The next step to try.
+    fn plan(&self, stop: f64) -> Step {
+        let now = self.clock.now();
+        let left = stop - now;
+        match &self.pace {
+            Pace::Fixed(h) => {
+                let next = self.clock.after_equal_step(*h);
+                if next >= stop - 1e-9 * h {
+                    Step { h: left, next: stop, lands: true }
+                } else {
+                    Step { h: *h, next, lands: false }
+                }
+            }
+            Pace::Adaptive { longest, .. } => {
+                let h = self.h.min(*longest);
+                if left <= 1.01 * h {
+                    Step { h: left, next: stop, lands: true }
+                } else {
+                    let h = if left < 2.0 * h { 0.5 * left } else { h };
+                    Step { h, next: self.clock.after(h), lands: false }
+                }
+            }
+        }
+    }
+
+    /// Tries a step, and returns its error; the rate at its end is there if it is good, or `whatever` its error.
+    fn try_step(&mut self, system: &dyn System, step: Step, whatever: bool) -> Result<f64, Setback> {
+        let tolerance = match &self.pace {
+            Pace::Fixed(_) => None,
+            Pace::Adaptive { tolerance, .. } => Some(tolerance),
+        };
+        let trial = Trial { t: self.clock.now(), h: step.h, next: step.next, tolerance, whatever };
+        self.stepper.attempt(system, trial)
+    }
+
+    /// Takes the step that was tried.
+    fn commit(&mut self, step: Step) {
+        self.stepper.accept(self.compensated);
+        match self.pace {
+            Pace::Fixed(h) if step.h == h => self.clock.equal_step(h),
+            Pace::Adaptive { .. } if !step.lands => self.clock.step(step.h),
+            _ => self.clock.set(step.next),
+        }
+        self.work.steps += 1;
+    }
+
+    /// Refuses a step across which the acceleration jumps, unless it is time that makes it jump.
+    fn look_for_jumps(&mut self, system: &dyn System, step: Step) -> Result<(), Cause> {
+        let (start, end) = (self.stepper.start(), self.stepper.end());
+        let n = start.y.len() / 2;
+        match self.jumps.observe(step.h, &start.rate[n..], &end.rate[n..]) {
+            None => Ok(()),
+            Some(Upset::Stall) => Err(Cause::StepTooSmall { h: step.h }),
+            Some(Upset::Jump(coordinate)) => {
+                let (before, after) = (start.rate[n + coordinate], end.rate[n + coordinate]);
+                let (end, mut earlier) = (end.y.to_vec(), vec![0.0; 2 * n]);
+                let evaluated = self.stepper.evaluate(system, self.clock.now(), &end, &mut earlier);
+                evaluated.map_err(|setback| setback.cause(system.description()))?;
+                let by_state = (earlier[n + coordinate] - before).abs();
+                if by_state > 0.5 * (after - before).abs() {
+                    return Err(Cause::DirectionLost { coordinate: system.description().coordinate_name(coordinate) });
+                }
+                Ok(())
+            }
+        }
+    }
+
+    /// Warns once the step is limited by stability.
+    fn look_for_stiffness(&mut self, step: Step, recorder: &mut Recorder) {
+        if let Pace::Adaptive { .. } = self.pace {
+            let step_times_rate = self.stepper.stiffness(step.h);
+            if self.stiffness.observe(step_times_rate) {
+                recorder.warn(Warning::Stiff { t: step.next, step_times_rate });
+            }
+        }
+    }
+
+    /// The first step.
+    fn first(&mut self, system: &dyn System, left: f64) -> Result<f64, Setback> {
+        match &self.pace {
+            Pace::Fixed(h) => Ok(*h),
+            Pace::Adaptive { tolerance, longest } => {
+                first_step(&mut *self.stepper, system, self.clock.now(), tolerance, longest.min(left))
+            }
+        }
+    }
+}
+
+/// An error that names the first number that is not finite.
+fn finite(system: &dyn System, y: &[f64], primes: usize) -> Result<(), Cause> {
+    match y.iter().position(|y| !y.is_finite()) {
+        Some(index) => Err(non_finite(system, index, primes)),
+        None => Ok(()),
+    }
+}
+
+/// Names the number of [q; q'] that is not finite, `primes` derivatives of it being meant.
+fn non_finite(system: &dyn System, index: usize, primes: usize) -> Cause {
+    let n = system.len().max(1);
+    let name = system.description().coordinate_name(index % n);
+    Cause::NonFinite { what: format!("`{name}{}`", "'".repeat(index / n + primes)) }
+}

@@ -1,0 +1,323 @@
+//! A model file that nobody compiled, as a [`System`].
+
+use dalembert_symbolic::derive::SwitchKind as SymbolicSwitchKind;
+use dalembert_symbolic::interpret::{self, Function, Interpreter};
+use dalembert_symbolic::lower::{Entry, MomentumSystem, Program};
+use dalembert_symbolic::model::{EventAction, Shape as SymbolicShape};
+use dalembert_symbolic::{model, print};
+
+use super::balances::put_reactions;
+use super::{
+    Action, At, Balance, BalanceSystem, Balances, Coordinate, Counts, Description, Direction, Energy, Event, List,
+    Parameter, Quantity, Scene, Shape, Signal, Singular, SingularMass, Structure, Switch, SwitchKind, System, Text,
+};
+
+/// An interpreted mechanism.
+#[derive(Clone)]
+pub struct Interpreted {
+    interpreter: Interpreter,
+    description: Description,
+    signals: Vec<Option<Signal>>,
+    derivation: Option<usize>,
+}
+
+impl Interpreted {
+    /// From a program and the text of its model file.
+    pub fn new(program: Program, source: &str) -> Self {
+        let description = describe(&program, source);
+        let signals = vec![None; program.model.inputs.len()];
+        Interpreted { interpreter: Interpreter::new(program), description, signals, derivation: None }
+    }
+
+    fn evaluate(&self, function: Function, at: At<'_>, values: &mut [f64]) {
+        let u = self.input_values(at.t);
+        self.interpreter.evaluate(function, with_inputs(at, &u), values);
+    }
+
+    /// The unknowns of the system of balances in force; `None` without one.
+    fn unknowns(&self, at: At<'_>) -> Option<Result<Vec<f64>, Singular>> {
+        let mut balances = Balances::new(self, self.derivation?)?;
+        balances.evaluate(self, at);
+        let mut unknowns = vec![0.0; balances.size()];
+        Some(balances.solve(&mut unknowns).map(|()| unknowns))
+    }
+
+    fn input_values(&self, t: f64) -> Vec<f64> {
+        let mut u = vec![0.0; 3 * self.signals.len()];
+        self.interpreter.evaluate(Function::Inputs, interpret::At { t, ..interpret::At::default() }, &mut u);
+        for (signal, slot) in self.signals.iter().zip(u.chunks_exact_mut(3)) {
+            if let Some(signal) = signal {
+                slot.copy_from_slice(&signal(t));
+            }
+        }
+        u
+    }
+}
+
+impl System for Interpreted {
+    fn description(&self) -> &Description {
+        &self.description
+    }
+
+    fn accelerations(&self, at: At<'_>, a: &mut [f64]) -> Result<(), Singular> {
+        if let Some(unknowns) = self.unknowns(at) {
+            a.copy_from_slice(&unknowns?[..a.len()]);
+            return Ok(());
+        }
+        let u = self.input_values(at.t);
+        self.interpreter.accelerations(with_inputs(at, &u), a).map_err(|coordinate| SingularMass { coordinate }.into())
+    }
+
+    fn mass_matrix(&self, at: At<'_>, values: &mut [f64]) {
+        self.evaluate(Function::Mass, at, values);
+    }
+
+    fn bias(&self, at: At<'_>, h: &mut [f64]) {
+        self.evaluate(Function::Bias, at, h);
+    }
+
+    fn residual(&self, at: At<'_>, f: &mut [f64]) {
+        self.evaluate(Function::Residual, at, f);
+    }
+
+    fn jacobians(&self, at: At<'_>, dq: &mut [f64], dv: &mut [f64]) {
+        self.evaluate(Function::Stiffness, at, dq);
+        self.evaluate(Function::Damping, at, dv);
+    }
+
+    fn input_jacobian(&self, at: At<'_>, du: &mut [f64]) {
+        self.evaluate(Function::Input, at, du);
+    }
+
+    fn time_jacobian(&self, at: At<'_>, dt: &mut [f64]) {
+        self.evaluate(Function::Time, at, dt);
+    }
+
+    fn time_dependence(&self, at: At<'_>, dt: &mut [f64]) {
+        self.evaluate(Function::TimeDependence, at, dt);
+    }
+
+    fn magnitudes(&self, at: At<'_>, sums: &mut [f64]) {
+        self.evaluate(Function::Magnitudes, at, sums);
+    }
+
+    fn energy(&self, at: At<'_>) -> Energy {
+        let mut values = [0.0; 5];
+        self.evaluate(Function::Energy, at, &mut values);
+        Energy::from_array(values)
+    }
+
+    fn invariants(&self, at: At<'_>, pairs: &mut [f64]) {
+        self.evaluate(Function::Invariants, at, pairs);
+    }
+
+    fn outputs(&self, at: At<'_>, values: &mut [f64]) {
+        self.evaluate(Function::Outputs, at, values);
+        let Some(system) = self.derivation else { return };
+        let pairs = &self.description.balances[system].outputs;
+        if let Some(Ok(unknowns)) = self.unknowns(at).filter(|_| !pairs.is_empty()) {
+            put_reactions(pairs, &unknowns, values);
+        }
+    }
+
+    fn events(&self, at: At<'_>, pairs: &mut [f64]) {
+        self.evaluate(Function::Events, at, pairs);
+    }
+
+    fn switches(&self, at: At<'_>, pairs: &mut [f64]) {
+        self.evaluate(Function::Switches, at, pairs);
+    }
+
+    fn modes(&self) -> &[f64] {
+        &self.interpreter.modes
+    }
+
+    fn set_modes(&mut self, modes: &[f64]) {
+        self.interpreter.modes.copy_from_slice(modes);
+    }
+
+    fn drawing(&self, at: At<'_>, values: &mut [f64]) {
+        self.evaluate(Function::Drawing, at, values);
+    }
+
+    fn parameters(&self) -> Vec<f64> {
+        self.interpreter.parameters.clone()
+    }
+
+    fn set_parameter(&mut self, index: usize, value: f64) {
+        if let Some(parameter) = self.interpreter.parameters.get_mut(index) {
+            *parameter = value;
+        }
+    }
+
+    fn inputs(&self, t: f64, values: &mut [f64]) {
+        values.copy_from_slice(&self.input_values(t));
+    }
+
+    fn set_input(&mut self, index: usize, signal: Signal) {
+        if let Some(slot) = self.signals.get_mut(index) {
+            *slot = Some(signal);
+        }
+    }
+
+    fn scene_parameters(&self, scene: usize) -> Vec<(usize, f64)> {
+        let scenes = &self.interpreter.program().model.scenes;
+        scenes
+            .get(scene)
+            .map_or_else(Vec::new, |s| s.set.iter().map(|(i, id)| (*i, self.interpreter.constant(*id))).collect())
+    }
+
+    fn scene(&self, scene: usize) -> Scene {
+        let scenes = &self.interpreter.program().model.scenes;
+        let scene = &scenes[if scene < scenes.len() { scene } else { 0 }];
+        let value = |id| self.interpreter.constant(id);
+        Scene {
+            q: scene.q.iter().map(|id| value(*id)).collect(),
+            v: scene.v.iter().map(|id| value(*id)).collect(),
+            until: value(scene.until),
+            tolerance: value(scene.tolerance),
+            every: scene.every.map(value),
+        }
+    }
+
+    fn equilibrium_guess(&self) -> Vec<f64> {
+        let guess = &self.interpreter.program().model.equilibrium;
+        guess.iter().map(|id| self.interpreter.constant(*id)).collect()
+    }
+
+    fn balances(&self, system: usize, at: At<'_>, matrix: &mut [f64], right: &mut [f64]) {
+        let u = self.input_values(at.t);
+        self.interpreter.balances(system, with_inputs(at, &u), matrix, right);
+    }
+
+    fn derivation(&self) -> Option<usize> {
+        self.derivation
+    }
+
+    fn set_derivation(&mut self, system: Option<usize>) {
+        if system.is_none_or(|system| system < self.description.balances.len()) {
+            self.derivation = system;
+        }
+    }
+
+    fn boxed_clone(&self) -> Box<dyn System> {
+        Box::new(self.clone())
+    }
+}
+
+fn with_inputs<'a>(at: At<'a>, u: &'a [f64]) -> interpret::At<'a> {
+    interpret::At { t: at.t, u, q: at.q, v: at.v, a: at.a }
+}
+
+/// The description that generated code would have.
+fn describe(program: &Program, source: &str) -> Description {
+    let model = &program.model;
+    let text = |s: &str| Text::Owned(s.to_owned());
+    let unit = |u: &Option<String>| Text::Owned(u.as_deref().map(print::si_unit).unwrap_or_default());
+    let pattern = |entries: &[Entry]| entries.iter().map(|e| (e.0 as u32, e.1 as u32)).collect::<List<(u32, u32)>>();
+    let quantity =
+        |name: &str, n: usize, of: &Option<String>| Quantity { name: text(name), components: n as u32, unit: unit(of) };
+    let s = &program.structure;
+    let c = program.counts;
+    Description {
+        name: text(&model.name),
+        about: text(&model.about),
+        source_hash: print::fnv1a(source),
+        coordinates: model
+            .coordinates
+            .iter()
+            .map(|c| Coordinate { name: text(&c.name), unit: unit(&c.unit) })
+            .collect(),
+        parameters: model
+            .parameters
+            .iter()
+            .map(|p| Parameter { name: text(&p.name), unit: unit(&p.unit), default: p.default })
+            .collect(),
+        derived: model.derived.iter().map(|d| text(&d.name)).collect(),
+        inputs: model.inputs.iter().map(|u| text(&u.name)).collect(),
+        mass_pattern: pattern(&program.mass),
+        stiffness_pattern: pattern(&program.stiffness),
+        damping_pattern: pattern(&program.damping),
+        input_pattern: pattern(&program.input),
+        time_pattern: program.time.iter().map(|e| e.0 as u32).collect(),
+        timed_switches: program.timed_switches.iter().map(|k| *k as u32).collect(),
+        outputs: model.outputs.iter().map(|o| quantity(&o.name, o.value.len(), &o.unit)).collect(),
+        outputs_use_accelerations: program.outputs_use_accelerations(),
+        invariants: model.conserved.iter().map(|i| quantity(&i.name, i.value.len(), &None)).collect(),
+        events: model
+            .events
+            .iter()
+            .map(|e| Event {
+                name: text(&e.name),
+                direction: match e.direction {
+                    1 => Direction::Rising,
+                    -1 => Direction::Falling,
+                    _ => Direction::Both,
+                },
+                conditional: e.condition.is_some(),
+                actions: e
+                    .actions
+                    .iter()
+                    .map(|a| match a {
+                        EventAction::Stop => Action::Stop,
+                        EventAction::Record => Action::Record,
+                    })
+                    .collect(),
+            })
+            .collect(),
+        switches: program
+            .switches
+            .iter()
+            .map(|s| Switch {
+                text: Text::Owned(model::text(model, s.argument)),
+                kind: if s.kind == SymbolicSwitchKind::Sign { SwitchKind::Sign } else { SwitchKind::Step },
+                time_only: s.time_only,
+            })
+            .collect(),
+        scenes: model.scenes.iter().map(|s| text(&s.name)).collect(),
+        draw: model
+            .draw
+            .iter()
+            .map(|shape| match shape {
+                SymbolicShape::Line(points) => Shape::Line(points.len() as u32),
+                SymbolicShape::Circle { .. } => Shape::Circle,
+                SymbolicShape::Spring(..) => Shape::Spring,
+                SymbolicShape::Curve(points) => Shape::Curve(points.len() as u32),
+                SymbolicShape::Trace(name, _) => Shape::Trace(text(name)),
+            })
+            .collect(),
+        balances: program.momentum.iter().map(balances).collect(),
+        structure: Structure {
+            dimension: model.dimension as u32,
+            constant_mass: s.constant_mass,
+            constant_inertias: s.constant_inertias,
+            diagonal_mass: s.diagonal_mass,
+            mass_blocks: s.mass_blocks.iter().map(|b| *b as u32).collect(),
+            linear: s.linear,
+            conservative: s.conservative,
+            time_dependent: s.time_dependent,
+            cyclic: s.cyclic.iter().map(|c| c.0 as u32).collect(),
+        },
+        counts: Counts {
+            mass: c.mass as u32,
+            bias: c.bias as u32,
+            mass_and_bias: c.mass_and_bias as u32,
+            accelerations: c.accelerations as u32,
+            residual: c.residual as u32,
+            jacobians: c.jacobians as u32,
+        },
+    }
+}
+
+fn balances(system: &MomentumSystem) -> BalanceSystem {
+    let text = |s: &String| Text::Owned(s.clone());
+    let balance = |(name, void): &(String, bool)| Balance { name: text(name), void_at_rest: *void };
+    BalanceSystem {
+        name: text(&system.name),
+        unknowns: system.unknowns.iter().map(text).collect(),
+        equations: system.equations.iter().map(balance).collect(),
+        nonzeros: system.matrix.len() as u32,
+        operations: system.operations as u32,
+        outputs: system.outputs.iter().map(|(output, unknown)| (*output as u32, *unknown as u32)).collect(),
+    }
+}

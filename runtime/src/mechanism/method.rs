@@ -1,0 +1,93 @@
+//! The methods by name.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// A method of integration.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Method {
+    /// Euler's method, order 1, fixed step.
+    Euler,
+    /// The explicit midpoint rule, order 2, fixed step.
+    Midpoint,
+    /// The classical Runge–Kutta method, order 4, fixed step.
+    Rk4,
+    /// Dormand and Prince, order 5, with error control; a fixed step if one is given.
+    Dopri5,
+    /// Dormand and Prince, order 8, with error control; a fixed step if one is given.
+    Dop853,
+    /// [`Method::Rk4`] where a step is given; else [`Method::Dop853`], or [`Method::Dopri5`] for
+    /// tolerances above 10⁻⁵.
+    #[default]
+    Auto,
+}
+
+impl Method {
+    /// All methods, as users list them.
+    pub const ALL: [Method; 6] =
+        [Method::Euler, Method::Midpoint, Method::Rk4, Method::Dopri5, Method::Dop853, Method::Auto];
+
+    /// The name: `dop853`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::Euler => "euler",
+            Method::Midpoint => "midpoint",
+            Method::Rk4 => "rk4",
+            Method::Dopri5 => "dopri5",
+            Method::Dop853 => "dop853",
+            Method::Auto => "auto",
+        }
+    }
+
+    /// True when the method chooses its steps itself.
+    pub fn is_adaptive(self) -> bool {
+        matches!(self, Method::Dopri5 | Method::Dop853 | Method::Auto)
+    }
+
+    /// The method that `auto` stands for.
+    pub fn resolve(self, step: Option<f64>, tolerance: f64) -> Method {
+        match (self, step) {
+            (Method::Auto, Some(_)) => Method::Rk4,
+            (Method::Auto, None) if tolerance > 1e-5 => Method::Dopri5,
+            (Method::Auto, None) => Method::Dop853,
+            (method, _) => method,
+        }
+    }
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// No method has this name.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ParseMethodError {
+    /// The name.
+    pub name: String,
+}
+
+impl fmt::Display for ParseMethodError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "unknown method `{}`; known are", self.name)?;
+        for method in Method::ALL {
+            write!(f, " {method}")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for ParseMethodError {}
+
+impl FromStr for Method {
+    type Err = ParseMethodError;
+
+    fn from_str(name: &str) -> Result<Self, ParseMethodError> {
+        Method::ALL
+            .into_iter()
+            .find(|method| method.name() == name)
+            .ok_or_else(|| ParseMethodError { name: name.to_owned() })
+    }
+}

@@ -1,0 +1,64 @@
+//! Where there are no accelerations.
+
+use super::Description;
+use crate::cause::Cause;
+
+/// M has no inverse: this coordinate's pivot vanishes to rounding, or is not finite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SingularMass {
+    /// Index of the coordinate.
+    pub coordinate: usize,
+}
+
+/// There are no accelerations at a state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Singular {
+    /// M has no inverse.
+    Mass(SingularMass),
+    /// An equation of a system of balances has no unknowns, as that of power has at rest.
+    VoidBalance {
+        /// Index of the system.
+        system: usize,
+        /// Index of the equation.
+        equation: usize,
+    },
+    /// A system of balances does not determine an unknown.
+    Balances {
+        /// Index of the system.
+        system: usize,
+        /// Index of the unknown.
+        unknown: usize,
+    },
+}
+
+impl From<SingularMass> for Singular {
+    fn from(fault: SingularMass) -> Self {
+        Singular::Mass(fault)
+    }
+}
+
+impl Singular {
+    /// The end of a run that came to such a state, with the names that the mechanism gives.
+    pub(crate) fn cause(self, mechanism: &Description) -> Cause {
+        let systems = &mechanism.balances;
+        let name = |system: usize| systems.get(system).map_or_else(String::new, |s| s.name.to_string());
+        match self {
+            Singular::Mass(SingularMass { coordinate }) => {
+                Cause::SingularMass { coordinate: mechanism.coordinate_name(coordinate) }
+            }
+            Singular::VoidBalance { system, equation } => {
+                let balance = systems.get(system).and_then(|s| s.equations.get(equation));
+                Cause::VoidBalance {
+                    system: name(system),
+                    balance: balance.map_or_else(|| format!("equation {}", equation + 1), |b| b.name.to_string()),
+                    at_rest: balance.is_some_and(|b| b.void_at_rest),
+                }
+            }
+            Singular::Balances { system, unknown } => {
+                let known = systems.get(system).and_then(|s| s.unknowns.get(unknown));
+                let unknown = known.map_or_else(|| format!("unknown {}", unknown + 1), ToString::to_string);
+                Cause::SingularBalances { system: name(system), unknown }
+            }
+        }
+    }
+}

@@ -1,0 +1,288 @@
+//! The command `modes` where small motions are easily misjudged: each case beside a neighbour that must be left alone.
+#![cfg(all(feature = "cli", feature = "modal"))]
+
+use serde_json::Value;
+
+/// What the program writes as JSON for the text of a model file, or its complaint.
+fn run(name: &str, text: &str, options: &[&str]) -> Result<Value, String> {
+    let written = words(name, text, &[options, &["--json"]].concat())?;
+    Ok(serde_json::from_str(&written).unwrap())
+}
+
+/// What it writes for people.
+fn words(name: &str, text: &str, options: &[&str]) -> Result<String, String> {
+    let path = std::env::temp_dir().join(format!("dalembert-small-{name}-{}.yaml", std::process::id()));
+    std::fs::write(&path, text).unwrap();
+    let mut arguments = vec!["dalembert", "modes", path.to_str().unwrap()];
+    arguments.extend(options);
+    let mut out = Vec::new();
+    let result = dalembert::cli::run(&[], arguments, &mut out);
+    std::fs::remove_file(&path).unwrap();
+    result.map(|()| String::from_utf8(out).unwrap()).map_err(|problem| problem.to_string())
+}
+
+fn library(model: &str) -> String {
+    std::fs::read_to_string(format!("{}/../models/{model}.yaml", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+fn omegas(found: &Value) -> Vec<f64> {
+    found["modes"].as_array().unwrap().iter().map(|mode| mode["omega"].as_f64().unwrap()).collect()
+}
+
+fn kinds(found: &Value) -> Vec<&str> {
+    found["modes"].as_array().unwrap().iter().map(|mode| mode["kind"].as_str().unwrap()).collect()
+}
+
+fn names(found: &Value) -> Vec<&str> {
+    found["modes"].as_array().unwrap().iter().filter_map(|mode| mode["name"].as_str()).collect()
+}
+
+/// (value, kind) of all limits of `--vary`.
+fn limits(found: &Value) -> Vec<(f64, &str)> {
+    let list = found["locus"]["limits"].as_array().unwrap();
+    list.iter().map(|limit| (limit["value"].as_f64().unwrap(), limit["kind"].as_str().unwrap())).collect()
+}
+
+fn contains(text: &str, parts: &[&str]) {
+    parts.iter().for_each(|part| assert!(text.contains(part), "{part:?} is not in\n{text}"));
+}
+
+fn close(a: f64, b: f64, tolerance: f64) {
+    assert!((a - b).abs() <= tolerance * b.abs(), "{a} is not {b}");
+}
+
+const SOFT_BESIDE_STIFF: &str = "name: Eq\nparameters: {k1: 1e12 N/m, k2: 1e-3 N/m, F: 0.05 N, m: 1 kg}\n\
+    coordinates: {x: m, y: m}\nkinetic_energy: m*(x'^2 + y'^2)/2\npotential_energy: k1*x^2/2 + k2*y^2/2\n\
+    generalized_forces: {y: F}\n";
+
+/// A force of 0.05 N on a spring of 1e-3 N/m beside one of 1e12 N/m; without the soft spring it is not balanced, and
+/// without the force too the direction is free.
+#[test]
+fn a_small_force_beside_a_stiff_spring_is_not_forgiven() {
+    let found = run("soft", SOFT_BESIDE_STIFF, &[]).unwrap();
+    close(found["equilibrium"]["y"].as_f64().unwrap(), 50.0, 1e-14);
+    assert_eq!(kinds(&found), ["oscillating"; 2]);
+    close(omegas(&found)[0], 1e-3_f64.sqrt(), 1e-14);
+    let refused = run("loose", SOFT_BESIDE_STIFF, &["--set", "k2=0"]).unwrap_err();
+    contains(&refused, &["no equilibrium found", "y: -0.05 N"]);
+    let free = run("free", SOFT_BESIDE_STIFF, &["--set", "k2=0", "--set", "F=0"]).unwrap();
+    assert_eq!(kinds(&free), ["rigid", "oscillating"]);
+    let here = run("here", SOFT_BESIDE_STIFF, &["--at", "y=49", "--here"]).unwrap_err();
+    contains(&here, &["no equilibrium: the residual force is", "y: -0.001 N"]);
+}
+
+fn pull_in(factor: f64) -> String {
+    // Pull-in at 4 k d³/27.
+    format!(
+        "name: PullIn\nparameters: {{m: 1e-15 kg, k: 1 N/m, d: 1e-9 m, a: {:e} J*m}}\ncoordinates: {{x: m}}\n\
+         bodies: {{tip: {{mass: m, position: \"[x, 0]\"}}}}\n\
+         springs: {{s: {{stretch: x, stiffness: k, along: \"[1, 0]\", on: tip}}}}\npotential_energy: -a/(d - x)\n\
+         sample: {{x: [-0.5*d, 0.5*d]}}\nequilibrium: {{x: 0}}\nscene: {{start: {{x: 0}}, until: 1e-6}}\n",
+        factor * 4e-27 / 27.0
+    )
+}
+
+/// Beyond pull-in nothing balances at a nanometre gap, a hair below it something does.
+#[test]
+fn an_equilibrium_that_does_not_exist_is_refused() {
+    for factor in [1.1, 1.001, 1.000_001] {
+        let refused = run("pulled", &pull_in(factor), &[]).unwrap_err();
+        contains(&refused, &["no equilibrium"]);
+    }
+    for factor in [0.9, 0.999, 0.999_999] {
+        let found = run("held", &pull_in(factor), &[]).unwrap();
+        let x = found["equilibrium"]["x"].as_f64().unwrap() / 1e-9;
+        close(x * (1.0 - x) * (1.0 - x), factor * 4.0 / 27.0, 1e-12);
+        assert!(x < 1.0 / 3.0);
+    }
+    // Followed from below, the branch folds back at pull-in.
+    let found = run("folded", &pull_in(0.5), &["--vary", "a=0..2e-28"]).unwrap();
+    let (value, kind) = limits(&found)[0];
+    assert_eq!(kind, "fold");
+    close(value, 4e-27 / 27.0 * 1.0, 1e-8);
+}
+
+/// Numbers in SI have units in SI, whatever prefixes the file has.
+#[test]
+fn units_belong_to_their_numbers() {
+    let mm = "name: Mm\nparameters: {m: 2 kg, k: 300 N/mm, phi0: 30 deg}\ncoordinates: {x: mm}\n\
+              bodies: {b: {mass: m, position: \"[x, 0]\"}}\n\
+              springs: {s: {between: [ground_, b], stiffness: k, rest: 0}}\npoints: {ground_: [0, 0]}\n";
+    let shaken = words("mm", mm, &["--drive", "x", "--omega", "100"]).unwrap();
+    // 1 N on 3e5 - 2e4 N/m.
+    contains(&shaken, &["3.57143e-6 m", "15.9155 Hz"]);
+    assert!(!shaken.contains("mm"), "{shaken}");
+    let varied = words("varied", mm, &["--vary", "k=100 N/mm..400 N/mm"]).unwrap();
+    contains(&varied, &["k = 100000 N/m", "k = 400000 N/m"]);
+    let grams = "name: U\nparameters: {m: 200 g, k: 200 N/m}\ncoordinates: {x: mm}\nkinetic_energy: m*x'^2/2\n\
+                 potential_energy: k*x^2/2\n";
+    contains(&words("grams", grams, &["--vary", "m=100 g..1 kg"]).unwrap(), &["m = 0.1 kg", "m = 1 kg"]);
+    // Units without prefixes stay as they are written.
+    let plain = words("plain", &grams.replace("mm", "m"), &["--drive", "x", "--omega", "1"]).unwrap();
+    contains(&plain, &["amplitude", " m "]);
+}
+
+const HOOP: &str = "name: Hoop\nparameters: {m: 1 kg, R: 1 m, g: 9.81 m/s^2, W: 1 rad/s}\ncoordinates: {theta: rad}\n\
+    points: {p: \"R*[sin(theta)*cos(W*t), sin(theta)*sin(W*t), -cos(theta)]\"}\n\
+    bodies: {bead: {mass: m, position: p}}\ngravity: [0, 0, -g]\nscene: {start: {theta: 0.1}, until: 10}\n";
+
+/// The branch aside ends where it meets the bottom, and that is said; the bottom itself is followed through.
+#[test]
+fn a_branch_that_ends_is_left_aloud() {
+    let critical = 9.81_f64.sqrt();
+    let found = run("hoop", HOOP, &["--set", "W=6", "--at", "theta=1", "--vary", "W=1..6"]).unwrap();
+    let (value, kind) = limits(&found)[0];
+    assert_eq!(kind, "bifurcation");
+    close(value, critical, 1e-8);
+    let changes = found["locus"]["changes"].as_array().unwrap();
+    assert_eq!(changes.len(), 1);
+    for step in found["locus"]["steps"].as_array().unwrap() {
+        let [w, theta] = [&step["value"], &step["equilibrium"]["theta"]].map(|x| x.as_f64().unwrap());
+        let expected = if w > critical { (9.81 / (w * w)).acos() } else { 0.0 };
+        assert!((theta.abs() - expected).abs() < 1e-6, "{w} {theta} {expected}");
+    }
+    let bottom = run("bottom", HOOP, &["--vary", "W=1..6"]).unwrap();
+    assert!(bottom["locus"]["changes"].as_array().unwrap().is_empty());
+    let (value, kind) = limits(&bottom)[0];
+    assert!(kind == "divergence" && limits(&bottom).len() == 1);
+    close(value, critical, 1e-8);
+}
+
+/// Time that cancels is no obstacle; a pulse far away, a stiffness that swings where it pushes nothing, and a step are.
+#[test]
+fn what_depends_on_time_is_not_taken_for_constant() {
+    assert!(run("turning", HOOP, &[]).is_ok());
+    let block = |force: &str| {
+        format!(
+            "name: Block\nparameters: {{m: 1 kg, k: 4 N/m, F: 1 N, T: 1 s, kappa: 1 N/m}}\ncoordinates: {{x: m}}\n\
+             kinetic_energy: m*x'^2/2\npotential_energy: k*x^2/2\ngeneralized_forces: {{x: \"{force}\"}}\n"
+        )
+    };
+    for (name, force) in [
+        ("pulse", "F*exp(-((t - 700*T)/T)^2)"),
+        ("mathieu", "-kappa*x*cos(t/T)"),
+        ("step", "F*step(t - 100*T)"),
+        ("slow", "F*tanh((t - 1e4*T)/T)"),
+    ] {
+        contains(&run(name, &block(force), &[]).unwrap_err(), &["depends on time"]);
+    }
+    // Parameters may take time out of the equations.
+    assert!(run("still", &block("F*exp(-((t - 700*T)/T)^2)"), &["--set", "F=0"]).is_ok());
+    assert!(run("constant", &block("F"), &[]).is_ok());
+}
+
+/// Two frequencies pass each other with a force that couples them: a window of flutter 0.004 wide in a range of 1.5.
+#[test]
+fn narrow_windows_of_flutter_are_found() {
+    let text = "name: Flut\nparameters: {s: 1, e: 1e-3}\ncoordinates: {x: 1, y: 1}\nkinetic_energy: (x'^2+y'^2)/2\n\
+                potential_energy: (x^2+s*y^2)/2\ngeneralized_forces: {x: -e*y, y: e*x}\nequilibrium: {x: 0, y: 0}\n";
+    let found = run("flutter", text, &["--vary", "s=0.5..2.01"]).unwrap();
+    let limits = limits(&found);
+    assert!(limits.len() == 2 && limits.iter().all(|limit| limit.1 == "flutter"), "{limits:?}");
+    close(limits[0].0, 0.998, 1e-8);
+    close(limits[1].0, 1.002, 1e-8);
+    let apart = run("apart", text, &["--set", "e=0", "--vary", "s=0.5..2.01"]).unwrap();
+    assert!(apart["locus"]["limits"].as_array().unwrap().is_empty());
+}
+
+/// Two equal frequencies with one shape: x grows like t, which is said; with two shapes it does not.
+#[test]
+fn secular_pairs_are_named_and_counted() {
+    let text = |force: &str| {
+        format!(
+            "name: D\nparameters: {{m: 1}}\ncoordinates: {{x: 1, y: 1}}\nkinetic_energy: m*(x'^2+y'^2)/2\n\
+             potential_energy: (x^2+y^2)/2\ngeneralized_forces: {{x: {force}}}\n"
+        )
+    };
+    let found = run("secular", &text("y"), &[]).unwrap();
+    assert_eq!(found["modes"].as_array().unwrap().iter().filter(|mode| mode["secular"] == true).count(), 2);
+    assert_eq!(kinds(&found), ["oscillating"; 2]);
+    omegas(&found).iter().for_each(|omega| close(*omega, 1.0, 1e-14));
+    contains(&words("told", &text("y"), &[]).unwrap(), &["secular: with a factor A + B t"]);
+    let plain = run("plain", &text("0*y"), &[]).unwrap();
+    assert!(plain["modes"].as_array().unwrap().iter().all(|mode| mode["secular"].is_null()));
+}
+
+/// What no damper feels is undamped; what one feels a little is damped a little.
+#[test]
+fn an_undamped_mode_is_undamped() {
+    let text = |extra: &str| {
+        format!(
+            "name: Z\nparameters: {{m: 1, k: 4, c: 0.1, e: 1e-20}}\ncoordinates: {{x: 1, y: 1, z: 1}}\n\
+             kinetic_energy: m*(x'^2 + y'^2 + z'^2)/2\n\
+             potential_energy: k*(3*x^2 + 2.3*y^2 + 2.1*z^2 - 2*y*z)/2\ndissipation: c*x'^2/2{extra}\n"
+        )
+    };
+    let found = run("zeta", &text(""), &[]).unwrap();
+    assert_eq!(kinds(&found), ["oscillating", "damped", "oscillating"]);
+    let felt = run("felt", &text(" + e*(y'^2 + z'^2)/2"), &[]).unwrap();
+    assert_eq!(kinds(&felt), ["damped"; 3]);
+    let mode = &felt["modes"][0];
+    // ζ = e/(2 m ω), far below what rounding leaves of λ.
+    close(mode["zeta"].as_f64().unwrap(), 1e-20 / (2.0 * mode["omega"].as_f64().unwrap()), 1e-9);
+}
+
+/// Rigid motions and mechanisms each have their own basis and name.
+#[test]
+fn rigid_motions_are_told_from_mechanisms() {
+    let found = run("hexagon", &library("hexagon_springs"), &[]).unwrap();
+    let expected = [
+        "translation along x",
+        "translation along y",
+        "rotation about the centre of mass",
+        "mechanism 1",
+        "mechanism 2",
+        "mechanism 3",
+    ];
+    assert_eq!(names(&found), expected);
+    let shape = |k: usize| -> Vec<f64> {
+        found["modes"][k]["shape"].as_array().unwrap().iter().map(|x| x[0].as_f64().unwrap()).collect()
+    };
+    // Masses of 1 kg: shapes are orthonormal; all x alike in a translation along x.
+    for a in 0..6 {
+        for b in 0..=a {
+            let product: f64 = shape(a).iter().zip(shape(b)).map(|(x, y)| x * y).sum();
+            assert!((product - f64::from(u8::from(a == b))).abs() < 1e-12, "{a} {b}: {product}");
+        }
+    }
+    let along = shape(0);
+    assert!(along[..6].iter().all(|x| (x - 1.0 / 6.0_f64.sqrt()).abs() < 1e-12));
+    assert!(along[6..].iter().all(|y| y.abs() < 1e-12));
+    assert_eq!(names(&run("chain", &library("free_chain"), &[]).unwrap()), ["translation along x"]);
+    assert_eq!(names(&run("cart", &library("cart_pendulum"), &[]).unwrap()), ["translation along x"]);
+    let square = run("square", &library("square_springs"), &[]).unwrap();
+    assert_eq!(names(&square)[3..], ["mechanism 1"]);
+}
+
+/// The governor, two bodies on a circle, and a bead on a hoop that turns freely: steady motions with the scene's rates.
+#[test]
+fn steady_motions_are_found_and_have_modes() {
+    let governor = "name: Governor\nparameters: {m: 1 kg, l: 1 m, J: 0.5 kg*m^2, g: 9.81 m/s^2, W: 5 rad/s}\n\
+        coordinates: {theta: rad, phi: rad}\n\
+        kinetic_energy: m*l^2*(theta'^2 + sin(theta)^2*phi'^2)/2 + J*phi'^2/2\n\
+        potential_energy: -m*g*l*cos(theta)\nscene: {start: {theta: 1, phi': W}, until: 1}\n";
+    let found = run("governor", governor, &["--steady"]).unwrap();
+    let (w, cosine) = (5.0_f64, 9.81 / 25.0);
+    close(found["equilibrium"]["theta"].as_f64().unwrap(), cosine.acos(), 1e-12);
+    assert_eq!(kinds(&found), ["rigid", "oscillating"]);
+    // ω² = W² sin²θ + (2 W sinθ cosθ)²/(J/(m l²) + sin²θ): by hand, from the reduced equation.
+    let sine2 = 1.0 - cosine * cosine;
+    close(omegas(&found)[1].powi(2), w * w * sine2 + 4.0 * w * w * sine2 * cosine * cosine / (0.5 + sine2), 1e-12);
+    // Two bodies: r'' = r φ'² − G M/r²; radial oscillations at the orbit's own rate.
+    let orbit = "name: Orbit\nparameters: {mu: 2 kg, K: 8 N*m^2, W: 2 rad/s}\ncoordinates: {r: m, phi: rad}\n\
+        kinetic_energy: mu*(r'^2 + r^2*phi'^2)/2\npotential_energy: -K/r\nsample: {r: [0.5, 2]}\n\
+        scene: {start: {r: 1.1, phi': W}, until: 1}\n";
+    let found = run("orbit", orbit, &["--steady"]).unwrap();
+    close(found["equilibrium"]["r"].as_f64().unwrap(), 1.0, 1e-12);
+    close(omegas(&found)[1], 2.0, 1e-12);
+    // The bottom of a hoop that turns at W, with the speed given by hand: stable for g > W² l.
+    let bottom = |g: &str| run("hoop", governor, &["--at", "phi'=5", "--at", "theta=0", "--set", g]).unwrap();
+    assert_eq!(kinds(&bottom("g=26")), ["rigid", "oscillating"]);
+    assert_eq!(kinds(&bottom("g=24"))[0], "unstable");
+    let varied = run("varied", governor, &["--at", "phi'=5", "--at", "theta=0", "--vary", "g=20..30"]).unwrap();
+    let limits = limits(&varied);
+    assert!(limits.len() == 1, "{limits:?}");
+    close(limits[0].0, 25.0, 1e-8);
+    let refused = words("none", SOFT_BESIDE_STIFF, &["--steady"]).unwrap_err();
+    contains(&refused, &["has no cyclic coordinate"]);
+}

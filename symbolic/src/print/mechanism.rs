@@ -1,0 +1,199 @@
+//! The implementation of `Mechanism`, function by function.
+
+use std::fmt::Write;
+
+use super::body::{Bodies, Use};
+use super::description::description;
+use super::function::{Function, Target, argument, stores};
+use super::parameters::field;
+use super::words::comment;
+use super::{momentum, scenes};
+use crate::expr::Id;
+use crate::lower::{Accelerations, Entry, Program};
+use crate::model::text;
+
+/// Everything that the functions of one mechanism are printed with.
+pub(super) struct Mechanism<'a> {
+    pub program: &'a Program,
+    /// For functions that have the block of constants.
+    pub bodies: Bodies<'a>,
+    /// For those that compute it, or do without.
+    pub unhoisted: Bodies<'a>,
+    /// What the block of constants holds after the parameters.
+    pub constants: &'a [Id],
+    /// The size of that block.
+    pub block: usize,
+}
+
+impl Mechanism<'_> {
+    /// `impl Mechanism for NAME { … }`.
+    pub fn text(&self, source: &str, name: &str) -> String {
+        let program = self.program;
+        let n = program.model.coordinates.len();
+        let mut out = format!(
+            "impl ::dalembert::mechanism::Mechanism<{n}, 0> for {name} {{
+    type Constants<S: ::dalembert::mechanism::Real> = [S; {}];
+    type Inputs<S: ::dalembert::mechanism::Real> = [S; {}];
+    type Balances = [f64; {}];
+    const MODES: usize = {};
+
+    fn description() -> &'static ::dalembert::mechanism::Description {{
+        use ::dalembert::mechanism;
+        static DESCRIPTION: mechanism::Description = mechanism::Description {{
+{}        }};
+        &DESCRIPTION
+    }}
+",
+            self.block,
+            3 * program.model.inputs.len(),
+            momentum::block(program),
+            program.switches.len(),
+            description(program, source)
+        );
+        out += &self.constants_function();
+        out += &self.inputs();
+        for function in self.functions(n) {
+            out += &function.text(&self.bodies, "    ");
+        }
+        out += &self.accelerations(n).text(&self.bodies, "    ");
+        out += &momentum::balances(program, &self.bodies, self.block);
+        out += &self.parameters();
+        out += &scenes::scenes(program, &self.unhoisted);
+        out + "}\n"
+    }
+
+    fn constants_function(&self) -> String {
+        let model = &self.program.model;
+        let count = model.parameters.len();
+        let mut lines = String::new();
+        for (k, parameter) in model.parameters.iter().enumerate() {
+            let _ = writeln!(lines, "        c[{k}] = S::gather(|i| lane(i).{});", field(parameter));
+        }
+        for k in self.block - self.program.switches.len()..self.block {
+            let _ = writeln!(lines, "        c[{k}] = S::ratio(1.0, 1.0);");
+        }
+        for (k, id) in self.constants.iter().enumerate() {
+            lines += &comment(&format!("c[{}] = {}", count + k, text(model, *id)), "        ");
+        }
+        let uses: Vec<Use> =
+            self.constants.iter().enumerate().map(|(k, id)| Use::Store(format!("c[{}]", count + k), *id)).collect();
+        let lines = lines + &self.unhoisted.body(&uses, "        ").lines;
+        let lane = argument("lane", "impl ::core::ops::Fn(usize) -> Self", count > 0);
+        let body = block_of("c", self.block, &lines);
+        format!("\n    fn constants<S: ::dalembert::mechanism::Real>({lane}) -> Self::Constants<S> {{\n{body}    }}\n")
+    }
+
+    fn inputs(&self) -> String {
+        let signals: Vec<Id> = self.program.model.inputs.iter().flat_map(|u| u.signal).collect();
+        let body = self.bodies.body(&stores("out", &signals), "        ");
+        let (c, t) = (argument("c", "&Self::Constants<S>", body.reads.constants), argument("t", "S", body.reads.time));
+        let body = block_of("out", signals.len(), &body.lines);
+        format!("\n    fn inputs<S: ::dalembert::mechanism::Real>({c}, {t}) -> Self::Inputs<S> {{\n{body}    }}\n")
+    }
+
+    /// Functions of the state that write what they compute.
+    fn functions(&self, n: usize) -> Vec<Function<'static>> {
+        let program = self.program;
+        let values = |list: &[Entry]| list.iter().map(|e| e.2).collect::<Vec<_>>();
+        let slice = |name, used| Target { name, kind: "&mut [S]".to_owned(), used };
+        let array = |used| Target { name: "out", kind: format!("&mut [S; {n}]"), used };
+        let into_slice = |name, state, list: &[Id]| Function {
+            name,
+            state,
+            targets: vec![slice("out", !list.is_empty())],
+            uses: stores("out", list),
+            ..Function::default()
+        };
+        let into_array = |name, state, list: &[Id]| Function {
+            name,
+            state,
+            targets: vec![array(!list.is_empty())],
+            uses: stores("out", list),
+            ..Function::default()
+        };
+        let (dq, dv) = (values(&program.stiffness), values(&program.damping));
+        vec![
+            into_slice("mass_matrix", 1, &values(&program.mass)),
+            into_array("bias", 2, &program.bias),
+            into_array("residual", 3, &program.residual),
+            Function {
+                name: "jacobians",
+                state: 3,
+                targets: vec![slice("dq", !dq.is_empty()), slice("dv", !dv.is_empty())],
+                uses: [stores("dq", &dq), stores("dv", &dv)].into_iter().flatten().collect(),
+                ..Function::default()
+            },
+            into_slice("input_jacobian", 3, &values(&program.input)),
+            into_slice("time_jacobian", 3, &values(&program.time)),
+            into_slice("time_dependence", 3, &program.generic_time),
+            into_slice("magnitudes", 3, &program.magnitudes),
+            into_slice("invariants", 2, &program.invariants),
+            into_slice("outputs", 3, &program.outputs),
+            into_slice("events", 3, &program.events),
+            into_slice("switches", 3, &program.switch_pairs),
+            into_slice("drawing", 2, &program.drawing),
+            Function {
+                name: "energy",
+                state: 2,
+                result: Some("[S; 5]".to_owned()),
+                before: "let mut out = [S::ratio(0.0, 1.0); 5];".to_owned(),
+                uses: stores("out", &program.energy),
+                after: "out",
+                ..Function::default()
+            },
+        ]
+    }
+
+    fn accelerations(&self, n: usize) -> Function<'static> {
+        let program = self.program;
+        let mut function = Function {
+            name: "accelerations",
+            state: 2,
+            targets: vec![Target { name: "out", kind: format!("&mut [S; {n}]"), used: true }],
+            result: Some("::core::result::Result<(), ::dalembert::mechanism::SingularMass>".to_owned()),
+            ..Function::default()
+        };
+        match &program.accelerations {
+            Accelerations::Unrolled { values, pivots } => {
+                function.targets[0].used = !values.is_empty();
+                function.uses = pivots.iter().map(|(k, pivot, d)| Use::Pivot(*k, *pivot, *d)).collect();
+                function.uses.extend(stores("out", values));
+                function.after = "::core::result::Result::Ok(())";
+            }
+            Accelerations::Loop => {
+                function.before = format!("let mut packed = [S::ratio(0.0, 1.0); {}];", n * (n + 1) / 2);
+                let place = |i: usize, j: usize| i * (i + 1) / 2 + j;
+                let mass = program.mass.iter().map(|(i, j, m)| Use::Store(format!("packed[{}]", place(*i, *j)), *m));
+                function.uses = mass.chain(stores("out", &program.bias)).collect();
+                function.after = "::dalembert::mechanism::solve_packed(&mut packed, out)";
+            }
+        }
+        function
+    }
+
+    /// Parameters by place.
+    fn parameters(&self) -> String {
+        let fields: Vec<String> = self.program.model.parameters.iter().map(field).collect();
+        let values: Vec<String> = fields.iter().map(|field| format!("self.{field}")).collect();
+        let arm = |(k, field)| format!("            {k} => ::core::option::Option::Some(&mut self.{field}),\n");
+        let arms: String = fields.iter().enumerate().map(arm).collect();
+        let body = if fields.is_empty() {
+            "        ::core::option::Option::None\n".to_owned()
+        } else {
+            format!("        match index {{\n{arms}            _ => ::core::option::Option::None,\n        }}\n")
+        };
+        let index = argument("index", "usize", !fields.is_empty());
+        format!(
+            "\n    fn parameters(&self) -> ::std::vec::Vec<f64> {{\n        ::std::vec![{}]\n    }}\n\n    fn parameter_mut(&mut self, {index}) -> ::core::option::Option<&mut f64> {{\n{body}    }}\n",
+            values.join(", ")
+        )
+    }
+}
+
+/// A block of so many zeros under a name, the statements that fill it, and the block as the result.
+fn block_of(name: &str, size: usize, lines: &str) -> String {
+    match size {
+        0 => "        []\n".to_owned(),
+        _ => format!("        let mut {name} = [S::ratio(0.0, 1.0); {size}];\n{lines}        {name}\n"),
+    }
+}

@@ -1,0 +1,93 @@
+//! Where runs start, as Rust: what scenes set, their starts, and the guess for an equilibrium.
+
+use std::fmt::Write;
+
+use super::body::{Bodies, Use};
+use super::function::{argument, of_constants};
+use crate::expr::Id;
+use crate::lower::Program;
+use crate::model::Scene;
+
+/// `scene_parameters`, `scene` and `equilibrium_guess`.
+pub(super) fn scenes(program: &Program, bodies: &Bodies<'_>) -> String {
+    let model = &program.model;
+    let parameters =
+        format!("<Self as ::dalembert::mechanism::Mechanism<{}, 0>>::parameters(self)", model.coordinates.len());
+    let mut out = sets(&model.scenes, bodies, &parameters);
+    out += &starts(&model.scenes, bodies, &parameters, model.coordinates.len());
+    out + &guess(&model.equilibrium, bodies, &parameters)
+}
+
+fn sets(scenes: &[Scene], bodies: &Bodies<'_>, parameters: &str) -> String {
+    let mut arms = String::new();
+    for (k, scene) in scenes.iter().enumerate().filter(|(_, scene)| !scene.set.is_empty()) {
+        let values: Vec<Id> = scene.set.iter().map(|(_, id)| *id).collect();
+        let pairs: Vec<String> = scene.set.iter().enumerate().map(|(s, (i, _))| format!("({i}, x[{s}])")).collect();
+        let _ = write!(
+            arms,
+            "            {k} => {{\n{}                let x = values(&{parameters});\n                ::std::vec![{}]\n            }}\n",
+            of_constants(bodies, "values", &values, "                "),
+            pairs.join(", ")
+        );
+    }
+    let scene = argument("scene", "usize", !arms.is_empty());
+    let body = match arms.as_str() {
+        "" => "        ::std::vec::Vec::new()\n".to_owned(),
+        _ => format!("        match scene {{\n{arms}            _ => ::std::vec::Vec::new(),\n        }}\n"),
+    };
+    format!("\n    fn scene_parameters(&self, {scene}) -> ::std::vec::Vec<(usize, f64)> {{\n{body}    }}\n")
+}
+
+/// Every scene's numbers in one block: its end, tolerance and spacing, then those of q and v that are not 0.
+fn starts(scenes: &[Scene], bodies: &Bodies<'_>, parameters: &str, n: usize) -> String {
+    let size = 3 + 2 * n;
+    let (mut arms, mut spacings) = (String::new(), String::new());
+    let mut constants = false;
+    // The default scene's arm matches everything else, so it comes last.
+    for (k, scene) in scenes.iter().enumerate().skip(1).chain(scenes.iter().enumerate().take(1)) {
+        let store = |(place, id): (usize, Id)| Use::Store(format!("out[{place}]"), id);
+        let settings = [Some(scene.until), Some(scene.tolerance), scene.every];
+        let settings = settings.into_iter().enumerate().filter_map(|(place, id)| Some((place, id?)));
+        let state = scene.q.iter().chain(&scene.v).enumerate().filter(|(_, id)| **id != Id::ZERO);
+        let uses: Vec<Use> = settings.chain(state.map(|(i, id)| (3 + i, *id))).map(store).collect();
+        let body = bodies.body(&uses, "                    ");
+        constants |= body.reads.constants;
+        let arm = if k == 0 { "_".to_owned() } else { k.to_string() };
+        let _ = write!(arms, "                {arm} => {{\n{}                }}\n", body.lines);
+        let spacing = if scene.every.is_some() { "Some(x[2])" } else { "None" };
+        let _ = writeln!(spacings, "                {arm} => ::core::option::Option::{spacing},");
+    }
+    let (c, out) = (argument("c", "&[S]", constants), format!("out: &mut [S; {size}]"));
+    format!(
+        "
+    fn scene(&self, scene: usize) -> ::dalembert::mechanism::Scene {{
+        fn start<S: ::dalembert::mechanism::Real>({c}, scene: usize, {out}) {{
+            match scene {{
+{arms}            }}
+        }}
+        let mut x = [0.0; {size}];
+        start(&{parameters}, scene, &mut x);
+        ::dalembert::mechanism::Scene {{
+            until: x[0],
+            tolerance: x[1],
+            every: match scene {{
+{spacings}            }},
+            q: x[3..{middle}].to_vec(),
+            v: x[{middle}..].to_vec(),
+        }}
+    }}
+",
+        middle = 3 + n
+    )
+}
+
+fn guess(equilibrium: &[Id], bodies: &Bodies<'_>, parameters: &str) -> String {
+    let n = equilibrium.len();
+    let body = if equilibrium.iter().all(|id| *id == Id::ZERO) {
+        format!("        [0.0; {n}]\n")
+    } else {
+        let function = of_constants(bodies, "values", equilibrium, "        ");
+        format!("{function}        values(&{parameters})\n")
+    };
+    format!("\n    fn equilibrium_guess(&self) -> [f64; {n}] {{\n{body}    }}\n")
+}

@@ -1,0 +1,127 @@
+//! Identifiers in generated functions: one scope that knows all others.
+
+use std::collections::HashSet;
+
+use crate::model::{KEYWORDS, Model, local_name};
+
+/// Identifiers that generated functions have of themselves: arguments, results, and what helps them.
+///
+/// `symbolic/tests/generated.rs` finds every binding of generated code here or among those that a scope gave out.
+pub const OWN: &[&str] = &[
+    "c",
+    "t",
+    "u",
+    "q",
+    "v",
+    "a",
+    "out",
+    "dq",
+    "dv",
+    "matrix",
+    "right",
+    "packed",
+    "lane",
+    "i",
+    "index",
+    "scene",
+    "system",
+    "value",
+    "values",
+    "start",
+    "x",
+    "S",
+    "DESCRIPTION",
+];
+
+/// Names given out, on top of those of the scopes around.
+pub(super) struct Scope<'a> {
+    outer: Option<&'a Scope<'a>>,
+    taken: HashSet<String>,
+    temporaries: usize,
+}
+
+impl<'a> Scope<'a> {
+    /// The outermost: keywords, and the names that generated functions have of themselves.
+    pub fn root() -> Scope<'static> {
+        let taken = KEYWORDS.iter().chain(OWN).map(|name| (*name).to_owned()).collect();
+        Scope { outer: None, taken, temporaries: 0 }
+    }
+
+    /// A scope inside this one.
+    pub fn inside(&'a self) -> Scope<'a> {
+        Scope { outer: Some(self), taken: HashSet::new(), temporaries: 0 }
+    }
+
+    fn knows(&self, name: &str) -> bool {
+        self.taken.contains(name) || self.outer.is_some_and(|outer| outer.knows(name))
+    }
+
+    /// This name, or with underscores after it the first that nobody has.
+    pub fn fresh(&mut self, wanted: &str) -> String {
+        let mut name = wanted.to_owned();
+        while self.knows(&name) {
+            name.push('_');
+        }
+        self.taken.insert(name.clone());
+        name
+    }
+
+    /// A name for an intermediate result: `w1`, `w2`, ….
+    pub fn temporary(&mut self) -> String {
+        self.temporaries += 1;
+        self.fresh(&format!("w{}", self.temporaries))
+    }
+}
+
+/// Names of a model's coordinates, their rates and accelerations, and of its systems of balances.
+pub(super) struct Names {
+    /// All of them.
+    pub scope: Scope<'static>,
+    /// q, q' and q'' of each coordinate.
+    pub coordinates: Vec<[String; 3]>,
+    /// The function that writes each system of balances.
+    pub balances: Vec<String>,
+}
+
+impl Names {
+    pub fn of(model: &Model) -> Names {
+        let mut scope = Scope::root();
+        // All coordinates first: one called `x_dot` keeps its name, and the rate of `x` gets another.
+        let own: Vec<String> = model.coordinates.iter().map(|c| scope.fresh(&local_name(&c.name))).collect();
+        let rate = |scope: &mut Scope<'_>, name: &str, suffix: &str| scope.fresh(&joined(name, suffix));
+        let coordinates = own
+            .into_iter()
+            .map(|name| {
+                let (dot, ddot) = (rate(&mut scope, &name, "dot"), rate(&mut scope, &name, "ddot"));
+                [name, dot, ddot]
+            })
+            .collect();
+        let function = |system: &str| joined("balances", &local_name(system));
+        let balances = model.balances.iter().map(|system| scope.fresh(&function(&system.name))).collect();
+        Names { scope, coordinates, balances }
+    }
+}
+
+/// Two words of one name, in snake case.
+pub(super) fn joined(first: &str, second: &str) -> String {
+    format!("{}_{}", first.trim_end_matches('_'), second.trim_start_matches('_'))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_name_is_given_out_twice() {
+        let mut outer = Scope::root();
+        assert_eq!(outer.fresh("theta"), "theta");
+        let mut inner = outer.inside();
+        assert_eq!(inner.fresh("theta"), "theta_");
+        assert_eq!(inner.fresh("theta"), "theta__");
+        assert_eq!(inner.fresh("in"), "in_");
+        assert_eq!(inner.fresh("out"), "out_");
+        assert_eq!(inner.fresh("w1"), "w1");
+        assert_eq!(inner.temporary(), "w1_");
+        assert_eq!(inner.temporary(), "w2");
+    }
+}

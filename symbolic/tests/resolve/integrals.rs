@@ -1,0 +1,136 @@
+//! Integrals are right to 24 digits and, in `f64`, to rounding; or refused.
+
+use dalembert_symbolic::expr::{DoubleDouble, Symbol, Tape};
+use dalembert_symbolic::model::load;
+
+fn file(integral: &str) -> String {
+    format!(
+        "name: I\nparameters: {{a: 0.3, L: 1.7, w: 0.001, k: 7, z: 0}}\ncoordinates: {{q: }}\n\
+         define: {{d: \"integral({integral})\"}}\nkinetic_energy: q'^2/2\n"
+    )
+}
+
+fn number(text: &str) -> DoubleDouble {
+    DoubleDouble::from_decimal(text).unwrap()
+}
+
+/// The codes of what is wrong.
+fn refused(integral: &str) -> Vec<&'static str> {
+    load(&file(integral), &[]).err().unwrap_or_default().iter().map(|p| p.code).collect()
+}
+
+/// The integral at these values of a, L, w, k, z and q.
+#[track_caller]
+fn integral(integral: &str, at: [&str; 6]) -> (DoubleDouble, f64, usize) {
+    let mut model = load(&file(integral), &[]).unwrap_or_else(|p| panic!("{integral}: {p:?}"));
+    let id = model.expression("d").unwrap();
+    let tape = Tape::new(&model.graph, &id);
+    let value = |symbol| match symbol {
+        Symbol::Parameter(k) => number(at[k as usize]),
+        _ => number(at[5]),
+    };
+    let size = model.graph.reachable(id.iter().copied()).into_iter().filter(|needed| *needed).count();
+    (tape.evaluate(value)[0], tape.evaluate(|s| value(s).to_f64())[0], size)
+}
+
+/// At the defaults and q = 0.
+#[track_caller]
+fn check(text: &str, exact: &str) {
+    let (long, short, size) = integral(text, ["0.3", "1.7", "0.001", "7", "0", "0"]);
+    let exact = number(exact);
+    println!("{text}: {size} nodes, {:.1e}, {:.1e}", (long - exact).to_f64(), short - exact.to_f64());
+    assert!((long - exact).abs().to_f64() <= 1e-24 * exact.to_f64().abs(), "{text}: {long:?} is not {exact:?}");
+    assert!(
+        (short - exact.to_f64()).abs() <= 2e-15 * exact.to_f64().abs().max(0.01),
+        "{text}: {short} is not {exact:?}"
+    );
+}
+
+#[test]
+fn oscillating_integrands() {
+    check("sin(40*x)^2, x in 0..1", "0.506211804087021094935817568627618");
+    check("x^3*exp(-x/L), x in 0..L", "0.951545910271945372832414707751403");
+    check("1/(1 + 25*x^2), x in -1..1", "0.549360306778006344344508770577984");
+    check("ln(1 + x), x in 0..1", "0.386294361119890618834464242916353");
+}
+
+#[test]
+fn singular_ends() {
+    check("1/sqrt(x), x in 0..L", "2.60768096208105948583318862297167");
+    check("1/sqrt(L - x), x in 0..L", "2.60768096208105948583318862297167");
+    check("cos(x)/sqrt(L - x), x in 0..L", "0.938286637153414664710652352629945");
+    check("cos(x)/sqrt(x), x in 0..L", "1.94842662544298822173351039070556");
+    check("sqrt(x)*exp(x), x in 0..L", "4.49647290574389758995181183106886");
+    check("ln(x)*cos(x), x in 0..L", "-0.923386925673028999294649512897631");
+    check("x^0.3*cos(x), x in 0..1", "0.625389636790398138490652501181199");
+    check("sqrt(1 - x^2), x in 0..1", "0.785398163397448309615660845819876");
+}
+
+#[test]
+fn kinks_jumps_and_peaks() {
+    check("abs(x - a)*exp(x), x in 0..1", "0.584233066614292637359402385250216");
+    check("step(x - a)*cos(x), x in 0..1", "0.545950778146556931547181575945272");
+    check("1/(1 + ((x - a)/w)^2), x in 0..1", "0.00313683076214530129339929633578419");
+    check("exp(-((x - a)/w)^2), x in 0..1", "0.00177245385090551602729816748334115");
+    check("x*tanh((x - a)/w), x in 0..1", "0.409999177532966575886781763792417");
+}
+
+#[test]
+fn a_frequency_that_vanishes_leaves_no_hole() {
+    // The closed form of ∫ cos(q x) dx is 0/0 at q = 0 and loses digits beside it.
+    for (q, exact) in
+        [("0", "1"), ("1e-9", "0.99999999999999999983333333333333"), ("2", "0.454648713412840847698009932956")]
+    {
+        let (long, short, _) = integral("cos(q*x), x in 0..1", ["0.3", "1.7", "0.001", "7", "0", q]);
+        assert!((long - number(exact)).abs().to_f64() < 1e-24, "{q}: {long:?}");
+        assert!((short - number(exact).to_f64()).abs() < 1e-15, "{q}: {short}");
+    }
+    let (long, ..) = integral("sin(k*x)*sin(a*x), x in 0..1", ["7", "1.7", "0.001", "7", "0", "0"]);
+    // (1 − sin(14)/14)/2
+    assert!((long - number("0.464621165942330404485149652463")).abs().to_f64() < 1e-24, "{long:?}");
+}
+
+#[test]
+fn polynomials_are_exact_whatever_their_degree() {
+    check("x^31, x in 0..1", "0.03125");
+    check("(x/L)^64, x in 0..L", "0.0261538461538461538461538461538462");
+}
+
+#[test]
+fn what_has_no_value_or_is_out_of_reach_is_refused() {
+    assert_eq!(refused("1/x, x in 0..1"), ["E233"]);
+    assert_eq!(refused("1/(x - a)^2, x in 0..1"), ["E233"]);
+    assert_eq!(refused("1/(x - a), x in 0..1"), ["E233"]);
+    assert_eq!(refused("abs(sin(20*x)), x in 0..1"), ["E233"]);
+    assert_eq!(refused("sin(1/x), x in 0..1"), ["E233"]);
+    assert_eq!(refused("sqrt(x - 1/2), x in 0..1"), ["E233"]);
+    // Their neighbours.
+    for near in ["1/x, x in a..1", "abs(sin(20*x)), x in 0..0.1", "sin(1/x), x in 0.1..1", "sqrt(x - 1/2), x in 0.5..1"]
+    {
+        assert_eq!(refused(near), [""; 0], "{near}");
+    }
+}
+
+/// The string of `11_integral`: ω = p π/L c of a mode sin(p π x/L) is exact.
+#[test]
+fn the_frequency_of_every_mode_of_a_string_is_right() {
+    let text = "name: S\nsizes: {p: 1}\nparameters: {rho: 1 kg/m, tension: 1 N, L: 1 m}\ncoordinates: {b: m}\n\
+                kinetic_energy: \"integral(rho/2*(b'*sin(p*pi*x/L))^2, x in 0..L)\"\n\
+                potential_energy: \"integral(tension/2*diff(b*sin(p*pi*x/L), x)^2, x in 0..L)\"\n";
+    for p in [1, 2, 10, 16, 17, 100, 1000] {
+        let mut model = load(text, &[("p".to_owned(), p)]).unwrap_or_else(|e| panic!("{p}: {e:?}"));
+        let ids = ["kinetic_energy", "potential_energy"].map(|e| model.expression(e).unwrap()[0]);
+        let values = [0.9, 1.3, 0.7];
+        let value = |symbol| match symbol {
+            Symbol::Parameter(k) => DoubleDouble::from(values[k as usize]),
+            _ => DoubleDouble::ONE,
+        };
+        let found = Tape::new(&model.graph, &ids).evaluate(value);
+        let [rho, tension, length] = values.map(DoubleDouble::from);
+        let wave = DoubleDouble::PI * p as f64 / length;
+        let exact = [rho * length * 0.25, tension * length * wave * wave * 0.25];
+        for (found, exact) in found.into_iter().zip(exact) {
+            assert!(((found - exact) / exact).abs().to_f64() < 1e-27, "{p}: {found:?} is not {exact:?}");
+        }
+    }
+}
