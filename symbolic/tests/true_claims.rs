@@ -72,8 +72,7 @@ sample: {{r: [{low:e} m, {high:e} m]}}
     )
 }
 
-/// Two bodies on a line that pull at each other, far from the third which is held: momenta, Galilei's and Steiner's
-/// theorems.
+/// Two bodies on a line that pull at each other: momenta, and König's theorem.
 fn pair(s: &Sizes, n: &Sizes, claims: &str) -> String {
     let Sizes { m, l, k, t } = s;
     format!(
@@ -136,7 +135,7 @@ const PAIR: [&str; 10] = [
     "checks: {c: \"potential_energy = k*(a - b)^2/2 - k*(a - b)*l + k*l^2/2\"}",
     "checks: {c: \"abs(a - b) = max(a, b) - min(a, b)\"}",
     "checks: {c: \"a - (a - b) = b\"}",
-    "checks: {c: \"momentum(first) + momentum(second) = [m*a' + M*b', 0]\"}",
+    "checks: {c: \"m*velocity(first) + M*velocity(second) = [m*a' + M*b', 0]\"}",
 ];
 
 fn refusal(text: &str) -> Option<String> {

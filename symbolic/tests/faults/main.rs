@@ -9,9 +9,9 @@ use dalembert_symbolic::model::load;
 
 #[test]
 fn every_fault_that_changes_the_motion_is_refused() {
-    let extent = table::Extent::TEST;
-    let outcomes = table::plant_all(&extent, false);
-    let now = table::page(&outcomes, &table::smallest(&extent));
+    let extent = table::Extent::Test;
+    let outcomes = table::plant_all(extent, false);
+    let now = table::page(&outcomes, &table::smallest(extent));
     println!("{now}");
     let wrong = table::wrong(&outcomes);
     assert!(wrong.is_empty(), "faults that were accepted, or sound models that were refused:\n{}", wrong.join("\n"));

@@ -19,7 +19,7 @@ const DIGITS: (u32, u32) = (1, 30);
 pub type Smallest = BTreeMap<String, Vec<u32>>;
 
 /// The smallest faults by kind, each found by bisection.
-pub fn smallest(extent: &Extent) -> Smallest {
+pub fn smallest(extent: Extent) -> Smallest {
     let names = MODELS.map(str::to_owned);
     let found = in_parallel(&names, |name| sound(name).map_or_else(Vec::new, |sound| of_model(&sound, extent)));
     let mut by_kind = Smallest::new();
@@ -29,7 +29,7 @@ pub fn smallest(extent: &Extent) -> Smallest {
     by_kind
 }
 
-fn of_model(sound: &Sound, extent: &Extent) -> Vec<(String, u32)> {
+fn of_model(sound: &Sound, extent: Extent) -> Vec<(String, u32)> {
     let faults = |digits: u32| -> Vec<Fault> {
         let change = [Change::slight(digits)];
         of_balances(&sound.model, &change).into_iter().chain(of_lagrange(&sound.model, &change)).collect()
@@ -41,7 +41,7 @@ fn of_model(sound: &Sound, extent: &Extent) -> Vec<(String, u32)> {
     }
     let mut found = Vec::new();
     for (kind, places) in places {
-        let step = places.len().div_ceil(extent.0);
+        let step = places.len().div_ceil(extent.of_a_kind());
         for k in places.into_iter().step_by(step) {
             let caught = |digits: u32| refused(sound, &faults(digits)[k]);
             // A part that may have any factor (a mass that cancels) is no fault of any size.

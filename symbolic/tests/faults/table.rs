@@ -36,13 +36,22 @@ const TOLERANCE: f64 = 1e-9;
 const VERDICTS: [&str; 8] = ["E501", "E502", "E503", "E506", "E509", "E511", "E512", "E513"];
 
 /// How many faults of one kind are planted in one model at the most.
-pub struct Extent(pub usize);
+#[derive(Clone, Copy)]
+pub enum Extent {
+    /// For a test that runs often.
+    Test,
+    /// For the page.
+    #[cfg_attr(test, expect(dead_code, reason = "the example prints the page"))]
+    Page,
+}
 
 impl Extent {
-    /// For the page.
-    pub const PAGE: Extent = Extent(24);
-    /// For a test that runs often.
-    pub const TEST: Extent = Extent(1);
+    fn of_a_kind(self) -> usize {
+        match self {
+            Extent::Test => 1,
+            Extent::Page => 24,
+        }
+    }
 }
 
 /// Sizes to take in place of large ones.
@@ -119,7 +128,7 @@ struct Sound {
 
 /// Plants every fault in every model with balances or claims, on all cores; `blinded` asks too what each part of the gate
 /// does for it.
-pub fn plant_all(extent: &Extent, blinded: bool) -> Vec<Outcome> {
+pub fn plant_all(extent: Extent, blinded: bool) -> Vec<Outcome> {
     let done = in_parallel(&models(), |name| sound(name).map_or_else(Vec::new, |sound| plant(&sound, extent, blinded)));
     done.into_iter().flatten().collect()
 }
@@ -173,7 +182,7 @@ fn sound(name: &str) -> Option<Sound> {
     Some(Sound { name: name.to_owned(), root, sizes, model, judge })
 }
 
-fn plant(sound: &Sound, extent: &Extent, blinded: bool) -> Vec<Outcome> {
+fn plant(sound: &Sound, extent: Extent, blinded: bool) -> Vec<Outcome> {
     let mut changes = Change::coarse();
     changes.extend([Change::slight(6), Change::slight(12)]);
     changes.extend(windows::windows(&sound.judge));
@@ -187,7 +196,7 @@ fn plant(sound: &Sound, extent: &Extent, blinded: bool) -> Vec<Outcome> {
     }
     let mut outcomes = Vec::new();
     for faults in by_kind.into_values() {
-        let step = faults.len().div_ceil(extent.0);
+        let step = faults.len().div_ceil(extent.of_a_kind());
         outcomes.extend(faults.into_iter().step_by(step).map(|fault| outcome(sound, fault, blinded)));
     }
     outcomes
