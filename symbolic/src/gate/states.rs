@@ -25,7 +25,7 @@ const DRAWS: usize = 400;
 /// So many states come from the motion of each scene.
 const FROM_MOTION: usize = 5;
 /// So many steps of each are searched for discontinuities.
-const STEPS: usize = 240;
+const STEPS: usize = 1000;
 /// So many scenes are run.
 const SCENES: usize = 8;
 /// Operations that all states together may cost.
@@ -71,7 +71,8 @@ pub(super) fn states(
         found.followed.push((scene.name.clone(), run.reached(), run.until));
         let share = (room / 4 / trajectories.len()).clamp(1, FROM_MOTION);
         for step in run.spread(share) {
-            let state = on_the_way(run, step);
+            let mut state = on_the_way(run, step);
+            state.outside = !draws.inside(&state);
             bases.push(state.clone());
             keep(motion, state, &mut found.all);
         }

@@ -23,15 +23,15 @@ pub struct Run {
     /// From the start on, at even distances in time.
     pub moments: Vec<Moment>,
     /// The scene's end; the run may end before.
-    until: f64,
+    pub until: f64,
 }
 
 /// Steps of a run.
 const STEPS: usize = 240;
 /// So many states are taken from each run.
-const FROM_RUN: usize = 10;
+const FROM_RUN: usize = 20;
 /// So many states are drawn about each start, and as many at large.
-const DRAWN: usize = 6;
+const DRAWN: usize = 12;
 /// So many scenes are run.
 const SCENES: usize = 3;
 

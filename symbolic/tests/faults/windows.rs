@@ -40,7 +40,8 @@ pub fn windows(judge: &Judge) -> Vec<Change> {
     if spot.len() == 1 {
         spot.push((Symbol::Time, passed.t - 0.02 * last.t, passed.t + 0.02 * last.t));
     }
-    if spot.len() == 2 {
+    // Where the motion is too fast to be followed to its end, nobody can say where it passes.
+    if spot.len() == 2 && last.t >= 0.01 * run.until {
         let words = format!("where the motion is at {:.3e} s", passed.t);
         changes.push(Change::within(", where the motion passes", words, spot));
     }
