@@ -7,8 +7,12 @@ use dalembert_tests::watching::{SCENES, row};
 
 fn main() {
     println!("# What watching costs\n");
-    println!("Of each scene: accepted steps; evaluations of the accelerations by the methods themselves and with what is asked");
-    println!("between the ends of a step (one evaluation each, and what retries cost); retries; samples of events, discontinuities");
+    println!(
+        "Of each scene: accepted steps; evaluations of the accelerations by the methods themselves and with what is asked"
+    );
+    println!(
+        "between the ends of a step (one evaluation each, and what retries cost); retries; samples of events, discontinuities"
+    );
     println!("and arguments per step, none of which evaluates accelerations.\n");
     println!("| scene | steps | method | with watching | more | retries | samples a step |");
     println!("| --- | --- | --- | --- | --- | --- | --- |");

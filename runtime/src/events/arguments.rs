@@ -55,7 +55,13 @@ impl Arguments {
     }
 
     /// An argument's value and its slope by θ.
-    pub fn sample<S: System + ?Sized>(&mut self, system: &S, course: &Course<'_>, index: usize, theta: f64) -> (f64, f64) {
+    pub fn sample<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        course: &Course<'_>,
+        index: usize,
+        theta: f64,
+    ) -> (f64, f64) {
         let h = self.evaluate(system, course, theta);
         (self.pairs[2 * index], h * self.pairs[2 * index + 1])
     }

@@ -220,7 +220,8 @@ impl Certifier {
             let middle = 0.5 * (low.x + high.x);
             let x = if round % 3 == 2 || !(chord > low.x && chord < high.x) { middle } else { chord };
             let here = self.sample(f, x);
-            let better = if self.extrema { here.slope.abs() < best.slope.abs() } else { here.value.abs() < best.value.abs() };
+            let better =
+                if self.extrema { here.slope.abs() < best.slope.abs() } else { here.value.abs() < best.value.abs() };
             if better || !self.extrema && side * here.value < 0.0 {
                 best = here;
             }

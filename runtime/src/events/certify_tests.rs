@@ -113,7 +113,10 @@ fn poles_jumps_and_edges_are_no_crossings() {
     for _ in 0..300 {
         let a = draws.between(0.05, 0.95);
         let (pole, _) = marks(|x| (1.0 / (x - a), -1.0 / (x - a).powi(2)), 1);
-        assert!(!pole.is_empty() && pole.iter().all(|m| matches!(m.deed, Deed::Pole | Deed::Jumps | Deed::Undefined)), "{pole:?}");
+        assert!(
+            !pole.is_empty() && pole.iter().all(|m| matches!(m.deed, Deed::Pole | Deed::Jumps | Deed::Undefined)),
+            "{pole:?}"
+        );
         let (jump, samples) = marks(|x| (if x < a { -1.0 } else { 1.0 }, 0.0), 1);
         assert_eq!(jump.len(), 1);
         assert_eq!(jump[0].deed, Deed::Jumps);

@@ -82,8 +82,7 @@ pub(crate) fn impulse<S: System + ?Sized>(
     }
     // Solves M x = −h, as where accelerations are.
     let mut jump: Vec<f64> = push.iter().map(|push| -push).collect();
-    crate::mechanism::solve_packed_slice(&mut packed, &mut jump).map_err(|fault| {
-        crate::mechanism::Singular::Mass(fault).cause(description)
-    })?;
+    crate::mechanism::solve_packed_slice(&mut packed, &mut jump)
+        .map_err(|fault| crate::mechanism::Singular::Mass(fault).cause(description))?;
     Ok(Some(Impulse { t, inputs, jump }))
 }

@@ -28,8 +28,8 @@ mod stops;
 mod tests;
 mod watch;
 
-pub(crate) use modes::OwnedSegment;
 pub use impulse::Impulse;
+pub(crate) use modes::OwnedSegment;
 pub(crate) use signals::WIDTH as CLOSURE_WIDTH;
 pub(crate) use watch::{Interruption, Switched, Watch};
 

@@ -91,10 +91,8 @@ pub(crate) fn choose<S: System + ?Sized>(
         }
         combinations.push(one);
     }
-    let directions: Vec<Vec<f64>> = combinations
-        .iter()
-        .map(|one| directions(system, sampler, (t, y), one, trial))
-        .collect();
+    let directions: Vec<Vec<f64>> =
+        combinations.iter().map(|one| directions(system, sampler, (t, y), one, trial)).collect();
     let scale = |k: usize| directions.iter().map(|to: &Vec<f64>| to[k].abs()).fold(0.0, f64::max);
     let agrees = |one: &Combination, directions: &[f64]| {
         let forward = |k: usize| side_of(system, k, one.modes[k]) * directions[k] >= -STANDS * scale(k);

@@ -103,7 +103,8 @@ fn narrow(f: &mut impl FnMut(f64) -> f64, a: (f64, f64), b: (f64, f64)) -> Optio
         // Every third point halves the bracket whatever the function does.
         let trusted = round % 3 != 2 && phi * phi < xi && (1.0 - phi) * (1.0 - phi) < 1.0 - xi;
         let interpolated = || {
-            a.1 / (b.1 - a.1) * (c.1 / (b.1 - c.1)) + (c.0 - a.0) / (b.0 - a.0) * (a.1 / (c.1 - a.1)) * (b.1 / (c.1 - b.1))
+            a.1 / (b.1 - a.1) * (c.1 / (b.1 - c.1))
+                + (c.0 - a.0) / (b.0 - a.0) * (a.1 / (c.1 - a.1)) * (b.1 / (c.1 - b.1))
         };
         let least = 0.5 * resolution / width;
         fraction = if trusted { interpolated() } else { 0.5 };

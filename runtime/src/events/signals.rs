@@ -132,6 +132,9 @@ mod tests {
     fn smooth_closures_have_no_breaks() {
         assert!(of(|_| [1.0, 0.0, 0.0]).is_empty());
         assert!(of(|t| [(3.0 * t).sin(), 3.0 * (3.0 * t).cos(), -9.0 * (3.0 * t).sin()]).is_empty());
-        assert!(of(|t| [(-(t - 50.0) * (t - 50.0)).exp(), -2.0 * (t - 50.0) * (-(t - 50.0) * (t - 50.0)).exp(), 0.0]).is_empty());
+        assert!(
+            of(|t| [(-(t - 50.0) * (t - 50.0)).exp(), -2.0 * (t - 50.0) * (-(t - 50.0) * (t - 50.0)).exp(), 0.0])
+                .is_empty()
+        );
     }
 }

@@ -150,7 +150,13 @@ impl Watch {
     }
 
     /// Why a march could not go on from a state: ends that meet within `ahead` seconds explain most of it.
-    pub fn explain<S: System + ?Sized>(&mut self, system: &S, cause: Cause, (t, y): (f64, &[f64]), ahead: f64) -> Cause {
+    pub fn explain<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        cause: Cause,
+        (t, y): (f64, &[f64]),
+        ahead: f64,
+    ) -> Cause {
         let explicable = matches!(
             cause,
             Cause::StepTooSmall { .. }

@@ -204,13 +204,7 @@ impl March {
     }
 
     /// Writes down and takes a step that nothing can interrupt.
-    fn keep(
-        &mut self,
-        system: &dyn System,
-        step: Step,
-        dense: bool,
-        recorder: &mut Recorder,
-    ) -> Result<(), Cause> {
+    fn keep(&mut self, system: &dyn System, step: Step, dense: bool, recorder: &mut Recorder) -> Result<(), Cause> {
         let segment = dense.then(|| self.segment(step));
         recorder.accept(system, segment.as_ref(), step.next, self.stepper.end())?;
         self.commit(step);
@@ -247,13 +241,7 @@ impl March {
     /// Tries steps until one is good.
     ///
     /// None is longer than `most` seconds; one that would be is taken of just that length.
-    fn attempt(
-        &mut self,
-        system: &dyn System,
-        stop: f64,
-        most: f64,
-        watch: &mut Option<Watch>,
-    ) -> Result<Step, Cause> {
+    fn attempt(&mut self, system: &dyn System, stop: f64, most: f64, watch: &mut Option<Watch>) -> Result<Step, Cause> {
         if self.work.steps >= self.max_steps {
             return Err(Cause::TooManySteps { limit: self.max_steps });
         }

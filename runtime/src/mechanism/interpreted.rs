@@ -8,8 +8,9 @@ use dalembert_symbolic::print;
 
 use super::balances::put_reactions;
 use super::{
-    Action, Argument, At, Balance, BalanceSystem, Balances, Coordinate, Counts, Description, Direction, Energy, Event, InputJump, List,
-    Parameter, Quantity, Scene, Shape, Role, Signal, Singular, SingularMass, Structure, Switch, SwitchKind, System, Text, Watched,
+    Action, Argument, At, Balance, BalanceSystem, Balances, Coordinate, Counts, Description, Direction, Energy, Event,
+    InputJump, List, Parameter, Quantity, Role, Scene, Shape, Signal, Singular, SingularMass, Structure, Switch,
+    SwitchKind, System, Text, Watched,
 };
 
 /// An interpreted mechanism.

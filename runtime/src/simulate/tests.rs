@@ -395,7 +395,12 @@ fn rounding_of_other_coordinates_ends_no_run() {
 fn modes_are_chosen_before_anything_is_reported() {
     // The output is the mode of a step that is 0 at the start; a second run begins as the first did.
     let mut toy = Toy::new(&["x"], (&[-1.0], &[1.0]), 2.0, |_, _, _, _, a| a[0] = 0.0).switch(
-        crate::mechanism::Switch { text: "x".into(), kind: crate::mechanism::SwitchKind::Step, time_only: false, of_input: false },
+        crate::mechanism::Switch {
+            text: "x".into(),
+            kind: crate::mechanism::SwitchKind::Step,
+            time_only: false,
+            of_input: false,
+        },
         |_, q, v, _, p| p.copy_from_slice(&[q[0], v[0]]),
     );
     let settings = Settings::new(&toy.scene);

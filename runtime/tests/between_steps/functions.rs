@@ -48,7 +48,11 @@ fn jumps_and_poles_are_no_events_and_said() {
     assert!(matches!(&run.warnings[..], [Warning::NoCrossing { .. }]), "{:?}", run.warnings);
     let run = moving("1/(x-1)", "x: 0, x': 1", "3");
     assert!(run.events.is_empty());
-    assert!(matches!(&run.warnings[..], [Warning::NoCrossing { .. } | Warning::Undefined { .. }]), "{:?}", run.warnings);
+    assert!(
+        matches!(&run.warnings[..], [Warning::NoCrossing { .. } | Warning::Undefined { .. }]),
+        "{:?}",
+        run.warnings
+    );
     // A steep but continuous one is an event.
     let run = moving("tanh(1e6*(x-77))", "x: 0, x': 1", "1000");
     assert!((run.last().t - 77.0).abs() < 1e-9, "{}", run.last());
@@ -76,7 +80,11 @@ scene: {{start: {{x: 0, x': 1}}, until: 10, tolerance: 1e-10}}"
 
 #[test]
 fn a_pulse_inside_an_event_is_met_by_its_argument() {
-    for when in ["exp(-((x-50)/1e-4)^2) - 0.5", "max(0, 1e-4 - abs(x-50)) - 0.5e-4", "tanh(1e5*(x-50)) - tanh(1e5*(x-50.001)) - 1"] {
+    for when in [
+        "exp(-((x-50)/1e-4)^2) - 0.5",
+        "max(0, 1e-4 - abs(x-50)) - 0.5e-4",
+        "tanh(1e5*(x-50)) - tanh(1e5*(x-50.001)) - 1",
+    ] {
         let run = coasting(&format!(
             "events: {{e: {{when: \"{when}\", then: record}}}}
 scene: {{start: {{x: 0, x': 1}}, until: 100, tolerance: 1e-10}}"

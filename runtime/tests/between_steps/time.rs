@@ -227,7 +227,8 @@ scene: {start: {x: 0}, until: 100, tolerance: 1e-10}";
 fn program(name: &str, text: &str, options: &[&str]) -> serde_json::Value {
     let path = std::env::temp_dir().join(format!("dalembert-{}-{name}.yaml", std::process::id()));
     std::fs::write(&path, text).unwrap();
-    let mut arguments = vec!["dalembert".to_owned(), "simulate".to_owned(), path.display().to_string(), "--json".to_owned()];
+    let mut arguments =
+        vec!["dalembert".to_owned(), "simulate".to_owned(), path.display().to_string(), "--json".to_owned()];
     arguments.extend(options.iter().map(|o| (*o).to_owned()));
     let mut out = Vec::new();
     let outcome = dalembert::cli::run(&[], arguments, &mut out);
@@ -249,10 +250,8 @@ forces: {f: {on: b, force: \"[F*u, 0]\"}}
 scene: {start: {x: 0}, until: 100, tolerance: 1e-10}";
     let sharp = 47.0_f64.cos() - 50.0_f64.cos();
     let a = 0.5 * std::f64::consts::PI / 1e4;
-    let inputs = [
-        ("step(t-50) - step(t-53)", sharp),
-        ("(tanh(1e4*(t-50)) - tanh(1e4*(t-53)))/2", a / a.sinh() * sharp),
-    ];
+    let inputs =
+        [("step(t-50) - step(t-53)", sharp), ("(tanh(1e4*(t-50)) - tanh(1e4*(t-53)))/2", a / a.sinh() * sharp)];
     for (input, expected) in inputs {
         let found = program("pulse", text, &["--input", &format!("u={input}")]);
         let x = found["q"]["x"].as_f64().unwrap();

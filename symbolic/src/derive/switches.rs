@@ -181,7 +181,9 @@ pub(crate) fn recall(graph: &mut Graph, roots: &[Id], known: &[Switch]) -> Vec<I
         let (wanted, argument) = match node {
             Node::Unary(Unary::Abs | Unary::Sign, x) => (SwitchKind::Sign, x),
             Node::Unary(Unary::Step, x) => (SwitchKind::Step, x),
-            Node::Unary(Unary::Sqrt, base) | Node::Binary(Binary::Pow, base, _) => return one_sided(graph, node, base, known),
+            Node::Unary(Unary::Sqrt, base) | Node::Binary(Binary::Pow, base, _) => {
+                return one_sided(graph, node, base, known);
+            }
             Node::Binary(Binary::Min, a, b) => (SwitchKind::Step, graph.sub(b, a)),
             Node::Binary(Binary::Max, a, b) => (SwitchKind::Step, graph.sub(a, b)),
             _ => return None,

@@ -152,13 +152,22 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let functions: Vec<Id> = model.events.iter().map(|e| e.when).collect();
     let event_rates = functions.iter().map(|g| known_rate(graph, *g)).collect();
     let motion: Vec<Id> = chosen.residual.iter().copied().chain(signals.iter().map(|u| u[0])).collect();
-    let loads: Vec<(String, Vec<Id>)> = model.loads.iter().map(|load| (load.name.clone(), load.expressions())).collect();
+    let loads: Vec<(String, Vec<Id>)> =
+        model.loads.iter().map(|load| (load.name.clone(), load.expressions())).collect();
     let arguments = arguments::arguments(graph, &functions, &arguments, &motion, &loads);
     let jumps = (0..model.inputs.len()).map(|k| input_jump(graph, &chosen.residual, k as u32)).collect();
     let outputs = model.outputs.iter().flat_map(|o| o.value.iter().copied()).collect();
     let drawing = model.draw.iter().flat_map(drawn).collect();
 
-    let structure = structure::recognise(graph, n, &chosen, (&stiffness, &damping), (energies.power, energies.jacobi), &switches, &cyclic);
+    let structure = structure::recognise(
+        graph,
+        n,
+        &chosen,
+        (&stiffness, &damping),
+        (energies.power, energies.jacobi),
+        &switches,
+        &cyclic,
+    );
     let count = |roots: Vec<Id>| operations(graph, &roots);
     let values = |entries: &[Entry]| entries.iter().map(|e| e.2).collect::<Vec<_>>();
     let counts = Counts {

@@ -164,7 +164,11 @@ fn argument(argument: &Argument) -> String {
         Role::Power(p) => format!("mechanism::Role::Power({})", float(p)),
         role => format!("mechanism::Role::{role:?}"),
     };
-    format!("mechanism::Argument {{ of: {of}, role: {role}, time_only: {}, load: {} }}", argument.time_only, string(&argument.load))
+    format!(
+        "mechanism::Argument {{ of: {of}, role: {role}, time_only: {}, load: {} }}",
+        argument.time_only,
+        string(&argument.load)
+    )
 }
 
 /// FNV-1a of 64 bits (Fowler, Noll, Vo).

@@ -163,7 +163,8 @@ pub fn of_lagrange(model: &Model, changes: &[Change]) -> Vec<Fault> {
                 }));
             }
             for k in (0..body.position.len()).filter(|k| body.position[*k] != Id::ZERO) {
-                let (subject, what) = ("Lagrange: a component of a position", format!("of component {k} of {}", body.name));
+                let (subject, what) =
+                    ("Lagrange: a component of a position", format!("of component {k} of {}", body.name));
                 faults.push(fault(subject, change, Watch::Systems, &what, move |m, change| {
                     change.apply(&mut m.graph, &mut m.bodies[b].position[k..=k]);
                 }));

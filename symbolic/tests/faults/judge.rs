@@ -199,8 +199,8 @@ impl Judge {
 
     /// States within a window.
     fn within(&self, window: &Window) -> Vec<Seen> {
-        let place = |part: f64| move |m: &Moment, (symbol, low, high): &(Symbol, f64, f64)| {
-            m.with(*symbol, low + part * (high - low))
+        let place = |part: f64| {
+            move |m: &Moment, (symbol, low, high): &(Symbol, f64, f64)| m.with(*symbol, low + part * (high - low))
         };
         let moved = |m: &Moment, part: f64| window.iter().fold(m.clone(), |m, side| place(part)(&m, side));
         let all = self.seen.iter().take(12);
@@ -214,9 +214,9 @@ impl Judge {
         let route = Route::new(altered);
         let inside = self.within(window);
         let seen: Vec<&Seen> = self.seen.iter().chain(&inside).collect();
-        let lagrange = seen.iter().map(|seen| {
-            route.accelerations(&seen.moment).map_or(f64::INFINITY, |found| seen.difference(&found))
-        });
+        let lagrange = seen
+            .iter()
+            .map(|seen| route.accelerations(&seen.moment).map_or(f64::INFINITY, |found| seen.difference(&found)));
         let mut model = altered.model.clone();
         let systems = std::mem::take(&mut model.balances);
         let balances = systems.iter().map(|system| of_system(&mut model, system, &route, &seen));
@@ -307,7 +307,11 @@ fn of_system(model: &mut Model, system: &BalanceSystem, route: &Route, seen: &[&
 }
 
 /// The equations of a system as sums, and their slopes by the unknowns.
-fn linear(graph: &mut Graph, system: &BalanceSystem, place: &HashMap<Symbol, usize>) -> (Vec<Id>, Vec<Vec<(usize, Id)>>) {
+fn linear(
+    graph: &mut Graph,
+    system: &BalanceSystem,
+    place: &HashMap<Symbol, usize>,
+) -> (Vec<Id>, Vec<Vec<(usize, Id)>>) {
     let mut sums = Vec::new();
     for balance in &system.balances {
         for k in 0..balance.components {

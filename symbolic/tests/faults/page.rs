@@ -8,8 +8,8 @@ use dalembert_symbolic::file::render;
 use dalembert_symbolic::gate::judged;
 use dalembert_symbolic::model::load;
 
-use super::shared::{Notice, notices};
 use super::parts::Slipped;
+use super::shared::{Notice, notices};
 use super::smallest::Smallest;
 use super::{Fate, Outcome, models, sound};
 

@@ -4,8 +4,8 @@ use dalembert_symbolic::file::Node;
 use dalembert_symbolic::gate::judged;
 use dalembert_symbolic::model::resolve;
 
-use super::tree::{at, entries, get, items, text, to_key, with};
 use super::judge::Window;
+use super::tree::{at, entries, get, items, text, to_key, with};
 use super::{NOTHING, Sound};
 
 /// Who noticed a fault in shared data.

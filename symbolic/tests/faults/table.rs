@@ -271,9 +271,7 @@ fn difference(sound: &Sound, altered: &Derivation, fault: &Fault) -> f64 {
     let judge = &sound.judge;
     match fault.watch {
         Watch::System(_) | Watch::Systems => judge.difference(altered, &fault.window),
-        Watch::Check(_) => {
-            altered.model.checks.iter().map(|check| judge.failure(altered, check)).fold(0.0, f64::max)
-        }
+        Watch::Check(_) => altered.model.checks.iter().map(|check| judge.failure(altered, check)).fold(0.0, f64::max),
         Watch::Conserved(_) => {
             altered.model.conserved.iter().map(|claim| judge.drift(altered, claim)).fold(0.0, f64::max)
         }

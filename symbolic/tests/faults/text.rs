@@ -5,8 +5,8 @@ use dalembert_symbolic::file::Node;
 use dalembert_symbolic::model::Model;
 
 use super::expression::{Slip, slips};
-use super::tree::{Path, at, entries, get, items, text, to_key, with, with_entry};
 use super::judge::Window;
+use super::tree::{Path, at, entries, get, items, text, to_key, with, with_entry};
 use super::{Fault, Plant, Watch};
 
 /// What a file offers to be put in a wrong place.
@@ -43,7 +43,13 @@ pub fn faults(root: &Node, model: &Model) -> Vec<Fault> {
 impl Planter<'_> {
     fn plant(&mut self, kind: &str, watch: &Watch, what: String, root: Node) {
         let root = Box::new(root);
-        self.faults.push(Fault { kind: kind.to_owned(), what, watch: watch.clone(), plant: Plant::Text(root), window: Window::new() });
+        self.faults.push(Fault {
+            kind: kind.to_owned(),
+            what,
+            watch: watch.clone(),
+            plant: Plant::Text(root),
+            window: Window::new(),
+        });
     }
 
     /// Replaces the text at a path.
