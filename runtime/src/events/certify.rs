@@ -212,7 +212,8 @@ impl Certifier {
         let (mut low, mut high) = (a, b);
         let mut best = if a.value.abs() < b.value.abs() { a } else { b };
         for round in 0..100 {
-            if !(high.x - low.x > 2.0 * f64::EPSILON * high.x.abs().max(low.x.abs())) {
+            let (width, least) = (high.x - low.x, 2.0 * f64::EPSILON * high.x.abs().max(low.x.abs()));
+            if width.is_nan() || width <= least {
                 break;
             }
             // Where the chord of the slope meets zero; halves where that does not help.
@@ -318,7 +319,7 @@ fn deed(nature: Nature, rising: bool) -> Deed {
 /// The critical points within (0, 1) of start·s + c₂ s² + c₃ s³, in order.
 fn critical(start: f64, c2: f64, c3: f64) -> [Option<f64>; 2] {
     let discriminant = c2 * c2 - 3.0 * c3 * start;
-    if !(discriminant >= 0.0) {
+    if discriminant.is_nan() || discriminant < 0.0 {
         return [None, None];
     }
     // The stable form of the roots of 3c₃s² + 2c₂s + start.

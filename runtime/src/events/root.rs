@@ -125,7 +125,8 @@ mod tests {
     }
 
     /// Functions of the distance from the place in question, with what is there.
-    const FUNCTIONS: [(&str, fn(f64) -> f64, Nature); 21] = [
+    type Case = (&'static str, fn(f64) -> f64, Nature);
+    const FUNCTIONS: [Case; 21] = [
         ("x", |x| x, Nature::Root),
         ("x^3", |x| x * x * x, Nature::Root),
         ("x^9", |x| x.powi(9), Nature::Root),

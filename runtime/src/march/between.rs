@@ -131,7 +131,7 @@ impl March {
         let size = if y.is_empty() { 0.0 } else { (sum / y.len() as f64).sqrt() };
         (self.defect.y, self.defect.slope, self.defect.rate) = (y, slope, rate);
         // A state that has no accelerations is for the error test to judge, in a shorter step.
-        Ok(evaluated.is_err() || !(size <= Defect::MOST))
+        Ok(evaluated.is_err() || size.is_nan() || size > Defect::MOST)
     }
 
     /// Takes one error-controlled step under the modes in force only to see where it leads; the march stays where it
@@ -153,7 +153,7 @@ impl March {
         for _ in 0..ROUNDS {
             let h = self.h.min(self.until - now);
             let step = Step { h, next: now + h, lands: false };
-            if !(step.next > now) {
+            if step.next <= now || step.next.is_nan() {
                 return None;
             }
             let error = self.try_step(system, step, false).unwrap_or(f64::NAN);

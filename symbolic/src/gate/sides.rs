@@ -117,10 +117,8 @@ fn lines<'a>(
     let mut lines = Vec::new();
     for symbol in &argument.symbols {
         match *symbol {
-            Symbol::Time | Symbol::Input(..) => {
-                if !lines.iter().any(|line| matches!(line, Line::Time(_))) {
-                    lines.push(Line::Time(until));
-                }
+            Symbol::Time | Symbol::Input(..) if !lines.iter().any(|line| matches!(line, Line::Time(_))) => {
+                lines.push(Line::Time(until));
             }
             Symbol::Coordinate(i) => lines.push(Line::Coordinate(i as usize, reach(i as usize, false))),
             Symbol::Speed(i) => lines.push(Line::Speed(i as usize, reach(i as usize, true))),

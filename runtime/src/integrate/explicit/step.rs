@@ -168,7 +168,7 @@ fn rate_into(system: &dyn System, t: f64, y: &[f64], out: &mut [f64]) -> Result<
 /// Calls `stage` for these stages, as far as the method has them.
 macro_rules! stages {
     ($self:ident.stage($system:ident, $t:ident, $h:ident) for $($i:literal)* below $end:expr, from $first:expr) => {
-        $(if const { $i >= $first && $i < $end } { $self.stage::<$i>($system, $t, $h)?; })*
+        $(if const { $i > $first - 1 && $i < $end } { $self.stage::<$i>($system, $t, $h)?; })*
     };
 }
 
