@@ -106,9 +106,9 @@ impl<T: Scheme, Y: Block> ExplicitRungeKutta<T, Y> {
         let end = self.end.all_mut();
         for k in 0..y.len() / 2 {
             let sum = pair(h, T::TABLEAU.weights, &self.stages, 2 * k);
-            for lane in 0..2 {
+            for (lane, sum) in sum.iter().enumerate() {
                 let i = 2 * k + lane;
-                increment[i] = sum[lane] + carry[i];
+                increment[i] = sum + carry[i];
                 end[i] = y[i] + increment[i];
             }
         }
