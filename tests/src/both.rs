@@ -46,6 +46,8 @@ fn everything(system: &dyn System, state: &Drawn) -> Vec<(&'static str, Vec<f64>
     collect("invariants", 2 * description.invariant_len(), &|x| system.invariants(At::new(*t, q, v), x));
     collect("outputs", description.output_len(), &|x| system.outputs(At::new(*t, q, v).accelerated(a), x));
     collect("events", 2 * description.events.len(), &|x| system.events(At::new(*t, q, v).accelerated(a), x));
+    collect("event rates", description.events.len(), &|x| system.event_rates(At::new(*t, q, v).accelerated(a), x));
+    collect("arguments", 2 * description.arguments.len(), &|x| system.arguments(At::new(*t, q, v).accelerated(a), x));
     collect("switches", 2 * description.switches.len(), &|x| system.switches(At::new(*t, q, v).accelerated(a), x));
     collect("drawing", description.drawing_len(), &|x| system.drawing(At::new(*t, q, v), x));
     let energy = system.energy(At::new(*t, q, v));

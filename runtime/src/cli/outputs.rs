@@ -21,13 +21,13 @@ pub fn check(options: &ArgMatches, names: &[&str], model: &str) -> Result<(), Pr
         let option = format!("--{name}");
         let asked = Path::new(path);
         if same_file(asked, Path::new(model)) {
-            return Err(Problem::File(format!("error: {option} {path} would overwrite the model file")));
+            return Err(Problem::File(format!("{option} {path} would overwrite the model file")));
         }
         let opened = File::options().append(true).create(true).open(asked);
-        opened.map_err(|problem| Problem::File(format!("error: {option}: cannot write `{path}`: {problem}")))?;
+        opened.map_err(|problem| Problem::File(format!("{option}: cannot write `{path}`: {problem}")))?;
         let clash = taken.iter().find(|(_, other)| same_file(asked, other)).map(|(other, _)| other.clone());
         if let Some(other) = clash {
-            return Err(Problem::File(format!("error: {other} and {option} name the same file, {path}")));
+            return Err(Problem::File(format!("{other} and {option} name the same file, {path}")));
         }
         taken.push((option, asked.to_owned()));
     }

@@ -17,7 +17,7 @@ use super::set_up::set_up;
 use super::{Entry, Problem, compare, outputs};
 use crate::mechanism::Description;
 use crate::simulate::LAGRANGE;
-use crate::{Error, Run, Settings};
+use crate::{Error, Impulse, Run, Settings};
 
 /// Runs, writes files that were asked for, and prints the outcome; a run that failed is written and printed too.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
@@ -187,7 +187,7 @@ fn as_json(loaded: &Loaded, settings: &Settings, run: &Run) -> Value {
                 .collect::<Vec<_>>()
                 .into(),
         ),
-        ("impulses", json!([])),
+        ("impulses", impulses(description, run)),
         (
             "work",
             json!({
@@ -196,11 +196,23 @@ fn as_json(loaded: &Loaded, settings: &Settings, run: &Run) -> Value {
                 "evaluations": run.work.evaluations,
                 "jacobians": run.work.jacobians,
                 "factorizations": run.work.factorizations,
+                "retries": run.work.retries,
+                "samples": run.work.samples,
             }),
         ),
         ("seconds", number(run.seconds)),
         ("warnings", json!(warnings.collect::<Vec<String>>())),
     ])
+}
+
+/// Jumps of the speeds: when, by what, and of which rates.
+fn impulses(description: &Description, run: &Run) -> Value {
+    let one = |impulse: &Impulse| {
+        let names = description.coordinates.iter().map(|c| c.name.to_string());
+        let jumps = names.zip(&impulse.jump).map(|(name, jump)| (name, number(*jump)));
+        object([("t", number(impulse.t)), ("inputs", json!(impulse.inputs)), ("v", object(jumps))])
+    };
+    run.impulses.iter().map(one).collect::<Vec<_>>().into()
 }
 
 /// Outputs at the end: a number for a scalar, an array for a vector.

@@ -13,7 +13,7 @@ use crate::mechanism::Description;
 /// R is the range that the component has gone through since the start, the step's end included, so that neither a shift
 /// of the origin nor a change of units changes a step; an angle's is at most 2π.  φ = 200 u max|q|, u = 2⁻⁵³, is the
 /// rounding of q: no error below it counts, and no error of q' that moves q by less within the step.  Where a coordinate
-/// takes over the rounding of a larger one beside it, φ is raised when that shows ([`Tolerance::is_noise`]).
+/// takes over the rounding of a larger one beside it, φ is raised when that shows ([`Tolerance::look_for_noise`]).
 ///
 /// What has decayed far below its largest value has absolute accuracy only.
 #[derive(Clone, Debug)]
@@ -72,25 +72,35 @@ impl Tolerance {
         }
     }
 
-    /// True when the errors of coordinate i, which fell from `before` to `after` when the step was cut from h₁ to h₂, are
-    /// the rounding of larger coordinates of the same unit; its own rounding is then raised to theirs for good.
-    pub fn is_noise(&mut self, i: usize, (before, after): ([f64; 2], [f64; 2]), (h1, h2): (f64, f64)) -> bool {
-        let alike = (0..self.n).filter(|j| self.group[*j] == self.group[i]);
-        let least = if self.widest[i].is_finite() { 1.0 } else { 0.0 };
-        let largest = alike.map(|j| self.high[j].abs().max(self.low[j].abs())).fold(least, f64::max);
-        let floor = ROUNDING * largest;
+    /// Looks whether the errors of coordinate i, too large still after they fell from `before` to `after` when the step was
+    /// cut from h₁ to h₂, are the rounding of larger coordinates of the same unit; its own is then raised to theirs for good.
+    pub fn look_for_noise(
+        &mut self,
+        i: usize,
+        (before, after): ([f64; 2], [f64; 2]),
+        (h1, h2): (f64, f64),
+        (end, rate): (&[f64], &[f64]),
+    ) {
+        let floor = ROUNDING * self.largest_alike(i);
+        let units = self.units(i, h2, end, rate);
         let falls = (h2 / h1).powf(2.5);
-        let stays = |k: usize, floor: f64| after[k] > falls * before[k] && after[k] <= floor;
-        let noise = self.raised[i] < floor && (stays(0, floor) || stays(1, floor / h2));
-        if noise {
+        let stays = |k: usize, floor: f64| after[k] > units[k] && after[k] > falls * before[k] && after[k] <= floor;
+        if self.raised[i] < floor && (stays(0, floor) || stays(1, floor / h2)) {
             self.raised[i] = floor;
         }
-        noise
     }
 
-    /// What rounding leaves of coordinate i, in its SI unit.
-    pub fn rounding(&self, i: usize) -> f64 {
-        self.raised[i]
+    /// Coordinates whose accuracy is limited by the rounding of others instead of the tolerance, and to what, in SI.
+    pub fn limited(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let raised = self.raised.iter().copied().enumerate();
+        raised.filter(|(i, rounding)| *rounding > self.relative * (self.high[*i] - self.low[*i]))
+    }
+
+    /// The largest size of a coordinate with the same unit as this one; of angles at least one radian.
+    fn largest_alike(&self, i: usize) -> f64 {
+        let alike = (0..self.n).filter(|j| self.group[*j] == self.group[i]);
+        let least = if self.widest[i].is_finite() { 1.0 } else { 0.0 };
+        alike.map(|j| self.high[j].abs().max(self.low[j].abs())).fold(least, f64::max)
     }
 }
 

@@ -16,8 +16,8 @@ mod system;
 pub use at::At;
 pub use balances::Balances;
 pub use description::{
-    Action, Balance, BalanceSystem, Coordinate, Counts, Description, Direction, Event, List, Parameter, Quantity,
-    Shape, Structure, Switch, SwitchKind, Text,
+    Action, Argument, Balance, BalanceSystem, Coordinate, Counts, Description, Direction, Event, InputJump, List,
+    Parameter, Quantity, Role, Shape, Structure, Switch, SwitchKind, Text, Watched,
 };
 pub use erased::Erased;
 pub use generated::{Mechanism, Values};
@@ -28,6 +28,7 @@ pub use real::Real;
 pub use singular::{Singular, SingularMass};
 #[doc(hidden)]
 pub use solve::solve_packed;
+pub(crate) use solve::solve_packed_slice;
 pub use system::{Signal, System};
 
 /// Energies of a state.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{Names, Occurrence, Run, Scenery, State, Trajectory, Work};
 use crate::cause::Cause;
-use crate::events::Log;
+use crate::events::{Impulse, Log, Remark, Remarkable};
 use crate::integrate::{Reached, Segment};
 use crate::mechanism::{At, Method, System};
 use crate::trust::{ConditionMonitor, InertiaGuard, Monitor, Warning, Watchman};
@@ -74,6 +74,7 @@ impl Recorder {
             step: plan.step,
             balances: None,
             events: Vec::new(),
+            impulses: Vec::new(),
             work: Work::default(),
             drift: Vec::new(),
             energy_balance: None,
@@ -257,6 +258,11 @@ impl Recorder {
         }
     }
 
+    /// Notes a jump of the speeds.
+    pub fn impulse(&mut self, impulse: Impulse) {
+        self.run.impulses.push(impulse);
+    }
+
     /// The last event.
     pub fn last_event(&self) -> Option<Occurrence> {
         self.run.events.last().cloned()
@@ -370,5 +376,13 @@ impl Log for Recorder {
         if ends {
             self.run.ended_by = Some(self.run.events.len() - 1);
         }
+    }
+
+    fn remark(&mut self, Remark { event, t, what }: Remark) {
+        self.warn(match what {
+            Remarkable::Touch => Warning::Touch { event, t },
+            Remarkable::Jump => Warning::NoCrossing { event, t },
+            Remarkable::Edge => Warning::Undefined { event, t },
+        });
     }
 }

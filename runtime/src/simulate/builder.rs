@@ -3,8 +3,10 @@
 use super::by_hand::Stepping;
 use super::{Settings, simulate};
 use crate::error::Error;
+use crate::events::CLOSURE_WIDTH;
 use crate::mechanism::{Description, Method, Scene, Signal, System};
 use crate::run::Run;
+use crate::trust::Warning;
 
 /// A run that is being described: what is not said comes from the model file's first scene.
 ///
@@ -78,6 +80,9 @@ impl<S: System> Simulation<S> {
     }
 
     /// Replaces an input by a function of time, which returns (u, u', u'').
+    ///
+    /// Its jumps and sharp turns are looked for by a scan of u and u', since no expression tells where they are; features
+    /// narrower than 2·10⁻⁴ of the run may be missed, which the run's warnings say unless a longest step is given.
     pub fn input(mut self, name: &str, signal: Signal) -> Self {
         let inputs = &self.system.description().inputs;
         match inputs.iter().position(|input| input == name) {
@@ -159,7 +164,16 @@ impl<S: System> Simulation<S> {
     pub fn run(mut self) -> Result<Run, Error> {
         match self.wrong {
             Some(error) => Err(error),
-            None => simulate(&mut self.system, &self.settings),
+            None => {
+                let mut run = simulate(&mut self.system, &self.settings)?;
+                let inputs = self.system.description().inputs.iter().enumerate();
+                let closures = inputs.filter(|(index, _)| self.system.signal(*index).is_some());
+                for (_, input) in closures.filter(|_| self.settings.longest_step.is_none()) {
+                    let width = CLOSURE_WIDTH * (self.settings.until - self.settings.from);
+                    run.warnings.push(Warning::InputScanned { input: input.to_string(), width });
+                }
+                Ok(run)
+            }
         }
     }
 

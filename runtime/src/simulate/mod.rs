@@ -106,7 +106,8 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     Ok(Start { march, recorder, outcome })
 }
 
-fn finish(system: &dyn System, march: &March, recorder: Recorder, clock: Instant) -> Run {
+fn finish(system: &dyn System, march: &March, mut recorder: Recorder, clock: Instant) -> Run {
+    march.warnings(system).into_iter().for_each(|warning| recorder.warn(warning));
     recorder.finish(system, march.time(), march.state(), march.work(), clock.elapsed().as_secs_f64())
 }
 

@@ -180,7 +180,9 @@ fn work_is_counted() {
     let fixed = run(Toy::oscillator(1.0, 1.0), |s| (s.method, s.step) = (Method::Rk4, Some(0.01))).unwrap();
     assert_eq!((fixed.work.steps, fixed.work.evaluations), (100, 401));
     let dopri5 = run(Toy::oscillator(1.0, 20.0), |s| (s.method, s.tolerance) = (Method::Dopri5, 1e-9)).unwrap();
-    assert_eq!(dopri5.work.evaluations, 1 + 6 * (dopri5.work.steps + dopri5.work.rejected));
+    let steps = dopri5.work.steps + dopri5.work.rejected;
+    // One more where the equations are looked at inside a step.
+    assert!((1 + 6 * steps..=2 + 7 * steps).contains(&dopri5.work.evaluations), "{:?}", dopri5.work);
     let plain = run(Toy::oscillator(1.0, 20.0), |s| (s.dense, s.every) = (false, Some(20.0))).unwrap();
     assert_eq!(plain.work.evaluations, 1 + 12 * plain.work.steps + 11 * plain.work.rejected);
 }
@@ -275,6 +277,7 @@ fn a_thermostat_by_hand_sees_its_events() {
             direction: crate::mechanism::Direction::Both,
             conditional: false,
             actions: (&[crate::mechanism::Action::Stop]).into(),
+            rated: false,
         },
         |_, q, _, _, pairs| pairs.copy_from_slice(&[q[0], 1.0]),
     );
@@ -383,6 +386,8 @@ fn rounding_of_other_coordinates_ends_no_run() {
     });
     let run = run(toy, |s| s.tolerance = 1e-10).unwrap();
     assert!(run.work.evaluations < 5000, "{:?}", run.work);
+    let limited = |w: &Warning| matches!(w, Warning::RoundingLimits { coordinate, .. } if coordinate == "z");
+    assert!(run.warnings.iter().all(limited), "{:?}", run.warnings);
     assert!((run.last()["x"] - 20.0_f64.cos()).abs() < 1e-7);
 }
 
@@ -390,7 +395,12 @@ fn rounding_of_other_coordinates_ends_no_run() {
 fn modes_are_chosen_before_anything_is_reported() {
     // The output is the mode of a step that is 0 at the start; a second run begins as the first did.
     let mut toy = Toy::new(&["x"], (&[-1.0], &[1.0]), 2.0, |_, _, _, _, a| a[0] = 0.0).switch(
-        crate::mechanism::Switch { text: "x".into(), kind: crate::mechanism::SwitchKind::Step, time_only: false },
+        crate::mechanism::Switch {
+            text: "x".into(),
+            kind: crate::mechanism::SwitchKind::Step,
+            time_only: false,
+            of_input: false,
+        },
         |_, q, v, _, p| p.copy_from_slice(&[q[0], v[0]]),
     );
     let settings = Settings::new(&toy.scene);

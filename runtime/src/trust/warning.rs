@@ -68,6 +68,34 @@ pub enum Warning {
         /// What is left of it, in its SI unit.
         to: f64,
     },
+    /// An event's function comes to zero and turns back, as far as rounding tells; no crossing was counted.
+    Touch {
+        /// The event.
+        event: String,
+        /// When it did first, s.
+        t: f64,
+    },
+    /// An event's function changes its sign by a jump or through a pole, which is no zero; no crossing was counted.
+    NoCrossing {
+        /// The event.
+        event: String,
+        /// When it did first, s.
+        t: f64,
+    },
+    /// An event's function is not defined on a part of the run.
+    Undefined {
+        /// The event.
+        event: String,
+        /// Where its definition ends or begins first, s.
+        t: f64,
+    },
+    /// An input is a closure, which tells nothing of itself between the times at which it was scanned.
+    InputScanned {
+        /// The input.
+        input: String,
+        /// Features narrower than this, s, may have been missed.
+        width: f64,
+    },
     /// The run has too many steps to keep dense output of them all.
     DenseOutputEnds {
         /// Until when there is dense output, s.
@@ -124,6 +152,21 @@ impl fmt::Display for Warning {
             Warning::RoundingLimits { coordinate, to } => {
                 write!(f, "rounding of larger coordinates limits `{coordinate}` to {to:.1e}")
             }
+            Warning::Touch { event, t } => write!(
+                f,
+                "`{event}` touches zero at t = {t} s: whether it crosses is below what rounding tells, and was not counted"
+            ),
+            Warning::NoCrossing { event, t } => write!(
+                f,
+                "`{event}` changes its sign at t = {t} s by a jump or a pole, which is no zero and was not counted"
+            ),
+            Warning::Undefined { event, t } => {
+                write!(f, "`{event}` is undefined on one side of t = {t} s; nothing was counted there")
+            }
+            Warning::InputScanned { input, width } => write!(
+                f,
+                "features of `{input}` narrower than {width:.1e} s may be missed, since it is a closure; give a longest step"
+            ),
             Warning::DenseOutputEnds { t } => write!(f, "dense output ends at t = {t} s: it would fill the memory"),
             Warning::Stiff { t, step_times_rate } => write!(
                 f,

@@ -111,3 +111,54 @@ fn compare(model: &Model, pairs: &[(usize, Id, Id)], states: &[State], gate: Gat
     }
     Ok(worst)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::derive::derive;
+    use crate::expr::Rational;
+    use crate::gate::{motion::Motion, states::states};
+    use crate::model::load;
+
+    /// Every entry of M, h and F of either derivation times 1 + 1e-12, flipped or dropped, alone: all are refused.
+    #[test]
+    fn a_fault_in_one_entry_of_one_derivation_is_refused() {
+        for text in [
+            include_str!("../../../models/double_pendulum.yaml"),
+            include_str!("../../../models/cart_pendulum.yaml"),
+            include_str!("../../tests/faults/scales/scales_sensor.yaml"),
+        ] {
+            let mut derivation = derive(load(text, &[]).unwrap()).unwrap();
+            let model = &mut derivation.model;
+            let motion = Motion::new(model, &derivation.equations[0], &derivation.switches);
+            let gate = Gate::default();
+            let all = states(model, &motion, &[], gate).map_err(|problem| problem.message).unwrap().all;
+            assert!(agreement(model, &derivation.equations, &all, gate).is_ok());
+            let parts = 1_000_000_000_000;
+            let mut planted = 0;
+            for k in 0..derivation.equations.len() {
+                let route = &derivation.equations[k];
+                let sizes = [route.mass.len(), route.bias.len(), route.residual.len()];
+                for (part, size) in sizes.into_iter().enumerate() {
+                    let factors = [(parts + 1, parts), (-1, 1), (0, 1)];
+                    for (entry, (n, d)) in (0..size).flat_map(|i| factors.map(|f| (i, f))) {
+                        let mut altered = derivation.equations.clone();
+                        let id = match part {
+                            0 => &mut altered[k].mass[entry].2,
+                            1 => &mut altered[k].bias[entry],
+                            _ => &mut altered[k].residual[entry],
+                        };
+                        if *id == Id::ZERO {
+                            continue;
+                        }
+                        let factor = model.graph.rational(Rational::new(n, d).unwrap());
+                        *id = model.graph.mul(factor, *id);
+                        planted += 1;
+                        assert!(agreement(model, &altered, &all, gate).is_err(), "{k} {part} {entry} times {n}/{d}");
+                    }
+                }
+            }
+            assert!(planted > 20, "{planted}");
+        }
+    }
+}

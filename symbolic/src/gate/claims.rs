@@ -29,9 +29,14 @@ pub(super) fn conserved(
     gate: Gate,
 ) -> Result<f64, Box<Problem>> {
     let tape = Tape::new(&model.graph, rates);
+    let (mut scratch, mut values) = (Vec::new(), vec![Measured::exact(DoubleDouble::ZERO); rates.len()]);
     let mut worst = 0.0_f64;
     for (k, state) in states.all.iter().enumerate() {
-        let values = tape.evaluate(|s| state.measured(s));
+        tape.run(|s| state.measured(s), &mut scratch, &mut values);
+        if tape.undecided(&scratch, super::ROUNDINGS) {
+            // At a kink there is no rate; whether the value jumps there is asked below.
+            continue;
+        }
         let largest = values.iter().fold(0.0_f64, |most, x| most.max(x.magnitude));
         for (component, rate) in values.iter().enumerate() {
             let size = rate.value.abs().to_f64();
@@ -92,7 +97,7 @@ fn jump(model: &Model, invariant: &Conserved, surfaces: &[State], gate: Gate) ->
         return None;
     }
     let mut graph = model.graph.clone();
-    let (roots, switches) = introduce(&mut graph, &invariant.value);
+    let (roots, switches) = introduce(&mut graph, &invariant.value, 0);
     if switches.is_empty() {
         return None;
     }

@@ -24,6 +24,7 @@ mod draw;
 mod effects;
 mod motion;
 mod named;
+mod passage;
 mod potential;
 mod report;
 mod shared;

@@ -8,6 +8,7 @@
 use std::collections::BTreeSet;
 
 use super::motion::Motion;
+use super::passage::{passages, signs};
 use super::state::{Origin, State};
 use crate::expr::{Binary, Id, Node, Symbol, Tape, Unary};
 use crate::model::{Model, Work, text_in};
@@ -21,7 +22,7 @@ const LINES: usize = 8;
 const KEPT: usize = 8;
 
 /// An argument, and what is looked for.
-struct Argument {
+pub(super) struct Argument {
     /// In words.
     words: String,
     tape: Tape,
@@ -31,12 +32,25 @@ struct Argument {
     symbols: Vec<Symbol>,
 }
 
-/// A way through the states: one number changes.
-enum Line<'a> {
+impl Argument {
+    /// Its value at a state.
+    pub fn at(&self, state: &State) -> f64 {
+        self.tape.evaluate(|s| state.value(s))[0].to_f64()
+    }
+}
+
+/// A way through the states.
+pub(super) enum Line<'a> {
+    /// Time alone changes.
     Time(f64),
+    /// One coordinate changes.
     Coordinate(usize, f64),
+    /// One speed changes.
     Speed(usize, f64),
+    /// Straight to another state.
     Between(&'a State),
+    /// To the next state of a motion, on the cubic that has the speeds of both.
+    Step(&'a State),
 }
 
 /// What was found.
@@ -49,16 +63,20 @@ pub(super) struct Sides {
     pub unreached: Vec<String>,
 }
 
-/// Looks for such states along lines through `bases` and between them; `until` is the longest scene's end.
+/// Looks for such states where the motion itself meets a discontinuity, and along lines through `bases` and between
+/// them; `paths` are the steps of each scene's motion, `until` is the longest scene's end.
 pub(super) fn sides(
     model: &Model,
     motion: &Motion,
-    bases: &[State],
+    (bases, paths): (&[State], &[Vec<State>]),
     until: f64,
     reach: &dyn Fn(usize, bool) -> f64,
 ) -> Sides {
     let arguments = arguments(model);
+    let switches: Vec<&Argument> = arguments.iter().filter(|a| a.switches).take(ARGUMENTS).collect();
     let mut found = Sides { states: Vec::new(), surfaces: Vec::new(), unreached: Vec::new() };
+    let mut combinations = BTreeSet::new();
+    paths.iter().for_each(|path| passages(motion, &switches, path, &mut combinations, &mut found));
     for (place, argument) in arguments.iter().enumerate() {
         if place >= ARGUMENTS {
             found.unreached.push(format!("{} more", arguments.len() - ARGUMENTS));
@@ -72,14 +90,20 @@ pub(super) fn sides(
                     break;
                 }
                 followed += 1;
-                follow(motion, argument, base, &line, &mut found);
+                follow(motion, (argument, &switches), base, &line, &mut found);
             }
         }
-        if found.states.len() == before {
+        let met = (0..switches.len()).any(|k| std::ptr::eq(switches[k], argument) && both_sides(&combinations, k));
+        if found.states.len() == before && !met {
             found.unreached.push(argument.words.clone());
         }
     }
     found
+}
+
+/// Whether a motion was on both sides of a discontinuity.
+fn both_sides(combinations: &BTreeSet<Vec<bool>>, k: usize) -> bool {
+    [true, false].iter().all(|side| combinations.iter().any(|c| c.get(k) == Some(side)))
 }
 
 /// Ways along which an argument may change.
@@ -113,12 +137,13 @@ fn lines<'a>(
 }
 
 /// Where the line is at z.
-fn moved(motion: &Motion, base: &State, line: &Line<'_>, z: DoubleDouble) -> State {
+pub(super) fn moved(motion: &Motion, base: &State, line: &Line<'_>, z: DoubleDouble) -> State {
     let mut state = base.clone();
     match line {
         Line::Time(_) => state.t = z,
         Line::Coordinate(i, _) => state.q[*i] = z,
         Line::Speed(i, _) => state.v[*i] = z,
+        Line::Step(_) => {}
         Line::Between(other) => {
             let between = |a: DoubleDouble, b: DoubleDouble| a + z * (b - a);
             state.t = between(base.t, other.t);
@@ -128,9 +153,27 @@ fn moved(motion: &Motion, base: &State, line: &Line<'_>, z: DoubleDouble) -> Sta
             }
         }
     }
+    if let Line::Step(next) = line {
+        on_the_cubic(&mut state, base, next, z);
+    }
     motion.prepare(&mut state);
     state.origin = Origin::Side;
     state
+}
+
+/// The cubic in time through two states with their speeds (Hermite's), at the fraction z of the way.
+fn on_the_cubic(state: &mut State, from: &State, to: &State, z: DoubleDouble) {
+    let (one, two) = (DoubleDouble::ONE, DoubleDouble::from(2.0));
+    let h = to.t - from.t;
+    let rest = one - z;
+    state.t = from.t + z * h;
+    for i in 0..state.q.len() {
+        let (there, way) = (to.q[i], to.q[i] - from.q[i]);
+        let bow = rest * (h * from.v[i] - way) - z * (h * to.v[i] - way);
+        state.q[i] = rest * from.q[i] + z * there + z * rest * bow;
+        let bend = h * (from.v[i] + to.v[i]) - two * way;
+        state.v[i] = (way + (one - two * z) * bow - z * rest * bend) / h;
+    }
 }
 
 /// Places at which an argument is sampled along a line, in order.
@@ -149,7 +192,7 @@ fn grid(base: &State, line: &Line<'_>) -> Vec<f64> {
         Line::Time(until) => even(0.0, *until, 96).collect(),
         Line::Coordinate(i, scale) => around(base.q[*i].to_f64(), *scale),
         Line::Speed(i, scale) => around(base.v[*i].to_f64(), *scale),
-        Line::Between(_) => even(0.0, 1.0, 8).collect(),
+        Line::Between(_) | Line::Step(_) => even(0.0, 1.0, 8).collect(),
     };
     places.sort_by(f64::total_cmp);
     places.dedup();
@@ -157,7 +200,13 @@ fn grid(base: &State, line: &Line<'_>) -> Vec<f64> {
 }
 
 /// Follows one argument along one line.
-fn follow(motion: &Motion, argument: &Argument, base: &State, line: &Line<'_>, found: &mut Sides) {
+fn follow(
+    motion: &Motion,
+    (argument, switches): (&Argument, &[&Argument]),
+    base: &State,
+    line: &Line<'_>,
+    found: &mut Sides,
+) {
     let at = |z: f64| {
         let state = moved(motion, base, line, DoubleDouble::from(z));
         argument.tape.evaluate(|s| state.value(s))[0].to_f64()
@@ -198,11 +247,17 @@ fn follow(motion: &Motion, argument: &Argument, base: &State, line: &Line<'_>, f
         let scale = match line {
             Line::Time(until) => *until,
             Line::Coordinate(_, scale) | Line::Speed(_, scale) => *scale,
-            Line::Between(_) => 1.0,
+            Line::Between(_) | Line::Step(_) => 1.0,
         };
-        let aside = (1e-3 * scale).min(0.25 * near);
-        for z in [z - aside, z + aside] {
-            found.states.push(moved(motion, base, line, DoubleDouble::from(z)));
+        for side in [-1.0, 1.0] {
+            let beside = |aside: f64| moved(motion, base, line, DoubleDouble::from(z + side * aside));
+            // A strip ends where another argument changes: not beyond it.
+            let first = signs(switches, &beside(1e-9 * scale));
+            let mut aside = (1e-3 * scale).min(0.25 * near);
+            while aside > 4e-9 * scale && signs(switches, &beside(aside)) != first {
+                aside *= 0.25;
+            }
+            found.states.push(beside(aside));
         }
         found.surfaces.push(moved(motion, base, line, polished(motion, argument, base, line, z)));
     }
@@ -245,7 +300,7 @@ fn extrema(samples: &[(f64, f64)], at: &dyn Fn(f64) -> f64) -> Vec<(f64, f64)> {
 }
 
 /// The place where a function changes its sign, to the last bit.
-fn bisect(f: &dyn Fn(f64) -> f64, (mut a, mut b): (f64, f64)) -> f64 {
+pub(super) fn bisect(f: &dyn Fn(f64) -> f64, (mut a, mut b): (f64, f64)) -> f64 {
     let side = f(a) > 0.0;
     for _ in 0..200 {
         let middle = 0.5 * (a + b);
@@ -258,7 +313,7 @@ fn bisect(f: &dyn Fn(f64) -> f64, (mut a, mut b): (f64, f64)) -> f64 {
 }
 
 /// The zero of an argument to all digits, by secants.
-fn polished(motion: &Motion, argument: &Argument, base: &State, line: &Line<'_>, z: f64) -> DoubleDouble {
+pub(super) fn polished(motion: &Motion, argument: &Argument, base: &State, line: &Line<'_>, z: f64) -> DoubleDouble {
     let at = |z: DoubleDouble| {
         let state = moved(motion, base, line, z);
         argument.tape.evaluate(|s| state.value(s))[0]
@@ -336,6 +391,9 @@ fn roots(model: &Model) -> Vec<Id> {
         }
         roots.extend(load.pushes.iter().flat_map(|p| p.at.iter().chain(&p.force).chain(&p.couple)).copied());
     }
+    roots.extend(model.gravity.iter().flatten());
+    let parts = model.balances.iter().flat_map(|system| &system.balances).flat_map(|balance| &balance.parts);
+    roots.extend(parts.flat_map(|part| part.value.iter().copied()));
     roots.extend(model.conserved.iter().flat_map(|c| c.value.iter().copied()));
     roots.extend(model.checks.iter().flat_map(|c| c.left.iter().chain(&c.right)).copied());
     roots

@@ -27,6 +27,8 @@ pub struct State {
     pub modes: Vec<f64>,
     /// Where it comes from.
     pub origin: Origin,
+    /// Whether it lies outside of the ranges in `sample`, where a scene's motion went nevertheless.
+    pub outside: bool,
 }
 
 /// Where a state comes from.
@@ -56,12 +58,13 @@ impl State {
             inputs: Vec::new(),
             modes: Vec::new(),
             origin: Origin::Near,
+            outside: false,
         }
     }
 
-    /// Whether it was made to lie where something may be singular.
+    /// Whether something may be singular or undefined here: it was made to lie so, or the file does not vouch for it.
     pub(super) fn is_special(&self) -> bool {
-        matches!(self.origin, Origin::Side | Origin::Group)
+        self.outside || matches!(self.origin, Origin::Side | Origin::Group)
     }
 
     /// A symbol's value.

@@ -24,6 +24,8 @@ const DRAWN: usize = 16;
 const DRAWS: usize = 400;
 /// So many states come from the motion of each scene.
 const FROM_MOTION: usize = 5;
+/// So many steps of each are searched for discontinuities.
+const STEPS: usize = 1000;
 /// So many scenes are run.
 const SCENES: usize = 8;
 /// Operations that all states together may cost.
@@ -63,13 +65,14 @@ pub(super) fn states(
         }
     }
     let mut bases: Vec<State> = found.all.iter().filter(|s| s.origin != Origin::Group).take(2).cloned().collect();
+    let mut paths = Vec::new();
     for (run, scene) in trajectories.iter().zip(&model.scenes) {
+        paths.push(path(motion, run));
         found.followed.push((scene.name.clone(), run.reached(), run.until));
         let share = (room / 4 / trajectories.len()).clamp(1, FROM_MOTION);
-        for (t, q, v) in run.spread(share) {
-            let double = |list: &[f64]| list.iter().map(|x| DoubleDouble::from(*x)).collect();
-            let mut state = State::at_rest(run.parameters.clone(), motion.n);
-            (state.t, state.q, state.v, state.origin) = (DoubleDouble::from(*t), double(q), double(v), Origin::Motion);
+        for step in run.spread(share) {
+            let mut state = on_the_way(run, step);
+            state.outside = !draws.inside(&state);
             bases.push(state.clone());
             keep(motion, state, &mut found.all);
         }
@@ -78,7 +81,7 @@ pub(super) fn states(
         let until = trajectories.iter().map(|run| run.until).fold(0.0, f64::max);
         let until = if until > 0.0 { until } else { 10.0 };
         let reach = |i: usize, speed: bool| draws.reach(i, speed);
-        let beside = sides(model, motion, &bases, until, &reach);
+        let beside = sides(model, motion, (&bases, &paths), until, &reach);
         found.unreached = beside.unreached;
         let inside = |state: &State| draws.inside(state);
         for state in beside.states.into_iter().filter(inside).take(room) {
@@ -89,6 +92,26 @@ pub(super) fn states(
         }
     }
     Ok(found)
+}
+
+/// A step of a run as a state.
+fn on_the_way(run: &Trajectory, (t, q, v): &(f64, Vec<f64>, Vec<f64>)) -> State {
+    let double = |list: &[f64]| list.iter().map(|x| DoubleDouble::from(*x)).collect();
+    let mut state = State::at_rest(run.parameters.clone(), q.len());
+    (state.t, state.q, state.v, state.origin) = (DoubleDouble::from(*t), double(q), double(v), Origin::Motion);
+    state
+}
+
+/// The steps of a run in order, thinned where there are many.
+fn path(motion: &Motion, run: &Trajectory) -> Vec<State> {
+    let apart = run.states.len().div_ceil(STEPS).max(1);
+    let steps = run.states.iter().step_by(apart);
+    let prepared = |step| {
+        let mut state = on_the_way(run, step);
+        motion.prepare(&mut state);
+        state
+    };
+    steps.map(prepared).collect()
 }
 
 /// Coarse runs of the scenes.

@@ -25,6 +25,8 @@ pub enum Slip {
     Prime,
     /// `rate` left out.
     Rate,
+    /// A term times 1.000001.
+    Slight,
 }
 
 impl Slip {
@@ -41,12 +43,13 @@ impl Slip {
             Slip::Velocity => "velocity and acceleration",
             Slip::Prime => "a prime",
             Slip::Rate => "a rate",
+            Slip::Slight => "off by 1e-6",
         }
     }
 
     /// Whether identities are tried with it too.
     pub fn plain(self) -> bool {
-        matches!(self, Slip::Sign | Slip::SineCosine | Slip::Term | Slip::Number)
+        matches!(self, Slip::Sign | Slip::SineCosine | Slip::Term | Slip::Number | Slip::Slight)
     }
 }
 
@@ -122,12 +125,14 @@ impl Walk<'_> {
                     self.put(Slip::Sign, at..at + 1, other);
                     self.put(Slip::Term, r.clone(), &format!("(0*({}))", &text[r.clone()]));
                     self.put(Slip::Term, l.clone(), &format!("(0*({}))", &text[l.clone()]));
+                    self.put(Slip::Slight, r.clone(), &format!("(1.000001*({}))", &text[r.clone()]));
                 }
             }
             Operator::Equal => {
                 self.put(Slip::Sign, r.clone(), &format!("-({})", &text[r.clone()]));
                 if text[r.clone()].trim() != "0" {
                     self.put(Slip::Term, r.clone(), &format!("0*({})", &text[r.clone()]));
+                    self.put(Slip::Slight, r.clone(), &format!("1.000001*({})", &text[r.clone()]));
                 }
             }
             Operator::Multiply => {

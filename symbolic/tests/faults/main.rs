@@ -1,12 +1,17 @@
-//! Seeded faults: every model with balances or checks is spoilt in one derivation at a time, and must then be refused.
+//! Seeded faults: every model with balances or claims is spoilt in one derivation at a time, and must then be refused.
 
 #[path = "table.rs"]
 mod table;
 
+use dalembert_symbolic::derive::derive;
+use dalembert_symbolic::gate::Gate;
+use dalembert_symbolic::model::load;
+
 #[test]
 fn every_fault_that_changes_the_motion_is_refused() {
-    let outcomes = table::plant_all();
-    let now = table::page(&outcomes);
+    let extent = table::Extent::Test;
+    let outcomes = table::plant_all(extent, false);
+    let now = table::page(&outcomes, &table::smallest(extent));
     println!("{now}");
     let wrong = table::wrong(&outcomes);
     assert!(wrong.is_empty(), "faults that were accepted, or sound models that were refused:\n{}", wrong.join("\n"));
@@ -23,4 +28,27 @@ fn every_fault_that_changes_the_motion_is_refused() {
 fn frame(page: &str) -> Vec<&str> {
     let lines = page.lines().filter(|line| line.starts_with(['#', '|']));
     lines.map(|line| line.split(" | ").next().unwrap_or(line)).collect()
+}
+
+/// For each part of the gate a fault that it alone catches: accepted without it, refused with it.
+#[test]
+fn each_part_of_the_gate_earns_its_place() {
+    let spindle = include_str!("scales/scales_spindle.yaml");
+    let grain = include_str!("scales/scales_grain.yaml");
+    let pad = include_str!("scales/scales_pad.yaml");
+    let all = Gate::default();
+    let faults = [
+        (Gate { digits: false, ..all }, spindle, "F - c*x'\"\n", "F - 1.000000000001*c*x'\"\n"),
+        (Gate { rows: false, ..all }, grain, "-k*(u - d) - c*u'\"", "-k*(u - d) + c*u'\""),
+        (Gate { motion: false, ..all }, pad, "= -b*corner*x'", "= b*corner*x'"),
+        (Gate { sides: false, ..all }, pad, "y'' = -b*corner*y' + F*", "y'' = -b*corner*y' - F*"),
+    ];
+    for (without, sound, right, wrong) in faults {
+        assert!(sound.contains(right), "{right}");
+        let derivation = |text: &str| derive(load(text, &[]).unwrap()).unwrap();
+        assert!(all.judge(derivation(sound)).is_ok(), "{right}: refused, though sound");
+        let spoilt = derivation(&sound.replacen(right, wrong, 1));
+        assert!(all.judge(spoilt.clone()).is_err(), "{wrong}: accepted");
+        assert!(without.judge(spoilt).is_ok(), "{wrong}: refused by {without:?} too");
+    }
 }

@@ -4,8 +4,9 @@ use dalembert_symbolic::file::Node;
 use dalembert_symbolic::gate::judged;
 use dalembert_symbolic::model::resolve;
 
+use super::judge::Window;
 use super::tree::{at, entries, get, items, text, to_key, with};
-use super::{Sound, judge};
+use super::{NOTHING, Sound};
 
 /// Who noticed a fault in shared data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,7 +67,7 @@ fn notice(sound: &Sound, root: &Node) -> Notice {
     match judged(model.clone()) {
         Err(problems) if problems.iter().any(|p| p.code == "E506") => Notice::Balances,
         Err(_) => Notice::Claims,
-        Ok(judged) if judge::lagrange_unchanged(&judged.derivation, &sound.states) => Notice::Same,
+        Ok(judged) if sound.judge.difference(&judged.derivation, &Window::new()) <= NOTHING => Notice::Same,
         Ok(_) => Notice::Nobody,
     }
 }

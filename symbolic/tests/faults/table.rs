@@ -3,24 +3,56 @@
 mod engine;
 mod expression;
 mod judge;
+mod moments;
 mod page;
+mod parts;
 mod shared;
+mod smallest;
 mod text;
 mod tree;
+mod windows;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use dalembert_symbolic::derive::Derivation;
+use dalembert_symbolic::derive::{Derivation, derive};
 use dalembert_symbolic::diagnose::Step;
 use dalembert_symbolic::file::{Node, read};
-use dalembert_symbolic::gate::{State, judged};
-use dalembert_symbolic::model::{Check, Model, resolve};
+use dalembert_symbolic::gate::{Gate, judged};
+use dalembert_symbolic::model::{Model, resolve};
+
+use engine::Change;
+use judge::{Judge, Window};
 
 pub use page::page;
+pub use smallest::smallest;
 
-/// How many faults of one kind are planted in one model.
-const OF_A_KIND: usize = 24;
+/// What moves an acceleration by no more than this of its row is no fault.
+const NOTHING: f64 = 1e-24;
+/// What moves one by more than this must be refused.
+const TOLERANCE: f64 = 1e-9;
+
+/// Verdicts by comparison; every other error is a refusal by name.
+const VERDICTS: [&str; 8] = ["E501", "E502", "E503", "E506", "E509", "E511", "E512", "E513"];
+
+/// How many faults of one kind are planted in one model at the most.
+#[derive(Clone, Copy)]
+pub enum Extent {
+    /// For a test that runs often.
+    Test,
+    /// For the page.
+    #[cfg_attr(test, expect(dead_code, reason = "the example prints the page"))]
+    Page,
+}
+
+impl Extent {
+    fn of_a_kind(self) -> usize {
+        match self {
+            Extent::Test => 1,
+            Extent::Page => 24,
+        }
+    }
+}
 
 /// Sizes to take in place of large ones.
 const SIZES: [(&str, i64); 3] = [("chain", 3), ("string_masses", 4), ("periodic_chain", 4)];
@@ -31,6 +63,8 @@ pub struct Fault {
     what: String,
     watch: Watch,
     plant: Plant,
+    /// Where alone it acts; empty: everywhere.
+    window: Window,
 }
 
 /// How it is planted.
@@ -50,6 +84,8 @@ enum Watch {
     Systems,
     /// One check, by its key.
     Check(Step),
+    /// One claim that something is conserved, by its key.
+    Conserved(Step),
 }
 
 /// What became of a fault.
@@ -61,6 +97,8 @@ pub enum Fate {
     Named(&'static str),
     /// Accepted, and the motion is the same: no fault.
     Unchanged,
+    /// Accepted, and the motion is another by less than what must be refused.
+    Slight,
     /// Accepted, and wrong.
     Missed,
     /// Refused by comparison, though the motion is the same.
@@ -73,6 +111,10 @@ pub struct Outcome {
     kind: String,
     what: String,
     fate: Fate,
+    /// By how much of its row it moves an acceleration, or of its terms a claim.
+    difference: f64,
+    /// Which parts of the gate it would slip through without, in the order of `PARTS`; empty where nobody asked.
+    slips: Vec<bool>,
 }
 
 /// A sound model.
@@ -81,34 +123,40 @@ struct Sound {
     root: Node,
     sizes: Vec<(String, i64)>,
     model: Model,
-    derivation: Derivation,
-    states: Vec<State>,
+    judge: Judge,
 }
 
-/// Plants every fault in every model with balances or checks, on all cores.
-pub fn plant_all() -> Vec<Outcome> {
-    let names = models();
-    let workers = std::thread::available_parallelism().map_or(1, usize::from).min(names.len());
-    let next = std::sync::atomic::AtomicUsize::new(0);
-    let work = || {
-        let mut done = Vec::new();
-        while let Some(name) = names.get(next.fetch_add(1, std::sync::atomic::Ordering::Relaxed)) {
-            done.extend(sound(name).map(|sound| plant(&sound)));
-        }
-        done
-    };
-    let mut done: Vec<Vec<Outcome>> = std::thread::scope(|scope| {
-        let threads: Vec<_> = (0..workers).map(|_| scope.spawn(work)).collect();
-        threads.into_iter().flat_map(|t| t.join().expect("planting does not panic")).collect()
-    });
-    done.sort_by(|a, b| a.first().map(|o| &o.model).cmp(&b.first().map(|o| &o.model)));
+/// Plants every fault in every model with balances or claims, on all cores; `blinded` asks too what each part of the gate
+/// does for it.
+pub fn plant_all(extent: Extent, blinded: bool) -> Vec<Outcome> {
+    let done = in_parallel(&models(), |name| sound(name).map_or_else(Vec::new, |sound| plant(&sound, extent, blinded)));
     done.into_iter().flatten().collect()
 }
 
-/// The library, and models whose balances are written out by hand.
-fn folders() -> [PathBuf; 2] {
+/// Work on every name, on all cores; the results are in the names' order.
+fn in_parallel<T: Send>(names: &[String], work: impl Fn(&str) -> T + Sync) -> Vec<T> {
+    let workers = std::thread::available_parallelism().map_or(1, usize::from).min(names.len());
+    let next = std::sync::atomic::AtomicUsize::new(0);
+    let one = || {
+        let mut done = Vec::new();
+        loop {
+            let k = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            let Some(name) = names.get(k) else { return done };
+            done.push((k, work(name)));
+        }
+    };
+    let mut done: Vec<(usize, T)> = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..workers).map(|_| scope.spawn(one)).collect();
+        threads.into_iter().flat_map(|t| t.join().expect("planting does not panic")).collect()
+    });
+    done.sort_by_key(|d| d.0);
+    done.into_iter().map(|d| d.1).collect()
+}
+
+/// The library, models whose balances are written out by hand, and models of several scales.
+fn folders() -> [PathBuf; 3] {
     let here = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
-    [here.join("../models"), here.join("tests/faults/written")]
+    [here.join("../models"), here.join("tests/faults/written"), here.join("tests/faults/scales")]
 }
 
 /// The models by name, in order.
@@ -120,102 +168,118 @@ fn models() -> Vec<String> {
     names
 }
 
-/// A model that has balances or checks; another is no place for these faults.
+/// A model that has balances or claims; another is no place for these faults.
 fn sound(name: &str) -> Option<Sound> {
     let files = folders().map(|folder| folder.join(format!("{name}.yaml")));
     let text = files.iter().find_map(|file| std::fs::read_to_string(file).ok())?;
     let root = read(&text).ok()?;
-    tree::get(&root, "balances").or(tree::get(&root, "checks"))?;
+    ["balances", "checks", "conserved"].iter().find_map(|key| tree::get(&root, key))?;
     let size = SIZES.iter().find(|s| s.0 == name).map(|s| ("n".to_owned(), s.1));
     let sizes: Vec<(String, i64)> = size.into_iter().collect();
     let model = resolve(&root, &sizes).unwrap_or_else(|e| panic!("{name}: {e:?}"));
     let derivation = judged(model.clone()).unwrap_or_else(|e| panic!("{name}: {e:?}")).derivation;
-    let states = judge::states(&derivation, &[]);
-    Some(Sound { name: name.to_owned(), root, sizes, model, derivation, states })
+    let judge = Judge::new(&derivation);
+    Some(Sound { name: name.to_owned(), root, sizes, model, judge })
 }
 
-fn plant(sound: &Sound) -> Vec<Outcome> {
+fn plant(sound: &Sound, extent: Extent, blinded: bool) -> Vec<Outcome> {
+    let mut changes = Change::coarse();
+    changes.extend([Change::slight(6), Change::slight(12)]);
+    changes.extend(windows::windows(&sound.judge));
     let mut by_kind: BTreeMap<String, Vec<Fault>> = BTreeMap::new();
-    // Without balances only checks can notice anything.
-    let lagrange = if sound.model.balances.is_empty() { Vec::new() } else { engine::of_lagrange(&sound.model) };
-    let lists = [text::faults(&sound.root, &sound.model), engine::of_balances(&sound.model), lagrange];
+    // Without balances only claims can notice anything.
+    let none = sound.model.balances.is_empty();
+    let lagrange = if none { Vec::new() } else { engine::of_lagrange(&sound.model, &changes) };
+    let lists = [text::faults(&sound.root, &sound.model), engine::of_balances(&sound.model, &changes), lagrange];
     for fault in lists.into_iter().flatten() {
         by_kind.entry(fault.kind.clone()).or_default().push(fault);
     }
     let mut outcomes = Vec::new();
     for faults in by_kind.into_values() {
-        let step = faults.len().div_ceil(OF_A_KIND);
-        for fault in faults.into_iter().step_by(step) {
-            let fate = fate(sound, &fault);
-            let what = match fault.watch {
-                Watch::System(system) if sound.model.balances.len() > 1 => format!("{} ({system})", fault.what),
-                _ => fault.what,
-            };
-            outcomes.push(Outcome { model: sound.name.clone(), kind: fault.kind, what, fate });
-        }
+        let step = faults.len().div_ceil(extent.of_a_kind());
+        outcomes.extend(faults.into_iter().step_by(step).map(|fault| outcome(sound, fault, blinded)));
     }
     outcomes
 }
 
-fn fate(sound: &Sound, fault: &Fault) -> Fate {
+fn outcome(sound: &Sound, fault: Fault, blinded: bool) -> Outcome {
+    let (fate, difference, slips) = fate(sound, &fault, blinded);
+    let what = match fault.watch {
+        Watch::System(system) if sound.model.balances.len() > 1 => format!("{} ({system})", fault.what),
+        _ => fault.what,
+    };
+    Outcome { model: sound.name.clone(), kind: fault.kind, what, fate, difference, slips }
+}
+
+/// The model with a fault in it, and nothing that could notice it but what is to.
+fn spoilt(sound: &Sound, fault: &Fault) -> Result<Model, &'static str> {
     let mut model = match &fault.plant {
-        Plant::Text(root) => match resolve(root, &sound.sizes) {
-            Ok(model) => model,
-            Err(problems) => return Fate::Named(problems[0].code),
-        },
+        Plant::Text(root) => resolve(root, &sound.sizes).map_err(|problems| problems[0].code)?,
         Plant::Engine(alter) => {
             let mut model = sound.model.clone();
             alter(&mut model);
             model
         }
     };
-    model.conserved.clear();
     model.outputs.clear();
     model.events.clear();
+    if !matches!(fault.watch, Watch::Check(_)) {
+        model.checks.clear();
+    }
+    if !matches!(fault.watch, Watch::Conserved(_)) {
+        model.conserved.clear();
+    }
     match &fault.watch {
-        Watch::System(name) => {
-            model.checks.clear();
-            model.balances.retain(|system| system.name == *name);
-        }
-        Watch::Systems => model.checks.clear(),
-        // A check may speak of reactions, which the balances give.
+        Watch::System(name) => model.balances.retain(|system| system.name == *name),
+        Watch::Systems => {}
+        // A claim may speak of reactions, which the balances give.
         Watch::Check(place) => model.checks.retain(|check| check.place.path.get(1) == Some(place)),
+        Watch::Conserved(place) => model.conserved.retain(|claim| claim.place.path.get(1) == Some(place)),
     }
-    let verdict = judged(model.clone());
-    if let Err(problems) = &verdict
-        && problems.iter().all(|p| !matches!(p.code, "E502" | "E506"))
-    {
-        return Fate::Named(problems[0].code);
-    }
-    let refused = verdict.is_err();
-    // Reactions in checks have their values only after deriving.
-    if let Ok(judged) = verdict {
-        model = judged.derivation.model;
-    }
-    match (!refused, unchanged(sound, model, &fault.watch)) {
-        (true, true) => Fate::Unchanged,
-        (true, false) => Fate::Missed,
-        (false, true) => Fate::Alarm,
-        (false, false) => Fate::Caught,
-    }
+    Ok(model)
 }
 
-/// Whether an altered model says the same, decided without the program's own comparison.
-fn unchanged(sound: &Sound, mut model: Model, watch: &Watch) -> bool {
-    if let Watch::Check(_) = watch {
-        let holds = |check: &Check| {
-            let states = judge::states(&sound.derivation, &check.when);
-            judge::check_holds(&model.graph, check, &states)
-        };
-        return !model.checks.is_empty() && model.checks.iter().all(holds);
+fn fate(sound: &Sound, fault: &Fault, blinded: bool) -> (Fate, f64, Vec<bool>) {
+    let model = match spoilt(sound, fault) {
+        Ok(model) => model,
+        Err(code) => return (Fate::Named(code), f64::INFINITY, Vec::new()),
+    };
+    let derivation = match derive(model) {
+        Ok(derivation) => derivation,
+        Err(problems) => return (Fate::Named(problems[0].code), f64::INFINITY, Vec::new()),
+    };
+    let verdict = Gate::default().judge(derivation.clone());
+    if let Err(problems) = &verdict
+        && problems.iter().all(|p| !VERDICTS.contains(&p.code))
+    {
+        return (Fate::Named(problems[0].code), f64::INFINITY, Vec::new());
     }
-    let systems = std::mem::take(&mut model.balances);
-    let balances = systems.iter().all(|system| judge::system_unchanged(&mut model, system, &sound.states));
-    balances && judged(model).is_ok_and(|alone| judge::lagrange_unchanged(&alone.derivation, &sound.states))
+    let difference = difference(sound, &derivation, fault);
+    let fate = match verdict {
+        Err(_) if difference > NOTHING => Fate::Caught,
+        Err(_) => Fate::Alarm,
+        Ok(_) if difference > TOLERANCE => Fate::Missed,
+        Ok(_) if difference > NOTHING => Fate::Slight,
+        Ok(_) => Fate::Unchanged,
+    };
+    let slips = if blinded && fate == Fate::Caught { parts::slips(&derivation) } else { Vec::new() };
+    (fate, difference, slips)
+}
+
+/// By how much an altered derivation moves otherwise, or its claim is wrong, decided without the gate.
+fn difference(sound: &Sound, altered: &Derivation, fault: &Fault) -> f64 {
+    let judge = &sound.judge;
+    match fault.watch {
+        Watch::System(_) | Watch::Systems => judge.difference(altered, &fault.window),
+        Watch::Check(_) => altered.model.checks.iter().map(|check| judge.failure(altered, check)).fold(0.0, f64::max),
+        Watch::Conserved(_) => {
+            altered.model.conserved.iter().map(|claim| judge.drift(altered, claim)).fold(0.0, f64::max)
+        }
+    }
 }
 
 /// The faults that were missed, and the sound models that were refused, in words.
 pub fn wrong(outcomes: &[Outcome]) -> Vec<String> {
     let these = outcomes.iter().filter(|o| matches!(o.fate, Fate::Missed | Fate::Alarm));
-    these.map(|o| format!("{:?}: {}: {}: {}", o.fate, o.model, o.kind, o.what)).collect()
+    these.map(|o| format!("{:?}: {}: {}: {} ({:.1e})", o.fate, o.model, o.kind, o.what, o.difference)).collect()
 }

@@ -5,6 +5,7 @@ use dalembert_symbolic::file::Node;
 use dalembert_symbolic::model::Model;
 
 use super::expression::{Slip, slips};
+use super::judge::Window;
 use super::tree::{Path, at, entries, get, items, text, to_key, with, with_entry};
 use super::{Fault, Plant, Watch};
 
@@ -13,6 +14,9 @@ struct Names {
     bodies: Vec<String>,
     points: Vec<String>,
 }
+
+/// What only says what holds, or is conserved.
+const CLAIMS: [&str; 3] = ["checks of an energy", "other checks", "conserved"];
 
 /// Collects faults of one file.
 struct Planter<'a> {
@@ -32,13 +36,20 @@ pub fn faults(root: &Node, model: &Model) -> Vec<Fault> {
         planter.loads();
     }
     planter.checks();
+    planter.conserved();
     planter.faults
 }
 
 impl Planter<'_> {
     fn plant(&mut self, kind: &str, watch: &Watch, what: String, root: Node) {
         let root = Box::new(root);
-        self.faults.push(Fault { kind: kind.to_owned(), what, watch: watch.clone(), plant: Plant::Text(root) });
+        self.faults.push(Fault {
+            kind: kind.to_owned(),
+            what,
+            watch: watch.clone(),
+            plant: Plant::Text(root),
+            window: Window::new(),
+        });
     }
 
     /// Replaces the text at a path.
@@ -57,7 +68,7 @@ impl Planter<'_> {
         let points = self.names.points.clone();
         for (slip, new) in slips(old, &points) {
             // Other points in `about` are a kind of their own.
-            if subject.contains("checks") && !slip.plain() || subject.contains("about") && slip == Slip::Point {
+            if CLAIMS.contains(&subject) && !slip.plain() || subject.contains("about") && slip == Slip::Point {
                 continue;
             }
             let kind = if subject.contains(": ") { subject.to_owned() } else { format!("{subject}: {}", slip.words()) };
@@ -246,6 +257,15 @@ impl Planter<'_> {
             let energy = get(check, "holds").or(Some(check)).and_then(text).is_some_and(|t| t.contains("_energy ="));
             let subject = if energy { "checks of an energy" } else { "other checks" };
             self.slip(subject, &Watch::Check(Step::Key(name.clone())), &here);
+        }
+    }
+
+    fn conserved(&mut self) {
+        let Some(path) = to_key(self.root, &[], "conserved") else { return };
+        for (k, (name, _)) in at(self.root, &path).map_or(&[][..], entries).iter().enumerate() {
+            let here: Path = [path.as_slice(), &[k]].concat();
+            let here = to_key(self.root, &here, "value").unwrap_or(here);
+            self.slip("conserved", &Watch::Conserved(Step::Key(name.clone())), &here);
         }
     }
 }

@@ -29,7 +29,9 @@ fn compiled_and_interpreted_models_agree() {
             };
             let (q, v) = (vary(&start.q, 0.3), vary(&start.v, 1.7));
             let state = Drawn { t: 0.37, a: vary(&q, 2.9), q, v };
-            assert_eq!(compiled.description().balances, interpreted.description().balances, "{}", entry.name);
+            let (one, other) = (compiled.description(), interpreted.description());
+            assert_eq!(one.balances, other.balances, "{}", entry.name);
+            assert_eq!((&one.arguments, &one.input_jumps), (&other.arguments, &other.input_jumps), "{}", entry.name);
             let name = format!("{}, scene {scene}", entry.name);
             assert_same(&name, &*compiled, &interpreted, &state, 1e-12);
         }

@@ -1,0 +1,242 @@
+// Where faults are judged: times, places and speeds of the study's own, none of them the gate's.
+//
+// Each scene is run by Runge and Kutta's fourth-order method with fixed steps, as far as a run with twice the step says
+// the same.  States are taken from that motion; about its start and at large, in the measure of what it passes through,
+// a thousandth and ten times as far too; and on both sides of every discontinuity that lies between two of them.
+
+use dalembert_symbolic::expr::{DoubleDouble, Scalar, Symbol, Tape};
+use dalembert_symbolic::model::{Model, Scene};
+
+use super::judge::Route;
+
+/// Parameters, a time, and a state.
+#[derive(Clone, Debug)]
+pub struct Moment {
+    pub parameters: Vec<f64>,
+    pub t: f64,
+    pub q: Vec<f64>,
+    pub v: Vec<f64>,
+}
+
+/// The motion of one scene.
+pub struct Run {
+    /// From the start on, at even distances in time.
+    pub moments: Vec<Moment>,
+    /// The scene's end; the run may end before.
+    pub until: f64,
+}
+
+/// Steps of a run.
+const STEPS: usize = 240;
+/// So many states are taken from each run.
+const FROM_RUN: usize = 20;
+/// So many states are drawn about each start, and as many at large.
+const DRAWN: usize = 12;
+/// So many scenes are run.
+const SCENES: usize = 3;
+
+/// The motion of a model's scenes.
+pub fn runs(model: &Model, route: &Route) -> Vec<Run> {
+    model.scenes.iter().take(SCENES).map(|scene| run(model, route, scene)).collect()
+}
+
+/// All states, the start of each scene first.
+pub fn moments(model: &Model, route: &Route, runs: &[Run], when: &[(usize, f64)]) -> Vec<Moment> {
+    let mut numbers = Numbers(0x2545_f491_4f6c_dd1d);
+    let mut found = Vec::new();
+    for run in runs {
+        let ranges = Ranges::of(run);
+        let apart = (run.moments.len() / FROM_RUN).max(1);
+        found.extend(run.moments.iter().step_by(apart).cloned());
+        for k in 0..2 * DRAWN {
+            found.push(drawn(model, run, &ranges, &mut numbers, k));
+        }
+    }
+    for moment in &mut found {
+        when.iter().for_each(|(i, x)| moment.parameters[*i] = *x);
+    }
+    let sides = sides(route, &found);
+    found.extend(sides);
+    found
+}
+
+/// A state about the start of a run, or at large.
+fn drawn(model: &Model, run: &Run, ranges: &Ranges, numbers: &mut Numbers, k: usize) -> Moment {
+    let start = &run.moments[0];
+    let large = k % 2 == 1;
+    let factor = [1.0, 1.0, 1e-3, 10.0, 0.1, 3.0][k / 2 % 6];
+    let mut moment = start.clone();
+    for p in &mut moment.parameters {
+        *p = if *p == 0.0 { numbers.between(-1.0, 1.0) } else { *p * numbers.between(0.7, 1.4) };
+    }
+    moment.t = run.until * numbers.between(0.0, 1.0);
+    let mut place = |start: f64, range: f64| {
+        let away = factor * range * numbers.between(-1.0, 1.0);
+        if large { away } else { start + 0.3 * away }
+    };
+    for i in 0..moment.q.len() {
+        moment.q[i] = place(start.q[i], ranges.q[i]);
+        moment.v[i] = place(start.v[i], ranges.v[i]);
+    }
+    for sample in &model.sample {
+        let ends: Vec<f64> = Tape::new(&model.graph, &[sample.low, sample.high]).evaluate(|s| match s {
+            Symbol::Parameter(i) => moment.parameters[i as usize],
+            _ => 0.0,
+        });
+        let list = if sample.speed { &mut moment.v } else { &mut moment.q };
+        list[sample.coordinate] = numbers.between(ends[0], ends[1]);
+    }
+    moment
+}
+
+/// States next to where the argument of a discontinuity changes its sign between two states, on both sides.
+fn sides(route: &Route, moments: &[Moment]) -> Vec<Moment> {
+    let mut found = Vec::new();
+    for pair in moments.windows(2) {
+        let between = |z: f64| {
+            let middle = |a: f64, b: f64| a + z * (b - a);
+            let lists = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| middle(*a, *b)).collect();
+            let (q, v) = (lists(&pair[0].q, &pair[1].q), lists(&pair[0].v, &pair[1].v));
+            Moment { parameters: pair[0].parameters.clone(), t: middle(pair[0].t, pair[1].t), q, v }
+        };
+        for k in 0..route.discontinuities() {
+            let positive = |z: f64| route.argument(k, &between(z)) > 0.0;
+            let (mut a, mut b) = (0.0, 1.0);
+            if positive(a) == positive(b) {
+                continue;
+            }
+            for _ in 0..40 {
+                let middle = 0.5 * (a + b);
+                if positive(middle) == positive(0.0) { a = middle } else { b = middle }
+            }
+            found.extend([between(a - 1e-6), between(b + 1e-6)]);
+        }
+    }
+    found.truncate(24);
+    found
+}
+
+/// How far each coordinate and each speed goes in a run.
+pub struct Ranges {
+    pub q: Vec<f64>,
+    v: Vec<f64>,
+}
+
+impl Ranges {
+    pub fn of(run: &Run) -> Ranges {
+        let range = |value: &dyn Fn(&Moment) -> f64| {
+            let (low, high) = run.moments.iter().map(value).fold((f64::MAX, f64::MIN), |r, x| (r.0.min(x), r.1.max(x)));
+            (high - low).max(high.abs()).max(low.abs())
+        };
+        let or = |x: f64, other: f64| if x > 0.0 { x } else { other };
+        let n = run.moments[0].q.len();
+        let q: Vec<f64> = (0..n).map(|i| or(range(&|m| m.q[i]), 1.0)).collect();
+        let v = (0..n).map(|i| or(range(&|m| m.v[i]), q[i] / run.until)).collect();
+        Ranges { q, v }
+    }
+}
+
+fn run(model: &Model, route: &Route, scene: &Scene) -> Run {
+    let mut parameters: Vec<f64> = model.parameters.iter().map(|p| p.default).collect();
+    let value = |parameters: &[f64], s: Symbol| match s {
+        Symbol::Parameter(i) => parameters[i as usize],
+        _ => 0.0,
+    };
+    let set: Vec<_> = scene.set.iter().map(|s| s.1).collect();
+    let set: Vec<f64> = Tape::new(&model.graph, &set).evaluate(|s| value(&parameters, s));
+    scene.set.iter().zip(set).for_each(|((i, _), x)| parameters[*i] = x);
+    let n = model.coordinates.len();
+    let roots: Vec<_> = scene.q.iter().chain(&scene.v).copied().chain([scene.until]).collect();
+    let start: Vec<f64> = Tape::new(&model.graph, &roots).evaluate(|s| value(&parameters, s));
+    let until = if start[2 * n] > 0.0 { start[2 * n] } else { 10.0 };
+    let first = Moment { parameters, t: 0.0, q: start[..n].to_vec(), v: start[n..2 * n].to_vec() };
+    let horizons = (0..10).map(|k| until * 0.1_f64.powi(k));
+    let found = horizons.into_iter().find_map(|horizon| {
+        let (fine, coarse) = (march(route, &first, horizon, STEPS)?, march(route, &first, horizon, STEPS / 2)?);
+        same(&fine, &coarse).then_some(fine)
+    });
+    Run { moments: found.unwrap_or_else(|| vec![first]), until }
+}
+
+/// Whether two runs end at the same place, by a hundredth of the way.
+fn same(fine: &[Moment], coarse: &[Moment]) -> bool {
+    let (Some(a), Some(b)) = (fine.last(), coarse.last()) else { return false };
+    (0..a.q.len()).all(|i| {
+        let far = fine.iter().fold(0.0_f64, |most, m| most.max((m.q[i] - fine[0].q[i]).abs()));
+        (a.q[i] - b.q[i]).abs() <= 0.01 * far
+    })
+}
+
+/// Steps of equal length; `None` where the motion cannot be continued.
+fn march(route: &Route, start: &Moment, until: f64, steps: usize) -> Option<Vec<Moment>> {
+    let h = until / steps as f64;
+    let n = start.q.len();
+    let moved = |from: &Moment, by: f64, v: &[f64], a: &[f64]| {
+        let mut to = from.clone();
+        to.t += by;
+        (0..n).for_each(|i| {
+            to.q[i] += by * v[i];
+            to.v[i] += by * a[i];
+        });
+        to
+    };
+    let accelerations = |m: &Moment| -> Option<Vec<f64>> {
+        let a: Vec<f64> = route.accelerations(m)?.iter().map(|a| a.to_f64()).collect();
+        a.iter().all(|a| a.is_finite()).then_some(a)
+    };
+    let mut moments = vec![start.clone()];
+    for _ in 0..steps {
+        let m = moments.last()?;
+        let a1 = accelerations(m)?;
+        let m2 = moved(m, 0.5 * h, &m.v, &a1);
+        let a2 = accelerations(&m2)?;
+        let m3 = moved(m, 0.5 * h, &m2.v, &a2);
+        let a3 = accelerations(&m3)?;
+        let m4 = moved(m, h, &m3.v, &a3);
+        let a4 = accelerations(&m4)?;
+        let mean = |k: [&Vec<f64>; 4]| -> Vec<f64> {
+            (0..n).map(|i| (k[0][i] + 2.0 * k[1][i] + 2.0 * k[2][i] + k[3][i]) / 6.0).collect()
+        };
+        let next = moved(m, h, &mean([&m.v, &m2.v, &m3.v, &m4.v]), &mean([&a1, &a2, &a3, &a4]));
+        moments.push(next);
+    }
+    Some(moments)
+}
+
+/// Marsaglia's xorshift (Journal of Statistical Software 8, 2003).
+struct Numbers(u64);
+
+impl Numbers {
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        low + (high - low) * (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+impl Moment {
+    /// A symbol that stands in the state itself.
+    pub fn value<S: Scalar>(&self, symbol: Symbol) -> Option<S> {
+        let x = match symbol {
+            Symbol::Time => self.t,
+            Symbol::Coordinate(i) => self.q[i as usize],
+            Symbol::Speed(i) => self.v[i as usize],
+            Symbol::Parameter(i) => self.parameters[i as usize],
+            _ => return None,
+        };
+        Some(S::constant(DoubleDouble::from(x)))
+    }
+
+    /// The same with one of its numbers replaced.
+    pub fn with(&self, symbol: Symbol, x: f64) -> Moment {
+        let mut moment = self.clone();
+        match symbol {
+            Symbol::Time => moment.t = x,
+            Symbol::Coordinate(i) => moment.q[i as usize] = x,
+            Symbol::Speed(i) => moment.v[i as usize] = x,
+            _ => {}
+        }
+        moment
+    }
+}
