@@ -1,5 +1,6 @@
 //! Lists the model files of this folder, so that a new one is compiled without any other change.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -14,20 +15,34 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .collect();
     files.sort();
     let (mut modules, mut entries) = (String::new(), String::new());
+    let mut taken = BTreeSet::new();
     for file in &files {
         let stem = file.trim_end_matches(".yaml");
-        let module = print::field_name(stem);
+        let module = module(stem, &mut taken);
         let name = print::type_name(&print::name_in(&std::fs::read_to_string(folder.join(file))?));
+        let words = format!("The model file `{file}`.");
+        let path = format!("concat!(env!(\"CARGO_MANIFEST_DIR\"), {:?})", format!("/{file}"));
         writeln!(
             modules,
-            "#[doc = \"The model file `{file}`.\"]\npub mod {module} {{\n    dalembert::model!({file:?}, name = {name});\n}}"
+            "#[doc = {words:?}]\npub mod {module} {{\n    ::dalembert::model!({file:?}, name = {name});\n}}"
         )?;
         writeln!(
             entries,
-            "    Entry {{ name: {stem:?}, source: include_str!(concat!(env!(\"CARGO_MANIFEST_DIR\"), \"/{file}\")), path: concat!(env!(\"CARGO_MANIFEST_DIR\"), \"/{file}\"), system: || Box::new(Erased::new({module}::{name}::default())) }},"
+            "    Entry {{ name: {stem:?}, source: include_str!({path}), path: {path}, system: || ::std::boxed::Box::new(Erased::new(<self::{module}::{name} as ::std::default::Default>::default())) }},"
         )?;
     }
-    let text = format!("{modules}\n/// Every model, by file name.\npub static MODELS: &[Entry] = &[\n{entries}];\n");
+    let text = format!(
+        "{modules}\n/// Every model, by file name.\npub static MODELS: &[::dalembert::cli::Entry] = {{\n    use ::dalembert::cli::Entry;\n    use ::dalembert::mechanism::Erased;\n    &[\n{entries}]\n}};\n"
+    );
     std::fs::write(Path::new(&std::env::var("OUT_DIR")?).join("models.rs"), text)?;
     Ok(())
+}
+
+/// A module's name that no other file has: `a-b.yaml` and `a_b.yaml` are two.
+fn module(stem: &str, taken: &mut BTreeSet<String>) -> String {
+    let mut module = print::field_name(&stem.replace(|c: char| !c.is_alphanumeric(), "_"));
+    while !taken.insert(module.clone()) {
+        module = format!("{}_", module.trim_start_matches("r#"));
+    }
+    module
 }

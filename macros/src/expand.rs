@@ -83,3 +83,35 @@ fn source(source: &Source) -> syn::Result<Found> {
     ::core::include_bytes!(::core::concat!(::core::env!("CARGO_MANIFEST_DIR"), #slashed)); };
     Ok((path, text, literal.span(), watch))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a doubtful model expands to.
+    fn doubtful(level: &str) -> String {
+        let yaml = "name: Plate\nparameters: {m: 1 kg, l: 1 m}\ncoordinates: {theta: rad}\nbodies:\n  \
+                    a: {mass: m, angle: theta, position: \"[l*cos(theta), 0]\"}\n";
+        let arguments = syn::parse_str(&format!("yaml = {yaml:?}{level}")).unwrap();
+        expand(&arguments).to_string()
+    }
+
+    #[test]
+    fn warnings_reach_the_compiler() {
+        let told = doubtful("");
+        assert!(told.contains("deprecated") && told.contains("warning[W420]") && !told.contains("compile_error"));
+        assert_eq!(doubtful(", warnings = \"warn\""), told);
+        let silent = doubtful(", warnings = \"allow\"");
+        assert!(!silent.contains("deprecated") && silent.contains("pub struct Plate"));
+        let denied = doubtful(", warnings = \"deny\"");
+        assert!(denied.contains("compile_error") && denied.contains("pub struct Plate"));
+        assert!(syn::parse_str::<Arguments>("yaml = \"\", warnings = \"never\"").is_err());
+    }
+
+    #[test]
+    fn a_model_without_doubts_says_nothing() {
+        let yaml = "name: Spring\ncoordinates: {x: }\nkinetic_energy: x'^2/2\n";
+        let arguments = syn::parse_str(&format!("yaml = {yaml:?}")).unwrap();
+        assert!(!expand(&arguments).to_string().contains("deprecated"));
+    }
+}

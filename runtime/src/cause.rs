@@ -69,6 +69,32 @@ pub enum Cause {
         /// The coordinate whose acceleration jumps most.
         coordinate: String,
     },
+    /// A mass, or a moment of inertia, is negative: M has a negative pivot, and the coordinate would move against the force.
+    NegativeInertia {
+        /// The coordinate whose pivot is negative.
+        coordinate: String,
+    },
+    /// Whoever was told the progress asked to stop.
+    Interrupted,
+    /// An input jumps at a time where what it moves would need an infinite force.
+    InfiniteForce {
+        /// The input.
+        input: String,
+        /// When, s.
+        t: f64,
+    },
+    /// An event's function, or the argument of a discontinuity, has more zeros within a step than can be told apart.
+    OscillatesTooFast {
+        /// The event's name, or the argument as the model file has it.
+        function: String,
+    },
+    /// The ends of a spring, damper or force meet, so that the line along which it acts has no direction.
+    EndsMeet {
+        /// Its name in the model file.
+        load: String,
+        /// When, s.
+        t: f64,
+    },
     /// More steps than `max_steps`.
     TooManySteps {
         /// The limit.
@@ -119,6 +145,25 @@ impl fmt::Display for Cause {
                 f,
                 "direction lost: the acceleration of `{coordinate}` jumps, as where a `unit` or `norm` vanishes; stop \
                  before it by an event, such as `norm(v) - crawl`"
+            ),
+            Cause::NegativeInertia { coordinate } => write!(
+                f,
+                "negative inertia: `{coordinate}` would move against the force; a mass or a moment of inertia is negative"
+            ),
+            Cause::Interrupted => write!(f, "interrupted"),
+            Cause::InfiniteForce { input, t } => write!(
+                f,
+                "infinite force: `{input}` jumps at t = {t} s, and what it carries would have to follow at once; let it \
+                 change within a time, or act through a spring"
+            ),
+            Cause::EndsMeet { load, t } => write!(
+                f,
+                "direction lost: the ends of `{load}` meet at t = {t} s, where it has no direction; stop before it by an \
+                 event on their distance"
+            ),
+            Cause::OscillatesTooFast { function } => write!(
+                f,
+                "`{function}` oscillates too fast: more than 100000 samples in one step do not tell its zeros apart"
             ),
             Cause::TooManySteps { limit } => write!(f, "more than {limit} steps; raise `max_steps` to go on"),
         }

@@ -63,8 +63,9 @@ fn watched() -> Toy {
         direction: Direction::Both,
         conditional: false,
         actions: (&[Action::Record]).into(),
+        rated: false,
     };
-    let switch = Switch { text: "x - 5".into(), kind: SwitchKind::Step, time_only: false };
+    let switch = Switch { text: "x - 5".into(), kind: SwitchKind::Step, time_only: false, of_input: false };
     let mut toy = Toy::new(&["x"], (&[1.0], &[0.0]), 1.0, |_, q, v, _, a| a[0] = -q[0] - 1e-3 * v[0])
         .energy(|_, q, v| [0.5 * v[0] * v[0], 0.5 * q[0] * q[0], -1e-3 * v[0] * v[0]])
         .event(event, |_, q, _, _, pairs| pairs.copy_from_slice(&[q[0] - 3.0, 1.0]))

@@ -69,17 +69,58 @@ fn comparable(entry: &Entry, shown: String) -> String {
         return shown;
     }
     let line = |line: &str| {
-        let told = line.starts_with("error") || line.contains("= help: ");
+        let told = line.starts_with("error") || line.contains("= help: ") || line.contains("^ ");
         if told { without_numbers(line) } else { line.to_owned() }
     };
     shown.lines().map(line).map(|line| line + "\n").collect()
 }
 
 fn without_numbers(line: &str) -> String {
+    // The command that reproduces a state is full of them.
+    let (line, rest) = line.split_once("try `simulate").unwrap_or((line, ""));
+    let command = if rest.is_empty() { "" } else { "try `simulate #`" };
     let (code, rest) = line.split_at(line.find(':').unwrap_or(0));
     let numeric = |word: &str| word.trim_end_matches([',', ':', ';']).parse::<f64>().is_ok();
     let words = rest.split(' ').map(|word| if numeric(word) { "#" } else { word });
-    format!("{code}{}", words.collect::<Vec<_>>().join(" "))
+    format!("{code}{}{command}", words.collect::<Vec<_>>().join(" "))
+}
+
+/// What a help proposes to write leads to another error or to none: "write `…`" and "did you mean `…`?" are applied.
+#[test]
+fn proposals_lead_on() {
+    let mut applied = 0;
+    for entry in entries().filter(|entry| ELSEWHERE.iter().all(|(code, _)| *code != entry.code)) {
+        let Ok(text) = fs::read_to_string(folder().join(format!("{}.yaml", entry.code))) else { continue };
+        let all = problems(&text);
+        for problem in &all {
+            let Some(proposal) = proposal(&problem.help) else { continue };
+            let range = dalembert_symbolic::file::locate(&text, &[&problem.place]).remove(0);
+            // `did you mean` replaces what is marked, with what stands before it where that is part of the proposal.
+            let before = proposal.find(&text[range.clone()]).unwrap_or(0);
+            let lead = proposal[..before].trim_end_matches(['*', '(']);
+            let start = text[..range.start].trim_end().strip_suffix(lead).map_or(range.start, str::len);
+            let start = if before > 0 { start } else { range.start };
+            let mended = format!("{}{proposal}{}", &text[..start], &text[range.end..]);
+            let same = |p: &Problem| p.message == problem.message && p.place == problem.place;
+            let after = problems(&mended);
+            assert!(!after.iter().any(same), "{}: {}\n{mended}", problem.code, problem.help);
+            let unread = after.iter().find(|p| p.code < "E200" && !all.iter().any(|q| q.message == p.message));
+            assert!(unread.is_none(), "{}: {} gives {unread:?}\n{mended}", problem.code, problem.help);
+            applied += 1;
+        }
+    }
+    assert!(applied >= 20, "{applied}");
+}
+
+/// The words to write in the place of what is marked, where a help gives them whole.
+fn proposal(help: &str) -> Option<&str> {
+    let rest = ["did you mean `", "write it like `", "write `"].iter().find_map(|lead| help.split_once(lead))?.1;
+    let words = rest.split('`').next()?;
+    let whole = !words.contains(['…', '{'])
+        && !words.contains(" e ")
+        && !help.contains("BODY")
+        && !help.contains("for an equation");
+    whole.then_some(words)
 }
 
 #[test]

@@ -61,5 +61,6 @@ fn the_wrong_term_of_a_written_out_equation_is_named() {
 fn otherwise_the_help_says_where_to_look() {
     assert!(help("moment: {about: touch, of: [wheel]}", BAR).contains("balance 1 (moment) for a constraint's force"));
     assert!(help("force: {of: all, along: ground.x}", BAR).contains("balance 1 (force) for a constraint's force"));
-    assert!(help(ALL, &equation("I*th'' = 0")).contains("balance 2 (equation) for a term that is missing"));
+    let found = help(ALL, &equation("I*th'' = 0"));
+    assert!(found.contains("balance 2 (equation) for a term that is missing"), "{found}");
 }

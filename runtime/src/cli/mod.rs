@@ -18,6 +18,7 @@ mod list;
 mod load;
 mod modes;
 mod new;
+mod outputs;
 mod problem;
 mod set_up;
 mod show;

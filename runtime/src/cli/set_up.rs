@@ -5,11 +5,12 @@ use std::sync::Arc;
 use clap::ArgMatches;
 use dalembert_symbolic::expr::{Symbol, Tape};
 use dalembert_symbolic::model::{Model, Sets};
-use dalembert_symbolic::{diagnose, file};
+use dalembert_symbolic::{diagnose, file, gate, lower};
 
 use super::Problem;
 use super::load::{Loaded, pairs};
 use crate::Settings;
+use crate::mechanism::{Interpreted, System};
 
 /// Applies `--scene`, `--set`, `--start`, `--input`, `--until`, `--tolerance`, `--every` and `--step`.
 pub fn set_up(loaded: &mut Loaded, options: &ArgMatches) -> Result<Settings, Problem> {
@@ -116,6 +117,18 @@ fn set_input(loaded: &mut Loaded, reader: &mut Reader, name: &str, text: &str) -
     let parameters = loaded.system.parameters();
     let model = reader.model(loaded)?;
     let signal = model.signal(text).map_err(|problems| in_option("input", text, &problems))?;
+    if model.is_local(&signal) {
+        // Its discontinuities and narrow features are followed as those of the file's own inputs.
+        model.inputs[index].signal = signal;
+        let judged = gate::judged(model.clone()).and_then(lower::lower);
+        let program = judged.map_err(|problems| in_option("input", text, &problems))?;
+        let mut system = Interpreted::new(program, &loaded.source);
+        for (place, value) in parameters.into_iter().enumerate() {
+            system.set_parameter(place, value);
+        }
+        loaded.system = Box::new(system);
+        return Ok(());
+    }
     let tape = Tape::new(&model.graph, &signal);
     loaded.system.set_input(
         index,

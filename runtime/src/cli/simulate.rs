@@ -1,6 +1,9 @@
 //! `simulate`: runs a scene and reports.
 
 use std::io::{IsTerminal, Write};
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use clap::ArgMatches;
@@ -11,14 +14,15 @@ use serde_json::{Value, json};
 use super::json::{number, object};
 use super::load::Loaded;
 use super::set_up::set_up;
-use super::{Entry, Problem, compare};
+use super::{Entry, Problem, compare, outputs};
 use crate::mechanism::Description;
 use crate::simulate::LAGRANGE;
-use crate::{Error, Run, Settings};
+use crate::{Error, Impulse, Run, Settings};
 
 /// Runs, writes files that were asked for, and prints the outcome; a run that failed is written and printed too.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let mut loaded = Loaded::find(models, options)?;
+    outputs::check(options, &["csv", "plot", "animate"], &loaded.path)?;
     let mut settings = set_up(&mut loaded, options)?;
     if let Some(method) = options.get_one::<String>("method") {
         settings.method = method.parse().map_err(|e| Problem::Usage(format!("error: {e}")))?;
@@ -32,7 +36,11 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         None => (),
     }
     let mut progress = Progress::new(&settings);
-    let outcome = crate::simulate_with(&mut *loaded.system, &settings, &mut |t| progress.tell(t));
+    let interrupted = interruption();
+    let outcome = crate::simulate_with(&mut *loaded.system, &settings, &mut |t| {
+        progress.tell(t);
+        if interrupted.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
     progress.clear();
     match outcome {
         Ok(run) => report(&loaded, &settings, &run, options, out),
@@ -42,6 +50,15 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         }
         Err(error) => Err(Problem::Usage(format!("error: {error}"))),
     }
+}
+
+/// True from the first Ctrl-C on; the second ends the program.
+fn interruption() -> Arc<AtomicBool> {
+    let flag = Arc::new(AtomicBool::new(false));
+    // Where signals cannot be had, Ctrl-C ends the program as it always did.
+    let _ = signal_hook::flag::register_conditional_shutdown(signal_hook::consts::SIGINT, 130, flag.clone());
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGINT, flag.clone());
+    flag
 }
 
 /// Puts the system of balances of this name in force.
@@ -159,7 +176,7 @@ fn as_json(loaded: &Loaded, settings: &Settings, run: &Run) -> Value {
         ("t", number(last.t)),
         ("q", named(&last.q)),
         ("v", named(&last.v)),
-        ("outputs", outputs(description, run)),
+        ("outputs", outputs_at_end(description, run)),
         ("drift", object(drift.chain([("energy_balance".to_owned(), balance)]))),
         ("constraint", object([("position", number(0.0)), ("velocity", number(0.0))])),
         (
@@ -170,7 +187,7 @@ fn as_json(loaded: &Loaded, settings: &Settings, run: &Run) -> Value {
                 .collect::<Vec<_>>()
                 .into(),
         ),
-        ("impulses", json!([])),
+        ("impulses", impulses(description, run)),
         (
             "work",
             json!({
@@ -179,6 +196,8 @@ fn as_json(loaded: &Loaded, settings: &Settings, run: &Run) -> Value {
                 "evaluations": run.work.evaluations,
                 "jacobians": run.work.jacobians,
                 "factorizations": run.work.factorizations,
+                "retries": run.work.retries,
+                "samples": run.work.samples,
             }),
         ),
         ("seconds", number(run.seconds)),
@@ -186,8 +205,18 @@ fn as_json(loaded: &Loaded, settings: &Settings, run: &Run) -> Value {
     ])
 }
 
+/// Jumps of the speeds: when, by what, and of which rates.
+fn impulses(description: &Description, run: &Run) -> Value {
+    let one = |impulse: &Impulse| {
+        let names = description.coordinates.iter().map(|c| c.name.to_string());
+        let jumps = names.zip(&impulse.jump).map(|(name, jump)| (name, number(*jump)));
+        object([("t", number(impulse.t)), ("inputs", json!(impulse.inputs)), ("v", object(jumps))])
+    };
+    run.impulses.iter().map(one).collect::<Vec<_>>().into()
+}
+
 /// Outputs at the end: a number for a scalar, an array for a vector.
-fn outputs(description: &Description, run: &Run) -> Value {
+fn outputs_at_end(description: &Description, run: &Run) -> Value {
     let last = run.last();
     let mut values = last.outputs().map(|(_, value)| value.map_or(Value::Null, number));
     object(description.outputs.iter().map(|output| {

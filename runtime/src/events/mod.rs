@@ -1,26 +1,65 @@
-//! What happens along a motion: events and discontinuities.
+//! What happens along a motion: events, discontinuities, and features that a step might jump over.
 //!
-//! 1. The event functions and the arguments of the switches are sampled on the dense output of a step:
-//!    look in `sample.rs`.
-//! 2. All their zeros within the step are found, hidden pairs included: look in `scan.rs` and `root.rs`.
-//! 3. At a discontinuity the modes are chosen anew: look in `modes.rs`.
-//! 4. Discontinuities of time are known beforehand: look in `stops.rs`.
+//! 1. The event functions and the arguments of the switches, with their rates, along the dense output of a step: look in
+//!    `sample.rs`; arguments of local functions inside them and inside the equations of motion: in `arguments.rs`.
+//! 2. All their zeros within the step are found, hidden pairs included: look in `certify.rs`, `root.rs` and `scan.rs`.
+//! 3. Steps that jumped over a feature of the equations are cut: look in `monitor.rs`.
+//! 4. At a discontinuity the modes are chosen anew: look in `modes.rs`; what inputs that turn sharply do to the speeds:
+//!    in `impulse.rs`.
+//! 5. Discontinuities of time are known beforehand: look in `stops.rs`; those of inputs that are closures are scanned
+//!    for: in `signals.rs`.
 
 use crate::mechanism::System;
 
+mod arguments;
+mod certify;
+#[cfg(test)]
+mod certify_tests;
+pub(crate) mod draws;
+mod impulse;
 mod modes;
+mod monitor;
 mod root;
 mod sample;
 mod scan;
+mod signals;
 mod stops;
 #[cfg(test)]
 mod tests;
 mod watch;
 
-pub(crate) use watch::{Interruption, Watch};
+pub(crate) use modes::OwnedSegment;
+pub use impulse::Impulse;
+pub(crate) use signals::WIDTH as CLOSURE_WIDTH;
+pub(crate) use watch::{Interruption, Switched, Watch};
 
 /// Where events are noted.
 pub(crate) trait Log {
     /// Notes an event in a state; `ends` tells whether it ends the run.
     fn event<S: System + ?Sized>(&mut self, system: &S, event: usize, t: f64, y: &[f64], ends: bool);
+
+    /// Notes what the function of an event does that is no event.
+    fn remark(&mut self, remark: Remark);
+}
+
+/// What the function of an event does that is no event.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Remark {
+    /// The event's name.
+    pub event: String,
+    /// When, s.
+    pub t: f64,
+    /// What.
+    pub what: Remarkable,
+}
+
+/// What an event's function may do beside crossing zero.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Remarkable {
+    /// It comes to zero and turns back.
+    Touch,
+    /// It changes its sign by a jump or through a pole.
+    Jump,
+    /// It ceases or begins to be defined.
+    Edge,
 }

@@ -1,65 +1,209 @@
 //! Choosing the modes of the switches.
 
+use super::certify::Sample;
 use super::sample::Sampler;
 use crate::cause::Cause;
-use crate::mechanism::{At, SwitchKind, System};
+use crate::integrate::Segment;
+use crate::mechanism::{SwitchKind, System};
+
+/// A step that is taken only to see where it leads, under the modes in force.
+pub(crate) type Trial<'a, S> = &'a mut dyn FnMut(&S) -> Option<OwnedSegment>;
+
+/// Dense output of a trial step.
+pub(crate) struct OwnedSegment {
+    pub t: f64,
+    pub h: f64,
+    pub width: usize,
+    pub pieces: Vec<f64>,
+}
+
+impl OwnedSegment {
+    /// As those of steps that were taken.
+    pub fn segment(&self) -> Segment<'_> {
+        Segment { t: self.t, h: self.h, width: self.width, pieces: &self.pieces }
+    }
+}
+
+/// What is known of the switches where modes are chosen.
+pub(crate) struct Known<'a> {
+    /// Which are on their surface, because their zero was located here.
+    pub surface: &'a [bool],
+    /// One that is known to leave its surface, and to which side.
+    pub leaves: Option<(usize, f64)>,
+    /// The length of the last step, s: what happens in a billionth of it happens now.
+    pub step: f64,
+}
+
+/// An argument that would vanish within this part of a step vanishes.
+const NOW: f64 = 1e-11;
+/// A rate that is this part of the largest is zero to rounding.
+const STANDS: f64 = 1e-12;
+/// Combinations of sides that are tried.
+const MOST_COMBINATIONS: usize = 64;
 
 /// Chooses the modes at a state.
 ///
-/// Off its surface (argument = 0) a switch's mode is the sign of the argument.  On it, the mode is the one
-/// into whose side the motion leaves when that mode is in force.  Where both modes push back to the surface,
-/// there is no such motion.  `surface` tells which switches are known to be on their surface; others are
-/// where their argument vanishes, or would do so within `instant` seconds.  `leaves` names one that is known
-/// to leave its surface, and to which side.
+/// In order, since an argument contains modes of earlier switches only: off its surface (argument = 0) a switch's mode
+/// is the sign of the argument under the modes already chosen.  On it both sides are tried, in all combinations, the
+/// present one first; a combination is the motion's if it moves every argument that is on its surface to the side that
+/// the combination says.  Where rates vanish one trial step tells where the arguments go.
 ///
-/// A `sign` whose mode is 0, as at the start, stays 0 if nothing moves with it; one that slid until then and
-/// is pushed back from both sides does not come to rest by itself: what holds it there is for a phase to say.
+/// Where no combination leads away, one `sign` that rested, as at the start, stays 0 if nothing moves with it; one that
+/// slid until then and is pushed back from both sides does not come to rest by itself: what holds it there is for a
+/// phase to say.
+///
+/// Returns which switches are on their surface.
 ///
 /// # Errors
-/// [`Cause::Chattering`] names the switch to which both sides push back.
+/// [`Cause::Chattering`] names a switch to which both sides push back.
 pub(crate) fn choose<S: System + ?Sized>(
     system: &mut S,
     sampler: &mut Sampler,
     (t, y): (f64, &[f64]),
-    surface: &[bool],
-    leaves: Option<(usize, f64)>,
-    instant: f64,
+    known: &Known<'_>,
+    trial: Trial<'_, S>,
 ) -> Result<Vec<bool>, Cause> {
     let count = system.description().switches.len();
-    let mut modes = system.modes().to_vec();
-    let mut on: Vec<bool> = surface.to_vec();
-    let rests: Vec<bool> = (0..count).map(|switch| side(system, switch) == 0.0).collect();
-    sampler.at_state(system, t, y);
-    for switch in 0..count {
-        let function = sampler.function_of(switch);
-        let (value, rate) = (sampler.value(function), sampler.second(function));
-        on[switch] |= value == 0.0 || value.abs() <= instant * rate.abs();
-        if !on[switch] {
-            modes[switch] = mode(system, switch, value);
-        } else if rests[switch] {
-            modes[switch] = 1.0;
+    let before = system.modes().to_vec();
+    let rested: Vec<bool> = (0..count).map(|switch| side(system, switch) == 0.0).collect();
+    let mut combinations = Vec::new();
+    let mut stack: Vec<Combination> = vec![Combination { modes: before.clone(), on: vec![false; count], next: 0 }];
+    while let Some(mut one) = stack.pop() {
+        while one.next < count {
+            let switch = one.next;
+            one.next += 1;
+            system.set_modes(&one.modes);
+            sampler.at_state(system, t, y);
+            let (value, rate) = (sampler.value(sampler.function_of(switch)), sampler.rate(switch));
+            let on = known.surface[switch] || value == 0.0 || value.abs() <= NOW * known.step * rate.abs();
+            if !on {
+                one.modes[switch] = mode(system, switch, value);
+                continue;
+            }
+            one.on[switch] = true;
+            let [first, second] = sides(system, switch, &before, known.leaves);
+            if combinations.len() + stack.len() < MOST_COMBINATIONS {
+                let mut other = one.clone();
+                other.modes[switch] = second;
+                stack.push(other);
+            }
+            one.modes[switch] = first;
         }
+        combinations.push(one);
     }
-    system.set_modes(&modes);
-    // Each choice may change what the others see: go round until all agree.
-    for _ in 0..=2 * count {
-        let mut changed = false;
-        for switch in (0..count).filter(|switch| on[*switch]) {
-            let chosen = leaving(system, sampler, (t, y), (switch, rests[switch]), instant)?;
-            let chosen = match leaves {
-                Some((other, side)) if other == switch && chosen == 0.0 => mode(system, switch, side),
-                _ => chosen,
+    let directions: Vec<Vec<f64>> = combinations
+        .iter()
+        .map(|one| directions(system, sampler, (t, y), one, trial))
+        .collect();
+    let scale = |k: usize| directions.iter().map(|to: &Vec<f64>| to[k].abs()).fold(0.0, f64::max);
+    let agrees = |one: &Combination, directions: &[f64]| {
+        let forward = |k: usize| side_of(system, k, one.modes[k]) * directions[k] >= -STANDS * scale(k);
+        (0..count).filter(|k| one.on[*k]).all(forward)
+    };
+    let moves = |one: &Combination, directions: &[f64]| (0..count).any(|k| one.on[k] && directions[k] != 0.0);
+    let list = || combinations.iter().zip(&directions);
+    let found = list().find(|(one, to)| agrees(one, to) && moves(one, to));
+    let found = found.or_else(|| list().find(|(one, to)| agrees(one, to)));
+    if let Some((one, to)) = found {
+        let mut one = one.clone();
+        for switch in (0..count).filter(|k| one.on[*k] && to[*k] == 0.0) {
+            one.modes[switch] = match known.leaves {
+                Some((other, to)) if other == switch => mode(system, switch, to),
+                _ => at_rest(system, switch),
             };
-            changed |= chosen != modes[switch];
-            modes[switch] = chosen;
-            system.set_modes(&modes);
         }
-        if !changed {
-            return Ok(on);
+        system.set_modes(&one.modes);
+        return Ok(one.on);
+    }
+    // The combinations in which fewest arguments are moved against their sides; those are pushed back to their surface.
+    let against = |one: &Combination, to: &[f64]| {
+        let back = |k: &usize| one.on[*k] && side_of(system, *k, one.modes[*k]) * to[*k] < -STANDS * scale(*k);
+        (0..count).filter(back).collect::<Vec<usize>>()
+    };
+    let opposed: Vec<Vec<usize>> = list().map(|(one, to)| against(one, to)).collect();
+    let fewest = opposed.iter().map(Vec::len).min().unwrap_or(0);
+    let best = opposed.iter().position(|list| list.len() == fewest).unwrap_or(0);
+    let pushed = opposed[best].clone();
+    if pushed.iter().all(|k| rested[*k] && is_sign(system, *k)) {
+        let mut rest = combinations[best].clone();
+        for switch in &pushed {
+            rest.modes[*switch] = 0.0;
+        }
+        system.set_modes(&rest.modes);
+        sampler.at_state(system, t, y);
+        if pushed.iter().all(|k| sampler.rate(*k).abs() <= STANDS * scale(*k)) {
+            return Ok(rest.on);
         }
     }
-    let switch = on.iter().position(|on| *on).unwrap_or(0);
+    system.set_modes(&before);
+    let switch = pushed.first().copied().unwrap_or(0);
     Err(Cause::Chattering { switch: text(system, switch) })
+}
+
+/// Sides of the switches that are on their surface.
+#[derive(Clone)]
+struct Combination {
+    modes: Vec<f64>,
+    on: Vec<bool>,
+    /// The switch to look at next.
+    next: usize,
+}
+
+/// Where the arguments on their surface go under a combination: their rates or, where these vanish, their values in a
+/// trial step.
+fn directions<S: System + ?Sized>(
+    system: &mut S,
+    sampler: &mut Sampler,
+    (t, y): (f64, &[f64]),
+    one: &Combination,
+    trial: Trial<'_, S>,
+) -> Vec<f64> {
+    system.set_modes(&one.modes);
+    sampler.at_state(system, t, y);
+    let mut to: Vec<f64> = (0..one.on.len()).map(|k| if one.on[k] { sampler.rate(k) } else { 0.0 }).collect();
+    let unsure: Vec<usize> = (0..to.len()).filter(|k| one.on[*k] && to[*k] == 0.0).collect();
+    if unsure.is_empty() {
+        return to;
+    }
+    let Some(step) = trial(system) else { return to };
+    let mut samples: Vec<Sample> = Vec::new();
+    for switch in unsure {
+        // The first values that stand out: a long step may lead through many zeros.
+        let function = sampler.function_of(switch);
+        let mut at = |theta: f64| {
+            sampler.samples(system, &step.segment(), theta, &mut samples);
+            samples[function]
+        };
+        let start = at(0.0).value;
+        let (mut theta, mut change) = (1.0, 0.0);
+        for _ in 0..40 {
+            let here = at(theta);
+            change = here.value - start;
+            // Bent away from zero like a power of θ: the slope agrees with the value.
+            let power = theta * here.slope / change;
+            if change != 0.0 && (0.9..8.5).contains(&power) || change == 0.0 && here.slope == 0.0 {
+                break;
+            }
+            theta *= 0.5;
+        }
+        to[switch] = change;
+    }
+    to
+}
+
+/// The sides to try for a switch on its surface, the present one first.
+fn sides<S: System + ?Sized>(system: &S, switch: usize, before: &[f64], leaves: Option<(usize, f64)>) -> [f64; 2] {
+    let (above, below) = (mode(system, switch, 1.0), mode(system, switch, -1.0));
+    let first = match leaves {
+        Some((other, side)) if other == switch => mode(system, switch, side),
+        _ if before[switch] == below => below,
+        _ => above,
+    };
+    if first == above { [above, below] } else { [below, above] }
+}
+
+fn is_sign<S: System + ?Sized>(system: &S, switch: usize) -> bool {
+    system.description().switches[switch].kind == SwitchKind::Sign
 }
 
 /// A switch's mode on the side of this sign.
@@ -72,7 +216,10 @@ pub(crate) fn mode<S: System + ?Sized>(system: &S, switch: usize, side: f64) -> 
 
 /// The side on which a mode puts the argument: −1, 0 or 1.
 pub(crate) fn side<S: System + ?Sized>(system: &S, switch: usize) -> f64 {
-    let mode = system.modes()[switch];
+    side_of(system, switch, system.modes()[switch])
+}
+
+fn side_of<S: System + ?Sized>(system: &S, switch: usize, mode: f64) -> f64 {
     match system.description().switches[switch].kind {
         SwitchKind::Sign => mode,
         SwitchKind::Step => 2.0 * mode - 1.0,
@@ -84,84 +231,10 @@ pub(crate) fn text<S: System + ?Sized>(system: &S, switch: usize) -> String {
     system.description().switches.get(switch).map_or_else(String::new, |switch| switch.text.to_string())
 }
 
-/// The mode with which the motion leaves the surface of a switch.
-fn leaving<S: System + ?Sized>(
-    system: &mut S,
-    sampler: &mut Sampler,
-    (t, y): (f64, &[f64]),
-    (switch, rested): (usize, bool),
-    instant: f64,
-) -> Result<f64, Cause> {
-    let present = system.modes().to_vec();
-    let mut direction = |system: &mut S, mode: f64| {
-        let mut trial = present.clone();
-        trial[switch] = mode;
-        system.set_modes(&trial);
-        direction(system, sampler, (t, y), switch, instant)
-    };
-    let (above, below) = (mode(system, switch, 1.0), mode(system, switch, -1.0));
-    let up = direction(system, above);
-    let down = direction(system, below);
-    let chosen = match (up > 0.0, down < 0.0) {
-        (true, false) => above,
-        (false, true) => below,
-        // Both sides lead away: as before, or the side of `step(0)`.
-        (true, true) => {
-            if present[switch] == below {
-                below
-            } else {
-                above
-            }
-        }
-        (false, false) if up == 0.0 && down == 0.0 => at_rest(system, switch),
-        (false, false) => {
-            let rests = rested && direction(system, 0.0).abs() <= 1e-12 * (up.abs() + down.abs());
-            if !rests {
-                system.set_modes(&present);
-                return Err(Cause::Chattering { switch: text(system, switch) });
-            }
-            0.0
-        }
-    };
-    system.set_modes(&present);
-    Ok(chosen)
-}
-
 /// The mode on the surface where nothing moves.
 fn at_rest<S: System + ?Sized>(system: &S, switch: usize) -> f64 {
     match system.description().switches[switch].kind {
         SwitchKind::Sign => 0.0,
         SwitchKind::Step => 1.0,
     }
-}
-
-/// Where the argument of a switch goes under the present modes: its rate, or where that vanishes its change
-/// over an instant.
-fn direction<S: System + ?Sized>(
-    system: &S,
-    sampler: &mut Sampler,
-    (t, y): (f64, &[f64]),
-    switch: usize,
-    instant: f64,
-) -> f64 {
-    let function = sampler.function_of(switch);
-    sampler.at_state(system, t, y);
-    let (value, rate) = (sampler.value(function), sampler.second(function));
-    if rate != 0.0 {
-        return rate;
-    }
-    // A longer instant than that of the location: second-order changes have to show above rounding.
-    let h = 1e6 * instant;
-    let n = system.len();
-    let mut a = vec![0.0; n];
-    if system.accelerations(At::packed(t, y, n), &mut a).is_err() {
-        return f64::NAN;
-    }
-    let mut moved = y[..2 * n].to_vec();
-    for i in 0..n {
-        moved[i] += h * (y[n + i] + 0.5 * h * a[i]);
-        moved[n + i] += h * a[i];
-    }
-    sampler.at_state(system, t + h, &moved);
-    sampler.value(function) - value
 }

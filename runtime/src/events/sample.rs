@@ -1,5 +1,6 @@
-//! Event functions and arguments of switches along a step.
+//! Event functions and arguments of switches at states and along steps.
 
+use super::certify::Sample;
 use crate::integrate::Segment;
 use crate::mechanism::{At, System};
 
@@ -9,31 +10,39 @@ pub(crate) struct Sampler {
     n: usize,
     events: usize,
     switches: usize,
-    needs_accelerations: bool,
+    /// Which events' rates are known; the others' are differences.
+    rated: Vec<bool>,
     y: Vec<f64>,
+    dy: Vec<f64>,
     a: Vec<f64>,
     /// Pairs (value, condition) of the events, then (value, rate) of the switches.
     pairs: Vec<f64>,
+    rates: Vec<f64>,
+    /// How often the functions were evaluated.
+    pub samples: u64,
 }
 
+/// The step of a difference, in parts of the step, for functions whose rate is not known.
+const DIFFERENCE: f64 = 1e-5;
+
 impl Sampler {
-    /// Makes room, and finds out whether any function depends on the accelerations.
-    pub fn new<S: System + ?Sized>(system: &S, t: f64, y: &[f64]) -> Self {
+    /// Makes room.
+    pub fn new<S: System + ?Sized>(system: &S) -> Self {
         let n = system.len();
-        let (events, switches) = (system.description().events.len(), system.description().switches.len());
-        let mut sampler = Sampler {
+        let description = system.description();
+        let (events, switches) = (description.events.len(), description.switches.len());
+        Sampler {
             n,
             events,
             switches,
-            needs_accelerations: switches > 0,
+            rated: description.events.iter().map(|event| event.rated).collect(),
             y: vec![0.0; 2 * n],
+            dy: vec![0.0; 2 * n],
             a: vec![0.0; n],
             pairs: vec![0.0; 2 * (events + switches)],
-        };
-        if !sampler.needs_accelerations {
-            sampler.needs_accelerations = sampler.depends_on_accelerations(system, t, y);
+            rates: vec![0.0; events],
+            samples: 0,
         }
-        sampler
     }
 
     /// How many functions are watched.
@@ -56,49 +65,102 @@ impl Sampler {
         self.pairs[2 * function]
     }
 
-    /// A function's second number after the last evaluation: an event's condition, a switch's rate.
-    pub fn second(&self, function: usize) -> f64 {
-        self.pairs[2 * function + 1]
+    /// The rate of a switch's argument, 1/s, after the last evaluation.
+    pub fn rate(&self, switch: usize) -> f64 {
+        self.pairs[2 * self.function_of(switch) + 1]
     }
 
-    /// Evaluates all functions at a state.
+    /// An event's condition after the last evaluation.
+    pub fn condition(&self, event: usize) -> f64 {
+        self.pairs[2 * event + 1]
+    }
+
+    /// Evaluates all functions at a state, with its own accelerations.
     pub fn at_state<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
-        let at = At::packed(t, y, self.n);
-        if self.needs_accelerations && system.accelerations(at, &mut self.a).is_err() {
+        if system.accelerations(At::packed(t, y, self.n), &mut self.a).is_err() {
             self.a.fill(f64::NAN);
         }
         self.evaluate(system, t, y);
     }
 
-    /// Evaluates all functions on the dense output of a step.
-    pub fn at<S: System + ?Sized>(&mut self, system: &S, segment: &Segment<'_>, theta: f64) {
-        let mut y = std::mem::take(&mut self.y);
-        segment.evaluate(theta, &mut y);
-        self.at_state(system, segment.t + theta * segment.h, &y);
-        self.y = y;
+    /// Evaluates what depends on time alone; everything else is meaningless.
+    pub fn at_time<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
+        self.samples += 1;
+        let at = At::packed(t, y, self.n).accelerated(&self.a);
+        system.switches(at, &mut self.pairs[2 * self.events..]);
+    }
+
+    /// Evaluates all functions on the dense output of a step, with the accelerations that its slope gives.
+    pub fn along<S: System + ?Sized>(&mut self, system: &S, segment: &Segment<'_>, theta: f64) {
+        let (mut y, mut dy) = (std::mem::take(&mut self.y), std::mem::take(&mut self.dy));
+        segment.evaluate_with_slope(theta, &mut y, &mut dy);
+        for (a, slope) in self.a.iter_mut().zip(&dy[self.n..]) {
+            *a = slope / segment.h;
+        }
+        self.evaluate(system, segment.t + theta * segment.h, &y);
+        (self.y, self.dy) = (y, dy);
+    }
+
+    /// A function's value and its slope by θ along a step.
+    pub fn sample<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        segment: &Segment<'_>,
+        function: usize,
+        theta: f64,
+    ) -> (f64, f64) {
+        if self.rated.get(function) == Some(&false) {
+            self.along(system, segment, theta + DIFFERENCE);
+            let after = self.value(function);
+            self.along(system, segment, theta - DIFFERENCE);
+            let before = self.value(function);
+            self.along(system, segment, theta);
+            return (self.value(function), (after - before) / (2.0 * DIFFERENCE));
+        }
+        self.along(system, segment, theta);
+        (self.value(function), self.slope(function, segment.h))
+    }
+
+    /// Samples of all functions at a place of a step.
+    pub fn samples<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        segment: &Segment<'_>,
+        theta: f64,
+        samples: &mut Vec<Sample>,
+    ) {
+        samples.clear();
+        if self.rated.contains(&false) {
+            for function in 0..self.len() {
+                let (value, slope) = self.sample(system, segment, function, theta);
+                samples.push(Sample { x: theta, value, slope });
+            }
+            return;
+        }
+        self.along(system, segment, theta);
+        for function in 0..self.len() {
+            samples.push(Sample { x: theta, value: self.value(function), slope: self.slope(function, segment.h) });
+        }
+    }
+
+    fn slope(&self, function: usize, h: f64) -> f64 {
+        let rate = match self.switch(function) {
+            Some(_) => self.pairs[2 * function + 1],
+            None => self.rates[function],
+        };
+        h * rate
     }
 
     fn evaluate<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
-        let at = At::packed(t, y, self.n);
+        self.samples += 1;
+        let at = At::packed(t, y, self.n).accelerated(&self.a);
         let (events, switches) = self.pairs.split_at_mut(2 * self.events);
         if self.events > 0 {
-            system.events(at.accelerated(&self.a), events);
+            system.events(at, events);
+            system.event_rates(at, &mut self.rates);
         }
         if self.switches > 0 {
-            system.switches(at.accelerated(&self.a), switches);
+            system.switches(at, switches);
         }
-    }
-
-    /// Accelerations that are not numbers make what depends on them not a number; three further ones show
-    /// what hides that in a comparison.
-    fn depends_on_accelerations<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) -> bool {
-        let mut values = Vec::new();
-        for probe in [f64::NAN, 0.0, 1e3, -1e3] {
-            self.a.fill(probe);
-            self.evaluate(system, t, y);
-            values.push(self.pairs.iter().map(|value| value.to_bits()).collect::<Vec<_>>());
-        }
-        self.a.fill(0.0);
-        values.iter().any(|other| *other != values[0])
     }
 }

@@ -1,14 +1,11 @@
-//! Finding all zeros of the watched functions within a step.
+//! What the watched functions do within a step.
 
-use super::root::{dip, root};
+use super::arguments::{Arguments, Course};
+use super::certify::{Certifier, Deed, Sample};
 use super::sample::Sampler;
+use crate::cause::Cause;
 use crate::integrate::Segment;
-use crate::mechanism::System;
-
-/// Where the dense output is sampled: at the ends with their slopes, and in between.
-const GRID: [f64; 7] = [0.0, 1e-3, 0.25, 0.5, 0.75, 1.0 - 1e-3, 1.0];
-/// A value this small against the variation over the step counts as zero.
-const ZERO: f64 = 1e-9;
+use crate::mechanism::{System, Watched};
 
 /// A function passes through zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,134 +18,228 @@ pub(crate) struct Crossing {
     pub rising: bool,
 }
 
+/// Something of an event's function that is no crossing, and worth a word.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Oddity {
+    /// Which function.
+    pub function: usize,
+    /// When, s.
+    pub t: f64,
+    /// What.
+    pub deed: Deed,
+}
+
 /// On which side of zero each function is: −1 or 1, or 0 while it has not left zero.
 #[derive(Clone, Debug)]
 pub(crate) struct Scanner {
-    instant: f64,
     /// The sides at the start of the step.
     pub sides: Vec<f64>,
     /// The sides at its end, if nothing happens in between.
     pub end_sides: Vec<f64>,
-    /// Functions that were near zero when the integration (re)started, whose side is not yet sure.
+    /// Functions that were at zero when the integration (re)started.
     pub fresh: Vec<bool>,
-    values: Vec<[f64; GRID.len()]>,
-    points: Vec<(f64, f64)>,
+    /// The largest size of each function that was met.
+    pub largest: Vec<f64>,
+    certifier: Certifier,
+    /// Samples to begin with.
+    grid: Vec<Sample>,
+    /// All functions at the start, the middle and the end of the step.
+    start: Vec<Sample>,
+    middle: Vec<Sample>,
+    end: Vec<Sample>,
+    /// Where the step ended whose end is in `end`, and how long it was, s.
+    ends: f64,
+    length: f64,
+    /// Which functions have arguments inside that must be looked at.
+    inside: Vec<bool>,
     /// Zeros of the last scan, in order of time, then of function.
     pub crossings: Vec<Crossing>,
+    /// What else the last scan found.
+    pub oddities: Vec<Oddity>,
 }
 
+/// A value this small against the variation over the step is zero where the function was on its surface.
+const ZERO: f64 = 1e-13;
+
 impl Scanner {
-    /// For so many functions; what happens within an `instant`, s, cannot be told apart.
-    pub fn new(functions: usize, instant: f64) -> Self {
+    /// For the functions of a system.
+    pub fn new<S: System + ?Sized>(system: &S, sampler: &Sampler) -> Self {
+        let functions = sampler.len();
+        let inside = (0..functions).map(|function| {
+            let of = watched(sampler, function);
+            system.description().arguments.iter().any(|argument| argument.of == of)
+        });
         Scanner {
-            instant,
             sides: vec![0.0; functions],
             end_sides: vec![0.0; functions],
             fresh: vec![true; functions],
-            values: vec![[0.0; GRID.len()]; functions],
-            points: Vec::with_capacity(2 * GRID.len()),
+            largest: vec![0.0; functions],
+            certifier: Certifier::default(),
+            grid: Vec::new(),
+            start: Vec::with_capacity(functions),
+            middle: Vec::with_capacity(functions),
+            end: Vec::with_capacity(functions),
+            ends: f64::NAN,
+            length: 1.0,
+            inside: inside.collect(),
             crossings: Vec::with_capacity(2 * functions),
+            oddities: Vec::new(),
         }
     }
 
-    /// Finds the zeros within a step.
-    pub fn scan<S: System + ?Sized>(&mut self, sampler: &mut Sampler, system: &S, segment: &Segment<'_>) {
-        for (k, theta) in GRID.into_iter().enumerate() {
-            sampler.at(system, segment, theta);
-            for (function, values) in self.values.iter_mut().enumerate() {
-                values[k] = sampler.value(function);
+    /// Finds what happens within a step.
+    ///
+    /// # Errors
+    /// [`Cause::OscillatesTooFast`] names a function that would need too many samples.
+    pub fn scan<S: System + ?Sized>(
+        &mut self,
+        sampler: &mut Sampler,
+        arguments: &mut Arguments,
+        system: &S,
+        segment: &Segment<'_>,
+    ) -> Result<(), Cause> {
+        if self.ends == segment.t && !self.end.is_empty() {
+            // The end of the last step, seen over the length of this one.
+            std::mem::swap(&mut self.start, &mut self.end);
+            let factor = segment.h / self.length;
+            for sample in &mut self.start {
+                *sample = Sample { x: 0.0, value: sample.value, slope: sample.slope * factor };
             }
+        } else {
+            sampler.samples(system, segment, 0.0, &mut self.start);
         }
+        sampler.samples(system, segment, 0.5, &mut self.middle);
+        sampler.samples(system, segment, 1.0, &mut self.end);
+        self.length = segment.h;
+        self.ends = f64::NAN;
         self.crossings.clear();
-        for function in 0..self.values.len() {
-            self.collect(function, sampler, system, segment);
-            self.walk(function, sampler, system, segment);
+        self.oddities.clear();
+        for function in 0..self.sides.len() {
+            self.function(function, sampler, arguments, system, segment)?;
         }
         self.crossings.sort_by(|a, b| a.theta.total_cmp(&b.theta).then(a.function.cmp(&b.function)));
+        Ok(())
     }
 
-    /// The sides at the end of a step of h become those at the start of the next.
-    pub fn advance(&mut self, h: f64) {
+    /// The sides at the end of the step become those at the start of the next.
+    pub fn advance(&mut self, t: f64) {
         self.sides.copy_from_slice(&self.end_sides);
-        if h > self.instant {
-            self.fresh.fill(false);
-        }
+        self.fresh.fill(false);
+        self.ends = t;
     }
 
-    /// The value of a function that is largest in size among the samples; `None` if there is none.
-    pub fn largest(&self, function: usize) -> Option<f64> {
-        self.values[function].iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs()))
+    /// Forgets what was seen at the end of the last step: modes or state have changed.
+    pub fn restart(&mut self) {
+        self.ends = f64::NAN;
     }
 
-    /// The sampled points of a function, with points beyond zero where a pair of zeros hides.
-    fn collect<S: System + ?Sized>(
+    /// The value of a function that is largest in size among the samples of the last scan.
+    pub fn largest_here(&self, function: usize) -> f64 {
+        let values = [&self.start, &self.middle, &self.end].map(|samples| samples[function].value);
+        values.into_iter().max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0)
+    }
+
+    /// Finds what one function does.
+    fn function<S: System + ?Sized>(
         &mut self,
         function: usize,
         sampler: &mut Sampler,
+        arguments: &mut Arguments,
         system: &S,
         segment: &Segment<'_>,
-    ) {
-        let values = &self.values[function];
-        let point = |k: usize, sign: f64| (GRID[k], sign * values[k]);
-        self.points.clear();
-        for (k, value) in values.iter().enumerate() {
-            self.points.push(point(k, 1.0));
-            if k == 0 || k + 1 == GRID.len() {
-                continue;
+    ) -> Result<(), Cause> {
+        let (start, middle, end) = (self.start[function], self.middle[function], self.end[function]);
+        let name = || watched_name(system, sampler, function);
+        let mut grid = std::mem::take(&mut self.grid);
+        grid.clear();
+        if self.inside[function] {
+            let course = Course::Step(*segment);
+            let places = arguments.places(system, &course, watched(sampler, function));
+            for theta in places.ok_or_else(|| Cause::OscillatesTooFast { function: name() })? {
+                let known = [start, middle, end].into_iter().find(|sample| sample.x == theta);
+                grid.push(known.unwrap_or_else(|| {
+                    let (value, slope) = sampler.sample(system, segment, function, theta);
+                    Sample { x: theta, value, slope }
+                }));
             }
-            let sign = value.signum();
-            let (before, here, after) = (point(k - 1, sign), point(k, sign), point(k + 1, sign));
-            if here.1 > 0.0 && here.1 <= before.1 && here.1 <= after.1 && before.1.max(after.1) > here.1 {
-                let hidden = |theta: f64| {
-                    sampler.at(system, segment, theta);
-                    sign * sampler.value(function)
-                };
-                if let Some((theta, value)) = dip(hidden, before, here, after) {
-                    self.points.push((theta, sign * value));
-                }
+        } else {
+            grid.extend([start, end]);
+        }
+        let variation = (middle.value - start.value).abs().max((end.value - start.value).abs());
+        let resolution = ZERO + 16.0 * f64::EPSILON * segment.t.abs() / segment.h;
+        if self.fresh[function] && start.value.abs() <= resolution * variation {
+            grid[0].value = 0.0;
+            if sampler.switch(function).is_none() {
+                // An event that is zero where a motion begins has no side until it has left zero.
+                self.sides[function] = 0.0;
             }
         }
-        self.points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut certifier = std::mem::take(&mut self.certifier);
+        let mut sample = |theta: f64| {
+            if theta == 0.5 {
+                return (middle.value, middle.slope);
+            }
+            sampler.sample(system, segment, function, theta)
+        };
+        let outcome = certifier.certify(&mut sample, &grid);
+        self.collect(function, &certifier, segment);
+        self.certifier = certifier;
+        self.grid = grid;
+        outcome.map_err(|_| Cause::OscillatesTooFast { function: watched_name(system, sampler, function) })
     }
 
-    /// Goes from point to point and notes where the side changes.
-    fn walk<S: System + ?Sized>(&mut self, function: usize, sampler: &mut Sampler, system: &S, segment: &Segment<'_>) {
-        let first = self.points[0].1;
-        let variation = self.points.iter().map(|point| (point.1 - first).abs()).fold(0.0, f64::max);
+    /// Takes over what the certifier marked.
+    fn collect(&mut self, function: usize, certifier: &Certifier, segment: &Segment<'_>) {
         let mut side = self.sides[function];
-        let near_zero = self.fresh[function] || side == 0.0;
-        if near_zero && first.abs() <= ZERO * variation && !self.is_switch(function, sampler) {
-            side = 0.0;
-        }
-        let mut last = (0.0, 0.0);
-        for index in 0..self.points.len() {
-            let (theta, value) = self.points[index];
-            let unsure = near_zero && (value.abs() <= ZERO * variation || theta * segment.h <= self.instant);
-            if unsure || value == 0.0 || value.is_nan() {
-                continue;
-            }
-            let sign = value.signum();
+        let first = certifier.points().iter().find(|point| point.value != 0.0 && point.value.is_finite());
+        if let Some(first) = first {
+            let sign = first.value.signum();
             if side == 0.0 {
                 side = sign;
             } else if sign != side {
-                let theta = if last.1 == 0.0 {
-                    0.0
-                } else {
-                    let on = |theta: f64| {
-                        sampler.at(system, segment, theta);
-                        sampler.value(function)
-                    };
-                    root(on, last, (theta, value))
-                };
-                self.crossings.push(Crossing { function, theta, rising: sign > 0.0 });
+                // It lies beyond zero from the start: what changed it there was no step.
+                self.crossings.push(Crossing { function, theta: 0.0, rising: sign > 0.0 });
                 side = sign;
             }
-            last = (theta, value);
+        }
+        for point in certifier.points().iter().filter(|point| point.value.is_finite()) {
+            self.largest[function] = self.largest[function].max(point.value.abs());
+        }
+        for mark in &certifier.marks {
+            match mark.deed {
+                Deed::Crosses { rising } => {
+                    self.crossings.push(Crossing { function, theta: mark.x, rising });
+                    side = if rising { 1.0 } else { -1.0 };
+                }
+                deed => {
+                    let t = segment.t + mark.x * segment.h;
+                    self.oddities.push(Oddity { function, t, deed });
+                }
+            }
+        }
+        // Jumps, poles and gaps change the side without a crossing.
+        let last = certifier.points().iter().rev().find(|point| point.value != 0.0);
+        if let Some(last) = last.filter(|last| last.value.is_finite()) {
+            side = last.value.signum();
+        } else if last.is_some() {
+            side = 0.0;
         }
         self.end_sides[function] = side;
     }
+}
 
-    fn is_switch(&self, function: usize, sampler: &Sampler) -> bool {
-        sampler.switch(function).is_some()
+/// A function as descriptions name it.
+fn watched(sampler: &Sampler, function: usize) -> Watched {
+    match sampler.switch(function) {
+        Some(switch) => Watched::Switch(switch as u32),
+        None => Watched::Event(function as u32),
+    }
+}
+
+/// A function in the file's words.
+pub(crate) fn watched_name<S: System + ?Sized>(system: &S, sampler: &Sampler, function: usize) -> String {
+    match sampler.switch(function) {
+        Some(switch) => super::modes::text(system, switch),
+        None => system.description().events.get(function).map_or_else(String::new, |event| event.name.to_string()),
     }
 }

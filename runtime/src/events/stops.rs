@@ -1,88 +1,197 @@
 //! Discontinuities of time: the times at which every step must end.
 
-use super::root::{dip, root};
+use super::arguments::{Arguments, Course};
+use super::certify::{Certifier, Deed, Sample};
+use super::modes;
 use super::sample::Sampler;
-use crate::mechanism::System;
+use super::signals::{Break, breaks};
+use crate::cause::Cause;
+use crate::mechanism::{System, Watched};
 
-/// How many points of time are looked at where an argument is no straight line.
-const POINTS: usize = 20_000;
-
-/// A time at which the arguments of some switches vanish.
+/// A time at which the arguments of some switches vanish or change their signs.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Stop {
     /// s.
     pub t: f64,
     /// Which.
     pub switches: Vec<usize>,
+    /// Inputs that are closures and jump or turn just after it.
+    pub breaks: Vec<(usize, Break)>,
 }
 
-/// The zeros of all switches that depend on time alone, after `from` and before `until`, in order.
+/// The stop times of a run, found a stretch of time at a time.
+#[derive(Clone, Debug)]
+pub(crate) struct Stops {
+    /// Those that are still to come within the stretch, the next one last.
+    pub list: Vec<Stop>,
+    /// Until when they are known, s.
+    pub horizon: f64,
+    until: f64,
+    /// The length of stretches, s.
+    stretch: f64,
+}
+
+/// More stop times than this are not found at once.
+const MOST_STOPS: usize = 200_000;
+/// Stretches are not shortened further.
+const SHORTEST: f64 = 1e-6;
+
+impl Stops {
+    /// The stop times after `from`.
+    ///
+    /// # Errors
+    /// [`Cause::OscillatesTooFast`] names a switch with more zeros than can be listed.
+    pub fn new<S: System + ?Sized>(
+        system: &mut S,
+        samplers: (&mut Sampler, &mut Arguments),
+        (from, until): (f64, f64),
+        y: &[f64],
+    ) -> Result<Self, Cause> {
+        let mut stops = Stops { list: Vec::new(), horizon: from, until, stretch: until - from };
+        stops.extend(system, samplers, y)?;
+        Ok(stops)
+    }
+
+    /// The next time at which a step must end.
+    pub fn next(&self) -> f64 {
+        self.list.last().map_or(self.horizon, |stop| stop.t)
+    }
+
+    /// Finds those of the next stretch once all are past; leaves the modes as they are.
+    pub fn extend<S: System + ?Sized>(
+        &mut self,
+        system: &mut S,
+        (sampler, arguments): (&mut Sampler, &mut Arguments),
+        y: &[f64],
+    ) -> Result<(), Cause> {
+        let whole = self.until - self.horizon;
+        let before = system.modes().to_vec();
+        let outcome = loop {
+            let end = if self.stretch >= whole { self.until } else { self.horizon + self.stretch };
+            match stop_times(system, (&mut *sampler, &mut *arguments), (self.horizon, end), y) {
+                Ok(list) => break Ok((list, end)),
+                Err(_) if self.stretch > SHORTEST * whole => self.stretch = 0.25 * self.stretch.min(whole),
+                Err(switch) => break Err(Cause::OscillatesTooFast { function: modes::text(system, switch) }),
+            }
+        };
+        system.set_modes(&before);
+        let (mut list, end) = outcome?;
+        for input in 0..system.description().inputs.len() {
+            let Some(signal) = system.signal(input) else { continue };
+            for one in breaks(signal, (self.horizon, end)).into_iter().filter(|one| one.after < self.until) {
+                list.push(Stop { t: one.before, switches: Vec::new(), breaks: vec![(input, one)] });
+            }
+        }
+        list.sort_by(|a, b| a.t.total_cmp(&b.t));
+        self.list = list;
+        self.list.reverse();
+        self.horizon = end;
+        Ok(())
+    }
+}
+
+/// The stop times in a stretch of time, in order; `Err` names a switch that has too many.
 ///
-/// Exact where the argument is a straight line in t; else by looking at twenty thousand points, and at what
-/// hides between them where the argument turns.
-pub(crate) fn stop_times<S: System + ?Sized>(
-    system: &S,
-    sampler: &mut Sampler,
+/// An argument contains modes of earlier switches only, so switches are taken in their order; between two flips of the
+/// earlier ones the argument is smooth, and certified along time.
+fn stop_times<S: System + ?Sized>(
+    system: &mut S,
+    (sampler, arguments): (&mut Sampler, &mut Arguments),
     (from, until): (f64, f64),
     y: &[f64],
-) -> Vec<Stop> {
-    let mut zeros: Vec<(f64, usize)> = Vec::new();
-    for (switch, what) in system.description().switches.iter().enumerate() {
-        if what.time_only {
-            let mut argument = |t: f64| {
-                sampler.at_state(system, t, y);
-                let function = sampler.function_of(switch);
-                (sampler.value(function), sampler.second(function))
-            };
-            zeros_of(&mut argument, from, until, |t| zeros.push((t, switch)));
-        }
-    }
-    zeros.retain(|(t, _)| *t > from && *t < until);
-    zeros.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+) -> Result<Vec<Stop>, usize> {
+    let count = system.description().switches.len();
     let mut stops: Vec<Stop> = Vec::new();
-    for (t, switch) in zeros {
-        match stops.last_mut() {
-            Some(stop) if t - stop.t <= 4.0 * f64::EPSILON * t.abs() => stop.switches.push(switch),
-            _ => stops.push(Stop { t, switches: vec![switch] }),
+    // The modes between two stops; one more than there are stops.
+    let mut modes: Vec<Vec<f64>> = vec![system.modes().to_vec()];
+    let timed: Vec<usize> = (0..count).filter(|k| system.description().switches[*k].time_only).collect();
+    for switch in timed {
+        let mut flips: Vec<f64> = Vec::new();
+        let mut side = 0.0;
+        for interval in 0..modes.len() {
+            let low = if interval == 0 { from } else { stops[interval - 1].t };
+            let high = stops.get(interval).map_or(until, |stop| stop.t);
+            system.set_modes(&modes[interval]);
+            let found = zeros(system, (&mut *sampler, &mut *arguments), switch, (low, high), y).ok_or(switch)?;
+            if interval > 0 && side * found.first < 0.0 {
+                flips.push(low);
+            }
+            flips.extend(found.times);
+            side = found.last;
+            if (flips.len() + modes.len()).saturating_mul(count) > MOST_STOPS * 50 || flips.len() > MOST_STOPS {
+                return Err(switch);
+            }
+        }
+        for t in flips.into_iter().filter(|t| *t > from && *t < until) {
+            let near = 4.0 * f64::EPSILON * t.abs();
+            let place = stops.partition_point(|stop| stop.t < t - near);
+            match stops.get_mut(place) {
+                Some(stop) if stop.t <= t + near => stop.switches.push(switch),
+                _ => {
+                    stops.insert(place, Stop { t, switches: vec![switch], breaks: Vec::new() });
+                    modes.insert(place, modes[place].clone());
+                }
+            }
+        }
+        // This switch's mode between the stops, for those that contain it.
+        for interval in 0..modes.len() {
+            let low = if interval == 0 { from } else { stops[interval - 1].t };
+            let high = stops.get(interval).map_or(until, |stop| stop.t);
+            system.set_modes(&modes[interval]);
+            sampler.at_time(system, low + 0.5 * (high - low), y);
+            modes[interval][switch] = modes::mode(system, switch, sampler.value(sampler.function_of(switch)));
         }
     }
-    stops
+    Ok(stops)
 }
 
-fn zeros_of(argument: &mut impl FnMut(f64) -> (f64, f64), from: f64, until: f64, mut found: impl FnMut(f64)) {
-    let (value, rate) = argument(from);
-    let span = until - from;
-    let straight = [0.1, 0.37, 0.5, 0.83, 1.0].into_iter().all(|part| {
-        let (there, slope) = argument(from + part * span);
-        let expected = value + rate * part * span;
-        slope == rate && (there - expected).abs() <= 1e-12 * (value.abs() + (rate * span).abs())
-    });
-    if straight {
-        if rate != 0.0 {
-            found(from - value / rate);
-        }
-        return;
+/// Where the argument of a switch changes its sign between two times.
+struct Zeros {
+    times: Vec<f64>,
+    /// The sign just after the first time, and just before the last.
+    first: f64,
+    last: f64,
+}
+
+fn zeros<S: System + ?Sized>(
+    system: &S,
+    (sampler, arguments): (&mut Sampler, &mut Arguments),
+    switch: usize,
+    (low, high): (f64, f64),
+    y: &[f64],
+) -> Option<Zeros> {
+    let span = high - low;
+    let course = Course::Time { t: low, h: span };
+    let places = arguments.places(system, &course, Watched::Switch(switch as u32))?;
+    let mut sample = |x: f64| {
+        sampler.at_time(system, if x == 1.0 { high } else { low + x * span }, y);
+        (sampler.value(sampler.function_of(switch)), span * sampler.rate(switch))
+    };
+    let grid: Vec<Sample> = places
+        .into_iter()
+        .map(|x| {
+            let (value, slope) = sample(x);
+            Sample { x, value, slope }
+        })
+        .collect();
+    // A straight line needs no search.
+    if let [a, b] = grid[..]
+        && a.slope == b.slope
+        && (b.value - a.value - a.slope).abs() <= 1e-12 * a.slope.abs()
+        && (sample(0.5).0 - a.value - 0.5 * a.slope).abs() <= 1e-12 * a.slope.abs()
+    {
+        let x = -a.value / a.slope;
+        let times = if x > 0.0 && x < 1.0 { vec![low + x * span] } else { Vec::new() };
+        let sign = |value: f64, slope: f64| if value == 0.0 { slope.signum() } else { value.signum() };
+        return Some(Zeros { times, first: sign(a.value, a.slope), last: sign(b.value, -b.slope) });
     }
-    let time = |k: usize| from + span * (k as f64 / POINTS as f64);
-    let mut only = |t: f64| argument(t).0;
-    let mut last = (from, value);
-    let mut before = last;
-    for k in 1..=POINTS {
-        let here = (time(k), only(time(k)));
-        let turns = before.1.abs() >= last.1.abs() && here.1.abs() >= last.1.abs();
-        if last.1 != 0.0 && before.1 * last.1 > 0.0 && last.1 * here.1 > 0.0 && turns {
-            let sign = last.1.signum();
-            let lift = |point: (f64, f64)| (point.0, sign * point.1);
-            if let Some((t, hidden)) = dip(|t| sign * only(t), lift(before), lift(last), lift(here)) {
-                let hidden = (t, sign * hidden);
-                found(root(&mut only, before, hidden));
-                found(root(&mut only, hidden, here));
-            }
-        } else if last.1 * here.1 < 0.0 {
-            found(root(&mut only, last, here));
-        } else if here.1 == 0.0 {
-            found(here.0);
-        }
-        (before, last) = (last, here);
-    }
+    let mut certifier = Certifier::default();
+    certifier.patient = true;
+    certifier.certify(&mut sample, &grid).ok()?;
+    let ends = |mut points: Box<dyn Iterator<Item = &Sample> + '_>| {
+        points.find(|p| p.value != 0.0 && p.value.is_finite()).map_or(0.0, |p| p.value.signum())
+    };
+    let (first, last) = (ends(Box::new(certifier.points().iter())), ends(Box::new(certifier.points().iter().rev())));
+    let changes = certifier.marks.iter().filter(|mark| !matches!(mark.deed, Deed::Touches));
+    Some(Zeros { times: changes.map(|mark| low + mark.x * span).collect(), first, last })
 }

@@ -15,11 +15,11 @@ fn run(mut toy: Toy, change: impl FnOnce(&mut Settings)) -> Result<Run, Error> {
 }
 
 fn event(name: &'static str, direction: Direction, actions: &'static [Action]) -> Event {
-    Event { name: name.into(), direction, conditional: false, actions: actions.into() }
+    Event { name: name.into(), direction, conditional: false, actions: actions.into(), rated: false }
 }
 
 fn switch(text: &'static str, kind: SwitchKind, time_only: bool) -> Switch {
-    Switch { text: text.into(), kind, time_only }
+    Switch { text: text.into(), kind, time_only, of_input: false }
 }
 
 const METHODS: [Method; 2] = [Method::Dopri5, Method::Dop853];
@@ -125,7 +125,7 @@ fn recording_does_not_disturb_the_run() {
         .event(event("zero", Direction::Both, &[Action::Record]), |_, q, _, _, p| p.copy_from_slice(&[q[0], 1.0]));
     let watched = run(toy, |_| ()).unwrap();
     assert_eq!(plain.last(), watched.last());
-    assert_eq!(plain.work, watched.work);
+    assert_eq!((plain.work.steps, plain.work.evaluations), (watched.work.steps, watched.work.evaluations));
 }
 
 /// x'' = step(t − 50) − step(t − 53) − x, at rest.
@@ -175,7 +175,7 @@ fn a_kink_of_the_force_is_restarted_at() {
             .energy(|_, q, v| [0.5 * v[0] * v[0], q[0].abs(), 0.0]);
         let run = run(toy, |s| s.method = method).unwrap();
         let last = run.last();
-        assert!((last["x"] - 1.0).abs() < 1e-12 && last["x'"].abs() < 1e-12, "{method}: {last:?}");
+        assert!((last["x"] - 1.0).abs() < 1e-12 && last["x'"].abs() < 3e-12, "{method}: {last:?}");
         assert!(run.energy_balance.unwrap() < 1e-13, "{:?}", run.energy_balance);
     }
 }

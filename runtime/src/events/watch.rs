@@ -1,9 +1,14 @@
 //! The watch over one motion.
 
+use super::arguments::{Arguments, Course};
+use super::certify::Deed;
+use super::impulse::{Impulse, impulse};
+use super::modes::{self, Known, Trial};
+use super::monitor::Monitors;
 use super::sample::Sampler;
-use super::scan::{Crossing, Scanner};
-use super::stops::{Stop, stop_times};
-use super::{Log, modes};
+use super::scan::{Crossing, Scanner, watched_name};
+use super::stops::Stops;
+use super::{Log, Remark, Remarkable};
 use crate::cause::Cause;
 use crate::integrate::Segment;
 use crate::mechanism::{Action, Direction, SwitchKind, System};
@@ -12,15 +17,17 @@ use crate::mechanism::{Action, Direction, SwitchKind, System};
 #[derive(Clone, Debug)]
 pub(crate) struct Watch {
     sampler: Sampler,
+    arguments: Arguments,
+    monitors: Monitors,
     scanner: Scanner,
-    /// Stop times that are still to come, the next one last.
-    stops: Vec<Stop>,
+    /// Times that are still to come at which a step must end.
+    stops: Stops,
     time_only: Vec<bool>,
     /// Which switches are on their surface at a restart.
     surface: Vec<bool>,
-    /// A time that is too short to tell apart, s.
-    instant: f64,
-    /// How many restarts in a row came within an instant, and when the last one was.
+    /// The length of the last step, s.
+    step: f64,
+    /// How many restarts in a row came at once, and when the last one was.
     restarts: u32,
     last_restart: f64,
     y: Vec<f64>,
@@ -31,8 +38,8 @@ pub(crate) struct Watch {
 pub(crate) enum Interruption {
     /// A stopping event or a switch crosses zero.
     At(Crossing),
-    /// A switch that rested on its surface leaves it, to this side.
-    LeavesRest {
+    /// A switch leaves the surface on which it was, to this side, other than its mode says.
+    Leaves {
         /// Which one.
         switch: usize,
         /// −1 or 1.
@@ -40,127 +47,216 @@ pub(crate) enum Interruption {
     },
 }
 
-/// More restarts than this within an instant are chattering.
+/// More restarts than this at once are chattering.
 const RESTARTS: u32 = 100;
-/// A switch that rests has left its surface when its argument is this large, in SI units.
+/// What happens within this part of a step happens at once.
+const AT_ONCE: f64 = 1e-9;
+/// A switch that rests has left its surface when its argument is this part of the largest it had.
 const REST: f64 = 1e-12;
 
 impl Watch {
     /// A watch over the motion from `from` to `until`; `None` if there is nothing to watch.
-    pub fn new<S: System + ?Sized>(system: &S, (from, until): (f64, f64), y: &[f64]) -> Option<Self> {
+    ///
+    /// # Errors
+    /// A discontinuity of time that comes too often.
+    pub fn new<S: System + ?Sized>(
+        system: &mut S,
+        (from, until): (f64, f64),
+        y: &[f64],
+    ) -> Result<Option<Self>, Cause> {
+        let monitors = Monitors::new(system);
         let description = system.description();
-        if description.events.is_empty() && description.switches.is_empty() {
-            return None;
+        let closures = (0..description.inputs.len()).any(|input| system.signal(input).is_some());
+        if description.events.is_empty() && description.switches.is_empty() && monitors.is_empty() && !closures {
+            return Ok(None);
         }
-        let mut sampler = Sampler::new(system, from, y);
-        let mut stops = stop_times(system, &mut sampler, (from, until), y);
-        stops.reverse();
-        Some(Watch {
-            scanner: Scanner::new(sampler.len(), 1e-12 * (until - from)),
+        let time_only: Vec<bool> = description.switches.iter().map(|switch| switch.time_only).collect();
+        let mut sampler = Sampler::new(system);
+        let mut arguments = Arguments::new(system);
+        let stops = Stops::new(system, (&mut sampler, &mut arguments), (from, until), y)?;
+        Ok(Some(Watch {
+            scanner: Scanner::new(system, &sampler),
             sampler,
+            arguments,
+            monitors,
             stops,
-            time_only: description.switches.iter().map(|switch| switch.time_only).collect(),
-            surface: vec![false; description.switches.len()],
-            instant: 1e-12 * (until - from),
+            surface: vec![false; time_only.len()],
+            time_only,
+            step: 0.0,
             restarts: 0,
             last_restart: f64::NEG_INFINITY,
             y: vec![0.0; 2 * system.len()],
-        })
+        }))
     }
 
     /// Chooses the modes and notes on which side of zero all functions are, at the start of a motion.
-    pub fn begin<S: System + ?Sized>(&mut self, system: &mut S, t: f64, y: &[f64]) -> Result<(), Cause> {
+    pub fn begin<S: System + ?Sized>(
+        &mut self,
+        system: &mut S,
+        (t, y): (f64, &[f64]),
+        trial: Trial<'_, S>,
+    ) -> Result<(), Cause> {
         self.surface.fill(false);
         let kinds = system.description().switches.iter().map(|switch| switch.kind);
         let neutral: Vec<f64> = kinds.map(|kind| if kind == SwitchKind::Sign { 0.0 } else { 1.0 }).collect();
         system.set_modes(&neutral);
-        self.choose(system, (t, y), None)?;
+        self.choose(system, (t, y), None, trial)?;
         self.sampler.at_state(system, t, y);
         for function in 0..self.sampler.len() {
             if self.sampler.switch(function).is_none() {
                 let value = self.sampler.value(function);
-                self.scanner.sides[function] = if value == 0.0 { 0.0 } else { value.signum() };
+                self.scanner.sides[function] = if value == 0.0 || value.is_nan() { 0.0 } else { value.signum() };
             }
         }
         self.scanner.fresh.fill(true);
+        self.scanner.restart();
         Ok(())
+    }
+
+    /// Samples of watched functions and of arguments so far.
+    pub fn samples(&self) -> u64 {
+        self.sampler.samples + self.arguments.samples
+    }
+
+    /// True where steps need dense output whatever the recorder says.
+    pub fn wants_dense(&self) -> bool {
+        self.sampler.len() > 0 || !self.monitors.is_empty()
     }
 
     /// The next time at which a step must end, at most `until`.
     pub fn next_stop(&self, until: f64) -> f64 {
-        self.stops.last().map_or(until, |stop| stop.t.min(until))
+        self.stops.next().min(until)
+    }
+
+    /// The longest step from t, at most h seconds, that meets no feature of time alone.
+    pub fn ahead<S: System + ?Sized>(&mut self, system: &S, t: f64, h: f64) -> f64 {
+        self.monitors.ahead(&mut self.arguments, system, t, h).map_or(h, |theta| theta * h)
+    }
+
+    /// Where a step that was tried has to be cut, 0 to 1, because it jumps over a feature of the equations.
+    pub fn cut<S: System + ?Sized>(&mut self, system: &S, segment: &Segment<'_>) -> Option<f64> {
+        self.monitors.cut(&mut self.arguments, system, &Course::Step(*segment))
+    }
+
+    /// The spring, damper or force whose ends meet within a step, to `part` of the largest distance there was.
+    ///
+    /// # Errors
+    /// [`Cause::EndsMeet`].
+    pub fn meets<S: System + ?Sized>(&mut self, system: &S, segment: &Segment<'_>, part: f64) -> Result<(), Cause> {
+        match self.monitors.meets(&mut self.arguments, system, &Course::Step(*segment), part) {
+            Some((index, theta)) => Err(ends_meet(system, index, segment.t + theta * segment.h)),
+            None => Ok(()),
+        }
+    }
+
+    /// Why a march could not go on from a state: ends that meet within `ahead` seconds explain most of it.
+    pub fn explain<S: System + ?Sized>(&mut self, system: &S, cause: Cause, (t, y): (f64, &[f64]), ahead: f64) -> Cause {
+        let explicable = matches!(
+            cause,
+            Cause::StepTooSmall { .. }
+                | Cause::NonFinite { .. }
+                | Cause::SingularMass { .. }
+                | Cause::DirectionLost { .. }
+        );
+        if !explicable {
+            return cause;
+        }
+        let met = self.monitors.met(&mut self.arguments, system, (t, y), ahead);
+        met.map_or(cause, |index| ends_meet(system, index, t))
     }
 
     /// Looks for the first thing within a step that ends it.
-    pub fn scan<S: System + ?Sized>(&mut self, system: &S, segment: &Segment<'_>) -> Option<Interruption> {
-        self.scanner.scan(&mut self.sampler, system, segment);
+    ///
+    /// # Errors
+    /// A function that oscillates too fast.
+    pub fn scan<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        segment: &Segment<'_>,
+    ) -> Result<Option<Interruption>, Cause> {
+        self.scanner.scan(&mut self.sampler, &mut self.arguments, system, segment)?;
         for switch in 0..self.surface.len() {
             let function = self.sampler.function_of(switch);
+            let value = self.scanner.largest_here(function);
             let rests = modes::side(system, switch) == 0.0;
-            let argument = self.scanner.largest(function).filter(|value| value.abs() > REST);
-            if let Some(value) = argument.filter(|_| rests) {
-                return Some(Interruption::LeavesRest { switch, side: value.signum() });
+            if rests && value.abs() > REST * self.scanner.largest[function] && value != 0.0 {
+                return Ok(Some(Interruption::Leaves { switch, side: value.signum() }));
             }
         }
         let crossings = std::mem::take(&mut self.scanner.crossings);
         let first = crossings.iter().find(|crossing| match self.sampler.switch(crossing.function) {
-            Some(switch) => !(self.time_only[switch] && crossing.theta >= 1.0 - 1e-9),
+            Some(switch) => !self.time_only[switch],
             None => {
                 let event = &system.description().events[crossing.function];
                 let stops = event.actions.contains(&Action::Stop) && counts(event.direction, crossing.rising);
                 stops && {
-                    self.sampler.at(system, segment, crossing.theta);
-                    self.sampler.second(crossing.function) > 0.0
+                    self.sampler.along(system, segment, crossing.theta);
+                    self.sampler.condition(crossing.function) > 0.0
                 }
             }
         });
         let first = first.copied();
         self.scanner.crossings = crossings;
-        first.map(Interruption::At)
+        Ok(first.map(|crossing| match self.sampler.switch(crossing.function) {
+            Some(switch) if crossing.theta == 0.0 => {
+                Interruption::Leaves { switch, side: if crossing.rising { 1.0 } else { -1.0 } }
+            }
+            _ => Interruption::At(crossing),
+        }))
     }
 
-    /// A function's value at a state, and its slope there along the step that ends in it.
-    pub fn value_and_slope<S: System + ?Sized>(
+    /// A function's value at a state, and its rate there along the step that ends in it.
+    pub fn value_and_rate<S: System + ?Sized>(
         &mut self,
         system: &S,
         function: usize,
         segment: &Segment<'_>,
         end: &[f64],
     ) -> (f64, f64) {
-        const BACK: f64 = 1e-3;
-        self.sampler.at(system, segment, 1.0 - BACK);
-        let before = self.sampler.value(function);
+        let (_, slope) = self.sampler.sample(system, segment, function, 1.0);
         self.sampler.at_state(system, segment.t + segment.h, end);
-        let value = self.sampler.value(function);
-        (value, (value - before) / (BACK * segment.h))
+        (self.sampler.value(function), slope / segment.h)
     }
 
     /// Notes what is recorded within a step that nothing ended.
     pub fn pass<S: System + ?Sized>(&mut self, system: &S, segment: &Segment<'_>, recorder: &mut impl Log) {
         self.record(system, segment, recorder, &[]);
-        self.scanner.advance(segment.h);
+        self.remark(system, recorder);
+        self.scanner.advance(segment.t + segment.h);
+        self.step = segment.h;
     }
 
     /// Functions that cross zero together with another one, it included, in file order.
     pub fn simultaneous(&self, crossing: Crossing, segment: &Segment<'_>) -> Vec<Crossing> {
         let resolution = 1e-11_f64.max(8.0 * f64::EPSILON * segment.t.abs() / segment.h);
-        let near = |other: &&Crossing| (other.theta - crossing.theta).abs() <= resolution;
+        let near = |other: &&Crossing| {
+            let timed = self.sampler.switch(other.function).is_some_and(|switch| self.time_only[switch]);
+            (other.theta - crossing.theta).abs() <= resolution && !timed
+        };
         let mut together: Vec<Crossing> = self.scanner.crossings.iter().filter(near).copied().collect();
         together.sort_by_key(|crossing| crossing.function);
+        together.dedup_by_key(|crossing| crossing.function);
         together
     }
 
     /// Notes what is recorded within a step that ends at these crossings, before they fire.
+    ///
+    /// # Errors
+    /// A function that oscillates too fast.
     pub fn record_before<S: System + ?Sized>(
         &mut self,
         system: &S,
         segment: &Segment<'_>,
         recorder: &mut impl Log,
         together: &[Crossing],
-    ) {
-        self.scanner.scan(&mut self.sampler, system, segment);
+    ) -> Result<(), Cause> {
+        self.scanner.restart();
+        self.scanner.scan(&mut self.sampler, &mut self.arguments, system, segment)?;
         self.record(system, segment, recorder, together);
-        self.scanner.advance(segment.h);
+        self.remark(system, recorder);
+        self.scanner.advance(segment.t + segment.h);
+        self.step = self.step.max(segment.h);
+        Ok(())
     }
 
     /// Fires the events that cross zero together at this state, and notes which switches do.  Returns true if
@@ -173,6 +269,7 @@ impl Watch {
         recorder: &mut impl Log,
     ) -> bool {
         self.surface.fill(false);
+        self.scanner.restart();
         let mut stops = false;
         for crossing in together {
             self.scanner.sides[crossing.function] = if crossing.rising { 1.0 } else { -1.0 };
@@ -183,7 +280,7 @@ impl Watch {
             }
             self.sampler.at_state(system, t, y);
             let event = &system.description().events[crossing.function];
-            if counts(event.direction, crossing.rising) && self.sampler.second(crossing.function) > 0.0 {
+            if counts(event.direction, crossing.rising) && self.sampler.condition(crossing.function) > 0.0 {
                 let ends = event.actions.contains(&Action::Stop);
                 recorder.event(system, crossing.function, t, y, ends);
                 stops |= ends;
@@ -192,34 +289,59 @@ impl Watch {
         stops
     }
 
-    /// A switch leaves the surface on which it rested.
-    pub fn leave_rest<S: System + ?Sized>(
+    /// A switch leaves its surface.
+    pub fn leave<S: System + ?Sized>(
         &mut self,
         system: &mut S,
         (switch, side): (usize, f64),
         (t, y): (f64, &[f64]),
+        trial: Trial<'_, S>,
     ) -> Result<(), Cause> {
         self.surface.fill(false);
         self.surface[switch] = true;
-        self.choose(system, (t, y), Some((switch, side)))?;
+        self.choose(system, (t, y), Some((switch, side)), trial)?;
         self.surface.fill(false);
         Ok(())
     }
 
-    /// Switches at a state in which [`Watch::fire`] found switches to cross zero, or at a stop time, or both;
-    /// returns true if it was one of these.
-    pub fn switch<S: System + ?Sized>(&mut self, system: &mut S, t: f64, y: &[f64]) -> Result<bool, Cause> {
-        if let Some(stop) = self.stops.pop_if(|stop| stop.t <= t) {
+    /// Switches at a state in which [`Watch::fire`] found switches to cross zero, or at a stop time, or both, and finds
+    /// what a jump of inputs does to the speeds.  Returns whether it was one of these.
+    pub fn switch<S: System + ?Sized>(
+        &mut self,
+        system: &mut S,
+        (t, y): (f64, &[f64]),
+        trial: Trial<'_, S>,
+    ) -> Result<Switched, Cause> {
+        let (mut timed, mut resume) = (false, t);
+        let mut breaks = Vec::new();
+        while let Some(stop) = self.stops.list.pop_if(|stop| stop.t <= t) {
+            timed = true;
             for switch in stop.switches {
                 self.surface[switch] = true;
             }
+            breaks.extend(stop.breaks);
         }
-        let any = self.surface.contains(&true);
+        let any = timed || self.surface.contains(&true);
+        let mut impulse = None;
         if any {
-            self.choose(system, (t, y), None)?;
+            let inputs = 3 * system.description().inputs.len();
+            let (mut before, mut after) = (vec![0.0; inputs], vec![0.0; inputs]);
+            system.inputs(t, &mut before);
+            for (input, one) in breaks {
+                before[3 * input..3 * input + 3].copy_from_slice(&one.value);
+                resume = resume.max(one.after);
+            }
+            self.choose(system, (resume, y), None, trial)?;
             self.surface.fill(false);
+            system.inputs(resume, &mut after);
+            if timed {
+                impulse = self::impulse(system, (t, y), &before, &after)?;
+            }
         }
-        Ok(any)
+        if self.stops.list.is_empty() && self.stops.horizon <= t {
+            self.stops.extend(system, (&mut self.sampler, &mut self.arguments), y)?;
+        }
+        Ok(Switched { any, resume, impulse })
     }
 
     /// Chooses the modes and sets the switches' sides to match.
@@ -228,10 +350,14 @@ impl Watch {
         system: &mut S,
         (t, y): (f64, &[f64]),
         leaves: Option<(usize, f64)>,
+        trial: Trial<'_, S>,
     ) -> Result<(), Cause> {
-        self.restarts = if t - self.last_restart <= self.instant { self.restarts + 1 } else { 0 };
+        let instant = AT_ONCE * self.step;
+        self.restarts = if t - self.last_restart <= instant { self.restarts + 1 } else { 0 };
         self.last_restart = t;
-        let on = modes::choose(system, &mut self.sampler, (t, y), &self.surface, leaves, self.instant)?;
+        self.scanner.restart();
+        let known = Known { surface: &self.surface, leaves, step: self.step };
+        let on = modes::choose(system, &mut self.sampler, (t, y), &known, trial)?;
         for (switch, on) in on.into_iter().enumerate() {
             let function = self.sampler.function_of(switch);
             self.scanner.sides[function] = modes::side(system, switch);
@@ -257,14 +383,46 @@ impl Watch {
             if taken || !counts(event.direction, crossing.rising) {
                 continue;
             }
-            self.sampler.at(system, segment, crossing.theta);
-            if self.sampler.second(crossing.function) > 0.0 {
+            self.sampler.along(system, segment, crossing.theta);
+            if self.sampler.condition(crossing.function) > 0.0 {
                 let t = segment.t + crossing.theta * segment.h;
                 segment.evaluate(crossing.theta, &mut self.y);
                 recorder.event(system, crossing.function, t, &self.y, false);
             }
         }
     }
+
+    /// Says what events' functions do that is no crossing.
+    fn remark<S: System + ?Sized>(&mut self, system: &S, recorder: &mut impl Log) {
+        for oddity in std::mem::take(&mut self.scanner.oddities) {
+            if self.sampler.switch(oddity.function).is_some() {
+                continue;
+            }
+            let (event, t) = (watched_name(system, &self.sampler, oddity.function), oddity.t);
+            let direction = system.description().events[oddity.function].direction;
+            let what = match oddity.deed {
+                Deed::Touches if direction == Direction::Both => Remarkable::Touch,
+                Deed::Jumps | Deed::Pole => Remarkable::Jump,
+                Deed::Undefined => Remarkable::Edge,
+                Deed::Touches | Deed::Crosses { .. } => continue,
+            };
+            recorder.remark(Remark { event, t, what });
+        }
+    }
+}
+
+fn ends_meet<S: System + ?Sized>(system: &S, index: usize, t: f64) -> Cause {
+    Cause::EndsMeet { load: system.description().arguments[index].load.to_string(), t }
+}
+
+/// What happened at a state where switches were on their surface.
+pub(crate) struct Switched {
+    /// True if any was.
+    pub any: bool,
+    /// When the motion goes on: just after a jump of a closure, s.
+    pub resume: f64,
+    /// A jump of the speeds.
+    pub impulse: Option<Impulse>,
 }
 
 fn counts(direction: Direction, rising: bool) -> bool {

@@ -1,8 +1,5 @@
 //! Choosing the step.
 
-use super::{OneStep, Setback, Tolerance};
-use crate::mechanism::System;
-
 /// Constants of the step-size control h ← h·clamp(0.9·err₀^β/err^α), α = exponent − 3β/4.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Control {
@@ -27,61 +24,53 @@ pub(crate) struct StepControl {
     constants: Control,
     previous_error: f64,
     rejected: bool,
+    /// True until a step was accepted.
+    first: bool,
 }
 
 impl StepControl {
     const SAFETY: f64 = 0.9;
 
-    /// At the start, and after every restart.
+    /// At the start.
     pub fn new(constants: Control) -> Self {
-        StepControl { constants, previous_error: 1e-4, rejected: false }
+        StepControl { constants, previous_error: 1e-4, rejected: false, first: true }
+    }
+
+    /// After a restart.
+    pub fn restart(&mut self) {
+        (self.previous_error, self.rejected) = (1e-4, false);
     }
 
     /// The next step after one of h was accepted with this error (at most 1).
     pub fn accepted(&mut self, h: f64, error: f64) -> f64 {
-        let Control { exponent, beta, shrink, grow, .. } = self.constants;
-        let proportional = error.powf(exponent - 0.75 * beta) / self.previous_error.powf(beta);
-        let factor = (proportional / Self::SAFETY).clamp(1.0 / grow, 1.0 / shrink);
+        let Control { beta, shrink, grow, .. } = self.constants;
+        let mut factor = self.proportional(error) / Self::SAFETY;
+        if beta > 0.0 {
+            factor /= self.previous_error.powf(beta);
+        }
+        let factor = factor.clamp(1.0 / grow, 1.0 / shrink);
         let limit = if self.rejected { 1.0 } else { f64::INFINITY };
         self.previous_error = error.max(1e-4);
-        self.rejected = false;
+        (self.rejected, self.first) = (false, false);
         h * (1.0 / factor).min(limit)
     }
 
     /// The step to try after one of h was rejected with this error (more than 1, or not finite).
     pub fn rejected(&mut self, h: f64, error: f64) -> f64 {
-        let Control { exponent, beta, shrink, .. } = self.constants;
+        // A first step is no more than a guess, and may be wrong by orders of magnitude.
+        let shrink = if self.first { FIRST_SHRINK } else { self.constants.shrink };
         self.rejected = true;
-        if error.is_finite() {
-            h / (error.powf(exponent - 0.75 * beta) / Self::SAFETY).min(1.0 / shrink)
-        } else {
-            h * shrink
+        if error.is_finite() { h / (self.proportional(error) / Self::SAFETY).min(1.0 / shrink) } else { h * shrink }
+    }
+
+    /// error^(exponent − 3β/4); by roots where that is 1/8.
+    fn proportional(&self, error: f64) -> f64 {
+        match self.constants.exponent - 0.75 * self.constants.beta {
+            0.125 => error.sqrt().sqrt().sqrt(),
+            exponent => error.powf(exponent),
         }
     }
 }
 
-/// A first step: one that an explicit Euler step's curvature allows.
-///
-/// Source: Hairer, Nørsett, Wanner I, section II.4, "starting step size".
-pub(crate) fn first_step(
-    stepper: &mut dyn OneStep,
-    system: &dyn System,
-    t: f64,
-    tolerance: &Tolerance,
-    longest: f64,
-) -> Result<f64, Setback> {
-    let (y, rate) = (stepper.start().y.to_vec(), stepper.start().rate.to_vec());
-    let size = tolerance.norm(&y, &y);
-    let speed = tolerance.norm(&rate, &y);
-    let guess = if size < 1e-10 || speed < 1e-10 { 1e-6 } else { 0.01 * size / speed };
-    let guess = guess.min(longest);
-    let moved: Vec<f64> = y.iter().zip(&rate).map(|(y, rate)| y + guess * rate).collect();
-    let mut new_rate = vec![0.0; y.len()];
-    stepper.evaluate(system, t + guess, &moved, &mut new_rate)?;
-    let change: Vec<f64> = new_rate.iter().zip(&rate).map(|(new, old)| new - old).collect();
-    let curvature = (tolerance.norm(&change, &y) / guess).max(speed);
-    let order = f64::from(stepper.order());
-    let step = if curvature <= 1e-15 { (guess * 1e-3).max(1e-6) } else { (0.01 / curvature).powf(1.0 / order) };
-    let step = step.min(100.0 * guess).min(longest);
-    Ok(if step.is_finite() { step } else { guess })
-}
+/// A first step that fails is shortened to this part at most.
+const FIRST_SHRINK: f64 = 0.02;

@@ -21,7 +21,7 @@ pub(crate) use block::Block;
 pub(crate) use choose::{stability, stepper};
 
 pub(crate) use clock::Clock;
-pub(crate) use control::{Control, StepControl, first_step};
+pub(crate) use control::{Control, StepControl};
 pub(crate) use segment::Segment;
 pub(crate) use stiffness::StiffnessDetector;
 pub(crate) use tolerance::Tolerance;
@@ -33,9 +33,6 @@ use crate::mechanism::{Description, Singular, System};
 ///
 /// States are [q; q'], so that a method that solves equations can solve for q'' alone.
 pub(crate) trait OneStep: Send {
-    /// Order of the solution.
-    fn order(&self) -> u32;
-
     /// Constants of the step-size control.
     fn control(&self) -> Control;
 
@@ -60,6 +57,9 @@ pub(crate) trait OneStep: Send {
     /// Tries a step and returns its error in units of the tolerance (0 without one, NaN where the rate at its end is not
     /// finite).  The rate at the end is there if the error is at most 1, or if it was asked for.
     fn attempt(&mut self, system: &dyn System, trial: Trial<'_>) -> Result<f64, Setback>;
+
+    /// The estimated errors of all components of the step that was tried with a tolerance.
+    fn errors(&self) -> &[f64];
 
     /// Takes the step that was tried; adds what rounding took from it to the next one if `compensated`.
     fn accept(&mut self, compensated: bool);

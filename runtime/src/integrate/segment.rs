@@ -32,4 +32,24 @@ impl Segment<'_> {
             }
         }
     }
+
+    /// As [`Segment::evaluate`], with dy/dθ into `slope`.
+    pub fn evaluate_with_slope(&self, theta: f64, out: &mut [f64], slope: &mut [f64]) {
+        let count = self.pieces.len() / self.width;
+        out.fill(0.0);
+        slope.fill(0.0);
+        for index in (0..count).rev() {
+            let (factor, rate) = match index {
+                0 => (1.0, 0.0),
+                odd if odd % 2 == 1 => (theta, 1.0),
+                _ => (1.0 - theta, -1.0),
+            };
+            let pieces = &self.pieces[index * self.width..];
+            for ((out, slope), piece) in out.iter_mut().zip(slope.iter_mut()).zip(pieces) {
+                let inside = *out + piece;
+                *slope = *slope * factor + inside * rate;
+                *out = inside * factor;
+            }
+        }
+    }
 }

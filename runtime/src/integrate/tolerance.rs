@@ -1,33 +1,110 @@
 //! How large an error may be.
 
-/// The tolerance as a norm: error component i counts in units of ε (sᵢ + max(|yᵢ| before, after)).
+use std::f64::consts::TAU;
+
+use crate::mechanism::Description;
+
+/// The tolerance as a norm: an error of component i counts in units of ε wᵢ, where w follows the motion itself.
 ///
-/// sᵢ, the component's scale, is the larger of its start and 1.
+/// Over a step of h,
+///
+/// w(qᵢ) = max(Rᵢ, |h q'ᵢ|, φᵢ/ε),  w(q'ᵢ) = max(R'ᵢ, |h q''ᵢ|, φᵢ/(ε h)).
+///
+/// R is the range that the component has gone through since the start, the step's end included, so that neither a shift
+/// of the origin nor a change of units changes a step; an angle's is at most 2π.  φ = 200 u max|q|, u = 2⁻⁵³, is the
+/// rounding of q: no error below it counts, and no error of q' that moves q by less within the step.  Where a coordinate
+/// takes over the rounding of a larger one beside it, φ is raised when that shows ([`Tolerance::look_for_noise`]).
+///
+/// What has decayed far below its largest value has absolute accuracy only.
 #[derive(Clone, Debug)]
 pub(crate) struct Tolerance {
     /// ε.
     pub relative: f64,
-    scale: Vec<f64>,
+    n: usize,
+    low: Vec<f64>,
+    high: Vec<f64>,
+    /// The largest range that counts: 2π for angles.
+    widest: Vec<f64>,
+    /// φ raised to the rounding of other coordinates; 0 where it was not.
+    raised: Vec<f64>,
+    /// The first coordinate of the same unit.
+    group: Vec<usize>,
 }
 
+/// 200 unit round-offs.
+const ROUNDING: f64 = 100.0 * f64::EPSILON;
+
 impl Tolerance {
-    /// Scales from the state at the start.
-    pub fn new(relative: f64, start: &[f64]) -> Self {
-        Tolerance { relative, scale: start.iter().map(|y| y.abs().max(1.0)).collect() }
-    }
-
-    /// The error of component i that counts as 1, over a step from `start` to `end`.
-    #[inline(always)]
-    pub fn unit(&self, i: usize, start: f64, end: f64) -> f64 {
-        self.relative * (self.scale[i] + start.abs().max(end.abs()))
-    }
-
-    /// The norm of `x` at the state `y`, without the factor ε⁻¹ under the mean.
-    pub fn norm(&self, x: &[f64], y: &[f64]) -> f64 {
-        let mut sum = 0.0;
-        for (i, scale) in self.scale.iter().enumerate() {
-            sum += (x[i] / (self.relative * (scale + y[i].abs()))).powi(2);
+    /// For a motion from this state.
+    pub fn new(relative: f64, mechanism: &Description, start: &[f64]) -> Self {
+        let units: Vec<&str> = mechanism.coordinates.iter().map(|coordinate| coordinate.unit.as_ref()).collect();
+        let widest = |unit: &&str| if is_angle(unit) { TAU } else { f64::INFINITY };
+        let first = |unit: &&str| units.iter().position(|known| known == unit).unwrap_or(0);
+        Tolerance {
+            relative,
+            n: units.len(),
+            low: start.to_vec(),
+            high: start.to_vec(),
+            widest: units.iter().map(widest).collect(),
+            raised: vec![0.0; units.len()],
+            group: units.iter().map(first).collect(),
         }
-        if self.scale.is_empty() { 0.0 } else { (sum / self.scale.len() as f64).sqrt() }
     }
+
+    /// The errors of qᵢ and q'ᵢ that count as 1, over a step of h to `end` that begins with `rate`.
+    #[inline(always)]
+    pub fn units(&self, i: usize, h: f64, end: &[f64], rate: &[f64]) -> [f64; 2] {
+        let n = end.len() / 2;
+        let (low, high) = (self.low[i].min(end[i]), self.high[i].max(end[i]));
+        let rounding = (ROUNDING * high.abs().max(low.abs())).max(self.raised[i]);
+        let range = (high - low).min(self.widest[i]);
+        let speeds = self.high[n + i].max(end[n + i]) - self.low[n + i].min(end[n + i]);
+        let place = (self.relative * range.max((h * rate[i]).abs())).max(rounding);
+        let speed = (self.relative * speeds.max((h * rate[n + i]).abs())).max(rounding / h.abs());
+        // Where all of it is zero an error of zero must count as none.
+        [place.max(f64::MIN_POSITIVE), speed.max(f64::MIN_POSITIVE)]
+    }
+
+    /// Takes note of a state on the motion.
+    pub fn observe(&mut self, y: &[f64]) {
+        for ((low, high), y) in self.low.iter_mut().zip(&mut self.high).zip(y) {
+            (*low, *high) = (low.min(*y), high.max(*y));
+        }
+    }
+
+    /// Looks whether the errors of coordinate i, too large still after they fell from `before` to `after` when the step was
+    /// cut from h₁ to h₂, are the rounding of larger coordinates of the same unit; its own is then raised to theirs for good.
+    pub fn look_for_noise(
+        &mut self,
+        i: usize,
+        (before, after): ([f64; 2], [f64; 2]),
+        (h1, h2): (f64, f64),
+        (end, rate): (&[f64], &[f64]),
+    ) {
+        let floor = ROUNDING * self.largest_alike(i);
+        let units = self.units(i, h2, end, rate);
+        let falls = (h2 / h1).powf(2.5);
+        let stays = |k: usize, floor: f64| after[k] > units[k] && after[k] > falls * before[k] && after[k] <= floor;
+        if self.raised[i] < floor && (stays(0, floor) || stays(1, floor / h2)) {
+            self.raised[i] = floor;
+        }
+    }
+
+    /// Coordinates whose accuracy is limited by the rounding of others instead of the tolerance, and to what, in SI.
+    pub fn limited(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let raised = self.raised.iter().copied().enumerate();
+        raised.filter(|(i, rounding)| *rounding > self.relative * (self.high[*i] - self.low[*i]))
+    }
+
+    /// The largest size of a coordinate with the same unit as this one; of angles at least one radian.
+    fn largest_alike(&self, i: usize) -> f64 {
+        let alike = (0..self.n).filter(|j| self.group[*j] == self.group[i]);
+        let least = if self.widest[i].is_finite() { 1.0 } else { 0.0 };
+        alike.map(|j| self.high[j].abs().max(self.low[j].abs())).fold(least, f64::max)
+    }
+}
+
+/// True for the units of angles.
+fn is_angle(unit: &str) -> bool {
+    matches!(unit, "rad" | "mrad" | "deg" | "°")
 }

@@ -2,12 +2,13 @@
 
 use super::{Halt, March, Step, finite};
 use crate::cause::Cause;
-use crate::events::{Interruption, Watch};
+use crate::events::{Interruption, Switched, Watch};
 use crate::mechanism::System;
 use crate::run::Recorder;
 
 impl March {
-    /// Writes down and takes a step, as far as the first event that stops or the first discontinuity.
+    /// Writes down and takes a step whose dense output is made, as far as the first event that stops or the first
+    /// discontinuity.
     pub(super) fn watched(
         &mut self,
         system: &mut dyn System,
@@ -15,21 +16,23 @@ impl March {
         watch: &mut Watch,
         recorder: &mut Recorder,
     ) -> Result<Halt, Cause> {
-        self.dense(system, step)?;
         let segment = self.segment(step);
-        let Some(interruption) = watch.scan(system, &segment) else {
+        let Some(interruption) = watch.scan(system, &segment)? else {
             recorder.accept(system, Some(&segment), step.next, self.stepper.end())?;
             watch.pass(system, &segment, recorder);
             self.commit(step);
-            if step.lands && watch.switch(system, step.next, self.stepper.start().y)? {
-                self.restart(system, recorder)?;
+            if step.lands {
+                recorder.leave(system, step.next, self.stepper.start());
+                self.switch(system, watch, recorder)?;
             }
             return Ok(Halt::Arrived);
         };
         let crossing = match interruption {
             Interruption::At(crossing) => crossing,
-            Interruption::LeavesRest { switch, side } => {
-                watch.leave_rest(system, (switch, side), (self.clock.now(), self.stepper.start().y))?;
+            Interruption::Leaves { switch, side } => {
+                recorder.leave(system, self.clock.now(), self.stepper.start());
+                let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
+                watch.leave(system, (switch, side), (now, &y), &mut |system| self.trial(system))?;
                 self.restart(system, recorder)?;
                 return Ok(Halt::Arrived);
             }
@@ -39,7 +42,7 @@ impl March {
             Some(shorter) => {
                 let (segment, end) = (self.segment(shorter), self.stepper.end());
                 recorder.accept(system, Some(&segment), shorter.next, end)?;
-                watch.record_before(system, &segment, recorder, &together);
+                watch.record_before(system, &segment, recorder, &together)?;
                 let stops = watch.fire(system, &together, (shorter.next, end.y), recorder);
                 self.commit(shorter);
                 stops
@@ -49,10 +52,35 @@ impl March {
         if stops {
             return Ok(Halt::Event);
         }
+        recorder.leave(system, self.clock.now(), self.stepper.start());
         // A stop time may coincide with the crossing.
-        watch.switch(system, self.clock.now(), self.stepper.start().y)?;
-        self.restart(system, recorder)?;
+        if !self.switch(system, watch, recorder)? {
+            self.restart(system, recorder)?;
+        }
         Ok(Halt::Arrived)
+    }
+
+    /// Switches what is on its surface at the present state, and lets inputs that turn or jump there kick; returns
+    /// whether anything was.
+    fn switch(&mut self, system: &mut dyn System, watch: &mut Watch, recorder: &mut Recorder) -> Result<bool, Cause> {
+        let (now, n) = (self.clock.now(), system.len());
+        let y = self.stepper.start().y.to_vec();
+        let switched = watch.switch(system, (now, &y), &mut |system| self.trial(system))?;
+        let Switched { any, resume, impulse } = switched;
+        if !any {
+            return Ok(false);
+        }
+        if resume > now {
+            self.clock.set(resume);
+        }
+        if let Some(impulse) = impulse {
+            for (v, jump) in self.stepper.state_mut()[n..].iter_mut().zip(&impulse.jump) {
+                *v += jump;
+            }
+            recorder.impulse(impulse);
+        }
+        self.restart(system, recorder)?;
+        Ok(true)
     }
 
     /// Steps again, as far as the zero of a watched function at about θ of the step that was tried; `None` if
@@ -82,8 +110,8 @@ impl March {
             self.dense(system, trial)?;
             shorter = Some(trial);
             let (segment, end) = (self.segment(trial), self.stepper.end());
-            let (value, slope) = watch.value_and_slope(system, function, &segment, end.y);
-            let correction = -value / slope;
+            let (value, rate) = watch.value_and_rate(system, function, &segment, end.y);
+            let correction = -value / rate;
             if !(correction.abs() > resolution && correction.abs() < 0.1 * h) {
                 break;
             }

@@ -2,17 +2,21 @@
 //!
 //! A step is tried until its error is small enough; its dense output is made where anything reads it; what is watched
 //! may end it early: look in `interrupt.rs`; it is written down and taken.  Jumps of the acceleration that
-//! nobody declared: look in `jump.rs`.
+//! nobody declared: look in `jump.rs`; what is asked of a step between its ends: in `between.rs`.
 
+mod between;
 mod interrupt;
 mod jump;
 
+use std::ops::ControlFlow;
+
+use between::Defect;
 use jump::{JumpDetector, Upset};
 
 use crate::cause::Cause;
 use crate::events::Watch;
 use crate::integrate::{
-    Clock, OneStep, Reached, Segment, Setback, StepControl, StiffnessDetector, Tolerance, Trial, first_step, stepper,
+    Clock, OneStep, Reached, Segment, Setback, StepControl, StiffnessDetector, Tolerance, Trial, stepper,
 };
 use crate::mechanism::{Method, System};
 use crate::run::{Recorder, Work};
@@ -64,8 +68,14 @@ pub(crate) struct March {
     max_steps: u64,
     compensated: bool,
     watch: Option<Watch>,
+    defect: Defect,
+    /// Until when the motion goes on at most, s.
+    until: f64,
     stiffness: StiffnessDetector,
     jumps: JumpDetector,
+    /// Errors and length of the last attempt at the present step, if it was rejected.
+    rejected: Vec<f64>,
+    rejected_step: f64,
 }
 
 impl March {
@@ -86,6 +96,10 @@ impl March {
             max_steps: u64::MAX,
             compensated: true,
             watch: None,
+            rejected: Vec::with_capacity(y.len()),
+            rejected_step: 0.0,
+            defect: Defect::new(y.len()),
+            until: t,
         }
     }
 
@@ -128,6 +142,7 @@ impl March {
             evaluations: counters.evaluations,
             jacobians: counters.jacobians,
             factorizations: counters.factorizations,
+            samples: self.work.samples + self.watch.as_ref().map_or(0, Watch::samples),
             ..self.work
         }
     }
@@ -136,10 +151,19 @@ impl March {
     pub fn begin(&mut self, system: &mut dyn System, until: f64) -> Result<(), Cause> {
         let now = self.clock.now();
         finite(system, self.stepper.start().y, 0)?;
+        (self.h, self.control) = (0.0, StepControl::new(self.stepper.control()));
         self.jumps = JumpDetector::new(until - now);
-        self.watch = Watch::new(system, (now, until), self.stepper.start().y);
-        if let Some(watch) = &mut self.watch {
-            watch.begin(system, now, self.stepper.start().y)?;
+        if let Pace::Adaptive { tolerance, .. } = &mut self.pace {
+            tolerance.observe(self.stepper.start().y);
+        }
+        self.until = until;
+        self.work.samples += self.watch.as_ref().map_or(0, Watch::samples);
+        self.watch = None;
+        let y = self.stepper.start().y.to_vec();
+        if let Some(mut watch) = Watch::new(system, (now, until), &y)? {
+            let outcome = watch.begin(system, (now, &y), &mut |system| self.trial(system));
+            self.watch = Some(watch);
+            outcome?;
         }
         self.begin_anew(system)
     }
@@ -150,34 +174,43 @@ impl March {
         system: &mut dyn System,
         until: f64,
         recorder: &mut Recorder,
-        progress: &mut dyn FnMut(f64),
+        progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
     ) -> Result<Halt, Cause> {
         while self.clock.now() < until {
             let stop = self.watch.as_ref().map_or(until, |watch| watch.next_stop(until));
-            let step = self.attempt(system, stop)?;
+            let mut watch = self.watch.take();
+            let tried = self.sound(system, stop, &mut watch, recorder);
+            let tried = tried.map_err(|cause| self.explained(system, cause, &mut watch));
+            self.watch = watch;
+            let (step, dense) = tried?;
             self.look_for_stiffness(step, recorder);
             let halt = match self.watch.take() {
-                None => self.keep(system, step, recorder).map(|()| Halt::Arrived),
+                None => self.keep(system, step, dense, recorder).map(|()| Halt::Arrived),
                 Some(mut watch) => {
                     let outcome = self.watched(system, step, &mut watch, recorder);
                     self.watch = Some(watch);
                     outcome
                 }
             };
-            progress(self.clock.now());
+            let goes_on = progress(self.clock.now());
             if halt? == Halt::Event {
                 return Ok(Halt::Event);
+            }
+            if goes_on.is_break() {
+                return Err(Cause::Interrupted);
             }
         }
         Ok(Halt::Arrived)
     }
 
     /// Writes down and takes a step that nothing can interrupt.
-    fn keep(&mut self, system: &dyn System, step: Step, recorder: &mut Recorder) -> Result<(), Cause> {
-        let dense = recorder.wants_dense(step.next);
-        if dense {
-            self.dense(system, step)?;
-        }
+    fn keep(
+        &mut self,
+        system: &dyn System,
+        step: Step,
+        dense: bool,
+        recorder: &mut Recorder,
+    ) -> Result<(), Cause> {
         let segment = dense.then(|| self.segment(step));
         recorder.accept(system, segment.as_ref(), step.next, self.stepper.end())?;
         self.commit(step);
@@ -185,6 +218,8 @@ impl March {
     }
 
     /// Begins anew after the equations changed on the way.
+    ///
+    /// At a time that was known beforehand the length of the last step says what it said before: it is kept.
     fn restart(&mut self, system: &dyn System, recorder: &mut Recorder) -> Result<(), Cause> {
         self.begin_anew(system)?;
         recorder.restart(system, self.clock.now(), self.stepper.start());
@@ -192,8 +227,8 @@ impl March {
     }
 
     fn begin_anew(&mut self, system: &dyn System) -> Result<(), Cause> {
-        self.h = 0.0;
-        self.control = StepControl::new(self.stepper.control());
+        // The length of the step stays: what happened says little about the next one, and the error test judges it.
+        self.control.restart();
         self.jumps.restart();
         self.stepper.begin(system, self.clock.now()).map_err(|setback| setback.cause(system.description()))?;
         finite(system, self.stepper.start().rate, 1)
@@ -210,16 +245,35 @@ impl March {
     }
 
     /// Tries steps until one is good.
-    fn attempt(&mut self, system: &dyn System, stop: f64) -> Result<Step, Cause> {
+    ///
+    /// None is longer than `most` seconds; one that would be is taken of just that length.
+    fn attempt(
+        &mut self,
+        system: &dyn System,
+        stop: f64,
+        most: f64,
+        watch: &mut Option<Watch>,
+    ) -> Result<Step, Cause> {
         if self.work.steps >= self.max_steps {
             return Err(Cause::TooManySteps { limit: self.max_steps });
         }
         let now = self.clock.now();
         if self.h == 0.0 {
-            self.h = self.first(system, stop - now).map_err(|setback| setback.cause(system.description()))?;
+            self.h = self.first(stop - now);
         }
+        self.rejected.clear();
         loop {
-            let step = self.plan(stop);
+            let mut step = self.plan(stop);
+            if let Pace::Adaptive { .. } = self.pace {
+                let met = watch.as_mut().map_or(step.h, |watch| watch.ahead(system, now, step.h));
+                if met < step.h {
+                    self.jumps.restart();
+                }
+                let h = met.min(most);
+                if h < step.h {
+                    step = Step { h, next: self.clock.after(h), lands: false };
+                }
+            }
             let Step { h, next, lands } = step;
             if next <= now {
                 return Err(match self.pace {
@@ -244,6 +298,9 @@ impl March {
                         return Ok(step);
                     }
                     self.work.rejected += 1;
+                    if error.is_finite() {
+                        self.look_for_noise(step);
+                    }
                     self.h = self.control.rejected(h, error);
                     if self.h < 16.0 * f64::EPSILON * now.abs() || self.h < f64::MIN_POSITIVE / f64::EPSILON {
                         outcome.map_err(|setback| setback.cause(system.description()))?;
@@ -300,6 +357,9 @@ impl March {
     /// Takes the step that was tried.
     fn commit(&mut self, step: Step) {
         self.stepper.accept(self.compensated);
+        if let Pace::Adaptive { tolerance, .. } = &mut self.pace {
+            tolerance.observe(self.stepper.start().y);
+        }
         match self.pace {
             Pace::Fixed(h) if step.h == h => self.clock.equal_step(h),
             Pace::Adaptive { .. } if !step.lands => self.clock.step(step.h),
@@ -339,16 +399,41 @@ impl March {
         }
     }
 
-    /// The first step.
-    fn first(&mut self, system: &dyn System, left: f64) -> Result<f64, Setback> {
-        match &self.pace {
-            Pace::Fixed(h) => Ok(*h),
-            Pace::Adaptive { tolerance, longest } => {
-                first_step(&mut *self.stepper, system, self.clock.now(), tolerance, longest.min(left))
+    /// Looks whether what was rejected twice running is the rounding of other coordinates.
+    fn look_for_noise(&mut self, step: Step) {
+        let Pace::Adaptive { tolerance, .. } = &mut self.pace else { return };
+        let (errors, end, rate) = (self.stepper.errors(), self.stepper.end().y, self.stepper.start().rate);
+        if !self.rejected.is_empty() {
+            let n = errors.len() / 2;
+            for i in 0..n {
+                let of = |errors: &[f64]| [errors[i].abs(), errors[n + i].abs()];
+                let lengths = (self.rejected_step, step.h);
+                tolerance.look_for_noise(i, (of(&self.rejected), of(errors)), lengths, (end, rate));
             }
+        }
+        self.rejected.clear();
+        self.rejected.extend_from_slice(errors);
+        self.rejected_step = step.h;
+    }
+
+    /// What is to be said of the motion as a whole.
+    pub fn warnings(&self, system: &dyn System) -> Vec<Warning> {
+        let Pace::Adaptive { tolerance, .. } = &self.pace else { return Vec::new() };
+        let limited = |(i, to)| Warning::RoundingLimits { coordinate: system.description().coordinate_name(i), to };
+        tolerance.limited().map(limited).collect()
+    }
+
+    /// The first step: a thousandth of the way at most, which the error test shortens.
+    fn first(&self, left: f64) -> f64 {
+        match &self.pace {
+            Pace::Fixed(h) => *h,
+            Pace::Adaptive { longest, .. } => longest.min(FIRST * left),
         }
     }
 }
+
+/// The first step is tried at this part of the way.
+const FIRST: f64 = 1e-3;
 
 /// An error that names the first number that is not finite.
 fn finite(system: &dyn System, y: &[f64], primes: usize) -> Result<(), Cause> {

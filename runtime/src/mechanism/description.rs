@@ -46,8 +46,13 @@ pub struct Description {
     pub invariants: List<Quantity>,
     /// Events, in the order of `System::events`.
     pub events: List<Event>,
-    /// Discontinuities of the equations of motion, in the order of `System::switches`.
+    /// Discontinuities of the equations of motion and of inputs, in the order of `System::switches`.
     pub switches: List<Switch>,
+    /// Arguments of local functions inside events, switches and the equations of motion, in the order of
+    /// `System::arguments`.
+    pub arguments: List<Argument>,
+    /// What a jump of each input does to the motion.
+    pub input_jumps: List<InputJump>,
     /// Names of the scenes; the first is the default, called `scene` in the file.
     pub scenes: List<Text>,
     /// What to draw; points of all shapes come from `System::drawing`.
@@ -102,6 +107,8 @@ pub struct Event {
     pub conditional: bool,
     /// What happens, in order.
     pub actions: List<Action>,
+    /// True where `System::event_rates` knows the rate of its function, which contains no acceleration then.
+    pub rated: bool,
 }
 
 /// Which crossings of zero count.
@@ -132,8 +139,67 @@ pub struct Switch {
     pub text: Text,
     /// Which values its mode takes.
     pub kind: SwitchKind,
-    /// True when its argument depends on time alone: its zeros are stop times.
+    /// True when its argument depends on time and inputs alone: its zeros are stop times.
     pub time_only: bool,
+    /// True when it belongs to inputs: it stands in the function of one, or its argument contains one.
+    pub of_input: bool,
+}
+
+/// An argument A of a function inside something that a run watches.  The function is local, or turns, only through its
+/// argument, which is tame, so that nothing goes unseen if A is followed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Argument {
+    /// Inside what.
+    pub of: Watched,
+    /// How it makes that local.
+    pub role: Role,
+    /// True when it depends on time alone.
+    pub time_only: bool,
+    /// The spring, damper or force whose direction it tells; else empty.
+    pub load: Text,
+}
+
+/// What a run watches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Watched {
+    /// An event's function, by its index.
+    Event(u32),
+    /// A switch's argument, by its index.
+    Switch(u32),
+    /// The equations of motion, inputs included.
+    Motion,
+    /// Another argument, by its index.
+    Argument(u32),
+}
+
+/// How an argument A makes a function local.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Role {
+    /// sin A, cos A, tan A.
+    Phase,
+    /// Something happens where A vanishes or turns: `abs A`, `exp A`, … inside of what is watched.
+    Landmark,
+    /// exp A.
+    Exponential,
+    /// tanh A, sinh A, cosh A.
+    Bounded,
+    /// atan A.
+    Arctangent,
+    /// A squared distance: a force acts along the line, which has no direction where A vanishes.
+    Distance,
+    /// A to this power, negative or no integer; ln A counts as the first.
+    Power(f64),
+}
+
+/// What a jump of an input's value does to the motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InputJump {
+    /// Forces jump, the motion goes on.
+    Force,
+    /// The speeds jump: a damper is driven by it.
+    Speed,
+    /// It would need an infinite force, or what it does depends on how it jumps.
+    Refused,
 }
 
 /// Which values the mode of a [`Switch`] takes.

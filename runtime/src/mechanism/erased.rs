@@ -153,6 +153,20 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
         M::events(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &array_or_zero(at.a), pairs);
     }
 
+    fn event_rates(&self, at: At<'_>, rates: &mut [f64]) {
+        let u = self.input_block(at.t);
+        M::event_rates(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &array_or_zero(at.a), rates);
+    }
+
+    fn arguments(&self, at: At<'_>, pairs: &mut [f64]) {
+        let u = self.input_block(at.t);
+        M::arguments(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &array_or_zero(at.a), pairs);
+    }
+
+    fn signal(&self, index: usize) -> Option<&Signal> {
+        self.signals.get(index)?.as_ref()
+    }
+
     fn switches(&self, at: At<'_>, pairs: &mut [f64]) {
         let u = self.input_block(at.t);
         M::switches(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &array_or_zero(at.a), pairs);

@@ -105,6 +105,18 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
     fn outputs<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], values: &mut [S]);
     /// Pairs (value, condition) of the events.
     fn events<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], pairs: &mut [S]);
+    /// Total time derivatives of the events' functions, where they are known.
+    fn event_rates<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &[S; N],
+        rates: &mut [S],
+    );
+    /// Pairs (argument, its rate) of local functions.
+    fn arguments<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], pairs: &mut [S]);
     /// Pairs (argument, its rate) of the switches.
     fn switches<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], pairs: &mut [S]);
     /// Points and radii to draw.

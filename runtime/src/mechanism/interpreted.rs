@@ -2,14 +2,14 @@
 
 use dalembert_symbolic::derive::SwitchKind as SymbolicSwitchKind;
 use dalembert_symbolic::interpret::{self, Function, Interpreter};
-use dalembert_symbolic::lower::{Entry, MomentumSystem, Program};
+use dalembert_symbolic::lower::{self, Entry, MomentumSystem, Program};
 use dalembert_symbolic::model::{EventAction, Shape as SymbolicShape};
-use dalembert_symbolic::{model, print};
+use dalembert_symbolic::print;
 
 use super::balances::put_reactions;
 use super::{
-    Action, At, Balance, BalanceSystem, Balances, Coordinate, Counts, Description, Direction, Energy, Event, List,
-    Parameter, Quantity, Scene, Shape, Signal, Singular, SingularMass, Structure, Switch, SwitchKind, System, Text,
+    Action, Argument, At, Balance, BalanceSystem, Balances, Coordinate, Counts, Description, Direction, Energy, Event, InputJump, List,
+    Parameter, Quantity, Scene, Shape, Role, Signal, Singular, SingularMass, Structure, Switch, SwitchKind, System, Text, Watched,
 };
 
 /// An interpreted mechanism.
@@ -122,6 +122,18 @@ impl System for Interpreted {
 
     fn events(&self, at: At<'_>, pairs: &mut [f64]) {
         self.evaluate(Function::Events, at, pairs);
+    }
+
+    fn event_rates(&self, at: At<'_>, rates: &mut [f64]) {
+        self.evaluate(Function::EventRates, at, rates);
+    }
+
+    fn arguments(&self, at: At<'_>, pairs: &mut [f64]) {
+        self.evaluate(Function::Arguments, at, pairs);
+    }
+
+    fn signal(&self, index: usize) -> Option<&Signal> {
+        self.signals.get(index)?.as_ref()
     }
 
     fn switches(&self, at: At<'_>, pairs: &mut [f64]) {
@@ -247,7 +259,8 @@ fn describe(program: &Program, source: &str) -> Description {
         events: model
             .events
             .iter()
-            .map(|e| Event {
+            .zip(&program.event_rates)
+            .map(|(e, rate)| Event {
                 name: text(&e.name),
                 direction: match e.direction {
                     1 => Direction::Rising,
@@ -263,17 +276,21 @@ fn describe(program: &Program, source: &str) -> Description {
                         EventAction::Record => Action::Record,
                     })
                     .collect(),
+                rated: rate.is_some(),
             })
             .collect(),
         switches: program
             .switches
             .iter()
             .map(|s| Switch {
-                text: Text::Owned(model::text(model, s.argument)),
+                text: Text::Owned(print::switch_text(program, s)),
                 kind: if s.kind == SymbolicSwitchKind::Sign { SwitchKind::Sign } else { SwitchKind::Step },
                 time_only: s.time_only,
+                of_input: s.of_input,
             })
             .collect(),
+        arguments: program.arguments.iter().map(argument).collect(),
+        input_jumps: program.jumps.iter().map(input_jump).collect(),
         scenes: model.scenes.iter().map(|s| text(&s.name)).collect(),
         draw: model
             .draw
@@ -306,6 +323,36 @@ fn describe(program: &Program, source: &str) -> Description {
             residual: c.residual as u32,
             jacobians: c.jacobians as u32,
         },
+    }
+}
+
+fn argument(argument: &lower::Argument) -> Argument {
+    Argument {
+        of: match argument.of {
+            lower::Watched::Event(k) => Watched::Event(k as u32),
+            lower::Watched::Switch(k) => Watched::Switch(k as u32),
+            lower::Watched::Motion => Watched::Motion,
+            lower::Watched::Argument(k) => Watched::Argument(k as u32),
+        },
+        role: match argument.role {
+            lower::Role::Phase => Role::Phase,
+            lower::Role::Landmark => Role::Landmark,
+            lower::Role::Exponential => Role::Exponential,
+            lower::Role::Bounded => Role::Bounded,
+            lower::Role::Arctangent => Role::Arctangent,
+            lower::Role::Distance => Role::Distance,
+            lower::Role::Power(p) => Role::Power(p),
+        },
+        time_only: argument.time_only,
+        load: Text::Owned(argument.load.clone()),
+    }
+}
+
+fn input_jump(jump: &lower::InputJump) -> InputJump {
+    match jump {
+        lower::InputJump::Force => InputJump::Force,
+        lower::InputJump::Speed => InputJump::Speed,
+        lower::InputJump::Refused => InputJump::Refused,
     }
 }
 

@@ -16,8 +16,8 @@ mod system;
 pub use at::At;
 pub use balances::Balances;
 pub use description::{
-    Action, Balance, BalanceSystem, Coordinate, Counts, Description, Direction, Event, List, Parameter, Quantity,
-    Shape, Structure, Switch, SwitchKind, Text,
+    Action, Argument, Balance, BalanceSystem, Coordinate, Counts, Description, Direction, Event, InputJump, List,
+    Parameter, Quantity, Role, Shape, Structure, Switch, SwitchKind, Text, Watched,
 };
 pub use erased::Erased;
 pub use generated::{Mechanism, Values};
@@ -28,6 +28,7 @@ pub use real::Real;
 pub use singular::{Singular, SingularMass};
 #[doc(hidden)]
 pub use solve::solve_packed;
+pub(crate) use solve::solve_packed_slice;
 pub use system::{Signal, System};
 
 /// Energies of a state.
@@ -58,7 +59,7 @@ pub struct Scene {
     pub v: Vec<f64>,
     /// Where the run ends, s.
     pub until: f64,
-    /// Relative tolerance; absolute in units of each coordinate's scale.
+    /// Tolerance, relative to the range that each coordinate goes through.
     pub tolerance: f64,
     /// Spacing of reported states, s; `None`: 500 points.
     pub every: Option<f64>,

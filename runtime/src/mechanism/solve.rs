@@ -7,8 +7,18 @@ use super::{Real, SingularMass};
 /// # Errors
 /// [`SingularMass`] where a pivot vanishes beside M's diagonal, or is not finite.
 pub fn solve_packed<S: Real, const N: usize>(m: &mut [S], f: &mut [S; N]) -> Result<(), SingularMass> {
+    solve_packed_slice(m, f)
+}
+
+/// As [`solve_packed`], of a size that is not known when compiling.
+///
+/// # Errors
+/// [`SingularMass`] where a pivot vanishes beside M's diagonal, or is not finite.
+#[inline]
+pub(crate) fn solve_packed_slice<S: Real>(m: &mut [S], f: &mut [S]) -> Result<(), SingularMass> {
+    let size = f.len();
     let row = |i: usize| i * (i + 1) / 2;
-    for i in 0..N {
+    for i in 0..size {
         let diagonal = m[row(i) + i];
         // L_ij d_j for j < i, then L_ij, then the pivot d_i.
         for j in 0..i {
@@ -31,16 +41,16 @@ pub fn solve_packed<S: Real, const N: usize>(m: &mut [S], f: &mut [S; N]) -> Res
         // The diagonal holds reciprocals of pivots.
         m[row(i) + i] = S::ratio(1.0, 1.0) / pivot;
     }
-    for i in 0..N {
+    for i in 0..size {
         let mut sum = -f[i];
         for j in 0..i {
             sum = sum - m[row(i) + j] * f[j];
         }
         f[i] = sum;
     }
-    for i in (0..N).rev() {
+    for i in (0..size).rev() {
         let mut sum = f[i] * m[row(i) + i];
-        for j in i + 1..N {
+        for j in i + 1..size {
             sum = sum - m[row(j) + i] * f[j];
         }
         f[i] = sum;

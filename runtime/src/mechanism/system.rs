@@ -88,6 +88,22 @@ pub trait System: Send + Sync {
         let _ = (at, pairs);
     }
 
+    /// Total time derivative of each event's function, where `description().events` says that it is rated.
+    fn event_rates(&self, at: At<'_>, rates: &mut [f64]) {
+        let _ = (at, rates);
+    }
+
+    /// Pairs (value, total time derivative) of `description().arguments`.
+    fn arguments(&self, at: At<'_>, pairs: &mut [f64]) {
+        let _ = (at, pairs);
+    }
+
+    /// The function that replaces an input's own; `None`: the file's is in force.
+    fn signal(&self, index: usize) -> Option<&Signal> {
+        let _ = index;
+        None
+    }
+
     /// Pairs (value, total time derivative) of the argument of each switch.
     fn switches(&self, at: At<'_>, pairs: &mut [f64]) {
         let _ = (at, pairs);

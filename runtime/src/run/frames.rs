@@ -62,8 +62,9 @@ impl Scenery {
         let count = (MOST_NUMBERS / size.max(1) as f64).clamp(100.0, MOST_FRAMES);
         let spacing = (self.until - start) / count;
         let last = self.drawn.last().map_or(f64::NEG_INFINITY, |frame| frame.0);
-        let regular = (0..=count as u32).map(|k| start + spacing * f64::from(k));
-        let inside = regular.take_while(|t| *t < end).filter(|t| *t > last);
+        let most = if spacing > 0.0 { usize::MAX } else { 0 };
+        let regular = (0_u32..).map(|k| start + spacing * f64::from(k)).take(most);
+        let inside = regular.take_while(|t| *t < end - 1e-6 * spacing).filter(|t| *t > last);
         let mut y = vec![0.0; 2 * n];
         let mut modes = self.modes.iter().peekable();
         let mut frames = Vec::new();

@@ -18,6 +18,7 @@ pub use state::State;
 pub(crate) use trajectory::Trajectory;
 pub use trust::Trust;
 
+pub use crate::events::Impulse;
 use crate::mechanism::{Description, Method};
 use crate::trust::{Conditioning, Drift, Warning};
 
@@ -35,6 +36,8 @@ pub struct Run {
     pub balances: Option<Conditioning>,
     /// Events that were recorded or that ended the run, in order.
     pub events: Vec<Occurrence>,
+    /// Jumps of the speeds where inputs turn sharply or jump, in order.
+    pub impulses: Vec<Impulse>,
     /// Work done.
     pub work: Work,
     /// Drift of each conserved quantity that the model file names.
@@ -83,6 +86,10 @@ pub struct Work {
     pub jacobians: u64,
     /// Factorizations of iteration matrices.
     pub factorizations: u64,
+    /// Steps that passed the error test and were tried again, shorter, because something was seen between their ends.
+    pub retries: u64,
+    /// Samples of events, discontinuities and arguments of local functions along steps; none evaluates accelerations.
+    pub samples: u64,
 }
 
 impl Run {

@@ -5,11 +5,11 @@ use crate::integrate::Segment;
 
 /// More numbers of dense output than this (400 MB) are not kept.
 const MOST_NUMBERS: usize = 50_000_000;
-/// A method's own dense output is kept of so many steps after a start: later ones have four ends to go through.
-const OWN: usize = 2;
+/// Ends of steps closer than this part of the step looked at tell rounding rather than the motion.
+const APART: f64 = 0.4;
 
 /// The motion at any time: (q, q', q'') at the ends of steps, which cost no evaluation, with a polynomial through the
-/// four nearest; at a start, and where it is free, the method's own dense output.
+/// four nearest; at a start, where steps grow, and where it is free, the method's own dense output.
 ///
 /// At a tolerance of 10⁻¹⁰ the polynomial is ten times closer to the motion in q than the dense output of `dop853`, and
 /// up to three times farther in q'; at 10⁻⁶ three to six times farther in q'.
@@ -45,9 +45,22 @@ impl Trajectory {
         self.knots.len() + self.pieces.len() > MOST_NUMBERS
     }
 
-    /// True when the next step must come with the method's own dense output.
-    pub fn wants_own(&self) -> bool {
-        self.times.len() - self.starts.last().unwrap_or(&0) <= OWN
+    /// True when a step that ends at t must come with the method's own dense output: too few ends lie before it.
+    pub fn wants_own(&self, t: f64) -> bool {
+        let Some(last) = self.times.len().checked_sub(1) else { return true };
+        let apart = APART * (t - self.times[last]);
+        let piece = *self.starts.last().unwrap_or(&0);
+        self.before(last, piece, apart).and_then(|first| self.before(first, piece, apart)).is_none()
+    }
+
+    /// The last end at least so far before another one, in the same piece.
+    fn before(&self, place: usize, piece: usize, apart: f64) -> Option<usize> {
+        (piece..place).rev().find(|earlier| self.times[place] - self.times[*earlier] >= apart)
+    }
+
+    /// The first end at least so far after another one, in the same piece.
+    fn after(&self, place: usize, beyond: usize, apart: f64) -> Option<usize> {
+        (place + 1..beyond).find(|later| self.times[*later] - self.times[place] >= apart)
     }
 
     /// Where it starts, s.
@@ -107,25 +120,29 @@ impl Trajectory {
         true
     }
 
-    /// By the polynomial through the four ends nearest to the step with this end.
+    /// By the polynomial through the ends of the step with this end, and one on each side or two on one.
     fn interpolate(&self, t: f64, end: usize, y: &mut [f64]) {
         let next_piece = self.starts.partition_point(|start| *start < end);
         let piece = self.starts[next_piece - 1];
         let beyond = self.starts.get(next_piece).copied().unwrap_or(self.times.len());
-        let first = (end.saturating_sub(2)).max(piece).min(beyond.saturating_sub(4)).max(piece);
-        let scale = self.times[end] - self.times[end - 1];
+        let start = end - 1;
+        let scale = self.times[end] - self.times[start];
+        let (before, after) = (self.before(start, piece, APART * scale), self.after(end, beyond, APART * scale));
+        let places = match (before, after) {
+            (Some(before), Some(after)) => [before, start, end, after],
+            (Some(before), None) => {
+                let first = self.before(before, piece, APART * scale).unwrap_or(piece);
+                [first, before, start, end]
+            }
+            // `wants_own` sees to it that there are two before.
+            (None, _) => return y.fill(f64::NAN),
+        };
         for i in 0..self.n {
-            let knot = |k: usize| {
+            let knots = places.map(|k| {
                 let numbers = &self.knots[3 * self.n * k..][..3 * self.n];
-                let x = (self.times[k] - t) / scale;
-                Knot {
-                    x,
-                    value: numbers[i],
-                    slope: scale * numbers[self.n + i],
-                    bend: scale * scale * numbers[2 * self.n + i],
-                }
-            };
-            let knots = [knot(first), knot(first + 1), knot(first + 2), knot(first + 3)];
+                let (value, slope, bend) = (numbers[i], numbers[self.n + i], numbers[2 * self.n + i]);
+                Knot { x: (self.times[k] - t) / scale, value, slope: scale * slope, bend: scale * scale * bend }
+            });
             let (value, slope) = hermite(&knots);
             (y[i], y[self.n + i]) = (value, slope / scale);
         }

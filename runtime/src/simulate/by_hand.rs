@@ -1,5 +1,6 @@
 //! A run that the caller moves on, for control loops.
 
+use std::ops::ControlFlow;
 use std::time::Instant;
 
 use super::{Settings, Start, fail, finish, start};
@@ -81,10 +82,11 @@ impl<S: System> Stepping<S> {
             // Far enough not to begin anew with each step.
             self.horizon = self.horizon.max(until + 100.0 * self.spacing);
             self.march.begin(&mut self.system, self.horizon)?;
-            self.recorder.restart(&self.system, self.march.time(), self.march.state());
+            self.recorder.begin_piece(&self.system, self.march.time(), self.march.state());
             self.changed = false;
         }
-        let halt = self.march.advance(&mut self.system, until, &mut self.recorder, &mut |_| ())?;
+        let halt =
+            self.march.advance(&mut self.system, until, &mut self.recorder, &mut |_| ControlFlow::Continue(()))?;
         self.recorder.report(&self.system, self.march.time(), self.march.state().y);
         Ok(halt)
     }

@@ -13,6 +13,7 @@ mod settings;
 mod tests;
 mod typed;
 
+use std::ops::ControlFlow;
 use std::time::Instant;
 
 pub use builder::Simulation;
@@ -28,24 +29,24 @@ use crate::integrate::Tolerance;
 use crate::march::{March, Pace};
 use crate::mechanism::System;
 use crate::run::{Failure, Plan, Recorder, Run};
-use crate::trust::{Warning, check_step};
+use crate::trust::{Warning, check_step, positive_inertia};
 
 /// Runs a mechanism.
 ///
 /// # Errors
 /// A setting without meaning, or [`Error::Run`] with the time, the state and what was computed until then.
 pub fn simulate(system: &mut dyn System, settings: &Settings) -> Result<Run, Error> {
-    simulate_with(system, settings, &mut |_| ())
+    simulate_with(system, settings, &mut |_| ControlFlow::Continue(()))
 }
 
-/// Runs a mechanism, and tells `progress` the time that was reached after every step.
+/// Runs a mechanism, and tells `progress` the time that was reached after every step, until it breaks off.
 ///
 /// # Errors
-/// As [`simulate`].
+/// As [`simulate`]; [`Cause::Interrupted`], with what was computed, where `progress` broke off.
 pub fn simulate_with(
     system: &mut dyn System,
     settings: &Settings,
-    progress: &mut dyn FnMut(f64),
+    progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Run, Error> {
     let clock = Instant::now();
     let Start { mut march, mut recorder, outcome } = start(system, settings, settings.spacing())?;
@@ -73,14 +74,17 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     let pace = match settings.step {
         Some(step) => Pace::Fixed(step),
         None => {
-            let tolerance = Tolerance::new(tolerance, &y);
+            let tolerance = Tolerance::new(tolerance, system.description(), &y);
             Pace::Adaptive { tolerance, longest: settings.longest_step.unwrap_or(f64::INFINITY) }
         }
     };
     let mut march =
         March::new(method, pace, settings.from, &y, work).limit(settings.max_steps).compensate(settings.compensated);
     // The modes of discontinuities come first: energies and outputs at the start depend on them.
-    let outcome = march.begin(system, settings.until).and(settings.attainable());
+    let outcome = march
+        .begin(system, settings.until)
+        .and(settings.attainable())
+        .and_then(|()| positive_inertia(system, settings.from, &y));
     let plan = Plan {
         until: settings.until,
         every,
@@ -102,7 +106,8 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     Ok(Start { march, recorder, outcome })
 }
 
-fn finish(system: &dyn System, march: &March, recorder: Recorder, clock: Instant) -> Run {
+fn finish(system: &dyn System, march: &March, mut recorder: Recorder, clock: Instant) -> Run {
+    march.warnings(system).into_iter().for_each(|warning| recorder.warn(warning));
     recorder.finish(system, march.time(), march.state(), march.work(), clock.elapsed().as_secs_f64())
 }
 

@@ -19,7 +19,7 @@ pub struct Settings {
     pub from: f64,
     /// Where it ends, s.
     pub until: f64,
-    /// Relative tolerance, and absolute in units of each coordinate's scale (the larger of its start and 1).
+    /// Tolerance, relative to the range that each coordinate and each rate goes through.
     /// Lower: more steps, smaller errors, down to about 10⁻¹⁴.
     pub tolerance: f64,
     /// Spacing of reported states, s; `None`: 500 points.

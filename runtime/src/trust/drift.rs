@@ -48,6 +48,9 @@ impl Watched {
 #[derive(Clone, Debug)]
 pub(crate) struct Monitor {
     n: usize,
+    /// What restarts did to J: an explicit potential that is switched, an impulse.
+    switched: f64,
+    before: f64,
     balance: Watched,
     invariants: Vec<Watched>,
     pairs: Vec<f64>,
@@ -61,30 +64,41 @@ impl Monitor {
         system.invariants(At::packed(t, y, n), &mut pairs);
         let invariants = pairs.chunks_exact(2).map(|pair| Watched::new(pair[0], pair[1])).collect();
         let (balance, scale) = balance(system, At::packed(t, y, n), done);
-        Monitor { n, balance: Watched::new(balance, scale), invariants, pairs }
+        Monitor { n, switched: 0.0, before: 0.0, balance: Watched::new(balance, scale), invariants, pairs }
     }
 
     /// Notes the values after a step, `done` being the work of what has no potential.
-    pub fn observe<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64], done: f64) {
-        let (value, scale) = balance(system, At::packed(t, y, self.n), done);
+    /// Returns by how much the energy balance changed since the last look, relative to its scale.
+    pub fn observe<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64], done: f64) -> f64 {
+        let before = self.balance.last;
+        let (value, scale) = balance(system, At::packed(t, y, self.n), done + self.switched);
         self.balance.observe(value, scale);
+        let change = (value - before).abs();
         if !self.invariants.is_empty() {
             system.invariants(At::packed(t, y, self.n), &mut self.pairs);
             for (watched, pair) in self.invariants.iter_mut().zip(self.pairs.chunks_exact(2)) {
                 watched.observe(pair[0], pair[1]);
             }
         }
+        if change == 0.0 { 0.0 } else { change / self.balance.scale }
+    }
+
+    /// Notes J before the equations, or the state, change at a restart.
+    pub fn leave<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
+        self.before = system.energy(At::packed(t, y, self.n)).jacobi;
+    }
+
+    /// Counts what a restart did to J since [`Monitor::leave`] as work.
+    pub fn restart<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
+        let change = system.energy(At::packed(t, y, self.n)).jacobi - self.before;
+        if change.is_finite() {
+            self.switched += change;
+        }
     }
 
     /// Drift of the energy balance.
     pub fn energy_balance(&self) -> Option<f64> {
         self.balance.drift()
-    }
-
-    /// The energy balance of the last step, relative to its scale: how far it is from the first.
-    pub fn present_imbalance(&self) -> f64 {
-        let change = (self.balance.last - self.balance.first).abs();
-        if change == 0.0 { 0.0 } else { change / self.balance.scale }
     }
 
     /// Drift of each invariant.

@@ -26,9 +26,11 @@ struct Sample {
     w: f64,
 }
 
-/// A coordinate's inertia grows without bound.
+/// A coordinate's inertia grows without bound, or has become negative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Unbounded {
+    /// True where it shrank to nothing instead of growing.
+    pub shrank: bool,
     /// Which coordinate.
     pub coordinate: usize,
     /// When, s.
@@ -38,8 +40,52 @@ pub(crate) struct Unbounded {
 impl Unbounded {
     /// The end of a run that came there.
     pub fn cause(self, mechanism: &Description) -> Cause {
-        Cause::CoordinateSingularity { coordinate: mechanism.coordinate_name(self.coordinate), t: self.t }
+        let coordinate = mechanism.coordinate_name(self.coordinate);
+        match self.shrank {
+            true => Cause::NegativeInertia { coordinate },
+            false => Cause::CoordinateSingularity { coordinate, t: self.t },
+        }
     }
+}
+
+/// More coordinates than this are judged by M's diagonal alone: its factors would cost more than a short run.
+const LARGEST: usize = 60;
+
+/// Refuses an M with a negative pivot: kinetic energy is never negative.
+pub(crate) fn positive_inertia(system: &dyn System, t: f64, y: &[f64]) -> Result<(), Cause> {
+    let description = system.description();
+    let n = system.len();
+    let mut values = vec![0.0; description.mass_pattern.len()];
+    system.mass_matrix(At::place(t, &y[..n]), &mut values);
+    let below = |m: f64, size: f64| m < -1e-12 * size;
+    let negative = |coordinate: usize| Cause::NegativeInertia { coordinate: description.coordinate_name(coordinate) };
+    if n > LARGEST {
+        let entries = description.mass_pattern.iter().zip(&values);
+        let found = entries.filter(|((i, j), m)| i == j && below(**m, m.abs())).map(|((i, _), _)| *i as usize).min();
+        return found.map_or(Ok(()), |coordinate| Err(negative(coordinate)));
+    }
+    let mut m = vec![0.0; n * n];
+    for ((i, j), value) in description.mass_pattern.iter().zip(&values) {
+        m[*i as usize * n + *j as usize] = *value;
+    }
+    // LDLᵀ row by row, as far as the pivots are positive.
+    for i in 0..n {
+        let size = m[i * n + i].abs();
+        for j in 0..i {
+            let before: f64 = (0..j).map(|k| m[i * n + k] * m[j * n + k] * m[k * n + k]).sum();
+            m[i * n + j] = (m[i * n + j] - before) / m[j * n + j];
+        }
+        let before: f64 = (0..i).map(|k| m[i * n + k].powi(2) * m[k * n + k]).sum();
+        m[i * n + i] -= before;
+        if below(m[i * n + i], size) {
+            return Err(negative(i));
+        }
+        if m[i * n + i].is_nan() || m[i * n + i] <= 0.0 {
+            // Singular or not finite: the accelerations say so.
+            return Ok(());
+        }
+    }
+    Ok(())
 }
 
 /// M grown by the inverse square of this is beyond bounds.
@@ -86,12 +132,13 @@ impl InertiaGuard {
             if !(mass > 0.0 && w > 0.0) {
                 // Beyond the point: where the line through the last two samples meets zero.
                 let (_, reached) = self.line(i);
-                return Some(Unbounded { coordinate: i, t: reached.clamp(self.latest[i].t, t) });
+                let shrank = mass < 0.0 && self.latest[i].w > 1.0;
+                return Some(Unbounded { shrank, coordinate: i, t: reached.clamp(self.latest[i].t, t) });
             }
             (self.earlier[i], self.latest[i]) = (self.latest[i], Sample { t, w });
             let (left, reached) = self.line(i);
             if w < SMALLEST && left < 1e-3 * (t - self.began) {
-                return Some(Unbounded { coordinate: i, t: reached });
+                return Some(Unbounded { shrank: false, coordinate: i, t: reached });
             }
         }
         None
@@ -114,7 +161,7 @@ impl InertiaGuard {
             .map(|i| (self.line(i), i))
             .filter(|((left, _), _)| *left <= ahead)
             .min_by(|a, b| a.0.0.total_cmp(&b.0.0))
-            .map(|((_, t), coordinate)| Unbounded { coordinate, t })
+            .map(|((_, t), coordinate)| Unbounded { shrank: false, coordinate, t })
     }
 
     /// The length of the last step, s.

@@ -23,7 +23,23 @@ pub enum Warning {
         /// What would have been usual.
         limit: f64,
     },
-    /// The energy balance jumped within one step.
+    /// What the model says is conserved drifted by more than the tolerance lets expect.
+    InvariantDrifts {
+        /// Its name in the model file.
+        invariant: String,
+        /// Its drift.
+        drift: f64,
+        /// What would have been usual.
+        limit: f64,
+    },
+    /// More events happened than are kept.
+    EventsEnd {
+        /// When the first was left out, s.
+        t: f64,
+        /// How many are kept.
+        kept: usize,
+    },
+    /// The energy balance jumped between two looks at it.
     EnergyJump {
         /// When, s.
         t: f64,
@@ -44,6 +60,41 @@ pub enum Warning {
         imaginary: f64,
         /// By which factor the method amplifies the mode over the run.
         growth: f64,
+    },
+    /// The rounding of larger coordinates of the same unit limits the accuracy of this one.
+    RoundingLimits {
+        /// The coordinate.
+        coordinate: String,
+        /// What is left of it, in its SI unit.
+        to: f64,
+    },
+    /// An event's function comes to zero and turns back, as far as rounding tells; no crossing was counted.
+    Touch {
+        /// The event.
+        event: String,
+        /// When it did first, s.
+        t: f64,
+    },
+    /// An event's function changes its sign by a jump or through a pole, which is no zero; no crossing was counted.
+    NoCrossing {
+        /// The event.
+        event: String,
+        /// When it did first, s.
+        t: f64,
+    },
+    /// An event's function is not defined on a part of the run.
+    Undefined {
+        /// The event.
+        event: String,
+        /// Where its definition ends or begins first, s.
+        t: f64,
+    },
+    /// An input is a closure, which tells nothing of itself between the times at which it was scanned.
+    InputScanned {
+        /// The input.
+        input: String,
+        /// Features narrower than this, s, may have been missed.
+        width: f64,
     },
     /// The run has too many steps to keep dense output of them all.
     DenseOutputEnds {
@@ -75,8 +126,16 @@ impl fmt::Display for Warning {
             Warning::EnergyBudgetExceeded { drift, limit } => {
                 write!(f, "energy budget exceeded: the balance drifts by {drift:.1e}, where {limit:.1e} would be usual")
             }
+            Warning::InvariantDrifts { invariant, drift, limit } => write!(
+                f,
+                "`{invariant}` is not conserved: it drifts by {drift:.1e}, {:.0} times what the tolerance allows",
+                drift / limit
+            ),
+            Warning::EventsEnd { t, kept } => {
+                write!(f, "events are left out from t = {t} s on: {kept} are kept, more would fill the memory")
+            }
             Warning::EnergyJump { t, jump } => {
-                write!(f, "energy jumps by {jump:.1e} of its scale in the step that ends at t = {t} s")
+                write!(f, "energy jumps by {jump:.1e} of its scale shortly before t = {t} s")
             }
             Warning::StepExceedsStability { method, step, limit, real, imaginary, growth } => {
                 write!(
@@ -90,6 +149,24 @@ impl fmt::Display for Warning {
                     write!(f, ", as it does at any step")
                 }
             }
+            Warning::RoundingLimits { coordinate, to } => {
+                write!(f, "rounding of larger coordinates limits `{coordinate}` to {to:.1e}")
+            }
+            Warning::Touch { event, t } => write!(
+                f,
+                "`{event}` touches zero at t = {t} s: whether it crosses is below what rounding tells, and was not counted"
+            ),
+            Warning::NoCrossing { event, t } => write!(
+                f,
+                "`{event}` changes its sign at t = {t} s by a jump or a pole, which is no zero and was not counted"
+            ),
+            Warning::Undefined { event, t } => {
+                write!(f, "`{event}` is undefined on one side of t = {t} s; nothing was counted there")
+            }
+            Warning::InputScanned { input, width } => write!(
+                f,
+                "features of `{input}` narrower than {width:.1e} s may be missed, since it is a closure; give a longest step"
+            ),
             Warning::DenseOutputEnds { t } => write!(f, "dense output ends at t = {t} s: it would fill the memory"),
             Warning::Stiff { t, step_times_rate } => write!(
                 f,

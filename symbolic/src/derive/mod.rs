@@ -21,7 +21,7 @@ use crate::model::{Load, Model, Work};
 
 pub use momentum::Momentum;
 pub(crate) use switches::introduce;
-pub use switches::{Switch, SwitchKind};
+pub use switches::{Switch, SwitchKind, remove as without_modes};
 
 /// M q'' + h = 0 as one derivation gives it.
 #[derive(Clone, Debug)]
@@ -66,7 +66,9 @@ pub struct Derivation {
     pub energies: Energies,
     /// Each coordinate's momentum, and the rate of that, −∂L/∂q − Q.
     pub momenta: Vec<(Id, Id)>,
-    /// Discontinuities of the equations of motion.
+    /// Inputs as functions of time, (u, u', u''), with modes.
+    pub signals: Vec<[Id; 3]>,
+    /// Discontinuities of the equations of motion and of inputs.
     pub switches: Vec<Switch>,
 }
 
@@ -96,7 +98,7 @@ pub fn derive(mut model: Model) -> Result<Derivation, Vec<Problem>> {
         equations.push(virtual_power::equations(&mut model.graph, &dynamics));
     }
     let energies = lagrange::energies(&mut model, &dynamics);
-    let switches = dynamics.switches;
+    let (switches, signals) = (dynamics.switches, dynamics.signals);
     if model.graph.overflowed() {
         return Err(vec![too_large()]);
     }
@@ -105,7 +107,7 @@ pub fn derive(mut model: Model) -> Result<Derivation, Vec<Problem>> {
         return Err(vec![too_large()]);
     }
     let named_reactions = reactions::put_in(&mut model);
-    Ok(Derivation { model, equations, momentum, named_reactions, energies, momenta, switches })
+    Ok(Derivation { model, equations, momentum, named_reactions, energies, momenta, signals, switches })
 }
 
 /// What enters the equations of motion: the model's expressions in canonical form, with modes for
@@ -129,6 +131,8 @@ pub(crate) struct Dynamics {
     pub wrenches: Vec<(usize, Vec<Id>, Id)>,
     /// Generalized forces as written.
     pub generalized: Vec<(usize, Id)>,
+    /// Inputs as functions of time, (u, u', u'').
+    pub signals: Vec<[Id; 3]>,
     /// Discontinuities.
     pub switches: Vec<Switch>,
 }
@@ -164,9 +168,10 @@ impl Dynamics {
             }
         }
         roots.extend(model.generalized_forces.iter().map(|f| f.force));
+        roots.extend(model.inputs.iter().map(|input| input.signal[0]));
         let graph = &mut model.graph;
         let roots = canonical(graph, &roots);
-        let (roots, switches) = switches::introduce(graph, &roots);
+        let (roots, switches) = switches::introduce(graph, &roots, model.inputs.len());
 
         let mut next = roots.into_iter();
         let mut take = || next.next().unwrap_or(Id::ZERO);
@@ -197,6 +202,10 @@ impl Dynamics {
             }
         }
         let generalized = model.generalized_forces.iter().map(|f| (f.coordinate, take())).collect();
+        let values: Vec<Id> = model.inputs.iter().map(|_| take()).collect();
+        let first = rates(graph, &values);
+        let second = rates(graph, &first);
+        let signals = values.iter().zip(first.iter().zip(&second)).map(|(u, (v, w))| [*u, *v, *w]).collect();
         Dynamics {
             n: model.coordinates.len(),
             bodies,
@@ -207,6 +216,7 @@ impl Dynamics {
             resistances,
             wrenches,
             generalized,
+            signals,
             switches,
         }
     }

@@ -231,7 +231,8 @@ impl Graph {
             let numerator = i32::try_from(exponent.numerator()).ok().filter(|n| n.abs() <= 64);
             match (numerator, exponent.denominator()) {
                 (Some(n), 1) => return self.powi(x, n),
-                (Some(n), 2) => {
+                // What is one-sided keeps its power, which is told beyond its side by the sign of its base.
+                (Some(n), 2) if !self.is_one_sided(x) => {
                     let root = self.unary(Unary::Sqrt, x);
                     let whole = self.powi(x, n.abs() / 2);
                     let power = self.mul(whole, root);
@@ -250,6 +251,16 @@ impl Graph {
             }
         }
         self.intern(Node::Binary(Binary::Pow, x, y))
+    }
+
+    /// True for `max(0, …)` and its like, times anything.
+    fn is_one_sided(&self, x: Id) -> bool {
+        match self.node(x) {
+            Node::Binary(Binary::Min | Binary::Max, ..) | Node::Unary(Unary::Abs | Unary::Step, _) => true,
+            Node::Unary(Unary::Neg, x) => self.is_one_sided(x),
+            Node::Binary(Binary::Mul, x, y) => self.is_one_sided(x) || self.is_one_sided(y),
+            _ => false,
+        }
     }
 
     /// A function of one argument.

@@ -161,7 +161,7 @@ fn spans_inside_scalars_of_every_style() {
         ("a: x + thta\n", "x + thta", "thta"),
         ("a: \"x + thta\"\n", "x + thta", "thta"),
         ("a: \"\\u03b8\\t + thta\"\n", "θ\t + thta", "thta"),
-        ("a: 'x'' + thta'\n", "x' + thta", "thta"),
+        ("a: 'x + thta'\n", "x + thta", "thta"),
         ("a: x +\n  thta\n", "x + thta", "thta"),
         ("a: \"x +\n  thta\"\n", "x + thta", "thta"),
         ("a: \"x + \\\n  thta\"\n", "x + thta", "thta"),

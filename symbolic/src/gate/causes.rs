@@ -41,10 +41,11 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Whether a system so assembled holds at all states.
+    /// Whether a system so assembled holds at all states, and still determines the motion somewhere.
     fn restores(&self, assembled: &dyn Fn(usize) -> Assembled) -> bool {
-        // The states that disagreed come early or late alike: all must hold.
-        (0..self.states.len()).all(|k| residual(&assembled(k), &self.states[k], self.gate).agrees)
+        let mut all = 0..self.states.len();
+        all.clone().all(|k| residual(&assembled(k), &self.states[k], self.gate).agrees)
+            && all.any(|k| assembled(k).solution().is_some())
     }
 
     /// The one part whose flip, removal or another factor restores agreement, in words.

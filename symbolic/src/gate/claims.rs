@@ -92,7 +92,7 @@ fn jump(model: &Model, invariant: &Conserved, surfaces: &[State], gate: Gate) ->
         return None;
     }
     let mut graph = model.graph.clone();
-    let (roots, switches) = introduce(&mut graph, &invariant.value);
+    let (roots, switches) = introduce(&mut graph, &invariant.value, 0);
     if switches.is_empty() {
         return None;
     }

@@ -33,6 +33,8 @@ pub enum Function {
     Events,
     Switches,
     Drawing,
+    EventRates,
+    Arguments,
     Inputs,
 }
 
@@ -84,7 +86,11 @@ impl Interpreter {
         set(Function::Events, &program.events);
         set(Function::Switches, &program.switch_pairs);
         set(Function::Drawing, &program.drawing);
-        let signals: Vec<Id> = program.model.inputs.iter().flat_map(|u| u.signal).collect();
+        let rates: Vec<Id> = program.event_rates.iter().map(|rate| rate.unwrap_or(Id::ZERO)).collect();
+        set(Function::EventRates, &rates);
+        let pairs: Vec<Id> = program.arguments.iter().flat_map(|a| [a.value, a.rate]).collect();
+        set(Function::Arguments, &pairs);
+        let signals: Vec<Id> = program.signals.iter().flatten().copied().collect();
         set(Function::Inputs, &signals);
         let (roots, pivots) = match &program.accelerations {
             Accelerations::Unrolled { values, pivots } => {

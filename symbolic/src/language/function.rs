@@ -90,7 +90,7 @@ pub const FUNCTIONS: &[Function] = &[
     of("angular_velocity", 1, "of a body or frame: a scalar in the plane, a vector in space"),
     of("diff", 2, "partial derivative by a symbol"),
     Function { name: "sum", least: 2, most: usize::MAX, about: "sum(e, i in 1..n): both ends included" },
-    of("integral", 2, "integral(e, x in a..b): by Gauss-Legendre quadrature"),
+    of("integral", 2, "integral(e, x in a..b): in closed form, or by quadrature to 24 digits"),
     of("reaction", 1, "the multiplier of a constraint"),
 ];
 

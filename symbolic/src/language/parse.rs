@@ -94,7 +94,14 @@ impl<'a> Parser<'a> {
             let place = self.peek().span.place();
             return self.report(syntax::expression_too_deep(place, DEEPEST));
         }
-        let mut first = self.operand()?;
+        let first = self.operand()?;
+        let tree = self.chain(first, least)?;
+        self.nesting -= 1;
+        Ok(tree)
+    }
+
+    /// The operators after an operand; a frame of its own, so that parentheses inside each other need less stack.
+    fn chain(&mut self, mut first: Tree, least: u8) -> Parsed<Tree> {
         let mut chain = Vec::new();
         let mut tightness = 0;
         while let Some((next, operator)) = binding(self.peek().kind).filter(|(next, _)| *next >= least) {
@@ -110,7 +117,6 @@ impl<'a> Parser<'a> {
                 break;
             }
         }
-        self.nesting -= 1;
         self.joined(first, chain)
     }
 

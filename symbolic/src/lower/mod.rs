@@ -1,5 +1,6 @@
 //! Equations to programs: the cheapest candidate, its Jacobians, the accelerations, and what a run observes.
 
+mod arguments;
 mod candidates;
 mod count;
 mod factor;
@@ -15,6 +16,7 @@ use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary, jacobian, reverse};
 use crate::gate::{Judged, Report};
 use crate::model::{Model, Scene, Shape};
 
+pub use arguments::{Argument, Role, Watched};
 pub use count::operations;
 pub use factor::Accelerations;
 pub use momentum::MomentumSystem;
@@ -30,8 +32,12 @@ pub struct Program {
     pub model: Model,
     /// What was tested when deriving.
     pub report: Report,
-    /// Discontinuities of the equations of motion.
+    /// Discontinuities of the equations of motion and of inputs.
     pub switches: Vec<Switch>,
+    /// Inputs as functions of time, (u, u', u'') of each, with modes.
+    pub signals: Vec<[Id; 3]>,
+    /// What a jump of each input does.
+    pub jumps: Vec<InputJump>,
     /// M's lower triangle.
     pub mass: Vec<Entry>,
     /// h.
@@ -62,6 +68,10 @@ pub struct Program {
     pub outputs: Vec<Id>,
     /// Pairs (value, condition).
     pub events: Vec<Id>,
+    /// Total time derivatives of the events' functions; `None` where accelerations stand in it.
+    pub event_rates: Vec<Option<Id>>,
+    /// Arguments inside events, switches and the equations of motion.
+    pub arguments: Vec<Argument>,
     /// Pairs (argument, rate).
     pub switch_pairs: Vec<Id>,
     /// Points and radii to draw.
@@ -74,6 +84,17 @@ pub struct Program {
     pub counts: Counts,
     /// Which candidates were chosen, in words.
     pub choice: String,
+}
+
+/// What a jump of an input's value does to the motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InputJump {
+    /// Forces jump, the motion goes on: F contains neither u' nor u''.
+    Force,
+    /// The speeds jump: F contains u', times what does not depend on speeds.
+    Speed,
+    /// It would need an infinite force, or what it does depends on how it jumps.
+    Refused,
 }
 
 /// Operations of the generated functions; what depends on parameters only is computed once and not counted.
@@ -103,7 +124,7 @@ pub fn compile(text: &str, sizes: &[(String, i64)]) -> Result<Program, Vec<Probl
 /// The model is too large.
 pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let Judged { derivation, cyclic, report } = judged;
-    let Derivation { mut model, equations, momentum, named_reactions, energies, switches, .. } = derivation;
+    let Derivation { mut model, equations, momentum, named_reactions, energies, signals, switches, .. } = derivation;
     let n = model.coordinates.len();
     let graph = &mut model.graph;
 
@@ -128,10 +149,16 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let switch_rates = rates(graph, &arguments);
     let switch_pairs = arguments.iter().zip(&switch_rates).flat_map(|(a, r)| [*a, *r]).collect();
     let events = model.events.iter().flat_map(|e| [e.when, e.condition.unwrap_or(Id::ONE)]).collect();
+    let functions: Vec<Id> = model.events.iter().map(|e| e.when).collect();
+    let event_rates = functions.iter().map(|g| known_rate(graph, *g)).collect();
+    let motion: Vec<Id> = chosen.residual.iter().copied().chain(signals.iter().map(|u| u[0])).collect();
+    let loads: Vec<(String, Vec<Id>)> = model.loads.iter().map(|load| (load.name.clone(), load.expressions())).collect();
+    let arguments = arguments::arguments(graph, &functions, &arguments, &motion, &loads);
+    let jumps = (0..model.inputs.len()).map(|k| input_jump(graph, &chosen.residual, k as u32)).collect();
     let outputs = model.outputs.iter().flat_map(|o| o.value.iter().copied()).collect();
     let drawing = model.draw.iter().flat_map(drawn).collect();
 
-    let structure = structure::recognise(graph, n, &chosen, (&stiffness, &damping), energies.power, &cyclic);
+    let structure = structure::recognise(graph, n, &chosen, (&stiffness, &damping), (energies.power, energies.jacobi), &switches, &cyclic);
     let count = |roots: Vec<Id>| operations(graph, &roots);
     let values = |entries: &[Entry]| entries.iter().map(|e| e.2).collect::<Vec<_>>();
     let counts = Counts {
@@ -149,6 +176,8 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     Ok(Program {
         report,
         switches,
+        signals,
+        jumps,
         mass: chosen.mass,
         bias: chosen.bias,
         accelerations,
@@ -164,6 +193,8 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
         invariants,
         outputs,
         events,
+        event_rates,
+        arguments,
         switch_pairs,
         drawing,
         momentum,
@@ -182,6 +213,8 @@ impl Program {
             model: Model { name: name.to_owned(), dimension: 2, scenes: vec![scene], ..Model::default() },
             report: Report::default(),
             switches: Vec::new(),
+            signals: Vec::new(),
+            jumps: Vec::new(),
             mass: Vec::new(),
             bias: Vec::new(),
             accelerations: Accelerations::Unrolled { values: Vec::new(), pivots: Vec::new() },
@@ -197,6 +230,8 @@ impl Program {
             invariants: Vec::new(),
             outputs: Vec::new(),
             events: Vec::new(),
+            event_rates: Vec::new(),
+            arguments: Vec::new(),
             switch_pairs: Vec::new(),
             drawing: Vec::new(),
             momentum: Vec::new(),
@@ -205,6 +240,32 @@ impl Program {
             choice: String::new(),
         }
     }
+}
+
+/// The total time derivative, unless that of an acceleration, a reaction or an input's second derivative is in it.
+fn known_rate(graph: &mut Graph, value: Id) -> Option<Id> {
+    let unknown = |s: &Symbol| matches!(s, Symbol::Acceleration(_) | Symbol::Reaction(_) | Symbol::Input(_, 2..));
+    if graph.symbols([value]).iter().any(unknown) {
+        return None;
+    }
+    Some(rates(graph, &[value])[0])
+}
+
+/// What a jump of an input does to the residual F(…, u, u', u'').
+fn input_jump(graph: &mut Graph, residual: &[Id], input: u32) -> InputJump {
+    let symbols = graph.symbols(residual.iter().copied());
+    let contains = |order: u8| symbols.contains(&Symbol::Input(input, order));
+    if contains(2) {
+        return InputJump::Refused;
+    }
+    if !contains(1) {
+        return InputJump::Force;
+    }
+    let slopes = jacobian(graph, residual, |s| (s == Symbol::Input(input, 1)).then_some(0));
+    let symbols = graph.symbols(slopes.into_iter().flatten().map(|(_, slope)| slope));
+    // What the slope sees during the jump must not change with it.
+    let changes = |s: &Symbol| matches!(s, Symbol::Speed(_) | Symbol::Input(_, 1)) || *s == Symbol::Input(input, 0);
+    if symbols.iter().any(changes) { InputJump::Refused } else { InputJump::Speed }
 }
 
 /// ∂F/∂q and ∂F/∂q', forward or row by row in reverse, whichever is cheaper.

@@ -3,6 +3,7 @@
 use super::Entry;
 use super::candidates::Chosen;
 use super::count::varying;
+use crate::derive::Switch;
 use crate::expr::{Graph, Id, Symbol};
 
 /// What was recognised.
@@ -31,7 +32,8 @@ pub(super) fn recognise(
     n: usize,
     chosen: &Chosen,
     (stiffness, damping): (&[Entry], &[Entry]),
-    power: Id,
+    (power, jacobi): (Id, Id),
+    switches: &[Switch],
     cyclic: &[(usize, Id)],
 ) -> Structure {
     let varying = varying(graph);
@@ -40,6 +42,7 @@ pub(super) fn recognise(
     let constant_mass = constant(&chosen.mass);
     let constant_inertias = chosen.mass.iter().filter(|e| e.0 == e.1).all(|e| !varying[e.2.index()]);
     let modes = |s: Symbol| matches!(s, Symbol::Mode(_));
+    let by_time = |s: Symbol| matches!(s, Symbol::Mode(k) if switches.get(k as usize).is_some_and(|s| s.time_only));
     Structure {
         constant_mass,
         constant_inertias,
@@ -49,7 +52,8 @@ pub(super) fn recognise(
             && constant(stiffness)
             && constant(damping)
             && !graph.symbols(chosen.residual.iter().copied()).into_iter().any(modes),
-        conservative: power == Id::ZERO,
+        // A potential that time switches changes the energy at once.
+        conservative: power == Id::ZERO && !graph.symbols([jacobi]).into_iter().any(by_time),
         time_dependent: graph.symbols(chosen.residual.iter().copied()).into_iter().any(time),
         cyclic: cyclic.to_vec(),
     }

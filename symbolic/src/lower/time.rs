@@ -102,7 +102,7 @@ mod tests {
     /// Time that cancels, also by the theorem of addition, is none; a pulse that no sample meets is.
     #[test]
     fn equations_depend_on_time_or_do_not() {
-        assert_eq!(rows("-k*x"), 0);
+        assert_eq!(rows("-3*k*y"), 0);
         assert_eq!(rows("k*(cos(W*t)^2 + sin(W*t)^2)"), 0);
         assert_eq!(rows("k*(cos(W*t + y)*cos(W*t) + sin(W*t + y)*sin(W*t))"), 0);
         assert_eq!(rows("exp(-(t - 700)^2)"), 1);

@@ -9,7 +9,7 @@ use super::expression::value::Value;
 use super::resolved::Model;
 use crate::diagnose::catalogue::names;
 use crate::diagnose::{Place, Problem};
-use crate::expr::{Graph, Id, Symbol, Tape};
+use crate::expr::{Binary, Graph, Id, Node, Symbol, Tape, Unary};
 use crate::file;
 use crate::file::Text;
 use crate::language::parse;
@@ -89,6 +89,17 @@ impl Model {
         let second = bench.rate(rate);
         self.take_back(bench)?;
         Ok([value, rate, second])
+    }
+
+    /// True where expressions contain discontinuities, or functions that are local through their argument: `exp`,
+    /// `tanh`, powers, quotients.
+    pub fn is_local(&self, roots: &[Id]) -> bool {
+        let needed = self.graph.reachable(roots.iter().copied());
+        (0..needed.len()).filter(|&i| needed[i]).any(|i| match self.graph.node(self.graph.id_at(i)) {
+            Node::Unary(f, _) => !matches!(f, Unary::Neg | Unary::Sin | Unary::Cos),
+            Node::Binary(f, ..) => !matches!(f, Binary::Add | Binary::Sub | Binary::Mul),
+            Node::Number(_) | Node::Symbol(_) => false,
+        })
     }
 
     fn bench(&mut self) -> Bench {

@@ -180,6 +180,19 @@ pub struct Load {
     pub place: Place,
 }
 
+impl Load {
+    /// What its work and its pushes are made of.
+    pub fn expressions(&self) -> Vec<Id> {
+        let work = match self.work {
+            Work::Potential(v) => vec![v],
+            Work::Resistance { rate, tension } => vec![rate, tension],
+            Work::Pushes => Vec::new(),
+        };
+        let pushes = self.pushes.iter().flat_map(|push| push.force.iter().chain(&push.couple).copied());
+        work.into_iter().chain(pushes).collect()
+    }
+}
+
 /// How a load does work on virtual displacements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Work {

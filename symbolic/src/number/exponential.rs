@@ -65,7 +65,7 @@ impl DoubleDouble {
         let mut sum = correction + guess;
         for part in LN_2 {
             let product = DoubleDouble::product(f64::from(n), part);
-            sum = sum + product;
+            sum += product;
         }
         sum
     }

@@ -16,6 +16,8 @@ thread_local! {
 
 type Exact = fn(&BigFloat, usize, RoundingMode, &mut Consts) -> BigFloat;
 type Ours = fn(DoubleDouble) -> DoubleDouble;
+/// A function with its namesake of `f64`.
+type Namesake = (&'static str, Ours, fn(f64) -> f64);
 
 /// The functions, and the largest argument at which they are tried.
 const FUNCTIONS: [(&str, Ours, Exact, f64); 13] = [
@@ -180,7 +182,7 @@ fn infinities_zeros_and_what_does_not_exist_are_those_of_f64() {
         let equal = found.to_bits() == wanted.to_bits() || found.is_nan() && wanted.is_nan();
         assert!(equal || near && wanted != 0.0, "{what}: {found:e}, not {wanted:e}");
     };
-    let functions: [(&str, Ours, fn(f64) -> f64); 14] = [
+    let functions: [Namesake; 14] = [
         ("sin", DoubleDouble::sin, f64::sin),
         ("cos", DoubleDouble::cos, f64::cos),
         ("tan", DoubleDouble::tan, f64::tan),

@@ -30,7 +30,7 @@ impl DoubleDouble {
         }
         let (quadrant, r) = reduced(self);
         let (sine, cosine) = (sine(r), cosine(r));
-        if quadrant % 2 == 0 { sine / cosine } else { -cosine / sine }
+        if quadrant.is_multiple_of(2) { sine / cosine } else { -cosine / sine }
     }
 
     /// Sine and cosine for |x| ≤ π/4.
@@ -41,7 +41,7 @@ impl DoubleDouble {
 
 /// sin(r + quadrant π/2) for |r| ≤ π/4.
 fn turned(quadrant: u8, r: DoubleDouble) -> DoubleDouble {
-    let value = if quadrant % 2 == 0 { sine(r) } else { cosine(r) };
+    let value = if quadrant.is_multiple_of(2) { sine(r) } else { cosine(r) };
     if quadrant >= 2 { -value } else { value }
 }
 

@@ -4,9 +4,10 @@ use std::fmt::Write;
 
 use super::body::float;
 use super::{si_unit, words};
-use crate::derive::SwitchKind;
-use crate::lower::{Entry, Program};
-use crate::model::{EventAction, Shape, text};
+use crate::derive::{Switch, SwitchKind, without_modes};
+use crate::expr::Symbol;
+use crate::lower::{Argument, Entry, Program, Role, Watched};
+use crate::model::{EventAction, Shape, text_in};
 
 /// `static DESCRIPTION: … = …;`
 pub(super) fn description(program: &Program, source: &str) -> String {
@@ -55,7 +56,7 @@ pub(super) fn description(program: &Program, source: &str) -> String {
     field("invariants", list(model.conserved.iter().map(|c| quantity(&c.name, c.value.len(), &None))));
     field(
         "events",
-        list(model.events.iter().map(|e| {
+        list(model.events.iter().zip(&program.event_rates).map(|(e, rate)| {
             let direction = match e.direction {
                 1 => "Rising",
                 -1 => "Falling",
@@ -66,9 +67,10 @@ pub(super) fn description(program: &Program, source: &str) -> String {
                 EventAction::Record => "mechanism::Action::Record".to_owned(),
             }));
             format!(
-                "mechanism::Event {{ name: {}, direction: mechanism::Direction::{direction}, conditional: {}, actions: {actions} }}",
+                "mechanism::Event {{ name: {}, direction: mechanism::Direction::{direction}, conditional: {}, actions: {actions}, rated: {} }}",
                 string(&e.name),
-                e.condition.is_some()
+                e.condition.is_some(),
+                rate.is_some()
             )
         })),
     );
@@ -77,12 +79,15 @@ pub(super) fn description(program: &Program, source: &str) -> String {
         list(program.switches.iter().map(|s| {
             let kind = if s.kind == SwitchKind::Sign { "Sign" } else { "Step" };
             format!(
-                "mechanism::Switch {{ text: {}, kind: mechanism::SwitchKind::{kind}, time_only: {} }}",
-                string(&text(model, s.argument)),
-                s.time_only
+                "mechanism::Switch {{ text: {}, kind: mechanism::SwitchKind::{kind}, time_only: {}, of_input: {} }}",
+                string(&switch_text(program, s)),
+                s.time_only,
+                s.of_input
             )
         })),
     );
+    field("arguments", list(program.arguments.iter().map(argument)));
+    field("input_jumps", list(program.jumps.iter().map(|jump| format!("mechanism::InputJump::{jump:?}"))));
     field("scenes", list(model.scenes.iter().map(|s| string(&s.name))));
     field(
         "draw",
@@ -135,6 +140,31 @@ pub(super) fn description(program: &Program, source: &str) -> String {
         ),
     );
     out
+}
+
+/// A switch's argument in the file's words: with functions in the place of modes.
+pub fn switch_text(program: &Program, switch: &Switch) -> String {
+    let nested = program.model.graph.symbols([switch.argument]).iter().any(|s| matches!(s, Symbol::Mode(_)));
+    if !nested {
+        return text_in(&program.model.graph, &program.model, switch.argument);
+    }
+    let mut graph = program.model.graph.clone();
+    let plain = without_modes(&mut graph, &[switch.argument], &program.switches)[0];
+    text_in(&graph, &program.model, plain)
+}
+
+fn argument(argument: &Argument) -> String {
+    let of = match argument.of {
+        Watched::Event(k) => format!("mechanism::Watched::Event({k})"),
+        Watched::Switch(k) => format!("mechanism::Watched::Switch({k})"),
+        Watched::Motion => "mechanism::Watched::Motion".to_owned(),
+        Watched::Argument(k) => format!("mechanism::Watched::Argument({k})"),
+    };
+    let role = match argument.role {
+        Role::Power(p) => format!("mechanism::Role::Power({})", float(p)),
+        role => format!("mechanism::Role::{role:?}"),
+    };
+    format!("mechanism::Argument {{ of: {of}, role: {role}, time_only: {}, load: {} }}", argument.time_only, string(&argument.load))
 }
 
 /// FNV-1a of 64 bits (Fowler, Noll, Vo).

@@ -84,7 +84,7 @@ impl Mechanism<'_> {
     }
 
     fn inputs(&self) -> String {
-        let signals: Vec<Id> = self.program.model.inputs.iter().flat_map(|u| u.signal).collect();
+        let signals: Vec<Id> = self.program.signals.iter().flatten().copied().collect();
         let body = self.bodies.body(&stores("out", &signals), "        ");
         let (c, t) = (argument("c", "&Self::Constants<S>", body.reads.constants), argument("t", "S", body.reads.time));
         let body = block_of("out", signals.len(), &body.lines);
@@ -111,6 +111,8 @@ impl Mechanism<'_> {
             uses: stores("out", list),
             ..Function::default()
         };
+        let rates: Vec<Id> = program.event_rates.iter().map(|rate| rate.unwrap_or(Id::ZERO)).collect();
+        let arguments: Vec<Id> = program.arguments.iter().flat_map(|a| [a.value, a.rate]).collect();
         let (dq, dv) = (values(&program.stiffness), values(&program.damping));
         vec![
             into_slice("mass_matrix", 1, &values(&program.mass)),
@@ -130,7 +132,9 @@ impl Mechanism<'_> {
             into_slice("invariants", 2, &program.invariants),
             into_slice("outputs", 3, &program.outputs),
             into_slice("events", 3, &program.events),
+            into_slice("event_rates", 3, &rates),
             into_slice("switches", 3, &program.switch_pairs),
+            into_slice("arguments", 3, &arguments),
             into_slice("drawing", 2, &program.drawing),
             Function {
                 name: "energy",

@@ -73,7 +73,9 @@ impl Program {
         ];
         roots.extend(lists.into_iter().flatten());
         roots.extend(self.energy);
-        roots.extend(self.model.inputs.iter().flat_map(|u| u.signal));
+        roots.extend(self.signals.iter().flatten());
+        roots.extend(self.event_rates.iter().flatten());
+        roots.extend(self.arguments.iter().flat_map(|a| [a.value, a.rate]));
         for system in &self.momentum {
             roots.extend(system.matrix.iter().map(|e| e.2).chain(system.right.iter().copied()));
         }

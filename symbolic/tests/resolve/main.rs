@@ -6,6 +6,7 @@ mod expressions;
 mod integrals;
 mod limits;
 mod mechanics;
+mod reading;
 mod units;
 
 use std::collections::HashMap;

@@ -1,65 +1,8 @@
 //! Generated code against the interpreter of the same program.
 
-use dalembert::mechanism::{At, Interpreted, System};
+use dalembert::mechanism::{Interpreted, System};
 use dalembert_symbolic::lower::compile;
-
-/// A time, a state near a scene's start, and accelerations that are not those of the motion.
-struct State {
-    t: f64,
-    q: Vec<f64>,
-    v: Vec<f64>,
-    a: Vec<f64>,
-}
-
-/// Everything that a system computes at a state.
-fn everything(system: &dyn System, state: &State) -> Vec<(&'static str, Vec<f64>)> {
-    let State { t, q, v, a } = state;
-    let description = system.description();
-    let mut all = Vec::new();
-    let mut collect = |name, size: usize, compute: &dyn Fn(&mut [f64])| {
-        let mut values = vec![0.0; size];
-        compute(&mut values);
-        all.push((name, values));
-    };
-    let n = q.len();
-    collect("accelerations", n, &|x| system.accelerations(At::new(*t, q, v), x).expect("a regular mass matrix"));
-    collect("mass matrix", description.mass_pattern.len(), &|x| system.mass_matrix(At::place(*t, q), x));
-    collect("bias", n, &|x| system.bias(At::new(*t, q, v), x));
-    collect("residual", n, &|x| system.residual(At::new(*t, q, v).accelerated(a), x));
-    let (stiffness, damping) = (description.stiffness_pattern.len(), description.damping_pattern.len());
-    collect("stiffness", stiffness, &|x| {
-        system.jacobians(At::new(*t, q, v).accelerated(a), x, &mut vec![0.0; damping])
-    });
-    collect("damping", damping, &|x| system.jacobians(At::new(*t, q, v).accelerated(a), &mut vec![0.0; stiffness], x));
-    collect("inputs' Jacobian", description.input_pattern.len(), &|x| {
-        system.input_jacobian(At::new(*t, q, v).accelerated(a), x)
-    });
-    let timed = description.time_pattern.len();
-    let at = At::new(*t, q, v).accelerated(a);
-    collect("time Jacobian", timed, &|x| system.time_jacobian(at, x));
-    collect("time dependence", timed, &|x| system.time_dependence(at, x));
-    collect("magnitudes", n, &|x| system.magnitudes(at, x));
-    collect("inputs", 3 * description.inputs.len(), &|x| system.inputs(*t, x));
-    collect("invariants", 2 * description.invariant_len(), &|x| system.invariants(At::new(*t, q, v), x));
-    collect("outputs", description.output_len(), &|x| system.outputs(At::new(*t, q, v).accelerated(a), x));
-    collect("events", 2 * description.events.len(), &|x| system.events(At::new(*t, q, v).accelerated(a), x));
-    collect("switches", 2 * description.switches.len(), &|x| system.switches(At::new(*t, q, v).accelerated(a), x));
-    collect("drawing", description.drawing_len(), &|x| system.drawing(At::new(*t, q, v), x));
-    let energy = system.energy(At::new(*t, q, v));
-    collect("energy", 5, &|x| {
-        x.copy_from_slice(&[energy.kinetic, energy.potential, energy.jacobi, energy.power, energy.scale]);
-    });
-    for k in 0..description.balances.len() {
-        let size = description.balances[k].unknowns.len();
-        collect("balances", size * (size + 1), &|x| {
-            let (matrix, right) = x.split_at_mut(size * size);
-            system.balances(k, At::new(*t, q, v), matrix, right);
-        });
-    }
-    all.push(("parameters", system.parameters()));
-    all.push(("equilibrium", system.equilibrium_guess()));
-    all
-}
+use dalembert_tests::both::{Drawn, assert_same};
 
 /// In every scene of every model, and with other parameters, both compute the same to rounding.
 #[test]
@@ -85,17 +28,12 @@ fn compiled_and_interpreted_models_agree() {
                 list.iter().enumerate().map(|(i, x)| 0.9 * x + 0.05 * (i as f64 + phase).sin()).collect()
             };
             let (q, v) = (vary(&start.q, 0.3), vary(&start.v, 1.7));
-            let state = State { t: 0.37, a: vary(&q, 2.9), q, v };
-            assert_eq!(compiled.description().balances, interpreted.description().balances, "{}", entry.name);
-            let pairs = everything(&*compiled, &state).into_iter().zip(everything(&interpreted, &state));
-            for ((what, found), (_, expected)) in pairs {
-                assert_eq!(found.len(), expected.len(), "{}: {what}", entry.name);
-                let scale = expected.iter().filter(|x| x.is_finite()).fold(f64::MIN_POSITIVE, |m, x| m.max(x.abs()));
-                for (x, y) in found.iter().zip(&expected) {
-                    let same = (x - y).abs() <= 1e-12 * scale || x == y || x.is_nan() && y.is_nan();
-                    assert!(same, "{}, scene {scene}: {what}: {x} and {y}", entry.name);
-                }
-            }
+            let state = Drawn { t: 0.37, a: vary(&q, 2.9), q, v };
+            let (one, other) = (compiled.description(), interpreted.description());
+            assert_eq!(one.balances, other.balances, "{}", entry.name);
+            assert_eq!((&one.arguments, &one.input_jumps), (&other.arguments, &other.input_jumps), "{}", entry.name);
+            let name = format!("{}, scene {scene}", entry.name);
+            assert_same(&name, &*compiled, &interpreted, &state, 1e-12);
         }
     }
 }

@@ -25,9 +25,7 @@ pub(super) fn write_dense<Y: Block>(tableau: &Tableau, h: f64, y: &Y, end: &Y, s
     }
     for (terms, piece) in tableau.dense.iter().zip(pieces[4 * width..].chunks_exact_mut(width)) {
         for (k, out) in piece.chunks_exact_mut(2).enumerate() {
-            let sum = pair(terms, stages, 2 * k);
-            out[0] = h * sum[0];
-            out[1] = h * sum[1];
+            out.copy_from_slice(&pair(h, terms, stages, 2 * k));
         }
     }
 }

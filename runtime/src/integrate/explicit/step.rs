@@ -16,7 +16,10 @@ pub(crate) struct ExplicitRungeKutta<T, Y> {
     /// What rounding took from y in the last step.
     carry: Y,
     end: Y,
+    /// What the step that was tried adds to y, what was left over from the step before included.
     increment: Y,
+    /// The two estimates of the error.
+    estimates: [Y; 2],
     /// Rates of all stages; the first is that of y.
     stages: [Y; STAGES],
     /// The arguments of the last two stages, even ones first.
@@ -60,6 +63,7 @@ impl<T: Scheme, Y: Block> ExplicitRungeKutta<T, Y> {
             carry: zeros(),
             end: zeros(),
             increment: zeros(),
+            estimates: [zeros(), zeros()],
             stages: std::array::from_fn(|_| zeros()),
             arguments: [zeros(), zeros()],
             work: work.then(Quadrature::default),
@@ -101,11 +105,11 @@ impl<T: Scheme, Y: Block> ExplicitRungeKutta<T, Y> {
         let (y, carry, increment) = (self.y.all(), self.carry.all(), self.increment.all_mut());
         let end = self.end.all_mut();
         for k in 0..y.len() / 2 {
-            let sum = pair(T::TABLEAU.weights, &self.stages, 2 * k);
+            let sum = pair(h, T::TABLEAU.weights, &self.stages, 2 * k);
             for lane in 0..2 {
                 let i = 2 * k + lane;
-                increment[i] = h * sum[lane];
-                end[i] = y[i] + (increment[i] + carry[i]);
+                increment[i] = sum[lane] + carry[i];
+                end[i] = y[i] + increment[i];
             }
         }
         if let Some(work) = &mut self.work {
@@ -116,31 +120,32 @@ impl<T: Scheme, Y: Block> ExplicitRungeKutta<T, Y> {
 
     /// The error estimate in units of the tolerance: a root mean square over the components.
     #[inline(always)]
-    fn error(&self, h: f64, tolerance: &Tolerance) -> f64 {
-        let (y, increment) = (self.y.all(), self.increment.all());
-        if y.is_empty() {
-            return 0.0;
-        }
-        let mean_squares = |higher: &[Term], lower: &[Term]| {
-            let mut sums = [0.0; 2];
-            for k in 0..y.len() / 2 {
-                let (one, other) = (pair(higher, &self.stages, 2 * k), pair(lower, &self.stages, 2 * k));
-                for lane in 0..2 {
-                    let i = 2 * k + lane;
-                    let unit = tolerance.unit(i, y[i], y[i] + increment[i]);
-                    sums[0] += (one[lane] / unit).powi(2);
-                    sums[1] += (other[lane] / unit).powi(2);
-                }
+    fn error(&mut self, h: f64, tolerance: &Tolerance) -> f64 {
+        let (higher, lower) = T::TABLEAU.estimate.terms();
+        for (terms, estimate) in [higher, lower].into_iter().zip(&mut self.estimates) {
+            for (k, out) in estimate.all_mut().chunks_exact_mut(2).enumerate() {
+                out.copy_from_slice(&pair(h, terms, &self.stages, 2 * k));
             }
-            sums.map(|sum| sum / y.len() as f64)
-        };
+        }
+        let (end, rate) = (self.end.all(), self.stages[0].all());
+        let (higher, lower) = (self.estimates[0].all(), self.estimates[1].all());
+        let n = end.len() / 2;
+        let (mut five, mut three) = (0.0, 0.0);
+        for i in 0..n {
+            let units = tolerance.units(i, h, end, rate);
+            for (component, unit) in [i, n + i].into_iter().zip(units) {
+                let reciprocal = 1.0 / unit;
+                five += (higher[component] * reciprocal).powi(2);
+                three += (lower[component] * reciprocal).powi(2);
+            }
+        }
+        let mean = 1.0 / (2 * n).max(1) as f64;
         match T::TABLEAU.estimate {
             Estimate::None => 0.0,
-            Estimate::Single(terms) => h.abs() * mean_squares(terms, &[])[0].sqrt(),
-            Estimate::Pair { higher, lower } => {
-                let [five, three] = mean_squares(higher, lower);
+            Estimate::Single(_) => (five * mean).sqrt(),
+            Estimate::Pair { .. } => {
                 let both = five + 0.01 * three;
-                if both == 0.0 { 0.0 } else { h.abs() * five / both.sqrt() }
+                if both == 0.0 { 0.0 } else { five * (mean / both).sqrt() }
             }
         }
     }
@@ -168,10 +173,6 @@ macro_rules! stages {
 }
 
 impl<T: Scheme, Y: Block> OneStep for ExplicitRungeKutta<T, Y> {
-    fn order(&self) -> u32 {
-        T::TABLEAU.order
-    }
-
     fn control(&self) -> Control {
         T::TABLEAU.control
     }
@@ -219,10 +220,14 @@ impl<T: Scheme, Y: Block> OneStep for ExplicitRungeKutta<T, Y> {
         Ok(error)
     }
 
+    fn errors(&self) -> &[f64] {
+        self.estimates[0].all()
+    }
+
     fn accept(&mut self, compensated: bool) {
         let (y, end, increment) = (self.y.all(), self.end.all(), self.increment.all());
         for (i, carry) in self.carry.all_mut().iter_mut().enumerate() {
-            *carry = if compensated { (increment[i] + *carry) - (end[i] - y[i]) } else { 0.0 };
+            *carry = if compensated { increment[i] - (end[i] - y[i]) } else { 0.0 };
         }
         std::mem::swap(&mut self.y, &mut self.end);
         self.stages.swap(0, Self::END);

@@ -40,6 +40,17 @@ pub(crate) enum Estimate {
     },
 }
 
+impl Estimate {
+    /// The estimate's terms, and those of the second one.
+    pub const fn terms(&self) -> (&'static [Term], &'static [Term]) {
+        match self {
+            Estimate::None => (&[], &[]),
+            Estimate::Single(terms) => (terms, &[]),
+            Estimate::Pair { higher, lower } => (higher, lower),
+        }
+    }
+}
+
 /// A method as a type, so that its coefficients are constants to the compiler.
 pub(crate) trait Scheme: Send + 'static {
     /// Its coefficients.
@@ -50,6 +61,7 @@ pub(crate) trait Scheme: Send + 'static {
 #[derive(Debug)]
 pub(crate) struct Tableau {
     /// Order of the solution.
+    #[cfg_attr(not(test), expect(dead_code, reason = "what the tests hold the coefficients to"))]
     pub order: u32,
     /// (cᵢ, the non-zero aᵢⱼ) of each stage; the first is (0, nothing).
     pub rows: &'static [(f64, &'static [Term])],

@@ -13,8 +13,8 @@ mod tests;
 
 use nalgebra::Complex;
 
+use super::LinearError;
 use super::equilibrium::{Guess, equilibrium_near};
-use super::{LinearError, Linearised};
 use crate::mechanism::System;
 use threshold::thresholds;
 use walk::{End, Path, Walker};
@@ -156,7 +156,7 @@ fn collect(
         thresholds(walker, &points, &turns, branch);
         let last = match (turns.first(), end) {
             (None, End::Range) => return Ok(()),
-            (Some(turn), _) => turn.before.clone(),
+            (Some(turn), _) => turn.at.clone(),
             (None, _) => points[points.len() - 1].clone(),
         };
         let rest = if direction > 0.0 { (last.value, high) } else { (low, last.value) };
@@ -181,16 +181,10 @@ struct State {
     value: f64,
 }
 
-/// A fold: the states on both sides and itself.
+/// A fold.
 struct Turn {
-    before: State,
     at: State,
     /// The place of the state behind it in the path.
     index: usize,
     mirrored: bool,
-}
-
-/// The spectrum of a linear model is all that thresholds need.
-fn eigenvalues(linear: &Linearised) -> Result<Vec<Complex<f64>>, LinearError> {
-    linear.eigenvalues()
 }

@@ -2,8 +2,7 @@
 
 use nalgebra::{Complex, DMatrix};
 
-use super::eigenvalues;
-use crate::linear::matrices::{cholesky, is_symmetric, symmetric_eigen};
+use crate::linear::matrices::{Scaled, cholesky, is_symmetric, null_space, symmetric_eigen};
 use crate::linear::{LinearError, Linearised};
 
 /// Parts of an eigenvalue below this are what rounding makes of a double one.
@@ -19,7 +18,6 @@ pub(super) struct Spectrum {
     squares: bool,
     /// Symmetric: eigenvalues are real, and may pass each other.
     symmetric: bool,
-    dissipates: bool,
     /// Real parts up to this are rounding.
     floor: f64,
     /// All λ.
@@ -30,7 +28,10 @@ impl Spectrum {
     pub fn of(linear: &Linearised) -> Result<Spectrum, LinearError> {
         let stiffness = linear.k();
         let squares = linear.damping.is_zero();
+        let mut free = 0;
         let (mut values, symmetric) = if squares {
+            let failed = || LinearError::NoConvergence { what: "the singular value decomposition of K" };
+            free = null_space(&Scaled::new(&linear.mass).stiffness(&stiffness)).ok_or_else(failed)?.ncols();
             let factor = cholesky(&linear.m()).map_err(|index| linear.singular(index))?;
             let mut half = stiffness;
             factor.solve_lower_triangular_mut(&mut half);
@@ -39,12 +40,18 @@ impl Spectrum {
             let symmetric = linear.circulatory().is_zero();
             (of_matrix(whole.transpose(), symmetric)?, symmetric)
         } else {
-            (eigenvalues(linear)?.into_iter().filter(|x| x.norm() > 0.0).collect(), false)
+            (linear.eigenvalues()?.into_iter().filter(|x| x.norm() > 0.0).collect(), false)
         };
+        // Those that are 0 by rank stay what they are.
+        values.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
+        values.drain(..free.min(values.len()));
         let norm = values.iter().fold(0.0_f64, |most, x| most.max(x.norm()));
         let eigenvalues: Vec<Complex<f64>> = match squares {
-            true => values.iter().flat_map(|kappa| both_roots(*kappa)).collect(),
-            false => eigenvalues(linear)?,
+            true => {
+                let zeros = std::iter::repeat_n(Complex::new(0.0, 0.0), 2 * free);
+                zeros.chain(values.iter().flat_map(|kappa| both_roots(*kappa))).collect()
+            }
+            false => linear.eigenvalues()?,
         };
         let dissipates = !linear.dissipative().is_zero();
         let floor = if dissipates { 64.0 * linear.len() as f64 * f64::EPSILON } else { SPLIT };
@@ -54,7 +61,7 @@ impl Spectrum {
             values.sort_by(|a, b| a.re.total_cmp(&b.re));
         }
         let floor = if squares { SPLIT } else { floor * norm };
-        Ok(Spectrum { values, squares, symmetric, dissipates, floor, eigenvalues })
+        Ok(Spectrum { values, squares, symmetric, floor, eigenvalues })
     }
 
     /// How many modes grow.
@@ -62,7 +69,7 @@ impl Spectrum {
         self.values.iter().filter(|x| self.grows(x, SPLIT)).count()
     }
 
-    /// The same by a finer measure, which double eigenvalues with one shape may not bear.
+    /// The same by a finer measure of κ, which double ones with one shape may not bear.
     pub fn finely_growing(&self) -> usize {
         self.values.iter().filter(|x| self.grows(x, ROUNDING)).count()
     }
@@ -72,8 +79,8 @@ impl Spectrum {
         match self.squares {
             // √−κ has a positive real part: κ < 0, or a pair off the axis.
             true => (real && x.re < 0.0) || (!real && x.im > 0.0),
-            false if self.dissipates => x.re > self.floor && x.im >= 0.0,
-            false => x.re > self.floor * part / SPLIT && x.im >= 0.0,
+            // Between two that are δ apart rounding leaves real parts of ε/δ: no measure is finer than √ε.
+            false => x.re > self.floor && x.im >= 0.0,
         }
     }
 

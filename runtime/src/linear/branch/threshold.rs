@@ -52,7 +52,15 @@ pub(super) fn thresholds(walker: &Walker<'_>, points: &[State], turns: &[Turn], 
     for (index, pair) in samples.windows(2).enumerate() {
         let [Some(a), Some(b)] = pair else { continue };
         if turns.iter().any(|turn| turn.index == index + 1) {
-            // The fold has been named; on both sides of it the same modes are nearly without stiffness.
+            // The fold itself has been named: up to it, and on from it.
+            for turn in turns.iter().filter(|turn| turn.index == index + 1) {
+                for (end, first) in [(a, true), (b, false)] {
+                    let near = walker.between(&end.state, &turn.at, 0.98);
+                    let Some(Ok(near)) = near.map(|state| sample(walker, state, end.folded)) else { continue };
+                    let (low, high) = if first { (end, &near) } else { (&near, end) };
+                    search.between(low, high, 0, &mut found, &mut branch.thresholds);
+                }
+            }
             continue;
         }
         search.between(a, b, 0, &mut found, &mut branch.thresholds);
@@ -98,7 +106,7 @@ impl Search<'_> {
         }
         let Some(middle) = self.middle(a, b) else {
             if differ {
-                found.push(threshold(a, b));
+                found.push(threshold(a, b, [a.spectrum.growing(), b.spectrum.growing()]));
             }
             return;
         };
@@ -128,25 +136,21 @@ impl Search<'_> {
                 break;
             }
         }
-        let mut here = threshold(&low, &high);
-        here.growing =
-            if low.state.value <= high.state.value { [grew, growing(&high)] } else { [growing(&high), grew] };
-        found.push(here);
+        found.push(threshold(&low, &high, [grew, growing(&high)]));
         if growing(&high) != growing(b) {
             self.between(&high, b, SHALLOW, kept, found);
         }
     }
 }
 
-fn threshold(a: &Sample, b: &Sample) -> Threshold {
-    let (below, above) = if a.state.value <= b.state.value { (a, b) } else { (b, a) };
-    let grows = [below.spectrum.growing(), above.spectrum.growing()];
-    let more = if grows[0] > grows[1] { below } else { above };
+/// Between two states in which so many modes grow.
+fn threshold(a: &Sample, b: &Sample, growing: [usize; 2]) -> Threshold {
+    let more = if growing[0] > growing[1] { a } else { b };
     let omega = more.spectrum.border().unwrap_or(0.0);
     Threshold {
         value: 0.5 * (a.state.value + b.state.value),
         kind: if omega > 0.0 { ThresholdKind::Flutter } else { ThresholdKind::Divergence },
-        growing: grows,
+        growing: if a.state.value <= b.state.value { growing } else { [growing[1], growing[0]] },
         omega,
         folded: a.folded,
     }

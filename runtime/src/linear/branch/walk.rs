@@ -25,7 +25,7 @@ const BALANCED: f64 = 1e-11;
 pub(super) struct Walker<'a> {
     probe: Probe,
     system: Box<dyn System>,
-    names: &'a Guess,
+    guess: &'a Guess,
     parameter: usize,
     pub range: (f64, f64),
 }
@@ -50,7 +50,7 @@ impl<'a> Walker<'a> {
         system: &S,
         parameter: usize,
         range: (f64, f64),
-        names: &'a Guess,
+        guess: &'a Guess,
     ) -> Result<Self, LinearError> {
         let count = system.parameters().len();
         if parameter >= count {
@@ -59,7 +59,7 @@ impl<'a> Walker<'a> {
         if !(range.0.is_finite() && range.1.is_finite() && range.0 < range.1) {
             return Err(LinearError::NonFinite { what: "the range of the parameter".to_owned() });
         }
-        Ok(Walker { probe: Probe::new(system, names), system: system.boxed_clone(), names, parameter, range })
+        Ok(Walker { probe: Probe::new(system, guess), system: system.boxed_clone(), guess, parameter, range })
     }
 
     pub fn size(&self) -> usize {
@@ -74,7 +74,7 @@ impl<'a> Walker<'a> {
     pub fn linearise(&self, state: &State) -> Result<Linearised, LinearError> {
         self.probe.set_parameter(self.parameter, state.value);
         self.probe.check(&state.q)?;
-        linearised_at(&*self.system, &self.probe, &Guess { q: state.q.clone(), ..self.names.clone() })
+        linearised_at(&*self.system, &self.probe, &Guess { q: state.q.clone(), ..self.guess.clone() })
     }
 
     /// From one value to another, outside of the range, by equilibria that belong together.
@@ -114,7 +114,7 @@ impl<'a> Walker<'a> {
     fn search(&self, value: f64, q: &[f64]) -> Result<Vec<f64>, LinearError> {
         let mut system = self.system.boxed_clone();
         system.set_parameter(self.parameter, value);
-        Ok(equilibrium_near(&*system, &Guess { q: q.to_vec(), ..self.names.clone() })?.q)
+        Ok(equilibrium_near(&*system, &Guess { q: q.to_vec(), ..self.guess.clone() })?.q)
     }
 
     /// Another branch, a little beyond the end of one.
@@ -171,7 +171,7 @@ impl<'a> Walker<'a> {
                 && let Some(at) = self.fold(here, &next, tangent[n], &units)
             {
                 let mirrored = self.is_bifurcation(&at, tangent[n], &units);
-                path.turns.push(Turn { before: here.clone(), at, index: path.points.len(), mirrored });
+                path.turns.push(Turn { at, index: path.points.len(), mirrored });
             }
             reach.iter_mut().zip(&next.q).for_each(|(reach, q)| *reach = reach.max(q.abs()));
             units = self.units(&reach);
@@ -307,8 +307,9 @@ impl<'a> Walker<'a> {
         let mut at = None;
         for _ in 0..48 {
             let middle = 0.5 * (low + high);
-            let state = self.between(a, b, middle)?;
-            let tangent = self.tangent(&state, &chord, units)?;
+            // Where branches cross, no direction is left in the end; by then the place is known.
+            let Some(state) = self.between(a, b, middle) else { break };
+            let Some(tangent) = self.tangent(&state, &chord, units) else { break };
             if tangent[n] * sign > 0.0 {
                 low = middle
             } else {

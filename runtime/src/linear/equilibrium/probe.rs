@@ -121,7 +121,10 @@ impl Probe {
         let near = ON_SURFACE * q.iter().fold(1.0_f64, |most, q| most.max(q.abs()));
         let arguments = self.arguments(0.0, q, &self.v);
         let system = self.system.borrow();
-        let of_state = |index: &usize| !system.description().switches[*index].time_only;
+        let of_state = |index: &usize| {
+            let switch = &system.description().switches[*index];
+            !switch.time_only || switch.of_input
+        };
         (0..arguments.len()).filter(of_state).filter(|index| arguments[*index].abs() <= near).collect()
     }
 
@@ -143,6 +146,11 @@ impl Probe {
         OneSide { force: self.present_force(0.0, q, &self.v), derivatives }
     }
 
+    /// True for equations that are linear with constant coefficients.
+    pub fn is_linear(&self) -> bool {
+        self.system.borrow().description().structure.linear
+    }
+
     /// True where no force can jump: a linear mechanism, or nothing but potentials.
     pub fn is_smooth(&self) -> bool {
         let system = self.system.borrow();
@@ -155,7 +163,7 @@ impl Probe {
     /// Rounding leaves some ε of it; forces that are far below it are balanced.
     pub fn measure(&self, q: &[f64]) -> Vec<f64> {
         self.settle(0.0, q, &self.v);
-        let mut sums = self.magnitudes(q, &self.v);
+        let mut sums = self.magnitudes(q);
         let [_, damping, stiffness] = self.present_matrices(q);
         for (matrix, state) in [(stiffness, q), (damping, &self.v)] {
             for (row, column, value) in &matrix.entries {
@@ -165,7 +173,12 @@ impl Probe {
         sums
     }
 
-    fn magnitudes(&self, q: &[f64], v: &[f64]) -> Vec<f64> {
+    /// Σ |terms| of each force.
+    pub fn magnitudes(&self, q: &[f64]) -> Vec<f64> {
+        self.magnitudes_moving(q, &self.v)
+    }
+
+    fn magnitudes_moving(&self, q: &[f64], v: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; self.n];
         self.system.borrow().magnitudes(At::new(0.0, q, v).accelerated(&self.zero), &mut sums);
         sums
@@ -176,7 +189,7 @@ impl Probe {
         let [mass, mut damping, mut stiffness] = self.matrices(q);
         let near: Vec<f64> = q.iter().map(|q| q * (1.0 + 1e-7)).collect();
         let [_, damping_near, stiffness_near] = self.present_matrices(&near);
-        let here = self.magnitudes(q, &self.v);
+        let here = self.magnitudes(q);
         for (matrix, near, of_speed) in [(&mut damping, damping_near, true), (&mut stiffness, stiffness_near, false)] {
             let largest = matrix.entries.iter().fold(0.0_f64, |most, e| most.max(e.2.abs()));
             let doubtful = |value: f64| value != 0.0 && value.abs() <= 1e-9 * largest;
@@ -198,7 +211,7 @@ impl Probe {
         let moved = if of_speed { &mut v[index] } else { &mut q[index] };
         let step = (1e-7 * moved.abs()).max(1e-12);
         *moved += step;
-        self.magnitudes(&q, &v).iter().zip(here).map(|(there, here)| (there - here).abs() / step).collect()
+        self.magnitudes_moving(&q, &v).iter().zip(here).map(|(there, here)| (there - here).abs() / step).collect()
     }
 
     /// M, ∂F/∂q' and ∂F/∂q.

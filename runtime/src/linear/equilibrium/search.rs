@@ -339,11 +339,28 @@ fn shorten(probe: &Probe, rows: &Rows, q: &[f64], step: &[f64], force: &[f64]) -
     loop {
         let next: Vec<f64> = q.iter().zip(step).map(|(q, s)| q + factor * s).collect();
         let there = probe.force(&next);
-        if rows.size(&there) < (1.0 - 1e-4 * factor) * before || factor < 1e-9 {
+        let falls = rows.size(&there) < (1.0 - 1e-4 * factor) * before;
+        if (falls && !crosses_a_pole(probe, q, &next)) || factor < 1e-9 {
             return (next, there, factor);
         }
         factor *= 0.5;
     }
+}
+
+/// True where forces rise far above those at both ends on the way: what lies behind a pole is not for this search.
+fn crosses_a_pole(probe: &Probe, from: &[f64], to: &[f64]) -> bool {
+    const SAMPLES: u32 = 16;
+    const RISE: f64 = 30.0;
+    let long = from.iter().zip(to).any(|(a, b)| (a - b).abs() > 0.05 * a.abs().max(b.abs()));
+    if !long || probe.is_linear() {
+        return false;
+    }
+    let ends: Vec<f64> = probe.magnitudes(from).into_iter().zip(probe.magnitudes(to)).map(|(a, b)| a.max(b)).collect();
+    (1..SAMPLES).any(|k| {
+        let part = f64::from(k) / f64::from(SAMPLES);
+        let point: Vec<f64> = from.iter().zip(to).map(|(a, b)| a + part * (b - a)).collect();
+        probe.magnitudes(&point).iter().zip(&ends).any(|(there, ends)| *ends > 0.0 && *there > RISE * ends)
+    })
 }
 
 impl fmt::Display for Equilibrium {

@@ -1,17 +1,19 @@
 //! Antiderivatives in closed form: energies of springs from their tensions.
 
 use super::facts::{Depends, Facts};
-use super::substitute::{bottom_up, substitute};
-use crate::expr::{Binary, Graph, Id, Node, Number, Rational, Symbol, Unary, partial};
+use super::substitute::bottom_up;
+use super::waves::{by_parts, product_of_waves};
+use crate::expr::{Binary, Graph, Id, Node, Number, Rational, Symbol, Unary};
 
 /// Terms beyond which no closed form is looked for.
-const TERM_LIMIT: usize = 64;
+pub(super) const TERM_LIMIT: usize = 64;
 
 /// A term c xᵖ; the exponent is a node that does not contain x.
-type Term = (Id, Id);
+pub(super) type Term = (Id, Id);
 
 /// ∫ e dx for sums of powers c xᵖ (a logarithm for p = −1) and of `max(c, f)`, `min(c, f)`, `f*step(f)`, `abs(f)`,
-/// `step(f)`, `exp(f)`, `sin(f)`, `cos(f)`, `sinh(f)`, `cosh(f)`, `tanh(f)` with f linear in x; `None` for other laws.
+/// `step(f)`, `exp(f)`, `sin(f)`, `cos(f)`, `sinh(f)`, `cosh(f)`, `tanh(f)`, roots and powers of f with f linear in x, of
+/// products of sines and cosines of such f, and of a polynomial with one of them or `exp(f)`; `None` for other laws.
 ///
 /// For an exponent that is no number p + 1 is divided by, so that p = −1 has no finite value.
 pub fn antiderivative(graph: &mut Graph, facts: &mut Facts, root: Id, x: Symbol) -> Option<Id> {
@@ -85,110 +87,6 @@ fn integrated(graph: &mut Graph, terms: Vec<Term>, x: Symbol) -> Id {
         sum = graph.add(sum, term);
     }
     sum
-}
-
-/// The factors of a product.
-fn factors(graph: &Graph, root: Id) -> Vec<Id> {
-    let mut open = vec![root];
-    let mut found = Vec::new();
-    while let Some(id) = open.pop() {
-        match graph.node(id) {
-            Node::Binary(Binary::Mul, a, b) if found.len() + open.len() < TERM_LIMIT => open.extend([a, b]),
-            _ => found.push(id),
-        }
-    }
-    found
-}
-
-fn product(graph: &mut Graph, factors: &[Id]) -> Id {
-    factors.iter().fold(Id::ONE, |product, factor| graph.mul(product, *factor))
-}
-
-/// The first two sines or cosines of a product as waves of the sum and the difference of their phases:
-/// 2 sin f sin g = cos(f − g) − cos(f + g) and its like.
-fn product_of_waves(graph: &mut Graph, root: Id) -> Option<[(Id, Id); 2]> {
-    let wave = |graph: &Graph, id: Id| match graph.node(id) {
-        Node::Unary(function @ (Unary::Sin | Unary::Cos), f) => Some((function, f)),
-        _ => None,
-    };
-    let mut rest = factors(graph, root);
-    let mut take = |graph: &Graph| {
-        let place = rest.iter().position(|id| wave(graph, *id).is_some())?;
-        wave(graph, rest.remove(place))
-    };
-    let (first, second) = (take(graph)?, take(graph)?);
-    let ((sine, f), (other, g)) = if first.0 == Unary::Sin { (first, second) } else { (second, first) };
-    let (sum, difference) = (graph.add(f, g), graph.sub(f, g));
-    let outer = if sine == other { Unary::Cos } else { Unary::Sin };
-    let waves = [graph.unary(outer, difference), graph.unary(outer, sum)];
-    let half = graph.rational(Rational::HALF);
-    let minus = if (sine, other) == (Unary::Sin, Unary::Sin) { graph.neg(half) } else { half };
-    let rest = product(graph, &rest);
-    Some([(half, graph.mul(waves[0], rest)), (minus, graph.mul(waves[1], rest))])
-}
-
-/// ∫ p(x) w(f) dx for a polynomial p and a sine, cosine or exponential w of a linear f = s x + c, by parts:
-/// p W/s − p' WW/s² + … with W, WW, … the integrals of w in its argument.
-fn by_parts(graph: &mut Graph, facts: &mut Facts, root: Id, x: Symbol) -> Option<Id> {
-    let mut rest = factors(graph, root);
-    let known = |id: &Id| matches!(graph.node(*id), Node::Unary(Unary::Sin | Unary::Cos | Unary::Exp, _));
-    let place = rest.iter().position(known)?;
-    let Node::Unary(mut function, f) = graph.node(rest.remove(place)) else { return None };
-    let rest = product(graph, &rest);
-    if rest == Id::ONE {
-        return None;
-    }
-    let slope = slope(graph, facts, f, x)?;
-    let terms = powers(graph, facts, rest, x)?;
-    let whole = |exponent: Id| match graph.number(exponent) {
-        Some(Number::Exact(n)) => n.to_integer().is_some_and(|n| (0..=64).contains(&n)),
-        _ => false,
-    };
-    if !terms.iter().all(|(_, exponent)| whole(*exponent)) {
-        return None;
-    }
-    let (mut polynomial, mut sum, mut negative) = (rest, Id::ZERO, false);
-    while polynomial != Id::ZERO {
-        (function, negative) = match function {
-            Unary::Sin => (Unary::Cos, !negative),
-            Unary::Cos => (Unary::Sin, negative),
-            _ => (function, negative),
-        };
-        polynomial = graph.div(polynomial, slope);
-        let wave = graph.unary(function, f);
-        let term = graph.mul(polynomial, wave);
-        sum = if negative { graph.sub(sum, term) } else { graph.add(sum, term) };
-        let derivative = partial(graph, polynomial, x);
-        polynomial = graph.neg(derivative);
-    }
-    Some(sum)
-}
-
-/// The values of x at which something linear in it vanishes, of everything in an expression that is linear in x.
-pub fn roots_of_linear(graph: &mut Graph, facts: &mut Facts, root: Id, x: Symbol) -> Vec<Id> {
-    let mut linear = Vec::new();
-    let _: Option<((), u64)> = bottom_up(
-        graph,
-        facts,
-        root,
-        |_| (),
-        |graph, _, id, _| {
-            match graph.node(id) {
-                Node::Binary(Binary::Min | Binary::Max, a, b) => linear.push(graph.sub(a, b)),
-                _ => linear.push(id),
-            }
-            Some(())
-        },
-    );
-    let mut roots = Vec::new();
-    for f in linear {
-        if let Some(slope) = slope(graph, facts, f, x) {
-            let (constant, _) = substitute(graph, facts, f, x, Id::ZERO);
-            let quotient = graph.div(constant, slope);
-            roots.push(graph.neg(quotient));
-        }
-    }
-    roots
 }
 
 /// ∫ F(f) dx = (∫F)(f)/s for f = s x + c.
@@ -269,7 +167,7 @@ fn of_linear(graph: &mut Graph, facts: &mut Facts, node: Id, x: Symbol) -> Optio
 }
 
 /// s where f = s x + c with s ≠ 0.
-fn slope(graph: &mut Graph, facts: &mut Facts, f: Id, x: Symbol) -> Option<Id> {
+pub(super) fn slope(graph: &mut Graph, facts: &mut Facts, f: Id, x: Symbol) -> Option<Id> {
     let terms = powers(graph, facts, f, x)?;
     let linear = terms.iter().all(|(_, exponent)| matches!(*exponent, Id::ZERO | Id::ONE));
     let found = terms.iter().find(|(_, exponent)| *exponent == Id::ONE).map(|(slope, _)| *slope);
@@ -277,7 +175,7 @@ fn slope(graph: &mut Graph, facts: &mut Facts, f: Id, x: Symbol) -> Option<Id> {
 }
 
 /// The expression as a sum of powers.
-fn powers(graph: &mut Graph, facts: &mut Facts, root: Id, x: Symbol) -> Option<Vec<Term>> {
+pub(super) fn powers(graph: &mut Graph, facts: &mut Facts, root: Id, x: Symbol) -> Option<Vec<Term>> {
     let leaf = |id: Id| vec![(id, Id::ZERO)];
     let found = bottom_up(graph, facts, root, leaf, |graph, facts, top, known| {
         let terms = match graph.node(top) {
@@ -355,7 +253,7 @@ fn equal_numbers(graph: &Graph, a: Id, b: Id) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::expr::Tape;
+    use crate::expr::{Tape, partial};
 
     #[test]
     fn derivatives_of_antiderivatives_are_the_laws() {
@@ -383,6 +281,14 @@ mod tests {
             let scaled = g.mul(k, tanh);
             laws.push(g.sub(scaled, cube));
         }
+        let (sine, cosine, exponential) =
+            (g.unary(Unary::Sin, line), g.unary(Unary::Cos, linear), g.unary(Unary::Exp, line));
+        let (square, waves) = (g.mul(sine, sine), g.mul(sine, cosine));
+        let (root, general) = (g.unary(Unary::Sqrt, positive), g.pow(positive, k));
+        let inverse = g.div(k, root);
+        let parts = [sine, cosine, exponential, waves].map(|wave| g.mul(cube, wave));
+        laws.extend([square, waves, root, general, inverse]);
+        laws.extend(parts);
         for law in laws {
             let mut facts = Facts::default();
             let energy = antiderivative(&mut g, &mut facts, law, symbol).unwrap();

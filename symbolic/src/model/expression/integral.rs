@@ -4,8 +4,11 @@
 //! Each ∫ φ dx is found by itself: polynomials by the rule of Gauss that is exact for them; else an antiderivative or
 //! a rule of quadrature, whichever is first to hold at the values that `trial.rs` draws for parameters and coordinates.
 
-use super::antiderivative::{antiderivative, roots_of_linear};
+use std::collections::HashSet;
+
+use super::antiderivative::antiderivative;
 use super::bench::Bench;
+use super::lines::roots_of_linear;
 use super::quadrature::{gauss_legendre, tanh_sinh};
 use super::substitute::{bottom_up, degree, substitute};
 use super::trial::{Piece, Trial};
@@ -90,7 +93,25 @@ fn closed(bench: &mut Bench, e: Id, trial: &Trial) -> Option<Id> {
     let [from, to] = limits.map(|end| substitute(&mut bench.graph, &mut bench.facts, primitive, symbol, end).0);
     let value = bench.graph.sub(to, from);
     let entire = is_entire(bench, e);
-    trial.accepts(bench, value, entire).then_some(value)
+    (!may_divide_by_zero(&bench.graph, value, e) && trial.accepts(bench, value, entire)).then_some(value)
+}
+
+/// Whether some divisor that the integrand does not have is a sum, which parameters far from their defaults could make
+/// 0: ∫ sin(a x) sin(b x) dx at a = b.
+fn may_divide_by_zero(graph: &Graph, value: Id, e: Id) -> bool {
+    let is_sum = |id: Id| matches!(graph.node(id), Node::Binary(Binary::Add | Binary::Sub, _, _));
+    let divisors = |root: Id| -> HashSet<Id> {
+        let needed = graph.reachable([root]);
+        let quotients = (0..needed.len()).filter(|i| needed[*i]).map(|i| graph.id_at(i));
+        quotients
+            .filter_map(|id| if let Node::Binary(Binary::Div, _, y) = graph.node(id) { Some(y) } else { None })
+            .collect()
+    };
+    let known = divisors(e);
+    divisors(value).difference(&known).any(|divisor| {
+        let needed = graph.reachable([*divisor]);
+        (0..needed.len()).any(|i| needed[i] && is_sum(graph.id_at(i)))
+    })
 }
 
 /// The rule with the fewest points that agrees with its own refinement and with the survey.
@@ -104,9 +125,11 @@ fn cheapest<'a>(
     type Family = (fn(usize) -> Vec<RuleNode>, &'static [usize]);
     let gauss: Family = (gauss_rule, &[16, 24, 32, 48, 64, 96, 128, 192]);
     let root: Family = (root_rule, &[12, 16, 24, 32, 48, 64]);
-    let exponential: Family = (|n| tanh_sinh(n as u32), &[6, 8, 12, 16, 24, 32]);
+    let exponential: Family = (|n| tanh_sinh(n).to_vec(), &[6, 8, 12, 16, 24, 32, 48, 64, 96]);
+    let dyadic: Family = (dyadic_rule, &[4, 6, 8, 10, 12, 16]);
+    let families = [(whole, gauss), (split, gauss), (split, root), (split, exponential), (split, dyadic)];
     let mut best: Option<(&[Piece], Vec<RuleNode>)> = None;
-    for (pieces, (rule, sizes)) in [(whole, gauss), (split, gauss), (split, root), (split, exponential)] {
+    for (pieces, (rule, sizes)) in families {
         let mut coarse: Option<(Vec<RuleNode>, Vec<DoubleDouble>)> = None;
         for &n in sizes {
             let nodes = rule(n);
@@ -138,9 +161,8 @@ fn by_rule(bench: &mut Bench, pieces: &[Piece], nodes: &[RuleNode], place: &Plac
         for (distance, right, weight) in nodes {
             let share = bench.graph.double_double(*distance);
             let offset = bench.graph.mul(share, piece.width);
-            let (from, symbol) =
-                if *right { (piece.from_right, Piece::OFFSET) } else { (piece.from_left, Piece::OFFSET) };
-            let (value, visited) = substitute(&mut bench.graph, &mut bench.facts, from, symbol, offset);
+            let from = if *right { piece.from_right } else { piece.from_left };
+            let (value, visited) = substitute(&mut bench.graph, &mut bench.facts, from, Piece::OFFSET, offset);
             if !bench.spend(visited, place) {
                 return Id::ZERO;
             }
@@ -156,20 +178,37 @@ fn by_rule(bench: &mut Bench, pieces: &[Piece], nodes: &[RuleNode], place: &Plac
 
 /// Gauss and Legendre's rule.
 fn gauss_rule(n: usize) -> Vec<RuleNode> {
-    let half = |(x, w): (DoubleDouble, DoubleDouble)| {
+    let half = |&(x, w): &(DoubleDouble, DoubleDouble)| {
         let right = x > DoubleDouble::ZERO;
         ((-x.abs() + 1.0) * 0.5, right, w * 0.5)
     };
-    gauss_legendre(n).into_iter().map(half).collect()
+    gauss_legendre(n).iter().map(half).collect()
 }
 
 /// The same in s, where the distance from an end is s²/2: for roots, and inverse roots, at the ends.
 fn root_rule(n: usize) -> Vec<RuleNode> {
     let mut nodes = Vec::new();
     for right in [false, true] {
-        for (x, w) in gauss_legendre(n) {
+        for &(x, w) in gauss_legendre(n) {
             let s = (x + 1.0) * 0.5;
             nodes.push((s * s * 0.5, right, w * s * 0.5));
+        }
+    }
+    nodes
+}
+
+/// Panels that are halved towards both ends `halvings` times, with more points on each the more there are: for peaks
+/// at the ends.
+fn dyadic_rule(halvings: usize) -> Vec<RuleNode> {
+    let mut nodes = Vec::new();
+    for k in 0..=halvings {
+        // From 2^(−k−2) to 2^(−k−1), the last from 0.
+        let end = DoubleDouble::from(2_f64.powi(-(k as i32) - 1));
+        let start = if k == halvings { DoubleDouble::ZERO } else { end * 0.5 };
+        let half = (end - start) * 0.5;
+        for &(x, w) in gauss_legendre(2 * halvings + 8) {
+            let distance = start + half * (x + 1.0);
+            nodes.extend([false, true].map(|right| (distance, right, w * half)));
         }
     }
     nodes
@@ -188,7 +227,7 @@ fn gauss(bench: &mut Bench, e: Id, over: Over, points: usize, place: &Place) -> 
     let (sum, width) = (bench.graph.add(from, to), bench.graph.sub(to, from));
     let (middle, reach) = (bench.graph.mul(half, sum), bench.graph.mul(half, width));
     let mut total = Id::ZERO;
-    for (node, weight) in gauss_legendre(points) {
+    for &(node, weight) in gauss_legendre(points) {
         let node = bench.graph.double_double(node);
         let offset = bench.graph.mul(node, reach);
         let at = bench.graph.add(middle, offset);

@@ -1,38 +1,47 @@
 //! Rules of quadrature, in double-double.
 
+use std::sync::OnceLock;
+
 use crate::number::DoubleDouble;
 
-/// Nodes on [−1, 1] and weights of the n-point rule of Gauss and Legendre, exact for polynomials up to degree 2n − 1.
+/// Nodes on [−1, 1] and weights of the n-point rule of Gauss and Legendre, exact for polynomials up to degree 2n − 1;
+/// n is at most [`LARGEST`].
 ///
 /// The nodes are the roots of the Legendre polynomial Pₙ, found by Newton's method from cos(π(k − ¼)/(n + ½));
 /// the weights are 2/((1 − x²) Pₙ'(x)²).  Source: Abramowitz and Stegun (1964), 25.4.29.
-pub fn gauss_legendre(n: usize) -> Vec<(DoubleDouble, DoubleDouble)> {
-    let node = |k: usize| {
-        let guess = (std::f64::consts::PI * (k as f64 + 0.75) / (n as f64 + 0.5)).cos();
-        let mut x = DoubleDouble::from(guess);
-        for _ in 0..100 {
-            let (value, slope) = legendre(n, x);
-            let step = value / slope;
-            x = x - step;
-            // The digits double: after a step of 1e-18 all are right.
-            if step.to_f64().abs() <= 1e-18 {
-                break;
-            }
-        }
-        x
-    };
-    let rule = |k: usize| {
-        // The rule is symmetric: its negative half mirrors the positive one, and an odd rule has a node at 0.
-        let mirrored = n - 1 - k;
-        let x = match k.cmp(&mirrored) {
-            std::cmp::Ordering::Less => node(k),
-            std::cmp::Ordering::Equal => DoubleDouble::ZERO,
-            std::cmp::Ordering::Greater => -node(mirrored),
+pub fn gauss_legendre(n: usize) -> &'static [(DoubleDouble, DoubleDouble)] {
+    static RULES: [OnceLock<Vec<(DoubleDouble, DoubleDouble)>>; LARGEST + 1] = [const { OnceLock::new() }; LARGEST + 1];
+    RULES[n.min(LARGEST)].get_or_init(|| {
+        let rule = |k: usize| {
+            // The rule is symmetric: its negative half mirrors the positive one, and an odd rule has a node at 0.
+            let mirrored = n - 1 - k;
+            let x = match k.cmp(&mirrored) {
+                std::cmp::Ordering::Less => root_of_legendre(n, k),
+                std::cmp::Ordering::Equal => DoubleDouble::ZERO,
+                std::cmp::Ordering::Greater => -root_of_legendre(n, mirrored),
+            };
+            let (_, slope) = legendre(n, x);
+            (x, DoubleDouble::from(2.0) / ((-(x * x) + 1.0) * slope * slope))
         };
-        let (_, slope) = legendre(n, x);
-        (x, DoubleDouble::from(2.0) / ((-(x * x) + 1.0) * slope * slope))
-    };
-    (0..n).map(rule).collect()
+        (0..n).map(rule).collect()
+    })
+}
+
+/// Points of the largest rule of Gauss, and steps to a unit of the densest rule of Takahasi and Mori.
+pub const LARGEST: usize = 192;
+
+/// The k-th largest root, by Newton's method: a step doubles the digits.
+fn root_of_legendre(n: usize, k: usize) -> DoubleDouble {
+    let mut x = DoubleDouble::from((std::f64::consts::PI * (k as f64 + 0.75) / (n as f64 + 0.5)).cos());
+    for _ in 0..100 {
+        let (value, slope) = legendre(n, x);
+        let step = value / slope;
+        x = x - step;
+        if step.to_f64().abs() <= 1e-18 {
+            break;
+        }
+    }
+    x
 }
 
 /// Pₙ(x) and Pₙ'(x) by the three-term recurrence, for |x| < 1.
@@ -53,20 +62,22 @@ fn legendre(n: usize, x: DoubleDouble) -> (DoubleDouble, DoubleDouble) {
 /// Nodes and weights on [0, 1] of the rule of Takahasi and Mori (1974), x = (1 + tanh(π/2 sinh t))/2 for t in steps of
 /// 1/`density`: a node is given by its distance from the nearer end, and by whether that is the right one.  Exact to
 /// rounding for functions that are analytic inside, with any integrable powers and logarithms at the ends.
-pub fn tanh_sinh(density: u32) -> Vec<(DoubleDouble, bool, DoubleDouble)> {
+pub fn tanh_sinh(density: usize) -> &'static [(DoubleDouble, bool, DoubleDouble)] {
     /// Where distances are 1e-70, so that a root's inverse has 35 digits.
     const REACH: f64 = 4.63;
-    let last = (REACH * f64::from(density)).floor() as i64;
-    let step = DoubleDouble::ONE / DoubleDouble::from(f64::from(density));
-    let node = |k: i64| {
-        let t = step * k.unsigned_abs() as f64;
-        let tail = (DoubleDouble::PI * -t.sinh()).exp();
-        let below = tail + 1.0;
-        let distance = tail / below;
-        let weight = step * DoubleDouble::PI * t.cosh() * tail / (below * below);
-        (distance, k > 0, weight)
-    };
-    (-last..=last).map(node).collect()
+    static RULES: [OnceLock<Vec<(DoubleDouble, bool, DoubleDouble)>>; LARGEST + 1] =
+        [const { OnceLock::new() }; LARGEST + 1];
+    RULES[density.min(LARGEST)].get_or_init(|| {
+        let last = (REACH * density as f64).floor() as i64;
+        let step = DoubleDouble::ONE / DoubleDouble::from(density as f64);
+        let node = |k: i64| {
+            let t = step * k.unsigned_abs() as f64;
+            let tail = (DoubleDouble::PI * -t.sinh()).exp();
+            let below = tail + 1.0;
+            (tail / below, k > 0, step * DoubleDouble::PI * t.cosh() * tail / (below * below))
+        };
+        (-last..=last).map(node).collect()
+    })
 }
 
 #[cfg(test)]
@@ -98,10 +109,10 @@ mod tests {
     #[test]
     fn inverse_roots_and_logarithms_at_an_end_are_integrated() {
         let integrate = |f: fn(DoubleDouble) -> DoubleDouble| {
-            let term = |(distance, right, weight): (DoubleDouble, bool, DoubleDouble)| {
+            let term = |&(distance, right, weight): &(DoubleDouble, bool, DoubleDouble)| {
                 weight * f(if right { -distance + 1.0 } else { distance })
             };
-            tanh_sinh(16).into_iter().map(term).fold(DoubleDouble::ZERO, |sum, term| sum + term)
+            tanh_sinh(16).iter().map(term).fold(DoubleDouble::ZERO, |sum, term| sum + term)
         };
         let near = |found: DoubleDouble, exact: f64| (found + -exact).abs().to_f64() < 1e-28;
         assert!(near(integrate(|x| DoubleDouble::ONE / x.sqrt()), 2.0));

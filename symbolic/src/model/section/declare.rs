@@ -226,7 +226,7 @@ impl Resolver<'_> {
             problems.push(mechanics::incomplete_body(inertia.place.of_key(), &family.key.name, "inertia", "angle"));
         }
         if let (Some(turns), None) = (&turns, &inertia)
-            && !mass.as_ref().is_some_and(|mass| &*mass.text.source == "0")
+            && mass.as_ref().is_none_or(|mass| &*mass.text.source != "0")
         {
             let warning = mechanics::no_inertia(turns.place.of_key(), &family.key.name);
             self.model.warnings.push(warning);

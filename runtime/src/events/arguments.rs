@@ -1,0 +1,182 @@
+//! Arguments of local functions along a step.
+
+use super::certify::{Certifier, Deed, PHASE, Sample};
+use crate::integrate::Segment;
+use crate::mechanism::{At, Role, System, Watched};
+
+/// Evaluates the arguments that a description lists, and tells where a function has to be looked at.
+#[derive(Clone, Debug)]
+pub(crate) struct Arguments {
+    n: usize,
+    y: Vec<f64>,
+    dy: Vec<f64>,
+    a: Vec<f64>,
+    /// Pairs (A, A').
+    pairs: Vec<f64>,
+    certifier: Certifier,
+    grid: Vec<Sample>,
+    /// Points (θ, A) of the argument that was followed last, in order.
+    pub path: Vec<(f64, f64)>,
+    /// How often they were evaluated.
+    pub samples: u64,
+}
+
+/// Where arguments are evaluated.
+pub(crate) enum Course<'a> {
+    /// Along the dense output of a step.
+    Step(Segment<'a>),
+    /// Along time alone: from t on for h seconds.
+    Time {
+        /// s.
+        t: f64,
+        /// s.
+        h: f64,
+    },
+}
+
+/// More first pieces than this in one step are not tried.
+const MOST_PIECES: f64 = 1e5;
+
+impl Arguments {
+    /// Makes room.
+    pub fn new<S: System + ?Sized>(system: &S) -> Self {
+        let n = system.len();
+        Arguments {
+            n,
+            y: vec![0.0; 2 * n],
+            dy: vec![0.0; 2 * n],
+            a: vec![0.0; n],
+            pairs: vec![0.0; 2 * system.description().arguments.len()],
+            certifier: Certifier::default(),
+            grid: Vec::new(),
+            path: Vec::new(),
+            samples: 0,
+        }
+    }
+
+    /// An argument's value and its slope by θ.
+    pub fn sample<S: System + ?Sized>(&mut self, system: &S, course: &Course<'_>, index: usize, theta: f64) -> (f64, f64) {
+        let h = self.evaluate(system, course, theta);
+        (self.pairs[2 * index], h * self.pairs[2 * index + 1])
+    }
+
+    /// An argument's value and its rate, 1/s, at a state.
+    pub fn at_state<S: System + ?Sized>(&mut self, system: &S, (t, y): (f64, &[f64]), index: usize) -> (f64, f64) {
+        self.a.fill(0.0);
+        system.arguments(At::packed(t, y, self.n).accelerated(&self.a), &mut self.pairs);
+        (self.pairs[2 * index], self.pairs[2 * index + 1])
+    }
+
+    fn evaluate<S: System + ?Sized>(&mut self, system: &S, course: &Course<'_>, theta: f64) -> f64 {
+        self.samples += 1;
+        let (t, h) = match course {
+            Course::Step(segment) => {
+                segment.evaluate_with_slope(theta, &mut self.y, &mut self.dy);
+                for (a, slope) in self.a.iter_mut().zip(&self.dy[self.n..]) {
+                    *a = slope / segment.h;
+                }
+                (segment.t + theta * segment.h, segment.h)
+            }
+            Course::Time { t, h } => (t + theta * h, *h),
+        };
+        system.arguments(At::packed(t, &self.y, self.n).accelerated(&self.a), &mut self.pairs);
+        h
+    }
+
+    /// The places in [0, 1] at which what is watched has to be looked at first: so close that no phase inside it turns
+    /// by more than [`PHASE`] between two of them, and wherever an argument inside it vanishes or turns.  `None` where
+    /// these are too many.
+    pub fn places<S: System + ?Sized>(&mut self, system: &S, course: &Course<'_>, of: Watched) -> Option<Vec<f64>> {
+        let description = system.description();
+        let inside = |role: fn(Role) -> bool| -> Vec<usize> {
+            let list = description.arguments.iter().enumerate();
+            list.filter(|(_, a)| a.of == of && role(a.role)).map(|(index, _)| index).collect()
+        };
+        let phases = inside(|role| role == Role::Phase);
+        let mut places = self.turns(system, course, &phases)?;
+        for landmark in inside(|role| role == Role::Landmark) {
+            if !self.follow(system, course, landmark) {
+                return None;
+            }
+            places.extend(self.path.iter().map(|(x, _)| *x));
+        }
+        places.sort_by(f64::total_cmp);
+        places.dedup_by(|a, b| *a - *b <= 4.0 * f64::EPSILON);
+        Some(places)
+    }
+
+    /// Follows an argument: [`Arguments::path`] holds its zeros and extrema, the ends of the course, and points on the
+    /// way.  False where it cannot be certified.
+    pub fn follow<S: System + ?Sized>(&mut self, system: &S, course: &Course<'_>, index: usize) -> bool {
+        let own = |a: &crate::mechanism::Argument| a.of == Watched::Argument(index as u32) && a.role == Role::Phase;
+        let mut grid = std::mem::take(&mut self.grid);
+        grid.clear();
+        if system.description().arguments.iter().any(own) {
+            let list = system.description().arguments.iter().enumerate();
+            let phases: Vec<usize> = list.filter(|(_, a)| own(a)).map(|(index, _)| index).collect();
+            let Some(places) = self.turns(system, course, &phases) else { return false };
+            for x in places {
+                let (value, slope) = self.sample(system, course, index, x);
+                grid.push(Sample { x, value, slope });
+            }
+        } else {
+            for x in [0.0, 1.0] {
+                let (value, slope) = self.sample(system, course, index, x);
+                grid.push(Sample { x, value, slope });
+            }
+        }
+        let mut certifier = std::mem::take(&mut self.certifier);
+        certifier.extrema = true;
+        let outcome = certifier.certify(&mut |x| self.sample(system, course, index, x), &grid);
+        self.path.clear();
+        self.path.extend(certifier.points().iter().map(|point| (point.x, point.value)));
+        for mark in &certifier.marks {
+            if matches!(mark.deed, Deed::Crosses { .. } | Deed::Jumps | Deed::Pole) {
+                self.path.push((mark.x, 0.0));
+            }
+        }
+        self.path.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        self.certifier = certifier;
+        self.grid = grid;
+        outcome.is_ok()
+    }
+
+    /// Places from 0 to 1 between which none of the phases turns by more than [`PHASE`].
+    fn turns<S: System + ?Sized>(&mut self, system: &S, course: &Course<'_>, phases: &[usize]) -> Option<Vec<f64>> {
+        if phases.is_empty() {
+            return Some(vec![0.0, 1.0]);
+        }
+        let mut at = |theta: f64| -> Vec<(f64, f64)> {
+            let h = self.evaluate(system, course, theta);
+            phases.iter().map(|&k| (self.pairs[2 * k], h * self.pairs[2 * k + 1])).collect()
+        };
+        let turned = |a: &[(f64, f64)], b: &[(f64, f64)], length: f64| {
+            let turn = |(a, b): (&(f64, f64), &(f64, f64))| {
+                (b.0 - a.0).abs().max(0.5 * length * (a.1.abs() + b.1.abs())) / PHASE
+            };
+            a.iter().zip(b).map(turn).filter(|turn| turn.is_finite()).fold(0.0, f64::max)
+        };
+        let mut places = vec![0.0];
+        let mut stack = vec![(0.0, at(0.0), 1.0, at(1.0), 0)];
+        while let Some((a, at_a, b, at_b, depth)) = stack.pop() {
+            let need = turned(&at_a, &at_b, b - a);
+            if need <= 1.05 || depth > 30 {
+                places.push(b);
+                continue;
+            }
+            if need + places.len() as f64 > MOST_PIECES {
+                return None;
+            }
+            let count = need.ceil() as usize;
+            let mut right = (b, at_b);
+            for k in (1..count).rev() {
+                let x = a + (b - a) * (k as f64 / count as f64);
+                let here = at(x);
+                stack.push((x, here.clone(), right.0, right.1, depth + 1));
+                right = (x, here);
+            }
+            stack.push((a, at_a, right.0, right.1, depth + 1));
+        }
+        Some(places)
+    }
+}

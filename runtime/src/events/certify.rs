@@ -1,0 +1,333 @@
+//! A function along a step, looked at until nothing can hide between the points.
+
+use super::root::{Nature, locate, nature_of_zero};
+
+/// A point of a function.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Sample {
+    /// Where.
+    pub x: f64,
+    /// g.
+    pub value: f64,
+    /// dg/dx; not a number where it is not known.
+    pub slope: f64,
+}
+
+/// What a function does at a place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Deed {
+    /// It passes through zero.
+    Crosses {
+        /// True when it goes from below to above.
+        rising: bool,
+    },
+    /// It comes to zero, as far as its rounding tells, and turns back.
+    Touches,
+    /// It changes its sign by a jump.
+    Jumps,
+    /// It changes its sign through a pole.
+    Pole,
+    /// It ceases or begins to be a number.
+    Undefined,
+}
+
+/// Something that a function does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Mark {
+    /// Where.
+    pub x: f64,
+    /// What.
+    pub deed: Deed,
+}
+
+/// More samples than the limit within one step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct TooMany;
+
+/// Certifies functions piece by piece.
+///
+/// A piece [a, b] with midpoint m is consistent if value and slope at m are those of the cubic Hermite interpolant of
+/// its ends, to a twentieth of the variation r that was *observed* (to excuse a deviation by the slopes would excuse
+/// the very oscillations that are looked for); its halves are then known 16 times better than was tested.  Any other
+/// piece is halved.  In consistent pieces a pair of zeros hides only near a critical point of the halves' cubics that
+/// comes within 0.3 r of zero: there the extremum, a root of the slope, is looked at.
+///
+/// An oscillation that keeps step with the halving is not seen by this: pieces must begin short enough for the
+/// phases inside the function, see [`PHASE`].
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Certifier {
+    /// Pieces to look at, the first one last: ends and how often they were halved.
+    stack: Vec<(Sample, Sample, u32)>,
+    /// Points between which the function has no more extrema that matter, in order.
+    points: Vec<Sample>,
+    /// Zeros and the like, in order.
+    pub marks: Vec<Mark>,
+    /// Samples so far.
+    pub samples: u64,
+    /// 8 unit round-offs of the largest value.
+    noise: f64,
+    /// Whether every extremum is wanted, not only those that might hide zeros.
+    pub extrema: bool,
+    /// Whether as many samples may be taken as there are pieces to begin with, times this many and more.
+    pub patient: bool,
+}
+
+/// Radians by which the argument of a sine or cosine may change within a first piece.
+pub(crate) const PHASE: f64 = 2.0;
+/// Samples of one function within one step.
+pub(crate) const MOST_SAMPLES: u64 = 100_000;
+
+/// Deviation from the cubic that is allowed, in parts of the observed variation.
+const CONSISTENT: f64 = 0.05;
+/// A critical value this near to zero, in parts of the observed variation, is looked at.
+const NEAR: f64 = 0.3;
+/// From here on a piece whose values vary more than its slopes explain is a jump or noise.
+const UNEXPLAINED: u32 = 6;
+/// From here on an inconsistent piece that stays away from zero is left alone.
+const AWAY: u32 = 8;
+/// Pieces are not halved more often.
+const DEEPEST: u32 = 50;
+
+impl Certifier {
+    /// Finds what a function does between the first and the last of these samples of it.
+    ///
+    /// # Errors
+    /// [`TooMany`] samples: the function oscillates too fast.
+    pub fn certify(&mut self, f: &mut impl FnMut(f64) -> (f64, f64), grid: &[Sample]) -> Result<(), TooMany> {
+        let [first, .., last] = grid else { return Ok(()) };
+        let largest = grid.iter().map(|s| s.value.abs()).filter(|v| v.is_finite()).fold(0.0, f64::max);
+        self.noise = 4.0 * f64::EPSILON * largest;
+        self.marks.clear();
+        self.points.clear();
+        self.points.push(*first);
+        let pieces = if self.patient { 20 * grid.len() as u64 } else { 0 };
+        let limit = self.samples + MOST_SAMPLES + pieces;
+        self.stack.clear();
+        self.stack.extend(grid.windows(2).rev().map(|pair| (pair[0], pair[1], 0)));
+        while let Some((a, b, depth)) = self.stack.pop() {
+            if self.samples > limit {
+                return Err(TooMany);
+            }
+            self.piece(f, (a, b), depth);
+        }
+        debug_assert_eq!(self.points.last().map(|p| p.x), Some(last.x));
+        self.walk(f);
+        Ok(())
+    }
+
+    /// The points that certify the function, in order; after [`Certifier::certify`].
+    pub fn points(&self) -> &[Sample] {
+        &self.points
+    }
+
+    /// Settles a piece, or halves it.
+    fn piece(&mut self, f: &mut impl FnMut(f64) -> (f64, f64), (a, b): (Sample, Sample), depth: u32) {
+        let length = b.x - a.x;
+        let x = a.x + 0.5 * length;
+        if depth >= DEEPEST || length <= 2.0 * f64::EPSILON * a.x.abs().max(b.x.abs()) || !(x > a.x && x < b.x) {
+            self.points.push(b);
+            return;
+        }
+        let m = self.sample(f, x);
+        match (a.value.is_finite(), m.value.is_finite(), b.value.is_finite()) {
+            (true, true, true) => {}
+            // Nothing is known of a piece in which the function is nowhere seen to be defined.
+            (false, false, false) => {
+                self.points.extend([m, b]);
+                return;
+            }
+            _ => return self.halve(a, m, b, depth),
+        }
+        let r = (b.value - a.value).abs().max((m.value - a.value).abs()).max((m.value - b.value).abs());
+        let value = 0.5 * (a.value + b.value) + 0.125 * length * (a.slope - b.slope);
+        let slope = 1.5 * (b.value - a.value) / length - 0.25 * (a.slope + b.slope);
+        let near = |off: f64, noise: f64| off.abs() <= CONSISTENT * r + noise;
+        if near(m.value - value, self.noise) && near(0.25 * length * (m.slope - slope), 4.0 * self.noise) {
+            self.half(f, a, m, r);
+            self.half(f, m, b, r);
+            return;
+        }
+        let steepest = a.slope.abs().max(b.slope.abs()).max(m.slope.abs());
+        let least = a.value.abs().min(b.value.abs()).min(m.value.abs());
+        let one_side = (a.value > 0.0) == (m.value > 0.0) && (m.value > 0.0) == (b.value > 0.0);
+        let blind = ![a, m, b].iter().any(|sample| sample.slope.is_finite());
+        let unexplained = blind || depth >= UNEXPLAINED && r > 4.0 * length * steepest;
+        if unexplained || depth >= AWAY && one_side && least > 4.0 * r && !self.extrema {
+            self.points.extend([m, b]);
+            return;
+        }
+        self.halve(a, m, b, depth);
+    }
+
+    fn halve(&mut self, a: Sample, m: Sample, b: Sample, depth: u32) {
+        self.stack.push((m, b, depth + 1));
+        self.stack.push((a, m, depth + 1));
+    }
+
+    /// Adds the points of half of a consistent piece whose values vary by r.
+    fn half(&mut self, f: &mut impl FnMut(f64) -> (f64, f64), a: Sample, b: Sample, r: f64) {
+        let length = b.x - a.x;
+        // H = g + s L g'(a) + s² c₂ + s³ c₃ with s from 0 to 1.
+        let change = b.value - a.value;
+        let (start, end) = (length * a.slope, length * b.slope);
+        let (c2, c3) = (3.0 * change - 2.0 * start - end, start + end - 2.0 * change);
+        let mut before = a;
+        for s in critical(start, c2, c3).into_iter().flatten() {
+            let value = a.value + s * (start + s * (c2 + s * c3));
+            // An extremum that leads away from zero hides nothing.
+            let dips = value.abs() < a.value.abs().max(b.value.abs()) || value * a.value < 0.0 || value * b.value < 0.0;
+            if self.extrema || dips && (value.abs() <= NEAR * r + self.noise || value * a.value < 0.0) {
+                let here = self.sample(f, a.x + s * length);
+                let turn = if before.slope * here.slope < 0.0 {
+                    self.extremum(f, before, here)
+                } else if here.slope * b.slope < 0.0 {
+                    self.extremum(f, here, b)
+                } else {
+                    here
+                };
+                // In order, whichever was found first.
+                let mut found = [here, turn];
+                found.sort_by(|a, b| a.x.total_cmp(&b.x));
+                for point in found {
+                    if point.x > before.x && point.x < b.x {
+                        self.points.push(self.settled(point, length, r));
+                        before = point;
+                    }
+                }
+            }
+        }
+        let end = self.settled(b, length, r);
+        self.points.push(end);
+    }
+
+    /// A point at which the function turns and is zero to its rounding, as a zero.
+    fn settled(&self, point: Sample, length: f64, r: f64) -> Sample {
+        let turns = length * point.slope.abs() <= 2.0 * (self.noise * r).sqrt();
+        if turns && point.value.abs() <= self.noise { Sample { value: 0.0, ..point } } else { point }
+    }
+
+    /// The extremum between two points with slopes of opposite signs, or a point beyond zero that is met on the way.
+    fn extremum(&mut self, f: &mut impl FnMut(f64) -> (f64, f64), a: Sample, b: Sample) -> Sample {
+        let side = a.value.signum();
+        let (mut low, mut high) = (a, b);
+        let mut best = if a.value.abs() < b.value.abs() { a } else { b };
+        for round in 0..100 {
+            if !(high.x - low.x > 2.0 * f64::EPSILON * high.x.abs().max(low.x.abs())) {
+                break;
+            }
+            // Where the chord of the slope meets zero; halves where that does not help.
+            let chord = low.x - low.slope * (high.x - low.x) / (high.slope - low.slope);
+            let middle = 0.5 * (low.x + high.x);
+            let x = if round % 3 == 2 || !(chord > low.x && chord < high.x) { middle } else { chord };
+            let here = self.sample(f, x);
+            let better = if self.extrema { here.slope.abs() < best.slope.abs() } else { here.value.abs() < best.value.abs() };
+            if better || !self.extrema && side * here.value < 0.0 {
+                best = here;
+            }
+            if !self.extrema && side * here.value < -self.noise || here.slope == 0.0 || here.slope.is_nan() {
+                break;
+            }
+            // What is left between the bracket's ends cannot reach zero.
+            let reach = (high.x - low.x) * low.slope.abs().max(high.slope.abs());
+            if !self.extrema && here.value.abs() > 2.0 * reach + self.noise {
+                break;
+            }
+            if (here.slope > 0.0) == (low.slope > 0.0) {
+                low = here;
+            } else {
+                high = here;
+            }
+        }
+        best
+    }
+
+    /// Goes from point to point and marks where the sign changes.
+    fn walk(&mut self, f: &mut impl FnMut(f64) -> (f64, f64)) {
+        let mut last: Option<Sample> = None;
+        let mut zero: Option<f64> = None;
+        let mut defined = self.points.first().is_some_and(|p| p.value.is_finite());
+        for index in 0..self.points.len() {
+            let here = self.points[index];
+            if here.value.is_finite() != defined {
+                defined = !defined;
+                self.marks.push(Mark { x: here.x, deed: Deed::Undefined });
+            }
+            if !here.value.is_finite() {
+                (last, zero) = (None, None);
+                continue;
+            }
+            if here.value == 0.0 {
+                zero = zero.or(Some(here.x));
+                continue;
+            }
+            if let Some(before) = last {
+                let rising = here.value > 0.0;
+                match (zero, (before.value > 0.0) != rising) {
+                    (Some(x), true) => {
+                        let samples = &mut self.samples;
+                        let value = |x: f64| {
+                            *samples += 1;
+                            f(x).0
+                        };
+                        let nature = nature_of_zero(value, x, (before.x, before.value), (here.x, here.value));
+                        self.marks.push(Mark { x, deed: deed(nature, rising) });
+                    }
+                    (Some(x), false) => self.marks.push(Mark { x, deed: Deed::Touches }),
+                    (None, false) => {}
+                    (None, true) => {
+                        let mark = self.between(f, before, here);
+                        self.marks.push(mark);
+                    }
+                }
+            }
+            (last, zero) = (Some(here), None);
+        }
+    }
+
+    /// What lies between two points of opposite signs.
+    fn between(&mut self, f: &mut impl FnMut(f64) -> (f64, f64), a: Sample, b: Sample) -> Mark {
+        let samples = &mut self.samples;
+        let value = |x: f64| {
+            *samples += 1;
+            f(x).0
+        };
+        let (x, nature) = locate(value, (a.x, a.value), (b.x, b.value));
+        Mark { x, deed: deed(nature, b.value > 0.0) }
+    }
+
+    fn sample(&mut self, f: &mut impl FnMut(f64) -> (f64, f64), x: f64) -> Sample {
+        self.samples += 1;
+        let (value, slope) = f(x);
+        if value.is_finite() {
+            self.noise = self.noise.max(4.0 * f64::EPSILON * value.abs());
+        }
+        Sample { x, value, slope }
+    }
+}
+
+fn deed(nature: Nature, rising: bool) -> Deed {
+    match nature {
+        Nature::Root => Deed::Crosses { rising },
+        Nature::Pole => Deed::Pole,
+        Nature::Jump => Deed::Jumps,
+        Nature::Undefined => Deed::Undefined,
+    }
+}
+
+/// The critical points within (0, 1) of start·s + c₂ s² + c₃ s³, in order.
+fn critical(start: f64, c2: f64, c3: f64) -> [Option<f64>; 2] {
+    let discriminant = c2 * c2 - 3.0 * c3 * start;
+    if !(discriminant >= 0.0) {
+        return [None, None];
+    }
+    // The stable form of the roots of 3c₃s² + 2c₂s + start.
+    let q = -(c2 + discriminant.sqrt().copysign(c2));
+    let inside = |s: f64| (s > 0.0 && s < 1.0).then_some(s);
+    let mut roots = [inside(q / (3.0 * c3)), inside(start / q)];
+    if let [Some(a), Some(b)] = roots
+        && a > b
+    {
+        roots = [Some(b), Some(a)];
+    }
+    roots
+}

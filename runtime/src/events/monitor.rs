@@ -1,0 +1,193 @@
+//! Features of the equations of motion that a step may jump over.
+//!
+//! An elementary function is local only through its argument A, and arguments are tame.  After a step has passed the
+//! other tests, each argument is followed along it; where it ran through the region in which its function happens,
+//! and the ends of the step show nothing of that, the step is cut so that the error test sees the rest by itself.
+
+use super::arguments::{Arguments, Course};
+use super::root::locate;
+use crate::mechanism::{Argument, Role, System, Watched};
+
+/// The arguments of the equations of motion.
+#[derive(Clone, Debug)]
+pub(crate) struct Monitors {
+    /// Those that depend on the state.
+    of_state: Vec<usize>,
+    /// Those that depend on time alone, and are known before a step.
+    of_time: Vec<usize>,
+    /// Squared distances along which forces act, with the largest they had.
+    distances: Vec<(usize, f64)>,
+}
+
+/// exp A counts as zero below this A.
+const VANISHES: f64 = -40.0;
+/// tanh A is constant beyond ± this A.
+const SATURATES: f64 = 20.0;
+/// A change of the natural variable by more than this is a feature.
+const FEATURE: f64 = 2.5;
+/// A step is cut where the natural variable has changed by this.
+const KEPT: f64 = 2.0;
+/// Of what lies this far below the largest of an exponential nothing is seen.
+const UNSEEN: f64 = 10.0;
+/// Cuts to less than this part of a step are not made: an argument begins in its own singularity.
+const LEAST: f64 = 1e-12;
+/// Zero of the base of a power, in parts of the largest.
+const NOTHING: f64 = 1e-16;
+
+impl Monitors {
+    /// The arguments that a description lists for the motion.
+    pub fn new<S: System + ?Sized>(system: &S) -> Self {
+        let list = system.description().arguments.iter().enumerate();
+        let followed = |argument: &Argument| argument.of == Watched::Motion && argument.role != Role::Distance;
+        let motion = list.filter(|(_, argument)| followed(argument));
+        let (of_time, of_state): (Vec<_>, Vec<_>) = motion.partition(|(_, argument)| argument.time_only);
+        let places = |list: Vec<(usize, _)>| list.into_iter().map(|(place, _)| place).collect();
+        let distances = system.description().arguments.iter().enumerate();
+        let distances = distances.filter(|(_, argument)| argument.role == Role::Distance);
+        Monitors {
+            of_state: places(of_state),
+            of_time: places(of_time),
+            distances: distances.map(|(place, _)| (place, 0.0)).collect(),
+        }
+    }
+
+    /// True where no step needs to be looked at.
+    pub fn is_empty(&self) -> bool {
+        self.of_state.is_empty() && self.of_time.is_empty() && self.distances.is_empty()
+    }
+
+    /// Where in a step from t of h seconds, 0 to 1, a feature of time alone is met; `None`: nowhere.
+    pub fn ahead<S: System + ?Sized>(&self, arguments: &mut Arguments, system: &S, t: f64, h: f64) -> Option<f64> {
+        first(&self.of_time, arguments, system, &Course::Time { t, h })
+    }
+
+    /// The first squared distance that vanishes within a step, to `part` of the largest distance there was: its place in
+    /// the description's list, and where in the step.
+    pub fn meets<S: System + ?Sized>(
+        &mut self,
+        arguments: &mut Arguments,
+        system: &S,
+        course: &Course<'_>,
+        part: f64,
+    ) -> Option<(usize, f64)> {
+        for (index, largest) in &mut self.distances {
+            if !arguments.follow(system, course, *index) {
+                continue;
+            }
+            let finite = arguments.path.iter().filter(|(_, square)| square.is_finite());
+            *largest = finite.clone().fold(*largest, |most, (_, square)| most.max(*square));
+            let least = finite.min_by(|a, b| a.1.total_cmp(&b.1));
+            if let Some((x, _)) = least.filter(|(_, square)| *square <= part * part * *largest) {
+                return Some((*index, *x));
+            }
+        }
+        None
+    }
+
+    /// The squared distance that vanishes at a state, or would within `ahead` seconds.
+    pub fn met<S: System + ?Sized>(
+        &self,
+        arguments: &mut Arguments,
+        system: &S,
+        (t, y): (f64, &[f64]),
+        ahead: f64,
+    ) -> Option<usize> {
+        let met = |(index, largest): &(usize, f64)| {
+            let (square, rate) = arguments.at_state(system, (t, y), *index);
+            let soon = rate < 0.0 && -2.0 * square / rate <= ahead;
+            (square <= 1e-8 * largest && soon || square == 0.0).then_some(*index)
+        };
+        self.distances.iter().find_map(met)
+    }
+
+    /// Where in a step that was tried it has to be cut; `None`: nowhere.
+    pub fn cut<S: System + ?Sized>(&self, arguments: &mut Arguments, system: &S, course: &Course<'_>) -> Option<f64> {
+        first(&self.of_state, arguments, system, course)
+    }
+}
+
+fn first<S: System + ?Sized>(
+    list: &[usize],
+    arguments: &mut Arguments,
+    system: &S,
+    course: &Course<'_>,
+) -> Option<f64> {
+    let cuts = list.iter().filter_map(|&index| feature(arguments, system, course, index));
+    cuts.min_by(f64::total_cmp)
+}
+
+/// Where a step has to end for the sake of one argument.
+fn feature<S: System + ?Sized>(
+    arguments: &mut Arguments,
+    system: &S,
+    course: &Course<'_>,
+    index: usize,
+) -> Option<f64> {
+    let role = system.description().arguments[index].role;
+    // What cannot be certified is met by halves.
+    if !arguments.follow(system, course, index) {
+        return Some(0.5);
+    }
+    let mut path = std::mem::take(&mut arguments.path);
+    let place = along(arguments, system, course, (index, role), &mut path);
+    arguments.path = path;
+    place
+}
+
+fn along<S: System + ?Sized>(
+    arguments: &mut Arguments,
+    system: &S,
+    course: &Course<'_>,
+    (index, role): (usize, Role),
+    path: &mut Vec<(f64, f64)>,
+) -> Option<f64> {
+    path.retain(|(_, value)| !value.is_nan());
+    let largest = path.iter().fold(0.0_f64, |most, (_, a)| most.max(a.abs())).min(f64::MAX);
+    let least = (NOTHING * largest).max(f64::MIN_POSITIVE);
+    let natural = |a: f64| match role {
+        Role::Exponential => a.max(VANISHES),
+        Role::Bounded => a.clamp(-SATURATES, SATURATES),
+        Role::Arctangent => a.asinh(),
+        Role::Power(p) => -p.abs() * a.abs().clamp(least, f64::MAX).ln(),
+        Role::Phase | Role::Landmark | Role::Distance => 0.0,
+    };
+    let (start, end) = (natural(path.first()?.1), natural(path.last()?.1));
+    let (top, most) = path.iter().map(|(x, a)| (*x, natural(*a))).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    // Natural variables far below the largest of a power show nothing.
+    let natural = |a: f64| match role {
+        Role::Power(_) => natural(a).max(most + VANISHES),
+        _ => natural(a),
+    };
+    let rises = |role: Role| matches!(role, Role::Exponential) || matches!(role, Role::Power(p) if p > 0.0);
+    let mut at = |x: f64| natural(arguments.sample(system, course, index, x).0);
+    // Through zero a root is no feature but an edge of where it is defined.
+    let edge = matches!(role, Role::Power(_)) && path.windows(2).any(|pair| pair[0].1 * pair[1].1 <= 0.0);
+    if rises(role) && edge {
+        return None;
+    }
+    if rises(role) {
+        if most <= start.max(end) + FEATURE {
+            return None;
+        }
+        let level = (start + KEPT).max(most - UNSEEN);
+        let before = path.windows(2).find(|pair| pair[1].0 <= top && natural(pair[1].1) >= level)?;
+        let (a, b) = (before[0], before[1]);
+        let (low, high) = (natural(a.1) - level, natural(b.1) - level);
+        let x = if low >= 0.0 || high <= 0.0 { b.0 } else { locate(|x| at(x) - level, (a.0, low), (b.0, high)).0 };
+        return Some(x.min(0.9)).filter(|x| *x > LEAST);
+    }
+    let start = natural(path.first()?.1);
+    let away = |a: f64| (natural(a) - start).abs();
+    if path.iter().all(|(_, a)| away(*a) <= FEATURE) {
+        return None;
+    }
+    let pair = path.windows(2).find(|pair| away(pair[1].1) >= KEPT)?;
+    let (a, b) = (pair[0], pair[1]);
+    let (low, high) = (away(a.1) - KEPT, away(b.1) - KEPT);
+    let x = if low >= 0.0 || high <= 0.0 {
+        b.0
+    } else {
+        locate(|x| (at(x) - start).abs() - KEPT, (a.0, low), (b.0, high)).0
+    };
+    Some(x.min(0.9)).filter(|x| *x > LEAST)
+}

@@ -1,0 +1,169 @@
+//! What is asked of a step between its ends.
+
+use super::{March, Pace, Step};
+use crate::cause::Cause;
+use crate::events::draws::Draws;
+use crate::events::{OwnedSegment, Watch};
+use crate::integrate::Segment;
+use crate::mechanism::System;
+use crate::run::Recorder;
+
+/// Holds the dense output of steps against the equations at one point inside each.
+///
+/// A lie detector only: what is smooth passes by far, see [`Defect::MOST`].  The point is drawn, mostly from the largest
+/// gap between the stages of DOP853.
+#[derive(Clone, Debug)]
+pub(super) struct Defect {
+    draws: Draws,
+    longest: f64,
+    y: Vec<f64>,
+    slope: Vec<f64>,
+    rate: Vec<f64>,
+}
+
+impl Defect {
+    /// Steps whose defect over their length is more than this times the tolerance are lies.
+    pub const MOST: f64 = 1e3;
+
+    /// At the start of a march of states of this size.
+    pub fn new(size: usize) -> Self {
+        let zero = vec![0.0; size];
+        Defect { draws: Draws::new(0x0dec_af00), longest: 0.0, y: zero.clone(), slope: zero.clone(), rate: zero }
+    }
+
+    fn place(&mut self) -> f64 {
+        let within = if self.draws.between(0.0, 1.0) < 0.8 { (0.36, 0.58) } else { (0.05, 0.95) };
+        self.draws.between(within.0, within.1)
+    }
+}
+
+/// A step is tried again for what was seen inside it at most so often.
+const RETRIES: u32 = 16;
+/// Distances are zero within this part of the largest.
+const NEAR: f64 = 1e-9;
+
+impl March {
+    /// Tries steps until one is good between its ends too; returns it, and whether its dense output is made.
+    ///
+    /// In this order, since each reads what the one before has cleared: the error test; the defect of the dense output,
+    /// which halves; features that arguments of local functions reveal, which cut.
+    pub(super) fn sound(
+        &mut self,
+        system: &dyn System,
+        stop: f64,
+        watch: &mut Option<Watch>,
+        recorder: &mut Recorder,
+    ) -> Result<(Step, bool), Cause> {
+        let mut most = f64::INFINITY;
+        for _ in 0..RETRIES {
+            let step = self.attempt(system, stop, most, watch)?;
+            let watched = watch.as_ref().is_some_and(Watch::wants_dense);
+            if !watched && !recorder.wants_dense(step.next) {
+                return Ok((step, false));
+            }
+            self.dense(system, step)?;
+            if let Pace::Fixed(_) = self.pace {
+                self.meets(system, step, watch)?;
+                return Ok((step, true));
+            }
+            if self.lies(system, step)? {
+                most = 0.5 * step.h;
+            } else if let Some(theta) = watch.as_mut().and_then(|watch| watch.cut(system, &self.segment(step))) {
+                most = theta * step.h;
+                // That steps become short says nothing about the acceleration here.
+                self.jumps.restart();
+            } else {
+                self.meets(system, step, watch)?;
+                return Ok((step, true));
+            }
+            self.work.retries += 1;
+        }
+        let step = self.attempt(system, stop, most, watch)?;
+        self.dense(system, step)?;
+        Ok((step, true))
+    }
+
+    /// Refuses a step within which the ends of a force meet, as far as the tolerance tells.
+    fn meets(&self, system: &dyn System, step: Step, watch: &mut Option<Watch>) -> Result<(), Cause> {
+        let part = match &self.pace {
+            Pace::Fixed(_) => NEAR,
+            Pace::Adaptive { tolerance, .. } => tolerance.relative.clamp(NEAR, 1e-5),
+        };
+        watch.as_mut().map_or(Ok(()), |watch| watch.meets(system, &self.segment(step), part))
+    }
+
+    /// Why no further step can be taken, in the words of the file where it is ends that meet.
+    pub(super) fn explained(&self, system: &dyn System, cause: Cause, watch: &mut Option<Watch>) -> Cause {
+        let Some(watch) = watch else { return cause };
+        let ahead = (1e3 * self.h.abs()).max(1e-6 * self.defect.longest);
+        watch.explain(system, cause, (self.clock.now(), self.stepper.start().y), ahead)
+    }
+
+    /// True where the dense output of the step that was tried is far from fulfilling the equations.
+    fn lies(&mut self, system: &dyn System, step: Step) -> Result<bool, Cause> {
+        let Pace::Adaptive { tolerance, .. } = &self.pace else { return Ok(false) };
+        // Where stability limits the step, dense output is poor and says nothing.
+        if self.stepper.stiffness(step.h) > 0.25 * self.stepper.control().stiff {
+            return Ok(false);
+        }
+        // An evaluation more is dear to a method whose steps have few: its long steps only.
+        let short = step.h < 0.5 * self.defect.longest;
+        self.defect.longest = self.defect.longest.max(step.h);
+        if short && self.stepper.dense_is_free() {
+            return Ok(false);
+        }
+        let theta = self.defect.place();
+        let (mut y, mut slope, mut rate) = (
+            std::mem::take(&mut self.defect.y),
+            std::mem::take(&mut self.defect.slope),
+            std::mem::take(&mut self.defect.rate),
+        );
+        self.segment(step).evaluate_with_slope(theta, &mut y, &mut slope);
+        let evaluated = self.stepper.evaluate(system, self.clock.now() + theta * step.h, &y, &mut rate);
+        let (from, end, n) = (self.stepper.start().rate, self.stepper.end().y, y.len() / 2);
+        let mut sum = 0.0;
+        for i in 0..n {
+            // h δ in units of the tolerance.
+            let [place, speed] = tolerance.units(i, step.h, end, from);
+            let defect = |k: usize| slope[k] - step.h * rate[k];
+            sum += (defect(i) / place).powi(2) + (defect(n + i) / speed).powi(2);
+        }
+        let size = if y.is_empty() { 0.0 } else { (sum / y.len() as f64).sqrt() };
+        (self.defect.y, self.defect.slope, self.defect.rate) = (y, slope, rate);
+        // A state that has no accelerations is for the error test to judge, in a shorter step.
+        Ok(evaluated.is_err() || !(size <= Defect::MOST))
+    }
+
+    /// Takes one error-controlled step under the modes in force only to see where it leads; the march stays where it
+    /// is, and has to begin anew.  `None` where there is none.
+    pub(super) fn trial(&mut self, system: &dyn System) -> Option<OwnedSegment> {
+        let (h, control) = (self.h, self.control.clone());
+        let outcome = self.try_shorter(system);
+        (self.h, self.control) = (h, control);
+        outcome
+    }
+
+    fn try_shorter(&mut self, system: &dyn System) -> Option<OwnedSegment> {
+        const ROUNDS: u32 = 200;
+        let now = self.clock.now();
+        self.stepper.begin(system, now).ok()?;
+        if self.h == 0.0 {
+            self.h = self.first(self.until - now);
+        }
+        for _ in 0..ROUNDS {
+            let h = self.h.min(self.until - now);
+            let step = Step { h, next: now + h, lands: false };
+            if !(step.next > now) {
+                return None;
+            }
+            let error = self.try_step(system, step, false).unwrap_or(f64::NAN);
+            if error <= 1.0 {
+                self.dense(system, step).ok()?;
+                let Segment { t, h, width, pieces } = self.segment(step);
+                return Some(OwnedSegment { t, h, width, pieces: pieces.to_vec() });
+            }
+            self.h = self.control.rejected(h, error);
+        }
+        None
+    }
+}

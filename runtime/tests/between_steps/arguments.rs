@@ -1,0 +1,81 @@
+//! Features that are local through an argument.
+
+use crate::{coasting, sprung};
+
+#[test]
+fn smooth_pulses_of_time_are_met_whatever_their_width() {
+    // Of a pulse of tanh the oscillator sees the part a/sinh a, a = π/(2·rate), of the sharp one's.
+    for rate in [10.0, 100.0, 1e4, 1e6] {
+        let text = format!(
+            "forces: {{f: {{on: b, force: \"[F*(tanh({rate}*(t-50))-tanh({rate}*(t-53)))/2, 0]\"}}}}
+scene: {{start: {{x: 0}}, until: 100, tolerance: 1e-10}}"
+        );
+        let run = sprung(&text).run();
+        let a = 0.5 * std::f64::consts::PI / rate;
+        let expected = a / a.sinh() * (47.0_f64.cos() - 50.0_f64.cos());
+        assert!((run.last()["x"] - expected).abs() < 1e-6, "{rate}: {} {expected}", run.last());
+    }
+}
+
+#[test]
+fn a_gaussian_zone_is_met_whatever_its_width() {
+    for width in [1.0, 0.1, 1e-2, 1e-4, 1e-6] {
+        let text = format!(
+            "forces: {{f: {{on: b, force: \"[F*exp(-((x-50)/{width})^2), 0]\"}}}}
+scene: {{start: {{x: 0, x': 1}}, until: 100, tolerance: 1e-10}}"
+        );
+        let run = coasting(&text).run();
+        let expected = (1.0 + 2.0 * width * std::f64::consts::PI.sqrt()).sqrt();
+        let error = (run.last()["x'"] - expected).abs();
+        assert!(error < 1e-3 * (expected - 1.0) + 1e-9, "{width}: {} {expected}", run.last());
+    }
+}
+
+#[test]
+fn a_narrow_well_keeps_the_energy_at_a_loose_tolerance() {
+    let mut case = sprung(
+        "potential_energy: -30*exp(-((x-2)/0.1)^2)
+scene: {start: {x: 0, x': 10}, until: 20, tolerance: 1e-6}",
+    );
+    let run = case.run();
+    assert!((run.last()["x"] - 9.2488).abs() < 2e-3, "{}", run.last());
+    let tight = case.tolerance(1e-12).run();
+    assert!((run.last()["x"] - tight.last()["x"]).abs() < 2e-3, "{} {}", run.last(), tight.last());
+}
+
+#[test]
+fn a_lorentz_zone_is_met() {
+    for width in [1e-2, 1e-5] {
+        let text = format!(
+            "forces: {{f: {{on: b, force: \"[F/(1 + ((x-50)/{width})^2), 0]\"}}}}
+scene: {{start: {{x: 0, x': 1}}, until: 100, tolerance: 1e-10}}"
+        );
+        let run = coasting(&text).run();
+        let expected = (1.0 + 2.0 * std::f64::consts::PI * width).sqrt();
+        let error = (run.last()["x'"] - expected).abs();
+        assert!(error < 2e-3 * (expected - 1.0), "{width}: {} {expected}", run.last());
+    }
+}
+
+#[test]
+fn logistic_steps_are_met() {
+    // A force of 1 between two of them.
+    let run = coasting(
+        "forces: {f: {on: b, force: \"[F/(1 + exp(-1e4*(x-50))) - F/(1 + exp(-1e4*(x-50.5))), 0]\"}}
+scene: {start: {x: 0, x': 1}, until: 100, tolerance: 1e-10}",
+    )
+    .run();
+    assert!((run.last()["x'"] - 2.0_f64.sqrt()).abs() < 1e-6, "{}", run.last());
+}
+
+#[test]
+fn an_ordinary_force_is_not_cut() {
+    let plain = sprung("scene: {start: {x: 1}, until: 20, tolerance: 1e-9}").run();
+    let watched = sprung(
+        "forces: {f: {on: b, force: \"[0*F*x + 1e-300*exp(-x^2), 0]\"}}
+scene: {start: {x: 1}, until: 20, tolerance: 1e-9}",
+    )
+    .run();
+    assert_eq!(watched.work.retries, 0);
+    assert_eq!(plain.work.steps, watched.work.steps);
+}

@@ -1,0 +1,216 @@
+//! What a run has to follow besides values: arguments through which functions are local.
+//!
+//! exp(A) lives where A is near its largest, tanh(A) where |A| is small, sin(A) turns with every π of A; A itself is
+//! tame.  So nothing that an expression does between two points goes unseen if its arguments are followed.
+
+use std::collections::BTreeSet;
+
+use crate::derive::rates;
+use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary};
+
+/// An argument of a function inside something that is watched.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Argument {
+    /// Inside what.
+    pub of: Watched,
+    /// How it makes that local.
+    pub role: Role,
+    /// The argument.
+    pub value: Id,
+    /// Its total time derivative.
+    pub rate: Id,
+    /// True when it depends on time and parameters alone.
+    pub time_only: bool,
+    /// The spring, damper or force whose direction it tells; else empty.
+    pub load: String,
+}
+
+/// What is watched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Watched {
+    /// An event's function, by its place.
+    Event(usize),
+    /// A switch's argument, by its place.
+    Switch(usize),
+    /// The equations of motion, inputs included.
+    Motion,
+    /// Another argument, by its place in the list.
+    Argument(usize),
+}
+
+/// How an argument A makes a function local.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Role {
+    /// sin A, cos A, tan A.
+    Phase,
+    /// Something happens where A or its rate vanishes: `abs`, `step`, `exp`, … inside of what is watched.
+    Landmark,
+    /// exp A.
+    Exponential,
+    /// tanh A, sinh A, cosh A.
+    Bounded,
+    /// atan A.
+    Arctangent,
+    /// A squared distance: a force acts along the line, which has no direction where A vanishes.
+    Distance,
+    /// Aᵖ, p negative or no integer; ln A counts as p = 1.
+    Power(f64),
+}
+
+/// Arguments inside the events, the switches' arguments and the equations of motion, in an order in which an argument's
+/// own arguments come after it.
+pub(super) fn arguments(
+    graph: &mut Graph,
+    events: &[Id],
+    switches: &[Id],
+    motion: &[Id],
+    loads: &[(String, Vec<Id>)],
+) -> Vec<Argument> {
+    let mut list = Vec::new();
+    for (k, event) in events.iter().enumerate() {
+        add(graph, &mut list, Watched::Event(k), &[*event]);
+    }
+    for (k, switch) in switches.iter().enumerate() {
+        add(graph, &mut list, Watched::Switch(k), &[*switch]);
+    }
+    add(graph, &mut list, Watched::Motion, motion);
+    for (name, roots) in loads {
+        for square in squares(graph, roots) {
+            push(graph, &mut list, (Watched::Motion, Role::Distance, square), name);
+        }
+    }
+    // Phases inside arguments that are followed themselves.
+    for index in 0..list.len() {
+        let (role, value) = (list[index].role, list[index].value);
+        if role != Role::Phase {
+            for (role, inner) in inside(graph, &[value]) {
+                if role == Role::Phase {
+                    push(graph, &mut list, (Watched::Argument(index), role, inner), "");
+                }
+            }
+        }
+    }
+    list
+}
+
+fn add(graph: &mut Graph, list: &mut Vec<Argument>, of: Watched, roots: &[Id]) {
+    for (role, value) in inside(graph, roots) {
+        match (of, role) {
+            // Error control sees the sines of the forces, and the discontinuities are switches.
+            (Watched::Motion, Role::Phase | Role::Landmark) => {}
+            (Watched::Motion, role) => push(graph, list, (of, role, value), ""),
+            (_, Role::Phase) => push(graph, list, (of, role, value), ""),
+            _ => push(graph, list, (of, Role::Landmark, value), ""),
+        }
+    }
+}
+
+/// Squares of distances: arguments of roots that contain coordinates and no speeds.
+fn squares(graph: &Graph, roots: &[Id]) -> Vec<Id> {
+    let needed = graph.reachable(roots.iter().copied());
+    let places = (0..needed.len()).filter(|&i| needed[i]);
+    let root = |i: usize| match graph.node(graph.id_at(i)) {
+        Node::Unary(Unary::Sqrt, x) => Some(x),
+        _ => None,
+    };
+    let of_place = |x: &Id| {
+        let symbols = graph.symbols([*x]);
+        symbols.iter().any(|s| matches!(s, Symbol::Coordinate(_)))
+            && !symbols.iter().any(|s| matches!(s, Symbol::Speed(_) | Symbol::Acceleration(_) | Symbol::Dummy(_)))
+    };
+    places.filter_map(root).filter(of_place).collect()
+}
+
+fn push(graph: &mut Graph, list: &mut Vec<Argument>, (of, role, value): (Watched, Role, Id), load: &str) {
+    let rate = rates(graph, &[value])[0];
+    let symbols = graph.symbols([value, rate]);
+    // Rates of accelerations, and inputs beyond their second derivative, are not known.
+    let unknown = |s: &Symbol| matches!(s, Symbol::Input(_, 3..) | Symbol::Reaction(_));
+    let has_acceleration = graph.symbols([value]).iter().any(|s| matches!(s, Symbol::Acceleration(_)));
+    if has_acceleration || symbols.iter().any(unknown) {
+        return;
+    }
+    let of_time = |s: &Symbol| matches!(s, Symbol::Time | Symbol::Parameter(_));
+    let time_only = symbols.iter().all(of_time);
+    let argument = Argument { of, role, value, rate, time_only, load: load.to_owned() };
+    if !list.contains(&argument) {
+        list.push(argument);
+    }
+}
+
+/// Arguments of functions that are local, or turn, inside expressions.
+fn inside(graph: &mut Graph, roots: &[Id]) -> Vec<(Role, Id)> {
+    let needed = graph.reachable(roots.iter().copied());
+    let moves = graph.contains(|s| !matches!(s, Symbol::Parameter(_) | Symbol::Dummy(_) | Symbol::Mode(_)));
+    let mut found: Vec<(Role, Id)> = Vec::new();
+    let mut bases = BTreeSet::new();
+    for place in (0..needed.len()).filter(|&i| needed[i]) {
+        let mut note = |role, argument: Id| {
+            if moves[argument.index()] {
+                found.push((role, argument));
+            }
+        };
+        match graph.node(graph.id_at(place)) {
+            Node::Unary(Unary::Sin | Unary::Cos | Unary::Tan, x) => note(Role::Phase, x),
+            Node::Unary(Unary::Exp, x) => note(Role::Exponential, x),
+            Node::Unary(Unary::Tanh | Unary::Sinh | Unary::Cosh, x) => note(Role::Bounded, x),
+            Node::Unary(Unary::Atan, x) => note(Role::Arctangent, x),
+            Node::Unary(Unary::Abs | Unary::Sign | Unary::Step, x) => note(Role::Landmark, x),
+            Node::Unary(Unary::Sqrt, x) => factors(graph, x, 0.5, &mut bases),
+            Node::Unary(Unary::Ln, x) => factors(graph, x, 1.0, &mut bases),
+            Node::Binary(Binary::Div, _, x) => factors(graph, x, -1.0, &mut bases),
+            Node::Binary(Binary::Pow, x, y) => {
+                let power = graph.number(y).map_or(-1.0, |y| y.to_f64());
+                factors(graph, x, power, &mut bases);
+            }
+            Node::Binary(Binary::Atan2, y, x) => {
+                note(Role::Arctangent, y);
+                note(Role::Arctangent, x);
+            }
+            Node::Binary(Binary::Min | Binary::Max, x, y) => {
+                let difference = graph.sub(x, y);
+                if moves[x.index()] || moves[y.index()] {
+                    found.push((Role::Landmark, difference));
+                }
+            }
+            _ => {}
+        }
+    }
+    // One entry for all powers of a base: 1/r³ is a power of r², and so is r.
+    let mut strongest: Vec<(Id, f64)> = Vec::new();
+    for (base, power) in bases {
+        let power = f64::from(power) / 2.0;
+        if base.index() >= moves.len() || !moves[base.index()] {
+            continue;
+        }
+        match strongest.iter_mut().find(|(known, _)| *known == base) {
+            Some((_, known)) => *known = if known.abs() < power.abs() || power < 0.0 { power } else { *known },
+            None => strongest.push((base, power)),
+        }
+    }
+    found.extend(strongest.into_iter().map(|(base, power)| (Role::Power(power), base)));
+    found
+}
+
+/// The bases of which an expression is a product of powers, with twice their powers (halves are what matters).
+fn factors(graph: &Graph, root: Id, power: f64, bases: &mut BTreeSet<(Id, i32)>) {
+    let mut stack = vec![(root, power)];
+    while let Some((id, power)) = stack.pop() {
+        match graph.node(id) {
+            Node::Number(_) => {}
+            // A power of |x| is that of a one-sided base: the discontinuity is a switch.
+            Node::Unary(Unary::Abs, _) if power > 0.0 => {}
+            Node::Unary(Unary::Neg | Unary::Abs, x) => stack.push((x, power)),
+            Node::Unary(Unary::Sqrt, x) => stack.push((x, 0.5 * power)),
+            Node::Binary(Binary::Mul, x, y) => stack.extend([(x, power), (y, power)]),
+            Node::Binary(Binary::Div, x, y) => stack.extend([(x, power), (y, -power)]),
+            // Exponentials and sines have arguments of their own.
+            Node::Unary(Unary::Exp | Unary::Cosh, _) | Node::Symbol(Symbol::Mode(_)) => {}
+            _ => {
+                let halves = (2.0 * power).clamp(-1e3, 1e3);
+                let halves = if halves.abs() < 1.0 { halves.signum() } else { halves.round() };
+                bases.insert((id, halves as i32));
+            }
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! What a run is told to write, and where it starts from: nothing is lost, nothing overwritten.
+
+use std::fs;
+use std::path::PathBuf;
+
+use dalembert::prelude::*;
+use dalembert_models::MODELS;
+
+const MODEL: &str = "name: Slide
+parameters: {m: 1 kg, mu: 0.25, g: 10 m/s^2}
+coordinates: {x: m}
+bodies: {block: {mass: m, position: \"[x, 0]\"}}
+forces: {drag: {on: block, force: \"[-mu*m*g, 0]\"}}
+scene: {start: {\"x'\": 3}, set: {mu: 0.5}, until: 0.2}
+scenes: {ice: {start: {\"x'\": 3}, set: {mu: 0}, until: 0.2}, usual: {start: {\"x'\": 3}, until: 0.2}}
+";
+
+dalembert::model!(
+    yaml = r#"
+name: Slide
+parameters: {m: 1 kg, mu: 0.25, g: 10 m/s^2}
+coordinates: {x: m}
+bodies: {block: {mass: m, position: "[x, 0]"}}
+forces: {drag: {on: block, force: "[-mu*m*g, 0]"}}
+scene: {start: {"x'": 3}, set: {mu: 0.5}, until: 0.2}
+scenes: {ice: {start: {"x'": 3}, set: {mu: 0}, until: 0.2}, usual: {start: {"x'": 3}, until: 0.2}}
+"#
+);
+
+/// A folder of its own for a test, with a model file in it.
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("dalembert-{name}-{}", std::process::id()));
+    fs::create_dir_all(&folder).expect("a folder");
+    fs::write(folder.join("y.yaml"), MODEL).expect("a file");
+    folder
+}
+
+/// What the program prints, or what it says is wrong.
+fn told(arguments: &[&str]) -> Result<String, String> {
+    let mut out = Vec::new();
+    let arguments = std::iter::once(&"dalembert").chain(arguments);
+    match dalembert::cli::run(MODELS, arguments, &mut out) {
+        Ok(()) => Ok(String::from_utf8(out).expect("text")),
+        Err(problem) => Err(problem.to_string()),
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn no_output_overwrites_the_model_by_whatever_name() {
+    let folder = folder("overwrites");
+    let place = |name: &str| folder.join(name).to_string_lossy().into_owned();
+    std::os::unix::fs::symlink(folder.join("y.yaml"), folder.join("link.yaml")).expect("a link");
+    fs::hard_link(folder.join("y.yaml"), folder.join("hard.yaml")).expect("a link");
+    for name in ["y.yaml", "./y.yaml", "link.yaml", "hard.yaml"] {
+        for option in ["--csv", "--plot", "--animate"] {
+            let refused = told(&["simulate", &place("y.yaml"), option, &place(name)]).expect_err("the model file");
+            assert!(refused.contains("would overwrite the model file"), "{name}: {refused}");
+        }
+    }
+    let twice = told(&["simulate", &place("y.yaml"), "--csv", &place("out"), "--plot", &place("./out")]);
+    assert!(twice.expect_err("one file").contains("name the same file"));
+    assert_eq!(fs::read_to_string(folder.join("y.yaml")).expect("the model"), MODEL);
+    told(&["simulate", &place("y.yaml"), "--csv", &place("a"), "--plot", &place("b")]).expect("two files");
+    assert!(fs::read_to_string(folder.join("a")).expect("a table").starts_with("t,x,x'"));
+    fs::remove_dir_all(folder).expect("to be removed");
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_refused_before_the_run() {
+    let folder = folder("unwritable");
+    let model = folder.join("y.yaml").to_string_lossy().into_owned();
+    // A million seconds at this step would take long.
+    let refused = told(&["simulate", &model, "--until", "1e6", "--step", "1e-4", "--plot", "/nowhere/at/all.svg"]);
+    let refused = refused.expect_err("no such folder");
+    assert!(refused.starts_with("error: --plot: cannot write `/nowhere/at/all.svg`"), "{refused}");
+    fs::remove_dir_all(folder).expect("to be removed");
+}
+
+#[test]
+fn scenes_mean_the_same_in_rust_and_on_the_command_line() {
+    let folder = folder("scenes");
+    let model = folder.join("y.yaml").to_string_lossy().into_owned();
+    for (scene, mu) in [("scene", 0.5), ("ice", 0.0), ("usual", 0.5)] {
+        let run = Slide::default().simulate().scene(scene).run().expect("a run");
+        assert!((run.last()["x'"] - (3.0 - 2.0 * mu)).abs() < 1e-9, "{scene}: {}", run.last());
+        let printed = told(&["simulate", &model, "--scene", scene, "--json"]).expect("a run");
+        let printed: serde_json::Value = serde_json::from_str(&printed).expect("JSON");
+        assert!((printed["v"]["x"].as_f64().expect("a number") - run.last()["x'"]).abs() < 1e-12, "{scene}");
+    }
+    // `usual` inherits what the first one sets; what was given by hand stays.
+    let run = Slide { mu: 0.1, ..Slide::default() }.simulate().scene("ice").run().expect("a run");
+    assert!((run.last()["x'"] - 2.8).abs() < 1e-9);
+    fs::remove_dir_all(folder).expect("to be removed");
+}
+
+#[test]
+fn a_negative_mass_is_refused_wherever_it_comes_from() {
+    let folder = folder("negative");
+    let model = folder.join("y.yaml");
+    let refused = told(&["simulate", &model.to_string_lossy(), "--set", "m=-1"]).expect_err("a negative mass");
+    assert!(refused.contains("negative inertia: `x` would move against the force"), "{refused}");
+    let error = Slide { m: -1.0, ..Slide::default() }.simulate().run().expect_err("a negative mass");
+    assert!(matches!(error.cause(), Some(Cause::NegativeInertia { .. })), "{error}");
+    assert!(Slide { m: 1e-9, ..Slide::default() }.simulate().run().is_ok());
+    fs::remove_dir_all(folder).expect("to be removed");
+}
