@@ -27,16 +27,19 @@ pub(super) fn passages(
     found: &mut Sides,
 ) {
     let Some(start) = path.first().filter(|_| !switches.is_empty()) else { return };
+    // Starts and ends of steps may lie on a discontinuity: states are taken between.
     let mut before = signs(switches, start);
-    if seen.insert(before.clone()) {
-        found.states.push(start.clone());
-    }
     for pair in path.windows(2) {
         let after = signs(switches, &pair[1]);
+        let line = Line::Step(&pair[1]);
         if after == before {
+            if !seen.contains(&after) {
+                let state = moved(motion, &pair[0], &line, 0.5.into());
+                seen.insert(signs(switches, &state));
+                found.states.push(state);
+            }
             continue;
         }
-        let line = Line::Step(&pair[1]);
         let mut places = Vec::new();
         for k in (0..switches.len()).filter(|k| after[*k] != before[*k]) {
             let value = |z: f64| switches[k].at(&moved(motion, &pair[0], &line, z.into()));

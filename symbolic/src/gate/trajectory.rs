@@ -1,8 +1,8 @@
 //! A coarse run of a scene: where the motion goes, to judge there.
 //!
-//! Bogacki and Shampine's pair of orders 3 and 2 (Appl. Math. Lett. 2, 1989), a thousandth off at the most; where that
-//! would need too many steps, the linearly implicit ROS2 (Verwer, Spee, Blom, Hundsdorfer, SIAM J. Sci. Comput. 20,
-//! 1999), whose order does not depend on its Jacobian.  Evaluations are counted, so that no verdict depends on a clock.
+//! Dormand and Prince's pair of orders 5 and 4 (J. Comput. Appl. Math. 6, 1980); where that would need too many steps, the
+//! linearly implicit ROS2 (Verwer, Spee, Blom, Hundsdorfer, SIAM J. Sci. Comput. 20, 1999), whose order does not depend on
+//! its Jacobian.  Evaluations are counted, so that no verdict depends on a clock.
 
 use super::dense::solve;
 use super::motion::{Motion, Rough};
@@ -11,8 +11,22 @@ use super::motion::{Motion, Rough};
 const EVALUATIONS: usize = 2000;
 /// Operations that the evaluations of a scene may cost.
 const WORK: usize = 8_000_000;
-/// The error of a step, relative to the range of each component.
-const TOLERANCE: f64 = 1e-3;
+/// The error of an explicit step, relative to the range of each component.
+const TOLERANCE: f64 = 1e-4;
+/// The error of an implicit step, likewise.
+const STIFF_TOLERANCE: f64 = 1e-3;
+/// Dormand and Prince's stages: when, and the weights of those before.
+const STAGES: [(f64, &[f64]); 6] = [
+    (1.0 / 5.0, &[1.0 / 5.0]),
+    (3.0 / 10.0, &[3.0 / 40.0, 9.0 / 40.0]),
+    (4.0 / 5.0, &[44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0]),
+    (8.0 / 9.0, &[19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0]),
+    (1.0, &[9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0]),
+    (1.0, &[35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0]),
+];
+/// The weights of order 5 less those of order 4.
+const DIFFERENCE: [f64; 7] =
+    [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339_200.0, 22.0 / 525.0, -1.0 / 40.0];
 
 /// A run.
 pub(super) struct Trajectory {
@@ -105,14 +119,14 @@ impl<'a> Runner<'a> {
     }
 
     /// Takes a trial step or makes the next one smaller.
-    fn judge(&mut self, trial: Option<(Vec<f64>, Vec<f64>)>, order: f64) -> bool {
+    fn judge(&mut self, trial: Option<(Vec<f64>, Vec<f64>)>, order: f64, tolerance: f64) -> bool {
         let mut error = f64::INFINITY;
         if let Some((y, difference)) = &trial {
             error = 0.0;
             for (i, d) in difference.iter().enumerate() {
                 let (low, high) = self.range[i];
                 let size = high.max(y[i]) - low.min(y[i]);
-                let share = if size > 0.0 { d.abs() / (TOLERANCE * size) } else { 0.0 };
+                let share = if size > 0.0 { d.abs() / (tolerance * size) } else { 0.0 };
                 error = if share.is_nan() { f64::INFINITY } else { error.max(share) };
             }
         }
@@ -145,9 +159,9 @@ impl<'a> Runner<'a> {
         };
         while self.going(budget) {
             self.h = self.h.min(self.until - self.t);
-            let trial = self.bogacki_shampine(&first);
+            let trial = self.dormand_prince(&first);
             let last = trial.as_ref().map(|t| t.2.clone());
-            if self.judge(trial.map(|(y, d, _)| (y, d)), 3.0)
+            if self.judge(trial.map(|(y, d, _)| (y, d)), 5.0, TOLERANCE)
                 && let Some(last) = last
             {
                 first = last;
@@ -155,18 +169,20 @@ impl<'a> Runner<'a> {
         }
     }
 
-    fn bogacki_shampine(&mut self, k1: &[f64]) -> Option<(Vec<f64>, Vec<f64>, Vec<f64>)> {
+    /// The next place, its error, and the rate there, which is the next step's first.
+    fn dormand_prince(&mut self, first: &[f64]) -> Option<(Vec<f64>, Vec<f64>, Vec<f64>)> {
         let (t, h, y) = (self.t, self.h, self.y.clone());
-        let plus = |terms: &[(f64, &[f64])]| -> Vec<f64> {
-            (0..y.len()).map(|i| y[i] + h * terms.iter().map(|(c, k)| c * k[i]).sum::<f64>()).collect()
-        };
-        let k2 = self.rate(t + 0.5 * h, &plus(&[(0.5, k1)]))?;
-        let k3 = self.rate(t + 0.75 * h, &plus(&[(0.75, &k2)]))?;
-        let next = plus(&[(2.0 / 9.0, k1), (1.0 / 3.0, &k2), (4.0 / 9.0, &k3)]);
-        let k4 = self.rate(t + h, &next)?;
-        let difference = |i: usize| h * (-5.0 / 72.0 * k1[i] + k2[i] / 12.0 + k3[i] / 9.0 - 0.125 * k4[i]);
+        let mut rates = vec![first.to_vec()];
+        let mut next = y.clone();
+        for (when, weights) in STAGES {
+            for (i, x) in next.iter_mut().enumerate() {
+                *x = y[i] + h * weights.iter().zip(&rates).map(|(w, k)| w * k[i]).sum::<f64>();
+            }
+            rates.push(self.rate(t + when * h, &next)?);
+        }
+        let difference = |i: usize| h * DIFFERENCE.iter().zip(&rates).map(|(w, k)| w * k[i]).sum::<f64>();
         let differences = (0..y.len()).map(difference).collect();
-        Some((next, differences, k4))
+        Some((next, differences, rates.pop()?))
     }
 
     fn implicit(&mut self) {
@@ -185,7 +201,7 @@ impl<'a> Runner<'a> {
             let slopes = slopes.clone();
             let trial = self.ros2(&slopes);
             age += 1;
-            if !self.judge(trial, 2.0) {
+            if !self.judge(trial, 2.0, STIFF_TOLERANCE) {
                 age += 10;
             }
         }
