@@ -6,6 +6,7 @@ use super::body::{Bodies, Use};
 use super::description::description;
 use super::function::{Function, Target, argument, stores};
 use super::parameters::field;
+use super::rust::UNJUDGED;
 use super::words::comment;
 use super::{momentum, scenes};
 use crate::expr::Id;
@@ -31,7 +32,7 @@ impl Mechanism<'_> {
         let program = self.program;
         let n = program.model.coordinates.len();
         let mut out = format!(
-            "impl ::dalembert::mechanism::Mechanism<{n}, 0> for {name} {{
+            "{UNJUDGED}impl ::dalembert::mechanism::Mechanism<{n}, 0> for {name} {{
     type Constants<S: ::dalembert::mechanism::Real> = [S; {}];
     type Inputs<S: ::dalembert::mechanism::Real> = [S; {}];
     type Balances = [f64; {}];

@@ -6,6 +6,7 @@ use std::fmt::Write;
 use super::body::{Bodies, float};
 use super::documentation::{about, tested};
 use super::function::of_constants;
+use super::rust::UNJUDGED;
 use super::units::si_unit;
 use super::words::documentation;
 use crate::lower::Program;
@@ -24,7 +25,7 @@ pub(super) fn parameters(program: &Program, name: &str, bodies: &Bodies<'_>) -> 
     }
     let _ = writeln!(
         out,
-        "}}\n\nimpl ::core::default::Default for {name} {{\n    fn default() -> Self {{\n        Self {{"
+        "}}\n\n{UNJUDGED}impl ::core::default::Default for {name} {{\n    fn default() -> Self {{\n        Self {{"
     );
     for field in &fields {
         let _ = writeln!(out, "            {}: {},", field.name, field.default);
@@ -46,7 +47,7 @@ fn derived(program: &Program, name: &str, bodies: &Bodies<'_>) -> String {
     }
     let n = model.coordinates.len();
     let names: Vec<String> = scalar.iter().map(|d| method_name(&d.name)).collect();
-    let mut out = format!("{}impl {name} {{\n", attributes(names.iter().map(String::as_str)));
+    let mut out = format!("{UNJUDGED}{}impl {name} {{\n", attributes(names.iter().map(String::as_str)));
     for (derived, name) in scalar.iter().zip(&names) {
         let unit = derived.unit.as_deref();
         let unit = unit.map_or_else(|| "unit from what it is computed from".to_owned(), si_unit);

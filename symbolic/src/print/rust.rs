@@ -31,6 +31,9 @@ pub fn rust(program: &Program, source: &str, name: &str) -> String {
     parameters(program, name, &mechanism.unhoisted) + &mechanism.text(source, name)
 }
 
+/// What stands before every `impl` of generated code: its numbers and its style are the file's, not its author's.
+pub(super) const UNJUDGED: &str = "#[allow(clippy::all, clippy::pedantic, clippy::nursery)]\n";
+
 /// Expressions of parameters only that some function needs, in order of creation.
 fn hoist(program: &Program) -> Vec<Id> {
     let graph = &program.model.graph;
