@@ -20,6 +20,7 @@ const NEVER_RAW: &[&str] = &["self", "Self", "super", "crate", "_"];
 pub const METHODS: &[&str] = &[
     "accelerations",
     "accelerations_at",
+    "arguments",
     "as_mut",
     "as_ref",
     "balances",
@@ -43,6 +44,7 @@ pub const METHODS: &[&str] = &[
     "equilibrium_guess",
     "equilibrium_here",
     "equilibrium_near",
+    "event_rates",
     "events",
     "fmt",
     "from",
