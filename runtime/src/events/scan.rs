@@ -167,7 +167,9 @@ impl Scanner {
         }
         let variation = (middle.value - start.value).abs().max((end.value - start.value).abs());
         let resolution = ZERO + 16.0 * f64::EPSILON * segment.t.abs() / segment.h;
+        let mut floor = 0.0;
         if self.fresh[function] && start.value.abs() <= resolution * variation {
+            floor = resolution * variation;
             grid[0].value = 0.0;
             if sampler.switch(function).is_none() {
                 // An event that is zero where a motion begins has no side until it has left zero.
@@ -182,16 +184,18 @@ impl Scanner {
             sampler.sample(system, segment, function, theta)
         };
         let outcome = certifier.certify(&mut sample, &grid);
-        self.collect(function, &certifier, segment);
+        self.collect(function, &certifier, segment, floor);
         self.certifier = certifier;
         self.grid = grid;
         outcome.map_err(|_| Cause::OscillatesTooFast { function: watched_name(system, sampler, function) })
     }
 
-    /// Takes over what the certifier marked.
-    fn collect(&mut self, function: usize, certifier: &Certifier, segment: &Segment<'_>) {
+    /// Takes over what the certifier marked, from where the function first is beyond `floor`: before, it is zero to
+    /// rounding, and has not left the side where it was put.
+    fn collect(&mut self, function: usize, certifier: &Certifier, segment: &Segment<'_>, floor: f64) {
         let mut side = self.sides[function];
-        let first = certifier.points().iter().find(|point| point.value != 0.0 && point.value.is_finite());
+        let first = certifier.points().iter().find(|point| point.value.abs() > floor && point.value.is_finite());
+        let begins = first.map_or(1.0, |point| point.x);
         if let Some(first) = first {
             let sign = first.value.signum();
             if side == 0.0 {
@@ -205,7 +209,7 @@ impl Scanner {
         for point in certifier.points().iter().filter(|point| point.value.is_finite()) {
             self.largest[function] = self.largest[function].max(point.value.abs());
         }
-        for mark in &certifier.marks {
+        for mark in certifier.marks.iter().filter(|mark| floor == 0.0 || mark.x > begins) {
             match mark.deed {
                 Deed::Crosses { rising } => {
                     self.crossings.push(Crossing { function, theta: mark.x, rising });
@@ -218,7 +222,7 @@ impl Scanner {
             }
         }
         // Jumps, poles and gaps change the side without a crossing.
-        let last = certifier.points().iter().rev().find(|point| point.value != 0.0);
+        let last = certifier.points().iter().rev().find(|point| !(point.value.abs() <= floor));
         if let Some(last) = last.filter(|last| last.value.is_finite()) {
             side = last.value.signum();
         } else if last.is_some() {

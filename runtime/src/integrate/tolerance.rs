@@ -8,12 +8,13 @@ use crate::mechanism::Description;
 ///
 /// Over a step of h,
 ///
-/// w(qᵢ) = max(Rᵢ, |h q'ᵢ|, φᵢ/ε),  w(q'ᵢ) = max(R'ᵢ, |h q''ᵢ|, φᵢ/(ε h)).
+/// w(qᵢ) = max(Rᵢ, |h q'ᵢ|, φᵢ/ε, h² νᵢ/ε),  w(q'ᵢ) = max(R'ᵢ, |h q''ᵢ|, φ'ᵢ/ε, h νᵢ/ε).
 ///
 /// R is the range that the component has gone through since the start, the step's end included, so that neither a shift
 /// of the origin nor a change of units changes a step; an angle's is at most 2π.  φ = 200 u max|q|, u = 2⁻⁵³, is the
-/// rounding of q: no error below it counts, and no error of q' that moves q by less within the step.  Where a coordinate
-/// takes over the rounding of a larger one beside it, φ is raised when that shows ([`Tolerance::look_for_noise`]).
+/// rounding of q: no error below it counts.  ν is the noise of the acceleration, what the rounding of all coordinates
+/// makes of it; it is measured where errors do not fall as steps become shorter ([`Tolerance::noise`]).  Where a
+/// coordinate takes over the rounding of a larger one beside it, φ is raised then.
 ///
 /// What has decayed far below its largest value has absolute accuracy only.
 #[derive(Clone, Debug)]
@@ -27,12 +28,16 @@ pub(crate) struct Tolerance {
     widest: Vec<f64>,
     /// φ raised to the rounding of other coordinates; 0 where it was not.
     raised: Vec<f64>,
+    /// ν, 0 where nothing made it worth a measurement.
+    noise: Vec<f64>,
     /// The first coordinate of the same unit.
     group: Vec<usize>,
 }
 
 /// 200 unit round-offs.
 const ROUNDING: f64 = 100.0 * f64::EPSILON;
+/// Errors are explained by up to so many times the measured noise.
+const EXPLAINED: f64 = 8.0;
 
 impl Tolerance {
     /// For a motion from this state.
@@ -47,6 +52,7 @@ impl Tolerance {
             high: start.to_vec(),
             widest: units.iter().map(widest).collect(),
             raised: vec![0.0; units.len()],
+            noise: vec![0.0; units.len()],
             group: units.iter().map(first).collect(),
         }
     }
@@ -55,12 +61,14 @@ impl Tolerance {
     #[inline(always)]
     pub fn units(&self, i: usize, h: f64, end: &[f64], rate: &[f64]) -> [f64; 2] {
         let n = end.len() / 2;
-        let (low, high) = (self.low[i].min(end[i]), self.high[i].max(end[i]));
-        let rounding = (ROUNDING * high.abs().max(low.abs())).max(self.raised[i]);
+        let extent = |k: usize| (self.low[k].min(end[k]), self.high[k].max(end[k]));
+        let ((low, high), (slow, fast)) = (extent(i), extent(n + i));
+        let noise = h.abs() * self.noise[i];
+        let rounding = (ROUNDING * high.abs().max(low.abs())).max(self.raised[i]).max(h.abs() * noise);
         let range = (high - low).min(self.widest[i]);
-        let speeds = self.high[n + i].max(end[n + i]) - self.low[n + i].min(end[n + i]);
         let place = (self.relative * range.max((h * rate[i]).abs())).max(rounding);
-        let speed = (self.relative * speeds.max((h * rate[n + i]).abs())).max(rounding / h.abs());
+        let rounding = (ROUNDING * fast.abs().max(slow.abs())).max(noise);
+        let speed = (self.relative * (fast - slow).max((h * rate[n + i]).abs())).max(rounding);
         // Where all of it is zero an error of zero must count as none.
         [place.max(f64::MIN_POSITIVE), speed.max(f64::MIN_POSITIVE)]
     }
@@ -72,22 +80,36 @@ impl Tolerance {
         }
     }
 
-    /// Looks whether the errors of coordinate i, too large still after they fell from `before` to `after` when the step was
-    /// cut from h₁ to h₂, are the rounding of larger coordinates of the same unit; its own is then raised to theirs for good.
-    pub fn look_for_noise(
-        &mut self,
+    /// True if the errors of coordinate i, too large still after they fell from `before` to `after` when the step was cut
+    /// from h₁ to h₂, fell so little that they might be noise.
+    pub fn suspects(
+        &self,
         i: usize,
         (before, after): ([f64; 2], [f64; 2]),
         (h1, h2): (f64, f64),
         (end, rate): (&[f64], &[f64]),
-    ) {
-        let floor = ROUNDING * self.largest_alike(i);
+    ) -> bool {
         let units = self.units(i, h2, end, rate);
         let falls = (h2 / h1).powf(2.5);
-        let stays = |k: usize, floor: f64| after[k] > units[k] && after[k] > falls * before[k] && after[k] <= floor;
-        if self.raised[i] < floor && (stays(0, floor) || stays(1, floor / h2)) {
-            self.raised[i] = floor;
+        (0..2).any(|k| after[k] > units[k] && after[k] > falls * before[k])
+    }
+
+    /// Takes note of the noise of an acceleration: what it changes by when every coordinate moves by
+    /// [`Tolerance::jitter`].  Errors over a step of h that are no larger than it explains count as rounding from now on.
+    pub fn noise(&mut self, i: usize, change: f64, h: f64, errors: [f64; 2]) {
+        let floor = ROUNDING * self.largest_alike(i);
+        let explains = h.abs() * change;
+        if errors[1] > EXPLAINED * explains && errors[0] > (EXPLAINED * h.abs() * explains).max(floor) {
+            return;
         }
+        self.noise[i] = self.noise[i].max(2.0 * EXPLAINED * change);
+        // That of another one's place, or of its own.
+        self.raised[i] = self.raised[i].max(floor);
+    }
+
+    /// A change of coordinate i of a few roundings.
+    pub fn jitter(&self, i: usize) -> f64 {
+        4.0 * f64::EPSILON * self.high[i].abs().max(self.low[i].abs())
     }
 
     /// Coordinates whose accuracy is limited by the rounding of others instead of the tolerance, and to what, in SI.

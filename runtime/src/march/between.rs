@@ -7,6 +7,7 @@ use crate::events::{OwnedSegment, Watch};
 use crate::integrate::Segment;
 use crate::mechanism::System;
 use crate::run::Recorder;
+use crate::trust::positive_inertia;
 
 /// Holds the dense output of steps against the equations at one point inside each.
 ///
@@ -43,18 +44,17 @@ const RETRIES: u32 = 16;
 const NEAR: f64 = 1e-9;
 
 impl March {
-    /// Tries steps until one is good between its ends too; returns it, and whether its dense output is made.
+    /// Tries steps of `most` seconds at most until one is good between its ends too; returns it, and whether its dense output is made.
     ///
     /// In this order, since each reads what the one before has cleared: the error test; the defect of the dense output,
     /// which halves; features that arguments of local functions reveal, which cut.
     pub(super) fn sound(
         &mut self,
         system: &dyn System,
-        stop: f64,
+        (stop, mut most): (f64, f64),
         watch: &mut Option<Watch>,
-        recorder: &mut Recorder,
+        recorder: &Recorder,
     ) -> Result<(Step, bool), Cause> {
-        let mut most = f64::INFINITY;
         for _ in 0..RETRIES {
             let step = self.attempt(system, stop, most, watch)?;
             let watched = watch.as_ref().is_some_and(Watch::wants_dense);
@@ -93,17 +93,32 @@ impl March {
     }
 
     /// Why no further step can be taken, in the words of the file where it is ends that meet.
-    pub(super) fn explained(&self, system: &dyn System, cause: Cause, watch: &mut Option<Watch>) -> Cause {
+    ///
+    /// Steps that vanish are explained by what stands just ahead.
+    pub(super) fn explained(&mut self, system: &dyn System, cause: Cause, watch: &mut Option<Watch>) -> Cause {
+        let ahead = (1e5 * self.h.abs()).max(1e-6 * self.defect.longest);
+        let (now, n) = (self.clock.now(), system.len());
+        let cause = match cause {
+            Cause::StepTooSmall { .. } => {
+                let mut y = self.stepper.start().y.to_vec();
+                for i in 0..n {
+                    y[i] += ahead * y[n + i];
+                }
+                let beyond = self.stepper.evaluate(system, now + ahead, &y, &mut vec![0.0; 2 * n]);
+                let beyond = beyond.map_err(|setback| setback.cause(system.description()));
+                beyond.and_then(|()| positive_inertia(system, now + ahead, &y)).err().unwrap_or(cause)
+            }
+            cause => cause,
+        };
         let Some(watch) = watch else { return cause };
-        let ahead = (1e3 * self.h.abs()).max(1e-6 * self.defect.longest);
-        watch.explain(system, cause, (self.clock.now(), self.stepper.start().y), ahead)
+        watch.explain(system, cause, (now, self.stepper.start().y), ahead)
     }
 
     /// True where the dense output of the step that was tried is far from fulfilling the equations.
     fn lies(&mut self, system: &dyn System, step: Step) -> Result<bool, Cause> {
         let Pace::Adaptive { tolerance, .. } = &self.pace else { return Ok(false) };
         // Where stability limits the step, dense output is poor and says nothing.
-        if self.stepper.stiffness(step.h) > 0.25 * self.stepper.control().stiff {
+        if self.step_times_rate > 0.25 * self.stepper.control().stiff {
             return Ok(false);
         }
         // An evaluation more is dear to a method whose steps have few: its long steps only.

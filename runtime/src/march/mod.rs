@@ -2,11 +2,13 @@
 //!
 //! A step is tried until its error is small enough; its dense output is made where anything reads it; what is watched
 //! may end it early: look in `interrupt.rs`; it is written down and taken.  Jumps of the acceleration that
-//! nobody declared: look in `jump.rs`; what is asked of a step between its ends: in `between.rs`.
+//! nobody declared: look in `jump.rs`; what is asked of a step between its ends: in `between.rs`; rounding that looks like
+//! errors: in `noise.rs`.
 
 mod between;
 mod interrupt;
 mod jump;
+mod noise;
 
 use std::ops::ControlFlow;
 
@@ -72,10 +74,14 @@ pub(crate) struct March {
     /// Until when the motion goes on at most, s.
     until: f64,
     stiffness: StiffnessDetector,
+    /// h|λ| at the end of the step that was tried.
+    step_times_rate: f64,
     jumps: JumpDetector,
     /// Errors and length of the last attempt at the present step, if it was rejected.
     rejected: Vec<f64>,
     rejected_step: f64,
+    /// How many steps were cut because a watched function oscillated within them.
+    cuts: u32,
 }
 
 impl March {
@@ -87,6 +93,7 @@ impl March {
         March {
             control: StepControl::new(stepper.control()),
             stiffness: StiffnessDetector::new(stepper.control().stiff),
+            step_times_rate: 0.0,
             jumps: JumpDetector::new(0.0),
             stepper,
             pace,
@@ -98,6 +105,7 @@ impl March {
             watch: None,
             rejected: Vec::with_capacity(y.len()),
             rejected_step: 0.0,
+            cuts: 0,
             defect: Defect::new(y.len()),
             until: t,
         }
@@ -177,21 +185,7 @@ impl March {
         progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
     ) -> Result<Halt, Cause> {
         while self.clock.now() < until {
-            let stop = self.watch.as_ref().map_or(until, |watch| watch.next_stop(until));
-            let mut watch = self.watch.take();
-            let tried = self.sound(system, stop, &mut watch, recorder);
-            let tried = tried.map_err(|cause| self.explained(system, cause, &mut watch));
-            self.watch = watch;
-            let (step, dense) = tried?;
-            self.look_for_stiffness(step, recorder);
-            let halt = match self.watch.take() {
-                None => self.keep(system, step, dense, recorder).map(|()| Halt::Arrived),
-                Some(mut watch) => {
-                    let outcome = self.watched(system, step, &mut watch, recorder);
-                    self.watch = Some(watch);
-                    outcome
-                }
-            };
+            let halt = self.one(system, until, recorder);
             let goes_on = progress(self.clock.now());
             if halt? == Halt::Event {
                 return Ok(Halt::Event);
@@ -201,6 +195,43 @@ impl March {
             }
         }
         Ok(Halt::Arrived)
+    }
+
+    /// Takes one step, or what an event or a discontinuity leaves of it.
+    fn one(&mut self, system: &mut dyn System, until: f64, recorder: &mut Recorder) -> Result<Halt, Cause> {
+        let stop = self.watch.as_ref().map_or(until, |watch| watch.next_stop(until));
+        let mut most = f64::INFINITY;
+        loop {
+            let mut watch = self.watch.take();
+            let tried = self.sound(system, (stop, most), &mut watch, recorder);
+            let tried = tried.map_err(|cause| self.explained(system, cause, &mut watch));
+            self.watch = watch;
+            let (step, dense) = tried?;
+            let outcome = match self.watch.take() {
+                None => self.keep(system, step, dense, recorder).map(|()| Halt::Arrived),
+                Some(mut watch) => {
+                    let outcome = self.watched(system, step, &mut watch, recorder);
+                    self.watch = Some(watch);
+                    outcome
+                }
+            };
+            match outcome {
+                // What oscillates in a long step may not in a short one.
+                Err(Cause::OscillatesTooFast { .. }) if self.cuts < MOST_CUTS && self.is_adaptive() => {
+                    self.cuts += 1;
+                    self.work.retries += 1;
+                    most = 0.01 * step.h;
+                }
+                outcome => {
+                    self.look_for_stiffness(step, recorder);
+                    return outcome;
+                }
+            }
+        }
+    }
+
+    fn is_adaptive(&self) -> bool {
+        matches!(self.pace, Pace::Adaptive { .. })
     }
 
     /// Writes down and takes a step that nothing can interrupt.
@@ -279,6 +310,8 @@ impl March {
                 Pace::Adaptive { .. } => {
                     let error = *outcome.as_ref().unwrap_or(&f64::NAN);
                     if error <= 1.0 {
+                        // Dense output makes other stages in the place of these.
+                        self.step_times_rate = self.stepper.stiffness(h);
                         self.look_for_jumps(system, step)?;
                         let proposal = self.control.accepted(h, error);
                         // A step cut short by a stop says nothing against the longer one before it.
@@ -287,7 +320,7 @@ impl March {
                     }
                     self.work.rejected += 1;
                     if error.is_finite() {
-                        self.look_for_noise(step);
+                        self.look_for_noise(system, step);
                     }
                     self.h = self.control.rejected(h, error);
                     if self.h < 16.0 * f64::EPSILON * now.abs() || self.h < f64::MIN_POSITIVE / f64::EPSILON {
@@ -380,28 +413,11 @@ impl March {
     /// Warns once the step is limited by stability.
     fn look_for_stiffness(&mut self, step: Step, recorder: &mut Recorder) {
         if let Pace::Adaptive { .. } = self.pace {
-            let step_times_rate = self.stepper.stiffness(step.h);
+            let step_times_rate = self.step_times_rate;
             if self.stiffness.observe(step_times_rate) {
                 recorder.warn(Warning::Stiff { t: step.next, step_times_rate });
             }
         }
-    }
-
-    /// Looks whether what was rejected twice running is the rounding of other coordinates.
-    fn look_for_noise(&mut self, step: Step) {
-        let Pace::Adaptive { tolerance, .. } = &mut self.pace else { return };
-        let (errors, end, rate) = (self.stepper.errors(), self.stepper.end().y, self.stepper.start().rate);
-        if !self.rejected.is_empty() {
-            let n = errors.len() / 2;
-            for i in 0..n {
-                let of = |errors: &[f64]| [errors[i].abs(), errors[n + i].abs()];
-                let lengths = (self.rejected_step, step.h);
-                tolerance.look_for_noise(i, (of(&self.rejected), of(errors)), lengths, (end, rate));
-            }
-        }
-        self.rejected.clear();
-        self.rejected.extend_from_slice(errors);
-        self.rejected_step = step.h;
     }
 
     /// What is to be said of the motion as a whole.
@@ -422,6 +438,8 @@ impl March {
 
 /// The first step is tried at this part of the way.
 const FIRST: f64 = 1e-3;
+/// So many times in a run a step is cut because a watched function oscillates within it.
+const MOST_CUTS: u32 = 100;
 
 /// An error that names the first number that is not finite.
 fn finite(system: &dyn System, y: &[f64], primes: usize) -> Result<(), Cause> {

@@ -80,7 +80,8 @@ impl Monitor {
                 watched.observe(pair[0], pair[1]);
             }
         }
-        if change == 0.0 { 0.0 } else { change / self.balance.scale }
+        // Numbers near the least that there is have no digits to judge by.
+        if change <= f64::MIN_POSITIVE / f64::EPSILON { 0.0 } else { change / self.balance.scale }
     }
 
     /// Notes J before the equations, or the state, change at a restart.

@@ -55,12 +55,19 @@ scene: {{start: {{x: 0}}, until: 1/{omega}, tolerance: 1e-10}}"
 #[test]
 fn chattering_is_said_in_the_words_of_the_file() {
     let error = coasting(
-        "forces: {f: {on: b, force: \"[-F*sign(abs(x) - 1), 0]\"}}
-scene: {start: {x: 1, x': 0}, until: 6, tolerance: 1e-10}",
+        "forces: {f: {on: b, force: \"[-F*sign(abs(x') - 1), 0]\"}}
+scene: {start: {x: 1, x': 2}, until: 6, tolerance: 1e-10}",
     )
     .try_run()
     .unwrap_err();
-    assert!(error.to_string().contains("chattering") && !error.to_string().contains("mode"), "{error}");
+    assert!(error.to_string().contains("chattering") && error.to_string().contains("abs(x') - 1"), "{error}");
+    // At rest where both sides push back nothing moves.
+    let run = coasting(
+        "forces: {f: {on: b, force: \"[-F*sign(abs(x) - 1), 0]\"}}
+scene: {start: {x: 1, x': 0}, until: 6, tolerance: 1e-10}",
+    )
+    .run();
+    assert_eq!((run.last()["x"], run.last()["x'"]), (1.0, 0.0));
 }
 
 #[test]

@@ -28,10 +28,14 @@ fn written(model: &Model, graph: &Graph, id: Id, budget: &mut usize) -> (String,
         return ("…".to_owned(), Level::Atom);
     }
     *budget -= 1;
+    let one_sided = one_sided(graph, id);
     let mut at = |x: Id, level: Level| {
         let (text, own) = written(model, graph, x, budget);
         if own < level { format!("({text})") } else { text }
     };
+    if let Some((function, x)) = one_sided {
+        return (format!("{function}{})", at(x, Level::Sum)), Level::Atom);
+    }
     match graph.node(id) {
         Node::Number(place) => number(graph.number_at(place)),
         Node::Symbol(s) => (symbol(model, s), Level::Atom),
@@ -56,6 +60,16 @@ fn written(model: &Model, graph: &Graph, id: Id, budget: &mut usize) -> (String,
             (format!("{name}({}, {})", at(x, Level::Sum), at(y, Level::Sum)), Level::Atom)
         }
     }
+}
+
+/// `x*sign(x)` as `abs(x)`, `x*step(x)` as `max(0, x)`: the beginning of the call and its argument.
+fn one_sided(graph: &Graph, id: Id) -> Option<(&'static str, Id)> {
+    let Node::Binary(Binary::Mul, x, y) = graph.node(id) else { return None };
+    [(x, y), (y, x)].into_iter().find_map(|(x, side)| match graph.node(side) {
+        Node::Unary(Unary::Sign, of) if of == x => Some(("abs(", x)),
+        Node::Unary(Unary::Step, of) if of == x => Some(("max(0, ", x)),
+        _ => None,
+    })
 }
 
 fn number(number: Number) -> (String, Level) {

@@ -1,0 +1,111 @@
+//! Rounding told apart from errors that shorter steps would mend.
+
+use super::{March, Pace, Step};
+use crate::integrate::Tolerance;
+use crate::mechanism::{At, System, solve_packed_slice};
+
+impl March {
+    /// Looks whether what was rejected twice running is rounding; if so the tolerance takes note.
+    pub(super) fn look_for_noise(&mut self, system: &dyn System, step: Step) {
+        let n = system.len();
+        let errors = self.stepper.errors().to_vec();
+        let of = |errors: &[f64], i: usize| [errors[i].abs(), errors[n + i].abs()];
+        let Pace::Adaptive { tolerance, .. } = &self.pace else { return };
+        if !self.rejected.is_empty() {
+            let lengths = (self.rejected_step, step.h);
+            let suspected: Vec<usize> = (0..n)
+                .filter(|&i| {
+                    let both = (of(&self.rejected, i), of(&errors, i));
+                    tolerance.suspects(i, both, lengths, (self.stepper.end().y, self.stepper.start().rate))
+                })
+                .collect();
+            if !suspected.is_empty() {
+                let noise = self.noise(system, tolerance.clone());
+                let Pace::Adaptive { tolerance, .. } = &mut self.pace else { return };
+                for i in suspected {
+                    tolerance.noise(i, noise[i], step.h, of(&errors, i));
+                }
+            }
+        }
+        self.rejected.clear();
+        self.rejected.extend_from_slice(&errors);
+        self.rejected_step = step.h;
+    }
+
+    /// What rounding makes of each acceleration here: that of the coordinates, by moving them, and that of the terms
+    /// of the equations, M⁻¹ u m with their running magnitudes m; 0 where neither can be told.
+    fn noise(&mut self, system: &dyn System, tolerance: Tolerance) -> Vec<f64> {
+        let (n, now) = (system.len(), self.clock.now());
+        let start = self.stepper.start();
+        let (from, mut y) = (start.rate[n..].to_vec(), start.y.to_vec());
+        let at = At::packed(now, start.y, n).accelerated(&from);
+        let mut noise = by_terms(system, at, self.until).unwrap_or_else(|| vec![0.0; n]);
+        let mut rate = vec![0.0; 2 * n];
+        for side in [1.0, -1.0] {
+            // Differences of neighbours show most where these move apart.
+            for i in 0..n {
+                let sign = if i % 2 == 0 { side } else { -side };
+                y[i] = self.stepper.start().y[i] + sign * tolerance.jitter(i);
+            }
+            if self.stepper.evaluate(system, now, &y, &mut rate).is_err() {
+                break;
+            }
+            for i in 0..n {
+                noise[i] = noise[i].max((rate[n + i] - from[i]).abs());
+            }
+        }
+        noise
+    }
+}
+
+/// |M⁻¹ u m| for magnitudes of equal and of alternating signs, the larger of both; `None` where M has no inverse.
+///
+/// What an input is made of is not known: it counts as made of terms as large as it is at any time from here to `until`.
+fn by_terms(system: &dyn System, at: At<'_>, until: f64) -> Option<Vec<f64>> {
+    let n = system.len();
+    let pattern = &system.description().mass_pattern;
+    let (mut values, mut sums) = (vec![0.0; pattern.len()], vec![0.0; n]);
+    system.mass_matrix(at, &mut values);
+    system.magnitudes(at, &mut sums);
+    let inputs = &system.description().input_pattern;
+    let (largest, mut by_input) = (largest_inputs(system, at.t, until), vec![0.0; inputs.len()]);
+    system.input_jacobian(at, &mut by_input);
+    for ((row, input), slope) in inputs.iter().zip(&by_input) {
+        sums[*row as usize] += slope.abs() * largest[*input as usize];
+    }
+    let mut noise = vec![0.0_f64; n];
+    for other in [1.0, -1.0] {
+        let mut packed = vec![0.0; n * (n + 1) / 2];
+        for ((row, column), value) in pattern.iter().zip(&values) {
+            let (row, column) = (*row as usize, *column as usize);
+            packed[row * (row + 1) / 2 + column] = *value;
+        }
+        let mut right: Vec<f64> =
+            sums.iter().enumerate().map(|(i, m)| if i % 2 == 0 { *m } else { other * m }).collect();
+        solve_packed_slice(&mut packed, &mut right).ok()?;
+        for (noise, a) in noise.iter_mut().zip(&right) {
+            *noise = noise.max(f64::EPSILON * a.abs());
+        }
+    }
+    noise.iter().all(|noise| noise.is_finite()).then_some(noise)
+}
+
+/// The largest sizes of (u, u', u'') of each input that samples find between t and `until`: evenly spaced ones, and
+/// others ever closer to t.
+fn largest_inputs(system: &dyn System, t: f64, until: f64) -> Vec<f64> {
+    const EVEN: u32 = 256;
+    const HALVINGS: u32 = 48;
+    let mut largest = vec![0.0_f64; 3 * system.description().inputs.len()];
+    if largest.is_empty() {
+        return largest;
+    }
+    let mut values = largest.clone();
+    let even = (0..=EVEN).map(|k| f64::from(k) / f64::from(EVEN));
+    for part in even.chain((1..=HALVINGS).map(|k| 0.5_f64.powi(k as i32))) {
+        system.inputs(t + part * (until - t), &mut values);
+        for (largest, value) in largest.iter_mut().zip(&values) {
+            *largest = largest.max(value.abs());
+        }
+    }
+    largest
+}
