@@ -34,6 +34,16 @@ pub(crate) enum Course<'a> {
     },
 }
 
+impl Course<'_> {
+    /// The time at θ, s.
+    fn time(&self, theta: f64) -> f64 {
+        match self {
+            Course::Step(segment) => segment.t + theta * segment.h,
+            Course::Time { t, h } => t + theta * h,
+        }
+    }
+}
+
 /// More first pieces than this in one step are not tried.
 const MOST_PIECES: f64 = 1e5;
 
@@ -75,18 +85,48 @@ impl Arguments {
 
     fn evaluate<S: System + ?Sized>(&mut self, system: &S, course: &Course<'_>, theta: f64) -> f64 {
         self.samples += 1;
-        let (t, h) = match course {
+        let h = match course {
             Course::Step(segment) => {
                 segment.evaluate_with_slope(theta, &mut self.y, &mut self.dy);
                 for (a, slope) in self.a.iter_mut().zip(&self.dy[self.n..]) {
                     *a = slope / segment.h;
                 }
-                (segment.t + theta * segment.h, segment.h)
+                segment.h
             }
-            Course::Time { t, h } => (t + theta * h, *h),
+            Course::Time { h, .. } => *h,
         };
+        let t = course.time(theta);
         system.arguments(At::packed(t, &self.y, self.n).accelerated(&self.a), &mut self.pairs);
         h
+    }
+
+    /// Whether the equations change at once where an argument is least: F differs on both sides of that place, by no less
+    /// at a tenth of the distance in time.  A spring without stiffness or without rest length has no direction to lose.
+    pub fn breaks<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        course: &Course<'_>,
+        index: usize,
+        (place, least): (f64, f64),
+    ) -> bool {
+        let mut away = f64::EPSILON;
+        while away < 1e-2 && self.sample(system, course, index, place + away).0 < 1e4 * least {
+            away *= 2.0;
+        }
+        let zero = vec![0.0; self.n];
+        let (mut before, mut after) = (zero.clone(), zero.clone());
+        let mut across = |away: f64| -> Vec<f64> {
+            for (theta, f) in [(place - away, &mut before), (place + away, &mut after)] {
+                self.evaluate(system, course, theta);
+                system.residual(At::packed(course.time(theta), &self.y, self.n).accelerated(&zero), f);
+            }
+            before.iter().zip(&after).map(|(before, after)| (after - before).abs()).collect()
+        };
+        let (near, far) = (across(away), across(10.0 * away));
+        let mut sums = zero.clone();
+        system.magnitudes(At::packed(course.time(place), &self.y, self.n).accelerated(&zero), &mut sums);
+        let jumps = |i: usize| near[i].is_nan() || near[i] > 1e-12 * sums[i] && near[i] > 0.5 * far[i];
+        (0..self.n).any(jumps)
     }
 
     /// The places in [0, 1] at which what is watched has to be looked at first: so close that no phase inside it turns

@@ -61,8 +61,8 @@ impl Monitors {
         first(&self.of_time, arguments, system, &Course::Time { t, h })
     }
 
-    /// The first squared distance that vanishes within a step, to `part` of the largest distance there was: its place in
-    /// the description's list, and where in the step.
+    /// The first squared distance that vanishes within a step, to `part` of the largest distance there was, where the
+    /// equations notice: its place in the description's list, and where in the step.
     pub fn meets<S: System + ?Sized>(
         &mut self,
         arguments: &mut Arguments,
@@ -77,8 +77,9 @@ impl Monitors {
             let finite = arguments.path.iter().filter(|(_, square)| square.is_finite());
             *largest = finite.clone().fold(*largest, |most, (_, square)| most.max(*square));
             let least = finite.min_by(|a, b| a.1.total_cmp(&b.1));
-            if let Some((x, _)) = least.filter(|(_, square)| *square <= part * part * *largest) {
-                return Some((*index, *x));
+            let Some(&(x, square)) = least.filter(|(_, square)| *square <= part * part * *largest) else { continue };
+            if arguments.breaks(system, course, *index, (x, square.max(1e-18 * *largest))) {
+                return Some((*index, x));
             }
         }
         None

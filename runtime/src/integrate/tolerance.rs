@@ -99,7 +99,7 @@ impl Tolerance {
     pub fn noise(&mut self, i: usize, change: f64, h: f64, errors: [f64; 2]) {
         let floor = ROUNDING * self.largest_alike(i);
         let explains = h.abs() * change;
-        if errors[1] > EXPLAINED * explains && errors[0] > (EXPLAINED * h.abs() * explains).max(floor) {
+        if errors[1] > EXPLAINED * explains || errors[0] > (EXPLAINED * h.abs() * explains).max(floor) {
             return;
         }
         self.noise[i] = self.noise[i].max(2.0 * EXPLAINED * change);
@@ -112,10 +112,12 @@ impl Tolerance {
         4.0 * f64::EPSILON * self.high[i].abs().max(self.low[i].abs())
     }
 
-    /// Coordinates whose accuracy is limited by the rounding of others instead of the tolerance, and to what, in SI.
+    /// Coordinates whose accuracy is limited by the rounding of others instead of the tolerance, and to what, in SI;
+    /// not those whose whole motion is no more than that.
     pub fn limited(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         let raised = self.raised.iter().copied().enumerate();
-        raised.filter(|(i, rounding)| *rounding > self.relative * (self.high[*i] - self.low[*i]))
+        let range = |i: usize| self.high[i] - self.low[i];
+        raised.filter(move |(i, rounding)| *rounding > self.relative * range(*i) && range(*i) > 4.0 * rounding)
     }
 
     /// The largest size of a coordinate with the same unit as this one; of angles at least one radian.

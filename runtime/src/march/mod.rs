@@ -319,7 +319,8 @@ impl March {
                         return Ok(step);
                     }
                     self.work.rejected += 1;
-                    if error.is_finite() {
+                    // Where nothing has moved yet the least error is infinitely many times too large.
+                    if outcome.is_ok() && self.stepper.errors().iter().all(|error| error.is_finite()) {
                         self.look_for_noise(system, step);
                     }
                     self.h = self.control.rejected(h, error);

@@ -1,41 +1,38 @@
 //! Rounding told apart from errors that shorter steps would mend.
 
 use super::{March, Pace, Step};
-use crate::integrate::Tolerance;
 use crate::mechanism::{At, System, solve_packed_slice};
 
 impl March {
     /// Looks whether what was rejected twice running is rounding; if so the tolerance takes note.
     pub(super) fn look_for_noise(&mut self, system: &dyn System, step: Step) {
-        let n = system.len();
-        let errors = self.stepper.errors().to_vec();
-        let of = |errors: &[f64], i: usize| [errors[i].abs(), errors[n + i].abs()];
         let Pace::Adaptive { tolerance, .. } = &self.pace else { return };
-        if !self.rejected.is_empty() {
-            let lengths = (self.rejected_step, step.h);
-            let suspected: Vec<usize> = (0..n)
-                .filter(|&i| {
-                    let both = (of(&self.rejected, i), of(&errors, i));
-                    tolerance.suspects(i, both, lengths, (self.stepper.end().y, self.stepper.start().rate))
-                })
-                .collect();
-            if !suspected.is_empty() {
-                let noise = self.noise(system, tolerance.clone());
-                let Pace::Adaptive { tolerance, .. } = &mut self.pace else { return };
-                for i in suspected {
-                    tolerance.noise(i, noise[i], step.h, of(&errors, i));
-                }
+        let n = system.len();
+        let of = |errors: &[f64], i: usize| [errors[i].abs(), errors[n + i].abs()];
+        let (before, after) = (&self.rejected, self.stepper.errors());
+        let (end, rate) = (self.stepper.end().y, self.stepper.start().rate);
+        let lengths = (self.rejected_step, step.h);
+        let suspected = |i: usize| tolerance.suspects(i, (of(before, i), of(after, i)), lengths, (end, rate));
+        let suspects: Vec<usize> =
+            if before.is_empty() { Vec::new() } else { (0..n).filter(|i| suspected(*i)).collect() };
+        self.rejected.clear();
+        self.rejected.extend_from_slice(self.stepper.errors());
+        self.rejected_step = step.h;
+        if !suspects.is_empty() {
+            let noise = self.noise(system);
+            let Pace::Adaptive { tolerance, .. } = &mut self.pace else { return };
+            for i in suspects {
+                tolerance.noise(i, noise[i], step.h, of(&self.rejected, i));
             }
         }
-        self.rejected.clear();
-        self.rejected.extend_from_slice(&errors);
-        self.rejected_step = step.h;
     }
 
     /// What rounding makes of each acceleration here: that of the coordinates, by moving them, and that of the terms
     /// of the equations, M⁻¹ u m with their running magnitudes m; 0 where neither can be told.
-    fn noise(&mut self, system: &dyn System, tolerance: Tolerance) -> Vec<f64> {
+    pub(super) fn noise(&mut self, system: &dyn System) -> Vec<f64> {
         let (n, now) = (system.len(), self.clock.now());
+        let Pace::Adaptive { tolerance, .. } = &self.pace else { return vec![0.0; n] };
+        let jitter: Vec<f64> = (0..n).map(|i| tolerance.jitter(i)).collect();
         let start = self.stepper.start();
         let (from, mut y) = (start.rate[n..].to_vec(), start.y.to_vec());
         let at = At::packed(now, start.y, n).accelerated(&from);
@@ -45,7 +42,7 @@ impl March {
             // Differences of neighbours show most where these move apart.
             for i in 0..n {
                 let sign = if i % 2 == 0 { side } else { -side };
-                y[i] = self.stepper.start().y[i] + sign * tolerance.jitter(i);
+                y[i] = self.stepper.start().y[i] + sign * jitter[i];
             }
             if self.stepper.evaluate(system, now, &y, &mut rate).is_err() {
                 break;
