@@ -222,7 +222,7 @@ impl Scanner {
             }
         }
         // Jumps, poles and gaps change the side without a crossing.
-        let last = certifier.points().iter().rev().find(|point| !(point.value.abs() <= floor));
+        let last = certifier.points().iter().rev().find(|point| point.value.is_nan() || point.value.abs() > floor);
         if let Some(last) = last.filter(|last| last.value.is_finite()) {
             side = last.value.signum();
         } else if last.is_some() {
