@@ -37,6 +37,6 @@ pub use cause::Cause;
 pub use dalembert_macros::model;
 pub use error::Error;
 pub use mechanism::{Method, ParseMethodError};
-pub use run::{Failure, Impulse, Occurrence, Run, State, Trust, Work};
+pub use run::{Digits, Failure, Impulse, Occurrence, Run, State, Trust, Work};
 pub use simulate::{Settings, Simulate, Simulation, StateMut, Stepping, simulate, simulate_with};
-pub use trust::Warning;
+pub use trust::{Loss, Warning};

@@ -2,5 +2,6 @@
 
 pub mod both;
 pub mod case;
+pub mod digits;
 pub mod euler;
 pub mod reference;

@@ -46,6 +46,11 @@ fn simulate() -> Command {
         .arg(value("csv", "FILE", "Write reported states and outputs as a table"))
         .arg(value("plot", "FILE.svg", "Draw them"))
         .arg(value("animate", "FILE.html", "Write a page that animates the mechanism"))
+        .arg(
+            flag("digits", "Tell how many digits hold, by a second run, however long it takes")
+                .conflicts_with("no-digits"),
+        )
+        .arg(flag("no-digits", "Leave the second run out, and print all digits"))
         .arg(flag("json", "Print one JSON object"))
 }
 

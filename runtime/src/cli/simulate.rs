@@ -16,7 +16,7 @@ use super::load::Loaded;
 use super::set_up::set_up;
 use super::{Entry, Problem, compare, outputs};
 use crate::mechanism::Description;
-use crate::simulate::LAGRANGE;
+use crate::simulate::{LAGRANGE, judge_digits};
 use crate::{Error, Impulse, Run, Settings};
 
 /// Runs, writes files that were asked for, and prints the outcome; a run that failed is written and printed too.
@@ -41,6 +41,15 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         progress.tell(t);
         if interrupted.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
+    let outcome = outcome.map(|mut run| {
+        if wants_digits(&run, options) {
+            progress.say("how many digits hold: a second run");
+            judge_digits(&mut *loaded.system, &settings, &mut run, &mut |_| {
+                if interrupted.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            });
+        }
+        run
+    });
     progress.clear();
     match outcome {
         Ok(run) => report(&loaded, &settings, &run, options, out),
@@ -50,6 +59,14 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         }
         Err(error) => Err(Problem::Usage(format!("error: {error}"))),
     }
+}
+
+/// A second run after one that took longer than this, s, would try a person's patience.
+const PATIENCE: f64 = 10.0;
+
+/// Whether to run a second time to tell how many digits hold.
+fn wants_digits(run: &Run, options: &ArgMatches) -> bool {
+    options.get_flag("digits") || run.seconds < PATIENCE && !options.get_flag("no-digits")
 }
 
 /// True from the first Ctrl-C on; the second ends the program.
@@ -106,6 +123,12 @@ impl Progress {
         }
     }
 
+    fn say(&mut self, what: &str) {
+        if self.shown {
+            eprint!("\r{what}\x1b[K");
+        }
+    }
+
     fn clear(&self) {
         if self.shown {
             eprint!("\r\x1b[K");
@@ -140,20 +163,25 @@ fn report(
         unit if unit.is_empty() => unit,
         unit => format!(" {unit}"),
     };
-    writeln!(out, "{} at t = {}, by {}", loaded.name, last.t, run.method)?;
+    writeln!(out, "{} at t = {}, by {}", loaded.name, run.written_end(&last), run.method)?;
     for (name, value) in last.entries() {
-        writeln!(out, "  {name} = {value}{}", unit(&name))?;
+        writeln!(out, "  {name} = {}{}", run.written(&name, value), unit(&name))?;
     }
     for (name, value) in last.outputs() {
         match value {
-            Some(value) => writeln!(out, "  {name} = {value}{}", unit(name))?,
+            Some(value) => writeln!(out, "  {name} = {}{}", run.written(name, value), unit(name))?,
             None => writeln!(out, "  {name} is absent")?,
         }
     }
-    for event in &run.events {
-        writeln!(out, "  event {} at t = {}", event.name, event.state.t)?;
+    for (index, event) in run.events.iter().enumerate() {
+        writeln!(out, "  event {} at t = {}", event.name, run.written_event(index))?;
     }
-    writeln!(out, "{}", run.trust())?;
+    write!(out, "{}", run.trust())?;
+    if run.digits.is_none() && !options.get_flag("no-digits") {
+        let why = if run.seconds < PATIENCE { "too much to compare, or interrupted" } else { "the run took long" };
+        writeln!(out, "digits         not estimated: {why}; --digits runs a second time all the same")?;
+    }
+    writeln!(out)?;
     Ok(())
 }
 
@@ -200,9 +228,29 @@ fn as_json(loaded: &Loaded, settings: &Settings, run: &Run) -> Value {
                 "samples": run.work.samples,
             }),
         ),
+        ("digits", digits(run)),
+        ("digits_until", run.digits_until().map_or(Value::Null, number)),
+        ("errors", errors(run)),
         ("seconds", number(run.seconds)),
         ("warnings", json!(warnings.collect::<Vec<String>>())),
     ])
+}
+
+/// Significant digits that hold at the end, column by column; `null` where they were not estimated.
+fn digits(run: &Run) -> Value {
+    by_column(run, |name| run.digits(name).map(|digits| json!(digits)))
+}
+
+/// Bounds of the errors at the end, SI, column by column; `null` where they were not estimated.
+fn errors(run: &Run) -> Value {
+    by_column(run, |name| run.errors(name).and_then(|errors| errors.last().map(|error| number(*error))))
+}
+
+fn by_column(run: &Run, value: impl Fn(&str) -> Option<Value>) -> Value {
+    if run.digits.is_none() {
+        return Value::Null;
+    }
+    object(run.column_names().into_iter().map(|name| (name.clone(), value(&name).unwrap_or(Value::Null))))
 }
 
 /// Jumps of the speeds: when, by what, and of which rates.

@@ -428,17 +428,24 @@ impl March {
         tolerance.limited().map(limited).collect()
     }
 
-    /// The first step: a thousandth of the way at most, which the error test shortens.
+    /// The first step: a thousandth of the way or so, which the error test shortens.
+    ///
+    /// It follows the tolerance as other steps do, so that runs at two tolerances have no step in common, even where the
+    /// growth of steps is all that limits them.
     fn first(&self, left: f64) -> f64 {
         match &self.pace {
             Pace::Fixed(h) => *h,
-            Pace::Adaptive { longest, .. } => longest.min(FIRST * left),
+            Pace::Adaptive { longest, tolerance } => {
+                let order = self.stepper.control().exponent;
+                longest.min(FIRST * (tolerance.relative / USUAL).powf(order) * left)
+            }
         }
     }
 }
 
-/// The first step is tried at this part of the way.
+/// The first step is tried at this part of the way, at the usual tolerance.
 const FIRST: f64 = 1e-3;
+const USUAL: f64 = 1e-10;
 /// So many times in a run a step is cut because a watched function oscillates within it.
 const MOST_CUTS: u32 = 100;
 

@@ -1,5 +1,6 @@
 //! What a run returns.
 
+mod digits;
 mod failure;
 mod frames;
 mod hermite;
@@ -10,6 +11,7 @@ mod trust;
 
 use std::sync::Arc;
 
+pub use digits::Digits;
 pub use failure::Failure;
 pub(crate) use frames::Scenery;
 pub(crate) use record::{Plan, Recorder};
@@ -47,6 +49,8 @@ pub struct Run {
     pub energy_balance: Option<f64>,
     /// What the user should know.
     pub warnings: Vec<Warning>,
+    /// How many digits of its numbers hold; `None` if the run was not told to estimate them, or could not.
+    pub digits: Option<Digits>,
     /// Time it took, s.
     pub seconds: f64,
     pub(crate) ended_by: Option<usize>,

@@ -79,6 +79,7 @@ impl Recorder {
             drift: Vec::new(),
             energy_balance: None,
             warnings: Vec::new(),
+            digits: None,
             seconds: 0.0,
             ended_by: None,
             times: Vec::new(),

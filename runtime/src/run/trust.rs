@@ -31,11 +31,25 @@ impl fmt::Display for Trust<'_> {
             write_drift(f, &drift.name, drift.value)?;
         }
         write_drift(f, "energy balance", run.energy_balance)?;
+        if let (Some(digits), Some(worst)) = (&run.digits, worst(run)) {
+            let kind = if run.step.is_some() { "step" } else { "tolerance" };
+            writeln!(f, "digits         {worst}; by a second run at {kind} {:e}", digits.companion)?;
+        }
         for warning in &run.warnings {
             writeln!(f, "warning        {warning}")?;
         }
         Ok(())
     }
+}
+
+/// The column of which fewest digits hold at the end, in words.
+fn worst(run: &Run) -> Option<String> {
+    let last = run.last();
+    let values = last.entries().map(|(name, value)| (run.digits(&name), name, value));
+    // A value that is zero but for rounding has no digits to lose.
+    let shown = values.filter(|(_, name, value)| run.written(name, *value) != "0");
+    let (digits, name, _) = shown.min_by_key(|(digits, ..)| *digits)?;
+    Some(format!("{} or more, fewest of {name}", digits?))
 }
 
 fn write_drift(f: &mut fmt::Formatter<'_>, name: &str, value: Option<f64>) -> fmt::Result {

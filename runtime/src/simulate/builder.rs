@@ -145,6 +145,12 @@ impl<S: System> Simulation<S> {
         self
     }
 
+    /// Runs a second time, less accurately, and tells how many digits hold: [`Run::digits`](crate::Run::digits).
+    pub fn digits(mut self) -> Self {
+        self.settings.digits = true;
+        self
+    }
+
     /// How many steps a run may take.
     pub fn max_steps(mut self, steps: u64) -> Self {
         self.settings.max_steps = steps;

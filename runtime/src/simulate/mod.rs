@@ -8,6 +8,7 @@
 
 mod builder;
 mod by_hand;
+mod companion;
 mod settings;
 #[cfg(test)]
 mod tests;
@@ -20,6 +21,7 @@ pub use builder::Simulation;
 #[cfg(feature = "cli")]
 pub(crate) use builder::{LAGRANGE, derivation};
 pub use by_hand::{StateMut, Stepping};
+pub(crate) use companion::judge_digits;
 pub use settings::Settings;
 pub use typed::Simulate;
 
@@ -52,7 +54,13 @@ pub fn simulate_with(
     let Start { mut march, mut recorder, outcome } = start(system, settings, settings.spacing())?;
     let outcome = outcome.and_then(|()| march.advance(system, settings.until, &mut recorder, progress));
     match outcome {
-        Ok(_) => Ok(finish(system, &march, recorder, clock)),
+        Ok(_) => {
+            let mut run = finish(system, &march, recorder, clock);
+            if settings.digits {
+                judge_digits(system, settings, &mut run, progress);
+            }
+            Ok(run)
+        }
         Err(cause) => Err(fail(cause, system, &march, recorder, clock)),
     }
 }

@@ -40,6 +40,9 @@ pub struct Settings {
     pub dense: bool,
     /// Whether to watch invariants and the energy balance (on unless said otherwise).
     pub watch: bool,
+    /// Whether to run a second time, less accurately, to tell how many digits hold (off unless said otherwise); see
+    /// [`Digits`](crate::run::Digits).  It costs about three quarters of the run again.
+    pub digits: bool,
 }
 
 impl Settings {
@@ -59,6 +62,7 @@ impl Settings {
             compensated: true,
             dense: true,
             watch: true,
+            digits: false,
         }
     }
 

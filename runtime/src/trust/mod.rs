@@ -16,4 +16,4 @@ pub(crate) use inertia::{InertiaGuard, positive_inertia};
 #[cfg(test)]
 pub(crate) use stability::amplification;
 pub(crate) use stability::{Watchman, check_step};
-pub use warning::Warning;
+pub use warning::{Loss, Warning};

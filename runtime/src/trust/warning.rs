@@ -96,6 +96,22 @@ pub enum Warning {
         /// Features narrower than this, s, may have been missed.
         width: f64,
     },
+    /// From some time on no digit of a coordinate or rate can be promised.
+    DigitsLost {
+        /// When, s.
+        t: f64,
+        /// The coordinate, or its rate with a prime.
+        column: String,
+        /// Why.
+        why: Loss,
+    },
+    /// A second run, slightly different, has another number of events.
+    EventsDiffer {
+        /// How many this run has.
+        here: usize,
+        /// How many the other one has.
+        there: usize,
+    },
     /// The run has too many steps to keep dense output of them all.
     DenseOutputEnds {
         /// Until when there is dense output, s.
@@ -108,6 +124,46 @@ pub enum Warning {
         /// The estimate of h|λ| that stays at the limit.
         step_times_rate: f64,
     },
+}
+
+/// Why no digits are left.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Loss {
+    /// The motion is chaotic, or unstable: differences at the start grow by this factor until then.
+    Instability {
+        /// The factor.
+        growth: f64,
+    },
+    /// It begins at rest in an unstable equilibrium, and only rounding moves it.
+    UnstableStart,
+    /// The fixed step is too coarse.
+    CoarseStep {
+        /// The step, s.
+        step: f64,
+    },
+    /// The tolerance is too loose for so long a run.
+    LooseTolerance {
+        /// The tolerance.
+        tolerance: f64,
+    },
+}
+
+impl fmt::Display for Loss {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Loss::Instability { growth } => {
+                write!(f, "the motion is chaotic or unstable: a difference at the start grows {growth:.0e} times")
+            }
+            Loss::UnstableStart => {
+                write!(f, "it starts at rest in an unstable equilibrium, so that rounding decides where it goes")
+            }
+            Loss::CoarseStep { step } => write!(f, "the fixed step of {step} s is too coarse"),
+            Loss::LooseTolerance { tolerance } => {
+                write!(f, "the tolerance {tolerance:e} is too loose for so long a run")
+            }
+        }
+    }
 }
 
 impl Warning {
@@ -166,6 +222,13 @@ impl fmt::Display for Warning {
             Warning::InputScanned { input, width } => write!(
                 f,
                 "features of `{input}` narrower than {width:.1e} s may be missed, since it is a closure; give a longest step"
+            ),
+            Warning::DigitsLost { t, column, why } => {
+                write!(f, "no digit of `{column}` can be promised from t = {t} s on: {why}")
+            }
+            Warning::EventsDiffer { here, there } => write!(
+                f,
+                "there are {here} events, and {there} in a second run that differs slightly: some were close calls"
             ),
             Warning::DenseOutputEnds { t } => write!(f, "dense output ends at t = {t} s: it would fill the memory"),
             Warning::Stiff { t, step_times_rate } => write!(

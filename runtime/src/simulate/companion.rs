@@ -1,0 +1,142 @@
+//! The second run, which tells how many digits of the first one hold.
+
+use std::ops::ControlFlow;
+
+use super::{Settings, simulate_with};
+use crate::cause::Cause;
+use crate::error::Error;
+use crate::mechanism::{At, System};
+use crate::run::{Digits, Run};
+use crate::trust::{Loss, Warning};
+
+/// The tolerance of the companion in units of the run's.
+const LOOSER: f64 = 10.0;
+/// No companion runs at a looser tolerance.
+const LOOSEST: f64 = 0.3;
+/// The companion's start is moved by so many unit round-offs of the largest value that a coordinate or rate has.
+const MOVED: f64 = 20.0;
+/// More growth than this of a difference at the start is an instability.
+const GROWS: f64 = 1e4;
+/// Where errors may be larger than this part of a range, two runs may agree by chance: a third one is asked.
+const DOUBTFUL: f64 = 1e-4;
+/// Not more numbers than these are compared.
+const MOST_NUMBERS: usize = 20_000_000;
+
+/// Runs again at ten times the tolerance, or twice the fixed step, from a start moved by rounding, and compares.
+///
+/// Source: the pair of tolerances is Shampine and Watts, *Global error estimation for ordinary differential equations*,
+/// ACM TOMS 2 (1976) 172, section 2; the moved start sees what both runs would otherwise share.
+pub(crate) fn judge_digits(
+    system: &mut dyn System,
+    settings: &Settings,
+    run: &mut Run,
+    progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) {
+    if run.rows.len() + run.outputs.len() > MOST_NUMBERS {
+        return;
+    }
+    let mut goes_on = |_: f64| progress(settings.until);
+    let Some((companion, other)) = companion(system, settings, run, LOOSER, &mut goes_on) else { return };
+    let mut digits = Digits::compare(run, &other, companion);
+    if digits.worst(run) > DOUBTFUL {
+        let Some((_, another)) = self::companion(system, settings, run, LOOSER * LOOSER, &mut goes_on) else { return };
+        digits.doubt(run, &another, 0.1);
+    }
+    if other.events.len() != run.events.len() {
+        run.warnings.push(Warning::EventsDiffer { here: run.events.len(), there: other.events.len() });
+    }
+    if let Some((t, column)) = digits.lost {
+        let why = reason(system, settings, run, (t, column), &mut goes_on);
+        let column = run.column_names().swap_remove(column);
+        run.warnings.push(Warning::DigitsLost { t, column, why });
+    }
+    run.digits = Some(digits);
+}
+
+/// A run at a tolerance, or a fixed step, that is larger by about this factor, and what it is; `None` if it was
+/// interrupted.
+fn companion(
+    system: &mut dyn System,
+    settings: &Settings,
+    run: &Run,
+    looser: f64,
+    progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Option<(f64, Run)> {
+    let mut other = alike(settings, run);
+    let companion = match settings.step {
+        Some(step) => *other.step.insert(step * if looser > LOOSER { 3.0 } else { 2.0 }),
+        None => {
+            other.tolerance = (looser * settings.tolerance.max(Settings::TIGHTEST)).min(LOOSEST);
+            other.tolerance
+        }
+    };
+    match simulate_with(system, &other, progress) {
+        Ok(other) => Some((companion, other)),
+        Err(Error::Run(failure)) if failure.cause == Cause::Interrupted => None,
+        Err(Error::Run(failure)) => Some((companion, failure.run)),
+        Err(_) => None,
+    }
+}
+
+/// The same settings for a run that is only compared, from a start moved by rounding.
+fn alike(settings: &Settings, run: &Run) -> Settings {
+    let mut other = Settings { digits: false, dense: false, watch: false, ..settings.clone() };
+    let n = other.q.len();
+    let largest =
+        |column: usize| run.rows.iter().skip(column).step_by(2 * n).fold(0.0_f64, |most, y| most.max(y.abs()));
+    let unit = 0.5 * f64::EPSILON * MOVED;
+    for i in 0..n {
+        // Moved in one sense they might only be shifted.
+        let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
+        other.q[i] += sign * unit * largest(i);
+        other.v[i] += sign * unit * largest(n + i);
+    }
+    other
+}
+
+/// Why a run has no digits left from t on: a third run, as accurate as the first, tells how a moved start grows.
+fn reason(
+    system: &mut dyn System,
+    settings: &Settings,
+    run: &Run,
+    (t, column): (f64, usize),
+    progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Loss {
+    let accuracy = match settings.step {
+        Some(step) => Loss::CoarseStep { step },
+        None => Loss::LooseTolerance { tolerance: settings.tolerance },
+    };
+    let mut moved = alike(settings, run);
+    moved.until = t.max(settings.from);
+    if starts_at_rest(system, settings, run) {
+        return Loss::UnstableStart;
+    }
+    let other = match simulate_with(system, &moved, progress) {
+        Ok(other) => other,
+        Err(Error::Run(failure)) => failure.run.clone(),
+        Err(_) => return accuracy,
+    };
+    let n = settings.q.len();
+    let apart = |one: &[f64], other: &[f64], i: usize| (one[i] - other[i]).abs();
+    let shared = run.times.iter().zip(&other.times).take_while(|(a, b)| a == b).count();
+    let Some(row) = shared.checked_sub(1) else { return accuracy };
+    let (here, there) = (&run.rows[2 * n * row..][..2 * n], &other.rows[2 * n * row..][..2 * n]);
+    let start =
+        if column < n { apart(&settings.q, &moved.q, column) } else { apart(&settings.v, &moved.v, column - n) };
+    let growth = apart(here, there, column) / start;
+    if growth.is_finite() && growth > GROWS { Loss::Instability { growth } } else { accuracy }
+}
+
+/// True where the motion begins at rest in an equilibrium: all that moves it is rounding.
+fn starts_at_rest(system: &dyn System, settings: &Settings, run: &Run) -> bool {
+    let n = settings.q.len();
+    let mut a = vec![0.0; n];
+    let at = At::new(settings.from, &settings.q, &settings.v);
+    if settings.v.iter().any(|v| *v != 0.0) || system.accelerations(at, &mut a).is_err() {
+        return false;
+    }
+    let largest = run.rows.iter().fold(0.0_f64, |most, y| most.max(y.abs()));
+    let span = settings.until - settings.from;
+    // How far the acceleration at the start alone would lead.
+    a.iter().all(|a| a.abs() * span * span <= 1e-9 * largest)
+}

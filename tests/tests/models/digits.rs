@@ -1,0 +1,22 @@
+//! Digits that are promised hold.
+
+use dalembert_tests::digits::promises;
+
+#[test]
+fn no_promise_is_broken_and_few_are_too_modest() {
+    let found = promises(&[None, Some(1e-6), Some(1e-9)]);
+    let mut modesty: Vec<f64> = found.iter().flat_map(|promise| promise.modesty()).collect();
+    modesty.sort_by(f64::total_cmp);
+    assert!(modesty.len() > 500, "{}", modesty.len());
+    let broken: Vec<String> = found
+        .iter()
+        .filter(|promise| promise.broken() > 0.5)
+        .map(|promise| {
+            let worst = promise.columns.iter().max_by(|a, b| (a.2 / a.1).total_cmp(&(b.2 / b.1)));
+            format!("{} at {:e}: {:.1} digits {worst:?}", promise.name, promise.tolerance, promise.broken())
+        })
+        .collect();
+    let median = modesty[modesty.len() / 2];
+    assert!(broken.is_empty(), "{broken:#?}");
+    assert!(median < 2.0, "{median}");
+}
