@@ -6,7 +6,8 @@
 
 use super::arguments::{Arguments, Course};
 use super::root::locate;
-use crate::mechanism::{Argument, Role, System, Watched};
+use crate::integrate::Reached;
+use crate::mechanism::{Argument, At, Role, System, Watched};
 
 /// The arguments of the equations of motion.
 #[derive(Clone, Debug)]
@@ -17,7 +18,20 @@ pub(crate) struct Monitors {
     of_time: Vec<usize>,
     /// Squared distances along which forces act, with the largest they had.
     distances: Vec<(usize, f64)>,
+    /// Whether a phase turns inside one of them, so that the ends of a step tell nothing.
+    wild: bool,
+    /// All arguments (A, A') at the start and the end of the step looked at last, and when that is, s.
+    start: Vec<f64>,
+    end: Vec<f64>,
+    ends: f64,
 }
+
+/// A step along which the natural variables change by no more than this is not looked at closer.
+const CALM: f64 = 1.5;
+/// Nor is one along which no squared distance falls to this part of those at its ends.
+const FAR: f64 = 0.2;
+/// An argument goes beyond the extrema of the cubic by no more than this part of its range.
+const MARGIN: f64 = 0.2;
 
 /// exp A counts as zero below this A.
 const VANISHES: f64 = -40.0;
@@ -41,19 +55,93 @@ impl Monitors {
         let followed = |argument: &Argument| argument.of == Watched::Motion && argument.role != Role::Distance;
         let motion = list.filter(|(_, argument)| followed(argument));
         let (of_time, of_state): (Vec<_>, Vec<_>) = motion.partition(|(_, argument)| argument.time_only);
-        let places = |list: Vec<(usize, _)>| list.into_iter().map(|(place, _)| place).collect();
+        let places = |list: Vec<(usize, _)>| list.into_iter().map(|(place, _)| place).collect::<Vec<usize>>();
+        let arguments = &system.description().arguments;
+        let wild = arguments.iter().any(|argument| match argument.of {
+            Watched::Argument(outer) => argument.role == Role::Phase && !arguments[outer as usize].time_only,
+            _ => false,
+        });
         let distances = system.description().arguments.iter().enumerate();
         let distances = distances.filter(|(_, argument)| argument.role == Role::Distance);
         Monitors {
             of_state: places(of_state),
             of_time: places(of_time),
             distances: distances.map(|(place, _)| (place, 0.0)).collect(),
+            wild,
+            start: vec![0.0; 2 * arguments.len()],
+            end: vec![0.0; 2 * arguments.len()],
+            ends: f64::NAN,
         }
     }
 
-    /// True where no step needs to be looked at.
+    /// True where there is nothing to look at.
     pub fn is_empty(&self) -> bool {
         self.of_state.is_empty() && self.of_time.is_empty() && self.distances.is_empty()
+    }
+
+    /// Whether a step between these states, with their rates, keeps clear of every feature of the state as far as its
+    /// ends tell: by the cubic through the values and slopes of each argument, which are tame as long as no phase turns
+    /// inside one.
+    pub fn calm<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        (t, next): (f64, f64),
+        (start, end): (Reached<'_>, Reached<'_>),
+    ) -> bool {
+        if self.of_state.is_empty() && self.distances.is_empty() {
+            return true;
+        }
+        let n = system.len();
+        let pairs = |t: f64, state: Reached<'_>, pairs: &mut [f64]| {
+            system.arguments(At::packed(t, state.y, n).accelerated(&state.rate[n..]), pairs);
+        };
+        if self.ends == t {
+            std::mem::swap(&mut self.start, &mut self.end);
+        } else {
+            pairs(t, start, &mut self.start);
+        }
+        pairs(next, end, &mut self.end);
+        self.ends = next;
+        if self.wild {
+            return false;
+        }
+        let h = next - t;
+        let cubic = |index: usize| {
+            let of = |pairs: &[f64]| (pairs[2 * index], h * pairs[2 * index + 1]);
+            turns(of(&self.start), of(&self.end))
+        };
+        let arguments = &system.description().arguments;
+        let bounds = |index: usize| {
+            let values = cubic(index);
+            let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+            let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let margin = MARGIN * (most - least);
+            (least - margin, most + margin, values[0], values[3])
+        };
+        let still = |index: &usize| {
+            let role = arguments[*index].role;
+            let (least, most, start, end) = bounds(*index);
+            let of = |a: f64| natural(role, a, f64::MIN_POSITIVE);
+            // A power vanishes, or is largest, where its base passes through zero.
+            let through = matches!(role, Role::Power(_)) && least * most <= 0.0;
+            let (low, high) = (of(least).min(of(most)), of(least).max(of(most)));
+            let from = if rises(role) { of(start).max(of(end)) } else { low };
+            !through && high - from <= CALM && (least + most).is_finite()
+        };
+        let far = |(index, _): &(usize, f64)| {
+            let (least, _, start, end) = bounds(*index);
+            least > FAR * start.min(end)
+        };
+        let calm = self.of_state.iter().all(still) && self.distances.iter().all(far);
+        for (index, largest) in &mut self.distances {
+            *largest = largest.max(self.start[2 * *index]).max(self.end[2 * *index]);
+        }
+        calm
+    }
+
+    /// Forgets the end of the last step: the state or the equations have changed.
+    pub fn forget(&mut self) {
+        self.ends = f64::NAN;
     }
 
     /// Where in a step from t of h seconds, 0 to 1, a feature of time alone is met; `None`: nowhere.
@@ -107,6 +195,35 @@ impl Monitors {
     }
 }
 
+/// The variable in which a function of an argument changes evenly; of powers, arguments count as no smaller than `least`.
+fn natural(role: Role, a: f64, least: f64) -> f64 {
+    match role {
+        Role::Exponential => a.max(VANISHES),
+        Role::Bounded => a.clamp(-SATURATES, SATURATES),
+        Role::Arctangent => a.asinh(),
+        Role::Power(p) => -p.abs() * a.abs().clamp(least, f64::MAX).ln(),
+        Role::Phase | Role::Landmark | Role::Distance => 0.0,
+    }
+}
+
+/// Whether the function is large where its natural variable is, and nothing elsewhere.
+fn rises(role: Role) -> bool {
+    matches!(role, Role::Exponential) || matches!(role, Role::Power(p) if p > 0.0)
+}
+
+/// The cubic on [0, 1] through two values with their slopes: at its start, where it turns in between, and at its end.
+fn turns((a, slope_a): (f64, f64), (b, slope_b): (f64, f64)) -> [f64; 4] {
+    let (rise, second) = (b - a, slope_a + slope_b - 2.0 * (b - a));
+    // p(x) = a + slope_a x + (rise − slope_a − second) x² + second x³.
+    let bend = rise - slope_a - second;
+    let at = |x: f64| a + x * (slope_a + x * (bend + x * second));
+    let root = (bend * bend - 3.0 * second * slope_a).sqrt();
+    // Both roots of 3 second x² + 2 bend x + slope_a, without cancellation.
+    let sum = -(bend + if bend < 0.0 { -root } else { root });
+    let inside = |x: f64| if x > 0.0 && x < 1.0 { at(x) } else { a };
+    [a, inside(sum / (3.0 * second)), inside(slope_a / sum), b]
+}
+
 fn first<S: System + ?Sized>(
     list: &[usize],
     arguments: &mut Arguments,
@@ -145,13 +262,7 @@ fn along<S: System + ?Sized>(
     path.retain(|(_, value)| !value.is_nan());
     let largest = path.iter().fold(0.0_f64, |most, (_, a)| most.max(a.abs())).min(f64::MAX);
     let least = (NOTHING * largest).max(f64::MIN_POSITIVE);
-    let natural = |a: f64| match role {
-        Role::Exponential => a.max(VANISHES),
-        Role::Bounded => a.clamp(-SATURATES, SATURATES),
-        Role::Arctangent => a.asinh(),
-        Role::Power(p) => -p.abs() * a.abs().clamp(least, f64::MAX).ln(),
-        Role::Phase | Role::Landmark | Role::Distance => 0.0,
-    };
+    let natural = |a: f64| natural(role, a, least);
     let (start, end) = (natural(path.first()?.1), natural(path.last()?.1));
     let (top, most) = path.iter().map(|(x, a)| (*x, natural(*a))).max_by(|a, b| a.1.total_cmp(&b.1))?;
     // Natural variables far below the largest of a power show nothing.
@@ -159,7 +270,6 @@ fn along<S: System + ?Sized>(
         Role::Power(_) => natural(a).max(most + VANISHES),
         _ => natural(a),
     };
-    let rises = |role: Role| matches!(role, Role::Exponential) || matches!(role, Role::Power(p) if p > 0.0);
     let mut at = |x: f64| natural(arguments.sample(system, course, index, x).0);
     // Through zero a root is no feature but an edge of where it is defined.
     let edge = matches!(role, Role::Power(_)) && path.windows(2).any(|pair| pair[0].1 * pair[1].1 <= 0.0);

@@ -75,6 +75,8 @@ pub(crate) fn nature_of_zero(mut f: impl FnMut(f64) -> f64, x: f64, low: (f64, f
 
 /// A bracket of adjacent numbers (or a zero, twice) around a change of sign; `None` where f is not a number.
 fn narrow(f: &mut impl FnMut(f64) -> f64, a: (f64, f64), b: (f64, f64)) -> Option<[(f64, f64); 2]> {
+    // Near the start of a step its own numbers are finer than the state there: they are adjacent for what is looked at.
+    let finest = 0.5 * f64::EPSILON * (b.0 - a.0).abs();
     let (mut a, mut b) = (a, b);
     let mut fraction = 0.5;
     for round in 0..300 {
@@ -94,7 +96,7 @@ fn narrow(f: &mut impl FnMut(f64) -> f64, a: (f64, f64), b: (f64, f64)) -> Optio
             return Some([best, best]);
         }
         let width = (b.0 - a.0).abs();
-        let resolution = 2.0 * f64::EPSILON * best.0.abs() + f64::MIN_POSITIVE;
+        let resolution = (2.0 * f64::EPSILON * best.0.abs()).max(finest) + f64::MIN_POSITIVE;
         if width <= resolution {
             break;
         }
@@ -167,6 +169,17 @@ mod tests {
                 let exact = !matches!(name, "x^3" | "x^9" | "expanded cube") && nature != Nature::Undefined;
                 assert!(!exact || (x - place).abs() < 1e-15, "{name}: {:e}", x - place);
             }
+        }
+    }
+
+    #[test]
+    fn a_root_beside_the_start_is_no_jump() {
+        // Its noise is that of the state, many times that of so small a place.
+        let tick = |x: f64| (360.0 * (0.87 + 0.04 * x)).sin();
+        let root = ((360.0 * 0.87 / std::f64::consts::PI).ceil() * std::f64::consts::PI / 360.0 - 0.87) / 0.04;
+        for before in [1e-3, 1e-5, 1e-8] {
+            let g = |x: f64| tick(root - before + x);
+            assert_eq!(locate(g, (0.0, g(0.0)), (0.05, g(0.05))).1, Nature::Root, "{before}");
         }
     }
 

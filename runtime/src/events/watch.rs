@@ -10,7 +10,7 @@ use super::scan::{Crossing, Scanner, watched_name};
 use super::stops::Stops;
 use super::{Log, Remark, Remarkable};
 use crate::cause::Cause;
-use crate::integrate::Segment;
+use crate::integrate::{Reached, Segment};
 use crate::mechanism::{Action, Direction, SwitchKind, System};
 
 /// Watches events and switches along a motion.
@@ -110,6 +110,7 @@ impl Watch {
         }
         self.scanner.fresh.fill(true);
         self.scanner.restart();
+        self.monitors.forget();
         Ok(())
     }
 
@@ -118,9 +119,19 @@ impl Watch {
         self.sampler.samples + self.arguments.samples
     }
 
-    /// True where steps need dense output whatever the recorder says.
+    /// True where every step needs dense output, whatever the recorder says.
     pub fn wants_dense(&self) -> bool {
-        self.sampler.len() > 0 || !self.monitors.is_empty()
+        self.sampler.len() > 0
+    }
+
+    /// Whether the ends of a step show that nothing hides between them in the equations of motion.
+    pub fn calm<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        times: (f64, f64),
+        ends: (Reached<'_>, Reached<'_>),
+    ) -> bool {
+        self.monitors.calm(system, times, ends)
     }
 
     /// The next time at which a step must end, at most `until`.
@@ -224,6 +235,11 @@ impl Watch {
         (self.sampler.value(function), slope / segment.h)
     }
 
+    /// Notes that a step without dense output was taken, of h seconds.
+    pub fn step(&mut self, h: f64) {
+        self.step = h;
+    }
+
     /// Notes what is recorded within a step that nothing ended.
     pub fn pass<S: System + ?Sized>(&mut self, system: &S, segment: &Segment<'_>, recorder: &mut impl Log) {
         self.record(system, segment, recorder, &[]);
@@ -257,6 +273,7 @@ impl Watch {
         together: &[Crossing],
     ) -> Result<(), Cause> {
         self.scanner.restart();
+        self.monitors.forget();
         self.scanner.scan(&mut self.sampler, &mut self.arguments, system, segment)?;
         self.record(system, segment, recorder, together);
         self.remark(system, recorder);
@@ -276,6 +293,7 @@ impl Watch {
     ) -> bool {
         self.surface.fill(false);
         self.scanner.restart();
+        self.monitors.forget();
         let mut stops = false;
         for crossing in together {
             self.scanner.sides[crossing.function] = if crossing.rising { 1.0 } else { -1.0 };
@@ -362,6 +380,7 @@ impl Watch {
         self.restarts = if t - self.last_restart <= instant { self.restarts + 1 } else { 0 };
         self.last_restart = t;
         self.scanner.restart();
+        self.monitors.forget();
         let known = Known { surface: &self.surface, leaves, step: self.step };
         let on = modes::choose(system, &mut self.sampler, (t, y), &known, trial)?;
         for (switch, on) in on.into_iter().enumerate() {

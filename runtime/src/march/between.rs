@@ -52,13 +52,15 @@ impl March {
         &mut self,
         system: &dyn System,
         (stop, mut most): (f64, f64),
-        watch: &mut Option<Watch>,
+        watch: &mut Option<Box<Watch>>,
         recorder: &Recorder,
     ) -> Result<(Step, bool), Cause> {
         for _ in 0..RETRIES {
             let step = self.attempt(system, stop, most, watch)?;
-            let watched = watch.as_ref().is_some_and(Watch::wants_dense);
-            if !watched && !recorder.wants_dense(step.next) {
+            let ends = (self.stepper.start(), self.stepper.end());
+            let calm = watch.as_mut().is_none_or(|watch| watch.calm(system, (self.clock.now(), step.next), ends));
+            let watched = watch.as_ref().is_some_and(|watch| watch.wants_dense());
+            if calm && !watched && !recorder.wants_dense(step.next) {
                 return Ok((step, false));
             }
             self.dense(system, step)?;
@@ -68,6 +70,8 @@ impl March {
             }
             if self.lies(system, step)? {
                 most = 0.5 * step.h;
+            } else if calm {
+                return Ok((step, true));
             } else if let Some(theta) = watch.as_mut().and_then(|watch| watch.cut(system, &self.segment(step))) {
                 most = theta * step.h;
                 // That steps become short says nothing about the acceleration here.
@@ -84,7 +88,7 @@ impl March {
     }
 
     /// Refuses a step within which the ends of a force meet, as far as the tolerance tells.
-    fn meets(&self, system: &dyn System, step: Step, watch: &mut Option<Watch>) -> Result<(), Cause> {
+    fn meets(&self, system: &dyn System, step: Step, watch: &mut Option<Box<Watch>>) -> Result<(), Cause> {
         let part = match &self.pace {
             Pace::Fixed(_) => NEAR,
             Pace::Adaptive { tolerance, .. } => tolerance.relative.clamp(NEAR, 1e-5),
@@ -95,7 +99,7 @@ impl March {
     /// Why no further step can be taken, in the words of the file where it is ends that meet.
     ///
     /// Steps that vanish are explained by what stands just ahead.
-    pub(super) fn explained(&mut self, system: &dyn System, cause: Cause, watch: &mut Option<Watch>) -> Cause {
+    pub(super) fn explained(&mut self, system: &dyn System, cause: Cause, watch: &mut Option<Box<Watch>>) -> Cause {
         let ahead = (1e5 * self.h.abs()).max(1e-6 * self.defect.longest);
         let (now, n) = (self.clock.now(), system.len());
         let cause = match cause {

@@ -7,20 +7,26 @@ use crate::mechanism::System;
 use crate::run::Recorder;
 
 impl March {
-    /// Writes down and takes a step whose dense output is made, as far as the first event that stops or the first
+    /// Writes down and takes a step, whose dense output is made if that is wanted or watched, as far as the first event that stops or the first
     /// discontinuity.
     pub(super) fn watched(
         &mut self,
         system: &mut dyn System,
-        step: Step,
+        (step, dense): (Step, bool),
         watch: &mut Watch,
         recorder: &mut Recorder,
     ) -> Result<Halt, Cause> {
-        let segment = self.segment(step);
-        let Some(interruption) = watch.scan(system, &segment)? else {
-            recorder.accept(system, Some(&segment), step.next, self.stepper.end())?;
-            watch.pass(system, &segment, recorder);
-            self.commit(step);
+        let interruption = if watch.wants_dense() { watch.scan(system, &self.segment(step))? } else { None };
+        let Some(interruption) = interruption else {
+            if watch.wants_dense() {
+                let segment = self.segment(step);
+                recorder.accept(system, Some(&segment), step.next, self.stepper.end())?;
+                watch.pass(system, &segment, recorder);
+                self.commit(step);
+            } else {
+                self.keep(system, step, dense, recorder)?;
+                watch.step(step.h);
+            }
             if step.lands {
                 recorder.leave(system, step.next, self.stepper.start());
                 self.switch(system, watch, recorder)?;
@@ -37,7 +43,7 @@ impl March {
                 return Ok(Halt::Arrived);
             }
         };
-        let together = watch.simultaneous(crossing, &segment);
+        let together = watch.simultaneous(crossing, &self.segment(step));
         let stops = match self.shorten(system, step, crossing.theta, crossing.function, watch)? {
             Some(shorter) => {
                 let (segment, end) = (self.segment(shorter), self.stepper.end());

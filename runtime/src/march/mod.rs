@@ -69,7 +69,7 @@ pub(crate) struct March {
     work: Work,
     max_steps: u64,
     compensated: bool,
-    watch: Option<Watch>,
+    watch: Option<Box<Watch>>,
     defect: Defect,
     /// Until when the motion goes on at most, s.
     until: f64,
@@ -150,7 +150,7 @@ impl March {
             evaluations: counters.evaluations,
             jacobians: counters.jacobians,
             factorizations: counters.factorizations,
-            samples: self.work.samples + self.watch.as_ref().map_or(0, Watch::samples),
+            samples: self.work.samples + self.watch.as_ref().map_or(0, |watch| watch.samples()),
             ..self.work
         }
     }
@@ -165,12 +165,12 @@ impl March {
             tolerance.observe(self.stepper.start().y);
         }
         self.until = until;
-        self.work.samples += self.watch.as_ref().map_or(0, Watch::samples);
+        self.work.samples += self.watch.as_ref().map_or(0, |watch| watch.samples());
         self.watch = None;
         let y = self.stepper.start().y.to_vec();
         if let Some(mut watch) = Watch::new(system, (now, until), &y)? {
             let outcome = watch.begin(system, (now, &y), &mut |system| self.trial(system));
-            self.watch = Some(watch);
+            self.watch = Some(Box::new(watch));
             outcome?;
         }
         self.begin_anew(system)
@@ -210,7 +210,7 @@ impl March {
             let outcome = match self.watch.take() {
                 None => self.keep(system, step, dense, recorder).map(|()| Halt::Arrived),
                 Some(mut watch) => {
-                    let outcome = self.watched(system, step, &mut watch, recorder);
+                    let outcome = self.watched(system, (step, dense), &mut watch, recorder);
                     self.watch = Some(watch);
                     outcome
                 }
@@ -272,7 +272,7 @@ impl March {
     /// Tries steps until one is good.
     ///
     /// None is longer than `most` seconds; one that would be is taken of just that length.
-    fn attempt(&mut self, system: &dyn System, stop: f64, most: f64, watch: &mut Option<Watch>) -> Result<Step, Cause> {
+    fn attempt(&mut self, system: &dyn System, stop: f64, most: f64, watch: &mut Option<Box<Watch>>) -> Result<Step, Cause> {
         if self.work.steps >= self.max_steps {
             return Err(Cause::TooManySteps { limit: self.max_steps });
         }
