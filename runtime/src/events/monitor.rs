@@ -12,8 +12,8 @@ use crate::mechanism::{Argument, At, Role, System, Watched};
 /// The arguments of the equations of motion.
 #[derive(Clone, Debug)]
 pub(crate) struct Monitors {
-    /// Those that depend on the state.
-    of_state: Vec<usize>,
+    /// Those that depend on the state; of a power's also by which factor it may change.
+    of_state: Vec<(usize, f64)>,
     /// Those that depend on time alone, and are known before a step.
     of_time: Vec<usize>,
     /// Squared distances along which forces act, with the largest they had.
@@ -30,8 +30,9 @@ pub(crate) struct Monitors {
 const CALM: f64 = 1.5;
 /// Nor is one along which no squared distance falls to this part of those at its ends.
 const FAR: f64 = 0.2;
-/// An argument goes beyond the extrema of the cubic by no more than this part of its range.
-const MARGIN: f64 = 0.2;
+/// An argument leaves its chord by no more than this part of its change, and of what its slopes deviate from it: the cubic
+/// does by 4/27 of the latter at most.
+const MARGIN: f64 = 0.22;
 
 /// exp A counts as zero below this A.
 const VANISHES: f64 = -40.0;
@@ -64,7 +65,7 @@ impl Monitors {
         let distances = system.description().arguments.iter().enumerate();
         let distances = distances.filter(|(_, argument)| argument.role == Role::Distance);
         Monitors {
-            of_state: places(of_state),
+            of_state: places(of_state).into_iter().map(|place| (place, ratio(arguments[place].role))).collect(),
             of_time: places(of_time),
             distances: distances.map(|(place, _)| (place, 0.0)).collect(),
             wild,
@@ -80,8 +81,8 @@ impl Monitors {
     }
 
     /// Whether a step between these states, with their rates, keeps clear of every feature of the state as far as its
-    /// ends tell: by the cubic through the values and slopes of each argument, which are tame as long as no phase turns
-    /// inside one.
+    /// ends tell: by bounds of the cubic through the values and slopes of each argument, which is tame as long as no phase
+    /// turns inside it.
     pub fn calm<S: System + ?Sized>(
         &mut self,
         system: &S,
@@ -106,31 +107,30 @@ impl Monitors {
             return false;
         }
         let h = next - t;
-        let cubic = |index: usize| {
-            let of = |pairs: &[f64]| (pairs[2 * index], h * pairs[2 * index + 1]);
-            turns(of(&self.start), of(&self.end))
-        };
         let arguments = &system.description().arguments;
+        // No farther from the chord than the cubic with these slopes can be, and some more.
         let bounds = |index: usize| {
-            let values = cubic(index);
-            let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-            let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            let margin = MARGIN * (most - least);
-            (least - margin, most + margin, values[0], values[3])
+            let (a, b) = (self.start[2 * index], self.end[2 * index]);
+            let bend = (h * self.start[2 * index + 1] - (b - a)).abs() + (h * self.end[2 * index + 1] - (b - a)).abs();
+            let margin = MARGIN * (bend + (b - a).abs());
+            (a.min(b), a.max(b), margin)
         };
-        let still = |index: &usize| {
+        let still = |(index, ratio): &(usize, f64)| {
+            let (least, most, margin) = bounds(*index);
             let role = arguments[*index].role;
-            let (least, most, start, end) = bounds(*index);
-            let of = |a: f64| natural(role, a, f64::MIN_POSITIVE);
-            // A power vanishes, or is largest, where its base passes through zero.
-            let through = matches!(role, Role::Power(_)) && least * most <= 0.0;
-            let (low, high) = (of(least).min(of(most)), of(least).max(of(most)));
-            let from = if rises(role) { of(start).max(of(end)) } else { low };
-            !through && high - from <= CALM && (least + most).is_finite()
+            match role {
+                // p ln|A| changes by no more than that, and A keeps its sign.
+                Role::Power(_) => {
+                    let (low, high) = if least > 0.0 { (least, most) } else { (-most, -least) };
+                    high + margin <= ratio * (low - margin)
+                }
+                Role::Exponential => most + margin <= (most + CALM).max(VANISHES),
+                _ => natural(role, most + margin, 0.0) - natural(role, least - margin, 0.0) <= CALM,
+            }
         };
         let far = |(index, _): &(usize, f64)| {
-            let (least, _, start, end) = bounds(*index);
-            least > FAR * start.min(end)
+            let (least, _, margin) = bounds(*index);
+            least - margin > FAR * least
         };
         let calm = self.of_state.iter().all(still) && self.distances.iter().all(far);
         for (index, largest) in &mut self.distances {
@@ -146,7 +146,7 @@ impl Monitors {
 
     /// Where in a step from t of h seconds, 0 to 1, a feature of time alone is met; `None`: nowhere.
     pub fn ahead<S: System + ?Sized>(&self, arguments: &mut Arguments, system: &S, t: f64, h: f64) -> Option<f64> {
-        first(&self.of_time, arguments, system, &Course::Time { t, h })
+        first(self.of_time.iter().copied(), arguments, system, &Course::Time { t, h })
     }
 
     /// The first squared distance that vanishes within a step, to `part` of the largest distance there was, where the
@@ -191,7 +191,7 @@ impl Monitors {
 
     /// Where in a step that was tried it has to be cut; `None`: nowhere.
     pub fn cut<S: System + ?Sized>(&self, arguments: &mut Arguments, system: &S, course: &Course<'_>) -> Option<f64> {
-        first(&self.of_state, arguments, system, course)
+        first(self.of_state.iter().map(|(place, _)| *place), arguments, system, course)
     }
 }
 
@@ -211,26 +211,21 @@ fn rises(role: Role) -> bool {
     matches!(role, Role::Exponential) || matches!(role, Role::Power(p) if p > 0.0)
 }
 
-/// The cubic on [0, 1] through two values with their slopes: at its start, where it turns in between, and at its end.
-fn turns((a, slope_a): (f64, f64), (b, slope_b): (f64, f64)) -> [f64; 4] {
-    let (rise, second) = (b - a, slope_a + slope_b - 2.0 * (b - a));
-    // p(x) = a + slope_a x + (rise − slope_a − second) x² + second x³.
-    let bend = rise - slope_a - second;
-    let at = |x: f64| a + x * (slope_a + x * (bend + x * second));
-    let root = (bend * bend - 3.0 * second * slope_a).sqrt();
-    // Both roots of 3 second x² + 2 bend x + slope_a, without cancellation.
-    let sum = -(bend + if bend < 0.0 { -root } else { root });
-    let inside = |x: f64| if x > 0.0 && x < 1.0 { at(x) } else { a };
-    [a, inside(sum / (3.0 * second)), inside(slope_a / sum), b]
+/// The factor by which the base of a power may change so that its natural variable stays calm.
+fn ratio(role: Role) -> f64 {
+    match role {
+        Role::Power(p) => (CALM / p.abs()).exp(),
+        _ => 0.0,
+    }
 }
 
 fn first<S: System + ?Sized>(
-    list: &[usize],
+    list: impl Iterator<Item = usize>,
     arguments: &mut Arguments,
     system: &S,
     course: &Course<'_>,
 ) -> Option<f64> {
-    let cuts = list.iter().filter_map(|&index| feature(arguments, system, course, index));
+    let cuts = list.filter_map(|index| feature(arguments, system, course, index));
     cuts.min_by(f64::total_cmp)
 }
 

@@ -10,8 +10,8 @@ use crate::mechanism::Description;
 ///
 /// w(qᵢ) = max(Rᵢ, |h q'ᵢ|, φᵢ/ε, h² νᵢ/ε),  w(q'ᵢ) = max(R'ᵢ, |h q''ᵢ|, φ'ᵢ/ε, h νᵢ/ε).
 ///
-/// R is the range that the component has gone through since the start, the step's end included, so that neither a shift
-/// of the origin nor a change of units changes a step; an angle's is at most 2π.  φ = 200 u max|q|, u = 2⁻⁵³, is the
+/// R is the range that the component has gone through since the start, or the way of the step itself if that is longer, so
+/// that neither a shift of the origin nor a change of units changes a step; an angle's is at most 2π.  φ = 200 u max|q|, u = 2⁻⁵³, is the
 /// rounding of q: no error below it counts.  ν is the noise of the acceleration, what the rounding of all coordinates
 /// makes of it; it is measured where errors do not fall as steps become shorter ([`Tolerance::noise`]).  Where a
 /// coordinate takes over the rounding of a larger one beside it, φ is raised then.
@@ -24,6 +24,8 @@ pub(crate) struct Tolerance {
     n: usize,
     low: Vec<f64>,
     high: Vec<f64>,
+    /// What units are at least, of q and of q'.
+    floors: Vec<f64>,
     /// The largest range that counts: 2π for angles.
     widest: Vec<f64>,
     /// φ raised to the rounding of other coordinates; 0 where it was not.
@@ -45,7 +47,7 @@ impl Tolerance {
         let units: Vec<&str> = mechanism.coordinates.iter().map(|coordinate| coordinate.unit.as_ref()).collect();
         let widest = |unit: &&str| if is_angle(unit) { TAU } else { f64::INFINITY };
         let first = |unit: &&str| units.iter().position(|known| known == unit).unwrap_or(0);
-        Tolerance {
+        let mut tolerance = Tolerance {
             relative,
             n: units.len(),
             low: start.to_vec(),
@@ -53,31 +55,39 @@ impl Tolerance {
             widest: units.iter().map(widest).collect(),
             raised: vec![0.0; units.len()],
             noise: vec![0.0; units.len()],
+            floors: vec![0.0; start.len()],
             group: units.iter().map(first).collect(),
-        }
+        };
+        tolerance.floors = (0..start.len()).map(|k| tolerance.floor(k)).collect();
+        tolerance
     }
 
-    /// The errors of qᵢ and q'ᵢ that count as 1, over a step of h to `end` that begins with `rate`.
+    /// The errors of qᵢ and q'ᵢ that count as 1, over a step of h from `start` to `end` that begins with `rate`.
     #[inline(always)]
-    pub fn units(&self, i: usize, h: f64, end: &[f64], rate: &[f64]) -> [f64; 2] {
+    pub fn units(&self, i: usize, h: f64, (start, end): (&[f64], &[f64]), rate: &[f64]) -> [f64; 2] {
         let n = end.len() / 2;
-        let extent = |k: usize| (self.low[k].min(end[k]), self.high[k].max(end[k]));
-        let ((low, high), (slow, fast)) = (extent(i), extent(n + i));
+        let moved = |k: usize| self.relative * (end[k] - start[k]).abs().max((h * rate[k]).abs());
         let noise = h.abs() * self.noise[i];
-        let rounding = (ROUNDING * high.abs().max(low.abs())).max(self.raised[i]).max(h.abs() * noise);
-        let range = (high - low).min(self.widest[i]);
-        let place = (self.relative * range.max((h * rate[i]).abs())).max(rounding);
-        let rounding = (ROUNDING * fast.abs().max(slow.abs())).max(noise);
-        let speed = (self.relative * (fast - slow).max((h * rate[n + i]).abs())).max(rounding);
-        // Where all of it is zero an error of zero must count as none.
-        [place.max(f64::MIN_POSITIVE), speed.max(f64::MIN_POSITIVE)]
+        [self.floors[i].max(moved(i)).max(h.abs() * noise), self.floors[n + i].max(moved(n + i)).max(noise)]
     }
 
     /// Takes note of a state on the motion.
     pub fn observe(&mut self, y: &[f64]) {
-        for ((low, high), y) in self.low.iter_mut().zip(&mut self.high).zip(y) {
-            (*low, *high) = (low.min(*y), high.max(*y));
+        for (k, y) in y.iter().enumerate() {
+            if *y < self.low[k] || *y > self.high[k] {
+                (self.low[k], self.high[k]) = (self.low[k].min(*y), self.high[k].max(*y));
+                self.floors[k] = self.floor(k);
+            }
         }
+    }
+
+    /// The part of a unit that does not depend on the step: ε times the range so far, or rounding.
+    fn floor(&self, k: usize) -> f64 {
+        let (low, high) = (self.low[k], self.high[k]);
+        let (widest, raised) = if k < self.n { (self.widest[k], self.raised[k]) } else { (f64::INFINITY, 0.0) };
+        let rounding = (ROUNDING * high.abs().max(low.abs())).max(raised);
+        // Where all of it is zero an error of zero must count as none.
+        (self.relative * (high - low).min(widest)).max(rounding).max(f64::MIN_POSITIVE)
     }
 
     /// True if the errors of coordinate i, too large still after they fell from `before` to `after` when the step was cut
@@ -87,9 +97,9 @@ impl Tolerance {
         i: usize,
         (before, after): ([f64; 2], [f64; 2]),
         (h1, h2): (f64, f64),
-        (end, rate): (&[f64], &[f64]),
+        (ends, rate): ((&[f64], &[f64]), &[f64]),
     ) -> bool {
-        let units = self.units(i, h2, end, rate);
+        let units = self.units(i, h2, ends, rate);
         let falls = (h2 / h1).powf(2.5);
         (0..2).any(|k| after[k] > units[k] && after[k] > falls * before[k])
     }
@@ -105,6 +115,7 @@ impl Tolerance {
         self.noise[i] = self.noise[i].max(2.0 * EXPLAINED * change);
         // That of another one's place, or of its own.
         self.raised[i] = self.raised[i].max(floor);
+        self.floors[i] = self.floor(i);
     }
 
     /// A change of coordinate i of a few roundings.

@@ -155,10 +155,11 @@ impl March {
     fn forgive_noise(&mut self, system: &dyn System, step: Step, errors: &[f64]) {
         let noise = self.noise(system);
         let n = noise.len();
-        let (from, end) = (self.stepper.start().rate, self.stepper.end().y);
+        let start = self.stepper.start();
+        let (from, ends) = (start.rate, (start.y, self.stepper.end().y));
         let Pace::Adaptive { tolerance, .. } = &mut self.pace else { return };
         for (i, noise) in noise.into_iter().enumerate() {
-            let [place, speed] = tolerance.units(i, step.h, end, from);
+            let [place, speed] = tolerance.units(i, step.h, ends, from);
             let own = [errors[i].abs(), errors[n + i].abs()];
             if own[0] > Defect::MOST * place || own[1] > Defect::MOST * speed {
                 tolerance.noise(i, noise, step.h, own);
@@ -169,10 +170,11 @@ impl March {
     /// The root mean square of errors [q; q'] over the step that was tried, in units of the tolerance.
     fn in_units(&self, step: Step, errors: &[f64]) -> f64 {
         let Pace::Adaptive { tolerance, .. } = &self.pace else { return 0.0 };
-        let (from, end, n) = (self.stepper.start().rate, self.stepper.end().y, errors.len() / 2);
+        let start = self.stepper.start();
+        let (from, ends, n) = (start.rate, (start.y, self.stepper.end().y), errors.len() / 2);
         let sum: f64 = (0..n)
             .map(|i| {
-                let [place, speed] = tolerance.units(i, step.h, end, from);
+                let [place, speed] = tolerance.units(i, step.h, ends, from);
                 (errors[i] / place).powi(2) + (errors[n + i] / speed).powi(2)
             })
             .sum();

@@ -272,7 +272,13 @@ impl March {
     /// Tries steps until one is good.
     ///
     /// None is longer than `most` seconds; one that would be is taken of just that length.
-    fn attempt(&mut self, system: &dyn System, stop: f64, most: f64, watch: &mut Option<Box<Watch>>) -> Result<Step, Cause> {
+    fn attempt(
+        &mut self,
+        system: &dyn System,
+        stop: f64,
+        most: f64,
+        watch: &mut Option<Box<Watch>>,
+    ) -> Result<Step, Cause> {
         if self.work.steps >= self.max_steps {
             return Err(Cause::TooManySteps { limit: self.max_steps });
         }

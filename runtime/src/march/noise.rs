@@ -10,9 +10,10 @@ impl March {
         let n = system.len();
         let of = |errors: &[f64], i: usize| [errors[i].abs(), errors[n + i].abs()];
         let (before, after) = (&self.rejected, self.stepper.errors());
-        let (end, rate) = (self.stepper.end().y, self.stepper.start().rate);
+        let start = self.stepper.start();
+        let (ends, rate) = ((start.y, self.stepper.end().y), start.rate);
         let lengths = (self.rejected_step, step.h);
-        let suspected = |i: usize| tolerance.suspects(i, (of(before, i), of(after, i)), lengths, (end, rate));
+        let suspected = |i: usize| tolerance.suspects(i, (of(before, i), of(after, i)), lengths, (ends, rate));
         let suspects: Vec<usize> =
             if before.is_empty() { Vec::new() } else { (0..n).filter(|i| suspected(*i)).collect() };
         self.rejected.clear();

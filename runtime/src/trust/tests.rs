@@ -67,7 +67,7 @@ fn a_pendulum_by_its_height_ends_at_the_bottom_c2() {
     for (method, step, tolerance) in USUAL {
         let error = run(upright(), |s| (s.method, s.step, s.tolerance) = (method, step, tolerance)).unwrap_err();
         let Some(Cause::CoordinateSingularity { t, .. }) = error.cause() else { panic!("{method}: {error}") };
-        assert!((t - 0.534_784).abs() < 1e-3, "{method} at {tolerance}: {t}");
+        assert!((t - 0.534_784).abs() < f64::max(1e-3, 100.0 * tolerance), "{method} at {tolerance}: {t}");
     }
 }
 

@@ -127,12 +127,12 @@ impl<T: Scheme, Y: Block> ExplicitRungeKutta<T, Y> {
                 out.copy_from_slice(&pair(h, terms, &self.stages, 2 * k));
             }
         }
-        let (end, rate) = (self.end.all(), self.stages[0].all());
+        let (start, end, rate) = (self.y.all(), self.end.all(), self.stages[0].all());
         let (higher, lower) = (self.estimates[0].all(), self.estimates[1].all());
         let n = end.len() / 2;
         let (mut five, mut three) = (0.0, 0.0);
         for i in 0..n {
-            let units = tolerance.units(i, h, end, rate);
+            let units = tolerance.units(i, h, (start, end), rate);
             for (component, unit) in [i, n + i].into_iter().zip(units) {
                 let reciprocal = 1.0 / unit;
                 five += (higher[component] * reciprocal).powi(2);
