@@ -20,6 +20,7 @@ mod causes;
 mod claims;
 mod cyclic;
 mod dense;
+mod descend;
 mod draw;
 mod effects;
 mod motion;

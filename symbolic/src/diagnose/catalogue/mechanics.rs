@@ -58,4 +58,7 @@ super::entries! {
     W420 no_inertia(name) "a body that turns and has no inertia"
         "`{name}` has mass and an `angle`, and no `inertia`" "taken as 0" "give `inertia` about its centre of mass; `inertia: 0` if it is a point that carries a frame"
         "A body with an angle whose inertia is left out resists no turning: its mass is in one point.";
+    E421 too_many_switches(limit) "more discontinuities than can be located"
+        "the equations have more than {limit} discontinuities" "here at the latest" "use smaller sizes, or one function in the place of many steps"
+        "Every `abs`, `sign`, `step`, `min` and `max` of what moves is followed while a run goes on; the limit bounds time and memory.";
 }
