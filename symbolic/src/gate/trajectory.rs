@@ -47,7 +47,9 @@ impl Trajectory {
         let budget = (WORK / motion.work().max(1)).clamp(60, EVALUATIONS);
         let mut runner = Runner::new(motion, parameters, q, v, until, budget);
         runner.explicit(budget / 2);
-        if runner.t < 0.5 * until && !runner.stuck {
+        // Each of its Jacobians takes two evaluations a coordinate.
+        let affordable = budget / 2 > 2 * q.len() + 40;
+        if runner.t < 0.5 * until && !runner.stuck && affordable {
             // Stiff, or fast: whoever gets further is believed.
             let mut implicit = Runner::new(motion, runner.rough.parameters.clone(), q, v, until, budget / 2);
             implicit.implicit();
