@@ -48,9 +48,10 @@ fn main() {
     for place in 0..KINDS.len() {
         let this = std::env::current_exe().unwrap_or_default();
         let output = Command::new(this).arg(place.to_string()).output();
-        let line = output.map_or_else(|error| error.to_string(), |output| {
-            String::from_utf8_lossy(&output.stdout).trim_end().to_owned()
-        });
+        let line = output.map_or_else(
+            |error| error.to_string(),
+            |output| String::from_utf8_lossy(&output.stdout).trim_end().to_owned(),
+        );
         println!("{line}");
     }
 }

@@ -14,8 +14,8 @@ mod reactions;
 mod switches;
 mod virtual_power;
 
-use crate::diagnose::{Place, Problem};
 use crate::diagnose::catalogue::mechanics;
+use crate::diagnose::{Place, Problem};
 use crate::expr::{Forward, Graph, Id, Symbol, canonical};
 use crate::model::{Load, Model, Work};
 

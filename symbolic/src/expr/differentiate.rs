@@ -94,9 +94,7 @@ pub fn jacobian(graph: &mut Graph, roots: &[Id], column: impl Fn(Symbol) -> Opti
         let row = match graph.node(id) {
             Node::Number(_) => Vec::new(),
             Node::Symbol(s) => column(s).map(|c| vec![(c, Id::ONE)]).unwrap_or_default(),
-            Node::Unary(_, x) => {
-                scaled(graph, &tangents[needed.of(x)], |g| partial_unary(g, id))
-            }
+            Node::Unary(_, x) => scaled(graph, &tangents[needed.of(x)], |g| partial_unary(g, id)),
             Node::Binary(operation, x, y) => {
                 let (first, second) = (tangents[needed.of(x)].clone(), tangents[needed.of(y)].clone());
                 match operation {

@@ -169,7 +169,8 @@ impl<'a> Runner<'a> {
     /// What rounding may make of a component in a step: what stays where it is but for that has no range to judge by.
     fn rounding(&self, i: usize) -> f64 {
         let n = self.motion.n;
-        let moved = if i < n { self.h * (self.y[n + i].abs() + self.h * self.terms[i]) } else { self.h * self.terms[i - n] };
+        let moved =
+            if i < n { self.h * (self.y[n + i].abs() + self.h * self.terms[i]) } else { self.h * self.terms[i - n] };
         16.0 * f64::EPSILON * (self.y[i].abs() + moved)
     }
 
