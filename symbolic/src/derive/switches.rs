@@ -106,11 +106,10 @@ pub(crate) fn beyond_limit(graph: &Graph, groups: impl IntoIterator<Item = Vec<I
             if !seen.insert(id) {
                 continue;
             }
-            let switches = match graph.node(id) {
-                Node::Unary(Unary::Abs | Unary::Sign | Unary::Step, _) => true,
-                Node::Binary(Binary::Min | Binary::Max, ..) => true,
-                _ => false,
-            };
+            let switches = matches!(
+                graph.node(id),
+                Node::Unary(Unary::Abs | Unary::Sign | Unary::Step, _) | Node::Binary(Binary::Min | Binary::Max, ..)
+            );
             count += usize::from(switches && found.contents(graph, id).moves);
             stack.extend(graph.children(id));
         }
