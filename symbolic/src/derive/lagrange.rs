@@ -5,7 +5,7 @@
 
 use rustc_hash::FxHashMap as HashMap;
 
-use super::{Dynamics, Energies, Equations, bias_rates, mass_entries, rates};
+use super::{Acting, Dynamics, Energies, Equations, bias_rates, mass_entries, rates};
 use crate::expr::{Forward, Graph, Id, Rational, Symbol, Unary, reverse};
 use crate::model::Model;
 
@@ -84,10 +84,27 @@ struct Velocities {
 
 impl Velocities {
     fn of(graph: &mut Graph, dynamics: &Dynamics) -> Velocities {
-        let linear = dynamics.bodies.iter().map(|b| rates(graph, &b.position)).collect();
+        // Of all bodies together, since a body's position mostly contains that of another.
+        let places: Vec<Id> = dynamics.bodies.iter().flat_map(|b| b.position.iter().copied()).collect();
+        let mut velocities = rates(graph, &places).into_iter();
+        let linear = dynamics.bodies.iter().map(|b| velocities.by_ref().take(b.position.len()).collect()).collect();
         let turning = |b: &super::Inertial| b.rotation.map_or(Id::ZERO, |r| r.0);
         let angles: Vec<Id> = dynamics.bodies.iter().map(turning).collect();
         Velocities { linear, angular: rates(graph, &angles) }
+    }
+
+    /// Of the body's material at the point where a force acts: v + ω × arm.
+    fn of_material(&self, graph: &mut Graph, dynamics: &Dynamics, push: &Acting) -> Vec<Id> {
+        let body = &dynamics.bodies[push.body];
+        let centre = &self.linear[push.body];
+        let [(x, _), (y, _)] = push.force[..] else { return centre.clone() };
+        if body.rotation.is_none() {
+            return centre.clone();
+        }
+        let omega = self.angular[push.body];
+        let (arm_x, arm_y) = (graph.sub(x, body.position[0]), graph.sub(y, body.position[1]));
+        let (across, up) = (graph.mul(omega, arm_y), graph.mul(omega, arm_x));
+        vec![graph.sub(centre[0], across), graph.add(centre[1], up)]
     }
 }
 
@@ -128,11 +145,12 @@ fn potential_energy(graph: &mut Graph, dynamics: &Dynamics) -> Id {
 /// −Q of everything without a potential: Rayleigh's function, dampers, loads on bodies, forces as written.
 fn resisting_forces(graph: &mut Graph, dynamics: &Dynamics, velocities: &Velocities) -> Vec<Id> {
     let mut seeds = speed_seeds(dynamics);
-    for (body, force, moment) in &dynamics.wrenches {
-        for (v, f) in velocities.linear[*body].iter().zip(force) {
-            seeds.push((*v, graph.neg(*f)));
+    for push in &dynamics.pushes {
+        // Q = F·∂v/∂q' + M ∂ω/∂q', v of the body's material where the force acts.
+        for (v, (_, force)) in velocities.of_material(graph, dynamics, push).into_iter().zip(&push.force) {
+            seeds.push((v, graph.neg(*force)));
         }
-        seeds.push((velocities.angular[*body], graph.neg(*moment)));
+        seeds.push((velocities.angular[push.body], graph.neg(push.couple)));
     }
     let forces = speed_gradient(graph, dynamics.n, &seeds);
     with_generalized(graph, dynamics, forces)

@@ -14,8 +14,8 @@ mod reactions;
 mod switches;
 mod virtual_power;
 
-use crate::diagnose::Problem;
 use crate::diagnose::catalogue::mechanics;
+use crate::diagnose::{Place, Problem};
 use crate::expr::{Forward, Graph, Id, Symbol, canonical};
 use crate::model::{Load, Model, Work};
 
@@ -74,8 +74,6 @@ pub struct Derivation {
 
 /// More coordinates than this would need a dense mass matrix beyond the limit of the graph.
 const COORDINATE_LIMIT: usize = 2000;
-/// More discontinuities than this cannot be located in reasonable time.
-const SWITCH_LIMIT: usize = 1000;
 
 /// Derives.
 ///
@@ -86,7 +84,10 @@ pub fn derive(mut model: Model) -> Result<Derivation, Vec<Problem>> {
         return Err(vec![mechanics::too_many_coordinates(extra.place.clone(), COORDINATE_LIMIT)]);
     }
     let dynamics = Dynamics::of(&mut model);
-    if model.graph.overflowed() || dynamics.switches.len() > SWITCH_LIMIT {
+    if dynamics.switches.len() > switches::SWITCH_LIMIT {
+        return Err(vec![mechanics::too_many_switches(first_beyond(&model), switches::SWITCH_LIMIT)]);
+    }
+    if model.graph.overflowed() {
         return Err(vec![too_large()]);
     }
     let (lagrange, momenta) = lagrange::equations(&mut model.graph, &dynamics);
@@ -127,8 +128,8 @@ pub(crate) struct Dynamics {
     pub dissipation: Id,
     /// (rate, tension) of dampers.
     pub resistances: Vec<(Id, Id)>,
-    /// Force and couple on each body, all loads together: (body, force, moment about the centre of mass).
-    pub wrenches: Vec<(usize, Vec<Id>, Id)>,
+    /// Forces and couples on bodies as the file states them; each derivation reduces them by itself.
+    pub pushes: Vec<Acting>,
     /// Generalized forces as written.
     pub generalized: Vec<(usize, Id)>,
     /// Inputs as functions of time, (u, u', u'').
@@ -142,6 +143,15 @@ pub(crate) struct Inertial {
     pub mass: Id,
     pub position: Vec<Id>,
     pub rotation: Option<(Id, Id)>,
+}
+
+/// What a load does to a body.
+pub(crate) struct Acting {
+    pub body: usize,
+    /// The force, with the point at which it acts; empty for a couple alone.
+    pub force: Vec<(Id, Id)>,
+    /// The couple, 0 if absent.
+    pub couple: Id,
 }
 
 impl Dynamics {
@@ -190,7 +200,7 @@ impl Dynamics {
             None => vec![Id::ZERO; model.dimension],
         };
         let mut resistances = Vec::new();
-        let mut wrenches: Vec<(usize, Vec<Id>, Id)> = Vec::new();
+        let mut pushes = Vec::new();
         for load in &model.loads {
             match load.work {
                 Work::Potential(_) => {
@@ -198,7 +208,18 @@ impl Dynamics {
                     potential = graph.add(potential, v);
                 }
                 Work::Resistance { .. } => resistances.push((take(), take())),
-                Work::Pushes => collect_pushes(graph, load, &bodies, &mut wrenches, &mut take),
+                Work::Pushes => {
+                    for push in &load.pushes {
+                        let at: Vec<Id> = push.at.iter().map(|_| take()).collect();
+                        let force: Vec<Id> = push.force.iter().map(|_| take()).collect();
+                        let couple: Vec<Id> = push.couple.iter().map(|_| take()).collect();
+                        // What acts on ground does nothing.
+                        let Some(body) = push.body else { continue };
+                        let at = if at.is_empty() { bodies[body].position.clone() } else { at };
+                        let force = at.into_iter().zip(force).collect();
+                        pushes.push(Acting { body, force, couple: couple.first().copied().unwrap_or(Id::ZERO) });
+                    }
+                }
             }
         }
         let generalized = model.generalized_forces.iter().map(|f| (f.coordinate, take())).collect();
@@ -214,7 +235,7 @@ impl Dynamics {
             raw_kinetic,
             dissipation,
             resistances,
-            wrenches,
+            pushes,
             generalized,
             signals,
             switches,
@@ -222,45 +243,32 @@ impl Dynamics {
     }
 }
 
-/// Adds a load's pushes to the wrenches on bodies; what acts on ground does nothing.
-fn collect_pushes(
-    graph: &mut Graph,
-    load: &Load,
-    bodies: &[Inertial],
-    wrenches: &mut Vec<(usize, Vec<Id>, Id)>,
-    take: &mut impl FnMut() -> Id,
-) {
-    for push in &load.pushes {
-        let at: Vec<Id> = push.at.iter().map(|_| take()).collect();
-        let force: Vec<Id> = push.force.iter().map(|_| take()).collect();
-        let couple: Vec<Id> = push.couple.iter().map(|_| take()).collect();
-        let Some(body) = push.body else { continue };
-        let mut moment = couple.first().copied().unwrap_or(Id::ZERO);
-        if bodies[body].rotation.is_some() && !force.is_empty() && !at.is_empty() {
-            let arm: Vec<Id> = at.iter().zip(&bodies[body].position).map(|(p, r)| graph.sub(*p, *r)).collect();
-            let a = graph.mul(arm[0], force[1]);
-            let b = graph.mul(arm[1], force[0]);
-            let turning = graph.sub(a, b);
-            moment = graph.add(moment, turning);
-        }
-        match wrenches.iter_mut().find(|w| w.0 == body) {
-            Some((_, total, total_moment)) => {
-                for (sum, f) in total.iter_mut().zip(&force) {
-                    *sum = graph.add(*sum, *f);
-                }
-                *total_moment = graph.add(*total_moment, moment);
-            }
-            None => {
-                let force = if force.is_empty() { vec![Id::ZERO; bodies[body].position.len()] } else { force };
-                wrenches.push((body, force, moment));
-            }
-        }
+/// The entry of the file with which the discontinuities are more than the limit.
+fn first_beyond(model: &Model) -> Place {
+    let place = |key: &str| Place::default().key(key);
+    let raw = |key: &str, value: Id| (place(key), vec![value]);
+    let mut entries = vec![
+        raw("potential_energy", model.raw_potential_energy),
+        raw("kinetic_energy", model.raw_kinetic_energy),
+        raw("dissipation", model.dissipation),
+    ];
+    for body in &model.bodies {
+        let turning = body.rotation.map(|rotation| rotation.angle);
+        entries.push((body.place.clone(), body.position.iter().copied().chain(turning).collect()));
     }
+    entries.extend(model.gravity.iter().map(|gravity| (place("gravity"), gravity.clone())));
+    let points = |load: &Load| load.pushes.iter().flat_map(|push| push.at.clone()).chain(load.expressions()).collect();
+    entries.extend(model.loads.iter().map(|load| (load.place.clone(), points(load))));
+    entries.extend(model.generalized_forces.iter().map(|f| (f.place.clone(), vec![f.force])));
+    entries.extend(model.inputs.iter().map(|input| raw("inputs", input.signal[0])));
+    let (places, groups): (Vec<Place>, Vec<Vec<Id>>) = entries.into_iter().unzip();
+    let first = switches::beyond_limit(&model.graph, groups);
+    first.map_or_else(|| place("coordinates"), |first| places[first].clone())
 }
 
 /// The problem of a graph that has reached its limit.
 pub(crate) fn too_large() -> Problem {
-    let place = crate::diagnose::Place::default().key("coordinates");
+    let place = Place::default().key("coordinates");
     crate::diagnose::catalogue::names::too_many_nodes(place, "1 000 000")
 }
 

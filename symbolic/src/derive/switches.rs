@@ -4,6 +4,8 @@
 //! between two crossings: sign(x) = s, |x| = s x, step(x) = e, min(a, b) = b + e (a − b) with e = step(b − a).
 //! The equations that are integrated are then smooth, and the runtime locates the crossings.
 
+use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
+
 use crate::expr::{Binary, Graph, Id, Node, Rational, Symbol, Unary, canonical, rewrite};
 
 /// One discontinuity.
@@ -20,7 +22,7 @@ pub struct Switch {
 }
 
 /// Which values a mode takes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SwitchKind {
     /// −1, 0, 1.
     Sign,
@@ -28,12 +30,17 @@ pub enum SwitchKind {
     Step,
 }
 
+/// More discontinuities than this cannot be located in reasonable time.
+pub(crate) const SWITCH_LIMIT: usize = 1000;
+
 /// Puts modes in the place of discontinuities; the last `signals` of the roots are inputs' functions of time.
+///
+/// One switch beyond [`SWITCH_LIMIT`] it stops looking.
 pub(crate) fn introduce(graph: &mut Graph, roots: &[Id], signals: usize) -> (Vec<Id>, Vec<Switch>) {
-    let mut switches: Vec<Switch> = Vec::new();
+    let mut found = Found::default();
     let images = rewrite(graph, roots, |graph, node| {
         if let Node::Unary(Unary::Sqrt, base) | Node::Binary(Binary::Pow, base, _) = node {
-            return one_sided(graph, node, base, &switches);
+            return one_sided(graph, node, base, &found.switches);
         }
         let (function, argument) = match node {
             Node::Unary(f @ (Unary::Abs | Unary::Sign | Unary::Step), x) => (Some(f), x),
@@ -44,18 +51,18 @@ pub(crate) fn introduce(graph: &mut Graph, roots: &[Id], signals: usize) -> (Vec
             Node::Binary(Binary::Max, a, b) => (None, graph.sub(a, b)),
             _ => return None,
         };
-        if !graph.symbols([argument]).into_iter().any(moving) {
+        if found.switches.len() > SWITCH_LIMIT || !found.contents(graph, argument).moves {
             return None;
         }
         Some(match (function, node) {
-            (Some(Unary::Step), _) => mode(graph, &mut switches, SwitchKind::Step, argument),
-            (Some(Unary::Sign), _) => mode(graph, &mut switches, SwitchKind::Sign, argument),
+            (Some(Unary::Step), _) => found.mode(graph, SwitchKind::Step, argument),
+            (Some(Unary::Sign), _) => found.mode(graph, SwitchKind::Sign, argument),
             (Some(_), _) => {
-                let sign = mode(graph, &mut switches, SwitchKind::Sign, argument);
+                let sign = found.mode(graph, SwitchKind::Sign, argument);
                 graph.mul(sign, argument)
             }
             (None, Node::Binary(_, a, b)) => {
-                let step = mode(graph, &mut switches, SwitchKind::Step, argument);
+                let step = found.mode(graph, SwitchKind::Step, argument);
                 let (chosen, other) = if a == Id::ZERO { (b, a) } else { (a, b) };
                 let difference = graph.sub(chosen, other);
                 let chosen = graph.mul(step, difference);
@@ -64,42 +71,129 @@ pub(crate) fn introduce(graph: &mut Graph, roots: &[Id], signals: usize) -> (Vec
             _ => return None,
         })
     });
-    let equations = images[..images.len() - signals].iter().copied();
-    let arguments: Vec<Id> = switches.iter().map(|s| s.argument).collect();
-    let mut read = graph.symbols(equations);
-    for k in (0..switches.len()).rev() {
-        if read.contains(&Symbol::Mode(k as u32)) {
-            read.extend(graph.symbols([arguments[k]]));
-        } else {
-            switches[k].of_input = true;
-        }
+    let mut switches = found.switches;
+    let read = read_modes(graph, &images[..images.len() - signals], &switches);
+    for (switch, read) in switches.iter_mut().zip(read) {
+        switch.of_input |= !read;
     }
     (images, switches)
 }
 
-/// What changes along a motion.
-fn moving(symbol: Symbol) -> bool {
-    !matches!(symbol, Symbol::Parameter(_) | Symbol::Dummy(_))
+/// The switches whose modes some roots read, by themselves or inside the arguments of such.
+fn read_modes(graph: &Graph, roots: &[Id], switches: &[Switch]) -> Vec<bool> {
+    let mut read = vec![false; switches.len()];
+    let mut seen: HashSet<Id> = HashSet::default();
+    let mut stack = roots.to_vec();
+    while let Some(id) = stack.pop() {
+        if !seen.insert(id) {
+            continue;
+        }
+        if let Node::Symbol(Symbol::Mode(k)) = graph.node(id) {
+            read[k as usize] = true;
+            stack.push(switches[k as usize].argument);
+        }
+        stack.extend(graph.children(id));
+    }
+    read
 }
 
-/// The mode of the switch of this kind with this argument, which is added where it is new.
-fn mode(graph: &mut Graph, switches: &mut Vec<Switch>, kind: SwitchKind, argument: Id) -> Id {
-    let known = switches.iter().position(|s| s.kind == kind && s.argument == argument);
-    let k = known.unwrap_or_else(|| {
-        let symbols = graph.symbols([argument]);
-        let of_time = |s: &Symbol| match s {
-            Symbol::Mode(k) => switches.get(*k as usize).is_some_and(|s| s.time_only),
-            s => !moving(*s) || matches!(s, Symbol::Time | Symbol::Input(..)),
-        };
-        let of_input = |s: &Symbol| match s {
-            Symbol::Mode(k) => switches.get(*k as usize).is_some_and(|s| s.of_input),
-            s => matches!(s, Symbol::Input(..)),
-        };
-        let (time_only, of_input) = (symbols.iter().all(of_time), symbols.iter().any(of_input));
-        switches.push(Switch { kind, argument, time_only, of_input });
-        switches.len() - 1
-    });
-    graph.symbol(Symbol::Mode(k as u32))
+/// The first of some groups of roots with which the discontinuities of what moves are more than the limit.
+pub(crate) fn beyond_limit(graph: &Graph, groups: impl IntoIterator<Item = Vec<Id>>) -> Option<usize> {
+    let mut seen: HashSet<Id> = HashSet::default();
+    let (mut found, mut count) = (Found::default(), 0);
+    groups.into_iter().position(|mut stack| {
+        while let Some(id) = stack.pop() {
+            if !seen.insert(id) {
+                continue;
+            }
+            let switches = matches!(
+                graph.node(id),
+                Node::Unary(Unary::Abs | Unary::Sign | Unary::Step, _) | Node::Binary(Binary::Min | Binary::Max, ..)
+            );
+            count += usize::from(switches && found.contents(graph, id).moves);
+            stack.extend(graph.children(id));
+        }
+        count > SWITCH_LIMIT
+    })
+}
+
+/// What is in an expression.
+#[derive(Clone, Copy)]
+struct Contents {
+    /// Something that changes along a motion.
+    moves: bool,
+    /// Nothing that changes but time and inputs.
+    time_only: bool,
+    /// An input.
+    of_input: bool,
+}
+
+impl Contents {
+    fn with(self, other: Contents) -> Contents {
+        Contents {
+            moves: self.moves || other.moves,
+            time_only: self.time_only && other.time_only,
+            of_input: self.of_input || other.of_input,
+        }
+    }
+}
+
+/// Switches found so far, and what is in the nodes that were asked about.
+#[derive(Default)]
+struct Found {
+    switches: Vec<Switch>,
+    places: HashMap<(SwitchKind, Id), usize>,
+    contents: HashMap<Id, Contents>,
+}
+
+impl Found {
+    /// The mode of the switch of this kind with this argument, which is added where it is new.
+    fn mode(&mut self, graph: &mut Graph, kind: SwitchKind, argument: Id) -> Id {
+        let k = self.places.get(&(kind, argument)).copied().unwrap_or_else(|| {
+            let Contents { time_only, of_input, .. } = self.contents(graph, argument);
+            self.switches.push(Switch { kind, argument, time_only, of_input });
+            self.places.insert((kind, argument), self.switches.len() - 1);
+            self.switches.len() - 1
+        });
+        graph.symbol(Symbol::Mode(k as u32))
+    }
+
+    /// What is in an expression; of every node once.
+    fn contents(&mut self, graph: &Graph, root: Id) -> Contents {
+        let mut stack = vec![root];
+        while let Some(&top) = stack.last() {
+            let before = stack.len();
+            if !self.contents.contains_key(&top) {
+                stack.extend(graph.children(top).filter(|c| !self.contents.contains_key(c)));
+            }
+            if stack.len() > before {
+                continue;
+            }
+            stack.pop();
+            let contents = match graph.node(top) {
+                Node::Symbol(s) => self.of_symbol(s),
+                _ => {
+                    let nothing = Contents { moves: false, time_only: true, of_input: false };
+                    graph.children(top).fold(nothing, |all, child| all.with(self.contents[&child]))
+                }
+            };
+            self.contents.insert(top, contents);
+        }
+        self.contents[&root]
+    }
+
+    fn of_symbol(&self, symbol: Symbol) -> Contents {
+        match symbol {
+            Symbol::Parameter(_) | Symbol::Dummy(_) => Contents { moves: false, time_only: true, of_input: false },
+            Symbol::Time => Contents { moves: true, time_only: true, of_input: false },
+            Symbol::Input(..) => Contents { moves: true, time_only: true, of_input: true },
+            Symbol::Mode(k) => {
+                let of = |f: fn(&Switch) -> bool| self.switches.get(k as usize).is_some_and(f);
+                Contents { moves: true, time_only: of(|s| s.time_only), of_input: of(|s| s.of_input) }
+            }
+            _ => Contents { moves: true, time_only: false, of_input: false },
+        }
+    }
 }
 
 /// Powers and roots of a base that its own mode cuts off: (e a c)ᵖ, where e is the mode that is 1 for a ≥ 0, becomes
@@ -177,6 +271,7 @@ pub(crate) fn recall(graph: &mut Graph, roots: &[Id], known: &[Switch]) -> Vec<I
     if known.is_empty() {
         return roots.to_vec();
     }
+    let mut forms = Forms::of(graph, known);
     rewrite(graph, roots, |graph, node| {
         let (wanted, argument) = match node {
             Node::Unary(Unary::Abs | Unary::Sign, x) => (SwitchKind::Sign, x),
@@ -188,7 +283,7 @@ pub(crate) fn recall(graph: &mut Graph, roots: &[Id], known: &[Switch]) -> Vec<I
             Node::Binary(Binary::Max, a, b) => (SwitchKind::Step, graph.sub(a, b)),
             _ => return None,
         };
-        let (k, forward) = find(graph, argument, known)?;
+        let (k, forward) = forms.find(graph, argument)?;
         let mode = graph.symbol(Symbol::Mode(k as u32));
         let value = value_of_mode(graph, mode, (known[k].kind, wanted), forward);
         Some(match node {
@@ -207,13 +302,38 @@ pub(crate) fn recall(graph: &mut Graph, roots: &[Id], known: &[Switch]) -> Vec<I
     })
 }
 
-/// The switch whose argument is this one (true) or its opposite (false).
-fn find(graph: &mut Graph, argument: Id, known: &[Switch]) -> Option<(usize, bool)> {
+/// The arguments of switches in canonical form.
+struct Forms {
+    /// The switch of a form, and whether its argument is that (true) or its opposite (false).
+    known: HashMap<Id, (usize, bool)>,
+    /// What was found for an argument.
+    found: HashMap<Id, Option<(usize, bool)>>,
+}
+
+impl Forms {
+    fn of(graph: &mut Graph, switches: &[Switch]) -> Forms {
+        let mut known = HashMap::default();
+        for (k, switch) in switches.iter().enumerate() {
+            let [form, opposite] = forms(graph, switch.argument);
+            known.entry(form).or_insert((k, true));
+            known.entry(opposite).or_insert((k, false));
+        }
+        Forms { known, found: HashMap::default() }
+    }
+
+    /// The switch whose argument is this one (true) or its opposite (false).
+    fn find(&mut self, graph: &mut Graph, argument: Id) -> Option<(usize, bool)> {
+        let known = &self.known;
+        *self.found.entry(argument).or_insert_with(|| known.get(&forms(graph, argument)[0]).copied())
+    }
+}
+
+/// An expression and its opposite in canonical form; both together, so that the form of either does not depend on which
+/// of them was given.
+fn forms(graph: &mut Graph, argument: Id) -> [Id; 2] {
     let opposite = graph.neg(argument);
-    known.iter().enumerate().find_map(|(k, switch)| {
-        let forms = canonical(graph, &[argument, opposite, switch.argument]);
-        (forms[0] == forms[2]).then_some((k, true)).or((forms[1] == forms[2]).then_some((k, false)))
-    })
+    let forms = canonical(graph, &[argument, opposite]);
+    [forms[0], forms[1]]
 }
 
 /// The sign or the step of a switch's argument, or of its opposite, from the switch's mode.
@@ -242,7 +362,7 @@ fn value_of_mode(graph: &mut Graph, mode: Id, (has, wanted): (SwitchKind, Switch
 /// Puts the true functions back, for what only observes.
 pub fn remove(graph: &mut Graph, roots: &[Id], switches: &[Switch]) -> Vec<Id> {
     // A mode's argument contains earlier modes only, so one sweep over the list replaces all.
-    let mut values: rustc_hash::FxHashMap<Symbol, Id> = rustc_hash::FxHashMap::default();
+    let mut values: HashMap<Symbol, Id> = HashMap::default();
     for (k, switch) in switches.iter().enumerate() {
         let argument = crate::expr::substitute(graph, &[switch.argument], &values)[0];
         let function = if switch.kind == SwitchKind::Sign { Unary::Sign } else { Unary::Step };

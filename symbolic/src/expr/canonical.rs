@@ -5,6 +5,9 @@
 //! *popularity* (the number of sums a term occurs in).  In a chain of links the terms of inner links occur
 //! in most positions, so the recursion tip[i] = tip[i−1] + … comes back by itself from closed-form sums.
 
+use rustc_hash::FxHashMap as HashMap;
+
+use super::places::Places;
 use super::{Binary, Graph, Id, Node, Unary};
 use crate::number::Number;
 
@@ -15,7 +18,7 @@ pub fn canonical(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
     let popularity = popularity(graph, &roots);
     let by_popularity = |_: &Graph, terms: &mut Vec<(Id, Number)>| {
         terms.sort_by_key(|(term, _)| {
-            let count = popularity.get(term.index()).copied().unwrap_or(0);
+            let count = popularity.get(term).copied().unwrap_or(0);
             (std::cmp::Reverse(count), *term)
         });
     };
@@ -24,23 +27,22 @@ pub fn canonical(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
 
 /// One rebuilding; `order` arranges the terms of a sum, given by their places before this pass.
 fn pass(graph: &mut Graph, roots: &[Id], order: impl Fn(&Graph, &mut Vec<(Id, Number)>)) -> Vec<Id> {
-    let needed = graph.reachable(roots.iter().copied());
-    let mut image: Vec<Option<Id>> = vec![None; needed.len()];
-    let wanted = consumers(graph, roots, &needed);
-    for i in (0..needed.len()).filter(|&i| needed[i]) {
-        let id = graph.id_at(i);
-        if !wanted[i] {
+    let sums = Sums::of(graph, roots);
+    let mut image: Vec<Option<Id>> = vec![None; sums.needed.list().len()];
+    for (i, &id) in sums.needed.list().iter().enumerate() {
+        if !sums.wanted[i] {
             continue;
         }
-        let of = |image: &[Option<Id>], x: Id| image[x.index()].unwrap_or(x);
+        let of = |image: &[Option<Id>], x: Id| image[sums.needed.of(x)].unwrap_or(x);
         let new = match graph.node(id) {
             _ if is_sum(graph, id) => {
-                let mut terms = flatten(graph, id);
+                let mut terms = sums.terms(graph, i);
                 order(graph, &mut terms);
                 let mut sum = Id::ZERO;
                 for (term, coefficient) in terms {
                     let factor = graph.constant(coefficient);
-                    let product = graph.mul(factor, of(&image, term));
+                    let image = if term == Id::ONE { term } else { of(&image, term) };
+                    let product = graph.mul(factor, image);
                     sum = graph.add(sum, product);
                 }
                 sum
@@ -51,46 +53,73 @@ fn pass(graph: &mut Graph, roots: &[Id], order: impl Fn(&Graph, &mut Vec<(Id, Nu
         };
         image[i] = Some(new);
     }
-    roots.iter().map(|r| image[r.index()].unwrap_or(*r)).collect()
+    roots.iter().map(|r| image[sums.needed.of(*r)].unwrap_or(*r)).collect()
 }
 
-/// Which nodes are needed as such: roots, and children of anything but a sum, and terms of sums.
-fn consumers(graph: &Graph, roots: &[Id], needed: &[bool]) -> Vec<bool> {
-    let mut wanted = vec![false; needed.len()];
-    for root in roots {
-        wanted[root.index()] = true;
-    }
-    for i in (0..needed.len()).rev() {
-        if !wanted[i] {
-            continue;
-        }
-        let id = graph.id_at(i);
-        if is_sum(graph, id) {
-            for (term, _) in flatten(graph, id) {
-                wanted[term.index()] = true;
-            }
-        } else {
-            for child in graph.children(id) {
-                wanted[child.index()] = true;
-            }
-        }
-    }
-    wanted
-}
-
-fn popularity(graph: &Graph, roots: &[Id]) -> Vec<u32> {
-    let needed = graph.reachable(roots.iter().copied());
-    let wanted = consumers(graph, roots, &needed);
-    let mut count = vec![0; needed.len()];
-    for i in (0..needed.len()).filter(|&i| wanted[i]) {
-        let id = graph.id_at(i);
-        if is_sum(graph, id) {
-            for (term, _) in flatten(graph, id) {
-                count[term.index()] += 1;
+/// In how many sums each term stands.
+fn popularity(graph: &Graph, roots: &[Id]) -> HashMap<Id, u32> {
+    let sums = Sums::of(graph, roots);
+    let mut count = HashMap::default();
+    for (i, &id) in sums.needed.list().iter().enumerate() {
+        if sums.wanted[i] && is_sum(graph, id) {
+            for (term, _) in sums.terms(graph, i) {
+                *count.entry(term).or_default() += 1;
             }
         }
     }
     count
+}
+
+/// Terms of all sums together beyond which a sum is not taken apart further than to sums that are needed as such:
+/// running sums of n terms have n²/2.
+const FLATTENED: usize = 300_000;
+
+/// What is needed as such, and how far sums are taken apart.
+struct Sums {
+    needed: Places,
+    /// Roots, and children of anything but a sum, and terms of sums.
+    wanted: Vec<bool>,
+    /// Sums that are taken apart as far as to others that are wanted.
+    shallow: Vec<bool>,
+}
+
+impl Sums {
+    fn of(graph: &Graph, roots: &[Id]) -> Sums {
+        let needed = Places::new(graph.needed(roots.iter().copied()));
+        let count = needed.list().len();
+        let mut sums = Sums { needed, wanted: vec![false; count], shallow: vec![false; count] };
+        for root in roots {
+            let place = sums.needed.of(*root);
+            sums.wanted[place] = true;
+        }
+        let mut terms = 0;
+        for i in (0..count).rev() {
+            if !sums.wanted[i] {
+                continue;
+            }
+            let id = sums.needed.list()[i];
+            let parts: Vec<Id> = if is_sum(graph, id) {
+                sums.shallow[i] = terms > FLATTENED;
+                sums.terms(graph, i).into_iter().map(|(term, _)| term).collect()
+            } else {
+                graph.children(id).collect()
+            };
+            terms += parts.len();
+            for part in parts {
+                // A constant summand counts as a multiple of 1, which may stand nowhere else.
+                if let Some(place) = sums.needed.find(part) {
+                    sums.wanted[place] = true;
+                }
+            }
+        }
+        sums
+    }
+
+    /// The terms of the sum at a place.
+    fn terms(&self, graph: &Graph, i: usize) -> Vec<(Id, Number)> {
+        let whole = |id: Id| self.shallow[i] && self.needed.find(id).is_some_and(|place| self.wanted[place]);
+        flatten(graph, self.needed.list()[i], whole)
+    }
 }
 
 /// True for sums, differences, opposites and constant multiples of sums.
@@ -103,14 +132,19 @@ fn is_sum(graph: &Graph, id: Id) -> bool {
     }
 }
 
-/// The terms of a sum and their coefficients, like terms collected, in the order of the arena.
-fn flatten(graph: &Graph, root: Id) -> Vec<(Id, Number)> {
+/// The terms of a sum and their coefficients, like terms collected, in the order of the arena; parts of which `whole` is
+/// true are terms as they are.
+fn flatten(graph: &Graph, root: Id, whole: impl Fn(Id) -> bool) -> Vec<(Id, Number)> {
     let one = Number::ONE;
     let mut terms: Vec<(Id, Number)> = Vec::new();
     // Parents have larger places than children, so taking the largest first visits each node once.
     let mut open = std::collections::BTreeMap::from([(root, one)]);
     while let Some((id, factor)) = open.pop_last() {
         let parts = match graph.node(id) {
+            _ if id != root && whole(id) => {
+                terms.push((id, factor));
+                continue;
+            }
             Node::Binary(Binary::Add, x, y) => vec![(x, factor), (y, factor)],
             Node::Binary(Binary::Sub, x, y) => vec![(x, factor), (y, factor.negated())],
             Node::Unary(Unary::Neg, x) => vec![(x, factor.negated())],

@@ -2,6 +2,7 @@
 
 use rustc_hash::FxHashMap as HashMap;
 
+use super::places::Places;
 use super::{Binary, Graph, Id, Node, Symbol, Unary};
 
 /// A directional derivative: every symbol moves at its own rate.
@@ -87,21 +88,15 @@ pub fn partial(graph: &mut Graph, root: Id, by: Symbol) -> Id {
 /// One forward pass carries the tangents of all columns at once, non-zero ones only; each row comes
 /// sorted by column.
 pub fn jacobian(graph: &mut Graph, roots: &[Id], column: impl Fn(Symbol) -> Option<usize>) -> Vec<Vec<(usize, Id)>> {
-    let needed = graph.reachable(roots.iter().copied());
-    let mut tangents: Vec<Vec<(usize, Id)>> = vec![Vec::new(); needed.len()];
-    for i in (0..needed.len()).filter(|&i| needed[i]) {
-        let id = graph.id_at(i);
-        tangents[i] = match graph.node(id) {
+    let needed = Places::new(graph.needed(roots.iter().copied()));
+    let mut tangents: Vec<Vec<(usize, Id)>> = Vec::with_capacity(needed.list().len());
+    for &id in needed.list() {
+        let row = match graph.node(id) {
             Node::Number(_) => Vec::new(),
             Node::Symbol(s) => column(s).map(|c| vec![(c, Id::ONE)]).unwrap_or_default(),
-            Node::Unary(_, x) => {
-                let child = std::mem::take(&mut tangents[x.index()]);
-                let row = scaled(graph, &child, |g| partial_unary(g, id));
-                tangents[x.index()] = child;
-                row
-            }
+            Node::Unary(_, x) => scaled(graph, &tangents[needed.of(x)], |g| partial_unary(g, id)),
             Node::Binary(operation, x, y) => {
-                let (first, second) = (tangents[x.index()].clone(), tangents[y.index()].clone());
+                let (first, second) = (tangents[needed.of(x)].clone(), tangents[needed.of(y)].clone());
                 match operation {
                     Binary::Add => merged(graph, first, second, Graph::add),
                     Binary::Sub => merged(graph, first, second, Graph::sub),
@@ -113,8 +108,9 @@ pub fn jacobian(graph: &mut Graph, roots: &[Id], column: impl Fn(Symbol) -> Opti
                 }
             }
         };
+        tangents.push(row);
     }
-    roots.iter().map(|r| tangents[r.index()].clone()).collect()
+    roots.iter().map(|r| tangents[needed.of(*r)].clone()).collect()
 }
 
 fn scaled(graph: &mut Graph, row: &[(usize, Id)], slope: impl FnOnce(&mut Graph) -> Id) -> Vec<(usize, Id)> {
@@ -149,36 +145,42 @@ fn merged(
 ///
 /// Partial derivatives are formed for the nodes between the roots and the wanted symbols only.
 pub fn reverse(graph: &mut Graph, seeds: &[(Id, Id)], wanted: impl Fn(Symbol) -> bool) -> HashMap<Symbol, Id> {
-    let active = graph.contains(wanted);
-    sweep(graph, seeds, &active, &mut vec![Id::ZERO; active.len()])
+    sweep(graph, seeds, &wanted)
 }
 
 /// The gradient of each root by itself, as [`reverse`] gives it.
 pub fn gradients(graph: &mut Graph, roots: &[Id], wanted: impl Fn(Symbol) -> bool) -> Vec<HashMap<Symbol, Id>> {
-    let active = graph.contains(wanted);
-    let mut cotangent = vec![Id::ZERO; active.len()];
-    roots.iter().map(|root| sweep(graph, &[(*root, Id::ONE)], &active, &mut cotangent)).collect()
+    roots.iter().map(|root| sweep(graph, &[(*root, Id::ONE)], &wanted)).collect()
 }
 
-/// One reverse pass; `cotangent` is zero before and after.
-fn sweep(graph: &mut Graph, seeds: &[(Id, Id)], active: &[bool], cotangent: &mut [Id]) -> HashMap<Symbol, Id> {
-    let mut last = 0;
+/// One reverse pass over what the roots need.
+fn sweep(graph: &mut Graph, seeds: &[(Id, Id)], wanted: &impl Fn(Symbol) -> bool) -> HashMap<Symbol, Id> {
+    let needed = Places::new(graph.needed(seeds.iter().map(|seed| seed.0)));
+    let mut active = Vec::with_capacity(needed.list().len());
+    for &id in needed.list() {
+        active.push(match graph.node(id) {
+            Node::Number(_) => false,
+            Node::Symbol(s) => wanted(s),
+            Node::Unary(_, x) => active[needed.of(x)],
+            Node::Binary(_, x, y) => active[needed.of(x)] || active[needed.of(y)],
+        });
+    }
+    let mut cotangent = vec![Id::ZERO; active.len()];
     for &(root, seed) in seeds {
-        if active[root.index()] {
-            cotangent[root.index()] = graph.add(cotangent[root.index()], seed);
-            last = last.max(root.index());
+        let place = needed.of(root);
+        if active[place] {
+            cotangent[place] = graph.add(cotangent[place], seed);
         }
     }
     let mut gradient = HashMap::default();
-    for i in (0..=last).rev() {
+    for i in (0..active.len()).rev() {
         let bar = cotangent[i];
         if bar == Id::ZERO {
             continue;
         }
-        cotangent[i] = Id::ZERO;
-        let id = graph.id_at(i);
+        let id = needed.list()[i];
         let mut give = |graph: &mut Graph, child: Id, amount: Id| {
-            let slot = &mut cotangent[child.index()];
+            let slot = &mut cotangent[needed.of(child)];
             *slot = graph.add(*slot, amount);
         };
         match graph.node(id) {
@@ -187,7 +189,7 @@ fn sweep(graph: &mut Graph, seeds: &[(Id, Id)], active: &[bool], cotangent: &mut
                 gradient.insert(s, bar);
             }
             Node::Unary(_, x) => {
-                if active[x.index()] {
+                if active[needed.of(x)] {
                     let slope = partial_unary(graph, id);
                     let amount = graph.mul(slope, bar);
                     give(graph, x, amount);
@@ -195,7 +197,7 @@ fn sweep(graph: &mut Graph, seeds: &[(Id, Id)], active: &[bool], cotangent: &mut
             }
             Node::Binary(operation, x, y) => {
                 for (child, first) in [(x, true), (y, false)] {
-                    if !active[child.index()] {
+                    if !active[needed.of(child)] {
                         continue;
                     }
                     let amount = match (operation, first) {

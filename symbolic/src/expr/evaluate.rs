@@ -1,5 +1,6 @@
 //! Evaluating expressions in `f64`, in double-double, and with the magnitudes of their rounding errors.
 
+use super::places::Places;
 use super::scalar::Scalar;
 use super::{Binary, Graph, Id, Measured, Node, Symbol, Unary};
 use crate::number::DoubleDouble;
@@ -24,20 +25,15 @@ enum Instruction {
 impl Tape {
     /// The instructions for these roots.
     pub fn new(graph: &Graph, roots: &[Id]) -> Tape {
-        let needed = graph.reachable(roots.iter().copied());
-        let mut place = vec![u32::MAX; needed.len()];
-        let mut steps = Vec::new();
-        for i in (0..needed.len()).filter(|&i| needed[i]) {
-            let step = match graph.node(graph.id_at(i)) {
-                Node::Number(n) => Instruction::Number(graph.number_at(n).to_double_double()),
-                Node::Symbol(s) => Instruction::Symbol(s),
-                Node::Unary(f, x) => Instruction::Unary(f, place[x.index()]),
-                Node::Binary(f, x, y) => Instruction::Binary(f, place[x.index()], place[y.index()]),
-            };
-            place[i] = steps.len() as u32;
-            steps.push(step);
-        }
-        Tape { steps, results: roots.iter().map(|r| place[r.index()]).collect() }
+        let needed = Places::new(graph.needed(roots.iter().copied()));
+        let place = |id: Id| needed.of(id) as u32;
+        let step = |id: &Id| match graph.node(*id) {
+            Node::Number(n) => Instruction::Number(graph.number_at(n).to_double_double()),
+            Node::Symbol(s) => Instruction::Symbol(s),
+            Node::Unary(f, x) => Instruction::Unary(f, place(x)),
+            Node::Binary(f, x, y) => Instruction::Binary(f, place(x), place(y)),
+        };
+        Tape { steps: needed.list().iter().map(step).collect(), results: roots.iter().map(|r| place(*r)).collect() }
     }
 
     /// How many numbers `run` writes.

@@ -1,6 +1,6 @@
 //! The hash-consed expression graph.
 
-use rustc_hash::FxHashMap as HashMap;
+use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
 
 use super::Symbol;
 use crate::number::{DoubleDouble, Number, Rational};
@@ -193,6 +193,27 @@ impl Graph {
         needed
     }
 
+    /// The nodes that some root needs, children before parents: what [`Graph::reachable`] marks, in time that the arena's
+    /// size does not enter where they are few.
+    pub fn needed(&self, roots: impl IntoIterator<Item = Id>) -> Vec<Id> {
+        let mut stack: Vec<Id> = roots.into_iter().collect();
+        let mut found: HashSet<Id> = HashSet::default();
+        let few = self.nodes.len() / 32;
+        while let Some(id) = stack.pop() {
+            if !found.insert(id) {
+                continue;
+            }
+            if found.len() > few {
+                let needed = self.reachable(found.into_iter().chain(stack));
+                return (0..needed.len()).filter(|&i| needed[i]).map(|i| self.id_at(i)).collect();
+            }
+            stack.extend(self.children(id));
+        }
+        let mut list: Vec<Id> = found.into_iter().collect();
+        list.sort_unstable();
+        list
+    }
+
     /// The expression at a place in the arena.
     pub fn id_at(&self, place: usize) -> Id {
         debug_assert!(place < self.nodes.len());
@@ -201,12 +222,11 @@ impl Graph {
 
     /// All symbols that the roots contain, in order of first appearance.
     pub fn symbols(&self, roots: impl IntoIterator<Item = Id>) -> Vec<Symbol> {
-        let needed = self.reachable(roots);
-        let leaf = |(i, node): (usize, &Node)| match node {
-            Node::Symbol(s) if needed[i] => Some(*s),
+        let leaf = |id: Id| match self.node(id) {
+            Node::Symbol(s) => Some(s),
             _ => None,
         };
-        self.nodes.iter().enumerate().filter_map(leaf).collect()
+        self.needed(roots).into_iter().filter_map(leaf).collect()
     }
 
     /// For each node, whether it contains a symbol of which `wanted` is true.

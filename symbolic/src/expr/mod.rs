@@ -7,6 +7,7 @@ mod evaluate;
 mod expand;
 mod graph;
 mod measured;
+mod places;
 mod rewrite;
 mod scalar;
 mod symbol;

@@ -2,21 +2,21 @@
 
 use rustc_hash::FxHashMap as HashMap;
 
+use super::places::Places;
 use super::{Graph, Id, Node, Symbol};
 
 /// Rebuilds expressions from the leaves up.  `replace` sees each node with its children already rebuilt
 /// and may give another expression for it; otherwise the constructors simplify anew.
 pub fn rewrite(graph: &mut Graph, roots: &[Id], mut replace: impl FnMut(&mut Graph, Node) -> Option<Id>) -> Vec<Id> {
-    let needed = graph.reachable(roots.iter().copied());
-    let mut image: Vec<Id> = vec![Id::ZERO; needed.len()];
-    for i in (0..needed.len()).filter(|&i| needed[i]) {
-        let id = graph.id_at(i);
+    let needed = Places::new(graph.needed(roots.iter().copied()));
+    let mut image: Vec<Id> = Vec::with_capacity(needed.list().len());
+    for &id in needed.list() {
         let node = match graph.node(id) {
-            Node::Unary(f, x) => Node::Unary(f, image[x.index()]),
-            Node::Binary(f, x, y) => Node::Binary(f, image[x.index()], image[y.index()]),
+            Node::Unary(f, x) => Node::Unary(f, image[needed.of(x)]),
+            Node::Binary(f, x, y) => Node::Binary(f, image[needed.of(x)], image[needed.of(y)]),
             leaf => leaf,
         };
-        image[i] = match replace(graph, node) {
+        let new = match replace(graph, node) {
             Some(other) => other,
             None => match node {
                 Node::Unary(f, x) => graph.unary(f, x),
@@ -24,8 +24,9 @@ pub fn rewrite(graph: &mut Graph, roots: &[Id], mut replace: impl FnMut(&mut Gra
                 Node::Number(_) | Node::Symbol(_) => id,
             },
         };
+        image.push(new);
     }
-    roots.iter().map(|r| image[r.index()]).collect()
+    roots.iter().map(|r| image[needed.of(*r)]).collect()
 }
 
 /// Puts expressions in the place of symbols.

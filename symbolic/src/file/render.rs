@@ -45,6 +45,15 @@ pub fn render(path: &str, text: &str, problems: &[Problem]) -> String {
     out
 }
 
+/// Sorts problems by where they stand in the text.
+pub fn sort(text: &str, problems: &mut Vec<Problem>) {
+    let places: Vec<_> = problems.iter().take(LOCATED).map(|problem| &problem.place).collect();
+    let starts = locate(text, &places).into_iter().map(|range| range.start).chain(std::iter::repeat(usize::MAX));
+    let mut sorted: Vec<(usize, Problem)> = starts.zip(std::mem::take(problems)).collect();
+    sorted.sort_by_key(|(start, _)| *start);
+    problems.extend(sorted.into_iter().map(|(_, problem)| problem));
+}
+
 fn counted(n: usize, word: &str) -> String {
     format!("{n} {word}{}", if n == 1 { "" } else { "s" })
 }

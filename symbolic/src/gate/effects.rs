@@ -53,9 +53,12 @@ pub(super) fn effects(model: &Model) -> (Graph, Vec<Effect>) {
     let mut copy = model.graph.clone();
     let graph = &mut copy;
     let n = model.coordinates.len();
-    let velocities: Vec<Vec<Id>> = model.bodies.iter().map(|body| rates(graph, &body.position)).collect();
-    let angular: Vec<Id> =
-        model.bodies.iter().map(|body| body.rotation.map_or(Id::ZERO, |r| rates(graph, &[r.angle])[0])).collect();
+    let places: Vec<Id> = model.bodies.iter().flat_map(|body| body.position.iter().copied()).collect();
+    let mut rest = rates(graph, &places).into_iter();
+    let velocities: Vec<Vec<Id>> =
+        model.bodies.iter().map(|body| rest.by_ref().take(body.position.len()).collect()).collect();
+    let angles: Vec<Id> = model.bodies.iter().map(|body| body.rotation.map_or(Id::ZERO, |r| r.angle)).collect();
+    let angular = rates(graph, &angles);
     let mut found = Vec::new();
     for load in &model.loads {
         let (kind, force) = match load.work {

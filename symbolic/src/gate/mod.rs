@@ -20,6 +20,7 @@ mod causes;
 mod claims;
 mod cyclic;
 mod dense;
+mod descend;
 mod draw;
 mod effects;
 mod motion;
@@ -50,6 +51,9 @@ pub use unseen::shared_data;
 
 /// What is off by no more roundings of a double-double than this agrees: twenty digits.
 const ROUNDINGS: f64 = 1e-20 / DoubleDouble::UNIT;
+
+/// More coordinates that M couples with each other than this take too long to solve for in 32 digits.
+const COUPLED_LIMIT: usize = 400;
 
 /// A derivation that has passed.
 #[derive(Clone, Debug)]
@@ -109,6 +113,10 @@ impl Gate {
             return Err(problems);
         }
         let motion = motion::Motion::new(model, &equations[0], switches);
+        if let Some(extra) = motion.blocks.iter().find_map(|block| block.get(COUPLED_LIMIT)) {
+            let place = model.coordinates[*extra].place.clone();
+            return Err(vec![mechanics::too_many_coupled(place, COUPLED_LIMIT)]);
+        }
         let states = states::states(model, &motion, &[], self).map_err(|problem| vec![*problem])?;
         let mut report =
             Report { followed: states.followed.clone(), unreached: states.unreached.clone(), ..Report::default() };

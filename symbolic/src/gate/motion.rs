@@ -2,8 +2,8 @@
 
 use super::dense::{Deficient, factor, solve};
 use super::state::State;
-use crate::derive::{Equations, Switch, SwitchKind, rates};
-use crate::expr::{Id, Measured, Scalar, Symbol, Tape, Unary};
+use crate::derive::{Equations, Switch, rates, without_modes};
+use crate::expr::{Id, Measured, Symbol, Tape};
 use crate::model::Model;
 use crate::number::DoubleDouble;
 
@@ -12,7 +12,8 @@ pub(super) struct Motion {
     /// How many coordinates there are.
     pub n: usize,
     inputs: Vec<Tape>,
-    switches: Vec<(SwitchKind, Tape)>,
+    /// Values of all modes, from the true functions, so that what their arguments share is evaluated once.
+    modes: Tape,
     /// M's entries, then h.
     equations: Tape,
     places: Vec<(usize, usize)>,
@@ -45,6 +46,8 @@ impl Motion {
                 Tape::new(graph, &[input.signal.as_slice(), &[third]].concat())
             })
             .collect();
+        let modes: Vec<Id> = (0..switches.len()).map(|k| graph.symbol(Symbol::Mode(k as u32))).collect();
+        let modes = without_modes(graph, &modes, switches);
         let n = model.coordinates.len();
         let mass = equations.mass.iter();
         let roots: Vec<Id> = mass.clone().map(|e| e.2).chain(equations.bias.iter().copied()).collect();
@@ -52,7 +55,7 @@ impl Motion {
         Motion {
             n,
             inputs,
-            switches: switches.iter().map(|s| (s.kind, Tape::new(graph, &[s.argument]))).collect(),
+            modes: Tape::new(graph, &modes),
             equations: Tape::new(graph, &roots),
             blocks: blocks(n, &places),
             places,
@@ -67,15 +70,16 @@ impl Motion {
 
     /// Inputs and modes at a state's time, coordinates and speeds.
     pub fn prepare(&self, state: &mut State) {
+        self.signals(state);
+        state.modes = self.modes.evaluate(|s| state.value(s)).iter().map(|mode| mode.to_f64()).collect();
+    }
+
+    /// Inputs at a state's time, for what contains true functions and no modes.
+    pub fn signals(&self, state: &mut State) {
         state.inputs.clear();
         for tape in &self.inputs {
             let u = tape.evaluate(|s| state.value(s));
             state.inputs.push([u[0], u[1], u[2], u[3]]);
-        }
-        state.modes.clear();
-        for (kind, tape) in &self.switches {
-            let argument = tape.evaluate(|s| state.value(s))[0].to_f64();
-            state.modes.push(f64::unary(kind.function(), argument));
         }
     }
 
@@ -158,12 +162,8 @@ impl Motion {
             );
             inputs.push(u);
         }
-        modes.clear();
-        for (kind, tape) in &self.switches {
-            let mut argument = [0.0];
-            tape.run(|s| symbol(s, parameters, *t, q, v, inputs, modes), scratch, &mut argument);
-            modes.push(f64::unary(kind.function(), argument[0]));
-        }
+        modes.resize(self.modes.len(), 0.0);
+        self.modes.run(|s| symbol(s, parameters, *t, q, v, inputs, &[]), scratch, modes);
         values.resize(self.equations.len(), 0.0);
         self.equations.run(|s| symbol(s, parameters, *t, q, v, inputs, modes), scratch, values);
         let (mass, bias) = values.split_at(self.places.len());
@@ -220,16 +220,6 @@ fn symbol(s: Symbol, parameters: &[f64], t: f64, q: &[f64], v: &[f64], inputs: &
         Symbol::Parameter(i) => at(parameters, i),
         Symbol::Mode(k) => at(modes, k),
         Symbol::Acceleration(_) | Symbol::Reaction(_) | Symbol::Dummy(_) => 0.0,
-    }
-}
-
-impl SwitchKind {
-    /// The function whose values the modes are.
-    fn function(self) -> Unary {
-        match self {
-            SwitchKind::Sign => Unary::Sign,
-            SwitchKind::Step => Unary::Step,
-        }
     }
 }
 

@@ -158,7 +158,7 @@ fn nature(graph: &mut Graph, model: &Model, motion: &Motion, force: &[Id], state
         let changed = |with: &dyn Fn(&mut State)| {
             let mut moved = state.clone();
             with(&mut moved);
-            motion.prepare(&mut moved);
+            motion.signals(&mut moved);
             let there = at(&moved)[0];
             let gap = (there.value - here[0].value).abs().to_f64();
             gap.is_finite() && gap > 1e-20 * (there.magnitude + here[0].magnitude)

@@ -7,6 +7,7 @@
 
 use std::collections::BTreeSet;
 
+use super::descend::descend;
 use super::motion::Motion;
 use super::passage::{passages, signs};
 use super::state::{Origin, State};
@@ -72,16 +73,12 @@ pub(super) fn sides(
     until: f64,
     reach: &dyn Fn(usize, bool) -> f64,
 ) -> Sides {
-    let arguments = arguments(model);
-    let switches: Vec<&Argument> = arguments.iter().filter(|a| a.switches).take(ARGUMENTS).collect();
+    let (arguments, more) = arguments(model);
+    let switches: Vec<&Argument> = arguments.iter().filter(|a| a.switches).collect();
     let mut found = Sides { states: Vec::new(), surfaces: Vec::new(), unreached: Vec::new() };
     let mut combinations = BTreeSet::new();
     paths.iter().for_each(|path| passages(motion, &switches, path, &mut combinations, &mut found));
-    for (place, argument) in arguments.iter().enumerate() {
-        if place >= ARGUMENTS {
-            found.unreached.push(format!("{} more", arguments.len() - ARGUMENTS));
-            break;
-        }
+    for argument in &arguments {
         let before = found.states.len();
         let mut followed = 0;
         for (k, base) in bases.iter().enumerate() {
@@ -95,8 +92,14 @@ pub(super) fn sides(
         }
         let met = (0..switches.len()).any(|k| std::ptr::eq(switches[k], argument) && both_sides(&combinations, k));
         if found.states.len() == before && !met {
+            descend(motion, (argument, &switches), bases, (until, reach), &mut found);
+        }
+        if found.states.len() == before && !met {
             found.unreached.push(argument.words.clone());
         }
+    }
+    if more > 0 {
+        found.unreached.push(format!("{more} more"));
     }
     found
 }
@@ -107,7 +110,7 @@ fn both_sides(combinations: &BTreeSet<Vec<bool>>, k: usize) -> bool {
 }
 
 /// Ways along which an argument may change.
-fn lines<'a>(
+pub(super) fn lines<'a>(
     argument: &Argument,
     bases: &'a [State],
     k: usize,
@@ -154,7 +157,7 @@ pub(super) fn moved(motion: &Motion, base: &State, line: &Line<'_>, z: DoubleDou
     if let Line::Step(next) = line {
         on_the_cubic(&mut state, base, next, z);
     }
-    motion.prepare(&mut state);
+    motion.signals(&mut state);
     state.origin = Origin::Side;
     state
 }
@@ -198,23 +201,15 @@ fn grid(base: &State, line: &Line<'_>) -> Vec<f64> {
 }
 
 /// Follows one argument along one line.
-fn follow(
+pub(super) fn follow(
     motion: &Motion,
     (argument, switches): (&Argument, &[&Argument]),
     base: &State,
     line: &Line<'_>,
     found: &mut Sides,
 ) {
-    let at = |z: f64| {
-        let state = moved(motion, base, line, DoubleDouble::from(z));
-        argument.tape.evaluate(|s| state.value(s))[0].to_f64()
-    };
-    let mut samples: Vec<(f64, f64)> = grid(base, line).into_iter().map(|z| (z, at(z))).collect();
-    samples.retain(|s| s.1.is_finite());
-    for (z, value) in extrema(&samples, &at) {
-        let place = samples.partition_point(|s| s.0 < z);
-        samples.insert(place, (z, value));
-    }
+    let at = |z: f64| argument.at(&moved(motion, base, line, z.into()));
+    let samples = samples(base, line, &at);
     let mut places: Vec<f64> = Vec::new();
     let targets: Vec<f64> = match argument.switches {
         true => vec![0.0],
@@ -259,6 +254,17 @@ fn follow(
         }
         found.surfaces.push(moved(motion, base, line, polished(motion, argument, base, line, z)));
     }
+}
+
+/// Places on a line and the values there, extrema between them included.
+pub(super) fn samples(base: &State, line: &Line<'_>, at: &dyn Fn(f64) -> f64) -> Vec<(f64, f64)> {
+    let mut samples: Vec<(f64, f64)> = grid(base, line).into_iter().map(|z| (z, at(z))).collect();
+    samples.retain(|s| s.1.is_finite());
+    for (z, value) in extrema(&samples, at) {
+        let place = samples.partition_point(|s| s.0 < z);
+        samples.insert(place, (z, value));
+    }
+    samples
 }
 
 /// Values between which a function that is local through its argument changes: ±1, a half, and, for what keeps away from
@@ -335,8 +341,9 @@ pub(super) fn polished(motion: &Motion, argument: &Argument, base: &State, line:
     if f1.abs().to_f64() <= f0.abs().to_f64() { z1 } else { z0 }
 }
 
-/// Arguments that move, of everything that the equations, the claims and the checks read; each once.
-fn arguments(model: &Model) -> Vec<Argument> {
+/// Arguments that move, of everything that the equations, the claims and the checks read, each once; and how many are
+/// beyond those that are followed.
+fn arguments(model: &Model) -> (Vec<Argument>, usize) {
     let mut graph = model.graph.clone();
     let roots = roots(model);
     let needed = graph.reachable(roots);
@@ -372,7 +379,8 @@ fn arguments(model: &Model) -> Vec<Argument> {
             symbols: symbols.into_iter().filter(moving).collect(),
         }
     };
-    found.into_iter().map(argument).collect()
+    let more = found.len().saturating_sub(ARGUMENTS);
+    (found.into_iter().take(ARGUMENTS).map(argument).collect(), more)
 }
 
 /// All expressions that are judged.

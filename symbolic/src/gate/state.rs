@@ -100,7 +100,7 @@ const SHOWN: usize = 12;
 
 /// A state in words, for messages: time, coordinates and speeds, parameters.
 pub(super) fn describe(model: &Model, state: &State) -> String {
-    let mut words = format!("t = {:.4}", state.t.to_f64());
+    let mut words = format!("t = {}", short(state.t.to_f64()));
     for (k, c) in model.coordinates.iter().enumerate().take(SHOWN) {
         let (q, v) = (state.q[k].to_f64(), state.v[k].to_f64());
         // Writing to a String cannot fail.

@@ -6,11 +6,14 @@
 
 use super::dense::solve;
 use super::motion::{Motion, Rough};
+use super::state::State;
 
 /// Most evaluations of the accelerations a scene.
 const EVALUATIONS: usize = 2000;
 /// Operations that the evaluations of a scene may cost.
 const WORK: usize = 8_000_000;
+/// So often the terms of the accelerations are looked at.
+const LOOKS: usize = 20;
 /// The error of an explicit step, relative to the range of each component.
 const TOLERANCE: f64 = 1e-4;
 /// The error of an implicit step, likewise.
@@ -44,7 +47,9 @@ impl Trajectory {
         let budget = (WORK / motion.work().max(1)).clamp(60, EVALUATIONS);
         let mut runner = Runner::new(motion, parameters, q, v, until, budget);
         runner.explicit(budget / 2);
-        if runner.t < 0.5 * until && !runner.stuck {
+        // Each of its Jacobians takes two evaluations a coordinate.
+        let affordable = budget / 2 > 2 * q.len() + 40;
+        if runner.t < 0.5 * until && !runner.stuck && affordable {
             // Stiff, or fast: whoever gets further is believed.
             let mut implicit = Runner::new(motion, runner.rough.parameters.clone(), q, v, until, budget / 2);
             implicit.implicit();
@@ -85,6 +90,11 @@ struct Runner<'a> {
     /// Least and largest value of every component.
     range: Vec<(f64, f64)>,
     states: Vec<(f64, Vec<f64>, Vec<f64>)>,
+    /// Magnitudes of the terms of the accelerations, where steps were refused again and again; 0 before.
+    terms: Vec<f64>,
+    /// How often steps were refused since the last one that was taken, and how often terms were looked at.
+    refused: usize,
+    looks: usize,
     /// True once the accelerations cannot be computed further on.
     stuck: bool,
 }
@@ -103,6 +113,9 @@ impl<'a> Runner<'a> {
             used: 0,
             budget,
             states: vec![(0.0, q.to_vec(), v.to_vec())],
+            terms: vec![0.0; q.len()],
+            refused: 0,
+            looks: 0,
             stuck: false,
         }
     }
@@ -126,7 +139,8 @@ impl<'a> Runner<'a> {
             for (i, d) in difference.iter().enumerate() {
                 let (low, high) = self.range[i];
                 let size = high.max(y[i]) - low.min(y[i]);
-                let share = if size > 0.0 { d.abs() / (tolerance * size) } else { 0.0 };
+                let beyond = d.abs() - self.rounding(i);
+                let share = if size > 0.0 && beyond > 0.0 { beyond / (tolerance * size) } else { 0.0 * beyond };
                 error = if share.is_nan() { f64::INFINITY } else { error.max(share) };
             }
         }
@@ -135,8 +149,13 @@ impl<'a> Runner<'a> {
         self.h = (self.h * factor).min(self.until / 20.0);
         let Some((y, _)) = trial.filter(|_| error <= 1.0) else {
             self.stuck = self.h < 1e-14 * self.until;
+            self.refused += 1;
+            if self.refused == 3 {
+                self.look();
+            }
             return false;
         };
+        self.refused = 0;
         self.t += step;
         for (range, x) in self.range.iter_mut().zip(&y) {
             *range = (range.0.min(*x), range.1.max(*x));
@@ -145,6 +164,29 @@ impl<'a> Runner<'a> {
         let (q, v) = self.y.split_at(self.motion.n);
         self.states.push((self.t, q.to_vec(), v.to_vec()));
         true
+    }
+
+    /// What rounding may make of a component in a step: what stays where it is but for that has no range to judge by.
+    fn rounding(&self, i: usize) -> f64 {
+        let n = self.motion.n;
+        let moved =
+            if i < n { self.h * (self.y[n + i].abs() + self.h * self.terms[i]) } else { self.h * self.terms[i - n] };
+        16.0 * f64::EPSILON * (self.y[i].abs() + moved)
+    }
+
+    /// How large the terms are here of which the accelerations are made.
+    fn look(&mut self) {
+        self.looks += 1;
+        if self.looks > LOOKS {
+            return;
+        }
+        let n = self.motion.n;
+        let doubles = |list: &[f64]| list.iter().map(|x| (*x).into()).collect();
+        let mut state = State::at_rest(self.rough.parameters.clone(), n);
+        (state.t, state.q, state.v) = (self.t.into(), doubles(&self.y[..n]), doubles(&self.y[n..]));
+        if self.motion.complete(&mut state).is_ok() {
+            self.terms = state.a.iter().map(|a| a.magnitude).collect();
+        }
     }
 
     fn going(&self, budget: usize) -> bool {

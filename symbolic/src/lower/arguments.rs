@@ -5,6 +5,8 @@
 
 use std::collections::BTreeSet;
 
+use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
+
 use crate::derive::rates;
 use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary};
 
@@ -66,7 +68,7 @@ pub(super) fn arguments(
     motion: &[Id],
     loads: &[(String, Vec<Id>)],
 ) -> Vec<Argument> {
-    let mut list = Vec::new();
+    let mut list = List::default();
     for (k, event) in events.iter().enumerate() {
         add(graph, &mut list, Watched::Event(k), &[*event]);
     }
@@ -80,8 +82,8 @@ pub(super) fn arguments(
         }
     }
     // Phases inside arguments that are followed themselves.
-    for index in 0..list.len() {
-        let (role, value) = (list[index].role, list[index].value);
+    for index in 0..list.all.len() {
+        let (role, value) = (list.all[index].role, list.all[index].value);
         if role != Role::Phase {
             for (role, inner) in inside(graph, &[value]) {
                 if role == Role::Phase {
@@ -90,10 +92,18 @@ pub(super) fn arguments(
             }
         }
     }
-    list
+    list.all
 }
 
-fn add(graph: &mut Graph, list: &mut Vec<Argument>, of: Watched, roots: &[Id]) {
+/// Arguments, each once.
+#[derive(Default)]
+struct List {
+    all: Vec<Argument>,
+    /// Those of a value, by their places.
+    of: HashMap<Id, Vec<usize>>,
+}
+
+fn add(graph: &mut Graph, list: &mut List, of: Watched, roots: &[Id]) {
     for (role, value) in inside(graph, roots) {
         match (of, role) {
             // Error control sees the sines of the forces, and the discontinuities are switches.
@@ -107,9 +117,8 @@ fn add(graph: &mut Graph, list: &mut Vec<Argument>, of: Watched, roots: &[Id]) {
 
 /// Squares of distances: arguments of roots that contain coordinates and no speeds.
 fn squares(graph: &Graph, roots: &[Id]) -> Vec<Id> {
-    let needed = graph.reachable(roots.iter().copied());
-    let places = (0..needed.len()).filter(|&i| needed[i]);
-    let root = |i: usize| match graph.node(graph.id_at(i)) {
+    let needed = graph.needed(roots.iter().copied());
+    let root = |id: Id| match graph.node(id) {
         Node::Unary(Unary::Sqrt, x) => Some(x),
         _ => None,
     };
@@ -118,10 +127,10 @@ fn squares(graph: &Graph, roots: &[Id]) -> Vec<Id> {
         symbols.iter().any(|s| matches!(s, Symbol::Coordinate(_)))
             && !symbols.iter().any(|s| matches!(s, Symbol::Speed(_) | Symbol::Acceleration(_) | Symbol::Dummy(_)))
     };
-    places.filter_map(root).filter(of_place).collect()
+    needed.into_iter().filter_map(root).filter(of_place).collect()
 }
 
-fn push(graph: &mut Graph, list: &mut Vec<Argument>, (of, role, value): (Watched, Role, Id), load: &str) {
+fn push(graph: &mut Graph, list: &mut List, (of, role, value): (Watched, Role, Id), load: &str) {
     let rate = rates(graph, &[value])[0];
     let symbols = graph.symbols([value, rate]);
     // Rates of accelerations, and inputs beyond their second derivative, are not known.
@@ -133,24 +142,35 @@ fn push(graph: &mut Graph, list: &mut Vec<Argument>, (of, role, value): (Watched
     let of_time = |s: &Symbol| matches!(s, Symbol::Time | Symbol::Parameter(_));
     let time_only = symbols.iter().all(of_time);
     let argument = Argument { of, role, value, rate, time_only, load: load.to_owned() };
-    if !list.contains(&argument) {
-        list.push(argument);
+    let known = list.of.entry(value).or_default();
+    if !known.iter().any(|place| list.all[*place] == argument) {
+        known.push(list.all.len());
+        list.all.push(argument);
     }
 }
 
 /// Arguments of functions that are local, or turn, inside expressions.
 fn inside(graph: &mut Graph, roots: &[Id]) -> Vec<(Role, Id)> {
-    let needed = graph.reachable(roots.iter().copied());
-    let moves = graph.contains(|s| !matches!(s, Symbol::Parameter(_) | Symbol::Dummy(_) | Symbol::Mode(_)));
+    let needed = graph.needed(roots.iter().copied());
+    let mut moving: HashSet<Id> = HashSet::default();
+    for &id in &needed {
+        let moves = match graph.node(id) {
+            Node::Symbol(s) => !matches!(s, Symbol::Parameter(_) | Symbol::Dummy(_) | Symbol::Mode(_)),
+            _ => graph.children(id).any(|child| moving.contains(&child)),
+        };
+        if moves {
+            moving.insert(id);
+        }
+    }
     let mut found: Vec<(Role, Id)> = Vec::new();
     let mut bases = BTreeSet::new();
-    for place in (0..needed.len()).filter(|&i| needed[i]) {
+    for id in needed {
         let mut note = |role, argument: Id| {
-            if moves[argument.index()] {
+            if moving.contains(&argument) {
                 found.push((role, argument));
             }
         };
-        match graph.node(graph.id_at(place)) {
+        match graph.node(id) {
             Node::Unary(Unary::Sin | Unary::Cos | Unary::Tan, x) => note(Role::Phase, x),
             Node::Unary(Unary::Exp, x) => note(Role::Exponential, x),
             Node::Unary(Unary::Tanh | Unary::Sinh | Unary::Cosh, x) => note(Role::Bounded, x),
@@ -169,7 +189,7 @@ fn inside(graph: &mut Graph, roots: &[Id]) -> Vec<(Role, Id)> {
             }
             Node::Binary(Binary::Min | Binary::Max, x, y) => {
                 let difference = graph.sub(x, y);
-                if moves[x.index()] || moves[y.index()] {
+                if moving.contains(&x) || moving.contains(&y) {
                     found.push((Role::Landmark, difference));
                 }
             }
@@ -180,10 +200,10 @@ fn inside(graph: &mut Graph, roots: &[Id]) -> Vec<(Role, Id)> {
     let mut strongest: Vec<(Id, f64)> = Vec::new();
     for (base, power) in bases {
         let power = f64::from(power) / 2.0;
-        if base.index() >= moves.len() || !moves[base.index()] {
+        if !moving.contains(&base) {
             continue;
         }
-        match strongest.iter_mut().find(|(known, _)| *known == base) {
+        match strongest.last_mut().filter(|(known, _)| *known == base) {
             Some((_, known)) => *known = if known.abs() < power.abs() || power < 0.0 { power } else { *known },
             None => strongest.push((base, power)),
         }

@@ -20,15 +20,16 @@ pub enum Accelerations {
     Loop,
 }
 
-/// Above this many operations of factoring and substituting a loop costs no more time and less code.
+/// Above this many operations of factoring and substituting a loop costs no more time and less code,
 const UNROLL_LIMIT: usize = 1500;
+/// if these are more than so many for each coordinate: a diagonal, or a narrow band, is never made a full triangle.
+const UNROLL_EACH: usize = 16;
 
 /// Chooses and builds.
 pub(super) fn accelerations(graph: &mut Graph, n: usize, mass: &[Entry], bias: &[Id]) -> Accelerations {
-    let order = elimination_order(n, mass);
-    if fill_operations(n, mass, &order) > UNROLL_LIMIT {
+    let Some(order) = elimination_order(n, mass, UNROLL_LIMIT.max(UNROLL_EACH * n)) else {
         return Accelerations::Loop;
-    }
+    };
     let mut rows: Vec<BTreeMap<usize, Id>> = vec![BTreeMap::new(); n];
     for &(i, j, m) in mass {
         rows[i].insert(j, m);
@@ -84,27 +85,24 @@ impl Accelerations {
     }
 }
 
-/// Minimum degree: next the coordinate that is coupled to the fewest others, the first of equals.
-fn elimination_order(n: usize, mass: &[Entry]) -> Vec<usize> {
+/// Minimum degree: next the coordinate that is coupled to the fewest others, the first of equals; `None` where factoring
+/// and substituting in this order takes more operations than the limit.
+fn elimination_order(n: usize, mass: &[Entry], limit: usize) -> Option<Vec<usize>> {
     let mut coupled = couplings(n, mass);
     let mut left: Vec<usize> = (0..n).collect();
     let mut order = Vec::with_capacity(n);
+    let mut operations = 0;
     while let Some(place) = (0..left.len()).min_by_key(|&p| (coupled[left[p]].len(), left[p])) {
         let k = left.remove(place);
+        let degree = coupled[k].len();
+        operations += 1 + degree + degree * (degree + 1) + 4 * degree + 1;
+        if operations > limit {
+            return None;
+        }
         eliminate(&mut coupled, k);
         order.push(k);
     }
-    order
-}
-
-fn fill_operations(n: usize, mass: &[Entry], order: &[usize]) -> usize {
-    let mut coupled = couplings(n, mass);
-    let mut total = 0;
-    for &k in order {
-        let degree = eliminate(&mut coupled, k);
-        total += 1 + degree + degree * (degree + 1) + 4 * degree + 1;
-    }
-    total
+    Some(order)
 }
 
 fn couplings(n: usize, mass: &[Entry]) -> Vec<std::collections::BTreeSet<usize>> {
@@ -116,12 +114,11 @@ fn couplings(n: usize, mass: &[Entry]) -> Vec<std::collections::BTreeSet<usize>>
     coupled
 }
 
-/// Removes a coordinate, couples its neighbours with each other, and gives their number.
-fn eliminate(coupled: &mut [std::collections::BTreeSet<usize>], k: usize) -> usize {
+/// Removes a coordinate, and couples its neighbours with each other.
+fn eliminate(coupled: &mut [std::collections::BTreeSet<usize>], k: usize) {
     let neighbours = std::mem::take(&mut coupled[k]);
     for &i in &neighbours {
         coupled[i].remove(&k);
         coupled[i].extend(neighbours.iter().copied().filter(|&j| j != i));
     }
-    neighbours.len()
 }

@@ -15,9 +15,7 @@ pub(super) struct Magnitudes {
 impl Magnitudes {
     /// The magnitude of an expression, as an expression.
     pub fn of(&mut self, graph: &mut Graph, root: Id) -> Id {
-        let needed = graph.reachable([root]);
-        for i in (0..needed.len()).filter(|&i| needed[i]) {
-            let id = graph.id_at(i);
+        for id in graph.needed([root]) {
             if !self.known.contains_key(&id) {
                 let size = self.one(graph, id);
                 self.known.insert(id, size);

@@ -114,8 +114,16 @@ pub struct Counts {
 /// # Errors
 /// Everything that is wrong with the model file.
 pub fn compile(text: &str, sizes: &[(String, i64)]) -> Result<Program, Vec<Problem>> {
-    let model = crate::model::load(text, sizes)?;
-    lower(crate::gate::judged(model)?)
+    match crate::model::read_through(text, sizes) {
+        (Some(model), problems) if problems.is_empty() => lower(crate::gate::judged(model)?),
+        (Some(model), mut problems) => {
+            // Mistakes that leave the equations as written hide nothing that the gate finds in them.
+            problems.extend(crate::gate::judged(model).err().into_iter().flatten());
+            crate::file::sort(text, &mut problems);
+            Err(problems)
+        }
+        (None, problems) => Err(problems),
+    }
 }
 
 /// Turns derived equations into a program.

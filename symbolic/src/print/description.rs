@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::body::float;
 use super::{si_unit, words};
 use crate::derive::{Switch, SwitchKind, without_modes};
-use crate::expr::Symbol;
+use crate::expr::{Id, Symbol};
 use crate::lower::{Argument, Entry, Program, Role, Watched};
 use crate::model::{EventAction, Shape, text_in};
 
@@ -76,11 +76,11 @@ pub(super) fn description(program: &Program, source: &str) -> String {
     );
     field(
         "switches",
-        list(program.switches.iter().map(|s| {
+        list(program.switches.iter().zip(switch_texts(program, &program.switches)).map(|(s, text)| {
             let kind = if s.kind == SwitchKind::Sign { "Sign" } else { "Step" };
             format!(
                 "mechanism::Switch {{ text: {}, kind: mechanism::SwitchKind::{kind}, time_only: {}, of_input: {} }}",
-                string(&switch_text(program, s)),
+                string(&text),
                 s.time_only,
                 s.of_input
             )
@@ -144,13 +144,19 @@ pub(super) fn description(program: &Program, source: &str) -> String {
 
 /// A switch's argument in the file's words: with functions in the place of modes.
 pub fn switch_text(program: &Program, switch: &Switch) -> String {
-    let nested = program.model.graph.symbols([switch.argument]).iter().any(|s| matches!(s, Symbol::Mode(_)));
+    switch_texts(program, std::slice::from_ref(switch)).concat()
+}
+
+/// The arguments of several, whose modes are replaced in one go.
+fn switch_texts(program: &Program, switches: &[Switch]) -> Vec<String> {
+    let arguments: Vec<Id> = switches.iter().map(|switch| switch.argument).collect();
+    let nested = program.model.graph.symbols(arguments.iter().copied()).iter().any(|s| matches!(s, Symbol::Mode(_)));
     if !nested {
-        return text_in(&program.model.graph, &program.model, switch.argument);
+        return arguments.iter().map(|id| text_in(&program.model.graph, &program.model, *id)).collect();
     }
     let mut graph = program.model.graph.clone();
-    let plain = without_modes(&mut graph, &[switch.argument], &program.switches)[0];
-    text_in(&graph, &program.model, plain)
+    let plain = without_modes(&mut graph, &arguments, &program.switches);
+    plain.into_iter().map(|id| text_in(&graph, &program.model, id)).collect()
 }
 
 fn argument(argument: &Argument) -> String {

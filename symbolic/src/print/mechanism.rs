@@ -166,7 +166,10 @@ impl Mechanism<'_> {
                 function.after = "::core::result::Result::Ok(())";
             }
             Accelerations::Loop => {
-                function.before = format!("let mut packed = [S::ratio(0.0, 1.0); {}];", n * (n + 1) / 2);
+                let size = n * (n + 1) / 2;
+                // Large ones would not fit on a thread's stack; beside n³ operations an allocation is nothing.
+                let heap = if size > STACK_LIMIT { "::std::vec!" } else { "" };
+                function.before = format!("let mut packed = {heap}[S::ratio(0.0, 1.0); {size}];");
                 let place = |i: usize, j: usize| i * (i + 1) / 2 + j;
                 let mass = program.mass.iter().map(|(i, j, m)| Use::Store(format!("packed[{}]", place(*i, *j)), *m));
                 function.uses = mass.chain(stores("out", &program.bias)).collect();
@@ -194,6 +197,9 @@ impl Mechanism<'_> {
         )
     }
 }
+
+/// Most numbers that a function keeps on the stack.
+const STACK_LIMIT: usize = 8192;
 
 /// A block of so many zeros under a name, the statements that fill it, and the block as the result.
 fn block_of(name: &str, size: usize, lines: &str) -> String {

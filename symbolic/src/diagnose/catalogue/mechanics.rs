@@ -58,4 +58,10 @@ super::entries! {
     W420 no_inertia(name) "a body that turns and has no inertia"
         "`{name}` has mass and an `angle`, and no `inertia`" "taken as 0" "give `inertia` about its centre of mass; `inertia: 0` if it is a point that carries a frame"
         "A body with an angle whose inertia is left out resists no turning: its mass is in one point.";
+    E421 too_many_switches(limit) "more discontinuities than can be located"
+        "the equations have more than {limit} discontinuities" "here at the latest" "use smaller sizes, or one function in the place of many steps"
+        "Every `abs`, `sign`, `step`, `min` and `max` of what moves is followed while a run goes on; the limit bounds time and memory.";
+    E422 too_many_coupled(limit) "more coordinates that move each other's masses than can be solved for"
+        "the mass matrix couples more than {limit} coordinates with each other" "one too many" "make families smaller, or choose coordinates that move one body each"
+        "Accelerations of coordinates that move the same bodies depend on each other, directly or by way of others; solving for n of them takes n^3 operations.";
 }
