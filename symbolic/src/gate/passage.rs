@@ -5,8 +5,11 @@
 
 use std::collections::BTreeSet;
 
+use super::arguments::Argument;
+use super::lines::{Line, moved};
 use super::motion::Motion;
-use super::sides::{Argument, Line, Sides, bisect, moved, polished};
+use super::search::{bisect, polished};
+use super::sides::Sides;
 use super::state::State;
 
 /// So many combinations are kept.

@@ -8,6 +8,7 @@
 
 use super::Gate;
 use super::draw::{Draws, with_set};
+use super::lines::Reach;
 use super::motion::{Incomplete, Motion};
 use super::sides::sides;
 use super::state::{Origin, State, describe};
@@ -80,8 +81,8 @@ pub(super) fn states(
     if gate.sides {
         let until = trajectories.iter().map(|run| run.until).fold(0.0, f64::max);
         let until = if until > 0.0 { until } else { 10.0 };
-        let reach = |i: usize, speed: bool| draws.reach(i, speed);
-        let beside = sides(model, motion, (&bases, &paths), until, &reach);
+        let of = |i: usize, speed: bool| draws.reach(i, speed);
+        let beside = sides(model, motion, (&bases, &paths), &Reach { until, of: &of });
         found.unreached = beside.unreached;
         let inside = |state: &State| draws.inside(state);
         for state in beside.states.into_iter().filter(inside).take(room) {

@@ -15,6 +15,8 @@ const WORK: usize = 8_000_000;
 const TOLERANCE: f64 = 1e-4;
 /// The error of an implicit step, likewise.
 const STIFF_TOLERANCE: f64 = 1e-3;
+/// A step that is shorter than this part of the whole is taken, whatever its error.
+const SHORTEST: f64 = 1e-10;
 /// Dormand and Prince's stages: when, and the weights of those before.
 const STAGES: [(f64, &[f64]); 6] = [
     (1.0 / 5.0, &[1.0 / 5.0]),
@@ -133,7 +135,9 @@ impl<'a> Runner<'a> {
         let step = self.h;
         let factor = if error.is_finite() { (0.9 * error.powf(-1.0 / order)).clamp(0.2, 4.0) } else { 0.2 };
         self.h = (self.h * factor).min(self.until / 20.0);
-        let Some((y, _)) = trial.filter(|_| error <= 1.0) else {
+        // Across a discontinuity a step of any length is off by about its own change in what was at rest before.
+        let shortest = step < SHORTEST * self.until && error.is_finite();
+        let Some((y, _)) = trial.filter(|_| error <= 1.0 || shortest) else {
             self.stuck = self.h < 1e-14 * self.until;
             return false;
         };
