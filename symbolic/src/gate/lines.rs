@@ -84,7 +84,7 @@ pub(super) fn moved(motion: &Motion, base: &State, line: &Line<'_>, z: DoubleDou
         }
     }
     motion.prepare(&mut state);
-    state.origin = Origin::Side;
+    state.origin = if matches!(line, Line::Step(_) | Line::Path(_)) { Origin::Motion } else { Origin::Side };
     state
 }
 

@@ -84,12 +84,23 @@ pub(super) fn states(
         let of = |i: usize, speed: bool| draws.reach(i, speed);
         let beside = sides(model, motion, (&bases, &paths), &Reach { until, of: &of });
         found.unreached = beside.unreached;
-        let inside = |state: &State| draws.inside(state);
-        for state in beside.states.into_iter().filter(inside).take(room) {
-            keep(motion, state, &mut found.all);
-        }
-        for state in beside.surfaces.into_iter().filter(inside).take(room) {
-            keep(motion, state, &mut found.surfaces);
+        // Where the file does not vouch for its model, only the motion itself is asked.
+        for (states, kept) in [(beside.states, &mut found.all), (beside.surfaces, &mut found.surfaces)] {
+            let outside = |mut state: State| {
+                state.outside = !draws.inside(&state);
+                state
+            };
+            let asked = |state: &State| !state.outside || state.origin == Origin::Motion;
+            let states: Vec<State> = states.into_iter().map(outside).filter(asked).collect();
+            if states.len() > 2 * room {
+                let more = states.len() - 2 * room;
+                found.unreached.push(format!("{more} states beside discontinuities, which would take too long"));
+            }
+            for mut state in states.into_iter().take(2 * room) {
+                // Next to a discontinuity wherever it comes from.
+                state.origin = Origin::Side;
+                keep(motion, state, kept);
+            }
         }
     }
     Ok(found)
