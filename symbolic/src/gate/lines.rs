@@ -6,7 +6,7 @@ use crate::expr::Symbol;
 use crate::number::DoubleDouble;
 
 /// So many steps of a motion are looked at.
-const STEPS: usize = 200;
+const STEPS: usize = 100;
 
 /// A way through the states.
 pub(super) enum Line<'a> {

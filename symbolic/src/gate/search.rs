@@ -18,28 +18,51 @@ pub(super) fn local_targets(samples: &[(f64, f64)]) -> Vec<f64> {
     targets
 }
 
-/// Extrema between samples, by golden sections, so that a touch or a narrow band is met.
+/// Extrema between samples, so that a touch or a narrow band is met.
 pub(super) fn extrema(samples: &[(f64, f64)], at: &dyn Fn(f64) -> f64) -> Vec<(f64, f64)> {
     let mut found = Vec::new();
     for w in samples.windows(3) {
         let (low, high) = (w[1].1 < w[0].1 && w[1].1 <= w[2].1, w[1].1 > w[0].1 && w[1].1 >= w[2].1);
-        if !low && !high || found.len() >= 6 {
-            continue;
-        }
-        let sign = if low { 1.0 } else { -1.0 };
-        let golden = 0.618_033_988_749_894_9;
-        let (mut a, mut b) = (w[0].0, w[2].0);
-        for _ in 0..60 {
-            let (c, d) = (b - golden * (b - a), a + golden * (b - a));
-            if sign * at(c) < sign * at(d) { b = d } else { a = c }
-        }
-        let z = 0.5 * (a + b);
-        let value = at(z);
-        if value.is_finite() && z != w[0].0 && z != w[1].0 && z != w[2].0 {
-            found.push((z, value));
+        if (low || high) && found.len() < 6 {
+            let sign = if low { 1.0 } else { -1.0 };
+            let z = golden((w[0].0, w[2].0), &|z| sign * at(z));
+            let value = at(z);
+            if value.is_finite() && w.iter().all(|s| s.0 != z) {
+                found.push((z, value));
+            }
         }
     }
     found
+}
+
+/// Where a function is least in size.
+pub(super) fn least(samples: &[(f64, f64)], at: &dyn Fn(f64) -> f64) -> Option<(f64, f64)> {
+    let finite = (0..samples.len()).filter(|k| samples[*k].1.is_finite());
+    let k = finite.min_by(|i, j| samples[*i].1.abs().total_cmp(&samples[*j].1.abs()))?;
+    let beside = (samples[k.saturating_sub(1)].0, samples[(k + 1).min(samples.len() - 1)].0);
+    let z = golden(beside, &|z| at(z).abs());
+    let value = at(z);
+    let found = value.abs() < samples[k].1.abs();
+    Some(if found { (z, value) } else { samples[k] })
+}
+
+/// The place of the least value within an interval, by golden sections.
+fn golden((mut a, mut b): (f64, f64), f: &dyn Fn(f64) -> f64) -> f64 {
+    const SECTION: f64 = 0.618_033_988_749_894_9;
+    let (mut c, mut d) = (b - SECTION * (b - a), a + SECTION * (b - a));
+    let (mut at_c, mut at_d) = (f(c), f(d));
+    for _ in 0..60 {
+        if at_c < at_d {
+            (b, d, at_d) = (d, c, at_c);
+            c = b - SECTION * (b - a);
+            at_c = f(c);
+        } else {
+            (a, c, at_c) = (c, d, at_d);
+            d = a + SECTION * (b - a);
+            at_d = f(d);
+        }
+    }
+    0.5 * (a + b)
 }
 
 /// The place where a function changes its sign, to the last bit.

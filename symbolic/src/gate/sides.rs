@@ -12,7 +12,7 @@ use super::cells::cells;
 use super::lines::{Line, Reach, grid, moved};
 use super::motion::Motion;
 use super::passage::{passages, signs};
-use super::search::{bisect, extrema, local_targets, polished};
+use super::search::{bisect, extrema, least, local_targets, polished};
 use super::state::State;
 use crate::model::Model;
 use crate::number::DoubleDouble;
@@ -76,7 +76,7 @@ pub(super) fn sides(
         }
         let order_one = |state: &State| argument.at(state).abs() <= ORDER_ONE;
         if !argument.switches && !found.states[before..].iter().any(order_one) {
-            for base in bases.first().into_iter().chain(bases.last()) {
+            if let Some(base) = bases.last() {
                 let least = search.descended(base, reach);
                 let lines = reach.lines(&argument.symbols);
                 lines.iter().take(3).for_each(|line| search.follow(&least, line, &mut found));
@@ -154,24 +154,26 @@ impl Search<'_> {
     /// Where the argument is least in size, sought along one line after the other.
     fn descended(&self, base: &State, reach: &Reach<'_>) -> State {
         let mut state = base.clone();
-        for _ in 0..2 {
-            for line in reach.lines(&self.argument.symbols).iter().take(6) {
-                let at = |z: f64| self.argument.at(&moved(self.motion, &state, line, DoubleDouble::from(z)));
-                let least = sampled(&state, line, &at).into_iter().min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-                if let Some((z, _)) = least {
-                    state = moved(self.motion, &state, line, DoubleDouble::from(z));
-                }
+        for line in reach.lines(&self.argument.symbols).iter().take(6) {
+            let at = |z: f64| self.argument.at(&moved(self.motion, &state, line, DoubleDouble::from(z)));
+            let samples: Vec<(f64, f64)> = grid(&state, line).into_iter().map(|z| (z, at(z))).collect();
+            if let Some((z, _)) = least(&samples, &at) {
+                state = moved(self.motion, &state, line, DoubleDouble::from(z));
             }
         }
         state
     }
 }
 
-/// Finite values along a line, in order, extrema among them.
+/// Finite values along a line, in order, extrema among them; of a whole motion, of which there are many steps, the least.
 fn sampled(base: &State, line: &Line<'_>, at: &dyn Fn(f64) -> f64) -> Vec<(f64, f64)> {
     let mut samples: Vec<(f64, f64)> = grid(base, line).into_iter().map(|z| (z, at(z))).collect();
     samples.retain(|s| s.1.is_finite());
-    for (z, value) in extrema(&samples, at) {
+    let more = match line {
+        Line::Path(_) => least(&samples, at).into_iter().collect(),
+        _ => extrema(&samples, at),
+    };
+    for (z, value) in more {
         let place = samples.partition_point(|s| s.0 < z);
         samples.insert(place, (z, value));
     }
