@@ -49,9 +49,10 @@ pub(super) fn cells(
             for symbol in &symbols {
                 let Some(line) = reach.lines(&[*symbol]).into_iter().next() else { continue };
                 if kept >= CELLS || left == 0 {
-                    found
-                        .unreached
-                        .push(format!("some combinations of the sides of {} discontinuities", switches.len()));
+                    found.unreached.push(format!(
+                        "some combinations of the sides of {} discontinuities were not looked for",
+                        switches.len()
+                    ));
                     return;
                 }
                 let places = match known.get(symbol) {

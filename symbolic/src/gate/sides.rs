@@ -32,7 +32,7 @@ pub(super) struct Sides {
     pub states: Vec<State>,
     /// States at which the argument of a switch vanishes.
     pub surfaces: Vec<State>,
-    /// Arguments that no line brought to zero or to order one, in words.
+    /// What was not reached, in words.
     pub unreached: Vec<String>,
 }
 
@@ -52,7 +52,8 @@ pub(super) fn sides(
     cells(motion, &switches, bases, reach, &mut combinations, &mut found);
     for (place, argument) in arguments.iter().enumerate() {
         if place >= ARGUMENTS {
-            found.unreached.push(format!("{} more", arguments.len() - ARGUMENTS));
+            let more = arguments.len() - ARGUMENTS;
+            found.unreached.push(format!("{more} more arguments of functions were not looked at"));
             break;
         }
         let before = found.states.len();
@@ -85,7 +86,8 @@ pub(super) fn sides(
         }
         let met = (0..switches.len()).any(|k| std::ptr::eq(switches[k], argument) && both_sides(&combinations, k));
         if found.states.len() == before && !met {
-            found.unreached.push(argument.words.clone());
+            let words = &argument.words;
+            found.unreached.push(format!("no state was found at which `{words}` is zero or of order one"));
         }
     }
     found

@@ -39,7 +39,7 @@ pub(super) struct States {
     pub all: Vec<State>,
     /// Where a discontinuity is met; with their motion.
     pub surfaces: Vec<State>,
-    /// Arguments of functions that could not be brought to where they matter.
+    /// What could not be reached, in words.
     pub unreached: Vec<String>,
     /// Scenes that were run, until when, and until when they should go.
     pub followed: Vec<(String, f64, f64)>,
@@ -94,7 +94,9 @@ pub(super) fn states(
             let states: Vec<State> = states.into_iter().map(outside).filter(asked).collect();
             if states.len() > 2 * room {
                 let more = states.len() - 2 * room;
-                found.unreached.push(format!("{more} states beside discontinuities, which would take too long"));
+                found
+                    .unreached
+                    .push(format!("{more} states beside discontinuities were left out, which would take too long"));
             }
             for mut state in states.into_iter().take(2 * room) {
                 // Next to a discontinuity wherever it comes from.
