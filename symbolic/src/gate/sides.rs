@@ -76,13 +76,12 @@ pub(super) fn sides(
             }
         }
         let order_one = |state: &State| argument.at(state).abs() <= ORDER_ONE;
-        if !argument.switches && !found.states[before..].iter().any(order_one) {
-            if let Some(base) = bases.last() {
-                let least = search.descended(base, reach);
-                let lines = reach.lines(&argument.symbols);
-                lines.iter().take(3).for_each(|line| search.follow(&least, line, &mut found));
-                found.states.push(least);
-            }
+        let silent = !argument.switches && !found.states[before..].iter().any(order_one);
+        if let Some(base) = bases.last().filter(|_| silent) {
+            let least = search.descended(base, reach);
+            let lines = reach.lines(&argument.symbols);
+            lines.iter().take(3).for_each(|line| search.follow(&least, line, &mut found));
+            found.states.push(least);
         }
         let met = (0..switches.len()).any(|k| std::ptr::eq(switches[k], argument) && both_sides(&combinations, k));
         if found.states.len() == before && !met {

@@ -252,9 +252,7 @@ impl Judge {
                 let gap = (l.value - r.value).abs().to_f64();
                 if gap == 0.0 { 0.0 } else { gap / l.largest.max(r.largest) }
             });
-            sides
-                .map(|gap| if gap.is_finite() { Some(gap) } else { None })
-                .fold(Some(0.0), |most, gap| Some(f64::max(most?, gap?)))
+            sides.map(|gap| gap.is_finite().then_some(gap)).try_fold(0.0, |most, gap| Some(f64::max(most, gap?)))
         });
         // What is defined nowhere holds nowhere.
         failures.flatten().reduce(f64::max).unwrap_or(f64::INFINITY)

@@ -103,13 +103,13 @@ pub fn sides(route: &Route, moments: &[Moment]) -> Vec<Moment> {
             let (q, v) = (lists(&pair[0].q, &pair[1].q), lists(&pair[0].v, &pair[1].v));
             Moment { parameters: pair[0].parameters.clone(), t: middle(pair[0].t, pair[1].t), q, v }
         };
-        for k in 0..route.discontinuities() {
+        for (k, passed) in passages.iter_mut().enumerate() {
             let positive = |z: f64| route.argument(k, &between(z)) > 0.0;
             let (mut a, mut b) = (0.0, 1.0);
-            if passages[k] >= PASSAGES || positive(a) == positive(b) {
+            if *passed >= PASSAGES || positive(a) == positive(b) {
                 continue;
             }
-            passages[k] += 1;
+            *passed += 1;
             for _ in 0..40 {
                 let middle = 0.5 * (a + b);
                 if positive(middle) == positive(0.0) { a = middle } else { b = middle }
