@@ -58,8 +58,8 @@ fn looked_at(program: &Program, out: &mut dyn Write) -> Result<(), Problem> {
             writeln!(out, "  the motion of `{scene}` was followed until t = {reached:.4} of {until}")?;
         }
     }
-    for argument in &report.unreached {
-        writeln!(out, "  no state was found at which `{argument}` is zero or of order one")?;
+    for words in &report.unreached {
+        writeln!(out, "  {words}")?;
     }
     Ok(())
 }

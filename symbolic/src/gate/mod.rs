@@ -14,20 +14,23 @@
 //! terms and agreement means twenty digits.
 
 mod agreement;
+mod arguments;
 mod balances;
 mod blame;
 mod causes;
+mod cells;
 mod claims;
 mod cyclic;
 mod dense;
-mod descend;
 mod draw;
 mod effects;
+mod lines;
 mod motion;
 mod named;
 mod passage;
 mod potential;
 mod report;
+mod search;
 mod shared;
 mod sides;
 mod state;

@@ -5,16 +5,20 @@
 
 use std::collections::BTreeSet;
 
+use super::arguments::Argument;
+use super::lines::{Line, moved};
 use super::motion::Motion;
-use super::sides::{Argument, Line, Sides, bisect, moved, polished};
+use super::search::{bisect, polished};
+use super::sides::Sides;
 use super::state::State;
 
 /// So many combinations are kept.
 const COMBINATIONS: usize = 48;
 
-/// On which side of each discontinuity a state lies.
+/// On which side of each discontinuity a state lies, then which parameters are 0: what they multiply is silent there.
 pub(super) fn signs(switches: &[&Argument], state: &State) -> Vec<bool> {
-    switches.iter().map(|argument| argument.at(state) > 0.0).collect()
+    let sides = switches.iter().map(|argument| argument.at(state) > 0.0);
+    sides.chain(state.parameters.iter().map(|p| *p == 0.0)).collect()
 }
 
 /// Follows a motion step by step, and keeps a state for each combination of sides that no state before it has, with the

@@ -29,6 +29,6 @@ pub struct Report {
     pub states: Vec<State>,
     /// Scenes whose motion was followed, until when, and until when they should go.
     pub followed: Vec<(String, f64, f64)>,
-    /// Arguments of functions that were not brought to where the function changes.
+    /// What the states do not reach, in words: arguments that were not brought to where their function changes, and so on.
     pub unreached: Vec<String>,
 }

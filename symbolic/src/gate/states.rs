@@ -8,6 +8,7 @@
 
 use super::Gate;
 use super::draw::{Draws, with_set};
+use super::lines::Reach;
 use super::motion::{Incomplete, Motion};
 use super::sides::sides;
 use super::state::{Origin, State, describe};
@@ -38,7 +39,7 @@ pub(super) struct States {
     pub all: Vec<State>,
     /// Where a discontinuity is met; with their motion.
     pub surfaces: Vec<State>,
-    /// Arguments of functions that could not be brought to where they matter.
+    /// What could not be reached, in words.
     pub unreached: Vec<String>,
     /// Scenes that were run, until when, and until when they should go.
     pub followed: Vec<(String, f64, f64)>,
@@ -80,15 +81,28 @@ pub(super) fn states(
     if gate.sides {
         let until = trajectories.iter().map(|run| run.until).fold(0.0, f64::max);
         let until = if until > 0.0 { until } else { 10.0 };
-        let reach = |i: usize, speed: bool| draws.reach(i, speed);
-        let beside = sides(model, motion, (&bases, &paths), until, &reach);
+        let of = |i: usize, speed: bool| draws.reach(i, speed);
+        let beside = sides(model, motion, (&bases, &paths), &Reach { until, of: &of });
         found.unreached = beside.unreached;
-        let inside = |state: &State| draws.inside(state);
-        for state in beside.states.into_iter().filter(inside).take(room) {
-            keep(motion, state, &mut found.all);
-        }
-        for state in beside.surfaces.into_iter().filter(inside).take(room) {
-            keep(motion, state, &mut found.surfaces);
+        // Where the file does not vouch for its model, only the motion itself is asked.
+        for (states, kept) in [(beside.states, &mut found.all), (beside.surfaces, &mut found.surfaces)] {
+            let outside = |mut state: State| {
+                state.outside = !draws.inside(&state);
+                state
+            };
+            let asked = |state: &State| !state.outside || state.origin == Origin::Motion;
+            let states: Vec<State> = states.into_iter().map(outside).filter(asked).collect();
+            if states.len() > 2 * room {
+                let more = states.len() - 2 * room;
+                found
+                    .unreached
+                    .push(format!("{more} states beside discontinuities were left out, which would take too long"));
+            }
+            for mut state in states.into_iter().take(2 * room) {
+                // Next to a discontinuity wherever it comes from.
+                state.origin = Origin::Side;
+                keep(motion, state, kept);
+            }
         }
     }
     Ok(found)

@@ -12,7 +12,10 @@ use dalembert_symbolic::derive::{Derivation, Switch, SwitchKind, rates};
 use dalembert_symbolic::expr::{Binary, DoubleDouble, Graph, Id, Scalar, Symbol, Tape, Unary, jacobian};
 use dalembert_symbolic::model::{BalanceSystem, Check, Conserved, Model};
 
-use super::moments::{Moment, Run, moments, runs};
+use super::moments::{Moment, Run, moments, runs, sides};
+
+/// So many of all states are moved into a window.
+const IN_WINDOW: usize = 24;
 
 /// A value, and the largest single term of its expression when products are multiplied out.
 #[derive(Clone, Copy)]
@@ -203,9 +206,17 @@ impl Judge {
             move |m: &Moment, (symbol, low, high): &(Symbol, f64, f64)| m.with(*symbol, low + part * (high - low))
         };
         let moved = |m: &Moment, part: f64| window.iter().fold(m.clone(), |m, side| place(part)(&m, side));
-        let all = self.seen.iter().take(12);
-        let moments: Vec<Moment> = all.map(|seen| &seen.moment).flat_map(|m| [moved(m, 0.5), moved(m, 0.2)]).collect();
-        if window.is_empty() { Vec::new() } else { self.seen_at(&moments) }
+        if window.is_empty() {
+            return Vec::new();
+        }
+        // From the motion and from all that was drawn, for a parameter may be 0 in every scene; and on both sides of what
+        // changes within the window.
+        let apart = self.seen.len().div_ceil(IN_WINDOW).max(1);
+        let chosen = self.seen.iter().take(12).chain(self.seen.iter().skip(12).step_by(apart));
+        let mut moments: Vec<Moment> =
+            chosen.map(|seen| &seen.moment).flat_map(|m| [moved(m, 0.5), moved(m, 0.2)]).collect();
+        moments.extend(sides(&self.route, &moments));
+        self.seen_at(&moments)
     }
 
     /// By how much of its row some acceleration of an altered model differs: of Lagrange's equations and of every system
@@ -241,9 +252,10 @@ impl Judge {
                 let gap = (l.value - r.value).abs().to_f64();
                 if gap == 0.0 { 0.0 } else { gap / l.largest.max(r.largest) }
             });
-            sides.filter(|gap| gap.is_finite()).fold(0.0, f64::max)
+            sides.map(|gap| gap.is_finite().then_some(gap)).try_fold(0.0, |most, gap| Some(f64::max(most, gap?)))
         });
-        failures.fold(0.0, f64::max)
+        // What is defined nowhere holds nowhere.
+        failures.flatten().reduce(f64::max).unwrap_or(f64::INFINITY)
     }
 
     /// How fast what a claim calls conserved changes, by the largest term of its rate.

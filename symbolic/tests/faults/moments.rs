@@ -89,9 +89,13 @@ fn drawn(model: &Model, run: &Run, ranges: &Ranges, numbers: &mut Numbers, k: us
     moment
 }
 
+/// So many passages of each discontinuity are looked for.
+const PASSAGES: usize = 8;
+
 /// States next to where the argument of a discontinuity changes its sign between two states, on both sides.
-fn sides(route: &Route, moments: &[Moment]) -> Vec<Moment> {
+pub fn sides(route: &Route, moments: &[Moment]) -> Vec<Moment> {
     let mut found = Vec::new();
+    let mut passages = vec![0; route.discontinuities()];
     for pair in moments.windows(2) {
         let between = |z: f64| {
             let middle = |a: f64, b: f64| a + z * (b - a);
@@ -99,12 +103,13 @@ fn sides(route: &Route, moments: &[Moment]) -> Vec<Moment> {
             let (q, v) = (lists(&pair[0].q, &pair[1].q), lists(&pair[0].v, &pair[1].v));
             Moment { parameters: pair[0].parameters.clone(), t: middle(pair[0].t, pair[1].t), q, v }
         };
-        for k in 0..route.discontinuities() {
+        for (k, passed) in passages.iter_mut().enumerate() {
             let positive = |z: f64| route.argument(k, &between(z)) > 0.0;
             let (mut a, mut b) = (0.0, 1.0);
-            if positive(a) == positive(b) {
+            if *passed >= PASSAGES || positive(a) == positive(b) {
                 continue;
             }
+            *passed += 1;
             for _ in 0..40 {
                 let middle = 0.5 * (a + b);
                 if positive(middle) == positive(0.0) { a = middle } else { b = middle }
@@ -112,7 +117,6 @@ fn sides(route: &Route, moments: &[Moment]) -> Vec<Moment> {
             found.extend([between(a - 1e-6), between(b + 1e-6)]);
         }
     }
-    found.truncate(24);
     found
 }
 

@@ -22,7 +22,7 @@ out by hand are those of `symbolic/tests/faults/written`; models of several scal
 *Caught by comparison* is a verdict: the two sides differ. *Refused by name* is any other error (counts that do not fit, a
 system that has become singular, a placement that makes no sense). *Motion unchanged* are faults that are none: the
 accelerations are the same (a moment about another point of a complete system, a mass that cancels); they are listed below
-and not counted. The rate is what was refused of the rest. Where a model offers more than 24 faults of one kind, at most 24
+and not counted. The rate is what was refused of the rest. Where a model offers more than 8 faults of one kind, at most 8
 are planted, evenly chosen; long chains are shortened.
 
 ## Who decides what is a fault

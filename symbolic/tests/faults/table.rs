@@ -49,7 +49,7 @@ impl Extent {
     fn of_a_kind(self) -> usize {
         match self {
             Extent::Test => 1,
-            Extent::Page => 24,
+            Extent::Page => 8,
         }
     }
 }

@@ -1,0 +1,92 @@
+//! Arguments of functions that change at a zero of theirs, or say something only where theirs is of order one.
+
+use std::collections::BTreeSet;
+
+use super::state::State;
+use crate::expr::{Binary, Id, Node, Symbol, Tape, Unary};
+use crate::model::{Model, Work, text_in};
+
+/// An argument, and what is looked for.
+pub(super) struct Argument {
+    /// In words.
+    pub words: String,
+    pub tape: Tape,
+    /// True where the function changes at zero; false where it is local through its argument.
+    pub switches: bool,
+    /// What it depends on.
+    pub symbols: Vec<Symbol>,
+}
+
+impl Argument {
+    /// Its value at a state.
+    pub fn at(&self, state: &State) -> f64 {
+        self.tape.evaluate(|s| state.value(s))[0].to_f64()
+    }
+}
+
+/// So many arguments are followed.
+pub(super) const ARGUMENTS: usize = 48;
+
+/// Arguments that move, of everything that the equations, the claims and the checks read, each once; and how many are
+/// beyond those that are followed.
+pub(super) fn arguments(model: &Model) -> (Vec<Argument>, usize) {
+    let mut graph = model.graph.clone();
+    let roots = roots(model);
+    let needed = graph.reachable(roots);
+    let moving = graph.contains(|s| !matches!(s, Symbol::Parameter(_) | Symbol::Dummy(_)));
+    let mut seen = BTreeSet::new();
+    let mut found = Vec::new();
+    for i in (0..needed.len()).filter(|&i| needed[i]) {
+        let (value, switches) = match graph.node(graph.id_at(i)) {
+            Node::Unary(Unary::Abs | Unary::Sign | Unary::Step, x) => (x, true),
+            Node::Binary(Binary::Min | Binary::Max, x, y) => (graph.sub(x, y), true),
+            Node::Unary(
+                Unary::Exp | Unary::Tanh | Unary::Atan | Unary::Sinh | Unary::Cosh | Unary::Sqrt | Unary::Ln,
+                x,
+            ) => (x, false),
+            Node::Binary(Binary::Pow, x, _) | Node::Binary(Binary::Div, _, x) => (x, false),
+            _ => continue,
+        };
+        let moves = moving.get(value.index()).copied().unwrap_or(true);
+        let plain = matches!(graph.node(value), Node::Symbol(_)) && !switches;
+        if moves && !plain && seen.insert((value, switches)) {
+            found.push((value, switches));
+        }
+    }
+    // Switches first: there are things that act only beyond them.
+    found.sort_by_key(|(_, switches)| !switches);
+    let argument = |(value, switches): (Id, bool)| {
+        let symbols = graph.symbols([value]);
+        let moving = |s: &Symbol| !matches!(s, Symbol::Parameter(_) | Symbol::Dummy(_));
+        Argument {
+            words: text_in(&graph, model, value),
+            tape: Tape::new(&graph, &[value]),
+            switches,
+            symbols: symbols.into_iter().filter(moving).collect(),
+        }
+    };
+    let more = found.len().saturating_sub(ARGUMENTS);
+    (found.into_iter().take(ARGUMENTS).map(argument).collect(), more)
+}
+
+/// All expressions that are judged.
+fn roots(model: &Model) -> Vec<Id> {
+    let mut roots = vec![model.raw_potential_energy, model.raw_kinetic_energy, model.dissipation];
+    roots.extend(model.inputs.iter().flat_map(|input| input.signal));
+    roots.extend(model.bodies.iter().flat_map(|b| b.position.iter().copied().chain(b.rotation.map(|r| r.angle))));
+    roots.extend(model.generalized_forces.iter().map(|f| f.force));
+    for load in &model.loads {
+        match load.work {
+            Work::Potential(v) => roots.push(v),
+            Work::Resistance { rate, tension } => roots.extend([rate, tension]),
+            Work::Pushes => {}
+        }
+        roots.extend(load.pushes.iter().flat_map(|p| p.at.iter().chain(&p.force).chain(&p.couple)).copied());
+    }
+    roots.extend(model.gravity.iter().flatten());
+    let parts = model.balances.iter().flat_map(|system| &system.balances).flat_map(|balance| &balance.parts);
+    roots.extend(parts.flat_map(|part| part.value.iter().copied()));
+    roots.extend(model.conserved.iter().flat_map(|c| c.value.iter().copied()));
+    roots.extend(model.checks.iter().flat_map(|c| c.left.iter().chain(&c.right)).copied());
+    roots
+}

@@ -1,0 +1,106 @@
+//! Where several discontinuities meet: combinations of sides that no state before has.
+//!
+//! What acts within a strip of one coordinate and of another, or within a strip and for a while, is beyond several
+//! arguments at once.  From a state whose sides are known one number at a time is changed: between any two places where
+//! some argument changes its sign along such a line lies a cell, from which the search goes on, breadth first.
+
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+
+use super::arguments::Argument;
+use super::lines::{Line, Reach, grid, moved};
+use super::motion::Motion;
+use super::passage::signs;
+use super::search::bisect;
+use super::sides::Sides;
+use super::state::State;
+use crate::expr::Symbol;
+use crate::number::DoubleDouble;
+
+/// So many combinations are kept at the most.
+const CELLS: usize = 96;
+/// Operations that the search may cost.
+const WORK: usize = 1_000_000;
+/// Operations, in their time, that it takes to make one state.
+const STATE: usize = 20;
+
+/// Keeps a state of every combination that lines through the bases, and through what they meet, lead to.
+pub(super) fn cells(
+    motion: &Motion,
+    switches: &[&Argument],
+    bases: &[State],
+    reach: &Reach<'_>,
+    seen: &mut BTreeSet<Vec<bool>>,
+    found: &mut Sides,
+) {
+    if switches.len() < 2 {
+        return;
+    }
+    let symbols: BTreeSet<Symbol> = switches.iter().flat_map(|argument| argument.symbols.iter().copied()).collect();
+    let symbols: Vec<Symbol> = symbols.into_iter().collect();
+    // Where an argument depends on one number alone, its zeros stay where they are while others change.
+    let alone: BTreeSet<Symbol> = symbols.iter().copied().filter(|symbol| is_alone(switches, *symbol)).collect();
+    let cost: usize = switches.iter().map(|argument| 2 * argument.tape.operations()).sum();
+    let mut left = WORK / (cost + STATE);
+    let mut kept = 0;
+    for base in bases {
+        let mut known: BTreeMap<Symbol, Vec<f64>> = BTreeMap::new();
+        let mut queue = VecDeque::from([base.clone()]);
+        while let Some(from) = queue.pop_front() {
+            for symbol in &symbols {
+                let Some(line) = reach.lines(&[*symbol]).into_iter().next() else { continue };
+                if kept >= CELLS || left == 0 {
+                    found.unreached.push(format!(
+                        "some combinations of the sides of {} discontinuities were not looked for",
+                        switches.len()
+                    ));
+                    return;
+                }
+                let places = match known.get(symbol) {
+                    Some(places) => places.clone(),
+                    None => places(motion, switches, &from, &line, &mut left),
+                };
+                for z in between(&places, 0.1 * line.scale()) {
+                    let state = moved(motion, &from, &line, DoubleDouble::from(z));
+                    if seen.insert(signs(switches, &state)) {
+                        kept += 1;
+                        found.states.push(state.clone());
+                        queue.push_back(state);
+                    }
+                }
+                if alone.contains(symbol) {
+                    known.insert(*symbol, places);
+                }
+            }
+        }
+    }
+}
+
+/// Whether every argument that depends on a number depends on it alone.
+fn is_alone(switches: &[&Argument], symbol: Symbol) -> bool {
+    switches.iter().all(|argument| !argument.symbols.contains(&symbol) || argument.symbols.len() == 1)
+}
+
+/// Where some argument changes its sign along a line, in order.
+fn places(motion: &Motion, switches: &[&Argument], base: &State, line: &Line<'_>, left: &mut usize) -> Vec<f64> {
+    let at = |z: f64| moved(motion, base, line, DoubleDouble::from(z));
+    let samples: Vec<(f64, Vec<bool>)> = grid(base, line).into_iter().map(|z| (z, signs(switches, &at(z)))).collect();
+    *left = left.saturating_sub(samples.len());
+    let mut places = Vec::new();
+    for pair in samples.windows(2) {
+        for k in (0..switches.len()).filter(|k| pair[0].1[*k] != pair[1].1[*k]) {
+            *left = left.saturating_sub(60);
+            places.push(bisect(&|z| switches[k].at(&at(z)), (pair[0].0, pair[1].0)));
+        }
+    }
+    places.sort_by(f64::total_cmp);
+    places.dedup();
+    places
+}
+
+/// A place in each cell between these, not farther beyond one than need be: the middle of a wide cell may be out of all
+/// measure.
+fn between(places: &[f64], far: f64) -> Vec<f64> {
+    let (Some(first), Some(last)) = (places.first(), places.last()) else { return Vec::new() };
+    let inner = places.windows(2).map(|pair| pair[0] + (0.5 * (pair[1] - pair[0])).min(far));
+    [first - far].into_iter().chain(inner).chain([last + far]).collect()
+}
