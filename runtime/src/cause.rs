@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::numbers::short;
+
 /// Why a run could not go on.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -135,7 +137,8 @@ impl fmt::Display for Cause {
             Cause::CoordinateSingularity { coordinate, t } => write!(
                 f,
                 "coordinate singularity: `{coordinate}` cannot describe the motion beyond t = {t} s, where its inertia \
-                 grows without bound; choose another coordinate, such as an angle"
+                 grows without bound; choose another coordinate, such as an angle",
+                t = short(*t)
             ),
             Cause::Chattering { switch } => write!(
                 f,
@@ -154,12 +157,14 @@ impl fmt::Display for Cause {
             Cause::InfiniteForce { input, t } => write!(
                 f,
                 "infinite force: `{input}` jumps at t = {t} s, and what it carries would have to follow at once; let it \
-                 change within a time, or act through a spring"
+                 change within a time, or act through a spring",
+                t = short(*t)
             ),
             Cause::EndsMeet { load, t } => write!(
                 f,
                 "direction lost: the ends of `{load}` meet at t = {t} s, where it has no direction; stop before it by an \
-                 event on their distance"
+                 event on their distance",
+                t = short(*t)
             ),
             Cause::OscillatesTooFast { function } => write!(
                 f,

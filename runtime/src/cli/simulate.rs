@@ -52,15 +52,17 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     });
     progress.clear();
     match outcome {
-        Ok(run) => report(&loaded, &settings, &run, options, out),
+        Ok(run) => report((&loaded, &settings), (&run, false), options, out),
         Err(Error::Run(failure)) => {
-            report(&loaded, &settings, &failure.run, options, out)?;
+            report((&loaded, &settings), (&failure.run, true), options, out)?;
             Err(Problem::Run(failure.to_string()))
         }
         Err(error) => Err(Problem::Usage(format!("error: {error}"))),
     }
 }
 
+/// No more events are printed.
+const MOST_EVENTS: usize = 50;
 /// A second run after one that took longer than this, s, would try a person's patience.
 const PATIENCE: f64 = 10.0;
 
@@ -137,22 +139,21 @@ impl Progress {
 }
 
 fn report(
-    loaded: &Loaded,
-    settings: &Settings,
-    run: &Run,
+    (loaded, settings): (&Loaded, &Settings),
+    (run, failed): (&Run, bool),
     options: &ArgMatches,
     out: &mut dyn Write,
 ) -> Result<(), Problem> {
     let file = |name: &str| options.get_one::<String>(name);
-    let failed = |error: Error| Problem::File(error.to_string());
+    let unwritten = |error: Error| Problem::File(error.to_string());
     if let Some(path) = file("csv") {
-        run.csv(path).map_err(failed)?;
+        run.csv(path).map_err(unwritten)?;
     }
     if let Some(path) = file("plot") {
-        run.plot(path).map_err(failed)?;
+        run.plot(path).map_err(unwritten)?;
     }
     if let Some(path) = file("animate") {
-        run.animate(path).map_err(failed)?;
+        run.animate(path).map_err(unwritten)?;
     }
     if options.get_flag("json") {
         super::json::write(&as_json(loaded, settings, run), out)?;
@@ -173,13 +174,22 @@ fn report(
             None => writeln!(out, "  {name} is absent")?,
         }
     }
-    for (index, event) in run.events.iter().enumerate() {
+    for (index, event) in run.events.iter().enumerate().take(MOST_EVENTS) {
         writeln!(out, "  event {} at t = {}", event.name, run.written_event(index))?;
+    }
+    if run.events.len() > MOST_EVENTS {
+        writeln!(out, "  and {} more events; --json has them all", run.events.len() - MOST_EVENTS)?;
     }
     write!(out, "{}", run.trust())?;
     if run.digits.is_none() && !options.get_flag("no-digits") {
-        let why = if run.seconds < PATIENCE { "too much to compare, or interrupted" } else { "the run took long" };
-        writeln!(out, "digits         not estimated: {why}; --digits runs a second time all the same")?;
+        let why = if failed {
+            "the run ended early"
+        } else if run.seconds < PATIENCE {
+            "there is too much to compare, or it was interrupted"
+        } else {
+            "the run took long; --digits runs a second time all the same"
+        };
+        writeln!(out, "digits         not estimated: {why}")?;
     }
     writeln!(out)?;
     Ok(())

@@ -26,6 +26,8 @@ pub(crate) struct Recorder {
     looked_step: f64,
     /// A larger change of the energy balance in one step is worth a warning.
     usual_jump: f64,
+    /// Those that there were: when, how large, and the scale of the energies then.
+    jumps: Vec<(f64, f64, f64)>,
     keep_dense: bool,
     dense_is_free: bool,
     until: f64,
@@ -41,6 +43,11 @@ pub(crate) struct Recorder {
 
 /// The energy is looked at every so many steps.
 const LOOKS: u32 = 8;
+
+/// So many jumps of the energy are remembered until it is known what is small beside the motion.
+const MOST_JUMPS: usize = 64;
+/// Energies are nothing beside others that are so many times larger.
+const NOTHING: f64 = 1e-16;
 
 /// What to write down.
 pub(crate) struct Plan {
@@ -100,6 +107,7 @@ impl Recorder {
             unlooked: 0,
             looked_step: f64::INFINITY,
             usual_jump: plan.tolerance.map_or(1e-2, |tolerance| (1e3 * tolerance).clamp(1e-8, 1e-2)),
+            jumps: Vec::new(),
             keep_dense: plan.dense,
             dense_is_free: plan.dense_is_free,
             until: plan.until,
@@ -215,12 +223,14 @@ impl Recorder {
         let steps = std::mem::take(&mut self.unlooked);
         self.looked_step = h;
         let Some(monitor) = &mut self.monitor else { return Ok(()) };
-        let jump = monitor.observe(system, t, end.y, end.work);
+        let (jump, scale) = monitor.observe(system, t, end.y, end.work);
         if jump > f64::from(steps) * self.usual_jump {
             if let Some(unbounded) = self.guard.as_ref().and_then(|guard| guard.suspect(2.0 * h)) {
                 return Err(unbounded.cause(system.description()));
             }
-            self.warn(Warning::EnergyJump { t, jump });
+            if self.jumps.len() < MOST_JUMPS {
+                self.jumps.push((t, jump, scale));
+            }
         }
         Ok(())
     }
@@ -300,8 +310,13 @@ impl Recorder {
     pub fn finish(mut self, system: &dyn System, t: f64, end: Reached<'_>, work: Work, seconds: f64) -> Run {
         self.report(system, t, end.y);
         self.run.scenery.keep(system, self.until);
-        if let Some(mut monitor) = self.monitor {
-            monitor.observe(system, t, end.y, end.work);
+        if let Some(mut monitor) = self.monitor.take() {
+            let (_, scale) = monitor.observe(system, t, end.y, end.work);
+            // What is nothing beside the energies of the motion is rounding before it has begun.
+            let jump = self.jumps.iter().find(|(_, _, then)| *then > NOTHING * scale).copied();
+            if let Some((t, jump, _)) = jump {
+                self.warn(Warning::EnergyJump { t, jump });
+            }
             self.run.drift = monitor.drifts(system.description());
             self.run.energy_balance = monitor.energy_balance();
             let limit = usual_drift(self.run.tolerance, work.steps);

@@ -33,7 +33,7 @@ impl fmt::Display for Trust<'_> {
         write_drift(f, "energy balance", run.energy_balance)?;
         if let (Some(digits), Some(worst)) = (&run.digits, worst(run)) {
             let kind = if run.step.is_some() { "step" } else { "tolerance" };
-            writeln!(f, "digits         {worst}; by a second run at {kind} {:e}", digits.companion)?;
+            writeln!(f, "digits         {worst}; by a second run at {kind} {:.0e}", digits.companion)?;
         }
         for warning in &run.warnings {
             writeln!(f, "warning        {warning}")?;

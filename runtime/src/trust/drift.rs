@@ -68,8 +68,8 @@ impl Monitor {
     }
 
     /// Notes the values after a step, `done` being the work of what has no potential.
-    /// Returns by how much the energy balance changed since the last look, relative to its scale.
-    pub fn observe<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64], done: f64) -> f64 {
+    /// Returns by how much the energy balance changed since the last look, relative to its scale, and this scale.
+    pub fn observe<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64], done: f64) -> (f64, f64) {
         let before = self.balance.last;
         let (value, scale) = balance(system, At::packed(t, y, self.n), done + self.switched);
         self.balance.observe(value, scale);
@@ -81,7 +81,8 @@ impl Monitor {
             }
         }
         // Numbers near the least that there is have no digits to judge by.
-        if change <= f64::MIN_POSITIVE / f64::EPSILON { 0.0 } else { change / self.balance.scale }
+        let scale = self.balance.scale;
+        (if change <= f64::MIN_POSITIVE / f64::EPSILON { 0.0 } else { change / scale }, scale)
     }
 
     /// Notes J before the equations, or the state, change at a restart.

@@ -4,6 +4,7 @@ use std::fmt;
 use std::mem;
 
 use crate::mechanism::Method;
+use crate::numbers::short;
 
 /// A reason to trust a run less.
 #[derive(Clone, Debug, PartialEq)]
@@ -188,10 +189,14 @@ impl fmt::Display for Warning {
                 drift / limit
             ),
             Warning::EventsEnd { t, kept } => {
-                write!(f, "events are left out from t = {t} s on: {kept} are kept, more would fill the memory")
+                write!(
+                    f,
+                    "events are left out from t = {t} s on: {kept} are kept, more would fill the memory",
+                    t = short(*t)
+                )
             }
             Warning::EnergyJump { t, jump } => {
-                write!(f, "energy jumps by {jump:.1e} of its scale shortly before t = {t} s")
+                write!(f, "energy jumps by {jump:.1e} of its scale shortly before t = {t} s", t = short(*t))
             }
             Warning::StepExceedsStability { method, step, limit, real, imaginary, growth } => {
                 write!(
@@ -210,30 +215,35 @@ impl fmt::Display for Warning {
             }
             Warning::Touch { event, t } => write!(
                 f,
-                "`{event}` touches zero at t = {t} s: whether it crosses is below what rounding tells, and was not counted"
+                "`{event}` touches zero at t = {t} s: whether it crosses is below what rounding tells, and was not counted",
+                t = short(*t)
             ),
             Warning::NoCrossing { event, t } => write!(
                 f,
-                "`{event}` changes its sign at t = {t} s by a jump or a pole, which is no zero and was not counted"
+                "`{event}` changes its sign at t = {t} s by a jump or a pole, which is no zero and was not counted",
+                t = short(*t)
             ),
             Warning::Undefined { event, t } => {
-                write!(f, "`{event}` is undefined on one side of t = {t} s; nothing was counted there")
+                write!(f, "`{event}` is undefined on one side of t = {t} s; nothing was counted there", t = short(*t))
             }
             Warning::InputScanned { input, width } => write!(
                 f,
                 "features of `{input}` narrower than {width:.1e} s may be missed, since it is a closure; give a longest step"
             ),
             Warning::DigitsLost { t, column, why } => {
-                write!(f, "no digit of `{column}` can be promised from t = {t} s on: {why}")
+                write!(f, "no digit of `{column}` can be promised from t = {t} s on: {why}", t = short(*t))
             }
             Warning::EventsDiffer { here, there } => write!(
                 f,
                 "there are {here} events, and {there} in a second run that differs slightly: some were close calls"
             ),
-            Warning::DenseOutputEnds { t } => write!(f, "dense output ends at t = {t} s: it would fill the memory"),
+            Warning::DenseOutputEnds { t } => {
+                write!(f, "dense output ends at t = {t} s: it would fill the memory", t = short(*t))
+            }
             Warning::Stiff { t, step_times_rate } => write!(
                 f,
-                "stiff: from about t = {t} s on the step is limited by stability (h|λ| ≈ {step_times_rate:.1}), not by accuracy"
+                "stiff: from about t = {t} s on the step is limited by stability (h|λ| ≈ {step_times_rate:.1}), not by accuracy",
+                t = short(*t)
             ),
         }
     }
