@@ -130,6 +130,10 @@ pub enum Action {
     Stop,
     /// Notes time and state.
     Record,
+    /// Goes on in this phase.
+    Phase(u32),
+    /// An impulse along this constraint, which is not active.
+    Impact(u32),
 }
 
 /// A discontinuity of the equations of motion: `sign`, `abs`, `step`, `min` or `max` of something.

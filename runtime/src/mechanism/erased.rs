@@ -65,7 +65,7 @@ fn array_mut<const N: usize>(slice: &mut [f64]) -> &mut [f64; N] {
     slice.try_into().expect("as many numbers as generalized coordinates")
 }
 
-/// Accelerations as an array; an empty slice stands for accelerations that nobody reads.
+/// Accelerations or multipliers as an array; an empty slice stands for numbers that nobody reads.
 fn array_or_zero<const N: usize>(slice: &[f64]) -> [f64; N] {
     if slice.is_empty() { [0.0; N] } else { *array(slice) }
 }
@@ -100,32 +100,87 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
 
     fn residual(&self, at: At<'_>, f: &mut [f64]) {
         let u = self.input_block(at.t);
-        M::residual(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), array(at.a), array_mut(f));
+        M::residual(
+            &self.constants,
+            at.t,
+            u.as_ref(),
+            array(at.q),
+            array(at.v),
+            array(at.a),
+            &array_or_zero(at.lambda),
+            array_mut(f),
+        );
     }
 
     fn jacobians(&self, at: At<'_>, dq: &mut [f64], dv: &mut [f64]) {
         let u = self.input_block(at.t);
-        M::jacobians(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), array(at.a), dq, dv);
+        M::jacobians(
+            &self.constants,
+            at.t,
+            u.as_ref(),
+            array(at.q),
+            array(at.v),
+            array(at.a),
+            &array_or_zero(at.lambda),
+            dq,
+            dv,
+        );
     }
 
     fn input_jacobian(&self, at: At<'_>, du: &mut [f64]) {
         let u = self.input_block(at.t);
-        M::input_jacobian(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), array(at.a), du);
+        M::input_jacobian(
+            &self.constants,
+            at.t,
+            u.as_ref(),
+            array(at.q),
+            array(at.v),
+            array(at.a),
+            &array_or_zero(at.lambda),
+            du,
+        );
     }
 
     fn time_jacobian(&self, at: At<'_>, dt: &mut [f64]) {
         let u = self.input_block(at.t);
-        M::time_jacobian(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), array(at.a), dt);
+        M::time_jacobian(
+            &self.constants,
+            at.t,
+            u.as_ref(),
+            array(at.q),
+            array(at.v),
+            array(at.a),
+            &array_or_zero(at.lambda),
+            dt,
+        );
     }
 
     fn time_dependence(&self, at: At<'_>, dt: &mut [f64]) {
         let u = self.input_block(at.t);
-        M::time_dependence(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), array(at.a), dt);
+        M::time_dependence(
+            &self.constants,
+            at.t,
+            u.as_ref(),
+            array(at.q),
+            array(at.v),
+            array(at.a),
+            &array_or_zero(at.lambda),
+            dt,
+        );
     }
 
     fn magnitudes(&self, at: At<'_>, sums: &mut [f64]) {
         let u = self.input_block(at.t);
-        M::magnitudes(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), array(at.a), sums);
+        M::magnitudes(
+            &self.constants,
+            at.t,
+            u.as_ref(),
+            array(at.q),
+            array(at.v),
+            array(at.a),
+            &array_or_zero(at.lambda),
+            sums,
+        );
     }
 
     fn energy(&self, at: At<'_>) -> Energy {
@@ -138,7 +193,16 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
 
     fn outputs(&self, at: At<'_>, values: &mut [f64]) {
         let u = self.input_block(at.t);
-        M::outputs(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &array_or_zero(at.a), values);
+        M::outputs(
+            &self.constants,
+            at.t,
+            u.as_ref(),
+            array(at.q),
+            array(at.v),
+            &array_or_zero(at.a),
+            &array_or_zero(at.lambda),
+            values,
+        );
         let Some(system) = self.derivation else { return };
         let pairs = &M::description().balances[system].outputs;
         if !pairs.is_empty() {
@@ -150,17 +214,44 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
 
     fn events(&self, at: At<'_>, pairs: &mut [f64]) {
         let u = self.input_block(at.t);
-        M::events(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &array_or_zero(at.a), pairs);
+        M::events(
+            &self.constants,
+            at.t,
+            u.as_ref(),
+            array(at.q),
+            array(at.v),
+            &array_or_zero(at.a),
+            &array_or_zero(at.lambda),
+            pairs,
+        );
     }
 
     fn event_rates(&self, at: At<'_>, rates: &mut [f64]) {
         let u = self.input_block(at.t);
-        M::event_rates(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &array_or_zero(at.a), rates);
+        M::event_rates(
+            &self.constants,
+            at.t,
+            u.as_ref(),
+            array(at.q),
+            array(at.v),
+            &array_or_zero(at.a),
+            &array_or_zero(at.lambda),
+            rates,
+        );
     }
 
     fn arguments(&self, at: At<'_>, pairs: &mut [f64]) {
         let u = self.input_block(at.t);
-        M::arguments(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &array_or_zero(at.a), pairs);
+        M::arguments(
+            &self.constants,
+            at.t,
+            u.as_ref(),
+            array(at.q),
+            array(at.v),
+            &array_or_zero(at.a),
+            &array_or_zero(at.lambda),
+            pairs,
+        );
     }
 
     fn signal(&self, index: usize) -> Option<&Signal> {
@@ -169,7 +260,16 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
 
     fn switches(&self, at: At<'_>, pairs: &mut [f64]) {
         let u = self.input_block(at.t);
-        M::switches(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &array_or_zero(at.a), pairs);
+        M::switches(
+            &self.constants,
+            at.t,
+            u.as_ref(),
+            array(at.q),
+            array(at.v),
+            &array_or_zero(at.a),
+            &array_or_zero(at.lambda),
+            pairs,
+        );
     }
 
     fn modes(&self) -> &[f64] {

@@ -68,7 +68,16 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
         right: &mut [S],
     );
     /// F = M a + h.
-    fn residual<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], f: &mut [S; N]);
+    fn residual<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &[S; N],
+        l: &[S; C],
+        f: &mut [S; N],
+    );
     /// ∂F/∂q and ∂F/∂q' as values of their patterns.
     #[expect(clippy::too_many_arguments, reason = "a state and two matrices")]
     fn jacobians<S: Real>(
@@ -78,13 +87,32 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
         q: &[S; N],
         v: &[S; N],
         a: &[S; N],
+        l: &[S; C],
         dq: &mut [S],
         dv: &mut [S],
     );
     /// ∂F/∂(u, u', u'') as values of its pattern.
-    fn input_jacobian<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], du: &mut [S]);
+    fn input_jacobian<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &[S; N],
+        l: &[S; C],
+        du: &mut [S],
+    );
     /// ∂F/∂t of the rows of its pattern.
-    fn time_jacobian<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], dt: &mut [S]);
+    fn time_jacobian<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &[S; N],
+        l: &[S; C],
+        dt: &mut [S],
+    );
     /// ∂F/∂t with generic numbers for functions of time that can be as small as none.
     fn time_dependence<S: Real>(
         c: &Self::Constants<S>,
@@ -93,24 +121,79 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
         q: &[S; N],
         v: &[S; N],
         a: &[S; N],
+        l: &[S; C],
         dt: &mut [S],
     );
     /// Sums of the absolute values of the terms of each component of F.
-    fn magnitudes<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], sums: &mut [S]);
+    fn magnitudes<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &[S; N],
+        l: &[S; C],
+        sums: &mut [S],
+    );
     /// T, V, the Jacobi function, the power and the scale, in the order of [`Energy`]'s fields.
     fn energy<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N]) -> [S; 5];
     /// Pairs (value, sum of the absolute terms) of the invariants.
     fn invariants<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], pairs: &mut [S]);
     /// Outputs.
-    fn outputs<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], values: &mut [S]);
+    fn outputs<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &[S; N],
+        l: &[S; C],
+        values: &mut [S],
+    );
     /// Pairs (value, condition) of the events.
-    fn events<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], pairs: &mut [S]);
+    fn events<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &[S; N],
+        l: &[S; C],
+        pairs: &mut [S],
+    );
     /// Total time derivatives of the events' functions, where they are known.
-    fn event_rates<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], rates: &mut [S]);
+    fn event_rates<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &[S; N],
+        l: &[S; C],
+        rates: &mut [S],
+    );
     /// Pairs (argument, its rate) of local functions.
-    fn arguments<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], pairs: &mut [S]);
+    fn arguments<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &[S; N],
+        l: &[S; C],
+        pairs: &mut [S],
+    );
     /// Pairs (argument, its rate) of the switches.
-    fn switches<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], pairs: &mut [S]);
+    fn switches<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &[S; N],
+        l: &[S; C],
+        pairs: &mut [S],
+    );
     /// Points and radii to draw.
     fn drawing<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], values: &mut [S]);
 

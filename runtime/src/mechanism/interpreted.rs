@@ -219,7 +219,7 @@ impl System for Interpreted {
 }
 
 fn with_inputs<'a>(at: At<'a>, u: &'a [f64]) -> interpret::At<'a> {
-    interpret::At { t: at.t, u, q: at.q, v: at.v, a: at.a }
+    interpret::At { t: at.t, u, q: at.q, v: at.v, a: at.a, l: at.lambda }
 }
 
 /// The description that generated code would have.
@@ -275,6 +275,8 @@ fn describe(program: &Program, source: &str) -> Description {
                     .map(|a| match a {
                         EventAction::Stop => Action::Stop,
                         EventAction::Record => Action::Record,
+                        EventAction::Phase(phase) => Action::Phase(*phase as u32),
+                        EventAction::Impact { along, .. } => Action::Impact(*along as u32),
                     })
                     .collect(),
                 rated: rate.is_some(),

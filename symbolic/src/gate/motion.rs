@@ -219,7 +219,9 @@ fn symbol(s: Symbol, parameters: &[f64], t: f64, q: &[f64], v: &[f64], inputs: &
         }
         Symbol::Parameter(i) => at(parameters, i),
         Symbol::Mode(k) => at(modes, k),
-        Symbol::Acceleration(_) | Symbol::Reaction(_) | Symbol::Dummy(_) => 0.0,
+        Symbol::Acceleration(_) | Symbol::Reaction(_) | Symbol::Multiplier(_) | Symbol::Phase(_) | Symbol::Dummy(_) => {
+            0.0
+        }
     }
 }
 

@@ -82,7 +82,7 @@ impl State {
             }
             Symbol::Parameter(i) => float(&self.parameters, i),
             Symbol::Mode(k) => float(&self.modes, k),
-            Symbol::Reaction(_) | Symbol::Dummy(_) => DoubleDouble::ZERO,
+            Symbol::Reaction(_) | Symbol::Multiplier(_) | Symbol::Phase(_) | Symbol::Dummy(_) => DoubleDouble::ZERO,
         }
     }
 

@@ -11,6 +11,8 @@ pub struct Interpreter {
     pub parameters: Vec<f64>,
     /// Modes of the switches.
     pub modes: Vec<f64>,
+    /// 1 for the phase in force, 0 for all others.
+    pub phases: Vec<f64>,
     tapes: Tapes,
 }
 
@@ -62,6 +64,8 @@ pub struct At<'a> {
     pub v: &'a [f64],
     /// Accelerations.
     pub a: &'a [f64],
+    /// Multipliers of the constraints' rows.
+    pub l: &'a [f64],
 }
 
 impl Interpreter {
@@ -104,7 +108,8 @@ impl Interpreter {
         let tapes = Tapes { functions, accelerations, pivots, balances: balances.collect() };
         let parameters = program.model.parameters.iter().map(|p| p.default).collect();
         let modes = vec![1.0; program.switches.len()];
-        Interpreter { program, parameters, modes, tapes }
+        let phases = (0..program.model.phases.len()).map(|k| if k == 0 { 1.0 } else { 0.0 }).collect();
+        Interpreter { program, parameters, modes, phases, tapes }
     }
 
     /// The program.
@@ -184,6 +189,8 @@ impl Interpreter {
             Symbol::Input(k, order) => get(at.u, 3 * k + u32::from(order)),
             Symbol::Parameter(i) => get(&self.parameters, i),
             Symbol::Mode(k) => get(&self.modes, k),
+            Symbol::Multiplier(k) => get(at.l, k),
+            Symbol::Phase(k) => get(&self.phases, k),
             Symbol::Reaction(_) | Symbol::Dummy(_) => f64::NAN,
         };
         tape.run(value, &mut Vec::new(), values);

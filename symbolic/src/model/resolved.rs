@@ -45,6 +45,10 @@ pub struct Model {
     pub dissipation: Id,
     /// `generalized_forces`.
     pub generalized_forces: Vec<GeneralizedForce>,
+    /// Constraints.
+    pub constraints: Vec<Constraint>,
+    /// Phases, the initial one first; one without a name, with all constraints, where the file has none.
+    pub phases: Vec<Phase>,
     /// All terms of T: bodies', then raw ones.
     pub kinetic_terms: Vec<Id>,
     /// All terms of V: gravity's, springs', then raw ones.
@@ -233,6 +237,36 @@ pub struct GeneralizedForce {
     pub place: Place,
 }
 
+/// A constraint: its components vanish while it is active.
+#[derive(Clone, Debug)]
+pub struct Constraint {
+    /// Its expanded name.
+    pub name: String,
+    /// Its components, c(t, q) or c(t, q, q'), affine in the speeds.
+    pub value: Vec<Id>,
+    /// True for a number, false for a vector.
+    pub scalar: bool,
+    /// True where it contains no speeds.
+    pub holonomic: bool,
+    /// The place of its first component among the rows of all constraints, in file order: `Symbol::Multiplier`.
+    pub first: usize,
+    /// Its unit in SI, where it is known and not 1.
+    pub unit: Option<String>,
+    /// Where it is declared.
+    pub place: Place,
+}
+
+/// A phase: which constraints act.
+#[derive(Clone, Debug)]
+pub struct Phase {
+    /// Its name; empty where the file has no phases.
+    pub name: String,
+    /// Its constraints, by their places.
+    pub constraints: Vec<usize>,
+    /// Where it is declared.
+    pub place: Place,
+}
+
 /// An end of a load at a point that several bodies carry (a hinge).
 #[derive(Clone, Debug)]
 pub struct SharedEnd {
@@ -331,6 +365,8 @@ pub struct Event {
     pub condition: Option<Id>,
     /// −1 falling, 1 rising, 0 both.
     pub direction: i8,
+    /// The phases in which it counts; absent: every.
+    pub phases: Option<Vec<usize>>,
     /// What happens, in order.
     pub actions: Vec<EventAction>,
 }
@@ -342,6 +378,15 @@ pub enum EventAction {
     Stop,
     /// Notes time and state.
     Record,
+    /// Goes on in this phase.
+    Phase(usize),
+    /// An impulse along a constraint that is not active.
+    Impact {
+        /// The coefficient of restitution e, of parameters: the constraint's rate becomes −e times what it was.
+        restitution: Id,
+        /// The constraint's place.
+        along: usize,
+    },
 }
 
 /// Something to draw.
@@ -369,10 +414,20 @@ pub enum Shape {
 pub struct Scene {
     /// Its name; `scene` for the default.
     pub name: String,
-    /// Coordinates at the start.
+    /// Coordinates at the start; where constraints are to be met, what is not named is the guess.
     pub q: Vec<Id>,
     /// Speeds at the start.
     pub v: Vec<Id>,
+    /// True for every coordinate that `start` names: it is held.
+    pub held_q: Vec<bool>,
+    /// True for every speed that `start` names.
+    pub held_v: Vec<bool>,
+    /// True where the scene gives a `guess`.
+    pub guessed: bool,
+    /// Equations that the start meets together with the constraints: (quantity of t, q, q'; its value).
+    pub also: Vec<(Id, Id)>,
+    /// The phase in which it starts.
+    pub phase: usize,
     /// The end.
     pub until: Id,
     /// Relative tolerance.
@@ -407,6 +462,8 @@ pub struct BalanceSystem {
     pub balances: Vec<Balance>,
     /// Its reactions, by their places.
     pub reactions: Vec<usize>,
+    /// The phases to which it belongs.
+    pub phases: Vec<usize>,
     /// Where it stands.
     pub place: Place,
 }

@@ -1,6 +1,6 @@
 //! Expressions as text in the model language.
 
-use super::Model;
+use super::{Constraint, Model};
 use crate::expr::{Binary, DoubleDouble, Graph, Id, Node, Number, Symbol, Unary};
 
 /// An expression as a person would write it; parts beyond some 200 nodes become `…`.
@@ -97,6 +97,15 @@ fn symbol(model: &Model, symbol: Symbol) -> String {
         Symbol::Parameter(i) => name(model.parameters.get(i as usize).map(|p| p.name.as_str())),
         Symbol::Mode(k) => format!("mode{k}"),
         Symbol::Reaction(k) => format!("reaction{k}"),
+        Symbol::Multiplier(k) => multiplier(model, k as usize),
+        Symbol::Phase(k) => format!("(in {})", name(model.phases.get(k as usize).map(|phase| phase.name.as_str()))),
         Symbol::Dummy(_) => "length".to_owned(),
     }
+}
+
+/// `reaction(pin).x`.
+fn multiplier(model: &Model, row: usize) -> String {
+    let owner = model.constraints.iter().find(|c| (c.first..c.first + c.value.len()).contains(&row));
+    let component = |c: &Constraint| if c.scalar { "" } else { [".x", ".y", ".z"][(row - c.first).min(2)] };
+    owner.map_or_else(|| format!("reaction{row}"), |c| format!("reaction({}){}", c.name, component(c)))
 }

@@ -65,6 +65,8 @@ pub(super) fn description(program: &Program, source: &str) -> String {
             let actions = list(e.actions.iter().map(|a| match a {
                 EventAction::Stop => "mechanism::Action::Stop".to_owned(),
                 EventAction::Record => "mechanism::Action::Record".to_owned(),
+                EventAction::Phase(k) => format!("mechanism::Action::Phase({k})"),
+                EventAction::Impact { along, .. } => format!("mechanism::Action::Impact({along})"),
             }));
             format!(
                 "mechanism::Event {{ name: {}, direction: mechanism::Direction::{direction}, conditional: {}, actions: {actions}, rated: {} }}",

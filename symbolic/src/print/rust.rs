@@ -18,15 +18,16 @@ pub fn rust(program: &Program, source: &str, name: &str) -> String {
     let constants = hoist(program);
     let free = program.model.parameters.len();
     let first_mode = free + constants.len();
+    let first_phase = first_mode + program.switches.len();
     let nowhere = HashMap::default();
     let places = constants.iter().enumerate().map(|(k, id)| (*id, free + k)).collect();
-    let bodies = |hoisted| Bodies { graph: &program.model.graph, names: &names, hoisted, first_mode };
+    let bodies = |hoisted| Bodies { graph: &program.model.graph, names: &names, hoisted, first_mode, first_phase };
     let mechanism = Mechanism {
         program,
         bodies: bodies(&places),
         unhoisted: bodies(&nowhere),
         constants: &constants,
-        block: first_mode + program.switches.len(),
+        block: first_phase + program.phases(),
     };
     parameters(program, name, &mechanism.unhoisted) + &mechanism.text(source, name)
 }
@@ -87,6 +88,11 @@ impl Program {
             roots.extend(pivots.iter().flat_map(|p| [p.1, p.2]));
         }
         roots
+    }
+
+    /// How many indicators of phases generated code holds: none where the file has no phases.
+    pub fn phases(&self) -> usize {
+        self.model.phases.iter().filter(|phase| !phase.name.is_empty()).count()
     }
 
     /// True when some output contains an acceleration.

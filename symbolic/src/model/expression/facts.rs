@@ -39,7 +39,7 @@ impl Depends {
             Symbol::Time => Depends::TIME,
             Symbol::Coordinate(_) => Depends::COORDINATE,
             Symbol::Speed(_) => Depends::VELOCITY,
-            Symbol::Acceleration(_) | Symbol::Reaction(_) => Depends::ACCELERATION,
+            Symbol::Acceleration(_) | Symbol::Reaction(_) | Symbol::Multiplier(_) => Depends::ACCELERATION,
             Symbol::Input(_, order) => Depends::INPUT.and(match order {
                 0 => Depends(0),
                 1 => Depends::VELOCITY,
@@ -48,7 +48,7 @@ impl Depends {
             }),
             Symbol::Parameter(place) if dimensional.get(place as usize) == Some(&true) => Depends::UNIT,
             Symbol::Parameter(_) => Depends(0),
-            Symbol::Mode(_) => Depends(0),
+            Symbol::Mode(_) | Symbol::Phase(_) => Depends(0),
             Symbol::Dummy(_) => Depends::DUMMY,
         }
     }

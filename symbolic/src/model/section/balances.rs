@@ -89,7 +89,7 @@ impl<'a> Resolver<'a> {
                 self.bench.problems.push(mechanics::unequal_counts(place, name, equations, coordinates, unknown));
                 continue;
             }
-            systems.push(BalanceSystem { name, balances, reactions, place: system.place.of_key() });
+            systems.push(BalanceSystem { name, balances, reactions, phases: vec![0], place: system.place.of_key() });
         }
         systems
     }

@@ -285,7 +285,14 @@ impl Resolver<'_> {
                     continue;
                 };
                 let condition = condition.as_ref().and_then(|text| self.scalar(text, rules, &member.locals));
-                self.model.events.push(Event { name, when, condition, direction, actions: actions.clone() });
+                self.model.events.push(Event {
+                    name,
+                    when,
+                    condition,
+                    direction,
+                    phases: None,
+                    actions: actions.clone(),
+                });
             }
         }
     }
