@@ -53,6 +53,39 @@ pub enum Cause {
         /// An unknown that it does not determine: an acceleration `theta''`, or a reaction.
         unknown: String,
     },
+    /// Values that the start holds miss a constraint.
+    StartMissesConstraint {
+        /// The constraint.
+        constraint: String,
+        /// By how much, in its unit (for speeds in that per second).
+        residual: f64,
+    },
+    /// The constraints cannot be met from the start.
+    Unreachable {
+        /// The constraint that is missed most.
+        constraint: String,
+        /// By how much, in its unit.
+        residual: f64,
+        /// True where no small change of the coordinates comes nearer.
+        stationary: bool,
+    },
+    /// The constraints depend on each other here although they do not elsewhere, so that the motion may branch.
+    SingularConfiguration {
+        /// How far they are from it: the least singular value of their scaled Jacobian.
+        sigma: f64,
+    },
+    /// The motion does not keep a constraint.
+    ConstraintLost {
+        /// The constraint.
+        constraint: String,
+        /// By how much it is missed, in its unit.
+        residual: f64,
+    },
+    /// Friction made of a reaction leaves no motion, or more than one (Painlevé).
+    PainleveInconsistent {
+        /// The constraint whose reaction it is.
+        constraint: String,
+    },
     /// The coordinates fail where the mechanism does not: an element of M grows beyond bounds.
     CoordinateSingularity {
         /// The coordinate.
@@ -133,6 +166,35 @@ impl fmt::Display for Cause {
                 f,
                 "singular balances: `{system}` does not determine {unknown} in this state, where its equations depend \
                  on each other; go by another system"
+            ),
+            Cause::StartMissesConstraint { constraint, residual } => write!(
+                f,
+                "inconsistent start: what the start holds misses the constraint `{constraint}` by {residual:.3e}; hold \
+                 fewer values, or others"
+            ),
+            Cause::Unreachable { constraint, residual, stationary } => {
+                write!(
+                    f,
+                    "unreachable: the constraints cannot be met; `{constraint}` is still missed by {residual:.3e}, "
+                )?;
+                match stationary {
+                    true => write!(f, "and no change of what is not held comes nearer: lengths do not close"),
+                    false => write!(f, "where the search from this guess ended; try another `guess`"),
+                }
+            }
+            Cause::SingularConfiguration { sigma } => write!(
+                f,
+                "singular configuration: the constraints depend on each other here and not elsewhere (least singular \
+                 value {sigma:.1e}), so that the motion may go on in several ways; start beside it"
+            ),
+            Cause::ConstraintLost { constraint, residual } => write!(
+                f,
+                "constraint lost: the motion misses `{constraint}` by {residual:.3e}, and no projection brings it back"
+            ),
+            Cause::PainleveInconsistent { constraint } => write!(
+                f,
+                "inconsistent friction: what `reaction({constraint})` makes of friction leaves no reaction that keeps the \
+                 constraint, as where a rod jams against the ground (Painlevé); let the contact be lost, or less rough"
             ),
             Cause::CoordinateSingularity { coordinate, t } => write!(
                 f,

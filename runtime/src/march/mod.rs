@@ -16,6 +16,7 @@ use between::Defect;
 use jump::{JumpDetector, Upset};
 
 use crate::cause::Cause;
+use crate::constrain::{Projection, Residuals};
 use crate::events::Watch;
 use crate::integrate::{
     Clock, OneStep, Reached, Segment, Setback, StepControl, StiffnessDetector, Tolerance, Trial, stepper,
@@ -70,6 +71,10 @@ pub(crate) struct March {
     max_steps: u64,
     compensated: bool,
     watch: Option<Box<Watch>>,
+    /// Where there are constraints.
+    projection: Option<Box<Projection>>,
+    /// How many steps in a row ended where the constraints depend on each other as they do nowhere else.
+    singular: u32,
     defect: Defect,
     /// Until when the motion goes on at most, s.
     until: f64,
@@ -103,6 +108,8 @@ impl March {
             max_steps: u64::MAX,
             compensated: true,
             watch: None,
+            projection: None,
+            singular: 0,
             rejected: Vec::with_capacity(y.len()),
             rejected_step: 0.0,
             cuts: 0,
@@ -165,6 +172,10 @@ impl March {
             tolerance.observe(self.stepper.start().y);
         }
         self.until = until;
+        if self.projection.is_none() {
+            self.projection = Projection::new(system).map(Box::new);
+        }
+        self.project_start(system)?;
         self.work.samples += self.watch.as_ref().map_or(0, |watch| watch.samples());
         self.watch = None;
         let y = self.stepper.start().y.to_vec();
@@ -224,7 +235,9 @@ impl March {
                 }
                 outcome => {
                     self.look_for_stiffness(step, recorder);
-                    return outcome;
+                    let halt = outcome?;
+                    self.look_at_constraints(system, recorder)?;
+                    return Ok(halt);
                 }
             }
         }
@@ -372,14 +385,33 @@ impl March {
         }
     }
 
-    /// Tries a step, and returns its error; the rate at its end is there if it is good, or `whatever` its error.
+    /// Tries a step, and returns its error (NaN where the rate at its end is not finite).  If it is good, or `whatever` its
+    /// error, its end is brought to the constraints, and has its rate.
     fn try_step(&mut self, system: &dyn System, step: Step, whatever: bool) -> Result<f64, Setback> {
         let tolerance = match &self.pace {
             Pace::Fixed(_) => None,
             Pace::Adaptive { tolerance, .. } => Some(tolerance),
         };
-        let trial = Trial { t: self.clock.now(), h: step.h, next: step.next, tolerance, whatever };
-        self.stepper.attempt(system, trial)
+        let trial = Trial { t: self.clock.now(), h: step.h, tolerance };
+        let error = self.stepper.attempt(system, trial)?;
+        if !(error <= 1.0 || whatever) {
+            return Ok(error);
+        }
+        let moved = match &mut self.projection {
+            Some(projection) => projection.project(system, step.next, self.stepper.end_mut())?,
+            None => false,
+        };
+        let finite = self.stepper.conclude(system, step.next, moved)?;
+        Ok(if finite { error } else { f64::NAN })
+    }
+
+    /// Brings the present state to the constraints, and measures how independent they are there.
+    fn project_start(&mut self, system: &mut dyn System) -> Result<(), Cause> {
+        let Some(projection) = &mut self.projection else { return Ok(()) };
+        let projected = projection.project(system, self.clock.now(), self.stepper.state_mut());
+        projected.map_err(|fault| fault.cause(system.description()))?;
+        system.set_row_norms(projection.norms());
+        Ok(())
     }
 
     /// Takes the step that was tried.
@@ -417,6 +449,38 @@ impl March {
         }
     }
 
+    /// Notes how the constraints stand at the end of a step.
+    fn look_at_constraints(&mut self, system: &mut dyn System, recorder: &mut Recorder) -> Result<(), Cause> {
+        let Some(projection) = &self.projection else { return Ok(()) };
+        if system.active_rows().is_empty() {
+            return Ok(());
+        }
+        system.set_row_norms(projection.norms());
+        let (rank, sigma) = projection.rank();
+        let usual = system.description().phases.get(system.phase()).map_or(0, |phase| phase.rank as usize);
+        if rank < usual {
+            self.singular += 1;
+            recorder.warn(Warning::SingularPassed { t: self.clock.now() });
+            if self.singular > DWELLS {
+                return Err(Cause::SingularConfiguration { sigma });
+            }
+            return Ok(());
+        }
+        self.singular = 0;
+        match projection.lost(system) {
+            Some((row, residual)) => {
+                let constraint = system.description().rows[row].name.to_string();
+                Err(Cause::ConstraintLost { constraint, residual })
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// How far the motion was from its constraints, at the ends of its steps.
+    pub fn residuals(&self) -> Option<Residuals> {
+        self.projection.as_ref().map(|projection| projection.worst())
+    }
+
     /// Warns once the step is limited by stability.
     fn look_for_stiffness(&mut self, step: Step, recorder: &mut Recorder) {
         if let Pace::Adaptive { .. } = self.pace {
@@ -452,6 +516,8 @@ impl March {
 /// The first step is tried at this part of the way, at the usual tolerance.
 const FIRST: f64 = 1e-3;
 const USUAL: f64 = 1e-10;
+/// More steps than this in a row at a singular position: the motion stays there.
+const DWELLS: u32 = 5;
 /// So many times in a run a step is cut because a watched function oscillates within it.
 const MOST_CUTS: u32 = 100;
 

@@ -37,6 +37,14 @@ pub enum Function {
     Drawing,
     EventRates,
     Arguments,
+    Constraints,
+    ConstraintMatrix,
+    ConstraintBias,
+    Friction,
+    ConstraintStiffness,
+    ConstraintDamping,
+    ConstraintTilt,
+    HeldRates,
     Inputs,
 }
 
@@ -90,6 +98,15 @@ impl Interpreter {
         set(Function::Events, &program.events);
         set(Function::Switches, &program.switch_pairs);
         set(Function::Drawing, &program.drawing);
+        let constraints = &program.constraints;
+        set(Function::Constraints, &constraints.values);
+        set(Function::ConstraintMatrix, &entries(&constraints.matrix));
+        set(Function::ConstraintBias, &constraints.bias);
+        set(Function::Friction, &entries(&constraints.friction));
+        set(Function::ConstraintStiffness, &entries(&constraints.stiffness));
+        set(Function::ConstraintDamping, &entries(&constraints.damping));
+        set(Function::ConstraintTilt, &entries(&constraints.tilt));
+        set(Function::HeldRates, &constraints.held_rates);
         let rates: Vec<Id> = program.event_rates.iter().map(|rate| rate.unwrap_or(Id::ZERO)).collect();
         set(Function::EventRates, &rates);
         let pairs: Vec<Id> = program.arguments.iter().flat_map(|a| [a.value, a.rate]).collect();

@@ -1,0 +1,13 @@
+//! Constraints along a motion: consistent starts, and states kept on them.
+//!
+//! 1. A start that meets the constraints: look in `start.rs`.
+//! 2. After every step positions and speeds go back to the constraints, in the metric of M: look in `projection.rs`.
+//!
+//! The elimination of accelerations and multipliers is `mechanism/form.rs`.
+
+mod projection;
+mod start;
+
+pub(crate) use projection::Projection;
+pub use projection::Residuals;
+pub(crate) use start::{Start, consistent};
