@@ -256,6 +256,14 @@ pub struct Constraint {
     pub place: Place,
 }
 
+impl Constraint {
+    /// For messages: `pin.x`, or the name alone where it is a number.
+    pub fn component(&self, place: usize) -> String {
+        let axis = if self.scalar { "" } else { [".x", ".y", ".z"][place.min(2)] };
+        format!("{}{axis}", self.name)
+    }
+}
+
 /// A phase: which constraints act.
 #[derive(Clone, Debug)]
 pub struct Phase {

@@ -64,4 +64,22 @@ super::entries! {
     E422 too_many_coupled(limit) "more coordinates that move each other's masses than can be solved for"
         "the mass matrix couples more than {limit} coordinates with each other" "one too many" "make families smaller, or choose coordinates that move one body each"
         "Accelerations of coordinates that move the same bodies depend on each other, directly or by way of others; solving for n of them takes n^3 operations.";
+    E423 constraint_without_motion(name) "a constraint that constrains nothing"
+        "the constraint `{name}` does not depend on the motion" "its derivative by every coordinate (or velocity) vanishes" "a constraint is an expression of coordinates or velocities that is to vanish; a component that is 0 anyway is left out by taking the other one, `dot(…, e)`"
+        "What is 0, constant, or a function of time alone is either true anyway or never: no force can change it.";
+    E424 not_affine(name) "a constraint that is not affine in the velocities"
+        "the constraint `{name}` is not affine in the velocities" "a velocity stands in a product with another, in a power or in a function" "velocities may stand in sums, times anything of coordinates and time: `x' - R*phi'`; a speed that is to be kept, `x'^2 + y'^2 = v^2`, is no constraint that forces of reaction can hold"
+        "A constraint with velocities is A(q, t) q' + b(q, t) = 0, and its force is along the rows of A.";
+    E425 input_rate_in_constraint(name) "the rate of an input in a constraint without velocities"
+        "the constraint `{name}` contains the rate of an input and no velocity" "its second derivative needs a third one of the input" "declare the rate as an input of its own, and use that"
+        "A constraint without velocities is differentiated twice, and an input is known with two derivatives.";
+    E426 idle_guess() "a guess where nothing is searched"
+        "no constraint acts in the phase in which this scene starts, and it has no `also`" "nothing is left to guess" "write the values into `start`; what it does not name is 0"
+        "`guess` is where the search for a consistent start begins, and picks its branch. Without constraints and `also` there is nothing to search.";
+    E427 unknown_held(name, help) "something held at the start that is not watched"
+        "`{name}` is neither in `conserved` nor in `outputs`" "not declared" "{help}"
+        "`also` gives values to quantities that the file names in `conserved` or `outputs`; coordinates and velocities are held by `start`.";
+    E428 cannot_hold(name, why) "something that a start cannot be made to give"
+        "`also` cannot hold `{name}`: {why}" "" "name a function of coordinates, velocities and time"
+        "`also` adds equations on coordinates and velocities to those of the constraints.";
 }

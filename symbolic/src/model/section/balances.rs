@@ -83,8 +83,7 @@ impl<'a> Resolver<'a> {
             let equations: usize = balances.iter().map(|b| b.components).sum();
             let unknown: usize = reactions.iter().map(|&k| self.scope.reactions[k].components).sum();
             let coordinates = self.model.coordinates.len();
-            // With constraints, which are refused as a whole, the numbers mean nothing.
-            if equations != coordinates + unknown && !self.scope.constrained {
+            if equations != coordinates + unknown {
                 let place = system.place.of_key();
                 self.bench.problems.push(mechanics::unequal_counts(place, name, equations, coordinates, unknown));
                 continue;

@@ -7,7 +7,7 @@ use crate::diagnose::catalogue::{later, mechanics, names, sections};
 use crate::diagnose::did_you_mean_or;
 use crate::expr::{Binary, Graph, Id, Node as Expression, Unary};
 use crate::file::{Node, Spot, Text, Written};
-use crate::model::expression::dimension::Dimension;
+use crate::model::expression::dimension::{Dimension, Measure};
 use crate::model::expression::families::{Expanded, Locals};
 use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::Member;
@@ -17,6 +17,15 @@ use crate::model::resolver::Resolver;
 
 /// Terms that one invariant is taken apart into.
 const TERM_LIMIT: usize = 1000;
+
+/// A quantity that `also` may name.
+#[derive(Clone, Debug)]
+pub struct Watched {
+    /// Its components.
+    pub value: Vec<Id>,
+    /// Its unit.
+    pub unit: Measure,
+}
 
 impl Resolver<'_> {
     /// `conserved`, `checks` and `outputs`.
@@ -37,9 +46,10 @@ impl Resolver<'_> {
                 if !self.unique(&mut seen, &name, "`conserved`", &spot.place) {
                     break;
                 }
-                let Some(written) = &written else { continue };
                 let rules = Rules::invariant("a conserved quantity").tested();
-                let value = self.bench.written(&self.scope, written, rules, &member.locals);
+                let value = written.as_ref().map(|w| self.bench.written(&self.scope, w, rules, &member.locals));
+                self.watch(&name, value.as_ref().unwrap_or(&Value::Poison));
+                let (Some(written), Some(value)) = (&written, value) else { continue };
                 if value == Value::Poison {
                     continue;
                 }
@@ -74,28 +84,8 @@ impl Resolver<'_> {
 
     /// Both sides of an identity, of equal size; an expression without `=` is to vanish.
     pub fn sides(&mut self, text: &Text, locals: &Locals) -> Option<(Vec<Id>, Vec<Id>)> {
-        let (left, right) = self.bench.equation(&self.scope, text, Rules::anything("a check").tested(), locals);
-        let size = left.components().len().max(right.as_ref().map_or(0, |right| right.components().len())).max(1);
-        let right = right.unwrap_or(Value::Nothing);
-        match (&left, &right) {
-            (Value::Poison, _) | (_, Value::Poison) => None,
-            (Value::Scalar(_), Value::Vector(_)) | (Value::Vector(_), Value::Scalar(_)) => {
-                let place = text.place.at(text.ast.span);
-                // 0 stands for the zero vector too.
-                match (&left, &right) {
-                    (Value::Vector(left), Value::Scalar(Id::ZERO)) => {
-                        return Some((left.clone(), vec![Id::ZERO; size]));
-                    }
-                    (Value::Scalar(Id::ZERO), Value::Vector(right)) => {
-                        return Some((vec![Id::ZERO; size], right.clone()));
-                    }
-                    _ => {}
-                }
-                self.bench.problems.push(names::mixed_kinds(place, "=", left.describe(), right.describe()));
-                None
-            }
-            _ => Some((components(left, size), components(right, size))),
-        }
+        let (left, right) = self.bench.sides(&self.scope, text, Rules::anything("a check").tested(), locals)?;
+        Some((components(left, 1), components(right, 1)))
     }
 
     /// The value, and the parameters that must have certain values.
@@ -220,8 +210,9 @@ impl Resolver<'_> {
                 if !self.unique(&mut seen, &name, "`outputs`", &spot.place) {
                     break;
                 }
-                if let Some(written) = &written {
-                    self.output(name, written, &member.locals);
+                match &written {
+                    Some(written) => self.output(name, written, &member.locals),
+                    None => self.watch(&name, &Value::Poison),
                 }
             }
         }
@@ -241,9 +232,17 @@ impl Resolver<'_> {
 
     fn output(&mut self, name: String, written: &Written, locals: &Locals) {
         let value = self.bench.written(&self.scope, written, Rules::anything("an output"), locals);
+        self.watch(&name, &value);
         let known = self.bench.measured.dimension().filter(|dimension| *dimension != Dimension::ONE);
         let unit = known.map(|dimension| dimension.to_string());
         self.model.outputs.push(Output { name, value: components(value, 1), unit });
+    }
+
+    /// Notes a quantity, in the unit of what was evaluated last, for scenes.
+    fn watch(&mut self, name: &str, value: &Value) {
+        let unit = self.bench.measured;
+        let watched = (*value != Value::Poison).then(|| Watched { value: components(value.clone(), 1), unit });
+        self.watched.entry(name.to_owned()).or_default().push(watched);
     }
 
     /// `events`.
