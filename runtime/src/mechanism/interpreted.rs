@@ -359,7 +359,7 @@ fn describe(program: &Program, source: &str) -> Description {
                     holonomic: c.holonomic,
                     constraint: k as u32,
                 };
-                print::row_names(c).into_iter().map(row)
+                c.row_names().into_iter().map(row)
             })
             .collect(),
         phases: model
@@ -368,7 +368,7 @@ fn describe(program: &Program, source: &str) -> Description {
             .enumerate()
             .map(|(k, phase)| Phase {
                 name: text(&phase.name),
-                rows: program.rows_of(phase).into_iter().map(|row| row as u32).collect(),
+                rows: program.model.rows_of(phase).into_iter().map(|row| row as u32).collect(),
                 rank: program.rank_of(k) as u32,
             })
             .collect(),

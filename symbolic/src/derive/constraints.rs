@@ -51,6 +51,18 @@ impl Rows {
         self.value.is_empty()
     }
 
+    /// J q'' + γ of some rows.
+    pub fn accelerations(&self, graph: &mut Graph, rows: &[usize]) -> Vec<Id> {
+        let mut sums: Vec<Id> = rows.iter().map(|row| self.bias[*row]).collect();
+        for &(row, i, x) in &self.matrix {
+            let Some(place) = rows.iter().position(|r| *r == row) else { continue };
+            let a = graph.symbol(Symbol::Acceleration(i as u32));
+            let term = graph.mul(x, a);
+            sums[place] = graph.add(sums[place], term);
+        }
+        sums
+    }
+
     /// Σ λ_k J_k: the generalized forces of the multipliers.
     pub fn forces(&self, graph: &mut Graph, n: usize) -> Vec<Id> {
         let mut forces = vec![Id::ZERO; n];

@@ -111,7 +111,7 @@ pub fn derive(mut model: Model) -> Result<Derivation, Vec<Problem>> {
         return Err(vec![too_large()]);
     }
     let rows = Rows::of(&mut model);
-    let momentum = momentum::systems(&mut model, &switches);
+    let momentum = momentum::systems(&mut model, &rows, &switches);
     if model.graph.overflowed() {
         return Err(vec![too_large()]);
     }

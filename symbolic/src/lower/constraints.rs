@@ -56,12 +56,7 @@ pub(super) fn lowered(graph: &mut Graph, n: usize, rows: Rows, chosen: &mut Chos
     for (f, force) in chosen.residual.iter_mut().zip(forces) {
         *f = graph.sub(*f, force);
     }
-    let mut acceleration = rows.bias.clone();
-    for &(k, i, x) in &rows.matrix {
-        let a = graph.symbol(Symbol::Acceleration(i as u32));
-        let term = graph.mul(x, a);
-        acceleration[k] = graph.add(acceleration[k], term);
-    }
+    let acceleration = rows.accelerations(graph, &(0..count).collect::<Vec<_>>());
     let place = |s: Symbol| if let Symbol::Coordinate(i) = s { Some(i as usize) } else { None };
     let speed = |s: Symbol| if let Symbol::Speed(i) = s { Some(i as usize) } else { None };
     let (mut stiffness, mut damping) =

@@ -82,6 +82,20 @@ pub struct Model {
 }
 
 impl Model {
+    /// The rows of the constraints that act in a phase, in order.
+    pub fn rows_of(&self, phase: &Phase) -> Vec<usize> {
+        let constraints = phase.constraints.iter().map(|k| &self.constraints[*k]);
+        let mut rows: Vec<usize> = constraints.flat_map(|c| c.first..c.first + c.value.len()).collect();
+        rows.sort_unstable();
+        rows
+    }
+
+    /// The name of a row: `rod`, or `pin.x` for a component of a vector.
+    pub fn row_name(&self, row: usize) -> String {
+        let owner = self.constraints.iter().find(|c| (c.first..c.first + c.value.len()).contains(&row));
+        owner.map_or_else(String::new, |c| c.row_names().swap_remove(row - c.first))
+    }
+
     /// The condition under which something is claimed: ` where c = 0 and k = 2`; nothing where it always holds.
     pub fn condition(&self, when: &[(usize, f64)]) -> String {
         let parts: Vec<String> =
@@ -261,6 +275,16 @@ impl Constraint {
     pub fn component(&self, place: usize) -> String {
         let axis = if self.scalar { "" } else { [".x", ".y", ".z"][place.min(2)] };
         format!("{}{axis}", self.name)
+    }
+}
+
+impl Constraint {
+    /// The names of its components: `rod`; `pin.x`, `pin.y`.
+    pub fn row_names(&self) -> Vec<String> {
+        if self.scalar {
+            return vec![self.name.clone()];
+        }
+        ["x", "y", "z"].iter().take(self.value.len()).map(|axis| format!("{}.{axis}", self.name)).collect()
     }
 }
 

@@ -1,6 +1,6 @@
 //! Expressions as text in the model language.
 
-use super::{Constraint, Model};
+use super::Model;
 use crate::expr::{Binary, DoubleDouble, Graph, Id, Node, Number, Symbol, Unary};
 
 /// An expression as a person would write it; parts beyond some 200 nodes become `…`.
@@ -105,7 +105,9 @@ fn symbol(model: &Model, symbol: Symbol) -> String {
 
 /// `reaction(pin).x`.
 fn multiplier(model: &Model, row: usize) -> String {
-    let owner = model.constraints.iter().find(|c| (c.first..c.first + c.value.len()).contains(&row));
-    let component = |c: &Constraint| c.component(row - c.first)[c.name.len()..].to_owned();
-    owner.map_or_else(|| format!("reaction{row}"), |c| format!("reaction({}){}", c.name, component(c)))
+    let name = model.row_name(row);
+    match name.split_once('.') {
+        Some((constraint, axis)) => format!("reaction({constraint}).{axis}"),
+        None => format!("reaction({name})"),
+    }
 }

@@ -7,7 +7,7 @@ use super::{si_unit, words};
 use crate::derive::{Switch, SwitchKind, without_modes};
 use crate::expr::{Id, Symbol};
 use crate::lower::{Argument, Entry, Program, Role, Watched};
-use crate::model::{Constraint, EventAction, Phase, Shape, text_in};
+use crate::model::{EventAction, Phase, Shape, text_in};
 
 /// `static DESCRIPTION: … = …;`
 pub(super) fn description(program: &Program, source: &str) -> String {
@@ -51,7 +51,7 @@ pub(super) fn description(program: &Program, source: &str) -> String {
     field(
         "rows",
         list(model.constraints.iter().enumerate().flat_map(|(k, c)| {
-            let names = row_names(c).into_iter();
+            let names = c.row_names().into_iter();
             names.map(move |name| {
                 format!(
                     "mechanism::Row {{ name: {}, unit: {}, holonomic: {}, constraint: {k} }}",
@@ -63,7 +63,7 @@ pub(super) fn description(program: &Program, source: &str) -> String {
         })),
     );
     let phase = |(k, phase): (usize, &Phase)| {
-        let rows = list(program.rows_of(phase).into_iter().map(|row| row.to_string()));
+        let rows = list(program.model.rows_of(phase).into_iter().map(|row| row.to_string()));
         format!("mechanism::Phase {{ name: {}, rows: {rows}, rank: {} }}", string(&phase.name), program.rank_of(k))
     };
     field("phases", list(model.phases.iter().enumerate().map(phase)));
@@ -177,15 +177,6 @@ pub(super) fn description(program: &Program, source: &str) -> String {
         ),
     );
     out
-}
-
-/// The names of a constraint's components: `rod`; `pin.x`, `pin.y`.
-pub fn row_names(constraint: &Constraint) -> Vec<String> {
-    if constraint.scalar {
-        return vec![constraint.name.clone()];
-    }
-    let axes = ["x", "y", "z"].iter().take(constraint.value.len());
-    axes.map(|axis| format!("{}.{axis}", constraint.name)).collect()
 }
 
 /// A switch's argument in the file's words: with functions in the place of modes.

@@ -14,7 +14,7 @@ mod units;
 mod words;
 
 pub use crate::model::{field_name, type_name};
-pub use description::{fnv1a, row_names, switch_text};
+pub use description::{fnv1a, switch_text};
 pub use rust::rust;
 pub use scope::OWN;
 pub use units::si_unit;

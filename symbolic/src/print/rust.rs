@@ -8,7 +8,7 @@ use super::parameters::parameters;
 use super::scope::Names;
 use crate::expr::{Id, Node, Symbol, Unary};
 use crate::lower::{Accelerations, Program};
-use crate::model::{EventAction, Phase};
+use crate::model::EventAction;
 
 /// The items that `model!` expands to: the type, its parameters, and its `Mechanism`.
 ///
@@ -103,17 +103,9 @@ impl Program {
         roots
     }
 
-    /// The rows of the constraints that act in a phase, in order.
-    pub fn rows_of(&self, phase: &Phase) -> Vec<usize> {
-        let constraints = phase.constraints.iter().map(|k| &self.model.constraints[*k]);
-        let mut rows: Vec<usize> = constraints.flat_map(|c| c.first..c.first + c.value.len()).collect();
-        rows.sort_unstable();
-        rows
-    }
-
     /// How many of a phase's rows are independent in general.
     pub fn rank_of(&self, phase: usize) -> usize {
-        let rows = || self.model.phases.get(phase).map_or(0, |phase| self.rows_of(phase).len());
+        let rows = || self.model.phases.get(phase).map_or(0, |phase| self.model.rows_of(phase).len());
         self.report.ranks.get(phase).copied().unwrap_or_else(rows)
     }
 
