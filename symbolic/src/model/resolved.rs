@@ -319,6 +319,8 @@ pub struct Conserved {
     pub counts_energy: bool,
     /// Parameters that must have these values.
     pub when: Vec<(usize, f64)>,
+    /// The phases in which it is claimed; absent: every.
+    pub phases: Option<Vec<usize>>,
     /// Where it stands.
     pub place: Place,
 }
@@ -334,6 +336,8 @@ pub struct Check {
     pub right: Vec<Id>,
     /// Parameters that must have these values.
     pub when: Vec<(usize, f64)>,
+    /// The phases in which it is claimed; absent: every.
+    pub phases: Option<Vec<usize>>,
     /// Where it stands.
     pub place: Place,
 }

@@ -104,7 +104,7 @@ fn symbol(model: &Model, symbol: Symbol) -> String {
 }
 
 /// `reaction(pin).x`.
-fn multiplier(model: &Model, row: usize) -> String {
+pub(super) fn multiplier(model: &Model, row: usize) -> String {
     let owner = model.constraints.iter().find(|c| (c.first..c.first + c.value.len()).contains(&row));
     let component = |c: &Constraint| c.component(row - c.first)[c.name.len()..].to_owned();
     owner.map_or_else(|| format!("reaction{row}"), |c| format!("reaction({}){}", c.name, component(c)))

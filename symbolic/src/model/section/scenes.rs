@@ -112,20 +112,24 @@ impl Resolver<'_> {
         self.model.scenes.push(scene);
     }
 
+    /// The values of the free parameters in a scene.
+    pub fn scene_parameters(&self, scene: &Scene) -> Vec<f64> {
+        let mut parameters: Vec<f64> = self.model.parameters.iter().map(|p| p.default).collect();
+        let set: Vec<Id> = scene.set.iter().map(|(_, value)| *value).collect();
+        let values = crate::model::command::evaluate_all(&self.bench.graph, &set, &parameters);
+        for ((parameter, _), value) in scene.set.iter().zip(values) {
+            parameters[*parameter] = value;
+        }
+        parameters
+    }
+
     /// A positive number of parameters.
     fn positive(&mut self, spot: &Spot<'_>, rules: Rules, scene: &Scene) -> Option<Id> {
         let what = rules.what;
         let quantity = spot.quantity(&mut self.bench.problems)?;
         let value = self.setting(&quantity, rules, &Self::no_locals())?;
-        let mut parameters: Vec<f64> = self.model.parameters.iter().map(|p| p.default).collect();
-        if self.bench.graph.number(value).is_none() {
-            let set: Vec<Id> = scene.set.iter().map(|(_, value)| *value).collect();
-            for ((parameter, _), value) in
-                scene.set.iter().zip(crate::model::command::evaluate_all(&self.bench.graph, &set, &parameters.clone()))
-            {
-                parameters[*parameter] = value;
-            }
-        }
+        let constant = self.bench.graph.number(value).is_some();
+        let parameters = if constant { Vec::new() } else { self.scene_parameters(scene) };
         match crate::model::command::evaluate(&self.bench.graph, value, &parameters) {
             Some(number) if number > 0.0 => Some(value),
             Some(number) => {
