@@ -139,7 +139,10 @@ scene: {start: {x: 1, y': 2}, guess: {y: -l, x: 7}}
 scenes: {other: {start: {y: 1}}, third: {guess: {phi: 30 deg}}}",
     );
     let scene = &model.scenes[0];
-    assert_eq!((scene.held_q.as_slice(), scene.held_v.as_slice()), (&[true, false, false][..], &[false, true, false][..]));
+    assert_eq!(
+        (scene.held_q.as_slice(), scene.held_v.as_slice()),
+        (&[true, false, false][..], &[false, true, false][..])
+    );
     assert!(scene.guessed);
     let q: Vec<f64> = scene.q.iter().map(|x| number(&model, *x)).collect();
     assert_eq!(q, [1.0, -2.0, 0.0]);
@@ -147,7 +150,7 @@ scenes: {other: {start: {y: 1}}, third: {guess: {phi: 30 deg}}}",
     let q: Vec<f64> = model.scenes[1].q.iter().map(|x| number(&model, *x)).collect();
     assert_eq!(q, [7.0, 1.0, 0.0], "a guess is inherited, a start replaces the whole map");
     let q: Vec<f64> = model.scenes[2].q.iter().map(|x| number(&model, *x)).collect();
-    assert_eq!(q, [1.0, 0.0, std::f64::consts::PI / 6.0], "a guess replaces the whole map");
+    assert_eq!(q, [1.0, 0.0, 30.0 * (std::f64::consts::PI / 180.0)], "a guess replaces the whole map");
 }
 
 #[test]
@@ -179,4 +182,183 @@ scenes: {none: {also: {}}, zero: {also: {tip: 0}}}",
     assert_eq!(values, [0.0, 1.0, 2.0, 3.0, 0.5]);
     assert!(model.scenes[1].also.is_empty());
     assert_eq!(model.scenes[2].also.len(), 2);
+}
+
+/// The words of what a load does: its work, and the first force or couple on a body.
+fn acts(model: &Model, load: usize) -> [String; 2] {
+    let load = &model.loads[load];
+    let work = match load.work {
+        Work::Potential(energy) => energy,
+        Work::Resistance { tension, .. } => tension,
+        Work::Pushes => Id::ZERO,
+    };
+    let push = &load.pushes[0];
+    let pushed = push.couple.first().or(push.force.first()).copied().unwrap_or(Id::ZERO);
+    [text(model, work), text(model, pushed)]
+}
+
+#[test]
+fn springs_dampers_forces_and_torques_with_a_phase_act_there_only() {
+    let held = "constraints: {floor: y}\nphases: {\"on[i in 1..2]\": [floor], off: [], away: []}";
+    let model = bead(&format!(
+        "{held}
+springs: {{s: {{stretch: phi, stiffness: m*g, on: wheel, phase: off}}}}
+dampers: {{d: {{rate: phi', damping: m, on: wheel, phase: \"on[i in 1..2]\"}}}}
+forces:
+  f: {{on: bead, force: [m*g, 0], phase: [\"on[1]\", away]}}
+  always: {{on: bead, force: [m*g, 0], phase: [off, \"on[i in 1..2]\", away]}}
+torques: {{\"t[i in 1..2]\": {{on: wheel, torque: i*m*g*l, phase: \"on[i]\"}}}}"
+    ));
+    assert_eq!(acts(&model, 0), ["(in off)*(1/2*(m*g*phi*phi))", "(in off)*(m*g*phi)"]);
+    assert_eq!(acts(&model, 1)[0], "((in on[1]) + (in on[2]))*(m*phi')");
+    assert_eq!(acts(&model, 2), ["0", "((in on[1]) + (in away))*(m*g)"]);
+    assert_eq!(acts(&model, 3), ["0", "m*g"]);
+    assert_eq!(acts(&model, 5)[1], "(in on[2])*(2*m*g*l)");
+    let potential = words(&model, &model.potential_terms);
+    assert_eq!(potential, [acts(&model, 0)[0].clone()]);
+}
+
+#[test]
+fn claims_may_hold_in_some_phases() {
+    let model = bead(
+        "constraints: {floor: y}
+phases: {on: [floor], off: [], away: []}
+conserved: {a: {value: energy, phase: off}, b: energy}
+checks: {c: {holds: y = 0, phase: [off, on]}, d: y = y}",
+    );
+    let conserved: Vec<_> = model.conserved.iter().map(|c| c.phases.clone()).collect();
+    assert_eq!(conserved, [Some(vec![1]), None]);
+    let checks: Vec<_> = model.checks.iter().map(|c| c.phases.clone()).collect();
+    assert_eq!(checks, [Some(vec![0, 1]), None]);
+}
+
+#[test]
+fn an_event_stops_records_goes_to_a_phase_or_is_an_impact() {
+    let model = bead(
+        "constraints: {floor: y - l, \"wall[i in 1..2]\": x - i*l}
+phases: {flight: [], \"on[i in 1..2]\": [floor]}
+events:
+  stop: {when: y, then: stop}
+  some: {when: y, direction: rising, if: x', phase: [\"on[2]\", flight], then: [record, \"on[1]\"]}
+  \"hit[i in 1..2]\": {when: \"x - i*l\", phase: flight, then: {impact: e/i, along: \"wall[i]\"}}
+  land: {when: y - l, phase: flight, then: [{impact: 0.5, along: floor}, \"on[2]\", stop]}",
+    );
+    let phases: Vec<_> = model.events.iter().map(|event| event.phases.clone()).collect();
+    assert_eq!(phases, [None, Some(vec![0, 2]), Some(vec![0]), Some(vec![0]), Some(vec![0])]);
+    assert_eq!(model.events[0].actions, [EventAction::Stop]);
+    assert_eq!(model.events[1].actions, [EventAction::Record, EventAction::Phase(1)]);
+    assert!(model.events[1].condition.is_some() && model.events[1].direction == 1);
+    let EventAction::Impact { restitution, along } = model.events[3].actions[0] else { panic!() };
+    assert_eq!((number(&model, restitution), along), (0.4, 2));
+    let [EventAction::Impact { along: 0, .. }, EventAction::Phase(2), EventAction::Stop] = model.events[4].actions[..]
+    else {
+        panic!("{:?}", model.events[4].actions)
+    };
+}
+
+#[test]
+fn a_coefficient_of_restitution_is_judged_in_every_scene() {
+    let file = format!(
+        "{BEAD}constraints: {{floor: y}}\nphases: {{flight: []}}\nscenes: {{fast: {{set: {{e: 1.2}}}}}}
+events: {{hit: {{when: y, then: {{impact: e, along: floor}}}}}}\n"
+    );
+    let problems = load(&file, &[]).unwrap_err();
+    assert_eq!((problems.len(), problems[0].code), (1, "E411"), "{problems:?}");
+}
+
+#[test]
+fn the_eccentric_cylinder_has_five_phases_with_friction_solved_in_two() {
+    let drum = whole_file("EccentricCylinder");
+    let constraints: Vec<_> = drum.constraints.iter().map(|c| (c.name.as_str(), c.holonomic, c.first)).collect();
+    assert_eq!(constraints, [("contact", true, 0), ("no_slip", false, 1)]);
+    let phases: Vec<(&str, &[usize])> =
+        drum.phases.iter().map(|p| (p.name.as_str(), p.constraints.as_slice())).collect();
+    let both = &[0, 1][..];
+    let slides = [("slide_down", &[0][..]), ("slide_up", &[0])];
+    assert_eq!(phases, [("ideal", both), ("rolling", both), slides[0], slides[1], ("flight", &[])]);
+    assert_eq!(acts(&drum, 0)[1], "-((in slide_down)*(mu*reaction(contact)))");
+    assert_eq!(acts(&drum, 1)[1], "(in slide_up)*(mu*reaction(contact))");
+    let events: Vec<_> =
+        drum.events.iter().map(|e| (e.name.as_str(), e.direction, e.phases.clone().unwrap())).collect();
+    assert_eq!(events[0], ("unloaded", -1, vec![0]));
+    assert_eq!(events[5], ("skip", -1, vec![2, 3]));
+    let targets: Vec<EventAction> = drum.events.iter().map(|e| e.actions[0]).collect();
+    let phase = EventAction::Phase;
+    let wanted = [EventAction::Stop, phase(2), phase(3), phase(1), phase(1), phase(4), phase(2), phase(3)];
+    assert_eq!(targets, wanted);
+    assert_eq!(words(&drum, &[drum.events[1].when]), ["reaction(no_slip) + mu*reaction(contact)"]);
+    let [system] = drum.balances.as_slice() else { panic!() };
+    assert_eq!((system.name.as_str(), system.phases.as_slice()), ("about_contact", &[0, 1][..]));
+    let scenes: Vec<_> = drum.scenes.iter().map(|scene| (scene.name.as_str(), scene.phase)).collect();
+    assert_eq!(scenes, [("scene", 0), ("real", 1)]);
+    assert_eq!(drum.scenes[1].held_q, [true, true, true]);
+    assert_eq!(drum.scenes[1].held_v, [false, false, true]);
+    assert_eq!(drum.outputs[0].unit.as_deref(), Some("N"));
+    assert!(drum.warnings.is_empty());
+}
+
+#[test]
+fn balances_belong_to_the_initial_phase_or_to_those_they_name() {
+    let system = "equations: [{force: {of: [bead, wheel], along: [1, 0]}}, {moment: {about: bead, of: [wheel]}}]";
+    let model = bead(&format!(
+        "constraints: {{floor: y}}
+phases: {{on: [floor], off: [], again: [floor]}}
+balances: {{first: {{{system}}}, both: {{phase: [again, on], {system}}}}}"
+    ));
+    let phases: Vec<_> = model.balances.iter().map(|system| system.phases.clone()).collect();
+    assert_eq!(phases, [vec![0], vec![0, 2]]);
+}
+
+#[test]
+fn a_reaction_in_a_force_is_one_more_unknown_of_the_balances_it_stands_in() {
+    let model = bead(
+        "constraints: {floor: y - l, still: phi}
+forces: {rub: {on: bead, force: \"[-mu*reaction(floor), 0]\"}}
+balances:
+  equations: [{force: {of: [bead, wheel]}}, {equation: n = reaction(floor)}]
+  reactions: {n: {on: wheel, along: [0, 1]}}",
+    );
+    assert_eq!(model.balances.len(), 1);
+}
+
+#[test]
+fn a_system_that_counts_equations_sees_a_reaction_only_in_the_phases_where_its_constraint_and_its_force_act() {
+    let system = "equations: [{force: {of: [bead, wheel], along: [1, 0]}}, {moment: {about: bead, of: [wheel]}}]";
+    let model = bead(&format!(
+        "constraints: {{floor: y - l}}
+phases: {{ideal: [floor], slide: [floor]}}
+forces: {{rub: {{on: bead, force: \"[-mu*reaction(floor), 0]\", phase: slide}}}}
+balances:
+  ideal: {{{system}}}
+  slide:
+    phase: slide
+    equations: [{{force: {{of: all}}}}, {{moment: {{about: bead, of: [wheel]}}}}, {{equation: n = reaction(floor)}}]
+    reactions: {{n: {{on: wheel, along: [0, 1]}}}}"
+    ));
+    assert_eq!(model.balances.len(), 2);
+}
+
+#[test]
+fn a_constraint_that_acts_nowhere_is_a_warning_unless_something_hits_it() {
+    let phases = "constraints: {a: x, b: y, c: phi}\nphases: {one: [a]}\nevents: {hit: {when: y, then: ";
+    let model = bead(&format!("{phases}{{impact: 1, along: b}}}}}}"));
+    let warned: Vec<&str> = model.warnings.iter().map(|w| w.code).collect();
+    assert_eq!(warned, ["W432"]);
+    assert!(model.warnings[0].message.contains("`c`"));
+}
+
+#[test]
+fn constraints_may_be_named_like_other_things() {
+    let model = bead("constraints: {x: x - y, bead: y}\nphases: {x: [x, bead], y: []}\noutputs: {f: reaction(x)}");
+    assert_eq!(words(&model, &model.outputs[0].value), ["reaction(x)"]);
+}
+
+#[test]
+fn lists_of_phases_and_components_do_not_make_a_model_spatial() {
+    let model = bead(
+        "constraints: {a: x, b: y, at: phi, position: [x, y]}
+phases: {force: [a, b, at], value: [a, b, position], at: []}
+events: {e: {when: x, phase: [force, value, at], then: [stop, record, at]}}",
+    );
+    assert_eq!(model.dimension, 2);
 }

@@ -37,8 +37,8 @@ super::entries! {
     E413 same_ends(name) "a spring or damper between one point and itself"
         "both ends of `{name}` are the same point" "" ""
         "It has no length and no direction.";
-    E414 unequal_counts(system, equations, unknowns) "balances that do not determine the motion"
-        "`{system}` has {equations} for {unknowns}" "" "choose balances that eliminate the other reactions, or name more of them; an `equation` says which named reaction a `reaction(c)` is"
+    E414 unequal_counts(system, equations, unknowns, more) "balances that do not determine the motion"
+        "`{system}` has {equations} for {unknowns}" "" "choose balances that eliminate the other reactions, or name more of them{more}"
         "Equations and unknowns of a system of balances must be equal in number; a force balance in the plane is two equations, a moment balance one. The constraints that act in the phase of the system count as equations, one for each component, and a `reaction(c)` in its equations or in forces on its bodies is one more unknown.";
     E415 raw_beside_balances(key) "raw energies beside momentum balances"
         "`{key}` beside balances of forces, moments or power" "on which body does this act?" "say it with `springs`, `dampers`, `forces` or `torques`, which know their bodies"
@@ -79,8 +79,8 @@ super::entries! {
     E427 unknown_held(name, help) "something held at the start that is not watched"
         "`{name}` is neither in `conserved` nor in `outputs`" "not declared" "{help}"
         "`also` gives values to quantities that the file names in `conserved` or `outputs`; coordinates and velocities are held by `start`.";
-    E428 cannot_hold(name, why) "something that a start cannot be made to give"
-        "`also` cannot hold `{name}`: {why}" "" "name a function of coordinates, velocities and time"
+    E428 cannot_hold(name, why, help) "something that a start cannot be made to give"
+        "`also` cannot hold `{name}`: {why}" "" "{help}"
         "`also` adds equations on coordinates and velocities to those of the constraints.";
     E429 impact_along_velocity(name) "an impact along a velocity constraint"
         "an impact needs a constraint on coordinates, and `{name}` contains velocities" "" "name a constraint without velocities, such as `y - R`"

@@ -36,7 +36,11 @@ impl Resolver<'_> {
                 let others = if multipliers.len() > 1 { ", …" } else { "" };
                 wanted += &format!(" and {} (`{named}`{others})", counted(multipliers.len(), "multiplier"));
             }
-            let problem = mechanics::unequal_counts(system.place.clone(), &system.name, given, wanted);
+            let more = match multipliers.is_empty() {
+                true => "",
+                false => "; an `equation` says which named reaction a `reaction(c)` is",
+            };
+            let problem = mechanics::unequal_counts(system.place.clone(), &system.name, given, wanted, more);
             self.bench.problems.push(problem);
             return false;
         }

@@ -295,8 +295,8 @@ impl Resolver<'_> {
         for (key, spot) in spot.entries(&mut self.bench.problems) {
             let Some(family) = self.start_key(key, &spot) else { continue };
             if family.key.primes > 0 {
-                let why = "a rate of what is watched is no quantity of its own";
-                self.bench.problems.push(mechanics::cannot_hold(spot.place.of_key(), key, why));
+                let (why, help) = ("it has a prime", "make its rate an output, `rate(…)`, and name that");
+                self.bench.problems.push(mechanics::cannot_hold(spot.place.of_key(), key, why, help));
                 continue;
             }
             let values: Vec<Vec<Quantity>> = match spot.items() {
@@ -350,16 +350,17 @@ impl Resolver<'_> {
         let entries = entries?;
         let watched = entries.first()?.clone();
         let depends = self.bench.depends(&watched.value);
-        let why = if entries.iter().any(|other| other.value != watched.value) {
-            "it stands in `conserved` and in `outputs` with different values"
+        let function = "name a function of coordinates, velocities and time";
+        let (why, help) = if entries.iter().any(|other| other.value != watched.value) {
+            ("it stands in `conserved` and in `outputs` with different values", "give one of the two another name")
         } else if depends.meets(Depends::ACCELERATION.and(Depends::JERK).and(Depends::MULTIPLIER)) {
-            "it contains accelerations or reactions, which the start determines"
+            ("it contains accelerations or reactions, which the start determines", function)
         } else if !depends.meets(Depends::COORDINATE.and(Depends::SPEED)) {
-            "no coordinate or velocity changes it"
+            ("no coordinate or velocity changes it", function)
         } else {
             return Some(watched);
         };
-        self.bench.problems.push(mechanics::cannot_hold(place.of_key(), name, why));
+        self.bench.problems.push(mechanics::cannot_hold(place.of_key(), name, why, help));
         None
     }
 }
