@@ -99,6 +99,7 @@ fn resolve_through(root: &Node, sizes: &[(String, i64)]) -> (Option<Model>, Vec<
     resolver.watched();
     resolver.also(held);
     resolver.events();
+    resolver.idle_constraints();
     resolver.draw();
     resolver.finish()
 }

@@ -271,20 +271,15 @@ pub struct Constraint {
 }
 
 impl Constraint {
-    /// For messages: `pin.x`, or the name alone where it is a number.
+    /// The names of its components: `rod`; `pin.x`, `pin.y`.
+    pub fn row_names(&self) -> Vec<String> {
+        (0..self.value.len()).map(|place| self.component(place)).collect()
+    }
+
+    /// The name of one component.
     pub fn component(&self, place: usize) -> String {
         let axis = if self.scalar { "" } else { [".x", ".y", ".z"][place.min(2)] };
         format!("{}{axis}", self.name)
-    }
-}
-
-impl Constraint {
-    /// The names of its components: `rod`; `pin.x`, `pin.y`.
-    pub fn row_names(&self) -> Vec<String> {
-        if self.scalar {
-            return vec![self.name.clone()];
-        }
-        ["x", "y", "z"].iter().take(self.value.len()).map(|axis| format!("{}.{axis}", self.name)).collect()
     }
 }
 
@@ -343,6 +338,8 @@ pub struct Conserved {
     pub counts_energy: bool,
     /// Parameters that must have these values.
     pub when: Vec<(usize, f64)>,
+    /// The phases in which it is claimed; absent: every.
+    pub phases: Option<Vec<usize>>,
     /// Where it stands.
     pub place: Place,
 }
@@ -358,6 +355,8 @@ pub struct Check {
     pub right: Vec<Id>,
     /// Parameters that must have these values.
     pub when: Vec<(usize, f64)>,
+    /// The phases in which it is claimed; absent: every.
+    pub phases: Option<Vec<usize>>,
     /// Where it stands.
     pub place: Place,
 }

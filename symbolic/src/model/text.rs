@@ -104,7 +104,7 @@ fn symbol(model: &Model, symbol: Symbol) -> String {
 }
 
 /// `reaction(pin).x`.
-fn multiplier(model: &Model, row: usize) -> String {
+pub(super) fn multiplier(model: &Model, row: usize) -> String {
     let name = model.row_name(row);
     match name.split_once('.') {
         Some((constraint, axis)) => format!("reaction({constraint}).{axis}"),

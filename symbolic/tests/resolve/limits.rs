@@ -181,33 +181,3 @@ fn shapes_without_sense() {
         }
     }
 }
-
-#[test]
-fn later_parts_of_the_language_are_refused_by_name() {
-    let text = r#"
-name: EccentricCylinder
-parameters: {m: 1 kg, R: 1 m, d: 0.5 m, I: 0.25 kg*m^2, g: 10 m/s^2, slope: asin(0.6), mu: 0.5 1}
-coordinates: {x: m, y: m, phi: rad}
-points: {centre: "[x, y]", touch: "[x, y - R]"}
-bodies:
-  drum: {mass: m, inertia: I, angle: -phi, position: "centre + d*[sin(phi), cos(phi)]"}
-gravity: g*[sin(slope), -cos(slope)]
-constraints: {contact: y - R, no_slip: x' - R*phi'}
-phases: {ideal: [contact, no_slip], rolling: [contact, no_slip], flight: []}
-forces:
-  rub_down: {on: drum, at: touch, force: "[-mu*reaction(contact), 0]", phase: flight}
-events:
-  unloaded:  {phase: ideal, when: reaction(contact), direction: falling, then: stop}
-  slip_down: {phase: rolling, when: reaction(no_slip) + mu*reaction(contact), direction: falling, then: flight}
-balances:
-  about_contact:
-    phase: [ideal, rolling]
-    equations:
-      - moment: {about: touch, of: [drum]}
-outputs:
-  normal: reaction(contact)
-scene: {start: {x: 0, y: R, phi: 0, phi': 0}, until: 2, tolerance: 1e-11}
-"#;
-    let found = codes(text);
-    assert!(found.iter().all(|code| *code == "E901"), "{found:?}");
-}

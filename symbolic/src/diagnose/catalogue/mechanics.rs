@@ -37,9 +37,9 @@ super::entries! {
     E413 same_ends(name) "a spring or damper between one point and itself"
         "both ends of `{name}` are the same point" "" ""
         "It has no length and no direction.";
-    E414 unequal_counts(system, equations, coordinates, unknowns) "balances that do not determine the motion"
-        "`{system}` has {equations} equations for {coordinates} accelerations and {unknowns} reaction components" "" "choose balances that eliminate the other reactions, or name more of them"
-        "Equations and unknowns of a system of balances must be equal in number; a force balance in the plane is two equations, a moment balance one.";
+    E414 unequal_counts(system, equations, unknowns, more) "balances that do not determine the motion"
+        "`{system}` has {equations} for {unknowns}" "" "choose balances that eliminate the other reactions, or name more of them{more}"
+        "Equations and unknowns of a system of balances must be equal in number; a force balance in the plane is two equations, a moment balance one. The constraints that act in the phase of the system count as equations, one for each component, and a `reaction(c)` in its equations or in forces on its bodies is one more unknown.";
     E415 raw_beside_balances(key) "raw energies beside momentum balances"
         "`{key}` beside balances of forces, moments or power" "on which body does this act?" "say it with `springs`, `dampers`, `forces` or `torques`, which know their bodies"
         "Momentum balances see bodies, gravity, springs, dampers, forces, torques and reactions, nothing else.";
@@ -79,7 +79,19 @@ super::entries! {
     E427 unknown_held(name, help) "something held at the start that is not watched"
         "`{name}` is neither in `conserved` nor in `outputs`" "not declared" "{help}"
         "`also` gives values to quantities that the file names in `conserved` or `outputs`; coordinates and velocities are held by `start`.";
-    E428 cannot_hold(name, why) "something that a start cannot be made to give"
-        "`also` cannot hold `{name}`: {why}" "" "name a function of coordinates, velocities and time"
+    E428 cannot_hold(name, why, help) "something that a start cannot be made to give"
+        "`also` cannot hold `{name}`: {why}" "" "{help}"
         "`also` adds equations on coordinates and velocities to those of the constraints.";
+    E429 impact_along_velocity(name) "an impact along a velocity constraint"
+        "an impact needs a constraint on coordinates, and `{name}` contains velocities" "" "name a constraint without velocities, such as `y - R`"
+        "An impact reverses the rate of a constraint that was closing; a constraint on velocities has no rate of its own. Going to a phase in which it acts is the plastic impact.";
+    E430 impact_along_active(name) "an impact along a constraint that acts"
+        "`{name}` acts in every phase in which this event counts, so that nothing can hit it" "active here" "let the event count in a phase that leaves `{name}` out: `phases: {{flight: [], contact: [{name}]}}` and `phase: flight`"
+        "An impact is along a constraint that is not active: what holds already does not bounce.";
+    E431 energy_with_driven_constraint(name) "an energy balance with a constraint that does work"
+        "the constraint `{name}` moves by itself and does work that this balance does not see" "" "use `power`"
+        "`energy` states that kinetic plus potential energy changes by the power of what has no potential; the reaction of a constraint that contains time, an input or a given velocity has a power too.";
+    W432 idle_constraint(name) "a constraint that never acts"
+        "the constraint `{name}` acts in no phase and in no impact" "has no effect" "list it in `phases`"
+        "With `phases` a constraint acts in those that list it.";
 }

@@ -9,7 +9,7 @@ super::entries! {
         "Sizes, parameters, coordinates, inputs, definitions, points, bodies, frames and reactions share one space of names.";
     E203 reserved_name(name, proposal) "a reserved name"
         "`{name}` is reserved" "has a meaning of its own" "choose another name, such as `{proposal}`"
-        "`t pi ground length all in`, the names of functions and `energy kinetic_energy potential_energy` are built in.";
+        "`t pi ground length all in`, the names of functions and `energy kinetic_energy potential_energy` are built in; `then` of an event knows `stop` and `record`, so that no phase may be called so.";
     E204 index_hides_name(name) "an index that hides a name"
         "the index `{name}` hides a name of the model" "" "choose another letter for the index"
         "An index (or dummy of an integral) may not have the name of something else.";

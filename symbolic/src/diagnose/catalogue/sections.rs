@@ -52,4 +52,7 @@ super::entries! {
     E317 empty_list(list, what) "a list of nothing"
         "`{list}` names no {what}" "expected at least one" ""
         "Without any member the entry would say nothing: leave the key out, or name one.";
+    E318 two_phases() "an event that goes to two phases"
+        "an event goes to one phase" "a second one" "leave one of them out, or write two events with an `if` each"
+        "One phase is active at a time.";
 }

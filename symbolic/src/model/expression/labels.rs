@@ -50,6 +50,7 @@ impl Lower<'_> {
         let value = self.item(scope.constraints[place].item);
         let first = match scope.constraints[place].first {
             Some(first) => Some(first),
+            None if !self.bench.spend(1 + place as u64 / 64, &self.text.place) => None,
             // Definitions may need it before all constraints have been counted.
             None => scope.constraints[..place].iter().try_fold(0, |rows, before| match self.item(before.item) {
                 Value::Poison => None,

@@ -244,6 +244,15 @@ impl Entry {
         Entry { section, indices, refused: false, members: BTreeMap::new() }
     }
 
+    /// Adds a member; false when its indices are taken, or are more or fewer than those of others.
+    pub fn add(&mut self, indices: &[i64], member: Member) -> bool {
+        let fresh = self.indices == indices.len() && !self.members.contains_key(indices);
+        if fresh {
+            self.members.insert(indices.to_vec(), member);
+        }
+        fresh
+    }
+
     /// For messages: `x[1] to x[5]` or `no members`.
     pub fn range(&self, name: &str) -> String {
         match (self.members.keys().next(), self.members.keys().next_back()) {

@@ -40,11 +40,7 @@ impl Resolver<'_> {
                 let name = member.name();
                 let place = self.scope.constraints.len();
                 let entry = self.scope.constraint_names.get_mut(&member.base);
-                let fresh = entry.is_some_and(|entry| {
-                    let known = entry.indices != member.indices.len();
-                    !known && entry.members.insert(member.indices.clone(), Member::Constraint(place)).is_none()
-                });
-                if !fresh {
+                if !entry.is_some_and(|entry| entry.add(&member.indices, Member::Constraint(place))) {
                     self.bench.problems.push(sections::duplicate_label(spot.place.of_key(), name, "`constraints`"));
                     break;
                 }

@@ -26,10 +26,11 @@ impl Resolver<'_> {
             let family = self.expand(key, &spot);
             let base = key.split('[').next().unwrap_or(key).trim().to_owned();
             let indices = family.as_ref().map_or(0, |family| family.key.indices.len());
-            let entry = Entry { refused: family.is_none(), ..Entry::new(Section::Phase, indices) };
+            let reserved = matches!(base.as_str(), "stop" | "record");
+            let entry = Entry { refused: family.is_none() || reserved, ..Entry::new(Section::Phase, indices) };
             self.scope.phase_names.entry(base.clone()).or_insert(entry);
-            if matches!(base.as_str(), "stop" | "record") {
-                let proposal = format!("{base}ped");
+            if reserved {
+                let proposal = if base == "stop" { "stopped" } else { "recorded" };
                 self.bench.problems.push(names::reserved_name(spot.place.of_key(), base, proposal));
                 continue;
             }
@@ -38,11 +39,7 @@ impl Resolver<'_> {
                 let name = member.name();
                 let place = self.model.phases.len();
                 let entry = self.scope.phase_names.get_mut(&member.base);
-                let fresh = entry.is_some_and(|entry| {
-                    let alike = entry.indices == member.indices.len();
-                    alike && entry.members.insert(member.indices.clone(), Member::Phase(place)).is_none()
-                });
-                if !fresh {
+                if !entry.is_some_and(|entry| entry.add(&member.indices, Member::Phase(place))) {
                     self.bench.problems.push(sections::duplicate_label(spot.place.of_key(), name, "`phases`"));
                     break;
                 }

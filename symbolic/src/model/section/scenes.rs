@@ -112,20 +112,24 @@ impl Resolver<'_> {
         self.model.scenes.push(scene);
     }
 
+    /// The values of the free parameters in a scene.
+    pub fn scene_parameters(&self, scene: &Scene) -> Vec<f64> {
+        let mut parameters: Vec<f64> = self.model.parameters.iter().map(|p| p.default).collect();
+        let set: Vec<Id> = scene.set.iter().map(|(_, value)| *value).collect();
+        let values = crate::model::command::evaluate_all(&self.bench.graph, &set, &parameters);
+        for ((parameter, _), value) in scene.set.iter().zip(values) {
+            parameters[*parameter] = value;
+        }
+        parameters
+    }
+
     /// A positive number of parameters.
     fn positive(&mut self, spot: &Spot<'_>, rules: Rules, scene: &Scene) -> Option<Id> {
         let what = rules.what;
         let quantity = spot.quantity(&mut self.bench.problems)?;
         let value = self.setting(&quantity, rules, &Self::no_locals())?;
-        let mut parameters: Vec<f64> = self.model.parameters.iter().map(|p| p.default).collect();
-        if self.bench.graph.number(value).is_none() {
-            let set: Vec<Id> = scene.set.iter().map(|(_, value)| *value).collect();
-            for ((parameter, _), value) in
-                scene.set.iter().zip(crate::model::command::evaluate_all(&self.bench.graph, &set, &parameters.clone()))
-            {
-                parameters[*parameter] = value;
-            }
-        }
+        let constant = self.bench.graph.number(value).is_some();
+        let parameters = if constant { Vec::new() } else { self.scene_parameters(scene) };
         match crate::model::command::evaluate(&self.bench.graph, value, &parameters) {
             Some(number) if number > 0.0 => Some(value),
             Some(number) => {
@@ -291,8 +295,8 @@ impl Resolver<'_> {
         for (key, spot) in spot.entries(&mut self.bench.problems) {
             let Some(family) = self.start_key(key, &spot) else { continue };
             if family.key.primes > 0 {
-                let why = "a rate of what is watched is no quantity of its own";
-                self.bench.problems.push(mechanics::cannot_hold(spot.place.of_key(), key, why));
+                let (why, help) = ("it has a prime", "make its rate an output, `rate(…)`, and name that");
+                self.bench.problems.push(mechanics::cannot_hold(spot.place.of_key(), key, why, help));
                 continue;
             }
             let values: Vec<Vec<Quantity>> = match spot.items() {
@@ -346,16 +350,17 @@ impl Resolver<'_> {
         let entries = entries?;
         let watched = entries.first()?.clone();
         let depends = self.bench.depends(&watched.value);
-        let why = if entries.iter().any(|other| other.value != watched.value) {
-            "it stands in `conserved` and in `outputs` with different values"
+        let function = "name a function of coordinates, velocities and time";
+        let (why, help) = if entries.iter().any(|other| other.value != watched.value) {
+            ("it stands in `conserved` and in `outputs` with different values", "give one of the two another name")
         } else if depends.meets(Depends::ACCELERATION.and(Depends::JERK).and(Depends::MULTIPLIER)) {
-            "it contains accelerations or reactions, which the start determines"
+            ("it contains accelerations or reactions, which the start determines", function)
         } else if !depends.meets(Depends::COORDINATE.and(Depends::SPEED)) {
-            "no coordinate or velocity changes it"
+            ("no coordinate or velocity changes it", function)
         } else {
             return Some(watched);
         };
-        self.bench.problems.push(mechanics::cannot_hold(place.of_key(), name, why));
+        self.bench.problems.push(mechanics::cannot_hold(place.of_key(), name, why, help));
         None
     }
 }
