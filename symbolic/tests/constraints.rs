@@ -150,7 +150,8 @@ scenes: {other: {start: {y: 1}}, third: {guess: {phi: 30 deg}}}",
     let q: Vec<f64> = model.scenes[1].q.iter().map(|x| number(&model, *x)).collect();
     assert_eq!(q, [7.0, 1.0, 0.0], "a guess is inherited, a start replaces the whole map");
     let q: Vec<f64> = model.scenes[2].q.iter().map(|x| number(&model, *x)).collect();
-    assert_eq!(q, [1.0, 0.0, 30.0 * (std::f64::consts::PI / 180.0)], "a guess replaces the whole map");
+    assert_eq!(q[..2], [1.0, 0.0], "a guess replaces the whole map");
+    assert!((q[2].to_degrees() - 30.0).abs() < 1e-12);
 }
 
 #[test]
@@ -202,18 +203,22 @@ fn springs_dampers_forces_and_torques_with_a_phase_act_there_only() {
     let held = "constraints: {floor: y}\nphases: {\"on[i in 1..2]\": [floor], off: [], away: []}";
     let model = bead(&format!(
         "{held}
-springs: {{s: {{stretch: phi, stiffness: m*g, on: wheel, phase: off}}}}
-dampers: {{d: {{rate: phi', damping: m, on: wheel, phase: \"on[i in 1..2]\"}}}}
+springs: {{s: {{stretch: phi, stiffness: m*g*l, on: wheel, phase: off}}}}
+dampers: {{d: {{rate: phi', damping: m*l*v, on: wheel, phase: \"on[i in 1..2]\"}}}}
 forces:
   f: {{on: bead, force: [m*g, 0], phase: [\"on[1]\", away]}}
   always: {{on: bead, force: [m*g, 0], phase: [off, \"on[i in 1..2]\", away]}}
 torques: {{\"t[i in 1..2]\": {{on: wheel, torque: i*m*g*l, phase: \"on[i]\"}}}}"
     ));
-    assert_eq!(acts(&model, 0), ["(in off)*(1/2*(m*g*phi*phi))", "(in off)*(m*g*phi)"]);
-    assert_eq!(acts(&model, 1)[0], "((in on[1]) + (in on[2]))*(m*phi')");
-    assert_eq!(acts(&model, 2), ["0", "((in on[1]) + (in away))*(m*g)"]);
-    assert_eq!(acts(&model, 3), ["0", "m*g"]);
-    assert_eq!(acts(&model, 5)[1], "(in on[2])*(2*m*g*l)");
+    let all: Vec<[String; 2]> = [0, 1, 2, 3, 5].map(|load| acts(&model, load)).to_vec();
+    let wanted = [
+        ["1/2*phi*phi*l*m*g*(in off)", "-phi*l*m*g*(in off)"],
+        ["phi'*m*l*v*((in on[1]) + (in on[2]))", "-phi'*m*l*v*((in on[1]) + (in on[2]))"],
+        ["0", "m*g*((in on[1]) + (in away))"],
+        ["0", "m*g"],
+        ["0", "2*l*m*g*(in on[2])"],
+    ];
+    assert_eq!(all, wanted);
     let potential = words(&model, &model.potential_terms);
     assert_eq!(potential, [acts(&model, 0)[0].clone()]);
 }
@@ -276,8 +281,8 @@ fn the_eccentric_cylinder_has_five_phases_with_friction_solved_in_two() {
     let both = &[0, 1][..];
     let slides = [("slide_down", &[0][..]), ("slide_up", &[0])];
     assert_eq!(phases, [("ideal", both), ("rolling", both), slides[0], slides[1], ("flight", &[])]);
-    assert_eq!(acts(&drum, 0)[1], "-((in slide_down)*(mu*reaction(contact)))");
-    assert_eq!(acts(&drum, 1)[1], "(in slide_up)*(mu*reaction(contact))");
+    assert_eq!(acts(&drum, 0)[1], "-mu*reaction(contact)*(in slide_down)");
+    assert_eq!(acts(&drum, 1)[1], "mu*reaction(contact)*(in slide_up)");
     let events: Vec<_> =
         drum.events.iter().map(|e| (e.name.as_str(), e.direction, e.phases.clone().unwrap())).collect();
     assert_eq!(events[0], ("unloaded", -1, vec![0]));
@@ -286,7 +291,7 @@ fn the_eccentric_cylinder_has_five_phases_with_friction_solved_in_two() {
     let phase = EventAction::Phase;
     let wanted = [EventAction::Stop, phase(2), phase(3), phase(1), phase(1), phase(4), phase(2), phase(3)];
     assert_eq!(targets, wanted);
-    assert_eq!(words(&drum, &[drum.events[1].when]), ["reaction(no_slip) + mu*reaction(contact)"]);
+    assert_eq!(words(&drum, &[drum.events[1].when]), ["mu*reaction(contact) + reaction(no_slip)"]);
     let [system] = drum.balances.as_slice() else { panic!() };
     assert_eq!((system.name.as_str(), system.phases.as_slice()), ("about_contact", &[0, 1][..]));
     let scenes: Vec<_> = drum.scenes.iter().map(|scene| (scene.name.as_str(), scene.phase)).collect();
@@ -356,8 +361,8 @@ fn constraints_may_be_named_like_other_things() {
 #[test]
 fn lists_of_phases_and_components_do_not_make_a_model_spatial() {
     let model = bead(
-        "constraints: {a: x, b: y, at: phi, position: [x, y]}
-phases: {force: [a, b, at], value: [a, b, position], at: []}
+        "constraints: {a: x, b: y, at: phi, along: [x, y]}
+phases: {force: [a, b, at], value: [a, b, along], at: []}
 events: {e: {when: x, phase: [force, value, at], then: [stop, record, at]}}",
     );
     assert_eq!(model.dimension, 2);

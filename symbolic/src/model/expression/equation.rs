@@ -19,6 +19,7 @@ impl Bench {
         rules: Rules,
         locals: &[(String, Local)],
     ) -> Option<(Value, Value)> {
+        let before = self.problems.len();
         let (left, right) = self.equation(scope, text, rules, locals);
         let number = |side: Value| if side == Value::Nothing { Value::Scalar(Id::ZERO) } else { side };
         let (left, right) = (number(left), number(right.unwrap_or(Value::Nothing)));
@@ -28,6 +29,8 @@ impl Bench {
             (Value::Vector(_), Value::Scalar(Id::ZERO)) => Some((left.clone(), zero(&left))),
             (Value::Scalar(Id::ZERO), Value::Vector(_)) => Some((zero(&right), right.clone())),
             (Value::Scalar(_), Value::Vector(_)) | (Value::Vector(_), Value::Scalar(_)) => {
+                // That a number and a vector have different units is no second mistake.
+                self.problems.truncate(before);
                 let place = text.place.at(text.ast.span);
                 self.problems.push(names::mixed_kinds(place, "=", left.describe(), right.describe()));
                 None

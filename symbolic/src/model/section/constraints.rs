@@ -34,8 +34,10 @@ impl Resolver<'_> {
                 Node::List(_) => spot.written(problems),
                 _ => spot.equation(problems).map(Written::One),
             };
-            let entry = Entry::new(Section::Constraint, family.key.indices.len());
-            self.scope.constraint_names.entry(family.key.name.clone()).or_insert(entry);
+            let base = family.key.name.clone();
+            let refused = self.is_no_label(&base, &[], &spot);
+            let entry = Entry { refused, ..Entry::new(Section::Constraint, family.key.indices.len()) };
+            self.scope.constraint_names.entry(base).or_insert(entry);
             for member in &family.members {
                 let name = member.name();
                 let place = self.scope.constraints.len();

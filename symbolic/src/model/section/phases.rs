@@ -3,6 +3,7 @@
 use crate::diagnose::catalogue::{names, sections};
 use crate::expr::{Id, Symbol};
 use crate::file::{Spot, Text};
+use crate::language::parse;
 use crate::model::expression::families::Locals;
 use crate::model::expression::lower::Lower;
 use crate::model::expression::rules::Rules;
@@ -26,12 +27,10 @@ impl Resolver<'_> {
             let family = self.expand(key, &spot);
             let base = key.split('[').next().unwrap_or(key).trim().to_owned();
             let indices = family.as_ref().map_or(0, |family| family.key.indices.len());
-            let reserved = matches!(base.as_str(), "stop" | "record");
+            let reserved = family.is_some() && self.is_no_label(&base, &["stop", "record"], &spot);
             let entry = Entry { refused: family.is_none() || reserved, ..Entry::new(Section::Phase, indices) };
-            self.scope.phase_names.entry(base.clone()).or_insert(entry);
+            self.scope.phase_names.entry(base).or_insert(entry);
             if reserved {
-                let proposal = if base == "stop" { "stopped" } else { "recorded" };
-                self.bench.problems.push(names::reserved_name(spot.place.of_key(), base, proposal));
                 continue;
             }
             let items = spot.list(&mut self.bench.problems);
@@ -54,6 +53,15 @@ impl Resolver<'_> {
             // So that what follows finds one.
             self.model.phases = vec![Phase { name: String::new(), constraints: Vec::new(), place: root.place }];
         }
+    }
+
+    /// Reports a label that expressions and lists cannot name, such as that of a function.
+    pub fn is_no_label(&mut self, base: &str, reserved: &[&str], spot: &Spot<'_>) -> bool {
+        let refused = reserved.contains(&base) || parse(base).is_err();
+        if refused {
+            self.bench.problems.push(names::reserved_name(spot.place.of_key(), base, format!("{base}_")));
+        }
+        refused
     }
 
     /// The phases that the key `phase` of an entry names: one, or a list; inside, `None`: it has no such key.
