@@ -74,6 +74,27 @@ pub enum Cause {
         /// How far they are from it: the least singular value of their scaled Jacobian.
         sigma: f64,
     },
+    /// A phase is entered where a constraint that it brings does not hold.
+    PhaseMisses {
+        /// The phase.
+        phase: String,
+        /// The constraint.
+        constraint: String,
+        /// By how much it is missed, in its unit.
+        residual: f64,
+    },
+    /// A coefficient of restitution is not between 0 and 1.
+    BadRestitution {
+        /// Its value.
+        value: f64,
+    },
+    /// Impacts follow each other ever faster, and no phase has the constraint along which they are.
+    ImpactsAccumulate {
+        /// The event.
+        event: String,
+        /// When they come to an end, s.
+        t: f64,
+    },
     /// The motion does not keep a constraint.
     ConstraintLost {
         /// The constraint.
@@ -186,6 +207,20 @@ impl fmt::Display for Cause {
                 f,
                 "singular configuration: the constraints depend on each other here and not elsewhere (least singular \
                  value {sigma:.1e}), so that the motion may go on in several ways; start beside it"
+            ),
+            Cause::PhaseMisses { phase, constraint, residual } => write!(
+                f,
+                "the phase `{phase}` is entered where `{constraint}` does not hold: it is missed by {residual:.3e}; let the \
+                 event's function be zero where the constraint is"
+            ),
+            Cause::BadRestitution { value } => {
+                write!(f, "a coefficient of restitution is {value}; it must be between 0 and 1")
+            }
+            Cause::ImpactsAccumulate { event, t } => write!(
+                f,
+                "impacts accumulate: those of `{event}` end at t = {t} s, and no phase has the present constraints and the \
+                 one along which they are; add one for the resting contact",
+                t = short(*t)
             ),
             Cause::ConstraintLost { constraint, residual } => write!(
                 f,

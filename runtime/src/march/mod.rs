@@ -3,17 +3,19 @@
 //! A step is tried until its error is small enough; its dense output is made where anything reads it; what is watched
 //! may end it early: look in `interrupt.rs`; it is written down and taken.  Jumps of the acceleration that
 //! nobody declared: look in `jump.rs`; what is asked of a step between its ends: in `between.rs`; rounding that looks like
-//! errors: in `noise.rs`.
+//! errors: in `noise.rs`; phases and impacts: in `phase.rs`.
 
 mod between;
 mod interrupt;
 mod jump;
 mod noise;
+mod phase;
 
 use std::ops::ControlFlow;
 
 use between::Defect;
 use jump::{JumpDetector, Upset};
+use phase::Flights;
 
 use crate::cause::Cause;
 use crate::constrain::{Projection, Residuals};
@@ -75,6 +77,7 @@ pub(crate) struct March {
     projection: Option<Box<Projection>>,
     /// How many steps in a row ended where the constraints depend on each other as they do nowhere else.
     singular: u32,
+    flights: Flights,
     defect: Defect,
     /// Until when the motion goes on at most, s.
     until: f64,
@@ -110,6 +113,7 @@ impl March {
             watch: None,
             projection: None,
             singular: 0,
+            flights: Flights::default(),
             rejected: Vec::with_capacity(y.len()),
             rejected_step: 0.0,
             cuts: 0,

@@ -75,9 +75,23 @@ impl Form {
     /// # Errors
     /// A combination of coordinates to which neither M nor a constraint gives any inertia.
     pub fn factor<S: System + ?Sized>(&mut self, system: &S, at: At<'_>) -> Result<(), Singular> {
-        self.n = system.len();
         self.active.clear();
         self.active.extend(system.active_rows().iter().map(|row| *row as usize));
+        self.again(system, at)
+    }
+
+    /// As [`Form::factor`], with these rows in the place of the active ones.
+    ///
+    /// # Errors
+    /// As [`Form::factor`].
+    pub fn factor_rows<S: System + ?Sized>(&mut self, system: &S, at: At<'_>, rows: &[usize]) -> Result<(), Singular> {
+        self.active.clear();
+        self.active.extend_from_slice(rows);
+        self.again(system, at)
+    }
+
+    fn again<S: System + ?Sized>(&mut self, system: &S, at: At<'_>) -> Result<(), Singular> {
+        self.n = system.len();
         let (n, m) = (self.n, self.active.len());
         for (list, size) in [
             (&mut self.mass, n * (n + 1) / 2),

@@ -84,6 +84,7 @@ impl Recorder {
             step: plan.step,
             balances: None,
             events: Vec::new(),
+            phases: vec![(t, system.phase())],
             residuals: None,
             impulses: Vec::new(),
             work: Work::default(),
@@ -281,6 +282,17 @@ impl Recorder {
     /// Notes a jump of the speeds.
     pub fn impulse(&mut self, impulse: Impulse) {
         self.run.impulses.push(impulse);
+    }
+
+    /// Notes that the motion goes on in another phase.
+    pub fn phase(&mut self, phase: usize, t: f64) {
+        self.run.phases.push((t, phase));
+    }
+
+    /// Notes that the impacts of an event accumulate, and when.
+    pub fn accumulated(&mut self, system: &dyn System, event: usize, t: f64) {
+        let event = system.description().events[event].name.to_string();
+        self.warn(Warning::ImpactsAccumulate { event, t });
     }
 
     /// The last event.

@@ -38,6 +38,13 @@ pub enum Warning {
         /// When, s.
         t: f64,
     },
+    /// Impacts follow each other ever faster; the motion goes on with a resting contact where they end.
+    ImpactsAccumulate {
+        /// The event.
+        event: String,
+        /// When they end, s.
+        t: f64,
+    },
     /// More events happened than are kept.
     EventsEnd {
         /// When the first was left out, s.
@@ -197,6 +204,11 @@ impl fmt::Display for Warning {
                 f,
                 "the motion passed a singular position at t = {} s, where its constraints depend on each other; it kept \
                  the branch that continues its speeds",
+                short(*t)
+            ),
+            Warning::ImpactsAccumulate { event, t } => write!(
+                f,
+                "the impacts of `{event}` accumulate at t = {} s, where the motion goes on with a resting contact",
                 short(*t)
             ),
             Warning::EventsEnd { t, kept } => {
