@@ -116,7 +116,11 @@ impl Resolver<'_> {
         let along = along.and_then(|spot| {
             let text = spot.text(&mut self.bench.problems)?;
             let along = self.place(&text, locals, Section::Constraint)?;
-            let Some(constraint) = self.model.constraints.get(along) else { return None };
+            let looked_at: usize = active.iter().map(|phase| self.model.phases[*phase].constraints.len()).sum();
+            if !self.bench.spend(looked_at as u64 / 64, &spot.place) {
+                return None;
+            }
+            let constraint = self.model.constraints.get(along)?;
             let held = active.iter().all(|phase| self.model.phases[*phase].constraints.contains(&along));
             let problem = if !constraint.holonomic {
                 mechanics::impact_along_velocity(spot.place, &constraint.name)
@@ -135,9 +139,13 @@ impl Resolver<'_> {
     fn restitution(&mut self, spot: &Spot<'_>, locals: &Locals) -> Option<Id> {
         let quantity = spot.quantity(&mut self.bench.problems)?;
         let value = self.setting(&quantity, RESTITUTION, locals)?;
-        for scene in &self.model.scenes {
-            let found = crate::model::command::evaluate(&self.bench.graph, value, &self.scene_parameters(scene));
-            let problem = match found {
+        let constant = self.bench.graph.number(value).is_some();
+        for scene in 0..if constant { 1 } else { self.model.scenes.len() } {
+            if !self.bench.spend(1 + self.bench.graph.len() as u64 / 1024, &spot.place) {
+                return None;
+            }
+            let parameters = if constant { Vec::new() } else { self.scene_parameters(&self.model.scenes[scene]) };
+            let problem = match crate::model::command::evaluate(&self.bench.graph, value, &parameters) {
                 Some(e) if (0.0..=1.0).contains(&e) => continue,
                 Some(e) => mechanics::value_out_of_range(spot.place.clone(), RESTITUTION.what, "in 0..1", e),
                 None => names::undefined_value(spot.place.clone(), &quantity.text.source),
@@ -150,12 +158,20 @@ impl Resolver<'_> {
 
     /// Constraints that act in no phase, nor in an impact, are doubtful.
     pub fn idle_constraints(&mut self) {
-        for (place, constraint) in self.model.constraints.iter().enumerate() {
-            let acts = self.model.phases.iter().any(|phase| phase.constraints.contains(&place));
-            let hits = |action: &EventAction| matches!(action, EventAction::Impact { along, .. } if *along == place);
-            if !acts && !self.model.events.iter().any(|event| event.actions.iter().any(hits)) {
-                let warning = mechanics::idle_constraint(constraint.place.of_key(), &constraint.name);
-                self.model.warnings.push(warning);
+        let mut idle = vec![true; self.model.constraints.len()];
+        for place in self.model.phases.iter().flat_map(|phase| &phase.constraints) {
+            idle[*place] = false;
+        }
+        for action in self.model.events.iter().flat_map(|event| &event.actions) {
+            if let EventAction::Impact { along, .. } = action {
+                idle[*along] = false;
+            }
+        }
+        for (constraint, _) in self.model.constraints.iter().zip(idle).filter(|(_, idle)| *idle) {
+            let place = constraint.place.of_key();
+            // Members of a family are told of once.
+            if self.model.warnings.last().is_none_or(|last| last.place != place) {
+                self.model.warnings.push(mechanics::idle_constraint(place, &constraint.name));
             }
         }
     }

@@ -1,5 +1,7 @@
 //! `phases`, and the key `phase` wherever it stands (LANGUAGE, sections 5 and 6).
 
+use rustc_hash::FxHashSet as HashSet;
+
 use crate::diagnose::catalogue::{names, sections};
 use crate::expr::{Id, Symbol};
 use crate::file::{Spot, Text};
@@ -100,11 +102,12 @@ impl Resolver<'_> {
     /// What a list names, families included, each thing once.
     fn places(&mut self, items: &[Spot<'_>], list: &str, locals: &Locals, section: Section) -> Vec<usize> {
         let mut places = Vec::new();
+        let mut seen = HashSet::default();
         for item in items {
             let texts: Vec<Text> = self.listed(item, locals);
             for text in texts {
                 let Some(place) = self.place(&text, locals, section) else { continue };
-                if places.contains(&place) {
+                if !seen.insert(place) {
                     let problem = sections::twice_in_list(item.place.clone(), &text.source, list);
                     self.bench.problems.push(problem);
                     continue;
