@@ -17,6 +17,8 @@ pub struct Momentum {
     pub matrix: Vec<(usize, usize, Id)>,
     /// b.
     pub right: Vec<Id>,
+    /// How many equations at the end are not balances but the constraints of the system's phase.
+    pub constraints: usize,
 }
 
 impl Momentum {
@@ -52,7 +54,7 @@ fn linear(model: &mut Model, rows: &Rows, system: &BalanceSystem, known: &[Switc
     let matrix = slopes(graph, &residuals, &unknowns);
     let zero = unknowns.iter().map(|s| (*s, Id::ZERO)).collect();
     let right = substitute(graph, &residuals, &zero).into_iter().map(|rest| graph.neg(rest)).collect();
-    Momentum { unknowns, matrix, right }
+    Momentum { unknowns, matrix, right, constraints: active.len() }
 }
 
 /// The unknowns of a system: accelerations, then the components of its reactions, then the multipliers that stand in it.

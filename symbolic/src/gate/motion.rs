@@ -154,7 +154,15 @@ impl Motion {
             rank: rank.saturating_sub(m),
             coordinates: columns.into_iter().map(|k| k.min(n.saturating_sub(1))).collect(),
         })?;
-        let found = factored.solve(&right.iter().map(|x| -x.value).collect::<Vec<_>>());
+        let right_side: Vec<DoubleDouble> = right.iter().map(|x| -x.value).collect();
+        let mut found = factored.solve(&right_side);
+        // One step of refinement makes every row right by its own terms (Skeel 1980), those of constraints among them.
+        let left: Vec<DoubleDouble> = (0..size)
+            .map(|i| (0..size).fold(right_side[i], |rest, j| rest - numbers[i * size + j] * found[j]))
+            .collect();
+        for (x, correction) in found.iter_mut().zip(factored.solve(&left)) {
+            *x = *x + correction;
+        }
         let errors: Vec<f64> = (0..size)
             .map(|i| {
                 let moving: f64 = (0..size).map(|j| sizes[i * size + j] * found[j].to_f64().abs()).sum();

@@ -107,6 +107,8 @@ impl Constraints {
         let holonomic: Vec<usize> = active.iter().copied().filter(|k| self.holonomic[*k]).collect();
         let mut damping = 1e-3;
         let mut closed = holonomic.is_empty();
+        // What a constraint is made of on the way, where at its end it may be made of nothing.
+        let mut sizes = vec![0.0_f64; self.holonomic.len()];
         for _ in 0..STEPS {
             if closed {
                 break;
@@ -115,7 +117,8 @@ impl Constraints {
             if c.iter().any(|c| !c.value.is_finite()) {
                 return false;
             }
-            closed = c.iter().all(|c| c.value.abs().to_f64() <= HOLDS * c.magnitude);
+            holonomic.iter().zip(&c).for_each(|(k, c)| sizes[*k] = sizes[*k].max(c.magnitude));
+            closed = holonomic.iter().zip(&c).all(|(k, c)| c.value.abs().to_f64() <= HOLDS * sizes[*k]);
             let size = norm(&c);
             if closed {
                 break;
@@ -144,21 +147,22 @@ impl Constraints {
 
     fn close_speeds(&self, state: &mut State, active: &[usize]) -> bool {
         let lines = self.lines(state, active);
-        for _ in 0..6 {
+        let mut sizes = vec![0.0_f64; self.holonomic.len()];
+        for _ in 0..8 {
             let rates = self.rates.measured(|s| state.value(s));
             let off: Vec<&Measured> = active.iter().map(|k| &rates[*k]).collect();
             if off.iter().any(|c| !c.value.is_finite()) {
                 return false;
             }
-            if off.iter().all(|c| c.value.abs().to_f64() <= HOLDS * c.magnitude) {
+            active.iter().zip(&off).for_each(|(k, c)| sizes[*k] = sizes[*k].max(c.magnitude));
+            if active.iter().zip(&off).all(|(k, c)| c.value.abs().to_f64() <= HOLDS * sizes[*k]) {
                 return true;
             }
             let right: Vec<f64> = off.iter().map(|c| -c.value.to_f64()).collect();
             let Some(step) = least(&lines, &right, self.n, 0.0) else { return false };
             state.v = moved(&state.v, &step);
         }
-        let rates = self.rates.measured(|s| state.value(s));
-        active.iter().all(|k| rates[*k].value.abs().to_f64() <= 1e3 * HOLDS * rates[*k].magnitude)
+        false
     }
 
     /// How many rows of its phase are independent at a state, those first in `order`, and a measure of the next one.

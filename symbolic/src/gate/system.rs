@@ -14,6 +14,8 @@ const NOTHING: f64 = 1e-22;
 pub(super) struct Assembled {
     /// How many equations.
     pub equations: usize,
+    /// How many of them are balances; the rest are constraints, which every state meets.
+    pub judged: usize,
     /// How many unknowns: accelerations, then reactions.
     pub size: usize,
     /// Coefficients, row by row.
@@ -59,7 +61,13 @@ pub(super) fn times(x: Measured, y: Measured) -> Measured {
 
 impl Assembled {
     fn new(equations: usize, size: usize) -> Assembled {
-        Assembled { equations, size, matrix: vec![zero(); equations * size], rest: vec![zero(); equations] }
+        Assembled {
+            equations,
+            judged: equations,
+            size,
+            matrix: vec![zero(); equations * size],
+            rest: vec![zero(); equations],
+        }
     }
 
     /// A system as it was derived, at every state.
@@ -70,6 +78,7 @@ impl Assembled {
         let at = |state: &State| {
             tape.run(|s| state.measured(s), &mut scratch, &mut values);
             let mut system = Assembled::new(linear.right.len(), linear.unknowns.len());
+            system.judged -= linear.constraints;
             for ((i, j, _), value) in linear.matrix.iter().zip(&values) {
                 system.matrix[i * system.size + j] = *value;
             }
@@ -137,7 +146,7 @@ impl Assembled {
         }
         let mut reactions: Vec<Vec<Measured>> =
             self.matrix.chunks(self.size.max(1)).map(|line| line[n..].to_vec()).collect();
-        let mut open: Vec<usize> = (0..self.equations).collect();
+        let mut open: Vec<usize> = (0..self.judged).collect();
         for k in 0..self.size - n {
             let sharp = |e: usize| {
                 let c = reactions[e][k];

@@ -38,7 +38,7 @@ pub(super) fn systems(model: &mut Model, momentum: Vec<Momentum>, named: &[(usiz
 }
 
 fn lower(model: &mut Model, system: &BalanceSystem, linear: Momentum, named: &[(usize, Symbol)]) -> MomentumSystem {
-    let Momentum { unknowns, matrix, right } = linear;
+    let Momentum { unknowns, matrix, right, .. } = linear;
     let outputs = named.iter().filter_map(|(place, s)| Some((*place, unknowns.iter().position(|u| u == s)?)));
     let outputs = outputs.collect();
     let (mut matrix, right) = cheapest(&mut model.graph, matrix, right);
@@ -47,8 +47,8 @@ fn lower(model: &mut Model, system: &BalanceSystem, linear: Momentum, named: &[(
     let roots: Vec<Id> = matrix.iter().map(|e| e.2).chain(right.iter().copied()).collect();
     MomentumSystem {
         name: system.name.clone(),
-        unknowns: unknown_names(model, system),
-        equations: equation_names(system),
+        unknowns: unknown_names(model, system, &unknowns),
+        equations: equation_names(model, system),
         operations: operations(&model.graph, &roots),
         outputs,
         matrix,
@@ -87,7 +87,7 @@ fn cheapest(graph: &mut Graph, matrix: Vec<Entry>, right: Vec<Id>) -> (Vec<Entry
 /// The components of vectors.
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-fn equation_names(system: &BalanceSystem) -> Vec<(String, bool)> {
+fn equation_names(model: &Model, system: &BalanceSystem) -> Vec<(String, bool)> {
     let mut names = Vec::new();
     for balance in &system.balances {
         let void = balance.void_at_rest;
@@ -96,10 +96,13 @@ fn equation_names(system: &BalanceSystem) -> Vec<(String, bool)> {
             n => names.extend(AXES.iter().take(n).map(|axis| (format!("{axis} of {}", balance.label), void))),
         }
     }
+    let phase = system.phases.first().and_then(|phase| model.phases.get(*phase));
+    let rows = phase.map_or_else(Vec::new, |phase| model.rows_of(phase));
+    names.extend(rows.into_iter().map(|row| (format!("the constraint {}", model.row_name(row)), false)));
     names
 }
 
-fn unknown_names(model: &Model, system: &BalanceSystem) -> Vec<String> {
+fn unknown_names(model: &Model, system: &BalanceSystem, unknowns: &[Symbol]) -> Vec<String> {
     let mut names: Vec<String> = model.coordinates.iter().map(|c| format!("{}''", c.name)).collect();
     for reaction in system.reactions.iter().map(|&k| &model.reactions[k]) {
         if reaction.scalar {
@@ -107,6 +110,11 @@ fn unknown_names(model: &Model, system: &BalanceSystem) -> Vec<String> {
         } else {
             let axes = AXES.iter().take(reaction.components);
             names.extend(axes.map(|axis| format!("{}.{axis}", reaction.name)));
+        }
+    }
+    for symbol in unknowns {
+        if let Symbol::Multiplier(row) = symbol {
+            names.push(format!("reaction({})", model.row_name(*row as usize)));
         }
     }
     names
