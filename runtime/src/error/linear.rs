@@ -33,6 +33,13 @@ pub enum LinearError {
         /// What is left there for every coordinate.
         residual: Vec<Residual>,
     },
+    /// The mechanism has constraints: it is linearised in independent coordinates, by `linearise_constrained`.
+    HasConstraints,
+    /// A constraint contains speeds, so that no coordinates are independent.
+    VelocityConstraint {
+        /// The constraint.
+        constraint: String,
+    },
     /// Forces jump here, as dry friction does at rest: the equilibria are a whole set, and there is no linear model.
     Discontinuous {
         /// (coordinate, value) of the point.
@@ -110,6 +117,17 @@ impl fmt::Display for LinearError {
                 if *iterations == 1 { "" } else { "s" },
                 Pairs(point),
                 Forces(residual)
+            ),
+            LinearError::HasConstraints => {
+                write!(
+                    f,
+                    "the mechanism has constraints: linearise it in independent coordinates (`linearise_constrained`)"
+                )
+            }
+            LinearError::VelocityConstraint { constraint } => write!(
+                f,
+                "the constraint `{constraint}` contains speeds: there are no independent coordinates to write M, C and K in; \
+                 where it can be integrated, write it without speeds"
             ),
             LinearError::Discontinuous { point, switch, jump } => write!(
                 f,

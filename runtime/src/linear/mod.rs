@@ -9,7 +9,8 @@
 //! 4. A branch of equilibria as a parameter changes, its folds and thresholds ([`follow`]): look in `branch/`.
 //! 5. Motions of the linear model: from given states, by the matrix exponential [`expm`], forced, steady, measured:
 //!    look in `forced/`.
-//! 6. Decompositions, scaling and ranks: look in `matrices/`.
+//! 6. With holonomic constraints, in independent coordinates ([`linearise_constrained`]): look in `constrained.rs`.
+//! 7. Decompositions, scaling and ranks: look in `matrices/`.
 //!
 //! Matrices stay sparse until an eigenproblem or a factorization needs them dense, on the heap.
 
@@ -23,6 +24,7 @@ macro_rules! dmatrix {
 }
 
 mod branch;
+mod constrained;
 mod equilibrium;
 mod forced;
 mod matrices;
@@ -33,6 +35,7 @@ mod typed;
 pub use crate::error::{LinearError, Residual};
 pub use crate::numbers::{short, short_beside};
 pub use branch::{Branch, BranchPoint, Change, Threshold, ThresholdKind, follow};
+pub use constrained::{Constrained, linearise_constrained};
 pub use equilibrium::{
     Equilibrium, Freedom, Guess, Jump, Linearised, equilibria, equilibrium_here, equilibrium_near, linearise,
     state_matrix,

@@ -106,7 +106,8 @@ fn limit(stability: &[f64], rate: Complex<f64>, step: f64) -> f64 {
 /// The eigenvalues of the system linearised at a state, 1/s; `None` where they cannot be had.
 fn eigenvalues<S: System + ?Sized>(system: &S, t: f64, q: &[f64], v: &[f64]) -> Option<Vec<Complex<f64>>> {
     let n = system.len();
-    if n == 0 || n > LARGEST {
+    // With constraints these are not the motions that remain.
+    if n == 0 || n > LARGEST || !system.active_rows().is_empty() {
         return None;
     }
     let description = system.description();

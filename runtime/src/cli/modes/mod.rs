@@ -1,6 +1,7 @@
 //! `modes`: an equilibrium, M, C and K there, the modes, and answers to what shakes them.
 
 mod bodies;
+mod constrained;
 mod damping;
 mod drive;
 mod locus;
@@ -37,6 +38,9 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     guess.inputs = held_inputs(&loaded, options)?;
     for warning in &loaded.warnings {
         eprintln!("warning: {warning}");
+    }
+    if !loaded.system.active_rows().is_empty() {
+        return constrained::run(&loaded, options, &guess, out);
     }
     let system = &*loaded.system;
     let found =

@@ -154,5 +154,5 @@ fn shape(linear: &Linearised, mode: &Mode) -> Vec<String> {
         let sign = if x.im < 0.0 { '-' } else { '+' };
         format!("{name} {re}{sign}{}i", short_beside(x.im.abs(), scale))
     };
-    linear.coordinates.iter().zip(&mode.shape).map(element).collect()
+    linear.equilibrium.coordinates.iter().zip(&mode.shape).map(element).collect()
 }

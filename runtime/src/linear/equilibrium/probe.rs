@@ -32,6 +32,11 @@ impl Probe {
         Probe { system: RefCell::new(held), n, v: guess.v.clone(), zero: vec![0.0; n] }
     }
 
+    /// Whether constraints act, so that coordinates are not independent.
+    fn has_constraints(&self) -> bool {
+        !self.system.borrow().active_rows().is_empty()
+    }
+
     /// Another value of a parameter.
     pub fn set_parameter(&self, index: usize, value: f64) {
         self.system.borrow_mut().set_parameter(index, value);
@@ -255,6 +260,9 @@ impl Probe {
 
     /// Refuses equations that change with time though all inputs are held, and speeds that cannot last.
     pub fn check(&self, q: &[f64]) -> Result<(), LinearError> {
+        if self.has_constraints() {
+            return Err(LinearError::HasConstraints);
+        }
         let size = |what, given| LinearError::WrongSize { what, given, expected: self.n };
         if q.len() != self.n {
             return Err(size("the point", q.len()));

@@ -1,0 +1,319 @@
+//! Small motions of mechanisms with holonomic constraints, in coordinates that the constraints leave independent.
+//!
+//! At rest F(q, 0, 0, λ) = 0 and c(q) = 0.  With Z a basis of the motions that the constraints allow, J Z = 0,
+//! M_z = Zᵀ M Z, C_z = Zᵀ (∂F/∂q') Z and K_z = Zᵀ (∂F/∂q) Z at these λ, so that Σ λ_k ∇²c_k, the geometric stiffness of the
+//! constraints, is in it.
+
+use nalgebra::{Complex, DMatrix, DVector};
+
+use super::{Equilibrium, Freedom, Guess, LinearError, Linearised, Mode, Residual, SparseMatrix};
+use crate::constrain::{Start, consistent};
+use crate::mechanism::{At, System};
+
+/// M, C and K of a constrained mechanism in independent coordinates, and how all others follow.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Constrained {
+    /// The model in independent coordinates.
+    pub linear: Linearised,
+    /// Names of all coordinates.
+    pub coordinates: Vec<String>,
+    /// Z: how all coordinates follow the independent ones.
+    pub motions: DMatrix<f64>,
+    /// The multipliers at rest, of the rows that are active.
+    pub multipliers: Vec<f64>,
+}
+
+/// Forces left at rest count as zero below this part of their own terms.
+const BALANCED: f64 = 1e-9;
+/// Newton's method gives up after so many iterations.
+const ITERATIONS: usize = 200;
+/// Rows of J below this part of the largest depend on others.
+const DEPENDENT: f64 = 1e-9;
+
+/// Linearises a mechanism with holonomic constraints at an equilibrium near a guess, or at the guess itself where `here` is
+/// set.
+///
+/// # Errors
+/// [`LinearError::NoEquilibrium`], [`LinearError::NotAnEquilibrium`]; [`LinearError::VelocityConstraint`]: a constraint
+/// that contains speeds leaves no M, C and K in independent coordinates; numbers that are not finite.
+pub fn linearise_constrained<S: System + ?Sized>(
+    system: &S,
+    guess: &Guess,
+    here: bool,
+) -> Result<Constrained, LinearError> {
+    let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    let description = system.description();
+    if let Some(row) = rows.iter().map(|row| &description.rows[*row]).find(|row| !row.holonomic) {
+        return Err(LinearError::VelocityConstraint { constraint: row.name.to_string() });
+    }
+    let rest = Rest { system, n: system.len(), rows };
+    let q = if here { guess.q.clone() } else { rest.search(&guess.q)? };
+    rest.linearised(&q)
+}
+
+impl Constrained {
+    /// Shapes of modes in all coordinates of the file.
+    pub fn in_all_coordinates(&self, modes: &[Mode]) -> Vec<Mode> {
+        let whole = |mode: &Mode| {
+            let shape = (0..self.motions.nrows())
+                .map(|i| (0..mode.shape.len()).map(|k| mode.shape[k] * self.motions[(i, k)]).sum::<Complex<f64>>());
+            Mode { shape: shape.collect(), ..mode.clone() }
+        };
+        modes.iter().map(whole).collect()
+    }
+}
+
+struct Rest<'a, S: System + ?Sized> {
+    system: &'a S,
+    n: usize,
+    rows: Vec<usize>,
+}
+
+/// Forces and matrices at rest, without multipliers' forces in `force`.
+struct Here {
+    force: DVector<f64>,
+    jacobian: DMatrix<f64>,
+    values: DVector<f64>,
+}
+
+impl<S: System + ?Sized> Rest<'_, S> {
+    fn here(&self, q: &[f64]) -> Here {
+        let (n, zero) = (self.n, vec![0.0; self.n]);
+        let at = At::new(0.0, q, &zero).accelerated(&zero);
+        let mut force = DVector::zeros(n);
+        self.system.residual(at, force.as_mut_slice());
+        let pattern = &self.system.description().constraint_pattern;
+        let mut values = vec![0.0; pattern.len()];
+        self.system.constraint_matrix(at, &mut values);
+        let mut jacobian = DMatrix::zeros(self.rows.len(), n);
+        for ((row, column), value) in pattern.iter().zip(values) {
+            if let Some(k) = self.rows.iter().position(|r| *r == *row as usize) {
+                jacobian[(k, *column as usize)] = value;
+            }
+        }
+        let mut triples = vec![0.0; 3 * self.system.description().rows.len()];
+        self.system.constraints(at, &mut triples);
+        let values = DVector::from_iterator(self.rows.len(), self.rows.iter().map(|row| triples[3 * row]));
+        Here { force, jacobian, values }
+    }
+
+    /// λ that leaves the least of the forces.
+    fn multipliers(&self, here: &Here) -> DVector<f64> {
+        let transposed = here.jacobian.transpose();
+        let threshold = DEPENDENT * transposed.norm();
+        transposed.svd(true, true).solve(&here.force, threshold).unwrap_or_else(|_| DVector::zeros(self.rows.len()))
+    }
+
+    fn all_multipliers(&self, lambda: &DVector<f64>) -> Vec<f64> {
+        let mut all = vec![0.0; self.system.description().rows.len()];
+        self.rows.iter().zip(lambda.iter()).for_each(|(row, x)| all[*row] = *x);
+        all
+    }
+
+    /// ∂F/∂q and ∂F/∂q' with these multipliers.
+    fn slopes(&self, q: &[f64], lambda: &DVector<f64>) -> [DMatrix<f64>; 2] {
+        let (n, zero, lambda) = (self.n, vec![0.0; self.n], self.all_multipliers(lambda));
+        let at = At::new(0.0, q, &zero).accelerated(&zero).constrained(&lambda);
+        let description = self.system.description();
+        let patterns = [&description.stiffness_pattern, &description.damping_pattern];
+        let [mut dq, mut dv] = patterns.map(|pattern| vec![0.0; pattern.len()]);
+        self.system.jacobians(at, &mut dq, &mut dv);
+        let mut slopes = [DMatrix::zeros(n, n), DMatrix::zeros(n, n)];
+        for ((matrix, pattern), values) in slopes.iter_mut().zip(patterns).zip([dq, dv]) {
+            for ((i, j), value) in pattern.iter().zip(values) {
+                matrix[(*i as usize, *j as usize)] = value;
+            }
+        }
+        slopes
+    }
+
+    fn magnitudes(&self, q: &[f64], lambda: &DVector<f64>) -> Vec<f64> {
+        let (zero, lambda) = (vec![0.0; self.n], self.all_multipliers(lambda));
+        let mut sums = vec![0.0; self.n];
+        self.system.magnitudes(At::new(0.0, q, &zero).accelerated(&zero).constrained(&lambda), &mut sums);
+        sums
+    }
+
+    /// Newton's method on F − Jᵀλ = 0, c = 0, halved until both decrease.
+    fn search(&self, guess: &[f64]) -> Result<Vec<f64>, LinearError> {
+        let (n, m) = (self.n, self.rows.len());
+        let start = [guess, &vec![0.0; n]].concat();
+        let held = vec![false; 2 * n];
+        let closed = consistent(self.system, &Start { t: 0.0, y: &start, held: &held });
+        let mut q = match closed {
+            Ok(y) => y[..n].to_vec(),
+            Err(_) => return Err(self.nowhere(guess, 0)),
+        };
+        let mut lambda = self.multipliers(&self.here(&q));
+        for iteration in 0..ITERATIONS {
+            let here = self.here(&q);
+            let left = &here.force - here.jacobian.transpose() * &lambda;
+            let [stiffness, _] = self.slopes(&q, &lambda);
+            let mut k = DMatrix::zeros(n + m, n + m);
+            k.view_mut((0, 0), (n, n)).copy_from(&stiffness);
+            k.view_mut((0, n), (n, m)).copy_from(&(-here.jacobian.transpose()));
+            k.view_mut((n, 0), (m, n)).copy_from(&here.jacobian);
+            let right = DVector::from_iterator(n + m, left.iter().chain(here.values.iter()).map(|x| -x));
+            if k.iter().chain(right.iter()).any(|x| !x.is_finite()) {
+                return Err(self.nowhere(&q, iteration));
+            }
+            let threshold = 1e-13 * k.norm();
+            let Ok(step) = k.svd(true, true).solve(&right, threshold) else { return Err(self.nowhere(&q, iteration)) };
+            let size = right.norm();
+            let mut part = 1.0;
+            let mut next = (q.clone(), lambda.clone());
+            let mut after = f64::INFINITY;
+            while part > 1e-6 {
+                next.0 = q.iter().zip(step.iter()).map(|(q, s)| q + part * s).collect();
+                next.1 = &lambda + part * step.rows(n, m);
+                let there = self.here(&next.0);
+                let left = &there.force - there.jacobian.transpose() * &next.1;
+                after = (left.norm_squared() + there.values.norm_squared()).sqrt();
+                if after < size {
+                    break;
+                }
+                part *= 0.5;
+            }
+            if !(after < size) {
+                // As good as rounding lets it be, or nowhere.
+                return if self.is_balanced(&q, &lambda) { Ok(q) } else { Err(self.nowhere(&q, iteration)) };
+            }
+            (q, lambda) = next;
+        }
+        if self.is_balanced(&q, &lambda) { Ok(q) } else { Err(self.nowhere(&q, ITERATIONS)) }
+    }
+
+    fn is_balanced(&self, q: &[f64], lambda: &DVector<f64>) -> bool {
+        let here = self.here(q);
+        let left = &here.force - here.jacobian.transpose() * lambda;
+        let closed = here.values.iter().all(|c| c.abs() <= BALANCED);
+        closed && left.iter().zip(self.magnitudes(q, lambda)).all(|(f, sum)| f.abs() <= BALANCED * sum)
+    }
+
+    fn linearised(&self, q: &[f64]) -> Result<Constrained, LinearError> {
+        let here = self.here(q);
+        let lambda = self.multipliers(&here);
+        let left = &here.force - here.jacobian.transpose() * &lambda;
+        if !self.is_balanced(q, &lambda) {
+            return Err(LinearError::NotAnEquilibrium { residual: self.residual(left.as_slice()) });
+        }
+        let [stiffness, damping] = self.slopes(q, &lambda);
+        let motions = independent(&here.jacobian);
+        let mass = self.mass(q);
+        let description = self.system.description();
+        let names: Vec<String> = description.coordinates.iter().map(|c| c.name.to_string()).collect();
+        // A column of Z has a 1 in the row of its coordinate.
+        let chosen: Vec<usize> = motions.1;
+        let z = motions.0;
+        let reduced = |matrix: &DMatrix<f64>| SparseMatrix::from_dense(&(z.transpose() * matrix * &z));
+        let linear = Linearised {
+            coordinates: chosen.iter().map(|i| names[*i].clone()).collect(),
+            units: chosen.iter().map(|i| description.coordinates[*i].unit.to_string()).collect(),
+            inputs: Vec::new(),
+            equilibrium: Equilibrium {
+                coordinates: names.clone(),
+                q: q.to_vec(),
+                v: vec![0.0; self.n],
+                inputs: Vec::new(),
+                friction: Vec::new(),
+                residual: left.iter().copied().collect(),
+                iterations: 0,
+                slow: None,
+                freedom: Freedom::default(),
+            },
+            mass: reduced(&mass),
+            damping: reduced(&damping),
+            stiffness: reduced(&stiffness),
+            input: SparseMatrix::new(z.ncols(), 0, &[], &[]),
+        };
+        Ok(Constrained { linear, coordinates: names, motions: z, multipliers: lambda.iter().copied().collect() })
+    }
+
+    fn mass(&self, q: &[f64]) -> DMatrix<f64> {
+        let pattern = &self.system.description().mass_pattern;
+        let mut values = vec![0.0; pattern.len()];
+        self.system.mass_matrix(At::place(0.0, q), &mut values);
+        SparseMatrix::symmetric(self.n, pattern, &values).to_dense()
+    }
+
+    fn residual(&self, left: &[f64]) -> Vec<Residual> {
+        let coordinates = self.system.description().coordinates.iter().zip(left);
+        coordinates
+            .map(|(c, force)| Residual { coordinate: c.name.to_string(), force: *force, unit: String::new() })
+            .collect()
+    }
+
+    fn nowhere(&self, q: &[f64], iterations: usize) -> LinearError {
+        let here = self.here(q);
+        let lambda = self.multipliers(&here);
+        let left = &here.force - here.jacobian.transpose() * lambda;
+        let names = self.system.description().coordinates.iter().map(|c| c.name.to_string());
+        LinearError::NoEquilibrium {
+            iterations,
+            point: names.zip(q.iter().copied()).collect(),
+            residual: self.residual(left.as_slice()),
+        }
+    }
+}
+
+/// Z with J Z = 0, columns of independent coordinates chosen by rank: each has a 1 in the row of its coordinate.
+fn independent(jacobian: &DMatrix<f64>) -> (DMatrix<f64>, Vec<usize>) {
+    let (m, n) = jacobian.shape();
+    // Gauss–Jordan with complete pivoting: dependent columns first.
+    let mut a = jacobian.clone();
+    for mut row in a.row_iter_mut() {
+        let norm = row.norm();
+        if norm > 0.0 {
+            row.scale_mut(1.0 / norm);
+        }
+    }
+    let mut columns: Vec<usize> = (0..n).collect();
+    let mut rank = 0;
+    while rank < m.min(n) {
+        let rest = (rank..m).flat_map(|i| (rank..n).map(move |j| (i, j)));
+        let Some((i, j)) = rest.max_by(|x, y| a[*x].abs().total_cmp(&a[*y].abs())) else { break };
+        if a[(i, j)].abs() <= DEPENDENT {
+            break;
+        }
+        a.swap_rows(rank, i);
+        a.swap_columns(rank, j);
+        columns.swap(rank, j);
+        let pivot = a[(rank, rank)];
+        a.row_mut(rank).scale_mut(1.0 / pivot);
+        for k in (0..m).filter(|k| *k != rank) {
+            let factor = a[(k, rank)];
+            if factor != 0.0 {
+                let line = a.row(rank).clone_owned();
+                let mut row = a.row_mut(k);
+                row -= factor * line;
+            }
+        }
+        rank += 1;
+    }
+    let mut z = DMatrix::zeros(n, n - rank);
+    let mut order: Vec<(usize, usize)> = columns[rank..].iter().copied().enumerate().collect();
+    order.sort_by_key(|(_, column)| *column);
+    for (k, (place, column)) in order.iter().enumerate() {
+        z[(*column, k)] = 1.0;
+        for i in 0..rank {
+            z[(columns[i], k)] = -a[(i, rank + place)];
+        }
+    }
+    (z, order.into_iter().map(|(_, column)| column).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn independent_columns_span_the_null_space() {
+        let j = DMatrix::from_row_slice(2, 4, &[1.0, 2.0, 0.0, -1.0, 2.0, 4.0, 0.0, -2.0]);
+        let (z, chosen) = independent(&j);
+        assert_eq!((z.ncols(), chosen.len()), (3, 3));
+        assert!((j * &z).norm() < 1e-15);
+        for (k, i) in chosen.iter().enumerate() {
+            assert_eq!(z[(*i, k)], 1.0);
+        }
+    }
+}
