@@ -14,6 +14,8 @@ pub(crate) struct Projection {
     delta: Vec<f64>,
     right: Vec<f64>,
     norms: Vec<f64>,
+    /// The largest Σ |terms| that each row has had: where it vanishes its terms may too.
+    scales: Vec<f64>,
     last: Residuals,
     worst: Residuals,
 }
@@ -46,6 +48,7 @@ impl Projection {
             delta: vec![0.0; system.len()],
             right: Vec::with_capacity(rows),
             norms: vec![0.0; rows],
+            scales: vec![0.0; rows],
             last: Residuals::default(),
             worst: Residuals::default(),
         })
@@ -63,7 +66,7 @@ impl Projection {
         let mut before = f64::INFINITY;
         let mut fresh = false;
         for _ in 0..ITERATIONS {
-            system.constraints(At::packed(t, y, n), &mut self.triples);
+            self.observe(system, t, y);
             let distance = self.distance(system);
             if distance <= 1.0 || !distance.is_finite() || (fresh && distance > SLOW * before) {
                 break;
@@ -101,6 +104,20 @@ impl Projection {
         Ok(())
     }
 
+    /// Evaluates all rows at a state, and notes how large their terms are.
+    pub fn observe<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
+        system.constraints(At::packed(t, y, system.len()), &mut self.triples);
+        for (scale, triple) in self.scales.iter_mut().zip(self.triples.chunks_exact(3)) {
+            *scale = scale.max(triple[2]);
+        }
+    }
+
+    /// Whether a holonomic row does not hold at the state that was observed last, and by how much it is missed.
+    pub fn misses(&self, row: usize) -> Option<f64> {
+        let c = self.triples[3 * row];
+        (!(c.abs() <= LOST * self.scales[row])).then_some(c)
+    }
+
     /// The largest norms that the rows have had.
     pub fn norms(&self) -> &[f64] {
         &self.norms
@@ -118,12 +135,11 @@ impl Projection {
 
     /// The active row that the last state misses by far more than rounding, and by how much.
     pub fn lost<S: System + ?Sized>(&self, system: &S) -> Option<(usize, f64)> {
-        let missed = |row: &usize| {
-            let (c, scale) = (self.triples[3 * row], self.triples[3 * row + 2]);
-            !(c.abs() <= LOST * scale) && system.description().rows[*row].holonomic
-        };
-        let row = system.active_rows().iter().map(|row| *row as usize).find(missed)?;
-        Some((row, self.triples[3 * row]))
+        let mut active = system.active_rows().iter().map(|row| *row as usize);
+        active.find_map(|row| {
+            let missed = self.misses(row).filter(|_| system.description().rows[row].holonomic);
+            missed.map(|c| (row, c))
+        })
     }
 
     /// The largest residual of a position in units of its rounding.
@@ -131,7 +147,7 @@ impl Projection {
         let rows = &system.description().rows;
         let active = system.active_rows().iter().map(|row| *row as usize).filter(|row| rows[*row].holonomic);
         let share = |row: usize| {
-            let (c, scale) = (self.triples[3 * row].abs(), self.triples[3 * row + 2]);
+            let (c, scale) = (self.triples[3 * row].abs(), self.scales[row]);
             if c == 0.0 { 0.0 } else { c / (ROUNDING * scale) }
         };
         active.map(share).fold(0.0, |most: f64, share| if share.is_nan() { f64::NAN } else { most.max(share) })

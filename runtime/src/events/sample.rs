@@ -24,6 +24,8 @@ pub(crate) struct Sampler {
 
 /// How far ahead a function at its zero is asked for its side, in parts of the step.
 const AHEAD: f64 = 1e-4;
+/// A rate that changes a function by less than this part of its largest value in a step is none.
+const STILL: f64 = 1e-15;
 /// A change this small beside the values is rounding.
 const LEAVES: f64 = 1e-3;
 /// The step of a difference, in parts of the step, for functions whose rate is not known.
@@ -60,9 +62,19 @@ impl Sampler {
     }
 
     /// To which side an event's function leaves its zero at a state, seen a little ahead; 0 if it stays.
-    pub fn leaves<S: System + ?Sized>(&mut self, system: &S, event: usize, (t, y): (f64, &[f64]), step: f64) -> f64 {
+    pub fn leaves<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        event: usize,
+        (t, y): (f64, &[f64]),
+        (step, largest, struck): (f64, f64, bool),
+    ) -> f64 {
         self.at_state(system, t, y);
         let (before, ahead) = (self.value(event), AHEAD * step);
+        if struck && self.rated[event] && (self.rates[event] * step).abs() > STILL * largest {
+            // What was struck leaves as its rate says, however low it hops.
+            return self.rates[event].signum();
+        }
         let n = self.n;
         let a = self.a.clone();
         let moved: Vec<f64> = (0..n)

@@ -38,6 +38,8 @@ pub(crate) struct Scanner {
     pub end_sides: Vec<f64>,
     /// Functions that were at zero when the integration (re)started.
     pub fresh: Vec<bool>,
+    /// To which side these leave it, where their rates tell; 0 where they do not.
+    pub leaving: Vec<f64>,
     /// The largest size of each function that was met.
     pub largest: Vec<f64>,
     /// Events of other phases are not looked at.
@@ -75,6 +77,7 @@ impl Scanner {
             sides: vec![0.0; functions],
             end_sides: vec![0.0; functions],
             fresh: vec![true; functions],
+            leaving: vec![0.0; functions],
             largest: vec![0.0; functions],
             asleep: vec![false; functions],
             certifier: Certifier::default(),
@@ -141,6 +144,7 @@ impl Scanner {
     pub fn advance(&mut self, t: f64) {
         self.sides.copy_from_slice(&self.end_sides);
         self.fresh.fill(false);
+        self.leaving.fill(0.0);
         self.ends = t;
     }
 
@@ -188,8 +192,9 @@ impl Scanner {
             floor = resolution * variation;
             grid[0].value = 0.0;
             if sampler.switch(function).is_none() {
-                // An event that is zero where a motion begins has no side until it has left zero.
-                self.sides[function] = 0.0;
+                // An event that is zero where a motion begins has no side until it has left zero; a hop that is too low to
+                // be seen is over before the step has well begun.
+                self.sides[function] = self.leaving[function];
             }
         }
         let mut certifier = std::mem::take(&mut self.certifier);
@@ -217,8 +222,10 @@ impl Scanner {
             if side == 0.0 {
                 side = sign;
             } else if sign != side {
-                // It lies beyond zero from the start: what changed it there was no step.
-                self.crossings.push(Crossing { function, theta: 0.0, rising: sign > 0.0 });
+                // It lies beyond zero from the start, since what changed it there was no step; or it left zero to the
+                // other side and came back before anybody looked.
+                let theta = certifier.points().first().map_or(0.0, |start| hop(start, first, side));
+                self.crossings.push(Crossing { function, theta, rising: sign > 0.0 });
                 side = sign;
             }
         }
@@ -246,6 +253,15 @@ impl Scanner {
         }
         self.end_sides[function] = side;
     }
+}
+
+/// Where a function that leaves zero to a side at `start` is back at zero before `after`, by a parabola; 0 where its slope
+/// does not point to that side.
+fn hop(start: &Sample, after: &Sample, side: f64) -> f64 {
+    let width = after.x - start.x;
+    let curvature = (after.value - start.slope * width) / (width * width);
+    let back = -start.slope / curvature;
+    if start.slope * side > 0.0 && back > 0.0 && back < width { start.x + back } else { start.x }
 }
 
 /// A function as descriptions name it.

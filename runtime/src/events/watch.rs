@@ -326,11 +326,13 @@ impl Watch {
         fired
     }
 
-    /// Looks anew at everything after the phase or the speeds changed: which events count, and on which side they are.
+    /// Looks anew at everything after the phase changed or speeds were `struck`: which events count, and on which side
+    /// they are.
     pub fn enter<S: System + ?Sized>(
         &mut self,
         system: &mut S,
         (t, y): (f64, &[f64]),
+        struck: bool,
         trial: Trial<'_, S>,
     ) -> Result<(), Cause> {
         self.surface.fill(false);
@@ -342,6 +344,13 @@ impl Watch {
             let on = !(value.abs() > ON * self.scanner.largest[function]);
             self.scanner.sides[function] = if on { 0.0 } else { value.signum() };
             self.scanner.fresh[function] = true;
+            self.scanner.leaving[function] = 0.0;
+        }
+        for function in 0..self.sampler.events() {
+            if self.scanner.sides[function] == 0.0 && self.scanner.awake(function) {
+                let scale = (self.step, self.scanner.largest[function], struck);
+                self.scanner.leaving[function] = self.sampler.leaves(system, function, (t, y), scale);
+            }
         }
         Ok(())
     }
@@ -355,7 +364,7 @@ impl Watch {
                 continue;
             }
             let side = match self.scanner.sides[function] {
-                0.0 => self.sampler.leaves(system, function, (t, y), self.step),
+                0.0 => self.scanner.leaving[function],
                 side => side,
             };
             self.sampler.at_state(system, t, y);

@@ -455,8 +455,9 @@ impl March {
 
     /// Notes how the constraints stand at the end of a step.
     fn look_at_constraints(&mut self, system: &mut dyn System, recorder: &mut Recorder) -> Result<(), Cause> {
-        let Some(projection) = &self.projection else { return Ok(()) };
+        let Some(projection) = &mut self.projection else { return Ok(()) };
         if system.active_rows().is_empty() {
+            projection.observe(system, self.clock.now(), self.stepper.start().y);
             return Ok(());
         }
         system.set_row_norms(projection.norms());

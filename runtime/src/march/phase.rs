@@ -9,8 +9,6 @@ use crate::run::Recorder;
 
 /// More firings than this at one instant are a cycle.
 const AT_AN_INSTANT: u32 = 50;
-/// Constraints that a phase brings must hold to this part of their terms where it is entered.
-const HOLDS: f64 = 1e-6;
 /// Flights shorter than this part of the first are not followed one by one.
 const SHORT: f64 = 1e-6;
 /// Two estimates of the time at which impacts accumulate agree to this part of it.
@@ -72,7 +70,9 @@ impl March {
             }
             let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
             self.project_start(system)?;
-            watch.enter(system, (now, &y), &mut |system| self.trial(system))?;
+            let impact = |action: &Action| matches!(action, Action::Impact { .. });
+            let struck = fired.iter().any(|fired| fired.actions.iter().any(impact));
+            watch.enter(system, (now, &y), struck, &mut |system| self.trial(system))?;
             fired = watch.overdue(system, (now, self.stepper.start().y));
             if fired.is_empty() {
                 self.restart(system, recorder)?;
@@ -101,8 +101,10 @@ impl March {
             Action::Stop | Action::Record => Ok(false),
             Action::Phase(phase) => self.enter(system, phase as usize, recorder).map(|()| true),
             Action::Impact { along, restitution } => {
-                self.strike(system, along, restitution as usize, recorder)?;
-                if let Some(end) = self.flights.impact(event, self.clock.now()) {
+                let e = self.strike(system, along, restitution as usize, recorder)?;
+                let now = self.clock.now();
+                let end = if e == 0.0 { Some(now) } else { self.flights.impact(event, now) };
+                if let Some(end) = end {
                     self.rest(system, (event, along), end, recorder)?;
                 }
                 Ok(true)
@@ -115,16 +117,16 @@ impl March {
         let before: Vec<u32> = system.active_rows().to_vec();
         system.set_phase(phase);
         let active: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
-        let (now, n) = (self.clock.now(), system.len());
-        let mut triples = vec![0.0; 3 * system.description().rows.len()];
-        system.constraints(crate::mechanism::At::packed(now, self.stepper.start().y, n), &mut triples);
-        let entering = active.iter().filter(|row| !before.contains(&(**row as u32)));
-        for &row in entering {
-            let (c, scale) = (triples[3 * row], triples[3 * row + 2]);
-            let known = &system.description().rows[row];
-            if known.holonomic && !(c.abs() <= HOLDS * scale) {
-                let phase = system.description().phases[phase].name.to_string();
-                return Err(Cause::PhaseMisses { phase, constraint: known.name.to_string(), residual: c });
+        let now = self.clock.now();
+        if let Some(projection) = &mut self.projection {
+            projection.observe(system, now, self.stepper.start().y);
+            let entering = active.iter().filter(|row| !before.contains(&(**row as u32)));
+            for &row in entering {
+                let known = &system.description().rows[row];
+                if let Some(residual) = projection.misses(row).filter(|_| known.holonomic) {
+                    let phase = system.description().phases[phase].name.to_string();
+                    return Err(Cause::PhaseMisses { phase, constraint: known.name.to_string(), residual });
+                }
             }
         }
         let taken = blow(system, (now, self.stepper.start().y), &active, |_| 0.0);
@@ -133,14 +135,14 @@ impl March {
         Ok(())
     }
 
-    /// An impact along a constraint, with those that are active kept.
+    /// An impact along a constraint, with those that are active kept; the coefficient of restitution.
     fn strike(
         &mut self,
         system: &mut dyn System,
         along: u32,
         restitution: usize,
         recorder: &mut Recorder,
-    ) -> Result<(), Cause> {
+    ) -> Result<f64, Cause> {
         let e = system.restitutions().get(restitution).copied().unwrap_or(0.0);
         if !(0.0..=1.0).contains(&e) {
             return Err(Cause::BadRestitution { value: e });
@@ -150,7 +152,7 @@ impl March {
         let restitution = |row: usize| if rows_along.contains(&row) { e } else { 0.0 };
         let struck = blow(system, (self.clock.now(), self.stepper.start().y), &rows, restitution);
         self.take(system, struck.map_err(|fault| fault.cause(system.description()))?, recorder);
-        Ok(())
+        Ok(e)
     }
 
     /// Impacts accumulate: the motion goes on at their end, in the phase that has their constraint too.
@@ -172,7 +174,9 @@ impl March {
         q.iter_mut().zip(v.iter()).for_each(|(q, v)| *q += left * v);
         self.clock.set(end);
         self.flights = Flights::default();
-        recorder.accumulated(system, event, end);
+        if left > 0.0 {
+            recorder.accumulated(system, event, end);
+        }
         self.enter(system, phase, recorder)
     }
 

@@ -21,11 +21,27 @@ struct Watched {
     last: f64,
     change: f64,
     scale: f64,
+    /// Whether it is claimed to be conserved at present: not in phases in which it is not a number from their start.
+    claimed: bool,
+    /// Its value before the last restart.
+    before: f64,
 }
 
 impl Watched {
     fn new(value: f64, scale: f64) -> Self {
-        Watched { first: value, last: value, change: 0.0, scale: scale.max(value.abs()) }
+        let claimed = value.is_finite();
+        let scale = if claimed { scale.max(value.abs()) } else { 0.0 };
+        Watched { first: value, last: value, change: 0.0, scale, claimed, before: value }
+    }
+
+    /// Goes on with another value, which an impulse or other equations made of the last one.
+    fn restart(&mut self, value: f64) {
+        let known = std::mem::replace(&mut self.claimed, value.is_finite());
+        self.first = match (known, self.claimed) {
+            (true, true) => self.first + (value - self.before),
+            (false, true) => value,
+            _ => self.first,
+        };
     }
 
     fn observe(&mut self, value: f64, scale: f64) {
@@ -77,7 +93,9 @@ impl Monitor {
         if !self.invariants.is_empty() {
             system.invariants(At::packed(t, y, self.n), &mut self.pairs);
             for (watched, pair) in self.invariants.iter_mut().zip(self.pairs.chunks_exact(2)) {
-                watched.observe(pair[0], pair[1]);
+                if watched.claimed {
+                    watched.observe(pair[0], pair[1]);
+                }
             }
         }
         // Numbers near the least that there is have no digits to judge by.
@@ -85,16 +103,24 @@ impl Monitor {
         (if change <= f64::MIN_POSITIVE / f64::EPSILON { 0.0 } else { change / scale }, scale)
     }
 
-    /// Notes J before the equations, or the state, change at a restart.
+    /// Notes J and the invariants before the equations, or the state, change at a restart.
     pub fn leave<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
         self.before = system.energy(At::packed(t, y, self.n)).jacobi;
+        system.invariants(At::packed(t, y, self.n), &mut self.pairs);
+        for (watched, pair) in self.invariants.iter_mut().zip(self.pairs.chunks_exact(2)) {
+            watched.before = pair[0];
+        }
     }
 
-    /// Counts what a restart did to J since [`Monitor::leave`] as work.
+    /// Counts what a restart did to J since [`Monitor::leave`] as work, and takes what it did to invariants as meant.
     pub fn restart<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
         let change = system.energy(At::packed(t, y, self.n)).jacobi - self.before;
         if change.is_finite() {
             self.switched += change;
+        }
+        system.invariants(At::packed(t, y, self.n), &mut self.pairs);
+        for (watched, pair) in self.invariants.iter_mut().zip(self.pairs.chunks_exact(2)) {
+            watched.restart(pair[0]);
         }
     }
 

@@ -31,7 +31,8 @@ pub(super) fn conserved(
     let tape = Tape::new(&model.graph, rates);
     let (mut scratch, mut values) = (Vec::new(), vec![Measured::exact(DoubleDouble::ZERO); rates.len()]);
     let mut worst = 0.0_f64;
-    for (k, state) in states.all.iter().enumerate() {
+    let claimed = |state: &State| invariant.phases.as_ref().is_none_or(|phases| phases.contains(&state.phase));
+    for (k, state) in states.all.iter().enumerate().filter(|(_, state)| claimed(state)) {
         tape.run(|s| state.measured(s), &mut scratch, &mut values);
         if tape.undecided(&scratch, super::ROUNDINGS) {
             // At a kink there is no rate; whether the value jumps there is asked below.
@@ -160,7 +161,8 @@ pub(super) fn identity(model: &Model, check: &Check, states: &States, gate: Gate
     let roots: Vec<Id> = check.left.iter().zip(&check.right).flat_map(|(l, r)| [*l, *r]).collect();
     let tape = Tape::new(&model.graph, &roots);
     let mut worst = 0.0_f64;
-    for state in states.all.iter().chain(&states.surfaces) {
+    let claimed = |state: &&State| check.phases.as_ref().is_none_or(|phases| phases.contains(&state.phase));
+    for state in states.all.iter().chain(&states.surfaces).filter(claimed) {
         let values = tape.evaluate(|s| state.measured(s));
         let largest = values.iter().fold(0.0_f64, |most, x| most.max(x.magnitude));
         for pair in values.chunks_exact(2) {

@@ -119,19 +119,20 @@ impl Constraints {
             }
             holonomic.iter().zip(&c).for_each(|(k, c)| sizes[*k] = sizes[*k].max(c.magnitude));
             closed = holonomic.iter().zip(&c).all(|(k, c)| c.value.abs().to_f64() <= HOLDS * sizes[*k]);
-            let size = norm(&c);
+            let scales: Vec<f64> = holonomic.iter().map(|k| sizes[*k]).collect();
+            let size = norm(&c, &scales);
             if closed {
                 break;
             }
             let lines = self.lines(state, &holonomic);
             let right: Vec<f64> = c.iter().map(|c| -c.value.to_f64()).collect();
             // Near the end nothing is damped, so that every step gains what an `f64` holds.
-            let near = c.iter().all(|c| c.value.abs().to_f64() <= 1e-6 * c.magnitude);
+            let near = c.iter().zip(&scales).all(|(c, scale)| c.value.abs().to_f64() <= 1e-6 * scale);
             let Some(step) = least(&lines, &right, self.n, if near { 0.0 } else { damping }) else { return false };
             let tried = moved(&state.q, &step);
             let mut next = state.clone();
             next.q = tried;
-            let after = norm(&self.residual(&next, &holonomic));
+            let after = norm(&self.residual(&next, &holonomic), &scales);
             if after < size || near {
                 state.q = next.q;
                 damping = (damping / 5.0_f64).max(1e-12);
@@ -289,8 +290,9 @@ impl Constraints {
     }
 }
 
-fn norm(c: &[Measured]) -> f64 {
-    c.iter().map(|c| (c.value.to_f64() / c.magnitude.max(f64::MIN_POSITIVE)).powi(2)).sum::<f64>().sqrt()
+fn norm(c: &[Measured], scales: &[f64]) -> f64 {
+    let share = |(c, scale): (&Measured, &f64)| (c.value.to_f64() / scale.max(f64::MIN_POSITIVE)).powi(2);
+    c.iter().zip(scales).map(share).sum::<f64>().sqrt()
 }
 
 fn moved(list: &[DoubleDouble], step: &[f64]) -> Vec<DoubleDouble> {

@@ -337,7 +337,14 @@ fn entries(rows: Vec<Vec<(usize, Id)>>) -> Vec<Entry> {
 fn invariant_pairs(model: &mut Model) -> Vec<Id> {
     let mut pairs = Vec::new();
     for invariant in &model.conserved {
-        let watched = watched(&mut model.graph, &invariant.when);
+        let mut watched = watched(&mut model.graph, &invariant.when);
+        if let Some(phases) = &invariant.phases {
+            let claimed = phases.iter().fold(Id::ZERO, |sum, phase| {
+                let phase = model.graph.symbol(Symbol::Phase(*phase as u32));
+                model.graph.add(sum, phase)
+            });
+            watched = model.graph.mul(watched, claimed);
+        }
         for (value, terms) in invariant.value.iter().zip(&invariant.terms) {
             let mut scale = Id::ZERO;
             for term in terms {
