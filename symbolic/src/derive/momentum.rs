@@ -66,10 +66,30 @@ pub(crate) fn unknowns(model: &Model, system: &BalanceSystem) -> Vec<Symbol> {
     });
     let parts = system.balances.iter().flat_map(|balance| &balance.parts);
     let values: Vec<Id> = parts.flat_map(|part| part.value.iter().copied()).collect();
-    let multipliers = model.graph.symbols(values).into_iter().filter(|s| matches!(s, Symbol::Multiplier(_)));
-    let mut multipliers: Vec<Symbol> = multipliers.collect();
-    multipliers.sort_unstable();
+    let multipliers = multipliers(model, system, &values);
     accelerations.chain(reactions).chain(multipliers).collect()
+}
+
+/// The multipliers that these values contain in one of the system's phases: what acts in other phases only is no unknown.
+fn multipliers(model: &Model, system: &BalanceSystem, values: &[Id]) -> Vec<Symbol> {
+    let within = |graph: &Graph, values: &[Id]| -> Vec<Symbol> {
+        let symbols = graph.symbols(values.iter().copied()).into_iter();
+        symbols.filter(|s| matches!(s, Symbol::Multiplier(_))).collect()
+    };
+    let mut found = within(&model.graph, values);
+    if !found.is_empty() {
+        let mut graph = model.graph.clone();
+        let of_phase = |phase: &usize| {
+            let active = |k: usize| (Symbol::Phase(k as u32), if k == *phase { Id::ONE } else { Id::ZERO });
+            let active = (0..model.phases.len()).map(active).collect();
+            let values = substitute(&mut graph, values, &active);
+            within(&graph, &values)
+        };
+        found = system.phases.iter().flat_map(of_phase).collect();
+    }
+    found.sort_unstable();
+    found.dedup();
+    found
 }
 
 /// With more equations than this a reverse pass for each, which walks a chain of bodies once, is always cheaper
