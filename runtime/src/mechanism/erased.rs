@@ -173,6 +173,13 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
         self.phased.norms.extend_from_slice(norms);
     }
 
+    fn also(&self, at: At<'_>, values: &mut [f64]) -> Vec<f64> {
+        let u = self.input_block(at.t);
+        let (a, lambda) = self.completed(at, !values.is_empty());
+        M::also(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &a, &lambda, values);
+        self.mechanism.also_values()
+    }
+
     fn restitutions(&self) -> Vec<f64> {
         self.mechanism.restitutions()
     }

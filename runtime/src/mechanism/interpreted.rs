@@ -153,6 +153,12 @@ impl System for Interpreted {
         self.phased.norms.extend_from_slice(norms);
     }
 
+    fn also(&self, at: At<'_>, values: &mut [f64]) -> Vec<f64> {
+        self.complete(Function::Also, at, true, values);
+        let program = self.interpreter.program();
+        program.also_values().into_iter().map(|id| self.interpreter.constant(id)).collect()
+    }
+
     fn restitutions(&self) -> Vec<f64> {
         let program = self.interpreter.program();
         program.restitutions().into_iter().map(|id| self.interpreter.constant(id)).collect()
@@ -271,6 +277,7 @@ impl System for Interpreted {
 
     fn scene(&self, scene: usize) -> Scene {
         let scenes = &self.interpreter.program().model.scenes;
+        let first: usize = scenes.iter().take(scene).map(|scene| scene.also.len()).sum();
         let scene = &scenes[if scene < scenes.len() { scene } else { 0 }];
         let value = |id| self.interpreter.constant(id);
         Scene {
@@ -283,6 +290,7 @@ impl System for Interpreted {
             held_v: scene.held_v.clone(),
             guessed: scene.guessed,
             phase: scene.phase,
+            also: first..first + scene.also.len(),
         }
     }
 

@@ -82,7 +82,8 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     system.set_phase(settings.phase);
     system.set_row_norms(&[]);
     let held = settings.held();
-    let met = consistent(system, &constrain::Start { t: settings.from, y: &guess, held: &held });
+    let met =
+        consistent(system, &constrain::Start { t: settings.from, y: &guess, held: &held, also: settings.also.clone() });
     let (y, met) = met.map_or_else(|cause| (guess, Err(cause)), |y| (y, Ok(())));
     let tolerance = settings.tolerance.max(Settings::TIGHTEST);
     let pace = match settings.step {

@@ -20,6 +20,8 @@ pub struct Settings {
     pub held_q: Vec<bool>,
     /// Which rates keep their values; those of the others are such that the kinetic energy is least.  Empty: all keep theirs.
     pub held_v: Vec<bool>,
+    /// Which of the equations of [`System::also`](crate::mechanism::System::also) the start meets beside constraints.
+    pub also: std::ops::Range<usize>,
     /// The phase in which the run begins, by its place.
     pub phase: usize,
     /// Where the run begins, s; 0 unless said otherwise.
@@ -60,6 +62,7 @@ impl Settings {
             v: scene.v.clone(),
             held_q: scene.held_q.clone(),
             held_v: scene.held_v.clone(),
+            also: scene.also.clone(),
             phase: scene.phase,
             from: 0.0,
             until: scene.until,
