@@ -1,8 +1,8 @@
 //! A run, and the run that judges it.
 
 use dalembert::mechanism::{Interpreted, System};
-use dalembert::run::Run;
-use dalembert::{Error, Settings, Stepping, simulate};
+
+use dalembert::{Error, Run, Settings, Stepping, simulate};
 use dalembert_symbolic::lower::compile;
 
 use super::file::Drawn;

@@ -44,7 +44,7 @@ pub enum Shape {
     Lorentz,
     /// `1/(1 + z⁴)`.
     Quartic,
-    /// `1/cosh(z)²`.
+    /// `1 − tanh² z`, which is `1/cosh² z`.
     Sech,
     /// The difference of two tanh.
     Window,
@@ -118,7 +118,7 @@ impl Shape {
             Gaussian => format!("exp(-({z})^2)"),
             Lorentz => format!("1/(1 + ({z})^2)"),
             Quartic => format!("1/(1 + ({z})^4)"),
-            Sech => format!("1/cosh({z})^2"),
+            Sech => format!("(1 - tanh({z})^2)"),
             Window => format!("(tanh({z}) - tanh(({of} - {})/{width}))/2", text(away)),
             Tanh => format!("tanh({z})"),
             Logistic => format!("1/(1 + exp(-{z}))"),
