@@ -183,7 +183,14 @@ impl Scanner {
             }
             sampler.sample(system, segment, function, theta)
         };
-        let outcome = certifier.certify(&mut sample, &grid);
+        certifier.rounding = 0.0;
+        let mut outcome = certifier.certify(&mut sample, &grid);
+        if certifier.marks.iter().any(|mark| matches!(mark.deed, Deed::Jumps | Deed::Pole)) {
+            // Within a very short step the rounding of the state looks like a jump.
+            certifier.rounding = sampler.rounding(system, segment, function);
+            let mut sample = |theta: f64| sampler.sample(system, segment, function, theta);
+            outcome = certifier.certify(&mut sample, &grid);
+        }
         self.collect(function, &certifier, segment, floor);
         self.certifier = certifier;
         self.grid = grid;

@@ -178,7 +178,10 @@ impl Sheet {
     fn text(&self, mechanism: &Mechanism, draws: &mut Draws) -> String {
         let names: Vec<&str> = mechanism.coordinates.iter().map(|(name, ..)| *name).collect();
         let mut lines = vec!["name: Drawn".to_owned()];
-        lines.push(format!("coordinates: {{{}}}", names.iter().map(|n| format!("{n}: 1")).collect::<Vec<_>>().join(", ")));
+        lines.push(format!(
+            "coordinates: {{{}}}",
+            names.iter().map(|n| format!("{n}: 1")).collect::<Vec<_>>().join(", ")
+        ));
         let mut inputs = self.inputs.clone();
         if mechanism.base.is_some() {
             let base = if self.base.is_empty() { "0".to_owned() } else { self.base.join(" + ") };
@@ -192,7 +195,8 @@ impl Sheet {
             lines.push(format!("potential_energy: \"{}\"", self.potential.join(" + ")));
         }
         let force = |(i, name): (usize, &&str)| {
-            let terms: Vec<&str> = self.forces.iter().filter(|(at, _)| *at == i).map(|(_, term)| term.as_str()).collect();
+            let terms: Vec<&str> =
+                self.forces.iter().filter(|(at, _)| *at == i).map(|(_, term)| term.as_str()).collect();
             (!terms.is_empty()).then(|| format!("{name}: \"{}\"", terms.join(" + ")))
         };
         let forces: Vec<String> = names.iter().enumerate().filter_map(force).collect();

@@ -53,7 +53,7 @@ const LESS_TIGHT: f64 = 1e-12;
 /// Steps of the first are no longer than this part of the run.
 const SHARE: f64 = 1.0 / 500.0;
 /// What takes more is left out.
-const MOST_STEPS: u64 = 400_000;
+const MOST_STEPS: u64 = 100_000;
 /// Errors below this part of the largest value are rounding of the many short steps that judge.
 const ROUNDING: f64 = 1e-12;
 
@@ -68,9 +68,9 @@ pub fn judge(drawn: &Drawn) -> Verdict {
     let tight = bounded(&system, &settings, drawn, TIGHT, SHARE);
     let (run, tight) = match (outcome, tight) {
         (_, Err(Unjudged::TooLong)) => return Verdict::LeftOut { why: "too many short steps" },
-        (Err(error), Err(Unjudged::Failed(_))) => return Verdict::Refused { error: error.to_string() },
+        (Err(error), Err(Unjudged::Failed)) => return Verdict::Refused { error: error.to_string() },
         (Err(error), Ok(_)) => return Verdict::Stopped { error: error.to_string() },
-        (Ok(_), Err(Unjudged::Failed(_))) => return Verdict::LeftOut { why: "the run that judges fails" },
+        (Ok(_), Err(Unjudged::Failed)) => return Verdict::LeftOut { why: "the run that judges fails" },
         (Ok(run), Ok(tight)) => (run, tight),
     };
     let warnings: Vec<String> = run.warnings.iter().map(ToString::to_string).collect();
@@ -89,12 +89,12 @@ pub fn judge(drawn: &Drawn) -> Verdict {
 /// Why there is no run to judge by.
 enum Unjudged {
     TooLong,
-    Failed(String),
+    Failed,
 }
 
 impl From<Error> for Unjudged {
-    fn from(error: Error) -> Self {
-        Unjudged::Failed(error.to_string())
+    fn from(_: Error) -> Self {
+        Unjudged::Failed
     }
 }
 

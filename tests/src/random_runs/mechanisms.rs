@@ -27,8 +27,6 @@ pub struct Mechanism {
     pub until: f64,
     /// The size of the motion of `base`, if that is an input that moves it.
     pub base: Option<f64>,
-    /// The coordinate that is an angle.
-    pub angle: Option<usize>,
 }
 
 /// All kinds.
@@ -80,7 +78,8 @@ fn coasting(draws: &mut Draws) -> Mechanism {
     }
 }
 
-const BOB: &str = "gravity: [0, -9.81]\nbodies: {bob: {mass: MASS, position: \"[BASELENGTH*sin(theta), -LENGTH*cos(theta)]\"}}";
+const BOB: &str =
+    "gravity: [0, -9.81]\nbodies: {bob: {mass: MASS, position: \"[BASELENGTH*sin(theta), -LENGTH*cos(theta)]\"}}";
 
 fn pendulum(draws: &mut Draws) -> Mechanism {
     let (m, l, theta) = (draws.scale(0.1, 10.0), draws.scale(0.1, 10.0), draws.between(0.2, 2.9));
@@ -92,7 +91,6 @@ fn pendulum(draws: &mut Draws) -> Mechanism {
         start: vec![theta, neat(0.5 * omega * draws.between(-1.0, 1.0))],
         ways: vec![(Of::Coordinate(0), (-theta, theta)), (Of::Rate(0), (-0.9 * theta * omega, 0.9 * theta * omega))],
         until: neat(draws.between(2.0, 40.0) / omega),
-        angle: Some(0),
         ..Mechanism::default()
     }
 }
@@ -121,7 +119,6 @@ bodies:
         start: vec![theta, second, 0.0, 0.0],
         ways: vec![(Of::Coordinate(0), (-0.7 * theta, theta)), (Of::Coordinate(1), (-0.7 * theta, 0.7 * theta))],
         until: neat(draws.between(2.0, 15.0) / omega),
-        angle: Some(0),
         ..Mechanism::default()
     }
 }
@@ -134,10 +131,7 @@ fn two_scales(draws: &mut Draws) -> Mechanism {
     let (stiff, soft) = (neat(m * omega * omega), neat(light * (faster * omega).powi(2)));
     Mechanism {
         kind: "two masses of very different size",
-        coordinates: vec![
-            ("x", x, x * omega, stiff * x),
-            ("u", u, u * faster * omega, soft * u),
-        ],
+        coordinates: vec![("x", x, x * omega, stiff * x), ("u", u, u * faster * omega, soft * u)],
         lines: format!(
             "bodies: {{heavy: {{mass: {}, position: \"[x, 0]\"}}, light: {{mass: {}, position: \"[x + u, 0]\"}}}}",
             text(m),
@@ -249,4 +243,3 @@ springs: {{pull: {{between: [ground, b], energy: \"-{}/length\"}}}}",
         ..Mechanism::default()
     }
 }
-

@@ -85,8 +85,26 @@ use Shape::*;
 impl Shape {
     /// All of them.
     pub const ALL: [Shape; 20] = [
-        Gaussian, Lorentz, Quartic, Sech, Window, Tanh, Logistic, Arctangent, SoftKink, Comb, Ramp, Fold, Tent, Cusp,
-        Clipped, DeadZone, Step, Pulse, Wave, NestedSigns,
+        Gaussian,
+        Lorentz,
+        Quartic,
+        Sech,
+        Window,
+        Tanh,
+        Logistic,
+        Arctangent,
+        SoftKink,
+        Comb,
+        Ramp,
+        Fold,
+        Tent,
+        Cusp,
+        Clipped,
+        DeadZone,
+        Step,
+        Pulse,
+        Wave,
+        NestedSigns,
     ];
 
     /// How sharp it is.
@@ -144,7 +162,10 @@ impl Shape {
             Comb => vec![many(0.0, 10.0 * w / span / turns)],
             Wave => vec![many(0.0, 0.1 / turns)],
             // At π/6 and 5π/6 of every other half turn.
-            Clipped => vec![many(std::f64::consts::FRAC_PI_6 / turns, 0.1 / turns), many(-std::f64::consts::FRAC_PI_6 / turns, 0.1 / turns)],
+            Clipped => vec![
+                many(std::f64::consts::FRAC_PI_6 / turns, 0.1 / turns),
+                many(-std::f64::consts::FRAC_PI_6 / turns, 0.1 / turns),
+            ],
             Ramp | Fold | Step => vec![one(place, sharp)],
             Pulse => vec![one(place, sharp.min(w)), one(neat(place + w), sharp.min(w))],
             Tent | DeadZone | NestedSigns => {
