@@ -125,11 +125,21 @@ fn bounded(
     Err(Unjudged::TooLong)
 }
 
+/// From when on two runs have different events.
+fn parts(run: &Run, other: &Run) -> f64 {
+    let near = 1e-4 * run.last().t;
+    let mut pairs = run.events.iter().zip(&other.events).map(|(a, b)| (a.state.t, b.state.t));
+    let both = pairs.find(|(a, b)| (a - b).abs() > near).map(|(a, b)| a.min(b));
+    let more = if run.events.len() > other.events.len() { run } else { other };
+    both.or_else(|| more.events.get(run.events.len().min(other.events.len())).map(|event| event.state.t)).unwrap_or(0.0)
+}
+
 /// What is wrong with a run, unless both that judge it disagree about it.
 fn faults(run: &Run, tight: &Run, other: Option<&Run>) -> Option<String> {
     let disagree = other.is_some_and(|other| other.events.len() != tight.events.len());
     if run.events.len() != tight.events.len() && !disagree {
-        return Some(format!("{} events instead of {}", run.events.len(), tight.events.len()));
+        let (here, there) = (run.events.len(), tight.events.len());
+        return Some(format!("{here} events instead of {there}, apart from t = {:.6e} s on", parts(run, tight)));
     }
     run.column_names().into_iter().find_map(|name| {
         let last = |run: &Run| run.column(&name).and_then(|column| column.last().copied()).unwrap_or(f64::NAN);
