@@ -18,7 +18,7 @@ use jump::{JumpDetector, Upset};
 use crate::cause::Cause;
 use crate::events::Watch;
 use crate::integrate::{
-    Clock, OneStep, Reached, Segment, Setback, StepControl, StiffnessDetector, Tolerance, Trial, stepper,
+    Clock, Control, OneStep, Reached, Segment, Setback, StepControl, StiffnessDetector, Tolerance, Trial, stepper,
 };
 use crate::mechanism::{Method, System};
 use crate::run::{Recorder, Work};
@@ -69,6 +69,9 @@ pub(crate) struct March {
     work: Work,
     max_steps: u64,
     compensated: bool,
+    /// Whether steps are chosen otherwise than usual; and whether one was taken since the last stop.
+    unlike: bool,
+    under_way: bool,
     watch: Option<Box<Watch>>,
     defect: Defect,
     /// Until when the motion goes on at most, s.
@@ -102,6 +105,8 @@ impl March {
             work: Work::default(),
             max_steps: u64::MAX,
             compensated: true,
+            unlike: false,
+            under_way: false,
             watch: None,
             rejected: Vec::with_capacity(y.len()),
             rejected_step: 0.0,
@@ -120,6 +125,13 @@ impl March {
     /// Adds what rounding takes from a step to the next one, or not.
     pub fn compensate(mut self, compensated: bool) -> Self {
         self.compensated = compensated;
+        self
+    }
+
+    /// Divides the way to a stop otherwise than usual and lets steps grow more slowly, or not: steps that neither the
+    /// tolerance nor the equations limit are others than usual.
+    pub fn unlike(mut self, unlike: bool) -> Self {
+        self.unlike = unlike;
         self
     }
 
@@ -159,7 +171,9 @@ impl March {
     pub fn begin(&mut self, system: &mut dyn System, until: f64) -> Result<(), Cause> {
         let now = self.clock.now();
         finite(system, self.stepper.start().y, 0)?;
-        (self.h, self.control) = (0.0, StepControl::new(self.stepper.control()));
+        let usual = self.stepper.control();
+        let control = if self.unlike { Control { grow: usual.grow.sqrt(), ..usual } } else { usual };
+        (self.h, self.control) = (0.0, StepControl::new(control));
         self.jumps = JumpDetector::new(until - now);
         if let Pace::Adaptive { tolerance, .. } = &mut self.pace {
             tolerance.observe(self.stepper.start().y);
@@ -255,6 +269,7 @@ impl March {
         // The length of the step stays: what happened says little about the next one, and the error test judges it.
         self.control.restart();
         self.jumps.restart();
+        self.under_way = false;
         self.stepper.begin(system, self.clock.now()).map_err(|setback| setback.cause(system.description()))?;
         finite(system, self.stepper.start().rate, 1)
     }
@@ -362,12 +377,12 @@ impl March {
             }
             Pace::Adaptive { longest, .. } => {
                 let h = self.h.min(*longest);
-                if left <= 1.01 * h {
-                    Step { h: left, next: stop, lands: true }
-                } else {
-                    let h = if left < 2.0 * h { 0.5 * left } else { h };
-                    Step { h, next: self.clock.after(h), lands: false }
+                if left <= 1.01 * h && (self.under_way || !self.unlike) {
+                    return Step { h: left, next: stop, lands: true };
                 }
+                let part = if self.unlike { UNEVEN } else { 0.5 };
+                let h = if left < 2.0 * h { part * left } else { h };
+                Step { h, next: self.clock.after(h), lands: false }
             }
         }
     }
@@ -394,6 +409,7 @@ impl March {
             _ => self.clock.set(step.next),
         }
         self.work.steps += 1;
+        self.under_way = !step.lands;
     }
 
     /// Refuses a step across which the acceleration jumps, unless it is time that makes it jump.
@@ -449,6 +465,8 @@ impl March {
     }
 }
 
+/// The part of what is left before a stop that a run unlike others takes first; never more than the step that was allowed.
+const UNEVEN: f64 = 0.4;
 /// The first step is tried at this part of the way, at the usual tolerance.
 const FIRST: f64 = 1e-3;
 const USUAL: f64 = 1e-10;
