@@ -165,7 +165,9 @@ impl Scanner {
         } else {
             grid.extend([start, end]);
         }
-        let variation = (middle.value - start.value).abs().max((end.value - start.value).abs());
+        // What oscillates may be back where it was: the slope counts as well.
+        let slope = if start.slope.is_finite() { start.slope.abs() } else { 0.0 };
+        let variation = (middle.value - start.value).abs().max((end.value - start.value).abs()).max(slope);
         let resolution = ZERO + 16.0 * f64::EPSILON * segment.t.abs() / segment.h;
         let mut floor = 0.0;
         if self.fresh[function] && start.value.abs() <= resolution * variation {

@@ -123,19 +123,22 @@ bodies:
     }
 }
 
-/// A heavy body on a spring carries a light one, whose motion relative to it is smaller by orders of magnitude.
+/// A heavy body on a spring carries a light one, or stands beside one whose motion is smaller by orders of magnitude.
 fn two_scales(draws: &mut Draws) -> Mechanism {
     let (m, omega, x) = (draws.scale(0.1, 10.0), draws.scale(0.3, 10.0), length(draws));
     let (light, faster) = (neat(m * draws.scale(1e-9, 1e-2)), draws.scale(3.0, 40.0));
-    let u = neat(x * if draws.chance(0.5) { draws.scale(1e-9, 1e-3) } else { 1.0 / (faster * faster) });
+    let carried = draws.chance(0.5);
+    // What is carried is shaken by about this.
+    let u = neat(x * if carried { 1.0 / (faster * faster) } else { draws.scale(1e-9, 1e-3) });
     let (stiff, soft) = (neat(m * omega * omega), neat(light * (faster * omega).powi(2)));
     Mechanism {
         kind: "two masses of very different size",
         coordinates: vec![("x", x, x * omega, stiff * x), ("u", u, u * faster * omega, soft * u)],
         lines: format!(
-            "bodies: {{heavy: {{mass: {}, position: \"[x, 0]\"}}, light: {{mass: {}, position: \"[x + u, 0]\"}}}}",
+            "bodies: {{heavy: {{mass: {}, position: \"[x, 0]\"}}, light: {{mass: {}, position: \"[{}, 0]\"}}}}",
             text(m),
-            text(light)
+            text(light),
+            if carried { "x + u" } else { "u" }
         ),
         forces: vec![(0, format!("-{}*x", text(stiff))), (1, format!("-{}*u", text(soft)))],
         start: vec![x, u, 0.0, 0.0],
