@@ -18,7 +18,7 @@ const MOVED: f64 = 20.0;
 /// More growth than this of a difference at the start is an instability.
 const GROWS: f64 = 1e4;
 /// Where errors may be larger than this part of a range, two runs may agree by chance: a third one is asked.
-const DOUBTFUL: f64 = 1e-4;
+const DOUBTFUL: f64 = 1e-6;
 /// Not more numbers than these are compared.
 const MOST_NUMBERS: usize = 20_000_000;
 

@@ -214,7 +214,7 @@ impl Sheet {
             "scene: {{start: {{{}}}, until: {}, tolerance: {}}}\n",
             start.join(", "),
             text(mechanism.until),
-            text(draws.scale(1e-11, 1e-4))
+            text(draws.scale(1e-10, 1e-4))
         ));
         lines.join("\n")
     }

@@ -48,12 +48,12 @@ pub enum Verdict {
 /// A promise may be broken by half a digit.
 const HALF_A_DIGIT: f64 = 3.2;
 /// Tolerances of the two runs that judge.
-const TIGHT: f64 = 1e-13;
-const LESS_TIGHT: f64 = 1e-12;
+const TIGHT: f64 = 1e-12;
+const LESS_TIGHT: f64 = 1e-11;
 /// Steps of the first are no longer than this part of the run.
 const SHARE: f64 = 1.0 / 500.0;
 /// What takes more is left out.
-const MOST_STEPS: u64 = 100_000;
+const MOST_STEPS: u64 = 30_000;
 /// Errors below this part of the largest value are rounding of the many short steps that judge.
 const ROUNDING: f64 = 1e-12;
 
