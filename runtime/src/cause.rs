@@ -53,6 +53,60 @@ pub enum Cause {
         /// An unknown that it does not determine: an acceleration `theta''`, or a reaction.
         unknown: String,
     },
+    /// Values that the start holds miss a constraint.
+    StartMissesConstraint {
+        /// The constraint.
+        constraint: String,
+        /// By how much, in its unit (for speeds in that per second).
+        residual: f64,
+    },
+    /// The constraints cannot be met from the start.
+    Unreachable {
+        /// The constraint that is missed most.
+        constraint: String,
+        /// By how much, in its unit.
+        residual: f64,
+        /// True where no small change of the coordinates comes nearer.
+        stationary: bool,
+    },
+    /// The constraints depend on each other here although they do not elsewhere, so that the motion may branch.
+    SingularConfiguration {
+        /// How far they are from it: the least singular value of their scaled Jacobian.
+        sigma: f64,
+    },
+    /// A phase is entered where a constraint that it brings does not hold.
+    PhaseMisses {
+        /// The phase.
+        phase: String,
+        /// The constraint.
+        constraint: String,
+        /// By how much it is missed, in its unit.
+        residual: f64,
+    },
+    /// A coefficient of restitution is not between 0 and 1.
+    BadRestitution {
+        /// Its value.
+        value: f64,
+    },
+    /// Impacts follow each other ever faster, and no phase has the constraint along which they are.
+    ImpactsAccumulate {
+        /// The event.
+        event: String,
+        /// When they come to an end, s.
+        t: f64,
+    },
+    /// The motion does not keep a constraint.
+    ConstraintLost {
+        /// The constraint.
+        constraint: String,
+        /// By how much it is missed, in its unit.
+        residual: f64,
+    },
+    /// Friction made of a reaction leaves no motion, or more than one (Painlevé).
+    PainleveInconsistent {
+        /// The constraint whose reaction it is.
+        constraint: String,
+    },
     /// The coordinates fail where the mechanism does not: an element of M grows beyond bounds.
     CoordinateSingularity {
         /// The coordinate.
@@ -133,6 +187,49 @@ impl fmt::Display for Cause {
                 f,
                 "singular balances: `{system}` does not determine {unknown} in this state, where its equations depend \
                  on each other; go by another system"
+            ),
+            Cause::StartMissesConstraint { constraint, residual } => write!(
+                f,
+                "inconsistent start: what the start holds misses the constraint `{constraint}` by {residual:.3e}; hold \
+                 fewer values, or others"
+            ),
+            Cause::Unreachable { constraint, residual, stationary } => {
+                write!(
+                    f,
+                    "unreachable: the constraints cannot be met; `{constraint}` is still missed by {residual:.3e}, "
+                )?;
+                match stationary {
+                    true => write!(f, "and no change of what is not held comes nearer: lengths do not close"),
+                    false => write!(f, "where the search from this guess ended; try another `guess`"),
+                }
+            }
+            Cause::SingularConfiguration { sigma } => write!(
+                f,
+                "singular configuration: the constraints depend on each other here and not elsewhere (least singular \
+                 value {sigma:.1e}), so that the motion may go on in several ways; start beside it"
+            ),
+            Cause::PhaseMisses { phase, constraint, residual } => write!(
+                f,
+                "the phase `{phase}` is entered where `{constraint}` does not hold: it is missed by {residual:.3e}; let the \
+                 event's function be zero where the constraint is"
+            ),
+            Cause::BadRestitution { value } => {
+                write!(f, "a coefficient of restitution is {value}; it must be between 0 and 1")
+            }
+            Cause::ImpactsAccumulate { event, t } => write!(
+                f,
+                "impacts accumulate: those of `{event}` end at t = {t} s, and no phase has the present constraints and the \
+                 one along which they are; add one for the resting contact",
+                t = short(*t)
+            ),
+            Cause::ConstraintLost { constraint, residual } => write!(
+                f,
+                "constraint lost: the motion misses `{constraint}` by {residual:.3e}, and no projection brings it back"
+            ),
+            Cause::PainleveInconsistent { constraint } => write!(
+                f,
+                "inconsistent friction: what `reaction({constraint})` makes of friction leaves no reaction that keeps the \
+                 constraint, as where a rod jams against the ground (Painlevé); let the contact be lost, or less rough"
             ),
             Cause::CoordinateSingularity { coordinate, t } => write!(
                 f,

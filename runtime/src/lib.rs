@@ -18,6 +18,7 @@
 mod cause;
 #[cfg(feature = "cli")]
 pub mod cli;
+mod constrain;
 mod error;
 mod events;
 mod integrate;
@@ -34,6 +35,7 @@ mod testing;
 pub mod trust;
 
 pub use cause::Cause;
+pub use constrain::Residuals;
 pub use dalembert_macros::model;
 pub use error::Error;
 pub use mechanism::{Method, ParseMethodError};

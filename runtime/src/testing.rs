@@ -63,7 +63,8 @@ impl Toy {
             },
             ..Description::default()
         };
-        let scene = Scene { q: start.0.to_vec(), v: start.1.to_vec(), until, tolerance: 1e-9, every: None };
+        let scene =
+            Scene { q: start.0.to_vec(), v: start.1.to_vec(), until, tolerance: 1e-9, every: None, ..Scene::default() };
         Toy {
             description,
             scene,

@@ -62,6 +62,7 @@ fn watched() -> Toy {
         name: "far".into(),
         direction: Direction::Both,
         conditional: false,
+        phases: None,
         actions: (&[Action::Record]).into(),
         rated: false,
     };

@@ -203,6 +203,7 @@ fn as_json(loaded: &Loaded, settings: &Settings, run: &Run) -> Value {
     };
     let drift = run.drift.iter().map(|d| (d.name.clone(), d.value.map_or(Value::Null, number)));
     let balance = run.energy_balance.map_or(Value::Null, number);
+    let residuals = run.residuals.unwrap_or_default();
     let warnings = loaded.warnings.iter().cloned().chain(run.warnings.iter().map(ToString::to_string));
     object([
         ("model", json!(loaded.name)),
@@ -216,7 +217,7 @@ fn as_json(loaded: &Loaded, settings: &Settings, run: &Run) -> Value {
         ("v", named(&last.v)),
         ("outputs", outputs_at_end(description, run)),
         ("drift", object(drift.chain([("energy_balance".to_owned(), balance)]))),
-        ("constraint", object([("position", number(0.0)), ("velocity", number(0.0))])),
+        ("constraint", object([("position", number(residuals.position)), ("velocity", number(residuals.velocity))])),
         (
             "events",
             run.events

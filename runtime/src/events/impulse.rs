@@ -7,7 +7,8 @@
 use crate::cause::Cause;
 use crate::mechanism::{At, InputJump, System};
 
-/// A jump of the speeds, M Δq' = −F_u'' Δu' − F_u' Δu, where inputs turn sharply or jump.
+/// A jump of the speeds: M Δq' = −F_u'' Δu' − F_u' Δu where inputs turn sharply or jump, M Δq' = Jᵀ P where constraints
+/// are entered or struck.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Impulse {
@@ -15,6 +16,9 @@ pub struct Impulse {
     pub t: f64,
     /// The inputs that turned or jumped.
     pub inputs: Vec<String>,
+    /// Rows of the constraints that were entered or struck, with their impulses: force times time in the unit that
+    /// `reaction` has.
+    pub constraints: Vec<(String, f64)>,
     /// By how much each rate q' jumped, SI.
     pub jump: Vec<f64>,
 }
@@ -84,5 +88,5 @@ pub(crate) fn impulse<S: System + ?Sized>(
     let mut jump: Vec<f64> = push.iter().map(|push| -push).collect();
     crate::mechanism::solve_packed_slice(&mut packed, &mut jump)
         .map_err(|fault| crate::mechanism::Singular::Mass(fault).cause(description))?;
-    Ok(Some(Impulse { t, inputs, jump }))
+    Ok(Some(Impulse { t, inputs, constraints: Vec::new(), jump }))
 }

@@ -31,7 +31,7 @@ mod watch;
 pub use impulse::Impulse;
 pub(crate) use modes::OwnedSegment;
 pub(crate) use signals::WIDTH as CLOSURE_WIDTH;
-pub(crate) use watch::{Interruption, Switched, Watch};
+pub(crate) use watch::{Fired, Interruption, Switched, Watch};
 
 /// Where events are noted.
 pub(crate) trait Log {

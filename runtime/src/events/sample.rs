@@ -22,6 +22,10 @@ pub(crate) struct Sampler {
     pub samples: u64,
 }
 
+/// How far ahead a function at its zero is asked for its side, in parts of the step.
+const AHEAD: f64 = 1e-4;
+/// A change this small beside the values is rounding.
+const LEAVES: f64 = 1e-3;
 /// The step of a difference, in parts of the step, for functions whose rate is not known.
 const DIFFERENCE: f64 = 1e-5;
 /// By how much of itself a number of the state is moved to see what its rounding does.
@@ -50,6 +54,27 @@ impl Sampler {
     /// How many functions are watched.
     pub fn len(&self) -> usize {
         self.events + self.switches
+    }
+
+    /// How many of them are events.
+    pub fn events(&self) -> usize {
+        self.events
+    }
+
+    /// To which side an event's function leaves its zero at a state, seen a little ahead; 0 if it stays.
+    pub fn leaves<S: System + ?Sized>(&mut self, system: &S, event: usize, (t, y): (f64, &[f64]), step: f64) -> f64 {
+        self.at_state(system, t, y);
+        let (before, ahead) = (self.value(event), AHEAD * step);
+        let n = self.n;
+        let a = self.a.clone();
+        let moved: Vec<f64> = (0..n)
+            .map(|i| y[i] + ahead * (y[n + i] + 0.5 * ahead * a[i]))
+            .chain((0..n).map(|i| y[n + i] + ahead * a[i]))
+            .collect();
+        self.at_state(system, t + ahead, &moved);
+        let change = self.value(event) - before;
+        let size = self.value(event).abs().max(before.abs());
+        if change.abs() > LEAVES * size { change.signum() } else { 0.0 }
     }
 
     /// The index of a switch if the function is one.

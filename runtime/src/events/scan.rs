@@ -40,6 +40,8 @@ pub(crate) struct Scanner {
     pub fresh: Vec<bool>,
     /// The largest size of each function that was met.
     pub largest: Vec<f64>,
+    /// Events of other phases are not looked at.
+    asleep: Vec<bool>,
     certifier: Certifier,
     /// Samples to begin with.
     grid: Vec<Sample>,
@@ -74,6 +76,7 @@ impl Scanner {
             end_sides: vec![0.0; functions],
             fresh: vec![true; functions],
             largest: vec![0.0; functions],
+            asleep: vec![false; functions],
             certifier: Certifier::default(),
             grid: Vec::new(),
             start: Vec::with_capacity(functions),
@@ -114,11 +117,24 @@ impl Scanner {
         self.ends = f64::NAN;
         self.crossings.clear();
         self.oddities.clear();
-        for function in 0..self.sides.len() {
+        for function in (0..self.sides.len()).filter(|function| !self.asleep[*function]).collect::<Vec<_>>() {
             self.function(function, sampler, arguments, system, segment)?;
         }
         self.crossings.sort_by(|a, b| a.theta.total_cmp(&b.theta).then(a.function.cmp(&b.function)));
         Ok(())
+    }
+
+    /// Takes note of which events count in the phase in force.
+    pub fn awaken<S: System + ?Sized>(&mut self, system: &S) {
+        let phase = system.phase() as u32;
+        for (asleep, event) in self.asleep.iter_mut().zip(system.description().events.iter()) {
+            *asleep = event.phases.as_ref().is_some_and(|phases| !phases.contains(&phase));
+        }
+    }
+
+    /// Whether a function is looked at.
+    pub fn awake(&self, function: usize) -> bool {
+        !self.asleep[function]
     }
 
     /// The sides at the end of the step become those at the start of the next.

@@ -33,6 +33,15 @@ pub(crate) struct Watch {
     y: Vec<f64>,
 }
 
+/// An event that changes something.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Fired {
+    /// Which one.
+    pub event: usize,
+    /// What it does, in order.
+    pub actions: Vec<Action>,
+}
+
 /// The first thing within a step that ends it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Interruption {
@@ -51,6 +60,8 @@ pub(crate) enum Interruption {
 const RESTARTS: u32 = 100;
 /// What happens within this part of a step happens at once.
 const AT_ONCE: f64 = 1e-9;
+/// An event's function is at its zero where it is this part of the largest it had.
+const ON: f64 = 1e-10;
 /// A switch that rests has left its surface when its argument is this part of the largest it had.
 const REST: f64 = 1e-12;
 
@@ -108,6 +119,7 @@ impl Watch {
                 self.scanner.sides[function] = if value == 0.0 || value.is_nan() { 0.0 } else { value.signum() };
             }
         }
+        self.scanner.awaken(system);
         self.scanner.fresh.fill(true);
         self.scanner.restart();
         self.monitors.forget();
@@ -205,8 +217,8 @@ impl Watch {
             Some(switch) => !self.time_only[switch],
             None => {
                 let event = &system.description().events[crossing.function];
-                let stops = event.actions.contains(&Action::Stop) && counts(event.direction, crossing.rising);
-                stops && {
+                let ends = event.actions.iter().any(|action| *action != Action::Record);
+                ends && counts(event.direction, crossing.rising) && {
                     self.sampler.along(system, segment, crossing.theta);
                     self.sampler.condition(crossing.function) > 0.0
                 }
@@ -282,19 +294,19 @@ impl Watch {
         Ok(())
     }
 
-    /// Fires the events that cross zero together at this state, and notes which switches do.  Returns true if
-    /// an event ends the run.
+    /// Fires the events that cross zero together at this state, and notes which switches do; returns those that do more
+    /// than being recorded, in file order.
     pub fn fire<S: System + ?Sized>(
         &mut self,
         system: &S,
         together: &[Crossing],
         (t, y): (f64, &[f64]),
         recorder: &mut impl Log,
-    ) -> bool {
+    ) -> Vec<Fired> {
         self.surface.fill(false);
         self.scanner.restart();
         self.monitors.forget();
-        let mut stops = false;
+        let mut fired = Vec::new();
         for crossing in together {
             self.scanner.sides[crossing.function] = if crossing.rising { 1.0 } else { -1.0 };
             self.scanner.fresh[crossing.function] = true;
@@ -305,12 +317,70 @@ impl Watch {
             self.sampler.at_state(system, t, y);
             let event = &system.description().events[crossing.function];
             if counts(event.direction, crossing.rising) && self.sampler.condition(crossing.function) > 0.0 {
-                let ends = event.actions.contains(&Action::Stop);
-                recorder.event(system, crossing.function, t, y, ends);
-                stops |= ends;
+                recorder.event(system, crossing.function, t, y, event.actions.contains(&Action::Stop));
+                if event.actions.iter().any(|action| *action != Action::Record) {
+                    fired.push(Fired { event: crossing.function, actions: event.actions.to_vec() });
+                }
             }
         }
-        stops
+        fired
+    }
+
+    /// Looks anew at everything after the phase or the speeds changed: which events count, and on which side they are.
+    pub fn enter<S: System + ?Sized>(
+        &mut self,
+        system: &mut S,
+        (t, y): (f64, &[f64]),
+        trial: Trial<'_, S>,
+    ) -> Result<(), Cause> {
+        self.surface.fill(false);
+        self.choose(system, (t, y), None, trial)?;
+        self.scanner.awaken(system);
+        self.sampler.at_state(system, t, y);
+        for function in 0..self.sampler.events() {
+            let value = self.sampler.value(function);
+            let on = !(value.abs() > ON * self.scanner.largest[function]);
+            self.scanner.sides[function] = if on { 0.0 } else { value.signum() };
+            self.scanner.fresh[function] = true;
+        }
+        Ok(())
+    }
+
+    /// Events that change phases or speeds and are past their zero, in their direction, where a phase begins.
+    pub fn overdue<S: System + ?Sized>(&mut self, system: &S, (t, y): (f64, &[f64])) -> Vec<Fired> {
+        let mut fired = Vec::new();
+        for (function, event) in system.description().events.iter().enumerate() {
+            let changes = |action: &Action| matches!(action, Action::Phase(_) | Action::Impact { .. });
+            if !event.actions.iter().any(changes) || !self.scanner.awake(function) {
+                continue;
+            }
+            let side = match self.scanner.sides[function] {
+                0.0 => self.sampler.leaves(system, function, (t, y), self.step),
+                side => side,
+            };
+            self.sampler.at_state(system, t, y);
+            let past = match event.direction {
+                Direction::Both => false,
+                Direction::Rising => side > 0.0,
+                Direction::Falling => side < 0.0,
+            };
+            if past && self.sampler.condition(function) > 0.0 {
+                fired.push(Fired { event: function, actions: event.actions.to_vec() });
+            }
+        }
+        fired
+    }
+
+    /// Records an event that happens where a phase begins.
+    pub fn log<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        event: usize,
+        (t, y): (f64, &[f64]),
+        ends: bool,
+        recorder: &mut impl Log,
+    ) {
+        recorder.event(system, event, t, y, ends);
     }
 
     /// A switch leaves its surface.

@@ -48,15 +48,20 @@ pub(crate) trait OneStep: Send {
     /// Where the step that was tried ends.
     fn end(&self) -> Reached<'_>;
 
+    /// Where the step that was tried ends, to be changed before [`OneStep::conclude`].
+    fn end_mut(&mut self) -> &mut [f64];
+
     /// Begins at the present state, after it or the equations changed.
     fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), Setback>;
 
     /// The rate of a state that need not lie on the motion.
     fn evaluate(&mut self, system: &dyn System, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), Setback>;
 
-    /// Tries a step and returns its error in units of the tolerance (0 without one, NaN where the rate at its end is not
-    /// finite).  The rate at the end is there if the error is at most 1, or if it was asked for.
+    /// Tries a step and returns its error in units of the tolerance, 0 without one.
     fn attempt(&mut self, system: &dyn System, trial: Trial<'_>) -> Result<f64, Setback>;
+
+    /// The rate at the end of the step that was tried, which was `moved` or not; false where it is not finite.
+    fn conclude(&mut self, system: &dyn System, t: f64, moved: bool) -> Result<bool, Setback>;
 
     /// The estimated errors of all components of the step that was tried with a tolerance.
     fn errors(&self) -> &[f64];
@@ -84,12 +89,8 @@ pub(crate) struct Trial<'a> {
     pub t: f64,
     /// Its length, s.
     pub h: f64,
-    /// Where it ends, s: t + h to rounding.
-    pub next: f64,
     /// What its error is measured by.
     pub tolerance: Option<&'a Tolerance>,
-    /// Whether the rate at its end is wanted, however large its error.
-    pub whatever: bool,
 }
 
 /// A state on the motion with its rate, and the work of what has no potential until then, J.

@@ -3,7 +3,7 @@
 use super::{Halt, March, Step, finite};
 use crate::cause::Cause;
 use crate::events::{Interruption, Switched, Watch};
-use crate::mechanism::System;
+use crate::mechanism::{Action, System};
 use crate::run::Recorder;
 
 impl March {
@@ -44,21 +44,24 @@ impl March {
             }
         };
         let together = watch.simultaneous(crossing, &self.segment(step));
-        let stops = match self.shorten(system, step, crossing.theta, crossing.function, watch)? {
+        let fired = match self.shorten(system, step, crossing.theta, crossing.function, watch)? {
             Some(shorter) => {
                 let (segment, end) = (self.segment(shorter), self.stepper.end());
                 recorder.accept(system, Some(&segment), shorter.next, end)?;
                 watch.record_before(system, &segment, recorder, &together)?;
-                let stops = watch.fire(system, &together, (shorter.next, end.y), recorder);
+                let fired = watch.fire(system, &together, (shorter.next, end.y), recorder);
                 self.commit(shorter);
-                stops
+                fired
             }
             None => watch.fire(system, &together, (self.clock.now(), self.stepper.start().y), recorder),
         };
-        if stops {
+        if fired.iter().any(|fired| fired.actions.contains(&Action::Stop)) {
             return Ok(Halt::Event);
         }
         recorder.leave(system, self.clock.now(), self.stepper.start());
+        if !fired.is_empty() {
+            return self.act(system, fired, watch, recorder);
+        }
         // A stop time may coincide with the crossing.
         if !self.switch(system, watch, recorder)? {
             self.restart(system, recorder)?;
@@ -84,6 +87,7 @@ impl March {
                 *v += jump;
             }
             recorder.impulse(impulse);
+            self.project_start(system)?;
         }
         self.restart(system, recorder)?;
         Ok(true)

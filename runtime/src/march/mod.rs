@@ -3,19 +3,22 @@
 //! A step is tried until its error is small enough; its dense output is made where anything reads it; what is watched
 //! may end it early: look in `interrupt.rs`; it is written down and taken.  Jumps of the acceleration that
 //! nobody declared: look in `jump.rs`; what is asked of a step between its ends: in `between.rs`; rounding that looks like
-//! errors: in `noise.rs`.
+//! errors: in `noise.rs`; phases and impacts: in `phase.rs`.
 
 mod between;
 mod interrupt;
 mod jump;
 mod noise;
+mod phase;
 
 use std::ops::ControlFlow;
 
 use between::Defect;
 use jump::{JumpDetector, Upset};
+use phase::Flights;
 
 use crate::cause::Cause;
+use crate::constrain::{Projection, Residuals};
 use crate::events::Watch;
 use crate::integrate::{
     Clock, Control, OneStep, Reached, Segment, Setback, StepControl, StiffnessDetector, Tolerance, Trial, stepper,
@@ -73,6 +76,11 @@ pub(crate) struct March {
     unlike: bool,
     under_way: bool,
     watch: Option<Box<Watch>>,
+    /// Where there are constraints.
+    projection: Option<Box<Projection>>,
+    /// How many steps in a row ended where the constraints depend on each other as they do nowhere else.
+    singular: u32,
+    flights: Flights,
     defect: Defect,
     /// Until when the motion goes on at most, s.
     until: f64,
@@ -108,6 +116,9 @@ impl March {
             unlike: false,
             under_way: false,
             watch: None,
+            projection: None,
+            singular: 0,
+            flights: Flights::default(),
             rejected: Vec::with_capacity(y.len()),
             rejected_step: 0.0,
             cuts: 0,
@@ -179,6 +190,10 @@ impl March {
             tolerance.observe(self.stepper.start().y);
         }
         self.until = until;
+        if self.projection.is_none() {
+            self.projection = Projection::new(system).map(Box::new);
+        }
+        self.project_start(system)?;
         self.work.samples += self.watch.as_ref().map_or(0, |watch| watch.samples());
         self.watch = None;
         let y = self.stepper.start().y.to_vec();
@@ -238,7 +253,9 @@ impl March {
                 }
                 outcome => {
                     self.look_for_stiffness(step, recorder);
-                    return outcome;
+                    let halt = outcome?;
+                    self.look_at_constraints(system, recorder)?;
+                    return Ok(halt);
                 }
             }
         }
@@ -387,14 +404,33 @@ impl March {
         }
     }
 
-    /// Tries a step, and returns its error; the rate at its end is there if it is good, or `whatever` its error.
+    /// Tries a step, and returns its error (NaN where the rate at its end is not finite).  If it is good, or `whatever` its
+    /// error, its end is brought to the constraints, and has its rate.
     fn try_step(&mut self, system: &dyn System, step: Step, whatever: bool) -> Result<f64, Setback> {
         let tolerance = match &self.pace {
             Pace::Fixed(_) => None,
             Pace::Adaptive { tolerance, .. } => Some(tolerance),
         };
-        let trial = Trial { t: self.clock.now(), h: step.h, next: step.next, tolerance, whatever };
-        self.stepper.attempt(system, trial)
+        let trial = Trial { t: self.clock.now(), h: step.h, tolerance };
+        let error = self.stepper.attempt(system, trial)?;
+        if !(error <= 1.0 || whatever) {
+            return Ok(error);
+        }
+        let moved = match &mut self.projection {
+            Some(projection) => projection.project(system, step.next, self.stepper.end_mut())?,
+            None => false,
+        };
+        let finite = self.stepper.conclude(system, step.next, moved)?;
+        Ok(if finite { error } else { f64::NAN })
+    }
+
+    /// Brings the present state to the constraints, and measures how independent they are there.
+    fn project_start(&mut self, system: &mut dyn System) -> Result<(), Cause> {
+        let Some(projection) = &mut self.projection else { return Ok(()) };
+        let projected = projection.project(system, self.clock.now(), self.stepper.state_mut());
+        projected.map_err(|fault| fault.cause(system.description()))?;
+        system.set_row_norms(projection.norms());
+        Ok(())
     }
 
     /// Takes the step that was tried.
@@ -431,6 +467,38 @@ impl March {
                 Ok(())
             }
         }
+    }
+
+    /// Notes how the constraints stand at the end of a step.
+    fn look_at_constraints(&mut self, system: &mut dyn System, recorder: &mut Recorder) -> Result<(), Cause> {
+        let Some(projection) = &self.projection else { return Ok(()) };
+        if system.active_rows().is_empty() {
+            return Ok(());
+        }
+        system.set_row_norms(projection.norms());
+        let (rank, sigma) = projection.rank();
+        let usual = system.description().phases.get(system.phase()).map_or(0, |phase| phase.rank as usize);
+        if rank < usual {
+            self.singular += 1;
+            recorder.warn(Warning::SingularPassed { t: self.clock.now() });
+            if self.singular > DWELLS {
+                return Err(Cause::SingularConfiguration { sigma });
+            }
+            return Ok(());
+        }
+        self.singular = 0;
+        match projection.lost(system) {
+            Some((row, residual)) => {
+                let constraint = system.description().rows[row].name.to_string();
+                Err(Cause::ConstraintLost { constraint, residual })
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// How far the motion was from its constraints, at the ends of its steps.
+    pub fn residuals(&self) -> Option<Residuals> {
+        self.projection.as_ref().map(|projection| projection.worst())
     }
 
     /// Warns once the step is limited by stability.
@@ -470,6 +538,8 @@ const UNEVEN: f64 = 0.4;
 /// The first step is tried at this part of the way, at the usual tolerance.
 const FIRST: f64 = 1e-3;
 const USUAL: f64 = 1e-10;
+/// More steps than this in a row at a singular position: the motion stays there.
+const DWELLS: u32 = 5;
 /// So many times in a run a step is cut because a watched function oscillates within it.
 const MOST_CUTS: u32 = 100;
 

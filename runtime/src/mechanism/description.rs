@@ -38,10 +38,26 @@ pub struct Description {
     pub time_pattern: List<u32>,
     /// Switches whose argument depends on time.
     pub timed_switches: List<u32>,
+    /// Components of all constraints, in the order of `System::constraints`.
+    pub rows: List<Row>,
+    /// Phases, the initial one first; one without a name where the file has none.
+    pub phases: List<Phase>,
+    /// (row, coordinate) of the structural non-zeros of J, row by row.
+    pub constraint_pattern: List<(u32, u32)>,
+    /// (coordinate, row) of the structural non-zeros of B, what forces make of multipliers.
+    pub friction_pattern: List<(u32, u32)>,
+    /// (row, coordinate) of the structural non-zeros of ∂(J q'' + γ)/∂q.
+    pub constraint_stiffness_pattern: List<(u32, u32)>,
+    /// (row, coordinate) of the structural non-zeros of ∂(J q'' + γ)/∂q'.
+    pub constraint_damping_pattern: List<(u32, u32)>,
+    /// (row, coordinate) of the structural non-zeros of ∂c'/∂q.
+    pub constraint_tilt_pattern: List<(u32, u32)>,
     /// Outputs, in the order of `System::outputs`.
     pub outputs: List<Quantity>,
     /// True when some output needs accelerations.
     pub outputs_use_accelerations: bool,
+    /// True when some event needs accelerations or multipliers.
+    pub events_use_accelerations: bool,
     /// Quantities that the file says are conserved, in the order of `System::invariants`.
     pub invariants: List<Quantity>,
     /// Events, in the order of `System::events`.
@@ -72,6 +88,30 @@ pub struct Coordinate {
     pub name: Text,
     /// The unit of its numbers, SI: the file's without prefixes (`mm` is `m`); empty when none is given.
     pub unit: Text,
+}
+
+/// A component of a constraint.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Row {
+    /// `rod`, or `pin.x` for a component of a vector.
+    pub name: Text,
+    /// Its unit in SI; empty where it is a pure number or not known.
+    pub unit: Text,
+    /// Whether it contains no speeds.
+    pub holonomic: bool,
+    /// The place of its constraint.
+    pub constraint: u32,
+}
+
+/// A phase: which constraints act.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Phase {
+    /// Its name; empty where the file has no phases.
+    pub name: Text,
+    /// Its rows, in order.
+    pub rows: List<u32>,
+    /// How many of them are independent in general.
+    pub rank: u32,
 }
 
 /// A free parameter.
@@ -105,6 +145,8 @@ pub struct Event {
     pub direction: Direction,
     /// True when an `if` guards it.
     pub conditional: bool,
+    /// The phases in which it counts; `None`: every.
+    pub phases: Option<List<u32>>,
     /// What happens, in order.
     pub actions: List<Action>,
     /// True where `System::event_rates` knows the rate of its function, which contains no acceleration then.
@@ -130,6 +172,15 @@ pub enum Action {
     Stop,
     /// Notes time and state.
     Record,
+    /// Goes on in this phase.
+    Phase(u32),
+    /// An impulse along a constraint that is not active.
+    Impact {
+        /// The constraint's place.
+        along: u32,
+        /// The place of the coefficient of restitution in `System::restitutions`.
+        restitution: u32,
+    },
 }
 
 /// A discontinuity of the equations of motion: `sign`, `abs`, `step`, `min` or `max` of something.

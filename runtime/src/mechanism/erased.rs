@@ -1,6 +1,7 @@
 //! A [`Mechanism`] behind slices.
 
 use super::balances::solve_rows;
+use super::phased::Phased;
 use super::{At, Description, Energy, Mechanism, Scene, Signal, Singular, System, Values};
 
 /// A mechanism of static size as a [`System`], with its block of constants at hand.
@@ -10,14 +11,16 @@ pub struct Erased<M: Mechanism<N, C>, const N: usize, const C: usize> {
     constants: M::Constants<f64>,
     signals: Vec<Option<Signal>>,
     derivation: Option<usize>,
+    /// Empty without constraints.
+    phased: Phased,
 }
 
-impl<M: Mechanism<N, C>, const N: usize, const C: usize> Erased<M, N, C> {
+impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> Erased<M, N, C> {
     /// Computes the constants of these parameters once.
     pub fn new(mechanism: M) -> Self {
         let constants = M::constants(|_| mechanism.clone());
         let signals = vec![None; M::description().inputs.len()];
-        Erased { mechanism, constants, signals, derivation: None }
+        Erased { mechanism, constants, signals, derivation: None, phased: Phased::default() }
     }
 
     /// The parameters.
@@ -49,7 +52,20 @@ impl<M: Mechanism<N, C>, const N: usize, const C: usize> Erased<M, N, C> {
     }
 
     fn first_mode(&self) -> usize {
-        self.constants.as_ref().len() - M::MODES
+        self.first_phase() - M::MODES
+    }
+
+    fn first_phase(&self) -> usize {
+        self.constants.as_ref().len() - M::PHASES
+    }
+
+    /// The accelerations and multipliers of a state, where they are needed and not given; NaN where there are none.
+    fn completed(&self, at: At<'_>, needed: bool) -> ([f64; N], [f64; C]) {
+        let (mut a, mut lambda) = (array_or_zero(at.a), array_or_zero(at.lambda));
+        if C > 0 && needed && at.lambda.is_empty() && self.motion(at, &mut a, &mut lambda).is_err() {
+            (a, lambda) = ([f64::NAN; N], [f64::NAN; C]);
+        }
+        (a, lambda)
     }
 }
 
@@ -65,7 +81,7 @@ fn array_mut<const N: usize>(slice: &mut [f64]) -> &mut [f64; N] {
     slice.try_into().expect("as many numbers as generalized coordinates")
 }
 
-/// Accelerations as an array; an empty slice stands for accelerations that nobody reads.
+/// Accelerations or multipliers as an array; an empty slice stands for numbers that nobody reads.
 fn array_or_zero<const N: usize>(slice: &[f64]) -> [f64; N] {
     if slice.is_empty() { [0.0; N] } else { *array(slice) }
 }
@@ -79,6 +95,9 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
         if let Some(system) = self.derivation {
             return self.by_balances(system, at, |unknowns| a.copy_from_slice(&unknowns[..N]));
         }
+        if C > 0 && !self.active_rows().is_empty() {
+            return self.phased.motion(self, at, a, &mut [0.0; C]);
+        }
         M::accelerations(
             &self.constants,
             at.t,
@@ -88,6 +107,74 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
             array_mut(a),
         )?;
         Ok(())
+    }
+
+    fn motion(&self, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> Result<(), Singular> {
+        lambda.fill(0.0);
+        if self.derivation.is_some() || self.active_rows().is_empty() {
+            return self.accelerations(at, a);
+        }
+        self.phased.motion(self, at, a, lambda)
+    }
+
+    fn constraints(&self, at: At<'_>, triples: &mut [f64]) {
+        let u = self.input_block(at.t);
+        M::constraints(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), triples);
+    }
+
+    fn constraint_matrix(&self, at: At<'_>, values: &mut [f64]) {
+        M::constraint_matrix(&self.constants, at.t, self.input_block(at.t).as_ref(), array(at.q), values);
+    }
+
+    fn constraint_bias(&self, at: At<'_>, gamma: &mut [f64]) {
+        let u = self.input_block(at.t);
+        M::constraint_bias(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), gamma);
+    }
+
+    fn friction(&self, at: At<'_>, values: &mut [f64]) {
+        M::friction(&self.constants, at.t, self.input_block(at.t).as_ref(), array(at.q), array(at.v), values);
+    }
+
+    fn constraint_jacobians(&self, at: At<'_>, dq: &mut [f64], dv: &mut [f64]) {
+        let (u, lambda) = (self.input_block(at.t), array_or_zero(at.lambda));
+        let (q, v, a) = (array(at.q), array(at.v), array(at.a));
+        M::constraint_jacobians(&self.constants, at.t, u.as_ref(), q, v, a, &lambda, dq, dv);
+    }
+
+    fn constraint_tilt(&self, at: At<'_>, values: &mut [f64]) {
+        let u = self.input_block(at.t);
+        M::constraint_tilt(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), values);
+    }
+
+    fn held_rates(&self, at: At<'_>, values: &mut [f64]) {
+        let (u, lambda) = (self.input_block(at.t), array_or_zero(at.lambda));
+        let (q, v, a) = (array(at.q), array(at.v), array(at.a));
+        M::held_rates(&self.constants, at.t, u.as_ref(), q, v, a, &lambda, values);
+    }
+
+    fn phase(&self) -> usize {
+        self.phased.phase
+    }
+
+    fn set_phase(&mut self, phase: usize) {
+        if phase < M::description().phases.len() {
+            self.phased.phase = phase;
+            let first = self.first_phase();
+            super::phased::indicate(&mut self.constants.as_mut()[first..], phase);
+        }
+    }
+
+    fn row_norms(&self) -> &[f64] {
+        &self.phased.norms
+    }
+
+    fn set_row_norms(&mut self, norms: &[f64]) {
+        self.phased.norms.clear();
+        self.phased.norms.extend_from_slice(norms);
+    }
+
+    fn restitutions(&self) -> Vec<f64> {
+        self.mechanism.restitutions()
     }
 
     fn mass_matrix(&self, at: At<'_>, values: &mut [f64]) {
@@ -100,36 +187,93 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
 
     fn residual(&self, at: At<'_>, f: &mut [f64]) {
         let u = self.input_block(at.t);
-        M::residual(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), array(at.a), array_mut(f));
+        M::residual(
+            &self.constants,
+            at.t,
+            u.as_ref(),
+            array(at.q),
+            array(at.v),
+            array(at.a),
+            &array_or_zero(at.lambda),
+            array_mut(f),
+        );
     }
 
     fn jacobians(&self, at: At<'_>, dq: &mut [f64], dv: &mut [f64]) {
         let u = self.input_block(at.t);
-        M::jacobians(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), array(at.a), dq, dv);
+        M::jacobians(
+            &self.constants,
+            at.t,
+            u.as_ref(),
+            array(at.q),
+            array(at.v),
+            array(at.a),
+            &array_or_zero(at.lambda),
+            dq,
+            dv,
+        );
     }
 
     fn input_jacobian(&self, at: At<'_>, du: &mut [f64]) {
         let u = self.input_block(at.t);
-        M::input_jacobian(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), array(at.a), du);
+        M::input_jacobian(
+            &self.constants,
+            at.t,
+            u.as_ref(),
+            array(at.q),
+            array(at.v),
+            array(at.a),
+            &array_or_zero(at.lambda),
+            du,
+        );
     }
 
     fn time_jacobian(&self, at: At<'_>, dt: &mut [f64]) {
         let u = self.input_block(at.t);
-        M::time_jacobian(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), array(at.a), dt);
+        M::time_jacobian(
+            &self.constants,
+            at.t,
+            u.as_ref(),
+            array(at.q),
+            array(at.v),
+            array(at.a),
+            &array_or_zero(at.lambda),
+            dt,
+        );
     }
 
     fn time_dependence(&self, at: At<'_>, dt: &mut [f64]) {
         let u = self.input_block(at.t);
-        M::time_dependence(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), array(at.a), dt);
+        M::time_dependence(
+            &self.constants,
+            at.t,
+            u.as_ref(),
+            array(at.q),
+            array(at.v),
+            array(at.a),
+            &array_or_zero(at.lambda),
+            dt,
+        );
     }
 
     fn magnitudes(&self, at: At<'_>, sums: &mut [f64]) {
         let u = self.input_block(at.t);
-        M::magnitudes(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), array(at.a), sums);
+        M::magnitudes(
+            &self.constants,
+            at.t,
+            u.as_ref(),
+            array(at.q),
+            array(at.v),
+            array(at.a),
+            &array_or_zero(at.lambda),
+            sums,
+        );
     }
 
     fn energy(&self, at: At<'_>) -> Energy {
-        Energy::from_array(M::energy(&self.constants, at.t, self.input_block(at.t).as_ref(), array(at.q), array(at.v)))
+        let (a, lambda) = self.completed(at, !M::description().structure.conservative);
+        let u = self.input_block(at.t);
+        Energy::from_array(M::energy(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &a, &lambda))
     }
 
     fn invariants(&self, at: At<'_>, pairs: &mut [f64]) {
@@ -138,7 +282,8 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
 
     fn outputs(&self, at: At<'_>, values: &mut [f64]) {
         let u = self.input_block(at.t);
-        M::outputs(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &array_or_zero(at.a), values);
+        let (a, lambda) = self.completed(at, M::description().outputs_use_accelerations);
+        M::outputs(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &a, &lambda, values);
         let Some(system) = self.derivation else { return };
         let pairs = &M::description().balances[system].outputs;
         if !pairs.is_empty() {
@@ -150,17 +295,36 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
 
     fn events(&self, at: At<'_>, pairs: &mut [f64]) {
         let u = self.input_block(at.t);
-        M::events(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &array_or_zero(at.a), pairs);
+        let (a, lambda) = self.completed(at, M::description().events_use_accelerations);
+        M::events(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &a, &lambda, pairs);
     }
 
     fn event_rates(&self, at: At<'_>, rates: &mut [f64]) {
         let u = self.input_block(at.t);
-        M::event_rates(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &array_or_zero(at.a), rates);
+        M::event_rates(
+            &self.constants,
+            at.t,
+            u.as_ref(),
+            array(at.q),
+            array(at.v),
+            &array_or_zero(at.a),
+            &array_or_zero(at.lambda),
+            rates,
+        );
     }
 
     fn arguments(&self, at: At<'_>, pairs: &mut [f64]) {
         let u = self.input_block(at.t);
-        M::arguments(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &array_or_zero(at.a), pairs);
+        M::arguments(
+            &self.constants,
+            at.t,
+            u.as_ref(),
+            array(at.q),
+            array(at.v),
+            &array_or_zero(at.a),
+            &array_or_zero(at.lambda),
+            pairs,
+        );
     }
 
     fn signal(&self, index: usize) -> Option<&Signal> {
@@ -169,16 +333,25 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
 
     fn switches(&self, at: At<'_>, pairs: &mut [f64]) {
         let u = self.input_block(at.t);
-        M::switches(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &array_or_zero(at.a), pairs);
+        M::switches(
+            &self.constants,
+            at.t,
+            u.as_ref(),
+            array(at.q),
+            array(at.v),
+            &array_or_zero(at.a),
+            &array_or_zero(at.lambda),
+            pairs,
+        );
     }
 
     fn modes(&self) -> &[f64] {
-        &self.constants.as_ref()[self.first_mode()..]
+        &self.constants.as_ref()[self.first_mode()..self.first_phase()]
     }
 
     fn set_modes(&mut self, modes: &[f64]) {
-        let first = self.first_mode();
-        self.constants.as_mut()[first..].copy_from_slice(modes);
+        let (first, end) = (self.first_mode(), self.first_phase());
+        self.constants.as_mut()[first..end].copy_from_slice(modes);
     }
 
     fn drawing(&self, at: At<'_>, values: &mut [f64]) {
@@ -192,9 +365,10 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
     fn set_parameter(&mut self, index: usize, value: f64) {
         if let Some(field) = self.mechanism.parameter_mut(index) {
             *field = value;
-            let modes = self.modes().to_vec();
+            let kept = self.constants.as_ref()[self.first_mode()..].to_vec();
             self.constants = M::constants(|_| self.mechanism.clone());
-            self.set_modes(&modes);
+            let first = self.first_mode();
+            self.constants.as_mut()[first..].copy_from_slice(&kept);
         }
     }
 

@@ -29,8 +29,10 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
     type Inputs<S: Real>: Values<S>;
     /// Room for A and b of the largest system of balances, and for solving it.
     type Balances: Values<f64>;
-    /// How many modes end the block of constants.
+    /// How many modes stand at the end of the block of constants.
     const MODES: usize;
+    /// How many indicators of phases follow them.
+    const PHASES: usize;
 
     /// Names, shapes and structure.
     fn description() -> &'static Description;
@@ -68,7 +70,16 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
         right: &mut [S],
     );
     /// F = M a + h.
-    fn residual<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], f: &mut [S; N]);
+    fn residual<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &[S; N],
+        l: &[S; C],
+        f: &mut [S; N],
+    );
     /// ∂F/∂q and ∂F/∂q' as values of their patterns.
     #[expect(clippy::too_many_arguments, reason = "a state and two matrices")]
     fn jacobians<S: Real>(
@@ -78,13 +89,32 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
         q: &[S; N],
         v: &[S; N],
         a: &[S; N],
+        l: &[S; C],
         dq: &mut [S],
         dv: &mut [S],
     );
     /// ∂F/∂(u, u', u'') as values of its pattern.
-    fn input_jacobian<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], du: &mut [S]);
+    fn input_jacobian<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &[S; N],
+        l: &[S; C],
+        du: &mut [S],
+    );
     /// ∂F/∂t of the rows of its pattern.
-    fn time_jacobian<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], dt: &mut [S]);
+    fn time_jacobian<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &[S; N],
+        l: &[S; C],
+        dt: &mut [S],
+    );
     /// ∂F/∂t with generic numbers for functions of time that can be as small as none.
     fn time_dependence<S: Real>(
         c: &Self::Constants<S>,
@@ -93,26 +123,117 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
         q: &[S; N],
         v: &[S; N],
         a: &[S; N],
+        l: &[S; C],
         dt: &mut [S],
     );
     /// Sums of the absolute values of the terms of each component of F.
-    fn magnitudes<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], sums: &mut [S]);
+    fn magnitudes<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &[S; N],
+        l: &[S; C],
+        sums: &mut [S],
+    );
     /// T, V, the Jacobi function, the power and the scale, in the order of [`Energy`]'s fields.
-    fn energy<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N]) -> [S; 5];
+    fn energy<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], l: &[S; C])
+    -> [S; 5];
     /// Pairs (value, sum of the absolute terms) of the invariants.
     fn invariants<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], pairs: &mut [S]);
     /// Outputs.
-    fn outputs<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], values: &mut [S]);
+    fn outputs<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &[S; N],
+        l: &[S; C],
+        values: &mut [S],
+    );
     /// Pairs (value, condition) of the events.
-    fn events<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], pairs: &mut [S]);
+    fn events<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &[S; N],
+        l: &[S; C],
+        pairs: &mut [S],
+    );
     /// Total time derivatives of the events' functions, where they are known.
-    fn event_rates<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], rates: &mut [S]);
+    fn event_rates<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &[S; N],
+        l: &[S; C],
+        rates: &mut [S],
+    );
     /// Pairs (argument, its rate) of local functions.
-    fn arguments<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], pairs: &mut [S]);
+    fn arguments<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &[S; N],
+        l: &[S; C],
+        pairs: &mut [S],
+    );
     /// Pairs (argument, its rate) of the switches.
-    fn switches<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], a: &[S; N], pairs: &mut [S]);
+    fn switches<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &[S; N],
+        l: &[S; C],
+        pairs: &mut [S],
+    );
     /// Points and radii to draw.
     fn drawing<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], values: &mut [S]);
+    /// Triples (c, c', Σ |terms| of c) of the constraints' rows.
+    fn constraints<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], triples: &mut [S]);
+    /// J as values of its pattern.
+    fn constraint_matrix<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], values: &mut [S]);
+    /// γ.
+    fn constraint_bias<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], gamma: &mut [S]);
+    /// B as values of its pattern.
+    fn friction<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], values: &mut [S]);
+    /// ∂(J a + γ)/∂q and ∂(J a + γ)/∂q' as values of their patterns.
+    #[expect(clippy::too_many_arguments, reason = "a state and two matrices")]
+    fn constraint_jacobians<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &[S; N],
+        l: &[S; C],
+        dq: &mut [S],
+        dv: &mut [S],
+    );
+    /// ∂c'/∂q as values of its pattern.
+    fn constraint_tilt<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], values: &mut [S]);
+    /// Total time derivatives of F, then of J a + γ, with a and λ held.
+    #[expect(clippy::too_many_arguments, reason = "a state with its multipliers")]
+    fn held_rates<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &[S; N],
+        l: &[S; C],
+        values: &mut [S],
+    );
 
     /// The free parameters' values.
     fn parameters(&self) -> Vec<f64>;
@@ -124,6 +245,8 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
     fn scene(&self, scene: usize) -> Scene;
     /// The guess for an equilibrium.
     fn equilibrium_guess(&self) -> [f64; N];
+    /// The coefficients of restitution of the events' impacts.
+    fn restitutions(&self) -> Vec<f64>;
 }
 
 impl Energy {

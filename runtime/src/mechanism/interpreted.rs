@@ -7,10 +7,11 @@ use dalembert_symbolic::model::{EventAction, Shape as SymbolicShape};
 use dalembert_symbolic::print;
 
 use super::balances::put_reactions;
+use super::phased::{Phased, indicate};
 use super::{
     Action, Argument, At, Balance, BalanceSystem, Balances, Coordinate, Counts, Description, Direction, Energy, Event,
-    InputJump, List, Parameter, Quantity, Role, Scene, Shape, Signal, Singular, SingularMass, Structure, Switch,
-    SwitchKind, System, Text, Watched,
+    InputJump, List, Parameter, Phase, Quantity, Role, Row, Scene, Shape, Signal, Singular, SingularMass, Structure,
+    Switch, SwitchKind, System, Text, Watched,
 };
 
 /// An interpreted mechanism.
@@ -20,6 +21,7 @@ pub struct Interpreted {
     description: Description,
     signals: Vec<Option<Signal>>,
     derivation: Option<usize>,
+    phased: Phased,
 }
 
 impl Interpreted {
@@ -27,12 +29,33 @@ impl Interpreted {
     pub fn new(program: Program, source: &str) -> Self {
         let description = describe(&program, source);
         let signals = vec![None; program.model.inputs.len()];
-        Interpreted { interpreter: Interpreter::new(program), description, signals, derivation: None }
+        Interpreted {
+            interpreter: Interpreter::new(program),
+            description,
+            signals,
+            derivation: None,
+            phased: Phased::default(),
+        }
     }
 
     fn evaluate(&self, function: Function, at: At<'_>, values: &mut [f64]) {
         let u = self.input_values(at.t);
         self.interpreter.evaluate(function, with_inputs(at, &u), values);
+    }
+
+    /// As `evaluate`, with the accelerations and multipliers of the state where they are needed and not given; NaN where
+    /// there are none.
+    fn complete(&self, function: Function, at: At<'_>, needed: bool, values: &mut [f64]) {
+        let rows = self.description.rows.len();
+        if rows == 0 || !needed || !at.lambda.is_empty() {
+            return self.evaluate(function, at, values);
+        }
+        let (mut a, mut lambda) = (vec![0.0; at.q.len()], vec![0.0; rows]);
+        if self.motion(at, &mut a, &mut lambda).is_err() {
+            a.fill(f64::NAN);
+            lambda.fill(f64::NAN);
+        }
+        self.evaluate(function, at.accelerated(&a).constrained(&lambda), values);
     }
 
     /// The unknowns of the system of balances in force; `None` without one.
@@ -65,8 +88,74 @@ impl System for Interpreted {
             a.copy_from_slice(&unknowns?[..a.len()]);
             return Ok(());
         }
+        if !self.active_rows().is_empty() {
+            let mut lambda = vec![0.0; self.description.rows.len()];
+            return self.phased.motion(self, at, a, &mut lambda);
+        }
         let u = self.input_values(at.t);
         self.interpreter.accelerations(with_inputs(at, &u), a).map_err(|coordinate| SingularMass { coordinate }.into())
+    }
+
+    fn motion(&self, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> Result<(), Singular> {
+        lambda.fill(0.0);
+        if self.derivation.is_some() || self.active_rows().is_empty() {
+            return self.accelerations(at, a);
+        }
+        self.phased.motion(self, at, a, lambda)
+    }
+
+    fn constraints(&self, at: At<'_>, triples: &mut [f64]) {
+        self.evaluate(Function::Constraints, at, triples);
+    }
+
+    fn constraint_matrix(&self, at: At<'_>, values: &mut [f64]) {
+        self.evaluate(Function::ConstraintMatrix, at, values);
+    }
+
+    fn constraint_bias(&self, at: At<'_>, gamma: &mut [f64]) {
+        self.evaluate(Function::ConstraintBias, at, gamma);
+    }
+
+    fn friction(&self, at: At<'_>, values: &mut [f64]) {
+        self.evaluate(Function::Friction, at, values);
+    }
+
+    fn constraint_jacobians(&self, at: At<'_>, dq: &mut [f64], dv: &mut [f64]) {
+        self.evaluate(Function::ConstraintStiffness, at, dq);
+        self.evaluate(Function::ConstraintDamping, at, dv);
+    }
+
+    fn constraint_tilt(&self, at: At<'_>, values: &mut [f64]) {
+        self.evaluate(Function::ConstraintTilt, at, values);
+    }
+
+    fn held_rates(&self, at: At<'_>, values: &mut [f64]) {
+        self.evaluate(Function::HeldRates, at, values);
+    }
+
+    fn phase(&self) -> usize {
+        self.phased.phase
+    }
+
+    fn set_phase(&mut self, phase: usize) {
+        if phase < self.description.phases.len() {
+            self.phased.phase = phase;
+            indicate(&mut self.interpreter.phases, phase);
+        }
+    }
+
+    fn row_norms(&self) -> &[f64] {
+        &self.phased.norms
+    }
+
+    fn set_row_norms(&mut self, norms: &[f64]) {
+        self.phased.norms.clear();
+        self.phased.norms.extend_from_slice(norms);
+    }
+
+    fn restitutions(&self) -> Vec<f64> {
+        let program = self.interpreter.program();
+        program.restitutions().into_iter().map(|id| self.interpreter.constant(id)).collect()
     }
 
     fn mass_matrix(&self, at: At<'_>, values: &mut [f64]) {
@@ -104,7 +193,7 @@ impl System for Interpreted {
 
     fn energy(&self, at: At<'_>) -> Energy {
         let mut values = [0.0; 5];
-        self.evaluate(Function::Energy, at, &mut values);
+        self.complete(Function::Energy, at, !self.description.structure.conservative, &mut values);
         Energy::from_array(values)
     }
 
@@ -113,7 +202,7 @@ impl System for Interpreted {
     }
 
     fn outputs(&self, at: At<'_>, values: &mut [f64]) {
-        self.evaluate(Function::Outputs, at, values);
+        self.complete(Function::Outputs, at, self.description.outputs_use_accelerations, values);
         let Some(system) = self.derivation else { return };
         let pairs = &self.description.balances[system].outputs;
         if let Some(Ok(unknowns)) = self.unknowns(at).filter(|_| !pairs.is_empty()) {
@@ -122,7 +211,7 @@ impl System for Interpreted {
     }
 
     fn events(&self, at: At<'_>, pairs: &mut [f64]) {
-        self.evaluate(Function::Events, at, pairs);
+        self.complete(Function::Events, at, self.description.events_use_accelerations, pairs);
     }
 
     fn event_rates(&self, at: At<'_>, rates: &mut [f64]) {
@@ -190,6 +279,10 @@ impl System for Interpreted {
             until: value(scene.until),
             tolerance: value(scene.tolerance),
             every: scene.every.map(value),
+            held_q: scene.held_q.clone(),
+            held_v: scene.held_v.clone(),
+            guessed: scene.guessed,
+            phase: scene.phase,
         }
     }
 
@@ -219,7 +312,7 @@ impl System for Interpreted {
 }
 
 fn with_inputs<'a>(at: At<'a>, u: &'a [f64]) -> interpret::At<'a> {
-    interpret::At { t: at.t, u, q: at.q, v: at.v, a: at.a }
+    interpret::At { t: at.t, u, q: at.q, v: at.v, a: at.a, l: at.lambda }
 }
 
 /// The description that generated code would have.
@@ -232,6 +325,7 @@ fn describe(program: &Program, source: &str) -> Description {
         |name: &str, n: usize, of: &Option<String>| Quantity { name: text(name), components: n as u32, unit: unit(of) };
     let s = &program.structure;
     let c = program.counts;
+    let mut impacts = 0;
     Description {
         name: text(&model.name),
         about: text(&model.about),
@@ -254,8 +348,38 @@ fn describe(program: &Program, source: &str) -> Description {
         input_pattern: pattern(&program.input),
         time_pattern: program.time.iter().map(|e| e.0 as u32).collect(),
         timed_switches: program.timed_switches.iter().map(|k| *k as u32).collect(),
+        rows: model
+            .constraints
+            .iter()
+            .enumerate()
+            .flat_map(|(k, c)| {
+                let row = move |name: String| Row {
+                    name: Text::Owned(name),
+                    unit: unit(&c.unit),
+                    holonomic: c.holonomic,
+                    constraint: k as u32,
+                };
+                c.row_names().into_iter().map(row)
+            })
+            .collect(),
+        phases: model
+            .phases
+            .iter()
+            .enumerate()
+            .map(|(k, phase)| Phase {
+                name: text(&phase.name),
+                rows: program.model.rows_of(phase).into_iter().map(|row| row as u32).collect(),
+                rank: program.rank_of(k) as u32,
+            })
+            .collect(),
+        constraint_pattern: pattern(&program.constraints.matrix),
+        friction_pattern: pattern(&program.constraints.friction),
+        constraint_stiffness_pattern: pattern(&program.constraints.stiffness),
+        constraint_damping_pattern: pattern(&program.constraints.damping),
+        constraint_tilt_pattern: pattern(&program.constraints.tilt),
         outputs: model.outputs.iter().map(|o| quantity(&o.name, o.value.len(), &o.unit)).collect(),
         outputs_use_accelerations: program.outputs_use_accelerations(),
+        events_use_accelerations: program.events_use_accelerations(),
         invariants: model.conserved.iter().map(|i| quantity(&i.name, i.value.len(), &None)).collect(),
         events: model
             .events
@@ -269,12 +393,18 @@ fn describe(program: &Program, source: &str) -> Description {
                     _ => Direction::Both,
                 },
                 conditional: e.condition.is_some(),
+                phases: e.phases.as_ref().map(|phases| phases.iter().map(|k| *k as u32).collect()),
                 actions: e
                     .actions
                     .iter()
                     .map(|a| match a {
                         EventAction::Stop => Action::Stop,
                         EventAction::Record => Action::Record,
+                        EventAction::Phase(phase) => Action::Phase(*phase as u32),
+                        EventAction::Impact { along, .. } => {
+                            impacts += 1;
+                            Action::Impact { along: *along as u32, restitution: impacts - 1 }
+                        }
                     })
                     .collect(),
                 rated: rate.is_some(),

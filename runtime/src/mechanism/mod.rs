@@ -4,10 +4,12 @@ mod at;
 mod balances;
 mod description;
 mod erased;
+mod form;
 mod generated;
 #[cfg(feature = "interpret")]
 mod interpreted;
 mod method;
+mod phased;
 mod real;
 mod singular;
 mod solve;
@@ -17,9 +19,10 @@ pub use at::At;
 pub use balances::Balances;
 pub use description::{
     Action, Argument, Balance, BalanceSystem, Coordinate, Counts, Description, Direction, Event, InputJump, List,
-    Parameter, Quantity, Role, Shape, Structure, Switch, SwitchKind, Text, Watched,
+    Parameter, Phase, Quantity, Role, Row, Shape, Structure, Switch, SwitchKind, Text, Watched,
 };
 pub use erased::Erased;
+pub(crate) use form::Form;
 pub use generated::{Mechanism, Values};
 #[cfg(feature = "interpret")]
 pub use interpreted::Interpreted;
@@ -51,12 +54,20 @@ pub struct Energy {
 }
 
 /// Where and how long to run.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
-    /// Generalized coordinates at the start, SI.
+    /// Generalized coordinates at the start, SI; of those that are not held, the guess.
     pub q: Vec<f64>,
     /// Their rates at the start, SI.
     pub v: Vec<f64>,
+    /// Which coordinates keep their values where constraints are met; none named: all.
+    pub held_q: Vec<bool>,
+    /// Which rates do.
+    pub held_v: Vec<bool>,
+    /// Whether somebody gave a guess.
+    pub guessed: bool,
+    /// The phase in which it starts.
+    pub phase: usize,
     /// Where the run ends, s.
     pub until: f64,
     /// Tolerance, relative to the range that each coordinate goes through.

@@ -22,6 +22,11 @@ pub enum Singular {
         /// Index of the equation.
         equation: usize,
     },
+    /// Friction, made of the reaction of this row, leaves no motion or more than one.
+    Friction {
+        /// Index of the row of the constraints.
+        row: usize,
+    },
     /// A system of balances does not determine an unknown.
     Balances {
         /// Index of the system.
@@ -53,6 +58,10 @@ impl Singular {
                     balance: balance.map_or_else(|| format!("equation {}", equation + 1), |b| b.name.to_string()),
                     at_rest: balance.is_some_and(|b| b.void_at_rest),
                 }
+            }
+            Singular::Friction { row } => {
+                let constraint = mechanism.rows.get(row).map_or_else(String::new, |row| row.name.to_string());
+                Cause::PainleveInconsistent { constraint }
             }
             Singular::Balances { system, unknown } => {
                 let known = systems.get(system).and_then(|s| s.unknowns.get(unknown));

@@ -16,7 +16,19 @@ pub fn solve_packed<S: Real, const N: usize>(m: &mut [S], f: &mut [S; N]) -> Res
 /// [`SingularMass`] where a pivot vanishes beside M's diagonal, or is not finite.
 #[inline]
 pub(crate) fn solve_packed_slice<S: Real>(m: &mut [S], f: &mut [S]) -> Result<(), SingularMass> {
-    let size = f.len();
+    factor_packed(m, f.len())?;
+    f.iter_mut().for_each(|f| *f = -*f);
+    substitute_forward(m, f);
+    substitute_back(m, f);
+    Ok(())
+}
+
+/// L D Lᵀ of a packed lower triangle, in place: L below the diagonal, the reciprocals of D on it.
+///
+/// # Errors
+/// [`SingularMass`] where a pivot vanishes beside M's diagonal, or is not finite.
+#[inline]
+pub(crate) fn factor_packed<S: Real>(m: &mut [S], size: usize) -> Result<(), SingularMass> {
     let row = |i: usize| i * (i + 1) / 2;
     for i in 0..size {
         let diagonal = m[row(i) + i];
@@ -38,24 +50,35 @@ pub(crate) fn solve_packed_slice<S: Real>(m: &mut [S], f: &mut [S]) -> Result<()
         if !pivot.abs().exceeds(diagonal.abs() * S::pivot_floor()) {
             return Err(SingularMass { coordinate: i });
         }
-        // The diagonal holds reciprocals of pivots.
         m[row(i) + i] = S::ratio(1.0, 1.0) / pivot;
     }
-    for i in 0..size {
-        let mut sum = -f[i];
-        for j in 0..i {
-            sum = sum - m[row(i) + j] * f[j];
+    Ok(())
+}
+
+/// f becomes L⁻¹ f.
+#[inline]
+pub(crate) fn substitute_forward<S: Real>(m: &[S], f: &mut [S]) {
+    for i in 0..f.len() {
+        let line = &m[i * (i + 1) / 2..][..i];
+        let mut sum = f[i];
+        for (l, f) in line.iter().zip(f.iter()) {
+            sum = sum - *l * *f;
         }
         f[i] = sum;
     }
-    for i in (0..size).rev() {
+}
+
+/// f becomes L⁻ᵀ D⁻¹ f.
+#[inline]
+pub(crate) fn substitute_back<S: Real>(m: &[S], f: &mut [S]) {
+    let row = |i: usize| i * (i + 1) / 2;
+    for i in (0..f.len()).rev() {
         let mut sum = f[i] * m[row(i) + i];
-        for j in i + 1..size {
+        for j in i + 1..f.len() {
             sum = sum - m[row(j) + i] * f[j];
         }
         f[i] = sum;
     }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -27,6 +27,81 @@ pub trait System: Send + Sync {
     /// undetermined in the balances.
     fn accelerations(&self, at: At<'_>, a: &mut [f64]) -> Result<(), Singular>;
 
+    /// The accelerations, and the multipliers λ of all rows of the constraints (0 for those that are not active):
+    /// M a + h = (Jᵀ + B) λ and J a + γ = 0.
+    ///
+    /// # Errors
+    /// As [`System::accelerations`].
+    fn motion(&self, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> Result<(), Singular> {
+        lambda.fill(0.0);
+        self.accelerations(at, a)
+    }
+
+    /// Triples (c, c', Σ |terms| of c) for each row of the constraints, whether it is active or not.
+    fn constraints(&self, at: At<'_>, triples: &mut [f64]) {
+        let _ = (at, triples);
+    }
+
+    /// J = ∂c'/∂q' as values of `constraint_pattern`.
+    fn constraint_matrix(&self, at: At<'_>, values: &mut [f64]) {
+        let _ = (at, values);
+    }
+
+    /// γ of all rows: c'' = J a + γ, or c' = J a + γ for rows that contain speeds.
+    fn constraint_bias(&self, at: At<'_>, gamma: &mut [f64]) {
+        let _ = (at, gamma);
+    }
+
+    /// B as values of `friction_pattern`.
+    fn friction(&self, at: At<'_>, values: &mut [f64]) {
+        let _ = (at, values);
+    }
+
+    /// ∂(J a + γ)/∂q and ∂(J a + γ)/∂q' as values of their patterns.
+    fn constraint_jacobians(&self, at: At<'_>, dq: &mut [f64], dv: &mut [f64]) {
+        let _ = (at, dq, dv);
+    }
+
+    /// ∂c'/∂q as values of its pattern.
+    fn constraint_tilt(&self, at: At<'_>, values: &mut [f64]) {
+        let _ = (at, values);
+    }
+
+    /// Total time derivatives of F and of J a + γ, with a and λ held: n numbers, then one for each row.
+    fn held_rates(&self, at: At<'_>, values: &mut [f64]) {
+        let _ = (at, values);
+    }
+
+    /// The phase in force.
+    fn phase(&self) -> usize {
+        0
+    }
+
+    /// Puts another phase in force.
+    fn set_phase(&mut self, phase: usize) {
+        let _ = phase;
+    }
+
+    /// Rows of the constraints that act in the phase in force.
+    fn active_rows(&self) -> &[u32] {
+        self.description().phases.get(self.phase()).map_or(&[], |phase| &phase.rows)
+    }
+
+    /// The largest √(J_k M⁻¹ J_kᵀ) that each row has had in a motion, to tell negligible rows by; 0 or nothing at first.
+    fn row_norms(&self) -> &[f64] {
+        &[]
+    }
+
+    /// Notes these norms.
+    fn set_row_norms(&mut self, norms: &[f64]) {
+        let _ = norms;
+    }
+
+    /// The coefficients of restitution that `description().events` refer to.
+    fn restitutions(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// M's lower triangle, as values of `description().mass_pattern`.
     fn mass_matrix(&self, at: At<'_>, values: &mut [f64]);
 

@@ -11,6 +11,8 @@ mod trust;
 
 use std::sync::Arc;
 
+use crate::constrain::Residuals;
+
 pub use digits::Digits;
 pub use failure::Failure;
 pub(crate) use frames::Scenery;
@@ -38,6 +40,10 @@ pub struct Run {
     pub balances: Option<Conditioning>,
     /// Events that were recorded or that ended the run, in order.
     pub events: Vec<Occurrence>,
+    /// The phases that the motion went through, by their places, with the time at which each began, s.
+    pub phases: Vec<(f64, usize)>,
+    /// How far the reported states and the ends of steps were from the constraints; `None` without constraints.
+    pub residuals: Option<Residuals>,
     /// Jumps of the speeds where inputs turn sharply or jump, in order.
     pub impulses: Vec<Impulse>,
     /// Work done.

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::{Names, Occurrence, Run, Scenery, State, Trajectory, Work};
 use crate::cause::Cause;
+use crate::constrain::{Projection, Residuals};
 use crate::events::{Impulse, Log, Remark, Remarkable};
 use crate::integrate::{Reached, Segment};
 use crate::mechanism::{At, Method, System};
@@ -37,6 +38,8 @@ pub(crate) struct Recorder {
     watchman: Option<Watchman>,
     n: usize,
     needs_accelerations: bool,
+    /// Brings reported states to the constraints.
+    projection: Option<Projection>,
     point: Vec<f64>,
     accelerations: Vec<f64>,
 }
@@ -81,6 +84,8 @@ impl Recorder {
             step: plan.step,
             balances: None,
             events: Vec::new(),
+            phases: vec![(t, system.phase())],
+            residuals: None,
             impulses: Vec::new(),
             work: Work::default(),
             drift: Vec::new(),
@@ -120,6 +125,7 @@ impl Recorder {
                 .and_then(|step| Watchman::new(system, plan.method, step, t, plan.until - t)),
             n,
             needs_accelerations: description.outputs_use_accelerations,
+            projection: Projection::new(system),
             point: vec![0.0; 2 * n],
             accelerations: vec![0.0; n],
         };
@@ -163,6 +169,10 @@ impl Recorder {
                 let at = self.next_time;
                 let mut point = std::mem::take(&mut self.point);
                 segment.evaluate((at - segment.t) / segment.h, &mut point);
+                if let Some(projection) = &mut self.projection {
+                    // Where no projection is possible the step's end will say so.
+                    let _ = projection.project(system, at, &mut point);
+                }
                 self.write_row(system, at, &point);
                 self.point = point;
                 self.row_written();
@@ -274,6 +284,17 @@ impl Recorder {
         self.run.impulses.push(impulse);
     }
 
+    /// Notes that the motion goes on in another phase.
+    pub fn phase(&mut self, phase: usize, t: f64) {
+        self.run.phases.push((t, phase));
+    }
+
+    /// Notes that the impacts of an event accumulate, and when.
+    pub fn accumulated(&mut self, system: &dyn System, event: usize, t: f64) {
+        let event = system.description().events[event].name.to_string();
+        self.warn(Warning::ImpactsAccumulate { event, t });
+    }
+
     /// The last event.
     pub fn last_event(&self) -> Option<Occurrence> {
         self.run.events.last().cloned()
@@ -304,6 +325,15 @@ impl Recorder {
     pub fn state(&self, t: f64, y: &[f64], outputs: Vec<f64>) -> State {
         let n = self.n;
         State { t, q: y[..n].to_vec(), v: y[n..2 * n].to_vec(), outputs, names: self.run.names.clone() }
+    }
+
+    /// Notes how far the ends of steps were from the constraints.
+    pub fn constrained(&mut self, ends: Option<Residuals>) {
+        let rows = self.projection.as_ref().map(Projection::worst);
+        self.run.residuals = ends.zip(rows).map(|(ends, rows)| Residuals {
+            position: ends.position.max(rows.position),
+            velocity: ends.velocity.max(rows.velocity),
+        });
     }
 
     /// Ends the run at this state.

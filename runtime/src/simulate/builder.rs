@@ -48,28 +48,32 @@ impl<S: System> Simulation<S> {
 
     /// Start, end, tolerance and spacing of a scene.
     pub fn from(mut self, scene: &Scene) -> Self {
-        let Scene { q, v, until, tolerance, every } = scene.clone();
-        self.settings = Settings { q, v, until, tolerance, every, ..self.settings };
+        let Scene { q, v, held_q, held_v, phase, until, tolerance, every, .. } = scene.clone();
+        self.settings = Settings { q, v, held_q, held_v, phase, until, tolerance, every, ..self.settings };
         self
     }
 
-    /// Generalized coordinates and their rates at the start, SI.
+    /// Generalized coordinates and their rates at the start, SI; where there are constraints all of them are held.
     pub fn start(mut self, q: &[f64], v: &[f64]) -> Self {
         self.settings.q = q.to_vec();
         self.settings.v = v.to_vec();
+        (self.settings.held_q, self.settings.held_v) = (Vec::new(), Vec::new());
         self
     }
 
     /// One coordinate, or one rate (`theta'`), at the start, SI.
     pub fn starting(mut self, name: &str, value: f64) -> Self {
-        let (list, coordinate) = match name.strip_suffix('\'') {
-            Some(coordinate) => (&mut self.settings.v, coordinate),
-            None => (&mut self.settings.q, name),
+        let Settings { q, v, held_q, held_v, .. } = &mut self.settings;
+        let (list, held, coordinate) = match name.strip_suffix('\'') {
+            Some(coordinate) => (v, held_v, coordinate),
+            None => (q, held_q, name),
         };
         let coordinates = &self.system.description().coordinates;
-        match coordinates.iter().position(|c| c.name == coordinate).and_then(|index| list.get_mut(index)) {
-            Some(slot) => {
+        let index = coordinates.iter().position(|c| c.name == coordinate);
+        match index.and_then(|index| Some((list.get_mut(index)?, held.get_mut(index)))) {
+            Some((slot, held)) => {
                 *slot = value;
+                held.into_iter().for_each(|held| *held = true);
                 self
             }
             None => {

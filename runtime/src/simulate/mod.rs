@@ -26,6 +26,7 @@ pub use settings::Settings;
 pub use typed::Simulate;
 
 use crate::cause::Cause;
+use crate::constrain::{self, consistent};
 use crate::error::Error;
 use crate::integrate::Tolerance;
 use crate::march::{March, Pace};
@@ -77,7 +78,12 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     settings.check(system.description())?;
     let method = settings.method.resolve(settings.step, settings.tolerance);
     let work = settings.watch && !system.description().structure.conservative;
-    let y = [settings.q.as_slice(), settings.v.as_slice()].concat();
+    let guess = [settings.q.as_slice(), settings.v.as_slice()].concat();
+    system.set_phase(settings.phase);
+    system.set_row_norms(&[]);
+    let held = settings.held();
+    let met = consistent(system, &constrain::Start { t: settings.from, y: &guess, held: &held });
+    let (y, met) = met.map_or_else(|cause| (guess, Err(cause)), |y| (y, Ok(())));
     let tolerance = settings.tolerance.max(Settings::TIGHTEST);
     let pace = match settings.step {
         Some(step) => Pace::Fixed(step),
@@ -89,8 +95,8 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     let march = March::new(method, pace, settings.from, &y, work).limit(settings.max_steps);
     let mut march = march.compensate(settings.compensated).unlike(settings.unlike);
     // The modes of discontinuities come first: energies and outputs at the start depend on them.
-    let outcome = march
-        .begin(system, settings.until)
+    let outcome = met
+        .and_then(|()| march.begin(system, settings.until))
         .and(settings.attainable())
         .and_then(|()| positive_inertia(system, settings.from, &y));
     let plan = Plan {
@@ -116,6 +122,7 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
 
 fn finish(system: &dyn System, march: &March, mut recorder: Recorder, clock: Instant) -> Run {
     march.warnings(system).into_iter().for_each(|warning| recorder.warn(warning));
+    recorder.constrained(march.residuals());
     recorder.finish(system, march.time(), march.state(), march.work(), clock.elapsed().as_secs_f64())
 }
 

@@ -15,6 +15,13 @@ pub struct Settings {
     pub q: Vec<f64>,
     /// Their rates at the start, SI.
     pub v: Vec<f64>,
+    /// Which coordinates keep their values where the start is to meet constraints; the values of the others are the guess.
+    /// Empty: all keep theirs.
+    pub held_q: Vec<bool>,
+    /// Which rates keep their values; those of the others are such that the kinetic energy is least.  Empty: all keep theirs.
+    pub held_v: Vec<bool>,
+    /// The phase in which the run begins, by its place.
+    pub phase: usize,
     /// Where the run begins, s; 0 unless said otherwise.
     pub from: f64,
     /// Where it ends, s.
@@ -54,6 +61,9 @@ impl Settings {
         Settings {
             q: scene.q.clone(),
             v: scene.v.clone(),
+            held_q: scene.held_q.clone(),
+            held_v: scene.held_v.clone(),
+            phase: scene.phase,
             from: 0.0,
             until: scene.until,
             tolerance: scene.tolerance,
@@ -79,6 +89,13 @@ impl Settings {
         self.every.unwrap_or(if span > 0.0 { span / 500.0 } else { 1.0 })
     }
 
+    /// Which of [q; q'] keep their values where the start is to meet constraints.
+    pub(super) fn held(&self) -> Vec<bool> {
+        let n = self.q.len();
+        let all = |list: &[bool]| if list.is_empty() { vec![true; n] } else { list.to_vec() };
+        [all(&self.held_q), all(&self.held_v)].concat()
+    }
+
     /// Refuses a tolerance that no arithmetic in `f64` can meet.
     pub(super) fn attainable(&self) -> Result<(), Cause> {
         const ROUND_OFF: f64 = 0.5 * f64::EPSILON;
@@ -98,6 +115,16 @@ impl Settings {
             if let Some(value) = list.iter().find(|value| !value.is_finite()) {
                 return Err(Error::BadSetting { setting, value: *value, expected: "finite numbers" });
             }
+        }
+        for (setting, list) in [("held_q", &self.held_q), ("held_v", &self.held_v)] {
+            if !list.is_empty() && list.len() != n {
+                return Err(Error::WrongLength { setting, given: list.len(), expected: n });
+            }
+        }
+        let phases = mechanism.phases.len().max(1);
+        if self.phase >= phases {
+            let expected = "the place of one of the phases";
+            return Err(Error::BadSetting { setting: "phase", value: self.phase as f64, expected });
         }
         let positive = |setting, value: Option<f64>| match value {
             Some(value) if !(value > 0.0 && value.is_finite()) => {

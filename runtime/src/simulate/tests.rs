@@ -276,6 +276,7 @@ fn a_thermostat_by_hand_sees_its_events() {
             name: "zero".into(),
             direction: crate::mechanism::Direction::Both,
             conditional: false,
+            phases: None,
             actions: (&[crate::mechanism::Action::Stop]).into(),
             rated: false,
         },

@@ -33,6 +33,18 @@ pub enum Warning {
         /// What would have been usual.
         limit: f64,
     },
+    /// The motion passed a place where its constraints depend on each other; it kept the branch that continues its speeds.
+    SingularPassed {
+        /// When, s.
+        t: f64,
+    },
+    /// Impacts follow each other ever faster; the motion goes on with a resting contact where they end.
+    ImpactsAccumulate {
+        /// The event.
+        event: String,
+        /// When they end, s.
+        t: f64,
+    },
     /// More events happened than are kept.
     EventsEnd {
         /// When the first was left out, s.
@@ -187,6 +199,17 @@ impl fmt::Display for Warning {
                 f,
                 "`{invariant}` is not conserved: it drifts by {drift:.1e}, {:.0} times what the tolerance allows",
                 drift / limit
+            ),
+            Warning::SingularPassed { t } => write!(
+                f,
+                "the motion passed a singular position at t = {} s, where its constraints depend on each other; it kept \
+                 the branch that continues its speeds",
+                short(*t)
+            ),
+            Warning::ImpactsAccumulate { event, t } => write!(
+                f,
+                "the impacts of `{event}` accumulate at t = {} s, where the motion goes on with a resting contact",
+                short(*t)
             ),
             Warning::EventsEnd { t, kept } => {
                 write!(

@@ -6,8 +6,11 @@
 //! 4. Virtual power from the bodies: look in `virtual_power`.
 //! 5. Momentum balances as linear equations for accelerations and reactions: look in `momentum`.
 //!
+//! 6. Constraints, differentiated as often as accelerations need: look in `constraints`.
+//!
 //! Every derivation gives the same [`Equations`]; `gate` compares them, `lower` picks the cheapest.
 
+mod constraints;
 pub(crate) mod lagrange;
 pub(crate) mod momentum;
 mod reactions;
@@ -19,6 +22,8 @@ use crate::diagnose::{Place, Problem};
 use crate::expr::{Forward, Graph, Id, Symbol, canonical};
 use crate::model::{Load, Model, Work};
 
+pub use constraints::Rows;
+pub(crate) use constraints::held_rates;
 pub use momentum::Momentum;
 pub(crate) use switches::introduce;
 pub use switches::{Switch, SwitchKind, remove as without_modes};
@@ -58,6 +63,8 @@ pub struct Derivation {
     pub model: Model,
     /// Equations by every derivation that applies; never empty.
     pub equations: Vec<Equations>,
+    /// The constraints' rows, in file order.
+    pub rows: Rows,
     /// Systems of momentum balances, in the order of the model's.
     pub momentum: Vec<Momentum>,
     /// Output components, by place, that are a component of a reaction as it stands.
@@ -103,12 +110,13 @@ pub fn derive(mut model: Model) -> Result<Derivation, Vec<Problem>> {
     if model.graph.overflowed() {
         return Err(vec![too_large()]);
     }
-    let momentum = momentum::systems(&mut model, &switches);
+    let rows = Rows::of(&mut model);
+    let momentum = momentum::systems(&mut model, &rows, &switches);
     if model.graph.overflowed() {
         return Err(vec![too_large()]);
     }
     let named_reactions = reactions::put_in(&mut model);
-    Ok(Derivation { model, equations, momentum, named_reactions, energies, momenta, signals, switches })
+    Ok(Derivation { model, equations, rows, momentum, named_reactions, energies, momenta, signals, switches })
 }
 
 /// What enters the equations of motion: the model's expressions in canonical form, with modes for

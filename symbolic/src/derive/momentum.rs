@@ -3,6 +3,7 @@
 //! A and b come from the balances alone: A by one reverse pass for each equation (or one forward pass for all where
 //! that is cheaper, which is decided when lowering), b as what is left where all unknowns are zero.
 
+use super::Rows;
 use super::switches::{self, Switch};
 use crate::expr::{Graph, Id, Symbol, gradients, jacobian, substitute};
 use crate::model::{BalanceSystem, Model};
@@ -27,15 +28,17 @@ impl Momentum {
 }
 
 /// Every system of a model, with modes in the place of the discontinuities that the equations of motion have.
-pub(crate) fn systems(model: &mut Model, known: &[Switch]) -> Vec<Momentum> {
+pub(crate) fn systems(model: &mut Model, rows: &Rows, known: &[Switch]) -> Vec<Momentum> {
     let balances = std::mem::take(&mut model.balances);
-    let systems = balances.iter().map(|system| linear(model, system, known)).collect();
+    let systems = balances.iter().map(|system| linear(model, rows, system, known)).collect();
     model.balances = balances;
     systems
 }
 
-fn linear(model: &mut Model, system: &BalanceSystem, known: &[Switch]) -> Momentum {
+fn linear(model: &mut Model, rows: &Rows, system: &BalanceSystem, known: &[Switch]) -> Momentum {
     let unknowns = unknowns(model, system);
+    let active = system.phases.first().and_then(|phase| model.phases.get(*phase));
+    let active: Vec<usize> = active.map_or_else(Vec::new, |phase| model.rows_of(phase));
     let graph = &mut model.graph;
     let mut residuals = Vec::new();
     for balance in &system.balances {
@@ -44,6 +47,7 @@ fn linear(model: &mut Model, system: &BalanceSystem, known: &[Switch]) -> Moment
             residuals.push(sum);
         }
     }
+    residuals.extend(rows.accelerations(graph, &active));
     let residuals = switches::recall(graph, &residuals, known);
     let matrix = slopes(graph, &residuals, &unknowns);
     let zero = unknowns.iter().map(|s| (*s, Id::ZERO)).collect();
@@ -51,14 +55,19 @@ fn linear(model: &mut Model, system: &BalanceSystem, known: &[Switch]) -> Moment
     Momentum { unknowns, matrix, right }
 }
 
-/// The unknowns of a system: accelerations, then the components of its reactions.
+/// The unknowns of a system: accelerations, then the components of its reactions, then the multipliers that stand in it.
 pub(crate) fn unknowns(model: &Model, system: &BalanceSystem) -> Vec<Symbol> {
     let accelerations = (0..model.coordinates.len()).map(|i| Symbol::Acceleration(i as u32));
     let reactions = system.reactions.iter().flat_map(|&k| {
         let reaction = &model.reactions[k];
         (0..reaction.components as u32).map(|c| Symbol::Reaction(reaction.first + c))
     });
-    accelerations.chain(reactions).collect()
+    let parts = system.balances.iter().flat_map(|balance| &balance.parts);
+    let values: Vec<Id> = parts.flat_map(|part| part.value.iter().copied()).collect();
+    let multipliers = model.graph.symbols(values).into_iter().filter(|s| matches!(s, Symbol::Multiplier(_)));
+    let mut multipliers: Vec<Symbol> = multipliers.collect();
+    multipliers.sort_unstable();
+    accelerations.chain(reactions).chain(multipliers).collect()
 }
 
 /// With more equations than this a reverse pass for each, which walks a chain of bodies once, is always cheaper

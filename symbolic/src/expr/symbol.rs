@@ -17,8 +17,12 @@ pub enum Symbol {
     Parameter(u32),
     /// The mode of a switch: stands for a `sign` or a `step` while it does not change.
     Mode(u32),
-    /// An unknown reaction component or multiplier (momentum balances, constraints).
+    /// An unknown reaction component of the momentum balances.
     Reaction(u32),
+    /// The multiplier λ of a row of the constraints: the generalized force is (∂c/∂q)ᵀλ; 0 while the row is not active.
+    Multiplier(u32),
+    /// 1 in this phase, 0 in all others.
+    Phase(u32),
     /// A bound variable: the dummy of an `integral`, the `length` of a spring law, the argument of a `diff`, a drawn curve's parameter.
     Dummy(u32),
 }

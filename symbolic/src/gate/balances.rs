@@ -28,7 +28,9 @@ pub(super) fn agree(
             problems.extend(nonlinear(&mut model.graph, system, &linear.unknowns));
             continue;
         }
-        match compare(model, system, linear, states, gate) {
+        let of_phase = |state: &&State| system.phases.contains(&state.phase);
+        let own: Vec<State> = states.iter().filter(of_phase).cloned().collect();
+        match compare(model, system, linear, &own, gate) {
             Ok(agreement) => agreements.push(agreement),
             Err(problem) => problems.push(*problem),
         }

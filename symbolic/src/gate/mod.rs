@@ -30,6 +30,7 @@ mod named;
 mod passage;
 mod potential;
 mod report;
+mod rows;
 mod search;
 mod shared;
 mod sides;
@@ -42,7 +43,7 @@ mod unseen;
 
 use crate::derive::{Derivation, Equations, derive};
 use crate::diagnose::Problem;
-use crate::diagnose::catalogue::mechanics;
+use crate::diagnose::catalogue::{mechanics, verdicts};
 use crate::expr::Id;
 use crate::model::{Load, Model, Work};
 use crate::number::DoubleDouble;
@@ -103,19 +104,22 @@ impl Gate {
     /// or an identity, that is not.
     pub fn judge(self, mut derivation: Derivation) -> Result<Judged, Vec<Problem>> {
         let report = self.report(&mut derivation)?;
+        // Constraints act on coordinates that energies and forces do not contain.
+        let constrained = !derivation.rows.is_empty();
         let Derivation { model, momenta, .. } = &mut derivation;
-        let cyclic = cyclic::cyclic(model, &report.states, momenta);
+        let cyclic = if constrained { Vec::new() } else { cyclic::cyclic(model, &report.states, momenta) };
         Ok(Judged { derivation, cyclic, report })
     }
 
     /// Runs every test and collects every failure.
     fn report(self, derivation: &mut Derivation) -> Result<Report, Vec<Problem>> {
-        let Derivation { model, equations, momentum, switches, .. } = derivation;
-        let problems = massless(model, equations);
+        let Derivation { model, equations, rows, momentum, switches, .. } = derivation;
+        // A coordinate without inertia may follow from constraints.
+        let problems = if rows.is_empty() { massless(model, equations) } else { Vec::new() };
         if !problems.is_empty() {
             return Err(problems);
         }
-        let motion = motion::Motion::new(model, &equations[0], switches);
+        let motion = motion::Motion::new(model, &equations[0], rows, switches);
         if let Some(extra) = motion.blocks.iter().find_map(|block| block.get(COUPLED_LIMIT)) {
             let place = model.coordinates[*extra].place.clone();
             return Err(vec![mechanics::too_many_coupled(place, COUPLED_LIMIT)]);
@@ -123,7 +127,8 @@ impl Gate {
         let states = states::states(model, &motion, &[], self).map_err(|problem| vec![*problem])?;
         let mut report =
             Report { followed: states.followed.clone(), unreached: states.unreached.clone(), ..Report::default() };
-        let mut problems = Vec::new();
+        report.ranks = motion.constraints.ranks(&states.all);
+        let mut problems = dependent_rows(model, &motion, &states.all);
         match agreement::agreement(model, equations, &states.all, self) {
             Ok(agreements) => report.agreements = agreements,
             Err(problem) => problems.push(*problem),
@@ -190,6 +195,24 @@ pub fn judge(derivation: Derivation) -> Result<Judged, Vec<Problem>> {
 /// Everything that either finds.
 pub fn judged(model: Model) -> Result<Judged, Vec<Problem>> {
     judge(derive(model)?)
+}
+
+/// Rows of the constraints that follow from others are warned of, those that contradict them are errors.
+fn dependent_rows(model: &mut Model, motion: &motion::Motion, states: &[State]) -> Vec<Problem> {
+    let mut problems = Vec::new();
+    for rows::Dependent { phase, row, contradicts, state } in motion.constraints.dependent(states) {
+        let owner = model.constraints.iter().find(|c| (c.first..c.first + c.value.len()).contains(&row));
+        let Some(place) = owner.map(|c| c.place.clone()) else { continue };
+        let name = model.row_name(row);
+        if contradicts {
+            problems.push(verdicts::contradiction(place, name, state::describe(model, &state)));
+        } else {
+            let phase = &model.phases[phase].name;
+            let phase = if phase.is_empty() { String::new() } else { format!(" of the phase `{phase}`") };
+            model.warnings.push(verdicts::redundant(place, format!("`{name}`"), phase));
+        }
+    }
+    problems
 }
 
 /// Coordinates without an entry on M's diagonal.

@@ -1,8 +1,9 @@
 //! The motion at a state: inputs, modes, and the accelerations with the scale of their errors.
 
 use super::dense::{Deficient, factor, solve};
+use super::rows::{Constraints, Held};
 use super::state::State;
-use crate::derive::{Equations, Switch, rates, without_modes};
+use crate::derive::{Equations, Rows, Switch, rates, without_modes};
 use crate::expr::{Id, Measured, Symbol, Tape};
 use crate::model::Model;
 use crate::number::DoubleDouble;
@@ -19,6 +20,8 @@ pub(super) struct Motion {
     places: Vec<(usize, usize)>,
     /// Coordinates that M couples.
     pub blocks: Vec<Vec<usize>>,
+    /// The constraints.
+    pub constraints: Constraints,
 }
 
 /// Why a state has no motion.
@@ -36,7 +39,8 @@ pub(super) enum Incomplete {
 
 impl Motion {
     /// For equations by any derivation.
-    pub fn new(model: &mut Model, equations: &Equations, switches: &[Switch]) -> Motion {
+    pub fn new(model: &mut Model, equations: &Equations, rows: &Rows, switches: &[Switch]) -> Motion {
+        let constraints = Constraints::new(model, rows, &equations.bias);
         let graph = &mut model.graph;
         let inputs = model
             .inputs
@@ -59,6 +63,7 @@ impl Motion {
             equations: Tape::new(graph, &roots),
             blocks: blocks(n, &places),
             places,
+            constraints,
         }
     }
 
@@ -83,9 +88,17 @@ impl Motion {
         }
     }
 
-    /// Fills in inputs, modes and accelerations.
+    /// Brings a state to the constraints of its phase, and fills in inputs, modes, accelerations and multipliers.
     pub fn complete(&self, state: &mut State) -> Result<(), Incomplete> {
+        self.signals(state);
+        state.lambda.clear();
+        if !self.constraints.active(state.phase).is_empty() && !self.constraints.close(state) {
+            return Err(Incomplete::NotFinite);
+        }
         self.prepare(state);
+        if !self.constraints.is_empty() {
+            return self.constrained(state);
+        }
         let values = self.equations.measured(|s| state.value(s));
         if values.iter().any(|x| !x.value.is_finite() || !x.magnitude.is_finite()) {
             return Err(Incomplete::NotFinite);
@@ -104,6 +117,58 @@ impl Motion {
             true => Ok(()),
             false => Err(Incomplete::Singular { rank, coordinates }),
         }
+    }
+
+    /// Accelerations and multipliers: M a − (Jᵀ + B) λ = −h, J a = −γ with rows that are independent here.
+    fn constrained(&self, state: &mut State) -> Result<(), Incomplete> {
+        let values = self.equations.measured(|s| state.value(s));
+        let (rank, mut order) = self.constraints.rank(state);
+        order.truncate(rank);
+        let Held { rows, matrix: lines, bias: gamma, friction } = self.constraints.held(state, order);
+        let (mass, bias) = values.split_at(self.places.len());
+        let (n, m) = (self.n, rows.len());
+        let size = n + m;
+        let zero = Measured::exact(DoubleDouble::ZERO);
+        let mut matrix = vec![zero; size * size];
+        for ((i, j), x) in self.places.iter().zip(mass) {
+            matrix[i * size + j] = *x;
+            matrix[j * size + i] = *x;
+        }
+        for (k, line) in lines.chunks(n.max(1)).enumerate() {
+            for (i, x) in line.iter().enumerate() {
+                matrix[(n + k) * size + i] = *x;
+                matrix[i * size + n + k] = Measured { value: -x.value, magnitude: x.magnitude };
+            }
+        }
+        for (i, k, x) in friction {
+            // h has −B λ in it.
+            let entry = &mut matrix[i * size + n + k];
+            *entry = Measured { value: entry.value + x.value, magnitude: entry.magnitude + x.magnitude };
+        }
+        let right: Vec<Measured> = bias.iter().chain(&gamma).copied().collect();
+        if matrix.iter().chain(&right).any(|x| !x.value.is_finite() || !x.magnitude.is_finite()) {
+            return Err(Incomplete::NotFinite);
+        }
+        let (numbers, sizes): (Vec<DoubleDouble>, Vec<f64>) = matrix.iter().map(|x| (x.value, x.magnitude)).unzip();
+        let factored = factor(&numbers, &sizes, size).map_err(|Deficient { rank, columns }| Incomplete::Singular {
+            rank: rank.saturating_sub(m),
+            coordinates: columns.into_iter().map(|k| k.min(n.saturating_sub(1))).collect(),
+        })?;
+        let found = factored.solve(&right.iter().map(|x| -x.value).collect::<Vec<_>>());
+        let errors: Vec<f64> = (0..size)
+            .map(|i| {
+                let moving: f64 = (0..size).map(|j| sizes[i * size + j] * found[j].to_f64().abs()).sum();
+                moving + right[i].magnitude
+            })
+            .collect();
+        let felt = factored.spread(&errors);
+        let measured = |k: usize| Measured { value: found[k], magnitude: felt[k].max(found[k].to_f64().abs()) };
+        state.a = (0..n).map(measured).collect();
+        state.lambda = vec![zero; self.constraints.len()];
+        for (k, row) in rows.into_iter().enumerate() {
+            state.lambda[row] = measured(n + k);
+        }
+        Ok(())
     }
 
     /// The accelerations of one block: −M⁻¹h, and |a| + |M⁻¹|(m(M)|a| + m(h)).
@@ -219,7 +284,9 @@ fn symbol(s: Symbol, parameters: &[f64], t: f64, q: &[f64], v: &[f64], inputs: &
         }
         Symbol::Parameter(i) => at(parameters, i),
         Symbol::Mode(k) => at(modes, k),
-        Symbol::Acceleration(_) | Symbol::Reaction(_) | Symbol::Dummy(_) => 0.0,
+        Symbol::Acceleration(_) | Symbol::Reaction(_) | Symbol::Multiplier(_) | Symbol::Phase(_) | Symbol::Dummy(_) => {
+            0.0
+        }
     }
 }
 

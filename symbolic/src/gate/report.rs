@@ -27,6 +27,8 @@ pub struct Report {
     pub forces: Vec<Conservative>,
     /// The states at which derivations were compared.
     pub states: Vec<State>,
+    /// How many rows of the constraints are independent in general, phase by phase.
+    pub ranks: Vec<usize>,
     /// Scenes whose motion was followed, until when, and until when they should go.
     pub followed: Vec<(String, f64, f64)>,
     /// What the states do not reach, in words: arguments that were not brought to where their function changes, and so on.

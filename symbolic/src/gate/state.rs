@@ -21,6 +21,10 @@ pub struct State {
     pub v: Vec<DoubleDouble>,
     /// Accelerations, with the scale of their rounding errors.
     pub a: Vec<Measured>,
+    /// The phase.
+    pub phase: usize,
+    /// Multipliers of the constraints' rows, with the scale of their rounding errors; 0 for rows that do not act.
+    pub lambda: Vec<Measured>,
     /// Inputs: u, u', u'', u''' each, at this time.
     pub inputs: Vec<[DoubleDouble; 4]>,
     /// Modes of the switches at this state.
@@ -55,6 +59,8 @@ impl State {
             q: vec![DoubleDouble::ZERO; n],
             v: vec![DoubleDouble::ZERO; n],
             a: Vec::new(),
+            phase: 0,
+            lambda: Vec::new(),
             inputs: Vec::new(),
             modes: Vec::new(),
             origin: Origin::Near,
@@ -82,14 +88,19 @@ impl State {
             }
             Symbol::Parameter(i) => float(&self.parameters, i),
             Symbol::Mode(k) => float(&self.modes, k),
+            Symbol::Multiplier(k) => self.lambda.get(k as usize).map_or(DoubleDouble::ZERO, |l| l.value),
+            Symbol::Phase(k) => DoubleDouble::from(if k as usize == self.phase { 1.0 } else { 0.0 }),
             Symbol::Reaction(_) | Symbol::Dummy(_) => DoubleDouble::ZERO,
         }
     }
 
-    /// A symbol's value with the scale of its rounding error; only accelerations have more than their own size.
+    /// A symbol's value with the scale of its rounding error; only accelerations and multipliers have more than their own size.
     pub fn measured(&self, symbol: Symbol) -> Measured {
         match symbol {
             Symbol::Acceleration(i) => self.a.get(i as usize).copied().unwrap_or(Measured::exact(DoubleDouble::ZERO)),
+            Symbol::Multiplier(k) => {
+                self.lambda.get(k as usize).copied().unwrap_or(Measured::exact(DoubleDouble::ZERO))
+            }
             _ => Measured::exact(self.value(symbol)),
         }
     }

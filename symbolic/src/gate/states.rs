@@ -23,6 +23,10 @@ use crate::number::DoubleDouble;
 const DRAWN: usize = 16;
 /// How many draws are made for them at the most.
 const DRAWS: usize = 400;
+/// So many phases get states of their own.
+const MOST_PHASES: usize = 8;
+/// With so many states that meet the constraints something can be said.
+const FEWEST: usize = 4;
 /// So many states come from the motion of each scene.
 const FROM_MOTION: usize = 5;
 /// So many steps of each are searched for discontinuities.
@@ -41,6 +45,8 @@ pub(super) struct States {
     pub surfaces: Vec<State>,
     /// What could not be reached, in words.
     pub unreached: Vec<String>,
+    /// Whether some have the file's own parameters, since drawn ones did not meet the constraints.
+    pub own_parameters: bool,
     /// Scenes that were run, until when, and until when they should go.
     pub followed: Vec<(String, f64, f64)>,
 }
@@ -52,7 +58,9 @@ pub(super) fn states(
     when: &[(usize, f64)],
     gate: Gate,
 ) -> Result<States, Box<Problem>> {
-    let trajectories = if gate.motion { trajectories(model, motion, when) } else { Vec::new() };
+    // A coarse run leaves the constraints.
+    let follows = gate.motion && motion.constraints.is_empty();
+    let trajectories = if follows { trajectories(model, motion, when) } else { Vec::new() };
     let mut draws = Draws::new(model, motion, &trajectories);
     let mut found = States::default();
     let room = (WORK / motion.work().max(1)).clamp(6, 128);
@@ -158,9 +166,16 @@ fn drawn(
 ) -> Result<(), Box<Problem>> {
     let (mut singular, mut largest_rank) = (None, 0);
     let mut tried = 0;
+    let phases = motion.constraints.phases();
+    let wanted = wanted * phases.min(MOST_PHASES);
+    // Lengths that are drawn may not close: then those of the file serve.
+    let own: Vec<(usize, f64)> = model.parameters.iter().map(|p| p.default).enumerate().collect();
     while found.all.len() < wanted && tried < DRAWS {
         tried += 1;
-        let mut state = draws.next(when);
+        let closes = motion.constraints.is_empty() || found.all.len() * 4 >= tried || tried < 2 * wanted.min(40);
+        let mut state = if closes { draws.next(when) } else { draws.next(&fixed(&own, when)) };
+        found.own_parameters |= !closes;
+        state.phase = tried % phases;
         match motion.complete(&mut state) {
             Ok(()) => found.all.push(state),
             Err(Incomplete::NotFinite) => {}
@@ -176,8 +191,14 @@ fn drawn(
             }
         }
     }
-    if found.all.len() >= wanted {
+    motion.constraints.regular(&mut found.all);
+    if found.all.len() >= wanted || (!motion.constraints.is_empty() && found.all.len() >= FEWEST) {
         return Ok(());
+    }
+    if !motion.constraints.is_empty() && singular.is_none() && found.all.is_empty() {
+        let names: Vec<String> = model.constraints.iter().map(|c| format!("`{}`", c.name)).collect();
+        let place = model.constraints.first().map_or_else(Place::default, |c| c.place.clone());
+        return Err(Box::new(verdicts::constraints_not_met(place, listed(&names), tried)));
     }
     Err(Box::new(match singular {
         Some((coordinates, state)) if found.all.is_empty() => {
@@ -188,6 +209,12 @@ fn drawn(
         }
         _ => verdicts::too_few_states(Place::default().key("coordinates"), found.all.len(), DRAWS),
     }))
+}
+
+/// The file's parameters, some of them fixed to other values.
+fn fixed(own: &[(usize, f64)], when: &[(usize, f64)]) -> Vec<(usize, f64)> {
+    let of = |(i, x): &(usize, f64)| (*i, when.iter().find(|(k, _)| k == i).map_or(*x, |(_, x)| *x));
+    own.iter().map(of).collect()
 }
 
 /// "`a`, `b` and `c`".

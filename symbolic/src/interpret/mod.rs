@@ -11,6 +11,8 @@ pub struct Interpreter {
     pub parameters: Vec<f64>,
     /// Modes of the switches.
     pub modes: Vec<f64>,
+    /// 1 for the phase in force, 0 for all others.
+    pub phases: Vec<f64>,
     tapes: Tapes,
 }
 
@@ -35,6 +37,14 @@ pub enum Function {
     Drawing,
     EventRates,
     Arguments,
+    Constraints,
+    ConstraintMatrix,
+    ConstraintBias,
+    Friction,
+    ConstraintStiffness,
+    ConstraintDamping,
+    ConstraintTilt,
+    HeldRates,
     Inputs,
 }
 
@@ -62,6 +72,8 @@ pub struct At<'a> {
     pub v: &'a [f64],
     /// Accelerations.
     pub a: &'a [f64],
+    /// Multipliers of the constraints' rows.
+    pub l: &'a [f64],
 }
 
 impl Interpreter {
@@ -86,6 +98,15 @@ impl Interpreter {
         set(Function::Events, &program.events);
         set(Function::Switches, &program.switch_pairs);
         set(Function::Drawing, &program.drawing);
+        let constraints = &program.constraints;
+        set(Function::Constraints, &constraints.values);
+        set(Function::ConstraintMatrix, &entries(&constraints.matrix));
+        set(Function::ConstraintBias, &constraints.bias);
+        set(Function::Friction, &entries(&constraints.friction));
+        set(Function::ConstraintStiffness, &entries(&constraints.stiffness));
+        set(Function::ConstraintDamping, &entries(&constraints.damping));
+        set(Function::ConstraintTilt, &entries(&constraints.tilt));
+        set(Function::HeldRates, &constraints.held_rates);
         let rates: Vec<Id> = program.event_rates.iter().map(|rate| rate.unwrap_or(Id::ZERO)).collect();
         set(Function::EventRates, &rates);
         let pairs: Vec<Id> = program.arguments.iter().flat_map(|a| [a.value, a.rate]).collect();
@@ -104,7 +125,8 @@ impl Interpreter {
         let tapes = Tapes { functions, accelerations, pivots, balances: balances.collect() };
         let parameters = program.model.parameters.iter().map(|p| p.default).collect();
         let modes = vec![1.0; program.switches.len()];
-        Interpreter { program, parameters, modes, tapes }
+        let phases = (0..program.model.phases.len()).map(|k| if k == 0 { 1.0 } else { 0.0 }).collect();
+        Interpreter { program, parameters, modes, phases, tapes }
     }
 
     /// The program.
@@ -184,6 +206,8 @@ impl Interpreter {
             Symbol::Input(k, order) => get(at.u, 3 * k + u32::from(order)),
             Symbol::Parameter(i) => get(&self.parameters, i),
             Symbol::Mode(k) => get(&self.modes, k),
+            Symbol::Multiplier(k) => get(at.l, k),
+            Symbol::Phase(k) => get(&self.phases, k),
             Symbol::Reaction(_) | Symbol::Dummy(_) => f64::NAN,
         };
         tape.run(value, &mut Vec::new(), values);

@@ -134,7 +134,7 @@ fn push(graph: &mut Graph, list: &mut List, (of, role, value): (Watched, Role, I
     let rate = rates(graph, &[value])[0];
     let symbols = graph.symbols([value, rate]);
     // Rates of accelerations, and inputs beyond their second derivative, are not known.
-    let unknown = |s: &Symbol| matches!(s, Symbol::Input(_, 3..) | Symbol::Reaction(_));
+    let unknown = |s: &Symbol| matches!(s, Symbol::Input(_, 3..) | Symbol::Reaction(_) | Symbol::Multiplier(_));
     let has_acceleration = graph.symbols([value]).iter().any(|s| matches!(s, Symbol::Acceleration(_)));
     if has_acceleration || symbols.iter().any(unknown) {
         return;
@@ -155,7 +155,9 @@ fn inside(graph: &mut Graph, roots: &[Id]) -> Vec<(Role, Id)> {
     let mut moving: HashSet<Id> = HashSet::default();
     for &id in &needed {
         let moves = match graph.node(id) {
-            Node::Symbol(s) => !matches!(s, Symbol::Parameter(_) | Symbol::Dummy(_) | Symbol::Mode(_)),
+            Node::Symbol(s) => {
+                !matches!(s, Symbol::Parameter(_) | Symbol::Dummy(_) | Symbol::Mode(_) | Symbol::Phase(_))
+            }
             _ => graph.children(id).any(|child| moving.contains(&child)),
         };
         if moves {

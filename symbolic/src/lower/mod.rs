@@ -2,6 +2,7 @@
 
 mod arguments;
 mod candidates;
+mod constraints;
 mod count;
 mod factor;
 mod gather;
@@ -17,6 +18,7 @@ use crate::gate::{Judged, Report};
 use crate::model::{Model, Scene, Shape};
 
 pub use arguments::{Argument, Role, Watched};
+pub use constraints::Constraints;
 pub use count::operations;
 pub use factor::Accelerations;
 pub use momentum::MomentumSystem;
@@ -40,11 +42,13 @@ pub struct Program {
     pub jumps: Vec<InputJump>,
     /// M's lower triangle.
     pub mass: Vec<Entry>,
-    /// h.
+    /// h; without the forces of multipliers.
     pub bias: Vec<Id>,
+    /// Constraints and the forces of their multipliers.
+    pub constraints: Constraints,
     /// q'' = −M⁻¹h.
     pub accelerations: Accelerations,
-    /// F = M q'' + h.
+    /// F = M q'' + h − (Jᵀ + B) λ.
     pub residual: Vec<Id>,
     /// ∂F/∂q.
     pub stiffness: Vec<Entry>,
@@ -132,11 +136,13 @@ pub fn compile(text: &str, sizes: &[(String, i64)]) -> Result<Program, Vec<Probl
 /// The model is too large.
 pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let Judged { derivation, cyclic, report } = judged;
-    let Derivation { mut model, equations, momentum, named_reactions, energies, signals, switches, .. } = derivation;
+    let Derivation { mut model, equations, rows, momentum, named_reactions, energies, signals, switches, .. } =
+        derivation;
     let n = model.coordinates.len();
     let graph = &mut model.graph;
 
     let mut chosen = candidates::choose(graph, &equations);
+    let constraints = constraints::lowered(graph, n, rows, &mut chosen);
     gather_entries(graph, &mut chosen.mass);
     chosen.bias = gather::gather(graph, &chosen.bias);
     chosen.residual = gather::gather(graph, &chosen.residual);
@@ -164,18 +170,12 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
         model.loads.iter().map(|load| (load.name.clone(), load.expressions())).collect();
     let arguments = arguments::arguments(graph, &functions, &arguments, &motion, &loads);
     let jumps = (0..model.inputs.len()).map(|k| input_jump(graph, &chosen.residual, k as u32)).collect();
+    let power = graph.add(energies.power, constraints.power);
     let outputs = model.outputs.iter().flat_map(|o| o.value.iter().copied()).collect();
     let drawing = model.draw.iter().flat_map(drawn).collect();
 
-    let structure = structure::recognise(
-        graph,
-        n,
-        &chosen,
-        (&stiffness, &damping),
-        (energies.power, energies.jacobi),
-        &switches,
-        &cyclic,
-    );
+    let structure =
+        structure::recognise(graph, n, &chosen, (&stiffness, &damping), (power, energies.jacobi), &switches, &cyclic);
     let count = |roots: Vec<Id>| operations(graph, &roots);
     let values = |entries: &[Entry]| entries.iter().map(|e| e.2).collect::<Vec<_>>();
     let counts = Counts {
@@ -197,6 +197,7 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
         jumps,
         mass: chosen.mass,
         bias: chosen.bias,
+        constraints,
         accelerations,
         residual: chosen.residual,
         stiffness,
@@ -206,7 +207,7 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
         generic_time: of_time.generic,
         timed_switches: of_time.switches,
         magnitudes,
-        energy: [energies.kinetic, energies.potential, energies.jacobi, energies.power, energies.scale],
+        energy: [energies.kinetic, energies.potential, energies.jacobi, power, energies.scale],
         invariants,
         outputs,
         events,
@@ -234,6 +235,7 @@ impl Program {
             jumps: Vec::new(),
             mass: Vec::new(),
             bias: Vec::new(),
+            constraints: Constraints::default(),
             accelerations: Accelerations::Unrolled { values: Vec::new(), pivots: Vec::new() },
             residual: Vec::new(),
             stiffness: Vec::new(),
@@ -261,7 +263,9 @@ impl Program {
 
 /// The total time derivative, unless that of an acceleration, a reaction or an input's second derivative is in it.
 fn known_rate(graph: &mut Graph, value: Id) -> Option<Id> {
-    let unknown = |s: &Symbol| matches!(s, Symbol::Acceleration(_) | Symbol::Reaction(_) | Symbol::Input(_, 2..));
+    let unknown = |s: &Symbol| {
+        matches!(s, Symbol::Acceleration(_) | Symbol::Reaction(_) | Symbol::Multiplier(_) | Symbol::Input(_, 2..))
+    };
     if graph.symbols([value]).iter().any(unknown) {
         return None;
     }

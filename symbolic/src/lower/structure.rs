@@ -41,7 +41,7 @@ pub(super) fn recognise(
     let time = |s: Symbol| matches!(s, Symbol::Time | Symbol::Input(..));
     let constant_mass = constant(&chosen.mass);
     let constant_inertias = chosen.mass.iter().filter(|e| e.0 == e.1).all(|e| !varying[e.2.index()]);
-    let modes = |s: Symbol| matches!(s, Symbol::Mode(_));
+    let modes = |s: Symbol| matches!(s, Symbol::Mode(_) | Symbol::Phase(_) | Symbol::Multiplier(_));
     let by_time = |s: Symbol| matches!(s, Symbol::Mode(k) if switches.get(k as usize).is_some_and(|s| s.time_only));
     Structure {
         constant_mass,

@@ -41,7 +41,15 @@ pub(super) fn of_time(graph: &mut Graph, residual: &[Id], switches: &[Switch]) -
 fn with_generic_functions(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
     let timed = graph.contains(|s| s == Symbol::Time);
     let moving = graph.contains(|s| {
-        matches!(s, Symbol::Coordinate(_) | Symbol::Speed(_) | Symbol::Acceleration(_) | Symbol::Mode(_))
+        matches!(
+            s,
+            Symbol::Coordinate(_)
+                | Symbol::Speed(_)
+                | Symbol::Acceleration(_)
+                | Symbol::Multiplier(_)
+                | Symbol::Mode(_)
+                | Symbol::Phase(_)
+        )
     });
     let mut random = Random::new();
     rewrite(graph, roots, |graph, node| {
@@ -70,7 +78,7 @@ fn changing(graph: &mut Graph, rates: &[Id], generic: &[Id]) -> Vec<bool> {
         let values = tape.evaluate(|symbol| {
             *symbols.borrow_mut().entry(symbol).or_insert_with(|| match symbol {
                 Symbol::Parameter(_) => draw.borrow_mut().between(0.3, 2.0),
-                Symbol::Mode(_) => 1.0,
+                Symbol::Mode(_) | Symbol::Phase(_) => 1.0,
                 Symbol::Time => draw.borrow_mut().between(0.0, span),
                 _ => draw.borrow_mut().between(-0.9, 0.9) * span.min(1.0),
             })

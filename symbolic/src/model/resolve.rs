@@ -6,7 +6,7 @@ use super::resolved::Model;
 use super::resolver::Resolver;
 use super::section::declare::dimension;
 use super::section::settle::settle;
-use crate::diagnose::catalogue::{later, names, sections};
+use crate::diagnose::catalogue::{names, sections};
 use crate::diagnose::{Place, Problem, Step};
 use crate::file::{Node, Spot};
 
@@ -71,6 +71,8 @@ fn resolve_through(root: &Node, sizes: &[(String, i64)]) -> (Option<Model>, Vec<
     resolver.frames();
     let bodies = resolver.bodies();
     resolver.reactions();
+    let constraints = resolver.declare_constraints();
+    resolver.phases();
     if resolver.too_many_names() {
         // Names beyond the limit were not declared: what else could be said would be misleading.
         return resolver.finish();
@@ -82,8 +84,9 @@ fn resolve_through(root: &Node, sizes: &[(String, i64)]) -> (Option<Model>, Vec<
     settle(&mut resolver.bench, &mut resolver.scope, &items);
     resolver.finish_derived(derived);
     resolver.finish_inputs();
+    resolver.finish_constraints(constraints);
     // 3. Where runs start; look in `scenes.rs`.
-    resolver.scenes();
+    let held = resolver.scenes();
     resolver.samples();
     // 4. What has mass, and what acts on it; look in `bodies.rs`, `loads.rs` and `carriers.rs`.
     resolver.finish_bodies(bodies);
@@ -94,7 +97,9 @@ fn resolve_through(root: &Node, sizes: &[(String, i64)]) -> (Option<Model>, Vec<
     resolver.balances();
     // 5. What is computed along a run; look in `watched.rs` and `draw.rs`.
     resolver.watched();
+    resolver.also(held);
     resolver.events();
+    resolver.idle_constraints();
     resolver.draw();
     resolver.finish()
 }
@@ -146,11 +151,6 @@ impl Resolver<'_> {
         let problems = &mut self.bench.problems;
         if !root.only(&known, "the model", problems) {
             return;
-        }
-        for key in ["constraints", "phases"] {
-            if let Some(spot) = root.get(key) {
-                problems.push(later::key_not_supported(spot.place.of_key(), key, "the model"));
-            }
         }
         if let Some(name) = root.need("name", "the model", problems)
             && let Some(words) = name.words(problems)

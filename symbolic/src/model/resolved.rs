@@ -45,6 +45,10 @@ pub struct Model {
     pub dissipation: Id,
     /// `generalized_forces`.
     pub generalized_forces: Vec<GeneralizedForce>,
+    /// Constraints.
+    pub constraints: Vec<Constraint>,
+    /// Phases, the initial one first; one without a name, with all constraints, where the file has none.
+    pub phases: Vec<Phase>,
     /// All terms of T: bodies', then raw ones.
     pub kinetic_terms: Vec<Id>,
     /// All terms of V: gravity's, springs', then raw ones.
@@ -78,6 +82,20 @@ pub struct Model {
 }
 
 impl Model {
+    /// The rows of the constraints that act in a phase, in order.
+    pub fn rows_of(&self, phase: &Phase) -> Vec<usize> {
+        let constraints = phase.constraints.iter().map(|k| &self.constraints[*k]);
+        let mut rows: Vec<usize> = constraints.flat_map(|c| c.first..c.first + c.value.len()).collect();
+        rows.sort_unstable();
+        rows
+    }
+
+    /// The name of a row: `rod`, or `pin.x` for a component of a vector.
+    pub fn row_name(&self, row: usize) -> String {
+        let owner = self.constraints.iter().find(|c| (c.first..c.first + c.value.len()).contains(&row));
+        owner.map_or_else(String::new, |c| c.row_names().swap_remove(row - c.first))
+    }
+
     /// The condition under which something is claimed: ` where c = 0 and k = 2`; nothing where it always holds.
     pub fn condition(&self, when: &[(usize, f64)]) -> String {
         let parts: Vec<String> =
@@ -233,6 +251,49 @@ pub struct GeneralizedForce {
     pub place: Place,
 }
 
+/// A constraint: its components vanish while it is active.
+#[derive(Clone, Debug)]
+pub struct Constraint {
+    /// Its expanded name.
+    pub name: String,
+    /// Its components, c(t, q) or c(t, q, q'), affine in the speeds.
+    pub value: Vec<Id>,
+    /// True for a number, false for a vector.
+    pub scalar: bool,
+    /// True where it contains no speeds.
+    pub holonomic: bool,
+    /// The place of its first component among the rows of all constraints, in file order: `Symbol::Multiplier`.
+    pub first: usize,
+    /// Its unit in SI, where it is known and not 1.
+    pub unit: Option<String>,
+    /// Where it is declared.
+    pub place: Place,
+}
+
+impl Constraint {
+    /// The names of its components: `rod`; `pin.x`, `pin.y`.
+    pub fn row_names(&self) -> Vec<String> {
+        (0..self.value.len()).map(|place| self.component(place)).collect()
+    }
+
+    /// The name of one component.
+    pub fn component(&self, place: usize) -> String {
+        let axis = if self.scalar { "" } else { [".x", ".y", ".z"][place.min(2)] };
+        format!("{}{axis}", self.name)
+    }
+}
+
+/// A phase: which constraints act.
+#[derive(Clone, Debug)]
+pub struct Phase {
+    /// Its name; empty where the file has no phases.
+    pub name: String,
+    /// Its constraints, by their places.
+    pub constraints: Vec<usize>,
+    /// Where it is declared.
+    pub place: Place,
+}
+
 /// An end of a load at a point that several bodies carry (a hinge).
 #[derive(Clone, Debug)]
 pub struct SharedEnd {
@@ -277,6 +338,8 @@ pub struct Conserved {
     pub counts_energy: bool,
     /// Parameters that must have these values.
     pub when: Vec<(usize, f64)>,
+    /// The phases in which it is claimed; absent: every.
+    pub phases: Option<Vec<usize>>,
     /// Where it stands.
     pub place: Place,
 }
@@ -292,6 +355,8 @@ pub struct Check {
     pub right: Vec<Id>,
     /// Parameters that must have these values.
     pub when: Vec<(usize, f64)>,
+    /// The phases in which it is claimed; absent: every.
+    pub phases: Option<Vec<usize>>,
     /// Where it stands.
     pub place: Place,
 }
@@ -331,6 +396,8 @@ pub struct Event {
     pub condition: Option<Id>,
     /// −1 falling, 1 rising, 0 both.
     pub direction: i8,
+    /// The phases in which it counts; absent: every.
+    pub phases: Option<Vec<usize>>,
     /// What happens, in order.
     pub actions: Vec<EventAction>,
 }
@@ -342,6 +409,15 @@ pub enum EventAction {
     Stop,
     /// Notes time and state.
     Record,
+    /// Goes on in this phase.
+    Phase(usize),
+    /// An impulse along a constraint that is not active.
+    Impact {
+        /// The coefficient of restitution e, of parameters: the constraint's rate becomes −e times what it was.
+        restitution: Id,
+        /// The constraint's place.
+        along: usize,
+    },
 }
 
 /// Something to draw.
@@ -369,10 +445,20 @@ pub enum Shape {
 pub struct Scene {
     /// Its name; `scene` for the default.
     pub name: String,
-    /// Coordinates at the start.
+    /// Coordinates at the start; where constraints are to be met, what is not named is the guess.
     pub q: Vec<Id>,
     /// Speeds at the start.
     pub v: Vec<Id>,
+    /// True for every coordinate that `start` names: it is held.
+    pub held_q: Vec<bool>,
+    /// True for every speed that `start` names.
+    pub held_v: Vec<bool>,
+    /// True where the scene gives a `guess`.
+    pub guessed: bool,
+    /// Equations that the start meets together with the constraints: (quantity of t, q, q'; its value).
+    pub also: Vec<(Id, Id)>,
+    /// The phase in which it starts.
+    pub phase: usize,
     /// The end.
     pub until: Id,
     /// Relative tolerance.
@@ -407,6 +493,8 @@ pub struct BalanceSystem {
     pub balances: Vec<Balance>,
     /// Its reactions, by their places.
     pub reactions: Vec<usize>,
+    /// The phases to which it belongs.
+    pub phases: Vec<usize>,
     /// Where it stands.
     pub place: Place,
 }

@@ -10,6 +10,7 @@ use super::expression::rules::Rules;
 use super::expression::scope::{Entry, Member, Scope, Section};
 use super::resolved::Model;
 use super::section::settle::{Item, Want};
+use super::section::watched::Watched;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{names, sections};
 use crate::expr::Id;
@@ -28,6 +29,8 @@ pub struct Resolver<'a> {
     pub items: Vec<Item>,
     /// Names of indices in keys, and where they stand.
     pub index_names: IndexNames,
+    /// What `conserved` and `outputs` name, none where it was refused.
+    pub watched: BTreeMap<String, Vec<Option<Watched>>>,
     /// The result so far.
     pub model: Model,
     names: usize,
@@ -42,6 +45,7 @@ impl<'a> Resolver<'a> {
             scope: Scope::default(),
             items: Vec::new(),
             index_names: Vec::new(),
+            watched: BTreeMap::new(),
             model: Model::default(),
             names: 0,
         }

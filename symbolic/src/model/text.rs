@@ -97,6 +97,17 @@ fn symbol(model: &Model, symbol: Symbol) -> String {
         Symbol::Parameter(i) => name(model.parameters.get(i as usize).map(|p| p.name.as_str())),
         Symbol::Mode(k) => format!("mode{k}"),
         Symbol::Reaction(k) => format!("reaction{k}"),
+        Symbol::Multiplier(k) => multiplier(model, k as usize),
+        Symbol::Phase(k) => format!("(in {})", name(model.phases.get(k as usize).map(|phase| phase.name.as_str()))),
         Symbol::Dummy(_) => "length".to_owned(),
+    }
+}
+
+/// `reaction(pin).x`.
+pub(super) fn multiplier(model: &Model, row: usize) -> String {
+    let name = model.row_name(row);
+    match name.split_once('.') {
+        Some((constraint, axis)) => format!("reaction({constraint}).{axis}"),
+        None => format!("reaction({name})"),
     }
 }

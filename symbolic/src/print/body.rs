@@ -40,8 +40,8 @@ pub(super) struct Reads {
     pub constants: bool,
     pub time: bool,
     pub inputs: bool,
-    /// q, v, a.
-    pub state: [bool; 3],
+    /// q, v, a, l.
+    pub state: [bool; 4],
 }
 
 /// Deepest nesting of one expression.
@@ -55,6 +55,8 @@ pub(super) struct Bodies<'a> {
     pub hoisted: &'a HashMap<Id, usize>,
     /// Place of the first mode in the block of constants.
     pub first_mode: usize,
+    /// Place of the first phase in the block of constants.
+    pub first_phase: usize,
 }
 
 #[derive(Clone)]
@@ -161,7 +163,7 @@ impl Bodies<'_> {
     /// `let &[theta1, theta2] = q;` and the like, for what is used; and all that is read.
     fn bindings(&self, needed: &[bool], indent: &str) -> (String, Reads) {
         let n = self.names.coordinates.len();
-        let mut lists = vec![vec![None; n]; 3];
+        let mut lists = vec![vec![None; n], vec![None; n], vec![None; n], vec![None; self.names.multipliers.len()]];
         let mut reads = Reads::default();
         for id in (0..needed.len()).filter(|&i| needed[i]).map(|i| self.graph.id_at(i)) {
             if self.hoisted.contains_key(&id) {
@@ -181,16 +183,19 @@ impl Bodies<'_> {
                     reads.inputs = true;
                     continue;
                 }
-                Symbol::Parameter(_) | Symbol::Mode(_) => {
+                Symbol::Multiplier(k) => (3, k),
+                Symbol::Parameter(_) | Symbol::Mode(_) | Symbol::Phase(_) => {
                     reads.constants = true;
                     continue;
                 }
                 Symbol::Reaction(_) | Symbol::Dummy(_) => continue,
             };
-            lists[order][k as usize] = Some(self.names.coordinates[k as usize][order].as_str());
+            let names = &self.names;
+            let name = if order == 3 { &names.multipliers[k as usize] } else { &names.coordinates[k as usize][order] };
+            lists[order][k as usize] = Some(name.as_str());
         }
         let mut lines = String::new();
-        for (order, (list, array)) in lists.into_iter().zip(["q", "v", "a"]).enumerate() {
+        for (order, (list, array)) in lists.into_iter().zip(["q", "v", "a", "l"]).enumerate() {
             if list.iter().any(Option::is_some) {
                 reads.state[order] = true;
                 let names: Vec<&str> = list.into_iter().map(|n| n.unwrap_or("_")).collect();
@@ -209,7 +214,9 @@ impl Bodies<'_> {
             Symbol::Acceleration(i) => coordinate(i, 2),
             Symbol::Input(k, order) => format!("u[{}]", 3 * k + u32::from(order)),
             Symbol::Parameter(i) => format!("c[{i}]"),
+            Symbol::Multiplier(k) => self.names.multipliers[k as usize].clone(),
             Symbol::Mode(k) => format!("c[{}]", self.first_mode + k as usize),
+            Symbol::Phase(k) => format!("c[{}]", self.first_phase + k as usize),
             Symbol::Reaction(_) | Symbol::Dummy(_) => "S::ratio(0.0, 1.0)".to_owned(),
         }
     }

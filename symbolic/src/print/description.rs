@@ -7,7 +7,7 @@ use super::{si_unit, words};
 use crate::derive::{Switch, SwitchKind, without_modes};
 use crate::expr::{Id, Symbol};
 use crate::lower::{Argument, Entry, Program, Role, Watched};
-use crate::model::{EventAction, Shape, text_in};
+use crate::model::{EventAction, Phase, Shape, text_in};
 
 /// `static DESCRIPTION: … = …;`
 pub(super) fn description(program: &Program, source: &str) -> String {
@@ -48,12 +48,38 @@ pub(super) fn description(program: &Program, source: &str) -> String {
     field("input_pattern", pattern(&program.input));
     field("time_pattern", list(program.time.iter().map(|e| e.0.to_string())));
     field("timed_switches", list(program.timed_switches.iter().map(ToString::to_string)));
+    field(
+        "rows",
+        list(model.constraints.iter().enumerate().flat_map(|(k, c)| {
+            let names = c.row_names().into_iter();
+            names.map(move |name| {
+                format!(
+                    "mechanism::Row {{ name: {}, unit: {}, holonomic: {}, constraint: {k} }}",
+                    string(&name),
+                    string(&c.unit.as_deref().map(si_unit).unwrap_or_default()),
+                    c.holonomic
+                )
+            })
+        })),
+    );
+    let phase = |(k, phase): (usize, &Phase)| {
+        let rows = list(program.model.rows_of(phase).into_iter().map(|row| row.to_string()));
+        format!("mechanism::Phase {{ name: {}, rows: {rows}, rank: {} }}", string(&phase.name), program.rank_of(k))
+    };
+    field("phases", list(model.phases.iter().enumerate().map(phase)));
+    field("constraint_pattern", pattern(&program.constraints.matrix));
+    field("friction_pattern", pattern(&program.constraints.friction));
+    field("constraint_stiffness_pattern", pattern(&program.constraints.stiffness));
+    field("constraint_damping_pattern", pattern(&program.constraints.damping));
+    field("constraint_tilt_pattern", pattern(&program.constraints.tilt));
     let quantity = |name: &str, components: usize, of: &Option<String>| {
         format!("mechanism::Quantity {{ name: {}, components: {components}, unit: {} }}", string(name), unit(of))
     };
     field("outputs", list(model.outputs.iter().map(|o| quantity(&o.name, o.value.len(), &o.unit))));
     field("outputs_use_accelerations", program.outputs_use_accelerations().to_string());
+    field("events_use_accelerations", program.events_use_accelerations().to_string());
     field("invariants", list(model.conserved.iter().map(|c| quantity(&c.name, c.value.len(), &None))));
+    let mut impacts = 0;
     field(
         "events",
         list(model.events.iter().zip(&program.event_rates).map(|(e, rate)| {
@@ -62,12 +88,23 @@ pub(super) fn description(program: &Program, source: &str) -> String {
                 -1 => "Falling",
                 _ => "Both",
             };
+            let phases = match &e.phases {
+                None => "::core::option::Option::None".to_owned(),
+                Some(phases) => {
+                    format!("::core::option::Option::Some({})", list(phases.iter().map(ToString::to_string)))
+                }
+            };
             let actions = list(e.actions.iter().map(|a| match a {
                 EventAction::Stop => "mechanism::Action::Stop".to_owned(),
                 EventAction::Record => "mechanism::Action::Record".to_owned(),
+                EventAction::Phase(k) => format!("mechanism::Action::Phase({k})"),
+                EventAction::Impact { along, .. } => {
+                    impacts += 1;
+                    format!("mechanism::Action::Impact {{ along: {along}, restitution: {} }}", impacts - 1)
+                }
             }));
             format!(
-                "mechanism::Event {{ name: {}, direction: mechanism::Direction::{direction}, conditional: {}, actions: {actions}, rated: {} }}",
+                "mechanism::Event {{ name: {}, direction: mechanism::Direction::{direction}, conditional: {}, phases: {phases}, actions: {actions}, rated: {} }}",
                 string(&e.name),
                 e.condition.is_some(),
                 rate.is_some()

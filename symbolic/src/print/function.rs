@@ -2,12 +2,12 @@
 
 use super::body::{Bodies, Body, Use};
 
-/// A function of a state, `fn NAME<S: Real>(c, t, u, q, v, a, TARGETS) -> RESULT`.
+/// A function of a state, `fn NAME<S: Real>(c, t, u, q, v, a, l, TARGETS) -> RESULT`.
 pub(super) struct Function<'a> {
     pub name: &'a str,
     /// The type of the block of constants.
     pub constants: &'a str,
-    /// Which of q, v, a it takes: so many of them.
+    /// Which of q, v, and a with the multipliers l it takes: so many of them.
     pub state: usize,
     /// Where it writes.
     pub targets: Vec<Target<'a>>,
@@ -46,7 +46,7 @@ impl Default for Function<'_> {
 impl Function<'_> {
     /// Its text, after an empty line.
     pub fn text(&self, bodies: &Bodies<'_>, indent: &str) -> String {
-        let n = bodies.names.coordinates.len();
+        let (n, rows) = (bodies.names.coordinates.len(), bodies.names.multipliers.len());
         let inner = format!("{indent}    ");
         let Body { lines, reads } = bodies.body(&self.uses, &inner);
         let mut arguments = vec![
@@ -54,8 +54,11 @@ impl Function<'_> {
             argument("t", "S", reads.time),
             argument("u", "&[S]", reads.inputs),
         ];
-        let state = ["q", "v", "a"].into_iter().zip(reads.state).take(self.state);
-        arguments.extend(state.map(|(name, read)| argument(name, &format!("&[S; {n}]"), read)));
+        let state = [("q", n), ("v", n), ("a", n), ("l", rows)];
+        // Multipliers come with accelerations.
+        let count = if self.state == 3 { 4 } else { self.state };
+        let state = state.into_iter().zip(reads.state).take(count);
+        arguments.extend(state.map(|((name, size), read)| argument(name, &format!("&[S; {size}]"), read)));
         arguments.extend(self.targets.iter().map(|target| argument(target.name, &target.kind, target.used)));
         let statement = |text: &str| if text.is_empty() { String::new() } else { format!("{inner}{text}\n") };
         format!(

@@ -30,13 +30,14 @@ impl Mechanism<'_> {
     /// `impl Mechanism for NAME { … }`.
     pub fn text(&self, source: &str, name: &str) -> String {
         let program = self.program;
-        let n = program.model.coordinates.len();
+        let (n, rows) = (program.model.coordinates.len(), program.constraints.len());
         let mut out = format!(
-            "{UNJUDGED}impl ::dalembert::mechanism::Mechanism<{n}, 0> for {name} {{
+            "{UNJUDGED}impl ::dalembert::mechanism::Mechanism<{n}, {rows}> for {name} {{
     type Constants<S: ::dalembert::mechanism::Real> = [S; {}];
     type Inputs<S: ::dalembert::mechanism::Real> = [S; {}];
     type Balances = [f64; {}];
     const MODES: usize = {};
+    const PHASES: usize = {};
 
     fn description() -> &'static ::dalembert::mechanism::Description {{
         use ::dalembert::mechanism;
@@ -49,6 +50,7 @@ impl Mechanism<'_> {
             3 * program.model.inputs.len(),
             momentum::block(program),
             program.switches.len(),
+            program.phases(),
             description(program, source)
         );
         out += &self.constants_function();
@@ -70,8 +72,13 @@ impl Mechanism<'_> {
         for (k, parameter) in model.parameters.iter().enumerate() {
             let _ = writeln!(lines, "        c[{k}] = S::gather(|i| lane(i).{});", field(parameter));
         }
-        for k in self.block - self.program.switches.len()..self.block {
+        let first_phase = self.block - self.program.phases();
+        for k in first_phase - self.program.switches.len()..first_phase {
             let _ = writeln!(lines, "        c[{k}] = S::ratio(1.0, 1.0);");
+        }
+        // The first phase is in force.
+        if first_phase < self.block {
+            let _ = writeln!(lines, "        c[{first_phase}] = S::ratio(1.0, 1.0);");
         }
         for (k, id) in self.constants.iter().enumerate() {
             lines += &comment(&format!("c[{}] = {}", count + k, text(model, *id)), "        ");
@@ -115,6 +122,8 @@ impl Mechanism<'_> {
         let rates: Vec<Id> = program.event_rates.iter().map(|rate| rate.unwrap_or(Id::ZERO)).collect();
         let arguments: Vec<Id> = program.arguments.iter().flat_map(|a| [a.value, a.rate]).collect();
         let (dq, dv) = (values(&program.stiffness), values(&program.damping));
+        let constraints = &program.constraints;
+        let (cq, cv) = (values(&constraints.stiffness), values(&constraints.damping));
         vec![
             into_slice("mass_matrix", 1, &values(&program.mass)),
             into_array("bias", 2, &program.bias),
@@ -137,9 +146,22 @@ impl Mechanism<'_> {
             into_slice("switches", 3, &program.switch_pairs),
             into_slice("arguments", 3, &arguments),
             into_slice("drawing", 2, &program.drawing),
+            into_slice("constraints", 2, &constraints.values),
+            into_slice("constraint_matrix", 1, &values(&constraints.matrix)),
+            into_slice("constraint_bias", 2, &constraints.bias),
+            into_slice("friction", 2, &values(&constraints.friction)),
+            Function {
+                name: "constraint_jacobians",
+                state: 3,
+                targets: vec![slice("dq", !cq.is_empty()), slice("dv", !cv.is_empty())],
+                uses: [stores("dq", &cq), stores("dv", &cv)].into_iter().flatten().collect(),
+                ..Function::default()
+            },
+            into_slice("constraint_tilt", 2, &values(&constraints.tilt)),
+            into_slice("held_rates", 3, &constraints.held_rates),
             Function {
                 name: "energy",
-                state: 2,
+                state: 3,
                 result: Some("[S; 5]".to_owned()),
                 before: "let mut out = [S::ratio(0.0, 1.0); 5];".to_owned(),
                 uses: stores("out", &program.energy),

@@ -8,6 +8,7 @@ use super::parameters::parameters;
 use super::scope::Names;
 use crate::expr::{Id, Node, Symbol, Unary};
 use crate::lower::{Accelerations, Program};
+use crate::model::EventAction;
 
 /// The items that `model!` expands to: the type, its parameters, and its `Mechanism`.
 ///
@@ -18,15 +19,16 @@ pub fn rust(program: &Program, source: &str, name: &str) -> String {
     let constants = hoist(program);
     let free = program.model.parameters.len();
     let first_mode = free + constants.len();
+    let first_phase = first_mode + program.switches.len();
     let nowhere = HashMap::default();
     let places = constants.iter().enumerate().map(|(k, id)| (*id, free + k)).collect();
-    let bodies = |hoisted| Bodies { graph: &program.model.graph, names: &names, hoisted, first_mode };
+    let bodies = |hoisted| Bodies { graph: &program.model.graph, names: &names, hoisted, first_mode, first_phase };
     let mechanism = Mechanism {
         program,
         bodies: bodies(&places),
         unhoisted: bodies(&nowhere),
         constants: &constants,
-        block: first_mode + program.switches.len(),
+        block: first_phase + program.phases(),
     };
     parameters(program, name, &mechanism.unhoisted) + &mechanism.text(source, name)
 }
@@ -61,8 +63,17 @@ fn hoist(program: &Program) -> Vec<Id> {
 impl Program {
     /// Every expression that some generated function computes from a state.
     fn roots(&self) -> Vec<Id> {
+        let constraints = &self.constraints;
         let entries = [&self.mass, &self.stiffness, &self.damping, &self.input, &self.time];
-        let mut roots: Vec<Id> = entries.into_iter().flatten().map(|e| e.2).collect();
+        let of_rows = [
+            &constraints.matrix,
+            &constraints.friction,
+            &constraints.stiffness,
+            &constraints.damping,
+            &constraints.tilt,
+        ];
+        let entries = entries.into_iter().chain(of_rows);
+        let mut roots: Vec<Id> = entries.flatten().map(|e| e.2).collect();
         let lists = [
             &self.bias,
             &self.residual,
@@ -73,6 +84,9 @@ impl Program {
             &self.events,
             &self.switch_pairs,
             &self.drawing,
+            &constraints.values,
+            &constraints.bias,
+            &constraints.held_rates,
         ];
         roots.extend(lists.into_iter().flatten());
         roots.extend(self.energy);
@@ -89,9 +103,34 @@ impl Program {
         roots
     }
 
-    /// True when some output contains an acceleration.
+    /// How many of a phase's rows are independent in general.
+    pub fn rank_of(&self, phase: usize) -> usize {
+        let rows = || self.model.phases.get(phase).map_or(0, |phase| self.model.rows_of(phase).len());
+        self.report.ranks.get(phase).copied().unwrap_or_else(rows)
+    }
+
+    /// The coefficients of restitution of all impacts, in the order of the events.
+    pub fn restitutions(&self) -> Vec<Id> {
+        let actions = self.model.events.iter().flat_map(|event| &event.actions);
+        actions
+            .filter_map(|a| if let EventAction::Impact { restitution, .. } = a { Some(*restitution) } else { None })
+            .collect()
+    }
+
+    /// How many indicators of phases generated code holds: none where the file has no phases.
+    pub fn phases(&self) -> usize {
+        self.model.phases.iter().filter(|phase| !phase.name.is_empty()).count()
+    }
+
+    /// True when some output contains an acceleration or a multiplier.
     pub fn outputs_use_accelerations(&self) -> bool {
         let symbols = self.model.graph.symbols(self.outputs.iter().copied());
-        symbols.into_iter().any(|s| matches!(s, Symbol::Acceleration(_)))
+        symbols.into_iter().any(|s| matches!(s, Symbol::Acceleration(_) | Symbol::Multiplier(_)))
+    }
+
+    /// True when some event contains an acceleration or a multiplier.
+    pub fn events_use_accelerations(&self) -> bool {
+        let symbols = self.model.graph.symbols(self.events.iter().copied());
+        symbols.into_iter().any(|s| matches!(s, Symbol::Acceleration(_) | Symbol::Multiplier(_)))
     }
 }

@@ -11,11 +11,16 @@ use crate::model::Scene;
 /// `scene_parameters`, `scene` and `equilibrium_guess`.
 pub(super) fn scenes(program: &Program, bodies: &Bodies<'_>) -> String {
     let model = &program.model;
-    let parameters =
-        format!("<Self as ::dalembert::mechanism::Mechanism<{}, 0>>::parameters(self)", model.coordinates.len());
+    let parameters = format!(
+        "<Self as ::dalembert::mechanism::Mechanism<{}, {}>>::parameters(self)",
+        model.coordinates.len(),
+        program.constraints.len()
+    );
     let mut out = sets(&model.scenes, bodies, &parameters);
-    out += &starts(&model.scenes, bodies, &parameters, model.coordinates.len());
-    out + &guess(&model.equilibrium, bodies, &parameters)
+    let constrained = !model.constraints.is_empty();
+    out += &starts(&model.scenes, bodies, &parameters, model.coordinates.len(), constrained);
+    out += &guess(&model.equilibrium, bodies, &parameters);
+    out + &restitutions(program, bodies, &parameters)
 }
 
 fn sets(scenes: &[Scene], bodies: &Bodies<'_>, parameters: &str) -> String {
@@ -39,7 +44,7 @@ fn sets(scenes: &[Scene], bodies: &Bodies<'_>, parameters: &str) -> String {
 }
 
 /// Every scene's numbers in one block: its end, tolerance and spacing, then those of q and v that are not 0.
-fn starts(scenes: &[Scene], bodies: &Bodies<'_>, parameters: &str, n: usize) -> String {
+fn starts(scenes: &[Scene], bodies: &Bodies<'_>, parameters: &str, n: usize, constrained: bool) -> String {
     let size = 3 + 2 * n;
     let (mut arms, mut spacings) = (String::new(), String::new());
     let mut constants = false;
@@ -74,11 +79,46 @@ fn starts(scenes: &[Scene], bodies: &Bodies<'_>, parameters: &str, n: usize) -> 
 {spacings}            }},
             q: x[3..{middle}].to_vec(),
             v: x[{middle}..].to_vec(),
-        }}
+{starting}        }}
     }}
 ",
-        middle = 3 + n
+        middle = 3 + n,
+        starting = starting(scenes, constrained),
     )
+}
+
+/// What is held at a scene's start, and its phase, where there is something to say.
+fn starting(scenes: &[Scene], constrained: bool) -> String {
+    let flags = |list: &[bool]| list.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
+    let of = |field: &str, otherwise: &str, value: &dyn Fn(&Scene) -> String| {
+        let arms = scenes.iter().enumerate().skip(1).map(|(k, scene)| (k.to_string(), scene));
+        let arms = arms.chain(scenes.first().map(|scene| ("_".to_owned(), scene)));
+        let arms: Vec<String> = arms.map(|(k, scene)| format!("                {k} => {},\n", value(scene))).collect();
+        match scenes.iter().all(|scene| value(scene) == otherwise) {
+            true => format!("            {field}: {otherwise},\n"),
+            false => format!("            {field}: match scene {{\n{}            }},\n", arms.concat()),
+        }
+    };
+    let held = |list: &[bool]| match constrained && list.iter().any(|held| *held) {
+        false => "::std::vec::Vec::new()".to_owned(),
+        true => format!("::std::vec![{}]", flags(list)),
+    };
+    of("held_q", "::std::vec::Vec::new()", &|scene| held(&scene.held_q))
+        + &of("held_v", "::std::vec::Vec::new()", &|scene| held(&scene.held_v))
+        + &of("guessed", "false", &|scene| scene.guessed.to_string())
+        + &of("phase", "0", &|scene| scene.phase.to_string())
+}
+
+/// `restitutions`.
+fn restitutions(program: &Program, bodies: &Bodies<'_>, parameters: &str) -> String {
+    let values = program.restitutions();
+    let body = if values.is_empty() {
+        "        ::std::vec::Vec::new()\n".to_owned()
+    } else {
+        let function = of_constants(bodies, "values", &values, "        ");
+        format!("{function}        values(&{parameters}).to_vec()\n")
+    };
+    format!("\n    fn restitutions(&self) -> ::std::vec::Vec<f64> {{\n{body}    }}\n")
 }
 
 fn guess(equilibrium: &[Id], bodies: &Bodies<'_>, parameters: &str) -> String {

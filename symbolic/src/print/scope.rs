@@ -14,6 +14,7 @@ pub const OWN: &[&str] = &[
     "q",
     "v",
     "a",
+    "l",
     "out",
     "dq",
     "dv",
@@ -73,12 +74,14 @@ impl<'a> Scope<'a> {
     }
 }
 
-/// Names of a model's coordinates, their rates and accelerations, and of its systems of balances.
+/// Names of a model's coordinates, their rates and accelerations, of its multipliers, and of its systems of balances.
 pub(super) struct Names {
     /// All of them.
     pub scope: Scope<'static>,
     /// q, q' and q'' of each coordinate.
     pub coordinates: Vec<[String; 3]>,
+    /// The multiplier of each row of the constraints.
+    pub multipliers: Vec<String>,
     /// The function that writes each system of balances.
     pub balances: Vec<String>,
 }
@@ -96,9 +99,15 @@ impl Names {
                 [name, dot, ddot]
             })
             .collect();
+        let multipliers = model.constraints.iter().flat_map(|c| {
+            let one = c.value.len() == 1;
+            (0..c.value.len()).map(move |k| if one { c.name.clone() } else { format!("{}_{}", c.name, k + 1) })
+        });
+        let multipliers: Vec<String> =
+            multipliers.map(|name| scope.fresh(&joined("lambda", &local_name(&name)))).collect();
         let function = |system: &str| joined("balances", &local_name(system));
         let balances = model.balances.iter().map(|system| scope.fresh(&function(&system.name))).collect();
-        Names { scope, coordinates, balances }
+        Names { scope, coordinates, multipliers, balances }
     }
 }
 

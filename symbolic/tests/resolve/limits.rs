@@ -182,32 +182,68 @@ fn shapes_without_sense() {
     }
 }
 
+/// Whatever is wrong with constraints and phases, what names them ends too, with a problem and without a panic.
 #[test]
-fn later_parts_of_the_language_are_refused_by_name() {
-    let text = r#"
-name: EccentricCylinder
-parameters: {m: 1 kg, R: 1 m, d: 0.5 m, I: 0.25 kg*m^2, g: 10 m/s^2, slope: asin(0.6), mu: 0.5 1}
-coordinates: {x: m, y: m, phi: rad}
-points: {centre: "[x, y]", touch: "[x, y - R]"}
-bodies:
-  drum: {mass: m, inertia: I, angle: -phi, position: "centre + d*[sin(phi), cos(phi)]"}
-gravity: g*[sin(slope), -cos(slope)]
-constraints: {contact: y - R, no_slip: x' - R*phi'}
-phases: {ideal: [contact, no_slip], rolling: [contact, no_slip], flight: []}
-forces:
-  rub_down: {on: drum, at: touch, force: "[-mu*reaction(contact), 0]", phase: flight}
-events:
-  unloaded:  {phase: ideal, when: reaction(contact), direction: falling, then: stop}
-  slip_down: {phase: rolling, when: reaction(no_slip) + mu*reaction(contact), direction: falling, then: flight}
-balances:
-  about_contact:
-    phase: [ideal, rolling]
-    equations:
-      - moment: {about: touch, of: [drum]}
-outputs:
-  normal: reaction(contact)
-scene: {start: {x: 0, y: R, phi: 0, phi': 0}, until: 2, tolerance: 1e-11}
-"#;
-    let found = codes(text);
-    assert!(found.iter().all(|code| *code == "E901"), "{found:?}");
+fn uses_of_what_was_refused() {
+    let constraints = [
+        "",
+        "[]",
+        "{c: }",
+        "{c: [x]}",
+        "{c: \"[x, 1]\"}",
+        "{c: x, \"c[1]\": x}",
+        "{\"c[\": x}",
+        "{\"c[i in 1..0]\": x}",
+    ];
+    let phases = [
+        "",
+        "[c]",
+        "{}",
+        "{a: c}",
+        "{a: [c], \"a[1]\": [c]}",
+        "{\"a[1]\": [c], \"a[i in 1..2]\": []}",
+        "{stop: [c]}",
+        "{a: [[c]]}",
+        "{\"a[i in 1..0]\": []}",
+        "{a: [\"c[i in 1..2]\", \"c[i in 2..1]\", 1, x', \"c['\"]}",
+    ];
+    let uses = "outputs: {o: reaction(c), p: \"reaction(c[1])\"}
+define: {d: reaction(c)*2}
+forces: {f: {on: b, force: \"[d, 0]\", phase: [a, \"a[1]\", \"a[2]\"]}}
+events: {e: {when: x, phase: \"a[2]\", then: [a, stop, \"a[2]\", {impact: 1, along: c}, {impact: 1, along: \"c[1]\"}, {}, [stop]]}}
+conserved: {q: {value: x, phase: {a: 1}}}
+balances: {phase: \"a[i in 1..2]\", equations: [{force: {of: [b]}}, {energy: {}}]}
+scene: {phase: \"a[2]\", guess: [x], also: [q]}
+scenes: {two: {phase: [a], guess: {x: [1]}, also: {q: [], o: [1, 2], \"p[i in 1..2]\": [1], x': 1}}}
+";
+    for c in constraints {
+        for p in phases {
+            let text = format!(
+                "name: A\ncoordinates: {{x: m, y: m}}\nbodies: {{b: {{mass: 1, position: \"[x, y]\"}}}}\n\
+                 constraints: {c}\nphases: {p}\n{uses}"
+            );
+            assert!(!codes(&text).is_empty(), "{text}");
+        }
+    }
+}
+
+/// Names of constraints are looked up, and their rows counted, in a time that does not grow with the square.
+#[test]
+fn many_constraints() {
+    let n = 1500;
+    let text = format!(
+        "name: Chain\nsizes: {{n: {n}}}\nparameters: {{m: 1 kg, l: 1 m}}
+coordinates: {{\"x[i in 0..n]\": m, \"y[i in 0..n]\": m}}
+points: {{\"p[i in 0..n]\": \"[x[i], y[i]]\"}}
+bodies: {{\"bead[i in 1..n]\": {{mass: m, position: \"p[i]\"}}}}
+constraints: {{pin: \"p[0]\", \"rod[i in 1..n]\": \"dot(p[i] - p[i-1], p[i] - p[i-1]) - l^2\"}}
+phases: {{\"held[k in 1..3]\": [pin, \"rod[i in 1..n]\"]}}
+define: {{\"tension[i in 1..n]\": \"-2*l*reaction(rod[i])\"}}
+outputs: {{\"pull[i in 1..n]\": \"tension[i]\"}}\n"
+    );
+    let model = dalembert_symbolic::model::load(&text, &[]);
+    let told = model.as_ref().err().map(|problems| problems.iter().map(|p| p.message.clone()).collect::<Vec<_>>());
+    let model = model.unwrap_or_else(|_| panic!("{told:?}"));
+    assert_eq!(model.constraints.last().map(|c| c.first), Some(n + 1));
+    assert_eq!(model.phases[2].constraints.len(), n + 1);
 }

@@ -48,7 +48,9 @@ impl At {
             Symbol::Acceleration(i) => self.get(&model.coordinates[i as usize].name, 2),
             Symbol::Input(i, order) => self.get(&model.inputs[i as usize].name, usize::from(order)),
             Symbol::Parameter(i) => model.parameters[i as usize].default,
-            Symbol::Mode(_) | Symbol::Reaction(_) | Symbol::Dummy(_) => f64::NAN,
+            Symbol::Mode(_) | Symbol::Reaction(_) | Symbol::Multiplier(_) | Symbol::Phase(_) | Symbol::Dummy(_) => {
+                f64::NAN
+            }
         })
     }
 

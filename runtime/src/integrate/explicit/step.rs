@@ -87,9 +87,9 @@ impl<T: Scheme, Y: Block> ExplicitRungeKutta<T, Y> {
     }
 
     /// The rate and the power at a state that a step ends or begins with.
-    fn rate_of(&mut self, system: &dyn System, t: f64, stage: usize, end: bool) -> Result<(), Singular> {
-        let y = if end { &self.end } else { &self.y };
-        if !(end && T::TABLEAU.first_same_as_last) {
+    fn rate_of(&mut self, system: &dyn System, t: f64, stage: usize, known: bool) -> Result<(), Singular> {
+        let y = if stage == Self::END { &self.end } else { &self.y };
+        if !known {
             self.evaluations += 1;
             rate(system, t, y, &mut self.stages[stage])?;
         }
@@ -195,6 +195,10 @@ impl<T: Scheme, Y: Block> OneStep for ExplicitRungeKutta<T, Y> {
         Reached { y: self.end.all(), rate: self.stages[Self::END].all(), work }
     }
 
+    fn end_mut(&mut self) -> &mut [f64] {
+        self.end.all_mut()
+    }
+
     fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), Setback> {
         self.carry.all_mut().fill(0.0);
         Ok(self.rate_of(system, t, 0, false)?)
@@ -206,18 +210,22 @@ impl<T: Scheme, Y: Block> OneStep for ExplicitRungeKutta<T, Y> {
     }
 
     fn attempt(&mut self, system: &dyn System, trial: Trial<'_>) -> Result<f64, Setback> {
-        let Trial { t, h, next, tolerance, whatever } = trial;
+        let Trial { t, h, tolerance } = trial;
         // A method of one stage has y as its last argument.
         stages!(self.stage(system, t, h) for 1 2 3 4 5 6 7 8 9 10 11 below T::TABLEAU.rows.len(), from 1);
         self.finish(h);
-        let error = tolerance.map_or(0.0, |tolerance| self.error(h, tolerance));
-        if error <= 1.0 || whatever {
-            self.rate_of(system, next, Self::END, true)?;
-            if !self.stages[Self::END].all().iter().all(|rate| rate.is_finite()) {
-                return Ok(f64::NAN);
-            }
+        Ok(tolerance.map_or(0.0, |tolerance| self.error(h, tolerance)))
+    }
+
+    fn conclude(&mut self, system: &dyn System, t: f64, moved: bool) -> Result<bool, Setback> {
+        if moved {
+            // What was lost to rounding lies beside the constraints.
+            let (y, end) = (self.y.all(), self.end.all());
+            let increment = self.increment.all_mut().iter_mut();
+            increment.zip(end.iter().zip(y)).for_each(|(increment, (end, y))| *increment = end - y);
         }
-        Ok(error)
+        self.rate_of(system, t, Self::END, T::TABLEAU.first_same_as_last && !moved)?;
+        Ok(self.stages[Self::END].all().iter().all(|rate| rate.is_finite()))
     }
 
     fn errors(&self) -> &[f64] {

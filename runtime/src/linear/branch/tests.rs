@@ -79,7 +79,7 @@ impl System for Tuned {
 
     fn scene(&self, _: usize) -> Scene {
         let zero = vec![0.0; self.len()];
-        Scene { q: zero.clone(), v: zero, until: 1.0, tolerance: 1e-9, every: None }
+        Scene { q: zero.clone(), v: zero, until: 1.0, tolerance: 1e-9, every: None, ..Scene::default() }
     }
 
     fn equilibrium_guess(&self) -> Vec<f64> {

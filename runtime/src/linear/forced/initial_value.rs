@@ -29,7 +29,7 @@ pub fn solvenum(m: &DMatrix<f64>, k: &DMatrix<f64>, x0: &[f64], v0: &[f64], time
     let mut order: Vec<usize> = (0..times.len()).collect();
     order.sort_by(|a, b| times[*a].total_cmp(&times[*b]));
     let (mut x, mut v) = (DMatrix::zeros(times.len(), n), DMatrix::zeros(times.len(), n));
-    let scene = Scene { q: x0.to_vec(), v: v0.to_vec(), until: 0.0, tolerance: 1e-13, every: None };
+    let scene = Scene { q: x0.to_vec(), v: v0.to_vec(), until: 0.0, tolerance: 1e-13, every: None, ..Scene::default() };
     let mut settings = Settings { method: Method::Dop853, dense: false, watch: false, ..Settings::new(&scene) };
     for index in order {
         settings.until = times[index];

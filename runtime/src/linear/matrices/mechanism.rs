@@ -182,7 +182,7 @@ impl System for LinearMechanism {
 
     fn scene(&self, _: usize) -> Scene {
         let zero = vec![0.0; self.m.nrows()];
-        Scene { q: zero.clone(), v: zero, until: 10.0, tolerance: 1e-10, every: None }
+        Scene { q: zero.clone(), v: zero, until: 10.0, tolerance: 1e-10, every: None, ..Scene::default() }
     }
 
     fn boxed_clone(&self) -> Box<dyn System> {

@@ -37,9 +37,9 @@ super::entries! {
     E413 same_ends(name) "a spring or damper between one point and itself"
         "both ends of `{name}` are the same point" "" ""
         "It has no length and no direction.";
-    E414 unequal_counts(system, equations, coordinates, unknowns) "balances that do not determine the motion"
-        "`{system}` has {equations} equations for {coordinates} accelerations and {unknowns} reaction components" "" "choose balances that eliminate the other reactions, or name more of them"
-        "Equations and unknowns of a system of balances must be equal in number; a force balance in the plane is two equations, a moment balance one.";
+    E414 unequal_counts(system, equations, unknowns, more) "balances that do not determine the motion"
+        "`{system}` has {equations} for {unknowns}" "" "choose balances that eliminate the other reactions, or name more of them{more}"
+        "Equations and unknowns of a system of balances must be equal in number; a force balance in the plane is two equations, a moment balance one. The constraints that act in the phase of the system count as equations, one for each component, and a `reaction(c)` in its equations or in forces on its bodies is one more unknown.";
     E415 raw_beside_balances(key) "raw energies beside momentum balances"
         "`{key}` beside balances of forces, moments or power" "on which body does this act?" "say it with `springs`, `dampers`, `forces` or `torques`, which know their bodies"
         "Momentum balances see bodies, gravity, springs, dampers, forces, torques and reactions, nothing else.";
@@ -64,4 +64,34 @@ super::entries! {
     E422 too_many_coupled(limit) "more coordinates that move each other's masses than can be solved for"
         "the mass matrix couples more than {limit} coordinates with each other" "one too many" "make families smaller, or choose coordinates that move one body each"
         "Accelerations of coordinates that move the same bodies depend on each other, directly or by way of others; solving for n of them takes n^3 operations.";
+    E423 constraint_without_motion(name) "a constraint that constrains nothing"
+        "the constraint `{name}` does not depend on the motion" "its derivative by every coordinate (or velocity) vanishes" "a constraint is an expression of coordinates or velocities that is to vanish; a component that is 0 anyway is left out by taking the other one, `dot(…, e)`"
+        "What is 0, constant, or a function of time alone is either true anyway or never: no force can change it.";
+    E424 not_affine(name) "a constraint that is not affine in the velocities"
+        "the constraint `{name}` is not affine in the velocities" "a velocity stands in a product with another, in a power or in a function" "velocities may stand in sums, times anything of coordinates and time: `x' - R*phi'`; a speed that is to be kept, `x'^2 + y'^2 = v^2`, is no constraint that forces of reaction can hold"
+        "A constraint with velocities is A(q, t) q' + b(q, t) = 0, and its force is along the rows of A.";
+    E425 input_rate_in_constraint(name) "the rate of an input in a constraint without velocities"
+        "the constraint `{name}` contains the rate of an input and no velocity" "its second derivative needs a third one of the input" "declare the rate as an input of its own, and use that"
+        "A constraint without velocities is differentiated twice, and an input is known with two derivatives.";
+    E426 idle_guess() "a guess where nothing is searched"
+        "no constraint acts in the phase in which this scene starts, and it has no `also`" "nothing is left to guess" "write the values into `start`; what it does not name is 0"
+        "`guess` is where the search for a consistent start begins, and picks its branch. Without constraints and `also` there is nothing to search.";
+    E427 unknown_held(name, help) "something held at the start that is not watched"
+        "`{name}` is neither in `conserved` nor in `outputs`" "not declared" "{help}"
+        "`also` gives values to quantities that the file names in `conserved` or `outputs`; coordinates and velocities are held by `start`.";
+    E428 cannot_hold(name, why, help) "something that a start cannot be made to give"
+        "`also` cannot hold `{name}`: {why}" "" "{help}"
+        "`also` adds equations on coordinates and velocities to those of the constraints.";
+    E429 impact_along_velocity(name) "an impact along a velocity constraint"
+        "an impact needs a constraint on coordinates, and `{name}` contains velocities" "" "name a constraint without velocities, such as `y - R`"
+        "An impact reverses the rate of a constraint that was closing; a constraint on velocities has no rate of its own. Going to a phase in which it acts is the plastic impact.";
+    E430 impact_along_active(name) "an impact along a constraint that acts"
+        "`{name}` acts in every phase in which this event counts, so that nothing can hit it" "active here" "let the event count in a phase that leaves `{name}` out: `phases: {{flight: [], contact: [{name}]}}` and `phase: flight`"
+        "An impact is along a constraint that is not active: what holds already does not bounce.";
+    E431 energy_with_driven_constraint(name) "an energy balance with a constraint that does work"
+        "the constraint `{name}` moves by itself and does work that this balance does not see" "" "use `power`"
+        "`energy` states that kinetic plus potential energy changes by the power of what has no potential; the reaction of a constraint that contains time, an input or a given velocity has a power too.";
+    W432 idle_constraint(name) "a constraint that never acts"
+        "the constraint `{name}` acts in no phase and in no impact" "has no effect" "list it in `phases`"
+        "With `phases` a constraint acts in those that list it.";
 }

@@ -9,7 +9,7 @@ super::entries! {
         "Sizes, parameters, coordinates, inputs, definitions, points, bodies, frames and reactions share one space of names.";
     E203 reserved_name(name, proposal) "a reserved name"
         "`{name}` is reserved" "has a meaning of its own" "choose another name, such as `{proposal}`"
-        "`t pi ground length all in`, the names of functions and `energy kinetic_energy potential_energy` are built in.";
+        "`t pi ground length all in`, the names of functions and `energy kinetic_energy potential_energy` are built in; `then` of an event knows `stop` and `record`, so that no phase may be called so.";
     E204 index_hides_name(name) "an index that hides a name"
         "the index `{name}` hides a name of the model" "" "choose another letter for the index"
         "An index (or dummy of an integral) may not have the name of something else.";
@@ -103,4 +103,19 @@ super::entries! {
     E234 moving_by_time(words) "a partial derivative by time of what moves"
         "`{words}` moves, and `diff(…, t)` would hold the motion still" "" "write `rate({words})` for the time derivative along the motion"
         "The partial derivative by t leaves out all change through coordinates and inputs. It may stand of what contains t explicitly where an identity is tested, in `checks`, `conserved` and `equation`, and of what does not move.";
+    E235 unknown_constraint(name, help) "a constraint that does not exist"
+        "there is no constraint `{name}`" "not declared" "{help}"
+        "`reaction(c)`, `along` of an impact and the lists of `phases` name entries of `constraints`.";
+    E236 unknown_phase(name, help) "a phase that does not exist"
+        "there is no phase `{name}`" "not declared" "{help}"
+        "`phase`, `then` and scenes name entries of `phases`.";
+    E237 reaction_misplaced(words, context) "a reaction where it may not be"
+        "`{words}` is a reaction, and {context} may not depend on reactions" "" "reactions may stand in `outputs`, `events`, `checks` and `equation`, and linearly in `forces` and `torques`"
+        "The multiplier of a constraint is found together with the accelerations: what determines them linearly may contain it, and what is computed from them.";
+    E238 nonlinear_reaction(words, context) "a reaction in something that is not linear in reactions"
+        "`{words}` is not linear in its reactions, and {context} must be" "" "use a phase for each sign of the reaction, with a force of its own in each (`-mu*reaction(floor)` in one, `mu*reaction(floor)` in the other), and events that lead from one to the other"
+        "Accelerations and reactions come from one system of linear equations. Within a phase a reaction keeps its sign, or is multiplied by anything of coordinates, velocities and time, so that `abs`, `max` or `sign` of it is not needed.";
+    E239 switch_misplaced(words, context) "a discontinuity where it may not be"
+        "`{words}` has a kink or jumps along the motion, and {context} may not" "" "write one constraint for each side, each active in a phase of its own"
+        "Constraints are differentiated, twice where they contain no velocities; `abs`, `sign`, `step`, `min` and `max` of what moves have no derivative where they switch.";
 }

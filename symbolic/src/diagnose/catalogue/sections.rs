@@ -43,4 +43,16 @@ super::entries! {
     E314 degrees_misplaced() "degrees as the unit of a coordinate"
         "`deg` may stand only after a value" "" "write `rad` here, and `30 deg` where the value is given"
         "Inside the model angles are in radians.";
+    E315 no_phases() "a phase in a model without phases"
+        "the model has no phases" "names a phase" "declare them, `phases: {{rolling: [contact], flight: []}}`, or leave `phase` out"
+        "`phase` says in which phases something acts, counts or is claimed; without `phases` there is one, and everything does.";
+    E316 twice_in_list(name, list) "something twice in a list"
+        "`{name}` stands twice in `{list}`" "listed again" "remove one of the two"
+        "A list of phases, or of the constraints of a phase, names each once.";
+    E317 empty_list(list, what) "a list of nothing"
+        "`{list}` names no {what}" "expected at least one" ""
+        "Without any member the entry would say nothing: leave the key out, or name one.";
+    E318 two_phases() "an event that goes to two phases"
+        "an event goes to one phase" "a second one" "leave one of them out, or write two events with an `if` each"
+        "One phase is active at a time.";
 }

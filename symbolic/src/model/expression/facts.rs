@@ -1,10 +1,10 @@
 //! What each node of the graph depends on, kept up to date as the graph grows.
 
-use crate::expr::{Graph, Id, Node, Symbol};
+use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary};
 
-/// A set of kinds of symbols, as bits.
+/// A set of kinds of symbols, and of what is done to them, as bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Depends(u8);
+pub struct Depends(u16);
 
 impl Depends {
     /// Explicit time.
@@ -23,6 +23,17 @@ impl Depends {
     pub const DUMMY: Depends = Depends(64);
     /// A free parameter with a unit other than 1.
     pub const UNIT: Depends = Depends(128);
+    /// A rate of a coordinate.
+    pub const SPEED: Depends = Depends(256);
+    /// The multiplier of a constraint.
+    pub const MULTIPLIER: Depends = Depends(512);
+    /// A multiplier in something that is not linear in multipliers.
+    pub const BEYOND_LINEAR: Depends = Depends(1024);
+    /// A discontinuity, or a kink, of something that changes along the motion.
+    pub const SWITCH: Depends = Depends(2048);
+
+    /// What changes along a motion, but for accelerations.
+    const MOVING: Depends = Depends::TIME.and(Depends::COORDINATE).and(Depends::VELOCITY).and(Depends::INPUT);
 
     /// Both sets.
     pub const fn and(self, other: Depends) -> Depends {
@@ -38,8 +49,9 @@ impl Depends {
         match symbol {
             Symbol::Time => Depends::TIME,
             Symbol::Coordinate(_) => Depends::COORDINATE,
-            Symbol::Speed(_) => Depends::VELOCITY,
+            Symbol::Speed(_) => Depends::VELOCITY.and(Depends::SPEED),
             Symbol::Acceleration(_) | Symbol::Reaction(_) => Depends::ACCELERATION,
+            Symbol::Multiplier(_) => Depends::MULTIPLIER,
             Symbol::Input(_, order) => Depends::INPUT.and(match order {
                 0 => Depends(0),
                 1 => Depends::VELOCITY,
@@ -48,9 +60,34 @@ impl Depends {
             }),
             Symbol::Parameter(place) if dimensional.get(place as usize) == Some(&true) => Depends::UNIT,
             Symbol::Parameter(_) => Depends(0),
-            Symbol::Mode(_) => Depends(0),
+            Symbol::Mode(_) | Symbol::Phase(_) => Depends(0),
             Symbol::Dummy(_) => Depends::DUMMY,
         }
+    }
+
+    /// Of a function of something.
+    fn of_unary(function: Unary, x: Depends) -> Depends {
+        let switches = matches!(function, Unary::Abs | Unary::Sign | Unary::Step);
+        x.and_if(function != Unary::Neg && x.meets(Depends::MULTIPLIER), Depends::BEYOND_LINEAR)
+            .and_if(switches && x.meets(Depends::MOVING), Depends::SWITCH)
+    }
+
+    /// Of an operation on two things.
+    fn of_binary(operation: Binary, x: Depends, y: Depends) -> Depends {
+        let (first, second) = (x.meets(Depends::MULTIPLIER), y.meets(Depends::MULTIPLIER));
+        let bent = match operation {
+            Binary::Add | Binary::Sub => false,
+            Binary::Mul => first && second,
+            Binary::Div => second,
+            Binary::Pow | Binary::Atan2 | Binary::Min | Binary::Max => first || second,
+        };
+        let both = x.and(y);
+        let switches = matches!(operation, Binary::Min | Binary::Max);
+        both.and_if(bent, Depends::BEYOND_LINEAR).and_if(switches && both.meets(Depends::MOVING), Depends::SWITCH)
+    }
+
+    fn and_if(self, condition: bool, other: Depends) -> Depends {
+        if condition { self.and(other) } else { self }
     }
 }
 
@@ -69,8 +106,8 @@ impl Facts {
             let depends = match graph.node(graph.id_at(place)) {
                 Node::Number(_) => Depends(0),
                 Node::Symbol(s) => Depends::of(s, &self.dimensional),
-                Node::Unary(_, x) => self.nodes[x.index()],
-                Node::Binary(_, x, y) => self.nodes[x.index()].and(self.nodes[y.index()]),
+                Node::Unary(f, x) => Depends::of_unary(f, self.nodes[x.index()]),
+                Node::Binary(f, x, y) => Depends::of_binary(f, self.nodes[x.index()], self.nodes[y.index()]),
             };
             self.nodes.push(depends);
         }

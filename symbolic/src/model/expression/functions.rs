@@ -29,7 +29,7 @@ impl Lower<'_> {
         match (name, arguments) {
             ("mod", _) => self.modulo(arguments, span),
             ("diff", [of, by]) => self.diff(of, by),
-            ("reaction", [constraint]) => self.reaction(constraint),
+            ("reaction", [constraint]) => self.reaction(constraint, span),
             ("position", [point]) => self.vector_argument(name, point).map_or(Value::Poison, Value::Vector),
             ("velocity", [point]) => self.motion(name, point, 1, span),
             ("acceleration", [point]) => self.motion(name, point, 2, span),
@@ -172,6 +172,10 @@ impl Lower<'_> {
     /// d/dt of a value.
     fn rate(&mut self, value: Value, span: Span) -> Value {
         let depends = self.bench.depends(value.components());
+        if depends.meets(Depends::MULTIPLIER) {
+            let words = self.text.words(span);
+            return self.refuse(names::reaction_misplaced(self.place(span), words, "a time derivative"));
+        }
         if depends.meets(Depends::ACCELERATION.and(Depends::JERK)) {
             let words = self.text.words(span);
             return self.refuse(names::acceleration_misplaced(self.place(span), words, "a time derivative"));
@@ -319,16 +323,5 @@ impl Lower<'_> {
         };
         self.refuse(names::not_a_symbol(self.place(by.span), found));
         None
-    }
-
-    /// The multiplier of a constraint: constraints are refused as a whole, so it is poisoned or unknown.
-    fn reaction(&mut self, constraint: &Ast) -> Value {
-        if self.scope.constrained {
-            return Value::Poison;
-        }
-        let words = self.text.words(constraint.span);
-        let mut problem = names::unknown_name(self.place(constraint.span), words, "");
-        problem.help = "`reaction(c)` wants the name of a constraint, and the model has no constraints".to_owned();
-        self.refuse(problem)
     }
 }

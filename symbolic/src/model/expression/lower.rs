@@ -96,7 +96,8 @@ impl<'a> Lower<'a> {
             AstKind::Binary(operator, left, right) => {
                 let left = self.expression(left);
                 let right_value = self.expression(right);
-                self.binary(*operator, left, right_value, ast, right)
+                let value = self.binary(*operator, left, right_value, ast, right);
+                self.admit(value, ast.span)
             }
             AstKind::Vector(parts) => self.bracket(parts, ast.span),
             AstKind::Component(of, axis) => self.component(of, *axis, ast.span),
@@ -137,7 +138,14 @@ impl<'a> Lower<'a> {
         let acceleration = Depends::ACCELERATION.and(Depends::JERK);
         let fixed = refused.meets(Depends::COORDINATE);
         let motion = Depends::COORDINATE.and(Depends::VELOCITY).and(acceleration);
-        let problem = if fixed && depends.meets(motion) {
+        let both = |kind: Depends| depends.meets(kind) && refused.meets(kind);
+        let problem = if both(Depends::MULTIPLIER) {
+            names::reaction_misplaced(place, words, what)
+        } else if both(Depends::BEYOND_LINEAR) {
+            names::nonlinear_reaction(place, words, what)
+        } else if both(Depends::SWITCH) {
+            names::switch_misplaced(place, words, what)
+        } else if fixed && depends.meets(motion) {
             names::coordinate_misplaced(place, words, what)
         } else if depends.meets(acceleration) && refused.meets(acceleration) {
             names::acceleration_misplaced(place, words, what)

@@ -62,7 +62,7 @@ impl Lower<'_> {
             Member::Reaction(_) if units.pure => Measure::ONE,
             Member::Reaction(place) if self.scope.reactions[place].couple => Measure::Of(Dimension::ENERGY),
             Member::Reaction(_) => Measure::Of(Dimension::FORCE),
-            Member::Refused => Measure::Unknown,
+            Member::Constraint(_) | Member::Phase(_) | Member::Refused => Measure::Unknown,
         };
         self.rate_of(measure, primes)
     }
@@ -154,7 +154,7 @@ impl Lower<'_> {
                 }
                 Measure::ONE
             }
-            ("reaction", _) => Measure::Unknown,
+            ("reaction", [constraint]) => self.measure_of_reaction(constraint),
             ("angular_velocity", _) => self.rate_of(Measure::ONE, 1),
             ("diff", [of, by]) => {
                 let of = self.measure(of);

@@ -3,11 +3,13 @@
 pub mod antiderivative;
 pub mod bench;
 pub mod dimension;
+pub mod equation;
 pub mod facts;
 pub mod families;
 pub mod functions;
 pub mod index;
 pub mod integral;
+pub mod labels;
 pub mod lines;
 pub mod lists;
 pub mod lower;

@@ -2,7 +2,7 @@
 
 use super::index::{self, Indices};
 use super::lower::{Local, Lower};
-use super::scope::{Member, Section, expanded};
+use super::scope::{Entry, Member, Section, expanded};
 use super::value::Value;
 use crate::diagnose::catalogue::names;
 use crate::expr::{DoubleDouble, Id, Symbol, Unary};
@@ -112,9 +112,15 @@ impl Lower<'_> {
             self.unknown(name, span);
             return None;
         };
+        self.member_of(entry, name, indices, span).map(|member| (entry.section, member))
+    }
+
+    /// The member of a name that indices choose; reports what is wrong.
+    pub(super) fn member_of(&mut self, entry: &Entry, name: &str, indices: &[Ast], span: Span) -> Option<Member> {
         if entry.refused {
-            return Some((entry.section, Member::Refused));
+            return Some(Member::Refused);
         }
+        let scope = self.scope;
         let mut values = Vec::new();
         for index in indices {
             match index::integer(&Indices::within(scope, self.text), &self.locals, index) {
@@ -139,7 +145,7 @@ impl Lower<'_> {
             return None;
         }
         match entry.members.get(&values) {
-            Some(member) => Some((entry.section, *member)),
+            Some(member) => Some(*member),
             None => {
                 let listed: Vec<String> = values.iter().map(i64::to_string).collect();
                 let place = self.place(indices.first().map_or(span, |first| first.span));

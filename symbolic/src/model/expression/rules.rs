@@ -33,7 +33,8 @@ pub struct Rules {
     pub tested: bool,
 }
 
-const ACCELERATION: Depends = Depends::ACCELERATION.and(Depends::JERK);
+const REACTION: Depends = Depends::MULTIPLIER.and(Depends::BEYOND_LINEAR);
+const ACCELERATION: Depends = Depends::ACCELERATION.and(Depends::JERK).and(REACTION);
 const VELOCITY: Depends = ACCELERATION.and(Depends::VELOCITY);
 const MOTION: Depends = VELOCITY.and(Depends::COORDINATE);
 
@@ -61,6 +62,17 @@ impl Rules {
     /// Of coordinates, velocities, time and inputs.
     pub const fn velocity(what: &'static str) -> Rules {
         Rules { refused: ACCELERATION, ..Rules::any(what) }
+    }
+
+    /// As [`Rules::velocity`], and of reactions, linearly.
+    pub const fn load(what: &'static str) -> Rules {
+        let refused = Depends::ACCELERATION.and(Depends::JERK).and(Depends::BEYOND_LINEAR);
+        Rules { refused, ..Rules::any(what) }
+    }
+
+    /// As [`Rules::velocity`], without discontinuities.
+    pub const fn constraint() -> Rules {
+        Rules { refused: ACCELERATION.and(Depends::SWITCH), ..Rules::any("a constraint") }
     }
 
     /// Of everything but accelerations, and energies.

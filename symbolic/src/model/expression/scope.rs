@@ -30,6 +30,10 @@ pub enum Section {
     Body,
     /// `reactions` of `balances`
     Reaction,
+    /// `constraints`
+    Constraint,
+    /// `phases`
+    Phase,
 }
 
 impl Section {
@@ -45,6 +49,8 @@ impl Section {
             Section::Point => "points",
             Section::Body => "bodies",
             Section::Reaction => "reactions",
+            Section::Constraint => "constraints",
+            Section::Phase => "phases",
         }
     }
 
@@ -60,6 +66,8 @@ impl Section {
             Section::Point => "a point",
             Section::Body => "a body",
             Section::Reaction => "a reaction",
+            Section::Constraint => "a constraint",
+            Section::Phase => "a phase",
         }
     }
 }
@@ -83,6 +91,10 @@ pub enum Member {
     Body(usize),
     /// An unknown reaction, by its place.
     Reaction(usize),
+    /// A constraint, by its place.
+    Constraint(usize),
+    /// A phase, by its place.
+    Phase(usize),
     /// Belongs to a part of the file that was refused already.
     Refused,
 }
@@ -109,6 +121,17 @@ pub struct BodyNames {
     pub position: usize,
     /// The item that holds its angle; `None` for a particle.
     pub angle: Option<usize>,
+}
+
+/// Where a constraint is found.
+#[derive(Clone, Debug)]
+pub struct ConstraintNames {
+    /// Its expanded name.
+    pub name: String,
+    /// The item that holds its value.
+    pub item: usize,
+    /// The place of its first component among the rows of all constraints, once that is known.
+    pub first: Option<usize>,
 }
 
 /// T and V of the whole model.
@@ -181,12 +204,16 @@ pub struct Scope {
     pub bodies: Vec<BodyNames>,
     /// Unknown reactions of the balances.
     pub reactions: Vec<Reaction>,
+    /// Constraints by name, which is a label of its own.
+    pub constraint_names: BTreeMap<String, Entry>,
+    /// Phases by name, likewise.
+    pub phase_names: BTreeMap<String, Entry>,
+    /// Constraints in the file's order, families expanded.
+    pub constraints: Vec<ConstraintNames>,
     /// Known once bodies and loads are.
     pub energies: Option<Energies>,
     /// What is known of units.
     pub units: Units,
-    /// True when the file has constraints, which are refused as a whole.
-    pub constrained: bool,
 }
 
 /// `x`, `x[2]`, `x[1,2]`.
@@ -212,6 +239,20 @@ impl Scope {
 }
 
 impl Entry {
+    /// Without members.
+    pub fn new(section: Section, indices: usize) -> Entry {
+        Entry { section, indices, refused: false, members: BTreeMap::new() }
+    }
+
+    /// Adds a member; false when its indices are taken, or are more or fewer than those of others.
+    pub fn add(&mut self, indices: &[i64], member: Member) -> bool {
+        let fresh = self.indices == indices.len() && !self.members.contains_key(indices);
+        if fresh {
+            self.members.insert(indices.to_vec(), member);
+        }
+        fresh
+    }
+
     /// For messages: `x[1] to x[5]` or `no members`.
     pub fn range(&self, name: &str) -> String {
         match (self.members.keys().next(), self.members.keys().next_back()) {

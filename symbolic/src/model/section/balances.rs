@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use super::reactions::Unknown;
-use crate::diagnose::catalogue::{later, mechanics, sections};
+use crate::diagnose::catalogue::{mechanics, sections};
 use crate::expr::{Id, Symbol, partial};
 use crate::file::{Node, Spot, Text};
 use crate::model::expression::dimension::Dimension;
@@ -22,6 +22,7 @@ const KINDS: [&str; 5] = ["moment", "force", "power", "energy", "equation"];
 /// One system's bodies, loads and reactions at hand.
 struct Sums<'s> {
     unknowns: &'s [Unknown],
+    phases: &'s [usize],
 }
 
 impl<'a> Resolver<'a> {
@@ -41,20 +42,14 @@ impl<'a> Resolver<'a> {
             if !system.only(&["equations", "reactions", "phase"], "a system of balances", &mut self.bench.problems) {
                 continue;
             }
-            if let Some(phase) = system.get("phase") {
-                self.bench.problems.push(later::key_not_supported(
-                    phase.place.of_key(),
-                    "phase",
-                    "a system of balances",
-                ));
-            }
             let before = self.bench.problems.len();
+            let phases = self.phase_key(&system, &Self::no_locals()).flatten().unwrap_or_else(|| vec![0]);
             let unknowns = self.unknowns(&system);
             let mut balances = Vec::new();
             let Some(equations) = system.need("equations", "a system of balances", &mut self.bench.problems) else {
                 continue;
             };
-            let sums = Sums { unknowns: &unknowns };
+            let sums = Sums { unknowns: &unknowns, phases: &phases };
             match equations.items() {
                 Some(items) => {
                     for (k, item) in items.iter().enumerate() {
@@ -80,16 +75,10 @@ impl<'a> Resolver<'a> {
             let reactions: Vec<usize> = (0..self.scope.reactions.len())
                 .filter(|&k| unknowns.iter().any(|u| u.name == self.scope.reactions[k].name))
                 .collect();
-            let equations: usize = balances.iter().map(|b| b.components).sum();
-            let unknown: usize = reactions.iter().map(|&k| self.scope.reactions[k].components).sum();
-            let coordinates = self.model.coordinates.len();
-            // With constraints, which are refused as a whole, the numbers mean nothing.
-            if equations != coordinates + unknown && !self.scope.constrained {
-                let place = system.place.of_key();
-                self.bench.problems.push(mechanics::unequal_counts(place, name, equations, coordinates, unknown));
-                continue;
+            let system = BalanceSystem { name, balances, reactions, phases, place: system.place.of_key() };
+            if self.determines(&system) {
+                systems.push(system);
             }
-            systems.push(BalanceSystem { name, balances, reactions, place: system.place.of_key() });
         }
         systems
     }
@@ -273,6 +262,10 @@ impl<'a> Resolver<'a> {
         let symbols = self.bench.graph.symbols([energies.kinetic, energies.potential]);
         if symbols.iter().any(|s| matches!(s, Symbol::Time | Symbol::Input(..))) {
             self.bench.problems.push(mechanics::energy_with_time(spot.place.of_key()));
+            return None;
+        }
+        if let Some(name) = self.driven(sums.phases) {
+            self.bench.problems.push(mechanics::energy_with_driven_constraint(spot.place.of_key(), name));
             return None;
         }
         let (kinetic, potential) = (self.bench.rate(energies.kinetic), self.bench.rate(energies.potential));

@@ -92,7 +92,7 @@ fn at_rest(dimension: usize, point: &[f64], body: &[f64], particle: bool) -> Opt
 }
 
 /// Values of all symbols.
-struct State {
+pub struct State {
     time: f64,
     coordinates: Vec<[f64; 3]>,
     inputs: Vec<[f64; 4]>,
@@ -100,7 +100,8 @@ struct State {
 }
 
 impl State {
-    fn value(&self, symbol: Symbol) -> f64 {
+    /// Of a symbol.
+    pub fn value(&self, symbol: Symbol) -> f64 {
         let coordinate = |i: u32, order: usize| self.coordinates.get(i as usize).map_or(f64::NAN, |c| c[order]);
         match symbol {
             Symbol::Time => self.time,
@@ -111,13 +112,15 @@ impl State {
                 self.inputs.get(k as usize).and_then(|u| u.get(usize::from(order))).copied().unwrap_or(f64::NAN)
             }
             Symbol::Parameter(k) => self.parameters.get(k as usize).copied().unwrap_or(f64::NAN),
-            Symbol::Mode(_) | Symbol::Reaction(_) | Symbol::Dummy(_) => f64::NAN,
+            Symbol::Mode(_) | Symbol::Reaction(_) | Symbol::Multiplier(_) | Symbol::Phase(_) | Symbol::Dummy(_) => {
+                f64::NAN
+            }
         }
     }
 }
 
 /// Random states, alternately near the scene's start and at large; in the ranges of `sample` where there are any.
-fn states(bench: &Bench, model: &Model) -> Vec<State> {
+pub fn states(bench: &Bench, model: &Model) -> Vec<State> {
     let start = model.scenes.first().map(|scene| scene.q.as_slice()).unwrap_or_default();
     let ranges: Vec<Id> = model.sample.iter().flat_map(|sample| [sample.low, sample.high]).collect();
     let roots: Vec<Id> = start.iter().chain(&ranges).copied().collect();

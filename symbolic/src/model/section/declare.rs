@@ -256,7 +256,6 @@ impl Resolver<'_> {
 
     /// Names of sections that are refused as a whole, so that their uses are not reported too.
     pub fn refused_names(&mut self) {
-        self.scope.constrained = self.root.get("constraints").is_some();
         let Some(balances) = self.root.get("balances") else { return };
         let Node::Map(systems) = balances.node else { return };
         let nested = systems.iter().map(|(_, node)| node).chain([balances.node]);
@@ -266,12 +265,8 @@ impl Resolver<'_> {
                 let Node::Map(reactions) = reactions else { continue };
                 for (key, _) in reactions {
                     let Ok(key) = parse_key(key) else { continue };
-                    self.scope.names.entry(key.name).or_insert_with(|| Entry {
-                        section: Section::Reaction,
-                        indices: key.indices.len(),
-                        refused: true,
-                        members: Default::default(),
-                    });
+                    let entry = Entry { refused: true, ..Entry::new(Section::Reaction, key.indices.len()) };
+                    self.scope.names.entry(key.name).or_insert(entry);
                 }
             }
         }
@@ -298,13 +293,15 @@ pub fn dimension(root: &Node) -> usize {
     let Node::Map(entries) = root else { return 2 };
     let mut stack: Vec<(&str, &Node)> = entries
         .iter()
-        .filter(|(key, _)| !matches!(key.as_str(), "parameters" | "scene" | "scenes" | "sample" | "about" | "sizes"))
+        .filter(|(key, _)| {
+            !matches!(key.as_str(), "parameters" | "phases" | "scene" | "scenes" | "sample" | "about" | "sizes")
+        })
         .map(|(key, node)| (key.as_str(), node))
         .collect();
     while let Some((key, node)) = stack.pop() {
         match node {
             Node::Map(entries) => {
-                let inherit = matches!(key, "points" | "define" | "outputs" | "conserved");
+                let inherit = matches!(key, "points" | "define" | "outputs" | "conserved" | "constraints");
                 stack.extend(
                     entries.iter().map(|(name, node)| (if inherit { "position" } else { name.as_str() }, node)),
                 );

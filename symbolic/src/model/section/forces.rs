@@ -40,7 +40,7 @@ impl Resolver<'_> {
         for member in &family.members {
             let locals = &member.locals;
             let end = self.force_end(&on, at.as_ref(), locals, drafts);
-            let force = self.vector(&force, Rules::velocity("a force").si(Dimension::FORCE), locals);
+            let force = self.vector(&force, Rules::load("a force").si(Dimension::FORCE), locals);
             let (Some(end), Some(force)) = (end, force) else { continue };
             let opposite = match (&from, &reaction) {
                 (Some(from), _) => self.opposite(from, &end.at, locals),
@@ -82,7 +82,7 @@ impl Resolver<'_> {
         };
         let (Some(on), Some(torque), Some(from)) = (on, torque, from) else { return };
         for member in &family.members {
-            let torque = self.scalar(&torque, Rules::velocity("a torque").si(Dimension::ENERGY), &member.locals);
+            let torque = self.scalar(&torque, Rules::load("a torque").si(Dimension::ENERGY), &member.locals);
             let on = self.couple_holder(&on, &member.locals);
             let from = match &from {
                 Some(from) => self.couple_holder(from, &member.locals),

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::carriers::{belongs_to_ground, carriers};
 use crate::diagnose::Place;
-use crate::diagnose::catalogue::{later, mechanics, names};
+use crate::diagnose::catalogue::{mechanics, names};
 use crate::expr::Id;
 use crate::file::Spot;
 use crate::model::expression::families::Family;
@@ -90,14 +90,37 @@ impl Resolver<'_> {
             }
         }
         for (section, family, spot) in &families {
+            let first = drafts.loads.len();
             match *section {
                 "springs" => self.spring(spot, family, &mut drafts),
                 "dampers" => self.damper(spot, family, &mut drafts),
                 "forces" => self.force(spot, family, &mut drafts),
                 _ => self.torque(spot, family, &mut drafts),
             }
+            for member in &family.members {
+                let Some(Some(phases)) = self.phase_key(spot, &member.locals) else { continue };
+                let name = member.name();
+                for draft in drafts.loads[first..].iter_mut().filter(|draft| draft.name == name) {
+                    self.switch(draft, &phases);
+                }
+            }
         }
         self.place_loads(drafts);
+    }
+
+    /// Lets a load act in these phases only.
+    fn switch(&mut self, draft: &mut Draft, phases: &[usize]) {
+        let active = self.indicator(phases);
+        let graph = &mut self.bench.graph;
+        let loaded = match &mut draft.work {
+            Work::Potential(energy) => Some(energy),
+            Work::Resistance { tension, .. } => Some(tension),
+            Work::Pushes => None,
+        };
+        let pushed = draft.pushes.iter_mut().flat_map(|push| push.force.iter_mut().chain(&mut push.couple));
+        for value in loaded.into_iter().chain(pushed) {
+            *value = graph.mul(active, *value);
+        }
     }
 
     /// Checks the keys of an entry; false when it is no mapping.
@@ -106,9 +129,6 @@ impl Resolver<'_> {
         let problems = &mut self.bench.problems;
         if !spot.only(&known, section, problems) {
             return false;
-        }
-        if let Some(phase) = spot.get("phase") {
-            problems.push(later::key_not_supported(phase.place.of_key(), "phase", section));
         }
         !family.members.is_empty()
     }

@@ -3,12 +3,16 @@
 pub mod balances;
 pub mod bodies;
 pub mod carriers;
+pub mod constraints;
+pub mod counts;
 pub mod declare;
 pub mod draw;
 pub mod ends;
+pub mod events;
 pub mod forces;
 pub mod loads;
 pub mod parameters;
+pub mod phases;
 pub mod reactions;
 pub mod scenes;
 pub mod settle;

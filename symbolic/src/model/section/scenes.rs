@@ -3,10 +3,13 @@
 use std::collections::BTreeMap;
 
 use super::parameters::flat;
-use crate::diagnose::catalogue::{later, mechanics, names, sections};
+use super::watched::Watched;
+use crate::diagnose::Place;
+use crate::diagnose::catalogue::{mechanics, names, sections};
 use crate::expr::{Id, Rational};
 use crate::file::{Node, Quantity, Spot};
 use crate::model::expression::dimension::Dimension;
+use crate::model::expression::facts::Depends;
 use crate::model::expression::families::{self, Expanded, Family, Locals};
 use crate::model::expression::rules::Rules;
 use crate::model::resolved::Scene;
@@ -18,14 +21,28 @@ const END: Rules = Rules::constant("the end of a run").si(Dimension::TIME);
 const SPACING: Rules = Rules::constant("a spacing").si(Dimension::TIME);
 const TOLERANCE: Rules = Rules::constant("a tolerance").si(Dimension::ONE);
 
+/// An entry of `also`, to be looked up among what is watched.
+#[derive(Clone, Debug)]
+pub struct Held {
+    /// The scene's place.
+    scene: usize,
+    /// What is held.
+    name: String,
+    /// Its value, by component.
+    values: Vec<Quantity>,
+    locals: Locals,
+    place: Place,
+}
+
 impl Resolver<'_> {
     /// A value in SI; a pure number is in the unit of what it sets.
     pub fn setting(&mut self, quantity: &Quantity, rules: Rules, locals: &Locals) -> Option<Id> {
         self.bench.setting(&self.scope, quantity, rules, locals)
     }
 
-    /// All scenes; the default one is there even if the file has none.
-    pub fn scenes(&mut self) {
+    /// All scenes; the default one is there even if the file has none.  Returns what they hold besides coordinates.
+    pub fn scenes(&mut self) -> Vec<Held> {
+        let mut held = Vec::new();
         let empty = Node::Map(Vec::new());
         let absent = Spot { node: &empty, place: self.root.place.key("scene"), name: "scene".to_owned() };
         let default = self.root.get("scene");
@@ -33,46 +50,57 @@ impl Resolver<'_> {
             self.check_scene(spot);
         }
         let default = default.filter(|spot| matches!(spot.node, Node::Map(_))).unwrap_or(absent);
-        self.scene("scene", &default, None);
+        self.scene("scene", &default, None, &mut held);
         let mut seen = BTreeMap::from([("scene".to_owned(), ())]);
         for (key, spot) in self.section("scenes") {
             let Some(name) = self.label(key, &spot, "`scenes`") else { continue };
             let fresh = self.unique(&mut seen, &name, "`scenes`", &spot.place);
             if fresh && self.check_scene(&spot) {
-                self.scene(&name, &spot, Some(&default));
+                self.scene(&name, &spot, Some(&default), &mut held);
             }
         }
         self.equilibrium();
+        held
     }
 
     fn check_scene(&mut self, spot: &Spot<'_>) -> bool {
-        let problems = &mut self.bench.problems;
-        if !spot.only(&SCENE_KEYS, "a scene", problems) {
-            return false;
-        }
-        for key in ["phase", "guess", "also"] {
-            if let Some(found) = spot.get(key) {
-                problems.push(later::key_not_supported(found.place.of_key(), key, "a scene"));
-            }
-        }
-        true
+        spot.only(&SCENE_KEYS, "a scene", &mut self.bench.problems)
     }
 
     /// One scene; the keys it leaves out are those of `inherited`.
-    fn scene(&mut self, name: &str, spot: &Spot<'_>, inherited: Option<&Spot<'_>>) {
+    fn scene(&mut self, name: &str, spot: &Spot<'_>, inherited: Option<&Spot<'_>>, held: &mut Vec<Held>) {
         let get = |key: &str| spot.get(key).or_else(|| inherited.and_then(|scene| scene.get(key)));
         let count = self.model.coordinates.len();
         let mut scene = Scene {
             name: name.to_owned(),
             q: vec![Id::ZERO; count],
             v: vec![Id::ZERO; count],
+            held_q: vec![false; count],
+            held_v: vec![false; count],
+            guessed: false,
+            also: Vec::new(),
+            phase: 0,
             until: self.bench.graph.integer(10),
             tolerance: self.bench.graph.rational(Rational::new(1, 1_000_000_000).unwrap_or(Rational::ONE)),
             every: None,
             set: Vec::new(),
         };
+        if let Some(phase) = get("phase") {
+            scene.phase = self.one_phase(&phase, &Self::no_locals()).unwrap_or(0);
+        }
         if let Some(start) = get("start") {
             self.start(&start, &mut scene);
+        }
+        if let Some(also) = get("also") {
+            self.also_held(&also, held);
+        }
+        let solved = get("also").is_some() || !self.model.phases[scene.phase].constraints.is_empty();
+        match get("guess") {
+            Some(guess) if solved => self.guess(&guess, &mut scene),
+            Some(guess) if spot.get("guess").is_some() => {
+                self.bench.problems.push(mechanics::idle_guess(guess.place.of_key()));
+            }
+            _ => {}
         }
         if let Some(set) = get("set") {
             self.set(&set, &mut scene);
@@ -84,20 +112,24 @@ impl Resolver<'_> {
         self.model.scenes.push(scene);
     }
 
+    /// The values of the free parameters in a scene.
+    pub fn scene_parameters(&self, scene: &Scene) -> Vec<f64> {
+        let mut parameters: Vec<f64> = self.model.parameters.iter().map(|p| p.default).collect();
+        let set: Vec<Id> = scene.set.iter().map(|(_, value)| *value).collect();
+        let values = crate::model::command::evaluate_all(&self.bench.graph, &set, &parameters);
+        for ((parameter, _), value) in scene.set.iter().zip(values) {
+            parameters[*parameter] = value;
+        }
+        parameters
+    }
+
     /// A positive number of parameters.
     fn positive(&mut self, spot: &Spot<'_>, rules: Rules, scene: &Scene) -> Option<Id> {
         let what = rules.what;
         let quantity = spot.quantity(&mut self.bench.problems)?;
         let value = self.setting(&quantity, rules, &Self::no_locals())?;
-        let mut parameters: Vec<f64> = self.model.parameters.iter().map(|p| p.default).collect();
-        if self.bench.graph.number(value).is_none() {
-            let set: Vec<Id> = scene.set.iter().map(|(_, value)| *value).collect();
-            for ((parameter, _), value) in
-                scene.set.iter().zip(crate::model::command::evaluate_all(&self.bench.graph, &set, &parameters.clone()))
-            {
-                parameters[*parameter] = value;
-            }
-        }
+        let constant = self.bench.graph.number(value).is_some();
+        let parameters = if constant { Vec::new() } else { self.scene_parameters(scene) };
         match crate::model::command::evaluate(&self.bench.graph, value, &parameters) {
             Some(number) if number > 0.0 => Some(value),
             Some(number) => {
@@ -114,7 +146,6 @@ impl Resolver<'_> {
 
     /// `start`: coordinates and, with a prime, their speeds.
     fn start(&mut self, spot: &Spot<'_>, scene: &mut Scene) {
-        let mut given = [vec![false; scene.q.len()], vec![false; scene.v.len()]];
         for (key, spot) in spot.entries(&mut self.bench.problems) {
             let Some(family) = self.start_key(key, &spot) else { continue };
             if family.key.primes > 1 {
@@ -126,7 +157,8 @@ impl Resolver<'_> {
             let Some(values) = self.values_for(&spot, &family) else { continue };
             for (member, value) in family.members.iter().zip(values) {
                 let Some(coordinate) = self.started(member, key, &spot) else { break };
-                if std::mem::replace(&mut given[speed][coordinate], true) {
+                let held = if speed == 1 { &mut scene.held_v } else { &mut scene.held_q };
+                if std::mem::replace(&mut held[coordinate], true) {
                     let name = format!("{}{}", member.name(), if speed == 1 { "'" } else { "" });
                     self.bench.problems.push(names::member_twice(spot.place.of_key(), name));
                     break;
@@ -138,6 +170,21 @@ impl Resolver<'_> {
                     let list = if speed == 1 { &mut scene.v } else { &mut scene.q };
                     list[coordinate] = value;
                 }
+            }
+        }
+    }
+
+    /// `guess`: values of coordinates that `start` does not name, from which a start is searched.
+    fn guess(&mut self, spot: &Spot<'_>, scene: &mut Scene) {
+        scene.guessed = true;
+        let guess = self.coordinates_given(
+            spot,
+            Rules::constant("a guess of it"),
+            "speeds that `start` does not name are those of least kinetic energy",
+        );
+        for (coordinate, value) in guess {
+            if !scene.held_q[coordinate] {
+                scene.q[coordinate] = value;
             }
         }
     }
@@ -209,22 +256,111 @@ impl Resolver<'_> {
     /// `equilibrium`: where the search starts.
     fn equilibrium(&mut self) {
         self.model.equilibrium = vec![Id::ZERO; self.model.coordinates.len()];
-        for (key, spot) in self.section("equilibrium") {
+        let Some(spot) = self.root.get("equilibrium") else { return };
+        let given = self.coordinates_given(&spot, Rules::constant("an equilibrium of it"), "an equilibrium is at rest");
+        for (coordinate, value) in given {
+            self.model.equilibrium[coordinate] = value;
+        }
+    }
+
+    /// Values of coordinates, each once; `at_rest` says why there are no speeds.
+    fn coordinates_given(&mut self, spot: &Spot<'_>, rules: Rules, at_rest: &str) -> Vec<(usize, Id)> {
+        let mut given = Vec::new();
+        let mut seen = vec![false; self.model.coordinates.len()];
+        for (key, spot) in spot.entries(&mut self.bench.problems) {
             let Some(family) = self.start_key(key, &spot) else { continue };
             if family.key.primes > 0 {
-                let help = "an equilibrium is at rest";
-                self.bench.problems.push(mechanics::unknown_start(spot.place.of_key(), key, help));
+                self.bench.problems.push(mechanics::unknown_start(spot.place.of_key(), key, at_rest));
                 continue;
             }
             let Some(values) = self.values_for(&spot, &family) else { continue };
             for (member, value) in family.members.iter().zip(values) {
                 let Some(coordinate) = self.started(member, key, &spot) else { break };
-                let unit = self.scope.units.coordinates[coordinate];
-                let rules = Rules::constant("an equilibrium of it").like(unit);
+                if std::mem::replace(&mut seen[coordinate], true) {
+                    self.bench.problems.push(names::member_twice(spot.place.of_key(), member.name()));
+                    break;
+                }
+                let rules = rules.like(self.scope.units.coordinates[coordinate]);
                 if let Some(value) = self.setting(&value, rules, &member.locals) {
-                    self.model.equilibrium[coordinate] = value;
+                    given.push((coordinate, value));
                 }
             }
         }
+        given
+    }
+
+    /// The entries of `also`, whose names mean something once `conserved` and `outputs` are read.
+    fn also_held(&mut self, spot: &Spot<'_>, held: &mut Vec<Held>) {
+        let scene = self.model.scenes.len();
+        for (key, spot) in spot.entries(&mut self.bench.problems) {
+            let Some(family) = self.start_key(key, &spot) else { continue };
+            if family.key.primes > 0 {
+                let (why, help) = ("it has a prime", "make its rate an output, `rate(…)`, and name that");
+                self.bench.problems.push(mechanics::cannot_hold(spot.place.of_key(), key, why, help));
+                continue;
+            }
+            let values: Vec<Vec<Quantity>> = match spot.items() {
+                Some(items) if !family.ranged => {
+                    let values: Vec<_> = items.iter().map(|item| item.quantity(&mut self.bench.problems)).collect();
+                    let Some(values) = values.into_iter().collect() else { continue };
+                    vec![values]
+                }
+                _ => {
+                    let Some(values) = self.values_for(&spot, &family) else { continue };
+                    values.into_iter().map(|value| vec![value]).collect()
+                }
+            };
+            for (member, values) in family.members.iter().zip(values) {
+                let (name, locals, place) = (member.name(), member.locals.clone(), spot.place.clone());
+                held.push(Held { scene, name, values, locals, place });
+            }
+        }
+    }
+
+    /// `also`: equations on what is conserved or an output.
+    pub fn also(&mut self, held: Vec<Held>) {
+        for Held { scene, name, values, locals, place } in held {
+            let Some(watched) = self.watched_as(&name, &place) else { continue };
+            let zero = matches!(values.as_slice(), [value] if &*value.text.source == "0");
+            if !zero && values.len() != watched.value.len() {
+                let problem = sections::list_length(place.clone(), &name, watched.value.len(), values.len());
+                self.bench.problems.push(problem);
+                continue;
+            }
+            let rules = Rules::constant("its value").like(watched.unit);
+            for (k, quantity) in watched.value.iter().enumerate() {
+                let Some(value) = self.setting(&values[if zero { 0 } else { k }], rules, &locals) else { break };
+                self.model.scenes[scene].also.push((*quantity, value));
+            }
+        }
+    }
+
+    /// What a name of `conserved` or `outputs` stands for, if a start can be made to give it a value.
+    fn watched_as(&mut self, name: &str, place: &Place) -> Option<Watched> {
+        let Some(entries) = self.watched.get(name) else {
+            let known: Vec<&str> = self.watched.keys().map(String::as_str).collect();
+            let help = match known.is_empty() {
+                true => "the model has neither".to_owned(),
+                false => crate::diagnose::did_you_mean_or(name, &known),
+            };
+            self.bench.problems.push(mechanics::unknown_held(place.of_key(), name, help));
+            return None;
+        };
+        let entries: Option<Vec<Watched>> = entries.iter().cloned().collect();
+        let entries = entries?;
+        let watched = entries.first()?.clone();
+        let depends = self.bench.depends(&watched.value);
+        let function = "name a function of coordinates, velocities and time";
+        let (why, help) = if entries.iter().any(|other| other.value != watched.value) {
+            ("it stands in `conserved` and in `outputs` with different values", "give one of the two another name")
+        } else if depends.meets(Depends::ACCELERATION.and(Depends::JERK).and(Depends::MULTIPLIER)) {
+            ("it contains accelerations or reactions, which the start determines", function)
+        } else if !depends.meets(Depends::COORDINATE.and(Depends::SPEED)) {
+            ("no coordinate or velocity changes it", function)
+        } else {
+            return Some(watched);
+        };
+        self.bench.problems.push(mechanics::cannot_hold(place.of_key(), name, why, help));
+        None
     }
 }

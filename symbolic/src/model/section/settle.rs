@@ -44,6 +44,8 @@ pub enum Want {
     Vector,
     /// Either.
     Any,
+    /// The difference of both sides of an equation, either.
+    Equation,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -98,6 +100,13 @@ pub fn settle(bench: &mut Bench, scope: &mut Scope, items: &[Item]) {
 fn evaluate(bench: &mut Bench, scope: &Scope, item: &Item) -> Value {
     let Some(written) = &item.written else { return Value::Poison };
     let value = match item.want {
+        Want::Equation => match written {
+            Written::One(text) => match bench.sides(scope, text, item.rules, &item.locals) {
+                Some((left, right)) => value::add(&mut bench.graph, &left, &right, true).unwrap_or(Value::Poison),
+                None => Value::Poison,
+            },
+            Written::List(..) => bench.written(scope, written, item.rules, &item.locals),
+        },
         Want::Any => bench.written(scope, written, item.rules, &item.locals),
         Want::Vector => bench.vector(scope, written, item.rules, &item.locals).map_or(Value::Poison, Value::Vector),
         Want::Scalar => match written {

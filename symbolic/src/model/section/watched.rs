@@ -1,22 +1,31 @@
-//! `conserved`, `checks`, `sample`, `outputs` and `events`: what is tested, and what is computed along a run.
+//! `conserved`, `checks`, `sample` and `outputs`: what is tested, and what is computed along a run.
 
 use std::collections::BTreeMap;
 
 use crate::diagnose::Place;
-use crate::diagnose::catalogue::{later, mechanics, names, sections};
+use crate::diagnose::catalogue::{mechanics, names};
 use crate::diagnose::did_you_mean_or;
 use crate::expr::{Binary, Graph, Id, Node as Expression, Unary};
 use crate::file::{Node, Spot, Text, Written};
-use crate::model::expression::dimension::Dimension;
+use crate::model::expression::dimension::{Dimension, Measure};
 use crate::model::expression::families::{Expanded, Locals};
 use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::Member;
 use crate::model::expression::value::Value;
-use crate::model::resolved::{Check, Conserved, Event, EventAction, Output, Sample};
+use crate::model::resolved::{Check, Conserved, Output, Sample};
 use crate::model::resolver::Resolver;
 
 /// Terms that one invariant is taken apart into.
 const TERM_LIMIT: usize = 1000;
+
+/// A quantity that `also` may name.
+#[derive(Clone, Debug)]
+pub struct Watched {
+    /// Its components.
+    pub value: Vec<Id>,
+    /// Its unit.
+    pub unit: Measure,
+}
 
 impl Resolver<'_> {
     /// `conserved`, `checks` and `outputs`.
@@ -37,17 +46,20 @@ impl Resolver<'_> {
                 if !self.unique(&mut seen, &name, "`conserved`", &spot.place) {
                     break;
                 }
-                let Some(written) = &written else { continue };
                 let rules = Rules::invariant("a conserved quantity").tested();
-                let value = self.bench.written(&self.scope, written, rules, &member.locals);
+                let value = written.as_ref().map(|w| self.bench.written(&self.scope, w, rules, &member.locals));
+                self.watch(&name, value.as_ref().unwrap_or(&Value::Poison));
+                let (Some(written), Some(value)) = (&written, value) else { continue };
                 if value == Value::Poison {
                     continue;
                 }
+                let Some(phases) = self.phase_key(&spot, &member.locals) else { continue };
                 let value = components(value, 1);
                 let terms = value.iter().map(|x| terms(&mut self.bench.graph, *x)).collect();
                 let place = spot.place.clone();
                 let counts_energy = names_energy(written);
-                self.model.conserved.push(Conserved { name, value, terms, counts_energy, when: when.clone(), place });
+                let when = when.clone();
+                self.model.conserved.push(Conserved { name, value, terms, counts_energy, when, phases, place });
             }
         }
     }
@@ -64,9 +76,10 @@ impl Resolver<'_> {
                     break;
                 }
                 let Some(text) = &text else { continue };
+                let Some(phases) = self.phase_key(&spot, &member.locals) else { continue };
                 if let Some((left, right)) = self.sides(text, &member.locals) {
                     let place = spot.place.clone();
-                    self.model.checks.push(Check { name, left, right, when: when.clone(), place });
+                    self.model.checks.push(Check { name, left, right, when: when.clone(), phases, place });
                 }
             }
         }
@@ -74,28 +87,8 @@ impl Resolver<'_> {
 
     /// Both sides of an identity, of equal size; an expression without `=` is to vanish.
     pub fn sides(&mut self, text: &Text, locals: &Locals) -> Option<(Vec<Id>, Vec<Id>)> {
-        let (left, right) = self.bench.equation(&self.scope, text, Rules::anything("a check").tested(), locals);
-        let size = left.components().len().max(right.as_ref().map_or(0, |right| right.components().len())).max(1);
-        let right = right.unwrap_or(Value::Nothing);
-        match (&left, &right) {
-            (Value::Poison, _) | (_, Value::Poison) => None,
-            (Value::Scalar(_), Value::Vector(_)) | (Value::Vector(_), Value::Scalar(_)) => {
-                let place = text.place.at(text.ast.span);
-                // 0 stands for the zero vector too.
-                match (&left, &right) {
-                    (Value::Vector(left), Value::Scalar(Id::ZERO)) => {
-                        return Some((left.clone(), vec![Id::ZERO; size]));
-                    }
-                    (Value::Scalar(Id::ZERO), Value::Vector(right)) => {
-                        return Some((vec![Id::ZERO; size], right.clone()));
-                    }
-                    _ => {}
-                }
-                self.bench.problems.push(names::mixed_kinds(place, "=", left.describe(), right.describe()));
-                None
-            }
-            _ => Some((components(left, size), components(right, size))),
-        }
+        let (left, right) = self.bench.sides(&self.scope, text, Rules::anything("a check").tested(), locals)?;
+        Some((components(left, 1), components(right, 1)))
     }
 
     /// The value, and the parameters that must have certain values.
@@ -105,9 +98,6 @@ impl Resolver<'_> {
         }
         let problems = &mut self.bench.problems;
         spot.only(&[key, "when", "phase"], section, problems);
-        if let Some(phase) = spot.get("phase") {
-            problems.push(later::key_not_supported(phase.place.of_key(), "phase", section));
-        }
         let value = spot.need(key, section, problems);
         let Some(when) = spot.get("when") else { return (value, Vec::new()) };
         let mut conditions = Vec::new();
@@ -220,8 +210,9 @@ impl Resolver<'_> {
                 if !self.unique(&mut seen, &name, "`outputs`", &spot.place) {
                     break;
                 }
-                if let Some(written) = &written {
-                    self.output(name, written, &member.locals);
+                match &written {
+                    Some(written) => self.output(name, written, &member.locals),
+                    None => self.watch(&name, &Value::Poison),
                 }
             }
         }
@@ -241,84 +232,17 @@ impl Resolver<'_> {
 
     fn output(&mut self, name: String, written: &Written, locals: &Locals) {
         let value = self.bench.written(&self.scope, written, Rules::anything("an output"), locals);
+        self.watch(&name, &value);
         let known = self.bench.measured.dimension().filter(|dimension| *dimension != Dimension::ONE);
         let unit = known.map(|dimension| dimension.to_string());
         self.model.outputs.push(Output { name, value: components(value, 1), unit });
     }
 
-    /// `events`.
-    pub fn events(&mut self) {
-        let mut seen = BTreeMap::new();
-        for (key, spot) in self.section("events") {
-            let Some(family) = self.expand(key, &spot) else { continue };
-            let problems = &mut self.bench.problems;
-            if !spot.only(&["when", "direction", "if", "then", "phase"], "an event", problems) {
-                continue;
-            }
-            if let Some(phase) = spot.get("phase") {
-                problems.push(later::key_not_supported(phase.place.of_key(), "phase", "an event"));
-            }
-            let when = spot.need("when", "an event", problems).and_then(|when| when.text(problems));
-            let condition = spot.get("if").and_then(|condition| condition.text(problems));
-            let direction = match spot.get("direction") {
-                None => 0,
-                Some(direction) => match direction.words(problems) {
-                    Some("rising") => 1,
-                    Some("falling") => -1,
-                    Some("both") | None => 0,
-                    Some(other) => {
-                        let help = did_you_mean_or(other, &["rising", "falling", "both"]);
-                        problems.push(sections::unknown_choice(direction.place, other, "a direction", help));
-                        0
-                    }
-                },
-            };
-            let then = spot.need("then", "an event", &mut self.bench.problems);
-            let actions = then.map(|then| self.actions(&then)).unwrap_or_default();
-            for member in &family.members {
-                let name = member.name();
-                if !self.unique(&mut seen, &name, "`events`", &spot.place) {
-                    break;
-                }
-                let rules = Rules::anything("an event");
-                let Some(when) = when.as_ref().and_then(|when| self.scalar(when, rules, &member.locals)) else {
-                    continue;
-                };
-                let condition = condition.as_ref().and_then(|text| self.scalar(text, rules, &member.locals));
-                self.model.events.push(Event { name, when, condition, direction, actions: actions.clone() });
-            }
-        }
-    }
-
-    fn actions(&mut self, then: &Spot<'_>) -> Vec<EventAction> {
-        let items = then.items().unwrap_or_else(|| vec![then.clone()]);
-        let mut actions = Vec::new();
-        for item in items {
-            if let Node::Map(_) = item.node {
-                let problems = &mut self.bench.problems;
-                if item.only(&["impact", "along"], "`then`", problems) {
-                    problems.push(later::form_not_supported(item.place.clone(), "an impact"));
-                }
-                continue;
-            }
-            match item.words(&mut self.bench.problems) {
-                Some("stop") => actions.push(EventAction::Stop),
-                Some("record") => actions.push(EventAction::Record),
-                Some(other) if self.has_phase(other) => {}
-                Some(other) => {
-                    let help = did_you_mean_or(other, &["stop", "record"]);
-                    let what = "something that an event can do";
-                    self.bench.problems.push(sections::unknown_choice(item.place.clone(), other, what, help));
-                }
-                None => {}
-            }
-        }
-        actions
-    }
-
-    /// Whether `phases`, which are refused as a whole, name this one.
-    fn has_phase(&self, name: &str) -> bool {
-        self.root.get("phases").is_some_and(|phases| phases.get(name).is_some())
+    /// Notes a quantity, in the unit of what was evaluated last, for scenes.
+    fn watch(&mut self, name: &str, value: &Value) {
+        let unit = self.bench.measured;
+        let watched = (*value != Value::Poison).then(|| Watched { value: components(value.clone(), 1), unit });
+        self.watched.entry(name.to_owned()).or_default().push(watched);
     }
 }
 

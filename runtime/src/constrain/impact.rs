@@ -1,0 +1,36 @@
+//! Jumps of the speeds: constraints that are entered, and impacts with restitution.
+
+use crate::mechanism::{At, Form, Singular, System};
+
+/// What an instant does to the speeds: M Δq' = Jᵀ P.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Blow {
+    /// Δq'.
+    pub jump: Vec<f64>,
+    /// P of every row that took part: its place, and its impulse.
+    pub rows: Vec<(usize, f64)>,
+}
+
+/// The least change of the speeds, in the metric of M, after which c' = 0 in all of these rows, or −e times what it was in
+/// those for which `restitution` gives an e: K [Δq'; −P] = [0; −(1 + e) c'].
+///
+/// With e = 0 the loss of kinetic energy is that of the lost speed, ½ Δq'ᵀ M Δq' (Carnot).
+///
+/// # Errors
+/// Coordinates to which neither M nor a constraint gives any inertia.
+pub(crate) fn blow<S: System + ?Sized>(
+    system: &S,
+    (t, y): (f64, &[f64]),
+    rows: &[usize],
+    restitution: impl Fn(usize) -> f64,
+) -> Result<Blow, Singular> {
+    let n = system.len();
+    let mut form = Form::default();
+    form.factor_rows(system, At::place(t, &y[..n]), rows)?;
+    let mut triples = vec![0.0; 3 * system.description().rows.len()];
+    system.constraints(At::packed(t, y, n), &mut triples);
+    let mut impulses: Vec<f64> = rows.iter().map(|row| -(1.0 + restitution(*row)) * triples[3 * row + 1]).collect();
+    let mut jump = vec![0.0; n];
+    form.solve(&mut jump, &mut impulses);
+    Ok(Blow { jump, rows: rows.iter().copied().zip(impulses).collect() })
+}

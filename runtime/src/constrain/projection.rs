@@ -1,0 +1,161 @@
+//! States brought back to the constraints.
+
+use crate::mechanism::{At, Form, Singular, System};
+
+/// Brings states back to the constraints that are active, by the least change in the metric of M.
+///
+/// Positions first, K [δ; μ] = [0; −c], then speeds, K [δ; μ] = [0; −c'], which is linear and exact at once
+/// (Hairer, Lubich, Wanner, Geometric Numerical Integration, IV.4).
+#[derive(Clone, Debug)]
+pub(crate) struct Projection {
+    form: Form,
+    /// (c, c', Σ |terms| of c) of all rows.
+    triples: Vec<f64>,
+    delta: Vec<f64>,
+    right: Vec<f64>,
+    norms: Vec<f64>,
+    last: Residuals,
+    worst: Residuals,
+}
+
+/// How far a motion is from its constraints, in their own units.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Residuals {
+    /// The largest |c| of a holonomic constraint.
+    pub position: f64,
+    /// The largest |c'|, or |c| of a constraint that contains speeds.
+    pub velocity: f64,
+}
+
+/// Rounding of a constraint beside the sum of its terms.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+/// A constraint that is missed by this part of its terms is not kept.
+const LOST: f64 = 1e-6;
+/// Corrections of positions at most; a chord iteration gains some four digits each.
+const ITERATIONS: usize = 8;
+/// A correction that leaves more than this of the residual calls for new matrices, or does not help at all.
+const SLOW: f64 = 0.3;
+
+impl Projection {
+    /// Room for a mechanism; `None` for one without constraints.
+    pub fn new<S: System + ?Sized>(system: &S) -> Option<Self> {
+        let rows = system.description().rows.len();
+        (rows > 0).then(|| Projection {
+            form: Form::default(),
+            triples: vec![0.0; 3 * rows],
+            delta: vec![0.0; system.len()],
+            right: Vec::with_capacity(rows),
+            norms: vec![0.0; rows],
+            last: Residuals::default(),
+            worst: Residuals::default(),
+        })
+    }
+
+    /// Brings y = [q; q'] to the constraints; false where none is active.
+    ///
+    /// # Errors
+    /// Coordinates to which neither M nor a constraint gives any inertia.
+    pub fn project<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &mut [f64]) -> Result<bool, Singular> {
+        if system.active_rows().is_empty() {
+            return Ok(false);
+        }
+        let n = system.len();
+        let mut before = f64::INFINITY;
+        let mut fresh = false;
+        for _ in 0..ITERATIONS {
+            system.constraints(At::packed(t, y, n), &mut self.triples);
+            let distance = self.distance(system);
+            if distance <= 1.0 || !distance.is_finite() || (fresh && distance > SLOW * before) {
+                break;
+            }
+            fresh = before.is_infinite() || distance > SLOW * before;
+            if fresh {
+                self.form.factor(system, At::place(t, &y[..n]))?;
+            }
+            before = distance;
+            self.solve(|projection, row| match system.description().rows[row].holonomic {
+                true => -projection.triples[3 * row],
+                false => 0.0,
+            });
+            y.iter_mut().zip(&self.delta).for_each(|(q, delta)| *q += delta);
+        }
+        self.project_speeds(system, t, y)?;
+        Ok(true)
+    }
+
+    /// Brings the speeds of y = [q; q'] to the constraints where its coordinates are.
+    ///
+    /// # Errors
+    /// As [`Projection::project`].
+    pub fn project_speeds<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &mut [f64]) -> Result<(), Singular> {
+        let n = system.len();
+        self.form.factor(system, At::place(t, &y[..n]))?;
+        system.constraints(At::packed(t, y, n), &mut self.triples);
+        self.solve(|projection, row| -projection.triples[3 * row + 1]);
+        y[n..].iter_mut().zip(&self.delta).for_each(|(v, delta)| *v += delta);
+        for (row, norm) in self.form.active().iter().zip(self.form.norms()) {
+            self.norms[*row] = self.norms[*row].max(*norm);
+        }
+        system.constraints(At::packed(t, y, n), &mut self.triples);
+        self.note(system);
+        Ok(())
+    }
+
+    /// The largest norms that the rows have had.
+    pub fn norms(&self) -> &[f64] {
+        &self.norms
+    }
+
+    /// The largest residuals there were after projecting.
+    pub fn worst(&self) -> Residuals {
+        self.worst
+    }
+
+    /// How many of the active rows are independent at the last state, and how far they are from depending on each other.
+    pub fn rank(&self) -> (usize, f64) {
+        (self.form.rank(), self.form.weakest())
+    }
+
+    /// The active row that the last state misses by far more than rounding, and by how much.
+    pub fn lost<S: System + ?Sized>(&self, system: &S) -> Option<(usize, f64)> {
+        let missed = |row: &usize| {
+            let (c, scale) = (self.triples[3 * row], self.triples[3 * row + 2]);
+            !(c.abs() <= LOST * scale) && system.description().rows[*row].holonomic
+        };
+        let row = system.active_rows().iter().map(|row| *row as usize).find(missed)?;
+        Some((row, self.triples[3 * row]))
+    }
+
+    /// The largest residual of a position in units of its rounding.
+    fn distance<S: System + ?Sized>(&self, system: &S) -> f64 {
+        let rows = &system.description().rows;
+        let active = system.active_rows().iter().map(|row| *row as usize).filter(|row| rows[*row].holonomic);
+        let share = |row: usize| {
+            let (c, scale) = (self.triples[3 * row].abs(), self.triples[3 * row + 2]);
+            if c == 0.0 { 0.0 } else { c / (ROUNDING * scale) }
+        };
+        active.map(share).fold(0.0, |most: f64, share| if share.is_nan() { f64::NAN } else { most.max(share) })
+    }
+
+    /// δ of K [δ; μ] = [0; g].
+    fn solve(&mut self, g: impl Fn(&Self, usize) -> f64) {
+        let mut right = std::mem::take(&mut self.right);
+        right.clear();
+        right.extend(self.form.active().iter().map(|row| g(self, *row)));
+        self.delta.fill(0.0);
+        self.form.solve(&mut self.delta, &mut right);
+        self.right = right;
+    }
+
+    fn note<S: System + ?Sized>(&mut self, system: &S) {
+        self.last = Residuals::default();
+        for row in system.active_rows().iter().map(|row| *row as usize) {
+            if system.description().rows[row].holonomic {
+                self.last.position = self.last.position.max(self.triples[3 * row].abs());
+            }
+            self.last.velocity = self.last.velocity.max(self.triples[3 * row + 1].abs());
+        }
+        self.worst.position = self.worst.position.max(self.last.position);
+        self.worst.velocity = self.worst.velocity.max(self.last.velocity);
+    }
+}

@@ -1,0 +1,104 @@
+//! The rows of the constraints, differentiated as often as accelerations need.
+
+use super::{bias_rates, rates};
+use crate::expr::{Forward, Graph, Id, Symbol, jacobian};
+use crate::model::Model;
+
+/// All rows of the constraints, in file order, whatever the phase.
+///
+/// A holonomic row c(t, q) = 0 is differentiated twice, c'' = J q'' + γ with J = ∂c/∂q; one that contains speeds,
+/// c(t, q, q') = J q' + b = 0, once: c' = J q'' + γ.
+#[derive(Clone, Debug, Default)]
+pub struct Rows {
+    /// c.
+    pub value: Vec<Id>,
+    /// c'; of a row that contains speeds c itself.
+    pub rate: Vec<Id>,
+    /// The part of `rate` that is there at rest, ∂c/∂t or b: what makes the row do work, −λ times this.
+    pub drive: Vec<Id>,
+    /// The non-zeros of J: (row, coordinate, value).
+    pub matrix: Vec<(usize, usize, Id)>,
+    /// γ.
+    pub bias: Vec<Id>,
+    /// Whether a row contains no speeds.
+    pub holonomic: Vec<bool>,
+}
+
+impl Rows {
+    /// Differentiates the model's constraints.
+    pub fn of(model: &mut Model) -> Rows {
+        let graph = &mut model.graph;
+        let value: Vec<Id> = model.constraints.iter().flat_map(|c| c.value.iter().copied()).collect();
+        let holonomic: Vec<bool> = model.constraints.iter().flat_map(|c| c.value.iter().map(|_| c.holonomic)).collect();
+        let first = rates(graph, &value);
+        let rate: Vec<Id> = (0..value.len()).map(|k| if holonomic[k] { first[k] } else { value[k] }).collect();
+        let column = |s: Symbol| if let Symbol::Speed(i) = s { Some(i as usize) } else { None };
+        let lines = jacobian(graph, &rate, column);
+        let matrix = lines.into_iter().enumerate();
+        let matrix = matrix.flat_map(|(k, line)| line.into_iter().map(move |(i, x)| (k, i, x))).collect();
+        let bias = bias_rates(graph, &rate);
+        let drive = at_rest(graph, &rate);
+        Rows { value, rate, drive, matrix, bias, holonomic }
+    }
+
+    /// How many rows there are.
+    pub fn len(&self) -> usize {
+        self.value.len()
+    }
+
+    /// True without constraints.
+    pub fn is_empty(&self) -> bool {
+        self.value.is_empty()
+    }
+
+    /// J q'' + γ of some rows.
+    pub fn accelerations(&self, graph: &mut Graph, rows: &[usize]) -> Vec<Id> {
+        let mut sums: Vec<Id> = rows.iter().map(|row| self.bias[*row]).collect();
+        for &(row, i, x) in &self.matrix {
+            let Some(place) = rows.iter().position(|r| *r == row) else { continue };
+            let a = graph.symbol(Symbol::Acceleration(i as u32));
+            let term = graph.mul(x, a);
+            sums[place] = graph.add(sums[place], term);
+        }
+        sums
+    }
+
+    /// Σ λ_k J_k: the generalized forces of the multipliers.
+    pub fn forces(&self, graph: &mut Graph, n: usize) -> Vec<Id> {
+        let mut forces = vec![Id::ZERO; n];
+        for &(row, i, x) in &self.matrix {
+            let multiplier = graph.symbol(Symbol::Multiplier(row as u32));
+            let term = graph.mul(x, multiplier);
+            forces[i] = graph.add(forces[i], term);
+        }
+        forces
+    }
+
+    /// The power of the multipliers' forces on the motion, −Σ λ_k (∂c_k/∂t or b_k): 0 where nothing moves a constraint.
+    pub fn power(&self, graph: &mut Graph) -> Id {
+        let mut power = Id::ZERO;
+        for (row, drive) in self.drive.iter().enumerate() {
+            let multiplier = graph.symbol(Symbol::Multiplier(row as u32));
+            let term = graph.mul(*drive, multiplier);
+            power = graph.sub(power, term);
+        }
+        power
+    }
+}
+
+/// What is left where all speeds are 0.
+fn at_rest(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
+    let needed = graph.symbols(roots.iter().copied());
+    let speeds = needed.into_iter().filter(|s| matches!(s, Symbol::Speed(_))).map(|s| (s, Id::ZERO)).collect();
+    crate::expr::substitute(graph, roots, &speeds)
+}
+
+/// Total time derivatives with accelerations and multipliers held: what c'' = J q'' + γ and F = 0 are differentiated to.
+pub fn held_rates(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
+    let mut forward = Forward::new(|g: &mut Graph, s| match s {
+        Symbol::Time => Id::ONE,
+        Symbol::Acceleration(_) => Id::ZERO,
+        _ => s.rate().map_or(Id::ZERO, |r| g.symbol(r)),
+    });
+    roots.iter().map(|r| forward.of(graph, *r)).collect()
+}

@@ -1,0 +1,84 @@
+//! Constraints as programs, and what their multipliers do to the equations of motion.
+
+use super::candidates::Chosen;
+use super::magnitude::Magnitudes;
+use super::{Entry, entries, gather, gather_entries};
+use crate::derive::{Rows, held_rates};
+use crate::expr::{Graph, Id, Symbol, jacobian, substitute};
+
+/// What the elimination of M q'' + h = (Jᵀ + B) λ, J q'' + γ = 0 needs, and what is told of constraints.
+#[derive(Clone, Debug, Default)]
+pub struct Constraints {
+    /// Triples (c, c', Σ |terms| of c).
+    pub values: Vec<Id>,
+    /// J: (row, coordinate, value).
+    pub matrix: Vec<Entry>,
+    /// γ.
+    pub bias: Vec<Id>,
+    /// B, what forces in the file make of multipliers, as friction does: (coordinate, row, value).
+    pub friction: Vec<Entry>,
+    /// ∂(J q'' + γ)/∂q: (row, coordinate, value).
+    pub stiffness: Vec<Entry>,
+    /// ∂(J q'' + γ)/∂q'.
+    pub damping: Vec<Entry>,
+    /// ∂c'/∂q.
+    pub tilt: Vec<Entry>,
+    /// Total time derivatives of F, then of J q'' + γ, with q'' and λ held.
+    pub held_rates: Vec<Id>,
+    /// −λ·(∂c/∂t or b): the power of moving constraints.
+    pub power: Id,
+}
+
+impl Constraints {
+    /// How many rows there are.
+    pub fn len(&self) -> usize {
+        self.bias.len()
+    }
+
+    /// True without constraints.
+    pub fn is_empty(&self) -> bool {
+        self.bias.is_empty()
+    }
+}
+
+/// Splits what multipliers do from h, adds their forces to F, and differentiates the rows.
+pub(super) fn lowered(graph: &mut Graph, n: usize, rows: Rows, chosen: &mut Chosen) -> Constraints {
+    if rows.is_empty() {
+        return Constraints::default();
+    }
+    let count = rows.len();
+    let row = |s: Symbol| if let Symbol::Multiplier(k) = s { Some(k as usize) } else { None };
+    let mut friction = entries(jacobian(graph, &chosen.bias, row));
+    friction.iter_mut().for_each(|entry| entry.2 = graph.neg(entry.2));
+    let none = (0..count as u32).map(|k| (Symbol::Multiplier(k), Id::ZERO)).collect();
+    chosen.bias = substitute(graph, &chosen.bias, &none);
+    let forces = rows.forces(graph, n);
+    for (f, force) in chosen.residual.iter_mut().zip(forces) {
+        *f = graph.sub(*f, force);
+    }
+    let acceleration = rows.accelerations(graph, &(0..count).collect::<Vec<_>>());
+    let place = |s: Symbol| if let Symbol::Coordinate(i) = s { Some(i as usize) } else { None };
+    let speed = |s: Symbol| if let Symbol::Speed(i) = s { Some(i as usize) } else { None };
+    let (mut stiffness, mut damping) =
+        (entries(jacobian(graph, &acceleration, place)), entries(jacobian(graph, &acceleration, speed)));
+    let tilt = entries(jacobian(graph, &rows.rate, place));
+    let mut magnitudes = Magnitudes::default();
+    let triples = rows.value.iter().zip(&rows.rate);
+    let values = triples.flat_map(|(c, rate)| [*c, *rate, magnitudes.of(graph, *c)]).collect();
+    let mut matrix = rows.matrix.clone();
+    for list in [&mut matrix, &mut friction, &mut stiffness, &mut damping] {
+        gather_entries(graph, list);
+    }
+    let held = held_rates(graph, &[chosen.residual.as_slice(), &acceleration].concat());
+    Constraints {
+        values,
+        matrix,
+        bias: gather::gather(graph, &rows.bias),
+        friction,
+        stiffness,
+        damping,
+        tilt,
+        held_rates: held,
+        power: rows.power(graph),
+    }
+}

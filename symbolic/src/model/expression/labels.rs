@@ -1,0 +1,91 @@
+//! Constraints and phases in expressions: labels, and the reactions of constraints.
+
+use super::dimension::{Dimension, Measure};
+use super::facts::Depends;
+use super::lower::Lower;
+use super::scope::{Member, Section};
+use super::value::Value;
+use crate::diagnose::catalogue::names;
+use crate::diagnose::did_you_mean_or;
+use crate::expr::Symbol;
+use crate::language::{Ast, AstKind, Span};
+
+impl Lower<'_> {
+    /// The place of the constraint, or of the phase, that an expression names; `None` where it names none (reported) or
+    /// was refused.
+    pub fn labelled(&mut self, ast: &Ast, section: Section) -> Option<usize> {
+        let scope = self.scope;
+        let AstKind::Name { name, indices, primes: 0 } = &ast.kind else {
+            let (place, words) = (self.place(ast.span), self.text.words(ast.span));
+            self.refuse(names::wrong_thing(place, words, section.noun(), "an expression"));
+            return None;
+        };
+        let labels = if section == Section::Phase { &scope.phase_names } else { &scope.constraint_names };
+        match labels.get(name) {
+            Some(entry) => match self.member_of(entry, name, indices, ast.span)? {
+                Member::Constraint(place) | Member::Phase(place) => Some(place),
+                _ => None,
+            },
+            None => {
+                let known: Vec<&str> = labels.keys().map(String::as_str).collect();
+                let help = match known.is_empty() {
+                    true => format!("the model has no {}", section.key()),
+                    false => did_you_mean_or(name, &known),
+                };
+                let unknown = if section == Section::Phase { names::unknown_phase } else { names::unknown_constraint };
+                self.refuse(unknown(self.place(ast.span), name, help));
+                None
+            }
+        }
+    }
+
+    /// The multiplier of a constraint, one for each of its components.
+    pub(super) fn reaction(&mut self, constraint: &Ast, span: Span) -> Value {
+        if self.rules.refused.meets(Depends::MULTIPLIER) {
+            let (place, words) = (self.place(span), self.text.words(span));
+            return self.refuse(names::reaction_misplaced(place, words, self.rules.what));
+        }
+        let Some(place) = self.labelled(constraint, Section::Constraint) else { return Value::Poison };
+        let scope = self.scope;
+        let value = self.item(scope.constraints[place].item);
+        let first = match scope.constraints[place].first {
+            Some(first) => Some(first),
+            None if !self.bench.spend(1 + place as u64 / 64, &self.text.place) => None,
+            // Definitions may need it before all constraints have been counted.
+            None => scope.constraints[..place].iter().try_fold(0, |rows, before| match self.item(before.item) {
+                Value::Poison => None,
+                value => Some(rows + value.components().len()),
+            }),
+        };
+        let Some(first) = first else { return Value::Poison };
+        let mut row = first as u32;
+        value.map(|_| {
+            row += 1;
+            self.bench.graph.symbol(Symbol::Multiplier(row - 1))
+        })
+    }
+
+    /// The unit of a multiplier: work per unit of what has no speeds in it, else power.
+    pub(super) fn measure_of_reaction(&mut self, constraint: &Ast) -> Measure {
+        let Some(place) = self.labelled(constraint, Section::Constraint) else { return Measure::Unknown };
+        let scope = self.scope;
+        let units = &scope.units;
+        if units.pure {
+            return Measure::ONE;
+        }
+        let item = scope.constraints[place].item;
+        let values = scope.value(item).map(Value::components).unwrap_or_default();
+        let energy = match units.energy {
+            // Raw energies, which may be per unit mass, are not read yet.
+            Measure::Unknown if scope.bodies.is_empty() => Measure::Unknown,
+            Measure::Unknown => units.of(Dimension::ENERGY),
+            known => known,
+        };
+        let holonomic = !self.bench.depends(values).meets(Depends::SPEED);
+        let work = if holonomic { energy } else { units.rate(energy) };
+        match units.items.get(item).copied().unwrap_or_default() {
+            Measure::Zero => Measure::Unknown,
+            measure => work.over(measure),
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! Whether a system of balances has as many equations as unknowns, and what its constraints do.
+
+use rustc_hash::FxHashMap as HashMap;
+
+use crate::diagnose::catalogue::mechanics;
+use crate::expr::{Id, Symbol, substitute};
+use crate::model::expression::facts::Depends;
+use crate::model::resolved::BalanceSystem;
+use crate::model::resolver::Resolver;
+
+impl Resolver<'_> {
+    /// Whether equations and active constraints are as many as accelerations, reactions and the multipliers that stand
+    /// in the equations, in each phase; reports the first phase in which they are not.
+    pub fn determines(&mut self, system: &BalanceSystem) -> bool {
+        let equations: usize = system.balances.iter().map(|b| b.components).sum();
+        let reactions: usize = system.reactions.iter().map(|&k| self.scope.reactions[k].components).sum();
+        let accelerations = self.model.coordinates.len();
+        for &phase in &system.phases {
+            let rows = self.active_rows(phase);
+            let multipliers = self.multipliers(system, phase, &rows);
+            if equations + rows.len() == accelerations + reactions + multipliers.len() {
+                continue;
+            }
+            let name = &self.model.phases[phase].name;
+            let place = if name.is_empty() { String::new() } else { format!(" in the phase `{name}`") };
+            let mut given = counted(equations, "equation");
+            if !rows.is_empty() {
+                given = format!("{given} and {} of constraints{place}", counted(rows.len(), "row"));
+            } else if !name.is_empty() {
+                given += &place;
+            }
+            let mut wanted =
+                format!("{} and {}", counted(accelerations, "acceleration"), counted(reactions, "reaction component"));
+            if let Some(first) = multipliers.first() {
+                let named = crate::model::text::multiplier(&self.model, *first);
+                let others = if multipliers.len() > 1 { ", …" } else { "" };
+                wanted += &format!(" and {} (`{named}`{others})", counted(multipliers.len(), "multiplier"));
+            }
+            let more = match multipliers.is_empty() {
+                true => "",
+                false => "; an `equation` says which named reaction a `reaction(c)` is",
+            };
+            let problem = mechanics::unequal_counts(system.place.clone(), &system.name, given, wanted, more);
+            self.bench.problems.push(problem);
+            return false;
+        }
+        true
+    }
+
+    /// The rows of the constraints that act in a phase.
+    fn active_rows(&self, phase: usize) -> Vec<usize> {
+        let active = self.model.phases[phase].constraints.iter().map(|c| &self.model.constraints[*c]);
+        active.flat_map(|c| c.first..c.first + c.value.len()).collect()
+    }
+
+    /// Which of these rows have multipliers that stand in the equations of a system in a phase.
+    fn multipliers(&mut self, system: &BalanceSystem, phase: usize, rows: &[usize]) -> Vec<usize> {
+        let parts = system.balances.iter().flat_map(|balance| &balance.parts);
+        let values: Vec<Id> = parts.flat_map(|part| part.value.iter().copied()).collect();
+        if !self.bench.depends(&values).meets(Depends::MULTIPLIER) {
+            return Vec::new();
+        }
+        let active = |k: usize| (Symbol::Phase(k as u32), if k == phase { Id::ONE } else { Id::ZERO });
+        let active: HashMap<Symbol, Id> = (0..self.model.phases.len()).map(active).collect();
+        let values = substitute(&mut self.bench.graph, &values, &active);
+        let mut found: Vec<usize> = self.bench.graph.symbols(values).into_iter().filter_map(row).collect();
+        found.retain(|row| rows.contains(row));
+        found.sort_unstable();
+        found
+    }
+
+    /// A constraint that does work in one of these phases, because time or an input moves it.
+    pub fn driven(&mut self, phases: &[usize]) -> Option<String> {
+        let still: HashMap<Symbol, Id> =
+            (0..self.model.coordinates.len()).map(|i| (Symbol::Speed(i as u32), Id::ZERO)).collect();
+        let active = phases.iter().flat_map(|phase| self.model.phases[*phase].constraints.clone());
+        for place in active.collect::<Vec<_>>() {
+            let constraint = self.model.constraints[place].clone();
+            let driven = match constraint.holonomic {
+                true => self.bench.depends(&constraint.value).meets(Depends::TIME.and(Depends::INPUT)),
+                false => {
+                    substitute(&mut self.bench.graph, &constraint.value, &still).iter().any(|rest| *rest != Id::ZERO)
+                }
+            };
+            if driven {
+                return Some(constraint.name);
+            }
+        }
+        None
+    }
+}
+
+fn row(symbol: Symbol) -> Option<usize> {
+    match symbol {
+        Symbol::Multiplier(row) => Some(row as usize),
+        _ => None,
+    }
+}
+
+/// `1 row`, `2 rows`.
+fn counted(number: usize, of: &str) -> String {
+    format!("{number} {of}{}", if number == 1 { "" } else { "s" })
+}

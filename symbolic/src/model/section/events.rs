@@ -1,0 +1,178 @@
+//! `events`: what happens along a run, and what follows (LANGUAGE, section 6).
+
+use std::collections::BTreeMap;
+
+use crate::diagnose::catalogue::{mechanics, names, sections};
+use crate::diagnose::did_you_mean_or;
+use crate::expr::Id;
+use crate::file::{Node, Spot};
+use crate::language::{AstKind, parse};
+use crate::model::expression::dimension::Dimension;
+use crate::model::expression::families::Locals;
+use crate::model::expression::rules::Rules;
+use crate::model::expression::scope::Section;
+use crate::model::resolved::{Event, EventAction};
+use crate::model::resolver::Resolver;
+
+const RESTITUTION: Rules = Rules::constant("a coefficient of restitution").si(Dimension::ONE);
+
+impl Resolver<'_> {
+    /// `events`.
+    pub fn events(&mut self) {
+        let mut seen = BTreeMap::new();
+        for (key, spot) in self.section("events") {
+            let Some(family) = self.expand(key, &spot) else { continue };
+            let problems = &mut self.bench.problems;
+            if !spot.only(&["when", "direction", "if", "then", "phase"], "an event", problems) {
+                continue;
+            }
+            let when = spot.need("when", "an event", problems).and_then(|when| when.text(problems));
+            let condition = spot.get("if").and_then(|condition| condition.text(problems));
+            let direction = spot.get("direction").map_or(0, |direction| self.direction(&direction));
+            let then = spot.need("then", "an event", &mut self.bench.problems);
+            for member in &family.members {
+                let name = member.name();
+                if !self.unique(&mut seen, &name, "`events`", &spot.place) {
+                    break;
+                }
+                let rules = Rules::anything("an event");
+                let phases = self.phase_key(&spot, &member.locals);
+                let active = phases.clone().flatten().unwrap_or_else(|| (0..self.model.phases.len()).collect());
+                let actions = then.as_ref().map(|then| self.actions(then, &active, &member.locals));
+                let when = when.as_ref().and_then(|when| self.scalar(when, rules, &member.locals));
+                let condition = condition.as_ref().and_then(|text| self.scalar(text, rules, &member.locals));
+                let (Some(when), Some(phases)) = (when, phases) else { continue };
+                let actions = actions.unwrap_or_default();
+                self.model.events.push(Event { name, when, condition, direction, phases, actions });
+            }
+        }
+    }
+
+    fn direction(&mut self, spot: &Spot<'_>) -> i8 {
+        match spot.words(&mut self.bench.problems) {
+            Some("rising") => 1,
+            Some("falling") => -1,
+            Some("both") | None => 0,
+            Some(other) => {
+                let help = did_you_mean_or(other, &["rising", "falling", "both"]);
+                let problem = sections::unknown_choice(spot.place.clone(), other, "a direction", help);
+                self.bench.problems.push(problem);
+                0
+            }
+        }
+    }
+
+    /// What an event that counts in some phases does.
+    fn actions(&mut self, then: &Spot<'_>, active: &[usize], locals: &Locals) -> Vec<EventAction> {
+        let items = then.items().unwrap_or_else(|| vec![then.clone()]);
+        if items.is_empty() {
+            self.bench.problems.push(sections::empty_list(then.place.of_key(), "then", "action"));
+        }
+        let mut actions: Vec<EventAction> = Vec::new();
+        for item in items {
+            let action = match item.node {
+                Node::Map(_) => self.impact(&item, active, locals),
+                _ => self.action(&item, locals),
+            };
+            let goes_on = |action: &EventAction| matches!(action, EventAction::Phase(_));
+            if action.as_ref().is_some_and(goes_on) && actions.iter().any(goes_on) {
+                self.bench.problems.push(sections::two_phases(item.place.clone()));
+            }
+            actions.extend(action);
+        }
+        actions
+    }
+
+    /// `stop`, `record` or a phase.
+    fn action(&mut self, item: &Spot<'_>, locals: &Locals) -> Option<EventAction> {
+        let words = item.words(&mut self.bench.problems)?;
+        match words {
+            "stop" => return Some(EventAction::Stop),
+            "record" => return Some(EventAction::Record),
+            _ => {}
+        }
+        let phase = parse(words).is_ok_and(|ast| match &ast.kind {
+            AstKind::Name { name, .. } => self.scope.phase_names.contains_key(name),
+            _ => false,
+        });
+        if phase {
+            return self.one_phase(item, locals).map(EventAction::Phase);
+        }
+        let phases = self.scope.phase_names.keys().map(String::as_str);
+        let known: Vec<&str> = ["stop", "record"].into_iter().chain(phases).collect();
+        let help = did_you_mean_or(words, &known);
+        let what = "something that an event can do";
+        self.bench.problems.push(sections::unknown_choice(item.place.clone(), words, what, help));
+        None
+    }
+
+    /// `{impact: e, along: c}`.
+    fn impact(&mut self, item: &Spot<'_>, active: &[usize], locals: &Locals) -> Option<EventAction> {
+        let problems = &mut self.bench.problems;
+        item.only(&["impact", "along"], "an impact", problems);
+        let restitution = item.need("impact", "an impact", problems);
+        let along = item.need("along", "an impact", problems);
+        let restitution = restitution.and_then(|spot| self.restitution(&spot, locals));
+        let along = along.and_then(|spot| {
+            let text = spot.text(&mut self.bench.problems)?;
+            let along = self.place(&text, locals, Section::Constraint)?;
+            let looked_at: usize = active.iter().map(|phase| self.model.phases[*phase].constraints.len()).sum();
+            if !self.bench.spend(looked_at as u64 / 64, &spot.place) {
+                return None;
+            }
+            let constraint = self.model.constraints.get(along)?;
+            let held = active.iter().all(|phase| self.model.phases[*phase].constraints.contains(&along));
+            let problem = if !constraint.holonomic {
+                mechanics::impact_along_velocity(spot.place, &constraint.name)
+            } else if held {
+                mechanics::impact_along_active(spot.place, &constraint.name)
+            } else {
+                return Some(along);
+            };
+            self.bench.problems.push(problem);
+            None
+        });
+        Some(EventAction::Impact { restitution: restitution?, along: along? })
+    }
+
+    /// A coefficient of restitution: of parameters, and in 0..1 in every scene.
+    fn restitution(&mut self, spot: &Spot<'_>, locals: &Locals) -> Option<Id> {
+        let quantity = spot.quantity(&mut self.bench.problems)?;
+        let value = self.setting(&quantity, RESTITUTION, locals)?;
+        let constant = self.bench.graph.number(value).is_some();
+        for scene in 0..if constant { 1 } else { self.model.scenes.len() } {
+            if !self.bench.spend(1 + self.bench.graph.len() as u64 / 1024, &spot.place) {
+                return None;
+            }
+            let parameters = if constant { Vec::new() } else { self.scene_parameters(&self.model.scenes[scene]) };
+            let problem = match crate::model::command::evaluate(&self.bench.graph, value, &parameters) {
+                Some(e) if (0.0..=1.0).contains(&e) => continue,
+                Some(e) => mechanics::value_out_of_range(spot.place.clone(), RESTITUTION.what, "in 0..1", e),
+                None => names::undefined_value(spot.place.clone(), &quantity.text.source),
+            };
+            self.bench.problems.push(problem);
+            return None;
+        }
+        Some(value)
+    }
+
+    /// Constraints that act in no phase, nor in an impact, are doubtful.
+    pub fn idle_constraints(&mut self) {
+        let mut idle = vec![true; self.model.constraints.len()];
+        for place in self.model.phases.iter().flat_map(|phase| &phase.constraints) {
+            idle[*place] = false;
+        }
+        for action in self.model.events.iter().flat_map(|event| &event.actions) {
+            if let EventAction::Impact { along, .. } = action {
+                idle[*along] = false;
+            }
+        }
+        for (constraint, _) in self.model.constraints.iter().zip(idle).filter(|(_, idle)| *idle) {
+            let place = constraint.place.of_key();
+            // Members of a family are told of once.
+            if self.model.warnings.last().is_none_or(|last| last.place != place) {
+                self.model.warnings.push(mechanics::idle_constraint(place, &constraint.name));
+            }
+        }
+    }
+}
