@@ -93,8 +93,8 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
             Pace::Adaptive { tolerance, longest: settings.longest_step.unwrap_or(f64::INFINITY) }
         }
     };
-    let mut march =
-        March::new(method, pace, settings.from, &y, work).limit(settings.max_steps).compensate(settings.compensated);
+    let march = March::new(method, pace, settings.from, &y, work).limit(settings.max_steps);
+    let mut march = march.compensate(settings.compensated).unlike(settings.unlike);
     // The modes of discontinuities come first: energies and outputs at the start depend on them.
     let outcome = met
         .and_then(|()| march.begin(system, settings.until))

@@ -52,6 +52,9 @@ pub struct Settings {
     /// Whether to run a second time, less accurately, to tell how many digits hold (off unless said otherwise); see
     /// [`Digits`](crate::run::Digits).  It costs about three quarters of the run again.
     pub digits: bool,
+    /// Whether steps that the tolerance does not limit are chosen otherwise than usual: a run to compare with has none in
+    /// common, even where stops and growth limit them all.
+    pub(crate) unlike: bool,
 }
 
 impl Settings {
@@ -76,6 +79,7 @@ impl Settings {
             dense: true,
             watch: true,
             digits: false,
+            unlike: false,
         }
     }
 
