@@ -269,7 +269,13 @@ fn impulses(description: &Description, run: &Run) -> Value {
     let one = |impulse: &Impulse| {
         let names = description.coordinates.iter().map(|c| c.name.to_string());
         let jumps = names.zip(&impulse.jump).map(|(name, jump)| (name, number(*jump)));
-        object([("t", number(impulse.t)), ("inputs", json!(impulse.inputs)), ("v", object(jumps))])
+        let rows = impulse.constraints.iter().map(|(name, impulse)| (name.clone(), number(*impulse)));
+        object([
+            ("t", number(impulse.t)),
+            ("inputs", json!(impulse.inputs)),
+            ("constraints", object(rows)),
+            ("v", object(jumps)),
+        ])
     };
     run.impulses.iter().map(one).collect::<Vec<_>>().into()
 }
