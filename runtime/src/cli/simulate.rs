@@ -16,6 +16,7 @@ use super::load::Loaded;
 use super::set_up::set_up;
 use super::{Entry, Problem, compare, outputs};
 use crate::mechanism::Description;
+use crate::numbers::short;
 use crate::simulate::{LAGRANGE, judge_digits};
 use crate::{Error, Impulse, Run, Settings};
 
@@ -179,6 +180,11 @@ fn report(
     }
     if run.events.len() > MOST_EVENTS {
         writeln!(out, "  and {} more events; --json has them all", run.events.len() - MOST_EVENTS)?;
+    }
+    let struck = run.impulses.iter().filter(|impulse| !impulse.constraints.is_empty()).take(MOST_EVENTS);
+    for impulse in struck {
+        let rows: Vec<String> = impulse.constraints.iter().map(|(name, p)| format!("{name} {}", short(*p))).collect();
+        writeln!(out, "  impulse at t = {}: {}", short(impulse.t), rows.join(", "))?;
     }
     write!(out, "{}", run.trust())?;
     if run.digits.is_none() && !options.get_flag("no-digits") {
