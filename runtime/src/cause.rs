@@ -46,6 +46,13 @@ pub enum Cause {
         /// True where the balance is one of power or energy.
         at_rest: bool,
     },
+    /// The run goes by a system of balances, and came to a phase to which it does not belong.
+    NoBalances {
+        /// The system of balances.
+        system: String,
+        /// The phase.
+        phase: String,
+    },
     /// The run goes by a system of balances, and they are not independent in this state.
     SingularBalances {
         /// The system of balances.
@@ -183,6 +190,11 @@ impl fmt::Display for Cause {
                     false => write!(f, "contains no acceleration and no reaction in this state; go by another system"),
                 }
             }
+            Cause::NoBalances { system, phase } => write!(
+                f,
+                "no balances: `{system}` does not belong to the phase `{phase}`; go by Lagrange's equations, or write a \
+                 system for this phase"
+            ),
             Cause::SingularBalances { system, unknown } => write!(
                 f,
                 "singular balances: `{system}` does not determine {unknown} in this state, where its equations depend \

@@ -4,4 +4,5 @@ pub mod both;
 pub mod case;
 pub mod digits;
 pub mod euler;
+pub mod random_runs;
 pub mod reference;

@@ -16,7 +16,17 @@ use crate::mechanism::{Interpreted, System};
 pub fn set_up(loaded: &mut Loaded, options: &ArgMatches) -> Result<Settings, Problem> {
     let (scene, mut reader) = choose(loaded, options)?;
     let mut settings = Settings::new(&loaded.system.scene(scene));
-    reader.states(loaded, options, "start", &mut settings.q, &mut settings.v)?;
+    let mut given = [vec![f64::NAN; settings.q.len()], vec![f64::NAN; settings.v.len()]];
+    let [q, v] = &mut given;
+    reader.states(loaded, options, "start", q, v)?;
+    for (list, held, given) in
+        [(&mut settings.q, &mut settings.held_q, &given[0]), (&mut settings.v, &mut settings.held_v, &given[1])]
+    {
+        for (i, value) in given.iter().enumerate().filter(|(_, value)| !value.is_nan()) {
+            list[i] = *value;
+            held.get_mut(i).into_iter().for_each(|held| *held = true);
+        }
+    }
     let mut option = |name: &str| -> Result<Option<f64>, Problem> {
         let sets = if name == "tolerance" { Sets::Number } else { Sets::Time };
         options.get_one::<String>(name).map(|text| reader.value(loaded, name, sets, text)).transpose()

@@ -16,6 +16,7 @@ use super::load::Loaded;
 use super::set_up::set_up;
 use super::{Entry, Problem, compare, outputs};
 use crate::mechanism::Description;
+use crate::numbers::short;
 use crate::simulate::{LAGRANGE, judge_digits};
 use crate::{Error, Impulse, Run, Settings};
 
@@ -180,6 +181,11 @@ fn report(
     if run.events.len() > MOST_EVENTS {
         writeln!(out, "  and {} more events; --json has them all", run.events.len() - MOST_EVENTS)?;
     }
+    let struck = run.impulses.iter().filter(|impulse| !impulse.constraints.is_empty()).take(MOST_EVENTS);
+    for impulse in struck {
+        let rows: Vec<String> = impulse.constraints.iter().map(|(name, p)| format!("{name} {}", short(*p))).collect();
+        writeln!(out, "  impulse at t = {}: {}", short(impulse.t), rows.join(", "))?;
+    }
     write!(out, "{}", run.trust())?;
     if run.digits.is_none() && !options.get_flag("no-digits") {
         let why = if failed {
@@ -269,7 +275,13 @@ fn impulses(description: &Description, run: &Run) -> Value {
     let one = |impulse: &Impulse| {
         let names = description.coordinates.iter().map(|c| c.name.to_string());
         let jumps = names.zip(&impulse.jump).map(|(name, jump)| (name, number(*jump)));
-        object([("t", number(impulse.t)), ("inputs", json!(impulse.inputs)), ("v", object(jumps))])
+        let rows = impulse.constraints.iter().map(|(name, impulse)| (name.clone(), number(*impulse)));
+        object([
+            ("t", number(impulse.t)),
+            ("inputs", json!(impulse.inputs)),
+            ("constraints", object(rows)),
+            ("v", object(jumps)),
+        ])
     };
     run.impulses.iter().map(one).collect::<Vec<_>>().into()
 }

@@ -14,6 +14,8 @@ pub(crate) struct Start<'a> {
     pub y: &'a [f64],
     /// Which of [q; q'] keep their values.
     pub held: &'a [bool],
+    /// Which of the mechanism's other equations of the start are to be met.
+    pub also: std::ops::Range<usize>,
 }
 
 /// A constraint may be missed by so much, in SI, by values that are all held.
@@ -42,6 +44,9 @@ pub(crate) fn consistent<S: System + ?Sized>(system: &S, start: &Start<'_>) -> R
         closing.nearest(&mut y);
         closing.speeds(&mut y)?;
         closing.judge(&y)?;
+    }
+    if !start.also.is_empty() {
+        closing.also(&mut y, start.also.clone())?;
     }
     debug_assert_eq!(y.len(), 2 * n, "a state");
     Ok(y)
@@ -235,6 +240,61 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
             }
         }
         Ok(())
+    }
+
+    /// Moves on to what the start is to meet beside constraints, by least steps (Gauss and Newton; differences only
+    /// steer).
+    fn also(&self, y: &mut [f64], range: std::ops::Range<usize>) -> Result<(), Cause> {
+        let free: Vec<usize> = (0..2 * self.n).filter(|i| !self.held[*i]).collect();
+        let all = |y: &[f64]| {
+            let mut values = vec![0.0; range.end];
+            let wanted = self.system.also(At::packed(self.t, y, self.n), &mut values);
+            let triples = self.triples(y);
+            let place = self.holonomic.iter().map(|row| triples[3 * row]);
+            let rate = self.rows.iter().map(|row| triples[3 * row + 1]);
+            let rest = range.clone().map(|k| values[k] - wanted[k]);
+            DVector::from_vec(place.chain(rate).chain(rest).collect())
+        };
+        let mut left = all(y);
+        // An energy does not change with speeds where these vanish: something has to move.
+        if y[self.n..].iter().all(|v| *v == 0.0) && left.rows(left.len() - range.len(), range.len()).norm() > MISSED {
+            free.iter().filter(|i| **i >= self.n).for_each(|i| y[*i] = 1.0);
+            left = all(y);
+        }
+        for _ in 0..ITERATIONS {
+            let size = left.norm();
+            if !size.is_finite() {
+                break;
+            }
+            let mut slopes = DMatrix::zeros(left.len(), free.len());
+            for (k, i) in free.iter().enumerate() {
+                let step = 1e-6 * (1.0 + y[*i].abs());
+                let mut moved = y.to_vec();
+                moved[*i] += step;
+                slopes.set_column(k, &((all(&moved) - &left) / step));
+            }
+            let Ok(step) = slopes.clone().svd(true, true).solve(&left, 1e-10 * slopes.norm()) else { break };
+            let mut part = 1.0;
+            let mut better = None;
+            while part > 1e-6 && better.is_none() {
+                let mut tried = y.to_vec();
+                free.iter().zip(step.iter()).for_each(|(i, s)| tried[*i] -= part * s);
+                let after = all(&tried);
+                better = (after.norm() < size).then_some((tried, after));
+                part *= 0.5;
+            }
+            let Some((tried, after)) = better else { break };
+            y.copy_from_slice(&tried);
+            left = after;
+        }
+        let first = left.len() - range.len();
+        match (first..left.len()).find(|k| !(left[*k].abs() <= MISSED)) {
+            Some(k) => Err(Cause::StartMissesConstraint {
+                constraint: format!("also, its equation {}", k - first + 1),
+                residual: left[k],
+            }),
+            None => Ok(()),
+        }
     }
 
     fn mass(&self, y: &[f64]) -> DMatrix<f64> {

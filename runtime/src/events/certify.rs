@@ -66,6 +66,8 @@ pub(crate) struct Certifier {
     pub samples: u64,
     /// 8 unit round-offs of the largest value.
     noise: f64,
+    /// What the rounding of the state may change of the values: less is zero, and no jump.
+    pub rounding: f64,
     /// Whether every extremum is wanted, not only those that might hide zeros.
     pub extrema: bool,
     /// Whether as many samples may be taken as there are pieces to begin with, times this many and more.
@@ -271,7 +273,8 @@ impl Certifier {
                             *samples += 1;
                             f(x).0
                         };
-                        let nature = nature_of_zero(value, x, (before.x, before.value), (here.x, here.value));
+                        let nature =
+                            nature_of_zero(value, x, (before.x, before.value), (here.x, here.value), self.rounding);
                         self.marks.push(Mark { x, deed: deed(nature, rising) });
                     }
                     (Some(x), false) => self.marks.push(Mark { x, deed: Deed::Touches }),
@@ -293,7 +296,7 @@ impl Certifier {
             *samples += 1;
             f(x).0
         };
-        let (x, nature) = locate(value, (a.x, a.value), (b.x, b.value));
+        let (x, nature) = locate(value, (a.x, a.value), (b.x, b.value), self.rounding);
         Mark { x, deed: deed(nature, b.value > 0.0) }
     }
 

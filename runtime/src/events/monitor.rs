@@ -42,6 +42,8 @@ const SATURATES: f64 = 20.0;
 const FEATURE: f64 = 2.5;
 /// A step is cut where the natural variable has changed by this.
 const KEPT: f64 = 2.0;
+/// An exponential falls this many times more than its slope at the start says: it starts at the top.
+const LEAP: f64 = 10.0;
 /// Of what lies this far below the largest of an exponential nothing is seen.
 const UNSEEN: f64 = 10.0;
 /// Cuts to less than this part of a step are not made: an argument begins in its own singularity.
@@ -265,13 +267,17 @@ fn along<S: System + ?Sized>(
         Role::Power(_) => natural(a).max(most + VANISHES),
         _ => natural(a),
     };
-    let mut at = |x: f64| natural(arguments.sample(system, course, index, x).0);
     // Through zero a root is no feature but an edge of where it is defined.
     let edge = matches!(role, Role::Power(_)) && path.windows(2).any(|pair| pair[0].1 * pair[1].1 <= 0.0);
     if rises(role) && edge {
         return None;
     }
-    if rises(role) {
+    let leaps = |slope: f64| (path[0].1 - path[path.len() - 1].1) > LEAP * slope.abs();
+    let from_the_top = role == Role::Exponential && top == path[0].0 && start > end + FEATURE;
+    // Where it begins at the top its factors may vanish, and nothing is seen of what it falls off.
+    let from_the_top = from_the_top && leaps(arguments.sample(system, course, index, top).1);
+    let mut at = |x: f64| natural(arguments.sample(system, course, index, x).0);
+    if rises(role) && !from_the_top {
         if most <= start.max(end) + FEATURE {
             return None;
         }
@@ -279,7 +285,7 @@ fn along<S: System + ?Sized>(
         let before = path.windows(2).find(|pair| pair[1].0 <= top && natural(pair[1].1) >= level)?;
         let (a, b) = (before[0], before[1]);
         let (low, high) = (natural(a.1) - level, natural(b.1) - level);
-        let x = if low >= 0.0 || high <= 0.0 { b.0 } else { locate(|x| at(x) - level, (a.0, low), (b.0, high)).0 };
+        let x = if low >= 0.0 || high <= 0.0 { b.0 } else { locate(|x| at(x) - level, (a.0, low), (b.0, high), 0.0).0 };
         return Some(x.min(0.9)).filter(|x| *x > LEAST);
     }
     let start = natural(path.first()?.1);
@@ -293,7 +299,7 @@ fn along<S: System + ?Sized>(
     let x = if low >= 0.0 || high <= 0.0 {
         b.0
     } else {
-        locate(|x| (at(x) - start).abs() - KEPT, (a.0, low), (b.0, high)).0
+        locate(|x| (at(x) - start).abs() - KEPT, (a.0, low), (b.0, high), 0.0).0
     };
     Some(x.min(0.9)).filter(|x| *x > LEAST)
 }

@@ -23,14 +23,15 @@ const ROUND_OFF: f64 = 0.5 * f64::EPSILON;
 ///
 /// The bracket is narrowed to adjacent numbers by bisection and inverse quadratic interpolation (Chandrupatla, Adv.
 /// Eng. Software 28 (1997) 145).  What it holds is told by how |Δf| shrinks from brackets 2²⁰ and 2¹⁰ times as wide
-/// to it: like a power of the width for a root, not at all for a jump; it grows for a pole.
-pub(crate) fn locate(mut f: impl FnMut(f64) -> f64, from: (f64, f64), to: (f64, f64)) -> (f64, Nature) {
+/// to it: like a power of the width for a root, not at all for a jump; it grows for a pole.  A value of no more than
+/// `rounding` is zero.
+pub(crate) fn locate(mut f: impl FnMut(f64) -> f64, from: (f64, f64), to: (f64, f64), rounding: f64) -> (f64, Nature) {
     let largest = from.1.abs().max(to.1.abs());
     let Some([a, b]) = narrow(&mut f, from, to) else {
         return (0.5 * (from.0 + to.0), Nature::Undefined);
     };
     let best = if a.1.abs() <= b.1.abs() { a } else { b };
-    if best.1.abs() <= ZERO * ROUND_OFF * largest {
+    if best.1.abs() <= (ZERO * ROUND_OFF * largest).max(rounding) {
         return (best.0, Nature::Root);
     }
     let (low, high) = (from.0.min(to.0), from.0.max(to.0));
@@ -53,8 +54,15 @@ pub(crate) fn locate(mut f: impl FnMut(f64) -> f64, from: (f64, f64), to: (f64, 
     (best.0, nature)
 }
 
-/// What is at a point with the value zero and values of opposite signs to its sides, `low` and `high`.
-pub(crate) fn nature_of_zero(mut f: impl FnMut(f64) -> f64, x: f64, low: (f64, f64), high: (f64, f64)) -> Nature {
+/// What is at a point with the value zero and values of opposite signs to its sides, `low` and `high`; a change of no more
+/// than `rounding` is none.
+pub(crate) fn nature_of_zero(
+    mut f: impl FnMut(f64) -> f64,
+    x: f64,
+    low: (f64, f64),
+    high: (f64, f64),
+    rounding: f64,
+) -> Nature {
     let largest = low.1.abs().max(high.1.abs());
     let width = f64::EPSILON * x.abs().max(high.0 - low.0);
     let mut change = |factor: f64| {
@@ -64,7 +72,7 @@ pub(crate) fn nature_of_zero(mut f: impl FnMut(f64) -> f64, x: f64, low: (f64, f
     let (narrow, wide) = (change(1024.0), change(1024.0 * 1024.0));
     if !(narrow.is_finite() && wide.is_finite()) {
         Nature::Undefined
-    } else if narrow <= ZERO * ROUND_OFF * largest || narrow <= 0.5 * wide {
+    } else if narrow <= (ZERO * ROUND_OFF * largest).max(rounding) || narrow <= 0.5 * wide {
         Nature::Root
     } else if narrow >= 2.0 * wide {
         Nature::Pole
@@ -161,7 +169,7 @@ mod tests {
                 let place = draws.between(0.6, 1.4);
                 let g = |x: f64| f(x - place);
                 let (a, b) = (place - left, place + right);
-                let (x, found) = locate(g, (a, g(a)), (b, g(b)));
+                let (x, found) = locate(g, (a, g(a)), (b, g(b)), 0.0);
                 // ln|x| sign x is refused either way.
                 let refused = |nature| nature == Nature::Pole || nature == Nature::Jump;
                 let right = found == nature || name == "logarithm with a sign" && refused(found);
@@ -179,7 +187,7 @@ mod tests {
         let root = ((360.0 * 0.87 / std::f64::consts::PI).ceil() * std::f64::consts::PI / 360.0 - 0.87) / 0.04;
         for before in [1e-3, 1e-5, 1e-8] {
             let g = |x: f64| tick(root - before + x);
-            assert_eq!(locate(g, (0.0, g(0.0)), (0.05, g(0.05))).1, Nature::Root, "{before}");
+            assert_eq!(locate(g, (0.0, g(0.0)), (0.05, g(0.05)), 0.0).1, Nature::Root, "{before}");
         }
     }
 
@@ -190,16 +198,16 @@ mod tests {
             count += 1;
             x * x - 2.0
         };
-        let (found, nature) = locate(square, (0.0, -2.0), (2.0, 2.0));
+        let (found, nature) = locate(square, (0.0, -2.0), (2.0, 2.0), 0.0);
         assert_eq!(nature, Nature::Root);
         assert!((found - 2.0_f64.sqrt()).abs() <= 4e-16 && count < 20, "{found} after {count}");
-        let (steep, _) = locate(|x| (x - 0.3).powi(9), (0.0, -0.3_f64.powi(9)), (1.0, 0.7_f64.powi(9)));
+        let (steep, _) = locate(|x| (x - 0.3).powi(9), (0.0, -0.3_f64.powi(9)), (1.0, 0.7_f64.powi(9)), 0.0);
         assert!((steep - 0.3).abs() < 1e-3, "{steep}");
     }
 
     #[test]
     fn a_bracket_is_narrowed_from_the_right_as_from_the_left() {
         let line = |x: f64| x - 0.25;
-        assert_eq!(locate(line, (1.0, 0.75), (0.0, -0.25)).0, locate(line, (0.0, -0.25), (1.0, 0.75)).0);
+        assert_eq!(locate(line, (1.0, 0.75), (0.0, -0.25), 0.0).0, locate(line, (0.0, -0.25), (1.0, 0.75), 0.0).0);
     }
 }

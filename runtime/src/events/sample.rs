@@ -30,6 +30,8 @@ const STILL: f64 = 1e-15;
 const LEAVES: f64 = 1e-3;
 /// The step of a difference, in parts of the step, for functions whose rate is not known.
 const DIFFERENCE: f64 = 1e-5;
+/// By how much of itself a number of the state is moved to see what its rounding does.
+const ROUNDINGS: f64 = 4.0 * f64::EPSILON;
 
 impl Sampler {
     /// Makes room.
@@ -156,6 +158,32 @@ impl Sampler {
         }
         self.along(system, segment, theta);
         (self.value(function), self.slope(function, segment.h))
+    }
+
+    /// By how much a function may change by the rounding of the state, within a step: the least of both ends, since one
+    /// of them may be where it jumps.
+    pub fn rounding<S: System + ?Sized>(&mut self, system: &S, segment: &Segment<'_>, function: usize) -> f64 {
+        let mut least = f64::INFINITY;
+        for theta in [0.0, 1.0] {
+            self.along(system, segment, theta);
+            let (t, mut y, value) = (segment.t + theta * segment.h, self.y.clone(), self.value(function));
+            let mut sum = 0.0;
+            for i in 0..y.len() {
+                let exact = y[i];
+                for moved in [exact * (1.0 - ROUNDINGS), exact * (1.0 + ROUNDINGS)] {
+                    y[i] = moved;
+                    self.evaluate(system, t, &y);
+                    sum += (self.value(function) - value).abs();
+                }
+                y[i] = exact;
+            }
+            for moved in [t * (1.0 - ROUNDINGS), t * (1.0 + ROUNDINGS)] {
+                self.evaluate(system, moved, &y);
+                sum += (self.value(function) - value).abs();
+            }
+            least = least.min(sum);
+        }
+        if least.is_finite() { least } else { 0.0 }
     }
 
     /// Samples of all functions at a place of a step.

@@ -185,7 +185,9 @@ impl Scanner {
         } else {
             grid.extend([start, end]);
         }
-        let variation = (middle.value - start.value).abs().max((end.value - start.value).abs());
+        // What oscillates may be back where it was: the slope counts as well.
+        let slope = if start.slope.is_finite() { start.slope.abs() } else { 0.0 };
+        let variation = (middle.value - start.value).abs().max((end.value - start.value).abs()).max(slope);
         let resolution = ZERO + 16.0 * f64::EPSILON * segment.t.abs() / segment.h;
         let mut floor = 0.0;
         if self.fresh[function] && start.value.abs() <= resolution * variation {
@@ -204,7 +206,14 @@ impl Scanner {
             }
             sampler.sample(system, segment, function, theta)
         };
-        let outcome = certifier.certify(&mut sample, &grid);
+        certifier.rounding = 0.0;
+        let mut outcome = certifier.certify(&mut sample, &grid);
+        if certifier.marks.iter().any(|mark| matches!(mark.deed, Deed::Jumps | Deed::Pole)) {
+            // Within a very short step the rounding of the state looks like a jump.
+            certifier.rounding = sampler.rounding(system, segment, function);
+            let mut sample = |theta: f64| sampler.sample(system, segment, function, theta);
+            outcome = certifier.certify(&mut sample, &grid);
+        }
         self.collect(function, &certifier, segment, floor);
         self.certifier = certifier;
         self.grid = grid;

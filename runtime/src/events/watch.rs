@@ -481,9 +481,13 @@ impl Watch {
         recorder: &mut impl Log,
         but: &[Crossing],
     ) {
-        for crossing in &self.scanner.crossings {
+        let crossings = &self.scanner.crossings;
+        for (index, crossing) in crossings.iter().enumerate() {
             let Some(event) = system.description().events.get(crossing.function) else { continue };
-            let taken = but.iter().any(|other| other.function == crossing.function && crossing.theta > 0.5);
+            // The last one of its function, and in the same direction: zeros before it are others.
+            let last = || crossings[index + 1..].iter().all(|later| later.function != crossing.function);
+            let same = |other: &Crossing| other.function == crossing.function && other.rising == crossing.rising;
+            let taken = crossing.theta > 0.5 && but.iter().any(same) && last();
             if taken || !counts(event.direction, crossing.rising) {
                 continue;
             }

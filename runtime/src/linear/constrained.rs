@@ -139,7 +139,7 @@ impl<S: System + ?Sized> Rest<'_, S> {
         let (n, m) = (self.n, self.rows.len());
         let start = [guess, &vec![0.0; n]].concat();
         let held = vec![false; 2 * n];
-        let closed = consistent(self.system, &Start { t: 0.0, y: &start, held: &held });
+        let closed = consistent(self.system, &Start { t: 0.0, y: &start, held: &held, also: 0..0 });
         let mut q = match closed {
             Ok(y) => y[..n].to_vec(),
             Err(_) => return Err(self.nowhere(guess, 0)),

@@ -21,7 +21,7 @@ use crate::cause::Cause;
 use crate::constrain::{Projection, Residuals};
 use crate::events::Watch;
 use crate::integrate::{
-    Clock, OneStep, Reached, Segment, Setback, StepControl, StiffnessDetector, Tolerance, Trial, stepper,
+    Clock, Control, OneStep, Reached, Segment, Setback, StepControl, StiffnessDetector, Tolerance, Trial, stepper,
 };
 use crate::mechanism::{Method, System};
 use crate::run::{Recorder, Work};
@@ -72,6 +72,9 @@ pub(crate) struct March {
     work: Work,
     max_steps: u64,
     compensated: bool,
+    /// Whether steps are chosen otherwise than usual; and whether one was taken since the last stop.
+    unlike: bool,
+    under_way: bool,
     watch: Option<Box<Watch>>,
     /// Where there are constraints.
     projection: Option<Box<Projection>>,
@@ -110,6 +113,8 @@ impl March {
             work: Work::default(),
             max_steps: u64::MAX,
             compensated: true,
+            unlike: false,
+            under_way: false,
             watch: None,
             projection: None,
             singular: 0,
@@ -131,6 +136,13 @@ impl March {
     /// Adds what rounding takes from a step to the next one, or not.
     pub fn compensate(mut self, compensated: bool) -> Self {
         self.compensated = compensated;
+        self
+    }
+
+    /// Divides the way to a stop otherwise than usual and lets steps grow more slowly, or not: steps that neither the
+    /// tolerance nor the equations limit are others than usual.
+    pub fn unlike(mut self, unlike: bool) -> Self {
+        self.unlike = unlike;
         self
     }
 
@@ -170,7 +182,9 @@ impl March {
     pub fn begin(&mut self, system: &mut dyn System, until: f64) -> Result<(), Cause> {
         let now = self.clock.now();
         finite(system, self.stepper.start().y, 0)?;
-        (self.h, self.control) = (0.0, StepControl::new(self.stepper.control()));
+        let usual = self.stepper.control();
+        let control = if self.unlike { Control { grow: usual.grow.sqrt(), ..usual } } else { usual };
+        (self.h, self.control) = (0.0, StepControl::new(control));
         self.jumps = JumpDetector::new(until - now);
         if let Pace::Adaptive { tolerance, .. } = &mut self.pace {
             tolerance.observe(self.stepper.start().y);
@@ -272,6 +286,7 @@ impl March {
         // The length of the step stays: what happened says little about the next one, and the error test judges it.
         self.control.restart();
         self.jumps.restart();
+        self.under_way = false;
         self.stepper.begin(system, self.clock.now()).map_err(|setback| setback.cause(system.description()))?;
         finite(system, self.stepper.start().rate, 1)
     }
@@ -379,12 +394,12 @@ impl March {
             }
             Pace::Adaptive { longest, .. } => {
                 let h = self.h.min(*longest);
-                if left <= 1.01 * h {
-                    Step { h: left, next: stop, lands: true }
-                } else {
-                    let h = if left < 2.0 * h { 0.5 * left } else { h };
-                    Step { h, next: self.clock.after(h), lands: false }
+                if left <= 1.01 * h && (self.under_way || !self.unlike) {
+                    return Step { h: left, next: stop, lands: true };
                 }
+                let part = if self.unlike { UNEVEN } else { 0.5 };
+                let h = if left < 2.0 * h { part * left } else { h };
+                Step { h, next: self.clock.after(h), lands: false }
             }
         }
     }
@@ -430,6 +445,7 @@ impl March {
             _ => self.clock.set(step.next),
         }
         self.work.steps += 1;
+        self.under_way = !step.lands;
     }
 
     /// Refuses a step across which the acceleration jumps, unless it is time that makes it jump.
@@ -518,6 +534,8 @@ impl March {
     }
 }
 
+/// The part of what is left before a stop that a run unlike others takes first; never more than the step that was allowed.
+const UNEVEN: f64 = 0.4;
 /// The first step is tried at this part of the way, at the usual tolerance.
 const FIRST: f64 = 1e-3;
 const USUAL: f64 = 1e-10;

@@ -1,6 +1,15 @@
 //! Systems of momentum balances at work: A·[q''; reactions] = b, solved and judged.
 
-use super::{At, Singular, System};
+use super::{At, Description, Singular, System};
+
+/// Refuses a system of balances in a phase to which it does not belong: its equations do not hold there.
+pub(super) fn belongs(mechanism: &Description, system: usize, phase: usize) -> Result<(), Singular> {
+    let phases = mechanism.balances.get(system).map(|system| &system.phases);
+    match phases.is_none_or(|phases| phases.is_empty() || phases.contains(&(phase as u32))) {
+        true => Ok(()),
+        false => Err(Singular::OtherPhase { system, phase }),
+    }
+}
 
 /// One system of balances of a mechanism at one state after another; it allocates when it is made and never again.
 ///

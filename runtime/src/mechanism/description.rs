@@ -282,6 +282,8 @@ pub enum Shape {
 pub struct BalanceSystem {
     /// Its name in the file; `balances` where the file has only one and gives it none.
     pub name: Text,
+    /// The phases to which it belongs.
+    pub phases: List<u32>,
     /// Its unknowns: accelerations, `theta''`, then components of reactions, `hinge.x`.
     pub unknowns: List<Text>,
     /// Its equations, as many as unknowns.

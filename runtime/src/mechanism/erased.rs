@@ -40,6 +40,7 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> Erased<M, N, 
 
     /// Solves a system of balances on the stack and hands its unknowns on.
     fn by_balances(&self, system: usize, at: At<'_>, then: impl FnOnce(&[f64])) -> Result<(), Singular> {
+        super::balances::belongs(M::description(), system, self.phased.phase)?;
         let size = M::description().balances[system].unknowns.len();
         let mut block = M::Balances::filled(0.0);
         let (matrix, rest) = block.as_mut().split_at_mut(size * size);
@@ -111,10 +112,11 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
 
     fn motion(&self, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> Result<(), Singular> {
         lambda.fill(0.0);
-        if self.derivation.is_some() || self.active_rows().is_empty() {
-            return self.accelerations(at, a);
+        if !self.active_rows().is_empty() {
+            self.phased.motion(self, at, a, lambda)?;
         }
-        self.phased.motion(self, at, a, lambda)
+        // A system of balances gives its own accelerations, and leaves multipliers to the constraints.
+        if self.derivation.is_some() || self.active_rows().is_empty() { self.accelerations(at, a) } else { Ok(()) }
     }
 
     fn constraints(&self, at: At<'_>, triples: &mut [f64]) {
@@ -171,6 +173,13 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
     fn set_row_norms(&mut self, norms: &[f64]) {
         self.phased.norms.clear();
         self.phased.norms.extend_from_slice(norms);
+    }
+
+    fn also(&self, at: At<'_>, values: &mut [f64]) -> Vec<f64> {
+        let u = self.input_block(at.t);
+        let (a, lambda) = self.completed(at, !values.is_empty());
+        M::also(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &a, &lambda, values);
+        self.mechanism.also_values()
     }
 
     fn restitutions(&self) -> Vec<f64> {

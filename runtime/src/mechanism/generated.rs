@@ -222,6 +222,17 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
     );
     /// ∂c'/∂q as values of its pattern.
     fn constraint_tilt<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], values: &mut [S]);
+    /// Quantities that scenes' starts meet beside constraints.
+    fn also<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &[S; N],
+        l: &[S; C],
+        values: &mut [S],
+    );
     /// Total time derivatives of F, then of J a + γ, with a and λ held.
     #[expect(clippy::too_many_arguments, reason = "a state with its multipliers")]
     fn held_rates<S: Real>(
@@ -247,6 +258,8 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
     fn equilibrium_guess(&self) -> [f64; N];
     /// The coefficients of restitution of the events' impacts.
     fn restitutions(&self) -> Vec<f64>;
+    /// What [`Mechanism::also`] gives where the starts meet it.
+    fn also_values(&self) -> Vec<f64>;
 }
 
 impl Energy {

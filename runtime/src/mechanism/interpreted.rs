@@ -6,7 +6,7 @@ use dalembert_symbolic::lower::{self, Entry, MomentumSystem, Program};
 use dalembert_symbolic::model::{EventAction, Shape as SymbolicShape};
 use dalembert_symbolic::print;
 
-use super::balances::put_reactions;
+use super::balances::{belongs, put_reactions};
 use super::phased::{Phased, indicate};
 use super::{
     Action, Argument, At, Balance, BalanceSystem, Balances, Coordinate, Counts, Description, Direction, Energy, Event,
@@ -60,7 +60,11 @@ impl Interpreted {
 
     /// The unknowns of the system of balances in force; `None` without one.
     fn unknowns(&self, at: At<'_>) -> Option<Result<Vec<f64>, Singular>> {
-        let mut balances = Balances::new(self, self.derivation?)?;
+        let system = self.derivation?;
+        if let Err(fault) = belongs(&self.description, system, self.phased.phase) {
+            return Some(Err(fault));
+        }
+        let mut balances = Balances::new(self, system)?;
         balances.evaluate(self, at);
         let mut unknowns = vec![0.0; balances.size()];
         Some(balances.solve(&mut unknowns).map(|()| unknowns))
@@ -98,10 +102,11 @@ impl System for Interpreted {
 
     fn motion(&self, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> Result<(), Singular> {
         lambda.fill(0.0);
-        if self.derivation.is_some() || self.active_rows().is_empty() {
-            return self.accelerations(at, a);
+        if !self.active_rows().is_empty() {
+            self.phased.motion(self, at, a, lambda)?;
         }
-        self.phased.motion(self, at, a, lambda)
+        // A system of balances gives its own accelerations, and leaves multipliers to the constraints.
+        if self.derivation.is_some() || self.active_rows().is_empty() { self.accelerations(at, a) } else { Ok(()) }
     }
 
     fn constraints(&self, at: At<'_>, triples: &mut [f64]) {
@@ -151,6 +156,12 @@ impl System for Interpreted {
     fn set_row_norms(&mut self, norms: &[f64]) {
         self.phased.norms.clear();
         self.phased.norms.extend_from_slice(norms);
+    }
+
+    fn also(&self, at: At<'_>, values: &mut [f64]) -> Vec<f64> {
+        self.complete(Function::Also, at, true, values);
+        let program = self.interpreter.program();
+        program.also_values().into_iter().map(|id| self.interpreter.constant(id)).collect()
     }
 
     fn restitutions(&self) -> Vec<f64> {
@@ -271,6 +282,7 @@ impl System for Interpreted {
 
     fn scene(&self, scene: usize) -> Scene {
         let scenes = &self.interpreter.program().model.scenes;
+        let first: usize = scenes.iter().take(scene).map(|scene| scene.also.len()).sum();
         let scene = &scenes[if scene < scenes.len() { scene } else { 0 }];
         let value = |id| self.interpreter.constant(id);
         Scene {
@@ -283,6 +295,7 @@ impl System for Interpreted {
             held_v: scene.held_v.clone(),
             guessed: scene.guessed,
             phase: scene.phase,
+            also: first..first + scene.also.len(),
         }
     }
 
@@ -492,6 +505,7 @@ fn balances(system: &MomentumSystem) -> BalanceSystem {
     let balance = |(name, void): &(String, bool)| Balance { name: text(name), void_at_rest: *void };
     BalanceSystem {
         name: text(&system.name),
+        phases: system.phases.iter().map(|phase| *phase as u32).collect(),
         unknowns: system.unknowns.iter().map(text).collect(),
         equations: system.equations.iter().map(balance).collect(),
         nonzeros: system.matrix.len() as u32,

@@ -68,6 +68,8 @@ pub struct Scene {
     pub guessed: bool,
     /// The phase in which it starts.
     pub phase: usize,
+    /// Which of the equations of `System::also` the start meets beside constraints.
+    pub also: std::ops::Range<usize>,
     /// Where the run ends, s.
     pub until: f64,
     /// Tolerance, relative to the range that each coordinate goes through.

@@ -22,6 +22,13 @@ pub enum Singular {
         /// Index of the equation.
         equation: usize,
     },
+    /// A system of balances in a phase to which it does not belong.
+    OtherPhase {
+        /// Index of the system.
+        system: usize,
+        /// Index of the phase.
+        phase: usize,
+    },
     /// Friction, made of the reaction of this row, leaves no motion or more than one.
     Friction {
         /// Index of the row of the constraints.
@@ -58,6 +65,10 @@ impl Singular {
                     balance: balance.map_or_else(|| format!("equation {}", equation + 1), |b| b.name.to_string()),
                     at_rest: balance.is_some_and(|b| b.void_at_rest),
                 }
+            }
+            Singular::OtherPhase { system, phase } => {
+                let phase = mechanism.phases.get(phase).map_or_else(String::new, |phase| phase.name.to_string());
+                Cause::NoBalances { system: name(system), phase }
             }
             Singular::Friction { row } => {
                 let constraint = mechanism.rows.get(row).map_or_else(String::new, |row| row.name.to_string());

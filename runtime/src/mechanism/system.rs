@@ -97,6 +97,12 @@ pub trait System: Send + Sync {
         let _ = norms;
     }
 
+    /// Quantities that scenes' starts meet beside constraints: what they are at a state, and what they are to be.
+    fn also(&self, at: At<'_>, values: &mut [f64]) -> Vec<f64> {
+        let _ = (at, values);
+        Vec::new()
+    }
+
     /// The coefficients of restitution that `description().events` refer to.
     fn restitutions(&self) -> Vec<f64> {
         Vec::new()

@@ -82,7 +82,8 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     system.set_phase(settings.phase);
     system.set_row_norms(&[]);
     let held = settings.held();
-    let met = consistent(system, &constrain::Start { t: settings.from, y: &guess, held: &held });
+    let met =
+        consistent(system, &constrain::Start { t: settings.from, y: &guess, held: &held, also: settings.also.clone() });
     let (y, met) = met.map_or_else(|cause| (guess, Err(cause)), |y| (y, Ok(())));
     let tolerance = settings.tolerance.max(Settings::TIGHTEST);
     let pace = match settings.step {
@@ -92,8 +93,8 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
             Pace::Adaptive { tolerance, longest: settings.longest_step.unwrap_or(f64::INFINITY) }
         }
     };
-    let mut march =
-        March::new(method, pace, settings.from, &y, work).limit(settings.max_steps).compensate(settings.compensated);
+    let march = March::new(method, pace, settings.from, &y, work).limit(settings.max_steps);
+    let mut march = march.compensate(settings.compensated).unlike(settings.unlike);
     // The modes of discontinuities come first: energies and outputs at the start depend on them.
     let outcome = met
         .and_then(|()| march.begin(system, settings.until))

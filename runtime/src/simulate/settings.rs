@@ -20,6 +20,8 @@ pub struct Settings {
     pub held_q: Vec<bool>,
     /// Which rates keep their values; those of the others are such that the kinetic energy is least.  Empty: all keep theirs.
     pub held_v: Vec<bool>,
+    /// Which of the equations of [`System::also`](crate::mechanism::System::also) the start meets beside constraints.
+    pub also: std::ops::Range<usize>,
     /// The phase in which the run begins, by its place.
     pub phase: usize,
     /// Where the run begins, s; 0 unless said otherwise.
@@ -50,6 +52,9 @@ pub struct Settings {
     /// Whether to run a second time, less accurately, to tell how many digits hold (off unless said otherwise); see
     /// [`Digits`](crate::run::Digits).  It costs about three quarters of the run again.
     pub digits: bool,
+    /// Whether steps that the tolerance does not limit are chosen otherwise than usual: a run to compare with has none in
+    /// common, even where stops and growth limit them all.
+    pub(crate) unlike: bool,
 }
 
 impl Settings {
@@ -60,6 +65,7 @@ impl Settings {
             v: scene.v.clone(),
             held_q: scene.held_q.clone(),
             held_v: scene.held_v.clone(),
+            also: scene.also.clone(),
             phase: scene.phase,
             from: 0.0,
             until: scene.until,
@@ -73,6 +79,7 @@ impl Settings {
             dense: true,
             watch: true,
             digits: false,
+            unlike: false,
         }
     }
 

@@ -3,9 +3,11 @@
 #![cfg(feature = "interpret")]
 
 mod arguments;
+mod catalogue;
 mod functions;
 mod nested;
 mod time;
+mod trust;
 
 use dalembert::mechanism::{Interpreted, System};
 use dalembert::{Error, Run, Settings, simulate};

@@ -49,6 +49,9 @@ fn linear(model: &mut Model, rows: &Rows, system: &BalanceSystem, known: &[Switc
             residuals.push(sum);
         }
     }
+    if let [phase] = system.phases.as_slice() {
+        residuals = in_phase(graph, model.phases.len(), *phase, &residuals);
+    }
     residuals.extend(rows.accelerations(graph, &active));
     let residuals = switches::recall(graph, &residuals, known);
     let matrix = slopes(graph, &residuals, &unknowns);
@@ -66,30 +69,26 @@ pub(crate) fn unknowns(model: &Model, system: &BalanceSystem) -> Vec<Symbol> {
     });
     let parts = system.balances.iter().flat_map(|balance| &balance.parts);
     let values: Vec<Id> = parts.flat_map(|part| part.value.iter().copied()).collect();
-    let multipliers = multipliers(model, system, &values);
+    if model.constraints.is_empty() {
+        return accelerations.chain(reactions).collect();
+    }
+    // Those of forces that act in none of its phases are no unknowns.
+    let mut graph = model.graph.clone();
+    let mut multipliers: Vec<Symbol> = Vec::new();
+    for phase in &system.phases {
+        let values = in_phase(&mut graph, model.phases.len(), *phase, &values);
+        multipliers.extend(graph.symbols(values).into_iter().filter(|s| matches!(s, Symbol::Multiplier(_))));
+    }
+    multipliers.sort_unstable();
+    multipliers.dedup();
     accelerations.chain(reactions).chain(multipliers).collect()
 }
 
-/// The multipliers that these values contain in one of the system's phases: what acts in other phases only is no unknown.
-fn multipliers(model: &Model, system: &BalanceSystem, values: &[Id]) -> Vec<Symbol> {
-    let within = |graph: &Graph, values: &[Id]| -> Vec<Symbol> {
-        let symbols = graph.symbols(values.iter().copied()).into_iter();
-        symbols.filter(|s| matches!(s, Symbol::Multiplier(_))).collect()
-    };
-    let mut found = within(&model.graph, values);
-    if !found.is_empty() {
-        let mut graph = model.graph.clone();
-        let of_phase = |phase: &usize| {
-            let active = |k: usize| (Symbol::Phase(k as u32), if k == *phase { Id::ONE } else { Id::ZERO });
-            let active = (0..model.phases.len()).map(active).collect();
-            let values = substitute(&mut graph, values, &active);
-            within(&graph, &values)
-        };
-        found = system.phases.iter().flat_map(of_phase).collect();
-    }
-    found.sort_unstable();
-    found.dedup();
-    found
+/// Expressions as they are in a phase.
+fn in_phase(graph: &mut Graph, phases: usize, phase: usize, values: &[Id]) -> Vec<Id> {
+    let indicators =
+        (0..phases).map(|k| (Symbol::Phase(k as u32), if k == phase { Id::ONE } else { Id::ZERO })).collect();
+    substitute(graph, values, &indicators)
 }
 
 /// With more equations than this a reverse pass for each, which walks a chain of bodies once, is always cheaper

@@ -130,7 +130,7 @@ mod tests {
         ] {
             let mut derivation = derive(load(text, &[]).unwrap()).unwrap();
             let model = &mut derivation.model;
-            let motion = Motion::new(model, &derivation.equations[0], &derivation.switches);
+            let motion = Motion::new(model, &derivation.equations[0], &derivation.rows, &derivation.switches);
             let gate = Gate::default();
             let all = states(model, &motion, &[], gate).map_err(|problem| problem.message).unwrap().all;
             assert!(agreement(model, &derivation.equations, &all, gate).is_ok());

@@ -171,7 +171,14 @@ impl Motion {
             .collect();
         let felt = factored.spread(&errors);
         let measured = |k: usize| Measured { value: found[k], magnitude: felt[k].max(found[k].to_f64().abs()) };
-        state.a = (0..n).map(measured).collect();
+        // What constraints hold still is still because its forces cancel: these are its terms.
+        let terms = |i: usize| {
+            let held: f64 = (n..size).map(|k| sizes[i * size + k] * found[k].to_f64().abs()).sum();
+            let inertia = sizes[i * size + i];
+            if inertia > 0.0 { (bias[i].magnitude + held) / inertia } else { 0.0 }
+        };
+        let moving = |i: usize| Measured { magnitude: measured(i).magnitude.max(terms(i)), ..measured(i) };
+        state.a = (0..n).map(moving).collect();
         state.lambda = vec![zero; self.constraints.len()];
         for (k, row) in rows.into_iter().enumerate() {
             state.lambda[row] = measured(n + k);

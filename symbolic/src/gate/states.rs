@@ -192,13 +192,17 @@ fn drawn(
         }
     }
     motion.constraints.regular(&mut found.all);
+    let empty = |phase: &usize| !found.all.iter().any(|state| state.phase == *phase);
+    if let Some(phase) = (0..phases).find(empty).filter(|phase| !motion.constraints.active(*phase).is_empty())
+        && singular.is_none()
+    {
+        let of_phase = model.phases.get(phase).map_or(&[][..], |phase| &phase.constraints);
+        let names: Vec<String> = of_phase.iter().map(|c| format!("`{}`", model.constraints[*c].name)).collect();
+        let place = of_phase.first().map_or_else(Place::default, |c| model.constraints[*c].place.clone());
+        return Err(Box::new(verdicts::constraints_not_met(place, listed(&names), tried)));
+    }
     if found.all.len() >= wanted || (!motion.constraints.is_empty() && found.all.len() >= FEWEST) {
         return Ok(());
-    }
-    if !motion.constraints.is_empty() && singular.is_none() && found.all.is_empty() {
-        let names: Vec<String> = model.constraints.iter().map(|c| format!("`{}`", c.name)).collect();
-        let place = model.constraints.first().map_or_else(Place::default, |c| c.place.clone());
-        return Err(Box::new(verdicts::constraints_not_met(place, listed(&names), tried)));
     }
     Err(Box::new(match singular {
         Some((coordinates, state)) if found.all.is_empty() => {

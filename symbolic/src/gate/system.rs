@@ -14,7 +14,7 @@ const NOTHING: f64 = 1e-22;
 pub(super) struct Assembled {
     /// How many equations.
     pub equations: usize,
-    /// How many of them are balances; the rest are constraints, which every state meets.
+    /// How many of them are balances; the rest are constraints.
     pub judged: usize,
     /// How many unknowns: accelerations, then reactions.
     pub size: usize,
@@ -174,7 +174,8 @@ impl Assembled {
             }
         }
         open.sort_unstable();
-        open.into_iter().map(|e| (e, rest[e])).collect()
+        let constraints = self.judged..self.equations;
+        open.into_iter().chain(constraints).map(|e| (e, rest[e])).collect()
     }
 }
 

@@ -45,6 +45,7 @@ pub enum Function {
     ConstraintDamping,
     ConstraintTilt,
     HeldRates,
+    Also,
     Inputs,
 }
 
@@ -107,6 +108,7 @@ impl Interpreter {
         set(Function::ConstraintDamping, &entries(&constraints.damping));
         set(Function::ConstraintTilt, &entries(&constraints.tilt));
         set(Function::HeldRates, &constraints.held_rates);
+        set(Function::Also, &program.also());
         let rates: Vec<Id> = program.event_rates.iter().map(|rate| rate.unwrap_or(Id::ZERO)).collect();
         set(Function::EventRates, &rates);
         let pairs: Vec<Id> = program.arguments.iter().flat_map(|a| [a.value, a.rate]).collect();

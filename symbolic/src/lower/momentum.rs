@@ -12,6 +12,8 @@ use crate::model::{BalanceSystem, Model};
 pub struct MomentumSystem {
     /// Its name.
     pub name: String,
+    /// The phases to which it belongs.
+    pub phases: Vec<usize>,
     /// Names of the unknowns: accelerations, `theta''`, then components of reactions, `hinge.x`.
     pub unknowns: Vec<String>,
     /// Each equation's balance, in words, and whether it says nothing at rest.
@@ -47,6 +49,7 @@ fn lower(model: &mut Model, system: &BalanceSystem, linear: Momentum, named: &[(
     let roots: Vec<Id> = matrix.iter().map(|e| e.2).chain(right.iter().copied()).collect();
     MomentumSystem {
         name: system.name.clone(),
+        phases: system.phases.clone(),
         unknowns: unknown_names(model, system, &unknowns),
         equations: equation_names(model, system),
         operations: operations(&model.graph, &roots),

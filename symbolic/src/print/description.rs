@@ -144,8 +144,9 @@ pub(super) fn description(program: &Program, source: &str) -> String {
             }));
             let pairs = list(s.outputs.iter().map(|(output, unknown)| format!("({output}, {unknown})")));
             let unknowns = list(s.unknowns.iter().map(|u| string(u)));
+            let phases = list(s.phases.iter().map(ToString::to_string));
             format!(
-                "mechanism::BalanceSystem {{ name: {}, unknowns: {unknowns}, equations: {equations}, nonzeros: {}, operations: {}, outputs: {pairs} }}",
+                "mechanism::BalanceSystem {{ name: {}, phases: {phases}, unknowns: {unknowns}, equations: {equations}, nonzeros: {}, operations: {}, outputs: {pairs} }}",
                 string(&s.name),
                 s.matrix.len(),
                 s.operations,

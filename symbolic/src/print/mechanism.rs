@@ -159,6 +159,7 @@ impl Mechanism<'_> {
             },
             into_slice("constraint_tilt", 2, &values(&constraints.tilt)),
             into_slice("held_rates", 3, &constraints.held_rates),
+            into_slice("also", 3, &program.also()),
             Function {
                 name: "energy",
                 state: 3,

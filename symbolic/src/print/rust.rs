@@ -90,6 +90,7 @@ impl Program {
         ];
         roots.extend(lists.into_iter().flatten());
         roots.extend(self.energy);
+        roots.extend(self.also());
         roots.extend(self.signals.iter().flatten());
         roots.extend(self.event_rates.iter().flatten());
         roots.extend(self.arguments.iter().flat_map(|a| [a.value, a.rate]));
@@ -101,6 +102,16 @@ impl Program {
             roots.extend(pivots.iter().flat_map(|p| [p.1, p.2]));
         }
         roots
+    }
+
+    /// What scenes say that their starts meet beside constraints: quantities of the state, scene by scene.
+    pub fn also(&self) -> Vec<Id> {
+        self.model.scenes.iter().flat_map(|scene| scene.also.iter().map(|pair| pair.0)).collect()
+    }
+
+    /// The values of these, of parameters.
+    pub fn also_values(&self) -> Vec<Id> {
+        self.model.scenes.iter().flat_map(|scene| scene.also.iter().map(|pair| pair.1)).collect()
     }
 
     /// How many of a phase's rows are independent in general.

@@ -17,10 +17,11 @@ pub(super) fn scenes(program: &Program, bodies: &Bodies<'_>) -> String {
         program.constraints.len()
     );
     let mut out = sets(&model.scenes, bodies, &parameters);
-    let constrained = !model.constraints.is_empty();
+    let constrained = !model.constraints.is_empty() || model.scenes.iter().any(|scene| !scene.also.is_empty());
     out += &starts(&model.scenes, bodies, &parameters, model.coordinates.len(), constrained);
     out += &guess(&model.equilibrium, bodies, &parameters);
-    out + &restitutions(program, bodies, &parameters)
+    out += &list_of("restitutions", &program.restitutions(), bodies, &parameters);
+    out + &list_of("also_values", &program.also_values(), bodies, &parameters)
 }
 
 fn sets(scenes: &[Scene], bodies: &Bodies<'_>, parameters: &str) -> String {
@@ -107,18 +108,22 @@ fn starting(scenes: &[Scene], constrained: bool) -> String {
         + &of("held_v", "::std::vec::Vec::new()", &|scene| held(&scene.held_v))
         + &of("guessed", "false", &|scene| scene.guessed.to_string())
         + &of("phase", "0", &|scene| scene.phase.to_string())
+        + &of("also", "0..0", &|scene| {
+            let before = scenes.iter().take_while(|other| other.name != scene.name).map(|other| other.also.len());
+            let first: usize = before.sum();
+            if scene.also.is_empty() { "0..0".to_owned() } else { format!("{first}..{}", first + scene.also.len()) }
+        })
 }
 
-/// `restitutions`.
-fn restitutions(program: &Program, bodies: &Bodies<'_>, parameters: &str) -> String {
-    let values = program.restitutions();
+/// A method that gives numbers of parameters.
+fn list_of(name: &str, values: &[Id], bodies: &Bodies<'_>, parameters: &str) -> String {
     let body = if values.is_empty() {
         "        ::std::vec::Vec::new()\n".to_owned()
     } else {
-        let function = of_constants(bodies, "values", &values, "        ");
+        let function = of_constants(bodies, "values", values, "        ");
         format!("{function}        values(&{parameters}).to_vec()\n")
     };
-    format!("\n    fn restitutions(&self) -> ::std::vec::Vec<f64> {{\n{body}    }}\n")
+    format!("\n    fn {name}(&self) -> ::std::vec::Vec<f64> {{\n{body}    }}\n")
 }
 
 fn guess(equilibrium: &[Id], bodies: &Bodies<'_>, parameters: &str) -> String {

@@ -1,0 +1,168 @@
+//! What a run says of itself: digits, drift, and what is left out.
+
+use dalembert::{Loss, Warning};
+
+use super::{Case, coasting, file, sprung};
+
+fn lost(case: &mut Case) -> Option<(f64, Loss)> {
+    case.settings.digits = true;
+    case.run().warnings.iter().find_map(|warning| match warning {
+        Warning::DigitsLost { t, why, .. } => Some((*t, *why)),
+        _ => None,
+    })
+}
+
+/// A double pendulum with m = l = 1 and g = 9.81, at rest at these angles.
+fn double_pendulum(angle: &str, until: &str) -> Case {
+    file(&format!(
+        "name: D
+parameters: {{m: 1 kg, l: 1 m, g: 9.81 m/s^2}}
+coordinates: {{a: rad, b: rad}}
+gravity: [0, -g]
+points: {{elbow: \"l*[sin(a), -cos(a)]\"}}
+bodies: {{upper: {{mass: m, position: elbow}}, lower: {{mass: m, position: \"elbow + l*[sin(b), -cos(b)]\"}}}}
+scene: {{start: {{a: {angle} rad, b: {angle} rad}}, until: {until}, tolerance: 1e-12}}"
+    ))
+}
+
+/// Catalogue N1: from (2, 2) rad differences grow by e in 1/1.3 s, and 1e-12 becomes 0.1 within 19.5 s; from 0.5 rad
+/// the motion is regular.
+#[test]
+fn chaos_is_named_with_the_time_until_which_digits_hold() {
+    let Some((t, Loss::Instability { growth })) = lost(&mut double_pendulum("2", "40")) else {
+        panic!("chaos was not named");
+    };
+    assert!((12.0..30.0).contains(&t) && growth > 1e8, "{t} {growth:e}");
+    assert_eq!(lost(&mut double_pendulum("0.5", "40")), None);
+}
+
+#[test]
+fn a_start_that_only_rounding_moves_is_named() {
+    let pendulum = |theta: &str| {
+        file(&format!(
+            "name: U
+parameters: {{m: 1 kg, l: 1 m, g: 9.81 m/s^2}}
+coordinates: {{theta: rad}}
+gravity: [0, -g]
+bodies: {{bob: {{mass: m, position: \"l*[sin(theta), -cos(theta)]\"}}}}
+scene: {{start: {{theta: \"{theta}\"}}, until: 20, tolerance: 1e-10}}"
+        ))
+    };
+    assert!(matches!(lost(&mut pendulum("pi")), Some((_, Loss::UnstableStart))));
+    assert_eq!(lost(&mut pendulum("3")), None);
+}
+
+#[test]
+fn a_fixed_step_that_is_too_coarse_is_named() {
+    let mut coarse = sprung("scene: {start: {x: 1}, until: 200}");
+    coarse.settings.step = Some(1.2);
+    assert!(matches!(lost(&mut coarse), Some((_, Loss::CoarseStep { .. }))));
+    let mut fine = sprung("scene: {start: {x: 1}, until: 200}");
+    fine.settings.step = Some(0.05);
+    assert_eq!(lost(&mut fine), None);
+}
+
+/// A nanometre beside a metre: every component by its own scale.
+#[test]
+fn a_small_motion_beside_a_large_one_is_followed() {
+    let two = |u: &str, unit: f64| {
+        let mut case = file(&format!(
+            "name: Two
+parameters: {{m: 1, k: 1, mu: 1e-6, kappa: 1e-4}}
+coordinates: {{x: 1, u: 1}}
+bodies: {{big: {{mass: m, position: \"[x, 0]\"}}, tip: {{mass: mu, position: \"[0, u]\"}}}}
+springs:
+  s: {{stretch: x, stiffness: k, along: \"[1, 0]\", on: big}}
+  t: {{stretch: u, stiffness: kappa, along: \"[0, 1]\", on: tip}}
+conserved: {{energy: energy, tip: \"mu*u'^2/2 + kappa*u^2/2\"}}
+scene: {{start: {{x: 1, u: {u}}}, until: 100, tolerance: 1e-10}}"
+        ));
+        let run = case.run();
+        // κ/μ = 100 1/s².
+        let (found, expected) = (run.last()["u"] / unit, 1000.0_f64.cos());
+        assert!(
+            (found - expected).abs() < 1e-6 && run.warnings.is_empty(),
+            "{u}: {found} {expected} {:?}",
+            run.warnings
+        );
+    };
+    two("1e-9", 1e-9);
+    two("1", 1.0);
+}
+
+/// Runs whose digits come from steps that only stops and their growth limit promise no more than holds.
+#[test]
+fn steps_that_the_tolerance_does_not_limit_promise_no_more_than_holds() {
+    for tolerance in [1e-4, 1e-6, 1e-8, 1e-10] {
+        let run = |tolerance: f64| {
+            let text = "forces: {f: {on: b, force: \"[-0.3*F*abs(x - 0.4), 0]\"}}
+scene: {start: {x: 0, x': 1}, until: 0.9}";
+            let mut case = coasting(text).tolerance(tolerance);
+            case.settings.digits = true;
+            case.run()
+        };
+        let (found, exact) = (run(tolerance), run(1e-14));
+        let error = (found.last()["x"] - exact.last()["x"]).abs();
+        let promised = found.errors("x").unwrap()[found.len() - 1];
+        assert!(error <= 3.2 * promised, "{tolerance:e}: {error:e} {promised:e}");
+    }
+}
+
+/// Inputs that switch the energy of a constant force, and a bump in the road, raise no alarm in correct runs.
+#[test]
+fn correct_runs_raise_no_alarm_of_energy() {
+    let square = sprung(
+        "inputs: {u: \"F*sign(t)\"}\nforces: {f: {on: b, force: \"[u, 0]\"}}\nscene: {start: {x: 0}, until: 10}",
+    )
+    .run();
+    assert!((square.last()["x"] - (1.0 - 10.0_f64.cos())).abs() < 1e-6, "{}", square.last()["x"]);
+    assert_eq!(square.warnings, []);
+    let bump = file(
+        "name: Bump
+parameters: {ms: 320 kg, mu: 45 kg, ks: 22 kN/m, kt: 190 kN/m, cs: 1.5 kN*s/m, h: 10 cm, t1: 5 s, t2: 5.2 s}
+coordinates: {zs: m, zu: m}
+inputs: {road: h*exp(-((t - t1)/(t2 - t1))^2)}
+bodies: {body: {mass: ms, position: [0, zs]}, wheel: {mass: mu, position: [0, zu]}}
+springs:
+  strut: {stretch: zs - zu, stiffness: ks, on: body, from: wheel, along: [0, 1]}
+  tyre: {stretch: zu - road, stiffness: kt, on: wheel, along: [0, 1]}
+dampers: {shock: {rate: zs' - zu', damping: cs, on: body, from: wheel, along: [0, 1]}}
+scene: {until: 6}",
+    )
+    .run();
+    assert_eq!(bump.warnings, []);
+}
+
+/// Twenty thousand events with a thousand outputs each: so many as 160 MB hold are kept, and the rest is said to be left
+/// out.
+#[test]
+fn events_stay_bounded_and_what_is_left_out_is_said() {
+    let ticks = |rate: &str, outputs: usize| {
+        let list: Vec<String> = (0..outputs).map(|i| format!("o{i}: x + {i}")).collect();
+        coasting(&format!(
+            "outputs: {{o: x{}{}}}
+events: {{tick: {{when: \"sin({rate}*x)\", then: record}}}}
+scene: {{start: {{x: 0.1, x': 1}}, until: 1000, every: 100, tolerance: 1e-6}}",
+            if list.is_empty() { "" } else { ", " },
+            list.join(", ")
+        ))
+        .run()
+    };
+    let left_out = |run: &dalembert::Run| {
+        run.warnings.iter().find_map(|warning| match warning {
+            Warning::EventsEnd { t, kept } => Some((*t, *kept)),
+            _ => None,
+        })
+    };
+    let few = ticks("70", 0);
+    assert_eq!((few.events.len(), left_out(&few)), (22_283, None));
+    let many = ticks("70", 1000);
+    let (t, kept) = left_out(&many).expect("a word on what is left out");
+    assert_eq!(many.events.len(), kept);
+    assert!(
+        (18_000..20_000).contains(&kept) && (t - kept as f64 * std::f64::consts::PI / 70.0).abs() < 1.0,
+        "{kept} {t}"
+    );
+    // The motion itself goes on.
+    assert!((many.last()["x"] - 1000.1).abs() < 1e-3);
+}
