@@ -87,8 +87,8 @@ impl March {
                 *v += jump;
             }
             recorder.impulse(impulse);
-            self.project_start(system)?;
         }
+        self.jolt(system, recorder)?;
         self.restart(system, recorder)?;
         Ok(true)
     }

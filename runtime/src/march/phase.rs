@@ -9,6 +9,8 @@ use crate::run::Recorder;
 
 /// More firings than this at one instant are a cycle.
 const AT_AN_INSTANT: u32 = 50;
+/// Changes of speeds below this part of them are none.
+const ROUNDING: f64 = 1e-12;
 /// Flights shorter than this part of the first are not followed one by one.
 const SHORT: f64 = 1e-6;
 /// Two estimates of the time at which impacts accumulate agree to this part of it.
@@ -88,6 +90,24 @@ impl March {
         }
         let event = fired.first().map_or(0, |fired| fired.event);
         Err(Cause::Chattering { switch: system.description().events[event].name.to_string() })
+    }
+
+    /// Brings the speeds to constraints that a sharp turn of time or of an input moves.
+    ///
+    /// # Errors
+    /// A constraint that jumps, which no finite force could follow.
+    pub(super) fn jolt(&mut self, system: &mut dyn System, recorder: &mut Recorder) -> Result<(), Cause> {
+        let Some(projection) = &mut self.projection else { return Ok(()) };
+        let now = self.clock.now();
+        projection.observe(system, now, self.stepper.start().y);
+        if let Some((row, residual)) = projection.lost(system) {
+            let constraint = system.description().rows[row].name.to_string();
+            return Err(Cause::ConstraintLost { constraint, residual });
+        }
+        let active: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+        let taken = blow(system, (now, self.stepper.start().y), &active, |_| 0.0);
+        self.take(system, taken.map_err(|fault| fault.cause(system.description()))?, recorder);
+        Ok(())
     }
 
     /// Does one thing; true where the state or the phase may have changed.
@@ -182,15 +202,19 @@ impl March {
 
     fn take(&mut self, system: &dyn System, Blow { jump, rows }: Blow, recorder: &mut Recorder) {
         let n = system.len();
-        self.stepper.state_mut()[n..].iter_mut().zip(&jump).for_each(|(v, jump)| *v += jump);
+        let speeds = &mut self.stepper.state_mut()[n..];
+        let size = speeds.iter().zip(&jump).fold(0.0_f64, |most, (v, jump)| most.max(v.abs()).max(jump.abs()));
+        speeds.iter_mut().zip(&jump).for_each(|(v, jump)| *v += jump);
+        // What is left of constraints that were met already is rounding, and no impulse.
+        if !jump.iter().any(|jump| jump.abs() > ROUNDING * size) {
+            return;
+        }
         let constraints: Vec<(String, f64)> = rows
             .iter()
             .filter(|(_, impulse)| *impulse != 0.0)
             .map(|(row, impulse)| (system.description().rows[*row].name.to_string(), *impulse))
             .collect();
-        if jump.iter().any(|jump| *jump != 0.0) {
-            recorder.impulse(Impulse { t: self.clock.now(), inputs: Vec::new(), constraints, jump });
-        }
+        recorder.impulse(Impulse { t: self.clock.now(), inputs: Vec::new(), constraints, jump });
     }
 }
 
