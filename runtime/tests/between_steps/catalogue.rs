@@ -72,7 +72,8 @@ scene: {{start: {{x: 0, x': 1}}, until: 62.8, tolerance: 1e-10}}",
 #[test]
 fn e5_a_force_that_steps_on_costs_no_order() {
     let error = |n: f64| {
-        let mut case = sprung("forces: {f: {on: b, force: \"[F*step(t - 0.7391), 0]\"}}\nscene: {start: {x: 0}, until: 2}");
+        let mut case =
+            sprung("forces: {f: {on: b, force: \"[F*step(t - 0.7391), 0]\"}}\nscene: {start: {x: 0}, until: 2}");
         case.settings.method = Method::Rk4;
         case.settings.step = Some(2.0 / n);
         (case.run().last()["x"] - (1.0 - (2.0_f64 - 0.7391).cos())).abs()
@@ -164,7 +165,9 @@ scene: {{start: {{x: 1, x': 1}}, until: {until}, tolerance: 1e-10}}"
 #[test]
 fn e17_kinks_cost_no_order_and_roots_at_their_edge_run() {
     // Half a period of π/√1 on one side, π/2 on the other, where the stiffness is four times as large.
-    let mut kinked = coasting("generalized_forces: {x: \"-F*(2.5*x + 1.5*abs(x))\"}\nscene: {start: {x: 1}, until: 30, tolerance: 1e-10}");
+    let mut kinked = coasting(
+        "generalized_forces: {x: \"-F*(2.5*x + 1.5*abs(x))\"}\nscene: {start: {x: 1}, until: 30, tolerance: 1e-10}",
+    );
     let run = kinked.run();
     let period = std::f64::consts::PI * 1.5;
     let rest = 30.0_f64.rem_euclid(period);
@@ -176,7 +179,8 @@ fn e17_kinks_cost_no_order_and_roots_at_their_edge_run() {
         t => (2.0 * (period - t)).cos(),
     };
     assert!((run.last()["x"] - exact).abs() < 1e-7, "{} {exact}", run.last()["x"]);
-    let mut root = coasting("generalized_forces: {x: \"-F*sqrt(max(0, x))\"}\nscene: {start: {x: 1}, until: 3, tolerance: 1e-8}");
+    let mut root =
+        coasting("generalized_forces: {x: \"-F*sqrt(max(0, x))\"}\nscene: {start: {x: 1}, until: 3, tolerance: 1e-8}");
     assert!(root.run().last()["x"].is_finite());
 }
 
@@ -194,7 +198,8 @@ scene: {{start: {{x: 0.7, u: 0.3}}, until: 1}}"
         ));
         let mut a = [0.0; 2];
         let (q, v) = (&case.settings.q, &case.settings.v);
-        dalembert::mechanism::System::accelerations(&case.system, dalembert::mechanism::At::new(0.0, q, v), &mut a).unwrap();
+        dalembert::mechanism::System::accelerations(&case.system, dalembert::mechanism::At::new(0.0, q, v), &mut a)
+            .unwrap();
         // m x'' = −x + μu, x'' + u'' = −u.
         let x = -0.7 + ratio * 0.3;
         let u = -0.3 - x;

@@ -80,7 +80,11 @@ scene: {{start: {{x: 1, u: {u}}}, until: 100, tolerance: 1e-10}}"
         let run = case.run();
         // κ/μ = 100 1/s².
         let (found, expected) = (run.last()["u"] / unit, 1000.0_f64.cos());
-        assert!((found - expected).abs() < 1e-6 && run.warnings.is_empty(), "{u}: {found} {expected} {:?}", run.warnings);
+        assert!(
+            (found - expected).abs() < 1e-6 && run.warnings.is_empty(),
+            "{u}: {found} {expected} {:?}",
+            run.warnings
+        );
     };
     two("1e-9", 1e-9);
     two("1", 1.0);
@@ -107,7 +111,10 @@ scene: {start: {x: 0, x': 1}, until: 0.9}";
 /// Inputs that switch the energy of a constant force, and a bump in the road, raise no alarm in correct runs.
 #[test]
 fn correct_runs_raise_no_alarm_of_energy() {
-    let square = sprung("inputs: {u: \"F*sign(t)\"}\nforces: {f: {on: b, force: \"[u, 0]\"}}\nscene: {start: {x: 0}, until: 10}").run();
+    let square = sprung(
+        "inputs: {u: \"F*sign(t)\"}\nforces: {f: {on: b, force: \"[u, 0]\"}}\nscene: {start: {x: 0}, until: 10}",
+    )
+    .run();
     assert!((square.last()["x"] - (1.0 - 10.0_f64.cos())).abs() < 1e-6, "{}", square.last()["x"]);
     assert_eq!(square.warnings, []);
     let bump = file(
@@ -141,16 +148,21 @@ scene: {{start: {{x: 0.1, x': 1}}, until: 1000, every: 100, tolerance: 1e-6}}",
         ))
         .run()
     };
-    let left_out = |run: &dalembert::Run| run.warnings.iter().find_map(|warning| match warning {
-        Warning::EventsEnd { t, kept } => Some((*t, *kept)),
-        _ => None,
-    });
+    let left_out = |run: &dalembert::Run| {
+        run.warnings.iter().find_map(|warning| match warning {
+            Warning::EventsEnd { t, kept } => Some((*t, *kept)),
+            _ => None,
+        })
+    };
     let few = ticks("70", 0);
     assert_eq!((few.events.len(), left_out(&few)), (22_283, None));
     let many = ticks("70", 1000);
     let (t, kept) = left_out(&many).expect("a word on what is left out");
     assert_eq!(many.events.len(), kept);
-    assert!((18_000..20_000).contains(&kept) && (t - kept as f64 * std::f64::consts::PI / 70.0).abs() < 1.0, "{kept} {t}");
+    assert!(
+        (18_000..20_000).contains(&kept) && (t - kept as f64 * std::f64::consts::PI / 70.0).abs() < 1.0,
+        "{kept} {t}"
+    );
     // The motion itself goes on.
     assert!((many.last()["x"] - 1000.1).abs() < 1e-3);
 }
