@@ -57,6 +57,10 @@ impl March {
     ) -> Result<(Step, bool), Cause> {
         for _ in 0..RETRIES {
             let step = self.attempt(system, stop, most, watch)?;
+            if most.is_finite() {
+                // Shorter steps that follow one cut before a feature say nothing about the acceleration.
+                self.jumps.restart();
+            }
             let ends = (self.stepper.start(), self.stepper.end());
             let calm = watch.as_mut().is_none_or(|watch| watch.calm(system, (self.clock.now(), step.next), ends));
             let watched = watch.as_ref().is_some_and(|watch| watch.wants_dense());
@@ -74,7 +78,6 @@ impl March {
                 return Ok((step, true));
             } else if let Some(theta) = watch.as_mut().and_then(|watch| watch.cut(system, &self.segment(step))) {
                 most = theta * step.h;
-                // That steps become short says nothing about the acceleration here.
                 self.jumps.restart();
             } else {
                 self.meets(system, step, watch)?;

@@ -1,6 +1,6 @@
 //! Steps that events and discontinuities may end early.
 
-use super::{Halt, March, Step, finite};
+use super::{Halt, March, Step, UNEVEN, finite};
 use crate::cause::Cause;
 use crate::events::{Interruption, Switched, Watch};
 use crate::mechanism::{Action, System};
@@ -43,6 +43,9 @@ impl March {
                 return Ok(Halt::Arrived);
             }
         };
+        if self.unlike && !self.under_way && self.part(system, step.h * crossing.theta, watch, recorder)? {
+            return Ok(Halt::Arrived);
+        }
         let together = watch.simultaneous(crossing, &self.segment(step));
         let fired = match self.shorten(system, step, crossing.theta, crossing.function, watch)? {
             Some(shorter) => {
@@ -67,6 +70,29 @@ impl March {
             self.restart(system, recorder)?;
         }
         Ok(Halt::Arrived)
+    }
+
+    /// Takes only a part of the way to a crossing; false where that is nothing.
+    fn part(
+        &mut self,
+        system: &dyn System,
+        way: f64,
+        watch: &mut Watch,
+        recorder: &mut Recorder,
+    ) -> Result<bool, Cause> {
+        let h = UNEVEN * way;
+        let step = Step { h, next: self.clock.after(h), lands: false };
+        if step.next <= self.clock.now() {
+            return Ok(false);
+        }
+        self.try_step(system, step, true).map_err(|setback| setback.cause(system.description()))?;
+        finite(system, self.stepper.end().y, 0)?;
+        self.dense(system, step)?;
+        let segment = self.segment(step);
+        recorder.accept(system, Some(&segment), step.next, self.stepper.end())?;
+        watch.record_before(system, &segment, recorder, &[])?;
+        self.commit(step);
+        Ok(true)
     }
 
     /// Switches what is on its surface at the present state, and lets inputs that turn or jump there kick; returns

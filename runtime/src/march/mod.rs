@@ -534,7 +534,7 @@ impl March {
     }
 }
 
-/// The part of what is left before a stop that a run unlike others takes first; never more than the step that was allowed.
+/// The part of the way to a stop or a crossing that a run unlike others takes first; never more than the step that was allowed.
 const UNEVEN: f64 = 0.4;
 /// The first step is tried at this part of the way, at the usual tolerance.
 const FIRST: f64 = 1e-3;
