@@ -29,6 +29,14 @@ const FUNCTIONS: &[&str] = &[
     "switches",
     "arguments",
     "drawing",
+    "constraints",
+    "constraint_matrix",
+    "constraint_bias",
+    "friction",
+    "constraint_jacobians",
+    "constraint_tilt",
+    "held_rates",
+    "also",
     "energy",
     "accelerations",
     "balances",
@@ -37,6 +45,8 @@ const FUNCTIONS: &[&str] = &[
     "scene_parameters",
     "scene",
     "equilibrium_guess",
+    "restitutions",
+    "also_values",
 ];
 
 fn printed(program: &Program, name: &str) -> syn::File {

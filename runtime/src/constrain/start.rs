@@ -247,12 +247,11 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
     fn also(&self, y: &mut [f64], range: std::ops::Range<usize>) -> Result<(), Cause> {
         let free: Vec<usize> = (0..2 * self.n).filter(|i| !self.held[*i]).collect();
         let all = |y: &[f64]| {
-            let mut values = vec![0.0; range.end];
-            let wanted = self.system.also(At::packed(self.t, y, self.n), &mut values);
+            let pairs = self.system.also(At::packed(self.t, y, self.n));
             let triples = self.triples(y);
             let place = self.holonomic.iter().map(|row| triples[3 * row]);
             let rate = self.rows.iter().map(|row| triples[3 * row + 1]);
-            let rest = range.clone().map(|k| values[k] - wanted[k]);
+            let rest = pairs[range.clone()].iter().map(|(value, wanted)| value - wanted);
             DVector::from_vec(place.chain(rate).chain(rest).collect())
         };
         let mut left = all(y);

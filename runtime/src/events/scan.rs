@@ -120,8 +120,10 @@ impl Scanner {
         self.ends = f64::NAN;
         self.crossings.clear();
         self.oddities.clear();
-        for function in (0..self.sides.len()).filter(|function| !self.asleep[*function]).collect::<Vec<_>>() {
-            self.function(function, sampler, arguments, system, segment)?;
+        for function in 0..self.sides.len() {
+            if !self.asleep[function] {
+                self.function(function, sampler, arguments, system, segment)?;
+            }
         }
         self.crossings.sort_by(|a, b| a.theta.total_cmp(&b.theta).then(a.function.cmp(&b.function)));
         Ok(())

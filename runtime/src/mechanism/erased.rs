@@ -175,11 +175,13 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
         self.phased.norms.extend_from_slice(norms);
     }
 
-    fn also(&self, at: At<'_>, values: &mut [f64]) -> Vec<f64> {
+    fn also(&self, at: At<'_>) -> Vec<(f64, f64)> {
+        let wanted = self.mechanism.also_values();
+        let mut values = vec![0.0; wanted.len()];
         let u = self.input_block(at.t);
         let (a, lambda) = self.completed(at, !values.is_empty());
-        M::also(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &a, &lambda, values);
-        self.mechanism.also_values()
+        M::also(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &a, &lambda, &mut values);
+        values.into_iter().zip(wanted).collect()
     }
 
     fn restitutions(&self) -> Vec<f64> {

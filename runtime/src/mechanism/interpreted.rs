@@ -158,10 +158,11 @@ impl System for Interpreted {
         self.phased.norms.extend_from_slice(norms);
     }
 
-    fn also(&self, at: At<'_>, values: &mut [f64]) -> Vec<f64> {
-        self.complete(Function::Also, at, true, values);
-        let program = self.interpreter.program();
-        program.also_values().into_iter().map(|id| self.interpreter.constant(id)).collect()
+    fn also(&self, at: At<'_>) -> Vec<(f64, f64)> {
+        let wanted = self.interpreter.program().also_values();
+        let mut values = vec![0.0; wanted.len()];
+        self.complete(Function::Also, at, true, &mut values);
+        values.into_iter().zip(wanted).map(|(value, id)| (value, self.interpreter.constant(id))).collect()
     }
 
     fn restitutions(&self) -> Vec<f64> {
@@ -282,6 +283,7 @@ impl System for Interpreted {
 
     fn scene(&self, scene: usize) -> Scene {
         let scenes = &self.interpreter.program().model.scenes;
+        let searched = !self.description.rows.is_empty() || scenes.iter().any(|scene| !scene.also.is_empty());
         let first: usize = scenes.iter().take(scene).map(|scene| scene.also.len()).sum();
         let scene = &scenes[if scene < scenes.len() { scene } else { 0 }];
         let value = |id| self.interpreter.constant(id);
@@ -291,8 +293,8 @@ impl System for Interpreted {
             until: value(scene.until),
             tolerance: value(scene.tolerance),
             every: scene.every.map(value),
-            held_q: scene.held_q.clone(),
-            held_v: scene.held_v.clone(),
+            held_q: if searched { scene.held_q.clone() } else { Vec::new() },
+            held_v: if searched { scene.held_v.clone() } else { Vec::new() },
             guessed: scene.guessed,
             phase: scene.phase,
             also: first..first + scene.also.len(),

@@ -98,8 +98,8 @@ pub trait System: Send + Sync {
     }
 
     /// Quantities that scenes' starts meet beside constraints: what they are at a state, and what they are to be.
-    fn also(&self, at: At<'_>, values: &mut [f64]) -> Vec<f64> {
-        let _ = (at, values);
+    fn also(&self, at: At<'_>) -> Vec<(f64, f64)> {
+        let _ = at;
         Vec::new()
     }
 

@@ -155,7 +155,7 @@ scene: {{start: {{x: 0.1, x': 1}}, until: 1000, every: 100, tolerance: 1e-6}}",
         })
     };
     let few = ticks("70", 0);
-    assert_eq!((few.events.len(), left_out(&few)), (22_283, None));
+    assert_eq!((few.events.len(), left_out(&few)), (22_281, None));
     let many = ticks("70", 1000);
     let (t, kept) = left_out(&many).expect("a word on what is left out");
     assert_eq!(many.events.len(), kept);

@@ -200,12 +200,13 @@ pub fn judged(model: Model) -> Result<Judged, Vec<Problem>> {
 /// Rows of the constraints that follow from others are warned of, those that contradict them are errors.
 fn dependent_rows(model: &mut Model, motion: &motion::Motion, states: &[State]) -> Vec<Problem> {
     let mut problems = Vec::new();
-    for rows::Dependent { phase, row, contradicts, state } in motion.constraints.dependent(states) {
+    for rows::Dependent { phase, row, contradicts } in motion.constraints.dependent(states) {
         let owner = model.constraints.iter().find(|c| (c.first..c.first + c.value.len()).contains(&row));
         let Some(place) = owner.map(|c| c.place.clone()) else { continue };
         let name = model.row_name(row);
         if contradicts {
-            problems.push(verdicts::contradiction(place, name, state::describe(model, &state)));
+            // Positions and speeds meet it, accelerations cannot: there is no motion.
+            problems.push(verdicts::constraints_not_met(place, format!("`{name}` and those before it"), states.len()));
         } else {
             let phase = &model.phases[phase].name;
             let phase = if phase.is_empty() { String::new() } else { format!(" of the phase `{phase}`") };

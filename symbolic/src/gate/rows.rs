@@ -40,8 +40,6 @@ pub(super) struct Dependent {
     pub row: usize,
     /// Whether accelerations that meet the others do not meet it.
     pub contradicts: bool,
-    /// Where.
-    pub state: State,
 }
 
 /// What accelerations need of the rows of a phase at a state, chosen rows only.
@@ -238,9 +236,8 @@ impl Constraints {
                 let sum = terms.fold(held.bias[place], |sum, (x, a)| plus(sum, times(*x, *a)));
                 let contradicts = !sum.vanishes(CONTRADICTS);
                 match found.iter_mut().find(|d| (d.phase, d.row) == (state.phase, row)) {
-                    Some(known) if known.contradicts || !contradicts => {}
-                    Some(known) => (known.contradicts, known.state) = (true, state.clone()),
-                    None => found.push(Dependent { phase: state.phase, row, contradicts, state: state.clone() }),
+                    Some(known) => known.contradicts |= contradicts,
+                    None => found.push(Dependent { phase: state.phase, row, contradicts }),
                 }
             }
         }

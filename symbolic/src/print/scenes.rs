@@ -100,7 +100,8 @@ fn starting(scenes: &[Scene], constrained: bool) -> String {
             false => format!("            {field}: match scene {{\n{}            }},\n", arms.concat()),
         }
     };
-    let held = |list: &[bool]| match constrained && list.iter().any(|held| *held) {
+    // Without constraints nothing is searched for, so that nothing has to be held.
+    let held = |list: &[bool]| match constrained {
         false => "::std::vec::Vec::new()".to_owned(),
         true => format!("::std::vec![{}]", flags(list)),
     };

@@ -55,7 +55,8 @@ fn program(source: &str, sizes: &[(String, i64)]) -> Program {
 
 /// A line for Lagrange's equations and one for each system of balances, where there are any.
 fn lines(text: &mut String, name: &str, program: &Program) {
-    if program.momentum.is_empty() {
+    // With constraints the multipliers are eliminated too, which is not counted here.
+    if program.momentum.is_empty() || !program.constraints.is_empty() {
         return;
     }
     let counts = program.counts;

@@ -39,7 +39,9 @@ fn every_model_says_what_it_is_and_has_something_to_draw() {
         let description = case.system.description();
         assert!(description.about.len() > 40, "{} says nothing of itself", entry.name);
         assert!(!description.draw.is_empty(), "{} draws nothing", entry.name);
-        assert!(!description.invariants.is_empty(), "{} conserves nothing", entry.name);
+        // What goes through phases may lose energy in some of them.
+        let phases = description.phases.len() > 1;
+        assert!(phases || !description.invariants.is_empty(), "{} conserves nothing", entry.name);
     }
 }
 

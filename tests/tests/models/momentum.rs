@@ -23,13 +23,25 @@ fn every_model_moves_by_momentum_alone() {
             let prepared = || {
                 let mut case = Case::new(entry.name).tolerance(1e-12);
                 case.settings.until = case.settings.until.min(1.0);
-                // Nothing is at rest, where power says nothing.
-                let speeds = case.settings.v.iter_mut();
+                let constrained = !case.system.description().rows.is_empty();
+                // Nothing is at rest, where power says nothing; speeds that constraints tie are left to them.
+                let speeds = case.settings.v.iter_mut().filter(|_| !constrained);
                 speeds.enumerate().for_each(|(i, v)| *v += 0.01 * (1.0 + i as f64));
-                case
+                // A system of balances belongs to its phases.
+                let of = case.system.description().balances.iter().find(|s| s.name == name);
+                let own = of.and_then(|system| system.phases.first()).map_or(0, |phase| *phase as usize);
+                let phases = case.system.description().phases.len();
+                if own != case.settings.phase {
+                    return None;
+                }
+                if phases > 1 {
+                    case.settings.until = case.settings.until.min(0.1);
+                }
+                Some(case)
             };
-            let expected = prepared().run().last();
-            let found = prepared().by(&name).run();
+            let Some(mut lagrange) = prepared() else { continue };
+            let expected = lagrange.run().last();
+            let found = lagrange.by(&name).run();
             assert_eq!(found.balances.as_ref().map(|b| b.system.as_str()), Some(name.as_str()));
             let found = found.last();
             assert_eq!(found.t, expected.t, "{}, {name}", entry.name);
