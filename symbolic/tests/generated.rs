@@ -155,6 +155,9 @@ fn judge(program: &Program) -> BTreeSet<String> {
     if model.equilibrium.iter().any(|id| *id != dalembert_symbolic::expr::Id::ZERO) {
         nested.push("values");
     }
+    nested.extend(
+        [program.restitutions(), program.also_values()].iter().filter(|list| !list.is_empty()).map(|_| "values"),
+    );
     let others: Vec<&String> = judge.nested.iter().filter(|name| !name.starts_with("balances_")).collect();
     nested.sort_unstable();
     let mut found: Vec<&str> = others.iter().map(|name| name.as_str()).collect();
