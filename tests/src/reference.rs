@@ -31,6 +31,13 @@ impl Reference {
         states(&self.0["reference"])
     }
 
+    /// The states of one of the variants between which `reference` distinguishes.
+    pub fn variant(&self, name: &str) -> States {
+        let rows = self.0["reference"].as_array().expect("a list of states");
+        let own: Vec<Value> = rows.iter().filter(|row| row["variant"] == name).cloned().collect();
+        states(&Value::from(own))
+    }
+
     /// The states of another motion, which stands among the scalars.
     pub fn states_of(&self, name: &str) -> States {
         states(&self.0["scalars"][name])
@@ -62,7 +69,7 @@ fn states(rows: &Value) -> States {
     rows.iter()
         .map(|row| {
             let row = row.as_object().expect("a state");
-            let values = row.iter().filter(|(name, _)| *name != "t");
+            let values = row.iter().filter(|(name, _)| *name != "t" && *name != "variant");
             (number(&row["t"]), values.map(|(name, value)| (name.clone(), number(value))).collect())
         })
         .collect()

@@ -1,5 +1,6 @@
 //! What every model of the library promises.
 
+use dalembert::Warning;
 use dalembert_tests::case::Case;
 
 /// In every scene, at its tolerance, invariants and the energy balance drift by less than 1e-9 (or twenty times
@@ -26,7 +27,10 @@ fn no_scene_lets_an_invariant_or_the_energy_balance_drift() {
                     failures.push(format!("{}, {scene}: `{name}` drifts by {drift:?}", entry.name));
                 }
             }
-            failures.extend(run.warnings.iter().map(|warning| format!("{}, {scene}: {warning}", entry.name)));
+            // That a ball comes to rest is said, and is what its scene is about.
+            let expected = |warning: &&Warning| matches!(warning, Warning::ImpactsAccumulate { .. });
+            let warnings = run.warnings.iter().filter(|warning| !expected(warning));
+            failures.extend(warnings.map(|warning| format!("{}, {scene}: {warning}", entry.name)));
         }
     }
     assert!(failures.is_empty(), "{failures:#?}");

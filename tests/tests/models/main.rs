@@ -1,6 +1,7 @@
 //! The library of mechanisms, against reference numbers and closed forms.
 
 mod chains;
+mod constrained;
 mod digits;
 mod interpreted;
 mod invariants;

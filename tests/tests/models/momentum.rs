@@ -13,35 +13,31 @@ fn systems(system: &dyn System) -> Vec<String> {
     system.description().balances.iter().map(|s| s.name.to_string()).collect()
 }
 
-/// A short run of every model by each of its systems ends where Lagrange's equations end, to 1e-9 of the largest
-/// coordinate or speed.
+/// A short run of every model by each of the systems of its first phase ends where Lagrange's equations end, to 1e-9 of the
+/// largest coordinate or speed.
 #[test]
 fn every_model_moves_by_momentum_alone() {
     let mut runs = 0;
     for entry in MODELS {
-        for name in systems(&*(entry.system)()) {
+        let system = (entry.system)();
+        let first = system.description().balances.iter().filter(|balances| balances.phases.contains(&0));
+        let names: Vec<String> = first.map(|balances| balances.name.to_string()).collect();
+        for name in names {
+            let constrained = !system.description().rows.is_empty();
             let prepared = || {
                 let mut case = Case::new(entry.name).tolerance(1e-12);
                 case.settings.until = case.settings.until.min(1.0);
-                let constrained = !case.system.description().rows.is_empty();
-                // Nothing is at rest, where power says nothing; speeds that constraints tie are left to them.
+                // Nothing is at rest, where power says nothing; what a scene holds at its constraints stays.
                 let speeds = case.settings.v.iter_mut().filter(|_| !constrained);
                 speeds.enumerate().for_each(|(i, v)| *v += 0.01 * (1.0 + i as f64));
-                // A system of balances belongs to its phases.
-                let of = case.system.description().balances.iter().find(|s| s.name == name);
-                let own = of.and_then(|system| system.phases.first()).map_or(0, |phase| *phase as usize);
-                let phases = case.system.description().phases.len();
-                if own != case.settings.phase {
-                    return None;
-                }
-                if phases > 1 {
+                // As long as it stays in its first phase.
+                if case.system.description().phases.len() > 1 {
                     case.settings.until = case.settings.until.min(0.1);
                 }
-                Some(case)
+                case
             };
-            let Some(mut lagrange) = prepared() else { continue };
-            let expected = lagrange.run().last();
-            let found = lagrange.by(&name).run();
+            let expected = prepared().run().last();
+            let found = prepared().by(&name).run();
             assert_eq!(found.balances.as_ref().map(|b| b.system.as_str()), Some(name.as_str()));
             let found = found.last();
             assert_eq!(found.t, expected.t, "{}, {name}", entry.name);

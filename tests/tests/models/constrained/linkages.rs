@@ -1,0 +1,95 @@
+//! Closed loops of bars.
+
+use dalembert_tests::case::Case;
+use dalembert_tests::reference::{Reference, numbers};
+
+use crate::near;
+
+#[test]
+fn four_bar_follows_the_reference_at_both_speeds() {
+    for (scene, id) in [("scene", "B04"), ("fast", "B04b")] {
+        let reference = Reference::load(id);
+        let mut case = Case::new("four_bar").scene(scene).tolerance(1e-13);
+        case.compare(&reference, &[], |_| 1e-9);
+        let first = case.run().first();
+        for (name, body) in
+            [("at_A", "A_on_crank"), ("at_B", "B_on_crank"), ("at_C", "C_on_coupler"), ("at_D", "D_on_rocker")]
+        {
+            let force = numbers(&reference.scalars()["initial_joint_forces"][body]);
+            near(first[format!("{name}.x").as_str()], force[0], 1e-10);
+            near(first[format!("{name}.y").as_str()], force[1], 1e-10);
+        }
+        near(first["pin.x"], first["at_C.x"], 1e-10);
+        near(first["pin.y"], first["at_C.y"], 1e-10);
+    }
+}
+
+#[test]
+fn four_bar_keeps_its_loop_closed_and_its_energy_for_1000_seconds() {
+    let run = Case::new("four_bar").tolerance(1e-9).until(1000.0).run();
+    let residuals = run.residuals.expect("constraints");
+    assert!(residuals.position < 1e-10 && residuals.velocity < 1e-10, "{residuals:?}");
+    let energy = run.drift[0].value;
+    assert!(energy.is_some_and(|drift| drift < 1e-7), "{energy:?}");
+    for state in run.states() {
+        // What is reported lies on the constraints too: |DC| by the coupler's end.
+        let rocker = (state["C.x"] - 4.0).hypot(state["C.y"]);
+        near(rocker, 3.0, 1e-10);
+    }
+}
+
+/// The guess picks the way in which the loop closes; the motion keeps it.
+#[test]
+fn four_bar_closes_in_two_ways() {
+    for (scene, side) in [("scene", 1.0), ("lower", -1.0)] {
+        let run = Case::new("four_bar").scene(scene).run();
+        for state in run.states() {
+            // C lies left or right of the line from B to D.
+            let (b, c) = (state["crank_angle"].sin_cos(), (state["C.x"], state["C.y"]));
+            let across = (4.0 - b.1) * (c.1 - b.0) - (0.0 - b.0) * (c.0 - b.1);
+            assert!(side * across > 0.0, "{scene}: {state:?}");
+        }
+    }
+}
+
+#[test]
+fn slider_crank_follows_the_reference() {
+    let reference = Reference::load("B04c");
+    let mut case = Case::new("slider_crank").tolerance(1e-13);
+    case.compare(&reference, &["piston_vx"], |_| 1e-9);
+    for (t, values) in reference.states() {
+        let speed = values.iter().find(|(name, _)| name == "piston_vx").expect("a speed").1;
+        near(case.state_at(t)["piston_x'"], speed, 1e-9);
+    }
+    let first = case.run().first();
+    near(first["guide"] - 20.0, first["pin.y"], 1e-10);
+}
+
+/// With equal halves, let go from a position that is its own mirror image, it stays so.
+#[test]
+fn a_symmetric_five_bar_moves_symmetrically() {
+    let case = Case::new("five_bar").set("right", 0.6).set("right_coupler", 1.0).tolerance(1e-13);
+    let run = case.start("left_angle", 2.2).start("right_angle", std::f64::consts::PI - 2.2).until(1.0).run();
+    let fallen = run.first()["C.y"] - run.last()["C.y"];
+    assert!(fallen.abs() > 0.1, "{fallen}");
+    for state in run.states() {
+        near(state["C.x"], 0.5, 1e-9);
+        near(state["left_angle"] + state["right_angle"], std::f64::consts::PI, 1e-9);
+        near(state["at_A.y"], state["at_E.y"], 1e-7);
+        near(state["pin.y"], 0.0, 1e-7);
+    }
+}
+
+/// C7: near its dead centre, with the crank's angle among the coordinates, nothing is special.
+#[test]
+fn c7_a_slider_crank_passes_its_dead_centres() {
+    let run = Case::new("slider_crank").set("g", 0.0).tolerance(1e-12).run();
+    let turned = run.last()["crank_angle"];
+    assert!(turned > 4.0, "{turned}");
+    for state in run.states() {
+        // dx/dθ = −r sin θ (1 + r cos θ/√(l² − r² sin² θ)).
+        let (sin, cos) = state["crank_angle"].sin_cos();
+        let slope = -sin * (1.0 + cos / (9.0 - sin * sin).sqrt());
+        near(state["piston_x'"], slope * state["crank_angle'"], 1e-11);
+    }
+}

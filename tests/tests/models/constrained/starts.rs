@@ -1,0 +1,91 @@
+//! Starts that are or are not consistent; constraints that depend on each other.
+
+use dalembert::{Cause, Error};
+use dalembert_symbolic::lower::compile;
+use dalembert_tests::case::Case;
+
+use super::written;
+use crate::near;
+
+/// Why a run did not begin, or ended.
+#[track_caller]
+fn cause(mut case: Case) -> Cause {
+    match case.try_run() {
+        Err(Error::Run(failure)) => failure.cause,
+        Err(error) => panic!("{error}"),
+        Ok(run) => panic!("it runs: {:?}", run.last()),
+    }
+}
+
+const PENDULUM: &str = "
+name: Bob
+parameters: {m: 1 kg, l: 1 m, g: 10 m/s^2}
+coordinates: {x: m, y: m}
+bodies: {bob: {mass: m, position: \"[x, y]\"}}
+gravity: [0, -g]
+constraints: {rod: x^2 + y^2 - l^2}
+outputs: {tension: -2*l*reaction(rod)}
+scene: {start: {x: l, y: 0, x': 0}, until: 10, tolerance: 1e-12}
+";
+
+/// C9: a constraint that says the same again is named; the motion is that of one.
+#[test]
+fn c9_a_redundant_constraint_is_named_and_changes_no_motion() {
+    let twice = PENDULUM.replace("rod: x^2 + y^2 - l^2", "rod: x^2 + y^2 - l^2, again: 3*(x^2 + y^2 - l^2)");
+    let program = compile(&twice, &[]).unwrap_or_else(|problems| panic!("{problems:?}"));
+    let told: Vec<&str> = program.model.warnings.iter().map(|warning| warning.message.as_str()).collect();
+    assert!(told.iter().any(|message| message.contains("again") || message.contains("rod")), "{told:?}");
+    let (one, two) = (written(PENDULUM).run().last(), written(&twice).run().last());
+    for name in ["x", "y", "x'", "y'"] {
+        near(two[name], one[name], 1e-10);
+    }
+}
+
+#[test]
+fn constraints_that_contradict_each_other_are_an_error_that_names_them() {
+    let wrong = PENDULUM.replace("rod: x^2 + y^2 - l^2", "rod: x^2 + y^2 - l^2, other: x^2 + y^2 - 4*l^2");
+    let problems = compile(&wrong, &[]).err().expect("an error");
+    let told: Vec<&str> = problems.iter().map(|problem| problem.message.as_str()).collect();
+    assert!(told.iter().any(|message| message.contains("other")), "{told:?}");
+}
+
+/// C13: 4 > 1 + 1 + 1: at least 1/√3 is missing at each pin, 1 at one.
+#[test]
+fn c13_a_loop_that_cannot_close_says_what_is_missing() {
+    let case = Case::new("four_bar").set("coupler", 1.0).set("rocker", 1.0);
+    let Cause::Unreachable { constraint, residual, .. } = cause(case) else { panic!("reachable") };
+    assert!(constraint.contains("pin"), "{constraint}");
+    assert!(residual.abs() > 0.57, "{residual}");
+}
+
+/// C14: values that the start holds and that miss a constraint are an error that names it, not a motion beside it.
+#[test]
+fn c14_a_start_that_misses_a_constraint_is_an_error() {
+    let places = Case::new("pendulum_cartesian").start("y", 0.5);
+    let Cause::StartMissesConstraint { constraint, residual } = cause(places) else { panic!("a start") };
+    assert_eq!(constraint, "rod");
+    near(residual.abs(), 0.25, 1e-12);
+    let speeds = Case::new("pendulum_cartesian").start("x'", 1.0);
+    let Cause::StartMissesConstraint { constraint, .. } = cause(speeds) else { panic!("a start") };
+    assert_eq!(constraint, "rod");
+}
+
+/// C11: a body without mass is no obstacle where constraints tie it; where nothing does, the error names its coordinate.
+#[test]
+fn c11_a_massless_body_moves_where_it_is_tied() {
+    let tied = "
+name: Tied
+parameters: {m: 1 kg, k: 1 N/m}
+coordinates: {x: m, y: m}
+bodies: {heavy: {mass: m, position: \"[x, 0]\"}}
+springs: {spring: {stretch: y, stiffness: k}}
+constraints: {lever: y - 2*x}
+scene: {start: {x: 1}, until: 3, tolerance: 1e-12}
+";
+    let last = written(tied).run().last();
+    near(last["x"], 6.0_f64.cos(), 1e-10);
+    near(last["y"], 2.0 * 6.0_f64.cos(), 1e-10);
+    let free = tied.replace("constraints: {lever: y - 2*x}\n", "");
+    let problems = compile(&free, &[]).err().expect("an error");
+    assert!(problems.iter().any(|problem| problem.message.contains("`y`")), "{problems:?}");
+}
