@@ -224,7 +224,9 @@ fn is_accounted_for(name: &str, program: &Program) -> bool {
             let of = of.trim_end_matches('_');
             [of.to_owned(), format!("{of}_dot"), format!("{of}_ddot")].iter().any(|n| n == rest || n == name)
         };
-        temporary || rest == "t" || program.model.coordinates.iter().any(|c| coordinate(&c.name))
+        let multiplier = |of: &str| name.starts_with(&format!("lambda_{}", local_name(of).trim_end_matches('_')));
+        let constrained = program.model.constraints.iter().any(|c| multiplier(&c.name));
+        temporary || constrained || rest == "t" || program.model.coordinates.iter().any(|c| coordinate(&c.name))
     };
     OWN.contains(&name) || made(name.trim_end_matches('_'))
 }

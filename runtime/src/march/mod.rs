@@ -287,6 +287,9 @@ impl March {
         self.control.restart();
         self.jumps.restart();
         self.under_way = false;
+        if let Pace::Adaptive { tolerance, .. } = &mut self.pace {
+            tolerance.observe(self.stepper.start().y);
+        }
         self.stepper.begin(system, self.clock.now()).map_err(|setback| setback.cause(system.description()))?;
         finite(system, self.stepper.start().rate, 1)
     }
