@@ -35,12 +35,6 @@ pub(crate) enum Course<'a> {
 }
 
 impl Course<'_> {
-    /// How much θ changes by the rounding of the time: much where a step is very short.
-    fn grain(&self) -> f64 {
-        let (Course::Step(Segment { t, h, .. }) | Course::Time { t, h }) = self;
-        2.0 * f64::EPSILON * t.abs().max((t + h).abs()) / h
-    }
-
     /// The time at θ, s.
     fn time(&self, theta: f64) -> f64 {
         match self {
@@ -179,7 +173,6 @@ impl Arguments {
         }
         let mut certifier = std::mem::take(&mut self.certifier);
         certifier.extrema = true;
-        certifier.grain = course.grain();
         let outcome = certifier.certify(&mut |x| self.sample(system, course, index, x), &grid);
         self.path.clear();
         self.path.extend(certifier.points().iter().map(|point| (point.x, point.value)));

@@ -64,12 +64,10 @@ pub(crate) struct Certifier {
     pub marks: Vec<Mark>,
     /// Samples so far.
     pub samples: u64,
-    /// 8 unit round-offs of the largest value, and what the grain makes of the steepest slope.
+    /// 8 unit round-offs of the largest value.
     noise: f64,
     /// What the rounding of the state may change of the values: less is zero, and no jump.
     pub rounding: f64,
-    /// To which part of the way places are known: values are not known better than this times the slope.
-    pub grain: f64,
     /// Whether every extremum is wanted, not only those that might hide zeros.
     pub extrema: bool,
     /// Whether as many samples may be taken as there are pieces to begin with, times this many and more.
@@ -100,8 +98,7 @@ impl Certifier {
     pub fn certify(&mut self, f: &mut impl FnMut(f64) -> (f64, f64), grid: &[Sample]) -> Result<(), TooMany> {
         let [first, .., last] = grid else { return Ok(()) };
         let largest = grid.iter().map(|s| s.value.abs()).filter(|v| v.is_finite()).fold(0.0, f64::max);
-        let steepest = grid.iter().map(|s| s.slope.abs()).filter(|v| v.is_finite()).fold(0.0, f64::max);
-        self.noise = (4.0 * f64::EPSILON * largest).max(self.grain * steepest);
+        self.noise = 4.0 * f64::EPSILON * largest;
         self.marks.clear();
         self.points.clear();
         self.points.push(*first);
@@ -308,9 +305,6 @@ impl Certifier {
         let (value, slope) = f(x);
         if value.is_finite() {
             self.noise = self.noise.max(4.0 * f64::EPSILON * value.abs());
-        }
-        if slope.is_finite() {
-            self.noise = self.noise.max(self.grain * slope.abs());
         }
         Sample { x, value, slope }
     }
