@@ -82,7 +82,9 @@ fn companion(
 
 /// The same settings for a run that is only compared, from a start moved by rounding.
 fn alike(settings: &Settings, run: &Run) -> Settings {
-    let mut other = Settings { digits: false, dense: false, watch: false, unlike: true, ..settings.clone() };
+    // The same times are reported, however long it is.
+    let every = Some(settings.spacing());
+    let mut other = Settings { digits: false, dense: false, watch: false, unlike: true, every, ..settings.clone() };
     let n = other.q.len();
     let largest =
         |column: usize| run.rows.iter().skip(column).step_by(2 * n).fold(0.0_f64, |most, y| most.max(y.abs()));
