@@ -115,7 +115,7 @@ impl Projection {
     /// Whether a holonomic row does not hold at the state that was observed last, and by how much it is missed.
     pub fn misses(&self, row: usize) -> Option<f64> {
         let c = self.triples[3 * row];
-        (!(c.abs() <= LOST * self.scales[row])).then_some(c)
+        (c.is_nan() || c.abs() > LOST * self.scales[row]).then_some(c)
     }
 
     /// The largest norms that the rows have had.

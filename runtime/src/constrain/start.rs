@@ -287,7 +287,7 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
             left = after;
         }
         let first = left.len() - range.len();
-        match (first..left.len()).find(|k| !(left[*k].abs() <= MISSED)) {
+        match (first..left.len()).find(|k| left[*k].is_nan() || left[*k].abs() > MISSED) {
             Some(k) => Err(Cause::StartMissesConstraint {
                 constraint: format!("also, its equation {}", k - first + 1),
                 residual: left[k],

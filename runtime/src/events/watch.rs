@@ -341,7 +341,7 @@ impl Watch {
         self.sampler.at_state(system, t, y);
         for function in 0..self.sampler.events() {
             let value = self.sampler.value(function);
-            let on = !(value.abs() > ON * self.scanner.largest[function]);
+            let on = value.is_nan() || value.abs() <= ON * self.scanner.largest[function];
             self.scanner.sides[function] = if on { 0.0 } else { value.signum() };
             self.scanner.fresh[function] = true;
             self.scanner.leaving[function] = 0.0;

@@ -174,7 +174,7 @@ impl<S: System + ?Sized> Rest<'_, S> {
                 }
                 part *= 0.5;
             }
-            if !(after < size) {
+            if after.is_nan() || after >= size {
                 // As good as rounding lets it be, or nowhere.
                 return if self.is_balanced(&q, &lambda) { Ok(q) } else { Err(self.nowhere(&q, iteration)) };
             }

@@ -40,7 +40,7 @@ impl Flights {
         let first = *self.first.get_or_insert(flight);
         let before = self.flight.replace(flight)?;
         let ratio = flight / before;
-        if !(ratio < 1.0) {
+        if ratio.is_nan() || ratio >= 1.0 {
             (self.first, self.estimate) = (Some(flight), None);
             return None;
         }
@@ -209,11 +209,8 @@ impl March {
         if !jump.iter().any(|jump| jump.abs() > ROUNDING * size) {
             return;
         }
-        let constraints: Vec<(String, f64)> = rows
-            .iter()
-            .filter(|(_, impulse)| *impulse != 0.0)
-            .map(|(row, impulse)| (system.description().rows[*row].name.to_string(), *impulse))
-            .collect();
+        let constraints: Vec<(String, f64)> =
+            rows.iter().map(|(row, impulse)| (system.description().rows[*row].name.to_string(), *impulse)).collect();
         recorder.impulse(Impulse { t: self.clock.now(), inputs: Vec::new(), constraints, jump });
     }
 }

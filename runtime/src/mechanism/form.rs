@@ -166,7 +166,12 @@ impl Form {
         for (k, right) in found.iter_mut().enumerate() {
             *right = -self.gamma[k] - weighted(&self.mass, &self.half[k * n..][..n], a);
         }
-        let solved = if rubs { self.rub(&mut found) } else { Ok(self.cholesky_solve(&mut found)) };
+        let solved = if rubs {
+            self.rub(&mut found)
+        } else {
+            self.cholesky_solve(&mut found);
+            Ok(())
+        };
         let lines = if rubs { &self.pushed } else { &self.half };
         for (k, lambda) in found.iter().enumerate() {
             add(a, *lambda, &lines[k * n..][..n]);
@@ -281,7 +286,7 @@ impl Form {
             let best = (k..m).max_by(|a, b| pivot(*a).total_cmp(&pivot(*b))).unwrap_or(k);
             let size = pivot(best).max(0.0).sqrt();
             self.weakest = self.weakest.min(size);
-            if !(size > weak) {
+            if size.is_nan() || size <= weak {
                 self.rank = k;
                 break;
             }
@@ -309,8 +314,7 @@ impl Form {
     fn cholesky_solve(&mut self, b: &mut [f64]) {
         let m = b.len();
         let (rank, y) = (self.rank, &mut self.right);
-        for i in 0..rank {
-            let row = self.order[i];
+        for (i, &row) in self.order[..rank].iter().enumerate() {
             let known: f64 = (0..i).map(|j| self.schur[i * m + j] * y[j]).sum();
             y[i] = (b[row] / self.norms[row] - known) / self.schur[i * m + i];
         }
@@ -319,9 +323,8 @@ impl Form {
             y[i] = (y[i] - known) / self.schur[i * m + i];
         }
         b.fill(0.0);
-        for i in 0..rank {
-            let row = self.order[i];
-            b[row] = y[i] / self.norms[row];
+        for (y, &row) in y.iter().zip(&self.order[..rank]) {
+            b[row] = y / self.norms[row];
         }
     }
 
@@ -342,7 +345,7 @@ impl Form {
         }
         for i in 0..rank {
             let (pivot, without) = (self.rubbed[i * rank + i], self.schur[i * m + i].powi(2));
-            if !(pivot > PAINLEVE * without) {
+            if pivot.is_nan() || pivot <= PAINLEVE * without {
                 b.fill(0.0);
                 return Err(Singular::Friction { row: self.active[self.order[i]] });
             }

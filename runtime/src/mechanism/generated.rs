@@ -22,6 +22,7 @@ impl<S: Copy + Send + Sync, const K: usize> Values<S> for [S; K] {
 /// the switches.  `u` are the inputs with their first and second derivatives, three numbers each.
 /// Functions that nobody calls cost nothing.  Shapes, units and signs are those of
 /// [`System`](super::System).
+#[expect(clippy::too_many_arguments, reason = "a state with its multipliers, part by part")]
 pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
     /// The block of constants.
     type Constants<S: Real>: Values<S>;
@@ -58,7 +59,6 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
         a: &mut [S; N],
     ) -> Result<(), SingularMass>;
     /// A, row by row, and b of a system of balances; nothing where there is no such system.
-    #[expect(clippy::too_many_arguments, reason = "a state and a linear system")]
     fn balances<S: Real>(
         c: &Self::Constants<S>,
         system: usize,
@@ -81,7 +81,6 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
         f: &mut [S; N],
     );
     /// ∂F/∂q and ∂F/∂q' as values of their patterns.
-    #[expect(clippy::too_many_arguments, reason = "a state and two matrices")]
     fn jacobians<S: Real>(
         c: &Self::Constants<S>,
         t: S,
@@ -208,7 +207,6 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
     /// B as values of its pattern.
     fn friction<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], values: &mut [S]);
     /// ∂(J a + γ)/∂q and ∂(J a + γ)/∂q' as values of their patterns.
-    #[expect(clippy::too_many_arguments, reason = "a state and two matrices")]
     fn constraint_jacobians<S: Real>(
         c: &Self::Constants<S>,
         t: S,
@@ -234,7 +232,6 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
         values: &mut [S],
     );
     /// Total time derivatives of F, then of J a + γ, with a and λ held.
-    #[expect(clippy::too_many_arguments, reason = "a state with its multipliers")]
     fn held_rates<S: Real>(
         c: &Self::Constants<S>,
         t: S,

@@ -110,7 +110,8 @@ fn reason(
         Some(step) => Loss::CoarseStep { step },
         None => Loss::LooseTolerance { tolerance: settings.tolerance },
     };
-    let mut moved = alike(settings, run);
+    // With the same steps: only the start differs.
+    let mut moved = Settings { unlike: false, ..alike(settings, run) };
     moved.until = t.max(settings.from);
     if starts_at_rest(system, settings, run) {
         return Loss::UnstableStart;

@@ -161,7 +161,7 @@ impl Motion {
             .map(|i| (0..size).fold(right_side[i], |rest, j| rest - numbers[i * size + j] * found[j]))
             .collect();
         for (x, correction) in found.iter_mut().zip(factored.solve(&left)) {
-            *x = *x + correction;
+            *x += correction;
         }
         let errors: Vec<f64> = (0..size)
             .map(|i| {

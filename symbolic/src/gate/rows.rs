@@ -188,7 +188,7 @@ impl Constraints {
             let Some(best) = best else { break };
             let pivot = size(order[best]);
             first = if k == 0 { pivot } else { first };
-            if !(pivot > DEPENDENT * first) {
+            if pivot.is_nan() || pivot <= DEPENDENT * first {
                 let rows = order.iter().map(|place| active[*place]).collect();
                 return (k, rows);
             }

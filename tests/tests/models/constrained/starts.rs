@@ -44,7 +44,7 @@ fn c9_a_redundant_constraint_is_named_and_changes_no_motion() {
 #[test]
 fn constraints_that_contradict_each_other_are_an_error_that_names_them() {
     let wrong = PENDULUM.replace("rod: x^2 + y^2 - l^2", "rod: x^2 + y^2 - l^2, other: x^2 + y^2 - 4*l^2");
-    let problems = compile(&wrong, &[]).err().expect("an error");
+    let problems = compile(&wrong, &[]).expect_err("an error");
     let told: Vec<&str> = problems.iter().map(|problem| problem.message.as_str()).collect();
     assert!(told.iter().any(|message| message.contains("other")), "{told:?}");
 }
@@ -86,6 +86,6 @@ scene: {start: {x: 1}, until: 3, tolerance: 1e-12}
     near(last["x"], 6.0_f64.cos(), 1e-10);
     near(last["y"], 2.0 * 6.0_f64.cos(), 1e-10);
     let free = tied.replace("constraints: {lever: y - 2*x}\n", "");
-    let problems = compile(&free, &[]).err().expect("an error");
+    let problems = compile(&free, &[]).expect_err("an error");
     assert!(problems.iter().any(|problem| problem.message.contains("`y`")), "{problems:?}");
 }
