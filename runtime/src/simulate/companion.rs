@@ -111,8 +111,7 @@ fn reason(
         None => Loss::LooseTolerance { tolerance: settings.tolerance },
     };
     // With the same steps: only the start differs.
-    let mut moved = Settings { unlike: false, ..alike(settings, run) };
-    moved.until = t.max(settings.from);
+    let moved = Settings { unlike: false, ..alike(settings, run) };
     if starts_at_rest(system, settings, run) {
         return Loss::UnstableStart;
     }
@@ -124,7 +123,7 @@ fn reason(
     let n = settings.q.len();
     let apart = |one: &[f64], other: &[f64], i: usize| (one[i] - other[i]).abs();
     let shared = run.times.iter().zip(&other.times).take_while(|(a, b)| a == b).count();
-    let Some(row) = shared.checked_sub(1) else { return accuracy };
+    let Some(row) = run.times[..shared].iter().rposition(|time| *time <= t) else { return accuracy };
     let (here, there) = (&run.rows[2 * n * row..][..2 * n], &other.rows[2 * n * row..][..2 * n]);
     let start =
         if column < n { apart(&settings.q, &moved.q, column) } else { apart(&settings.v, &moved.v, column - n) };
