@@ -6,7 +6,7 @@ use dalembert_tests::random_runs::{Verdict, survey};
 fn no_random_run_is_wrong_without_a_word() {
     let judged = survey(0..40, 2, |_| {});
     let wrong = |verdict: &Verdict| matches!(verdict, Verdict::Wrong { .. } | Verdict::Stopped { .. });
-    for one in judged.iter().filter(|one| wrong(&one.verdict)) {
+    if let Some(one) = judged.iter().find(|one| wrong(&one.verdict)) {
         panic!("run {}: {:?}\n{}", one.run, one.verdict, one.drawn.text);
     }
     // Most of them are judged at all.
