@@ -1,5 +1,6 @@
 //! Closed loops of bars.
 
+use dalembert::Warning;
 use dalembert_tests::case::Case;
 use dalembert_tests::reference::{Reference, numbers};
 
@@ -91,5 +92,44 @@ fn c7_a_slider_crank_passes_its_dead_centres() {
         let (sin, cos) = state["crank_angle"].sin_cos();
         let slope = -sin * (1.0 + cos / (9.0 - sin * sin).sqrt());
         near(state["piston_x'"], slope * state["crank_angle'"], 1e-11);
+    }
+}
+
+/// C5 of the catalogue: a parallelogram passes its change points, where the constraints depend on each other, on the branch
+/// that its motion continues, whatever the speed and the tolerance.
+#[test]
+fn c5_a_parallelogram_passes_its_change_points() {
+    for k in 0..8 {
+        let speed = 2.0 + 0.37 * f64::from(k);
+        for exponent in 5..=11 {
+            let bars = Case::new("four_bar").set("ground_length", 2.0).set("coupler", 2.0).set("rocker", 1.0);
+            let case = bars.set("g", if k % 2 == 0 { 0.0 } else { 0.1 });
+            let tolerance = 10_f64.powi(-exponent);
+            let run = case.start("crank_angle'", speed).tolerance(tolerance).until(5.0).run();
+            for state in run.states() {
+                near(state["rocker_angle"], state["crank_angle"], 1e-6);
+                near(state["coupler_angle"], 0.0, 1e-6);
+            }
+            let mut warnings = run.warnings.iter();
+            let passed = warnings.any(|warning| matches!(warning, Warning::SingularPassed { .. }));
+            assert!(passed || tolerance > 1e-8, "no word at {tolerance:e}");
+            if k % 2 == 0 {
+                // Translating in a circle: every point of the coupler with the same speed, at a constant rate.
+                near(run.last()["crank_angle"], run.first()["crank_angle"] + 5.0 * speed, 1e3 * tolerance.max(1e-11));
+            }
+        }
+    }
+}
+
+/// C6: with a rod as long as the crank the slider stands at its dead centre, and could stay there while both bars turn.
+#[test]
+fn c6_a_slider_crank_of_equal_links_keeps_its_branch() {
+    for exponent in 5..=11 {
+        let case = Case::new("slider_crank").set("rod", 1.0).start("crank_angle", 0.3).start("crank_angle'", 9.0);
+        let run = case.tolerance(10_f64.powi(-exponent)).until(5.0).run();
+        assert!(run.last()["crank_angle"] > 25.0, "{:?}", run.last());
+        for state in run.states() {
+            near(state["piston_x"], 2.0 * state["crank_angle"].cos(), 1e-6);
+        }
     }
 }
