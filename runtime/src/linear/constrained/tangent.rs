@@ -247,7 +247,8 @@ impl<S: System + ?Sized> Steady<'_, S> {
     fn search(&self, guess: &Guess, state: &mut State) -> Result<usize, LinearError> {
         let (n, m) = (self.n, self.rows.len());
         let open: Vec<usize> = (0..2 * n).filter(|i| *i < n || guess.v[i - n] == 0.0).collect();
-        for iteration in 0..ITERATIONS {
+        let mut iterations = 0;
+        while iterations < ITERATIONS {
             let left = self.whole(state);
             let slopes = self.slopes(state);
             let allowed = self.allowed(state);
@@ -259,10 +260,10 @@ impl<S: System + ?Sized> Steady<'_, S> {
             matrix.view_mut((n + extra, 0), (m, open.len())).copy_from(&slopes.rows(n, m).select_columns(&open));
             let lost = state.q.iter().any(|q| q.abs() > FAR);
             if lost || matrix.iter().chain(left.iter()).any(|x| !x.is_finite()) {
-                return Err(self.nowhere(state, iteration));
+                return Err(self.nowhere(state, iterations));
             }
             let right = DMatrix::from_column_slice(left.len(), 1, left.as_slice());
-            let Some(step) = solved(matrix, &right) else { return Err(self.nowhere(state, iteration)) };
+            let Some(step) = solved(matrix, &right) else { return Err(self.nowhere(state, iterations)) };
             let mut part = 1.0;
             let better = loop {
                 let mut tried = state.clone();
@@ -283,14 +284,13 @@ impl<S: System + ?Sized> Steady<'_, S> {
             };
             match better {
                 Some(next) => *state = next,
-                None => {
-                    let fast = state.v.iter().fold(0.0_f64, |most, v| most.max(v.abs())).max(1.0);
-                    state.v.iter_mut().filter(|v| v.abs() <= REST * fast).for_each(|v| *v = 0.0);
-                    return Ok(iteration);
-                }
+                None => break,
             }
+            iterations += 1;
         }
-        Ok(ITERATIONS)
+        let fast = state.v.iter().fold(1.0_f64, |most, v| most.max(v.abs()));
+        state.v.iter_mut().filter(|v| v.abs() <= REST * fast).for_each(|v| *v = 0.0);
+        Ok(iterations)
     }
 
     fn whole(&self, state: &State) -> DVector<f64> {
