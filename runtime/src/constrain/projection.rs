@@ -123,12 +123,17 @@ impl Projection {
         (c.is_nan() || c.abs() > LOST * self.scales[row]).then_some(c)
     }
 
+    /// Whether rounding of the constraints shows at the state that was projected last.
+    pub fn is_nearly_singular(&self) -> bool {
+        self.form.weakest() <= NEARLY_SINGULAR
+    }
+
     /// What rounding of c makes of q, and that in turn of q', at the state that was projected last; `None` where it is
     /// no more than that of q and q' themselves.
     ///
     /// Near a singular position, σ from it, q is open to some ε/σ and q' to ε/σ².
     pub fn blur<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) -> Option<&[f64]> {
-        if self.form.weakest() > NEARLY_SINGULAR {
+        if !self.is_nearly_singular() {
             return None;
         }
         let n = system.len();

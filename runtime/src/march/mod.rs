@@ -23,7 +23,7 @@ use crate::events::Watch;
 use crate::integrate::{
     Clock, Control, OneStep, Reached, Segment, Setback, StepControl, StiffnessDetector, Tolerance, Trial, stepper,
 };
-use crate::mechanism::{Method, System};
+use crate::mechanism::{At, Method, RowHistory, System};
 use crate::run::{Recorder, Work};
 use crate::trust::Warning;
 
@@ -432,7 +432,9 @@ impl March {
         let Some(projection) = &mut self.projection else { return Ok(()) };
         let projected = projection.project(system, self.clock.now(), self.stepper.state_mut());
         projected.map_err(|fault| fault.cause(system.description()))?;
-        system.set_row_norms(projection.norms());
+        if let Some(history) = system.row_history_mut() {
+            *history = RowHistory { norms: projection.norms().to_vec(), multipliers: Vec::new() };
+        }
         Ok(())
     }
 
@@ -486,7 +488,17 @@ impl March {
             projection.observe(system, now, y);
             return Ok(());
         }
-        system.set_row_norms(projection.norms());
+        if let Some(history) = system.row_history_mut() {
+            history.norms.clear();
+            history.norms.extend_from_slice(projection.norms());
+        }
+        if deficient.is_none() && projection.is_nearly_singular() {
+            let (mut a, mut lambda) = (vec![0.0; system.len()], vec![0.0; system.description().rows.len()]);
+            let solved = system.motion(At::packed(now, y, system.len()), &mut a, &mut lambda);
+            if let Some(history) = system.row_history_mut().filter(|_| solved.is_ok()) {
+                history.multipliers = lambda;
+            }
+        }
         if let Pace::Adaptive { tolerance, .. } = &mut self.pace {
             tolerance.blur(projection.blur(system, now, y));
         }

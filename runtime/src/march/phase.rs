@@ -62,13 +62,23 @@ impl March {
         let mut fired = fired;
         for _ in 0..AT_AN_INSTANT {
             let mut changed = false;
-            for Fired { event, actions, .. } in &fired {
+            let mut stops = false;
+            'all: for Fired { event, actions, .. } in &fired {
                 for action in actions {
+                    if *action == Action::Stop {
+                        stops = true;
+                        break 'all;
+                    }
                     changed |= self.does(system, (*event, *action), recorder)?;
                 }
             }
-            if !changed {
+            if !changed && !stops {
                 break;
+            }
+            if stops {
+                self.project_start(system)?;
+                self.restart(system, recorder)?;
+                return Ok(Halt::Event);
             }
             let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
             self.project_start(system)?;
@@ -83,9 +93,6 @@ impl March {
             for Fired { event, actions, .. } in &fired {
                 let stops = actions.contains(&Action::Stop);
                 watch.log(system, *event, (now, self.stepper.start().y), stops, recorder);
-                if stops {
-                    return Ok(Halt::Event);
-                }
             }
         }
         let event = fired.first().map_or(0, |fired| fired.event);

@@ -3,7 +3,8 @@
 //! M a + h = (Jᵀ + B) λ, J a + γ = 0, with the rows J of the constraints that are active, and B from forces that are
 //! made of multipliers, as friction is.  M = L D Lᵀ gives the Schur complement S = J M⁻¹ Jᵀ.  Which rows count is chosen
 //! anew at every factorization: pivoted Cholesky of S, its rows scaled by the largest norms they have had, leaves out
-//! those whose pivots are negligible (λ = 0 there).  So redundant rows and singular positions are treated by one rule.
+//! those whose pivots are negligible.  So redundant rows and singular positions are treated by one rule: λ = 0 in rows that
+//! never count; in those that cease to count near a singular position, what it was before.
 
 use super::solve::{factor_packed, substitute_back, substitute_forward};
 use super::{At, Singular, SingularMass, System};
@@ -118,7 +119,7 @@ impl Form {
         for line in self.half.chunks_exact_mut(n.max(1)) {
             substitute_forward(&self.mass, line);
         }
-        self.choose_rows(system.row_norms());
+        self.choose_rows(system.row_history().map_or(&[], |history| &history.norms));
         Ok(())
     }
 
@@ -161,7 +162,11 @@ impl Form {
         if rubs {
             self.load_friction(system, at, a);
         }
+        let usual = system.description().phases.get(system.phase()).map_or(0, |phase| phase.rank as usize);
+        let held = system.row_history().map_or(&[][..], |history| &history.multipliers);
+        let held = if self.rank < usual { held } else { &[] };
         substitute_forward(&self.mass, a);
+        self.hold(held, rubs, a);
         let mut found = std::mem::take(&mut self.found);
         for (k, right) in found.iter_mut().enumerate() {
             *right = -self.gamma[k] - weighted(&self.mass, &self.half[k * n..][..n], a);
@@ -181,8 +186,21 @@ impl Form {
         for (k, row) in self.active.iter().enumerate() {
             lambda[*row] = found[k] + self.strength[k] * self.gamma[k];
         }
+        for row in self.order[self.rank..].iter().map(|k| self.active[*k]) {
+            lambda[row] += held.get(row).copied().unwrap_or(0.0);
+        }
         self.found = found;
         solved
+    }
+
+    /// Adds to a force what rows that are left out did when they still counted.
+    fn hold(&self, held: &[f64], rubs: bool, force: &mut [f64]) {
+        let lines = if rubs { &self.pushed } else { &self.half };
+        for &k in &self.order[self.rank..] {
+            if let Some(lambda) = held.get(self.active[k]) {
+                add(force, *lambda, &lines[k * self.n..][..self.n]);
+            }
+        }
     }
 
     fn load_rows<S: System + ?Sized>(&mut self, system: &S, at: At<'_>) {

@@ -6,7 +6,7 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::on_its_sides;
+use super::{on_its_sides, sizes_alike};
 use crate::constrain::{Projection, Start, consistent};
 use crate::linear::{Equilibrium, Freedom, Guess, LinearError, Linearised, Mode, Residual, SparseMatrix};
 use crate::mechanism::{At, System};
@@ -243,9 +243,9 @@ impl<S: System + ?Sized> Rest<'_, S> {
         let closed = here.values.iter().all(|c| c.abs() <= BALANCED);
         // Rounding of the place and of multipliers counts too: the terms of a weight's moment vanish with it.
         let [stiffness, _] = self.slopes(q, lambda);
-        let carried = lambda.amax();
+        let (carried, sizes) = (lambda.amax(), sizes_alike(self.system.description(), q));
         let place = |i: usize| {
-            let by_place = stiffness.row(i).iter().zip(q).map(|(k, q)| (k * q).abs()).sum::<f64>();
+            let by_place = stiffness.row(i).iter().zip(&sizes).map(|(k, size)| k.abs() * size).sum::<f64>();
             (by_place + carried * here.jacobian.column(i).lp_norm(1)) * f64::EPSILON
         };
         let mut rows = left.iter().zip(self.magnitudes(q, lambda)).enumerate();

@@ -11,7 +11,7 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::on_its_sides;
+use super::{on_its_sides, sizes_alike};
 use crate::linear::matrices::equilibrated;
 use crate::linear::{Equilibrium, FirstOrder, Freedom, Guess, LinearError, Residual, first_order_modes};
 use crate::mechanism::{At, System};
@@ -304,10 +304,11 @@ impl<S: System + ?Sized> Steady<'_, S> {
         self.system.magnitudes(state.at(), &mut sums);
         // Rounding of the state and of multipliers counts too: the terms of a weight's moment vanish with it.
         let (slopes, effects) = (self.slopes(state), self.effects(state));
+        let description = self.system.description();
+        let (sizes, speeds) = (sizes_alike(description, &state.q), sizes_alike(description, &state.v));
         let carried = state.lambda.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let place = |i: usize| {
-            let by_place =
-                slopes.row(i).iter().zip(state.q.iter().chain(&state.v)).map(|(k, q)| (k * q).abs()).sum::<f64>();
+            let by_place: f64 = slopes.row(i).iter().zip(sizes.iter().chain(&speeds)).map(|(k, x)| (k * x).abs()).sum();
             (by_place + carried * effects.row(i).lp_norm(1)) * f64::EPSILON
         };
         let size = 1.0 + state.v.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
