@@ -123,6 +123,12 @@ impl Projection {
         (c.is_nan() || c.abs() > LOST * self.scales[row]).then_some(c)
     }
 
+    /// The rows that are nearest to depending on others at the state that was projected last, where `usual` of them are
+    /// independent elsewhere.
+    pub fn weak_rows(&self, usual: usize) -> Vec<usize> {
+        if self.is_nearly_singular() { self.form.chosen_after(usual.saturating_sub(1)) } else { Vec::new() }
+    }
+
     /// Whether rounding of the constraints shows at the state that was projected last.
     pub fn is_nearly_singular(&self) -> bool {
         self.form.weakest() <= NEARLY_SINGULAR

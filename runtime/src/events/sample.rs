@@ -84,6 +84,15 @@ impl Sampler {
         if change.abs() > LEAVES * size { change.signum() } else { 0.0 }
     }
 
+    /// By how much an event's function would change in a step, seen a little ahead.
+    pub fn variation<S: System + ?Sized>(&mut self, system: &S, event: usize, (t, y): (f64, &[f64]), step: f64) -> f64 {
+        self.at_state(system, t, y);
+        let before = self.value(event);
+        let moved = self.moved(system, (t, y), AHEAD * step);
+        self.at_state(system, t + AHEAD * step, &moved);
+        (self.value(event) - before).abs() / AHEAD
+    }
+
     /// The state a little later, by one step of Runge and Kutta's method of order 4: where speeds and accelerations have no part in
     /// how a zero is left, as where a foot lifts off, the third derivative has.
     fn moved<S: System + ?Sized>(&mut self, system: &S, (t, y): (f64, &[f64]), h: f64) -> Vec<f64> {

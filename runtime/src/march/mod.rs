@@ -433,7 +433,7 @@ impl March {
         let projected = projection.project(system, self.clock.now(), self.stepper.state_mut());
         projected.map_err(|fault| fault.cause(system.description()))?;
         if let Some(history) = system.row_history_mut() {
-            *history = RowHistory { norms: projection.norms().to_vec(), multipliers: Vec::new() };
+            *history = RowHistory { norms: projection.norms().to_vec(), ..RowHistory::default() };
         }
         Ok(())
     }
@@ -483,6 +483,7 @@ impl March {
     fn look_at_constraints(&mut self, system: &mut dyn System, recorder: &mut Recorder) -> Result<(), Cause> {
         let deficient = self.deficient(system);
         let Some(projection) = &mut self.projection else { return Ok(()) };
+        let usual = system.description().phases.get(system.phase()).map_or(0, |phase| phase.rank as usize);
         let (now, y) = (self.clock.now(), self.stepper.start().y);
         if system.active_rows().is_empty() {
             projection.observe(system, now, y);
@@ -491,6 +492,7 @@ impl March {
         if let Some(history) = system.row_history_mut() {
             history.norms.clear();
             history.norms.extend_from_slice(projection.norms());
+            history.last = projection.weak_rows(usual);
         }
         if deficient.is_none() && projection.is_nearly_singular() {
             let (mut a, mut lambda) = (vec![0.0; system.len()], vec![0.0; system.description().rows.len()]);

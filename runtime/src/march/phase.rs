@@ -61,7 +61,7 @@ impl March {
     ) -> Result<Halt, Cause> {
         let mut fired = fired;
         for _ in 0..AT_AN_INSTANT {
-            let mut changed = false;
+            let (before, mut changed) = (system.phase(), false);
             let mut stops = false;
             'all: for Fired { event, actions, .. } in &fired {
                 for action in actions {
@@ -85,7 +85,9 @@ impl March {
             let impact = |action: &Action| matches!(action, Action::Impact { .. });
             let struck = fired.iter().any(|fired| fired.actions.iter().any(impact));
             watch.enter(system, (now, &y), struck, &mut |system| self.trial(system))?;
-            fired = watch.overdue(system, (now, self.stepper.start().y));
+            let enters = |action: &Action| matches!(action, Action::Phase(_));
+            let entered = system.phase() != before || fired.iter().any(|fired| fired.actions.iter().any(enters));
+            fired = watch.overdue(system, (now, self.stepper.start().y), entered);
             if fired.is_empty() {
                 self.restart(system, recorder)?;
                 return Ok(Halt::Arrived);

@@ -66,6 +66,13 @@ impl Form {
         self.weakest
     }
 
+    /// Rows that were chosen after so many others, in the order of the mechanism's.
+    pub fn chosen_after(&self, count: usize) -> Vec<usize> {
+        let mut rows: Vec<usize> = self.order.iter().skip(count).map(|k| self.active[*k]).collect();
+        rows.sort_unstable();
+        rows
+    }
+
     /// √(J_k M⁻¹ J_kᵀ) of the active rows, or the largest there were before.
     pub fn norms(&self) -> &[f64] {
         &self.norms
@@ -119,7 +126,9 @@ impl Form {
         for line in self.half.chunks_exact_mut(n.max(1)) {
             substitute_forward(&self.mass, line);
         }
-        self.choose_rows(system.row_history().map_or(&[], |history| &history.norms));
+        let (norms, last) =
+            system.row_history().map_or((&[][..], &[][..]), |history| (&history.norms[..], &history.last[..]));
+        self.choose_rows(norms, last);
         Ok(())
     }
 
@@ -277,8 +286,8 @@ impl Form {
         factor_packed(&mut self.mass, n).map_err(|_| fault)
     }
 
-    /// Pivoted Cholesky of S, scaled.
-    fn choose_rows(&mut self, before: &[f64]) {
+    /// Pivoted Cholesky of S, scaled; the pivots of some rows are chosen last.
+    fn choose_rows(&mut self, before: &[f64], last: &[usize]) {
         let (n, m) = (self.n, self.active.len());
         for k in 0..m {
             for l in 0..=k {
@@ -300,9 +309,15 @@ impl Form {
         let weak = WEAK * (MANY / m.max(1) as f64).min(1.0);
         (self.rank, self.weakest) = (m, 1.0);
         for k in 0..m {
-            let pivot = |place: usize| self.schur[place * m + place];
-            let best = (k..m).max_by(|a, b| pivot(*a).total_cmp(&pivot(*b))).unwrap_or(k);
-            let size = pivot(best).max(0.0).sqrt();
+            let size = |place: usize| self.schur[place * m + place].max(0.0).sqrt();
+            let waits = |place: usize| size(place) <= weak || last.contains(&self.active[self.order[place]]);
+            let rated = |place: usize| (!waits(place), size(place));
+            let better = |a: &usize, b: &usize| {
+                let (a, b) = (rated(*a), rated(*b));
+                a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+            };
+            let best = (k..m).max_by(better).unwrap_or(k);
+            let size = size(best);
             self.weakest = self.weakest.min(size);
             if size.is_nan() || size <= weak {
                 self.rank = k;

@@ -12,6 +12,8 @@ pub struct RowHistory {
     /// The multipliers of all rows where the rows were last as independent as they usually are: rows that cease to count
     /// near a singular position keep them meanwhile.
     pub multipliers: Vec<f64>,
+    /// Rows that are chosen last near a singular position, so that the same ones are left out throughout.
+    pub last: Vec<usize>,
 }
 
 /// What a constrained mechanism keeps beside its parameters.

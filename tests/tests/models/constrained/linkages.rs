@@ -4,6 +4,7 @@ use dalembert::Warning;
 use dalembert_tests::case::Case;
 use dalembert_tests::reference::{Reference, numbers};
 
+use super::written;
 use crate::near;
 
 #[test]
@@ -118,6 +119,44 @@ fn c5_a_parallelogram_passes_its_change_points() {
                 near(run.last()["crank_angle"], run.first()["crank_angle"] + 5.0 * speed, 1e3 * tolerance.max(1e-11));
             }
         }
+    }
+}
+
+/// A parallelogram with three cranks: one constraint more than it needs, and singular where it lies flat.  It moves as its
+/// twin in one angle does, 2 m a² p'' = -5/2 m g a cos p.
+#[test]
+fn c5_three_cranks_pass_their_flat_position_with_a_constraint_too_many() {
+    let cranks = "
+name: ThreeCranks
+parameters: {m: 1 kg, a: 1 m, b: 2 m, g: 9.81 m/s^2}
+coordinates: {p: rad, q: rad, r: rad, x: m, y: m, psi: rad}
+points: {B: \"[b/2, 0]\", C: \"[b, 0]\"}
+bodies:
+  one: {mass: m, inertia: m*a^2/12, angle: p, position: a/2*one.x}
+  two: {mass: m, inertia: m*a^2/12, angle: q, position: B + a/2*two.x}
+  three: {mass: m, inertia: m*a^2/12, angle: r, position: C + a/2*three.x}
+  bar: {mass: m, inertia: m*b^2/12, angle: psi, position: \"[x, y]\"}
+gravity: [0, -g]
+constraints:
+  pin_1: \"a*one.x = position(bar) - b/2*bar.x\"
+  pin_2: \"B + a*two.x = position(bar)\"
+  pin_3: \"C + a*three.x = position(bar) + b/2*bar.x\"
+scene: {start: {p: 1}, guess: {q: 1, r: 1, x: 1.5, y: 0.8}, until: 3, tolerance: 1e-11}
+";
+    let twin = "
+name: Twin
+parameters: {m: 1 kg, a: 1 m, g: 9.81 m/s^2}
+coordinates: {p: rad}
+kinetic_energy: m*a^2*p'^2
+potential_energy: 5/2*m*g*a*sin(p)
+scene: {start: {p: 1}, until: 3, tolerance: 1e-13}
+";
+    let exact = written(twin).run().last()["p"];
+    for exponent in 6..=12 {
+        let tolerance = 10_f64.powi(-exponent);
+        let run = written(cranks).tolerance(tolerance).run();
+        near(run.last()["p"], exact, 1e4 * tolerance);
+        assert!(run.residuals.is_some_and(|residuals| residuals.position < 1e-11), "{:?}", run.residuals);
     }
 }
 
