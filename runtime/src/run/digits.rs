@@ -23,6 +23,8 @@ pub struct Digits {
     pub companion: f64,
     /// Evaluations of the accelerations that the second run took.
     pub evaluations: u64,
+    /// What moves by no more than this part of itself does not move.
+    still: f64,
 }
 
 /// A column has no digits left where its error is this part of the range that it goes through.
@@ -36,7 +38,9 @@ const MOST: i32 = 15;
 
 impl Digits {
     /// Compares a run with a second one.
-    pub(crate) fn compare(run: &Run, other: &Run, companion: f64) -> Self {
+    ///
+    /// `tolerance` is what errors of the second may be beside the values, where it is known.
+    pub(crate) fn compare(run: &Run, other: &Run, companion: f64, tolerance: Option<f64>) -> Self {
         let time_of = |run: &Run| run.times.last().copied().unwrap_or(0.0);
         let events = run.events.iter().zip(&other.events).map(|(a, b)| 2.0 * (a.state.t - b.state.t).abs());
         let mut digits = Digits {
@@ -46,15 +50,16 @@ impl Digits {
             lost: None,
             companion,
             evaluations: other.work.evaluations,
+            still: STILL.max(tolerance.unwrap_or(0.0)),
         };
-        digits.rows = differences(run, other).into_iter().map(|difference| 2.0 * difference).collect();
+        digits.rows = differences(run, other, digits.still).into_iter().map(|difference| 2.0 * difference).collect();
         digits.settle(run);
         digits
     }
 
     /// Raises bounds to this part of the differences from another run.
     pub(crate) fn doubt(&mut self, run: &Run, other: &Run, part: f64) {
-        for (bound, difference) in self.rows.iter_mut().zip(differences(run, other)) {
+        for (bound, difference) in self.rows.iter_mut().zip(differences(run, other, self.still)) {
             *bound = bound.max(part * difference);
         }
         self.evaluations += other.work.evaluations;
@@ -64,7 +69,7 @@ impl Digits {
     /// The largest bound of a coordinate or rate, in parts of its range.
     pub(crate) fn worst(&self, run: &Run) -> f64 {
         let n = run.names.coordinates.len();
-        let ranges = ranges(run);
+        let ranges = ranges(run, self.still);
         let of = |(at, bound): (usize, &f64)| Some(at % ranges.len()).filter(|c| *c < 2 * n).map(|c| bound / ranges[c]);
         self.rows.iter().enumerate().filter_map(of).fold(0.0, f64::max)
     }
@@ -72,7 +77,7 @@ impl Digits {
     /// No bound is below rounding; the first time at which one is as large as a range.
     fn settle(&mut self, run: &Run) {
         let (columns, n) = (run.column_names().len(), run.names.coordinates.len());
-        let ranges = ranges(run);
+        let ranges = ranges(run, self.still);
         self.lost = None;
         for row in 0..run.len() {
             let bounds = &mut self.rows[columns * row..][..columns];
@@ -87,7 +92,7 @@ impl Digits {
 
 /// Differences of two runs, column by column at all times of the first one: the largest over the last tenth of the time
 /// until then.
-fn differences(run: &Run, other: &Run) -> Vec<f64> {
+fn differences(run: &Run, other: &Run, still: f64) -> Vec<f64> {
     let columns = run.column_names().len();
     let shared = run.times.iter().zip(&other.times).take_while(|(a, b)| a == b).count();
     let ends_alike = ended_alike(run, other);
@@ -106,7 +111,7 @@ fn differences(run: &Run, other: &Run) -> Vec<f64> {
             |(own, theirs): (&f64, &f64)| if own.is_nan() && theirs.is_nan() { 0.0 } else { (own - theirs).abs() };
         differences.extend(own.iter().zip(&theirs).map(difference));
     }
-    vouch(&mut differences, &run.times, &ranges(run), run.names.coordinates.len());
+    vouch(&mut differences, &run.times, &ranges(run, still), run.names.coordinates.len());
     let mut largest = vec![0.0; differences.len()];
     for column in 0..columns {
         let sliding = sliding_maximum(&run.times, |row| differences[columns * row + column]);
@@ -214,8 +219,9 @@ fn row_of(run: &Run, row: usize) -> Vec<f64> {
     [&run.rows[2 * n * row..][..2 * n], &run.outputs[m * row..][..m]].concat()
 }
 
-/// How far the values of each column are apart; at least so far as what else has its unit does not round away.
-fn ranges(run: &Run) -> Vec<f64> {
+/// How far the values of each column are apart; at least so far as what else has its unit does not round away.  What does
+/// not move by more than this part of itself is constant: its size is its range.
+fn ranges(run: &Run, still: f64) -> Vec<f64> {
     let names = run.column_names();
     let mut ends = vec![(f64::INFINITY, f64::NEG_INFINITY); names.len()];
     for row in 0..run.len() {
@@ -223,13 +229,18 @@ fn ranges(run: &Run) -> Vec<f64> {
             (*low, *high) = (low.min(value), high.max(value));
         }
     }
-    let ranges: Vec<f64> = ends.into_iter().map(|(low, high)| (high - low).max(0.0)).collect();
+    let ranges: Vec<f64> = ends.iter().map(|(low, high)| (high - low).max(0.0)).collect();
     let units: Vec<String> = names.iter().map(|name| run.unit(name)).collect();
     let largest = |unit: &String| {
         let alike = ranges.iter().zip(&units).filter(|(_, other)| *other == unit);
         alike.fold(f64::MIN_POSITIVE, |most, (range, _)| most.max(*range))
     };
-    ranges.iter().zip(&units).map(|(range, unit)| range.max(STILL * largest(unit))).collect()
+    let of = |column: usize| {
+        let (low, high) = ends[column];
+        let (range, size) = (ranges[column], low.abs().max(high.abs()));
+        (if range > still * size { range } else { size }).max(STILL * largest(&units[column]))
+    };
+    (0..names.len()).map(of).collect()
 }
 
 /// Raises the difference of a coordinate to that of its rate in the same part of its range, and the other way round.

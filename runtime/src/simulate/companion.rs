@@ -37,7 +37,7 @@ pub(crate) fn judge_digits(
     }
     let mut goes_on = |_: f64| progress(settings.until);
     let Some((companion, other)) = companion(system, settings, run, LOOSER, &mut goes_on) else { return };
-    let mut digits = Digits::compare(run, &other, companion);
+    let mut digits = Digits::compare(run, &other, companion, settings.step.is_none().then_some(companion));
     if digits.worst(run) > DOUBTFUL {
         let Some((_, another)) = self::companion(system, settings, run, LOOSER * LOOSER, &mut goes_on) else { return };
         digits.doubt(run, &another, 0.1);
