@@ -202,13 +202,15 @@ impl fmt::Display for Cause {
             ),
             Cause::StartMissesConstraint { constraint, residual } => write!(
                 f,
-                "inconsistent start: what the start holds misses the constraint `{constraint}` by {residual:.3e}; hold \
-                 fewer values, or others"
+                "inconsistent start: what the start holds misses the constraint `{constraint}` by {size:.3e}; hold \
+                 fewer values, or others",
+                size = residual.abs()
             ),
             Cause::Unreachable { constraint, residual, stationary } => {
                 write!(
                     f,
-                    "unreachable: the constraints cannot be met; `{constraint}` is still missed by {residual:.3e}, "
+                    "unreachable: the constraints cannot be met; `{constraint}` is still missed by {size:.3e}, ",
+                    size = residual.abs()
                 )?;
                 match stationary {
                     true => write!(f, "and no change of what is not held comes nearer: lengths do not close"),
@@ -222,8 +224,9 @@ impl fmt::Display for Cause {
             ),
             Cause::PhaseMisses { phase, constraint, residual } => write!(
                 f,
-                "the phase `{phase}` is entered where `{constraint}` does not hold: it is missed by {residual:.3e}; let the \
-                 event's function be zero where the constraint is"
+                "the phase `{phase}` is entered where `{constraint}` does not hold: it is missed by {size:.3e}; let the \
+                 event's function be zero where the constraint is",
+                size = residual.abs()
             ),
             Cause::BadRestitution { value } => {
                 write!(f, "a coefficient of restitution is {value}; it must be between 0 and 1")
@@ -236,7 +239,8 @@ impl fmt::Display for Cause {
             ),
             Cause::ConstraintLost { constraint, residual } => write!(
                 f,
-                "constraint lost: the motion misses `{constraint}` by {residual:.3e}, and no projection brings it back"
+                "constraint lost: the motion misses `{constraint}` by {size:.3e}, and no projection brings it back",
+                size = residual.abs()
             ),
             Cause::PainleveInconsistent { constraint } => write!(
                 f,

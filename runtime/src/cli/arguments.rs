@@ -63,6 +63,7 @@ fn modes() -> Command {
         .args([scene, set])
         .arg(many("input", "NAME=VALUE", "Hold an input at a value [default: all at 0]"))
         .arg(many("at", "NAME=VALUE", "Where the search starts [default: the file's `equilibrium`]"))
+        .arg(value("phase", "NAME", "Which constraints and forces act [default: those of the scene's start]"))
         .arg(flag("steady", "Find the steady motion in which cyclic coordinates keep the speeds of the scene (`--at` sets others)"))
         .arg(value("plot", "FILE.svg", "Draw the shapes of the modes"))
         .arg(value("animate", "FILE.html", "Write a page that animates a mode"))

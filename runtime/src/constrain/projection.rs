@@ -18,6 +18,8 @@ pub(crate) struct Projection {
     scales: Vec<f64>,
     last: Residuals,
     worst: Residuals,
+    /// What rounding of constraints makes of [q; q'].
+    blur: Vec<f64>,
 }
 
 /// How far a motion is from its constraints, in their own units.
@@ -35,6 +37,8 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 const LOST: f64 = 1e-6;
 /// Corrections of positions at most; a chord iteration gains some four digits each.
 const ITERATIONS: usize = 8;
+/// Rows further than this from depending on each other determine a state to its own rounding.
+const NEARLY_SINGULAR: f64 = 0.1;
 /// A correction that leaves more than this of the residual calls for new matrices, or does not help at all.
 const SLOW: f64 = 0.3;
 
@@ -51,6 +55,7 @@ impl Projection {
             scales: vec![0.0; rows],
             last: Residuals::default(),
             worst: Residuals::default(),
+            blur: vec![0.0; 2 * system.len()],
         })
     }
 
@@ -116,6 +121,46 @@ impl Projection {
     pub fn misses(&self, row: usize) -> Option<f64> {
         let c = self.triples[3 * row];
         (c.is_nan() || c.abs() > LOST * self.scales[row]).then_some(c)
+    }
+
+    /// The rows that are nearest to depending on others at the state that was projected last, where `usual` of them are
+    /// independent elsewhere.
+    pub fn weak_rows(&self, usual: usize) -> Vec<usize> {
+        if self.is_nearly_singular() { self.form.chosen_after(usual.saturating_sub(1)) } else { Vec::new() }
+    }
+
+    /// Whether rounding of the constraints shows at the state that was projected last.
+    pub fn is_nearly_singular(&self) -> bool {
+        self.form.weakest() <= NEARLY_SINGULAR
+    }
+
+    /// What rounding of c makes of q, and that in turn of q', at the state that was projected last; `None` where it is
+    /// no more than that of q and q' themselves.
+    ///
+    /// Near a singular position, σ from it, q is open to some ε/σ and q' to ε/σ².
+    pub fn blur<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) -> Option<&[f64]> {
+        if !self.is_nearly_singular() {
+            return None;
+        }
+        let n = system.len();
+        self.blur.fill(0.0);
+        let (mut moved, mut before) = (y.to_vec(), self.triples.clone());
+        system.constraints(At::packed(t, y, n), &mut before);
+        for k in 0..self.form.active().len() {
+            let row = self.form.active()[k];
+            self.solve(|projection, other| if other == row { f64::EPSILON * projection.scales[row] } else { 0.0 });
+            for i in 0..n {
+                moved[i] = y[i] + self.delta[i];
+                self.blur[i] = self.blur[i].max(self.delta[i].abs());
+            }
+            system.constraints(At::packed(t, &moved, n), &mut self.triples);
+            self.solve(|projection, other| projection.triples[3 * other + 1] - before[3 * other + 1]);
+            for i in 0..n {
+                self.blur[n + i] = self.blur[n + i].max(self.delta[i].abs());
+            }
+        }
+        self.triples = before;
+        Some(&self.blur)
     }
 
     /// The largest norms that the rows have had.

@@ -42,8 +42,8 @@ pub(crate) fn consistent<S: System + ?Sized>(system: &S, start: &Start<'_>) -> R
     if !closing.rows.is_empty() {
         closing.close(&mut y)?;
         closing.nearest(&mut y);
-        closing.speeds(&mut y)?;
         closing.judge(&y)?;
+        closing.speeds(&mut y)?;
     }
     if !start.also.is_empty() {
         closing.also(&mut y, start.also.clone())?;

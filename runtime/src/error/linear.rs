@@ -40,6 +40,8 @@ pub enum LinearError {
         /// The constraint.
         constraint: String,
     },
+    /// Forces are made of reactions, as friction is: what the constraints carry is no part of M, C and K.
+    FrictionOfReactions,
     /// Forces jump here, as dry friction does at rest: the equilibria are a whole set, and there is no linear model.
     Discontinuous {
         /// (coordinate, value) of the point.
@@ -128,6 +130,11 @@ impl fmt::Display for LinearError {
                 f,
                 "the constraint `{constraint}` contains speeds: there are no independent coordinates to write M, C and K in; \
                  where it can be integrated, write it without speeds"
+            ),
+            LinearError::FrictionOfReactions => write!(
+                f,
+                "forces are made of reactions, which M, C and K in independent coordinates leave out; look at departures \
+                 from the steady state instead (`linearise_tangent`)"
             ),
             LinearError::Discontinuous { point, switch, jump } => write!(
                 f,

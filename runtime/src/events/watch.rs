@@ -338,10 +338,16 @@ impl Watch {
         self.surface.fill(false);
         self.choose(system, (t, y), None, trial)?;
         self.scanner.awaken(system);
-        self.sampler.at_state(system, t, y);
         for function in 0..self.sampler.events() {
+            // One that slept until now has no size yet but what it gains in a step.
+            let seen = self.scanner.largest[function];
+            let variation = match self.scanner.awake(function) {
+                true => self.sampler.variation(system, function, (t, y), self.step),
+                false => 0.0,
+            };
+            self.sampler.at_state(system, t, y);
             let value = self.sampler.value(function);
-            let on = value.is_nan() || value.abs() <= ON * self.scanner.largest[function];
+            let on = value.is_nan() || value.abs() <= ON * seen.max(variation);
             self.scanner.sides[function] = if on { 0.0 } else { value.signum() };
             self.scanner.fresh[function] = true;
             self.scanner.leaving[function] = 0.0;
@@ -355,8 +361,9 @@ impl Watch {
         Ok(())
     }
 
-    /// Events that change phases or speeds and are past their zero, in their direction, where a phase begins.
-    pub fn overdue<S: System + ?Sized>(&mut self, system: &S, (t, y): (f64, &[f64])) -> Vec<Fired> {
+    /// Events that change phases or speeds and are past their zero, in their direction, where a phase was `entered`, or
+    /// leave it so, there or after an impact.
+    pub fn overdue<S: System + ?Sized>(&mut self, system: &S, (t, y): (f64, &[f64]), entered: bool) -> Vec<Fired> {
         let mut fired = Vec::new();
         for (function, event) in system.description().events.iter().enumerate() {
             let changes = |action: &Action| matches!(action, Action::Phase(_) | Action::Impact { .. });
@@ -365,7 +372,8 @@ impl Watch {
             }
             let side = match self.scanner.sides[function] {
                 0.0 => self.scanner.leaving[function],
-                side => side,
+                side if entered => side,
+                _ => 0.0,
             };
             self.sampler.at_state(system, t, y);
             let past = match event.direction {

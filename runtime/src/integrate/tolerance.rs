@@ -32,6 +32,8 @@ pub(crate) struct Tolerance {
     raised: Vec<f64>,
     /// ν, 0 where nothing made it worth a measurement.
     noise: Vec<f64>,
+    /// What rounding of constraints that hardly differ leaves open, of q and of q'; 0 elsewhere.
+    blurred: Vec<f64>,
     /// The first coordinate of the same unit.
     group: Vec<usize>,
 }
@@ -56,6 +58,7 @@ impl Tolerance {
             raised: vec![0.0; units.len()],
             noise: vec![0.0; units.len()],
             floors: vec![0.0; start.len()],
+            blurred: vec![0.0; start.len()],
             group: units.iter().map(first).collect(),
         };
         tolerance.floors = (0..start.len()).map(|k| tolerance.floor(k)).collect();
@@ -68,7 +71,16 @@ impl Tolerance {
         let n = end.len() / 2;
         let moved = |k: usize| self.relative * (end[k] - start[k]).abs().max((h * rate[k]).abs());
         let noise = h.abs() * self.noise[i];
-        [self.floors[i].max(moved(i)).max(h.abs() * noise), self.floors[n + i].max(moved(n + i)).max(noise)]
+        let unit = |k: usize, noise: f64| self.floors[k].max(moved(k)).max(noise).max(self.blurred[k]);
+        [unit(i, h.abs() * noise), unit(n + i, noise)]
+    }
+
+    /// Takes note of what rounding of the constraints makes of [q; q'] at the present state; `None`: nothing to speak of.
+    pub fn blur(&mut self, noise: Option<&[f64]>) {
+        match noise {
+            Some(noise) => self.blurred.iter_mut().zip(noise).for_each(|(blurred, noise)| *blurred = *noise),
+            None => self.blurred.fill(0.0),
+        }
     }
 
     /// Takes note of a state on the motion.

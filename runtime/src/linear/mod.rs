@@ -9,7 +9,8 @@
 //! 4. A branch of equilibria as a parameter changes, its folds and thresholds ([`follow`]): look in `branch/`.
 //! 5. Motions of the linear model: from given states, by the matrix exponential [`expm`], forced, steady, measured:
 //!    look in `forced/`.
-//! 6. With holonomic constraints, in independent coordinates ([`linearise_constrained`]): look in `constrained.rs`.
+//! 6. With constraints: at rest in independent coordinates ([`linearise_constrained`]), otherwise on the states that
+//!    the constraints leave (`linearise_tangent`): look in `constrained/`.
 //! 7. Decompositions, scaling and ranks: look in `matrices/`.
 //!
 //! Matrices stay sparse until an eigenproblem or a factorization needs them dense, on the heap.
@@ -36,6 +37,8 @@ pub use crate::error::{LinearError, Residual};
 pub use crate::numbers::{short, short_beside};
 pub use branch::{Branch, BranchPoint, Change, Threshold, ThresholdKind, follow};
 pub use constrained::{Constrained, linearise_constrained};
+#[cfg(feature = "modal")]
+pub use constrained::{Tangent, linearise_tangent};
 pub use equilibrium::{
     Equilibrium, Freedom, Guess, Jump, Linearised, equilibria, equilibrium_here, equilibrium_near, linearise,
     state_matrix,

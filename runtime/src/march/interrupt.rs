@@ -58,7 +58,8 @@ impl March {
             }
             None => watch.fire(system, &together, (self.clock.now(), self.stepper.start().y), recorder),
         };
-        if fired.iter().any(|fired| fired.actions.contains(&Action::Stop)) {
+        let first = fired.iter().flat_map(|fired| &fired.actions).find(|action| **action != Action::Record);
+        if first == Some(&Action::Stop) {
             return Ok(Halt::Event);
         }
         recorder.leave(system, self.clock.now(), self.stepper.start());

@@ -23,7 +23,7 @@ use crate::events::Watch;
 use crate::integrate::{
     Clock, Control, OneStep, Reached, Segment, Setback, StepControl, StiffnessDetector, Tolerance, Trial, stepper,
 };
-use crate::mechanism::{Method, System};
+use crate::mechanism::{At, Method, RowHistory, System};
 use crate::run::{Recorder, Work};
 use crate::trust::Warning;
 
@@ -432,7 +432,9 @@ impl March {
         let Some(projection) = &mut self.projection else { return Ok(()) };
         let projected = projection.project(system, self.clock.now(), self.stepper.state_mut());
         projected.map_err(|fault| fault.cause(system.description()))?;
-        system.set_row_norms(projection.norms());
+        if let Some(history) = system.row_history_mut() {
+            *history = RowHistory { norms: projection.norms().to_vec(), ..RowHistory::default() };
+        }
         Ok(())
     }
 
@@ -453,6 +455,11 @@ impl March {
 
     /// Refuses a step across which the acceleration jumps, unless it is time that makes it jump.
     fn look_for_jumps(&mut self, system: &dyn System, step: Step) -> Result<(), Cause> {
+        // Rows that begin or cease to count there change accelerations by what rounding makes of them.
+        if self.singular > 0 || self.deficient(system).is_some() {
+            self.jumps.restart();
+            return Ok(());
+        }
         let (start, end) = (self.stepper.start(), self.stepper.end());
         let n = start.y.len() / 2;
         match self.jumps.observe(step.h, &start.rate[n..], &end.rate[n..]) {
@@ -474,21 +481,33 @@ impl March {
 
     /// Notes how the constraints stand at the end of a step.
     fn look_at_constraints(&mut self, system: &mut dyn System, recorder: &mut Recorder) -> Result<(), Cause> {
+        let deficient = self.deficient(system);
         let Some(projection) = &mut self.projection else { return Ok(()) };
+        let usual = system.description().phases.get(system.phase()).map_or(0, |phase| phase.rank as usize);
+        let (now, y) = (self.clock.now(), self.stepper.start().y);
         if system.active_rows().is_empty() {
-            projection.observe(system, self.clock.now(), self.stepper.start().y);
+            projection.observe(system, now, y);
             return Ok(());
         }
-        system.set_row_norms(projection.norms());
-        let (rank, sigma) = projection.rank();
-        let usual = system.description().phases.get(system.phase()).map_or(0, |phase| phase.rank as usize);
-        if rank < usual {
-            self.singular += 1;
-            recorder.warn(Warning::SingularPassed { t: self.clock.now() });
-            if self.singular > DWELLS {
-                return Err(Cause::SingularConfiguration { sigma });
+        if let Some(history) = system.row_history_mut() {
+            history.norms.clear();
+            history.norms.extend_from_slice(projection.norms());
+            history.last = projection.weak_rows(usual);
+        }
+        if deficient.is_none() && projection.is_nearly_singular() {
+            let (mut a, mut lambda) = (vec![0.0; system.len()], vec![0.0; system.description().rows.len()]);
+            let solved = system.motion(At::packed(now, y, system.len()), &mut a, &mut lambda);
+            if let Some(history) = system.row_history_mut().filter(|_| solved.is_ok()) {
+                history.multipliers = lambda;
             }
-            return Ok(());
+        }
+        if let Pace::Adaptive { tolerance, .. } = &mut self.pace {
+            tolerance.blur(projection.blur(system, now, y));
+        }
+        if let Some(sigma) = deficient {
+            self.singular += 1;
+            recorder.warn(Warning::SingularPassed { t: now });
+            return if self.singular > DWELLS { Err(Cause::SingularConfiguration { sigma }) } else { Ok(()) };
         }
         self.singular = 0;
         match projection.lost(system) {
@@ -498,6 +517,14 @@ impl March {
             }
             None => Ok(()),
         }
+    }
+
+    /// Where the rows of the constraints that were projected onto last are less independent than elsewhere: how far they
+    /// are from depending on each other.
+    fn deficient(&self, system: &dyn System) -> Option<f64> {
+        let (rank, sigma) = self.projection.as_ref()?.rank();
+        let usual = system.description().phases.get(system.phase())?.rank as usize;
+        (!system.active_rows().is_empty() && rank < usual).then_some(sigma)
     }
 
     /// How far the motion was from its constraints, at the ends of its steps.
@@ -543,7 +570,7 @@ const UNEVEN: f64 = 0.4;
 const FIRST: f64 = 1e-3;
 const USUAL: f64 = 1e-10;
 /// More steps than this in a row at a singular position: the motion stays there.
-const DWELLS: u32 = 5;
+const DWELLS: u32 = 100;
 /// So many times in a run a step is cut because a watched function oscillates within it.
 const MOST_CUTS: u32 = 100;
 

@@ -61,21 +61,33 @@ impl March {
     ) -> Result<Halt, Cause> {
         let mut fired = fired;
         for _ in 0..AT_AN_INSTANT {
-            let mut changed = false;
-            for Fired { event, actions, .. } in &fired {
+            let (before, mut changed) = (system.phase(), false);
+            let mut stops = false;
+            'all: for Fired { event, actions, .. } in &fired {
                 for action in actions {
+                    if *action == Action::Stop {
+                        stops = true;
+                        break 'all;
+                    }
                     changed |= self.does(system, (*event, *action), recorder)?;
                 }
             }
-            if !changed {
+            if !changed && !stops {
                 break;
+            }
+            if stops {
+                self.project_start(system)?;
+                self.restart(system, recorder)?;
+                return Ok(Halt::Event);
             }
             let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
             self.project_start(system)?;
             let impact = |action: &Action| matches!(action, Action::Impact { .. });
             let struck = fired.iter().any(|fired| fired.actions.iter().any(impact));
             watch.enter(system, (now, &y), struck, &mut |system| self.trial(system))?;
-            fired = watch.overdue(system, (now, self.stepper.start().y));
+            let enters = |action: &Action| matches!(action, Action::Phase(_));
+            let entered = system.phase() != before || fired.iter().any(|fired| fired.actions.iter().any(enters));
+            fired = watch.overdue(system, (now, self.stepper.start().y), entered);
             if fired.is_empty() {
                 self.restart(system, recorder)?;
                 return Ok(Halt::Arrived);
@@ -83,9 +95,6 @@ impl March {
             for Fired { event, actions, .. } in &fired {
                 let stops = actions.contains(&Action::Stop);
                 watch.log(system, *event, (now, self.stepper.start().y), stops, recorder);
-                if stops {
-                    return Ok(Halt::Event);
-                }
             }
         }
         let event = fired.first().map_or(0, |fired| fired.event);

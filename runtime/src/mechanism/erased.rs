@@ -1,7 +1,7 @@
 //! A [`Mechanism`] behind slices.
 
 use super::balances::solve_rows;
-use super::phased::Phased;
+use super::phased::{Phased, RowHistory};
 use super::{At, Description, Energy, Mechanism, Scene, Signal, Singular, System, Values};
 
 /// A mechanism of static size as a [`System`], with its block of constants at hand.
@@ -166,13 +166,12 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
         }
     }
 
-    fn row_norms(&self) -> &[f64] {
-        &self.phased.norms
+    fn row_history(&self) -> Option<&RowHistory> {
+        Some(&self.phased.history)
     }
 
-    fn set_row_norms(&mut self, norms: &[f64]) {
-        self.phased.norms.clear();
-        self.phased.norms.extend_from_slice(norms);
+    fn row_history_mut(&mut self) -> Option<&mut RowHistory> {
+        Some(&mut self.phased.history)
     }
 
     fn also(&self, at: At<'_>) -> Vec<(f64, f64)> {

@@ -3,7 +3,8 @@
 //! M a + h = (Jᵀ + B) λ, J a + γ = 0, with the rows J of the constraints that are active, and B from forces that are
 //! made of multipliers, as friction is.  M = L D Lᵀ gives the Schur complement S = J M⁻¹ Jᵀ.  Which rows count is chosen
 //! anew at every factorization: pivoted Cholesky of S, its rows scaled by the largest norms they have had, leaves out
-//! those whose pivots are negligible (λ = 0 there).  So redundant rows and singular positions are treated by one rule.
+//! those whose pivots are negligible.  So redundant rows and singular positions are treated by one rule: λ = 0 in rows that
+//! never count; in those that cease to count near a singular position, what it was before.
 
 use super::solve::{factor_packed, substitute_back, substitute_forward};
 use super::{At, Singular, SingularMass, System};
@@ -65,6 +66,13 @@ impl Form {
         self.weakest
     }
 
+    /// Rows that were chosen after so many others, in the order of the mechanism's.
+    pub fn chosen_after(&self, count: usize) -> Vec<usize> {
+        let mut rows: Vec<usize> = self.order.iter().skip(count).map(|k| self.active[*k]).collect();
+        rows.sort_unstable();
+        rows
+    }
+
     /// √(J_k M⁻¹ J_kᵀ) of the active rows, or the largest there were before.
     pub fn norms(&self) -> &[f64] {
         &self.norms
@@ -118,7 +126,9 @@ impl Form {
         for line in self.half.chunks_exact_mut(n.max(1)) {
             substitute_forward(&self.mass, line);
         }
-        self.choose_rows(system.row_norms());
+        let (norms, last) =
+            system.row_history().map_or((&[][..], &[][..]), |history| (&history.norms[..], &history.last[..]));
+        self.choose_rows(norms, last);
         Ok(())
     }
 
@@ -161,7 +171,11 @@ impl Form {
         if rubs {
             self.load_friction(system, at, a);
         }
+        let usual = system.description().phases.get(system.phase()).map_or(0, |phase| phase.rank as usize);
+        let held = system.row_history().map_or(&[][..], |history| &history.multipliers);
+        let held = if self.rank < usual { held } else { &[] };
         substitute_forward(&self.mass, a);
+        self.hold(held, rubs, a);
         let mut found = std::mem::take(&mut self.found);
         for (k, right) in found.iter_mut().enumerate() {
             *right = -self.gamma[k] - weighted(&self.mass, &self.half[k * n..][..n], a);
@@ -181,8 +195,21 @@ impl Form {
         for (k, row) in self.active.iter().enumerate() {
             lambda[*row] = found[k] + self.strength[k] * self.gamma[k];
         }
+        for row in self.order[self.rank..].iter().map(|k| self.active[*k]) {
+            lambda[row] += held.get(row).copied().unwrap_or(0.0);
+        }
         self.found = found;
         solved
+    }
+
+    /// Adds to a force what rows that are left out did when they still counted.
+    fn hold(&self, held: &[f64], rubs: bool, force: &mut [f64]) {
+        let lines = if rubs { &self.pushed } else { &self.half };
+        for &k in &self.order[self.rank..] {
+            if let Some(lambda) = held.get(self.active[k]) {
+                add(force, *lambda, &lines[k * self.n..][..self.n]);
+            }
+        }
     }
 
     fn load_rows<S: System + ?Sized>(&mut self, system: &S, at: At<'_>) {
@@ -259,8 +286,8 @@ impl Form {
         factor_packed(&mut self.mass, n).map_err(|_| fault)
     }
 
-    /// Pivoted Cholesky of S, scaled.
-    fn choose_rows(&mut self, before: &[f64]) {
+    /// Pivoted Cholesky of S, scaled; the pivots of some rows are chosen last.
+    fn choose_rows(&mut self, before: &[f64], last: &[usize]) {
         let (n, m) = (self.n, self.active.len());
         for k in 0..m {
             for l in 0..=k {
@@ -282,9 +309,15 @@ impl Form {
         let weak = WEAK * (MANY / m.max(1) as f64).min(1.0);
         (self.rank, self.weakest) = (m, 1.0);
         for k in 0..m {
-            let pivot = |place: usize| self.schur[place * m + place];
-            let best = (k..m).max_by(|a, b| pivot(*a).total_cmp(&pivot(*b))).unwrap_or(k);
-            let size = pivot(best).max(0.0).sqrt();
+            let size = |place: usize| self.schur[place * m + place].max(0.0).sqrt();
+            let waits = |place: usize| size(place) <= weak || last.contains(&self.active[self.order[place]]);
+            let rated = |place: usize| (!waits(place), size(place));
+            let better = |a: &usize, b: &usize| {
+                let (a, b) = (rated(*a), rated(*b));
+                a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+            };
+            let best = (k..m).max_by(better).unwrap_or(k);
+            let size = size(best);
             self.weakest = self.weakest.min(size);
             if size.is_nan() || size <= weak {
                 self.rank = k;

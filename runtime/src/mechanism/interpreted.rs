@@ -7,7 +7,7 @@ use dalembert_symbolic::model::{EventAction, Shape as SymbolicShape};
 use dalembert_symbolic::print;
 
 use super::balances::{belongs, put_reactions};
-use super::phased::{Phased, indicate};
+use super::phased::{Phased, RowHistory, indicate};
 use super::{
     Action, Argument, At, Balance, BalanceSystem, Balances, Coordinate, Counts, Description, Direction, Energy, Event,
     InputJump, List, Parameter, Phase, Quantity, Role, Row, Scene, Shape, Signal, Singular, SingularMass, Structure,
@@ -149,13 +149,12 @@ impl System for Interpreted {
         }
     }
 
-    fn row_norms(&self) -> &[f64] {
-        &self.phased.norms
+    fn row_history(&self) -> Option<&RowHistory> {
+        Some(&self.phased.history)
     }
 
-    fn set_row_norms(&mut self, norms: &[f64]) {
-        self.phased.norms.clear();
-        self.phased.norms.extend_from_slice(norms);
+    fn row_history_mut(&mut self) -> Option<&mut RowHistory> {
+        Some(&mut self.phased.history)
     }
 
     fn also(&self, at: At<'_>) -> Vec<(f64, f64)> {

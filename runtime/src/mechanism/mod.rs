@@ -27,6 +27,7 @@ pub use generated::{Mechanism, Values};
 #[cfg(feature = "interpret")]
 pub use interpreted::Interpreted;
 pub use method::{Method, ParseMethodError};
+pub use phased::RowHistory;
 pub use real::Real;
 pub use singular::{Singular, SingularMass};
 #[doc(hidden)]

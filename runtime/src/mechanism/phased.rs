@@ -4,20 +4,32 @@ use std::sync::{Mutex, PoisonError};
 
 use super::{At, Form, Singular, System};
 
+/// What the motion so far tells of the constraints' rows; lists are empty where it tells nothing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RowHistory {
+    /// The largest √(J_k M⁻¹ J_kᵀ) that each row has had, to tell negligible rows by.
+    pub norms: Vec<f64>,
+    /// The multipliers of all rows where the rows were last as independent as they usually are: rows that cease to count
+    /// near a singular position keep them meanwhile.
+    pub multipliers: Vec<f64>,
+    /// Rows that are chosen last near a singular position, so that the same ones are left out throughout.
+    pub last: Vec<usize>,
+}
+
 /// What a constrained mechanism keeps beside its parameters.
 #[derive(Debug, Default)]
 pub(super) struct Phased {
     /// The phase in force.
     pub phase: usize,
-    /// The largest norms that the constraints' rows have had.
-    pub norms: Vec<f64>,
+    /// What is known of the constraints from the motion so far.
+    pub history: RowHistory,
     /// Nobody waits for it: whoever evaluates in parallel has a mechanism of its own.
     form: Mutex<Form>,
 }
 
 impl Clone for Phased {
     fn clone(&self) -> Self {
-        Phased { phase: self.phase, norms: self.norms.clone(), form: Mutex::default() }
+        Phased { phase: self.phase, history: self.history.clone(), form: Mutex::default() }
     }
 }
 

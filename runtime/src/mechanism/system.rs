@@ -1,6 +1,6 @@
 //! The object-safe face of a mechanism, on slices: everything downstream is written once over it.
 
-use super::{At, Description, Energy, Scene, Singular};
+use super::{At, Description, Energy, RowHistory, Scene, Singular};
 
 /// A mechanism with its parameters, behind slices.
 ///
@@ -87,14 +87,14 @@ pub trait System: Send + Sync {
         self.description().phases.get(self.phase()).map_or(&[], |phase| &phase.rows)
     }
 
-    /// The largest √(J_k M⁻¹ J_kᵀ) that each row has had in a motion, to tell negligible rows by; 0 or nothing at first.
-    fn row_norms(&self) -> &[f64] {
-        &[]
+    /// What is known of the constraints from the motion so far; `None` for a mechanism without any.
+    fn row_history(&self) -> Option<&RowHistory> {
+        None
     }
 
-    /// Notes these norms.
-    fn set_row_norms(&mut self, norms: &[f64]) {
-        let _ = norms;
+    /// The same, to be noted.
+    fn row_history_mut(&mut self) -> Option<&mut RowHistory> {
+        None
     }
 
     /// Quantities that scenes' starts meet beside constraints: what they are at a state, and what they are to be.

@@ -30,7 +30,7 @@ use crate::constrain::{self, consistent};
 use crate::error::Error;
 use crate::integrate::Tolerance;
 use crate::march::{March, Pace};
-use crate::mechanism::System;
+use crate::mechanism::{RowHistory, System};
 use crate::run::{Failure, Plan, Recorder, Run};
 use crate::trust::{Warning, check_step, positive_inertia};
 
@@ -80,7 +80,9 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     let work = settings.watch && !system.description().structure.conservative;
     let guess = [settings.q.as_slice(), settings.v.as_slice()].concat();
     system.set_phase(settings.phase);
-    system.set_row_norms(&[]);
+    if let Some(history) = system.row_history_mut() {
+        *history = RowHistory::default();
+    }
     let held = settings.held();
     let met =
         consistent(system, &constrain::Start { t: settings.from, y: &guess, held: &held, also: settings.also.clone() });

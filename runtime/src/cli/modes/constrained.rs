@@ -1,4 +1,5 @@
-//! `modes` of a mechanism with constraints: in independent coordinates, shapes in all of the file's.
+//! `modes` of a mechanism with constraints: at rest in independent coordinates, shapes in all of the file's; about
+//! steady motions, and where constraints contain speeds, by eigenvalues (`tangent.rs`).
 
 use std::io::Write;
 
@@ -12,7 +13,7 @@ use super::{failed, pictures, report};
 use crate::linear::{Guess, linearise_constrained};
 
 /// Options that need the equations in all coordinates.
-const OTHERS: [&str; 8] = ["steady", "motion", "drive", "omega", "bode", "range", "vary", "locus"];
+const OTHERS: [&str; 7] = ["motion", "drive", "omega", "bode", "range", "vary", "locus"];
 
 /// Linearises at rest and prints the modes.
 pub fn run(loaded: &Loaded, options: &ArgMatches, guess: &Guess, out: &mut dyn Write) -> Result<(), Problem> {
@@ -22,11 +23,17 @@ pub fn run(loaded: &Loaded, options: &ArgMatches, guess: &Guess, out: &mut dyn W
         return Err(Problem::Usage(words));
     }
     let system = &*loaded.system;
+    let rows = || system.active_rows().iter().map(|row| &system.description().rows[*row as usize]);
+    let names: Vec<String> = rows().map(|row| row.name.to_string()).collect();
+    // Friction made of reactions belongs to no K: it follows what the constraints carry.
+    let rubs = !system.description().friction_pattern.is_empty();
+    if rubs || guess.v.iter().any(|v| *v != 0.0) || rows().any(|row| !row.holonomic) {
+        return by_departures(loaded, options, guess, &names, out);
+    }
     let found = linearise_constrained(system, guess, options.get_flag("here")).map_err(failed)?;
     let modes = found.in_all_coordinates(&found.linear.modes().map_err(failed)?);
     pictures(loaded, options, &found.linear, &modes)?;
-    let rows = system.active_rows().iter().map(|row| system.description().rows[*row as usize].name.to_string());
-    let reactions: Vec<(String, f64)> = rows.zip(found.multipliers.iter().copied()).collect();
+    let reactions: Vec<(String, f64)> = names.into_iter().zip(found.multipliers.iter().copied()).collect();
     if options.get_flag("json") {
         let reactions = reactions.into_iter().map(|(name, value)| (name, json::number(value)));
         let more = vec![("shape_coordinates", json!(found.coordinates)), ("reactions", json::object(reactions))];
@@ -38,4 +45,24 @@ pub fn run(loaded: &Loaded, options: &ArgMatches, guess: &Guess, out: &mut dyn W
         writeln!(out, "reaction({name}) at rest = {}", crate::linear::short(value))?;
     }
     Ok(())
+}
+
+#[cfg(feature = "modal")]
+fn by_departures(
+    loaded: &Loaded,
+    options: &ArgMatches,
+    guess: &Guess,
+    names: &[String],
+    out: &mut dyn Write,
+) -> Result<(), Problem> {
+    if let Some(option) = ["plot", "animate", "mode"].iter().find(|option| options.contains_id(option)) {
+        let words = format!("error: --{option} draws modes of oscillation; here there are eigenvalues only");
+        return Err(Problem::Usage(words));
+    }
+    super::tangent::run(loaded, (options.get_flag("here"), options.get_flag("json")), guess, names, out)
+}
+
+#[cfg(not(feature = "modal"))]
+fn by_departures(_: &Loaded, _: &ArgMatches, _: &Guess, _: &[String], _: &mut dyn Write) -> Result<(), Problem> {
+    Err(failed(crate::linear::LinearError::NeedsFeature { feature: "modal" }))
 }

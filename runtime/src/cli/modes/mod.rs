@@ -7,6 +7,8 @@ mod drive;
 mod locus;
 mod motion;
 mod report;
+#[cfg(feature = "modal")]
+mod tangent;
 
 use std::io::Write;
 
@@ -30,9 +32,10 @@ const MOST_PRINTED: usize = 12;
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let mut loaded = Loaded::find(models, options)?;
     let (scene, mut reader) = choose(&mut loaded, options)?;
+    enter_phase(&mut loaded, scene, options)?;
     let mut guess = match options.get_flag("steady") {
         true => steady(&loaded, scene)?,
-        false => Guess::at(&loaded.system.equilibrium_guess()),
+        false => Guess::at(&resting(&loaded, scene)),
     };
     reader.states(&loaded, options, "at", &mut guess.q, &mut guess.v)?;
     guess.inputs = held_inputs(&loaded, options)?;
@@ -82,12 +85,47 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     Ok(())
 }
 
+/// Where the search starts: the file's guess, or the scene's start where it gives none and constraints must be met.
+fn resting(loaded: &Loaded, scene: usize) -> Vec<f64> {
+    let guess = loaded.system.equilibrium_guess();
+    match guess.iter().all(|q| *q == 0.0) && !loaded.system.active_rows().is_empty() {
+        true => loaded.system.scene(scene).q,
+        false => guess,
+    }
+}
+
+/// Puts the phase of `--phase` in force, or that in which the scene starts.
+fn enter_phase(loaded: &mut Loaded, scene: usize, options: &ArgMatches) -> Result<(), Problem> {
+    let Some(name) = options.get_one::<String>("phase") else {
+        let phase = loaded.system.scene(scene).phase;
+        loaded.system.set_phase(phase);
+        return Ok(());
+    };
+    let phases = &loaded.system.description().phases;
+    match phases.iter().position(|phase| phase.name == *name) {
+        Some(phase) => loaded.system.set_phase(phase),
+        None => {
+            let known: Vec<&str> = phases.iter().map(|phase| &*phase.name).filter(|name| !name.is_empty()).collect();
+            return Err(Problem::Usage(match known.is_empty() {
+                true => format!("error: --phase: `{}` has no phases", loaded.name),
+                false => format!("error: no phase `{name}`; there are {}", known.join(", ")),
+            }));
+        }
+    }
+    Ok(())
+}
+
 /// The scene's state with the speeds of cyclic coordinates only.
 fn steady(loaded: &Loaded, scene: usize) -> Result<Guess, Problem> {
     let description = loaded.system.description();
     let start = loaded.system.scene(scene);
     let mut guess = Guess::at(&start.q);
     let cyclic = &description.structure.cyclic;
+    if !loaded.system.active_rows().is_empty() {
+        // With constraints that contain speeds other coordinates can go on steadily too.
+        guess.v.copy_from_slice(&start.v);
+        return Ok(guess);
+    }
     cyclic.iter().for_each(|index| guess.v[*index as usize] = start.v[*index as usize]);
     let names: Vec<&str> = cyclic.iter().map(|index| description.coordinates[*index as usize].name.as_ref()).collect();
     if names.is_empty() {

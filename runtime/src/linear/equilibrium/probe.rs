@@ -14,7 +14,7 @@ const ON_SURFACE: f64 = 1e-10;
 
 /// Steady forces of a mechanism; discontinuities are on the side where a point lies, and at 0 on their surface.
 pub(in crate::linear) struct Probe {
-    pub(super) system: RefCell<Box<dyn System>>,
+    pub system: RefCell<Box<dyn System>>,
     pub n: usize,
     pub v: Vec<f64>,
     pub(super) zero: Vec<f64>,
@@ -85,6 +85,12 @@ impl Probe {
         let mut force = vec![0.0; self.n];
         self.system.borrow().residual(At::new(t, q, v).accelerated(&self.zero), &mut force);
         force
+    }
+
+    /// Puts every switch on the side where its argument is at the present speeds, and tells which sides these are.
+    pub fn sides_at(&self, q: &[f64]) -> Vec<f64> {
+        self.settle(0.0, q, &self.v);
+        self.system.borrow().modes().to_vec()
     }
 
     /// Puts every switch on the side where its argument is; on its surface `sign` is 0 and `step` is 1.

@@ -4,6 +4,7 @@ mod contact;
 mod linkages;
 mod rods;
 mod skates;
+mod small;
 mod starts;
 
 use dalembert::mechanism::Interpreted;

@@ -89,3 +89,10 @@ scene: {start: {x: 1}, until: 3, tolerance: 1e-12}
     let problems = compile(&free, &[]).expect_err("an error");
     assert!(problems.iter().any(|problem| problem.message.contains("`y`")), "{problems:?}");
 }
+
+/// C8: with a rod as long as the crank, the start at 90° lies where two branches meet.
+#[test]
+fn c8_a_start_where_branches_meet_is_reported_as_that() {
+    let found = cause(Case::new("slider_crank").set("rod", 1.0));
+    assert!(matches!(found, Cause::SingularConfiguration { .. }), "{found}");
+}

@@ -6,8 +6,9 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::{Equilibrium, Freedom, Guess, LinearError, Linearised, Mode, Residual, SparseMatrix};
-use crate::constrain::{Start, consistent};
+use super::{on_its_sides, sizes_alike};
+use crate::constrain::{Projection, Start, consistent};
+use crate::linear::{Equilibrium, Freedom, Guess, LinearError, Linearised, Mode, Residual, SparseMatrix};
 use crate::mechanism::{At, System};
 
 /// M, C and K of a constrained mechanism in independent coordinates, and how all others follow.
@@ -25,8 +26,15 @@ pub struct Constrained {
 
 /// Forces left at rest count as zero below this part of their own terms.
 const BALANCED: f64 = 1e-9;
+/// So many roundings of the place are nothing.
+const ROUNDINGS: f64 = 16.0;
 /// Newton's method gives up after so many iterations.
 const ITERATIONS: usize = 200;
+/// Nothing rests further away.
+const FAR: f64 = 1e30;
+/// A fall ends after so many steps, or when the square of the acceleration is this part of the first.
+const FALLS: usize = 400;
+const STILL: f64 = 1e-8;
 /// Rows of J below this part of the largest depend on others.
 const DEPENDENT: f64 = 1e-9;
 
@@ -35,7 +43,8 @@ const DEPENDENT: f64 = 1e-9;
 ///
 /// # Errors
 /// [`LinearError::NoEquilibrium`], [`LinearError::NotAnEquilibrium`]; [`LinearError::VelocityConstraint`]: a constraint
-/// that contains speeds leaves no M, C and K in independent coordinates; numbers that are not finite.
+/// that contains speeds leaves no M, C and K in independent coordinates; [`LinearError::FrictionOfReactions`]: nor do forces
+/// made of reactions; numbers that are not finite.
 pub fn linearise_constrained<S: System + ?Sized>(
     system: &S,
     guess: &Guess,
@@ -43,12 +52,17 @@ pub fn linearise_constrained<S: System + ?Sized>(
 ) -> Result<Constrained, LinearError> {
     let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
     let description = system.description();
+    if !description.friction_pattern.is_empty() {
+        return Err(LinearError::FrictionOfReactions);
+    }
     if let Some(row) = rows.iter().map(|row| &description.rows[*row]).find(|row| !row.holonomic) {
         return Err(LinearError::VelocityConstraint { constraint: row.name.to_string() });
     }
-    let rest = Rest { system, n: system.len(), rows };
-    let q = if here { guess.q.clone() } else { rest.search(&guess.q)? };
-    rest.linearised(&q)
+    on_its_sides(system, guess, |system, guess| {
+        let rest = Rest { system, n: system.len(), rows: rows.clone() };
+        let q = if here { guess.q.clone() } else { rest.search(&guess.q)? };
+        rest.linearised(&q).map(|found| (found, Guess::at(&q)))
+    })
 }
 
 impl Constrained {
@@ -134,16 +148,55 @@ impl<S: System + ?Sized> Rest<'_, S> {
         sums
     }
 
-    /// Newton's method on F − Jᵀλ = 0, c = 0, halved until both decrease.
+    /// From the place nearest to the guess that meets the constraints; where that leads nowhere, from where the motion
+    /// would go from there.
     fn search(&self, guess: &[f64]) -> Result<Vec<f64>, LinearError> {
-        let (n, m) = (self.n, self.rows.len());
-        let start = [guess, &vec![0.0; n]].concat();
-        let held = vec![false; 2 * n];
+        let start = [guess, &vec![0.0; self.n]].concat();
+        let held = vec![false; 2 * self.n];
         let closed = consistent(self.system, &Start { t: 0.0, y: &start, held: &held, also: 0..0 });
-        let mut q = match closed {
-            Ok(y) => y[..n].to_vec(),
-            Err(_) => return Err(self.nowhere(guess, 0)),
+        let q = closed.map(|y| y[..self.n].to_vec()).map_err(|_| self.nowhere(guess, 0))?;
+        self.newton(&q).or_else(|nowhere| self.newton(&self.fallen(q).ok_or(nowhere)?))
+    }
+
+    /// Follows the accelerations from rest, without speeds, until little is left of them: down the potential in the metric
+    /// of M.
+    fn fallen(&self, q: Vec<f64>) -> Option<Vec<f64>> {
+        let n = self.n;
+        let mut projection = Projection::new(self.system)?;
+        let acceleration = |q: &[f64]| {
+            let (zero, mut lambda) = (vec![0.0; n], vec![0.0; self.system.description().rows.len()]);
+            let mut a = DVector::zeros(n);
+            let solved = self.system.motion(At::new(0.0, q, &zero), a.as_mut_slice(), &mut lambda);
+            solved.is_ok().then_some(a).filter(|a| a.iter().all(|x| x.is_finite()))
         };
+        let mut y = [q, vec![0.0; n]].concat();
+        let mut a = acceleration(&y[..n])?;
+        let first = (a.transpose() * self.mass(&y[..n]) * &a)[0];
+        let size = a.iter().zip(&y).fold(0.0_f64, |most, (a, q)| most.max(a.abs() / (1.0 + q.abs())));
+        let mut h = 0.1 / size.max(f64::MIN_POSITIVE);
+        for _ in 0..FALLS {
+            let mut tried = y.clone();
+            tried.iter_mut().zip(a.iter()).for_each(|(q, a)| *q += h * a);
+            projection.project(self.system, 0.0, &mut tried).ok()?;
+            let (mass, there) = (self.mass(&tried[..n]), acceleration(&tried[..n])?);
+            // Past the lowest point it would be drawn back.
+            if (a.transpose() * &mass * &there)[0] < 0.0 {
+                h *= 0.5;
+                continue;
+            }
+            (y, a, h) = (tried, there, 1.5 * h);
+            if (a.transpose() * mass * &a)[0] <= STILL * first {
+                break;
+            }
+        }
+        y.truncate(n);
+        Some(y)
+    }
+
+    /// Newton's method on F − Jᵀλ = 0, c = 0, halved until both decrease.
+    fn newton(&self, from: &[f64]) -> Result<Vec<f64>, LinearError> {
+        let (n, m) = (self.n, self.rows.len());
+        let mut q = from.to_vec();
         let mut lambda = self.multipliers(&self.here(&q));
         for iteration in 0..ITERATIONS {
             let here = self.here(&q);
@@ -154,7 +207,8 @@ impl<S: System + ?Sized> Rest<'_, S> {
             k.view_mut((0, n), (n, m)).copy_from(&(-here.jacobian.transpose()));
             k.view_mut((n, 0), (m, n)).copy_from(&here.jacobian);
             let right = DVector::from_iterator(n + m, left.iter().chain(here.values.iter()).map(|x| -x));
-            if k.iter().chain(right.iter()).any(|x| !x.is_finite()) {
+            let lost = q.iter().any(|q| q.abs() > FAR);
+            if lost || k.iter().chain(right.iter()).any(|x| !x.is_finite()) {
                 return Err(self.nowhere(&q, iteration));
             }
             let threshold = 1e-13 * k.norm();
@@ -187,7 +241,15 @@ impl<S: System + ?Sized> Rest<'_, S> {
         let here = self.here(q);
         let left = &here.force - here.jacobian.transpose() * lambda;
         let closed = here.values.iter().all(|c| c.abs() <= BALANCED);
-        closed && left.iter().zip(self.magnitudes(q, lambda)).all(|(f, sum)| f.abs() <= BALANCED * sum)
+        // Rounding of the place and of multipliers counts too: the terms of a weight's moment vanish with it.
+        let [stiffness, _] = self.slopes(q, lambda);
+        let (carried, sizes) = (lambda.amax(), sizes_alike(self.system.description(), q));
+        let place = |i: usize| {
+            let by_place = stiffness.row(i).iter().zip(&sizes).map(|(k, size)| k.abs() * size).sum::<f64>();
+            (by_place + carried * here.jacobian.column(i).lp_norm(1)) * f64::EPSILON
+        };
+        let mut rows = left.iter().zip(self.magnitudes(q, lambda)).enumerate();
+        closed && rows.all(|(i, (f, sum))| f.abs() <= (BALANCED * sum).max(ROUNDINGS * place(i)))
     }
 
     fn linearised(&self, q: &[f64]) -> Result<Constrained, LinearError> {

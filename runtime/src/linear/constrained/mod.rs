@@ -1,0 +1,54 @@
+//! Small motions of mechanisms with constraints.
+//!
+//! 1. At rest with holonomic constraints, M, C and K in independent coordinates: look in `rest.rs`.
+//! 2. About steady motions, and with constraints that contain speeds, a system of first order on the states that the
+//!    constraints leave: look in `tangent.rs`.
+
+mod rest;
+#[cfg(feature = "modal")]
+mod tangent;
+
+use super::equilibrium::Probe;
+use super::{Guess, LinearError};
+use crate::mechanism::{Description, System};
+
+pub use rest::{Constrained, linearise_constrained};
+#[cfg(feature = "modal")]
+pub use tangent::{Tangent, linearise_tangent};
+
+/// A search for a state is begun again for other sides of discontinuities at most so often.
+const SIDES: usize = 8;
+
+/// The largest size of a coordinate, or of its speed, among those with the same unit: what its rounding is judged by.
+fn sizes_alike(description: &Description, numbers: &[f64]) -> Vec<f64> {
+    let coordinates = &description.coordinates;
+    let alike = |i: usize| (0..numbers.len()).filter(move |j| coordinates[*j].unit == coordinates[i].unit);
+    (0..numbers.len()).map(|i| alike(i).fold(0.0_f64, |most, j| most.max(numbers[j].abs()))).collect()
+}
+
+/// Does `find` with inputs and clock standing still and every discontinuity on the side where the state is that it finds.
+///
+/// # Errors
+/// Those of `find`; [`LinearError::NotSmooth`] for a state at a discontinuity.
+fn on_its_sides<S: System + ?Sized, T>(
+    system: &S,
+    guess: &Guess,
+    find: impl Fn(&dyn System, &Guess) -> Result<(T, Guess), LinearError>,
+) -> Result<T, LinearError> {
+    let mut probe = Probe::new(system, guess);
+    let mut from = guess.clone();
+    for _ in 0..SIDES {
+        probe.v.clone_from(&from.v);
+        let before = probe.sides_at(&from.q);
+        let (found, there) = find(&**probe.system.borrow(), &from)?;
+        probe.v.clone_from(&there.v);
+        if let Some(switch) = probe.on_surface(&there.q).first() {
+            return Err(LinearError::NotSmooth { switch: probe.switch(*switch).0 });
+        }
+        if probe.sides_at(&there.q) == before {
+            return Ok(found);
+        }
+        from = there;
+    }
+    Err(LinearError::NoConvergence { what: "the choice of sides at discontinuities" })
+}
