@@ -9,7 +9,7 @@ use dalembert_symbolic::lower::Program;
 use dalembert_symbolic::number::DoubleDouble;
 
 use super::load::Loaded;
-use super::{Entry, Problem};
+use super::{Entry, Problem, freedoms};
 use crate::mechanism::{At, Balances, Interpreted, System};
 
 /// Derives the model anew and prints the report.
@@ -22,6 +22,9 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         let (first, second) = &agreement.between;
         let (states, worst) = (agreement.states, agreement.worst);
         writeln!(out, "  {first} and {second} agree at {states} states, worst {worst:.1e}")?;
+    }
+    for line in freedoms::lines(&program) {
+        writeln!(out, "  {line}")?;
     }
     looked_at(&program, out)?;
     unseen(&program, out)?;

@@ -13,6 +13,7 @@
 mod arguments;
 mod check;
 mod compare;
+mod freedoms;
 mod json;
 mod list;
 mod load;

@@ -1,5 +1,6 @@
 //! The rows of the constraints, differentiated as often as accelerations need.
 
+use super::integrals::integral;
 use super::{bias_rates, rates};
 use crate::expr::{Forward, Graph, Id, Symbol, jacobian};
 use crate::model::Model;
@@ -22,6 +23,8 @@ pub struct Rows {
     pub bias: Vec<Id>,
     /// Whether a row contains no speeds.
     pub holonomic: Vec<bool>,
+    /// A function of t and q whose rate a row with speeds is, where one was found.
+    pub integral: Vec<Option<Id>>,
 }
 
 impl Rows {
@@ -34,11 +37,16 @@ impl Rows {
         let rate: Vec<Id> = (0..value.len()).map(|k| if holonomic[k] { first[k] } else { value[k] }).collect();
         let column = |s: Symbol| if let Symbol::Speed(i) = s { Some(i as usize) } else { None };
         let lines = jacobian(graph, &rate, column);
-        let matrix = lines.into_iter().enumerate();
-        let matrix = matrix.flat_map(|(k, line)| line.into_iter().map(move |(i, x)| (k, i, x))).collect();
         let bias = bias_rates(graph, &rate);
         let drive = at_rest(graph, &rate);
-        Rows { value, rate, drive, matrix, bias, holonomic }
+        let integral = lines.iter().enumerate().map(|(k, line)| match holonomic[k] {
+            true => None,
+            false => integral(graph, line, drive[k]),
+        });
+        let integral = integral.collect();
+        let matrix = lines.into_iter().enumerate();
+        let matrix = matrix.flat_map(|(k, line)| line.into_iter().map(move |(i, x)| (k, i, x))).collect();
+        Rows { value, rate, drive, matrix, bias, holonomic, integral }
     }
 
     /// How many rows there are.

@@ -6,11 +6,13 @@
 //! 4. Virtual power from the bodies: look in `virtual_power`.
 //! 5. Momentum balances as linear equations for accelerations and reactions: look in `momentum`.
 //!
-//! 6. Constraints, differentiated as often as accelerations need: look in `constraints`.
+//! 6. Constraints, differentiated as often as accelerations need: look in `constraints`; integrals of those that contain
+//!    speeds, where they can be written down: look in `integrals`.
 //!
 //! Every derivation gives the same [`Equations`]; `gate` compares them, `lower` picks the cheapest.
 
 mod constraints;
+mod integrals;
 pub(crate) mod lagrange;
 pub(crate) mod momentum;
 mod reactions;

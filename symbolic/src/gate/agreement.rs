@@ -132,7 +132,7 @@ mod tests {
             let model = &mut derivation.model;
             let motion = Motion::new(model, &derivation.equations[0], &derivation.rows, &derivation.switches);
             let gate = Gate::default();
-            let all = states(model, &motion, &[], gate).map_err(|problem| problem.message).unwrap().all;
+            let all = states(model, &motion, &[], &[], gate).map_err(|problem| problem.message).unwrap().all;
             assert!(agreement(model, &derivation.equations, &all, gate).is_ok());
             let parts = 1_000_000_000_000;
             let mut planted = 0;

@@ -83,8 +83,49 @@ impl<'a> Draws<'a> {
         state
     }
 
+    /// The first scene's start, at rest; `when` fixes some parameters.
+    pub(super) fn first(&mut self, when: &[(usize, f64)]) -> State {
+        self.place(0, when, 0.0, false).0
+    }
+
+    /// A position not far from another one.
+    pub(super) fn nearby(&mut self, state: &State) -> State {
+        let mut near = state.clone();
+        for (i, q) in near.q.iter_mut().enumerate() {
+            *q += DoubleDouble::from(self.scale(true, i) * self.random.between(-0.2, 0.2));
+        }
+        near.t += DoubleDouble::from(self.random.between(0.0, 0.1));
+        near
+    }
+
     /// Parameters, and coordinates and speeds about a scene's start (or about 0): the state, and the start as numbers.
     fn near(
+        &mut self,
+        scene: usize,
+        when: &[(usize, f64)],
+        spread: f64,
+        large: bool,
+    ) -> (State, (Vec<f64>, Vec<f64>, f64)) {
+        let (mut state, start) = self.place(scene, when, spread, large);
+        let natural = self.natural_speeds(&mut state);
+        for (i, natural) in natural.into_iter().enumerate() {
+            let middle = if large { 0.0 } else { start.1[i] };
+            let mut scales = self.scales.v[i].clone();
+            scales.extend(natural);
+            let scale = pick(&mut self.random, &scales);
+            state.v[i] = DoubleDouble::from(middle + scale * self.random.between(-spread, spread));
+        }
+        for (coordinate, speed, range) in &self.sample {
+            if *speed {
+                let ends = range.evaluate(|s| state.value(s).to_f64());
+                state.v[*coordinate] = DoubleDouble::from(self.random.between(ends[0], ends[1]));
+            }
+        }
+        (state, start)
+    }
+
+    /// Parameters and coordinates about a scene's start (or about 0), at rest, and the start as numbers.
+    fn place(
         &mut self,
         scene: usize,
         when: &[(usize, f64)],
@@ -106,20 +147,6 @@ impl<'a> Draws<'a> {
             if !speed {
                 let ends = range.evaluate(|s| state.value(s).to_f64());
                 state.q[*coordinate] = DoubleDouble::from(self.random.between(ends[0], ends[1]));
-            }
-        }
-        let natural = self.natural_speeds(&mut state);
-        for (i, natural) in natural.into_iter().enumerate() {
-            let middle = if large { 0.0 } else { start.1[i] };
-            let mut scales = self.scales.v[i].clone();
-            scales.extend(natural);
-            let scale = pick(&mut self.random, &scales);
-            state.v[i] = DoubleDouble::from(middle + scale * self.random.between(-spread, spread));
-        }
-        for (coordinate, speed, range) in &self.sample {
-            if *speed {
-                let ends = range.evaluate(|s| state.value(s).to_f64());
-                state.v[*coordinate] = DoubleDouble::from(self.random.between(ends[0], ends[1]));
             }
         }
         (state, start)

@@ -7,7 +7,9 @@
 //!    not is found in `causes`.
 //! 5. Forces are tested for potentials (`potential`) and for being counted twice (`twice`); what each entry does is in
 //!    `effects`.
-//! 6. What the file says is conserved or holds, does (`claims`); who changes what should be conserved is found in
+//! 6. Constraints are classified, and freedoms counted (`freedoms`, `closure`); rows that follow from others are named
+//!    (`dependent`).
+//! 7. What the file says is conserved or holds, does (`claims`); who changes what should be conserved is found in
 //!    `blame`.
 //!
 //! Everything is evaluated in double-double with running magnitudes, so that every row is judged by the size of its own
@@ -20,10 +22,13 @@ mod blame;
 mod causes;
 mod cells;
 mod claims;
+mod closure;
 mod cyclic;
 mod dense;
+mod dependent;
 mod draw;
 mod effects;
+mod freedoms;
 mod lines;
 mod motion;
 mod named;
@@ -42,12 +47,13 @@ mod twice;
 mod unseen;
 
 use crate::derive::{Derivation, Equations, derive};
-use crate::diagnose::Problem;
 use crate::diagnose::catalogue::{mechanics, verdicts};
+use crate::diagnose::{Place, Problem};
 use crate::expr::Id;
 use crate::model::{Load, Model, Work};
 use crate::number::DoubleDouble;
 
+pub use freedoms::{Freedoms, Integrability};
 pub use potential::{Conservative, Nature};
 pub use report::{Agreement, Report};
 pub use state::{Origin, State};
@@ -124,11 +130,15 @@ impl Gate {
             let place = model.coordinates[*extra].place.clone();
             return Err(vec![mechanics::too_many_coupled(place, COUPLED_LIMIT)]);
         }
-        let states = states::states(model, &motion, &[], self).map_err(|problem| vec![*problem])?;
+        let own = if rows.is_empty() { Vec::new() } else { states::own_positions(model, &motion) };
+        let states = states::states(model, &motion, &[], &own, self).map_err(|problem| vec![*problem])?;
         let mut report =
             Report { followed: states.followed.clone(), unreached: states.unreached.clone(), ..Report::default() };
-        report.ranks = motion.constraints.ranks(&states.all);
-        let mut problems = dependent_rows(model, &motion, &states.all);
+        let mut problems = Vec::new();
+        if !rows.is_empty() {
+            problems = dependent_rows(model, &motion, (&own, &states.all), &mut report.ranks);
+            report.freedoms = freedoms::freedoms(model, &motion, rows, &own, &states.all);
+        }
         match agreement::agreement(model, equations, &states.all, self) {
             Ok(agreements) => report.agreements = agreements,
             Err(problem) => problems.push(*problem),
@@ -147,7 +157,7 @@ impl Gate {
         let model = &*model;
         let states_when = |when: &[(usize, f64)]| match when {
             [] => Ok(states.clone()),
-            _ => states::states(model, &motion, when, self).map_err(|problem| vec![*problem]),
+            _ => states::states(model, &motion, when, &own, self).map_err(|problem| vec![*problem]),
         };
         for (invariant, rates) in model.conserved.iter().zip(&rates) {
             let states = states_when(&invariant.when)?;
@@ -197,23 +207,58 @@ pub fn judged(model: Model) -> Result<Judged, Vec<Problem>> {
     judge(derive(model)?)
 }
 
-/// Rows of the constraints that follow from others are warned of, those that contradict them are errors.
-fn dependent_rows(model: &mut Model, motion: &motion::Motion, states: &[State]) -> Vec<Problem> {
-    let mut problems = Vec::new();
-    for rows::Dependent { phase, row, contradicts } in motion.constraints.dependent(states) {
+/// Rows of the constraints that follow from others with the scene's own parameters are warned of, those that contradict
+/// them are errors.  Notes how many rows are independent in every phase.
+fn dependent_rows(
+    model: &mut Model,
+    motion: &motion::Motion,
+    (own, states): (&[State], &[State]),
+    found: &mut Vec<usize>,
+) -> Vec<Problem> {
+    let constraints = &motion.constraints;
+    let (of_own, drawn) = (constraints.ranks(own), constraints.ranks(states.iter().filter(|state| !state.own)));
+    let known = of_own.iter().zip(&drawn).map(|(own, drawn)| own.or(*drawn));
+    let ranks: Vec<Option<usize>> = known.collect();
+    let count = |phase: usize| constraints.active(phase).len();
+    *found = ranks.iter().enumerate().map(|(phase, rank)| rank.unwrap_or(count(phase))).collect();
+    let place = |model: &Model, row: usize| {
         let owner = model.constraints.iter().find(|c| (c.first..c.first + c.value.len()).contains(&row));
-        let Some(place) = owner.map(|c| c.place.clone()) else { continue };
-        let name = model.row_name(row);
-        if contradicts {
-            // Positions and speeds meet it, accelerations cannot: there is no motion.
-            problems.push(verdicts::constraints_not_met(place, format!("`{name}` and those before it"), states.len()));
-        } else {
-            let phase = &model.phases[phase].name;
-            let phase = if phase.is_empty() { String::new() } else { format!(" of the phase `{phase}`") };
-            model.warnings.push(verdicts::redundant(place, format!("`{name}`"), phase));
+        owner.map_or_else(Place::default, |c| c.place.clone())
+    };
+    let mut problems = Vec::new();
+    let contradicting = dependent::contradictions(constraints, states, &ranks);
+    for (_, row) in &contradicting {
+        // Positions and speeds meet it, accelerations cannot: there is no motion.
+        let name = format!("`{}` and those before it", model.row_name(*row));
+        problems.push(verdicts::constraints_not_met(place(model, *row), name, states.len()));
+    }
+    let without = states.iter().filter(|state| of_own[state.phase].is_none());
+    let decide: Vec<State> = own.iter().chain(without).cloned().collect();
+    for dependent::Redundant { phase, row, sharing } in dependent::redundant(constraints, &decide, &ranks) {
+        if contradicting.iter().any(|other| other.0 == phase) {
+            continue;
         }
+        let names: Vec<String> = sharing.iter().map(|row| format!("`{}`", model.row_name(*row))).collect();
+        let particular = if of_own[phase].is_some() && drawn[phase] != of_own[phase] { PARTICULAR } else { "" };
+        let name = &model.phases[phase].name;
+        let phase = if name.is_empty() { String::new() } else { format!(" of the phase `{name}`") };
+        let name = format!("`{}`", model.row_name(row));
+        let warning = verdicts::redundant(place(model, row), name, phase + particular, listed(&names));
+        model.warnings.push(warning);
     }
     problems
+}
+
+/// Where other values of the parameters would decide otherwise.
+const PARTICULAR: &str = " for these values of the parameters";
+
+/// "`a`, `b` and `c`".
+fn listed(names: &[String]) -> String {
+    match names.split_last() {
+        Some((last, others)) if !others.is_empty() => format!("{} and {last}", others.join(", ")),
+        Some((last, _)) => last.clone(),
+        None => String::new(),
+    }
 }
 
 /// Coordinates without an entry on M's diagonal.

@@ -88,14 +88,22 @@ impl Motion {
         }
     }
 
-    /// Brings a state to the constraints of its phase, and fills in inputs, modes, accelerations and multipliers.
-    pub fn complete(&self, state: &mut State) -> Result<(), Incomplete> {
+    /// Brings a state to the constraints of its phase, and fills in inputs and modes: false where it cannot be.
+    pub fn place(&self, state: &mut State) -> bool {
         self.signals(state);
         state.lambda.clear();
         if !self.constraints.active(state.phase).is_empty() && !self.constraints.close(state) {
-            return Err(Incomplete::NotFinite);
+            return false;
         }
         self.prepare(state);
+        true
+    }
+
+    /// Brings a state to the constraints of its phase, and fills in inputs, modes, accelerations and multipliers.
+    pub fn complete(&self, state: &mut State) -> Result<(), Incomplete> {
+        if !self.place(state) {
+            return Err(Incomplete::NotFinite);
+        }
         if !self.constraints.is_empty() {
             return self.constrained(state);
         }

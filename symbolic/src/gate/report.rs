@@ -1,5 +1,6 @@
 //! What was tested and held.
 
+use super::freedoms::Freedoms;
 use super::potential::Conservative;
 use super::state::State;
 
@@ -27,8 +28,10 @@ pub struct Report {
     pub forces: Vec<Conservative>,
     /// The states at which derivations were compared.
     pub states: Vec<State>,
-    /// How many rows of the constraints are independent in general, phase by phase.
+    /// How many rows of the constraints are independent in general, phase by phase, with the first scene's parameters.
     pub ranks: Vec<usize>,
+    /// What kinds of constraints act in each phase, and what freedoms they leave; empty without constraints.
+    pub freedoms: Vec<Freedoms>,
     /// Scenes whose motion was followed, until when, and until when they should go.
     pub followed: Vec<(String, f64, f64)>,
     /// What the states do not reach, in words: arguments that were not brought to where their function changes, and so on.

@@ -1,24 +1,22 @@
 //! Constraints at a state: states are brought to them, and say how independent they are.
 
 use super::state::State;
-use super::system::{plus, times};
 use crate::derive::Rows;
 use crate::expr::{Id, Measured, Symbol, Tape, jacobian};
 use crate::model::Model;
 use crate::number::DoubleDouble;
 
 /// Singular values below this part of the largest count as zero where states lie on the constraints.
-const DEPENDENT: f64 = 1e-6;
+pub(super) const DEPENDENT: f64 = 1e-6;
 /// Steps to the constraints at most.
 const STEPS: usize = 60;
-/// What a dependent row leaves in roundings: constraints hold to 29 digits, and speeds multiply what is left.
-const CONTRADICTS: f64 = 1e12;
 /// A constraint holds when it is this part of its own terms.
 const HOLDS: f64 = 1e-29;
 
 /// The constraints of a model, ready to evaluate anywhere.
 pub(super) struct Constraints {
-    n: usize,
+    /// How many coordinates there are.
+    pub n: usize,
     holonomic: Vec<bool>,
     /// Rows of each phase.
     phases: Vec<Vec<usize>>,
@@ -30,16 +28,6 @@ pub(super) struct Constraints {
     /// γ of all rows, then B's entries.
     loads: Tape,
     rubbing: Vec<(usize, usize)>,
-}
-
-/// A row that follows from others, or contradicts them.
-pub(super) struct Dependent {
-    /// The phase in which it does.
-    pub phase: usize,
-    /// Its place among all rows.
-    pub row: usize,
-    /// Whether accelerations that meet the others do not meet it.
-    pub contradicts: bool,
 }
 
 /// What accelerations need of the rows of a phase at a state, chosen rows only.
@@ -164,9 +152,13 @@ impl Constraints {
         false
     }
 
-    /// How many rows of its phase are independent at a state, those first in `order`, and a measure of the next one.
+    /// How many rows of its phase are independent at a state, and all of them, those first.
     pub fn rank(&self, state: &State) -> (usize, Vec<usize>) {
-        let active = self.active(state.phase);
+        self.rank_of(state, self.active(state.phase))
+    }
+
+    /// The same of some rows.
+    pub fn rank_of(&self, state: &State, active: &[usize]) -> (usize, Vec<usize>) {
         let mut lines = self.lines(state, active);
         let n = self.n;
         for line in lines.chunks_exact_mut(n) {
@@ -220,51 +212,18 @@ impl Constraints {
         Held { bias, friction: friction.collect(), matrix, rows }
     }
 
-    /// Rows of every phase that follow from others, and whether they contradict them somewhere: what they ask of the
-    /// accelerations that the others leave.
-    pub fn dependent(&self, states: &[State]) -> Vec<Dependent> {
-        let mut found: Vec<Dependent> = Vec::new();
-        for state in states {
-            let (rank, order) = self.rank(state);
-            let rest = order[rank..].to_vec();
-            if rest.is_empty() {
-                continue;
-            }
-            let held = self.held(state, rest.clone());
-            for (place, row) in rest.into_iter().enumerate() {
-                let terms = held.matrix[place * self.n..][..self.n].iter().zip(&state.a);
-                let sum = terms.fold(held.bias[place], |sum, (x, a)| plus(sum, times(*x, *a)));
-                let contradicts = !sum.vanishes(CONTRADICTS);
-                match found.iter_mut().find(|d| (d.phase, d.row) == (state.phase, row)) {
-                    Some(known) => known.contradicts |= contradicts,
-                    None => found.push(Dependent { phase: state.phase, row, contradicts }),
-                }
-            }
-        }
-        // Which of several rows is called the last may change with the state: one for each that is too many.
-        let ranks = self.ranks(states);
-        let mut kept: Vec<Dependent> = Vec::new();
-        found.sort_by_key(|d| (!d.contradicts, std::cmp::Reverse(d.row)));
-        for dependent in found {
-            let already = kept.iter().filter(|d| d.phase == dependent.phase).count();
-            if already < self.active(dependent.phase).len() - ranks[dependent.phase] {
-                kept.push(dependent);
-            }
-        }
-        kept
-    }
-
-    /// Leaves only states at which as many rows are independent as anywhere in their phase.
+    /// Leaves only states at which as many rows are independent as anywhere in their phase, with drawn parameters and with
+    /// the scene's own apart.
     pub fn regular(&self, states: &mut Vec<State>) {
-        let ranks = self.ranks(states);
-        states.retain(|state| self.rank(state).0 == ranks[state.phase]);
+        let ranks = [false, true].map(|own| self.ranks(states.iter().filter(|state| state.own == own)));
+        states.retain(|state| ranks[usize::from(state.own)][state.phase] == Some(self.rank(state).0));
     }
 
-    /// How many rows of each phase are independent in general: the largest rank at these states.
-    pub fn ranks(&self, states: &[State]) -> Vec<usize> {
-        let mut ranks = vec![0; self.phases()];
+    /// How many rows of each phase are independent in general: the largest rank at these states, where there are any.
+    pub fn ranks<'a>(&self, states: impl IntoIterator<Item = &'a State>) -> Vec<Option<usize>> {
+        let mut ranks = vec![None; self.phases()];
         for state in states {
-            ranks[state.phase] = ranks[state.phase].max(self.rank(state).0);
+            ranks[state.phase] = ranks[state.phase].max(Some(self.rank(state).0));
         }
         ranks
     }
@@ -275,7 +234,7 @@ impl Constraints {
     }
 
     /// Rows of J in `f64`.
-    fn lines(&self, state: &State, rows: &[usize]) -> Vec<f64> {
+    pub fn lines(&self, state: &State, rows: &[usize]) -> Vec<f64> {
         let rates: Vec<f64> = self.rates.evaluate(|s| state.value(s).to_f64());
         let mut lines = vec![0.0; rows.len() * self.n];
         for ((k, i), x) in self.places.iter().zip(&rates[self.holonomic.len()..]) {

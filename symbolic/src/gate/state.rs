@@ -31,6 +31,8 @@ pub struct State {
     pub modes: Vec<f64>,
     /// Where it comes from.
     pub origin: Origin,
+    /// Whether the parameters are those of the first scene, not drawn ones.
+    pub own: bool,
     /// Whether it lies outside of the ranges in `sample`, where a scene's motion went nevertheless.
     pub outside: bool,
 }
@@ -64,6 +66,7 @@ impl State {
             inputs: Vec::new(),
             modes: Vec::new(),
             origin: Origin::Near,
+            own: false,
             outside: false,
         }
     }

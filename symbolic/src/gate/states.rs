@@ -6,13 +6,13 @@
 //! 4. On both sides of every discontinuity, at it, and where functions that are local through their arguments say
 //!    something: look in `sides`.
 
-use super::Gate;
 use super::draw::{Draws, with_set};
 use super::lines::Reach;
 use super::motion::{Incomplete, Motion};
 use super::sides::sides;
 use super::state::{Origin, State, describe};
 use super::trajectory::Trajectory;
+use super::{Gate, listed};
 use crate::diagnose::catalogue::verdicts;
 use crate::diagnose::{Place, Problem};
 use crate::expr::{Symbol, Tape};
@@ -25,6 +25,8 @@ const DRAWN: usize = 16;
 const DRAWS: usize = 400;
 /// So many phases get states of their own.
 const MOST_PHASES: usize = 8;
+/// So many positions with the scene's own parameters decide ranks.
+const OWN: usize = 10;
 /// With so many states that meet the constraints something can be said.
 const FEWEST: usize = 4;
 /// So many states come from the motion of each scene.
@@ -45,17 +47,16 @@ pub(super) struct States {
     pub surfaces: Vec<State>,
     /// What could not be reached, in words.
     pub unreached: Vec<String>,
-    /// Whether some have the file's own parameters, since drawn ones did not meet the constraints.
-    pub own_parameters: bool,
     /// Scenes that were run, until when, and until when they should go.
     pub followed: Vec<(String, f64, f64)>,
 }
 
-/// Finds states where some parameters are fixed.
+/// Finds states where some parameters are fixed; `own` are positions with the first scene's.
 pub(super) fn states(
     model: &Model,
     motion: &Motion,
     when: &[(usize, f64)],
+    own: &[State],
     gate: Gate,
 ) -> Result<States, Box<Problem>> {
     // A coarse run leaves the constraints.
@@ -64,7 +65,7 @@ pub(super) fn states(
     let mut draws = Draws::new(model, motion, &trajectories);
     let mut found = States::default();
     let room = (WORK / motion.work().max(1)).clamp(6, 128);
-    drawn(model, motion, &mut draws, when, room.min(DRAWN), &mut found)?;
+    drawn(model, motion, &mut draws, (when, own), room.min(DRAWN), &mut found)?;
     if gate.rows {
         for group in groups(model).into_iter().take(room / 4) {
             let state = draws.group(&group, when);
@@ -160,7 +161,7 @@ fn drawn(
     model: &Model,
     motion: &Motion,
     draws: &mut Draws<'_>,
-    when: &[(usize, f64)],
+    (when, positions): (&[(usize, f64)], &[State]),
     wanted: usize,
     found: &mut States,
 ) -> Result<(), Box<Problem>> {
@@ -169,13 +170,19 @@ fn drawn(
     let phases = motion.constraints.phases();
     let wanted = wanted * phases.min(MOST_PHASES);
     // Lengths that are drawn may not close: then those of the file serve.
-    let own: Vec<(usize, f64)> = model.parameters.iter().map(|p| p.default).enumerate().collect();
+    let own = own_parameters(model);
     while found.all.len() < wanted && tried < DRAWS {
         tried += 1;
         let closes = motion.constraints.is_empty() || found.all.len() * 4 >= tried || tried < 2 * wanted.min(40);
         let mut state = if closes { draws.next(when) } else { draws.next(&fixed(&own, when)) };
-        found.own_parameters |= !closes;
         state.phase = tried % phases;
+        if !closes {
+            state.own = true;
+            let of_phase = || positions.iter().filter(|own| own.phase == state.phase);
+            if let Some(own) = of_phase().nth(tried / phases % of_phase().count().max(1)) {
+                (state.t, state.q) = (own.t, own.q.clone());
+            }
+        }
         match motion.complete(&mut state) {
             Ok(()) => found.all.push(state),
             Err(Incomplete::NotFinite) => {}
@@ -215,19 +222,42 @@ fn drawn(
     }))
 }
 
+/// The parameters of the first scene.
+fn own_parameters(model: &Model) -> Vec<(usize, f64)> {
+    let defaults = model.parameters.iter().map(|p| p.default).collect();
+    let set = model.scenes.first().map_or(&[][..], |scene| &scene.set);
+    with_set(&model.graph, set, defaults).into_iter().enumerate().collect()
+}
+
+/// Positions that meet the constraints of each phase with the parameters of the first scene, one not far from the other,
+/// from its start on: ranks and integrals are decided there.  Where lengths are special other positions may hold what
+/// moves here (a parallelogram with three cranks can be put together so that it is stiff).
+pub(super) fn own_positions(model: &Model, motion: &Motion) -> Vec<State> {
+    let own = own_parameters(model);
+    let mut draws = Draws::new(model, motion, &[]);
+    let mut found: Vec<State> = Vec::new();
+    for phase in (0..motion.constraints.phases()).filter(|phase| !motion.constraints.active(*phase).is_empty()) {
+        let mut last = draws.first(&own);
+        (last.phase, last.own) = (phase, true);
+        let before = found.len();
+        for _ in 0..4 * OWN {
+            let mut state = draws.nearby(&last);
+            if motion.place(&mut state) {
+                found.push(state.clone());
+                last = state;
+            }
+            if found.len() - before == OWN {
+                break;
+            }
+        }
+    }
+    found
+}
+
 /// The file's parameters, some of them fixed to other values.
 fn fixed(own: &[(usize, f64)], when: &[(usize, f64)]) -> Vec<(usize, f64)> {
     let of = |(i, x): &(usize, f64)| (*i, when.iter().find(|(k, _)| k == i).map_or(*x, |(_, x)| *x));
     own.iter().map(of).collect()
-}
-
-/// "`a`, `b` and `c`".
-fn listed(names: &[String]) -> String {
-    match names.split_last() {
-        Some((last, others)) if !others.is_empty() => format!("{} and {last}", others.join(", ")),
-        Some((last, _)) => last.clone(),
-        None => String::new(),
-    }
 }
 
 /// Coordinates that are made to move alone: each, or each family where there are many.
