@@ -1,0 +1,3 @@
+//! What docs/LANGUAGE.md promises of runs, sentence by sentence.
+
+mod whole_files;
