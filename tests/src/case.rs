@@ -1,7 +1,8 @@
 //! A model of the library, made ready to run.
 
-use dalembert::mechanism::{At, Balances, Erased, Mechanism, System};
+use dalembert::mechanism::{At, Balances, Erased, Interpreted, Mechanism, System};
 use dalembert::{Error, Run, Settings, State, simulate};
+use dalembert_symbolic::lower::compile;
 
 use crate::reference::{Reference, States};
 
@@ -20,6 +21,19 @@ impl Case {
         let entry = dalembert_models::MODELS.iter().find(|entry| entry.name == name);
         let system = (entry.unwrap_or_else(|| panic!("no model `{name}`")).system)();
         Self::from_system(system)
+    }
+
+    /// A model file that is written out, interpreted.
+    ///
+    /// # Panics
+    /// If it does not compile.
+    #[track_caller]
+    pub fn written(text: &str) -> Self {
+        let program = compile(text, &[]).unwrap_or_else(|problems| {
+            let told: Vec<&str> = problems.iter().map(|problem| problem.message.as_str()).collect();
+            panic!("{text}\n{}", told.join("\n"))
+        });
+        Self::from_system(Box::new(Interpreted::new(program, text)))
     }
 
     /// Any system with its default scene.

@@ -13,6 +13,7 @@ mod mechanisms;
 mod shapes;
 mod survey;
 
+pub use draws::Draws;
 pub use file::{Drawn, Place, draw};
 pub use judge::{Verdict, judge};
 pub use local::{Local, Of};

@@ -4,7 +4,6 @@ use dalembert::{Cause, Error, Run, Warning};
 use dalembert_tests::case::Case;
 use dalembert_tests::reference::Reference;
 
-use super::written;
 use crate::near;
 
 /// When the events of this name happened.
@@ -67,7 +66,7 @@ scene: {start: {x: l/2, y: -l, y': v}, until: 1, tolerance: 1e-12}
 /// E8: ω = 3v/(2l), three quarters of the energy are kept, and what is lost is the energy of the lost speeds.
 #[test]
 fn e8_a_plastic_impact_loses_the_energy_of_the_speeds_that_it_takes() {
-    let mut case = written(CAUGHT);
+    let mut case = Case::written(CAUGHT);
     let run = case.run();
     let last = run.last();
     near(last["theta'"], 3.0 * 3.0 / (2.0 * 0.8), 1e-12);
@@ -90,7 +89,7 @@ fn e9_restitution_along_a_constraint_never_raises_the_energy() {
             .replace("then: caught", "then: {impact: e, along: hook_y}")
             .replace("v: 3 m/s", "v: 3 m/s, e: 0.5 1");
         let text = text.replace("hook: tail", "hook_y: tail.y").replace("caught: [hook]", "caught: [hook_y]");
-        let run = written(&text).set("e", e).until(0.3).run();
+        let run = Case::written(&text).set("e", e).until(0.3).run();
         let (before, after) = (run.first()["kinetic"], run.last()["kinetic"]);
         // A quarter of the energy is that of the tail's speed in the metric of M.
         near(after, before * (1.0 - 0.25 * (1.0 - e * e)), 1e-11);
@@ -180,8 +179,8 @@ forces: {rub: {on: chalk, at: tip, force: \"[mu*reaction(floor), 0]\"}}
 outputs: {normal: reaction(floor)}
 scene: {start: {x: 0, theta: atan(2), x': -1, theta': 0}, until: 0.001, tolerance: 1e-10}
 ";
-    assert!(written(rod).set("mu", 1.33).run().first()["normal"] > 0.0);
-    let Some(Error::Run(failure)) = written(rod).set("mu", 1.34).try_run().err() else { panic!("a motion") };
+    assert!(Case::written(rod).set("mu", 1.33).run().first()["normal"] > 0.0);
+    let Some(Error::Run(failure)) = Case::written(rod).set("mu", 1.34).try_run().err() else { panic!("a motion") };
     assert!(
         matches!(&failure.cause, Cause::PainleveInconsistent { constraint } if constraint == "floor"),
         "{}",

@@ -4,7 +4,6 @@ use dalembert::{Cause, Error};
 use dalembert_symbolic::lower::compile;
 use dalembert_tests::case::Case;
 
-use super::written;
 use crate::near;
 
 /// Why a run did not begin, or ended.
@@ -35,7 +34,7 @@ fn c9_a_redundant_constraint_is_named_and_changes_no_motion() {
     let program = compile(&twice, &[]).unwrap_or_else(|problems| panic!("{problems:?}"));
     let told: Vec<&str> = program.model.warnings.iter().map(|warning| warning.message.as_str()).collect();
     assert!(told.iter().any(|message| message.contains("again") || message.contains("rod")), "{told:?}");
-    let (one, two) = (written(PENDULUM).run().last(), written(&twice).run().last());
+    let (one, two) = (Case::written(PENDULUM).run().last(), Case::written(&twice).run().last());
     for name in ["x", "y", "x'", "y'"] {
         near(two[name], one[name], 1e-10);
     }
@@ -82,7 +81,7 @@ springs: {spring: {stretch: y, stiffness: k}}
 constraints: {lever: y - 2*x}
 scene: {start: {x: 1}, until: 3, tolerance: 1e-12}
 ";
-    let last = written(tied).run().last();
+    let last = Case::written(tied).run().last();
     near(last["x"], 6.0_f64.cos(), 1e-10);
     near(last["y"], 2.0 * 6.0_f64.cos(), 1e-10);
     let free = tied.replace("constraints: {lever: y - 2*x}\n", "");

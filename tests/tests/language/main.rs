@@ -1,0 +1,15 @@
+//! What docs/LANGUAGE.md promises of runs, sentence by sentence.
+
+mod constraints;
+mod events;
+mod held_out;
+mod phases;
+mod twins;
+mod whole_files;
+
+/// Asserts that two numbers agree.
+#[track_caller]
+fn near(found: f64, expected: f64, tolerance: f64) {
+    let error = (found - expected).abs();
+    assert!(error <= tolerance, "{found} is not {expected}: off by {error:e}, more than {tolerance:e}");
+}
