@@ -15,10 +15,13 @@ use super::json::{number, object};
 use super::load::Loaded;
 use super::set_up::set_up;
 use super::{Entry, Problem, compare, outputs};
-use crate::mechanism::Description;
+use crate::mechanism::{Description, Drift, Enforcement};
 use crate::numbers::short;
 use crate::simulate::{LAGRANGE, judge_digits};
 use crate::{Error, Impulse, Run, Settings};
+
+/// Of springs in the place of constraints, where nobody says it, SI.
+const STIFFNESS: f64 = 1e6;
 
 /// Runs, writes files that were asked for, and prints the outcome; a run that failed is written and printed too.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
@@ -28,6 +31,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     if let Some(method) = options.get_one::<String>("method") {
         settings.method = method.parse().map_err(|e| Problem::Usage(format!("error: {e}")))?;
     }
+    enforcement(options, &mut settings)?;
     for warning in &loaded.warnings {
         eprintln!("warning: {warning}");
     }
@@ -187,6 +191,17 @@ fn report(
         writeln!(out, "  impulse at t = {}: {}", short(impulse.t), rows.join(", "))?;
     }
     write!(out, "{}", run.trust())?;
+    if let Some(rows) =
+        run.residuals.filter(|_| settings.enforcement != Enforcement::default() || settings.drift != Drift::default())
+    {
+        let ways = (settings.enforcement.name(), settings.drift.name());
+        let way = if ways.0 == "springs" { ways.0.to_owned() } else { format!("{}, drift {}", ways.0, ways.1) };
+        writeln!(
+            out,
+            "constraints    by {way}: missed by {:.1e} at most, their rates by {:.1e}",
+            rows.position, rows.velocity
+        )?;
+    }
     if run.digits.is_none() && !options.get_flag("no-digits") {
         let why = if failed {
             "the run ended early"
@@ -198,6 +213,46 @@ fn report(
         writeln!(out, "digits         not estimated: {why}")?;
     }
     writeln!(out)?;
+    Ok(())
+}
+
+/// Applies `--constraints`, `--stiffness`, `--damping`, `--drift` and `--alpha`.
+fn enforcement(options: &ArgMatches, settings: &mut Settings) -> Result<(), Problem> {
+    let text = |name: &str| options.get_one::<String>(name).map(String::as_str);
+    let number = |name: &str| -> Result<Option<f64>, Problem> {
+        let read = |text: &str| {
+            text.trim().parse().map_err(|_| Problem::Usage(format!("error: --{name} is `{text}`; give a number")))
+        };
+        text(name).map(read).transpose()
+    };
+    let (stiffness, damping, alpha) = (number("stiffness")?, number("damping")?, number("alpha")?);
+    let unknown = |name: &str, given: &str, known: &str| {
+        Err(Problem::Usage(format!("error: --{name} is `{given}`; there are {known}")))
+    };
+    settings.enforcement = match text("constraints") {
+        None | Some("multipliers") => Enforcement::Multipliers,
+        Some("nullspace") => Enforcement::NullSpace,
+        Some("springs") => {
+            Enforcement::Springs { stiffness: stiffness.unwrap_or(STIFFNESS), damping: damping.unwrap_or(0.0) }
+        }
+        Some(other) => return unknown("constraints", other, "multipliers, nullspace, springs"),
+    };
+    settings.drift = match text("drift") {
+        None | Some("project") => Drift::Project,
+        Some("none") => Drift::None,
+        Some("baumgarte") => Drift::Baumgarte { alpha },
+        Some(other) => return unknown("drift", other, "project, none, baumgarte"),
+    };
+    let springs = matches!(settings.enforcement, Enforcement::Springs { .. });
+    if !springs && (stiffness.is_some() || damping.is_some()) {
+        return Err(Problem::Usage("error: --stiffness and --damping go with --constraints springs".to_owned()));
+    }
+    if springs && text("drift").is_some() {
+        return Err(Problem::Usage("error: with springs nothing drifts: leave --drift out".to_owned()));
+    }
+    if alpha.is_some() && !matches!(settings.drift, Drift::Baumgarte { .. }) {
+        return Err(Problem::Usage("error: --alpha goes with --drift baumgarte".to_owned()));
+    }
     Ok(())
 }
 
@@ -215,6 +270,8 @@ fn as_json(loaded: &Loaded, settings: &Settings, run: &Run) -> Value {
         ("model", json!(loaded.name)),
         ("source", json!(format!("{:016x}", fnv1a(&loaded.source)))),
         ("method", json!(run.method.to_string())),
+        ("constraints", json!(settings.enforcement.name())),
+        ("constraint_drift", json!(settings.drift.name())),
         ("derivation", json!(run.balances.as_ref().map_or(LAGRANGE, |b| b.system.as_str()))),
         ("condition", run.balances.as_ref().map_or(Value::Null, |b| number(b.worst))),
         ("tolerance", if settings.step.is_some() { Value::Null } else { number(settings.tolerance) }),

@@ -9,6 +9,8 @@ use crate::mechanism::{At, Form, Singular, System};
 #[derive(Clone, Debug)]
 pub(crate) struct Projection {
     form: Form,
+    /// Whether states are changed, or only looked at.
+    corrects: bool,
     /// (c, c', Σ |terms| of c) of all rows.
     triples: Vec<f64>,
     delta: Vec<f64>,
@@ -48,6 +50,7 @@ impl Projection {
         let rows = system.description().rows.len();
         (rows > 0).then(|| Projection {
             form: Form::default(),
+            corrects: true,
             triples: vec![0.0; 3 * rows],
             delta: vec![0.0; system.len()],
             right: Vec::with_capacity(rows),
@@ -59,12 +62,23 @@ impl Projection {
         })
     }
 
+    /// Changes no state, only measures how far each is from the constraints.
+    pub fn only_looking(mut self, looks: bool) -> Self {
+        self.corrects = !looks;
+        self
+    }
+
     /// Brings y = [q; q'] to the constraints; false where none is active.
     ///
     /// # Errors
     /// Coordinates to which neither M nor a constraint gives any inertia.
     pub fn project<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &mut [f64]) -> Result<bool, Singular> {
         if system.active_rows().is_empty() {
+            return Ok(false);
+        }
+        if !self.corrects {
+            self.observe(system, t, y);
+            self.note(system);
             return Ok(false);
         }
         let n = system.len();
@@ -120,6 +134,7 @@ impl Projection {
     /// Whether a holonomic row does not hold at the state that was observed last, and by how much it is missed.
     pub fn misses(&self, row: usize) -> Option<f64> {
         let c = self.triples[3 * row];
+        (self.corrects || c.is_nan()).then_some(())?;
         (c.is_nan() || c.abs() > LOST * self.scales[row]).then_some(c)
     }
 
@@ -131,7 +146,7 @@ impl Projection {
 
     /// Whether rounding of the constraints shows at the state that was projected last.
     pub fn is_nearly_singular(&self) -> bool {
-        self.form.weakest() <= NEARLY_SINGULAR
+        self.corrects && self.form.weakest() <= NEARLY_SINGULAR
     }
 
     /// What rounding of c makes of q, and that in turn of q', at the state that was projected last; `None` where it is
@@ -175,7 +190,7 @@ impl Projection {
 
     /// How many of the active rows are independent at the last state, and how far they are from depending on each other.
     pub fn rank(&self) -> (usize, f64) {
-        (self.form.rank(), self.form.weakest())
+        if self.corrects { (self.form.rank(), self.form.weakest()) } else { (usize::MAX, 1.0) }
     }
 
     /// The active row that the last state misses by far more than rounding, and by how much.

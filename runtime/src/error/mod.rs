@@ -30,6 +30,8 @@ pub enum Error {
         /// The method.
         method: Method,
     },
+    /// Forces are made of reactions, which only multipliers give together with the accelerations.
+    NeedsMultipliers,
     /// A list has the wrong length.
     WrongLength {
         /// Which one: `start`.
@@ -84,6 +86,9 @@ impl fmt::Display for Error {
         match self {
             Error::BadSetting { setting, value, expected } => write!(f, "`{setting}` is {value}; expected {expected}"),
             Error::NoStep { method } => write!(f, "`{method}` needs a fixed step: give `step`"),
+            Error::NeedsMultipliers => {
+                write!(f, "a force is made of reactions, as friction is: take `multipliers`, which find both together")
+            }
             Error::WrongLength { setting, given, expected } => {
                 write!(f, "`{setting}` has {given} numbers; the mechanism has {expected} coordinates")
             }

@@ -78,6 +78,12 @@ pub(crate) struct March {
     watch: Option<Box<Watch>>,
     /// Where there are constraints.
     projection: Option<Box<Projection>>,
+    /// Whether states are brought back to them.
+    projects: bool,
+    /// Whether Baumgarte's gain is still to be chosen.
+    finds_gain: bool,
+    /// Where the march began, s.
+    from: f64,
     /// How many steps in a row ended where the constraints depend on each other as they do nowhere else.
     singular: u32,
     flights: Flights,
@@ -117,6 +123,9 @@ impl March {
             under_way: false,
             watch: None,
             projection: None,
+            projects: true,
+            finds_gain: false,
+            from: t,
             singular: 0,
             flights: Flights::default(),
             rejected: Vec::with_capacity(y.len()),
@@ -143,6 +152,18 @@ impl March {
     /// tolerance nor the equations limit are others than usual.
     pub fn unlike(mut self, unlike: bool) -> Self {
         self.unlike = unlike;
+        self
+    }
+
+    /// Brings states back to the constraints, or only measures how far they are from them.
+    pub fn projecting(mut self, projects: bool) -> Self {
+        self.projects = projects;
+        self
+    }
+
+    /// Chooses Baumgarte's gain by the steps that are taken at first.
+    pub fn finding_gain(mut self) -> Self {
+        self.finds_gain = true;
         self
     }
 
@@ -191,7 +212,8 @@ impl March {
         }
         self.until = until;
         if self.projection.is_none() {
-            self.projection = Projection::new(system).map(Box::new);
+            let looks = !self.projects;
+            self.projection = Projection::new(system).map(|projection| Box::new(projection.only_looking(looks)));
         }
         self.project_start(system)?;
         self.work.samples += self.watch.as_ref().map_or(0, |watch| watch.samples());
@@ -255,6 +277,7 @@ impl March {
                     self.look_for_stiffness(step, recorder);
                     let halt = outcome?;
                     self.look_at_constraints(system, recorder)?;
+                    self.choose_gain(system);
                     return Ok(halt);
                 }
             }
@@ -519,6 +542,15 @@ impl March {
         }
     }
 
+    /// Chooses Baumgarte's gain by the mean of the first steps: what decays faster becomes what limits them.
+    fn choose_gain(&mut self, system: &mut dyn System) {
+        if self.finds_gain && self.work.steps == GAIN_AFTER {
+            let mean = (self.clock.now() - self.from) / GAIN_AFTER as f64;
+            system.enforce(system.enforcement(), GAIN / mean);
+            self.finds_gain = false;
+        }
+    }
+
     /// Where the rows of the constraints that were projected onto last are less independent than elsewhere: how far they
     /// are from depending on each other.
     fn deficient(&self, system: &dyn System) -> Option<f64> {
@@ -564,6 +596,9 @@ impl March {
     }
 }
 
+/// Baumgarte's gain is this over the mean of so many steps (measured: larger ones cost more steps than they save errors).
+const GAIN: f64 = 0.03;
+const GAIN_AFTER: u64 = 20;
 /// The part of the way to a stop or a crossing that a run unlike others takes first; never more than the step that was allowed.
 const UNEVEN: f64 = 0.4;
 /// The first step is tried at this part of the way, at the usual tolerance.

@@ -4,7 +4,7 @@ use super::{Halt, March};
 use crate::cause::Cause;
 use crate::constrain::{Blow, blow};
 use crate::events::{Fired, Impulse, Watch};
-use crate::mechanism::{Action, System};
+use crate::mechanism::{Action, Enforcement, System};
 use crate::run::Recorder;
 
 /// More firings than this at one instant are a cycle.
@@ -106,7 +106,7 @@ impl March {
     /// # Errors
     /// A constraint that jumps, which no finite force could follow.
     pub(super) fn jolt(&mut self, system: &mut dyn System, recorder: &mut Recorder) -> Result<(), Cause> {
-        let Some(projection) = &mut self.projection else { return Ok(()) };
+        let Some(projection) = self.projection.as_mut().filter(|_| !is_sprung(system)) else { return Ok(()) };
         let now = self.clock.now();
         projection.observe(system, now, self.stepper.start().y);
         if let Some((row, residual)) = projection.lost(system) {
@@ -158,8 +158,11 @@ impl March {
                 }
             }
         }
-        let taken = blow(system, (now, self.stepper.start().y), &active, |_| 0.0);
-        self.take(system, taken.map_err(|fault| fault.cause(system.description()))?, recorder);
+        // Springs take up what speed there is.
+        if !is_sprung(system) {
+            let taken = blow(system, (now, self.stepper.start().y), &active, |_| 0.0);
+            self.take(system, taken.map_err(|fault| fault.cause(system.description()))?, recorder);
+        }
         recorder.phase(phase, now);
         Ok(())
     }
@@ -222,6 +225,11 @@ impl March {
             rows.iter().map(|(row, impulse)| (system.description().rows[*row].name.to_string(), *impulse)).collect();
         recorder.impulse(Impulse { t: self.clock.now(), inputs: Vec::new(), constraints, jump });
     }
+}
+
+/// Whether springs stand for the constraints.
+fn is_sprung(system: &dyn System) -> bool {
+    matches!(system.enforcement(), Enforcement::Springs { .. })
 }
 
 /// The rows of a constraint.

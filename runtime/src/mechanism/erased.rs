@@ -1,8 +1,8 @@
 //! A [`Mechanism`] behind slices.
 
 use super::balances::solve_rows;
-use super::phased::{Phased, RowHistory};
-use super::{At, Description, Energy, Mechanism, Scene, Signal, Singular, System, Values};
+use super::phased::{Phased, RowHistory, sprung};
+use super::{At, Description, Energy, Enforcement, Mechanism, Scene, Signal, Singular, System, Values};
 
 /// A mechanism of static size as a [`System`], with its block of constants at hand.
 #[derive(Clone)]
@@ -174,6 +174,14 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
         Some(&mut self.phased.history)
     }
 
+    fn enforcement(&self) -> Enforcement {
+        self.phased.enforcement
+    }
+
+    fn enforce(&mut self, by: Enforcement, alpha: f64) {
+        (self.phased.enforcement, self.phased.alpha) = (by, alpha);
+    }
+
     fn also(&self, at: At<'_>) -> Vec<(f64, f64)> {
         let wanted = self.mechanism.also_values();
         let mut values = vec![0.0; wanted.len()];
@@ -283,7 +291,8 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
     fn energy(&self, at: At<'_>) -> Energy {
         let (a, lambda) = self.completed(at, !M::description().structure.conservative);
         let u = self.input_block(at.t);
-        Energy::from_array(M::energy(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &a, &lambda))
+        let energy = M::energy(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &a, &lambda);
+        sprung(self, at, Energy::from_array(energy))
     }
 
     fn invariants(&self, at: At<'_>, pairs: &mut [f64]) {

@@ -7,7 +7,8 @@
 //! never count; in those that cease to count near a singular position, what it was before.
 
 use super::solve::{factor_packed, substitute_back, substitute_forward};
-use super::{At, Singular, SingularMass, System};
+use super::{At, Singular, SingularMass, Solutions, System};
+use nalgebra::{DMatrix, DVector};
 
 /// A row whose pivot, its distance from the rows before it, is below this part of its largest norm is left out.
 const WEAK: f64 = 1e-3;
@@ -147,7 +148,8 @@ impl Form {
         substitute_back(&self.mass, f);
     }
 
-    /// The accelerations, and the multipliers of all rows of the mechanism, at a state.
+    /// The accelerations, and the multipliers of all rows of the mechanism, at a state; constraints that are missed return
+    /// to 0 like e^(−α t).
     ///
     /// # Errors
     /// As [`Form::factor`]; friction that leaves no reaction, or more than one (Painlevé 1895).
@@ -155,6 +157,7 @@ impl Form {
         &mut self,
         system: &S,
         at: At<'_>,
+        alpha: f64,
         a: &mut [f64],
         lambda: &mut [f64],
     ) -> Result<(), Singular> {
@@ -163,10 +166,7 @@ impl Form {
         let friction = &system.description().friction_pattern;
         system.bias(at, &mut self.h);
         a.iter_mut().zip(&self.h).for_each(|(a, h)| *a = -h);
-        system.constraint_bias(at, lambda);
-        for (gamma, row) in self.gamma.iter_mut().zip(&self.active) {
-            *gamma = lambda[*row];
-        }
+        self.load_gamma(system, at, alpha, lambda);
         let rubs = m > 0 && !friction.is_empty();
         if rubs {
             self.load_friction(system, at, a);
@@ -200,6 +200,115 @@ impl Form {
         }
         self.found = found;
         solved
+    }
+
+    /// The accelerations by the null space of J, and the multipliers that go with them; dense, for comparison only.
+    ///
+    /// # Errors
+    /// M singular on the motions that the constraints leave.
+    pub fn by_null_space<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        at: At<'_>,
+        alpha: f64,
+        a: &mut [f64],
+        lambda: &mut [f64],
+    ) -> Result<(), Singular> {
+        let n = system.len();
+        self.begin(system, n);
+        self.load_rows(system, at);
+        self.load_mass(system, at);
+        system.bias(at, &mut self.h);
+        self.load_gamma(system, at, alpha, lambda);
+        let rows = DMatrix::from_row_slice(self.active.len(), n, &self.rows);
+        let right: Vec<f64> = self.gamma.iter().map(|gamma| -gamma).collect();
+        let Solutions { particular, basis, independent, pivots } = Solutions::of(&rows, &right);
+        let mass = DMatrix::from_fn(n, n, |i, j| self.mass[packed(i, j)]);
+        let h = DVector::from_column_slice(&self.h);
+        let reduced = basis.tr_mul(&mass) * &basis;
+        let force = -basis.tr_mul(&(&mass * &particular + &h));
+        let nothing = || SingularMass { coordinate: independent.first().copied().unwrap_or(0) };
+        let free = reduced.cholesky().ok_or_else(nothing)?.solve(&force);
+        let found = particular + basis * free;
+        a.copy_from_slice(found.as_slice());
+        // λ from the pivots' coordinates, where their rows are independent.
+        let left = mass * found + h;
+        let count = pivots.len();
+        let transposed = DMatrix::from_fn(count, count, |i, k| rows[(pivots[k].0, pivots[i].1)]);
+        let carried = DVector::from_fn(count, |i, _| left[pivots[i].1]);
+        lambda.fill(0.0);
+        if let Some(solved) = transposed.lu().solve(&carried) {
+            pivots.iter().zip(solved.iter()).for_each(|((row, _), x)| lambda[self.active[*row]] = *x);
+        }
+        Ok(())
+    }
+
+    /// The accelerations with springs and dampers in the place of constraints, λ = −(k c + d c').
+    ///
+    /// # Errors
+    /// M singular: what has no inertia of its own is held by constraints only.
+    pub fn by_springs<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        at: At<'_>,
+        (stiffness, damping): (f64, f64),
+        a: &mut [f64],
+        lambda: &mut [f64],
+    ) -> Result<(), Singular> {
+        let n = system.len();
+        self.begin(system, n);
+        self.load_rows(system, at);
+        self.load_mass(system, at);
+        factor_packed(&mut self.mass, n)?;
+        system.bias(at, &mut self.h);
+        a.iter_mut().zip(&self.h).for_each(|(a, h)| *a = -h);
+        let mut triples = vec![0.0; 3 * system.description().rows.len()];
+        system.constraints(at, &mut triples);
+        lambda.fill(0.0);
+        for (k, &row) in self.active.iter().enumerate() {
+            let c = if system.description().rows[row].holonomic { triples[3 * row] } else { 0.0 };
+            lambda[row] = -(stiffness * c + damping * triples[3 * row + 1]);
+            add(a, lambda[row], &self.rows[k * n..][..n]);
+        }
+        let pattern = &system.description().friction_pattern;
+        self.values.resize(pattern.len(), 0.0);
+        system.friction(at, &mut self.values);
+        for ((coordinate, row), value) in pattern.iter().zip(&self.values) {
+            a[*coordinate as usize] += value * lambda[*row as usize];
+        }
+        substitute_forward(&self.mass, a);
+        substitute_back(&self.mass, a);
+        Ok(())
+    }
+
+    /// Takes note of the rows in force, and makes room.
+    fn begin<S: System + ?Sized>(&mut self, system: &S, n: usize) {
+        self.n = n;
+        self.active.clear();
+        self.active.extend(system.active_rows().iter().map(|row| *row as usize));
+        let m = self.active.len();
+        for (list, size) in
+            [(&mut self.mass, n * (n + 1) / 2), (&mut self.rows, m * n), (&mut self.gamma, m), (&mut self.h, n)]
+        {
+            list.resize(size, 0.0);
+        }
+    }
+
+    /// γ of the rows in force, with what brings back constraints that are missed; `room` is for all rows.
+    fn load_gamma<S: System + ?Sized>(&mut self, system: &S, at: At<'_>, alpha: f64, room: &mut [f64]) {
+        system.constraint_bias(at, room);
+        for (gamma, row) in self.gamma.iter_mut().zip(&self.active) {
+            *gamma = room[*row];
+        }
+        if alpha > 0.0 {
+            let rows = &system.description().rows;
+            let mut triples = vec![0.0; 3 * rows.len()];
+            system.constraints(at, &mut triples);
+            for (gamma, &row) in self.gamma.iter_mut().zip(&self.active) {
+                let (c, rate) = (triples[3 * row], triples[3 * row + 1]);
+                *gamma += if rows[row].holonomic { alpha * (2.0 * rate + alpha * c) } else { alpha * rate };
+            }
+        }
     }
 
     /// Adds to a force what rows that are left out did when they still counted.

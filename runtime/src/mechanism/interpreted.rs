@@ -7,11 +7,11 @@ use dalembert_symbolic::model::{EventAction, Shape as SymbolicShape};
 use dalembert_symbolic::print;
 
 use super::balances::{belongs, put_reactions};
-use super::phased::{Phased, RowHistory, indicate};
+use super::phased::{Phased, RowHistory, indicate, sprung};
 use super::{
-    Action, Argument, At, Balance, BalanceSystem, Balances, Coordinate, Counts, Description, Direction, Energy, Event,
-    InputJump, List, Parameter, Phase, Quantity, Role, Row, Scene, Shape, Signal, Singular, SingularMass, Structure,
-    Switch, SwitchKind, System, Text, Watched,
+    Action, Argument, At, Balance, BalanceSystem, Balances, Coordinate, Counts, Description, Direction, Energy,
+    Enforcement, Event, InputJump, List, Parameter, Phase, Quantity, Role, Row, Scene, Shape, Signal, Singular,
+    SingularMass, Structure, Switch, SwitchKind, System, Text, Watched,
 };
 
 /// An interpreted mechanism.
@@ -157,6 +157,14 @@ impl System for Interpreted {
         Some(&mut self.phased.history)
     }
 
+    fn enforcement(&self) -> Enforcement {
+        self.phased.enforcement
+    }
+
+    fn enforce(&mut self, by: Enforcement, alpha: f64) {
+        (self.phased.enforcement, self.phased.alpha) = (by, alpha);
+    }
+
     fn also(&self, at: At<'_>) -> Vec<(f64, f64)> {
         let wanted = self.interpreter.program().also_values();
         let mut values = vec![0.0; wanted.len()];
@@ -205,7 +213,7 @@ impl System for Interpreted {
     fn energy(&self, at: At<'_>) -> Energy {
         let mut values = [0.0; 5];
         self.complete(Function::Energy, at, !self.description.structure.conservative, &mut values);
-        Energy::from_array(values)
+        sprung(self, at, Energy::from_array(values))
     }
 
     fn invariants(&self, at: At<'_>, pairs: &mut [f64]) {

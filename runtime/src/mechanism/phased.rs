@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use super::{At, Form, Singular, System};
+use super::{At, Energy, Enforcement, Form, Singular, System};
 
 /// What the motion so far tells of the constraints' rows; lists are empty where it tells nothing.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -23,13 +23,23 @@ pub(super) struct Phased {
     pub phase: usize,
     /// What is known of the constraints from the motion so far.
     pub history: RowHistory,
+    /// How constraints are enforced.
+    pub enforcement: Enforcement,
+    /// Baumgarte's α, 1/s; 0: none.
+    pub alpha: f64,
     /// Nobody waits for it: whoever evaluates in parallel has a mechanism of its own.
     form: Mutex<Form>,
 }
 
 impl Clone for Phased {
     fn clone(&self) -> Self {
-        Phased { phase: self.phase, history: self.history.clone(), form: Mutex::default() }
+        Phased {
+            phase: self.phase,
+            history: self.history.clone(),
+            enforcement: self.enforcement,
+            alpha: self.alpha,
+            form: Mutex::default(),
+        }
     }
 }
 
@@ -43,8 +53,28 @@ impl Phased {
         lambda: &mut [f64],
     ) -> Result<(), Singular> {
         let mut form = self.form.lock().unwrap_or_else(PoisonError::into_inner);
-        form.motion(system, at, a, lambda)
+        match self.enforcement {
+            Enforcement::Multipliers => form.motion(system, at, self.alpha, a, lambda),
+            Enforcement::NullSpace => form.by_null_space(system, at, self.alpha, a, lambda),
+            Enforcement::Springs { stiffness, damping } => form.by_springs(system, at, (stiffness, damping), a, lambda),
+        }
     }
+}
+
+/// The energy with what the springs of [`Enforcement::Springs`] hold and their dampers take.
+pub(super) fn sprung<S: System + ?Sized>(system: &S, at: At<'_>, mut energy: Energy) -> Energy {
+    let Enforcement::Springs { stiffness, damping } = system.enforcement() else { return energy };
+    let mut triples = vec![0.0; 3 * system.description().rows.len()];
+    system.constraints(at, &mut triples);
+    for row in system.active_rows().iter().map(|row| *row as usize) {
+        let (c, rate) = (triples[3 * row], triples[3 * row + 1]);
+        let held = if system.description().rows[row].holonomic { 0.5 * stiffness * c * c } else { 0.0 };
+        energy.potential += held;
+        energy.jacobi += held;
+        energy.scale += held;
+        energy.power -= damping * rate * rate;
+    }
+    energy
 }
 
 /// 1 for this phase, 0 for all others.

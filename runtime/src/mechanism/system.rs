@@ -1,6 +1,6 @@
 //! The object-safe face of a mechanism, on slices: everything downstream is written once over it.
 
-use super::{At, Description, Energy, RowHistory, Scene, Singular};
+use super::{At, Description, Energy, Enforcement, RowHistory, Scene, Singular};
 
 /// A mechanism with its parameters, behind slices.
 ///
@@ -95,6 +95,16 @@ pub trait System: Send + Sync {
     /// The same, to be noted.
     fn row_history_mut(&mut self) -> Option<&mut RowHistory> {
         None
+    }
+
+    /// How constraints are enforced.
+    fn enforcement(&self) -> Enforcement {
+        Enforcement::Multipliers
+    }
+
+    /// Enforces constraints in another way from now on, or with another gain of Baumgarte's, α in 1/s (0: none).
+    fn enforce(&mut self, by: Enforcement, alpha: f64) {
+        let _ = (by, alpha);
     }
 
     /// Quantities that scenes' starts meet beside constraints: what they are at a state, and what they are to be.

@@ -70,6 +70,8 @@ pub(crate) struct Plan {
     pub tolerance: Option<f64>,
     /// The fixed step, if there is one.
     pub step: Option<f64>,
+    /// Whether states are brought back to the constraints.
+    pub projects: bool,
 }
 
 impl Recorder {
@@ -125,7 +127,7 @@ impl Recorder {
                 .and_then(|step| Watchman::new(system, plan.method, step, t, plan.until - t)),
             n,
             needs_accelerations: description.outputs_use_accelerations,
-            projection: Projection::new(system),
+            projection: Projection::new(system).map(|projection| projection.only_looking(!plan.projects)),
             point: vec![0.0; 2 * n],
             accelerations: vec![0.0; n],
         };

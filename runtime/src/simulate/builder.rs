@@ -4,7 +4,7 @@ use super::by_hand::Stepping;
 use super::{Settings, simulate};
 use crate::error::Error;
 use crate::events::CLOSURE_WIDTH;
-use crate::mechanism::{Description, Method, Scene, Signal, System};
+use crate::mechanism::{Description, Drift, Enforcement, Method, Scene, Signal, System};
 use crate::run::Run;
 use crate::trust::Warning;
 
@@ -134,6 +134,18 @@ impl<S: System> Simulation<S> {
     /// The method of integration.
     pub fn method(mut self, method: Method) -> Self {
         self.settings.method = method;
+        self
+    }
+
+    /// How constraints are enforced, instead of by multipliers.
+    pub fn enforcement(mut self, enforcement: Enforcement) -> Self {
+        self.settings.enforcement = enforcement;
+        self
+    }
+
+    /// What is done about errors by which the motion leaves its constraints, instead of projecting.
+    pub fn drift(mut self, drift: Drift) -> Self {
+        self.settings.drift = drift;
         self
     }
 

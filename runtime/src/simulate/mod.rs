@@ -30,7 +30,7 @@ use crate::constrain::{self, consistent};
 use crate::error::Error;
 use crate::integrate::Tolerance;
 use crate::march::{March, Pace};
-use crate::mechanism::{RowHistory, System};
+use crate::mechanism::{Drift, Enforcement, RowHistory, System};
 use crate::run::{Failure, Plan, Recorder, Run};
 use crate::trust::{Warning, check_step, positive_inertia};
 
@@ -77,12 +77,14 @@ struct Start {
 fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Start, Error> {
     settings.check(system.description())?;
     let method = settings.method.resolve(settings.step, settings.tolerance);
-    let work = settings.watch && !system.description().structure.conservative;
+    let dampers = matches!(settings.enforcement, Enforcement::Springs { damping, .. } if damping > 0.0);
+    let work = settings.watch && (dampers || !system.description().structure.conservative);
     let guess = [settings.q.as_slice(), settings.v.as_slice()].concat();
     system.set_phase(settings.phase);
     if let Some(history) = system.row_history_mut() {
         *history = RowHistory::default();
     }
+    system.enforce(settings.enforcement, settings.alpha());
     let held = settings.held();
     let met =
         consistent(system, &constrain::Start { t: settings.from, y: &guess, held: &held, also: settings.also.clone() });
@@ -96,7 +98,10 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
         }
     };
     let march = March::new(method, pace, settings.from, &y, work).limit(settings.max_steps);
-    let mut march = march.compensate(settings.compensated).unlike(settings.unlike);
+    let mut march = march.compensate(settings.compensated).unlike(settings.unlike).projecting(settings.projects());
+    if settings.drift == (Drift::Baumgarte { alpha: None }) && settings.step.is_none() {
+        march = march.finding_gain();
+    }
     // The modes of discontinuities come first: energies and outputs at the start depend on them.
     let outcome = met
         .and_then(|()| march.begin(system, settings.until))
@@ -111,6 +116,7 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
         method,
         tolerance: settings.step.is_none().then_some(tolerance),
         step: settings.step,
+        projects: settings.projects(),
     };
     let mut recorder = Recorder::new(&plan, system, settings.from, march.state());
     if let Some(step) = settings.step {

@@ -2,10 +2,16 @@
 
 use crate::cause::Cause;
 use crate::error::Error;
-use crate::mechanism::{Description, Method, Scene};
+use crate::integrate::stability;
+use crate::mechanism::{Description, Drift, Enforcement, Method, Scene};
+use crate::trust::amplification;
+use nalgebra::Complex;
 
 /// More numbers than this are not reported: they would fill the memory.
 const MOST_NUMBERS: f64 = 1e8;
+
+/// Baumgarte's α for a fixed step h is this over h: larger ones cost accuracy, smaller ones leave drift.
+const FIXED_GAIN: f64 = 0.06;
 
 /// How to run.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,6 +58,10 @@ pub struct Settings {
     /// Whether to run a second time, less accurately, to tell how many digits hold (off unless said otherwise); see
     /// [`Digits`](crate::run::Digits).  It costs about three quarters of the run again.
     pub digits: bool,
+    /// How constraints are enforced.
+    pub enforcement: Enforcement,
+    /// What is done about errors by which the motion leaves its constraints; nothing where springs stand for them.
+    pub drift: Drift,
     /// Whether steps that the tolerance does not limit are chosen otherwise than usual: a run to compare with has none in
     /// common, even where stops and growth limit them all.
     pub(crate) unlike: bool,
@@ -79,6 +89,8 @@ impl Settings {
             dense: true,
             watch: true,
             digits: false,
+            enforcement: Enforcement::default(),
+            drift: Drift::default(),
             unlike: false,
         }
     }
@@ -153,6 +165,47 @@ impl Settings {
         if self.step.is_none() && !self.method.is_adaptive() {
             return Err(Error::NoStep { method: self.method });
         }
-        Ok(())
+        self.check_enforcement(mechanism)
+    }
+
+    fn check_enforcement(&self, mechanism: &Description) -> Result<(), Error> {
+        let bad = |setting, value, expected| Err(Error::BadSetting { setting, value, expected });
+        match self.enforcement {
+            Enforcement::Springs { stiffness, .. } if !(stiffness > 0.0 && stiffness.is_finite()) => {
+                return bad("stiffness", stiffness, "a positive number");
+            }
+            Enforcement::Springs { damping, .. } if !(damping >= 0.0 && damping.is_finite()) => {
+                return bad("damping", damping, "a number that is not negative");
+            }
+            Enforcement::NullSpace if !mechanism.friction_pattern.is_empty() => {
+                return Err(Error::NeedsMultipliers);
+            }
+            _ => {}
+        }
+        let Drift::Baumgarte { alpha: Some(alpha) } = self.drift else { return Ok(()) };
+        if !(alpha > 0.0 && alpha.is_finite()) {
+            return bad("alpha", alpha, "a positive number");
+        }
+        let method = self.method.resolve(self.step, self.tolerance);
+        match self.step {
+            Some(step) if amplification(&stability(method), Complex::from(-alpha * step)) > 1.0 => {
+                bad("alpha", alpha, "less, or a shorter step: the method is unstable where it decays so fast in a step")
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether states are brought back to the constraints.
+    pub(super) fn projects(&self) -> bool {
+        self.drift == Drift::Project && !matches!(self.enforcement, Enforcement::Springs { .. })
+    }
+
+    /// Baumgarte's α, 1/s, where it is known before the run; 0: none.
+    pub(super) fn alpha(&self) -> f64 {
+        match (self.drift, self.enforcement) {
+            (_, Enforcement::Springs { .. }) => 0.0,
+            (Drift::Baumgarte { alpha }, _) => alpha.or(self.step.map(|step| FIXED_GAIN / step)).unwrap_or(0.0),
+            _ => 0.0,
+        }
     }
 }

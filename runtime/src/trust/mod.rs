@@ -13,7 +13,6 @@ pub use conditioning::Conditioning;
 pub use drift::Drift;
 pub(crate) use drift::Monitor;
 pub(crate) use inertia::{InertiaGuard, positive_inertia};
-#[cfg(test)]
 pub(crate) use stability::amplification;
 pub(crate) use stability::{Watchman, check_step};
 pub use warning::{Loss, Warning};

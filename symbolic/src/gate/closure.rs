@@ -140,7 +140,8 @@ impl Forms {
             let numbers = Tape::new(graph, &roots).measured(|s| state.value(s));
             let used = |column: usize| pivots.iter().any(|pivot| pivot.1 == column);
             let filled = |column: usize| left.iter().filter(|row| rows[**row][column] != Id::ZERO).count();
-            let mut best: Option<((bool, bool, usize, usize, usize), usize, usize)> = None;
+            // Row and column come last: among equals the first.
+            let mut best: Option<(bool, bool, usize, usize, usize)> = None;
             let mut empty = Vec::new();
             for (place, row) in left.iter().enumerate() {
                 let line = &numbers[place * width..][..width - 1];
@@ -156,14 +157,12 @@ impl Forms {
                         let varies = graph.number(rows[*row][column]).is_none();
                         let fill = (entries - 1) * (filled(column) - 1);
                         let key = (*row >= self.closed, varies, fill, *row, column);
-                        if best.is_none_or(|(known, ..)| key < known) {
-                            best = Some((key, *row, column));
-                        }
+                        best = Some(best.map_or(key, |known| known.min(key)));
                     }
                 }
             }
             left.retain(|row| !empty.contains(row));
-            let Some((_, row, column)) = best else { break };
+            let Some((.., row, column)) = best else { break };
             left.retain(|other| *other != row);
             pivots.push((row, column));
             let pivot = rows[row][column];

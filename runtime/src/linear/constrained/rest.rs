@@ -9,7 +9,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::{on_its_sides, sizes_alike};
 use crate::constrain::{Projection, Start, consistent};
 use crate::linear::{Equilibrium, Freedom, Guess, LinearError, Linearised, Mode, Residual, SparseMatrix};
-use crate::mechanism::{At, System};
+use crate::mechanism::{At, Solutions, System};
 
 /// M, C and K of a constrained mechanism in independent coordinates, and how all others follow.
 #[derive(Clone, Debug, PartialEq)]
@@ -260,13 +260,10 @@ impl<S: System + ?Sized> Rest<'_, S> {
             return Err(LinearError::NotAnEquilibrium { residual: self.residual(left.as_slice()) });
         }
         let [stiffness, damping] = self.slopes(q, &lambda);
-        let motions = independent(&here.jacobian);
+        let Solutions { basis: z, independent: chosen, .. } = Solutions::of(&here.jacobian, &[]);
         let mass = self.mass(q);
         let description = self.system.description();
         let names: Vec<String> = description.coordinates.iter().map(|c| c.name.to_string()).collect();
-        // A column of Z has a 1 in the row of its coordinate.
-        let chosen: Vec<usize> = motions.1;
-        let z = motions.0;
         let reduced = |matrix: &DMatrix<f64>| SparseMatrix::from_dense(&(z.transpose() * matrix * &z));
         let linear = Linearised {
             coordinates: chosen.iter().map(|i| names[*i].clone()).collect(),
@@ -314,68 +311,6 @@ impl<S: System + ?Sized> Rest<'_, S> {
             iterations,
             point: names.zip(q.iter().copied()).collect(),
             residual: self.residual(left.as_slice()),
-        }
-    }
-}
-
-/// Z with J Z = 0, columns of independent coordinates chosen by rank: each has a 1 in the row of its coordinate.
-fn independent(jacobian: &DMatrix<f64>) -> (DMatrix<f64>, Vec<usize>) {
-    let (m, n) = jacobian.shape();
-    // Gauss–Jordan with complete pivoting: dependent columns first.
-    let mut a = jacobian.clone();
-    for mut row in a.row_iter_mut() {
-        let norm = row.norm();
-        if norm > 0.0 {
-            row.scale_mut(1.0 / norm);
-        }
-    }
-    let mut columns: Vec<usize> = (0..n).collect();
-    let mut rank = 0;
-    while rank < m.min(n) {
-        let rest = (rank..m).flat_map(|i| (rank..n).map(move |j| (i, j)));
-        let Some((i, j)) = rest.max_by(|x, y| a[*x].abs().total_cmp(&a[*y].abs())) else { break };
-        if a[(i, j)].abs() <= DEPENDENT {
-            break;
-        }
-        a.swap_rows(rank, i);
-        a.swap_columns(rank, j);
-        columns.swap(rank, j);
-        let pivot = a[(rank, rank)];
-        a.row_mut(rank).scale_mut(1.0 / pivot);
-        for k in (0..m).filter(|k| *k != rank) {
-            let factor = a[(k, rank)];
-            if factor != 0.0 {
-                let line = a.row(rank).clone_owned();
-                let mut row = a.row_mut(k);
-                row -= factor * line;
-            }
-        }
-        rank += 1;
-    }
-    let mut z = DMatrix::zeros(n, n - rank);
-    let mut order: Vec<(usize, usize)> = columns[rank..].iter().copied().enumerate().collect();
-    order.sort_by_key(|(_, column)| *column);
-    for (k, (place, column)) in order.iter().enumerate() {
-        z[(*column, k)] = 1.0;
-        for i in 0..rank {
-            z[(columns[i], k)] = -a[(i, rank + place)];
-        }
-    }
-    (z, order.into_iter().map(|(_, column)| column).collect())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn independent_columns_span_the_null_space() {
-        let j = DMatrix::from_row_slice(2, 4, &[1.0, 2.0, 0.0, -1.0, 2.0, 4.0, 0.0, -2.0]);
-        let (z, chosen) = independent(&j);
-        assert_eq!((z.ncols(), chosen.len()), (3, 3));
-        assert!((j * &z).norm() < 1e-15);
-        for (k, i) in chosen.iter().enumerate() {
-            assert_eq!(z[(*i, k)], 1.0);
         }
     }
 }

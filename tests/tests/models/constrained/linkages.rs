@@ -4,7 +4,6 @@ use dalembert::Warning;
 use dalembert_tests::case::Case;
 use dalembert_tests::reference::{Reference, numbers};
 
-use super::written;
 use crate::near;
 
 #[test]
@@ -151,10 +150,10 @@ kinetic_energy: m*a^2*p'^2
 potential_energy: 5/2*m*g*a*sin(p)
 scene: {start: {p: 1}, until: 3, tolerance: 1e-13}
 ";
-    let exact = written(twin).run().last()["p"];
+    let exact = Case::written(twin).run().last()["p"];
     for exponent in 6..=12 {
         let tolerance = 10_f64.powi(-exponent);
-        let run = written(cranks).tolerance(tolerance).run();
+        let run = Case::written(cranks).tolerance(tolerance).run();
         near(run.last()["p"], exact, 1e4 * tolerance);
         assert!(run.residuals.is_some_and(|residuals| residuals.position < 1e-11), "{:?}", run.residuals);
     }

@@ -1,6 +1,7 @@
 //! Mechanisms with constraints, reactions, phases and impacts.
 
 mod contact;
+mod four_ways;
 mod linkages;
 mod rods;
 mod skates;

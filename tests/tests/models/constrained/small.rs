@@ -3,7 +3,6 @@
 use dalembert::linear::{Guess, LinearError, Stability, linearise_constrained, linearise_tangent};
 use dalembert_tests::case::Case;
 
-use super::written;
 use crate::near;
 
 /// The square of the only frequency about the equilibrium near a guess, and its place.
@@ -33,7 +32,7 @@ gravity: [-g, 0]
 constraints: {rod: x^2 + y^2 - l^2}
 scene: {start: {x: -0.3}, guess: {y: 0.4}, until: 1}
 ";
-    near(squared(&written(sideways), &[-0.3, 0.4]).0, 20.0, 1e-11);
+    near(squared(&Case::written(sideways), &[-0.3, 0.4]).0, 20.0, 1e-11);
 }
 
 /// The four-bar of the reference, hanging and upright; without geometric stiffness they would have 18.345 and -10.888.
@@ -83,7 +82,7 @@ gravity: [0, 0, -g]
 constraints: {rod: r^2 + z^2 - l^2}
 scene: {start: {phi: 0, phi': 4, r': 0}, guess: {r: 0.8, z: -0.6}, until: 1}
 ";
-    let (case, turning) = (written(cone), 4.0);
+    let (case, turning) = (Case::written(cone), 4.0);
     let guess = Guess { v: vec![0.0, turning, 0.0], ..Guess::at(&[0.8, 0.0, -0.6]) };
     let found = linearise_tangent(&*case.system, &guess, false).unwrap_or_else(|error| panic!("{error}"));
     let cos = 10.0 / (turning * turning);
@@ -110,7 +109,7 @@ springs: {spring: {stretch: x, stiffness: k}}
 constraints: {rolls: x' - R*phi'}
 scene: {start: {x: 0.1, phi: 0, x': 0}, until: 1}
 ";
-    let case = written(wheel);
+    let case = Case::written(wheel);
     let found =
         linearise_tangent(&*case.system, &Guess::at(&[0.3, 0.7]), false).unwrap_or_else(|error| panic!("{error}"));
     near(found.equilibrium.q[0], 0.0, 1e-12);
