@@ -35,7 +35,7 @@ pub(crate) enum Pace {
     /// Against a tolerance, none longer than `longest`.
     Adaptive {
         /// The tolerance.
-        tolerance: Tolerance,
+        tolerance: Box<Tolerance>,
         /// s.
         longest: f64,
     },
@@ -435,7 +435,7 @@ impl March {
     fn try_step(&mut self, system: &dyn System, step: Step, whatever: bool) -> Result<f64, Setback> {
         let tolerance = match &self.pace {
             Pace::Fixed(_) => None,
-            Pace::Adaptive { tolerance, .. } => Some(tolerance),
+            Pace::Adaptive { tolerance, .. } => Some(&**tolerance),
         };
         let trial = Trial { t: self.clock.now(), h: step.h, tolerance };
         let error = self.stepper.attempt(system, trial)?;

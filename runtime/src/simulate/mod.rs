@@ -93,7 +93,7 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     let pace = match settings.step {
         Some(step) => Pace::Fixed(step),
         None => {
-            let tolerance = Tolerance::new(tolerance, system.description(), &y);
+            let tolerance = Box::new(Tolerance::new(tolerance, system.description(), &y));
             Pace::Adaptive { tolerance, longest: settings.longest_step.unwrap_or(f64::INFINITY) }
         }
     };
