@@ -15,7 +15,7 @@ use std::ops::ControlFlow;
 
 use between::Defect;
 use jump::{JumpDetector, Upset};
-use phase::Flights;
+use phase::Impacts;
 
 use crate::cause::Cause;
 use crate::constrain::{Projection, Residuals};
@@ -86,7 +86,7 @@ pub(crate) struct March {
     from: f64,
     /// How many steps in a row ended where the constraints depend on each other as they do nowhere else.
     singular: u32,
-    flights: Flights,
+    impacts: Impacts,
     defect: Defect,
     /// Until when the motion goes on at most, s.
     until: f64,
@@ -127,7 +127,7 @@ impl March {
             finds_gain: false,
             from: t,
             singular: 0,
-            flights: Flights::default(),
+            impacts: Impacts::default(),
             rejected: Vec::with_capacity(y.len()),
             rejected_step: 0.0,
             cuts: 0,

@@ -4,7 +4,7 @@ use super::{Halt, March};
 use crate::cause::Cause;
 use crate::constrain::{Blow, blow};
 use crate::events::{Fired, Impulse, Watch};
-use crate::mechanism::{Action, Enforcement, System};
+use crate::mechanism::{Action, At, Enforcement, System};
 use crate::run::Recorder;
 
 /// More firings than this at one instant are a cycle.
@@ -13,30 +13,46 @@ const AT_AN_INSTANT: u32 = 50;
 const ROUNDING: f64 = 1e-12;
 /// Flights shorter than this part of the first are not followed one by one.
 const SHORT: f64 = 1e-6;
+/// Hops below this part of the sum of a constraint's terms are rounding.
+const LOW: f64 = 64.0 * f64::EPSILON;
 /// Two estimates of the time at which impacts accumulate agree to this part of it.
 const AGREE: f64 = 1e-6;
 
 /// Impacts of one event that follow each other faster and faster (Zeno).
 #[derive(Clone, Debug, Default)]
-pub(super) struct Flights {
-    event: usize,
+struct Flights {
     /// When the last impact was, s.
-    last: f64,
+    last: Option<f64>,
     /// The first flight, and the last one, s.
     first: Option<f64>,
     flight: Option<f64>,
     estimate: Option<f64>,
 }
 
-impl Flights {
-    /// Notes an impact at t; the time at which they accumulate where that is known well enough.
-    fn impact(&mut self, event: usize, t: f64) -> Option<f64> {
-        if self.event != event || self.first.is_none() && self.last == 0.0 {
-            *self = Flights { event, last: t, ..Flights::default() };
-            self.last = t;
-            return None;
+/// The impacts of all events.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Impacts {
+    of: Vec<Flights>,
+}
+
+impl Impacts {
+    /// Notes an impact of an event at t; the time at which they accumulate where that is known well enough.
+    fn note(&mut self, event: usize, t: f64) -> Option<f64> {
+        if self.of.len() <= event {
+            self.of.resize(event + 1, Flights::default());
         }
-        let flight = t - std::mem::replace(&mut self.last, t);
+        self.of[event].note(t)
+    }
+
+    /// Begins anew with those of an event.
+    fn forget(&mut self, event: usize) {
+        self.of.get_mut(event).into_iter().for_each(|flights| *flights = Flights::default());
+    }
+}
+
+impl Flights {
+    fn note(&mut self, t: f64) -> Option<f64> {
+        let flight = t - self.last.replace(t)?;
         let first = *self.first.get_or_insert(flight);
         let before = self.flight.replace(flight)?;
         let ratio = flight / before;
@@ -132,13 +148,39 @@ impl March {
             Action::Impact { along, restitution } => {
                 let e = self.strike(system, along, restitution as usize, recorder)?;
                 let now = self.clock.now();
-                let end = if e == 0.0 { Some(now) } else { self.flights.impact(event, now) };
+                let end = match e == 0.0 || self.is_too_low(system, along) {
+                    true => Some(now),
+                    false => self.impacts.note(event, now),
+                };
                 if let Some(end) = end {
                     self.rest(system, (event, along), end, recorder)?;
                 }
                 Ok(true)
             }
         }
+    }
+
+    /// Whether the hop after an impact, c'²/(2 |c''|) high, is below the rounding of what it is a hop from.
+    fn is_too_low(&self, system: &dyn System, along: u32) -> bool {
+        let (n, count) = (system.len(), system.description().rows.len());
+        let at = At::packed(self.clock.now(), self.stepper.start().y, n);
+        let (mut triples, mut a, mut bias) = (vec![0.0; 3 * count], vec![0.0; n], vec![0.0; count]);
+        if system.motion(at, &mut a, &mut bias).is_err() {
+            return false;
+        }
+        system.constraints(at, &mut triples);
+        system.constraint_bias(at, &mut bias);
+        let pattern = &system.description().constraint_pattern;
+        let mut values = vec![0.0; pattern.len()];
+        system.constraint_matrix(at, &mut values);
+        for ((row, column), value) in pattern.iter().zip(values) {
+            bias[*row as usize] += value * a[*column as usize];
+        }
+        let low = |row: &usize| {
+            let (rate, back) = (triples[3 * row + 1], bias[*row]);
+            rate * back <= 0.0 && rate * rate <= 2.0 * back.abs() * LOW * triples[3 * row + 2]
+        };
+        rows_of(system, along).iter().all(low)
     }
 
     /// Goes on in a phase: its constraints must hold, and take away what speed they do not leave.
@@ -205,7 +247,7 @@ impl March {
         let (q, v) = self.stepper.state_mut().split_at_mut(n);
         q.iter_mut().zip(v.iter()).for_each(|(q, v)| *q += left * v);
         self.clock.set(end);
-        self.flights = Flights::default();
+        self.impacts.forget(event);
         if left > 0.0 {
             recorder.accumulated(system, event, end);
         }
