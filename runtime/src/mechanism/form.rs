@@ -311,6 +311,31 @@ impl Form {
         }
     }
 
+    /// Makes the multipliers of the active rows the least of all that have the same effect, Σ S_kk λ_k², where rows
+    /// depend on each other everywhere (Udwadia and Kalaba, Analytical Dynamics, 1992; the weights are invariant under a
+    /// scaling of rows).
+    pub fn spread<S: System + ?Sized>(&self, system: &S, lambda: &mut [f64]) {
+        let (m, rank) = (self.active.len(), self.rank);
+        let usual = system.description().phases.get(system.phase()).map_or(0, |phase| phase.rank as usize);
+        if rank == m || rank < usual || !system.description().friction_pattern.is_empty() {
+            return;
+        }
+        // Row i of L that is left out is a combination of those that were kept: u = [−L₁⁻ᵀ L_iᵀ; e_i] has no effect.
+        let factor = DMatrix::from_fn(rank, rank, |i, j| if i >= j { self.schur[i * m + j] } else { 0.0 });
+        let beyond = DMatrix::from_fn(rank, m - rank, |j, i| self.schur[(rank + i) * m + j]);
+        let Some(combined) = factor.tr_solve_lower_triangular(&beyond) else { return };
+        let idle = DMatrix::from_fn(m, m - rank, |i, k| match i.checked_sub(rank) {
+            None => -combined[(i, k)],
+            Some(place) => f64::from(place == k),
+        });
+        let scaled = DVector::from_fn(m, |i, _| lambda[self.active[self.order[i]]] * self.norms[self.order[i]]);
+        let Some(inverse) = idle.tr_mul(&idle).cholesky() else { return };
+        let least = &scaled - &idle * inverse.solve(&idle.tr_mul(&scaled));
+        for (x, &k) in least.iter().zip(&self.order) {
+            lambda[self.active[k]] = if self.norms[k] > 0.0 { x / self.norms[k] } else { 0.0 };
+        }
+    }
+
     /// Adds to a force what rows that are left out did when they still counted.
     fn hold(&self, held: &[f64], rubs: bool, force: &mut [f64]) {
         let lines = if rubs { &self.pushed } else { &self.half };

@@ -103,7 +103,7 @@ impl System for Interpreted {
     fn motion(&self, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> Result<(), Singular> {
         lambda.fill(0.0);
         if !self.active_rows().is_empty() {
-            self.phased.motion(self, at, a, lambda)?;
+            self.phased.reactions(self, at, a, lambda)?;
         }
         // A system of balances gives its own accelerations, and leaves multipliers to the constraints.
         if self.derivation.is_some() || self.active_rows().is_empty() { self.accelerations(at, a) } else { Ok(()) }

@@ -44,7 +44,22 @@ impl Clone for Phased {
 }
 
 impl Phased {
-    /// Accelerations and multipliers by elimination.
+    /// Accelerations and multipliers; where rows depend on each other the least multipliers.
+    pub fn reactions<S: System + ?Sized>(
+        &self,
+        system: &S,
+        at: At<'_>,
+        a: &mut [f64],
+        lambda: &mut [f64],
+    ) -> Result<(), Singular> {
+        self.motion(system, at, a, lambda)?;
+        if self.enforcement == Enforcement::Multipliers {
+            self.form.lock().unwrap_or_else(PoisonError::into_inner).spread(system, lambda);
+        }
+        Ok(())
+    }
+
+    /// Accelerations and multipliers, any where rows depend on each other.
     pub fn motion<S: System + ?Sized>(
         &self,
         system: &S,
