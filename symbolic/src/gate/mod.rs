@@ -38,6 +38,7 @@ mod state;
 mod states;
 mod system;
 mod trajectory;
+mod turns;
 mod twice;
 mod unseen;
 

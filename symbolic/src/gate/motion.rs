@@ -1,7 +1,7 @@
 //! The motion at a state: inputs, modes, and the accelerations with the scale of their errors.
 
 use super::dense::{Deficient, factor, solve};
-use super::rows::{Constraints, Held};
+use super::rows::{Constraints, Held, RoughlyHeld};
 use super::state::State;
 use crate::derive::{Equations, Rows, Switch, rates, without_modes};
 use crate::expr::{Id, Measured, Symbol, Tape};
@@ -88,11 +88,16 @@ impl Motion {
         }
     }
 
+    /// Brings a state, whose inputs are there, to the constraints of its phase: false where it cannot be.
+    pub fn close(&self, state: &mut State) -> bool {
+        self.constraints.active(state.phase).is_empty() || self.constraints.close(state)
+    }
+
     /// Brings a state to the constraints of its phase, and fills in inputs, modes, accelerations and multipliers.
     pub fn complete(&self, state: &mut State) -> Result<(), Incomplete> {
         self.signals(state);
         state.lambda.clear();
-        if !self.constraints.active(state.phase).is_empty() && !self.constraints.close(state) {
+        if !self.close(state) {
             return Err(Incomplete::NotFinite);
         }
         self.prepare(state);
@@ -222,32 +227,65 @@ impl Motion {
 
     /// Accelerations in `f64`, for a coarse run: false where there are none.
     pub fn roughly(&self, rough: &mut Rough) -> bool {
-        let at = |list: &[f64], i: u32| list.get(i as usize).copied().unwrap_or(0.0);
-        let Rough { parameters, t, q, v, a, inputs, modes, scratch, values } = rough;
-        inputs.clear();
+        let Rough { at, a, lambda, scratch, values } = rough;
+        at.inputs.clear();
         for tape in &self.inputs {
             let mut u = [0.0; 4];
-            tape.run(
-                |s| {
-                    if s == Symbol::Time {
-                        *t
-                    } else if let Symbol::Parameter(i) = s {
-                        at(parameters, i)
-                    } else {
-                        0.0
-                    }
-                },
-                scratch,
-                &mut u,
-            );
-            inputs.push(u);
+            tape.run(|s| at.value(s), scratch, &mut u);
+            at.inputs.push(u);
         }
+        let mut modes = std::mem::take(&mut at.modes);
         modes.resize(self.modes.len(), 0.0);
-        self.modes.run(|s| symbol(s, parameters, *t, q, v, inputs, &[]), scratch, modes);
+        self.modes.run(|s| at.value(s), scratch, &mut modes);
+        at.modes = modes;
         values.resize(self.equations.len(), 0.0);
-        self.equations.run(|s| symbol(s, parameters, *t, q, v, inputs, modes), scratch, values);
+        self.equations.run(|s| at.value(s), scratch, values);
         let (mass, bias) = values.split_at(self.places.len());
-        self.blocks.iter().all(|block| self.rough_block(block, mass, bias, a)) && a.iter().all(|x| x.is_finite())
+        let active = self.constraints.active(at.phase);
+        if active.is_empty() {
+            lambda.fill(0.0);
+            let found = self.blocks.iter().all(|block| self.rough_block(block, mass, bias, a));
+            return found && a.iter().all(|x| x.is_finite());
+        }
+        let held = self.constraints.roughly(active, |s| at.value(s));
+        let right = bias.iter().chain(&held.bias).map(|x| -x).collect();
+        let Some(found) = self.rough_saddle(mass, &held, right) else { return false };
+        a.copy_from_slice(&found[..self.n]);
+        lambda.clear();
+        lambda.resize(self.constraints.len(), 0.0);
+        held.rows.iter().zip(&found[self.n..]).for_each(|(row, x)| lambda[*row] = *x);
+        found.iter().all(|x| x.is_finite())
+    }
+
+    /// The change of the speeds by impulses along constraints (those of the phase, and further rows) after which each of
+    /// their rates is `keeps(row)` times what it was; at a state whose accelerations were computed.
+    pub fn kick(&self, rough: &Rough, further: &[usize], keeps: impl Fn(usize) -> f64) -> Option<Vec<f64>> {
+        let active = self.constraints.active(rough.at.phase).iter().chain(further).copied().collect::<Vec<usize>>();
+        let mut held = self.constraints.roughly(&active, |s| rough.value(s));
+        held.friction.clear();
+        let jumps = held.rows.iter().zip(&held.rate).map(|(row, rate)| (keeps(*row) - 1.0) * rate);
+        let right = std::iter::repeat_n(0.0, self.n).chain(jumps).collect();
+        let mut found = self.rough_saddle(&rough.values[..self.places.len()], &held, right)?;
+        found.truncate(self.n);
+        found.iter().all(|x| x.is_finite()).then_some(found)
+    }
+
+    /// M x − (Jᵀ + B) y = the first n of `right`, J x = the others.
+    fn rough_saddle(&self, mass: &[f64], held: &RoughlyHeld, right: Vec<f64>) -> Option<Vec<f64>> {
+        let (n, size) = (self.n, right.len());
+        let mut matrix = vec![0.0; size * size];
+        for ((i, j), m) in self.places.iter().zip(mass) {
+            matrix[i * size + j] = *m;
+            matrix[j * size + i] = *m;
+        }
+        for (k, line) in held.matrix.chunks(n.max(1)).enumerate() {
+            for (i, x) in line.iter().enumerate() {
+                matrix[(n + k) * size + i] = *x;
+                matrix[i * size + n + k] = -x;
+            }
+        }
+        held.friction.iter().for_each(|(i, k, x)| matrix[i * size + n + k] += x);
+        solve(matrix, right)
     }
 
     fn rough_block(&self, block: &[usize], mass: &[f64], bias: &[f64], a: &mut [f64]) -> bool {
@@ -268,39 +306,66 @@ impl Motion {
 
 /// A state in `f64` with room to compute in.
 pub(super) struct Rough {
-    pub parameters: Vec<f64>,
-    pub t: f64,
-    pub q: Vec<f64>,
-    pub v: Vec<f64>,
+    pub at: Point,
+    /// Accelerations.
     pub a: Vec<f64>,
-    inputs: Vec<[f64; 4]>,
-    modes: Vec<f64>,
+    /// Multipliers of all rows; 0 for those that do not act.
+    lambda: Vec<f64>,
     scratch: Vec<f64>,
     values: Vec<f64>,
 }
 
+/// What accelerations depend on.
+pub(super) struct Point {
+    pub parameters: Vec<f64>,
+    pub t: f64,
+    pub q: Vec<f64>,
+    pub v: Vec<f64>,
+    pub phase: usize,
+    inputs: Vec<[f64; 4]>,
+    modes: Vec<f64>,
+}
+
 impl Rough {
     /// At rest at the origin.
-    pub fn new(parameters: Vec<f64>, n: usize) -> Rough {
+    pub fn new(parameters: Vec<f64>, n: usize, phase: usize) -> Rough {
         let zeros = || vec![0.0; n];
-        let (inputs, modes, scratch, values) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Rough { parameters, t: 0.0, q: zeros(), v: zeros(), a: zeros(), inputs, modes, scratch, values }
+        let at = Point { parameters, t: 0.0, q: zeros(), v: zeros(), phase, inputs: Vec::new(), modes: Vec::new() };
+        Rough { at, a: zeros(), lambda: Vec::new(), scratch: Vec::new(), values: Vec::new() }
+    }
+
+    /// A symbol's value, where accelerations were computed.
+    pub fn value(&self, s: Symbol) -> f64 {
+        match s {
+            Symbol::Acceleration(i) => self.a.get(i as usize).copied().unwrap_or(0.0),
+            Symbol::Multiplier(k) => self.lambda.get(k as usize).copied().unwrap_or(0.0),
+            _ => self.at.value(s),
+        }
     }
 }
 
-fn symbol(s: Symbol, parameters: &[f64], t: f64, q: &[f64], v: &[f64], inputs: &[[f64; 4]], modes: &[f64]) -> f64 {
-    let at = |list: &[f64], i: u32| list.get(i as usize).copied().unwrap_or(0.0);
-    match s {
-        Symbol::Time => t,
-        Symbol::Coordinate(i) => at(q, i),
-        Symbol::Speed(i) => at(v, i),
-        Symbol::Input(k, order) => {
-            inputs.get(k as usize).and_then(|u| u.get(usize::from(order))).copied().unwrap_or(0.0)
-        }
-        Symbol::Parameter(i) => at(parameters, i),
-        Symbol::Mode(k) => at(modes, k),
-        Symbol::Acceleration(_) | Symbol::Reaction(_) | Symbol::Multiplier(_) | Symbol::Phase(_) | Symbol::Dummy(_) => {
-            0.0
+impl Point {
+    /// The same in double-double, without its motion.
+    pub fn state(&self) -> State {
+        let doubles = |list: &[f64]| list.iter().map(|x| (*x).into()).collect();
+        let mut state = State::at_rest(self.parameters.clone(), self.q.len());
+        (state.t, state.q, state.v, state.phase) = (self.t.into(), doubles(&self.q), doubles(&self.v), self.phase);
+        state
+    }
+
+    fn value(&self, s: Symbol) -> f64 {
+        let at = |list: &[f64], i: u32| list.get(i as usize).copied().unwrap_or(0.0);
+        match s {
+            Symbol::Time => self.t,
+            Symbol::Coordinate(i) => at(&self.q, i),
+            Symbol::Speed(i) => at(&self.v, i),
+            Symbol::Input(k, order) => {
+                self.inputs.get(k as usize).and_then(|u| u.get(usize::from(order))).copied().unwrap_or(0.0)
+            }
+            Symbol::Parameter(i) => at(&self.parameters, i),
+            Symbol::Mode(k) => at(&self.modes, k),
+            Symbol::Phase(k) => f64::from(u8::from(k as usize == self.phase)),
+            Symbol::Acceleration(_) | Symbol::Reaction(_) | Symbol::Multiplier(_) | Symbol::Dummy(_) => 0.0,
         }
     }
 }

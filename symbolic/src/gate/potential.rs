@@ -59,7 +59,8 @@ pub(super) fn natures(
     effects: &[Effect],
     states: &[State],
 ) -> Vec<Conservative> {
-    let forces: Vec<&Effect> = effects.iter().filter(|e| e.kind == Kind::Force).collect();
+    // What acts in some phases only, or depends on reactions, is no function of the state alone.
+    let forces: Vec<&Effect> = effects.iter().filter(|e| e.kind == Kind::Force && bound(graph, e).is_none()).collect();
     let mut found: Vec<Conservative> = forces
         .iter()
         .map(|effect| {
@@ -78,6 +79,17 @@ pub(super) fn natures(
         }
     }
     found
+}
+
+/// Why a force cannot have a potential whatever it is like in one phase: in words that follow its name.
+pub(super) fn bound(graph: &Graph, effect: &Effect) -> Option<&'static str> {
+    let symbols = graph.symbols(effect.force.iter().copied());
+    let reacts = |s: &Symbol| matches!(s, Symbol::Multiplier(_) | Symbol::Acceleration(_));
+    if symbols.iter().any(reacts) {
+        return Some("depends on reactions and has no potential");
+    }
+    let phase = |s: &Symbol| matches!(s, Symbol::Phase(_));
+    symbols.iter().any(phase).then_some("acts in some phases only, so that `energy` does not count its work")
 }
 
 /// The generalized force of several entries.

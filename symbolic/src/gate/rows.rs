@@ -54,6 +54,16 @@ pub(super) struct Held {
     pub friction: Vec<(usize, usize, Measured)>,
 }
 
+/// The same in `f64`, and the rates at which these rows are not met.
+pub(super) struct RoughlyHeld {
+    pub rows: Vec<usize>,
+    /// c'.
+    pub rate: Vec<f64>,
+    pub matrix: Vec<f64>,
+    pub bias: Vec<f64>,
+    pub friction: Vec<(usize, usize, f64)>,
+}
+
 impl Constraints {
     /// For a model's rows; `bias` are the equations' h, in which friction stands.
     pub fn new(model: &mut Model, rows: &Rows, bias: &[Id]) -> Constraints {
@@ -101,6 +111,11 @@ impl Constraints {
     /// Levenberg and Marquardt's steps in `f64`, residuals in double-double, until the constraints hold to 29 digits; then
     /// speeds, by the least change.
     pub fn close(&self, state: &mut State) -> bool {
+        self.close_holding(state, (&[], &[]))
+    }
+
+    /// The same, with some coordinates and some speeds left as they are.
+    pub fn close_holding(&self, state: &mut State, (held_q, held_v): (&[bool], &[bool])) -> bool {
         let active = self.active(state.phase);
         let holonomic: Vec<usize> = active.iter().copied().filter(|k| self.holonomic[*k]).collect();
         let mut damping = 1e-3;
@@ -122,7 +137,7 @@ impl Constraints {
             if closed {
                 break;
             }
-            let lines = self.lines(state, &holonomic);
+            let lines = holding(self.lines(state, &holonomic), self.n, held_q);
             let right: Vec<f64> = c.iter().map(|c| -c.value.to_f64()).collect();
             // Near the end nothing is damped, so that every step gains what an `f64` holds.
             let near = c.iter().zip(&scales).all(|(c, scale)| c.value.abs().to_f64() <= 1e-6 * scale);
@@ -141,11 +156,11 @@ impl Constraints {
                 }
             }
         }
-        closed && self.close_speeds(state, active)
+        closed && self.close_speeds(state, active, held_v)
     }
 
-    fn close_speeds(&self, state: &mut State, active: &[usize]) -> bool {
-        let lines = self.lines(state, active);
+    fn close_speeds(&self, state: &mut State, active: &[usize], held: &[bool]) -> bool {
+        let lines = holding(self.lines(state, active), self.n, held);
         let mut sizes = vec![0.0_f64; self.holonomic.len()];
         for _ in 0..8 {
             let rates = self.rates.measured(|s| state.value(s));
@@ -164,10 +179,15 @@ impl Constraints {
         false
     }
 
-    /// How many rows of its phase are independent at a state, those first in `order`, and a measure of the next one.
+    /// How many rows of its phase are independent at a state, and all of them in order, those first.
     pub fn rank(&self, state: &State) -> (usize, Vec<usize>) {
         let active = self.active(state.phase);
-        let mut lines = self.lines(state, active);
+        let (rank, order) = self.independent(self.lines(state, active), active.len());
+        (rank, order.into_iter().map(|place| active[place]).collect())
+    }
+
+    /// How many of so many lines are independent, and the places of all in order, those first.
+    fn independent(&self, mut lines: Vec<f64>, count: usize) -> (usize, Vec<usize>) {
         let n = self.n;
         for line in lines.chunks_exact_mut(n) {
             let size = line.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -176,9 +196,9 @@ impl Constraints {
             }
         }
         // Orthogonalization with exchanged rows (Golub, Van Loan, 5.4.2): the last row is the one to name.
-        let mut order: Vec<usize> = (0..active.len()).collect();
+        let mut order: Vec<usize> = (0..count).collect();
         let mut first = 0.0;
-        for k in 0..active.len() {
+        for k in 0..count {
             let size = |row: usize| lines[row * n..][..n].iter().map(|x| x * x).sum::<f64>().sqrt();
             let best = (k..order.len()).max_by(|a, b| {
                 let by_size = size(order[*a]).total_cmp(&size(order[*b]));
@@ -189,8 +209,7 @@ impl Constraints {
             let pivot = size(order[best]);
             first = if k == 0 { pivot } else { first };
             if pivot.is_nan() || pivot <= DEPENDENT * first {
-                let rows = order.iter().map(|place| active[*place]).collect();
-                return (k, rows);
+                return (k, order);
             }
             order.swap(k, best);
             let line: Vec<f64> = lines[order[k] * n..][..n].iter().map(|x| x / pivot).collect();
@@ -200,7 +219,7 @@ impl Constraints {
                 other.iter_mut().zip(&line).for_each(|(x, y)| *x -= along * y);
             }
         }
-        (order.len(), order.iter().map(|place| active[*place]).collect())
+        (count, order)
     }
 
     /// J, γ and B of these rows at a state that meets them.
@@ -218,6 +237,23 @@ impl Constraints {
         let friction = self.rubbing.iter().zip(&loads[self.holonomic.len()..]);
         let friction = friction.filter_map(|((i, k), x)| Some((*i, rows.iter().position(|row| row == k)?, *x)));
         Held { bias, friction: friction.collect(), matrix, rows }
+    }
+
+    /// The same in `f64` for a coarse run, of those among `active` that are independent.
+    pub fn roughly(&self, active: &[usize], value: impl Fn(Symbol) -> f64) -> RoughlyHeld {
+        let (rates, loads): (Vec<f64>, Vec<f64>) = (self.rates.evaluate(&value), self.loads.evaluate(&value));
+        let lines = self.placed(active, &rates[self.holonomic.len()..]);
+        let (rank, order) = self.independent(lines.clone(), active.len());
+        let kept = &order[..rank];
+        let place = |row: usize| kept.iter().position(|k| active[*k] == row);
+        let friction = self.rubbing.iter().zip(&loads[self.holonomic.len()..]);
+        RoughlyHeld {
+            rows: kept.iter().map(|k| active[*k]).collect(),
+            rate: kept.iter().map(|k| rates[active[*k]]).collect(),
+            matrix: kept.iter().flat_map(|k| lines[k * self.n..][..self.n].iter().copied()).collect(),
+            bias: kept.iter().map(|k| loads[active[*k]]).collect(),
+            friction: friction.filter_map(|((i, row), x)| Some((*i, place(*row)?, *x))).collect(),
+        }
     }
 
     /// Rows of every phase that follow from others, and whether they contradict them somewhere: what they ask of the
@@ -277,14 +313,26 @@ impl Constraints {
     /// Rows of J in `f64`.
     fn lines(&self, state: &State, rows: &[usize]) -> Vec<f64> {
         let rates: Vec<f64> = self.rates.evaluate(|s| state.value(s).to_f64());
+        self.placed(rows, &rates[self.holonomic.len()..])
+    }
+
+    /// J's entries in their places.
+    fn placed(&self, rows: &[usize], entries: &[f64]) -> Vec<f64> {
         let mut lines = vec![0.0; rows.len() * self.n];
-        for ((k, i), x) in self.places.iter().zip(&rates[self.holonomic.len()..]) {
+        for ((k, i), x) in self.places.iter().zip(entries) {
             if let Some(place) = rows.iter().position(|row| row == k) {
                 lines[place * self.n + i] = *x;
             }
         }
         lines
     }
+}
+
+/// Lines without what may not change.
+fn holding(mut lines: Vec<f64>, n: usize, held: &[bool]) -> Vec<f64> {
+    let still: Vec<usize> = (0..n).filter(|i| held.get(*i) == Some(&true)).collect();
+    lines.chunks_exact_mut(n.max(1)).for_each(|line| still.iter().for_each(|i| line[*i] = 0.0));
+    lines
 }
 
 fn norm(c: &[Measured], scales: &[f64]) -> f64 {
