@@ -72,6 +72,36 @@ fn constrained_models_are_judged_by_their_own_size() {
     }
 }
 
+/// Masses of 1e-27 kg beside rows of 1, nanometres beside radians.
+#[test]
+fn scales_of_constrained_models_are_no_reason_to_refuse() {
+    let molecule = |claim: &str| {
+        format!(
+            "name: Molecule\nparameters: {{m: 1.6e-27 kg, D: 7e-19 J, a: 2e10 1/m, r0: 1e-10 m}}\ncoordinates: {{x: m, y: m}}\n\
+             bodies: {{p: {{mass: m, position: \"[x, y]\"}}}}\npotential_energy: D*(1 - exp(-a*(x - r0)))^2\n\
+             constraints: {{line: y - x/2}}\nconserved: {{claim: {claim}}}\nscene: {{start: {{x: 1.2e-10 m}}, until: 1e-13}}\n"
+        )
+    };
+    accepted(&molecule("energy"));
+    refused(&molecule("m*(x'^2 + y'^2)/2"), "not conserved");
+    for radius in [1e-9, 1e-3, 1.0, 1e6] {
+        let inertia = radius * radius;
+        let gear = |two: &str| {
+            format!(
+                "name: Gear\nparameters: {{m: 1 kg, r: {radius} m, J: {inertia} kg*m^2, T: {inertia} N*m}}\n\
+                 coordinates: {{x: m, p: rad, q: rad}}\nbodies:\n  a: {{mass: m, position: \"[x, 0]\"}}\n  \
+                 b: {{mass: 0, inertia: J, angle: p, position: \"[0*r, 0*r]\"}}\n  \
+                 c: {{mass: 0, inertia: J, angle: q, position: \"[0*r, 0*r]\"}}\ntorques: {{t: {{on: b, torque: T}}}}\n\
+                 constraints: {{one: x - r*p, two: {two}}}\nscene: {{start: {{x: 0, p: 0, q: 0, p': 1}}, until: 1}}\n"
+            )
+        };
+        let program = compile(&gear("x - r*p - r*q"), &[]).unwrap_or_else(|problems| panic!("{radius}: {problems:?}"));
+        assert_eq!((program.report.ranks.as_slice(), program.model.warnings.len()), ([2].as_slice(), 0), "{radius}");
+        let redundant = compile(&gear("x/2 - r*p/2"), &[]).unwrap();
+        assert_eq!(redundant.report.ranks, [1], "{radius}");
+    }
+}
+
 /// What depends on accelerations and reactions changes sides with them.
 #[test]
 fn bands_of_reactions_and_accelerations() {

@@ -43,8 +43,8 @@ mod twice;
 mod unseen;
 
 use crate::derive::{Derivation, Equations, derive};
-use crate::diagnose::Problem;
 use crate::diagnose::catalogue::{mechanics, verdicts};
+use crate::diagnose::{Place, Problem};
 use crate::expr::Id;
 use crate::model::{Load, Model, Work};
 use crate::number::DoubleDouble;
@@ -57,7 +57,8 @@ pub use unseen::shared_data;
 /// What is off by no more roundings of a double-double than this agrees: twenty digits.
 const ROUNDINGS: f64 = 1e-20 / DoubleDouble::UNIT;
 
-/// More coordinates that M couples with each other than this take too long to solve for in 32 digits.
+/// More coordinates and rows of constraints that are coupled with each other than this take too long to solve for in 32
+/// digits, more rows that act at once to bring states to them.
 const COUPLED_LIMIT: usize = 400;
 
 /// A derivation that has passed.
@@ -121,9 +122,8 @@ impl Gate {
             return Err(problems);
         }
         let motion = motion::Motion::new(model, &equations[0], rows, switches);
-        if let Some(extra) = motion.blocks.iter().find_map(|block| block.get(COUPLED_LIMIT)) {
-            let place = model.coordinates[*extra].place.clone();
-            return Err(vec![mechanics::too_many_coupled(place, COUPLED_LIMIT)]);
+        if let Some(extra) = too_many_coupled(model, &motion) {
+            return Err(vec![mechanics::too_many_coupled(extra, COUPLED_LIMIT)]);
         }
         let states = states::states(model, &motion, &[], self).map_err(|problem| vec![*problem])?;
         let mut report =
@@ -196,6 +196,19 @@ pub fn judge(derivation: Derivation) -> Result<Judged, Vec<Problem>> {
 /// Everything that either finds.
 pub fn judged(model: Model) -> Result<Judged, Vec<Problem>> {
     judge(derive(model)?)
+}
+
+/// The first coordinate or constraint with which too many are coupled.
+fn too_many_coupled(model: &Model, motion: &motion::Motion) -> Option<Place> {
+    let phases =
+        (0..motion.constraints.phases()).filter_map(|phase| motion.constraints.active(phase).get(COUPLED_LIMIT));
+    let coupled = motion.coupled.iter().filter_map(|block| block.get(COUPLED_LIMIT)).copied();
+    let extra = coupled.chain(phases.map(|row| motion.n + row)).next()?;
+    let owner = |row: usize| model.constraints.iter().find(|c| (c.first..c.first + c.value.len()).contains(&row));
+    match model.coordinates.get(extra) {
+        Some(coordinate) => Some(coordinate.place.clone()),
+        None => owner(extra - motion.n).map(|constraint| constraint.place.clone()),
+    }
 }
 
 /// Rows of the constraints that follow from others are warned of, those that contradict them are errors.

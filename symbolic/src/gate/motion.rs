@@ -19,7 +19,9 @@ pub(super) struct Motion {
     equations: Tape,
     places: Vec<(usize, usize)>,
     /// Coordinates that M couples.
-    pub blocks: Vec<Vec<usize>>,
+    blocks: Vec<Vec<usize>>,
+    /// Coordinates, and rows of constraints as numbers from n on, that M and constraints couple.
+    pub coupled: Vec<Vec<usize>>,
     /// The constraints.
     pub constraints: Constraints,
 }
@@ -40,7 +42,7 @@ pub(super) enum Incomplete {
 impl Motion {
     /// For equations by any derivation.
     pub fn new(model: &mut Model, equations: &Equations, rows: &Rows, switches: &[Switch]) -> Motion {
-        let constraints = Constraints::new(model, rows, &equations.bias);
+        let constraints = Constraints::new(model, rows, equations);
         let graph = &mut model.graph;
         let inputs = model
             .inputs
@@ -62,6 +64,7 @@ impl Motion {
             modes: Tape::new(graph, &modes),
             equations: Tape::new(graph, &roots),
             blocks: blocks(n, &places),
+            coupled: blocks(n + constraints.len(), &[places.as_slice(), &constraints.couplings()].concat()),
             places,
             constraints,
         }
@@ -69,7 +72,7 @@ impl Motion {
 
     /// Operations of one evaluation, to bound work by.
     pub fn work(&self) -> usize {
-        let cubes: usize = self.blocks.iter().map(|block| block.len().pow(3) / 3).sum();
+        let cubes: usize = self.coupled.iter().map(|block| block.len().pow(3) / 3).sum();
         self.equations.operations() + cubes + self.n
     }
 
@@ -129,36 +132,81 @@ impl Motion {
         let values = self.equations.measured(|s| state.value(s));
         let (rank, mut order) = self.constraints.rank(state);
         order.truncate(rank);
-        let Held { rows, matrix: lines, bias: gamma, friction } = self.constraints.held(state, order);
+        let held = self.constraints.held(state, order);
+        if values.iter().chain(&held.matrix).chain(&held.bias).any(|x| !x.value.is_finite() || !x.magnitude.is_finite())
+        {
+            return Err(Incomplete::NotFinite);
+        }
+        let zero = Measured::exact(DoubleDouble::ZERO);
+        state.a = vec![zero; self.n];
+        state.lambda = vec![zero; self.constraints.len()];
+        let (mut rank, mut singular) = (0, Vec::new());
+        for block in &self.coupled {
+            let coordinates: Vec<usize> = block.iter().copied().take_while(|i| *i < self.n).collect();
+            let rows: Vec<usize> =
+                block.iter().filter_map(|i| held.rows.iter().position(|row| row + self.n == *i)).collect();
+            match self.held_block(&coordinates, &rows, &values, &held) {
+                Ok(found) => {
+                    rank += coordinates.len();
+                    let (a, lambda) = found.split_at(coordinates.len());
+                    coordinates.iter().zip(a).for_each(|(i, x)| state.a[*i] = *x);
+                    rows.iter().zip(lambda).for_each(|(k, x)| state.lambda[held.rows[*k]] = *x);
+                }
+                Err(Deficient { rank: of, columns }) => {
+                    rank += of.saturating_sub(rows.len());
+                    let last = coordinates.len().saturating_sub(1);
+                    singular.extend(columns.into_iter().map(|k| coordinates[k.min(last)]));
+                }
+            }
+        }
+        match singular.is_empty() {
+            true => Ok(()),
+            false => Err(Incomplete::Singular { rank, coordinates: singular }),
+        }
+    }
+
+    /// Accelerations of some coordinates, then multipliers of the rows that hold them (by their places in `held`).
+    fn held_block(
+        &self,
+        coordinates: &[usize],
+        rows: &[usize],
+        values: &[Measured],
+        held: &Held,
+    ) -> Result<Vec<Measured>, Deficient> {
         let (mass, bias) = values.split_at(self.places.len());
-        let (n, m) = (self.n, rows.len());
-        let size = n + m;
+        let (n, size) = (coordinates.len(), coordinates.len() + rows.len());
         let zero = Measured::exact(DoubleDouble::ZERO);
         let mut matrix = vec![zero; size * size];
+        let within = |i: &usize| coordinates.binary_search(i).ok();
         for ((i, j), x) in self.places.iter().zip(mass) {
-            matrix[i * size + j] = *x;
-            matrix[j * size + i] = *x;
+            if let (Some(i), Some(j)) = (within(i), within(j)) {
+                matrix[i * size + j] = *x;
+                matrix[j * size + i] = *x;
+            }
         }
-        for (k, line) in lines.chunks(n.max(1)).enumerate() {
-            for (i, x) in line.iter().enumerate() {
-                matrix[(n + k) * size + i] = *x;
+        for (k, row) in rows.iter().enumerate() {
+            for (i, coordinate) in coordinates.iter().enumerate() {
+                let x = held.matrix[row * self.n + coordinate];
+                matrix[(n + k) * size + i] = x;
                 matrix[i * size + n + k] = Measured { value: -x.value, magnitude: x.magnitude };
             }
         }
-        for (i, k, x) in friction {
+        for (i, row, x) in &held.friction {
             // h has −B λ in it.
-            let entry = &mut matrix[i * size + n + k];
-            *entry = Measured { value: entry.value + x.value, magnitude: entry.magnitude + x.magnitude };
+            if let (Some(i), Some(k)) = (within(i), rows.iter().position(|r| r == row)) {
+                let entry = &mut matrix[i * size + n + k];
+                *entry = Measured { value: entry.value + x.value, magnitude: entry.magnitude + x.magnitude };
+            }
         }
-        let right: Vec<Measured> = bias.iter().chain(&gamma).copied().collect();
-        if matrix.iter().chain(&right).any(|x| !x.value.is_finite() || !x.magnitude.is_finite()) {
-            return Err(Incomplete::NotFinite);
-        }
-        let (numbers, sizes): (Vec<DoubleDouble>, Vec<f64>) = matrix.iter().map(|x| (x.value, x.magnitude)).unzip();
-        let factored = factor(&numbers, &sizes, size).map_err(|Deficient { rank, columns }| Incomplete::Singular {
-            rank: rank.saturating_sub(m),
-            coordinates: columns.into_iter().map(|k| k.min(n.saturating_sub(1))).collect(),
-        })?;
+        let right: Vec<Measured> =
+            coordinates.iter().map(|i| bias[*i]).chain(rows.iter().map(|k| held.bias[*k])).collect();
+        // Each unknown in its own measure: masses are 1 then, and rows of J.
+        let own = measures(&matrix, n, size);
+        let by = |x: &Measured, measure: f64| Measured { value: x.value * measure, magnitude: x.magnitude * measure };
+        let right: Vec<Measured> = right.iter().zip(&own).map(|(x, d)| by(x, *d)).collect();
+        let scaled = matrix.iter().enumerate().map(|(k, x)| by(x, own[k / size] * own[k % size]));
+        let (numbers, sizes): (Vec<DoubleDouble>, Vec<f64>) = scaled.map(|x| (x.value, x.magnitude)).unzip();
+        let factored = factor(&numbers, &sizes, size)?;
         let right_side: Vec<DoubleDouble> = right.iter().map(|x| -x.value).collect();
         let mut found = factored.solve(&right_side);
         // One step of refinement makes every row right by its own terms (Skeel 1980), those of constraints among them.
@@ -180,15 +228,11 @@ impl Motion {
         let terms = |i: usize| {
             let held: f64 = (n..size).map(|k| sizes[i * size + k] * found[k].to_f64().abs()).sum();
             let inertia = sizes[i * size + i];
-            if inertia > 0.0 { (bias[i].magnitude + held) / inertia } else { 0.0 }
+            if inertia > 0.0 { (right[i].magnitude + held) / inertia } else { 0.0 }
         };
         let moving = |i: usize| Measured { magnitude: measured(i).magnitude.max(terms(i)), ..measured(i) };
-        state.a = (0..n).map(moving).collect();
-        state.lambda = vec![zero; self.constraints.len()];
-        for (k, row) in rows.into_iter().enumerate() {
-            state.lambda[row] = measured(n + k);
-        }
-        Ok(())
+        let found = (0..n).map(moving).chain((n..size).map(measured));
+        Ok(found.zip(&own).map(|(x, d)| by(&x, *d)).collect())
     }
 
     /// The accelerations of one block: −M⁻¹h, and |a| + |M⁻¹|(m(M)|a| + m(h)).
@@ -368,6 +412,27 @@ impl Point {
             Symbol::Acceleration(_) | Symbol::Reaction(_) | Symbol::Multiplier(_) | Symbol::Dummy(_) => 0.0,
         }
     }
+}
+
+/// Powers of two by which rows and columns of [M −Jᵀ; J 0] are to be multiplied: M's diagonal comes near 1 (n of them), then
+/// the largest entries of J's rows.
+fn measures(matrix: &[Measured], n: usize, size: usize) -> Vec<f64> {
+    let entry = |i: usize, j: usize| matrix[i * size + j].value.to_f64().abs();
+    let near_one = |x: f64| if x > 0.0 && x.is_finite() { (-x.log2().round()).exp2() } else { 1.0 };
+    let mut own: Vec<f64> = (0..n).map(|i| near_one(entry(i, i).sqrt())).collect();
+    let heavy: Vec<bool> = (0..n).map(|i| entry(i, i) > 0.0).collect();
+    for k in n..size {
+        let largest = |heavy_only: bool| {
+            let columns = (0..n).filter(|i| heavy[*i] || !heavy_only);
+            columns.map(|i| entry(k, i) * own[i]).fold(0.0, f64::max)
+        };
+        let most = if largest(true) > 0.0 { largest(true) } else { largest(false) };
+        own.push(near_one(most));
+    }
+    for i in (0..n).filter(|i| !heavy[*i]) {
+        own[i] = near_one((n..size).map(|k| entry(k, i) * own[k]).fold(0.0, f64::max));
+    }
+    own
 }
 
 /// Sets of coordinates that M's non-zeros connect, each in order.

@@ -2,7 +2,7 @@
 
 use super::state::State;
 use super::system::{plus, times};
-use crate::derive::Rows;
+use crate::derive::{Equations, Rows};
 use crate::expr::{Id, Measured, Symbol, Tape, jacobian};
 use crate::model::Model;
 use crate::number::DoubleDouble;
@@ -30,6 +30,8 @@ pub(super) struct Constraints {
     /// γ of all rows, then B's entries.
     loads: Tape,
     rubbing: Vec<(usize, usize)>,
+    /// M's diagonal, by which coordinates of different units are compared.
+    diagonal: Tape,
 }
 
 /// A row that follows from others, or contradicts them.
@@ -65,9 +67,14 @@ pub(super) struct RoughlyHeld {
 }
 
 impl Constraints {
-    /// For a model's rows; `bias` are the equations' h, in which friction stands.
-    pub fn new(model: &mut Model, rows: &Rows, bias: &[Id]) -> Constraints {
-        let graph = &mut model.graph;
+    /// For a model's rows and its equations, in whose h friction stands.
+    pub fn new(model: &mut Model, rows: &Rows, equations: &Equations) -> Constraints {
+        let (graph, bias) = (&mut model.graph, &equations.bias);
+        let diagonal = |i: usize| equations.mass.iter().find(|e| (e.0, e.1) == (i, i)).map_or(Id::ZERO, |e| e.2);
+        let diagonal: Vec<Id> = match rows.is_empty() {
+            true => Vec::new(),
+            false => (0..model.coordinates.len()).map(diagonal).collect(),
+        };
         let of_row = |s: Symbol| if let Symbol::Multiplier(k) = s { Some(k as usize) } else { None };
         let friction = jacobian(graph, bias, of_row).into_iter().enumerate();
         let friction: Vec<(usize, usize, Id)> =
@@ -83,12 +90,19 @@ impl Constraints {
             places: rows.matrix.iter().map(|e| (e.0, e.1)).collect(),
             loads: Tape::new(&model.graph, &loads),
             rubbing: friction.iter().map(|e| (e.0, e.1)).collect(),
+            diagonal: Tape::new(&model.graph, &diagonal),
         }
     }
 
     /// How many rows there are, in all phases.
     pub fn len(&self) -> usize {
         self.holonomic.len()
+    }
+
+    /// Coordinates and rows that meet in an equation, rows as numbers from n on.
+    pub fn couplings(&self) -> Vec<(usize, usize)> {
+        let rubbing = self.rubbing.iter().map(|(i, k)| (*k, *i));
+        self.places.iter().copied().chain(rubbing).map(|(k, i)| (i, self.n + k)).collect()
     }
 
     /// True without constraints.
@@ -120,6 +134,7 @@ impl Constraints {
         let holonomic: Vec<usize> = active.iter().copied().filter(|k| self.holonomic[*k]).collect();
         let mut damping = 1e-3;
         let mut closed = holonomic.is_empty();
+        let weights = self.weights(|s| state.value(s).to_f64());
         // What a constraint is made of on the way, where at its end it may be made of nothing.
         let mut sizes = vec![0.0_f64; self.holonomic.len()];
         for _ in 0..STEPS {
@@ -137,12 +152,12 @@ impl Constraints {
             if closed {
                 break;
             }
-            let lines = holding(self.lines(state, &holonomic), self.n, held_q);
+            let lines = weighted(self.lines(state, &holonomic), &free(&weights, held_q));
             let right: Vec<f64> = c.iter().map(|c| -c.value.to_f64()).collect();
             // Near the end nothing is damped, so that every step gains what an `f64` holds.
             let near = c.iter().zip(&scales).all(|(c, scale)| c.value.abs().to_f64() <= 1e-6 * scale);
             let Some(step) = least(&lines, &right, self.n, if near { 0.0 } else { damping }) else { return false };
-            let tried = moved(&state.q, &step);
+            let tried = moved(&state.q, &step, &weights);
             let mut next = state.clone();
             next.q = tried;
             let after = norm(&self.residual(&next, &holonomic), &scales);
@@ -160,7 +175,8 @@ impl Constraints {
     }
 
     fn close_speeds(&self, state: &mut State, active: &[usize], held: &[bool]) -> bool {
-        let lines = holding(self.lines(state, active), self.n, held);
+        let weights = self.weights(|s| state.value(s).to_f64());
+        let lines = weighted(self.lines(state, active), &free(&weights, held));
         let mut sizes = vec![0.0_f64; self.holonomic.len()];
         for _ in 0..8 {
             let rates = self.rates.measured(|s| state.value(s));
@@ -174,7 +190,7 @@ impl Constraints {
             }
             let right: Vec<f64> = off.iter().map(|c| -c.value.to_f64()).collect();
             let Some(step) = least(&lines, &right, self.n, 0.0) else { return false };
-            state.v = moved(&state.v, &step);
+            state.v = moved(&state.v, &step, &weights);
         }
         false
     }
@@ -182,7 +198,8 @@ impl Constraints {
     /// How many rows of its phase are independent at a state, and all of them in order, those first.
     pub fn rank(&self, state: &State) -> (usize, Vec<usize>) {
         let active = self.active(state.phase);
-        let (rank, order) = self.independent(self.lines(state, active), active.len());
+        let weights = self.weights(|s| state.value(s).to_f64());
+        let (rank, order) = self.independent(weighted(self.lines(state, active), &weights), active.len());
         (rank, order.into_iter().map(|place| active[place]).collect())
     }
 
@@ -243,7 +260,7 @@ impl Constraints {
     pub fn roughly(&self, active: &[usize], value: impl Fn(Symbol) -> f64) -> RoughlyHeld {
         let (rates, loads): (Vec<f64>, Vec<f64>) = (self.rates.evaluate(&value), self.loads.evaluate(&value));
         let lines = self.placed(active, &rates[self.holonomic.len()..]);
-        let (rank, order) = self.independent(lines.clone(), active.len());
+        let (rank, order) = self.independent(weighted(lines.clone(), &self.weights(&value)), active.len());
         let kept = &order[..rank];
         let place = |row: usize| kept.iter().position(|k| active[*k] == row);
         let friction = self.rubbing.iter().zip(&loads[self.holonomic.len()..]);
@@ -310,6 +327,15 @@ impl Constraints {
         rows.iter().map(|k| values[*k]).collect()
     }
 
+    /// How far each coordinate moves by the same impulse, the largest being 1: 1/√Mᵢᵢ, so that metres beside nanometres
+    /// and angles are no reason to call rows dependent.  What has no mass of its own moves as easily as anything.
+    fn weights(&self, value: impl Fn(Symbol) -> f64) -> Vec<f64> {
+        let masses: Vec<f64> = self.diagonal.evaluate(value);
+        let weighs = |m: &f64| *m > 0.0 && m.is_finite();
+        let least = masses.iter().copied().filter(|m| weighs(m)).fold(f64::INFINITY, f64::min);
+        masses.iter().map(|m| if weighs(m) { (least / m).sqrt() } else { 1.0 }).collect()
+    }
+
     /// Rows of J in `f64`.
     fn lines(&self, state: &State, rows: &[usize]) -> Vec<f64> {
         let rates: Vec<f64> = self.rates.evaluate(|s| state.value(s).to_f64());
@@ -328,10 +354,16 @@ impl Constraints {
     }
 }
 
-/// Lines without what may not change.
-fn holding(mut lines: Vec<f64>, n: usize, held: &[bool]) -> Vec<f64> {
-    let still: Vec<usize> = (0..n).filter(|i| held.get(*i) == Some(&true)).collect();
-    lines.chunks_exact_mut(n.max(1)).for_each(|line| still.iter().for_each(|i| line[*i] = 0.0));
+/// Weights without those of what may not change.
+fn free(weights: &[f64], held: &[bool]) -> Vec<f64> {
+    let weight = |(i, w): (usize, &f64)| if held.get(i) == Some(&true) { 0.0 } else { *w };
+    weights.iter().enumerate().map(weight).collect()
+}
+
+/// Lines by coordinates that are measured by these.
+fn weighted(mut lines: Vec<f64>, weights: &[f64]) -> Vec<f64> {
+    let columns = lines.chunks_exact_mut(weights.len().max(1));
+    columns.for_each(|line| line.iter_mut().zip(weights).for_each(|(x, w)| *x *= w));
     lines
 }
 
@@ -340,8 +372,8 @@ fn norm(c: &[Measured], scales: &[f64]) -> f64 {
     c.iter().zip(scales).map(share).sum::<f64>().sqrt()
 }
 
-fn moved(list: &[DoubleDouble], step: &[f64]) -> Vec<DoubleDouble> {
-    list.iter().zip(step).map(|(x, s)| *x + DoubleDouble::from(*s)).collect()
+fn moved(list: &[DoubleDouble], step: &[f64], weights: &[f64]) -> Vec<DoubleDouble> {
+    list.iter().zip(step).zip(weights).map(|((x, s), w)| *x + DoubleDouble::from(*s * w)).collect()
 }
 
 /// The least step x with A x = b, or where it is damped the least |A x − b|² + damping |x|²: AᵀA is not formed, but
