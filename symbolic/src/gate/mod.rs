@@ -143,7 +143,7 @@ impl Gate {
             }
         }
         problems.extend(unclear);
-        problems.extend(self.forces(model, &motion, &states.all, &mut report));
+        problems.extend(self.forces(model, &motion, &states, &mut report));
         let rates = claims::invariant_rates(model);
         let model = &*model;
         let states_when = |when: &[(usize, f64)]| match when {
@@ -169,14 +169,20 @@ impl Gate {
     }
 
     /// Which forces have potentials, and what is counted twice.
-    fn forces(self, model: &mut Model, motion: &motion::Motion, states: &[State], report: &mut Report) -> Vec<Problem> {
+    fn forces(
+        self,
+        model: &mut Model,
+        motion: &motion::Motion,
+        states: &states::States,
+        report: &mut Report,
+    ) -> Vec<Problem> {
         let force = |load: &Load| load.work == Work::Pushes;
         if !model.loads.iter().any(force) && model.generalized_forces.is_empty() {
             return Vec::new();
         }
         let (mut graph, effects) = effects::effects(model);
         report.forces = potential::natures(&mut graph, model, motion, &effects, states);
-        let (errors, warnings) = twice::counted_twice(&mut graph, model, &effects, states);
+        let (errors, warnings) = twice::counted_twice(&mut graph, model, &effects, &states.all);
         model.warnings.extend(warnings);
         errors
     }
