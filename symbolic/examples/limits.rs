@@ -12,7 +12,7 @@ use dalembert_symbolic::print;
 /// A kind of file: what it is full of, the size of the largest legal one, one that is not, its text.
 type Kind = (&'static str, usize, usize, fn(usize) -> String);
 
-const KINDS: [Kind; 17] = [
+const KINDS: [Kind; 19] = [
     ("bodies, by running sums of one coordinate", 40_000, 99_000, running_sums),
     ("bodies, by running sums of different terms", 1_500, 40_000, running_terms),
     ("particles that move by themselves", 2_000, 2_001, free),
@@ -29,7 +29,9 @@ const KINDS: [Kind; 17] = [
     ("numbers in a table", 99_000, 100_000, table),
     ("conserved quantities, and as many outputs", 20_000, 60_000, watched),
     ("events", 20_000, 100_000, events),
-    ("factors of a product, in characters of 65 536", 5_000, 20_000, product),
+    ("factors of a product, in characters of 65 536", 4_700, 4_800, product),
+    ("links of a chain in Cartesian coordinates, held by constraints", 133, 134, rods),
+    ("phases, with a claim in the last", 1_000, 100_000, phases),
 ];
 
 fn main() {
@@ -213,4 +215,25 @@ fn events(n: usize) -> String {
 fn product(n: usize) -> String {
     let factors: Vec<String> = (0..n).map(|k| format!("cos(x/d/{k})").replace("/0)", ")")).collect();
     bead(n, &format!("potential_energy: \"F*d*{}\"\n", factors.join("*")))
+}
+
+fn rods(n: usize) -> String {
+    format!(
+        "name: Large\nsizes: {{n: {n}}}\nparameters: {{m: 1 kg, d: 1 m, g: 9.81 m/s^2}}\n\
+         coordinates: {{\"x[i in 1..n]\": m, \"y[i in 1..n]\": m}}\n\
+         points: {{\"p[0]\": \"[0*d, 0*d]\", \"p[i in 1..n]\": \"[x[i], y[i]]\"}}\n\
+         bodies: {{\"b[i in 1..n]\": {{mass: m, position: \"p[i]\"}}}}\ngravity: \"[0, -g]\"\n\
+         constraints: {{\"rod[i in 1..n]\": \"dot(p[i] - p[i-1], p[i] - p[i-1]) - d^2\"}}\n\
+         scene: {{start: {{\"x[i in 1..n]\": \"i*d\", \"y[i in 1..n]\": 0}}}}\n"
+    )
+}
+
+fn phases(n: usize) -> String {
+    let phases: Vec<String> = (0..n).map(|k| format!("p{k}: [{}]", ["floor", ""][k % 2])).collect();
+    let last = n - 1;
+    bead(n, "").replace("x: m}", "x: m, y: m}").replace("[x, 0]", "[x, y]")
+        + &format!(
+            "constraints: {{floor: y}}\nphases: {{{}}}\nconserved: {{a: {{value: energy, phase: p{last}}}}}\n",
+            phases.join(", ")
+        )
 }

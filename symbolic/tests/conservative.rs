@@ -171,3 +171,13 @@ gravity: [0, -g]
 conserved: {energy: energy}";
     assert!(problems(text)[0].message.contains("what moves with `base` does work at the rate"));
 }
+
+/// A force that jumps where y changes its sign: no derivative tells, but its work depends on where that is crossed.
+#[test]
+fn a_force_that_jumps_along_its_discontinuity_has_no_potential() {
+    for (force, other) in [("[sign(y), 0]", "[0, sign(y)]"), ("[step(y - x), 0]", "[step(y - x), -step(y - x)]")] {
+        assert!(matches!(nature(force), Nature::Curl { .. }), "{force}: {:?}", nature(force));
+        assert_eq!(nature(other), Nature::Potential, "{other}");
+    }
+    assert_eq!(nature("[abs(x), max(0, y)]"), Nature::Potential);
+}

@@ -229,6 +229,16 @@ fn limits_are_announced_where_they_are_passed() {
     assert_eq!(told(&file(400, two)), Vec::<String>::new());
     let many = "potential_energy: \"F*sum(abs(x - i*d), i in 1..n)\"";
     assert_eq!(compile(&file(100_000, many), &[]).unwrap_err()[0].code, "E421");
+    // Rows of constraints count with the coordinates that they couple.
+    let rods = |n: usize| {
+        format!(
+            "name: Rods\nsizes: {{n: {n}}}\nparameters: {{m: 1 kg, d: 1 m}}\ncoordinates: {{\"x[i in 1..n]\": m}}\n\
+             bodies: {{\"b[i in 1..n]\": {{mass: m, position: \"[x[i], 0]\"}}}}\n\
+             constraints: {{\"c[i in 2..n]\": \"x[i] - x[i-1] - d\"}}\n"
+        )
+    };
+    assert_eq!(compile(&rods(202), &[]).unwrap_err()[0].code, "E422");
+    assert_eq!(told(&rods(20)), Vec::<String>::new());
 }
 
 /// A large diagonal mass matrix is divided by, not factored as a full triangle; a large full one is not on the stack.

@@ -2,9 +2,11 @@
 
 use std::collections::BTreeSet;
 
+use super::motion::Motion;
 use super::state::State;
 use crate::expr::{Binary, Id, Node, Symbol, Tape, Unary};
 use crate::model::{Model, Work, text_in};
+use crate::number::DoubleDouble;
 
 /// An argument, and what is looked for.
 pub(super) struct Argument {
@@ -13,14 +15,33 @@ pub(super) struct Argument {
     pub tape: Tape,
     /// True where the function changes at zero; false where it is local through its argument.
     pub switches: bool,
-    /// What it depends on.
+    /// What it depends on; where it contains accelerations or reactions, what these depend on.
     pub symbols: Vec<Symbol>,
+    /// Whether it contains accelerations or reactions.
+    pub of_motion: bool,
 }
 
 impl Argument {
     /// Its value at a state.
-    pub fn at(&self, state: &State) -> f64 {
-        self.tape.evaluate(|s| state.value(s))[0].to_f64()
+    pub fn at(&self, motion: &Motion, state: &State) -> f64 {
+        self.exactly(motion, state).to_f64()
+    }
+
+    /// The same in double-double.
+    pub fn exactly(&self, motion: &Motion, state: &State) -> DoubleDouble {
+        if !self.of_motion {
+            return self.tape.evaluate(|s| state.value(s))[0];
+        }
+        let mut state = state.clone();
+        match motion.complete(&mut state) {
+            Ok(()) => self.tape.evaluate(|s| state.value(s))[0],
+            Err(_) => DoubleDouble::from(f64::NAN),
+        }
+    }
+
+    /// Operations of one evaluation.
+    pub fn operations(&self, motion: &Motion) -> usize {
+        self.tape.operations() + if self.of_motion { motion.work() } else { 0 }
     }
 }
 
@@ -57,12 +78,20 @@ pub(super) fn arguments(model: &Model) -> (Vec<Argument>, usize) {
     found.sort_by_key(|(_, switches)| !switches);
     let argument = |(value, switches): (Id, bool)| {
         let symbols = graph.symbols([value]);
-        let moving = |s: &Symbol| !matches!(s, Symbol::Parameter(_) | Symbol::Dummy(_));
+        let of_motion = symbols.iter().any(|s| matches!(s, Symbol::Acceleration(_) | Symbol::Multiplier(_)));
+        let own = |s: &Symbol| matches!(s, Symbol::Time | Symbol::Input(..) | Symbol::Coordinate(_) | Symbol::Speed(_));
+        let mut symbols: Vec<Symbol> = symbols.into_iter().filter(own).collect();
+        if of_motion {
+            let all = (0..model.coordinates.len() as u32).flat_map(|i| [Symbol::Coordinate(i), Symbol::Speed(i)]);
+            let more: Vec<Symbol> = all.filter(|s| !symbols.contains(s)).collect();
+            symbols.extend(more);
+        }
         Argument {
             words: text_in(&graph, model, value),
             tape: Tape::new(&graph, &[value]),
             switches,
-            symbols: symbols.into_iter().filter(moving).collect(),
+            symbols,
+            of_motion,
         }
     };
     let more = found.len().saturating_sub(ARGUMENTS);
@@ -84,6 +113,7 @@ fn roots(model: &Model) -> Vec<Id> {
         roots.extend(load.pushes.iter().flat_map(|p| p.at.iter().chain(&p.force).chain(&p.couple)).copied());
     }
     roots.extend(model.gravity.iter().flatten());
+    roots.extend(model.constraints.iter().flat_map(|c| c.value.iter().copied()));
     let parts = model.balances.iter().flat_map(|system| &system.balances).flat_map(|balance| &balance.parts);
     roots.extend(parts.flat_map(|part| part.value.iter().copied()));
     roots.extend(model.conserved.iter().flat_map(|c| c.value.iter().copied()));

@@ -6,7 +6,7 @@
 
 use super::dense::factor;
 use super::effects::{Effect, Kind};
-use super::potential::{Conservative, Nature};
+use super::potential::{Conservative, Nature, bound};
 use super::state::{State, describe};
 use crate::derive::Equations;
 use crate::derive::lagrange::speed_gradient;
@@ -98,9 +98,13 @@ pub(super) fn blame(
         let by_time = left(&here, false);
         words.push(format!("what moves with `{name}` does work at the rate {by_time:.6e}"));
     }
+    if words.is_empty() {
+        // A constraint that moves, say.
+        return None;
+    }
     let mut help: Vec<String> = Vec::new();
     if invariant.counts_energy && !counted {
-        help.extend(causes.iter().take(NAMED).map(|&(k, _)| advice(court, &court.effects[k])));
+        help.extend(causes.iter().take(NAMED).map(|&(k, _)| advice(graph, court, &court.effects[k])));
     }
     if let Some(name) = moving {
         help.push(format!("the energies contain `{name}`, so the energy is not conserved"));
@@ -174,8 +178,11 @@ fn prescribed(graph: &Graph, model: &Model, root: Id) -> Option<String> {
 }
 
 /// What to do about a force that changes the energy.
-fn advice(court: &Court<'_>, effect: &Effect) -> String {
+fn advice(graph: &Graph, court: &Court<'_>, effect: &Effect) -> String {
     let name = &effect.words;
+    if let Some(why) = bound(graph, effect).filter(|_| effect.kind == Kind::Force) {
+        return format!("{name} {why}");
+    }
     let together = court.natures.iter().any(|n| n.name.is_empty());
     let takes_time = "depends on time, so its work is not that of a potential";
     match (effect.kind, court.nature(effect)) {

@@ -39,7 +39,7 @@ pub(super) fn cells(
     let symbols: Vec<Symbol> = symbols.into_iter().collect();
     // Where an argument depends on one number alone, its zeros stay where they are while others change.
     let alone: BTreeSet<Symbol> = symbols.iter().copied().filter(|symbol| is_alone(switches, *symbol)).collect();
-    let cost: usize = switches.iter().map(|argument| 2 * argument.tape.operations()).sum();
+    let cost: usize = switches.iter().map(|argument| 2 * argument.operations(motion)).sum();
     let mut left = WORK / (cost + STATE);
     let mut kept = 0;
     for base in bases {
@@ -61,7 +61,7 @@ pub(super) fn cells(
                 };
                 for z in between(&places, 0.1 * line.scale()) {
                     let state = moved(motion, &from, &line, DoubleDouble::from(z));
-                    if seen.insert(signs(switches, &state)) {
+                    if seen.insert(signs(motion, switches, &state)) {
                         kept += 1;
                         found.states.push(state.clone());
                         queue.push_back(state);
@@ -83,13 +83,14 @@ fn is_alone(switches: &[&Argument], symbol: Symbol) -> bool {
 /// Where some argument changes its sign along a line, in order.
 fn places(motion: &Motion, switches: &[&Argument], base: &State, line: &Line<'_>, left: &mut usize) -> Vec<f64> {
     let at = |z: f64| moved(motion, base, line, DoubleDouble::from(z));
-    let samples: Vec<(f64, Vec<bool>)> = grid(base, line).into_iter().map(|z| (z, signs(switches, &at(z)))).collect();
+    let samples: Vec<(f64, Vec<bool>)> =
+        grid(base, line).into_iter().map(|z| (z, signs(motion, switches, &at(z)))).collect();
     *left = left.saturating_sub(samples.len());
     let mut places = Vec::new();
     for pair in samples.windows(2) {
         for k in (0..switches.len()).filter(|k| pair[0].1[*k] != pair[1].1[*k]) {
             *left = left.saturating_sub(60);
-            places.push(bisect(&|z| switches[k].at(&at(z)), (pair[0].0, pair[1].0)));
+            places.push(bisect(&|z| switches[k].at(motion, &at(z)), (pair[0].0, pair[1].0)));
         }
     }
     places.sort_by(f64::total_cmp);

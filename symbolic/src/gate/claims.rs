@@ -104,7 +104,7 @@ fn jump(model: &Model, invariant: &Conserved, surfaces: &[State], gate: Gate) ->
     }
     let sides = Sides::new(&graph, &roots, &switches);
     surfaces.iter().find_map(|state| {
-        let (before, after) = sides.at(state)?;
+        let Crossing { before, after, .. } = sides.at(state)?;
         let largest = before.iter().chain(&after).fold(0.0_f64, |most, x| most.max(x.magnitude));
         before.iter().zip(&after).find_map(|(x, y)| {
             let gap = (x.value - y.value).abs().to_f64();
@@ -118,38 +118,52 @@ fn jump(model: &Model, invariant: &Conserved, surfaces: &[State], gate: Gate) ->
 }
 
 /// Expressions with modes, evaluated on both sides of the discontinuity that a state lies on.
-struct Sides {
+pub(super) struct Sides {
     values: Tape,
     arguments: Vec<(SwitchKind, Tape)>,
 }
 
+/// What is on both sides.
+pub(super) struct Crossing {
+    /// The values on the side where what vanishes is negative.
+    pub before: Vec<Measured>,
+    /// The values on the other.
+    pub after: Vec<Measured>,
+    /// Which arguments vanish.
+    pub met: Vec<usize>,
+    /// The modes before.
+    pub modes: Vec<f64>,
+}
+
 impl Sides {
-    fn new(graph: &Graph, roots: &[Id], switches: &[Switch]) -> Sides {
+    pub fn new(graph: &Graph, roots: &[Id], switches: &[Switch]) -> Sides {
         let arguments = switches.iter().map(|s| (s.kind, Tape::new(graph, &[s.argument]))).collect();
         Sides { values: Tape::new(graph, roots), arguments }
     }
 
     /// The values with the modes of what vanishes here on one side and on the other; `None` where nothing vanishes.
-    fn at(&self, state: &State) -> Option<(Vec<Measured>, Vec<Measured>)> {
-        let mut met = false;
-        let mut side = |positive: bool| {
-            let mut modes: Vec<f64> = Vec::new();
-            for (kind, tape) in &self.arguments {
+    pub fn at(&self, state: &State) -> Option<Crossing> {
+        let side = |positive: bool| {
+            let (mut modes, mut met): (Vec<f64>, Vec<usize>) = (Vec::new(), Vec::new());
+            for (k, (kind, tape)) in self.arguments.iter().enumerate() {
                 let argument = tape.evaluate(|s| with_modes(state, &modes, s))[0];
                 let zero = argument.vanishes(1e6);
-                met |= zero;
+                if zero {
+                    met.push(k);
+                }
                 let value = if zero { if positive { 1.0 } else { -1.0 } } else { argument.value.to_f64() };
                 let function = if *kind == SwitchKind::Sign { Unary::Sign } else { Unary::Step };
                 modes.push(f64::unary(function, value));
             }
-            self.values.evaluate(|s| with_modes(state, &modes, s))
+            (self.values.evaluate(|s| with_modes(state, &modes, s)), met, modes)
         };
-        let both = (side(false), side(true));
-        met.then_some(both)
+        let ((before, met, modes), (after, met_after, _)) = (side(false), side(true));
+        let nothing = met.is_empty() && met_after.is_empty();
+        (!nothing).then_some(Crossing { before, after, met, modes })
     }
 }
 
-fn with_modes(state: &State, modes: &[f64], symbol: Symbol) -> Measured {
+pub(super) fn with_modes(state: &State, modes: &[f64], symbol: Symbol) -> Measured {
     match symbol {
         Symbol::Mode(k) => Measured::exact(DoubleDouble::from(modes.get(k as usize).copied().unwrap_or(0.0))),
         _ => state.measured(symbol),

@@ -283,7 +283,7 @@ impl Scales {
             };
             let seen = |speed: bool| {
                 trajectories.iter().flat_map(move |run| {
-                    let values = run.states.iter().map(move |s| if speed { s.2[i] } else { s.1[i] });
+                    let values = run.states.iter().map(move |s| if speed { s.v[i] } else { s.q[i] });
                     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |r, x| (r.0.min(x), r.1.max(x)));
                     [high - low, low.abs().max(high.abs())]
                 })

@@ -60,7 +60,7 @@ impl Reach<'_> {
     }
 }
 
-/// Where the line through a state is at z.
+/// Where the line through a state is at z, brought to the constraints of its phase where it can be.
 pub(super) fn moved(motion: &Motion, base: &State, line: &Line<'_>, z: DoubleDouble) -> State {
     let mut state = base.clone();
     match line {
@@ -84,6 +84,7 @@ pub(super) fn moved(motion: &Motion, base: &State, line: &Line<'_>, z: DoubleDou
         }
     }
     motion.signals(&mut state);
+    motion.close(&mut state);
     state.origin = if matches!(line, Line::Step(_) | Line::Path(_)) { Origin::Motion } else { Origin::Side };
     state
 }

@@ -43,6 +43,7 @@ mod state;
 mod states;
 mod system;
 mod trajectory;
+mod turns;
 mod twice;
 mod unseen;
 
@@ -62,7 +63,8 @@ pub use unseen::shared_data;
 /// What is off by no more roundings of a double-double than this agrees: twenty digits.
 const ROUNDINGS: f64 = 1e-20 / DoubleDouble::UNIT;
 
-/// More coordinates that M couples with each other than this take too long to solve for in 32 digits.
+/// More coordinates and rows of constraints that are coupled with each other than this take too long to solve for in 32
+/// digits, more rows that act at once to bring states to them.
 const COUPLED_LIMIT: usize = 400;
 
 /// A derivation that has passed.
@@ -126,9 +128,8 @@ impl Gate {
             return Err(problems);
         }
         let motion = motion::Motion::new(model, &equations[0], rows, switches);
-        if let Some(extra) = motion.blocks.iter().find_map(|block| block.get(COUPLED_LIMIT)) {
-            let place = model.coordinates[*extra].place.clone();
-            return Err(vec![mechanics::too_many_coupled(place, COUPLED_LIMIT)]);
+        if let Some(extra) = too_many_coupled(model, &motion) {
+            return Err(vec![mechanics::too_many_coupled(extra, COUPLED_LIMIT)]);
         }
         let own = if rows.is_empty() { Vec::new() } else { states::own_positions(model, &motion) };
         let states = states::states(model, &motion, &[], &own, self).map_err(|problem| vec![*problem])?;
@@ -152,7 +153,7 @@ impl Gate {
             }
         }
         problems.extend(unclear);
-        problems.extend(self.forces(model, &motion, &states.all, &mut report));
+        problems.extend(self.forces(model, &motion, &states, &mut report));
         let rates = claims::invariant_rates(model);
         let model = &*model;
         let states_when = |when: &[(usize, f64)]| match when {
@@ -178,14 +179,20 @@ impl Gate {
     }
 
     /// Which forces have potentials, and what is counted twice.
-    fn forces(self, model: &mut Model, motion: &motion::Motion, states: &[State], report: &mut Report) -> Vec<Problem> {
+    fn forces(
+        self,
+        model: &mut Model,
+        motion: &motion::Motion,
+        states: &states::States,
+        report: &mut Report,
+    ) -> Vec<Problem> {
         let force = |load: &Load| load.work == Work::Pushes;
         if !model.loads.iter().any(force) && model.generalized_forces.is_empty() {
             return Vec::new();
         }
         let (mut graph, effects) = effects::effects(model);
         report.forces = potential::natures(&mut graph, model, motion, &effects, states);
-        let (errors, warnings) = twice::counted_twice(&mut graph, model, &effects, states);
+        let (errors, warnings) = twice::counted_twice(&mut graph, model, &effects, &states.all);
         model.warnings.extend(warnings);
         errors
     }
@@ -205,6 +212,19 @@ pub fn judge(derivation: Derivation) -> Result<Judged, Vec<Problem>> {
 /// Everything that either finds.
 pub fn judged(model: Model) -> Result<Judged, Vec<Problem>> {
     judge(derive(model)?)
+}
+
+/// The first coordinate or constraint with which too many are coupled.
+fn too_many_coupled(model: &Model, motion: &motion::Motion) -> Option<Place> {
+    let phases =
+        (0..motion.constraints.phases()).filter_map(|phase| motion.constraints.active(phase).get(COUPLED_LIMIT));
+    let coupled = motion.coupled.iter().filter_map(|block| block.get(COUPLED_LIMIT)).copied();
+    let extra = coupled.chain(phases.map(|row| motion.n + row)).next()?;
+    let owner = |row: usize| model.constraints.iter().find(|c| (c.first..c.first + c.value.len()).contains(&row));
+    match model.coordinates.get(extra) {
+        Some(coordinate) => Some(coordinate.place.clone()),
+        None => owner(extra - motion.n).map(|constraint| constraint.place.clone()),
+    }
 }
 
 /// Rows of the constraints that follow from others with the scene's own parameters are warned of, those that contradict

@@ -1,7 +1,7 @@
 //! The motion at a state: inputs, modes, and the accelerations with the scale of their errors.
 
 use super::dense::{Deficient, factor, solve};
-use super::rows::{Constraints, Held};
+use super::rows::{Constraints, Held, RoughlyHeld};
 use super::state::State;
 use crate::derive::{Equations, Rows, Switch, rates, without_modes};
 use crate::expr::{Id, Measured, Symbol, Tape};
@@ -19,7 +19,9 @@ pub(super) struct Motion {
     equations: Tape,
     places: Vec<(usize, usize)>,
     /// Coordinates that M couples.
-    pub blocks: Vec<Vec<usize>>,
+    blocks: Vec<Vec<usize>>,
+    /// Coordinates, and rows of constraints as numbers from n on, that M and constraints couple.
+    pub coupled: Vec<Vec<usize>>,
     /// The constraints.
     pub constraints: Constraints,
 }
@@ -40,7 +42,7 @@ pub(super) enum Incomplete {
 impl Motion {
     /// For equations by any derivation.
     pub fn new(model: &mut Model, equations: &Equations, rows: &Rows, switches: &[Switch]) -> Motion {
-        let constraints = Constraints::new(model, rows, &equations.bias);
+        let constraints = Constraints::new(model, rows, equations);
         let graph = &mut model.graph;
         let inputs = model
             .inputs
@@ -62,6 +64,7 @@ impl Motion {
             modes: Tape::new(graph, &modes),
             equations: Tape::new(graph, &roots),
             blocks: blocks(n, &places),
+            coupled: blocks(n + constraints.len(), &[places.as_slice(), &constraints.couplings()].concat()),
             places,
             constraints,
         }
@@ -69,7 +72,7 @@ impl Motion {
 
     /// Operations of one evaluation, to bound work by.
     pub fn work(&self) -> usize {
-        let cubes: usize = self.blocks.iter().map(|block| block.len().pow(3) / 3).sum();
+        let cubes: usize = self.coupled.iter().map(|block| block.len().pow(3) / 3).sum();
         self.equations.operations() + cubes + self.n
     }
 
@@ -88,11 +91,16 @@ impl Motion {
         }
     }
 
+    /// Brings a state, whose inputs are there, to the constraints of its phase: false where it cannot be.
+    pub fn close(&self, state: &mut State) -> bool {
+        self.constraints.active(state.phase).is_empty() || self.constraints.close(state)
+    }
+
     /// Brings a state to the constraints of its phase, and fills in inputs and modes: false where it cannot be.
     pub fn place(&self, state: &mut State) -> bool {
         self.signals(state);
         state.lambda.clear();
-        if !self.constraints.active(state.phase).is_empty() && !self.constraints.close(state) {
+        if !self.close(state) {
             return false;
         }
         self.prepare(state);
@@ -132,36 +140,81 @@ impl Motion {
         let values = self.equations.measured(|s| state.value(s));
         let (rank, mut order) = self.constraints.rank(state);
         order.truncate(rank);
-        let Held { rows, matrix: lines, bias: gamma, friction } = self.constraints.held(state, order);
+        let held = self.constraints.held(state, order);
+        if values.iter().chain(&held.matrix).chain(&held.bias).any(|x| !x.value.is_finite() || !x.magnitude.is_finite())
+        {
+            return Err(Incomplete::NotFinite);
+        }
+        let zero = Measured::exact(DoubleDouble::ZERO);
+        state.a = vec![zero; self.n];
+        state.lambda = vec![zero; self.constraints.len()];
+        let (mut rank, mut singular) = (0, Vec::new());
+        for block in &self.coupled {
+            let coordinates: Vec<usize> = block.iter().copied().take_while(|i| *i < self.n).collect();
+            let rows: Vec<usize> =
+                block.iter().filter_map(|i| held.rows.iter().position(|row| row + self.n == *i)).collect();
+            match self.held_block(&coordinates, &rows, &values, &held) {
+                Ok(found) => {
+                    rank += coordinates.len();
+                    let (a, lambda) = found.split_at(coordinates.len());
+                    coordinates.iter().zip(a).for_each(|(i, x)| state.a[*i] = *x);
+                    rows.iter().zip(lambda).for_each(|(k, x)| state.lambda[held.rows[*k]] = *x);
+                }
+                Err(Deficient { rank: of, columns }) => {
+                    rank += of.saturating_sub(rows.len());
+                    let last = coordinates.len().saturating_sub(1);
+                    singular.extend(columns.into_iter().map(|k| coordinates[k.min(last)]));
+                }
+            }
+        }
+        match singular.is_empty() {
+            true => Ok(()),
+            false => Err(Incomplete::Singular { rank, coordinates: singular }),
+        }
+    }
+
+    /// Accelerations of some coordinates, then multipliers of the rows that hold them (by their places in `held`).
+    fn held_block(
+        &self,
+        coordinates: &[usize],
+        rows: &[usize],
+        values: &[Measured],
+        held: &Held,
+    ) -> Result<Vec<Measured>, Deficient> {
         let (mass, bias) = values.split_at(self.places.len());
-        let (n, m) = (self.n, rows.len());
-        let size = n + m;
+        let (n, size) = (coordinates.len(), coordinates.len() + rows.len());
         let zero = Measured::exact(DoubleDouble::ZERO);
         let mut matrix = vec![zero; size * size];
+        let within = |i: &usize| coordinates.binary_search(i).ok();
         for ((i, j), x) in self.places.iter().zip(mass) {
-            matrix[i * size + j] = *x;
-            matrix[j * size + i] = *x;
+            if let (Some(i), Some(j)) = (within(i), within(j)) {
+                matrix[i * size + j] = *x;
+                matrix[j * size + i] = *x;
+            }
         }
-        for (k, line) in lines.chunks(n.max(1)).enumerate() {
-            for (i, x) in line.iter().enumerate() {
-                matrix[(n + k) * size + i] = *x;
+        for (k, row) in rows.iter().enumerate() {
+            for (i, coordinate) in coordinates.iter().enumerate() {
+                let x = held.matrix[row * self.n + coordinate];
+                matrix[(n + k) * size + i] = x;
                 matrix[i * size + n + k] = Measured { value: -x.value, magnitude: x.magnitude };
             }
         }
-        for (i, k, x) in friction {
+        for (i, row, x) in &held.friction {
             // h has −B λ in it.
-            let entry = &mut matrix[i * size + n + k];
-            *entry = Measured { value: entry.value + x.value, magnitude: entry.magnitude + x.magnitude };
+            if let (Some(i), Some(k)) = (within(i), rows.iter().position(|r| r == row)) {
+                let entry = &mut matrix[i * size + n + k];
+                *entry = Measured { value: entry.value + x.value, magnitude: entry.magnitude + x.magnitude };
+            }
         }
-        let right: Vec<Measured> = bias.iter().chain(&gamma).copied().collect();
-        if matrix.iter().chain(&right).any(|x| !x.value.is_finite() || !x.magnitude.is_finite()) {
-            return Err(Incomplete::NotFinite);
-        }
-        let (numbers, sizes): (Vec<DoubleDouble>, Vec<f64>) = matrix.iter().map(|x| (x.value, x.magnitude)).unzip();
-        let factored = factor(&numbers, &sizes, size).map_err(|Deficient { rank, columns }| Incomplete::Singular {
-            rank: rank.saturating_sub(m),
-            coordinates: columns.into_iter().map(|k| k.min(n.saturating_sub(1))).collect(),
-        })?;
+        let right: Vec<Measured> =
+            coordinates.iter().map(|i| bias[*i]).chain(rows.iter().map(|k| held.bias[*k])).collect();
+        // Each unknown in its own measure: masses are 1 then, and rows of J.
+        let own = measures(&matrix, n, size);
+        let by = |x: &Measured, measure: f64| Measured { value: x.value * measure, magnitude: x.magnitude * measure };
+        let right: Vec<Measured> = right.iter().zip(&own).map(|(x, d)| by(x, *d)).collect();
+        let scaled = matrix.iter().enumerate().map(|(k, x)| by(x, own[k / size] * own[k % size]));
+        let (numbers, sizes): (Vec<DoubleDouble>, Vec<f64>) = scaled.map(|x| (x.value, x.magnitude)).unzip();
+        let factored = factor(&numbers, &sizes, size)?;
         let right_side: Vec<DoubleDouble> = right.iter().map(|x| -x.value).collect();
         let mut found = factored.solve(&right_side);
         // One step of refinement makes every row right by its own terms (Skeel 1980), those of constraints among them.
@@ -183,15 +236,11 @@ impl Motion {
         let terms = |i: usize| {
             let held: f64 = (n..size).map(|k| sizes[i * size + k] * found[k].to_f64().abs()).sum();
             let inertia = sizes[i * size + i];
-            if inertia > 0.0 { (bias[i].magnitude + held) / inertia } else { 0.0 }
+            if inertia > 0.0 { (right[i].magnitude + held) / inertia } else { 0.0 }
         };
         let moving = |i: usize| Measured { magnitude: measured(i).magnitude.max(terms(i)), ..measured(i) };
-        state.a = (0..n).map(moving).collect();
-        state.lambda = vec![zero; self.constraints.len()];
-        for (k, row) in rows.into_iter().enumerate() {
-            state.lambda[row] = measured(n + k);
-        }
-        Ok(())
+        let found = (0..n).map(moving).chain((n..size).map(measured));
+        Ok(found.zip(&own).map(|(x, d)| by(&x, *d)).collect())
     }
 
     /// The accelerations of one block: −M⁻¹h, and |a| + |M⁻¹|(m(M)|a| + m(h)).
@@ -230,32 +279,65 @@ impl Motion {
 
     /// Accelerations in `f64`, for a coarse run: false where there are none.
     pub fn roughly(&self, rough: &mut Rough) -> bool {
-        let at = |list: &[f64], i: u32| list.get(i as usize).copied().unwrap_or(0.0);
-        let Rough { parameters, t, q, v, a, inputs, modes, scratch, values } = rough;
-        inputs.clear();
+        let Rough { at, a, lambda, scratch, values } = rough;
+        at.inputs.clear();
         for tape in &self.inputs {
             let mut u = [0.0; 4];
-            tape.run(
-                |s| {
-                    if s == Symbol::Time {
-                        *t
-                    } else if let Symbol::Parameter(i) = s {
-                        at(parameters, i)
-                    } else {
-                        0.0
-                    }
-                },
-                scratch,
-                &mut u,
-            );
-            inputs.push(u);
+            tape.run(|s| at.value(s), scratch, &mut u);
+            at.inputs.push(u);
         }
+        let mut modes = std::mem::take(&mut at.modes);
         modes.resize(self.modes.len(), 0.0);
-        self.modes.run(|s| symbol(s, parameters, *t, q, v, inputs, &[]), scratch, modes);
+        self.modes.run(|s| at.value(s), scratch, &mut modes);
+        at.modes = modes;
         values.resize(self.equations.len(), 0.0);
-        self.equations.run(|s| symbol(s, parameters, *t, q, v, inputs, modes), scratch, values);
+        self.equations.run(|s| at.value(s), scratch, values);
         let (mass, bias) = values.split_at(self.places.len());
-        self.blocks.iter().all(|block| self.rough_block(block, mass, bias, a)) && a.iter().all(|x| x.is_finite())
+        let active = self.constraints.active(at.phase);
+        if active.is_empty() {
+            lambda.fill(0.0);
+            let found = self.blocks.iter().all(|block| self.rough_block(block, mass, bias, a));
+            return found && a.iter().all(|x| x.is_finite());
+        }
+        let held = self.constraints.roughly(active, |s| at.value(s));
+        let right = bias.iter().chain(&held.bias).map(|x| -x).collect();
+        let Some(found) = self.rough_saddle(mass, &held, right) else { return false };
+        a.copy_from_slice(&found[..self.n]);
+        lambda.clear();
+        lambda.resize(self.constraints.len(), 0.0);
+        held.rows.iter().zip(&found[self.n..]).for_each(|(row, x)| lambda[*row] = *x);
+        found.iter().all(|x| x.is_finite())
+    }
+
+    /// The change of the speeds by impulses along constraints (those of the phase, and further rows) after which each of
+    /// their rates is `keeps(row)` times what it was; at a state whose accelerations were computed.
+    pub fn kick(&self, rough: &Rough, further: &[usize], keeps: impl Fn(usize) -> f64) -> Option<Vec<f64>> {
+        let active = self.constraints.active(rough.at.phase).iter().chain(further).copied().collect::<Vec<usize>>();
+        let mut held = self.constraints.roughly(&active, |s| rough.value(s));
+        held.friction.clear();
+        let jumps = held.rows.iter().zip(&held.rate).map(|(row, rate)| (keeps(*row) - 1.0) * rate);
+        let right = std::iter::repeat_n(0.0, self.n).chain(jumps).collect();
+        let mut found = self.rough_saddle(&rough.values[..self.places.len()], &held, right)?;
+        found.truncate(self.n);
+        found.iter().all(|x| x.is_finite()).then_some(found)
+    }
+
+    /// M x − (Jᵀ + B) y = the first n of `right`, J x = the others.
+    fn rough_saddle(&self, mass: &[f64], held: &RoughlyHeld, right: Vec<f64>) -> Option<Vec<f64>> {
+        let (n, size) = (self.n, right.len());
+        let mut matrix = vec![0.0; size * size];
+        for ((i, j), m) in self.places.iter().zip(mass) {
+            matrix[i * size + j] = *m;
+            matrix[j * size + i] = *m;
+        }
+        for (k, line) in held.matrix.chunks(n.max(1)).enumerate() {
+            for (i, x) in line.iter().enumerate() {
+                matrix[(n + k) * size + i] = *x;
+                matrix[i * size + n + k] = -x;
+            }
+        }
+        held.friction.iter().for_each(|(i, k, x)| matrix[i * size + n + k] += x);
+        solve(matrix, right)
     }
 
     fn rough_block(&self, block: &[usize], mass: &[f64], bias: &[f64], a: &mut [f64]) -> bool {
@@ -276,41 +358,89 @@ impl Motion {
 
 /// A state in `f64` with room to compute in.
 pub(super) struct Rough {
-    pub parameters: Vec<f64>,
-    pub t: f64,
-    pub q: Vec<f64>,
-    pub v: Vec<f64>,
+    pub at: Point,
+    /// Accelerations.
     pub a: Vec<f64>,
-    inputs: Vec<[f64; 4]>,
-    modes: Vec<f64>,
+    /// Multipliers of all rows; 0 for those that do not act.
+    lambda: Vec<f64>,
     scratch: Vec<f64>,
     values: Vec<f64>,
 }
 
+/// What accelerations depend on.
+pub(super) struct Point {
+    pub parameters: Vec<f64>,
+    pub t: f64,
+    pub q: Vec<f64>,
+    pub v: Vec<f64>,
+    pub phase: usize,
+    inputs: Vec<[f64; 4]>,
+    modes: Vec<f64>,
+}
+
 impl Rough {
     /// At rest at the origin.
-    pub fn new(parameters: Vec<f64>, n: usize) -> Rough {
+    pub fn new(parameters: Vec<f64>, n: usize, phase: usize) -> Rough {
         let zeros = || vec![0.0; n];
-        let (inputs, modes, scratch, values) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Rough { parameters, t: 0.0, q: zeros(), v: zeros(), a: zeros(), inputs, modes, scratch, values }
+        let at = Point { parameters, t: 0.0, q: zeros(), v: zeros(), phase, inputs: Vec::new(), modes: Vec::new() };
+        Rough { at, a: zeros(), lambda: Vec::new(), scratch: Vec::new(), values: Vec::new() }
+    }
+
+    /// A symbol's value, where accelerations were computed.
+    pub fn value(&self, s: Symbol) -> f64 {
+        match s {
+            Symbol::Acceleration(i) => self.a.get(i as usize).copied().unwrap_or(0.0),
+            Symbol::Multiplier(k) => self.lambda.get(k as usize).copied().unwrap_or(0.0),
+            _ => self.at.value(s),
+        }
     }
 }
 
-fn symbol(s: Symbol, parameters: &[f64], t: f64, q: &[f64], v: &[f64], inputs: &[[f64; 4]], modes: &[f64]) -> f64 {
-    let at = |list: &[f64], i: u32| list.get(i as usize).copied().unwrap_or(0.0);
-    match s {
-        Symbol::Time => t,
-        Symbol::Coordinate(i) => at(q, i),
-        Symbol::Speed(i) => at(v, i),
-        Symbol::Input(k, order) => {
-            inputs.get(k as usize).and_then(|u| u.get(usize::from(order))).copied().unwrap_or(0.0)
-        }
-        Symbol::Parameter(i) => at(parameters, i),
-        Symbol::Mode(k) => at(modes, k),
-        Symbol::Acceleration(_) | Symbol::Reaction(_) | Symbol::Multiplier(_) | Symbol::Phase(_) | Symbol::Dummy(_) => {
-            0.0
+impl Point {
+    /// The same in double-double, without its motion.
+    pub fn state(&self) -> State {
+        let doubles = |list: &[f64]| list.iter().map(|x| (*x).into()).collect();
+        let mut state = State::at_rest(self.parameters.clone(), self.q.len());
+        (state.t, state.q, state.v, state.phase) = (self.t.into(), doubles(&self.q), doubles(&self.v), self.phase);
+        state
+    }
+
+    fn value(&self, s: Symbol) -> f64 {
+        let at = |list: &[f64], i: u32| list.get(i as usize).copied().unwrap_or(0.0);
+        match s {
+            Symbol::Time => self.t,
+            Symbol::Coordinate(i) => at(&self.q, i),
+            Symbol::Speed(i) => at(&self.v, i),
+            Symbol::Input(k, order) => {
+                self.inputs.get(k as usize).and_then(|u| u.get(usize::from(order))).copied().unwrap_or(0.0)
+            }
+            Symbol::Parameter(i) => at(&self.parameters, i),
+            Symbol::Mode(k) => at(&self.modes, k),
+            Symbol::Phase(k) => f64::from(u8::from(k as usize == self.phase)),
+            Symbol::Acceleration(_) | Symbol::Reaction(_) | Symbol::Multiplier(_) | Symbol::Dummy(_) => 0.0,
         }
     }
+}
+
+/// Powers of two by which rows and columns of [M −Jᵀ; J 0] are to be multiplied: M's diagonal comes near 1 (n of them), then
+/// the largest entries of J's rows.
+fn measures(matrix: &[Measured], n: usize, size: usize) -> Vec<f64> {
+    let entry = |i: usize, j: usize| matrix[i * size + j].value.to_f64().abs();
+    let near_one = |x: f64| if x > 0.0 && x.is_finite() { (-x.log2().round()).exp2() } else { 1.0 };
+    let mut own: Vec<f64> = (0..n).map(|i| near_one(entry(i, i).sqrt())).collect();
+    let heavy: Vec<bool> = (0..n).map(|i| entry(i, i) > 0.0).collect();
+    for k in n..size {
+        let largest = |heavy_only: bool| {
+            let columns = (0..n).filter(|i| heavy[*i] || !heavy_only);
+            columns.map(|i| entry(k, i) * own[i]).fold(0.0, f64::max)
+        };
+        let most = if largest(true) > 0.0 { largest(true) } else { largest(false) };
+        own.push(near_one(most));
+    }
+    for i in (0..n).filter(|i| !heavy[*i]) {
+        own[i] = near_one((n..size).map(|k| entry(k, i) * own[k]).fold(0.0, f64::max));
+    }
+    own
 }
 
 /// Sets of coordinates that M's non-zeros connect, each in order.

@@ -16,8 +16,8 @@ use super::state::State;
 const COMBINATIONS: usize = 48;
 
 /// On which side of each discontinuity a state lies, then which parameters are 0: what they multiply is silent there.
-pub(super) fn signs(switches: &[&Argument], state: &State) -> Vec<bool> {
-    let sides = switches.iter().map(|argument| argument.at(state) > 0.0);
+pub(super) fn signs(motion: &Motion, switches: &[&Argument], state: &State) -> Vec<bool> {
+    let sides = switches.iter().map(|argument| argument.at(motion, state) > 0.0);
     sides.chain(state.parameters.iter().map(|p| *p == 0.0)).collect()
 }
 
@@ -32,28 +32,28 @@ pub(super) fn passages(
 ) {
     let Some(start) = path.first().filter(|_| !switches.is_empty()) else { return };
     // Starts and ends of steps may lie on a discontinuity: states are taken between.
-    let mut before = signs(switches, start);
+    let mut before = signs(motion, switches, start);
     for pair in path.windows(2) {
-        let after = signs(switches, &pair[1]);
+        let after = signs(motion, switches, &pair[1]);
         let line = Line::Step(&pair[1]);
         if after == before {
             if !seen.contains(&after) {
                 let state = moved(motion, &pair[0], &line, 0.5.into());
-                seen.insert(signs(switches, &state));
+                seen.insert(signs(motion, switches, &state));
                 found.states.push(state);
             }
             continue;
         }
         let mut places = Vec::new();
         for k in (0..switches.len()).filter(|k| after[*k] != before[*k]) {
-            let value = |z: f64| switches[k].at(&moved(motion, &pair[0], &line, z.into()));
+            let value = |z: f64| switches[k].at(motion, &moved(motion, &pair[0], &line, z.into()));
             places.push((bisect(&value, (0.0, 1.0)), k));
         }
         places.sort_by(|a, b| a.0.total_cmp(&b.0));
         for (i, &(z, k)) in places.iter().enumerate() {
             let next = places.get(i + 1).map_or(1.0, |place| place.0);
             let state = moved(motion, &pair[0], &line, (0.5 * (z + next)).into());
-            if seen.len() < COMBINATIONS && seen.insert(signs(switches, &state)) {
+            if seen.len() < COMBINATIONS && seen.insert(signs(motion, switches, &state)) {
                 found.states.push(state);
                 let surface = polished(motion, switches[k], &pair[0], &line, z);
                 found.surfaces.push(moved(motion, &pair[0], &line, surface));

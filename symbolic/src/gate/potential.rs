@@ -2,12 +2,16 @@
 //!
 //! A generalized force Q(q, t) that depends on no velocity has one, in any simply connected region, exactly where
 //! ∂Qᵢ/∂qⱼ = ∂Qⱼ/∂qᵢ.  Both are tested at random states by exact derivatives along two random directions u and w:
-//! u·(∂Q/∂q)w = w·(∂Q/∂q)u for all u and w says the same, in two passes whatever the number of coordinates.
+//! u·(∂Q/∂q)w = w·(∂Q/∂q)u for all u and w says the same, in two passes whatever the number of coordinates.  Where Q
+//! jumps, it must jump across the surface on which it does.
 
+use super::claims::{Crossing, Sides, with_modes};
 use super::effects::{Effect, Kind};
 use super::motion::Motion;
 use super::state::{State, describe};
-use crate::expr::{Forward, Graph, Id, Measured, Symbol, Tape};
+use super::states::States;
+use crate::derive::introduce;
+use crate::expr::{Forward, Graph, Id, Measured, Symbol, Tape, jacobian};
 use crate::model::Model;
 use crate::number::DoubleDouble;
 use crate::random::Random;
@@ -57,9 +61,10 @@ pub(super) fn natures(
     model: &Model,
     motion: &Motion,
     effects: &[Effect],
-    states: &[State],
+    states: &States,
 ) -> Vec<Conservative> {
-    let forces: Vec<&Effect> = effects.iter().filter(|e| e.kind == Kind::Force).collect();
+    // What acts in some phases only, or depends on reactions, is no function of the state alone.
+    let forces: Vec<&Effect> = effects.iter().filter(|e| e.kind == Kind::Force && bound(graph, e).is_none()).collect();
     let mut found: Vec<Conservative> = forces
         .iter()
         .map(|effect| {
@@ -80,6 +85,17 @@ pub(super) fn natures(
     found
 }
 
+/// Why a force cannot have a potential whatever it is like in one phase: in words that follow its name.
+pub(super) fn bound(graph: &Graph, effect: &Effect) -> Option<&'static str> {
+    let symbols = graph.symbols(effect.force.iter().copied());
+    let reacts = |s: &Symbol| matches!(s, Symbol::Multiplier(_) | Symbol::Acceleration(_));
+    if symbols.iter().any(reacts) {
+        return Some("depends on reactions and has no potential");
+    }
+    let phase = |s: &Symbol| matches!(s, Symbol::Phase(_));
+    symbols.iter().any(phase).then_some("acts in some phases only, so that `energy` does not count its work")
+}
+
 /// The generalized force of several entries.
 pub(super) fn sum(graph: &mut Graph, effects: &[&Effect]) -> Vec<Id> {
     let n = effects.first().map_or(0, |effect| effect.force.len());
@@ -92,7 +108,9 @@ fn component(k: usize, n: usize, i: usize) -> Symbol {
 }
 
 /// The kind of the generalized force Q.
-fn nature(graph: &mut Graph, model: &Model, motion: &Motion, force: &[Id], states: &[State]) -> Nature {
+fn nature(graph: &mut Graph, model: &Model, motion: &Motion, force: &[Id], states: &States) -> Nature {
+    let surfaces = &states.surfaces;
+    let states = &states.all;
     let n = force.len();
     let along = |graph: &mut Graph, k: usize| {
         let mut total = Id::ZERO;
@@ -171,9 +189,49 @@ fn nature(graph: &mut Graph, model: &Model, motion: &Motion, force: &[Id], state
         _ if !acts => Nature::Idle,
         _ if velocity => Nature::Velocity { idle: !works },
         Some(state) => largest_curl(graph, model, curl, state),
-        None if time => Nature::TimeDependent,
-        None => Nature::Potential,
+        None => match sheared(graph, force, surfaces) {
+            Some(state) => Nature::Curl { between: None, value: f64::INFINITY, state: describe(model, state) },
+            None if time => Nature::TimeDependent,
+            None => Nature::Potential,
+        },
     }
+}
+
+/// A state at which a force jumps in another direction than across its discontinuity: work depends on where that is
+/// crossed, and no derivative tells.
+fn sheared<'a>(graph: &mut Graph, force: &[Id], surfaces: &'a [State]) -> Option<&'a State> {
+    let (roots, switches) = introduce(graph, force, 0);
+    let arguments: Vec<Id> = switches.iter().map(|switch| switch.argument).collect();
+    let column = |s: Symbol| if let Symbol::Coordinate(i) = s { Some(i as usize) } else { None };
+    let slopes = jacobian(graph, &arguments, column);
+    let slopes: Vec<(Vec<usize>, Tape)> = slopes
+        .into_iter()
+        .map(|line| {
+            (line.iter().map(|e| e.0).collect(), Tape::new(graph, &line.iter().map(|e| e.1).collect::<Vec<Id>>()))
+        })
+        .collect();
+    let sides = Sides::new(graph, &roots, &switches);
+    surfaces.iter().find(|state| {
+        let Some(Crossing { before, after, met, modes }) = sides.at(state) else { return false };
+        // Where several meet nothing is said.
+        let [k] = met[..] else { return false };
+        let (places, tape) = &slopes[k];
+        let across = tape.evaluate(|s| with_modes(state, &modes, s));
+        let largest =
+            places.iter().zip(&across).max_by(|a, b| a.1.value.abs().to_f64().total_cmp(&b.1.value.abs().to_f64()));
+        let Some((pivot, steepest)) = largest.filter(|(_, x)| !x.vanishes(super::ROUNDINGS)) else { return false };
+        let slope = |i: usize| places.iter().position(|p| *p == i).map(|k| across[k]);
+        let jump = |i: usize| (after[i].value - before[i].value, after[i].magnitude + before[i].magnitude);
+        (0..force.len()).any(|i| {
+            let (own, other) = (jump(i), jump(*pivot));
+            let (turned, size) = match slope(i) {
+                Some(x) => (other.0 * x.value, other.1 * x.magnitude),
+                None => (DoubleDouble::ZERO, 0.0),
+            };
+            let difference = (own.0 * steepest.value - turned).abs().to_f64();
+            difference.is_finite() && difference > 1e-20 * (own.1 * steepest.magnitude + size)
+        })
+    })
 }
 
 /// The two coordinates between which a force's curl is largest at a state.

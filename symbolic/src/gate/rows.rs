@@ -1,7 +1,7 @@
 //! Constraints at a state: states are brought to them, and say how independent they are.
 
 use super::state::State;
-use crate::derive::Rows;
+use crate::derive::{Equations, Rows};
 use crate::expr::{Id, Measured, Symbol, Tape, jacobian};
 use crate::model::Model;
 use crate::number::DoubleDouble;
@@ -28,6 +28,8 @@ pub(super) struct Constraints {
     /// γ of all rows, then B's entries.
     loads: Tape,
     rubbing: Vec<(usize, usize)>,
+    /// M's diagonal, by which coordinates of different units are compared.
+    diagonal: Tape,
 }
 
 /// What accelerations need of the rows of a phase at a state, chosen rows only.
@@ -42,10 +44,25 @@ pub(super) struct Held {
     pub friction: Vec<(usize, usize, Measured)>,
 }
 
+/// The same in `f64`, and the rates at which these rows are not met.
+pub(super) struct RoughlyHeld {
+    pub rows: Vec<usize>,
+    /// c'.
+    pub rate: Vec<f64>,
+    pub matrix: Vec<f64>,
+    pub bias: Vec<f64>,
+    pub friction: Vec<(usize, usize, f64)>,
+}
+
 impl Constraints {
-    /// For a model's rows; `bias` are the equations' h, in which friction stands.
-    pub fn new(model: &mut Model, rows: &Rows, bias: &[Id]) -> Constraints {
-        let graph = &mut model.graph;
+    /// For a model's rows and its equations, in whose h friction stands.
+    pub fn new(model: &mut Model, rows: &Rows, equations: &Equations) -> Constraints {
+        let (graph, bias) = (&mut model.graph, &equations.bias);
+        let diagonal = |i: usize| equations.mass.iter().find(|e| (e.0, e.1) == (i, i)).map_or(Id::ZERO, |e| e.2);
+        let diagonal: Vec<Id> = match rows.is_empty() {
+            true => Vec::new(),
+            false => (0..model.coordinates.len()).map(diagonal).collect(),
+        };
         let of_row = |s: Symbol| if let Symbol::Multiplier(k) = s { Some(k as usize) } else { None };
         let friction = jacobian(graph, bias, of_row).into_iter().enumerate();
         let friction: Vec<(usize, usize, Id)> =
@@ -61,12 +78,19 @@ impl Constraints {
             places: rows.matrix.iter().map(|e| (e.0, e.1)).collect(),
             loads: Tape::new(&model.graph, &loads),
             rubbing: friction.iter().map(|e| (e.0, e.1)).collect(),
+            diagonal: Tape::new(&model.graph, &diagonal),
         }
     }
 
     /// How many rows there are, in all phases.
     pub fn len(&self) -> usize {
         self.holonomic.len()
+    }
+
+    /// Coordinates and rows that meet in an equation, rows as numbers from n on.
+    pub fn couplings(&self) -> Vec<(usize, usize)> {
+        let rubbing = self.rubbing.iter().map(|(i, k)| (*k, *i));
+        self.places.iter().copied().chain(rubbing).map(|(k, i)| (i, self.n + k)).collect()
     }
 
     /// True without constraints.
@@ -89,10 +113,16 @@ impl Constraints {
     /// Levenberg and Marquardt's steps in `f64`, residuals in double-double, until the constraints hold to 29 digits; then
     /// speeds, by the least change.
     pub fn close(&self, state: &mut State) -> bool {
+        self.close_holding(state, (&[], &[]))
+    }
+
+    /// The same, with some coordinates and some speeds left as they are.
+    pub fn close_holding(&self, state: &mut State, (held_q, held_v): (&[bool], &[bool])) -> bool {
         let active = self.active(state.phase);
         let holonomic: Vec<usize> = active.iter().copied().filter(|k| self.holonomic[*k]).collect();
         let mut damping = 1e-3;
         let mut closed = holonomic.is_empty();
+        let weights = self.weights(|s| state.value(s).to_f64());
         // What a constraint is made of on the way, where at its end it may be made of nothing.
         let mut sizes = vec![0.0_f64; self.holonomic.len()];
         for _ in 0..STEPS {
@@ -110,12 +140,12 @@ impl Constraints {
             if closed {
                 break;
             }
-            let lines = self.lines(state, &holonomic);
+            let lines = weighted(self.lines(state, &holonomic), &free(&weights, held_q));
             let right: Vec<f64> = c.iter().map(|c| -c.value.to_f64()).collect();
             // Near the end nothing is damped, so that every step gains what an `f64` holds.
             let near = c.iter().zip(&scales).all(|(c, scale)| c.value.abs().to_f64() <= 1e-6 * scale);
             let Some(step) = least(&lines, &right, self.n, if near { 0.0 } else { damping }) else { return false };
-            let tried = moved(&state.q, &step);
+            let tried = moved(&state.q, &step, &weights);
             let mut next = state.clone();
             next.q = tried;
             let after = norm(&self.residual(&next, &holonomic), &scales);
@@ -129,11 +159,12 @@ impl Constraints {
                 }
             }
         }
-        closed && self.close_speeds(state, active)
+        closed && self.close_speeds(state, active, held_v)
     }
 
-    fn close_speeds(&self, state: &mut State, active: &[usize]) -> bool {
-        let lines = self.lines(state, active);
+    fn close_speeds(&self, state: &mut State, active: &[usize], held: &[bool]) -> bool {
+        let weights = self.weights(|s| state.value(s).to_f64());
+        let lines = weighted(self.lines(state, active), &free(&weights, held));
         let mut sizes = vec![0.0_f64; self.holonomic.len()];
         for _ in 0..8 {
             let rates = self.rates.measured(|s| state.value(s));
@@ -147,19 +178,25 @@ impl Constraints {
             }
             let right: Vec<f64> = off.iter().map(|c| -c.value.to_f64()).collect();
             let Some(step) = least(&lines, &right, self.n, 0.0) else { return false };
-            state.v = moved(&state.v, &step);
+            state.v = moved(&state.v, &step, &weights);
         }
         false
     }
 
-    /// How many rows of its phase are independent at a state, and all of them, those first.
+    /// How many rows of its phase are independent at a state, and all of them in order, those first.
     pub fn rank(&self, state: &State) -> (usize, Vec<usize>) {
         self.rank_of(state, self.active(state.phase))
     }
 
     /// The same of some rows.
     pub fn rank_of(&self, state: &State, active: &[usize]) -> (usize, Vec<usize>) {
-        let mut lines = self.lines(state, active);
+        let weights = self.weights(|s| state.value(s).to_f64());
+        let (rank, order) = self.independent(weighted(self.lines(state, active), &weights), active.len());
+        (rank, order.into_iter().map(|place| active[place]).collect())
+    }
+
+    /// How many of so many lines are independent, and the places of all in order, those first.
+    fn independent(&self, mut lines: Vec<f64>, count: usize) -> (usize, Vec<usize>) {
         let n = self.n;
         for line in lines.chunks_exact_mut(n) {
             let size = line.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -168,9 +205,9 @@ impl Constraints {
             }
         }
         // Orthogonalization with exchanged rows (Golub, Van Loan, 5.4.2): the last row is the one to name.
-        let mut order: Vec<usize> = (0..active.len()).collect();
+        let mut order: Vec<usize> = (0..count).collect();
         let mut first = 0.0;
-        for k in 0..active.len() {
+        for k in 0..count {
             let size = |row: usize| lines[row * n..][..n].iter().map(|x| x * x).sum::<f64>().sqrt();
             let best = (k..order.len()).max_by(|a, b| {
                 let by_size = size(order[*a]).total_cmp(&size(order[*b]));
@@ -181,8 +218,7 @@ impl Constraints {
             let pivot = size(order[best]);
             first = if k == 0 { pivot } else { first };
             if pivot.is_nan() || pivot <= DEPENDENT * first {
-                let rows = order.iter().map(|place| active[*place]).collect();
-                return (k, rows);
+                return (k, order);
             }
             order.swap(k, best);
             let line: Vec<f64> = lines[order[k] * n..][..n].iter().map(|x| x / pivot).collect();
@@ -192,7 +228,7 @@ impl Constraints {
                 other.iter_mut().zip(&line).for_each(|(x, y)| *x -= along * y);
             }
         }
-        (order.len(), order.iter().map(|place| active[*place]).collect())
+        (count, order)
     }
 
     /// J, γ and B of these rows at a state that meets them.
@@ -210,6 +246,23 @@ impl Constraints {
         let friction = self.rubbing.iter().zip(&loads[self.holonomic.len()..]);
         let friction = friction.filter_map(|((i, k), x)| Some((*i, rows.iter().position(|row| row == k)?, *x)));
         Held { bias, friction: friction.collect(), matrix, rows }
+    }
+
+    /// The same in `f64` for a coarse run, of those among `active` that are independent.
+    pub fn roughly(&self, active: &[usize], value: impl Fn(Symbol) -> f64) -> RoughlyHeld {
+        let (rates, loads): (Vec<f64>, Vec<f64>) = (self.rates.evaluate(&value), self.loads.evaluate(&value));
+        let lines = self.placed(active, &rates[self.holonomic.len()..]);
+        let (rank, order) = self.independent(weighted(lines.clone(), &self.weights(&value)), active.len());
+        let kept = &order[..rank];
+        let place = |row: usize| kept.iter().position(|k| active[*k] == row);
+        let friction = self.rubbing.iter().zip(&loads[self.holonomic.len()..]);
+        RoughlyHeld {
+            rows: kept.iter().map(|k| active[*k]).collect(),
+            rate: kept.iter().map(|k| rates[active[*k]]).collect(),
+            matrix: kept.iter().flat_map(|k| lines[k * self.n..][..self.n].iter().copied()).collect(),
+            bias: kept.iter().map(|k| loads[active[*k]]).collect(),
+            friction: friction.filter_map(|((i, row), x)| Some((*i, place(*row)?, *x))).collect(),
+        }
     }
 
     /// Leaves only states at which as many rows are independent as anywhere in their phase, with drawn parameters and with
@@ -233,11 +286,25 @@ impl Constraints {
         rows.iter().map(|k| values[*k]).collect()
     }
 
+    /// How far each coordinate moves by the same impulse, the largest being 1: 1/√Mᵢᵢ, so that metres beside nanometres
+    /// and angles are no reason to call rows dependent.  What has no mass of its own moves as easily as anything.
+    fn weights(&self, value: impl Fn(Symbol) -> f64) -> Vec<f64> {
+        let masses: Vec<f64> = self.diagonal.evaluate(value);
+        let weighs = |m: &f64| *m > 0.0 && m.is_finite();
+        let least = masses.iter().copied().filter(|m| weighs(m)).fold(f64::INFINITY, f64::min);
+        masses.iter().map(|m| if weighs(m) { (least / m).sqrt() } else { 1.0 }).collect()
+    }
+
     /// Rows of J in `f64`.
     pub fn lines(&self, state: &State, rows: &[usize]) -> Vec<f64> {
         let rates: Vec<f64> = self.rates.evaluate(|s| state.value(s).to_f64());
+        self.placed(rows, &rates[self.holonomic.len()..])
+    }
+
+    /// J's entries in their places.
+    fn placed(&self, rows: &[usize], entries: &[f64]) -> Vec<f64> {
         let mut lines = vec![0.0; rows.len() * self.n];
-        for ((k, i), x) in self.places.iter().zip(&rates[self.holonomic.len()..]) {
+        for ((k, i), x) in self.places.iter().zip(entries) {
             if let Some(place) = rows.iter().position(|row| row == k) {
                 lines[place * self.n + i] = *x;
             }
@@ -246,13 +313,26 @@ impl Constraints {
     }
 }
 
+/// Weights without those of what may not change.
+fn free(weights: &[f64], held: &[bool]) -> Vec<f64> {
+    let weight = |(i, w): (usize, &f64)| if held.get(i) == Some(&true) { 0.0 } else { *w };
+    weights.iter().enumerate().map(weight).collect()
+}
+
+/// Lines by coordinates that are measured by these.
+fn weighted(mut lines: Vec<f64>, weights: &[f64]) -> Vec<f64> {
+    let columns = lines.chunks_exact_mut(weights.len().max(1));
+    columns.for_each(|line| line.iter_mut().zip(weights).for_each(|(x, w)| *x *= w));
+    lines
+}
+
 fn norm(c: &[Measured], scales: &[f64]) -> f64 {
     let share = |(c, scale): (&Measured, &f64)| (c.value.to_f64() / scale.max(f64::MIN_POSITIVE)).powi(2);
     c.iter().zip(scales).map(share).sum::<f64>().sqrt()
 }
 
-fn moved(list: &[DoubleDouble], step: &[f64]) -> Vec<DoubleDouble> {
-    list.iter().zip(step).map(|(x, s)| *x + DoubleDouble::from(*s)).collect()
+fn moved(list: &[DoubleDouble], step: &[f64], weights: &[f64]) -> Vec<DoubleDouble> {
+    list.iter().zip(step).zip(weights).map(|((x, s), w)| *x + DoubleDouble::from(*s * w)).collect()
 }
 
 /// The least step x with A x = b, or where it is damped the least |A x − b|² + damping |x|²: AᵀA is not formed, but

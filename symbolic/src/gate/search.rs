@@ -80,10 +80,7 @@ pub(super) fn bisect(f: &dyn Fn(f64) -> f64, (mut a, mut b): (f64, f64)) -> f64 
 
 /// The zero of an argument to all digits, by secants.
 pub(super) fn polished(motion: &Motion, argument: &Argument, base: &State, line: &Line<'_>, z: f64) -> DoubleDouble {
-    let at = |z: DoubleDouble| {
-        let state = moved(motion, base, line, z);
-        argument.tape.evaluate(|s| state.value(s))[0]
-    };
+    let at = |z: DoubleDouble| argument.exactly(motion, &moved(motion, base, line, z));
     let mut z0 = DoubleDouble::from(z);
     let mut z1 = DoubleDouble::from(z * (1.0 + 1e-12) + f64::MIN_POSITIVE);
     let (mut f0, mut f1) = (at(z0), at(z1));

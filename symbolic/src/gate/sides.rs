@@ -39,7 +39,7 @@ pub(super) struct Sides {
 pub(super) fn sides(
     model: &Model,
     motion: &Motion,
-    (bases, paths): (&[State], &[Vec<State>]),
+    (bases, paths): (&[State], &[&[State]]),
     reach: &Reach<'_>,
 ) -> Sides {
     let (arguments, more) = arguments(model);
@@ -68,7 +68,7 @@ pub(super) fn sides(
                 search.follow(base, &line, &mut found);
             }
         }
-        let order_one = |state: &State| argument.at(state).abs() <= ORDER_ONE;
+        let order_one = |state: &State| argument.at(motion, state).abs() <= ORDER_ONE;
         let met = (0..switches.len()).any(|k| std::ptr::eq(switches[k], argument) && both_sides(&combinations, k));
         // Spots that no line through a state meets, because several numbers must be right at once.
         let silent = match argument.switches {
@@ -110,7 +110,7 @@ impl Search<'_> {
     /// Follows one argument along one line.
     fn follow(&self, base: &State, line: &Line<'_>, found: &mut Sides) {
         let Search { motion, argument, switches } = *self;
-        let at = |z: f64| argument.at(&moved(motion, base, line, DoubleDouble::from(z)));
+        let at = |z: f64| argument.at(motion, &moved(motion, base, line, DoubleDouble::from(z)));
         let samples = sampled(base, line, &at);
         let mut places: Vec<f64> = Vec::new();
         let targets: Vec<f64> = match argument.switches {
@@ -143,9 +143,9 @@ impl Search<'_> {
             for side in [-1.0, 1.0] {
                 let beside = |aside: f64| moved(motion, base, line, DoubleDouble::from(z + side * aside));
                 // A strip ends where another argument changes: not beyond it.
-                let first = signs(switches, &beside(1e-9 * scale));
+                let first = signs(motion, switches, &beside(1e-9 * scale));
                 let mut aside = (1e-3 * scale).min(0.25 * near);
-                while aside > 4e-9 * scale && signs(switches, &beside(aside)) != first {
+                while aside > 4e-9 * scale && signs(motion, switches, &beside(aside)) != first {
                     aside *= 0.25;
                 }
                 found.states.push(beside(aside));
@@ -158,7 +158,7 @@ impl Search<'_> {
     fn descended(&self, base: &State, reach: &Reach<'_>) -> State {
         let mut state = base.clone();
         for line in reach.lines(&self.argument.symbols).iter().take(6) {
-            let at = |z: f64| self.argument.at(&moved(self.motion, &state, line, DoubleDouble::from(z)));
+            let at = |z: f64| self.argument.at(self.motion, &moved(self.motion, &state, line, DoubleDouble::from(z)));
             let samples: Vec<(f64, f64)> = grid(&state, line).into_iter().map(|z| (z, at(z))).collect();
             if let Some((z, _)) = least(&samples, &at) {
                 state = moved(self.motion, &state, line, DoubleDouble::from(z));

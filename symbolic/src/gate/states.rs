@@ -11,22 +11,25 @@ use super::lines::Reach;
 use super::motion::{Incomplete, Motion};
 use super::sides::sides;
 use super::state::{Origin, State, describe};
-use super::trajectory::Trajectory;
+use super::trajectory::{Passed, Trajectory};
+use super::turns::Turns;
 use super::{Gate, listed};
 use crate::diagnose::catalogue::verdicts;
 use crate::diagnose::{Place, Problem};
 use crate::expr::{Symbol, Tape};
-use crate::model::Model;
+use crate::model::{Model, Scene};
 use crate::number::DoubleDouble;
 
 /// How many drawn states each test wants.
 const DRAWN: usize = 16;
 /// How many draws are made for them at the most.
 const DRAWS: usize = 400;
-/// So many phases get states of their own.
+/// So many phases get as many states each as one would; of more phases each gets fewer.
 const MOST_PHASES: usize = 8;
 /// So many positions with the scene's own parameters decide ranks.
 const OWN: usize = 10;
+/// So many phases are searched for discontinuities.
+const SEARCHED: usize = 32;
 /// With so many states that meet the constraints something can be said.
 const FEWEST: usize = 4;
 /// So many states come from the motion of each scene.
@@ -59,87 +62,110 @@ pub(super) fn states(
     own: &[State],
     gate: Gate,
 ) -> Result<States, Box<Problem>> {
-    // A coarse run leaves the constraints.
-    let follows = gate.motion && motion.constraints.is_empty();
-    let trajectories = if follows { trajectories(model, motion, when) } else { Vec::new() };
+    let trajectories = if gate.motion { trajectories(model, motion, when) } else { Vec::new() };
     let mut draws = Draws::new(model, motion, &trajectories);
     let mut found = States::default();
     let room = (WORK / motion.work().max(1)).clamp(6, 128);
+    let phases = motion.constraints.phases();
     drawn(model, motion, &mut draws, (when, own), room.min(DRAWN), &mut found)?;
+    let mut bases: Vec<Vec<State>> = Vec::new();
+    for phase in 0..phases {
+        bases.push(found.all.iter().filter(|s| s.phase == phase).take(2).cloned().collect());
+    }
     if gate.rows {
-        for group in groups(model).into_iter().take(room / 4) {
-            let state = draws.group(&group, when);
-            if draws.inside(&state) {
-                keep(motion, state, &mut found.all);
+        for phase in 0..phases.min(MOST_PHASES) {
+            for group in groups(model).into_iter().take(room / 4) {
+                let mut state = draws.group(&group, when);
+                state.phase = phase;
+                if draws.inside(&state) {
+                    keep(motion, state, &mut found.all);
+                }
             }
         }
     }
-    let mut bases: Vec<State> = found.all.iter().filter(|s| s.origin != Origin::Group).take(2).cloned().collect();
-    let mut paths = Vec::new();
+    let mut paths: Vec<Vec<State>> = Vec::new();
     for (run, scene) in trajectories.iter().zip(&model.scenes) {
-        paths.push(path(motion, run));
+        paths.extend(stretches(motion, run));
         found.followed.push((scene.name.clone(), run.reached(), run.until));
         let share = (room / 4 / trajectories.len()).clamp(1, FROM_MOTION);
-        for step in run.spread(share) {
-            let mut state = on_the_way(run, step);
-            state.outside = !draws.inside(&state);
-            bases.push(state.clone());
-            keep(motion, state, &mut found.all);
+        for (phase, bases) in bases.iter_mut().enumerate() {
+            for step in run.spread(phase, share) {
+                let mut state = on_the_way(run, step);
+                state.outside = !draws.inside(&state);
+                bases.push(state.clone());
+                keep(motion, state, &mut found.all);
+            }
         }
     }
     if gate.sides {
         let until = trajectories.iter().map(|run| run.until).fold(0.0, f64::max);
         let until = if until > 0.0 { until } else { 10.0 };
         let of = |i: usize, speed: bool| draws.reach(i, speed);
-        let beside = sides(model, motion, (&bases, &paths), &Reach { until, of: &of });
-        found.unreached = beside.unreached;
-        // Where the file does not vouch for its model, only the motion itself is asked.
-        for (states, kept) in [(beside.states, &mut found.all), (beside.surfaces, &mut found.surfaces)] {
-            let outside = |mut state: State| {
-                state.outside = !draws.inside(&state);
-                state
+        let reach = Reach { until, of: &of };
+        // What acts in one phase may be claimed of another: each is searched for itself.
+        for (phase, bases) in bases.iter().enumerate().take(SEARCHED) {
+            let paths: Vec<&[State]> = paths.iter().filter(|p| p[0].phase == phase).map(Vec::as_slice).collect();
+            let beside = sides(model, motion, (bases, &paths), &reach);
+            let words = |words: String| match model.phases.get(phase).filter(|phase| !phase.name.is_empty()) {
+                Some(phase) => format!("{words} in the phase `{}`", phase.name),
+                None => words,
             };
-            let asked = |state: &State| !state.outside || state.origin == Origin::Motion;
-            let states: Vec<State> = states.into_iter().map(outside).filter(asked).collect();
-            if states.len() > 2 * room {
-                let more = states.len() - 2 * room;
-                found
-                    .unreached
-                    .push(format!("{more} states beside discontinuities were left out, which would take too long"));
+            found.unreached.extend(beside.unreached.into_iter().map(words));
+            // Where the file does not vouch for its model, only the motion itself is asked.
+            for (states, kept) in [(beside.states, &mut found.all), (beside.surfaces, &mut found.surfaces)] {
+                let outside = |mut state: State| {
+                    state.outside = !draws.inside(&state);
+                    state
+                };
+                let asked = |state: &State| !state.outside || state.origin == Origin::Motion;
+                let states: Vec<State> = states.into_iter().map(outside).filter(asked).collect();
+                if states.len() > 2 * room {
+                    let more = states.len() - 2 * room;
+                    let left = format!("{more} states beside discontinuities were left out, which would take too long");
+                    found.unreached.push(words(left));
+                }
+                for mut state in states.into_iter().take(2 * room) {
+                    // Next to a discontinuity wherever it comes from.
+                    state.origin = Origin::Side;
+                    keep(motion, state, kept);
+                }
             }
-            for mut state in states.into_iter().take(2 * room) {
-                // Next to a discontinuity wherever it comes from.
-                state.origin = Origin::Side;
-                keep(motion, state, kept);
-            }
+        }
+        if phases > SEARCHED {
+            found.unreached.push(format!("discontinuities were looked for in {SEARCHED} of {phases} phases"));
         }
     }
     Ok(found)
 }
 
 /// A step of a run as a state.
-fn on_the_way(run: &Trajectory, (t, q, v): &(f64, Vec<f64>, Vec<f64>)) -> State {
+fn on_the_way(run: &Trajectory, step: &Passed) -> State {
     let double = |list: &[f64]| list.iter().map(|x| DoubleDouble::from(*x)).collect();
-    let mut state = State::at_rest(run.parameters.clone(), q.len());
-    (state.t, state.q, state.v, state.origin) = (DoubleDouble::from(*t), double(q), double(v), Origin::Motion);
+    let mut state = State::at_rest(run.parameters.clone(), step.q.len());
+    (state.t, state.q, state.v) = (DoubleDouble::from(step.t), double(&step.q), double(&step.v));
+    (state.phase, state.origin) = (step.phase, Origin::Motion);
     state
 }
 
-/// The steps of a run in order, thinned where there are many.
-fn path(motion: &Motion, run: &Trajectory) -> Vec<State> {
+/// The steps of a run in order, thinned where there are many: a list for each stretch between two events.
+fn stretches(motion: &Motion, run: &Trajectory) -> Vec<Vec<State>> {
     let apart = run.states.len().div_ceil(STEPS).max(1);
-    let steps = run.states.iter().step_by(apart);
-    let prepared = |step| {
-        let mut state = on_the_way(run, step);
-        motion.prepare(&mut state);
-        state
-    };
-    steps.map(prepared).collect()
+    let mut stretches = Vec::new();
+    for steps in run.states.chunk_by(|before, after| before.t < after.t) {
+        let prepared = |step| {
+            let mut state = on_the_way(run, step);
+            motion.prepare(&mut state);
+            state
+        };
+        stretches.push(steps.iter().step_by(apart).map(prepared).collect());
+    }
+    stretches
 }
 
 /// Coarse runs of the scenes.
 fn trajectories(model: &Model, motion: &Motion, when: &[(usize, f64)]) -> Vec<Trajectory> {
     let n = motion.n;
+    let turns = Turns::new(model);
     let run = |scene: &crate::model::Scene| {
         let defaults = model.parameters.iter().map(|p| p.default).collect();
         let mut parameters = with_set(&model.graph, &scene.set, defaults);
@@ -151,9 +177,26 @@ fn trajectories(model: &Model, motion: &Motion, when: &[(usize, f64)]) -> Vec<Tr
         };
         let start: Vec<f64> = Tape::new(&model.graph, &roots).evaluate(value);
         let until = if start[2 * n].is_finite() && start[2 * n] > 0.0 { start[2 * n] } else { 10.0 };
-        Trajectory::new(motion, parameters, &start[..n], &start[n..2 * n], until)
+        let start = start_of(motion, scene, &parameters, &start[..2 * n]);
+        Trajectory::new(motion, &turns, parameters, start, until)
     };
     model.scenes.iter().take(SCENES).map(run).collect()
+}
+
+/// Where a scene starts: what it names is held, the rest is near what it guesses and meets the constraints.
+fn start_of(motion: &Motion, scene: &Scene, parameters: &[f64], start: &[f64]) -> Passed {
+    let (q, v) = start.split_at(motion.n);
+    let doubles = |list: &[f64]| list.iter().map(|x| DoubleDouble::from(*x)).collect();
+    let floats = |list: &[DoubleDouble]| list.iter().map(|x| x.to_f64()).collect();
+    let mut state = State::at_rest(parameters.to_vec(), motion.n);
+    (state.q, state.v, state.phase) = (doubles(q), doubles(v), scene.phase);
+    motion.signals(&mut state);
+    let mut closed = state.clone();
+    // Equations that the start meets besides are not looked at: the run is coarse.
+    if motion.constraints.close_holding(&mut closed, (&scene.held_q, &scene.held_v)) {
+        state = closed;
+    }
+    Passed { t: 0.0, q: floats(&state.q), v: floats(&state.v), phase: state.phase }
 }
 
 /// Random states that have a motion.
@@ -168,10 +211,11 @@ fn drawn(
     let (mut singular, mut largest_rank) = (None, 0);
     let mut tried = 0;
     let phases = motion.constraints.phases();
-    let wanted = wanted * phases.min(MOST_PHASES);
+    let wanted = (wanted * phases.min(MOST_PHASES)).max(if phases > 1 { FEWEST * phases } else { 0 });
+    let most = DRAWS.max(3 * wanted);
     // Lengths that are drawn may not close: then those of the file serve.
     let own = own_parameters(model);
-    while found.all.len() < wanted && tried < DRAWS {
+    while found.all.len() < wanted && tried < most {
         tried += 1;
         let closes = motion.constraints.is_empty() || found.all.len() * 4 >= tried || tried < 2 * wanted.min(40);
         let mut state = if closes { draws.next(when) } else { draws.next(&fixed(&own, when)) };
@@ -218,7 +262,7 @@ fn drawn(
             let rank = format!("{largest_rank} of {}", motion.n);
             verdicts::singular_mass(place, rank, listed(&names), describe(model, &state))
         }
-        _ => verdicts::too_few_states(Place::default().key("coordinates"), found.all.len(), DRAWS),
+        _ => verdicts::too_few_states(Place::default().key("coordinates"), found.all.len(), most),
     }))
 }
 

@@ -6,7 +6,7 @@
 
 use super::dense::solve;
 use super::motion::{Motion, Rough};
-use super::state::State;
+use super::turns::{Turns, Watched};
 
 /// Most evaluations of the accelerations a scene.
 const EVALUATIONS: usize = 2000;
@@ -18,6 +18,8 @@ const LOOKS: usize = 20;
 const TOLERANCE: f64 = 1e-4;
 /// The error of an implicit step, likewise.
 const STIFF_TOLERANCE: f64 = 1e-3;
+/// An event is found to this power of ½ of a step.
+const BISECTIONS: usize = 12;
 /// In a step that is shorter than this part of the whole, what was at rest before is not asked for its error.
 const SHORTEST: f64 = 1e-10;
 /// Dormand and Prince's stages: when, and the weights of those before.
@@ -37,23 +39,33 @@ const DIFFERENCE: [f64; 7] =
 pub(super) struct Trajectory {
     /// The parameters.
     pub parameters: Vec<f64>,
-    /// (t, q, v) at the ends of steps, the start first.
-    pub states: Vec<(f64, Vec<f64>, Vec<f64>)>,
+    /// Ends of steps, the start first; two at an event, before and after it.
+    pub states: Vec<Passed>,
     /// How long it should have gone.
     pub until: f64,
 }
 
+/// A state that a run passed.
+#[derive(Clone, Debug)]
+pub(super) struct Passed {
+    pub t: f64,
+    pub q: Vec<f64>,
+    pub v: Vec<f64>,
+    pub phase: usize,
+}
+
 impl Trajectory {
-    /// The motion from a start, as far as it can be followed.
-    pub fn new(motion: &Motion, parameters: Vec<f64>, q: &[f64], v: &[f64], until: f64) -> Trajectory {
+    /// The motion from a start, which meets the constraints of its phase, as far as it can be followed.
+    pub fn new(motion: &Motion, turns: &Turns, parameters: Vec<f64>, start: Passed, until: f64) -> Trajectory {
         let budget = (WORK / motion.work().max(1)).clamp(60, EVALUATIONS);
-        let mut runner = Runner::new(motion, parameters, q, v, until, budget);
+        let n = start.q.len();
+        let mut runner = Runner::new(motion, turns, parameters.clone(), start.clone(), until, budget);
         runner.explicit(budget / 2);
         // Each of its Jacobians takes two evaluations a coordinate.
-        let affordable = budget / 2 > 2 * q.len() + 40;
+        let affordable = budget / 2 > 2 * n + 40;
         if runner.t < 0.5 * until && !runner.stuck && affordable {
             // Stiff, or fast: whoever gets further is believed.
-            let mut implicit = Runner::new(motion, runner.rough.parameters.clone(), q, v, until, budget / 2);
+            let mut implicit = Runner::new(motion, turns, parameters, start, until, budget / 2);
             implicit.implicit();
             if implicit.t > runner.t {
                 runner = implicit;
@@ -61,26 +73,29 @@ impl Trajectory {
         } else {
             runner.explicit(budget);
         }
-        Trajectory { parameters: runner.rough.parameters, states: runner.states, until }
+        Trajectory { parameters: runner.rough.at.parameters, states: runner.states, until }
     }
 
     /// When it ends.
     pub fn reached(&self) -> f64 {
-        self.states.last().map_or(0.0, |s| s.0)
+        self.states.last().map_or(0.0, |s| s.t)
     }
 
-    /// States spread evenly over its time, the start left out.
-    pub fn spread(&self, count: usize) -> impl Iterator<Item = &(f64, Vec<f64>, Vec<f64>)> {
-        let end = self.reached();
+    /// States of a phase spread evenly over the time from its first to its last, the start left out.
+    pub fn spread(&self, phase: usize, count: usize) -> impl Iterator<Item = &Passed> {
+        let of_phase: Vec<&Passed> = self.states.iter().filter(|s| s.phase == phase).collect();
+        let (begin, end) = (of_phase.first().map_or(0.0, |s| s.t), of_phase.last().map_or(0.0, |s| s.t));
         (1..=count).filter_map(move |k| {
-            let t = end * k as f64 / count as f64;
-            self.states.iter().skip(1).min_by(|a, b| (a.0 - t).abs().total_cmp(&(b.0 - t).abs()))
+            let t = begin + (end - begin) * k as f64 / count as f64;
+            of_phase.iter().skip(1).min_by(|a, b| (a.t - t).abs().total_cmp(&(b.t - t).abs())).copied()
         })
     }
 }
 
 struct Runner<'a> {
     motion: &'a Motion,
+    turns: &'a Turns,
+    watched: Watched,
     rough: Rough,
     /// q, then v.
     y: Vec<f64>,
@@ -91,7 +106,7 @@ struct Runner<'a> {
     budget: usize,
     /// Least and largest value of every component.
     range: Vec<(f64, f64)>,
-    states: Vec<(f64, Vec<f64>, Vec<f64>)>,
+    states: Vec<Passed>,
     /// Magnitudes of the terms of the accelerations, where steps were refused again and again; 0 before.
     terms: Vec<f64>,
     /// How often steps were refused since the last one that was taken, and how often terms were looked at.
@@ -102,11 +117,20 @@ struct Runner<'a> {
 }
 
 impl<'a> Runner<'a> {
-    fn new(motion: &'a Motion, parameters: Vec<f64>, q: &[f64], v: &[f64], until: f64, budget: usize) -> Self {
-        let y: Vec<f64> = q.iter().chain(v).copied().collect();
+    fn new(
+        motion: &'a Motion,
+        turns: &'a Turns,
+        parameters: Vec<f64>,
+        start: Passed,
+        until: f64,
+        budget: usize,
+    ) -> Self {
+        let y: Vec<f64> = start.q.iter().chain(&start.v).copied().collect();
         Runner {
             motion,
-            rough: Rough::new(parameters, q.len()),
+            turns,
+            watched: Watched::default(),
+            rough: Rough::new(parameters, start.q.len(), start.phase),
             range: y.iter().map(|x| (*x, *x)).collect(),
             y,
             t: 0.0,
@@ -114,8 +138,8 @@ impl<'a> Runner<'a> {
             h: until / 100.0,
             used: 0,
             budget,
-            states: vec![(0.0, q.to_vec(), v.to_vec())],
-            terms: vec![0.0; q.len()],
+            terms: vec![0.0; start.q.len()],
+            states: vec![start],
             refused: 0,
             looks: 0,
             stuck: false,
@@ -126,9 +150,9 @@ impl<'a> Runner<'a> {
     fn rate(&mut self, t: f64, y: &[f64]) -> Option<Vec<f64>> {
         let n = self.motion.n;
         self.used += 1;
-        self.rough.t = t;
-        self.rough.q.copy_from_slice(&y[..n]);
-        self.rough.v.copy_from_slice(&y[n..]);
+        self.rough.at.t = t;
+        self.rough.at.q.copy_from_slice(&y[..n]);
+        self.rough.at.v.copy_from_slice(&y[n..]);
         let finite = y.iter().all(|x| x.is_finite()) && self.motion.roughly(&mut self.rough);
         finite.then(|| y[n..].iter().chain(&self.rough.a).copied().collect())
     }
@@ -168,9 +192,83 @@ impl<'a> Runner<'a> {
             *range = (range.0.min(*x), range.1.max(*x));
         }
         self.y = y;
-        let (q, v) = self.y.split_at(self.motion.n);
-        self.states.push((self.t, q.to_vec(), v.to_vec()));
+        self.pass();
         true
+    }
+
+    /// Notes where the run is.
+    fn pass(&mut self) {
+        let (q, v) = self.y.split_at(self.motion.n);
+        self.states.push(Passed { t: self.t, q: q.to_vec(), v: v.to_vec(), phase: self.rough.at.phase });
+    }
+
+    /// Whether the ends of steps are more than ends of steps: constraints to meet, events that turn the motion.
+    fn is_held(&self) -> bool {
+        !self.motion.constraints.is_empty() || !self.turns.is_empty()
+    }
+
+    /// Brings the end of a step to the constraints, and back to an event that comes first and through it; the rate there.
+    fn arrive(&mut self) -> Option<Vec<f64>> {
+        self.states.pop();
+        let rate = self.meet()?;
+        if self.turns.crossed(&self.rough, &self.watched).is_none() {
+            self.turns.watch(&self.rough, &mut self.watched);
+            self.pass();
+            return Some(rate);
+        }
+        // Where on the way some event has happened: nearer and nearer to the first.
+        let from = self.states.last()?.clone();
+        let to =
+            Passed { t: self.t, q: self.y[..self.motion.n].to_vec(), v: self.rough.at.v.clone(), phase: from.phase };
+        let (mut before, mut after) = (0.0, 1.0);
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (before + after);
+            self.between(&from, &to, middle)?;
+            let happened = self.turns.crossed(&self.rough, &self.watched).is_some();
+            if happened { after = middle } else { before = middle }
+        }
+        self.between(&from, &to, after)?;
+        let event = self.turns.crossed(&self.rough, &self.watched)?;
+        self.pass();
+        if !self.turns.act(self.motion, &mut self.rough, event, &mut self.watched) {
+            return None;
+        }
+        self.y = self.rough.at.q.iter().chain(&self.rough.at.v).copied().collect();
+        let rate = self.meet()?;
+        self.turns.watch(&self.rough, &mut self.watched);
+        self.pass();
+        Some(rate)
+    }
+
+    /// The rate where the run is, once it is brought to the constraints.
+    fn meet(&mut self) -> Option<Vec<f64>> {
+        let n = self.motion.n;
+        self.rough.at.t = self.t;
+        self.rough.at.q.copy_from_slice(&self.y[..n]);
+        self.rough.at.v.copy_from_slice(&self.y[n..]);
+        let mut state = self.rough.at.state();
+        self.motion.signals(&mut state);
+        if !self.motion.close(&mut state) {
+            return None;
+        }
+        self.y = state.q.iter().chain(&state.v).map(|x| x.to_f64()).collect();
+        self.rate(self.t, &self.y.clone())
+    }
+
+    /// Goes to a place on the cubic between two states.
+    fn between(&mut self, from: &Passed, to: &Passed, z: f64) -> Option<Vec<f64>> {
+        let (h, rest) = (to.t - from.t, 1.0 - z);
+        self.t = from.t + z * h;
+        let mut q = Vec::new();
+        let mut v = Vec::new();
+        for i in 0..self.motion.n {
+            let way = to.q[i] - from.q[i];
+            let bow = rest * (h * from.v[i] - way) - z * (h * to.v[i] - way);
+            q.push(rest * from.q[i] + z * to.q[i] + z * rest * bow);
+            v.push(rest * from.v[i] + z * to.v[i]);
+        }
+        self.y = [q, v].concat();
+        self.meet()
     }
 
     /// What rounding may make of a component in a step: what stays where it is but for that has no range to judge by.
@@ -188,9 +286,8 @@ impl<'a> Runner<'a> {
             return;
         }
         let n = self.motion.n;
-        let doubles = |list: &[f64]| list.iter().map(|x| (*x).into()).collect();
-        let mut state = State::at_rest(self.rough.parameters.clone(), n);
-        (state.t, state.q, state.v) = (self.t.into(), doubles(&self.y[..n]), doubles(&self.y[n..]));
+        (self.rough.at.t, self.rough.at.q, self.rough.at.v) = (self.t, self.y[..n].to_vec(), self.y[n..].to_vec());
+        let mut state = self.rough.at.state();
         if self.motion.complete(&mut state).is_ok() {
             self.terms = state.a.iter().map(|a| a.magnitude).collect();
         }
@@ -206,14 +303,19 @@ impl<'a> Runner<'a> {
             self.stuck = true;
             return;
         };
+        if self.states.len() == 1 {
+            self.turns.watch(&self.rough, &mut self.watched);
+        }
         while self.going(budget) {
             self.h = self.h.min(self.until - self.t);
             let trial = self.dormand_prince(&first);
             let last = trial.as_ref().map(|t| t.2.clone());
-            if self.judge(trial.map(|(y, d, _)| (y, d)), 5.0, TOLERANCE)
-                && let Some(last) = last
-            {
-                first = last;
+            if !self.judge(trial.map(|(y, d, _)| (y, d)), 5.0, TOLERANCE) {
+                continue;
+            }
+            match if self.is_held() { self.arrive() } else { last } {
+                Some(rate) => first = rate,
+                None => self.stuck = true,
             }
         }
     }
@@ -237,6 +339,9 @@ impl<'a> Runner<'a> {
     fn implicit(&mut self) {
         let mut jacobian: Option<Vec<f64>> = None;
         let mut age = 0;
+        if self.is_held() && self.meet().is_some() {
+            self.turns.watch(&self.rough, &mut self.watched);
+        }
         while self.going(self.budget) {
             self.h = self.h.min(self.until - self.t);
             if jacobian.is_none() || age >= 20 {
@@ -252,6 +357,12 @@ impl<'a> Runner<'a> {
             age += 1;
             if !self.judge(trial, 2.0, STIFF_TOLERANCE) {
                 age += 10;
+            } else if self.is_held() {
+                let phase = self.rough.at.phase;
+                self.stuck = self.arrive().is_none();
+                if self.rough.at.phase != phase {
+                    jacobian = None;
+                }
             }
         }
     }

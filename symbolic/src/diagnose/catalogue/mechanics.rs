@@ -61,9 +61,9 @@ super::entries! {
     E421 too_many_switches(limit) "more discontinuities than can be located"
         "the equations have more than {limit} discontinuities" "here at the latest" "use smaller sizes, or one function in the place of many steps"
         "Every `abs`, `sign`, `step`, `min` and `max` of what moves is followed while a run goes on; the limit bounds time and memory.";
-    E422 too_many_coupled(limit) "more coordinates that move each other's masses than can be solved for"
-        "the mass matrix couples more than {limit} coordinates with each other" "one too many" "make families smaller, or choose coordinates that move one body each"
-        "Accelerations of coordinates that move the same bodies depend on each other, directly or by way of others; solving for n of them takes n^3 operations.";
+    E422 too_many_coupled(limit) "more coordinates and constraints that depend on each other than can be solved for"
+        "masses and constraints couple more than {limit} coordinates and constraints with each other" "one too many" "make families smaller, or choose coordinates that move one body each, or that need no constraints"
+        "Accelerations of coordinates that move the same bodies or stand in the same constraint depend on each other, directly or by way of others, and on the constraints' forces; solving for n of them takes n^3 operations.";
     E423 constraint_without_motion(name) "a constraint that constrains nothing"
         "the constraint `{name}` does not depend on the motion" "its derivative by every coordinate (or velocity) vanishes" "a constraint is an expression of coordinates or velocities that is to vanish; a component that is 0 anyway is left out by taking the other one, `dot(…, e)`"
         "What is 0, constant, or a function of time alone is either true anyway or never: no force can change it.";
