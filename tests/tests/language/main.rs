@@ -4,6 +4,7 @@ mod constraints;
 mod events;
 mod held_out;
 mod phases;
+mod refusals;
 mod twins;
 mod whole_files;
 
