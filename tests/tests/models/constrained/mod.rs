@@ -2,6 +2,7 @@
 
 mod contact;
 mod linkages;
+mod rank;
 mod rods;
 mod skates;
 mod starts;
