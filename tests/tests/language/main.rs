@@ -1,6 +1,7 @@
 //! What docs/LANGUAGE.md promises of runs, sentence by sentence.
 
 mod constraints;
+mod contacts;
 mod events;
 mod held_out;
 mod phases;
