@@ -1,9 +1,11 @@
 //! What docs/LANGUAGE.md promises of runs, sentence by sentence.
 
 mod constraints;
+mod contacts;
 mod events;
 mod held_out;
 mod phases;
+mod refusals;
 mod twins;
 mod whole_files;
 

@@ -187,3 +187,37 @@ scene: {start: {x: 0, theta: atan(2), x': -1, theta': 0}, until: 0.001, toleranc
         failure.cause
     );
 }
+
+/// E18: balls that touch are struck one after the other, in the order in which the impacts reach them: the last one leaves.
+#[test]
+fn e18_in_newtons_cradle_the_last_ball_leaves() {
+    for order in ["1..3", "3..1"] {
+        let hit = |i: u32| {
+            format!(
+                "  hit_{i}: {{when: \"x[{}] - x[{i}] - d\", direction: falling, then: {{impact: 1, along: \"gap[{i}]\"}}}}\n",
+                i + 1
+            )
+        };
+        let hits: Vec<String> =
+            if order == "1..3" { (1..=3).map(hit).collect() } else { (1..=3).rev().map(hit).collect() };
+        let cradle = format!(
+            "name: Cradle
+parameters: {{m: 1 kg, d: 0.125 m}}
+coordinates: {{\"x[i in 1..4]\": m}}
+bodies: {{\"ball[i in 1..4]\": {{mass: m, position: \"[x[i], 0]\"}}}}
+constraints: {{\"gap[i in 1..3]\": \"x[i+1] - x[i] - d\"}}
+phases: {{free: []}}
+events:
+{}scene: {{start: {{\"x[i in 1..4]\": [\"-1\", 0, d, 2*d], \"x[1]'\": 1}}, until: 2, tolerance: 1e-12}}
+",
+            hits.concat()
+        );
+        let run = Case::written(&cradle).run();
+        let names: Vec<&str> = run.events.iter().map(|event| event.name.as_str()).collect();
+        assert_eq!(names, ["hit_1", "hit_2", "hit_3"], "{order}");
+        let last = run.last();
+        for (name, speed) in [("x[1]'", 0.0), ("x[2]'", 0.0), ("x[3]'", 0.0), ("x[4]'", 1.0)] {
+            near(last[name], speed, 1e-12);
+        }
+    }
+}

@@ -3,6 +3,7 @@
 mod contact;
 mod four_ways;
 mod linkages;
+mod rank;
 mod rods;
 mod skates;
 mod small;
