@@ -64,7 +64,7 @@ fn watched() -> Toy {
         conditional: false,
         phases: None,
         actions: (&[Action::Record]).into(),
-        rated: false,
+        rated: dalembert::mechanism::Rated::Unknown,
     };
     let switch = Switch { text: "x - 5".into(), kind: SwitchKind::Step, time_only: false, of_input: false };
     let mut toy = Toy::new(&["x"], (&[1.0], &[0.0]), 1.0, |_, q, v, _, a| a[0] = -q[0] - 1e-3 * v[0])

@@ -2,7 +2,7 @@
 
 use super::certify::Sample;
 use crate::integrate::Segment;
-use crate::mechanism::{At, System};
+use crate::mechanism::{At, Rated, System};
 
 /// Evaluates the watched functions: the events' first, then the switches' arguments.
 #[derive(Clone, Debug)]
@@ -10,8 +10,8 @@ pub(crate) struct Sampler {
     n: usize,
     events: usize,
     switches: usize,
-    /// Which events' rates are known; the others' are differences.
-    rated: Vec<bool>,
+    /// What is known of events' rates; where it is nothing they are differences.
+    rated: Vec<Rated>,
     y: Vec<f64>,
     dy: Vec<f64>,
     a: Vec<f64>,
@@ -73,7 +73,7 @@ impl Sampler {
     ) -> f64 {
         self.at_state(system, t, y);
         let (before, ahead) = (self.value(event), AHEAD * step);
-        if struck && self.rated[event] && (self.rates[event] * step).abs() > STILL * largest {
+        if struck && self.rated[event] == Rated::Whole && (self.rates[event] * step).abs() > STILL * largest {
             // What was struck leaves as its rate says, however low it hops.
             return self.rates[event].signum();
         }
@@ -172,7 +172,14 @@ impl Sampler {
         function: usize,
         theta: f64,
     ) -> (f64, f64) {
-        if self.rated.get(function) == Some(&false) {
+        let rated = self.rated.get(function).copied().unwrap_or(Rated::Whole);
+        if rated == Rated::Held {
+            self.along(system, segment, theta);
+            if let Some(rate) = self.rate_of_solved(system, segment.t + theta * segment.h, function, segment.h) {
+                return (self.value(function), segment.h * rate);
+            }
+        }
+        if rated != Rated::Whole {
             self.along(system, segment, theta + DIFFERENCE);
             let after = self.value(function);
             self.along(system, segment, theta - DIFFERENCE);
@@ -219,7 +226,7 @@ impl Sampler {
         samples: &mut Vec<Sample>,
     ) {
         samples.clear();
-        if self.rated.contains(&false) {
+        if self.rated.iter().any(|rated| *rated != Rated::Whole) {
             for function in 0..self.len() {
                 let (value, slope) = self.sample(system, segment, function, theta);
                 samples.push(Sample { x: theta, value, slope });
@@ -230,6 +237,32 @@ impl Sampler {
         for function in 0..self.len() {
             samples.push(Sample { x: theta, value: self.value(function), slope: self.slope(function, segment.h) });
         }
+    }
+
+    /// The rate of an event's function, 1/s, at the state that was evaluated last; what accelerations and multipliers
+    /// have in it by a difference along their own rates, exact where it is linear in them.
+    fn rate_of_solved<S: System + ?Sized>(&mut self, system: &S, t: f64, event: usize, step: f64) -> Option<f64> {
+        let (n, rows) = (self.n, system.description().rows.len());
+        let [mut a, mut jerk] = [vec![0.0; n], vec![0.0; n]];
+        let [mut lambda, mut change] = [vec![0.0; rows], vec![0.0; rows]];
+        let at = At::packed(t, &self.y, n);
+        system.motion(at, &mut a, &mut lambda).ok()?;
+        if !system.motion_rates(at.accelerated(&a).constrained(&lambda), &mut jerk, &mut change) {
+            return None;
+        }
+        let mut pairs = vec![0.0; 2 * self.events];
+        let ahead = AHEAD * step;
+        let mut moved = |part: f64| {
+            let a: Vec<f64> = a.iter().zip(&jerk).map(|(a, rate)| a + part * rate).collect();
+            let lambda: Vec<f64> = lambda.iter().zip(&change).map(|(x, rate)| x + part * rate).collect();
+            system.events(at.accelerated(&a).constrained(&lambda), &mut pairs);
+            pairs[2 * event]
+        };
+        let solved = (moved(ahead) - moved(-ahead)) / (2.0 * ahead);
+        let mut held = vec![0.0; self.events];
+        system.event_rates(at.accelerated(&a).constrained(&lambda), &mut held);
+        let rate = held[event] + solved;
+        rate.is_finite().then_some(rate)
     }
 
     fn slope(&self, function: usize, h: f64) -> f64 {

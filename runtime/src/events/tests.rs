@@ -15,7 +15,14 @@ fn run(mut toy: Toy, change: impl FnOnce(&mut Settings)) -> Result<Run, Error> {
 }
 
 fn event(name: &'static str, direction: Direction, actions: &'static [Action]) -> Event {
-    Event { name: name.into(), direction, conditional: false, phases: None, actions: actions.into(), rated: false }
+    Event {
+        name: name.into(),
+        direction,
+        conditional: false,
+        phases: None,
+        actions: actions.into(),
+        rated: crate::mechanism::Rated::Unknown,
+    }
 }
 
 fn switch(text: &'static str, kind: SwitchKind, time_only: bool) -> Switch {

@@ -149,8 +149,20 @@ pub struct Event {
     pub phases: Option<List<u32>>,
     /// What happens, in order.
     pub actions: List<Action>,
-    /// True where `System::event_rates` knows the rate of its function, which contains no acceleration then.
-    pub rated: bool,
+    /// What `System::event_rates` knows of the rate of its function.
+    pub rated: Rated,
+}
+
+/// What is known of the rate of an event's function.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Rated {
+    /// All of it.
+    Whole,
+    /// Its part with accelerations and multipliers held; `System::motion_rates` gives what is missing.
+    Held,
+    /// Nothing.
+    #[default]
+    Unknown,
 }
 
 /// Which crossings of zero count.

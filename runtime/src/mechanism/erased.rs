@@ -119,6 +119,10 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
         if self.derivation.is_some() || self.active_rows().is_empty() { self.accelerations(at, a) } else { Ok(()) }
     }
 
+    fn motion_rates(&self, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> bool {
+        self.derivation.is_none() && self.phased.rates(self, at, a, lambda)
+    }
+
     fn constraints(&self, at: At<'_>, triples: &mut [f64]) {
         let u = self.input_block(at.t);
         M::constraints(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), triples);

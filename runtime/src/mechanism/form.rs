@@ -162,12 +162,44 @@ impl Form {
         lambda: &mut [f64],
     ) -> Result<(), Singular> {
         self.factor(system, at)?;
-        let (n, m) = (self.n, self.active.len());
-        let friction = &system.description().friction_pattern;
         system.bias(at, &mut self.h);
         a.iter_mut().zip(&self.h).for_each(|(a, h)| *a = -h);
         self.load_gamma(system, at, alpha, lambda);
-        let rubs = m > 0 && !friction.is_empty();
+        self.solve_motion(system, at, a, lambda)
+    }
+
+    /// The rates of accelerations and multipliers, at a state with its own.
+    ///
+    /// # Errors
+    /// As [`Form::motion`].
+    pub fn rates<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        at: At<'_>,
+        a: &mut [f64],
+        lambda: &mut [f64],
+    ) -> Result<(), Singular> {
+        self.factor(system, at)?;
+        let n = self.n;
+        let mut held = vec![0.0; n + system.description().rows.len()];
+        system.held_rates(at, &mut held);
+        a.iter_mut().zip(&held).for_each(|(a, rate)| *a = -rate);
+        for (gamma, row) in self.gamma.iter_mut().zip(&self.active) {
+            *gamma = held[n + row];
+        }
+        self.solve_motion(system, at, a, lambda)
+    }
+
+    /// M a − (Jᵀ + B) λ = f, which is in `a`, and J a = −γ.
+    fn solve_motion<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        at: At<'_>,
+        a: &mut [f64],
+        lambda: &mut [f64],
+    ) -> Result<(), Singular> {
+        let (n, m) = (self.n, self.active.len());
+        let rubs = m > 0 && !system.description().friction_pattern.is_empty();
         if rubs {
             self.load_friction(system, at, a);
         }

@@ -2,7 +2,7 @@
 
 use dalembert_symbolic::derive::SwitchKind as SymbolicSwitchKind;
 use dalembert_symbolic::interpret::{self, Function, Interpreter};
-use dalembert_symbolic::lower::{self, Entry, MomentumSystem, Program};
+use dalembert_symbolic::lower::{self, Entry, MomentumSystem, Program, Rate};
 use dalembert_symbolic::model::{EventAction, Shape as SymbolicShape};
 use dalembert_symbolic::print;
 
@@ -10,7 +10,7 @@ use super::balances::{belongs, put_reactions};
 use super::phased::{Phased, RowHistory, indicate, sprung};
 use super::{
     Action, Argument, At, Balance, BalanceSystem, Balances, Coordinate, Counts, Description, Direction, Energy,
-    Enforcement, Event, InputJump, List, Parameter, Phase, Quantity, Role, Row, Scene, Shape, Signal, Singular,
+    Enforcement, Event, InputJump, List, Parameter, Phase, Quantity, Rated, Role, Row, Scene, Shape, Signal, Singular,
     SingularMass, Structure, Switch, SwitchKind, System, Text, Watched,
 };
 
@@ -107,6 +107,10 @@ impl System for Interpreted {
         }
         // A system of balances gives its own accelerations, and leaves multipliers to the constraints.
         if self.derivation.is_some() || self.active_rows().is_empty() { self.accelerations(at, a) } else { Ok(()) }
+    }
+
+    fn motion_rates(&self, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> bool {
+        self.derivation.is_none() && self.phased.rates(self, at, a, lambda)
     }
 
     fn constraints(&self, at: At<'_>, triples: &mut [f64]) {
@@ -429,7 +433,11 @@ fn describe(program: &Program, source: &str) -> Description {
                         }
                     })
                     .collect(),
-                rated: rate.is_some(),
+                rated: match rate {
+                    Rate::Whole(_) => Rated::Whole,
+                    Rate::Held(_) => Rated::Held,
+                    Rate::Unknown => Rated::Unknown,
+                },
             })
             .collect(),
         switches: program

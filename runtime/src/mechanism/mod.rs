@@ -21,7 +21,7 @@ pub use at::At;
 pub use balances::Balances;
 pub use description::{
     Action, Argument, Balance, BalanceSystem, Coordinate, Counts, Description, Direction, Event, InputJump, List,
-    Parameter, Phase, Quantity, Role, Row, Shape, Structure, Switch, SwitchKind, Text, Watched,
+    Parameter, Phase, Quantity, Rated, Role, Row, Shape, Structure, Switch, SwitchKind, Text, Watched,
 };
 pub use enforcement::{Drift, Enforcement};
 pub use erased::Erased;

@@ -44,6 +44,14 @@ impl Clone for Phased {
 }
 
 impl Phased {
+    /// The rates of accelerations and multipliers; false where they are not known.
+    pub fn rates<S: System + ?Sized>(&self, system: &S, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> bool {
+        if self.enforcement != Enforcement::Multipliers || self.alpha > 0.0 || system.active_rows().is_empty() {
+            return false;
+        }
+        self.form.lock().unwrap_or_else(PoisonError::into_inner).rates(system, at, a, lambda).is_ok()
+    }
+
     /// Accelerations and multipliers; where rows depend on each other the least multipliers.
     pub fn reactions<S: System + ?Sized>(
         &self,

@@ -37,6 +37,14 @@ pub trait System: Send + Sync {
         self.accelerations(at, a)
     }
 
+    /// The rates of the accelerations and of all multipliers at a state with its own a and λ, by differentiating the
+    /// system that they solve: M ȧ − (Jᵀ + B) λ̇ = −∂F/∂t − …, J ȧ = −…, with a and λ held on the right.  False where they are not
+    /// known.
+    fn motion_rates(&self, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> bool {
+        let _ = (at, a, lambda);
+        false
+    }
+
     /// Triples (c, c', Σ |terms| of c) for each row of the constraints, whether it is active or not.
     fn constraints(&self, at: At<'_>, triples: &mut [f64]) {
         let _ = (at, triples);
@@ -179,7 +187,7 @@ pub trait System: Send + Sync {
         let _ = (at, pairs);
     }
 
-    /// Total time derivative of each event's function, where `description().events` says that it is rated.
+    /// Total time derivative of each event's function, as far as `description().events` says that it is known.
     fn event_rates(&self, at: At<'_>, rates: &mut [f64]) {
         let _ = (at, rates);
     }

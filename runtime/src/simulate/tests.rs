@@ -278,7 +278,7 @@ fn a_thermostat_by_hand_sees_its_events() {
             conditional: false,
             phases: None,
             actions: (&[crate::mechanism::Action::Stop]).into(),
-            rated: false,
+            rated: crate::mechanism::Rated::Unknown,
         },
         |_, q, _, _, pairs| pairs.copy_from_slice(&[q[0], 1.0]),
     );

@@ -109,7 +109,7 @@ impl Interpreter {
         set(Function::ConstraintTilt, &entries(&constraints.tilt));
         set(Function::HeldRates, &constraints.held_rates);
         set(Function::Also, &program.also());
-        let rates: Vec<Id> = program.event_rates.iter().map(|rate| rate.unwrap_or(Id::ZERO)).collect();
+        let rates: Vec<Id> = program.event_rates.iter().map(|rate| rate.value()).collect();
         set(Function::EventRates, &rates);
         let pairs: Vec<Id> = program.arguments.iter().flat_map(|a| [a.value, a.rate]).collect();
         set(Function::Arguments, &pairs);

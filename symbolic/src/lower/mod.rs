@@ -11,7 +11,7 @@ mod momentum;
 mod structure;
 mod time;
 
-use crate::derive::{Derivation, Switch, rates};
+use crate::derive::{Derivation, Switch, held_rates, rates};
 use crate::diagnose::Problem;
 use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary, jacobian, reverse};
 use crate::gate::{Judged, Report};
@@ -72,8 +72,8 @@ pub struct Program {
     pub outputs: Vec<Id>,
     /// Pairs (value, condition).
     pub events: Vec<Id>,
-    /// Total time derivatives of the events' functions; `None` where accelerations stand in it.
-    pub event_rates: Vec<Option<Id>>,
+    /// Total time derivatives of the events' functions.
+    pub event_rates: Vec<Rate>,
     /// Arguments inside events, switches and the equations of motion.
     pub arguments: Vec<Argument>,
     /// Pairs (argument, rate).
@@ -99,6 +99,27 @@ pub enum InputJump {
     Speed,
     /// It would need an infinite force, or what it does depends on how it jumps.
     Refused,
+}
+
+/// The total time derivative of an event's function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rate {
+    /// All of it.
+    Whole(Id),
+    /// Its part with accelerations and multipliers held.
+    Held(Id),
+    /// Not known: second derivatives of inputs, or accelerations where there are no constraints.
+    Unknown,
+}
+
+impl Rate {
+    /// What is generated for it.
+    pub fn value(self) -> Id {
+        match self {
+            Rate::Whole(id) | Rate::Held(id) => id,
+            Rate::Unknown => Id::ZERO,
+        }
+    }
 }
 
 /// Operations of the generated functions; what depends on parameters only is computed once and not counted.
@@ -142,7 +163,7 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let graph = &mut model.graph;
 
     let mut chosen = candidates::choose(graph, &equations);
-    let constraints = constraints::lowered(graph, n, rows, &mut chosen);
+    let mut constraints = constraints::lowered(graph, n, rows, &mut chosen);
     gather_entries(graph, &mut chosen.mass);
     chosen.bias = gather::gather(graph, &chosen.bias);
     chosen.residual = gather::gather(graph, &chosen.residual);
@@ -164,7 +185,11 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let switch_pairs = arguments.iter().zip(&switch_rates).flat_map(|(a, r)| [*a, *r]).collect();
     let events = model.events.iter().flat_map(|e| [e.when, e.condition.unwrap_or(Id::ONE)]).collect();
     let functions: Vec<Id> = model.events.iter().map(|e| e.when).collect();
-    let event_rates = functions.iter().map(|g| known_rate(graph, *g)).collect();
+    let differentiable = !constraints.is_empty() && !graph.symbols(chosen.residual.iter().copied()).iter().any(sharp);
+    let event_rates: Vec<Rate> = functions.iter().map(|g| rate_of(graph, *g, differentiable)).collect();
+    if !event_rates.iter().any(|rate| matches!(rate, Rate::Held(_))) {
+        constraints.held_rates.clear();
+    }
     let motion: Vec<Id> = chosen.residual.iter().copied().chain(signals.iter().map(|u| u[0])).collect();
     let loads: Vec<(String, Vec<Id>)> =
         model.loads.iter().map(|load| (load.name.clone(), load.expressions())).collect();
@@ -261,15 +286,24 @@ impl Program {
     }
 }
 
-/// The total time derivative, unless that of an acceleration, a reaction or an input's second derivative is in it.
-fn known_rate(graph: &mut Graph, value: Id) -> Option<Id> {
-    let unknown = |s: &Symbol| {
-        matches!(s, Symbol::Acceleration(_) | Symbol::Reaction(_) | Symbol::Multiplier(_) | Symbol::Input(_, 2..))
-    };
-    if graph.symbols([value]).iter().any(unknown) {
-        return None;
+/// The total time derivative; with what the constraints determine held where the equations of motion can be differentiated.
+fn rate_of(graph: &mut Graph, value: Id, differentiable: bool) -> Rate {
+    let symbols = graph.symbols([value]);
+    let solved = |s: &Symbol| matches!(s, Symbol::Acceleration(_) | Symbol::Multiplier(_));
+    if symbols.iter().any(|s| sharp(s) || matches!(s, Symbol::Reaction(_))) {
+        Rate::Unknown
+    } else if !symbols.iter().any(solved) {
+        Rate::Whole(rates(graph, &[value])[0])
+    } else if differentiable {
+        Rate::Held(held_rates(graph, &[value])[0])
+    } else {
+        Rate::Unknown
     }
-    Some(rates(graph, &[value])[0])
+}
+
+/// Inputs whose rate is not there.
+fn sharp(s: &Symbol) -> bool {
+    matches!(s, Symbol::Input(_, 2..))
 }
 
 /// What a jump of an input does to the residual F(…, u, u', u'').

@@ -6,7 +6,7 @@ use super::body::float;
 use super::{si_unit, words};
 use crate::derive::{Switch, SwitchKind, without_modes};
 use crate::expr::{Id, Symbol};
-use crate::lower::{Argument, Entry, Program, Role, Watched};
+use crate::lower::{Argument, Entry, Program, Rate, Role, Watched};
 use crate::model::{EventAction, Phase, Shape, text_in};
 
 /// `static DESCRIPTION: … = …;`
@@ -107,7 +107,11 @@ pub(super) fn description(program: &Program, source: &str) -> String {
                 "mechanism::Event {{ name: {}, direction: mechanism::Direction::{direction}, conditional: {}, phases: {phases}, actions: {actions}, rated: {} }}",
                 string(&e.name),
                 e.condition.is_some(),
-                rate.is_some()
+                match rate {
+                    Rate::Whole(_) => "mechanism::Rated::Whole",
+                    Rate::Held(_) => "mechanism::Rated::Held",
+                    Rate::Unknown => "mechanism::Rated::Unknown",
+                }
             )
         })),
     );

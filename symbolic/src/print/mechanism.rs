@@ -119,7 +119,7 @@ impl Mechanism<'_> {
             uses: stores("out", list),
             ..Function::default()
         };
-        let rates: Vec<Id> = program.event_rates.iter().map(|rate| rate.unwrap_or(Id::ZERO)).collect();
+        let rates: Vec<Id> = program.event_rates.iter().map(|rate| rate.value()).collect();
         let arguments: Vec<Id> = program.arguments.iter().flat_map(|a| [a.value, a.rate]).collect();
         let (dq, dv) = (values(&program.stiffness), values(&program.damping));
         let constraints = &program.constraints;

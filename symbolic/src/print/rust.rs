@@ -92,7 +92,7 @@ impl Program {
         roots.extend(self.energy);
         roots.extend(self.also());
         roots.extend(self.signals.iter().flatten());
-        roots.extend(self.event_rates.iter().flatten());
+        roots.extend(self.event_rates.iter().map(|rate| rate.value()));
         roots.extend(self.arguments.iter().flat_map(|a| [a.value, a.rate]));
         for system in &self.momentum {
             roots.extend(system.matrix.iter().map(|e| e.2).chain(system.right.iter().copied()));

@@ -1,5 +1,6 @@
 //! Phases, events, impacts, friction.
 
+use dalembert::mechanism::At;
 use dalembert::{Cause, Error, Run, Warning};
 use dalembert_tests::case::Case;
 use dalembert_tests::reference::Reference;
@@ -218,6 +219,43 @@ events:
         let last = run.last();
         for (name, speed) in [("x[1]'", 0.0), ("x[2]'", 0.0), ("x[3]'", 0.0), ("x[4]'", 1.0)] {
             near(last[name], speed, 1e-12);
+        }
+    }
+}
+
+/// The rates of accelerations and reactions, by differentiating what they solve, against differences along the motion;
+/// friction included.
+#[test]
+fn reactions_change_at_the_rate_that_the_equations_say() {
+    for (name, scene, phase) in
+        [("eccentric_cylinder", "real", 2), ("eccentric_cylinder", "scene", 0), ("four_bar", "scene", 0)]
+    {
+        let case = Case::new(name).scene(scene);
+        let mut system = case.system;
+        system.set_phase(phase);
+        let (n, rows) = (system.len(), system.description().rows.len());
+        let system = &*system;
+        let run = Case::new(name).scene(scene).until(0.3).run();
+        let state = run.last();
+        let motion = |t: f64, q: &[f64], v: &[f64]| {
+            let (mut a, mut lambda) = (vec![0.0; n], vec![0.0; rows]);
+            system.motion(At::new(t, q, v), &mut a, &mut lambda).expect("a motion");
+            [a, lambda].concat()
+        };
+        let here = motion(state.t, &state.q, &state.v);
+        let at = At::new(state.t, &state.q, &state.v).accelerated(&here[..n]).constrained(&here[n..]);
+        let (mut jerk, mut change) = (vec![0.0; n], vec![0.0; rows]);
+        assert!(system.motion_rates(at, &mut jerk, &mut change));
+        let h = 1e-5;
+        let beside = |h: f64| {
+            let q: Vec<f64> = (0..n).map(|i| state.q[i] + h * (state.v[i] + h / 2.0 * here[i])).collect();
+            let v: Vec<f64> = (0..n).map(|i| state.v[i] + h * (here[i] + h / 2.0 * jerk[i])).collect();
+            motion(state.t + h, &q, &v)
+        };
+        let (after, before) = (beside(h), beside(-h));
+        for (k, rate) in jerk.iter().chain(&change).enumerate() {
+            let difference = (after[k] - before[k]) / (2.0 * h);
+            near(*rate, difference, 1e-6 * (1.0 + difference.abs()));
         }
     }
 }
