@@ -46,7 +46,10 @@ impl Clone for Phased {
 impl Phased {
     /// The rates of accelerations and multipliers; false where they are not known.
     pub fn rates<S: System + ?Sized>(&self, system: &S, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> bool {
-        if self.enforcement != Enforcement::Multipliers || self.alpha > 0.0 || system.active_rows().is_empty() {
+        // What they need is generated where an event asks for it.
+        let generated = system.description().events.iter().any(|event| event.rated == super::Rated::Held);
+        let usual = self.enforcement == Enforcement::Multipliers && self.alpha == 0.0;
+        if !generated || !usual || system.active_rows().is_empty() {
             return false;
         }
         self.form.lock().unwrap_or_else(PoisonError::into_inner).rates(system, at, a, lambda).is_ok()
