@@ -80,18 +80,30 @@ fn files_cut_short_or_with_a_character_changed() {
 /// A model in which every section stands once.
 const WHOLE: &str = include_str!("../../fuzz/corpus/derive/whole.yaml");
 
+/// Constraints, phases, events, impacts, reactions and balances, in every form.
+const CONTACT: &str = include_str!("../../fuzz/corpus/derive/contact.yaml");
+
 #[test]
-fn the_whole_model_is_valid() {
-    let derivation = load(WHOLE, &[]).and_then(judged);
-    if let Err(problems) = derivation {
-        panic!("{}", render("whole.yaml", WHOLE, &problems));
+fn whole_models_are_valid() {
+    for path in files("fuzz/corpus/derive") {
+        let text = fs::read_to_string(&path).unwrap();
+        if let Err(problems) = load(&text, &[]).and_then(judged) {
+            panic!("{}", render(&path.to_string_lossy(), &text, &problems));
+        }
     }
 }
 
 #[test]
 fn a_model_with_a_word_taken_away_or_doubled_or_swapped() {
-    let words: Vec<&str> = WHOLE.split_inclusive(|c: char| !c.is_alphanumeric()).collect();
-    for at in (0..words.len()).step_by(3) {
+    for (text, step) in [(WHOLE, 3), (CONTACT, 5)] {
+        mutated(text, step);
+    }
+}
+
+/// Takes away, doubles and swaps every so many words.
+fn mutated(text: &str, step: usize) {
+    let words: Vec<&str> = text.split_inclusive(|c: char| !c.is_alphanumeric()).collect();
+    for at in (0..words.len()).step_by(step) {
         let (before, after) = (words[..at].concat(), words[at + 1..].concat());
         let other = words[(at * 7 + 3) % words.len()];
         for replacement in ["", &words[at].repeat(2), other] {

@@ -166,6 +166,7 @@ impl Constraints {
         let weights = self.weights(|s| state.value(s).to_f64());
         let lines = weighted(self.lines(state, active), &free(&weights, held));
         let mut sizes = vec![0.0_f64; self.holonomic.len()];
+        let fastest = state.v.iter().fold(0.0_f64, |most, v| most.max(v.to_f64().abs()));
         for _ in 0..8 {
             let rates = self.rates.measured(|s| state.value(s));
             let off: Vec<&Measured> = active.iter().map(|k| &rates[*k]).collect();
@@ -174,6 +175,12 @@ impl Constraints {
             }
             active.iter().zip(&off).for_each(|(k, c)| sizes[*k] = sizes[*k].max(c.magnitude));
             if active.iter().zip(&off).all(|(k, c)| c.value.abs().to_f64() <= HOLDS * sizes[*k]) {
+                // What the constraints leave no speed is at rest, and not at a rounding of what it had.
+                state
+                    .v
+                    .iter_mut()
+                    .filter(|v| v.abs().to_f64() <= HOLDS * fastest)
+                    .for_each(|v| *v = DoubleDouble::ZERO);
                 return true;
             }
             let right: Vec<f64> = off.iter().map(|c| -c.value.to_f64()).collect();

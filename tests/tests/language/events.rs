@@ -246,6 +246,23 @@ scene: {start: {x: 0, y: 0, x': 3, y': 4}, until: 1.5, tolerance: 1e-12}",
     }
 }
 
+#[test]
+fn a_coefficient_of_restitution_outside_of_0_to_1_is_an_error_of_the_run() {
+    let ball = |e: f64| {
+        bead(
+            "constraints: {wall: x - 1}
+phases: {free: []}
+events: {hit: {when: x - 1, phase: free, then: {impact: e, along: wall}}}
+scene: {start: {x: 0, x': 1}, until: 2}",
+        )
+        .set("e", e)
+        .try_run()
+    };
+    near(ball(1.0).expect("a motion").last()["x'"], -1.0, 1e-12);
+    let Err(Error::Run(failure)) = ball(1.25) else { panic!("a motion") };
+    assert_eq!(failure.cause, Cause::BadRestitution { value: 1.25 });
+}
+
 const BALL: &str = "gravity: [0, -g]
 constraints: {floor: y, rail: x, slant: x - y}
 events: {hit: {when: y, direction: falling, phase: [flight, guided], then: {impact: e, along: floor}}}

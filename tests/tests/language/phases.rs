@@ -188,3 +188,46 @@ fn a_cycle_of_firings_at_one_instant_is_chattering() {
     let run = runner(&format!("{phases}{}{GOES}", back.replace("1/2", "3/2").replace("then: a", "then: stop"))).run();
     assert_eq!(names(&run), ["go", "back"]);
 }
+
+/// A block that slides to rest, with a system of balances for each of its phases.
+const BLOCK: &str = "
+name: Block
+parameters: {m: 1 kg, g: 10 m/s^2, mu: 0.3 1, F: 1 N, v: 2 m/s}
+coordinates: {x: m, y: m}
+bodies: {block: {mass: m, position: \"[x, y]\"}}
+gravity: [0, -g]
+constraints: {floor: y, grip: x'}
+phases: {slip: [floor], stick: [floor, grip]}
+forces:
+  rub: {on: block, force: \"[-mu*reaction(floor), 0]\", phase: slip}
+  pull: {on: block, force: \"[F, 0]\"}
+events: {stops: {phase: slip, when: x', direction: falling, then: stick}}
+balances:
+  sliding:
+    equations:
+      - force: {of: [block]}
+      - equation: normal = reaction(floor)
+    reactions: {normal: {on: block, along: \"[0, 1]\"}}
+  both:
+    phase: [stick]
+    equations: [force: {of: [block]}]
+    reactions: {hold: {on: block, along: \"[1, 0]\"}, normal: {on: block, along: \"[0, 1]\"}}
+outputs: {normal: normal, hold: hold, grip: reaction(grip)}
+scene: {start: {x: 0, x': v}, until: 2, every: 0.25}
+";
+
+#[test]
+fn balances_belong_to_the_initial_phase_or_to_those_they_name() {
+    let run = Case::written(BLOCK).run();
+    let at = |t: f64| run.states().find(|state| state.t == t).expect("a report");
+    near(at(0.5)["normal"], 10.0, 1e-12);
+    near(at(1.5)["hold"], -1.0, 1e-12);
+    near(at(1.5)["grip"], -1.0, 1e-12);
+    assert_eq!(at(0.5)["grip"], 0.0);
+    for (system, phase, t) in [("sliding", "stick", 1.0), ("both", "slip", 0.0)] {
+        let Err(Error::Run(failure)) = Case::written(BLOCK).by(system).try_run() else { panic!("a motion") };
+        let Cause::NoBalances { phase: found, .. } = failure.cause else { panic!("{}", failure.cause) };
+        assert_eq!(found, phase);
+        near(failure.run.last().t, t, 1e-12);
+    }
+}

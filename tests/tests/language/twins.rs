@@ -1,4 +1,5 @@
-//! Random chains, trees and loops of rods in Cartesian coordinates against twins in as few angles as they have freedoms.
+//! Random chains, trees and loops of rods or bars in Cartesian coordinates against twins in as few angles as they have
+//! freedoms.
 
 use std::fmt::Write;
 
@@ -192,4 +193,114 @@ fn chains_trees_and_loops_of_rods_move_as_their_twins_by_angles() {
         }
     }
     assert!(loops >= 4, "only {loops} loops were followed");
+}
+
+/// Bars in the place of rods, without a joint: what both files say of their bodies is where their middles `C` are.
+fn bars(drawn: &Drawn, name: &str, coordinates: &[String], points: &str, more: &str, start: &[String]) -> String {
+    let bodies = (1..=drawn.nodes.len())
+        .map(|k| format!("b{k}: {{mass: m{k}, inertia: m{k}*l{k}^2/12, angle: a{k}, position: C{k}}}"));
+    let [from, to] = drawn.spring;
+    let outputs: Vec<String> = (1..=drawn.nodes.len()).map(|k| format!("a{k}: a{k}, b{k}: position(b{k})")).collect();
+    format!(
+        "name: {name}
+{}coordinates: {{{}}}
+points:
+  p0: \"[A*(1 - cos(w*t)), 0]\"
+{points}bodies: {{{}}}
+gravity: [0, -g]
+springs: {{s: {{between: [p{from}, p{to}], stiffness: k, rest: 0.3 m}}}}
+dampers: {{d: {{between: [ground, b{to}], damping: c}}}}
+forces: {{push: {{on: b1, at: p1, force: \"F*[sin(w*t), cos(w*t)]\"}}}}
+{more}outputs: {{{}}}
+scene: {{start: {{{}}}, until: 2, tolerance: 1e-10}}
+",
+        parameters(drawn),
+        coordinates.join(", "),
+        bodies.collect::<Vec<_>>().join(", "),
+        outputs.join(", "),
+        start.join(", "),
+    )
+}
+
+/// Three coordinates for every bar, and pins.
+fn bars_by_pins(drawn: &Drawn) -> String {
+    let places = places(&drawn.nodes);
+    let (mut coordinates, mut points, mut pins, mut start) = (Vec::new(), String::new(), Vec::new(), Vec::new());
+    for (k, node) in drawn.nodes.iter().enumerate() {
+        let (k, parent) = (k + 1, node.parent);
+        let [([x, y], [vx, vy]), ([px, py], [pvx, pvy])] = [places[k], places[parent]];
+        coordinates.push(format!("x{k}: m, y{k}: m, a{k}: rad"));
+        writeln!(points, "  C{k}: \"[x{k}, y{k}]\"\n  p{k}: \"C{k} - l{k}/2*b{k}.y\"").expect("text");
+        pins.push(format!("pin{k}: C{k} + l{k}/2*b{k}.y = p{parent}"));
+        start.push(format!(
+            "x{k}: {:e}, y{k}: {:e}, a{k}: {:e}, x{k}': {:e}, y{k}': {:e}, a{k}': {:e}",
+            (x + px) / 2.0,
+            (y + py) / 2.0,
+            node.angle,
+            (vx + pvx) / 2.0,
+            (vy + pvy) / 2.0,
+            node.rate
+        ));
+    }
+    let pins = format!("constraints: {{{}}}\n", pins.join(", "));
+    bars(drawn, "Bars", &coordinates, &points, &pins, &start)
+}
+
+fn bars_by_angles(drawn: &Drawn) -> String {
+    let (mut coordinates, mut points, mut start) = (Vec::new(), String::new(), Vec::new());
+    for (k, node) in drawn.nodes.iter().enumerate() {
+        let (k, parent) = (k + 1, node.parent);
+        coordinates.push(format!("a{k}: rad"));
+        writeln!(points, "  C{k}: \"p{parent} + l{k}/2*[sin(a{k}), -cos(a{k})]\"\n  p{k}: 2*C{k} - p{parent}")
+            .expect("text");
+        start.push(format!("a{k}: {:e}, a{k}': {:e}", node.angle, node.rate));
+    }
+    bars(drawn, "Twin", &coordinates, &points, "", &start)
+}
+
+#[test]
+fn chains_and_trees_of_pinned_bars_move_as_their_twins_by_angles() {
+    for run in 100..108 {
+        let drawn = Drawn { dyad: None, ..draw(run) };
+        let (angles, pins) = (bars_by_angles(&drawn), bars_by_pins(&drawn));
+        let (one, other) = (Case::written(&pins).run().last(), Case::written(&angles).run().last());
+        for k in 1..=drawn.nodes.len() {
+            for name in [format!("a{k}"), format!("b{k}.x"), format!("b{k}.y")] {
+                let error = (one[name.as_str()] - other[name.as_str()]).abs();
+                assert!(error < 1e-7, "run {run}, {name}: off by {error:e}\n{angles}\n{pins}");
+            }
+        }
+    }
+}
+
+/// Events of place and of tension, on projected steps and on plain ones.
+#[test]
+fn events_of_a_pendulum_by_its_rod_and_by_its_angle_happen_together() {
+    let by_rod = "
+name: Pc
+parameters: {m: 1, l: 1, g: 10}
+coordinates: {x: 1, y: 1}
+bodies: {bob: {mass: m, position: \"[x, y]\"}}
+gravity: [0, -g]
+constraints: {rod: x^2 + y^2 - l^2}
+events: {mid: {when: x, then: record}, high: {when: y + 1/2, then: record}, tens: {when: -2*l*reaction(rod) - 15, then: record}}
+scene: {start: {x: 0.9, y: -sqrt(0.19), x': 0}, until: 20, tolerance: 1e-12}
+";
+    let by_angle = "
+name: Pa
+parameters: {m: 1, l: 1, g: 10}
+coordinates: {a: 1}
+bodies: {bob: {mass: m, position: \"l*[sin(a), -cos(a)]\"}}
+gravity: [0, -g]
+events: {mid: {when: sin(a), then: record}, high: {when: 1/2 - cos(a), then: record}, tens: {when: m*l*a'^2 + m*g*cos(a) - 15, then: record}}
+scene: {start: {a: asin(0.9), a': 0}, until: 20, tolerance: 1e-12}
+";
+    let (rod, angle) = (Case::written(by_rod).run(), Case::written(by_angle).run());
+    assert_eq!(rod.events.len(), 93);
+    assert_eq!(angle.events.len(), 93);
+    for (one, other) in rod.events.iter().zip(&angle.events) {
+        assert_eq!(one.name, other.name);
+        let apart = (one.state.t - other.state.t).abs();
+        assert!(apart < 1e-10, "{} at {}: {apart:e}", one.name, one.state.t);
+    }
 }
