@@ -160,6 +160,9 @@ impl Search<'_> {
         for line in reach.lines(&self.argument.symbols).iter().take(6) {
             let at = |z: f64| self.argument.at(self.motion, &moved(self.motion, &state, line, DoubleDouble::from(z)));
             let samples: Vec<(f64, f64)> = grid(&state, line).into_iter().map(|z| (z, at(z))).collect();
+            if is_constant(&samples) {
+                continue;
+            }
             if let Some((z, _)) = least(&samples, &at) {
                 state = moved(self.motion, &state, line, DoubleDouble::from(z));
             }
@@ -172,6 +175,9 @@ impl Search<'_> {
 fn sampled(base: &State, line: &Line<'_>, at: &dyn Fn(f64) -> f64) -> Vec<(f64, f64)> {
     let mut samples: Vec<(f64, f64)> = grid(base, line).into_iter().map(|z| (z, at(z))).collect();
     samples.retain(|s| s.1.is_finite());
+    if is_constant(&samples) {
+        return samples;
+    }
     let more = match line {
         Line::Path(_) => least(&samples, at).into_iter().collect(),
         _ => extrema(&samples, at),
@@ -181,4 +187,11 @@ fn sampled(base: &State, line: &Line<'_>, at: &dyn Fn(f64) -> f64) -> Vec<(f64, 
         samples.insert(place, (z, value));
     }
     samples
+}
+
+/// Whether an argument does not change along a line, but for rounding: constraints keep many a length constant.
+fn is_constant(samples: &[(f64, f64)]) -> bool {
+    let values = || samples.iter().map(|s| s.1);
+    let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+    high - low <= 1e-12 * low.abs().max(high.abs())
 }
