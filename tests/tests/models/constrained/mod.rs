@@ -1,6 +1,7 @@
 //! Mechanisms with constraints, reactions, phases and impacts.
 
 mod contact;
+mod integrals;
 mod linkages;
 mod rods;
 mod skates;
