@@ -273,3 +273,27 @@ fn integrability_is_decided_at_the_files_parameters() {
     assert_eq!(found.rows[0].1, Nonholonomic);
     assert!(!found.particular && found.configuration == 4, "{found:?}");
 }
+
+/// A car with trailers: each more takes one more bracket.
+fn trailers(count: usize) -> Program {
+    let headings: Vec<String> = (0..count).map(|k| format!("h{k}")).collect();
+    let mut rows = vec!["a0: -sin(h0)*x' + cos(h0)*y'".to_owned()];
+    let (mut x, mut y) = ("x'".to_owned(), "y'".to_owned());
+    for k in 1..count {
+        x.push_str(&format!(" + sin(h{k})*h{k}'"));
+        y.push_str(&format!(" - cos(h{k})*h{k}'"));
+        rows.push(format!("a{k}: -sin(h{k})*({x}) + cos(h{k})*({y})"));
+    }
+    program(&format!("x y {}", headings.join(" ")), &format!("constraints:\n  {}", rows.join("\n  ")))
+}
+
+#[test]
+fn work_is_bounded_and_what_was_not_decided_is_said() {
+    for count in [2, 3, 4] {
+        let found = trailers(count).report.freedoms.remove(0);
+        assert_eq!((found.configuration, found.velocity, found.decided()), (count + 2, 2, true), "{found:?}");
+        assert!(found.rows.iter().all(|row| row.1 == Nonholonomic), "{found:?}");
+    }
+    let found = trailers(14).report.freedoms.remove(0);
+    assert!(!found.decided() && found.velocity == 2 && (2..=16).contains(&found.configuration), "{found:?}");
+}

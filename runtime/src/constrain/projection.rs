@@ -13,6 +13,8 @@ pub(crate) struct Projection {
     corrects: bool,
     /// (c, c', Σ |terms| of c) of all rows.
     triples: Vec<f64>,
+    /// The values at which integrals of velocity constraints are held, row by row.
+    levels: Vec<Option<f64>>,
     delta: Vec<f64>,
     right: Vec<f64>,
     norms: Vec<f64>,
@@ -27,7 +29,7 @@ pub(crate) struct Projection {
 /// How far a motion is from its constraints, in their own units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Residuals {
-    /// The largest |c| of a holonomic constraint.
+    /// The largest |c| of a holonomic constraint, or change of an integral that is held.
     pub position: f64,
     /// The largest |c'|, or |c| of a constraint that contains speeds.
     pub velocity: f64,
@@ -52,6 +54,7 @@ impl Projection {
             form: Form::default(),
             corrects: true,
             triples: vec![0.0; 3 * rows],
+            levels: vec![None; rows],
             delta: vec![0.0; system.len()],
             right: Vec::with_capacity(rows),
             norms: vec![0.0; rows],
@@ -95,10 +98,7 @@ impl Projection {
                 self.form.factor(system, At::place(t, &y[..n]))?;
             }
             before = distance;
-            self.solve(|projection, row| match system.description().rows[row].holonomic {
-                true => -projection.triples[3 * row],
-                false => 0.0,
-            });
+            self.solve(|projection, row| -projection.off(system, row).unwrap_or(0.0));
             y.iter_mut().zip(&self.delta).for_each(|(q, delta)| *q += delta);
         }
         self.project_speeds(system, t, y)?;
@@ -121,6 +121,33 @@ impl Projection {
         system.constraints(At::packed(t, y, n), &mut self.triples);
         self.note(system);
         Ok(())
+    }
+
+    /// Holds no integrals any more: the state is not what it was.
+    pub fn release(&mut self) {
+        self.levels.fill(None);
+    }
+
+    /// From here on integrals of velocity constraints that act have the values that they have at this state.
+    pub fn hold<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
+        let rows = &system.description().rows;
+        if !rows.iter().any(|row| row.integral) {
+            return;
+        }
+        self.observe(system, t, y);
+        self.levels.fill(None);
+        for row in system.active_rows().iter().map(|row| *row as usize).filter(|row| rows[*row].integral) {
+            self.levels[row] = Some(self.triples[3 * row]);
+        }
+    }
+
+    /// How far the positions that were observed last are from a row; none of one that holds none.
+    fn off<S: System + ?Sized>(&self, system: &S, row: usize) -> Option<f64> {
+        let c = self.triples[3 * row];
+        match system.description().rows[row].holonomic {
+            true => Some(c),
+            false => self.levels[row].map(|level| c - level),
+        }
     }
 
     /// Evaluates all rows at a state, and notes how large their terms are.
@@ -204,10 +231,9 @@ impl Projection {
 
     /// The largest residual of a position in units of its rounding.
     fn distance<S: System + ?Sized>(&self, system: &S) -> f64 {
-        let rows = &system.description().rows;
-        let active = system.active_rows().iter().map(|row| *row as usize).filter(|row| rows[*row].holonomic);
+        let active = system.active_rows().iter().map(|row| *row as usize);
         let share = |row: usize| {
-            let (c, scale) = (self.triples[3 * row].abs(), self.scales[row]);
+            let (c, scale) = (self.off(system, row).unwrap_or(0.0).abs(), self.scales[row]);
             if c == 0.0 { 0.0 } else { c / (ROUNDING * scale) }
         };
         active.map(share).fold(0.0, |most: f64, share| if share.is_nan() { f64::NAN } else { most.max(share) })
@@ -226,8 +252,8 @@ impl Projection {
     fn note<S: System + ?Sized>(&mut self, system: &S) {
         self.last = Residuals::default();
         for row in system.active_rows().iter().map(|row| *row as usize) {
-            if system.description().rows[row].holonomic {
-                self.last.position = self.last.position.max(self.triples[3 * row].abs());
+            if let Some(off) = self.off(system, row) {
+                self.last.position = self.last.position.max(off.abs());
             }
             self.last.velocity = self.last.velocity.max(self.triples[3 * row + 1].abs());
         }

@@ -215,6 +215,9 @@ impl March {
             let looks = !self.projects;
             self.projection = Projection::new(system).map(|projection| Box::new(projection.only_looking(looks)));
         }
+        if let Some(projection) = &mut self.projection {
+            projection.release();
+        }
         self.project_start(system)?;
         self.work.samples += self.watch.as_ref().map_or(0, |watch| watch.samples());
         self.watch = None;
@@ -455,6 +458,7 @@ impl March {
         let Some(projection) = &mut self.projection else { return Ok(()) };
         let projected = projection.project(system, self.clock.now(), self.stepper.state_mut());
         projected.map_err(|fault| fault.cause(system.description()))?;
+        projection.hold(system, self.clock.now(), self.stepper.start().y);
         if let Some(history) = system.row_history_mut() {
             *history = RowHistory { norms: projection.norms().to_vec(), ..RowHistory::default() };
         }

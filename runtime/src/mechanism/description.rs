@@ -99,6 +99,8 @@ pub struct Row {
     pub unit: Text,
     /// Whether it contains no speeds.
     pub holonomic: bool,
+    /// Whether it contains speeds and is the rate of a known function of time and coordinates, which is then its c.
+    pub integral: bool,
     /// The place of its constraint.
     pub constraint: u32,
 }

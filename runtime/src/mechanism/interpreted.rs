@@ -379,13 +379,15 @@ fn describe(program: &Program, source: &str) -> Description {
             .iter()
             .enumerate()
             .flat_map(|(k, c)| {
-                let row = move |name: String| Row {
+                let integral = &program.constraints.integral[c.first..];
+                let row = move |(name, integral): (String, &bool)| Row {
                     name: Text::Owned(name),
                     unit: unit(&c.unit),
                     holonomic: c.holonomic,
+                    integral: *integral,
                     constraint: k as u32,
                 };
-                c.row_names().into_iter().map(row)
+                c.row_names().into_iter().zip(integral).map(row)
             })
             .collect(),
         phases: model

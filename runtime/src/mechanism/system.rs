@@ -45,7 +45,8 @@ pub trait System: Send + Sync {
         false
     }
 
-    /// Triples (c, c', Σ |terms| of c) for each row of the constraints, whether it is active or not.
+    /// Triples (c, c', Σ |terms| of c) for each row of the constraints, whether it is active or not.  Where a row contains
+    /// speeds, c is its integral if that is known ([`super::Row::integral`]), and else c'.
     fn constraints(&self, at: At<'_>, triples: &mut [f64]) {
         let _ = (at, triples);
     }

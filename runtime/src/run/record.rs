@@ -205,6 +205,9 @@ impl Recorder {
 
     /// Dense output does not reach across this state.
     pub fn begin_piece(&mut self, system: &dyn System, t: f64, start: Reached<'_>) {
+        if let Some(projection) = &mut self.projection {
+            projection.hold(system, t, start.y);
+        }
         if self.keep_dense {
             self.run.trajectory.begin(t, start.y, start.rate);
             self.run.scenery.modes(t, system.modes());

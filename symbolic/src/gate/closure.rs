@@ -6,19 +6,24 @@
 //! the brackets that are independent.  One bracket is not enough: a rolling disc needs two.
 
 use super::state::State;
-use super::system::{plus, times, zero};
-use crate::expr::{Forward, Graph, Id, Measured, Symbol, Tape};
+use crate::expr::{Forward, Graph, Id, Symbol, Tape};
 use crate::number::DoubleDouble;
 
-/// What is left of a bracket beside others counts when it is more than this of the sum of its own terms.  Double-doubles
-/// leave some 1e-28 of what is nothing.
-const INDEPENDENT: f64 = 1e-12;
+/// What `f64` misses by this factor is known of a double-double: positions meet constraints to 29 digits, and ten powers of
+/// ten are left for bad luck.
+const NOISE: f64 = 1e-10;
+/// Roundings of a difference at least.
+const UNITS: f64 = 1e3;
+/// What is no more than this of what `f64` misses is nothing.
+const NOTHING: f64 = 1e-8;
+/// Nothing is known of a bracket where noise is more than this of the two terms that it is the difference of.
+const DROWNED: f64 = 1e-8;
 /// An element that is less than this of its row's largest is no pivot.
 const PIVOT: f64 = 1e-6;
 /// The graph may grow by so many nodes.
 const NODES: usize = 200_000;
-/// Operations of all evaluations of brackets.
-const WORK: usize = 40_000_000;
+/// Operations of all evaluations.
+const WORK: usize = 20_000_000;
 
 /// A form or a field: its components, those of the coordinates that take part and then that of time.
 type Components = Vec<Id>;
@@ -39,22 +44,32 @@ pub(super) struct Closure {
     pub independent: Vec<usize>,
     /// How many brackets are independent, at most, at the states of each group.
     pub brackets: Vec<usize>,
-    /// Whether the work was bounded before the brackets ended.
+    /// Whether the work was bounded before the brackets ended, or rounding left nothing to decide by.
     pub cut: bool,
     /// Brackets that are independent at some state, as fields.
     fields: Vec<Components>,
 }
 
-/// A bracket's numbers at a state: its direction, and the length of its terms' sums.
+/// Numbers at a state in double-double, and how far those in `f64` are from them: the sensitivity to rounding, of which
+/// running magnitudes are too large a bound after long eliminations.
 struct Numbers {
-    values: Vec<DoubleDouble>,
-    size: f64,
+    exact: Vec<DoubleDouble>,
+    missed: Vec<f64>,
+}
+
+impl Numbers {
+    fn of(tape: &Tape, state: &State) -> Numbers {
+        let exact: Vec<DoubleDouble> = tape.evaluate(|s| state.value(s));
+        let rough: Vec<f64> = tape.evaluate(|s| state.value(s).to_f64());
+        let missed = exact.iter().zip(rough).map(|(x, y)| (*x - DoubleDouble::from(y)).to_f64().abs()).collect();
+        Numbers { exact, missed }
+    }
 }
 
 /// The directions that brackets have at a state.
 struct Directions {
-    /// Orthonormal.
-    basis: Vec<Vec<DoubleDouble>>,
+    /// Orthonormal, and what noise there is in each.
+    basis: Vec<(Vec<DoubleDouble>, f64)>,
     /// Sizes of the components.
     scales: Vec<f64>,
 }
@@ -69,11 +84,12 @@ impl Forms {
         }
     }
 
-    /// The closure, decided at groups of states; pivots are chosen at the first state.
+    /// The closure, decided at groups of states; pivots are chosen at the first state.  None where the motions that are
+    /// allowed would take too much room.
     pub fn closure(&self, graph: &mut Graph, groups: &[Vec<&State>]) -> Option<Closure> {
         let begin = graph.len();
         let first = groups.iter().flatten().next()?;
-        let (allowed, pivots) = self.kernel(graph, first);
+        let (allowed, pivots) = self.kernel(graph, first)?;
         let independent: Vec<usize> = pivots.iter().map(|pivot| pivot.0).collect();
         // No bracket leads out of what has integrals.
         let most = independent.iter().filter(|row| **row >= self.closed).count();
@@ -94,12 +110,13 @@ impl Forms {
             let mut by_field = self.along(field.clone());
             for k in 0..if is_bracket { allowed.len() } else { next } {
                 let mut bracket = vec![Id::ZERO; field.len()];
+                let mut roots = Vec::with_capacity(3 * columns.len());
                 for &p in &columns {
                     let (one, other) = (along[k].of(graph, field[p]), by_field.of(graph, allowed[k][p]));
                     bracket[p] = graph.sub(one, other);
+                    roots.extend([bracket[p], one, other]);
                 }
-                let roots: Vec<Id> = columns.iter().map(|p| bracket[*p]).collect();
-                if roots.iter().all(|x| *x == Id::ZERO) {
+                if bracket.iter().all(|x| *x == Id::ZERO) {
                     continue;
                 }
                 let tape = Tape::new(graph, &roots);
@@ -108,13 +125,22 @@ impl Forms {
                 if closure.cut {
                     break 'brackets;
                 }
-                let mut grows = false;
-                for (direction, (group, state)) in directions.iter_mut().zip(states()) {
-                    let numbers = direction.numbers(&tape.measured(|s| state.value(s)));
-                    if numbers.is_some_and(|numbers| direction.add(numbers)) && direction.basis.len() > known[group] {
+                let numbers: Vec<Numbers> = states().map(|(_, state)| Numbers::of(&tape, state)).collect();
+                let missed =
+                    |(direction, numbers): (&Directions, &Numbers)| direction.length(numbers, |x, k| x.missed[k]);
+                let missed = directions.iter().zip(&numbers).map(missed).filter(|x| x.is_finite()).fold(0.0, f64::max);
+                let (mut grows, mut drowned) = (false, true);
+                for ((direction, (group, _)), numbers) in directions.iter_mut().zip(states()).zip(&numbers) {
+                    let Some(leads) = direction.add(numbers, missed) else { continue };
+                    drowned = false;
+                    if leads && direction.basis.len() > known[group] {
                         known[group] = direction.basis.len();
                         grows = true;
                     }
+                }
+                if drowned {
+                    closure.cut = true;
+                    break 'brackets;
                 }
                 if grows {
                     closure.fields.push(bracket);
@@ -130,30 +156,38 @@ impl Forms {
     ///
     /// Gauss and Jordan's elimination in the graph, rows with integrals first; pivots are constants where there are any, and
     /// else fill little.  Time has none: it always passes.
-    fn kernel(&self, graph: &mut Graph, state: &State) -> (Vec<Components>, Vec<(usize, usize)>) {
+    fn kernel(&self, graph: &mut Graph, state: &State) -> Option<(Vec<Components>, Vec<(usize, usize)>)> {
+        let (begin, mut work) = (graph.len(), 0);
         let width = self.coordinates.len() + 1;
         let mut rows = self.rows.clone();
         let mut pivots: Vec<(usize, usize)> = Vec::new();
         let mut left: Vec<usize> = (0..rows.len()).collect();
         while !left.is_empty() {
             let roots: Vec<Id> = left.iter().flat_map(|row| rows[*row].iter().copied()).collect();
-            let numbers = Tape::new(graph, &roots).measured(|s| state.value(s));
+            let tape = Tape::new(graph, &roots);
+            work += tape.operations();
+            if work > WORK || graph.len() > begin + NODES || graph.overflowed() {
+                return None;
+            }
+            let numbers = Numbers::of(&tape, state);
             let used = |column: usize| pivots.iter().any(|pivot| pivot.1 == column);
             let filled = |column: usize| left.iter().filter(|row| rows[**row][column] != Id::ZERO).count();
             // Row and column come last: among equals the first.
             let mut best: Option<(bool, bool, usize, usize, usize)> = None;
             let mut empty = Vec::new();
             for (place, row) in left.iter().enumerate() {
-                let line = &numbers[place * width..][..width - 1];
-                let there = |x: &Measured| x.value.to_f64().abs() > INDEPENDENT * x.magnitude;
-                let largest = line.iter().filter(|x| there(x)).map(|x| x.value.to_f64().abs()).fold(0.0, f64::max);
+                let span = place * width..(place + 1) * width - 1;
+                let missed = numbers.missed[span.clone()].iter().fold(0.0_f64, |most, x| most.max(*x));
+                let sizes = numbers.exact[span].iter().map(|x| x.to_f64().abs());
+                let line: Vec<f64> = sizes.map(|x| if x > NOTHING * missed { x } else { 0.0 }).collect();
+                let largest = line.iter().copied().fold(0.0, f64::max);
                 if largest == 0.0 {
                     empty.push(*row);
                     continue;
                 }
                 let entries = rows[*row].iter().filter(|x| **x != Id::ZERO).count();
                 for (column, x) in line.iter().enumerate().filter(|(column, _)| !used(*column)) {
-                    if there(x) && x.value.to_f64().abs() >= PIVOT * largest {
+                    if *x >= PIVOT * largest {
                         let varies = graph.number(rows[*row][column]).is_none();
                         let fill = (entries - 1) * (filled(column) - 1);
                         let key = (*row >= self.closed, varies, fill, *row, column);
@@ -193,7 +227,7 @@ impl Forms {
             }
             fields.push(field);
         }
-        (fields, pivots)
+        Some((fields, pivots))
     }
 
     /// Differentiation along a field.
@@ -201,20 +235,27 @@ impl Forms {
         Forward::new(move |_, symbol| self.place(symbol).map_or(Id::ZERO, |place| field[place]))
     }
 
-    /// ω(w) of rows and brackets w at a state, each by the sum of its terms: rows on which brackets vanish have integrals.
-    pub fn on_brackets(&self, graph: &Graph, closure: &Closure, state: &State) -> Vec<Vec<f64>> {
-        let fields = closure.fields.iter().flatten();
-        let roots: Vec<Id> = self.rows.iter().flatten().chain(fields).copied().collect();
-        let numbers = Tape::new(graph, &roots).measured(|s| state.value(s));
-        let width = self.coordinates.len() + 1;
-        let (rows, fields) = numbers.split_at(self.rows.len() * width);
-        let product = |row: &[Measured], field: &[Measured]| {
-            let terms = row.iter().zip(field).map(|(x, y)| times(*x, *y));
-            let sum = terms.fold(zero(), plus);
-            let part = sum.value.to_f64() / sum.magnitude;
-            if part.abs() > INDEPENDENT { part } else { 0.0 }
-        };
-        rows.chunks(width).map(|row| fields.chunks(width).map(|field| product(row, field)).collect()).collect()
+    /// ω(w) of rows and brackets w, state by state, 0 for noise: rows on which all brackets vanish have integrals.
+    pub fn on_brackets(&self, graph: &mut Graph, closure: &Closure, states: &[&State]) -> Vec<Vec<Vec<f64>>> {
+        let (width, mut products) = (closure.fields.len(), Vec::new());
+        for row in &self.rows {
+            for field in &closure.fields {
+                let terms: Vec<Id> = row.iter().zip(field).map(|(x, y)| graph.mul(*x, *y)).collect();
+                products.push(terms.into_iter().fold(Id::ZERO, |sum, term| graph.add(sum, term)));
+            }
+        }
+        let tape = Tape::new(graph, &products);
+        let numbers: Vec<Numbers> = states.iter().map(|state| Numbers::of(&tape, state)).collect();
+        let missed = |k: usize| numbers.iter().map(|x| x.missed[k]).filter(|x| x.is_finite()).fold(0.0, f64::max);
+        let missed: Vec<f64> = (0..products.len()).map(missed).collect();
+        let values = numbers.iter().zip(states).map(|(numbers, state)| {
+            let floor = tape.measured(|s| state.value(s)).into_iter().map(|x| UNITS * DoubleDouble::UNIT * x.magnitude);
+            let noise = floor.zip(&missed).map(|(floor, missed)| floor.max(NOTHING * missed));
+            let value = |(x, noise): (&DoubleDouble, f64)| if x.to_f64().abs() > noise { x.to_f64() } else { 0.0 };
+            let values: Vec<f64> = numbers.exact.iter().zip(noise).map(value).collect();
+            (0..self.rows.len()).map(|row| values[row * width..][..width].to_vec()).collect()
+        });
+        values.collect()
     }
 }
 
@@ -231,29 +272,38 @@ impl Directions {
         Directions { basis: Vec::new(), scales }
     }
 
-    /// A bracket's components by their sizes; none where something is not finite.
-    fn numbers(&self, bracket: &[Measured]) -> Option<Numbers> {
-        let scaled = || bracket.iter().zip(&self.scales);
-        let size = scaled().map(|(x, scale)| (x.magnitude / scale).powi(2)).sum::<f64>().sqrt();
-        let values = scaled().map(|(x, scale)| x.value / DoubleDouble::from(*scale)).collect();
-        size.is_finite().then_some(Numbers { values, size })
+    /// The length of some part of a bracket's components, by their sizes.
+    fn length(&self, numbers: &Numbers, part: impl Fn(&Numbers, usize) -> f64) -> f64 {
+        let parts = self.scales.iter().enumerate().map(|(k, scale)| part(numbers, 3 * k) / scale);
+        parts.map(|x| x * x).sum::<f64>().sqrt()
     }
 
-    /// Adds a bracket where it leads out of the others.
-    fn add(&mut self, Numbers { mut values, size }: Numbers) -> bool {
+    /// Adds a bracket (each component with the two terms that it is the difference of) where it leads out of the others,
+    /// `missed` being what `f64` misses of such brackets; none where noise drowns it.
+    fn add(&mut self, numbers: &Numbers, missed: f64) -> Option<bool> {
+        let term = |x: &Numbers, k: usize| x.exact[k + 1].to_f64().abs() + x.exact[k + 2].to_f64().abs();
+        let size = self.length(numbers, term);
+        if !size.is_finite() {
+            return None;
+        }
+        let scaled = |(k, scale): (usize, &f64)| numbers.exact[3 * k] / DoubleDouble::from(*scale);
+        let mut values: Vec<DoubleDouble> = self.scales.iter().enumerate().map(scaled).collect();
+        let mut noise = NOISE * missed + UNITS * DoubleDouble::UNIT * size;
         // Twice is enough (Parlett 1980, 6-9).
         for _ in 0..2 {
-            for known in &self.basis {
+            for (known, of_known) in &self.basis {
                 let along = dot(&values, known);
+                noise += along.to_f64().abs() * of_known;
                 values.iter_mut().zip(known).for_each(|(x, y)| *x = *x - along * *y);
             }
         }
         let rest = dot(&values, &values).sqrt();
-        let leads = rest.to_f64() > INDEPENDENT * size;
-        if leads {
-            self.basis.push(values.iter().map(|x| *x / rest).collect());
+        if rest.to_f64() > noise {
+            self.basis.push((values.iter().map(|x| *x / rest).collect(), noise / rest.to_f64()));
+            return Some(true);
         }
-        leads
+        // Both terms are nothing, or their difference is well below them.
+        (size <= NOTHING * missed || noise <= DROWNED * size).then_some(false)
     }
 }
 

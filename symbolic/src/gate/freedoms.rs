@@ -133,33 +133,39 @@ fn of_group(
         closed: first.len(),
     };
     let groups: Vec<Vec<&State>> = positions.iter().filter(|states| !states.is_empty()).cloned().collect();
-    let Some(closure) = forms.closure(graph, &groups) else {
+    let Some(mut closure) = forms.closure(graph, &groups) else {
         freedoms.rows.extend(open.iter().map(|row| (*row, Integrability::Undecided)));
         return rank().unwrap_or(first.len());
     };
+    // The closure counts what the ranks count, or it tells nothing.
+    let rank = rank().unwrap_or(closure.independent.len());
+    closure.cut |= closure.independent.len() != rank;
     freedoms.particular |= !closure.cut && closure.brackets.iter().any(|count| *count != closure.brackets[0]);
     let (kinds, combinations) = kinds(graph, &forms, &closure, &groups[0]);
     freedoms.combinations += combinations;
     freedoms.rows.extend(open.iter().copied().zip(kinds));
-    closure.independent.len() - closure.brackets[0]
+    rank.saturating_sub(closure.brackets[0])
 }
 
 /// What the rows are that have no integral in writing, and how many combinations of them are integrable.
-fn kinds(graph: &Graph, forms: &Forms, closure: &Closure, states: &[&State]) -> (Vec<Integrability>, usize) {
+fn kinds(graph: &mut Graph, forms: &Forms, closure: &Closure, states: &[&State]) -> (Vec<Integrability>, usize) {
     let open = forms.closed..forms.rows.len();
     if closure.cut {
         return (vec![Integrability::Undecided; open.len()], 0);
     }
-    let values: Vec<Vec<Vec<f64>>> = states.iter().map(|state| forms.on_brackets(graph, closure, state)).collect();
+    let values = forms.on_brackets(graph, closure, states);
     let leaves = |row: usize| values.iter().any(|at| at[row].iter().any(|x| *x != 0.0));
     let mixed: Vec<usize> = open.clone().filter(|row| leaves(*row) && closure.independent.contains(row)).collect();
-    let combinations = mixed.len().saturating_sub(closure.brackets[0]);
+    let of_mixed = |at: &Vec<Vec<f64>>| rank(mixed.iter().map(|row| at[*row].clone()).collect());
+    if values.iter().map(of_mixed).max() != Some(closure.brackets[0]) {
+        return (vec![Integrability::Undecided; open.len()], 0);
+    }
+    let combinations = mixed.len() - closure.brackets[0];
     // A row has part in a combination on which all brackets vanish where the others have the same rank without it.
-    let fullest = values.iter().max_by_key(|at| rank(mixed.iter().map(|row| at[*row].clone()).collect()));
+    let fullest = values.iter().max_by_key(|at| of_mixed(at));
     let combined = |row: usize| {
         let without = |at: &Vec<Vec<f64>>| mixed.iter().filter(|k| **k != row).map(|k| at[*k].clone()).collect();
-        let all = |at: &Vec<Vec<f64>>| mixed.iter().map(|k| at[*k].clone()).collect();
-        combinations > 0 && mixed.contains(&row) && fullest.is_some_and(|at| rank(without(at)) == rank(all(at)))
+        combinations > 0 && mixed.contains(&row) && fullest.is_some_and(|at| rank(without(at)) == of_mixed(at))
     };
     let kind = |row: usize| match (leaves(row), combined(row)) {
         (false, _) => Integrability::Integrable,
@@ -169,8 +175,12 @@ fn kinds(graph: &Graph, forms: &Forms, closure: &Closure, states: &[&State]) -> 
     (open.map(kind).collect(), combinations)
 }
 
-/// The rank of a matrix by elimination with exchanged rows and columns.
+/// The rank of a matrix, columns and rows scaled, by elimination with exchanged rows and columns.
 fn rank(mut lines: Vec<Vec<f64>>) -> usize {
+    for column in 0..lines.first().map_or(0, Vec::len) {
+        let size = lines.iter().fold(0.0_f64, |most, line| most.max(line[column].abs()));
+        lines.iter_mut().filter(|_| size > 0.0).for_each(|line| line[column] /= size);
+    }
     for line in &mut lines {
         let size = line.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         line.iter_mut().filter(|_| size > 0.0).for_each(|x| *x /= size);

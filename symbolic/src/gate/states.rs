@@ -26,8 +26,10 @@ const DRAWN: usize = 16;
 const DRAWS: usize = 400;
 /// So many phases get as many states each as one would; of more phases each gets fewer.
 const MOST_PHASES: usize = 8;
-/// So many positions with the scene's own parameters decide ranks.
+/// So many positions with the scene's own parameters decide ranks; fewer, where rows are so many that the cubes of their
+/// number add up to more than this.
 const OWN: usize = 10;
+const CUBES: usize = 100_000_000;
 /// So many phases are searched for discontinuities.
 const SEARCHED: usize = 32;
 /// With so many states that meet the constraints something can be said.
@@ -284,13 +286,14 @@ pub(super) fn own_positions(model: &Model, motion: &Motion) -> Vec<State> {
         let mut last = draws.first(&own);
         (last.phase, last.own) = (phase, true);
         let before = found.len();
-        for _ in 0..4 * OWN {
+        let wanted = (CUBES / motion.constraints.active(phase).len().pow(3)).clamp(3, OWN);
+        for _ in 0..4 * wanted {
             let mut state = draws.nearby(&last);
             if motion.place(&mut state) {
                 found.push(state.clone());
                 last = state;
             }
-            if found.len() - before == OWN {
+            if found.len() - before == wanted {
                 break;
             }
         }

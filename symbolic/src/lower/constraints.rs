@@ -9,8 +9,10 @@ use crate::expr::{Graph, Id, Symbol, jacobian, substitute};
 /// What the elimination of M q'' + h = (Jᵀ + B) λ, J q'' + γ = 0 needs, and what is told of constraints.
 #[derive(Clone, Debug, Default)]
 pub struct Constraints {
-    /// Triples (c, c', Σ |terms| of c).
+    /// Triples (c, c', Σ |terms| of c); c of a row with speeds is its integral where one is known.
     pub values: Vec<Id>,
+    /// The rows that have speeds and an integral.
+    pub integral: Vec<bool>,
     /// J: (row, coordinate, value).
     pub matrix: Vec<Entry>,
     /// γ.
@@ -63,8 +65,8 @@ pub(super) fn lowered(graph: &mut Graph, n: usize, rows: Rows, chosen: &mut Chos
         (entries(jacobian(graph, &acceleration, place)), entries(jacobian(graph, &acceleration, speed)));
     let tilt = entries(jacobian(graph, &rows.rate, place));
     let mut magnitudes = Magnitudes::default();
-    let triples = rows.value.iter().zip(&rows.rate);
-    let values = triples.flat_map(|(c, rate)| [*c, *rate, magnitudes.of(graph, *c)]).collect();
+    let places = rows.value.iter().zip(&rows.integral).map(|(c, integral)| integral.unwrap_or(*c));
+    let values = places.zip(&rows.rate).flat_map(|(c, rate)| [c, *rate, magnitudes.of(graph, c)]).collect();
     let mut matrix = rows.matrix.clone();
     for list in [&mut matrix, &mut friction, &mut stiffness, &mut damping] {
         gather_entries(graph, list);
@@ -72,6 +74,7 @@ pub(super) fn lowered(graph: &mut Graph, n: usize, rows: Rows, chosen: &mut Chos
     let held = held_rates(graph, &[chosen.residual.as_slice(), &acceleration].concat());
     Constraints {
         values,
+        integral: rows.integral.iter().map(Option::is_some).collect(),
         matrix,
         bias: gather::gather(graph, &rows.bias),
         friction,

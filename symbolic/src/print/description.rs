@@ -51,10 +51,10 @@ pub(super) fn description(program: &Program, source: &str) -> String {
     field(
         "rows",
         list(model.constraints.iter().enumerate().flat_map(|(k, c)| {
-            let names = c.row_names().into_iter();
-            names.map(move |name| {
+            let names = c.row_names().into_iter().zip(&program.constraints.integral[c.first..]);
+            names.map(move |(name, integral)| {
                 format!(
-                    "mechanism::Row {{ name: {}, unit: {}, holonomic: {}, constraint: {k} }}",
+                    "mechanism::Row {{ name: {}, unit: {}, holonomic: {}, integral: {integral}, constraint: {k} }}",
                     string(&name),
                     string(&c.unit.as_deref().map(si_unit).unwrap_or_default()),
                     c.holonomic

@@ -2,6 +2,7 @@
 
 mod contact;
 mod four_ways;
+mod integrals;
 mod linkages;
 mod rank;
 mod rods;
