@@ -25,6 +25,9 @@ const NODES: usize = 200_000;
 /// Operations of all evaluations.
 const WORK: usize = 20_000_000;
 
+/// (row, column) of pivots, in the order in which they were chosen.
+type Pivots = Vec<(usize, usize)>;
+
 /// A form or a field: its components, those of the coordinates that take part and then that of time.
 type Components = Vec<Id>;
 
@@ -156,7 +159,7 @@ impl Forms {
     ///
     /// Gauss and Jordan's elimination in the graph, rows with integrals first; pivots are constants where there are any, and
     /// else fill little.  Time has none: it always passes.
-    fn kernel(&self, graph: &mut Graph, state: &State) -> Option<(Vec<Components>, Vec<(usize, usize)>)> {
+    fn kernel(&self, graph: &mut Graph, state: &State) -> Option<(Vec<Components>, Pivots)> {
         let (begin, mut work) = (graph.len(), 0);
         let width = self.coordinates.len() + 1;
         let mut rows = self.rows.clone();

@@ -2,8 +2,7 @@
 
 use dalembert::Run;
 use dalembert_models::MODELS;
-
-use super::written;
+use dalembert_tests::case::Case;
 
 fn check(model: &str) -> String {
     let mut out = Vec::new();
@@ -68,7 +67,7 @@ fn lengths(run: &Run, from: f64) -> Vec<f64> {
 #[test]
 fn the_integral_of_a_closed_row_is_held() {
     let off = |text: &str| {
-        let lengths = lengths(&written(text).run(), 0.0);
+        let lengths = lengths(&Case::written(text).run(), 0.0);
         assert!(lengths.len() > 400, "{}", lengths.len());
         lengths.iter().fold(0.0_f64, |most, length| most.max((length - 1.0).abs()))
     };
@@ -96,7 +95,7 @@ scene: {start: {x: l, y: 0, x': 1, y': 2}, until: 20, every: 0.03, tolerance: 1e
 
 #[test]
 fn an_integral_takes_the_value_that_it_has_where_its_phase_is_entered() {
-    let run = written(CAUGHT).run();
+    let run = Case::written(CAUGHT).run();
     let length = |name: &str| {
         let event = run.events.iter().find(|event| event.name == name).expect("an event");
         event.state["x"].hypot(event.state["y"])
