@@ -54,6 +54,10 @@ pub(super) fn sides(
         for path in paths.iter().filter(|path| !argument.switches && path.len() > 1) {
             search.follow(&path[0], &Line::Path(path), &mut found);
         }
+        if let Some(base) = bases.first().filter(|base| search.is_held(base, reach)) {
+            found.states.push(base.clone());
+            continue;
+        }
         let mut followed = 0;
         let on_the_way = found.states.len();
         for (k, base) in bases.iter().enumerate() {
@@ -107,6 +111,17 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
+    /// Whether constraints keep the argument constant, so that there is nothing to look for.
+    fn is_held(&self, base: &State, reach: &Reach<'_>) -> bool {
+        let lines = reach.lines(&self.argument.symbols);
+        let along = |line: &Line<'_>| {
+            let at = |z: f64| self.argument.at(self.motion, &moved(self.motion, base, line, DoubleDouble::from(z)));
+            let places = grid(base, line).into_iter().step_by(4);
+            is_constant(&places.map(|z| (z, at(z))).filter(|s| s.1.is_finite()).collect::<Vec<_>>())
+        };
+        !self.motion.constraints.active(base.phase).is_empty() && !lines.is_empty() && lines.iter().all(along)
+    }
+
     /// Follows one argument along one line.
     fn follow(&self, base: &State, line: &Line<'_>, found: &mut Sides) {
         let Search { motion, argument, switches } = *self;

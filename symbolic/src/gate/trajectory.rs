@@ -282,7 +282,8 @@ impl<'a> Runner<'a> {
     /// How large the terms are here of which the accelerations are made.
     fn look(&mut self) {
         self.looks += 1;
-        if self.looks > LOOKS {
+        // In double-double each costs as much as many evaluations.
+        if self.looks > LOOKS.min(self.budget / 60) {
             return;
         }
         let n = self.motion.n;
