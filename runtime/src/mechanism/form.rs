@@ -168,7 +168,8 @@ impl Form {
         self.solve_motion(system, at, a, lambda)
     }
 
-    /// The rates of accelerations and multipliers, at a state with its own.
+    /// The rates of accelerations and multipliers, at a state with its own; false where rows are left out, whose share in
+    /// the reactions changes otherwise.
     ///
     /// # Errors
     /// As [`Form::motion`].
@@ -178,8 +179,11 @@ impl Form {
         at: At<'_>,
         a: &mut [f64],
         lambda: &mut [f64],
-    ) -> Result<(), Singular> {
+    ) -> Result<bool, Singular> {
         self.factor(system, at)?;
+        if self.rank < self.active.len() {
+            return Ok(false);
+        }
         let n = self.n;
         let mut held = vec![0.0; n + system.description().rows.len()];
         system.held_rates(at, &mut held);
@@ -187,7 +191,7 @@ impl Form {
         for (gamma, row) in self.gamma.iter_mut().zip(&self.active) {
             *gamma = held[n + row];
         }
-        self.solve_motion(system, at, a, lambda)
+        self.solve_motion(system, at, a, lambda).map(|()| true)
     }
 
     /// M a − (Jᵀ + B) λ = f, which is in `a`, and J a = −γ.

@@ -52,7 +52,7 @@ impl Phased {
         if !generated || !usual || system.active_rows().is_empty() {
             return false;
         }
-        self.form.lock().unwrap_or_else(PoisonError::into_inner).rates(system, at, a, lambda).is_ok()
+        self.form.lock().unwrap_or_else(PoisonError::into_inner).rates(system, at, a, lambda).unwrap_or(false)
     }
 
     /// Accelerations and multipliers; where rows depend on each other the least multipliers.

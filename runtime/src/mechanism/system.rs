@@ -39,7 +39,7 @@ pub trait System: Send + Sync {
 
     /// The rates of the accelerations and of all multipliers at a state with its own a and λ, by differentiating the
     /// system that they solve: M ȧ − (Jᵀ + B) λ̇ = −∂F/∂t − …, J ȧ = −…, with a and λ held on the right.  False where they are not
-    /// known: no event asks for them, or something else than multipliers enforces the constraints.
+    /// known: no event asks for them, rows depend on each other, or something else than multipliers enforces them.
     fn motion_rates(&self, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> bool {
         let _ = (at, a, lambda);
         false
