@@ -161,7 +161,6 @@ impl Projection {
     /// Whether a holonomic row does not hold at the state that was observed last, and by how much it is missed.
     pub fn misses(&self, row: usize) -> Option<f64> {
         let c = self.triples[3 * row];
-        (self.corrects || c.is_nan()).then_some(())?;
         (c.is_nan() || c.abs() > LOST * self.scales[row]).then_some(c)
     }
 
@@ -220,8 +219,12 @@ impl Projection {
         if self.corrects { (self.form.rank(), self.form.weakest()) } else { (usize::MAX, 1.0) }
     }
 
-    /// The active row that the last state misses by far more than rounding, and by how much.
+    /// The active row that the last state misses by far more than rounding, and by how much; none where nothing brings
+    /// states back.
     pub fn lost<S: System + ?Sized>(&self, system: &S) -> Option<(usize, f64)> {
+        if !self.corrects {
+            return None;
+        }
         let mut active = system.active_rows().iter().map(|row| *row as usize);
         active.find_map(|row| {
             let missed = self.misses(row).filter(|_| system.description().rows[row].holonomic);

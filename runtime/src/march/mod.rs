@@ -548,8 +548,8 @@ impl March {
 
     /// Chooses Baumgarte's gain by the mean of the first steps: what decays faster becomes what limits them.
     fn choose_gain(&mut self, system: &mut dyn System) {
-        if self.finds_gain && self.work.steps == GAIN_AFTER {
-            let mean = (self.clock.now() - self.from) / GAIN_AFTER as f64;
+        if self.finds_gain && self.work.steps >= GAIN_AFTER {
+            let mean = (self.clock.now() - self.from) / self.work.steps as f64;
             system.enforce(system.enforcement(), GAIN / mean);
             self.finds_gain = false;
         }
