@@ -15,7 +15,7 @@ use super::json::{number, object};
 use super::load::Loaded;
 use super::set_up::set_up;
 use super::{Entry, Problem, compare, outputs};
-use crate::mechanism::{Description, Drift, Enforcement};
+use crate::mechanism::{Description, Enforcement, Stabilisation};
 use crate::numbers::short;
 use crate::simulate::{LAGRANGE, judge_digits};
 use crate::{Error, Impulse, Run, Settings};
@@ -191,10 +191,10 @@ fn report(
         writeln!(out, "  impulse at t = {}: {}", short(impulse.t), rows.join(", "))?;
     }
     write!(out, "{}", run.trust())?;
-    if let Some(rows) =
-        run.residuals.filter(|_| settings.enforcement != Enforcement::default() || settings.drift != Drift::default())
-    {
-        let ways = (settings.enforcement.name(), settings.drift.name());
+    if let Some(rows) = run.residuals.filter(|_| {
+        settings.enforcement != Enforcement::default() || settings.stabilisation != Stabilisation::default()
+    }) {
+        let ways = (settings.enforcement.name(), settings.stabilisation.name());
         let way = if ways.0 == "springs" { ways.0.to_owned() } else { format!("{}, drift {}", ways.0, ways.1) };
         writeln!(
             out,
@@ -237,10 +237,10 @@ fn enforcement(options: &ArgMatches, settings: &mut Settings) -> Result<(), Prob
         }
         Some(other) => return unknown("constraints", other, "multipliers, nullspace, springs"),
     };
-    settings.drift = match text("drift") {
-        None | Some("project") => Drift::Project,
-        Some("none") => Drift::None,
-        Some("baumgarte") => Drift::Baumgarte { alpha },
+    settings.stabilisation = match text("drift") {
+        None | Some("project") => Stabilisation::Project,
+        Some("none") => Stabilisation::None,
+        Some("baumgarte") => Stabilisation::Baumgarte { alpha },
         Some(other) => return unknown("drift", other, "project, none, baumgarte"),
     };
     let springs = matches!(settings.enforcement, Enforcement::Springs { .. });
@@ -250,7 +250,7 @@ fn enforcement(options: &ArgMatches, settings: &mut Settings) -> Result<(), Prob
     if springs && text("drift").is_some() {
         return Err(Problem::Usage("error: with springs nothing drifts: leave --drift out".to_owned()));
     }
-    if alpha.is_some() && !matches!(settings.drift, Drift::Baumgarte { .. }) {
+    if alpha.is_some() && !matches!(settings.stabilisation, Stabilisation::Baumgarte { .. }) {
         return Err(Problem::Usage("error: --alpha goes with --drift baumgarte".to_owned()));
     }
     Ok(())
@@ -271,7 +271,7 @@ fn as_json(loaded: &Loaded, settings: &Settings, run: &Run) -> Value {
         ("source", json!(format!("{:016x}", fnv1a(&loaded.source)))),
         ("method", json!(run.method.to_string())),
         ("constraints", json!(settings.enforcement.name())),
-        ("constraint_drift", json!(settings.drift.name())),
+        ("constraint_drift", json!(settings.stabilisation.name())),
         ("derivation", json!(run.balances.as_ref().map_or(LAGRANGE, |b| b.system.as_str()))),
         ("condition", run.balances.as_ref().map_or(Value::Null, |b| number(b.worst))),
         ("tolerance", if settings.step.is_some() { Value::Null } else { number(settings.tolerance) }),

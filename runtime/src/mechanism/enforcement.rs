@@ -24,7 +24,7 @@ pub enum Enforcement {
 /// What is done about errors by which a motion leaves its constraints.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
-pub enum Drift {
+pub enum Stabilisation {
     /// Positions and speeds are projected after every step, in the metric of M.
     #[default]
     Project,
@@ -49,13 +49,13 @@ impl Enforcement {
     }
 }
 
-impl Drift {
+impl Stabilisation {
     /// The names: `project`, `none`, `baumgarte`.
     pub fn name(self) -> &'static str {
         match self {
-            Drift::Project => "project",
-            Drift::None => "none",
-            Drift::Baumgarte { .. } => "baumgarte",
+            Stabilisation::Project => "project",
+            Stabilisation::None => "none",
+            Stabilisation::Baumgarte { .. } => "baumgarte",
         }
     }
 }

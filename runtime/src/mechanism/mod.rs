@@ -10,7 +10,6 @@ mod generated;
 #[cfg(feature = "interpret")]
 mod interpreted;
 mod method;
-mod null_space;
 mod phased;
 mod real;
 mod singular;
@@ -23,14 +22,13 @@ pub use description::{
     Action, Argument, Balance, BalanceSystem, Coordinate, Counts, Description, Direction, Event, InputJump, List,
     Parameter, Phase, Quantity, Rated, Role, Row, Shape, Structure, Switch, SwitchKind, Text, Watched,
 };
-pub use enforcement::{Drift, Enforcement};
+pub use enforcement::{Enforcement, Stabilisation};
 pub use erased::Erased;
-pub(crate) use form::Form;
+pub(crate) use form::{Form, Solutions};
 pub use generated::{Mechanism, Values};
 #[cfg(feature = "interpret")]
 pub use interpreted::Interpreted;
 pub use method::{Method, ParseMethodError};
-pub(crate) use null_space::Solutions;
 pub use phased::RowHistory;
 pub use real::Real;
 pub use singular::{Singular, SingularMass};

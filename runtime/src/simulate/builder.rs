@@ -4,7 +4,7 @@ use super::by_hand::Stepping;
 use super::{Settings, simulate};
 use crate::error::Error;
 use crate::events::CLOSURE_WIDTH;
-use crate::mechanism::{Description, Drift, Enforcement, Method, Scene, Signal, System};
+use crate::mechanism::{Description, Enforcement, Method, Scene, Signal, Stabilisation, System};
 use crate::run::Run;
 use crate::trust::Warning;
 
@@ -144,8 +144,8 @@ impl<S: System> Simulation<S> {
     }
 
     /// What is done about errors by which the motion leaves its constraints, instead of projecting.
-    pub fn drift(mut self, drift: Drift) -> Self {
-        self.settings.drift = drift;
+    pub fn stabilisation(mut self, stabilisation: Stabilisation) -> Self {
+        self.settings.stabilisation = stabilisation;
         self
     }
 

@@ -30,7 +30,7 @@ use crate::constrain::{self, consistent};
 use crate::error::Error;
 use crate::integrate::Tolerance;
 use crate::march::{March, Pace};
-use crate::mechanism::{Drift, Enforcement, RowHistory, System};
+use crate::mechanism::{Enforcement, RowHistory, Stabilisation, System};
 use crate::run::{Failure, Plan, Recorder, Run};
 use crate::trust::{Warning, check_step, positive_inertia};
 
@@ -99,7 +99,7 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     };
     let march = March::new(method, pace, settings.from, &y, work).limit(settings.max_steps);
     let mut march = march.compensate(settings.compensated).unlike(settings.unlike).projecting(settings.projects());
-    if settings.drift == (Drift::Baumgarte { alpha: None }) && settings.step.is_none() {
+    if settings.stabilisation == (Stabilisation::Baumgarte { alpha: None }) && settings.step.is_none() {
         march = march.finding_gain();
     }
     // The modes of discontinuities come first: energies and outputs at the start depend on them.

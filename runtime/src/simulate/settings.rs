@@ -3,7 +3,7 @@
 use crate::cause::Cause;
 use crate::error::Error;
 use crate::integrate::stability;
-use crate::mechanism::{Description, Drift, Enforcement, Method, Scene};
+use crate::mechanism::{Description, Enforcement, Method, Scene, Stabilisation};
 use crate::trust::amplification;
 use nalgebra::Complex;
 
@@ -61,7 +61,7 @@ pub struct Settings {
     /// How constraints are enforced.
     pub enforcement: Enforcement,
     /// What is done about errors by which the motion leaves its constraints; nothing where springs stand for them.
-    pub drift: Drift,
+    pub stabilisation: Stabilisation,
     /// Whether steps that the tolerance does not limit are chosen otherwise than usual: a run to compare with has none in
     /// common, even where stops and growth limit them all.
     pub(crate) unlike: bool,
@@ -90,7 +90,7 @@ impl Settings {
             watch: true,
             digits: false,
             enforcement: Enforcement::default(),
-            drift: Drift::default(),
+            stabilisation: Stabilisation::default(),
             unlike: false,
         }
     }
@@ -182,7 +182,7 @@ impl Settings {
             }
             _ => {}
         }
-        let Drift::Baumgarte { alpha: Some(alpha) } = self.drift else { return Ok(()) };
+        let Stabilisation::Baumgarte { alpha: Some(alpha) } = self.stabilisation else { return Ok(()) };
         if !(alpha > 0.0 && alpha.is_finite()) {
             return bad("alpha", alpha, "a positive number");
         }
@@ -197,14 +197,14 @@ impl Settings {
 
     /// Whether states are brought back to the constraints.
     pub(super) fn projects(&self) -> bool {
-        self.drift == Drift::Project && !matches!(self.enforcement, Enforcement::Springs { .. })
+        self.stabilisation == Stabilisation::Project && !matches!(self.enforcement, Enforcement::Springs { .. })
     }
 
     /// Baumgarte's α, 1/s, where it is known before the run; 0: none.
     pub(super) fn alpha(&self) -> f64 {
-        match (self.drift, self.enforcement) {
+        match (self.stabilisation, self.enforcement) {
             (_, Enforcement::Springs { .. }) => 0.0,
-            (Drift::Baumgarte { alpha }, _) => alpha.or(self.step.map(|step| FIXED_GAIN / step)).unwrap_or(0.0),
+            (Stabilisation::Baumgarte { alpha }, _) => alpha.or(self.step.map(|step| FIXED_GAIN / step)).unwrap_or(0.0),
             _ => 0.0,
         }
     }

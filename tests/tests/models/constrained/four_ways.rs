@@ -1,6 +1,6 @@
 //! One file, several ways of enforcing its constraints, and what is done about drift.
 
-use dalembert::mechanism::{Drift, Enforcement};
+use dalembert::mechanism::{Enforcement, Stabilisation};
 use dalembert::{Error, Method, Run};
 use dalembert_tests::case::Case;
 
@@ -12,8 +12,8 @@ fn pendulum(angle: f64) -> Case {
     case.start("x'", 0.0).start("y'", 0.0)
 }
 
-fn run(mut case: Case, enforcement: Enforcement, drift: Drift) -> Run {
-    (case.settings.enforcement, case.settings.drift) = (enforcement, drift);
+fn run(mut case: Case, enforcement: Enforcement, drift: Stabilisation) -> Run {
+    (case.settings.enforcement, case.settings.stabilisation) = (enforcement, drift);
     case.run()
 }
 
@@ -21,7 +21,7 @@ fn run(mut case: Case, enforcement: Enforcement, drift: Drift) -> Run {
 fn drifted(step: f64, until: f64) -> (f64, f64) {
     let mut case = pendulum(std::f64::consts::FRAC_PI_2).until(until);
     (case.settings.step, case.settings.method) = (Some(step), Method::Rk4);
-    let run = run(case, Enforcement::Multipliers, Drift::None);
+    let run = run(case, Enforcement::Multipliers, Stabilisation::None);
     let residuals = run.residuals.expect("constraints");
     (residuals.position, residuals.velocity)
 }
@@ -50,7 +50,7 @@ fn projection_keeps_a_pendulum_with_its_twin_in_an_angle() {
         let last = run(pendulum(angle).tolerance(1e-9).until(100.0), Enforcement::Multipliers, drift).last();
         (last["x"].atan2(-last["y"]) - exact).abs()
     };
-    let (projected, free) = (error(Drift::Project), error(Drift::None));
+    let (projected, free) = (error(Stabilisation::Project), error(Stabilisation::None));
     assert!(projected < 1e-5 && free > 20.0 * projected, "{projected:e} {free:e}");
 }
 
@@ -61,7 +61,7 @@ fn d2_d4_too_large_a_gain_is_refused() {
         for (part, accepted) in [(0.999, true), (1.001, false)] {
             let mut case = pendulum(1.0).until(0.1);
             (case.settings.step, case.settings.method) = (Some(0.01), method);
-            case.settings.drift = Drift::Baumgarte { alpha: Some(part * limit / 0.01) };
+            case.settings.stabilisation = Stabilisation::Baumgarte { alpha: Some(part * limit / 0.01) };
             match case.try_run() {
                 Ok(_) => assert!(accepted),
                 Err(Error::BadSetting { setting, .. }) => assert!(!accepted && setting == "alpha"),
@@ -77,7 +77,7 @@ fn d4_a_gain_out_of_habit_costs_accuracy() {
     let missed = |alpha| {
         let mut case = pendulum(1.0).until(20.0);
         (case.settings.step, case.settings.method) = (Some(0.02), Method::Rk4);
-        run(case, Enforcement::Multipliers, Drift::Baumgarte { alpha }).residuals.expect("constraints").position
+        run(case, Enforcement::Multipliers, Stabilisation::Baumgarte { alpha }).residuals.expect("constraints").position
     };
     let usual = missed(None);
     assert!(usual < 0.5 * missed(Some(1.0)), "{usual:e}");
@@ -88,7 +88,7 @@ fn d4_a_gain_out_of_habit_costs_accuracy() {
 /// With error control the gain is found from the first steps.
 #[test]
 fn a_gain_that_is_found_holds_the_constraint() {
-    let [found, none] = [Drift::Baumgarte { alpha: None }, Drift::None].map(|drift| {
+    let [found, none] = [Stabilisation::Baumgarte { alpha: None }, Stabilisation::None].map(|drift| {
         let run = run(pendulum(1.0).tolerance(1e-8).until(50.0), Enforcement::Multipliers, drift);
         (run.residuals.expect("constraints").position, run.work.evaluations as f64)
     });
@@ -101,7 +101,7 @@ fn a_gain_that_is_found_holds_the_constraint() {
 fn the_null_space_gives_the_same_motion_and_reactions() {
     for name in ["four_bar", "slider_crank", "chaplygin_sleigh", "rigid_triangle", "astronaut"] {
         let ways = [Enforcement::Multipliers, Enforcement::NullSpace];
-        let [one, other] = ways.map(|way| run(Case::new(name).until(1.0), way, Drift::Project).last());
+        let [one, other] = ways.map(|way| run(Case::new(name).until(1.0), way, Stabilisation::Project).last());
         for (key, value) in one.entries() {
             near(other[key.as_str()], value, 1e-8 * (1.0 + value.abs()));
         }
@@ -121,7 +121,7 @@ fn the_null_space_gives_the_same_motion_and_reactions() {
 fn d12_springs_miss_the_constraint_by_what_they_carry() {
     for (k, tolerance) in [(1e4, 1e-8), (1e6, 1e-9)] {
         let springs = Enforcement::Springs { stiffness: k / 4.0, damping: 2.0 * k.sqrt() / 4.0 };
-        let run = run(pendulum(1.0).tolerance(tolerance).until(5.0), springs, Drift::Project);
+        let run = run(pendulum(1.0).tolerance(tolerance).until(5.0), springs, Stabilisation::Project);
         let stretched = run.states().map(|state| state["x"].hypot(state["y"]) - 1.0).fold(0.0, f64::max);
         near(stretched, 18.83 / k, 0.02 * 18.83 / k);
         // What the springs hold is counted.
@@ -137,10 +137,11 @@ fn d12_springs_miss_the_constraint_by_what_they_carry() {
 /// The stiffer the springs, the nearer the four-bar to the one with multipliers, like 1/k.
 #[test]
 fn springs_come_near_the_constraint_as_they_become_stiff() {
-    let exact = run(Case::new("four_bar").until(1.0), Enforcement::Multipliers, Drift::Project).last()["crank_angle"];
+    let exact =
+        run(Case::new("four_bar").until(1.0), Enforcement::Multipliers, Stabilisation::Project).last()["crank_angle"];
     let [soft, stiff] = [1e5, 1e6].map(|stiffness| {
         let springs = Enforcement::Springs { stiffness, damping: 2.0 * stiffness.sqrt() };
-        let last = run(Case::new("four_bar").tolerance(1e-9).until(1.0), springs, Drift::Project).last();
+        let last = run(Case::new("four_bar").tolerance(1e-9).until(1.0), springs, Stabilisation::Project).last();
         (last["crank_angle"] - exact).abs()
     });
     near(soft / stiff, 10.0, 2.0);
