@@ -24,6 +24,7 @@ mod events;
 mod integrate;
 pub mod linear;
 mod march;
+mod matrix;
 pub mod mechanism;
 mod numbers;
 pub mod prelude;

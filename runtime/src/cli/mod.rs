@@ -13,6 +13,7 @@
 mod arguments;
 mod check;
 mod compare;
+mod enforcement;
 mod freedoms;
 mod json;
 mod list;

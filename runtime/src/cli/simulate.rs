@@ -14,14 +14,11 @@ use serde_json::{Value, json};
 use super::json::{number, object};
 use super::load::Loaded;
 use super::set_up::set_up;
-use super::{Entry, Problem, compare, outputs};
+use super::{Entry, Problem, compare, enforcement, outputs};
 use crate::mechanism::{Description, Enforcement, Stabilisation};
 use crate::numbers::short;
 use crate::simulate::{LAGRANGE, judge_digits};
 use crate::{Error, Impulse, Run, Settings};
-
-/// Of springs in the place of constraints, where nobody says it, SI.
-const STIFFNESS: f64 = 1e6;
 
 /// Runs, writes files that were asked for, and prints the outcome; a run that failed is written and printed too.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
@@ -31,7 +28,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     if let Some(method) = options.get_one::<String>("method") {
         settings.method = method.parse().map_err(|e| Problem::Usage(format!("error: {e}")))?;
     }
-    enforcement(options, &mut settings)?;
+    enforcement::choose(options, &mut settings)?;
     for warning in &loaded.warnings {
         eprintln!("warning: {warning}");
     }
@@ -213,46 +210,6 @@ fn report(
         writeln!(out, "digits         not estimated: {why}")?;
     }
     writeln!(out)?;
-    Ok(())
-}
-
-/// Applies `--constraints`, `--stiffness`, `--damping`, `--drift` and `--alpha`.
-fn enforcement(options: &ArgMatches, settings: &mut Settings) -> Result<(), Problem> {
-    let text = |name: &str| options.get_one::<String>(name).map(String::as_str);
-    let number = |name: &str| -> Result<Option<f64>, Problem> {
-        let read = |text: &str| {
-            text.trim().parse().map_err(|_| Problem::Usage(format!("error: --{name} is `{text}`; give a number")))
-        };
-        text(name).map(read).transpose()
-    };
-    let (stiffness, damping, alpha) = (number("stiffness")?, number("damping")?, number("alpha")?);
-    let unknown = |name: &str, given: &str, known: &str| {
-        Err(Problem::Usage(format!("error: --{name} is `{given}`; there are {known}")))
-    };
-    settings.enforcement = match text("constraints") {
-        None | Some("multipliers") => Enforcement::Multipliers,
-        Some("nullspace") => Enforcement::NullSpace,
-        Some("springs") => {
-            Enforcement::Springs { stiffness: stiffness.unwrap_or(STIFFNESS), damping: damping.unwrap_or(0.0) }
-        }
-        Some(other) => return unknown("constraints", other, "multipliers, nullspace, springs"),
-    };
-    settings.stabilisation = match text("drift") {
-        None | Some("project") => Stabilisation::Project,
-        Some("none") => Stabilisation::None,
-        Some("baumgarte") => Stabilisation::Baumgarte { alpha },
-        Some(other) => return unknown("drift", other, "project, none, baumgarte"),
-    };
-    let springs = matches!(settings.enforcement, Enforcement::Springs { .. });
-    if !springs && (stiffness.is_some() || damping.is_some()) {
-        return Err(Problem::Usage("error: --stiffness and --damping go with --constraints springs".to_owned()));
-    }
-    if springs && text("drift").is_some() {
-        return Err(Problem::Usage("error: with springs nothing drifts: leave --drift out".to_owned()));
-    }
-    if alpha.is_some() && !matches!(settings.stabilisation, Stabilisation::Baumgarte { .. }) {
-        return Err(Problem::Usage("error: --alpha goes with --drift baumgarte".to_owned()));
-    }
     Ok(())
 }
 

@@ -1,5 +1,6 @@
 //! Jumps of the speeds: constraints that are entered, and impacts with restitution.
 
+use crate::mechanism::dense::constraint_triples;
 use crate::mechanism::{At, Form, Singular, System};
 
 /// What an instant does to the speeds: M Δq' = Jᵀ P.
@@ -27,9 +28,8 @@ pub(crate) fn blow<S: System + ?Sized>(
     let n = system.len();
     let mut form = Form::default();
     form.factor_rows(system, At::place(t, &y[..n]), rows)?;
-    let mut triples = vec![0.0; 3 * system.description().rows.len()];
-    system.constraints(At::packed(t, y, n), &mut triples);
-    let mut impulses: Vec<f64> = rows.iter().map(|row| -(1.0 + restitution(*row)) * triples[3 * row + 1]).collect();
+    let triples = constraint_triples(system, At::packed(t, y, n));
+    let mut impulses: Vec<f64> = rows.iter().map(|row| -(1.0 + restitution(*row)) * triples[*row][1]).collect();
     let mut jump = vec![0.0; n];
     form.solve(&mut jump, &mut impulses);
     Ok(Blow { jump, rows: rows.iter().copied().zip(impulses).collect() })

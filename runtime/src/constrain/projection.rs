@@ -1,5 +1,8 @@
 //! States brought back to the constraints.
 
+use nalgebra::DMatrix;
+
+use crate::mechanism::dense::constraint_matrix;
 use crate::mechanism::{At, Form, Singular, System};
 
 /// Brings states back to the constraints that are active, by the least change in the metric of M.
@@ -24,6 +27,8 @@ pub(crate) struct Projection {
     worst: Residuals,
     /// What rounding of constraints makes of [q; q'].
     blur: Vec<f64>,
+    /// Rows that are independent, and their J, at the last state that was near a singular position.
+    before: Option<(Vec<usize>, DMatrix<f64>)>,
 }
 
 /// How far a motion is from its constraints, in their own units.
@@ -43,6 +48,8 @@ const LOST: f64 = 1e-6;
 const ITERATIONS: usize = 8;
 /// Rows further than this from depending on each other determine a state to its own rounding.
 const NEARLY_SINGULAR: f64 = 0.1;
+/// Steps from closer than this to a singular position may lead across it.
+const NEAR: f64 = 0.3;
 /// A correction that leaves more than this of the residual calls for new matrices, or does not help at all.
 const SLOW: f64 = 0.3;
 
@@ -62,6 +69,7 @@ impl Projection {
             last: Residuals::default(),
             worst: Residuals::default(),
             blur: vec![0.0; 2 * system.len()],
+            before: None,
         })
     }
 
@@ -173,6 +181,22 @@ impl Projection {
     /// Whether rounding of the constraints shows at the state that was projected last.
     pub fn is_nearly_singular(&self) -> bool {
         self.corrects && self.form.weakest() <= NEARLY_SINGULAR
+    }
+
+    /// Whether a singular position lies between the state that was projected last and the one before: there the minors of J
+    /// change their signs.  `usual` rows are independent elsewhere.
+    pub fn passed<S: System + ?Sized>(&mut self, system: &S, place: At<'_>, usual: usize) -> bool {
+        let near = self.corrects && self.form.rank() >= usual && self.form.weakest() <= NEAR;
+        let here = near.then(|| {
+            let rows = self.form.chosen_first(usual);
+            let j = constraint_matrix(system, place, &rows);
+            (rows, j)
+        });
+        let Some((rows, before)) = std::mem::replace(&mut self.before, here) else { return false };
+        let mut columns = DMatrix::from_fn(1, system.len(), |_, j| j);
+        before.clone().col_piv_qr().p().permute_columns(&mut columns);
+        let minor = |j: &DMatrix<f64>| j.select_columns(columns.iter().take(rows.len())).determinant();
+        minor(&before) * minor(&constraint_matrix(system, place, &rows)) < 0.0
     }
 
     /// What rounding of c makes of q, and that in turn of q', at the state that was projected last; `None` where it is

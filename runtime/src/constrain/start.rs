@@ -3,6 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::cause::Cause;
+use crate::matrix::solve_least;
+use crate::mechanism::dense::{constraint_matrix, constraint_triples, mass_matrix, sizes_alike};
 use crate::mechanism::{At, System};
 
 /// What is known of a start: values, and which of them are held.
@@ -18,8 +20,9 @@ pub(crate) struct Start<'a> {
     pub also: std::ops::Range<usize>,
 }
 
-/// A constraint may be missed by so much, in SI, by values that are all held.
-const MISSED: f64 = 1e-9;
+/// A constraint may be missed by this part of its terms, or of what the coordinates' sizes make of it, by values that are
+/// all held.
+pub(super) const MISSED: f64 = 1e-9;
 /// A closed constraint, beside the sum of its terms.
 const CLOSED: f64 = 1e-14;
 /// At a stationary point of |c|² its gradient is below this part of what it might be.
@@ -52,16 +55,16 @@ pub(crate) fn consistent<S: System + ?Sized>(system: &S, start: &Start<'_>) -> R
     Ok(y)
 }
 
-struct Closing<'a, S: System + ?Sized> {
-    system: &'a S,
-    t: f64,
-    n: usize,
+pub(super) struct Closing<'a, S: System + ?Sized> {
+    pub system: &'a S,
+    pub t: f64,
+    pub n: usize,
     guess: &'a [f64],
-    held: &'a [bool],
+    pub held: &'a [bool],
     /// Active rows.
-    rows: Vec<usize>,
+    pub rows: Vec<usize>,
     /// Those of them without speeds.
-    holonomic: Vec<usize>,
+    pub holonomic: Vec<usize>,
     /// Coordinates that are not held.
     free: Vec<usize>,
 }
@@ -75,32 +78,48 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
         Closing { system, t: start.t, n, guess: start.y, held: start.held, rows, holonomic, free }
     }
 
-    fn triples(&self, y: &[f64]) -> Vec<f64> {
-        let mut triples = vec![0.0; 3 * self.system.description().rows.len()];
-        self.system.constraints(At::packed(self.t, y, self.n), &mut triples);
-        triples
+    pub fn triples(&self, y: &[f64]) -> Vec<[f64; 3]> {
+        constraint_triples(self.system, At::packed(self.t, y, self.n))
+    }
+
+    /// Natural sizes of [q; q']: the largest of those with the same unit, at least what would change some constraint by its
+    /// terms, and 1 for pure numbers and where nothing says more.
+    pub fn sizes(&self, y: &[f64]) -> DVector<f64> {
+        let (n, description) = (self.n, self.system.description());
+        let unit = |i: usize| &*description.coordinates[i % n].unit;
+        let (j, triples) = (self.jacobian(y, &self.holonomic), self.triples(y));
+        let by_terms = |i: usize, k: usize| triples[self.holonomic[k]][2] / j[(k, i)].abs();
+        let shortest = |i: usize| {
+            let alike = (0..n).filter(|other| i < n && unit(*other) == unit(i));
+            let lengths = alike.flat_map(|other| (0..self.holonomic.len()).map(move |k| by_terms(other, k)));
+            lengths.filter(|x| x.is_finite() && *x > 0.0).reduce(f64::min).unwrap_or(0.0)
+        };
+        let largest = [sizes_alike(description, &y[..n]), sizes_alike(description, &y[n..])].concat();
+        let size = |(i, largest): (usize, f64)| match unit(i) {
+            "" | "1" | "rad" if i < n => largest.max(1.0),
+            _ => Some(largest.max(shortest(i))).filter(|size| *size > 0.0).unwrap_or(1.0),
+        };
+        DVector::from_iterator(2 * n, largest.into_iter().enumerate().map(size))
+    }
+
+    /// What may be left of the rows' c, beside their terms and the sizes of coordinates.
+    fn negligible(&self, y: &[f64], rows: &[usize]) -> Vec<f64> {
+        let sizes = DVector::from_vec(sizes_alike(self.system.description(), &y[..self.n]));
+        let (by_place, triples) = (self.jacobian(y, rows).abs() * sizes, self.triples(y));
+        rows.iter().zip(by_place.iter()).map(|(row, place)| MISSED * triples[*row][2].max(*place)).collect()
     }
 
     /// c of the holonomic rows and what counts as closed for each.
     fn residual(&self, y: &[f64]) -> (DVector<f64>, Vec<f64>) {
         let triples = self.triples(y);
-        let c = self.holonomic.iter().map(|row| triples[3 * row]);
-        let closed = self.holonomic.iter().map(|row| CLOSED * triples[3 * row + 2].max(f64::MIN_POSITIVE)).collect();
+        let c = self.holonomic.iter().map(|row| triples[*row][0]);
+        let closed = self.holonomic.iter().map(|row| CLOSED * triples[*row][2].max(f64::MIN_POSITIVE)).collect();
         (DVector::from_iterator(self.holonomic.len(), c), closed)
     }
 
     /// Rows of J, all columns.
     fn jacobian(&self, y: &[f64], rows: &[usize]) -> DMatrix<f64> {
-        let pattern = &self.system.description().constraint_pattern;
-        let mut values = vec![0.0; pattern.len()];
-        self.system.constraint_matrix(At::place(self.t, &y[..self.n]), &mut values);
-        let mut j = DMatrix::zeros(rows.len(), self.n);
-        for ((row, column), value) in pattern.iter().zip(values) {
-            if let Some(k) = rows.iter().position(|r| *r == *row as usize) {
-                j[(k, *column as usize)] = value;
-            }
-        }
-        j
+        constraint_matrix(self.system, At::place(self.t, &y[..self.n]), rows)
     }
 
     /// Levenberg's and Marquardt's iteration to c = 0 (Moré 1978), rows divided by their norms.
@@ -160,8 +179,9 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
     /// Whether what is left is rounding; else what it is.
     fn closed(&self, y: &[f64]) -> Result<(), Cause> {
         let (c, _) = self.residual(y);
-        let worst = (0..c.len()).max_by(|a, b| c[*a].abs().total_cmp(&c[*b].abs()));
-        let Some(worst) = worst.filter(|k| c[*k].abs() > MISSED) else { return Ok(()) };
+        let negligible = self.negligible(y, &self.holonomic);
+        let missed = (0..c.len()).filter(|k| c[*k].is_nan() || c[*k].abs() > negligible[*k]);
+        let Some(worst) = missed.max_by(|a, b| c[*a].abs().total_cmp(&c[*b].abs())) else { return Ok(()) };
         let (constraint, residual) = (self.name(self.holonomic[worst]), c[worst]);
         let full = self.jacobian(y, &self.holonomic);
         let a = full.select_columns(&self.free);
@@ -185,7 +205,8 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
             let pull = DVector::from_iterator(self.free.len(), self.free.iter().map(|i| self.guess[*i] - y[*i]));
             let step = &pull - &inverse * (&a * &pull) - &inverse * &c;
             let size = step.norm();
-            if size <= 1e-9 * (1.0 + pull.norm()) {
+            let place = self.free.iter().map(|i| y[*i] * y[*i]).sum::<f64>().sqrt();
+            if size <= 1e-9 * (place + pull.norm()) {
                 break;
             }
             // A long way along a curved constraint is gone in pieces that can be closed again.
@@ -216,8 +237,8 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
         let j = self.jacobian(y, &self.rows);
         free.iter().for_each(|i| y[n + i] = 0.0);
         let triples = self.triples(y);
-        let rate = DVector::from_iterator(self.rows.len(), self.rows.iter().map(|row| triples[3 * row + 1]));
-        let mass = self.mass(y);
+        let rate = DVector::from_iterator(self.rows.len(), self.rows.iter().map(|row| triples[*row][1]));
+        let mass = mass_matrix(self.system, At::place(self.t, &y[..n]));
         let m = mass.select_rows(&free).select_columns(&free);
         let coupled = mass.select_rows(&free) * DVector::from_row_slice(&y[n..]);
         let a = j.select_columns(&free);
@@ -227,100 +248,41 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
         k.view_mut((0, 0), (f, f)).copy_from(&m);
         k.view_mut((0, f), (f, r)).copy_from(&a.transpose());
         k.view_mut((f, 0), (r, f)).copy_from(&a);
-        let right = DVector::from_iterator(f + r, (-coupled).iter().chain((-&rate).iter()).copied());
-        if let Ok(solution) = k.svd(true, true).solve(&right, 1e-12) {
+        let right = DMatrix::from_iterator(f + r, 1, coupled.iter().chain(rate.iter()).map(|x| -x));
+        if let Some(solution) = solve_least(&k, &right) {
             free.iter().zip(solution.iter()).for_each(|(i, v)| y[n + i] = *v);
         }
         let triples = self.triples(y);
-        let size: f64 = y[n..].iter().map(|v| v * v).sum::<f64>().sqrt().max(rate.norm());
+        let sizes = DVector::from_vec(sizes_alike(self.system.description(), &y[n..]));
+        let terms = j.abs() * sizes + rate.abs();
         for (k, row) in self.rows.iter().enumerate() {
-            let residual = triples[3 * row + 1];
-            if residual.abs() > MISSED * (1.0 + j.row(k).norm() * size) || residual.is_nan() {
+            let residual = triples[*row][1];
+            if residual.abs() > MISSED * terms[k] || residual.is_nan() {
                 return Err(Cause::StartMissesConstraint { constraint: self.name(*row), residual });
             }
         }
         Ok(())
     }
 
-    /// Moves on to what the start is to meet beside constraints, by least steps (Gauss and Newton; differences only
-    /// steer).
-    fn also(&self, y: &mut [f64], range: std::ops::Range<usize>) -> Result<(), Cause> {
-        let free: Vec<usize> = (0..2 * self.n).filter(|i| !self.held[*i]).collect();
-        let all = |y: &[f64]| {
-            let pairs = self.system.also(At::packed(self.t, y, self.n));
-            let triples = self.triples(y);
-            let place = self.holonomic.iter().map(|row| triples[3 * row]);
-            let rate = self.rows.iter().map(|row| triples[3 * row + 1]);
-            let rest = pairs[range.clone()].iter().map(|(value, wanted)| value - wanted);
-            DVector::from_vec(place.chain(rate).chain(rest).collect())
-        };
-        let mut left = all(y);
-        // An energy does not change with speeds where these vanish: something has to move.
-        if y[self.n..].iter().all(|v| *v == 0.0) && left.rows(left.len() - range.len(), range.len()).norm() > MISSED {
-            free.iter().filter(|i| **i >= self.n).for_each(|i| y[*i] = 1.0);
-            left = all(y);
-        }
-        for _ in 0..ITERATIONS {
-            let size = left.norm();
-            if !size.is_finite() {
-                break;
-            }
-            let mut slopes = DMatrix::zeros(left.len(), free.len());
-            for (k, i) in free.iter().enumerate() {
-                let step = 1e-6 * (1.0 + y[*i].abs());
-                let mut moved = y.to_vec();
-                moved[*i] += step;
-                slopes.set_column(k, &((all(&moved) - &left) / step));
-            }
-            let Ok(step) = slopes.clone().svd(true, true).solve(&left, 1e-10 * slopes.norm()) else { break };
-            let mut part = 1.0;
-            let mut better = None;
-            while part > 1e-6 && better.is_none() {
-                let mut tried = y.to_vec();
-                free.iter().zip(step.iter()).for_each(|(i, s)| tried[*i] -= part * s);
-                let after = all(&tried);
-                better = (after.norm() < size).then_some((tried, after));
-                part *= 0.5;
-            }
-            let Some((tried, after)) = better else { break };
-            y.copy_from_slice(&tried);
-            left = after;
-        }
-        let first = left.len() - range.len();
-        match (first..left.len()).find(|k| left[*k].is_nan() || left[*k].abs() > MISSED) {
-            Some(k) => Err(Cause::StartMissesConstraint {
-                constraint: format!("also, its equation {}", k - first + 1),
-                residual: left[k],
-            }),
-            None => Ok(()),
-        }
-    }
-
-    fn mass(&self, y: &[f64]) -> DMatrix<f64> {
-        let pattern = &self.system.description().mass_pattern;
-        let mut values = vec![0.0; pattern.len()];
-        self.system.mass_matrix(At::place(self.t, &y[..self.n]), &mut values);
-        let mut mass = DMatrix::zeros(self.n, self.n);
-        for ((i, j), value) in pattern.iter().zip(values) {
-            mass[(*i as usize, *j as usize)] = value;
-            mass[(*j as usize, *i as usize)] = value;
-        }
-        mass
-    }
-
     /// Refuses a place where the constraints are less independent than elsewhere: what follows there is not determined.
     fn judge(&self, y: &[f64]) -> Result<(), Cause> {
         let rank = self.system.description().phases.get(self.system.phase()).map_or(0, |phase| phase.rank as usize);
-        let mut j = self.jacobian(y, &self.rows);
-        let largest = j.row_iter().map(|row| row.norm()).fold(0.0, f64::max);
-        for mut row in j.row_iter_mut() {
-            let norm = row.norm();
-            // A row that vanishes is not blown up.
-            if norm > 1e-3 * largest {
-                row.scale_mut(1.0 / norm);
-            } else if largest > 0.0 {
-                row.scale_mut(1.0 / largest);
-            }
+        let place = At::place(self.t, &y[..self.n]);
+        let (mut j, triples) = (self.jacobian(y, &self.rows), self.triples(y));
+        let (sizes, inertia) = (self.sizes(y), mass_matrix(self.system, place).diagonal());
+        let moved = j.abs() * sizes.rows(0, self.n);
+        let whole = (0..self.n).map(|i| inertia[i].max(0.0) * sizes[i] * sizes[i]).sum::<f64>().sqrt();
+        // In units of √M; what has no inertia, by its size.
+        for (i, mut column) in j.column_iter_mut().enumerate() {
+            let own = inertia[i].max(0.0).sqrt();
+            column.scale_mut(if own > 0.0 { 1.0 / own } else { sizes[i] / whole.max(f64::MIN_POSITIVE) });
+        }
+        for (k, mut line) in j.row_iter_mut().enumerate() {
+            // A row that vanishes beside the terms of its constraint is not blown up.
+            let terms = if self.holonomic.contains(&self.rows[k]) { triples[self.rows[k]][2] } else { 0.0 };
+            let share = if moved[k] < terms { moved[k] / terms } else { 1.0 };
+            let norm = line.norm();
+            line.scale_mut(if norm > 0.0 { share / norm } else { 0.0 });
         }
         let mut values: Vec<f64> = j.singular_values().iter().copied().collect();
         values.sort_by(|a, b| b.total_cmp(a));

@@ -3,9 +3,10 @@
 //! A step is tried until its error is small enough; its dense output is made where anything reads it; what is watched
 //! may end it early: look in `interrupt.rs`; it is written down and taken.  Jumps of the acceleration that
 //! nobody declared: look in `jump.rs`; what is asked of a step between its ends: in `between.rs`; rounding that looks like
-//! errors: in `noise.rs`; phases and impacts: in `phase.rs`.
+//! errors: in `noise.rs`; constraints at the ends of steps: in `constraints.rs`; phases and impacts: in `phase.rs`.
 
 mod between;
+mod constraints;
 mod interrupt;
 mod jump;
 mod noise;
@@ -18,12 +19,12 @@ use jump::{JumpDetector, Upset};
 use phase::Impacts;
 
 use crate::cause::Cause;
-use crate::constrain::{Projection, Residuals};
+use crate::constrain::Projection;
 use crate::events::Watch;
 use crate::integrate::{
     Clock, Control, OneStep, Reached, Segment, Setback, StepControl, StiffnessDetector, Tolerance, Trial, stepper,
 };
-use crate::mechanism::{At, Method, RowHistory, System};
+use crate::mechanism::{Method, System};
 use crate::run::{Recorder, Work};
 use crate::trust::Warning;
 
@@ -453,18 +454,6 @@ impl March {
         Ok(if finite { error } else { f64::NAN })
     }
 
-    /// Brings the present state to the constraints, and measures how independent they are there.
-    fn project_start(&mut self, system: &mut dyn System) -> Result<(), Cause> {
-        let Some(projection) = &mut self.projection else { return Ok(()) };
-        let projected = projection.project(system, self.clock.now(), self.stepper.state_mut());
-        projected.map_err(|fault| fault.cause(system.description()))?;
-        projection.hold(system, self.clock.now(), self.stepper.start().y);
-        if let Some(history) = system.row_history_mut() {
-            *history = RowHistory { norms: projection.norms().to_vec(), ..RowHistory::default() };
-        }
-        Ok(())
-    }
-
     /// Takes the step that was tried.
     fn commit(&mut self, step: Step) {
         self.stepper.accept(self.compensated);
@@ -506,68 +495,6 @@ impl March {
         }
     }
 
-    /// Notes how the constraints stand at the end of a step.
-    fn look_at_constraints(&mut self, system: &mut dyn System, recorder: &mut Recorder) -> Result<(), Cause> {
-        let deficient = self.deficient(system);
-        let Some(projection) = &mut self.projection else { return Ok(()) };
-        let usual = system.description().phases.get(system.phase()).map_or(0, |phase| phase.rank as usize);
-        let (now, y) = (self.clock.now(), self.stepper.start().y);
-        if system.active_rows().is_empty() {
-            projection.observe(system, now, y);
-            return Ok(());
-        }
-        if let Some(history) = system.row_history_mut() {
-            history.norms.clear();
-            history.norms.extend_from_slice(projection.norms());
-            history.last = projection.weak_rows(usual);
-        }
-        if deficient.is_none() && projection.is_nearly_singular() {
-            let (mut a, mut lambda) = (vec![0.0; system.len()], vec![0.0; system.description().rows.len()]);
-            let solved = system.motion(At::packed(now, y, system.len()), &mut a, &mut lambda);
-            if let Some(history) = system.row_history_mut().filter(|_| solved.is_ok()) {
-                history.multipliers = lambda;
-            }
-        }
-        if let Pace::Adaptive { tolerance, .. } = &mut self.pace {
-            tolerance.blur(projection.blur(system, now, y));
-        }
-        if let Some(sigma) = deficient {
-            self.singular += 1;
-            recorder.warn(Warning::SingularPassed { t: now });
-            return if self.singular > DWELLS { Err(Cause::SingularConfiguration { sigma }) } else { Ok(()) };
-        }
-        self.singular = 0;
-        match projection.lost(system) {
-            Some((row, residual)) => {
-                let constraint = system.description().rows[row].name.to_string();
-                Err(Cause::ConstraintLost { constraint, residual })
-            }
-            None => Ok(()),
-        }
-    }
-
-    /// Chooses Baumgarte's gain by the mean of the first steps: what decays faster becomes what limits them.
-    fn choose_gain(&mut self, system: &mut dyn System) {
-        if self.finds_gain && self.work.steps >= GAIN_AFTER {
-            let mean = (self.clock.now() - self.from) / self.work.steps as f64;
-            system.enforce(system.enforcement(), GAIN / mean);
-            self.finds_gain = false;
-        }
-    }
-
-    /// Where the rows of the constraints that were projected onto last are less independent than elsewhere: how far they
-    /// are from depending on each other.
-    fn deficient(&self, system: &dyn System) -> Option<f64> {
-        let (rank, sigma) = self.projection.as_ref()?.rank();
-        let usual = system.description().phases.get(system.phase())?.rank as usize;
-        (!system.active_rows().is_empty() && rank < usual).then_some(sigma)
-    }
-
-    /// How far the motion was from its constraints, at the ends of its steps.
-    pub fn residuals(&self) -> Option<Residuals> {
-        self.projection.as_ref().map(|projection| projection.worst())
-    }
-
     /// Warns once the step is limited by stability.
     fn look_for_stiffness(&mut self, step: Step, recorder: &mut Recorder) {
         if let Pace::Adaptive { .. } = self.pace {
@@ -600,16 +527,11 @@ impl March {
     }
 }
 
-/// Baumgarte's gain is this over the mean of so many steps (measured: larger ones cost more steps than they save errors).
-const GAIN: f64 = 0.03;
-const GAIN_AFTER: u64 = 20;
 /// The part of the way to a stop or a crossing that a run unlike others takes first; never more than the step that was allowed.
 const UNEVEN: f64 = 0.4;
 /// The first step is tried at this part of the way, at the usual tolerance.
 const FIRST: f64 = 1e-3;
 const USUAL: f64 = 1e-10;
-/// More steps than this in a row at a singular position: the motion stays there.
-const DWELLS: u32 = 100;
 /// So many times in a run a step is cut because a watched function oscillates within it.
 const MOST_CUTS: u32 = 100;
 

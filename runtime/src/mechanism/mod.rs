@@ -2,6 +2,7 @@
 
 mod at;
 mod balances;
+pub(crate) mod dense;
 mod description;
 mod enforcement;
 mod erased;

@@ -2,6 +2,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
+use super::dense::constraint_triples;
 use super::{At, Energy, Enforcement, Form, Singular, System};
 
 /// What the motion so far tells of the constraints' rows; lists are empty where it tells nothing.
@@ -90,10 +91,9 @@ impl Phased {
 /// The energy with what the springs of [`Enforcement::Springs`] hold and their dampers take.
 pub(super) fn sprung<S: System + ?Sized>(system: &S, at: At<'_>, mut energy: Energy) -> Energy {
     let Enforcement::Springs { stiffness, damping } = system.enforcement() else { return energy };
-    let mut triples = vec![0.0; 3 * system.description().rows.len()];
-    system.constraints(at, &mut triples);
+    let triples = constraint_triples(system, at);
     for row in system.active_rows().iter().map(|row| *row as usize) {
-        let (c, rate) = (triples[3 * row], triples[3 * row + 1]);
+        let [c, rate, _] = triples[row];
         let held = if system.description().rows[row].holonomic { 0.5 * stiffness * c * c } else { 0.0 };
         energy.potential += held;
         energy.jacobi += held;

@@ -4,6 +4,7 @@ use nalgebra::{Complex, DMatrix, Schur};
 
 use super::Warning;
 use crate::integrate::stability;
+use crate::mechanism::dense::{force_slopes, mass_matrix};
 use crate::mechanism::{At, Method, System};
 
 /// More coordinates than this are not looked at: the eigenvalues would cost more than they tell.
@@ -110,19 +111,11 @@ fn eigenvalues<S: System + ?Sized>(system: &S, t: f64, q: &[f64], v: &[f64]) -> 
     if n == 0 || n > LARGEST || !system.active_rows().is_empty() {
         return None;
     }
-    let description = system.description();
     let mut a = vec![0.0; n];
     system.accelerations(At::new(t, q, v), &mut a).ok()?;
-    let mut mass_values = vec![0.0; description.mass_pattern.len()];
-    let mut dq = vec![0.0; description.stiffness_pattern.len()];
-    let mut dv = vec![0.0; description.damping_pattern.len()];
-    system.mass_matrix(At::place(t, q), &mut mass_values);
-    system.jacobians(At::new(t, q, v).accelerated(&a), &mut dq, &mut dv);
-    let mut mass = scatter(n, &description.mass_pattern, &mass_values);
-    mass.fill_upper_triangle_with_lower_triangle();
-    let factors = mass.lu();
-    let stiffness = factors.solve(&scatter(n, &description.stiffness_pattern, &dq))?;
-    let damping = factors.solve(&scatter(n, &description.damping_pattern, &dv))?;
+    let factors = mass_matrix(system, At::place(t, q)).lu();
+    let [stiffness, damping] = force_slopes(system, At::new(t, q, v).accelerated(&a));
+    let (stiffness, damping) = (factors.solve(&stiffness)?, factors.solve(&damping)?);
     let mut matrix = DMatrix::zeros(2 * n, 2 * n);
     matrix.view_mut((0, n), (n, n)).fill_with_identity();
     matrix.view_mut((n, 0), (n, n)).copy_from(&-stiffness);
@@ -132,12 +125,4 @@ fn eigenvalues<S: System + ?Sized>(system: &S, t: f64, q: &[f64], v: &[f64]) -> 
     }
     let schur = Schur::try_new(matrix, f64::EPSILON, 100 * n)?;
     Some(schur.complex_eigenvalues().iter().copied().collect())
-}
-
-fn scatter(n: usize, pattern: &[(u32, u32)], values: &[f64]) -> DMatrix<f64> {
-    let mut matrix = DMatrix::zeros(n, n);
-    for ((row, column), value) in pattern.iter().zip(values) {
-        matrix[(*row as usize, *column as usize)] = *value;
-    }
-    matrix
 }

@@ -2,8 +2,9 @@
 
 use nalgebra::{Complex, DMatrix};
 
-use crate::linear::matrices::{Scaled, cholesky, is_symmetric, null_space, symmetric_eigen};
+use crate::linear::matrices::{Scaled, cholesky, null_space, symmetric_eigen};
 use crate::linear::{LinearError, Linearised};
+use crate::matrix::is_symmetric;
 
 /// Parts of an eigenvalue below this are what rounding makes of a double one.
 const SPLIT: f64 = 1e-7;

@@ -4,8 +4,9 @@ use nalgebra::{DMatrix, DVector};
 
 use super::{Change, State, Turn};
 use crate::linear::equilibrium::{Guess, Probe, equilibrium_near, linearised_at};
-use crate::linear::matrices::{Scaled, Singular, equilibrated};
+use crate::linear::matrices::{Scaled, Singular};
 use crate::linear::{LinearError, Linearised};
+use crate::matrix::equilibrated;
 use crate::mechanism::System;
 
 /// The longest step, as a part of the range (and of the coordinates' extents).

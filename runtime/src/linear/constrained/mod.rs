@@ -3,14 +3,17 @@
 //! 1. At rest with holonomic constraints, M, C and K in independent coordinates: look in `rest.rs`.
 //! 2. About steady motions, and with constraints that contain speeds, a system of first order on the states that the
 //!    constraints leave: look in `tangent.rs`.
+//!
+//! The matrices of both at a state, and whether it stays: `held.rs`.
 
+mod held;
 mod rest;
 #[cfg(feature = "modal")]
 mod tangent;
 
 use super::equilibrium::Probe;
 use super::{Guess, LinearError};
-use crate::mechanism::{Description, System};
+use crate::mechanism::System;
 
 pub use rest::{Constrained, linearise_constrained};
 #[cfg(feature = "modal")]
@@ -18,13 +21,6 @@ pub use tangent::{Tangent, linearise_tangent};
 
 /// A search for a state is begun again for other sides of discontinuities at most so often.
 const SIDES: usize = 8;
-
-/// The largest size of a coordinate, or of its speed, among those with the same unit: what its rounding is judged by.
-fn sizes_alike(description: &Description, numbers: &[f64]) -> Vec<f64> {
-    let coordinates = &description.coordinates;
-    let alike = |i: usize| (0..numbers.len()).filter(move |j| coordinates[*j].unit == coordinates[i].unit);
-    (0..numbers.len()).map(|i| alike(i).fold(0.0_f64, |most, j| most.max(numbers[j].abs()))).collect()
-}
 
 /// Does `find` with inputs and clock standing still and every discontinuity on the side where the state is that it finds.
 ///

@@ -11,10 +11,11 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::{on_its_sides, sizes_alike};
-use crate::linear::matrices::equilibrated;
-use crate::linear::{Equilibrium, FirstOrder, Freedom, Guess, LinearError, Residual, first_order_modes};
-use crate::mechanism::{At, System};
+use super::held::{Held, State};
+use super::on_its_sides;
+use crate::linear::{Equilibrium, FirstOrder, Freedom, Guess, LinearError, first_order_modes};
+use crate::matrix::solve_least;
+use crate::mechanism::System;
 
 /// A steady motion with constraints, and what becomes of small departures from it.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,12 +32,8 @@ pub struct Tangent {
     pub analysis: FirstOrder,
 }
 
-/// Forces left in a steady state count as zero below this part of their terms.
-const BALANCED: f64 = 1e-9;
 /// Rows of what departures must meet, below this part of the largest, depend on others.
 const DEPENDENT: f64 = 1e-9;
-/// So many roundings of the place are nothing.
-const ROUNDINGS: f64 = 16.0;
 /// Speeds below this, SI, or this part of the others, that a search leaves are rounding.
 const REST: f64 = 1e-13;
 /// Gauss's and Newton's iteration gives up after so many steps.
@@ -57,18 +54,17 @@ const SAME: f64 = 1e-8;
 pub fn linearise_tangent<S: System + ?Sized>(system: &S, guess: &Guess, here: bool) -> Result<Tangent, LinearError> {
     let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
     on_its_sides(system, guess, |system, guess| {
-        let steady = Steady { system, n: system.len(), rows: rows.clone() };
-        let mut state = State::new(guess, steady.n);
-        state.lambda = steady.multipliers(&state);
-        let iterations = if here { 0 } else { steady.search(guess, &mut state)? };
-        if !steady.holds(&state) {
+        let held = Held { system, n: system.len(), rows: rows.clone() };
+        let mut state = held.state(&guess.q, &guess.v);
+        let iterations = if here { 0 } else { held.steady(guess, &mut state)? };
+        if !held.stays(&state) {
             return Err(match here {
-                true => LinearError::NotAnEquilibrium { residual: steady.left(&state) },
-                false => steady.nowhere(&state, iterations),
+                true => LinearError::NotAnEquilibrium { residual: held.left(&state) },
+                false => held.nowhere(&state, iterations),
             });
         }
-        steady.stays(&state)?;
-        let found = steady.linearised(&state, iterations)?;
+        held.is_steady(&state)?;
+        let found = held.small_departures(&state, iterations)?;
         Ok((found, Guess { q: state.q, v: state.v, inputs: guess.inputs.clone() }))
     })
 }
@@ -94,142 +90,7 @@ impl Tangent {
     }
 }
 
-struct Steady<'a, S: System + ?Sized> {
-    system: &'a S,
-    n: usize,
-    rows: Vec<usize>,
-}
-
-/// A state without accelerations, and the multipliers (of all rows) that leave it so.
-#[derive(Clone)]
-struct State {
-    t: f64,
-    q: Vec<f64>,
-    v: Vec<f64>,
-    zero: Vec<f64>,
-    lambda: Vec<f64>,
-}
-
-impl State {
-    fn new(guess: &Guess, n: usize) -> Self {
-        State { t: 0.0, q: guess.q.clone(), v: guess.v.clone(), zero: vec![0.0; n], lambda: Vec::new() }
-    }
-
-    fn at(&self) -> At<'_> {
-        At::new(self.t, &self.q, &self.v).accelerated(&self.zero).constrained(&self.lambda)
-    }
-
-    /// The state later on, of one coordinate or of all.
-    fn later(&self, time: f64, only: Option<usize>) -> Self {
-        let moves = |i: usize| only.is_none_or(|k| k == i);
-        let q = (0..self.q.len()).map(|i| if moves(i) { self.q[i] + time * self.v[i] } else { self.q[i] });
-        let t = if only.is_none() { self.t + time } else { self.t };
-        State { t, q: q.collect(), ..self.clone() }
-    }
-}
-
-impl<S: System + ?Sized> Steady<'_, S> {
-    fn dense(&self, pattern: &[(u32, u32)], values: &[f64], rows: Option<&[usize]>, columns: usize) -> DMatrix<f64> {
-        let mut matrix = DMatrix::zeros(rows.map_or(self.n, <[usize]>::len), columns);
-        for ((row, column), value) in pattern.iter().zip(values) {
-            let place = match rows {
-                Some(rows) => rows.iter().position(|known| *known == *row as usize),
-                None => Some(*row as usize),
-            };
-            if let Some(place) = place {
-                matrix[(place, *column as usize)] += value;
-            }
-        }
-        matrix
-    }
-
-    /// J of the rows in force.
-    fn jacobian(&self, state: &State) -> DMatrix<f64> {
-        let pattern = &self.system.description().constraint_pattern;
-        let mut values = vec![0.0; pattern.len()];
-        self.system.constraint_matrix(state.at(), &mut values);
-        self.dense(pattern, &values, Some(&self.rows), self.n)
-    }
-
-    /// Jᵀ + B of the rows in force: what multipliers do.
-    fn effects(&self, state: &State) -> DMatrix<f64> {
-        let pattern = &self.system.description().friction_pattern;
-        let mut values = vec![0.0; pattern.len()];
-        self.system.friction(state.at(), &mut values);
-        let all = self.dense(pattern, &values, None, self.system.description().rows.len());
-        self.jacobian(state).transpose() + all.select_columns(&self.rows)
-    }
-
-    /// ∂c'/∂q of the rows in force.
-    fn tilt(&self, state: &State) -> DMatrix<f64> {
-        let pattern = &self.system.description().constraint_tilt_pattern;
-        let mut values = vec![0.0; pattern.len()];
-        self.system.constraint_tilt(state.at(), &mut values);
-        self.dense(pattern, &values, Some(&self.rows), self.n)
-    }
-
-    /// [∂F/∂q ∂F/∂q'; ∂(J a + γ)/∂q ∂(J a + γ)/∂q'].
-    fn slopes(&self, state: &State) -> DMatrix<f64> {
-        let description = self.system.description();
-        let (n, m) = (self.n, self.rows.len());
-        let patterns = [&description.stiffness_pattern, &description.damping_pattern];
-        let [mut dq, mut dv] = patterns.map(|pattern| vec![0.0; pattern.len()]);
-        self.system.jacobians(state.at(), &mut dq, &mut dv);
-        let below = [&description.constraint_stiffness_pattern, &description.constraint_damping_pattern];
-        let [mut cq, mut cv] = below.map(|pattern| vec![0.0; pattern.len()]);
-        self.system.constraint_jacobians(state.at(), &mut cq, &mut cv);
-        let mut slopes = DMatrix::zeros(n + m, 2 * n);
-        for (k, values) in [dq, dv].iter().enumerate() {
-            slopes.view_mut((0, k * n), (n, n)).copy_from(&self.dense(patterns[k], values, None, n));
-        }
-        for (k, values) in [cq, cv].iter().enumerate() {
-            slopes.view_mut((n, k * n), (m, n)).copy_from(&self.dense(below[k], values, Some(&self.rows), n));
-        }
-        slopes
-    }
-
-    fn mass(&self, state: &State) -> DMatrix<f64> {
-        let pattern = &self.system.description().mass_pattern;
-        let mut values = vec![0.0; pattern.len()];
-        self.system.mass_matrix(state.at(), &mut values);
-        let lower = self.dense(pattern, &values, None, self.n);
-        &lower + lower.transpose() - DMatrix::from_diagonal(&lower.diagonal())
-    }
-
-    fn force(&self, state: &State) -> DVector<f64> {
-        let mut force = DVector::zeros(self.n);
-        self.system.residual(state.at(), force.as_mut_slice());
-        force
-    }
-
-    /// The multipliers, of all rows, that leave the least of the forces.
-    fn multipliers(&self, state: &State) -> Vec<f64> {
-        let mut all = vec![0.0; self.system.description().rows.len()];
-        let force = self.force(&State { lambda: all.clone(), ..state.clone() });
-        if let Some(lambda) = solved(self.effects(state), &DMatrix::from_column_slice(self.n, 1, force.as_slice())) {
-            self.rows.iter().zip(lambda.iter()).for_each(|(row, x)| all[*row] = *x);
-        }
-        all
-    }
-
-    /// c of the holonomic rows, c' and γ of all: what must vanish beside the forces.
-    fn conditions(&self, state: &State) -> DVector<f64> {
-        let count = self.system.description().rows.len();
-        let (mut triples, mut gamma) = (vec![0.0; 3 * count], vec![0.0; count]);
-        self.system.constraints(state.at(), &mut triples);
-        self.system.constraint_bias(state.at(), &mut gamma);
-        let place = self.holonomic().map(|k| triples[3 * self.rows[k]]);
-        let rate = self.rows.iter().map(|row| triples[3 * row + 1]);
-        let rest = self.rows.iter().map(|row| gamma[*row]);
-        DVector::from_vec(place.chain(rate).chain(rest).collect())
-    }
-
-    /// Places of the holonomic rows among those in force.
-    fn holonomic(&self) -> impl Iterator<Item = usize> + '_ {
-        let rows = &self.system.description().rows;
-        (0..self.rows.len()).filter(move |k| rows[self.rows[*k]].holonomic)
-    }
-
+impl<S: System + ?Sized> Held<'_, S> {
     /// [J_h 0; ∂c'/∂q J]: what departures must meet.
     fn allowed(&self, state: &State) -> DMatrix<f64> {
         let (n, m) = (self.n, self.rows.len());
@@ -244,7 +105,7 @@ impl<S: System + ?Sized> Steady<'_, S> {
 
     /// Gauss's and Newton's iteration by least steps of q, λ and the speeds that the guess leaves open; how many there
     /// were.
-    fn search(&self, guess: &Guess, state: &mut State) -> Result<usize, LinearError> {
+    fn steady(&self, guess: &Guess, state: &mut State) -> Result<usize, LinearError> {
         let (n, m) = (self.n, self.rows.len());
         let open: Vec<usize> = (0..2 * n).filter(|i| *i < n || guess.v[i - n] == 0.0).collect();
         let mut iterations = 0;
@@ -263,7 +124,7 @@ impl<S: System + ?Sized> Steady<'_, S> {
                 return Err(self.nowhere(state, iterations));
             }
             let right = DMatrix::from_column_slice(left.len(), 1, left.as_slice());
-            let Some(step) = solved(matrix, &right) else { return Err(self.nowhere(state, iterations)) };
+            let Some(step) = solve_least(&matrix, &right) else { return Err(self.nowhere(state, iterations)) };
             let mut part = 1.0;
             let better = loop {
                 let mut tried = state.clone();
@@ -293,38 +154,21 @@ impl<S: System + ?Sized> Steady<'_, S> {
         Ok(iterations)
     }
 
+    /// F, c of the holonomic rows, c' and γ of all: what must vanish.
     fn whole(&self, state: &State) -> DVector<f64> {
-        let (force, rest) = (self.force(state), self.conditions(state));
-        DVector::from_iterator(force.len() + rest.len(), force.iter().chain(rest.iter()).copied())
-    }
-
-    /// Whether nothing accelerates in this state, but for rounding.
-    fn holds(&self, state: &State) -> bool {
-        let mut sums = vec![0.0; self.n];
-        self.system.magnitudes(state.at(), &mut sums);
-        // Rounding of the state and of multipliers counts too: the terms of a weight's moment vanish with it.
-        let (slopes, effects) = (self.slopes(state), self.effects(state));
-        let description = self.system.description();
-        let (sizes, speeds) = (sizes_alike(description, &state.q), sizes_alike(description, &state.v));
-        let carried = state.lambda.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-        let place = |i: usize| {
-            let by_place: f64 = slopes.row(i).iter().zip(sizes.iter().chain(&speeds)).map(|(k, x)| (k * x).abs()).sum();
-            (by_place + carried * effects.row(i).lp_norm(1)) * f64::EPSILON
-        };
-        let size = 1.0 + state.v.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-        let force = self.force(state);
-        let mut forces = force.iter().zip(sums).enumerate();
-        forces.all(|(i, (f, sum))| f.abs() <= (BALANCED * sum).max(ROUNDINGS * place(i)))
-            && self.conditions(state).iter().all(|c| c.abs() <= BALANCED * size)
+        let (force, triples, gamma) = (self.force(state), self.triples(state), self.bias(state));
+        let place = self.holonomic().map(|k| triples[k][0]);
+        let rate = triples.iter().map(|triple| triple[1]);
+        DVector::from_vec(force.iter().copied().chain(place).chain(rate).chain(gamma).collect())
     }
 
     /// Refuses a state whose linear model changes as the motion goes on.
-    fn stays(&self, state: &State) -> Result<(), LinearError> {
+    fn is_steady(&self, state: &State) -> Result<(), LinearError> {
         let now = self.field(state)?;
         let size = now.amax().max(f64::MIN_POSITIVE);
         let name = |k: usize| self.system.description().coordinates[k].name.to_string();
         let changes = |later: State| -> Result<bool, LinearError> {
-            Ok(!self.holds(&later) || (self.field(&later)? - &now).amax() > SAME * size)
+            Ok(!self.stays(&later) || (self.field(&later)? - &now).amax() > SAME * size)
         };
         for time in LATER {
             for k in (0..self.n).filter(|k| state.v[*k] != 0.0) {
@@ -351,14 +195,14 @@ impl<S: System + ?Sized> Steady<'_, S> {
             return Err(LinearError::NonFinite { what: "the linear model".to_owned() });
         }
         let changes =
-            solved(k, &slopes).ok_or(LinearError::NoConvergence { what: "the accelerations' derivatives" })?;
+            solve_least(&k, &slopes).ok_or(LinearError::NoConvergence { what: "the accelerations' derivatives" })?;
         let mut field = DMatrix::zeros(2 * n, 2 * n);
         field.view_mut((0, n), (n, n)).fill_with_identity();
         field.view_mut((n, 0), (n, 2 * n)).copy_from(&(-changes.rows(0, n)));
         Ok(field)
     }
 
-    fn linearised(&self, state: &State, iterations: usize) -> Result<Tangent, LinearError> {
+    fn small_departures(&self, state: &State, iterations: usize) -> Result<Tangent, LinearError> {
         let n = self.n;
         let field = self.field(state)?;
         // In units of √M a departure's size says what energy it has.
@@ -386,32 +230,6 @@ impl<S: System + ?Sized> Steady<'_, S> {
         let multipliers = self.rows.iter().map(|row| state.lambda[*row]).collect();
         Ok(Tangent { equilibrium, multipliers, departures, matrix, analysis })
     }
-
-    fn names(&self) -> Vec<String> {
-        self.system.description().coordinates.iter().map(|coordinate| coordinate.name.to_string()).collect()
-    }
-
-    fn left(&self, state: &State) -> Vec<Residual> {
-        let force = self.force(state);
-        let left = self.names().into_iter().zip(force.iter());
-        left.map(|(coordinate, force)| Residual { coordinate, force: *force, unit: String::new() }).collect()
-    }
-
-    fn nowhere(&self, state: &State, iterations: usize) -> LinearError {
-        let point = self.names().into_iter().zip(state.q.iter().copied()).collect();
-        LinearError::NoEquilibrium { iterations, point, residual: self.left(state) }
-    }
-}
-
-/// The least x that leaves the least of A x − b, A equilibrated.
-fn solved(matrix: DMatrix<f64>, right: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-    let (scaled, rows, columns) = equilibrated(&matrix);
-    let mut b = right.clone();
-    b.row_iter_mut().enumerate().for_each(|(i, mut row)| row.scale_mut(rows[i]));
-    let size = scaled.amax().max(f64::MIN_POSITIVE) * scaled.nrows().max(scaled.ncols()) as f64;
-    let mut x = scaled.svd(true, true).solve(&b, 1e-13 * size).ok()?;
-    x.row_iter_mut().enumerate().for_each(|(i, mut row)| row.scale_mut(columns[i]));
-    x.iter().all(|x| x.is_finite()).then_some(x)
 }
 
 /// An orthonormal basis of what a matrix with scaled columns leaves, its rows judged each by itself.

@@ -6,6 +6,7 @@ use super::probe::Probe;
 use super::{Equilibrium, Guess, Jump, equilibrium_here};
 use crate::linear::matrices::first_order;
 use crate::linear::{LinearError, Residual, SparseMatrix};
+use crate::mechanism::dense::{force_slopes, mass_matrix};
 use crate::mechanism::{At, Singular, SingularMass, System};
 
 /// M x'' + C x' + K x = B (u, u', u''), for small departures x from an equilibrium.
@@ -182,16 +183,9 @@ impl Linearised {
 /// # Errors
 /// [`Singular`] where the accelerations do not exist.
 pub fn state_matrix<S: System + ?Sized>(system: &S, t: f64, q: &[f64], v: &[f64]) -> Result<DMatrix<f64>, Singular> {
-    let (n, description) = (system.len(), system.description());
-    let mut a = vec![0.0; n];
+    let mut a = vec![0.0; system.len()];
     system.accelerations(At::new(t, q, v), &mut a)?;
-    let mut mass = vec![0.0; description.mass_pattern.len()];
-    let mut dq = vec![0.0; description.stiffness_pattern.len()];
-    let mut dv = vec![0.0; description.damping_pattern.len()];
-    system.mass_matrix(At::place(t, q), &mut mass);
-    system.jacobians(At::new(t, q, v).accelerated(&a), &mut dq, &mut dv);
-    let mass = SparseMatrix::symmetric(n, &description.mass_pattern, &mass).to_dense();
-    let stiffness = SparseMatrix::new(n, n, &description.stiffness_pattern, &dq).to_dense();
-    let damping = SparseMatrix::new(n, n, &description.damping_pattern, &dv).to_dense();
+    let mass = mass_matrix(system, At::place(t, q));
+    let [stiffness, damping] = force_slopes(system, At::new(t, q, v).accelerated(&a));
     first_order(&mass, &damping, &stiffness).map_err(|coordinate| SingularMass { coordinate }.into())
 }

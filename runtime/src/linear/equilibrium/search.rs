@@ -7,8 +7,9 @@ use nalgebra::{DMatrix, DVector};
 use super::discontinuity::{Jump, held};
 use super::family::Freedom;
 use super::probe::Probe;
-use crate::linear::matrices::{Scaled, Singular, equilibrated};
+use crate::linear::matrices::{Scaled, Singular};
 use crate::linear::{LinearError, SparseMatrix, short, short_beside};
+use crate::matrix::equilibrated;
 use crate::mechanism::System;
 
 /// Residual forces of a given state below this part of their own row's terms count as zero.

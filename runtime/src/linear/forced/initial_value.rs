@@ -2,9 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::linear::matrices::is_symmetric;
 use crate::linear::modes::{Fault, Spectrum};
 use crate::linear::{LinearError, LinearMechanism, Reduction, SparseMatrix};
+use crate::matrix::is_symmetric;
 use crate::mechanism::Scene;
 use crate::{Error, Method, Settings, simulate};
 

@@ -6,6 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::cholesky;
 use crate::linear::LinearError;
+use crate::matrix::is_symmetric;
 use crate::mechanism::{At, Coordinate, Description, Energy, Scene, Signal, Singular, Structure, System};
 
 /// A mechanism given by its matrices; what works on mechanisms works on it.
@@ -104,11 +105,6 @@ impl LinearMechanism {
     fn unbalanced(&self, at: At<'_>) -> DVector<f64> {
         &self.c * DVector::from_column_slice(at.v) + &self.k * DVector::from_column_slice(at.q) - self.forces(at.t)
     }
-}
-
-pub fn is_symmetric(matrix: &DMatrix<f64>) -> bool {
-    let largest = matrix.amax();
-    (matrix - matrix.transpose()).amax() <= 1e-13 * largest
 }
 
 impl System for LinearMechanism {

@@ -2,36 +2,11 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Singular, SparseMatrix, is_symmetric};
+use super::{Singular, SparseMatrix};
+use crate::matrix::equilibrated;
 
 /// A matrix of which the rank must be known fast where it is full.
 const LARGE: usize = 60;
-
-/// R A C with the largest element of every row and column near 1, and the diagonals of R and C, powers of two: so
-/// that what is small beside 1e12 counts in its own row (Ruiz 2001).
-pub fn equilibrated(matrix: &DMatrix<f64>) -> (DMatrix<f64>, DVector<f64>, DVector<f64>) {
-    let (n, m) = matrix.shape();
-    let (mut rows, mut columns) = (DVector::from_element(n, 1.0), DVector::from_element(m, 1.0));
-    let mut scaled = matrix.clone();
-    let power = |largest: f64| if largest > 0.0 { (-0.5 * largest.log2()).round().exp2() } else { 1.0 };
-    let symmetric = n == m && is_symmetric(matrix);
-    for _ in 0..12 {
-        let by_row: Vec<f64> = scaled.row_iter().map(|row| power(row.amax())).collect();
-        let by_column: Vec<f64> =
-            if symmetric { by_row.clone() } else { scaled.column_iter().map(|column| power(column.amax())).collect() };
-        if by_row.iter().chain(&by_column).all(|factor| *factor == 1.0) {
-            break;
-        }
-        for j in 0..m {
-            for i in 0..n {
-                scaled[(i, j)] *= by_row[i] * by_column[j];
-            }
-            columns[j] *= by_column[j];
-        }
-        rows.iter_mut().zip(&by_row).for_each(|(row, factor)| *row *= factor);
-    }
-    (scaled, rows, columns)
-}
 
 /// An orthonormal basis of the null space of a square matrix, by the singular values of the equilibrated one.
 pub fn null_space(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {

@@ -2,7 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{is_symmetric, symmetric_eigen};
+use super::symmetric_eigen;
+use crate::matrix::is_symmetric;
 
 /// Large symmetric matrices go by their eigenvalues, which cost less.
 const LARGE: usize = 60;

@@ -4,8 +4,9 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use super::dissipation::Dissipation;
 use super::{Kind, Mode, secular};
-use crate::linear::matrices::{Eigen, Scaled, cholesky, condition, equilibrated, null_space};
+use crate::linear::matrices::{Eigen, Scaled, cholesky, condition, null_space};
 use crate::linear::{LinearError, Linearised};
+use crate::matrix::equilibrated;
 
 /// Eigenvectors beyond this condition number are no basis to compute with.
 const WORST_CONDITION: f64 = 1e6;

@@ -20,6 +20,13 @@ impl Form {
         rows
     }
 
+    /// The rows that were chosen first, so many, in the order of the mechanism's.
+    pub fn chosen_first(&self, count: usize) -> Vec<usize> {
+        let mut rows: Vec<usize> = self.order.iter().take(count).map(|k| self.active[*k]).collect();
+        rows.sort_unstable();
+        rows
+    }
+
     /// Pivoted Cholesky of S, scaled; the pivots of some rows are chosen last.
     pub(super) fn choose_rows(&mut self, before: &[f64], last: &[usize]) {
         let (n, m) = (self.n, self.active.len());

@@ -7,5 +7,5 @@ mod linkages;
 mod rank;
 mod rods;
 mod skates;
-mod small;
+mod small_motions;
 mod starts;

@@ -99,3 +99,31 @@ fn c8_a_start_where_branches_meet_is_reported_as_that() {
     let found = cause(Case::new("slider_crank").set("rod", 1.0));
     assert!(matches!(found, Cause::SingularConfiguration { .. }), "{found}");
 }
+
+/// What is kept and what is missed is judged by the scene's own sizes, from molecules to orbits.
+#[test]
+fn a_start_is_judged_by_its_own_sizes() {
+    for size in [1e-12, 1e-6, 1e6, 1e12] {
+        let bob = |start: &str| {
+            let sized = format!("l: {size:e} m, v: {size:e} m/s, g: {:e} m/s^2", 10.0 * size);
+            let scene = format!("start: {{{start}}}, guess: {{y: -l}}, until: 1");
+            let text = PENDULUM.replace("l: 1 m, g: 10 m/s^2", &sized);
+            Case::written(&text.replace("start: {x: l, y: 0, x': 0}, until: 10, tolerance: 1e-12", &scene))
+        };
+        let off = cause(bob("x: l, y: l/100"));
+        assert!(matches!(off, Cause::StartMissesConstraint { .. }), "{size:e}: {off}");
+        let slips = cause(bob("x: l, y: 0, x': v/1000, y': v"));
+        assert!(matches!(slips, Cause::StartMissesConstraint { .. }), "{size:e}: {slips}");
+        let mut found = bob("x: 0.6*l, y': 0.1*v");
+        let first = found.run().first();
+        near(first["y"] / size, -0.8, 1e-12);
+        near((first["x"] * first["x'"] + first["y"] * first["y'"]) / (size * size), 0.0, 1e-15);
+        let spinning =
+            "conserved: {spin: \"m*(x*y' - y*x')\"}\nscene: {start: {x: l, y: 0}, also: {spin: m*l*v}, until: 0.1}";
+        let text = PENDULUM
+            .replace("l: 1 m, g: 10 m/s^2", &format!("l: {size:e} m, v: {size:e} m/s"))
+            .replace("gravity: [0, -g]\n", "");
+        let (head, _) = text.split_once("scene:").expect("a scene");
+        near(Case::written(&format!("{head}{spinning}\n")).run().first()["y'"] / size, 1.0, 1e-9);
+    }
+}

@@ -1,0 +1,167 @@
+//! A mechanism that constraints hold, its matrices at a state, and whether it stays there.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::linear::{LinearError, Residual};
+use crate::matrix::solve_least;
+use crate::mechanism::dense::{
+    constraint_matrix, constraint_slopes, constraint_tilt, constraint_triples, force_slopes, mass_matrix,
+    multiplier_effects, sizes_alike,
+};
+use crate::mechanism::{At, System};
+
+/// What is left in a state that holds is below this part of its terms.
+const BALANCED: f64 = 1e-9;
+/// So many roundings of the state are nothing.
+const ROUNDINGS: f64 = 16.0;
+
+/// A mechanism and its rows of constraints in force.
+pub(super) struct Held<'a, S: System + ?Sized> {
+    pub system: &'a S,
+    pub n: usize,
+    pub rows: Vec<usize>,
+}
+
+/// A state without accelerations, and the multipliers (of all rows) that leave it so.
+#[derive(Clone)]
+pub(super) struct State {
+    pub t: f64,
+    pub q: Vec<f64>,
+    pub v: Vec<f64>,
+    zero: Vec<f64>,
+    pub lambda: Vec<f64>,
+}
+
+impl State {
+    /// The state later on, of one coordinate or of all.
+    #[cfg(feature = "modal")]
+    pub fn later(&self, time: f64, only: Option<usize>) -> Self {
+        let moves = |i: usize| only.is_none_or(|k| k == i);
+        let q = (0..self.q.len()).map(|i| if moves(i) { self.q[i] + time * self.v[i] } else { self.q[i] });
+        let t = if only.is_none() { self.t + time } else { self.t };
+        State { t, q: q.collect(), ..self.clone() }
+    }
+
+    pub fn at(&self) -> At<'_> {
+        At::new(self.t, &self.q, &self.v).accelerated(&self.zero).constrained(&self.lambda)
+    }
+}
+
+impl<S: System + ?Sized> Held<'_, S> {
+    /// A state, with the multipliers that leave the least of its forces.
+    pub fn state(&self, q: &[f64], v: &[f64]) -> State {
+        let lambda = vec![0.0; self.system.description().rows.len()];
+        let mut state = State { t: 0.0, q: q.to_vec(), v: v.to_vec(), zero: vec![0.0; self.n], lambda };
+        let force = DMatrix::from_column_slice(self.n, 1, self.force(&state).as_slice());
+        if let Some(lambda) = solve_least(&self.effects(&state), &force) {
+            self.rows.iter().zip(lambda.iter()).for_each(|(row, x)| state.lambda[*row] = *x);
+        }
+        state
+    }
+
+    /// F, multipliers' forces included.
+    pub fn force(&self, state: &State) -> DVector<f64> {
+        let mut force = DVector::zeros(self.n);
+        self.system.residual(state.at(), force.as_mut_slice());
+        force
+    }
+
+    /// M.
+    pub fn mass(&self, state: &State) -> DMatrix<f64> {
+        mass_matrix(self.system, state.at())
+    }
+
+    /// J.
+    pub fn jacobian(&self, state: &State) -> DMatrix<f64> {
+        constraint_matrix(self.system, state.at(), &self.rows)
+    }
+
+    /// Jᵀ + B: what multipliers do.
+    pub fn effects(&self, state: &State) -> DMatrix<f64> {
+        multiplier_effects(self.system, state.at(), &self.rows)
+    }
+
+    /// ∂c'/∂q.
+    pub fn tilt(&self, state: &State) -> DMatrix<f64> {
+        constraint_tilt(self.system, state.at(), &self.rows)
+    }
+
+    /// [∂F/∂q ∂F/∂q'; ∂(J a + γ)/∂q ∂(J a + γ)/∂q'].
+    pub fn slopes(&self, state: &State) -> DMatrix<f64> {
+        let (n, m) = (self.n, self.rows.len());
+        let mut slopes = DMatrix::zeros(n + m, 2 * n);
+        for (k, block) in force_slopes(self.system, state.at()).iter().enumerate() {
+            slopes.view_mut((0, k * n), (n, n)).copy_from(block);
+        }
+        for (k, block) in constraint_slopes(self.system, state.at(), &self.rows).iter().enumerate() {
+            slopes.view_mut((n, k * n), (m, n)).copy_from(block);
+        }
+        slopes
+    }
+
+    /// (c, c', Σ |terms| of c) of each row.
+    pub fn triples(&self, state: &State) -> Vec<[f64; 3]> {
+        let all = constraint_triples(self.system, state.at());
+        self.rows.iter().map(|row| all[*row]).collect()
+    }
+
+    /// γ of each row.
+    pub fn bias(&self, state: &State) -> Vec<f64> {
+        let mut gamma = vec![0.0; self.system.description().rows.len()];
+        self.system.constraint_bias(state.at(), &mut gamma);
+        self.rows.iter().map(|row| gamma[*row]).collect()
+    }
+
+    /// Places of the holonomic rows among those in force.
+    pub fn holonomic(&self) -> impl Iterator<Item = usize> + '_ {
+        let rows = &self.system.description().rows;
+        (0..self.rows.len()).filter(move |k| rows[self.rows[*k]].holonomic)
+    }
+
+    /// Whether nothing accelerates in this state and no constraint is missed, but for rounding of its terms, its place and
+    /// its multipliers: the terms of a weight's moment vanish with it.
+    pub fn stays(&self, state: &State) -> bool {
+        let mut sums = vec![0.0; self.n];
+        self.system.magnitudes(state.at(), &mut sums);
+        let description = self.system.description();
+        let sizes =
+            DVector::from_vec([sizes_alike(description, &state.q), sizes_alike(description, &state.v)].concat());
+        let by_state = self.slopes(state).abs() * &sizes;
+        let carried = state.lambda.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let effects = self.effects(state);
+        let force = self.force(state);
+        let balanced = (0..self.n).all(|i| {
+            let rounding = ROUNDINGS * f64::EPSILON * (by_state[i] + carried * effects.row(i).lp_norm(1));
+            force[i].abs() <= (BALANCED * sums[i]).max(rounding)
+        });
+        let (place, speed) = (self.tilt(state).abs() * sizes.rows(0, self.n), self.jacobian(state).abs());
+        let speed = place + speed * sizes.rows(self.n, self.n);
+        let (triples, bias) = (self.triples(state), self.bias(state));
+        let at_ease =
+            |k: usize| triples[k][1].abs() <= BALANCED * speed[k] && bias[k].abs() <= BALANCED * by_state[self.n + k];
+        balanced && (0..self.rows.len()).all(at_ease) && self.is_closed(state, &triples)
+    }
+
+    fn is_closed(&self, state: &State, triples: &[[f64; 3]]) -> bool {
+        let sizes = DVector::from_vec(sizes_alike(self.system.description(), &state.q));
+        let by_place = self.jacobian(state).abs() * sizes;
+        self.holonomic().all(|k| triples[k][0].abs() <= BALANCED * triples[k][2].max(by_place[k]))
+    }
+
+    /// What is left of the forces.
+    pub fn left(&self, state: &State) -> Vec<Residual> {
+        let force = self.force(state);
+        let left = self.names().into_iter().zip(force.iter());
+        left.map(|(coordinate, force)| Residual { coordinate, force: *force, unit: String::new() }).collect()
+    }
+
+    /// That a search ended here.
+    pub fn nowhere(&self, state: &State, iterations: usize) -> LinearError {
+        let point = self.names().into_iter().zip(state.q.iter().copied()).collect();
+        LinearError::NoEquilibrium { iterations, point, residual: self.left(state) }
+    }
+
+    pub fn names(&self) -> Vec<String> {
+        self.system.description().coordinates.iter().map(|coordinate| coordinate.name.to_string()).collect()
+    }
+}

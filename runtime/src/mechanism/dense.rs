@@ -1,0 +1,85 @@
+//! The matrices of a mechanism as dense ones, for what is done once: starts, impacts, small motions.
+
+use nalgebra::DMatrix;
+
+use super::{At, Description, System};
+
+/// M.
+pub(crate) fn mass_matrix<S: System + ?Sized>(system: &S, at: At<'_>) -> DMatrix<f64> {
+    let pattern = &system.description().mass_pattern;
+    let mut values = vec![0.0; pattern.len()];
+    system.mass_matrix(at, &mut values);
+    let mut mass = scatter((system.len(), system.len()), pattern, &values);
+    mass.fill_upper_triangle_with_lower_triangle();
+    mass
+}
+
+/// ∂F/∂q and ∂F/∂q'.
+pub(crate) fn force_slopes<S: System + ?Sized>(system: &S, at: At<'_>) -> [DMatrix<f64>; 2] {
+    let patterns = [&system.description().stiffness_pattern, &system.description().damping_pattern];
+    let [mut dq, mut dv] = patterns.map(|pattern| vec![0.0; pattern.len()]);
+    system.jacobians(at, &mut dq, &mut dv);
+    let shape = (system.len(), system.len());
+    [scatter(shape, patterns[0], &dq), scatter(shape, patterns[1], &dv)]
+}
+
+/// J = ∂c'/∂q' of these rows.
+pub(crate) fn constraint_matrix<S: System + ?Sized>(system: &S, at: At<'_>, rows: &[usize]) -> DMatrix<f64> {
+    let pattern = &system.description().constraint_pattern;
+    let mut values = vec![0.0; pattern.len()];
+    system.constraint_matrix(at, &mut values);
+    of_rows(system, pattern, &values).select_rows(rows)
+}
+
+/// ∂c'/∂q of these rows.
+pub(crate) fn constraint_tilt<S: System + ?Sized>(system: &S, at: At<'_>, rows: &[usize]) -> DMatrix<f64> {
+    let pattern = &system.description().constraint_tilt_pattern;
+    let mut values = vec![0.0; pattern.len()];
+    system.constraint_tilt(at, &mut values);
+    of_rows(system, pattern, &values).select_rows(rows)
+}
+
+/// ∂(J a + γ)/∂q and ∂(J a + γ)/∂q' of these rows.
+pub(crate) fn constraint_slopes<S: System + ?Sized>(system: &S, at: At<'_>, rows: &[usize]) -> [DMatrix<f64>; 2] {
+    let description = system.description();
+    let patterns = [&description.constraint_stiffness_pattern, &description.constraint_damping_pattern];
+    let [mut dq, mut dv] = patterns.map(|pattern| vec![0.0; pattern.len()]);
+    system.constraint_jacobians(at, &mut dq, &mut dv);
+    [of_rows(system, patterns[0], &dq).select_rows(rows), of_rows(system, patterns[1], &dv).select_rows(rows)]
+}
+
+/// Jᵀ + B of these rows: the forces that their multipliers make.
+pub(crate) fn multiplier_effects<S: System + ?Sized>(system: &S, at: At<'_>, rows: &[usize]) -> DMatrix<f64> {
+    let pattern = &system.description().friction_pattern;
+    let mut values = vec![0.0; pattern.len()];
+    system.friction(at, &mut values);
+    let friction = scatter((system.len(), system.description().rows.len()), pattern, &values);
+    constraint_matrix(system, at, rows).transpose() + friction.select_columns(rows)
+}
+
+/// (c, c', Σ |terms| of c) of all rows.
+pub(crate) fn constraint_triples<S: System + ?Sized>(system: &S, at: At<'_>) -> Vec<[f64; 3]> {
+    let mut triples = vec![0.0; 3 * system.description().rows.len()];
+    system.constraints(at, &mut triples);
+    triples.as_chunks().0.to_vec()
+}
+
+/// The largest size of a coordinate, or of its speed, among those with the same unit: what its rounding is judged by.
+pub(crate) fn sizes_alike(description: &Description, numbers: &[f64]) -> Vec<f64> {
+    let coordinates = &description.coordinates;
+    let alike = |i: usize| (0..numbers.len()).filter(move |j| coordinates[*j].unit == coordinates[i].unit);
+    (0..numbers.len()).map(|i| alike(i).fold(0.0_f64, |most, j| most.max(numbers[j].abs()))).collect()
+}
+
+/// A matrix with a row for each row of the constraints.
+fn of_rows<S: System + ?Sized>(system: &S, pattern: &[(u32, u32)], values: &[f64]) -> DMatrix<f64> {
+    scatter((system.description().rows.len(), system.len()), pattern, values)
+}
+
+fn scatter(shape: (usize, usize), pattern: &[(u32, u32)], values: &[f64]) -> DMatrix<f64> {
+    let mut matrix = DMatrix::zeros(shape.0, shape.1);
+    for ((row, column), value) in pattern.iter().zip(values) {
+        matrix[(*row as usize, *column as usize)] = *value;
+    }
+    matrix
+}
