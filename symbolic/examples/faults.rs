@@ -10,5 +10,5 @@ fn main() {
     for wrong in table::wrong(&outcomes) {
         eprintln!("{wrong}");
     }
-    print!("{}", table::page(&outcomes, &table::smallest(extent)));
+    print!("{}", table::page(&outcomes, &table::smallest(extent), &table::held(extent)));
 }

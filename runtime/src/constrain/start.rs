@@ -66,11 +66,11 @@ pub(super) struct Closing<'a, S: System + ?Sized> {
     /// Those of them without speeds.
     pub holonomic: Vec<usize>,
     /// Coordinates that are not held.
-    free: Vec<usize>,
+    pub free: Vec<usize>,
 }
 
 impl<'a, S: System + ?Sized> Closing<'a, S> {
-    fn new(system: &'a S, start: &Start<'a>) -> Self {
+    pub fn new(system: &'a S, start: &Start<'a>) -> Self {
         let n = system.len();
         let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
         let holonomic = rows.iter().copied().filter(|row| system.description().rows[*row].holonomic).collect();
@@ -123,7 +123,7 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
     }
 
     /// Levenberg's and Marquardt's iteration to c = 0 (Moré 1978), rows divided by their norms.
-    fn close(&self, y: &mut [f64]) -> Result<(), Cause> {
+    pub fn close(&self, y: &mut [f64]) -> Result<(), Cause> {
         let mut damping = 1e-3;
         let mut scales = vec![0.0_f64; self.holonomic.len()];
         for _ in 0..ITERATIONS {
@@ -262,6 +262,20 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
             }
         }
         Ok(())
+    }
+
+    /// Whether what is held leaves no motion of the others at a place.
+    pub fn is_isolated(&self, y: &[f64]) -> bool {
+        let sizes = self.sizes(y);
+        let mut j = self.jacobian(y, &self.holonomic).select_columns(&self.free);
+        j.column_iter_mut().zip(&self.free).for_each(|(mut column, i)| column.scale_mut(sizes[*i]));
+        for mut row in j.row_iter_mut() {
+            let norm = row.norm();
+            if norm > 0.0 {
+                row.scale_mut(1.0 / norm);
+            }
+        }
+        j.rank(SINGULAR) == self.free.len()
     }
 
     /// Refuses a place where the constraints are less independent than elsewhere: what follows there is not determined.

@@ -48,8 +48,9 @@ impl<S: System> Simulation<S> {
 
     /// Start, end, tolerance and spacing of a scene.
     pub fn from(mut self, scene: &Scene) -> Self {
-        let Scene { q, v, held_q, held_v, also, phase, until, tolerance, every, .. } = scene.clone();
-        self.settings = Settings { q, v, held_q, held_v, also, phase, until, tolerance, every, ..self.settings };
+        let Scene { q, v, held_q, held_v, also, guessed, phase, until, tolerance, every, .. } = scene.clone();
+        self.settings =
+            Settings { q, v, held_q, held_v, also, guessed, phase, until, tolerance, every, ..self.settings };
         self
     }
 

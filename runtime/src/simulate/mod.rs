@@ -26,7 +26,7 @@ pub use settings::Settings;
 pub use typed::Simulate;
 
 use crate::cause::Cause;
-use crate::constrain::{self, consistent};
+use crate::constrain::{self, Elsewhere, consistent, other_branch};
 use crate::error::Error;
 use crate::integrate::Tolerance;
 use crate::march::{March, Pace};
@@ -86,8 +86,10 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     }
     system.enforce(settings.enforcement, settings.alpha());
     let held = settings.held();
-    let met =
-        consistent(system, &constrain::Start { t: settings.from, y: &guess, held: &held, also: settings.also.clone() });
+    let start = constrain::Start { t: settings.from, y: &guess, held: &held, also: settings.also.clone() };
+    let met = consistent(system, &start);
+    let alone = settings.guessed || !settings.watch;
+    let elsewhere = met.as_ref().ok().filter(|_| !alone).and_then(|y| other_branch(system, &start, y));
     let (y, met) = met.map_or_else(|cause| (guess, Err(cause)), |y| (y, Ok(())));
     let tolerance = settings.tolerance.max(Settings::TIGHTEST);
     let pace = match settings.step {
@@ -119,6 +121,10 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
         projects: settings.projects(),
     };
     let mut recorder = Recorder::new(&plan, system, settings.from, march.state());
+    if let Some(Elsewhere { coordinate, here, there }) = elsewhere {
+        let coordinate = system.description().coordinate_name(coordinate);
+        recorder.warn(Warning::OtherBranch { coordinate, here, there });
+    }
     if let Some(step) = settings.step {
         let at = (settings.from, settings.q.as_slice(), settings.v.as_slice());
         let warning = check_step(system, at, method, step, settings.until - settings.from);

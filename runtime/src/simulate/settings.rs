@@ -28,6 +28,8 @@ pub struct Settings {
     pub held_v: Vec<bool>,
     /// Which of the equations of [`System::also`](crate::mechanism::System::also) the start meets beside constraints.
     pub also: std::ops::Range<usize>,
+    /// Whether the values that are not held were chosen; else the run says so where they decide how a mechanism is put together.
+    pub guessed: bool,
     /// The phase in which the run begins, by its place.
     pub phase: usize,
     /// Where the run begins, s; 0 unless said otherwise.
@@ -76,6 +78,7 @@ impl Settings {
             held_q: scene.held_q.clone(),
             held_v: scene.held_v.clone(),
             also: scene.also.clone(),
+            guessed: scene.guessed,
             phase: scene.phase,
             from: 0.0,
             until: scene.until,

@@ -33,6 +33,15 @@ pub enum Warning {
         /// What would have been usual.
         limit: f64,
     },
+    /// The mechanism can be put together in another way from the same start, and nobody chose.
+    OtherBranch {
+        /// A coordinate that tells them apart.
+        coordinate: String,
+        /// What it is.
+        here: f64,
+        /// What it would be.
+        there: f64,
+    },
     /// The motion passed a place where its constraints depend on each other; it kept the branch that continues its speeds.
     SingularPassed {
         /// When, s.
@@ -199,6 +208,13 @@ impl fmt::Display for Warning {
                 f,
                 "`{invariant}` is not conserved: it drifts by {drift:.1e}, {:.0} times what the tolerance allows",
                 drift / limit
+            ),
+            Warning::OtherBranch { coordinate, here, there } => write!(
+                f,
+                "from this start the mechanism can be put together in another way too, with {coordinate} = {} in place of \
+                 {}: a `guess` chooses",
+                short(*there),
+                short(*here)
             ),
             Warning::SingularPassed { t } => write!(
                 f,

@@ -1,8 +1,10 @@
 //! The rows of the constraints, differentiated as often as accelerations need.
 
+use rustc_hash::FxHashMap as HashMap;
+
 use super::integrals::integral;
 use super::{bias_rates, rates};
-use crate::expr::{Forward, Graph, Id, Symbol, jacobian};
+use crate::expr::{Forward, Graph, Id, Symbol, gradients, jacobian, reverse};
 use crate::model::Model;
 
 /// All rows of the constraints, in file order, whatever the phase.
@@ -21,6 +23,8 @@ pub struct Rows {
     pub matrix: Vec<(usize, usize, Id)>,
     /// γ.
     pub bias: Vec<Id>,
+    /// Σ λ_k J_k: the generalized forces of the multipliers.
+    pub forces: Vec<Id>,
     /// Whether a row contains no speeds.
     pub holonomic: Vec<bool>,
     /// A function of t and q whose rate a row with speeds is, where one was found.
@@ -45,8 +49,10 @@ impl Rows {
         });
         let integral = integral.collect();
         let matrix = lines.into_iter().enumerate();
-        let matrix = matrix.flat_map(|(k, line)| line.into_iter().map(move |(i, x)| (k, i, x))).collect();
-        Rows { value, rate, drive, matrix, bias, holonomic, integral }
+        let matrix: Vec<(usize, usize, Id)> =
+            matrix.flat_map(|(k, line)| line.into_iter().map(move |(i, x)| (k, i, x))).collect();
+        let forces = forces(graph, &matrix, model.coordinates.len());
+        Rows { value, rate, drive, matrix, bias, forces, holonomic, integral }
     }
 
     /// How many rows there are.
@@ -71,17 +77,6 @@ impl Rows {
         sums
     }
 
-    /// Σ λ_k J_k: the generalized forces of the multipliers.
-    pub fn forces(&self, graph: &mut Graph, n: usize) -> Vec<Id> {
-        let mut forces = vec![Id::ZERO; n];
-        for &(row, i, x) in &self.matrix {
-            let multiplier = graph.symbol(Symbol::Multiplier(row as u32));
-            let term = graph.mul(x, multiplier);
-            forces[i] = graph.add(forces[i], term);
-        }
-        forces
-    }
-
     /// The power of the multipliers' forces on the motion, −Σ λ_k (∂c_k/∂t or b_k): 0 where nothing moves a constraint.
     pub fn power(&self, graph: &mut Graph) -> Id {
         let mut power = Id::ZERO;
@@ -92,6 +87,82 @@ impl Rows {
         }
         power
     }
+}
+
+/// Σ λ_k J_k, for n coordinates.
+fn forces(graph: &mut Graph, matrix: &[(usize, usize, Id)], n: usize) -> Vec<Id> {
+    let mut forces = vec![Id::ZERO; n];
+    for &(row, i, x) in matrix {
+        let multiplier = graph.symbol(Symbol::Multiplier(row as u32));
+        let term = graph.mul(x, multiplier);
+        forces[i] = graph.add(forces[i], term);
+    }
+    forces
+}
+
+/// c', J, γ and Σ λ_k J_k by reverse passes, where [`Rows`] has them by forward ones: a second derivation.
+#[derive(Clone, Debug, Default)]
+pub struct RowsAgain {
+    /// c'; of a row that contains speeds c itself.
+    pub rate: Vec<Id>,
+    /// J, row by row, in the order of the coordinates.
+    pub matrix: Vec<Vec<Id>>,
+    /// γ.
+    pub bias: Vec<Id>,
+    /// Σ λ_k J_k.
+    pub forces: Vec<Id>,
+    /// The part of c' that is there at rest.
+    pub drive: Vec<Id>,
+}
+
+impl RowsAgain {
+    /// Differentiates the constraints of some rows once more, for n coordinates.
+    pub fn of(graph: &mut Graph, rows: &Rows, n: usize) -> RowsAgain {
+        let place = |s: Symbol| !matches!(s, Symbol::Parameter(_));
+        let mut rate = rows.value.clone();
+        for k in (0..rate.len()).filter(|k| rows.holonomic[*k]) {
+            let slopes = gradients(graph, &[rate[k]], place).swap_remove(0);
+            rate[k] = along(graph, slopes);
+        }
+        let (mut matrix, mut bias): (Vec<Vec<Id>>, Vec<Id>) = (Vec::new(), Vec::new());
+        for mut slopes in gradients(graph, &rate, place) {
+            let speed = |i: usize| Symbol::Speed(i as u32);
+            matrix.push((0..n).map(|i| slopes.remove(&speed(i)).unwrap_or(Id::ZERO)).collect());
+            bias.push(along(graph, slopes));
+        }
+        let seeds: Vec<(Id, Id)> =
+            rate.iter().enumerate().map(|(k, rate)| (*rate, graph.symbol(Symbol::Multiplier(k as u32)))).collect();
+        let slopes = reverse(graph, &seeds, |s| matches!(s, Symbol::Speed(_)));
+        let force = |i: usize| slopes.get(&Symbol::Speed(i as u32)).copied().unwrap_or(Id::ZERO);
+        let forces = (0..n).map(force).collect();
+        let drive = rate.iter().zip(&matrix).map(|(rate, line)| less_moving(graph, *rate, line)).collect();
+        RowsAgain { rate, matrix, bias, forces, drive }
+    }
+}
+
+/// c' − J q'.
+fn less_moving(graph: &mut Graph, rate: Id, line: &[Id]) -> Id {
+    line.iter().enumerate().fold(rate, |rest, (i, x)| {
+        let speed = graph.symbol(Symbol::Speed(i as u32));
+        let term = graph.mul(*x, speed);
+        graph.sub(rest, term)
+    })
+}
+
+/// The rate of a function with these slopes.
+fn along(graph: &mut Graph, slopes: HashMap<Symbol, Id>) -> Id {
+    let mut slopes: Vec<(Symbol, Id)> = slopes.into_iter().collect();
+    slopes.sort_unstable_by_key(|slope| slope.0);
+    let mut sum = Id::ZERO;
+    for (symbol, slope) in slopes {
+        let rate = match symbol {
+            Symbol::Time => Id::ONE,
+            _ => symbol.rate().map_or(Id::ZERO, |rate| graph.symbol(rate)),
+        };
+        let term = graph.mul(slope, rate);
+        sum = graph.add(sum, term);
+    }
+    sum
 }
 
 /// What is left where all speeds are 0.

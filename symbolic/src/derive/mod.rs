@@ -24,8 +24,8 @@ use crate::diagnose::{Place, Problem};
 use crate::expr::{Forward, Graph, Id, Symbol, canonical};
 use crate::model::{Load, Model, Work};
 
-pub use constraints::Rows;
 pub(crate) use constraints::held_rates;
+pub use constraints::{Rows, RowsAgain};
 pub use momentum::Momentum;
 pub(crate) use switches::introduce;
 pub use switches::{Switch, SwitchKind, remove as without_modes};

@@ -85,7 +85,7 @@ pub(crate) fn unknowns(model: &Model, system: &BalanceSystem) -> Vec<Symbol> {
 }
 
 /// Expressions as they are in a phase.
-fn in_phase(graph: &mut Graph, phases: usize, phase: usize, values: &[Id]) -> Vec<Id> {
+pub(super) fn in_phase(graph: &mut Graph, phases: usize, phase: usize, values: &[Id]) -> Vec<Id> {
     let indicators =
         (0..phases).map(|k| (Symbol::Phase(k as u32), if k == phase { Id::ONE } else { Id::ZERO })).collect();
     substitute(graph, values, &indicators)

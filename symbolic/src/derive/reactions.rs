@@ -2,8 +2,8 @@
 
 use rustc_hash::FxHashMap as HashMap;
 
-use super::momentum::unknowns;
-use crate::expr::{Graph, Id, Node, Symbol, expand, jacobian};
+use super::momentum::{in_phase, unknowns};
+use crate::expr::{Graph, Id, Node, Symbol, Unary, expand, jacobian};
 use crate::model::{BalanceSystem, Model};
 
 /// Puts reactions, by name, into what observes: outputs, events and checks.  Tells which components of outputs,
@@ -19,12 +19,18 @@ pub(crate) fn put_in(model: &mut Model) -> Vec<(usize, Symbol)> {
     if known.is_empty() {
         return named;
     }
-    let graph = &mut model.graph;
-    let mut put = |list: &mut [Id]| {
-        let new = crate::expr::substitute(graph, list, &known);
+    let (graph, count) = (&mut model.graph, model.phases.len());
+    let mut values = |absent: bool| -> HashMap<Symbol, Id> {
+        known.iter().map(|(symbol, named)| (*symbol, named.value(graph, count, absent))).collect()
+    };
+    let (reported, known) = (values(true), values(false));
+    let mut put = |list: &mut [Id], known: &HashMap<Symbol, Id>| {
+        let new = crate::expr::substitute(graph, list, known);
         list.copy_from_slice(&new);
     };
-    model.outputs.iter_mut().for_each(|output| put(&mut output.value));
+    // What is infinite is reported as absent.
+    model.outputs.iter_mut().for_each(|output| put(&mut output.value, &reported));
+    let mut put = |list: &mut [Id]| put(list, &known);
     for event in &mut model.events {
         put(std::slice::from_mut(&mut event.when));
         if let Some(condition) = &mut event.condition {
@@ -38,21 +44,65 @@ pub(crate) fn put_in(model: &mut Model) -> Vec<(usize, Symbol)> {
     named
 }
 
-/// Each reaction component as an expression of the state and the accelerations: the least-squares solution of the
-/// first system that names it, which is exact since the system agrees with the motion.
-fn reactions(model: &mut Model) -> HashMap<Symbol, Id> {
-    let mut known = HashMap::default();
+/// Each reaction component as an expression of the state and the accelerations: in every phase the least-squares solution
+/// of the first system of that phase that names it, which is exact since the system agrees with the motion.
+fn reactions(model: &mut Model) -> HashMap<Symbol, Named> {
+    let mut known: HashMap<Symbol, Named> = HashMap::default();
     let wanted = wanted(model);
     for system in model.balances.clone() {
         let unknowns: Vec<Symbol> = unknowns(model, &system)[model.coordinates.len()..].to_vec();
-        if !unknowns.iter().any(|s| wanted.contains(s) && !known.contains_key(s)) {
+        let new = |named: Option<&Named>, phase: &usize| named.is_none_or(|named| !named.phases.contains(phase));
+        let asked = |s: &Symbol| wanted.contains(s) && system.phases.iter().any(|phase| new(known.get(s), phase));
+        if !unknowns.iter().any(asked) {
             continue;
         }
-        for (symbol, value) in unknowns.iter().zip(least_squares(&mut model.graph, &system, &unknowns)) {
-            known.entry(*symbol).or_insert(value);
+        let mut values = least_squares(&mut model.graph, &system, &unknowns);
+        if let [phase] = system.phases.as_slice() {
+            values = in_phase(&mut model.graph, model.phases.len(), *phase, &values);
+        }
+        // A multiplier has a value of its own, in every phase.
+        let reactions = unknowns.iter().zip(values).filter(|(symbol, _)| matches!(symbol, Symbol::Reaction(_)));
+        for (symbol, value) in reactions {
+            let named = known.entry(*symbol).or_default();
+            let phases: Vec<usize> =
+                system.phases.iter().copied().filter(|phase| !named.phases.contains(phase)).collect();
+            if !phases.is_empty() {
+                named.phases.extend(&phases);
+                named.values.push((phases, value));
+            }
         }
     }
     known
+}
+
+/// What systems of balances say of a reaction component.
+#[derive(Default)]
+struct Named {
+    /// The phases of all of them.
+    phases: Vec<usize>,
+    /// In which phases it has which value.
+    values: Vec<(Vec<usize>, Id)>,
+}
+
+impl Named {
+    /// The value in every phase; where no system tells, infinite if it is to be `absent` there.
+    fn value(&self, graph: &mut Graph, count: usize, absent: bool) -> Id {
+        let value = match self.values.as_slice() {
+            [(_, value)] => *value,
+            several => several.iter().fold(Id::ZERO, |sum, (phases, value)| {
+                let active = graph.in_phases(phases, count);
+                let term = graph.mul(active, *value);
+                graph.add(sum, term)
+            }),
+        };
+        let active = graph.in_phases(&self.phases, count);
+        if !absent || active == Id::ONE {
+            return value;
+        }
+        // ln 1 is 0, and ln 0 infinite.
+        let infinite = graph.unary(Unary::Ln, active);
+        graph.add(value, infinite)
+    }
 }
 
 /// The reactions that outputs, events and checks contain.

@@ -3,7 +3,7 @@
 //! They fold 0, 1 and constants, pull signs outwards, put constants in front, collect like terms of two, cancel
 //! x − x and x/x, and put the operands of sums and products in the order of the arena.
 
-use super::{Binary, Graph, Id, Node, Scalar, Unary};
+use super::{Binary, Graph, Id, Node, Scalar, Symbol, Unary};
 use crate::number::{DoubleDouble, Number};
 
 impl Graph {
@@ -261,6 +261,17 @@ impl Graph {
             Node::Binary(Binary::Mul, x, y) => self.is_one_sided(x) || self.is_one_sided(y),
             _ => false,
         }
+    }
+
+    /// 1 in these of all phases, of which there are `count`, and 0 in the others.
+    pub fn in_phases(&mut self, phases: &[usize], count: usize) -> Id {
+        if phases.len() == count {
+            return Id::ONE;
+        }
+        phases.iter().fold(Id::ZERO, |sum, phase| {
+            let active = self.symbol(Symbol::Phase(*phase as u32));
+            self.add(sum, active)
+        })
     }
 
     /// A function of one argument.

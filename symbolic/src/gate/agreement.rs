@@ -1,12 +1,13 @@
 //! The routes from energies and from bodies against each other, entry by entry.
 //!
 //! M of two routes is compared entry by entry, h and F(t, q, q', q'') row by row, F at accelerations of its own, and F
-//! with M q'' + h within each route; every difference by the magnitude of the terms of its own entry.
+//! with M q'' + h within each route; rows of constraints, and the forces of their multipliers, by forward and by reverse
+//! passes; every difference by the magnitude of the terms of its own entry.
 
 use super::Gate;
 use super::report::Agreement;
 use super::state::{State, describe};
-use crate::derive::Equations;
+use crate::derive::{Equations, Rows, RowsAgain};
 use crate::diagnose::catalogue::verdicts;
 use crate::diagnose::{Place, Problem};
 use crate::expr::{Graph, Id, Measured, Symbol, Tape};
@@ -33,13 +34,61 @@ pub(super) fn agreement(
             pairs.extend((0..n).map(|i| (i, first.bias[i], route.bias[i])));
             pairs.extend(entries(first, route));
         }
-        let worst = compare(model, &pairs, states, gate)?;
+        let name =
+            |i: usize| (Place::default().key("bodies"), format!("the acceleration of `{}`", model.coordinates[i].name));
+        let worst = compare(model, (&pairs, &name), states, gate)?;
         if k > 0 {
             let between = (equations[0].name.to_owned(), route.name.to_owned());
             agreements.push(Agreement { between, states: states.len(), worst });
         }
     }
     Ok(agreements)
+}
+
+/// Compares the rows of the constraints, differentiated in one way and in the other.
+pub(super) fn rows(model: &mut Model, rows: &Rows, states: &[State], gate: Gate) -> Result<f64, Box<Problem>> {
+    let (n, count) = (model.coordinates.len(), rows.len());
+    let graph = &mut model.graph;
+    let again = RowsAgain::of(graph, rows, n);
+    let mut matrix = vec![vec![Id::ZERO; n]; count];
+    rows.matrix.iter().for_each(|(row, i, x)| matrix[*row][*i] = *x);
+    let both =
+        |first: &[Id], second: &[Id]| -> Vec<(Id, Id)> { first.iter().copied().zip(second.iter().copied()).collect() };
+    let mut pairs = Vec::new();
+    for k in 0..count {
+        let values =
+            both(&[rows.rate[k], rows.bias[k], rows.drive[k]], &[again.rate[k], again.bias[k], again.drive[k]]);
+        let all = values.into_iter().chain(both(&matrix[k], &again.matrix[k]));
+        pairs.extend(all.map(|(x, y)| (k, x, y)));
+    }
+    let forces = both(&rows.forces, &again.forces);
+    pairs.extend(forces.into_iter().enumerate().map(|(i, (x, y))| (count + i, x, y)));
+    let name = |k: usize| match k.checked_sub(count) {
+        None => (Place::default().key("constraints"), format!("the constraint `{}`", model.row_name(k))),
+        Some(i) => {
+            let name = &model.coordinates[i].name;
+            (Place::default().key("constraints"), format!("what constraints do to `{name}`"))
+        }
+    };
+    // Off the constraints' speeds, where c' does not vanish.
+    let states: Vec<State> = states.iter().enumerate().map(|(k, state)| astray(state, k)).collect();
+    compare(model, (&pairs, &name), &states, gate)
+}
+
+/// A state with other speeds.
+fn astray(state: &State, k: usize) -> State {
+    let mut other = state.clone();
+    for (i, v) in other.v.iter_mut().enumerate() {
+        let along = v.to_f64();
+        *v = DoubleDouble::from(turned(along, i, k));
+    }
+    other
+}
+
+/// Another number of the same size, or of size 1 in the place of none.
+fn turned(along: f64, i: usize, k: usize) -> f64 {
+    let size = if along == 0.0 { 1.0 } else { along };
+    size * (0.6 + (i as f64 * 1.7 + k as f64).sin())
 }
 
 /// M q'' + h.
@@ -75,7 +124,12 @@ fn entries(first: &Equations, second: &Equations) -> Vec<(usize, Id, Id)> {
 }
 
 /// The largest relative difference of pairs that stand for the same row, or the first that differs.
-fn compare(model: &Model, pairs: &[(usize, Id, Id)], states: &[State], gate: Gate) -> Result<f64, Box<Problem>> {
+fn compare(
+    model: &Model,
+    (pairs, name): (&[(usize, Id, Id)], &dyn Fn(usize) -> (Place, String)),
+    states: &[State],
+    gate: Gate,
+) -> Result<f64, Box<Problem>> {
     let differing: Vec<&(usize, Id, Id)> = pairs.iter().filter(|(_, x, y)| x != y).collect();
     let roots: Vec<Id> = differing.iter().flat_map(|(_, x, y)| [*x, *y]).collect();
     let tape = Tape::new(&model.graph, &roots);
@@ -86,9 +140,7 @@ fn compare(model: &Model, pairs: &[(usize, Id, Id)], states: &[State], gate: Gat
         let off = |s: Symbol| match s {
             Symbol::Acceleration(i) => {
                 let along = state.a.get(i as usize).map_or(1.0, |a| a.value.to_f64());
-                let size = if along == 0.0 { 1.0 } else { along };
-                let turn = f64::from(i) * 1.7 + k as f64;
-                Measured::exact(DoubleDouble::from(size * (0.6 + turn.sin())))
+                Measured::exact(DoubleDouble::from(turned(along, i as usize, k)))
             }
             _ => state.measured(s),
         };
@@ -99,10 +151,9 @@ fn compare(model: &Model, pairs: &[(usize, Id, Id)], states: &[State], gate: Gat
             let own = x.magnitude + y.magnitude;
             let difference = (x.value - y.value).abs().to_f64();
             if !gate.agrees(difference, own, largest) {
-                let name = &model.coordinates[*i].name;
+                let (place, what) = name(*i);
                 let by = format!("{difference:.3e}");
-                let place = Place::default().key("bodies");
-                return Err(Box::new(verdicts::derivations_disagree(place, name, by, describe(model, state))));
+                return Err(Box::new(verdicts::derivations_disagree(place, what, by, describe(model, state))));
             }
             if difference > 0.0 {
                 worst = worst.max(difference / own);

@@ -5,6 +5,7 @@
 //! 3. It does not matter which body takes a load at a hinge: look in `shared`.
 //! 4. Systems of momentum balances hold, and determine the motion: look in `balances`; what would mend one that does
 //!    not is found in `causes`.
+//!    So do they integrated over the instant of an impact: `impulses`.
 //! 5. Forces are tested for potentials (`potential`) and for being counted twice (`twice`); what each entry does is in
 //!    `effects`.
 //! 6. Constraints are classified, and freedoms counted (`freedoms`, `closure`); rows that follow from others are named
@@ -29,6 +30,7 @@ mod dependent;
 mod draw;
 mod effects;
 mod freedoms;
+mod impulses;
 mod lines;
 mod motion;
 mod named;
@@ -144,12 +146,22 @@ impl Gate {
             Ok(agreements) => report.agreements = agreements,
             Err(problem) => problems.push(*problem),
         }
+        if let Err(problem) = agreement::rows(model, rows, &states.all, self) {
+            problems.push(*problem);
+        }
         // Where it matters which body takes a load, there is no one second derivation to compare.
         let unclear = shared::ambiguous(model, &states.all);
         if unclear.is_empty() {
             match balances::agree(model, momentum, &states.all, self) {
                 Ok(agreements) => report.agreements.extend(agreements),
                 Err(found) => problems.extend(found),
+            }
+            // What holds along the motion is held against jumps of the speeds too.
+            if problems.is_empty() {
+                match impulses::agree(model, &motion, momentum, &states.blows, self) {
+                    Ok(agreements) => report.agreements.extend(agreements),
+                    Err(found) => problems.extend(found),
+                }
             }
         }
         problems.extend(unclear);

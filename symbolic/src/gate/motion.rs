@@ -39,6 +39,9 @@ pub(super) enum Incomplete {
     },
 }
 
+/// A rate that changes by less than this part of its terms is kept.
+const KEPT: f64 = 1e-9;
+
 impl Motion {
     /// For equations by any derivation.
     pub fn new(model: &mut Model, equations: &Equations, rows: &Rows, switches: &[Switch]) -> Motion {
@@ -141,24 +144,47 @@ impl Motion {
         let (rank, mut order) = self.constraints.rank(state);
         order.truncate(rank);
         let held = self.constraints.held(state, order);
+        let zero = Measured::exact(DoubleDouble::ZERO);
+        (state.a, state.lambda) = (vec![zero; self.n], vec![zero; self.constraints.len()]);
+        self.solve_held(&values, &held, (&mut state.a, &mut state.lambda))
+    }
+
+    /// Δq' of impulses along some rows of the constraints, M Δq' = Jᵀ P, after which the rate of each has changed by so much;
+    /// `None` where that is undetermined.
+    pub fn blow(&self, state: &State, rows: &[(usize, f64)]) -> Option<Vec<Measured>> {
+        let (zero, changed): (_, Vec<usize>) =
+            (Measured::exact(DoubleDouble::ZERO), rows.iter().map(|r| r.0).collect());
+        let mut values = self.equations.measured(|s| state.value(s));
+        values[self.places.len()..].fill(zero);
+        let mut held = self.constraints.held(state, changed);
+        held.friction.clear();
+        held.bias = rows.iter().map(|(_, change)| Measured::exact(DoubleDouble::from(-change))).collect();
+        let (mut change, mut impulses) = (vec![zero; self.n], vec![zero; self.constraints.len()]);
+        self.solve_held(&values, &held, (&mut change, &mut impulses)).is_ok().then_some(change)
+    }
+
+    /// M a − (Jᵀ + B) λ = −h, J a = −γ, block by block.
+    fn solve_held(
+        &self,
+        values: &[Measured],
+        held: &Held,
+        (a, lambda): (&mut [Measured], &mut [Measured]),
+    ) -> Result<(), Incomplete> {
         if values.iter().chain(&held.matrix).chain(&held.bias).any(|x| !x.value.is_finite() || !x.magnitude.is_finite())
         {
             return Err(Incomplete::NotFinite);
         }
-        let zero = Measured::exact(DoubleDouble::ZERO);
-        state.a = vec![zero; self.n];
-        state.lambda = vec![zero; self.constraints.len()];
         let (mut rank, mut singular) = (0, Vec::new());
         for block in &self.coupled {
             let coordinates: Vec<usize> = block.iter().copied().take_while(|i| *i < self.n).collect();
             let rows: Vec<usize> =
                 block.iter().filter_map(|i| held.rows.iter().position(|row| row + self.n == *i)).collect();
-            match self.held_block(&coordinates, &rows, &values, &held) {
+            match self.held_block(&coordinates, &rows, values, held) {
                 Ok(found) => {
                     rank += coordinates.len();
-                    let (a, lambda) = found.split_at(coordinates.len());
-                    coordinates.iter().zip(a).for_each(|(i, x)| state.a[*i] = *x);
-                    rows.iter().zip(lambda).for_each(|(k, x)| state.lambda[held.rows[*k]] = *x);
+                    let (moving, holding) = found.split_at(coordinates.len());
+                    coordinates.iter().zip(moving).for_each(|(i, x)| a[*i] = *x);
+                    rows.iter().zip(holding).for_each(|(k, x)| lambda[held.rows[*k]] = *x);
                 }
                 Err(Deficient { rank: of, columns }) => {
                     rank += of.saturating_sub(rows.len());
@@ -311,15 +337,22 @@ impl Motion {
 
     /// The change of the speeds by impulses along constraints (those of the phase, and further rows) after which each of
     /// their rates is `keeps(row)` times what it was; at a state whose accelerations were computed.
-    pub fn kick(&self, rough: &Rough, further: &[usize], keeps: impl Fn(usize) -> f64) -> Option<Vec<f64>> {
+    pub fn kick(&self, rough: &Rough, further: &[usize], keeps: impl Fn(usize) -> f64) -> Option<Kick> {
         let active = self.constraints.active(rough.at.phase).iter().chain(further).copied().collect::<Vec<usize>>();
         let mut held = self.constraints.roughly(&active, |s| rough.value(s));
         held.friction.clear();
         let jumps = held.rows.iter().zip(&held.rate).map(|(row, rate)| (keeps(*row) - 1.0) * rate);
-        let right = std::iter::repeat_n(0.0, self.n).chain(jumps).collect();
-        let mut found = self.rough_saddle(&rough.values[..self.places.len()], &held, right)?;
-        found.truncate(self.n);
-        found.iter().all(|x| x.is_finite()).then_some(found)
+        let right: Vec<f64> = std::iter::repeat_n(0.0, self.n).chain(jumps).collect();
+        let lines = held.matrix.chunks(self.n.max(1)).zip(&right[self.n..]);
+        let counts = |(line, jump): (&[f64], &f64)| {
+            let size: f64 = line.iter().zip(&rough.at.v).map(|(x, v)| (x * v).abs()).sum();
+            jump.abs() > KEPT * size
+        };
+        let counted = lines.map(counts).zip(&held.rows).zip(&right[self.n..]);
+        let rows = counted.map(|((counts, row), jump)| (*row, if counts { *jump } else { 0.0 })).collect();
+        let mut speeds = self.rough_saddle(&rough.values[..self.places.len()], &held, right)?;
+        speeds.truncate(self.n);
+        speeds.iter().all(|x| x.is_finite()).then_some(Kick { speeds, rows })
     }
 
     /// M x − (Jᵀ + B) y = the first n of `right`, J x = the others.
@@ -354,6 +387,14 @@ impl Motion {
         found.iter().for_each(|found| block.iter().zip(found).for_each(|(&i, x)| a[i] = *x));
         found.is_some()
     }
+}
+
+/// What an instant does to the speeds.
+pub(super) struct Kick {
+    /// Their changes.
+    pub speeds: Vec<f64>,
+    /// Rows of the constraints that push, and how much the rate of each changes.
+    pub rows: Vec<(usize, f64)>,
 }
 
 /// A state in `f64` with room to compute in.

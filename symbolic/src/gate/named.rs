@@ -24,9 +24,15 @@ pub(super) fn disagreements(model: &Model, momentum: &[Momentum], states: &[Stat
     let mut problems = Vec::new();
     for (k, reaction) in model.reactions.iter().enumerate().filter(|(k, _)| shared(k)) {
         let naming: Vec<usize> = (0..systems.len()).filter(|s| systems[*s].0.reactions.contains(&k)).collect();
-        let Some((first, others)) = naming.split_first() else { continue };
-        let values = |s: usize, state: usize| components(reaction, systems[s].1, solved[s][state].as_deref()?);
-        problems.extend(others.iter().find_map(|second| {
+        let mut pairs =
+            naming.iter().enumerate().flat_map(|(i, first)| naming[i + 1..].iter().map(move |second| (first, second)));
+        // Each in the phases of its system.
+        let values = |s: usize, state: usize| {
+            let (system, linear) = systems[s];
+            let solution = solved[s][state].as_deref().filter(|_| system.phases.contains(&states[state].phase));
+            components(reaction, linear, solution?)
+        };
+        problems.extend(pairs.find_map(|(first, second)| {
             states.iter().enumerate().find_map(|(n, state)| {
                 let (here, there) = (values(*first, n)?, values(*second, n)?);
                 let largest = here.iter().chain(&there).fold(0.0_f64, |most, x| most.max(x.magnitude));

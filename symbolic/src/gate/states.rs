@@ -12,7 +12,7 @@ use super::motion::{Incomplete, Motion};
 use super::sides::sides;
 use super::state::{Origin, State, describe};
 use super::trajectory::{Passed, Trajectory};
-use super::turns::Turns;
+use super::turns::{Blow, Turns};
 use super::{Gate, listed};
 use crate::diagnose::catalogue::verdicts;
 use crate::diagnose::{Place, Problem};
@@ -36,6 +36,8 @@ const SEARCHED: usize = 32;
 const FEWEST: usize = 4;
 /// So many states come from the motion of each scene.
 const FROM_MOTION: usize = 5;
+/// So many jumps of the speeds of each scene are judged.
+const BLOWS: usize = 4;
 /// So many steps of each are searched for discontinuities.
 const STEPS: usize = 1000;
 /// So many scenes are run.
@@ -54,6 +56,8 @@ pub(super) struct States {
     pub unreached: Vec<String>,
     /// Scenes that were run, until when, and until when they should go.
     pub followed: Vec<(String, f64, f64)>,
+    /// States on the constraints that a jump of the speeds meets, and how much it changes the rate of each.
+    pub blows: Vec<(State, Vec<(usize, f64)>)>,
 }
 
 /// Finds states where some parameters are fixed; `own` are positions with the first scene's.
@@ -89,6 +93,7 @@ pub(super) fn states(
     for (run, scene) in trajectories.iter().zip(&model.scenes) {
         paths.extend(stretches(motion, run));
         found.followed.push((scene.name.clone(), run.reached(), run.until));
+        found.blows.extend(run.blows.iter().take(BLOWS).filter_map(|blow| struck(motion, run, blow)));
         let share = (room / 4 / trajectories.len()).clamp(1, FROM_MOTION);
         for (phase, bases) in bases.iter_mut().enumerate() {
             for step in run.spread(phase, share) {
@@ -147,6 +152,13 @@ fn on_the_way(run: &Trajectory, step: &Passed) -> State {
     (state.t, state.q, state.v) = (DoubleDouble::from(step.t), double(&step.q), double(&step.v));
     (state.phase, state.origin) = (step.phase, Origin::Motion);
     state
+}
+
+/// Where a jump of the speeds happens, on the constraints that push.
+fn struck(motion: &Motion, run: &Trajectory, blow: &Blow) -> Option<(State, Vec<(usize, f64)>)> {
+    let step = Passed { t: blow.t, q: blow.q.clone(), v: vec![0.0; motion.n], phase: blow.phase };
+    let mut state = on_the_way(run, &step);
+    motion.place(&mut state).then(|| (state, blow.rows.clone()))
 }
 
 /// The steps of a run in order, thinned where there are many: a list for each stretch between two events.

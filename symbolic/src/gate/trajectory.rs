@@ -6,7 +6,7 @@
 
 use super::dense::solve;
 use super::motion::{Motion, Rough};
-use super::turns::{Turns, Watched};
+use super::turns::{Blow, Turns, Watched};
 
 /// Most evaluations of the accelerations a scene.
 const EVALUATIONS: usize = 2000;
@@ -41,6 +41,8 @@ pub(super) struct Trajectory {
     pub parameters: Vec<f64>,
     /// Ends of steps, the start first; two at an event, before and after it.
     pub states: Vec<Passed>,
+    /// Jumps of the speeds on the way.
+    pub blows: Vec<Blow>,
     /// How long it should have gone.
     pub until: f64,
 }
@@ -73,7 +75,8 @@ impl Trajectory {
         } else {
             runner.explicit(budget);
         }
-        Trajectory { parameters: runner.rough.at.parameters, states: runner.states, until }
+        let (parameters, blows) = (runner.rough.at.parameters, runner.watched.blows);
+        Trajectory { parameters, states: runner.states, blows, until }
     }
 
     /// When it ends.

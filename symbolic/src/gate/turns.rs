@@ -35,6 +35,17 @@ enum Act {
     Impact { restitution: usize, rows: Vec<usize> },
 }
 
+/// A jump of the speeds along a run.
+#[derive(Clone, Debug)]
+pub(super) struct Blow {
+    pub t: f64,
+    pub q: Vec<f64>,
+    /// A phase in which all that push act.
+    pub phase: usize,
+    /// Rows of the constraints that push, and how much the rate of each changes.
+    pub rows: Vec<(usize, f64)>,
+}
+
 /// What is known of the events along a run.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Watched {
@@ -44,6 +55,8 @@ pub(super) struct Watched {
     largest: Vec<f64>,
     /// Impacts of each event in succession, when the last was, and how long the last flight took.
     impacts: Vec<(usize, f64, f64)>,
+    /// Jumps of the speeds so far.
+    pub blows: Vec<Blow>,
 }
 
 impl Turns {
@@ -127,27 +140,35 @@ impl Turns {
     fn perform(&self, motion: &Motion, rough: &mut Rough, k: usize, watched: &mut Watched) -> bool {
         let all = self.tape.evaluate(|s| rough.value(s));
         for action in &self.events[k].actions {
-            let change = match action {
+            let (kick, seen) = match action {
                 Act::Phase(phase) => {
                     rough.at.phase = *phase;
-                    motion.kick(rough, &[], |_| 0.0)
+                    (motion.kick(rough, &[], |_| 0.0), Some(*phase))
                 }
                 Act::Impact { rows, .. } if self.accumulates(k, rough.at.t, watched) => {
-                    let active = motion.constraints.active(rough.at.phase);
-                    let holds = |of: &&Vec<usize>| active.iter().chain(rows).all(|row| of.contains(row));
-                    let Some(phase) = self.phases.iter().position(|of| holds(&of)) else { return false };
+                    let Some(phase) = self.in_contact(motion, rough.at.phase, rows) else { return false };
                     rough.at.phase = phase;
-                    motion.kick(rough, &[], |_| 0.0)
+                    (motion.kick(rough, &[], |_| 0.0), Some(phase))
                 }
                 Act::Impact { restitution, rows } => {
                     let rebound = |row: usize| if rows.contains(&row) { -all[*restitution] } else { 1.0 };
-                    motion.kick(rough, rows, rebound)
+                    (motion.kick(rough, rows, rebound), self.in_contact(motion, rough.at.phase, rows))
                 }
             };
-            let Some(change) = change else { return false };
-            rough.at.v.iter_mut().zip(change).for_each(|(v, change)| *v += change);
+            let Some(kick) = kick else { return false };
+            if let Some(phase) = seen.filter(|_| kick.rows.iter().any(|(_, change)| *change != 0.0)) {
+                let (t, q) = (rough.at.t, rough.at.q.clone());
+                watched.blows.push(Blow { t, q, phase, rows: kick.rows });
+            }
+            rough.at.v.iter_mut().zip(kick.speeds).for_each(|(v, change)| *v += change);
         }
         true
+    }
+
+    /// The first phase that has the constraints of another one and these.
+    fn in_contact(&self, motion: &Motion, phase: usize, rows: &[usize]) -> Option<usize> {
+        let active = motion.constraints.active(phase);
+        self.phases.iter().position(|of| active.iter().chain(rows).all(|row| of.contains(row)))
     }
 
     /// Whether impacts of an event, this one among them, follow each other faster and faster.

@@ -44,7 +44,7 @@ impl Constraints {
 }
 
 /// Splits what multipliers do from h, adds their forces to F, and differentiates the rows.
-pub(super) fn lowered(graph: &mut Graph, n: usize, rows: Rows, chosen: &mut Chosen) -> Constraints {
+pub(super) fn lowered(graph: &mut Graph, rows: Rows, chosen: &mut Chosen) -> Constraints {
     if rows.is_empty() {
         return Constraints::default();
     }
@@ -54,9 +54,8 @@ pub(super) fn lowered(graph: &mut Graph, n: usize, rows: Rows, chosen: &mut Chos
     friction.iter_mut().for_each(|entry| entry.2 = graph.neg(entry.2));
     let none = (0..count as u32).map(|k| (Symbol::Multiplier(k), Id::ZERO)).collect();
     chosen.bias = substitute(graph, &chosen.bias, &none);
-    let forces = rows.forces(graph, n);
-    for (f, force) in chosen.residual.iter_mut().zip(forces) {
-        *f = graph.sub(*f, force);
+    for (f, force) in chosen.residual.iter_mut().zip(&rows.forces) {
+        *f = graph.sub(*f, *force);
     }
     let acceleration = rows.accelerations(graph, &(0..count).collect::<Vec<_>>());
     let place = |s: Symbol| if let Symbol::Coordinate(i) = s { Some(i as usize) } else { None };

@@ -163,7 +163,7 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let graph = &mut model.graph;
 
     let mut chosen = candidates::choose(graph, &equations);
-    let mut constraints = constraints::lowered(graph, n, rows, &mut chosen);
+    let mut constraints = constraints::lowered(graph, rows, &mut chosen);
     gather_entries(graph, &mut chosen.mass);
     chosen.bias = gather::gather(graph, &chosen.bias);
     chosen.residual = gather::gather(graph, &chosen.residual);

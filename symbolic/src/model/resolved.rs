@@ -512,6 +512,8 @@ pub struct Balance {
     pub components: usize,
     /// True for power and energy, which say nothing at rest.
     pub void_at_rest: bool,
+    /// True for balances of force and moment, which hold integrated over an instant too.
+    pub instantaneous: bool,
     /// Where it stands.
     pub place: Place,
 }

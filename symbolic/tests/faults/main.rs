@@ -11,7 +11,10 @@ use dalembert_symbolic::model::load;
 fn every_fault_that_changes_the_motion_is_refused() {
     let extent = table::Extent::Test;
     let outcomes = table::plant_all(extent, false);
-    let now = table::page(&outcomes, &table::smallest(extent));
+    let held = table::held(extent);
+    assert!(held.values().all(|(planted, refused)| planted == refused), "{held:?}");
+    assert!(held.len() == 5 && held.values().all(|(planted, _)| *planted > 0), "{held:?}");
+    let now = table::page(&outcomes, &table::smallest(extent), &held);
     println!("{now}");
     let wrong = table::wrong(&outcomes);
     assert!(wrong.is_empty(), "faults that were accepted, or sound models that were refused:\n{}", wrong.join("\n"));

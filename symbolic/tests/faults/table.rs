@@ -2,6 +2,7 @@
 
 mod engine;
 mod expression;
+mod held;
 mod judge;
 mod moments;
 mod page;
@@ -24,6 +25,7 @@ use dalembert_symbolic::model::{Model, resolve};
 use engine::Change;
 use judge::{Judge, Window};
 
+pub use held::held;
 pub use page::page;
 pub use smallest::smallest;
 
@@ -168,11 +170,16 @@ fn models() -> Vec<String> {
     names
 }
 
-/// A model that has balances or claims; another is no place for these faults.  What faults do to a motion is measured
-/// without constraints: those of constrained models are planted in `tests/constrained.rs`.
-fn sound(name: &str) -> Option<Sound> {
+/// The text of a model's file.
+fn text_of(name: &str) -> Option<String> {
     let files = folders().map(|folder| folder.join(format!("{name}.yaml")));
-    let text = files.iter().find_map(|file| std::fs::read_to_string(file).ok())?;
+    files.iter().find_map(|file| std::fs::read_to_string(file).ok())
+}
+
+/// A model that has balances or claims; another is no place for these faults.  What faults do to a motion is measured
+/// without constraints: for those look in `held.rs`, and in `tests/constrained.rs`.
+fn sound(name: &str) -> Option<Sound> {
+    let text = text_of(name)?;
     let root = read(&text).ok()?;
     if tree::get(&root, "constraints").is_some() {
         return None;

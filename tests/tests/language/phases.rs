@@ -220,6 +220,8 @@ scene: {start: {x: 0, x': v}, until: 2, every: 0.25}
 fn balances_belong_to_the_initial_phase_or_to_those_they_name() {
     let run = Case::written(BLOCK).run();
     let at = |t: f64| run.states().find(|state| state.t == t).expect("a report");
+    // A named reaction is that of the system of the active phase, absent where there is none.
+    assert!(!at(0.5)["hold"].is_finite());
     near(at(0.5)["normal"], 10.0, 1e-12);
     near(at(1.5)["hold"], -1.0, 1e-12);
     near(at(1.5)["grip"], -1.0, 1e-12);
@@ -230,4 +232,48 @@ fn balances_belong_to_the_initial_phase_or_to_those_they_name() {
         assert_eq!(found, phase);
         near(failure.run.last().t, t, 1e-12);
     }
+}
+
+/// Two phases with systems that name one reaction, and one without a system.
+const TIED: &str = "
+name: Tied
+parameters: {m: 1 kg, g: 10 m/s^2, v: 2 m/s, F: 3 N, s: 1 s}
+coordinates: {x: m, y: m}
+bodies: {block: {mass: m, position: \"[x, y]\"}}
+gravity: [0, -g]
+constraints: {floor: y, tie: x' - 2*y' - v}
+phases: {alone: [floor], tied: [floor, tie], flies: []}
+forces: {pull: {on: block, force: \"[F, 0]\"}}
+events:
+  ties: {when: t - s, phase: alone, then: tied}
+  off: {when: t - 2*s, phase: tied, then: flies}
+balances:
+  alone:
+    equations: [force: {of: [block]}]
+    reactions: {normal: {on: block, along: \"[0, 1]\"}}
+  tied:
+    phase: tied
+    equations: [force: {of: [block]}]
+    reactions: {normal: {on: block, along: \"[0, 1]\"}, rope: {on: block, along: \"[1, -2]\"}}
+outputs: {normal: normal, rope: rope, floor: reaction(floor), tie: reaction(tie)}
+scene: {start: {x: 0, x': v}, until: 3, every: 0.3}
+";
+
+#[test]
+fn a_named_reaction_has_in_each_phase_the_value_that_the_system_of_that_phase_gives() {
+    let run = Case::written(TIED).run();
+    for state in run.states() {
+        let phase = run.phases.iter().rev().find(|(begins, _)| *begins <= state.t).expect("a phase").1;
+        if phase == 2 {
+            assert!(!state["normal"].is_finite() && !state["rope"].is_finite());
+            continue;
+        }
+        near(state["normal"], state["floor"], 1e-12);
+        // The constraint's row is (1, −2) in x' and y'.
+        match phase {
+            0 => assert!(!state["rope"].is_finite()),
+            _ => near(state["rope"], 5.0_f64.sqrt() * state["tie"], 1e-12),
+        }
+    }
+    assert_eq!(run.phases.len(), 3);
 }

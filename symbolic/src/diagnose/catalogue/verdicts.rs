@@ -7,9 +7,9 @@ super::entries! {
     E502 check_fails(name, by, state) "a check that does not hold"
         "the check `{name}` does not hold: its sides differ by {by}" "claimed to hold" "at {state}"
         "Everything in `checks` must hold in all states.";
-    E503 derivations_disagree(name, by, state) "two derivations that disagree"
-        "two derivations of the acceleration of `{name}` differ by {by}" "" "at {state}"
-        "Lagrange's equations and the virtual power of the bodies must give the same accelerations. If the file is right this is a fault of the program.";
+    E503 derivations_disagree(what, by, state) "two derivations that disagree"
+        "two derivations of {what} differ by {by}" "" "at {state}"
+        "Lagrange's equations and the virtual power of the bodies must give the same accelerations, and constraints differentiated forward and in reverse the same rows. If the file is right this is a fault of the program.";
     E504 too_few_states(found, wanted) "too few states to test at"
         "only {found} of {wanted} random states are usable" "" "say where the model is defined, `sample: {{y: [-0.9*l, 0.9*l]}}`"
         "States that are not finite or fall on a discontinuity are drawn again, up to a limit.";
@@ -46,4 +46,7 @@ super::entries! {
     W515 redundant(names, phase, sharing) "a constraint that follows from others"
         "{names} follows from the constraints before it{phase}" "redundant" "leave it out; the run goes on with it, but the reactions of {sharing} are not unique"
         "Constraints that depend on each other hold the same motions as fewer of them; their reactions are not unique.";
+    E516 impulse_violated(label, by, state) "a balance that an impact violates"
+        "{label} does not hold integrated over the instant of an impact" "off by {by} of its terms" "at {state}; is a reaction that pushes there missing in the system, or in the wrong place?"
+        "Where constraints are entered or struck, M Δq' = Jᵀ P: balances of force and moment must say the same of the momenta, with impulses of the reactions that they name.";
 }

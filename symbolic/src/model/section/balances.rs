@@ -136,8 +136,9 @@ impl<'a> Resolver<'a> {
         };
         let components = parts.first().map_or(0, |p| p.value.len());
         let void_at_rest = matches!(kind, "power" | "energy");
+        let instantaneous = matches!(kind, "force" | "moment");
         let (label, place) = (format!("{label} ({kind})"), spot.place.clone());
-        Some(Balance { label, parts, terms, components, void_at_rest, place })
+        Some(Balance { label, parts, terms, components, void_at_rest, instantaneous, place })
     }
 
     /// Σ (r − P) × m a + I α − moments about P.

@@ -3,7 +3,7 @@
 use rustc_hash::FxHashSet as HashSet;
 
 use crate::diagnose::catalogue::{names, sections};
-use crate::expr::{Id, Symbol};
+use crate::expr::Id;
 use crate::file::{Spot, Text};
 use crate::language::parse;
 use crate::model::expression::families::Locals;
@@ -120,13 +120,6 @@ impl Resolver<'_> {
 
     /// 1 in these phases, 0 in all others.
     pub fn indicator(&mut self, phases: &[usize]) -> Id {
-        if phases.len() == self.model.phases.len() {
-            return Id::ONE;
-        }
-        let graph = &mut self.bench.graph;
-        phases.iter().fold(Id::ZERO, |sum, phase| {
-            let active = graph.symbol(Symbol::Phase(*phase as u32));
-            graph.add(sum, active)
-        })
+        self.bench.graph.in_phases(phases, self.model.phases.len())
     }
 }

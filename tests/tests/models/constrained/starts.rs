@@ -1,6 +1,6 @@
 //! Starts that are or are not consistent; constraints that depend on each other.
 
-use dalembert::{Cause, Error};
+use dalembert::{Cause, Error, Warning};
 use dalembert_symbolic::lower::compile;
 use dalembert_tests::case::Case;
 
@@ -126,4 +126,32 @@ fn a_start_is_judged_by_its_own_sizes() {
         let (head, _) = text.split_once("scene:").expect("a scene");
         near(Case::written(&format!("{head}{spinning}\n")).run().first()["y'"] / size, 1.0, 1e-9);
     }
+}
+
+/// A start that closes in two ways: where nobody chose, the run says so and names a coordinate that tells them apart.
+#[test]
+fn a_second_branch_is_told_unless_a_guess_chose() {
+    let slider = "
+name: Slider
+parameters: {m: 1 kg, a: 1 m, b: 2 m}
+coordinates: {theta: rad, s: m}
+points: {crank: \"a*[cos(theta), sin(theta)]\"}
+bodies: {block: {mass: m, position: \"[s, 0]\"}, pin: {mass: m, position: crank}}
+constraints: {rod: (s - a*cos(theta))^2 + (a*sin(theta))^2 - b^2}
+scene: {start: {theta: 1, theta': 1}, until: 0.1}
+";
+    let told = |text: &str| -> Vec<Warning> {
+        let run = Case::written(text).run();
+        run.warnings.into_iter().filter(|warning| matches!(warning, Warning::OtherBranch { .. })).collect()
+    };
+    let half = (4.0 - 1.0_f64.sin().powi(2)).sqrt();
+    let [Warning::OtherBranch { coordinate, here, there }] = &told(slider)[..] else { panic!("not told") };
+    assert_eq!(coordinate, "s");
+    near(*here, 1.0_f64.cos() - half, 1e-12);
+    near(*there, 1.0_f64.cos() + half, 1e-12);
+    assert!(told(&slider.replace("until: 0.1", "guess: {s: 2}, until: 0.1")).is_empty());
+    // Nothing to choose: both are held, or what is left can move.
+    assert!(told(&PENDULUM.replace("until: 10", "until: 0.1")).is_empty());
+    let free = PENDULUM.replace("start: {x: l, y: 0, x': 0}, until: 10", "start: {x': 0, y': 0}, until: 0.1");
+    assert!(told(&free.replace("x^2 + y^2 - l^2", "(x - l)^2 + (y - l)^2 - l^2")).is_empty());
 }

@@ -1,0 +1,71 @@
+// Faults in what the program derives of constraints: one entry at a time, in one of its two derivations.
+
+use std::collections::BTreeMap;
+
+use dalembert_symbolic::derive::{Derivation, Rows, derive};
+use dalembert_symbolic::expr::{Graph, Id, Rational};
+use dalembert_symbolic::gate::judge;
+use dalembert_symbolic::model::load;
+
+use super::{Extent, in_parallel, models, text_of};
+
+/// Kinds of faults: how many were planted, and how many refused.
+pub type Held = BTreeMap<&'static str, (usize, usize)>;
+
+/// An entry is multiplied by these: (1e12 + 1)/1e12, the opposite, nothing.
+const FACTORS: [(i128, i128); 3] = [(1_000_000_000_001, 1_000_000_000_000), (-1, 1), (0, 1)];
+
+/// Parts of the rows in which faults are planted.
+const PARTS: [(&str, Part); 5] = [
+    ("an entry of J", |rows| rows.matrix.iter_mut().map(|entry| &mut entry.2).collect()),
+    ("γ", |rows| rows.bias.iter_mut().collect()),
+    ("c'", |rows| rows.rate.iter_mut().collect()),
+    ("the rate of what moves a constraint", |rows| rows.drive.iter_mut().collect()),
+    ("the force Jᵀλ on a coordinate", |rows| rows.forces.iter_mut().collect()),
+];
+
+type Part = fn(&mut Rows) -> Vec<&mut Id>;
+
+/// Plants faults in the constraints of every model of the library, on all cores.
+pub fn held(extent: Extent) -> Held {
+    let mut all = Held::new();
+    for found in in_parallel(&models(), |name| of_model(&text_of(name).unwrap_or_default(), extent)) {
+        for (kind, (planted, refused)) in found {
+            let counts = all.entry(kind).or_default();
+            *counts = (counts.0 + planted, counts.1 + refused);
+        }
+    }
+    all
+}
+
+fn of_model(text: &str, extent: Extent) -> Held {
+    let mut found = Held::new();
+    if !text.contains("constraints:") {
+        return found;
+    }
+    let Ok(sound) = load(text, &[]).and_then(derive) else { return found };
+    for (kind, part) in PARTS {
+        let mut rows = sound.rows.clone();
+        let entries: Vec<Id> = part(&mut rows).into_iter().map(|id| *id).collect();
+        let wrong = |k: &usize| entries[*k] != Id::ZERO;
+        for k in (0..entries.len()).filter(wrong).take(extent.of_a_kind()) {
+            for factor in FACTORS {
+                let spoilt = spoilt(&sound, part, k, factor);
+                let counts = found.entry(kind).or_default();
+                *counts = (counts.0 + 1, counts.1 + usize::from(judge(spoilt).is_err()));
+            }
+        }
+    }
+    found
+}
+
+fn spoilt(sound: &Derivation, part: Part, k: usize, factor: (i128, i128)) -> Derivation {
+    let mut spoilt = sound.clone();
+    let times = |graph: &mut Graph, id: Id| {
+        let factor = Rational::new(factor.0, factor.1).map_or(Id::ONE, |ratio| graph.rational(ratio));
+        graph.mul(factor, id)
+    };
+    let entry = part(&mut spoilt.rows).swap_remove(k);
+    *entry = times(&mut spoilt.model.graph, *entry);
+    spoilt
+}
