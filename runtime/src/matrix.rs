@@ -30,6 +30,9 @@ pub(crate) fn equilibrated(matrix: &DMatrix<f64>) -> (DMatrix<f64>, DVector<f64>
 
 /// The least x that leaves the least of A x − b, A equilibrated.
 pub(crate) fn solve_least(matrix: &DMatrix<f64>, right: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    if matrix.is_empty() {
+        return Some(DMatrix::zeros(matrix.ncols(), right.ncols()));
+    }
     let (scaled, rows, columns) = equilibrated(matrix);
     let mut b = right.clone();
     b.row_iter_mut().enumerate().for_each(|(i, mut row)| row.scale_mut(rows[i]));

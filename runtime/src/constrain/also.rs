@@ -30,7 +30,7 @@ impl<S: System + ?Sized> Closing<'_, S> {
         let mut left = self.values(y, &range) - &wanted;
         let mut terms = wanted.abs();
         for _ in 0..ITERATIONS {
-            if left.iter().any(|x| !x.is_finite()) {
+            if free.is_empty() || left.iter().any(|x| !x.is_finite()) {
                 break;
             }
             let sizes = self.sizes(y);

@@ -23,7 +23,12 @@ pub(crate) struct Elsewhere {
 pub(crate) fn other_branch<S: System + ?Sized>(system: &S, start: &Start<'_>, found: &[f64]) -> Option<Elsewhere> {
     let closing = Closing::new(system, start);
     let free = &closing.free;
-    if free.is_empty() || free.len() > MOST || !start.also.is_empty() || !closing.is_isolated(found) {
+    if free.is_empty()
+        || closing.holonomic.is_empty()
+        || free.len() > MOST
+        || !start.also.is_empty()
+        || !closing.is_isolated(found)
+    {
         return None;
     }
     let description = system.description();

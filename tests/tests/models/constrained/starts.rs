@@ -155,3 +155,12 @@ scene: {start: {theta: 1, theta': 1}, until: 0.1}
     let free = PENDULUM.replace("start: {x: l, y: 0, x': 0}, until: 10", "start: {x': 0, y': 0}, until: 0.1");
     assert!(told(&free.replace("x^2 + y^2 - l^2", "(x - l)^2 + (y - l)^2 - l^2")).is_empty());
 }
+
+/// What a start asks beside constraints cannot be met where it holds everything: an error, whatever the rows are.
+#[test]
+fn a_start_that_holds_everything_cannot_be_asked_for_more() {
+    let asked = PENDULUM.replace("outputs: {", "outputs: {spin: \"m*(x*y' - y*x')\", ");
+    let asked = asked.replace("x': 0}, until", "x': 0, y': 1}, also: {spin: 5}, until");
+    let found = cause(Case::written(&asked));
+    assert!(matches!(found, Cause::StartMissesConstraint { .. }), "{found}");
+}
