@@ -65,7 +65,8 @@ impl Digits {
         let differences = differences(run, other, self.still);
         let (columns, n) = (run.column_names().len(), run.names.coordinates.len());
         let ranges = ranges(run, self.still);
-        let size = |row: &[f64]| row.iter().zip(&ranges).take(2 * n).fold(0.0_f64, |most, (y, range)| most.max(y / range));
+        let size =
+            |row: &[f64]| row.iter().zip(&ranges).take(2 * n).fold(0.0_f64, |most, (y, range)| most.max(y / range));
         for (bounds, differences) in self.rows.chunks_exact_mut(columns).zip(differences.chunks_exact(columns)) {
             let part = (0.5 * size(bounds) / size(differences)).clamp(least, 1.0);
             for (bound, difference) in bounds.iter_mut().zip(differences) {

@@ -125,7 +125,8 @@ fn promise(case: impl Fn() -> Case, tolerance: f64) -> (f64, f64, [u64; 2]) {
 /// single run, which is cheaper.
 #[test]
 fn steps_that_features_limit_promise_no_more_than_holds() {
-    let forced = |force: &str, scene: &str| format!("forces: {{f: {{on: b, force: \"[{force}, 0]\"}}}}\nscene: {{{scene}}}");
+    let forced =
+        |force: &str, scene: &str| format!("forces: {{f: {{on: b, force: \"[{force}, 0]\"}}}}\nscene: {{{scene}}}");
     let of_time = forced("0.0087*F*2/pi*atan((t - 37.8)/5e-4)", "start: {x: 0, x': 1.4}, until: 49");
     let zone = forced("-40*F/(1 + ((x + 0.2)/1.6e-6)^2)", "start: {x: 0.5}, until: 21");
     let softened = forced("-6*F*atan((x - 0.4)/0.04)", "start: {x: 2.6}, until: 21.5");
