@@ -489,6 +489,12 @@ impl March {
             Some(Upset::Jump(coordinate)) => {
                 let (before, after) = (start.rate[n + coordinate], end.rate[n + coordinate]);
                 let (end, mut earlier) = (end.y.to_vec(), vec![0.0; 2 * n]);
+                let mut effect = vec![0.0; 2 * n];
+                effect[n + coordinate] = step.h * (after - before);
+                // What moves nothing made no step collapse.
+                if self.in_units(step, &effect) < NOTICED {
+                    return Ok(());
+                }
                 let evaluated = self.stepper.evaluate(system, self.clock.now(), &end, &mut earlier);
                 evaluated.map_err(|setback| setback.cause(system.description()))?;
                 let by_state = (earlier[n + coordinate] - before).abs();
@@ -500,10 +506,10 @@ impl March {
         }
     }
 
-    /// Whether the acceleration of a coordinate changes within a sixteenth of the step that was tried by most of what it
+    /// Whether the acceleration of a coordinate changes within one of 256 parts of the step that was tried by most of what it
     /// does over all of it: what is narrow, but resolved by such short steps, does not.
     fn jumps_within(&mut self, system: &dyn System, step: Step, coordinate: usize) -> Result<bool, Cause> {
-        const HALVINGS: u32 = 4;
+        const HALVINGS: u32 = 8;
         self.dense(system, step)?;
         let (now, place) = (self.clock.now(), system.len() + coordinate);
         let mut state = vec![0.0; 2 * system.len()];
@@ -561,6 +567,8 @@ impl March {
 /// the step that was allowed.  The longest of its steps is shorter than that of any two another run may take.
 const UNEVEN: f64 = 0.4;
 const DIVISIONS: u32 = 2;
+/// A change of the acceleration over a step is noticed where it changes a rate by this part of the tolerance.
+const NOTICED: f64 = 0.1;
 /// The first step is tried at this part of the way, at the usual tolerance.
 const FIRST: f64 = 1e-3;
 const USUAL: f64 = 1e-10;
