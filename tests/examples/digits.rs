@@ -10,7 +10,10 @@ fn main() {
         "A run that estimates its digits runs a second time, at ten times the tolerance and from a start moved by"
     );
     println!(
-        "rounding, and bounds the error of each value by twice the difference (`runtime/src/run/digits.rs`). Here all"
+        "rounding, and bounds the error of each value by twice the difference (`runtime/src/run/digits.rs`); a third time at"
+    );
+    println!(
+        "a hundred times the tolerance where few digits hold, or discontinuities and narrow features cut its steps. Here all"
     );
     println!(
         "models and scenes of the library run at several tolerances; the true error is that against a run at 1e-14."

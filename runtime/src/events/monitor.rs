@@ -20,6 +20,8 @@ pub(crate) struct Monitors {
     distances: Vec<(usize, f64)>,
     /// Whether a phase turns inside one of them, so that the ends of a step tell nothing.
     wild: bool,
+    /// The part of the usual change of a natural variable after which a step is cut.
+    part: f64,
     /// All arguments (A, A') at the start and the end of the step looked at last, and when that is, s.
     start: Vec<f64>,
     end: Vec<f64>,
@@ -38,6 +40,8 @@ const MARGIN: f64 = 0.22;
 const VANISHES: f64 = -40.0;
 /// tanh A is constant beyond ± this A.
 const SATURATES: f64 = 20.0;
+/// Where cuts are to be others than usual they come after this part of the usual change.
+const FINER: f64 = 0.5;
 /// A change of the natural variable by more than this is a feature.
 const FEATURE: f64 = 2.5;
 /// A step is cut where the natural variable has changed by this.
@@ -53,7 +57,11 @@ const NOTHING: f64 = 1e-16;
 
 impl Monitors {
     /// The arguments that a description lists for the motion.
-    pub fn new<S: System + ?Sized>(system: &S) -> Self {
+    ///
+    /// Runs that cut their steps at the same places of a feature share its error; to be compared with another one, a run
+    /// cuts them at others: `unlike`.
+    pub fn new<S: System + ?Sized>(system: &S, unlike: bool) -> Self {
+        let part = if unlike { FINER } else { 1.0 };
         let list = system.description().arguments.iter().enumerate();
         let followed = |argument: &Argument| argument.of == Watched::Motion && argument.role != Role::Distance;
         let motion = list.filter(|(_, argument)| followed(argument));
@@ -67,10 +75,11 @@ impl Monitors {
         let distances = system.description().arguments.iter().enumerate();
         let distances = distances.filter(|(_, argument)| argument.role == Role::Distance);
         Monitors {
-            of_state: places(of_state).into_iter().map(|place| (place, ratio(arguments[place].role))).collect(),
+            of_state: places(of_state).into_iter().map(|place| (place, ratio(arguments[place].role, part))).collect(),
             of_time: places(of_time),
             distances: distances.map(|(place, _)| (place, 0.0)).collect(),
             wild,
+            part,
             start: vec![0.0; 2 * arguments.len()],
             end: vec![0.0; 2 * arguments.len()],
             ends: f64::NAN,
@@ -126,8 +135,8 @@ impl Monitors {
                     let (low, high) = if least > 0.0 { (least, most) } else { (-most, -least) };
                     high + margin <= ratio * (low - margin)
                 }
-                Role::Exponential => most + margin <= (most + CALM).max(VANISHES),
-                _ => natural(role, most + margin, 0.0) - natural(role, least - margin, 0.0) <= CALM,
+                Role::Exponential => most + margin <= (most + self.part * CALM).max(VANISHES),
+                _ => natural(role, most + margin, 0.0) - natural(role, least - margin, 0.0) <= self.part * CALM,
             }
         };
         let far = |(index, _): &(usize, f64)| {
@@ -148,7 +157,7 @@ impl Monitors {
 
     /// Where in a step from t of h seconds, 0 to 1, a feature of time alone is met; `None`: nowhere.
     pub fn ahead<S: System + ?Sized>(&self, arguments: &mut Arguments, system: &S, t: f64, h: f64) -> Option<f64> {
-        first(self.of_time.iter().copied(), arguments, system, &Course::Time { t, h })
+        first((self.of_time.iter().copied(), self.part), arguments, system, &Course::Time { t, h })
     }
 
     /// The first squared distance that vanishes within a step, to `part` of the largest distance there was, where the
@@ -193,7 +202,7 @@ impl Monitors {
 
     /// Where in a step that was tried it has to be cut; `None`: nowhere.
     pub fn cut<S: System + ?Sized>(&self, arguments: &mut Arguments, system: &S, course: &Course<'_>) -> Option<f64> {
-        first(self.of_state.iter().map(|(place, _)| *place), arguments, system, course)
+        first((self.of_state.iter().map(|(place, _)| *place), self.part), arguments, system, course)
     }
 }
 
@@ -214,20 +223,20 @@ fn rises(role: Role) -> bool {
 }
 
 /// The factor by which the base of a power may change so that its natural variable stays calm.
-fn ratio(role: Role) -> f64 {
+fn ratio(role: Role, part: f64) -> f64 {
     match role {
-        Role::Power(p) => (CALM / p.abs()).exp(),
+        Role::Power(p) => (part * CALM / p.abs()).exp(),
         _ => 0.0,
     }
 }
 
 fn first<S: System + ?Sized>(
-    list: impl Iterator<Item = usize>,
+    (list, part): (impl Iterator<Item = usize>, f64),
     arguments: &mut Arguments,
     system: &S,
     course: &Course<'_>,
 ) -> Option<f64> {
-    let cuts = list.filter_map(|index| feature(arguments, system, course, index));
+    let cuts = list.filter_map(|index| feature(arguments, system, course, (index, part)));
     cuts.min_by(f64::total_cmp)
 }
 
@@ -236,7 +245,7 @@ fn feature<S: System + ?Sized>(
     arguments: &mut Arguments,
     system: &S,
     course: &Course<'_>,
-    index: usize,
+    (index, part): (usize, f64),
 ) -> Option<f64> {
     let role = system.description().arguments[index].role;
     // What cannot be certified is met by halves.
@@ -244,7 +253,7 @@ fn feature<S: System + ?Sized>(
         return Some(0.5);
     }
     let mut path = std::mem::take(&mut arguments.path);
-    let place = along(arguments, system, course, (index, role), &mut path);
+    let place = along(arguments, system, course, (index, role, part), &mut path);
     arguments.path = path;
     place
 }
@@ -253,9 +262,10 @@ fn along<S: System + ?Sized>(
     arguments: &mut Arguments,
     system: &S,
     course: &Course<'_>,
-    (index, role): (usize, Role),
+    (index, role, part): (usize, Role, f64),
     path: &mut Vec<(f64, f64)>,
 ) -> Option<f64> {
+    let (feature, kept) = (part * FEATURE, part * KEPT);
     path.retain(|(_, value)| !value.is_nan());
     let largest = path.iter().fold(0.0_f64, |most, (_, a)| most.max(a.abs())).min(f64::MAX);
     let least = (NOTHING * largest).max(f64::MIN_POSITIVE);
@@ -273,15 +283,15 @@ fn along<S: System + ?Sized>(
         return None;
     }
     let leaps = |slope: f64| (path[0].1 - path[path.len() - 1].1) > LEAP * slope.abs();
-    let from_the_top = role == Role::Exponential && top == path[0].0 && start > end + FEATURE;
+    let from_the_top = role == Role::Exponential && top == path[0].0 && start > end + feature;
     // Where it begins at the top its factors may vanish, and nothing is seen of what it falls off.
     let from_the_top = from_the_top && leaps(arguments.sample(system, course, index, top).1);
     let mut at = |x: f64| natural(arguments.sample(system, course, index, x).0);
     if rises(role) && !from_the_top {
-        if most <= start.max(end) + FEATURE {
+        if most <= start.max(end) + feature {
             return None;
         }
-        let level = (start + KEPT).max(most - UNSEEN);
+        let level = (start + kept).max(most - UNSEEN / part);
         let before = path.windows(2).find(|pair| pair[1].0 <= top && natural(pair[1].1) >= level)?;
         let (a, b) = (before[0], before[1]);
         let (low, high) = (natural(a.1) - level, natural(b.1) - level);
@@ -290,16 +300,16 @@ fn along<S: System + ?Sized>(
     }
     let start = natural(path.first()?.1);
     let away = |a: f64| (natural(a) - start).abs();
-    if path.iter().all(|(_, a)| away(*a) <= FEATURE) {
+    if path.iter().all(|(_, a)| away(*a) <= feature) {
         return None;
     }
-    let pair = path.windows(2).find(|pair| away(pair[1].1) >= KEPT)?;
+    let pair = path.windows(2).find(|pair| away(pair[1].1) >= kept)?;
     let (a, b) = (pair[0], pair[1]);
-    let (low, high) = (away(a.1) - KEPT, away(b.1) - KEPT);
+    let (low, high) = (away(a.1) - kept, away(b.1) - kept);
     let x = if low >= 0.0 || high <= 0.0 {
         b.0
     } else {
-        locate(|x| (at(x) - start).abs() - KEPT, (a.0, low), (b.0, high), 0.0).0
+        locate(|x| (at(x) - start).abs() - kept, (a.0, low), (b.0, high), 0.0).0
     };
     Some(x.min(0.9)).filter(|x| *x > LEAST)
 }

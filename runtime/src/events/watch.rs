@@ -66,7 +66,8 @@ const ON: f64 = 1e-10;
 const REST: f64 = 1e-12;
 
 impl Watch {
-    /// A watch over the motion from `from` to `until`; `None` if there is nothing to watch.
+    /// A watch over the motion from `from` to `until`, that cuts steps at others than the usual places if `unlike`; `None`
+    /// if there is nothing to watch.
     ///
     /// # Errors
     /// A discontinuity of time that comes too often.
@@ -74,8 +75,9 @@ impl Watch {
         system: &mut S,
         (from, until): (f64, f64),
         y: &[f64],
+        unlike: bool,
     ) -> Result<Option<Self>, Cause> {
-        let monitors = Monitors::new(system);
+        let monitors = Monitors::new(system, unlike);
         let description = system.description();
         let closures = (0..description.inputs.len()).any(|input| system.signal(input).is_some());
         if description.events.is_empty() && description.switches.is_empty() && monitors.is_empty() && !closures {

@@ -171,7 +171,7 @@ impl March {
     }
 
     /// The root mean square of errors [q; q'] over the step that was tried, in units of the tolerance.
-    fn in_units(&self, step: Step, errors: &[f64]) -> f64 {
+    pub(super) fn in_units(&self, step: Step, errors: &[f64]) -> f64 {
         let Pace::Adaptive { tolerance, .. } = &self.pace else { return 0.0 };
         let start = self.stepper.start();
         let (from, ends, n) = (start.rate, (start.y, self.stepper.end().y), errors.len() / 2);

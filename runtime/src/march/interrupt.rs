@@ -43,7 +43,7 @@ impl March {
                 return Ok(Halt::Arrived);
             }
         };
-        if self.unlike && !self.under_way && self.part(system, step.h * crossing.theta, watch, recorder)? {
+        if self.divides() && self.part(system, step.h * crossing.theta, watch, recorder)? {
             return Ok(Halt::Arrived);
         }
         let together = watch.simultaneous(crossing, &self.segment(step));

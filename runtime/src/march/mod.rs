@@ -73,9 +73,9 @@ pub(crate) struct March {
     work: Work,
     max_steps: u64,
     compensated: bool,
-    /// Whether steps are chosen otherwise than usual; and whether one was taken since the last stop.
+    /// Whether steps are chosen otherwise than usual; and how many were taken since the last stop.
     unlike: bool,
-    under_way: bool,
+    since_stop: u32,
     watch: Option<Box<Watch>>,
     /// Where there are constraints.
     projection: Option<Box<Projection>>,
@@ -121,7 +121,7 @@ impl March {
             max_steps: u64::MAX,
             compensated: true,
             unlike: false,
-            under_way: false,
+            since_stop: 0,
             watch: None,
             projection: None,
             projects: true,
@@ -223,7 +223,7 @@ impl March {
         self.work.samples += self.watch.as_ref().map_or(0, |watch| watch.samples());
         self.watch = None;
         let y = self.stepper.start().y.to_vec();
-        if let Some(mut watch) = Watch::new(system, (now, until), &y)? {
+        if let Some(mut watch) = Watch::new(system, (now, until), &y, self.unlike)? {
             let outcome = watch.begin(system, (now, &y), &mut |system| self.trial(system));
             self.watch = Some(Box::new(watch));
             outcome?;
@@ -313,7 +313,7 @@ impl March {
         // The length of the step stays: what happened says little about the next one, and the error test judges it.
         self.control.restart();
         self.jumps.restart();
-        self.under_way = false;
+        self.since_stop = 0;
         if let Pace::Adaptive { tolerance, .. } = &mut self.pace {
             tolerance.observe(self.stepper.start().y);
         }
@@ -424,7 +424,7 @@ impl March {
             }
             Pace::Adaptive { longest, .. } => {
                 let h = self.h.min(*longest);
-                if left <= 1.01 * h && (self.under_way || !self.unlike) {
+                if left <= 1.01 * h && !self.divides() {
                     return Step { h: left, next: stop, lands: true };
                 }
                 let part = if self.unlike { UNEVEN } else { 0.5 };
@@ -432,6 +432,11 @@ impl March {
                 Step { h, next: self.clock.after(h), lands: false }
             }
         }
+    }
+
+    /// Whether the way to the next stop is still to be divided, however short it is.
+    fn divides(&self) -> bool {
+        self.unlike && self.since_stop < DIVISIONS
     }
 
     /// Tries a step, and returns its error (NaN where the rate at its end is not finite).  If it is good, or `whatever` its
@@ -466,7 +471,7 @@ impl March {
             _ => self.clock.set(step.next),
         }
         self.work.steps += 1;
-        self.under_way = !step.lands;
+        self.since_stop = if step.lands { 0 } else { self.since_stop + 1 };
     }
 
     /// Refuses a step across which the acceleration jumps, unless it is time that makes it jump.
@@ -484,15 +489,46 @@ impl March {
             Some(Upset::Jump(coordinate)) => {
                 let (before, after) = (start.rate[n + coordinate], end.rate[n + coordinate]);
                 let (end, mut earlier) = (end.y.to_vec(), vec![0.0; 2 * n]);
+                let mut effect = vec![0.0; 2 * n];
+                effect[n + coordinate] = step.h * (after - before);
+                // What moves nothing made no step collapse.
+                if self.in_units(step, &effect) < NOTICED {
+                    return Ok(());
+                }
                 let evaluated = self.stepper.evaluate(system, self.clock.now(), &end, &mut earlier);
                 evaluated.map_err(|setback| setback.cause(system.description()))?;
                 let by_state = (earlier[n + coordinate] - before).abs();
-                if by_state > 0.5 * (after - before).abs() {
+                if by_state > 0.5 * (after - before).abs() && self.jumps_within(system, step, coordinate)? {
                     return Err(Cause::DirectionLost { coordinate: system.description().coordinate_name(coordinate) });
                 }
                 Ok(())
             }
         }
+    }
+
+    /// Whether the acceleration of a coordinate changes within one of 256 parts of the step that was tried by most of what it
+    /// does over all of it: what is narrow, but resolved by such short steps, does not.
+    fn jumps_within(&mut self, system: &dyn System, step: Step, coordinate: usize) -> Result<bool, Cause> {
+        const HALVINGS: u32 = 8;
+        self.dense(system, step)?;
+        let (now, place) = (self.clock.now(), system.len() + coordinate);
+        let mut state = vec![0.0; 2 * system.len()];
+        let mut rate = state.clone();
+        let mut ends = [self.stepper.start().rate[place], self.stepper.end().rate[place]];
+        let all = (ends[1] - ends[0]).abs();
+        let (mut from, mut part) = (0.0, 1.0);
+        for _ in 0..HALVINGS {
+            part *= 0.5;
+            self.segment(step).evaluate(from + part, &mut state);
+            let evaluated = self.stepper.evaluate(system, now + (from + part) * step.h, &state, &mut rate);
+            evaluated.map_err(|setback| setback.cause(system.description()))?;
+            if (rate[place] - ends[0]).abs() > (ends[1] - rate[place]).abs() {
+                ends[1] = rate[place];
+            } else {
+                (from, ends[0]) = (from + part, rate[place]);
+            }
+        }
+        Ok((ends[1] - ends[0]).abs() > 0.5 * all)
     }
 
     /// Warns once the step is limited by stability.
@@ -527,8 +563,12 @@ impl March {
     }
 }
 
-/// The part of the way to a stop or a crossing that a run unlike others takes first; never more than the step that was allowed.
+/// The part of the way to a stop or a crossing that a run unlike others takes first, and of what is left; never more than
+/// the step that was allowed.  The longest of its steps is shorter than that of any two another run may take.
 const UNEVEN: f64 = 0.4;
+const DIVISIONS: u32 = 2;
+/// A change of the acceleration over a step is noticed where it changes a rate by this part of the tolerance.
+const NOTICED: f64 = 0.1;
 /// The first step is tried at this part of the way, at the usual tolerance.
 const FIRST: f64 = 1e-3;
 const USUAL: f64 = 1e-10;

@@ -57,10 +57,21 @@ impl Digits {
         digits
     }
 
-    /// Raises bounds to this part of the differences from another run.
-    pub(crate) fn doubt(&mut self, run: &Run, other: &Run, part: f64) {
-        for (bound, difference) in self.rows.iter_mut().zip(differences(run, other, self.still)) {
-            *bound = bound.max(part * difference);
+    /// Raises bounds to a part of the differences from another run, no less than `least`.
+    ///
+    /// Where errors follow the tolerance its differences are as many times larger as its tolerance is; where they are
+    /// not, each of the two runs may be close to the first one by chance, and both count in proportion to what they find.
+    pub(crate) fn doubt(&mut self, run: &Run, other: &Run, least: f64) {
+        let differences = differences(run, other, self.still);
+        let (columns, n) = (run.column_names().len(), run.names.coordinates.len());
+        let ranges = ranges(run, self.still);
+        let size =
+            |row: &[f64]| row.iter().zip(&ranges).take(2 * n).fold(0.0_f64, |most, (y, range)| most.max(y / range));
+        for (bounds, differences) in self.rows.chunks_exact_mut(columns).zip(differences.chunks_exact(columns)) {
+            let part = (0.5 * size(bounds) / size(differences)).clamp(least, 1.0);
+            for (bound, difference) in bounds.iter_mut().zip(differences) {
+                *bound = bound.max(part * difference);
+            }
         }
         self.evaluations += other.work.evaluations;
         self.settle(run);

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use super::{Settings, simulate_with};
 use crate::cause::Cause;
 use crate::error::Error;
-use crate::mechanism::{At, System};
+use crate::mechanism::{Action, At, System, Watched};
 use crate::run::{Digits, Run};
 use crate::trust::{Loss, Warning};
 
@@ -38,9 +38,9 @@ pub(crate) fn judge_digits(
     let mut goes_on = |_: f64| progress(settings.until);
     let Some((companion, other)) = companion(system, settings, run, LOOSER, &mut goes_on) else { return };
     let mut digits = Digits::compare(run, &other, companion, settings.step.is_none().then_some(companion));
-    if digits.worst(run) > DOUBTFUL {
+    if digits.worst(run) > DOUBTFUL || is_cut(system, run) {
         let Some((_, another)) = self::companion(system, settings, run, LOOSER * LOOSER, &mut goes_on) else { return };
-        digits.doubt(run, &another, 0.1);
+        digits.doubt(run, &another, 1.0 / LOOSER);
     }
     // How many of infinitely many impacts are followed one by one says nothing.
     let accumulates = run.warnings.iter().any(|warning| matches!(warning, Warning::ImpactsAccumulate { .. }));
@@ -53,6 +53,15 @@ pub(crate) fn judge_digits(
         run.warnings.push(Warning::DigitsLost { t, column, why });
     }
     run.digits = Some(digits);
+}
+
+/// True where more than the tolerance decides how a run is divided into steps: discontinuities, events that change
+/// something, features that arguments reveal.  Errors then follow the tolerance by chance only.
+fn is_cut(system: &dyn System, run: &Run) -> bool {
+    let description = system.description();
+    let acts = description.events.iter().any(|event| event.actions.iter().any(|action| *action != Action::Record));
+    let timed = description.arguments.iter().any(|argument| argument.of == Watched::Motion && argument.time_only);
+    !description.switches.is_empty() || acts || timed || run.work.retries > 0
 }
 
 /// A run at a tolerance, or a fixed step, that is larger by about this factor, and what it is; `None` if it was

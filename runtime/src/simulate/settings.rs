@@ -58,7 +58,8 @@ pub struct Settings {
     /// Whether to watch invariants and the energy balance (on unless said otherwise).
     pub watch: bool,
     /// Whether to run a second time, less accurately, to tell how many digits hold (off unless said otherwise); see
-    /// [`Digits`](crate::run::Digits).  It costs about three quarters of the run again.
+    /// [`Digits`](crate::run::Digits).  It costs about three quarters of the run again, twice where discontinuities or
+    /// narrow features cut its steps, or where few digits hold.
     pub digits: bool,
     /// How constraints are enforced.
     pub enforcement: Enforcement,

@@ -57,6 +57,23 @@ scene: {{start: {{x: 0, x': 1}}, until: 100, tolerance: 1e-10}}"
     }
 }
 
+/// Steps collapse before the kink of a cusp, beyond which its exponential would grow for ever, and the acceleration rises
+/// within them: it does not jump, as where a direction is lost.
+#[test]
+fn a_cusp_is_met_whatever_its_width_and_is_no_lost_direction() {
+    for width in [1e-2, 1e-4, 1e-6] {
+        for (tolerance, part) in [(1e-6, 2e-2), (1e-8, 1e-2), (1e-10, 1e-3)] {
+            let text = format!(
+                "forces: {{f: {{on: b, force: \"[F/{width}*exp(-abs(x - 0.13)/{width}), 0]\"}}}}
+scene: {{start: {{x: -0.36, x': 2}}, until: 1, tolerance: {tolerance}}}"
+            );
+            let run = coasting(&text).run();
+            let error = (run.last()["x'"] - 8.0_f64.sqrt()).abs();
+            assert!(error < part, "{width}, {tolerance:e}: {}", run.last());
+        }
+    }
+}
+
 #[test]
 fn logistic_steps_are_met() {
     // A force of 1 between two of them.

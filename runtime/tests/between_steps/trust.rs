@@ -108,6 +108,42 @@ scene: {start: {x: 0, x': 1}, until: 0.9}";
     }
 }
 
+/// The error at the end of x, of which a run at this tolerance promises so much, and the evaluations of both.
+fn promise(case: impl Fn() -> Case, tolerance: f64) -> (f64, f64, [u64; 2]) {
+    let run = |tolerance: f64| {
+        let mut case = case().tolerance(tolerance);
+        case.settings.digits = true;
+        case.run()
+    };
+    let (found, exact) = (run(tolerance), run(1e-13));
+    let error = (found.last()["x"] - exact.last()["x"]).abs();
+    let companions = found.digits.as_ref().map_or(0, |digits| digits.evaluations);
+    (error, found.errors("x").unwrap()[found.len() - 1], [found.work.evaluations, companions])
+}
+
+/// Runs that are cut at the features of a force share no steps with those that judge them; an ordinary one is judged by a
+/// single run, which is cheaper.
+#[test]
+fn steps_that_features_limit_promise_no_more_than_holds() {
+    let forced =
+        |force: &str, scene: &str| format!("forces: {{f: {{on: b, force: \"[{force}, 0]\"}}}}\nscene: {{{scene}}}");
+    let of_time = forced("0.0087*F*2/pi*atan((t - 37.8)/5e-4)", "start: {x: 0, x': 1.4}, until: 49");
+    let zone = forced("-40*F/(1 + ((x + 0.2)/1.6e-6)^2)", "start: {x: 0.5}, until: 21");
+    let softened = forced("-6*F*atan((x - 0.4)/0.04)", "start: {x: 2.6}, until: 21.5");
+    let pulse = forced("500*F*(1 - tanh((x - 0.4)/6e-6)^2)", "start: {x: 2.8}, until: 21");
+    for tolerance in [1e-4, 3e-5, 1e-6, 1e-8] {
+        for text in [&of_time, &zone, &softened, &pulse] {
+            let case = || if *text == of_time { coasting(text) } else { sprung(text) };
+            let (error, promised, _) = promise(case, tolerance);
+            assert!(error <= 3.2 * promised, "{text}, {tolerance:e}: {error:e} {promised:e}");
+        }
+    }
+    let smooth = forced("-0.3*F*x^3", "start: {x: 1}, until: 21");
+    let (error, promised, [run, companions]) = promise(|| sprung(&smooth), 1e-10);
+    assert!(error <= promised && promised < 300.0 * error, "{error:e} {promised:e}");
+    assert!(companions < run, "{companions} {run}");
+}
+
 /// Inputs that switch the energy of a constant force, and a bump in the road, raise no alarm in correct runs.
 #[test]
 fn correct_runs_raise_no_alarm_of_energy() {
