@@ -15,6 +15,10 @@ pub(crate) struct Control {
     pub stiff: f64,
 }
 
+/// For methods that have no error estimate.
+pub(crate) const NO_CONTROL: Control =
+    Control { exponent: 0.0, beta: 0.0, shrink: 1.0, grow: 1.0, stiff: f64::INFINITY };
+
 /// The step a method proposes next, from the errors of the last steps.
 ///
 /// Source: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I (1993), section II.4;

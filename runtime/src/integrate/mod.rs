@@ -1,7 +1,7 @@
 //! Integrating the equations of motion in time.
 //!
 //! 1. A family of one-step methods, each in its folder with the files `tableau`, `step`, `dense`,
-//!    implements [`OneStep`]: look in `explicit/`, and for which name means which in `choose.rs`.
+//!    implements [`OneStep`]: look in `explicit/` and `symplectic/`, and for which name means which in `choose.rs`.
 //! 2. Methods are written once over [`Block`]s, whose size the compiler knows or not: look in `block.rs`.
 //! 3. [`StepControl`] chooses steps against a [`Tolerance`]: look in `control.rs`.
 //! 4. Between its ends a step is a [`Segment`]: look in `segment.rs`.
@@ -13,16 +13,20 @@ mod choose;
 mod clock;
 mod control;
 mod explicit;
+mod hermite;
 mod segment;
+mod stability;
 mod stiffness;
+mod symplectic;
 mod tolerance;
 
 pub(crate) use block::Block;
 pub(crate) use choose::{stability, stepper};
 
 pub(crate) use clock::Clock;
-pub(crate) use control::{Control, StepControl};
+pub(crate) use control::{Control, NO_CONTROL, StepControl};
 pub(crate) use segment::Segment;
+pub(crate) use stability::Stability;
 pub(crate) use stiffness::StiffnessDetector;
 pub(crate) use tolerance::Tolerance;
 

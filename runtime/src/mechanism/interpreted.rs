@@ -473,6 +473,7 @@ fn describe(program: &Program, source: &str) -> Description {
             constant_inertias: s.constant_inertias,
             diagonal_mass: s.diagonal_mass,
             mass_blocks: s.mass_blocks.iter().map(|b| *b as u32).collect(),
+            separable: s.separable,
             linear: s.linear,
             conservative: s.conservative,
             time_dependent: s.time_dependent,

@@ -17,6 +17,13 @@ pub enum Method {
     Dopri5,
     /// Dormand and Prince, order 8, with error control; a fixed step if one is given.
     Dop853,
+    /// Störmer–Verlet, order 2, symplectic, for separable systems; a fixed step.
+    Verlet,
+    /// Blanes and Moan's Runge–Kutta–Nyström splitting of six stages, order 4, symplectic, for separable systems; a fixed
+    /// step.
+    Srkn4,
+    /// Kahan and Li's composition of seventeen Verlet steps, order 8, symplectic, for separable systems; a fixed step.
+    KahanLi8,
     /// [`Method::Rk4`] where a step is given; else [`Method::Dop853`], or [`Method::Dopri5`] for
     /// tolerances above 10⁻⁵.
     #[default]
@@ -25,8 +32,17 @@ pub enum Method {
 
 impl Method {
     /// All methods, as users list them.
-    pub const ALL: [Method; 6] =
-        [Method::Euler, Method::Midpoint, Method::Rk4, Method::Dopri5, Method::Dop853, Method::Auto];
+    pub const ALL: [Method; 9] = [
+        Method::Euler,
+        Method::Midpoint,
+        Method::Rk4,
+        Method::Dopri5,
+        Method::Dop853,
+        Method::Verlet,
+        Method::Srkn4,
+        Method::KahanLi8,
+        Method::Auto,
+    ];
 
     /// The name: `dop853`.
     pub fn name(self) -> &'static str {
@@ -36,8 +52,21 @@ impl Method {
             Method::Rk4 => "rk4",
             Method::Dopri5 => "dopri5",
             Method::Dop853 => "dop853",
+            Method::Verlet => "verlet",
+            Method::Srkn4 => "srkn4",
+            Method::KahanLi8 => "kahanli8",
             Method::Auto => "auto",
         }
+    }
+
+    /// True when the method is for separable systems only: M constant, forces free of speeds.
+    pub fn splits(self) -> bool {
+        matches!(self, Method::Verlet | Method::Srkn4 | Method::KahanLi8)
+    }
+
+    /// True when the method is symplectic at a fixed step, and only then.
+    pub fn is_symplectic(self) -> bool {
+        self.splits()
     }
 
     /// True when the method chooses its steps itself.

@@ -1,10 +1,9 @@
 //! What a run can be told.
 
 use crate::cause::Cause;
-use crate::error::Error;
+use crate::error::{Error, Inseparable};
 use crate::integrate::stability;
 use crate::mechanism::{Description, Enforcement, Method, Scene, Stabilisation};
-use crate::trust::amplification;
 use nalgebra::Complex;
 
 /// More numbers than this are not reported: they would fill the memory.
@@ -165,6 +164,9 @@ impl Settings {
         if self.step.is_none() && !self.method.is_adaptive() {
             return Err(Error::NoStep { method: self.method });
         }
+        if let Some(reason) = inseparable(mechanism).filter(|_| self.method.splits()) {
+            return Err(Error::NotSeparable { method: self.method, reason });
+        }
         self.check_enforcement(mechanism)
     }
 
@@ -188,7 +190,7 @@ impl Settings {
         }
         let method = self.method.resolve(self.step, self.tolerance);
         match self.step {
-            Some(step) if amplification(&stability(method), Complex::from(-alpha * step)) > 1.0 => {
+            Some(step) if stability(method).amplification(Complex::from(-alpha * step)) > 1.0 => {
                 bad("alpha", alpha, "less, or a shorter step: the method is unstable where it decays so fast in a step")
             }
             _ => Ok(()),
@@ -207,5 +209,16 @@ impl Settings {
             (Stabilisation::Baumgarte { alpha }, _) => alpha.or(self.step.map(|step| FIXED_GAIN / step)).unwrap_or(0.0),
             _ => 0.0,
         }
+    }
+}
+
+/// What keeps the places and speeds of a mechanism from being moved in turn.
+fn inseparable(mechanism: &Description) -> Option<Inseparable> {
+    if !mechanism.rows.is_empty() {
+        Some(Inseparable::Constraints)
+    } else if !mechanism.structure.constant_mass {
+        Some(Inseparable::MassMatrix)
+    } else {
+        (!mechanism.structure.separable).then_some(Inseparable::Speeds)
     }
 }

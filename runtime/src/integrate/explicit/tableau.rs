@@ -79,10 +79,6 @@ pub(crate) struct Tableau {
     pub control: Control,
 }
 
-/// For methods that have no error estimate.
-pub(crate) const NO_CONTROL: Control =
-    Control { exponent: 0.0, beta: 0.0, shrink: 1.0, grow: 1.0, stiff: f64::INFINITY };
-
 impl Tableau {
     /// Stages of a step without those for dense output only.
     pub fn stages(&self) -> usize {

@@ -8,11 +8,11 @@ use nalgebra::Complex;
 use super::tableau::{Estimate, Tableau, Term};
 use super::{DOP853, DOPRI5, EULER, MIDPOINT, RK4};
 use crate::Settings;
+use crate::integrate::Stability;
 use crate::mechanism::Method;
 use crate::run::Run;
 use crate::simulate::simulate;
 use crate::testing::Toy;
-use crate::trust::amplification;
 
 /// An exact fraction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -195,8 +195,8 @@ fn nodes_are_the_sums_of_their_rows() {
 
 /// The first x at which |R(x·direction)| exceeds 1, to 10⁻⁹.
 fn limit(tableau: &Tableau, direction: Complex<f64>) -> f64 {
-    let stability = tableau.stability();
-    let stable = |x: f64| amplification(&stability, direction * x) <= 1.0 + 1e-13;
+    let stability = Stability::Polynomial(tableau.stability());
+    let stable = |x: f64| stability.amplification(direction * x) <= 1.0 + 1e-13;
     let Some(first) = (1..20_000).map(|k| f64::from(k) * 1e-3).find(|x| !stable(*x)) else { panic!("no limit") };
     let (mut low, mut high) = (first - 1e-3, first);
     while high - low > 1e-9 {
