@@ -2,6 +2,8 @@
 
 use super::explicit::Scheme;
 use super::explicit::{DOP853, DOPRI5, Dop853, Dopri5, EULER, Euler, ExplicitRungeKutta, MIDPOINT, Midpoint, RK4, Rk4};
+use super::implicit::{Collocation, GAUSS_2, GAUSS_4, GAUSS_6, RADAU_5};
+use super::rosenbrock::{RODAS5P, Rosenbrock};
 use super::symplectic::{KAHAN_LI_8, SRKN4, Splitting, Symplectic, VERLET};
 use super::{OneStep, Stability};
 use crate::mechanism::Method;
@@ -31,6 +33,11 @@ pub(crate) fn stepper(method: Method, n: usize, work: bool) -> Box<dyn OneStep> 
         Method::Verlet => symplectic(VERLET, n, work),
         Method::Srkn4 => symplectic(SRKN4, n, work),
         Method::KahanLi8 => symplectic(KAHAN_LI_8, n, work),
+        Method::Gauss2 => Box::new(Collocation::new(GAUSS_2, n, work)),
+        Method::Gauss4 => Box::new(Collocation::new(GAUSS_4, n, work)),
+        Method::Gauss6 => Box::new(Collocation::new(GAUSS_6, n, work)),
+        Method::Radau5 => Box::new(Collocation::new(RADAU_5, n, work)),
+        Method::Rodas5P => Box::new(Rosenbrock::new(RODAS5P, n, work)),
     }
 }
 
@@ -45,6 +52,11 @@ pub(crate) fn stability(method: Method) -> Stability {
         Method::Verlet => Stability::Splitting(VERLET),
         Method::Srkn4 => Stability::Splitting(SRKN4),
         Method::KahanLi8 => Stability::Splitting(KAHAN_LI_8),
+        Method::Gauss2 => Stability::Rational(GAUSS_2.stability),
+        Method::Gauss4 => Stability::Rational(GAUSS_4.stability),
+        Method::Gauss6 => Stability::Rational(GAUSS_6.stability),
+        Method::Radau5 => Stability::Rational(RADAU_5.stability),
+        Method::Rodas5P => Stability::Rational(RODAS5P.stability),
     }
 }
 

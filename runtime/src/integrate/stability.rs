@@ -9,6 +9,8 @@ use super::symplectic::Splitting;
 pub(crate) enum Stability {
     /// R(z) = Σ cₖzᵏ.
     Polynomial(Vec<f64>),
+    /// R(z) = P(z)/Q(z).
+    Rational(Rational),
     /// For methods that know only pairs ±λ of modes of q'' = λ² q.
     Splitting(&'static Splitting),
 }
@@ -18,9 +20,17 @@ impl Stability {
     pub fn amplification(&self, z: Complex<f64>) -> f64 {
         match self {
             Stability::Polynomial(coefficients) => polynomial(coefficients, z).norm(),
+            Stability::Rational(Rational { above, below }) => (polynomial(above, z) / polynomial(below, z)).norm(),
             Stability::Splitting(scheme) => scheme.amplification(z),
         }
     }
+}
+
+/// Coefficients of P and Q.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rational {
+    pub above: &'static [f64],
+    pub below: &'static [f64],
 }
 
 /// Σ cₖzᵏ.

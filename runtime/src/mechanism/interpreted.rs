@@ -165,6 +165,10 @@ impl System for Interpreted {
         self.phased.enforcement
     }
 
+    fn baumgarte_gain(&self) -> f64 {
+        self.phased.alpha
+    }
+
     fn enforce(&mut self, by: Enforcement, alpha: f64) {
         (self.phased.enforcement, self.phased.alpha) = (by, alpha);
     }

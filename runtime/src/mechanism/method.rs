@@ -24,6 +24,16 @@ pub enum Method {
     Srkn4,
     /// Kahan and Li's composition of seventeen Verlet steps, order 8, symplectic, for separable systems; a fixed step.
     KahanLi8,
+    /// Gauss's collocation of one stage, the implicit midpoint rule, order 2, symplectic; a fixed step.
+    Gauss2,
+    /// Gauss's collocation of two stages, order 4, symplectic; a fixed step.
+    Gauss4,
+    /// Gauss's collocation of three stages, order 6, symplectic; a fixed step.
+    Gauss6,
+    /// Radau's collocation of three stages, order 5, for stiff motions, with error control; a fixed step if one is given.
+    Radau5,
+    /// Steinebach's Rosenbrock method, order 5, for stiff motions, with error control; a fixed step if one is given.
+    Rodas5P,
     /// [`Method::Rk4`] where a step is given; else [`Method::Dop853`], or [`Method::Dopri5`] for
     /// tolerances above 10⁻⁵.
     #[default]
@@ -32,7 +42,7 @@ pub enum Method {
 
 impl Method {
     /// All methods, as users list them.
-    pub const ALL: [Method; 9] = [
+    pub const ALL: [Method; 14] = [
         Method::Euler,
         Method::Midpoint,
         Method::Rk4,
@@ -41,6 +51,11 @@ impl Method {
         Method::Verlet,
         Method::Srkn4,
         Method::KahanLi8,
+        Method::Gauss2,
+        Method::Gauss4,
+        Method::Gauss6,
+        Method::Radau5,
+        Method::Rodas5P,
         Method::Auto,
     ];
 
@@ -55,6 +70,11 @@ impl Method {
             Method::Verlet => "verlet",
             Method::Srkn4 => "srkn4",
             Method::KahanLi8 => "kahanli8",
+            Method::Gauss2 => "gauss2",
+            Method::Gauss4 => "gauss4",
+            Method::Gauss6 => "gauss6",
+            Method::Radau5 => "radau5",
+            Method::Rodas5P => "rodas5p",
             Method::Auto => "auto",
         }
     }
@@ -66,12 +86,12 @@ impl Method {
 
     /// True when the method is symplectic at a fixed step, and only then.
     pub fn is_symplectic(self) -> bool {
-        self.splits()
+        self.splits() || matches!(self, Method::Gauss2 | Method::Gauss4 | Method::Gauss6)
     }
 
     /// True when the method chooses its steps itself.
     pub fn is_adaptive(self) -> bool {
-        matches!(self, Method::Dopri5 | Method::Dop853 | Method::Auto)
+        matches!(self, Method::Dopri5 | Method::Dop853 | Method::Radau5 | Method::Rodas5P | Method::Auto)
     }
 
     /// The method that `auto` stands for.

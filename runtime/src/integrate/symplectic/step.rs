@@ -91,7 +91,7 @@ impl<Y: Block> Passage<Y> {
         self.rate.clone_from(rate);
         let (mut now, mut part) = (t, 0.0);
         for (i, kick) in scheme.kicks.iter().enumerate() {
-            let mut kicked = |part: f64, passage: &mut Self| {
+            let kicked = |part: f64, passage: &mut Self| {
                 let (end, increment) = (passage.end.all_mut(), passage.increment.all_mut());
                 for k in n..2 * n {
                     increment[k] += part * h * passage.rate.all()[k];

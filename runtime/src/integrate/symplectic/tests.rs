@@ -4,6 +4,7 @@ use nalgebra::Complex;
 
 use super::{KAHAN_LI_8, SRKN4, Splitting, VERLET};
 use crate::integrate::Stability;
+use crate::integrate::test_problems::{fixed, invariants, kepler, run};
 use crate::mechanism::Method;
 use crate::run::Run;
 use crate::simulate::simulate;
@@ -12,44 +13,6 @@ use crate::{Error, Inseparable, Settings};
 
 const ALL: [(Method, &Splitting); 3] =
     [(Method::Verlet, VERLET), (Method::Srkn4, SRKN4), (Method::KahanLi8, KAHAN_LI_8)];
-
-fn run(mut toy: Toy, change: impl Fn(&mut Settings)) -> Run {
-    let mut settings = Settings::new(&toy.scene);
-    (settings.dense, settings.watch) = (false, false);
-    change(&mut settings);
-    simulate(&mut toy, &settings).unwrap()
-}
-
-fn fixed(method: Method, step: f64) -> impl Fn(&mut Settings) {
-    move |settings| (settings.method, settings.step) = (method, Some(step))
-}
-
-/// The two-body problem with the Sun's attraction 1, from the perihelion of an orbit of semiaxis 1: period 2π.
-pub(crate) fn kepler(eccentricity: f64, until: f64) -> Toy {
-    let (near, fast) = (1.0 - eccentricity, ((1.0 + eccentricity) / (1.0 - eccentricity)).sqrt());
-    let mut toy = Toy::new(&["x", "y"], (&[near, 0.0], &[0.0, fast]), until, |_, q, _, _, a| {
-        let cube = q[0].hypot(q[1]).powi(3);
-        (a[0], a[1]) = (-q[0] / cube, -q[1] / cube);
-    })
-    .separable();
-    toy.jacobian = std::sync::Arc::new(|q, _, _, dq, dv| {
-        let r = q[0].hypot(q[1]);
-        for i in 0..2 {
-            for j in 0..2 {
-                let unit = if i == j { 1.0 } else { 0.0 };
-                dq[2 * i + j] = unit / r.powi(3) - 3.0 * q[i] * q[j] / r.powi(5);
-            }
-        }
-        dv.fill(0.0);
-    });
-    toy
-}
-
-/// Energy and angular momentum of a reported row of [`kepler`].
-pub(crate) fn invariants(row: &[f64]) -> [f64; 2] {
-    let [x, y, u, v] = row else { panic!("a planet") };
-    [0.5 * (u * u + v * v) - 1.0 / x.hypot(*y), x * v - y * u]
-}
 
 /// The largest departures of energy and angular momentum from the start up to each of these times.
 fn departures(run: &Run, times: &[f64]) -> Vec<[f64; 2]> {
