@@ -41,6 +41,25 @@ pub(crate) fn stepper(method: Method, n: usize, work: bool) -> Box<dyn OneStep> 
     }
 }
 
+/// The order of a method's solution.
+pub(crate) fn order(method: Method) -> u32 {
+    match method {
+        Method::Euler => EULER.order,
+        Method::Midpoint => MIDPOINT.order,
+        Method::Rk4 => RK4.order,
+        Method::Dopri5 => DOPRI5.order,
+        Method::Dop853 | Method::Auto => DOP853.order,
+        Method::Verlet => VERLET.order,
+        Method::Srkn4 => SRKN4.order,
+        Method::KahanLi8 => KAHAN_LI_8.order,
+        Method::Gauss2 => GAUSS_2.order,
+        Method::Gauss4 => GAUSS_4.order,
+        Method::Gauss6 => GAUSS_6.order,
+        Method::Radau5 => RADAU_5.order,
+        Method::Rodas5P => RODAS5P.order,
+    }
+}
+
 /// What a step of a method multiplies modes by.
 pub(crate) fn stability(method: Method) -> Stability {
     match method {

@@ -28,7 +28,7 @@ mod tolerance;
 mod trees;
 
 pub(crate) use block::Block;
-pub(crate) use choose::{stability, stepper};
+pub(crate) use choose::{order, stability, stepper};
 
 pub(crate) use clock::Clock;
 pub(crate) use control::{Control, NO_CONTROL, StepControl};

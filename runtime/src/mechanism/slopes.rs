@@ -133,6 +133,11 @@ impl AccelerationSlopes {
             self.by_time[*row as usize] -= value;
         }
         self.by_inputs(system, at, h);
+        if m == 0 && pattern.is_empty() && description.input_pattern.is_empty() {
+            self.by_differences(system, at, h);
+            (self.a, self.lambda) = (a, lambda);
+            return;
+        }
         self.right.fill(0.0);
         for (node, weight) in NODES.into_iter().zip(WEIGHTS).filter(|_| m > 0) {
             let later = At { t: at.t + node * h, ..at };
@@ -141,6 +146,16 @@ impl AccelerationSlopes {
         self.right.iter_mut().for_each(|x| *x = -*x);
         self.form.respond(system, at, &mut self.by_time, &self.right);
         (self.a, self.lambda) = (a, lambda);
+    }
+
+    /// For systems that depend on time and give no derivatives.
+    fn by_differences(&mut self, system: &dyn System, at: At<'_>, h: f64) {
+        for (node, weight) in NODES.into_iter().zip(WEIGHTS) {
+            // Where there is none the step will find out.
+            if system.accelerations(At { t: at.t + node * h, ..at }, &mut self.column).is_ok() {
+                self.by_time.iter_mut().zip(&self.column).for_each(|(rate, a)| *rate += weight / h * a);
+            }
+        }
     }
 
     /// ∂F/∂(u, u', u'') times the rates of these.

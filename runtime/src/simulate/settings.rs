@@ -40,7 +40,7 @@ pub struct Settings {
     pub every: Option<f64>,
     /// The method of integration.
     pub method: Method,
-    /// A fixed step, s; `None`: chosen by the method.
+    /// A fixed step, s; `None`: chosen by the method, for symplectic ones once, by trial steps over the start.
     pub step: Option<f64>,
     /// The longest step the method may choose, s; `None`: the whole run.
     pub longest_step: Option<f64>,
@@ -161,7 +161,7 @@ impl Settings {
         }
         positive("step", self.step)?;
         positive("longest_step", self.longest_step)?;
-        if self.step.is_none() && !self.method.is_adaptive() {
+        if self.step.is_none() && !self.method.is_adaptive() && !self.method.is_symplectic() {
             return Err(Error::NoStep { method: self.method });
         }
         if let Some(reason) = inseparable(mechanism).filter(|_| self.method.splits()) {

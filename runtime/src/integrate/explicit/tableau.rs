@@ -61,7 +61,6 @@ pub(crate) trait Scheme: Send + 'static {
 #[derive(Debug)]
 pub(crate) struct Tableau {
     /// Order of the solution.
-    #[cfg_attr(not(test), expect(dead_code, reason = "what the tests hold the coefficients to"))]
     pub order: u32,
     /// (cᵢ, the non-zero aᵢⱼ) of each stage; the first is (0, nothing).
     pub rows: &'static [(f64, &'static [Term])],

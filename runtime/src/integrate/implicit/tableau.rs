@@ -36,7 +36,6 @@ pub(super) fn sum(row: &[Split], x: impl Fn(usize) -> f64) -> f64 {
 #[derive(Debug)]
 pub(crate) struct Tableau {
     /// Order of the solution.
-    #[cfg_attr(not(test), expect(dead_code, reason = "what the tests hold the coefficients to"))]
     pub order: u32,
     /// cᵢ.
     pub nodes: &'static [Split],

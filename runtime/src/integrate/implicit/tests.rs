@@ -162,7 +162,7 @@ fn radau_steps_over_what_a_stiff_spring_does_not_do_a5() {
     let (soft_explicit, stiff_explicit) = (steps(1e4, Method::Dopri5), steps(1e6, Method::Dopri5));
     assert!(stiff.steps < 2 * soft.steps, "{soft:?}, {stiff:?}");
     assert!(stiff_explicit.steps > 5 * soft_explicit.steps, "{soft_explicit:?}, {stiff_explicit:?}");
-    assert!(20 * stiff.steps < stiff_explicit.steps, "{stiff:?}, {stiff_explicit:?}");
+    assert!(8 * stiff.steps < stiff_explicit.steps, "{stiff:?}, {stiff_explicit:?}");
 }
 
 fn run_exact(toy: &Toy) -> [f64; 2] {

@@ -10,7 +10,6 @@ pub(crate) const STAGES: usize = 8;
 #[derive(Debug)]
 pub(crate) struct Tableau {
     /// Order of the solution.
-    #[cfg_attr(not(test), expect(dead_code, reason = "what the tests hold the coefficients to"))]
     pub order: u32,
     /// γ.
     pub gamma: f64,

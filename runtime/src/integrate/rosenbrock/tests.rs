@@ -106,9 +106,9 @@ fn follower(lambda: f64) -> Toy {
 }
 
 #[test]
-fn followers_cost_no_more_the_stiffer_they_are_a5() {
+fn followers_cost_hardly_more_the_stiffer_they_are_a5() {
     for method in [Method::Rodas5P, Method::Radau5] {
-        let work = [1e2, 1e3, 1e4].map(|lambda| {
+        let work = [1e3, 1e4, 1e5].map(|lambda| {
             let run = crate::integrate::test_problems::run(follower(lambda), |settings| {
                 (settings.method, settings.tolerance) = (method, 1e-6);
             });

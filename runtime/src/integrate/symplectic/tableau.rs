@@ -8,7 +8,6 @@ use nalgebra::Complex;
 #[derive(Debug)]
 pub(crate) struct Splitting {
     /// Order of the solution.
-    #[cfg_attr(not(test), expect(dead_code, reason = "what the tests hold the coefficients to"))]
     pub order: u32,
     /// b₀, b₁, …, one more than drifts.
     pub kicks: &'static [f64],

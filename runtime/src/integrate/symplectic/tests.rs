@@ -4,7 +4,7 @@ use nalgebra::Complex;
 
 use super::{KAHAN_LI_8, SRKN4, Splitting, VERLET};
 use crate::integrate::Stability;
-use crate::integrate::test_problems::{fixed, invariants, kepler, run};
+use crate::integrate::test_problems::{fixed, invariants, kepler, proportionality, run};
 use crate::mechanism::Method;
 use crate::run::Run;
 use crate::simulate::simulate;
@@ -197,5 +197,21 @@ fn the_work_of_an_input_has_the_order_of_the_method() {
         });
         let observed = (drifts[0] / drifts[1]).log2();
         assert!((observed - f64::from(scheme.order)).abs() < 0.4, "{method}: {observed}, {drifts:?}");
+    }
+}
+
+#[test]
+fn steps_that_are_found_make_errors_proportional_to_the_tolerance() {
+    for (method, powers) in [
+        (Method::Verlet, 2..=6),
+        (Method::Srkn4, 3..=9),
+        (Method::KahanLi8, 4..=11),
+        (Method::Gauss2, 2..=6),
+        (Method::Gauss4, 3..=9),
+        (Method::Gauss6, 3..=11),
+    ] {
+        let (slope, points) = proportionality(&kepler(0.3, 30.0), method, powers);
+        assert!((0.7..1.3).contains(&slope), "{method}: {slope}, {points:?}");
+        assert!(points.iter().all(|[tolerance, error]| *error < 100.0 * tolerance), "{method}: {points:?}");
     }
 }
