@@ -4,6 +4,25 @@ use std::fmt;
 use std::str::FromStr;
 
 /// A method of integration.
+///
+/// | name | order | for | step | evaluations a step | vibrations are stable |
+/// | --- | --- | --- | --- | --- | --- |
+/// | `euler` | 1 | comparison | fixed | 1 | never |
+/// | `midpoint` | 2 | comparison | fixed | 2 | never |
+/// | `rk4` | 4 | all that is not stiff | fixed | 4 | up to hω = 2.83 |
+/// | `dopri5` | 5 | loose tolerances | by the tolerance | 6 | up to hω = 1.00 |
+/// | `dop853` | 8 | all that is not stiff | by the tolerance | 12 | up to hω = 5.96 |
+/// | `verlet` | 2 | separable systems, symplectic | fixed | 1 | up to hω = 2 |
+/// | `srkn4` | 4 | separable systems, symplectic | fixed | 6 | up to hω = 3.16 |
+/// | `kahanli8` | 8 | separable systems, symplectic | fixed | 17 | up to hω = 3.09 |
+/// | `gauss2`, `gauss4`, `gauss6` | 2, 4, 6 | all, symplectic | fixed | by iteration | always |
+/// | `radau5` | 5 | stiff motions | by the tolerance | by iteration | always, damped |
+/// | `rodas5p` | 5 | stiff motions | by the tolerance | 8 | always, damped |
+///
+/// A system is separable where M is constant and forces do not depend on speeds, nor switch with them, without constraints.
+/// Symplectic methods keep the energy of a conservative motion within a band, however long it is, as long as their step does
+/// not change; where none is given it is found once, from the tolerance, by trial steps over the start of the motion.  Implicit methods
+/// solve linear systems with the generated Jacobians.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Method {
