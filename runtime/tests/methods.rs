@@ -6,9 +6,9 @@ use dalembert::{Enforcement, Error, Inseparable, Method, Settings, Simulate, Sta
 dalembert::model!(
     yaml = r#"
 name: Shaken
-parameters: {m: 1 kg, l: 1 m, g: 10 m/s^2}
+parameters: {m: 1 kg, l: 1 m, g: 10 m/s^2, A: 0.1 m, w: 7 rad/s}
 coordinates: {theta: rad}
-inputs: {base: 0.1*cos(7*t)}
+inputs: {base: A*cos(w*t)}
 points: {pivot: "[0, base]"}
 bodies: {bob: {mass: m, position: "pivot + l*[sin(theta), -cos(theta)]"}}
 gravity: [0, -g]
@@ -19,12 +19,12 @@ scene: {start: {theta: 1}, until: 2, tolerance: 1e-9}
 dalembert::model!(
     yaml = r#"
 name: Damped
-parameters: {m: 1 kg, l: 1 m, g: 10 m/s^2, d: "0.3 N*m*s"}
+parameters: {m: 1 kg, l: 1 m, g: 10 m/s^2, c: 0.3 kg/s}
 coordinates: {a: rad, b: rad}
 bodies:
   upper: {mass: m, position: "l*[sin(a), -cos(a)]"}
   lower: {mass: m, position: "l*[sin(a) + sin(b), -cos(a) - cos(b)]"}
-dampers: {joint: {stretch: b - a, damping: d}}
+forces: {drag: {on: lower, force: "-c*velocity(lower)"}}
 gravity: [0, -g]
 scene: {start: {a: 1, b: 2}, until: 2, tolerance: 1e-9}
 "#
@@ -33,9 +33,9 @@ scene: {start: {a: 1, b: 2}, until: 2, tolerance: 1e-9}
 dalembert::model!(
     yaml = r#"
 name: Hung
-parameters: {m: 1 kg, l: 1 m, g: 10 m/s^2}
+parameters: {m: 1 kg, l: 1 m, g: 10 m/s^2, A: 0.1 m, w: 5 rad/s}
 coordinates: {x: m, y: m}
-inputs: {hook: 0.1*sin(5*t)}
+inputs: {hook: A*sin(w*t)}
 bodies: {bob: {mass: m, position: "[x, y]"}}
 gravity: [0, -g]
 constraints: {rod: (x - hook)^2 + y^2 - l^2}
@@ -125,7 +125,8 @@ fn what_is_separable_is_known() {
     assert!(separable(Shaken::description()));
     assert!(!separable(Damped::description()) && !Damped::description().structure.constant_mass);
     let refusal = |system: &mut dyn System| {
-        let settings = Settings { method: Method::Verlet, step: Some(0.01), ..Settings::new(&system.scene(0)) };
+        let mut settings = Settings::new(&system.scene(0));
+        (settings.method, settings.step) = (Method::Verlet, Some(0.01));
         match simulate(system, &settings) {
             Err(Error::NotSeparable { reason, .. }) => Some(reason),
             _ => None,
@@ -139,7 +140,7 @@ fn what_is_separable_is_known() {
 #[test]
 fn separable_methods_keep_their_order_with_inputs() {
     for (method, order, step) in
-        [(Method::Verlet, 2.0, 0.01), (Method::Srkn4, 4.0, 0.05), (Method::KahanLi8, 8.0, 0.2)]
+        [(Method::Verlet, 2.0, 0.01), (Method::Srkn4, 4.0, 0.05), (Method::KahanLi8, 8.0, 0.12)]
     {
         let (found, errors) = observed::<Shaken, 1, 0>(method, step, &|_| ());
         assert!((found - order).abs() < 0.35, "{method}: {found}, {errors:?}");
@@ -158,7 +159,7 @@ fn implicit_methods_keep_their_order_where_m_varies() {
 
 #[test]
 fn implicit_methods_keep_their_order_with_a_constraint_that_moves() {
-    implicit::<Hung, 2, 1>("hung", [0.05, 0.1, 0.05, 0.05], &|_| ());
+    implicit::<Hung, 2, 1>("hung", [0.05, 0.1, 0.05, 0.025], &|_| ());
 }
 
 #[test]
@@ -189,9 +190,12 @@ fn implicit_methods_keep_their_order_with_springs_for_constraints() {
 fn stiff_springs_for_constraints_cost_stiff_methods_little() {
     let steps = |method: Method, stiffness: f64| {
         let mut system = Hung::default().system();
-        let mut settings = Settings { method, tolerance: 1e-6, dense: false, ..Settings::new(&system.scene(0)) };
+        let mut settings = Settings::new(&system.scene(0));
+        (settings.method, settings.tolerance, settings.dense) = (method, 1e-6, false);
         settings.enforcement = Enforcement::Springs { stiffness, damping: 2.0 * stiffness.sqrt() };
-        simulate(&mut system, &settings).unwrap().work.steps
+        let work = simulate(&mut system, &settings).unwrap().work;
+        println!("{method} {stiffness:e} {work:?}");
+        work.steps
     };
     for method in [Method::Radau5, Method::Rodas5P] {
         let (soft, stiff) = (steps(method, 1e4), steps(method, 1e8));
@@ -204,7 +208,8 @@ fn stiff_springs_for_constraints_cost_stiff_methods_little() {
 fn work_is_counted() {
     let work = |method: Method, step: Option<f64>| {
         let mut system = Damped::default().system();
-        let mut settings = Settings { method, step, tolerance: 1e-6, ..Settings::new(&system.scene(0)) };
+        let mut settings = Settings::new(&system.scene(0));
+        (settings.method, settings.step, settings.tolerance) = (method, step, 1e-6);
         (settings.dense, settings.every) = (false, Some(2.0));
         let work = simulate(&mut system, &settings).unwrap().work;
         (work.steps, work.rejected, work.evaluations, work.jacobians, work.factorizations)

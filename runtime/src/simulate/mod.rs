@@ -110,7 +110,9 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
         .and(settings.attainable())
         .and_then(|()| positive_inertia(system, settings.from, &y));
     let step = match &outcome {
-        Ok(()) if finds_step && settings.until > settings.from => Some(march.find_step(system, method, &units, longest)),
+        Ok(()) if finds_step && settings.until > settings.from => {
+            Some(march.find_step(system, method, &units, longest))
+        }
         _ => settings.step,
     };
     let plan = Plan {

@@ -24,8 +24,6 @@ pub(crate) struct Collocation {
     previous: Vec<f64>,
     previous_step: f64,
     pub(super) errors: Vec<f64>,
-    /// Whether the last attempt failed, or there was none.
-    pub(super) doubtful: bool,
     pub(super) room: Vec<f64>,
     pub(super) interpolation: Interpolation,
     work: Option<Quadrature>,
@@ -58,7 +56,6 @@ impl Collocation {
             previous: vec![0.0; tableau.stages() * n],
             previous_step: 0.0,
             errors: state(),
-            doubtful: true,
             room: state(),
             interpolation: Interpolation::new(tableau, n),
             work: work.then(Quadrature::default),
@@ -155,7 +152,7 @@ impl OneStep for Collocation {
         self.carry.fill(0.0);
         self.newton.forget();
         self.interpolation.forget();
-        (self.previous_step, self.doubtful) = (0.0, true);
+        self.previous_step = 0.0;
         let (y, mut rate) = (std::mem::take(&mut self.y), std::mem::take(&mut self.rate));
         let outcome = self.evaluate(system, t, &y, &mut rate);
         (self.y, self.rate) = (y, rate);
@@ -177,16 +174,12 @@ impl OneStep for Collocation {
         let solved = self.newton.solve(system, from, &mut self.stages, tolerance, &mut self.room);
         if let Err(setback) = solved {
             self.errors.fill(f64::NAN);
-            (self.doubtful, self.previous_step) = (true, 0.0);
+            self.previous_step = 0.0;
             return Err(setback);
         }
         self.finish(system, t, h);
         match (tolerance, self.tableau.estimate) {
-            (Some(tolerance), Some(weights)) => {
-                let error = self.error(system, (t, h), weights, tolerance)?;
-                self.doubtful = error > 1.0;
-                Ok(error)
-            }
+            (Some(tolerance), Some(weights)) => self.error(system, (t, h), weights, tolerance),
             _ => Ok(0.0),
         }
     }

@@ -179,3 +179,65 @@ fn a_wrong_jacobian_is_told_not_believed_b18() {
     let error = crate::simulate::simulate(&mut toy, &settings).unwrap_err();
     assert!(matches!(error.cause(), Some(crate::Cause::IterationStalled { .. })), "{error}");
 }
+
+/// v' = λ(v − cos t) − sin t, v = cos t whatever λ.
+fn prothero_robinson(lambda: f64) -> Toy {
+    let mut toy = Toy::new(&["x"], (&[0.0], &[1.0]), 1.0, move |t, _, v, _, a| {
+        a[0] = lambda * (v[0] - t.cos()) - t.sin();
+    });
+    toy.jacobian = std::sync::Arc::new(move |_, _, _, dq, dv| (dq[0], dv[0]) = (0.0, -lambda));
+    toy.description.structure.time_dependent = true;
+    toy
+}
+
+#[test]
+fn stiff_decay_lowers_the_order_b10() {
+    for (method, mild, stiff) in
+        [(Method::Gauss2, 2.0, 2.0), (Method::Gauss4, 4.0, 2.0), (Method::Gauss6, 6.0, 4.0), (Method::Radau5, 5.0, 3.0)]
+    {
+        let order = |lambda: f64, step: f64| {
+            let errors = [step, step / 2.0].map(|step| {
+                let last = run(prothero_robinson(lambda), fixed(method, step)).last();
+                (last["x'"] - 1.0_f64.cos()).abs()
+            });
+            ((errors[0] / errors[1]).log2(), errors)
+        };
+        let (found, errors) = order(-1.0, 0.25);
+        assert!((found - mild).abs() < 0.3, "{method}: {found}, {errors:?}");
+        let (found, errors) = order(-1e6, 0.05);
+        assert!((found - stiff).abs() < 0.3, "{method}: stiff {found}, {errors:?}");
+    }
+}
+
+#[test]
+fn the_midpoint_rule_makes_energy_of_a_stiff_spring_that_turns_b7() {
+    // ω = 1000, Ω = 10: ΔE/E = (hω)²(hΩ)²/16 though the angular momentum is kept.
+    let worst = |h: f64| {
+        let mut toy = spring_pendulum(1e6, 0.0, 0.0, TAU / 10.0);
+        toy.acceleration = std::sync::Arc::new(|_, q, _, _, a| {
+            let pull = 1e6 * (1.0 - 1.0 / q[0].hypot(q[1]));
+            (a[0], a[1]) = (-pull * q[0], -pull * q[1]);
+        });
+        (toy.scene.q, toy.scene.v, toy.scene.every) = (vec![1.0, 0.0], vec![0.0, 10.0], Some(h));
+        let run = run(toy, fixed(Method::Gauss2, h));
+        let energy = |row: &[f64]| 0.5 * (row[2].powi(2) + row[3].powi(2)) + 5e5 * (row[0].hypot(row[1]) - 1.0).powi(2);
+        let momentum = |row: &[f64]| (row[0] * row[3] - row[1] * row[2] - 10.0).abs();
+        let most = |of: &dyn Fn(&[f64]) -> f64| run.rows.chunks_exact(4).map(of).fold(0.0, f64::max);
+        assert!(most(&momentum) < 1e-11);
+        most(&|row| (energy(row) - 50.0).abs() / 50.0)
+    };
+    for h in [0.005, 0.01] {
+        let law = (1e3 * h).powi(2) * (10.0 * h).powi(2) / 16.0;
+        assert!((worst(h) / law - 1.0).abs() < 0.05, "{h}: {}, {law}", worst(h));
+    }
+}
+
+#[test]
+fn radau_damps_a_vibration_little_at_a_tolerance_a7() {
+    let last = run(Toy::oscillator(1.0, 1000.0), |settings| {
+        (settings.method, settings.tolerance) = (Method::Radau5, 1e-6);
+    })
+    .last();
+    let lost = 1.0 - last["x"].powi(2) - last["x'"].powi(2);
+    assert!(lost > 0.0 && lost < 2e-4, "{lost:e}");
+}
