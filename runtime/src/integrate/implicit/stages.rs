@@ -15,6 +15,8 @@ pub(super) struct Stages {
     pub speeds: Vec<f64>,
     /// What the equations leave, then the correction.
     left: Vec<f64>,
+    /// The accelerations that the iteration began with.
+    guess: Vec<f64>,
 }
 
 /// Where a step goes from.
@@ -54,11 +56,13 @@ const MOST: u32 = 60;
 /// With a tolerance: iterations at most, and what the last correction may leave, in its units.
 const MOST_LOOSE: u32 = 10;
 const LEFT: f64 = 0.03;
+/// Corrections that fall more slowly call for new Jacobians.
+const SLOW: f64 = 0.02;
 
 impl Stages {
     pub fn new(stages: usize, n: usize) -> Self {
         let zeros = || vec![0.0; stages * n];
-        Stages { accelerations: zeros(), places: zeros(), speeds: zeros(), left: zeros() }
+        Stages { accelerations: zeros(), places: zeros(), speeds: zeros(), left: zeros(), guess: zeros() }
     }
 
     /// Changes of places and speeds that go with the accelerations.
@@ -112,18 +116,15 @@ impl Newton {
         tolerance: Option<&Tolerance>,
         at: &mut [f64],
     ) -> Result<(), Setback> {
-        let attempt = |newton: &mut Self, stages: &mut Stages, at: &mut [f64]| {
-            newton.prepare(system, from)?;
-            newton.iterate(system, from, stages, tolerance, at)
-        };
+        stages.guess.copy_from_slice(&stages.accelerations);
         let known = self.usual > 0;
-        match attempt(self, stages, at) {
+        self.prepare(system, from)?;
+        match self.iterate(system, from, stages, tolerance, at) {
             Err(Setback::Stalled { .. }) if known => {
-                // Once more with new Jacobians, from accelerations that do not change.
-                self.usual = 0;
-                let first = stages.accelerations[..self.n].to_vec();
-                stages.accelerations.chunks_exact_mut(self.n.max(1)).for_each(|k| k.copy_from_slice(&first));
-                attempt(self, stages, at)
+                // Once more, with new Jacobians.
+                stages.accelerations.copy_from_slice(&stages.guess);
+                self.prepare(system, from)?;
+                self.iterate(system, from, stages, tolerance, at)
             }
             outcome => outcome,
         }
@@ -185,14 +186,20 @@ impl Newton {
                 stages.follow(self.tableau, from);
                 if self.usual == 0 {
                     self.usual = iteration;
-                } else if iteration > self.usual + 1 {
+                }
+                let serves = match tolerance {
+                    Some(_) => iteration == 1 || slow < SLOW,
+                    None => iteration <= self.usual + 1,
+                };
+                if !serves {
                     self.usual = 0;
                 }
                 return Ok(());
             }
             let hopeless = match tolerance {
                 Some(_) => slow >= 1.0,
-                None => slow > 2.0,
+                // The first corrections of a rough guess may grow.
+                None => slow > 2.0 && iteration > 4,
             };
             if hopeless || !size.is_finite() {
                 break;
