@@ -26,6 +26,11 @@ pub enum Cause {
         /// The step, s.
         h: f64,
     },
+    /// The equations of an implicit method's step could not be solved: the step is too long for them.
+    IterationStalled {
+        /// The step, s.
+        h: f64,
+    },
     /// A number is infinite or not a number.
     NonFinite {
         /// Of what: the acceleration of a coordinate, say.
@@ -175,6 +180,10 @@ impl fmt::Display for Cause {
                 write!(f, "tolerance too tight: {asked:e} is below rounding here; {attainable:e} might be attained")
             }
             Cause::StepBelowResolution { h } => write!(f, "step below resolution: t + {h:e} s is t"),
+            Cause::IterationStalled { h } => write!(
+                f,
+                "the equations of a step of {h:e} s could not be solved: it is too long for the method's iteration"
+            ),
             Cause::NonFinite { what } => write!(f, "{what} is not finite"),
             Cause::SingularMass { coordinate } => {
                 write!(f, "singular mass matrix: nothing gives `{coordinate}` an inertia here")

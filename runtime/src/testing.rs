@@ -142,13 +142,24 @@ impl Toy {
             dq[0] = k;
             dv[0] = 0.0;
         });
-        toy
+        toy.separable()
+    }
+
+    /// Known to be separable.
+    pub fn separable(mut self) -> Self {
+        self.description.structure.separable = true;
+        self
     }
 
     /// θ'' = −g sin θ, from rest at `angle`.
     pub fn pendulum(g: f64, angle: f64, until: f64) -> Self {
-        Toy::new(&["theta"], (&[angle], &[0.0]), until, move |_, q, _, _, a| a[0] = -g * q[0].sin())
-            .energy(move |_, q, v| [0.5 * v[0] * v[0], -g * q[0].cos(), 0.0])
+        let mut toy = Toy::new(&["theta"], (&[angle], &[0.0]), until, move |_, q, _, _, a| a[0] = -g * q[0].sin())
+            .energy(move |_, q, v| [0.5 * v[0] * v[0], -g * q[0].cos(), 0.0]);
+        toy.jacobian = Arc::new(move |q, _, _, dq, dv| {
+            dq[0] = g * q[0].cos();
+            dv[0] = 0.0;
+        });
+        toy.separable()
     }
 }
 

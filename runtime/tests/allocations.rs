@@ -27,6 +27,18 @@ scene: {start: {theta: 1}, until: 10, tolerance: 1e-9}
 "#
 );
 
+dalembert::model!(
+    yaml = r#"
+name: Rod
+parameters: {m: 1 kg, l: 1 m, g: 10 m/s^2}
+coordinates: {x: m, y: m}
+bodies: {bob: {mass: m, position: "[x, y]"}}
+gravity: [0, -g]
+constraints: {rod: x^2 + y^2 - l^2}
+scene: {start: {x: 0.6, y: -0.8}, until: 10, tolerance: 1e-9}
+"#
+);
+
 /// By momentum balances, their condition number watched, a step allocates nothing either.
 #[test]
 fn longer_runs_by_balances_allocate_no_more() {
@@ -72,6 +84,7 @@ fn watched() -> Toy {
         .event(event, |_, q, _, _, pairs| pairs.copy_from_slice(&[q[0] - 3.0, 1.0]))
         .switch(switch, |_, q, v, _, pairs| pairs.copy_from_slice(&[q[0] - 5.0, v[0]]));
     toy.description.structure.conservative = false;
+    toy.jacobian = std::sync::Arc::new(|_, _, _, dq, dv| (dq[0], dv[0]) = (1.0, 1e-3));
     toy
 }
 
@@ -84,6 +97,11 @@ fn longer_runs_allocate_no_more() {
             (Method::Rk4, Some(1e-2)),
             (Method::Dopri5, None),
             (Method::Dop853, None),
+            (Method::Gauss2, Some(1e-2)),
+            (Method::Gauss4, Some(1e-2)),
+            (Method::Gauss6, Some(1e-2)),
+            (Method::Radau5, None),
+            (Method::Rodas5P, None),
         ] {
             let set = |settings: &mut Settings| {
                 (settings.method, settings.step, settings.dense) = (method, step, false);
@@ -93,6 +111,36 @@ fn longer_runs_allocate_no_more() {
             assert!(many > 8 * few, "{method}: {few} and {many} steps");
             assert_eq!(short, long, "{method}: allocations of {few} and of {many} steps");
         }
+    }
+}
+
+#[test]
+fn longer_runs_by_symplectic_methods_allocate_no_more() {
+    for (method, step) in [(Method::Verlet, 1e-2), (Method::Srkn4, 1e-2), (Method::KahanLi8, 1e-2)] {
+        let set = |settings: &mut Settings| {
+            (settings.method, settings.step, settings.dense) = (method, Some(step), false);
+        };
+        let toy = Toy::oscillator(1.0, 1.0);
+        let ((short, few), (long, many)) = (count(&toy, 20.0, set), count(&toy, 200.0, set));
+        assert!(many > 8 * few, "{method}: {few} and {many} steps");
+        assert_eq!(short, long, "{method}: allocations of {few} and of {many} steps");
+    }
+}
+
+/// With constraints the Jacobians of the whole system are solved for in room that is there.
+#[test]
+fn longer_runs_with_constraints_allocate_no_more_by_implicit_methods() {
+    for (method, step) in [(Method::Gauss6, Some(1e-2)), (Method::Radau5, None), (Method::Rodas5P, None)] {
+        let run = |until: f64| {
+            let mut steps = 0;
+            let simulation = Rod::default().simulate().until(until).every(until).method(method);
+            let simulation = simulation.with(|s| (s.dense, s.step) = (false, step));
+            let counted = measure(|| steps = simulation.run().unwrap().work.steps);
+            (counted.count_total, steps)
+        };
+        let ((short, few), (long, many)) = (run(5.0), run(20.0));
+        assert!(many > 2 * few, "{method}: {few} and {many} steps");
+        assert_eq!(short, long, "{method}: allocations of {few} and of {many} steps");
     }
 }
 

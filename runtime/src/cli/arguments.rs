@@ -39,7 +39,7 @@ fn simulate() -> Command {
         .arg(model())
         .args(sizes())
         .args(scene())
-        .arg(value("method", "METHOD", "euler, midpoint, rk4, dopri5, dop853 or auto [default: auto]"))
+        .arg(value("method", "METHOD", "auto [default], dop853, dopri5, rk4, midpoint, euler; verlet, srkn4, kahanli8, gauss2, gauss4, gauss6; radau5, rodas5p"))
         .arg(value("step", "TIME", "A fixed step"))
         .arg(value("constraints", "WAY", "multipliers, nullspace or springs [default: multipliers]"))
         .arg(value("stiffness", "K", "Of springs in the place of constraints, SI [default: 1e6]"))

@@ -171,6 +171,7 @@ pub fn recognised(program: &Program, out: &mut dyn Write) -> Result<(), Problem>
     };
     note(s.linear, "linear with constant coefficients");
     note(s.constant_mass, "constant mass matrix");
+    note(s.separable, "separable");
     note(s.diagonal_mass, "diagonal mass matrix");
     note(s.conservative, "conservative");
     note(s.time_dependent, "depends on time");

@@ -30,6 +30,13 @@ pub enum Error {
         /// The method.
         method: Method,
     },
+    /// The method moves places and speeds in turn, and the mechanism is not made so.
+    NotSeparable {
+        /// The method.
+        method: Method,
+        /// What stands in the way.
+        reason: Inseparable,
+    },
     /// Forces are made of reactions, which only multipliers give together with the accelerations.
     NeedsMultipliers,
     /// A list has the wrong length.
@@ -63,6 +70,28 @@ pub enum Error {
     Run(Box<Failure>),
 }
 
+/// What keeps a method for separable systems from a mechanism.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Inseparable {
+    /// The mechanism has constraints.
+    Constraints,
+    /// M changes along a run.
+    MassMatrix,
+    /// Forces depend on speeds, or switch with them, or are not known not to.
+    Speeds,
+}
+
+impl fmt::Display for Inseparable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Inseparable::Constraints => "it has constraints",
+            Inseparable::MassMatrix => "its mass matrix changes along the motion",
+            Inseparable::Speeds => "its forces depend on speeds",
+        })
+    }
+}
+
 impl Error {
     /// Why a run ended early; `None` for a bad setting.
     pub fn cause(&self) -> Option<&Cause> {
@@ -86,6 +115,11 @@ impl fmt::Display for Error {
         match self {
             Error::BadSetting { setting, value, expected } => write!(f, "`{setting}` is {value}; expected {expected}"),
             Error::NoStep { method } => write!(f, "`{method}` needs a fixed step: give `step`"),
+            Error::NotSeparable { method, reason } => write!(
+                f,
+                "`{method}` is for separable systems: no constraints, a constant mass matrix, forces that do not depend on \
+                 speeds; the mechanism is not one, since {reason}"
+            ),
             Error::NeedsMultipliers => {
                 write!(f, "a force is made of reactions, as friction is: take `multipliers`, which find both together")
             }

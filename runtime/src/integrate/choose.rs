@@ -1,45 +1,88 @@
 //! The code behind each method's name.
 
-use super::OneStep;
+use super::explicit::Scheme;
 use super::explicit::{DOP853, DOPRI5, Dop853, Dopri5, EULER, Euler, ExplicitRungeKutta, MIDPOINT, Midpoint, RK4, Rk4};
-use super::explicit::{Scheme, Tableau};
+use super::implicit::{Collocation, GAUSS_2, GAUSS_4, GAUSS_6, RADAU_5};
+use super::rosenbrock::{RODAS5P, Rosenbrock};
+use super::symplectic::{KAHAN_LI_8, SRKN4, Splitting, Symplectic, VERLET};
+use super::{OneStep, Stability};
 use crate::mechanism::Method;
+
+/// Calls a constructor with arrays up to ten coordinates, beyond which evaluating the accelerations takes most of the time,
+/// and with a box above.
+macro_rules! sized {
+    ($n:expr, $block:ident => $new:expr) => {
+        sized!(@ $n, $block => $new, 1 2 3 4 5 6 7 8 9 10)
+    };
+    (@ $n:expr, $block:ident => $new:expr, $($size:literal)*) => {
+        match $n {
+            $($size => { type $block = [[f64; $size]; 2]; Box::new($new) })*
+            _ => { type $block = Box<[f64]>; Box::new($new) }
+        }
+    };
+}
 
 /// A stepper for n coordinates; `work` tells whether it integrates the power of what has no potential.
 pub(crate) fn stepper(method: Method, n: usize, work: bool) -> Box<dyn OneStep> {
     match method {
-        Method::Euler => sized::<Euler>(n, work),
-        Method::Midpoint => sized::<Midpoint>(n, work),
-        Method::Rk4 => sized::<Rk4>(n, work),
-        Method::Dopri5 => sized::<Dopri5>(n, work),
-        Method::Dop853 | Method::Auto => sized::<Dop853>(n, work),
+        Method::Euler => explicit::<Euler>(n, work),
+        Method::Midpoint => explicit::<Midpoint>(n, work),
+        Method::Rk4 => explicit::<Rk4>(n, work),
+        Method::Dopri5 => explicit::<Dopri5>(n, work),
+        Method::Dop853 | Method::Auto => explicit::<Dop853>(n, work),
+        Method::Verlet => symplectic(VERLET, n, work),
+        Method::Srkn4 => symplectic(SRKN4, n, work),
+        Method::KahanLi8 => symplectic(KAHAN_LI_8, n, work),
+        Method::Gauss2 => Box::new(Collocation::new(GAUSS_2, n, work)),
+        Method::Gauss4 => Box::new(Collocation::new(GAUSS_4, n, work)),
+        Method::Gauss6 => Box::new(Collocation::new(GAUSS_6, n, work)),
+        Method::Radau5 => Box::new(Collocation::new(RADAU_5, n, work)),
+        Method::Rodas5P => Box::new(Rosenbrock::new(RODAS5P, n, work)),
     }
 }
 
-/// Coefficients c₀, c₁, … of a method's stability function R(z) = Σ cₖzᵏ: a step multiplies y' = λy by R(hλ).
-pub(crate) fn stability(method: Method) -> Vec<f64> {
-    tableau(method).stability()
-}
-
-fn tableau(method: Method) -> &'static Tableau {
+/// The order of a method's solution.
+pub(crate) fn order(method: Method) -> u32 {
     match method {
-        Method::Euler => EULER,
-        Method::Midpoint => MIDPOINT,
-        Method::Rk4 => RK4,
-        Method::Dopri5 => DOPRI5,
-        Method::Dop853 | Method::Auto => DOP853,
+        Method::Euler => EULER.order,
+        Method::Midpoint => MIDPOINT.order,
+        Method::Rk4 => RK4.order,
+        Method::Dopri5 => DOPRI5.order,
+        Method::Dop853 | Method::Auto => DOP853.order,
+        Method::Verlet => VERLET.order,
+        Method::Srkn4 => SRKN4.order,
+        Method::KahanLi8 => KAHAN_LI_8.order,
+        Method::Gauss2 => GAUSS_2.order,
+        Method::Gauss4 => GAUSS_4.order,
+        Method::Gauss6 => GAUSS_6.order,
+        Method::Radau5 => RADAU_5.order,
+        Method::Rodas5P => RODAS5P.order,
     }
 }
 
-/// Arrays up to ten coordinates, beyond which evaluating the accelerations takes most of the time; a box above.
-fn sized<T: Scheme>(n: usize, work: bool) -> Box<dyn OneStep> {
-    macro_rules! arrays {
-        ($($size:literal)*) => {
-            match n {
-                $($size => Box::new(ExplicitRungeKutta::<T, [[f64; $size]; 2]>::new(n, work)),)*
-                _ => Box::new(ExplicitRungeKutta::<T, Box<[f64]>>::new(n, work)),
-            }
-        };
+/// What a step of a method multiplies modes by.
+pub(crate) fn stability(method: Method) -> Stability {
+    match method {
+        Method::Euler => Stability::Polynomial(EULER.stability()),
+        Method::Midpoint => Stability::Polynomial(MIDPOINT.stability()),
+        Method::Rk4 => Stability::Polynomial(RK4.stability()),
+        Method::Dopri5 => Stability::Polynomial(DOPRI5.stability()),
+        Method::Dop853 | Method::Auto => Stability::Polynomial(DOP853.stability()),
+        Method::Verlet => Stability::Splitting(VERLET),
+        Method::Srkn4 => Stability::Splitting(SRKN4),
+        Method::KahanLi8 => Stability::Splitting(KAHAN_LI_8),
+        Method::Gauss2 => Stability::Rational(GAUSS_2.stability),
+        Method::Gauss4 => Stability::Rational(GAUSS_4.stability),
+        Method::Gauss6 => Stability::Rational(GAUSS_6.stability),
+        Method::Radau5 => Stability::Rational(RADAU_5.stability),
+        Method::Rodas5P => Stability::Rational(RODAS5P.stability),
     }
-    arrays!(1 2 3 4 5 6 7 8 9 10)
+}
+
+fn explicit<T: Scheme>(n: usize, work: bool) -> Box<dyn OneStep> {
+    sized!(n, Y => ExplicitRungeKutta::<T, Y>::new(n, work))
+}
+
+fn symplectic(scheme: &'static Splitting, n: usize, work: bool) -> Box<dyn OneStep> {
+    sized!(n, Y => Symplectic::<Y>::new(scheme, n, work))
 }

@@ -13,16 +13,24 @@ pub(crate) struct Control {
     pub grow: f64,
     /// h|λ| above this is near the stability limit.
     pub stiff: f64,
+    /// Whether the last two steps foretell the next one's error (for implicit methods, whose steps are better not rejected).
+    pub predictive: bool,
 }
+
+/// For methods that have no error estimate.
+pub(crate) const NO_CONTROL: Control =
+    Control { exponent: 0.0, beta: 0.0, shrink: 1.0, grow: 1.0, stiff: f64::INFINITY, predictive: false };
 
 /// The step a method proposes next, from the errors of the last steps.
 ///
 /// Source: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I (1993), section II.4;
-/// Gustafsson, ACM TOMS 17 (1991) 533, for the proportional–integral form.
+/// Gustafsson, ACM TOMS 17 (1991) 533, for the proportional–integral form, and 20 (1994) 496 for the predictive one.
 #[derive(Clone, Debug)]
 pub(crate) struct StepControl {
     constants: Control,
     previous_error: f64,
+    /// The last accepted step; 0: none.
+    previous_step: f64,
     rejected: bool,
     /// True until a step was accepted.
     first: bool,
@@ -33,12 +41,12 @@ impl StepControl {
 
     /// At the start.
     pub fn new(constants: Control) -> Self {
-        StepControl { constants, previous_error: 1e-4, rejected: false, first: true }
+        StepControl { constants, previous_error: 1e-4, previous_step: 0.0, rejected: false, first: true }
     }
 
     /// After a restart.
     pub fn restart(&mut self) {
-        (self.previous_error, self.rejected) = (1e-4, false);
+        (self.previous_error, self.previous_step, self.rejected) = (1e-4, 0.0, false);
     }
 
     /// The next step after one of h was accepted with this error (at most 1).
@@ -48,9 +56,14 @@ impl StepControl {
         if beta > 0.0 {
             factor /= self.previous_error.powf(beta);
         }
+        if self.constants.predictive && self.previous_step > 0.0 {
+            // As the error grew from the last step to this one, so it will to the next (Gustafsson 1994).
+            let grew = (error / self.previous_error).powf(self.constants.exponent) * self.previous_step / h;
+            factor = factor.max(factor * grew);
+        }
         let factor = factor.clamp(1.0 / grow, 1.0 / shrink);
         let limit = if self.rejected { 1.0 } else { f64::INFINITY };
-        self.previous_error = error.max(1e-4);
+        (self.previous_error, self.previous_step) = (error.max(1e-4), h);
         (self.rejected, self.first) = (false, false);
         h * (1.0 / factor).min(limit)
     }

@@ -1,7 +1,7 @@
 //! Integrating the equations of motion in time.
 //!
 //! 1. A family of one-step methods, each in its folder with the files `tableau`, `step`, `dense`,
-//!    implements [`OneStep`]: look in `explicit/`, and for which name means which in `choose.rs`.
+//!    implements [`OneStep`]: look in `explicit/`, `symplectic/`, `implicit/` and `rosenbrock/`, and for which name means which in `choose.rs`.
 //! 2. Methods are written once over [`Block`]s, whose size the compiler knows or not: look in `block.rs`.
 //! 3. [`StepControl`] chooses steps against a [`Tolerance`]: look in `control.rs`.
 //! 4. Between its ends a step is a [`Segment`]: look in `segment.rs`.
@@ -13,16 +13,27 @@ mod choose;
 mod clock;
 mod control;
 mod explicit;
+mod hermite;
+mod implicit;
+mod linear;
+mod rosenbrock;
 mod segment;
+mod stability;
 mod stiffness;
+mod symplectic;
+#[cfg(test)]
+mod test_problems;
 mod tolerance;
+#[cfg(test)]
+mod trees;
 
 pub(crate) use block::Block;
-pub(crate) use choose::{stability, stepper};
+pub(crate) use choose::{order, stability, stepper};
 
 pub(crate) use clock::Clock;
-pub(crate) use control::{Control, StepControl};
+pub(crate) use control::{Control, NO_CONTROL, StepControl};
 pub(crate) use segment::Segment;
+pub(crate) use stability::{Rational, Stability};
 pub(crate) use stiffness::StiffnessDetector;
 pub(crate) use tolerance::Tolerance;
 
@@ -72,6 +83,11 @@ pub(crate) trait OneStep: Send {
     /// h‖Δf‖/‖Δy‖ near the end of the step, an estimate of h|λ| of the stiffest mode; after the rate at the end.
     fn stiffness(&self, h: f64) -> f64;
 
+    /// Overwrites a defect of the dense output, [q; q'], with what it does to a state: where equations are stiff, less.
+    fn damp(&self, defect: &mut [f64]) {
+        let _ = defect;
+    }
+
     /// True where dense output costs no evaluation.
     fn dense_is_free(&self) -> bool;
 
@@ -115,11 +131,16 @@ pub(crate) struct Counters {
     pub factorizations: u64,
 }
 
-/// Why a step could not be computed.  An implicit method adds that its iteration stalled.
+/// Why a step could not be computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Setback {
     /// There are no accelerations at a state on the way.
     Singular(Singular),
+    /// The iteration of an implicit method does not come to an end.
+    Stalled {
+        /// The step, s.
+        h: f64,
+    },
 }
 
 impl From<Singular> for Setback {
@@ -133,6 +154,7 @@ impl Setback {
     pub fn cause(self, mechanism: &Description) -> Cause {
         match self {
             Setback::Singular(fault) => fault.cause(mechanism),
+            Setback::Stalled { h } => Cause::IterationStalled { h },
         }
     }
 }

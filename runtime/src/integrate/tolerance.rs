@@ -75,6 +75,16 @@ impl Tolerance {
         [unit(i, h.abs() * noise), unit(n + i, noise)]
     }
 
+    /// As [`Tolerance::units`], for changes of qᵢ and q'ᵢ over a step of h that are known as a whole: stiff accelerations
+    /// at its start tell nothing of them.
+    pub fn units_by_change(&self, i: usize, h: f64, [place, speed]: [f64; 2]) -> [f64; 2] {
+        let noise = h.abs() * self.noise[i];
+        let unit = |k: usize, change: f64, noise: f64| {
+            self.floors[k].max(self.relative * change.abs()).max(noise).max(self.blurred[k])
+        };
+        [unit(i, place, h.abs() * noise), unit(self.n + i, speed, noise)]
+    }
+
     /// Takes note of what rounding of the constraints makes of [q; q'] at the present state; `None`: nothing to speak of.
     pub fn blur(&mut self, noise: Option<&[f64]>) {
         match noise {

@@ -144,6 +144,7 @@ impl March {
         for (slope, rate) in slope.iter_mut().zip(&rate) {
             *slope -= step.h * rate;
         }
+        self.stepper.damp(&mut slope);
         let mut size = self.in_units(step, &slope);
         if evaluated.is_ok() && size > Defect::MOST {
             self.forgive_noise(system, step, &slope);

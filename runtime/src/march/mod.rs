@@ -3,7 +3,8 @@
 //! A step is tried until its error is small enough; its dense output is made where anything reads it; what is watched
 //! may end it early: look in `interrupt.rs`; it is written down and taken.  Jumps of the acceleration that
 //! nobody declared: look in `jump.rs`; what is asked of a step between its ends: in `between.rs`; rounding that looks like
-//! errors: in `noise.rs`; constraints at the ends of steps: in `constraints.rs`; phases and impacts: in `phase.rs`.
+//! errors: in `noise.rs`; constraints at the ends of steps: in `constraints.rs`; phases and impacts: in `phase.rs`; a fixed step
+//! that suits a tolerance: in `trial.rs`.
 
 mod between;
 mod constraints;
@@ -11,6 +12,7 @@ mod interrupt;
 mod jump;
 mod noise;
 mod phase;
+mod trial;
 
 use std::ops::ControlFlow;
 

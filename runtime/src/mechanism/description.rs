@@ -332,6 +332,8 @@ pub struct Structure {
     pub diagonal_mass: bool,
     /// Sizes of the diagonal blocks of M, when there is more than one.
     pub mass_blocks: List<u32>,
+    /// M is constant, and h depends on no speed, not by way of a discontinuity either: kicks and drifts can be done in turn.
+    pub separable: bool,
     /// The equations of motion are linear with constant coefficients.
     pub linear: bool,
     /// No force lacks a potential and no explicit time: the energy balance needs no work.

@@ -182,6 +182,10 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
         self.phased.enforcement
     }
 
+    fn baumgarte_gain(&self) -> f64 {
+        self.phased.alpha
+    }
+
     fn enforce(&mut self, by: Enforcement, alpha: f64) {
         (self.phased.enforcement, self.phased.alpha) = (by, alpha);
     }

@@ -165,6 +165,10 @@ impl System for Interpreted {
         self.phased.enforcement
     }
 
+    fn baumgarte_gain(&self) -> f64 {
+        self.phased.alpha
+    }
+
     fn enforce(&mut self, by: Enforcement, alpha: f64) {
         (self.phased.enforcement, self.phased.alpha) = (by, alpha);
     }
@@ -473,6 +477,7 @@ fn describe(program: &Program, source: &str) -> Description {
             constant_inertias: s.constant_inertias,
             diagonal_mass: s.diagonal_mass,
             mass_blocks: s.mass_blocks.iter().map(|b| *b as u32).collect(),
+            separable: s.separable,
             linear: s.linear,
             conservative: s.conservative,
             time_dependent: s.time_dependent,

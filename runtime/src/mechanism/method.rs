@@ -4,6 +4,25 @@ use std::fmt;
 use std::str::FromStr;
 
 /// A method of integration.
+///
+/// | name | order | for | step | evaluations a step | vibrations are stable |
+/// | --- | --- | --- | --- | --- | --- |
+/// | `euler` | 1 | comparison | fixed | 1 | never |
+/// | `midpoint` | 2 | comparison | fixed | 2 | never |
+/// | `rk4` | 4 | all that is not stiff | fixed | 4 | up to hω = 2.83 |
+/// | `dopri5` | 5 | loose tolerances | by the tolerance | 6 | up to hω = 1.00 |
+/// | `dop853` | 8 | all that is not stiff | by the tolerance | 12 | up to hω = 5.96 |
+/// | `verlet` | 2 | separable systems, symplectic | fixed | 1 | up to hω = 2 |
+/// | `srkn4` | 4 | separable systems, symplectic | fixed | 6 | up to hω = 3.16 |
+/// | `kahanli8` | 8 | separable systems, symplectic | fixed | 17 | up to hω = 3.09 |
+/// | `gauss2`, `gauss4`, `gauss6` | 2, 4, 6 | all, symplectic | fixed | by iteration | always |
+/// | `radau5` | 5 | stiff motions | by the tolerance | by iteration | always, damped |
+/// | `rodas5p` | 5 | stiff motions | by the tolerance | 8 | always, damped |
+///
+/// A system is separable where M is constant and forces do not depend on speeds, nor switch with them, without constraints.
+/// Symplectic methods keep the energy of a conservative motion within a band, however long it is, as long as their step does
+/// not change; where none is given it is found once, from the tolerance, by trial steps over the start of the motion.  Implicit methods
+/// solve linear systems with the generated Jacobians.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Method {
@@ -17,6 +36,23 @@ pub enum Method {
     Dopri5,
     /// Dormand and Prince, order 8, with error control; a fixed step if one is given.
     Dop853,
+    /// Störmer–Verlet, order 2, symplectic, for separable systems; a fixed step.
+    Verlet,
+    /// Blanes and Moan's Runge–Kutta–Nyström splitting of six stages, order 4, symplectic, for separable systems; a fixed
+    /// step.
+    Srkn4,
+    /// Kahan and Li's composition of seventeen Verlet steps, order 8, symplectic, for separable systems; a fixed step.
+    KahanLi8,
+    /// Gauss's collocation of one stage, the implicit midpoint rule, order 2, symplectic; a fixed step.
+    Gauss2,
+    /// Gauss's collocation of two stages, order 4, symplectic; a fixed step.
+    Gauss4,
+    /// Gauss's collocation of three stages, order 6, symplectic; a fixed step.
+    Gauss6,
+    /// Radau's collocation of three stages, order 5, for stiff motions, with error control; a fixed step if one is given.
+    Radau5,
+    /// Steinebach's Rosenbrock method, order 5, for stiff motions, with error control; a fixed step if one is given.
+    Rodas5P,
     /// [`Method::Rk4`] where a step is given; else [`Method::Dop853`], or [`Method::Dopri5`] for
     /// tolerances above 10⁻⁵.
     #[default]
@@ -25,8 +61,22 @@ pub enum Method {
 
 impl Method {
     /// All methods, as users list them.
-    pub const ALL: [Method; 6] =
-        [Method::Euler, Method::Midpoint, Method::Rk4, Method::Dopri5, Method::Dop853, Method::Auto];
+    pub const ALL: [Method; 14] = [
+        Method::Euler,
+        Method::Midpoint,
+        Method::Rk4,
+        Method::Dopri5,
+        Method::Dop853,
+        Method::Verlet,
+        Method::Srkn4,
+        Method::KahanLi8,
+        Method::Gauss2,
+        Method::Gauss4,
+        Method::Gauss6,
+        Method::Radau5,
+        Method::Rodas5P,
+        Method::Auto,
+    ];
 
     /// The name: `dop853`.
     pub fn name(self) -> &'static str {
@@ -36,13 +86,31 @@ impl Method {
             Method::Rk4 => "rk4",
             Method::Dopri5 => "dopri5",
             Method::Dop853 => "dop853",
+            Method::Verlet => "verlet",
+            Method::Srkn4 => "srkn4",
+            Method::KahanLi8 => "kahanli8",
+            Method::Gauss2 => "gauss2",
+            Method::Gauss4 => "gauss4",
+            Method::Gauss6 => "gauss6",
+            Method::Radau5 => "radau5",
+            Method::Rodas5P => "rodas5p",
             Method::Auto => "auto",
         }
     }
 
+    /// True when the method is for separable systems only: M constant, forces free of speeds.
+    pub fn splits(self) -> bool {
+        matches!(self, Method::Verlet | Method::Srkn4 | Method::KahanLi8)
+    }
+
+    /// True when the method is symplectic at a fixed step, and only then.
+    pub fn is_symplectic(self) -> bool {
+        self.splits() || matches!(self, Method::Gauss2 | Method::Gauss4 | Method::Gauss6)
+    }
+
     /// True when the method chooses its steps itself.
     pub fn is_adaptive(self) -> bool {
-        matches!(self, Method::Dopri5 | Method::Dop853 | Method::Auto)
+        matches!(self, Method::Dopri5 | Method::Dop853 | Method::Radau5 | Method::Rodas5P | Method::Auto)
     }
 
     /// The method that `auto` stands for.

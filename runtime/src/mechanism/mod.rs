@@ -14,6 +14,7 @@ mod method;
 mod phased;
 mod real;
 mod singular;
+mod slopes;
 mod solve;
 mod system;
 
@@ -33,6 +34,7 @@ pub use method::{Method, ParseMethodError};
 pub use phased::RowHistory;
 pub use real::Real;
 pub use singular::{Singular, SingularMass};
+pub(crate) use slopes::AccelerationSlopes;
 #[doc(hidden)]
 pub use solve::solve_packed;
 pub(crate) use solve::solve_packed_slice;

@@ -116,6 +116,11 @@ pub trait System: Send + Sync {
         let _ = (by, alpha);
     }
 
+    /// Baumgarte's gain α in force, 1/s; 0: none.
+    fn baumgarte_gain(&self) -> f64 {
+        0.0
+    }
+
     /// Quantities that scenes' starts meet beside constraints: what they are at a state, and what they are to be.
     fn also(&self, at: At<'_>) -> Vec<(f64, f64)> {
         let _ = at;

@@ -32,9 +32,9 @@ use crate::trust::{Conditioning, Drift, Warning};
 pub struct Run {
     /// The method that was used; never [`Method::Auto`].
     pub method: Method,
-    /// The relative tolerance; `None` at a fixed step.
+    /// The relative tolerance; `None` at a fixed step that was given.
     pub tolerance: Option<f64>,
-    /// The fixed step, s, if there was one.
+    /// The fixed step, s, if there was one; of symplectic methods also where it was found from the tolerance.
     pub step: Option<f64>,
     /// The system of momentum balances that the accelerations came from; `None`: Lagrange's equations.
     pub balances: Option<Conditioning>,

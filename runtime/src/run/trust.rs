@@ -13,7 +13,8 @@ impl fmt::Display for Trust<'_> {
         let run = self.0;
         write!(f, "method         {}", run.method)?;
         match (run.tolerance, run.step) {
-            (_, Some(step)) => writeln!(f, ", step {step} s")?,
+            (None, Some(step)) => writeln!(f, ", step {step} s")?,
+            (Some(tolerance), Some(step)) => writeln!(f, ", step {step:.4e} s, found for tolerance {tolerance:e}")?,
             (Some(tolerance), None) => writeln!(f, ", tolerance {tolerance:e}")?,
             (None, None) => writeln!(f)?,
         }
@@ -32,7 +33,7 @@ impl fmt::Display for Trust<'_> {
         }
         write_drift(f, "energy balance", run.energy_balance)?;
         if let (Some(digits), Some(worst)) = (&run.digits, worst(run)) {
-            let kind = if run.step.is_some() { "step" } else { "tolerance" };
+            let kind = if run.tolerance.is_none() { "step" } else { "tolerance" };
             writeln!(f, "digits         {worst}; by a second run at {kind} {:.0e}", digits.companion)?;
         }
         for warning in &run.warnings {

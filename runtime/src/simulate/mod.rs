@@ -92,12 +92,14 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     let elsewhere = met.as_ref().ok().filter(|_| !alone).and_then(|y| other_branch(system, &start, y));
     let (y, met) = met.map_or_else(|cause| (guess, Err(cause)), |y| (y, Ok(())));
     let tolerance = settings.tolerance.max(Settings::TIGHTEST);
+    let units = Box::new(Tolerance::new(tolerance, system.description(), &y));
+    let longest = settings.longest_step.unwrap_or(f64::INFINITY);
+    let finds_step = settings.step.is_none() && method.is_symplectic();
     let pace = match settings.step {
         Some(step) => Pace::Fixed(step),
-        None => {
-            let tolerance = Box::new(Tolerance::new(tolerance, system.description(), &y));
-            Pace::Adaptive { tolerance, longest: settings.longest_step.unwrap_or(f64::INFINITY) }
-        }
+        // Until it is found.
+        None if finds_step => Pace::Fixed(1e-3 * (settings.until - settings.from)),
+        None => Pace::Adaptive { tolerance: units.clone(), longest },
     };
     let march = March::new(method, pace, settings.from, &y, work).limit(settings.max_steps);
     let mut march = march.compensate(settings.compensated).unlike(settings.unlike).projecting(settings.projects());
@@ -109,6 +111,12 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
         .and_then(|()| march.begin(system, settings.until))
         .and(settings.attainable())
         .and_then(|()| positive_inertia(system, settings.from, &y));
+    let step = match &outcome {
+        Ok(()) if finds_step && settings.until > settings.from => {
+            Some(march.find_step(system, method, &units, longest))
+        }
+        _ => settings.step,
+    };
     let plan = Plan {
         until: settings.until,
         every,
@@ -117,7 +125,7 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
         dense_is_free: march.dense_is_free(),
         method,
         tolerance: settings.step.is_none().then_some(tolerance),
-        step: settings.step,
+        step,
         projects: settings.projects(),
     };
     let mut recorder = Recorder::new(&plan, system, settings.from, march.state());
@@ -125,7 +133,7 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
         let coordinate = system.description().coordinate_name(coordinate);
         recorder.warn(Warning::OtherBranch { coordinate, here, there });
     }
-    if let Some(step) = settings.step {
+    if let Some(step) = step {
         let at = (settings.from, settings.q.as_slice(), settings.v.as_slice());
         let warning = check_step(system, at, method, step, settings.until - settings.from);
         warning.into_iter().for_each(|warning| recorder.warn(warning));

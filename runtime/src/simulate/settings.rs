@@ -1,10 +1,9 @@
 //! What a run can be told.
 
 use crate::cause::Cause;
-use crate::error::Error;
+use crate::error::{Error, Inseparable};
 use crate::integrate::stability;
 use crate::mechanism::{Description, Enforcement, Method, Scene, Stabilisation};
-use crate::trust::amplification;
 use nalgebra::Complex;
 
 /// More numbers than this are not reported: they would fill the memory.
@@ -43,7 +42,7 @@ pub struct Settings {
     pub every: Option<f64>,
     /// The method of integration.
     pub method: Method,
-    /// A fixed step, s; `None`: chosen by the method.
+    /// A fixed step, s; `None`: chosen by the method, for symplectic ones once, by trial steps over the start.
     pub step: Option<f64>,
     /// The longest step the method may choose, s; `None`: the whole run.
     pub longest_step: Option<f64>,
@@ -166,8 +165,11 @@ impl Settings {
         }
         positive("step", self.step)?;
         positive("longest_step", self.longest_step)?;
-        if self.step.is_none() && !self.method.is_adaptive() {
+        if self.step.is_none() && !self.method.is_adaptive() && !self.method.is_symplectic() {
             return Err(Error::NoStep { method: self.method });
+        }
+        if let Some(reason) = inseparable(mechanism).filter(|_| self.method.splits()) {
+            return Err(Error::NotSeparable { method: self.method, reason });
         }
         self.check_enforcement(mechanism)
     }
@@ -192,7 +194,7 @@ impl Settings {
         }
         let method = self.method.resolve(self.step, self.tolerance);
         match self.step {
-            Some(step) if amplification(&stability(method), Complex::from(-alpha * step)) > 1.0 => {
+            Some(step) if stability(method).amplification(Complex::from(-alpha * step)) > 1.0 => {
                 bad("alpha", alpha, "less, or a shorter step: the method is unstable where it decays so fast in a step")
             }
             _ => Ok(()),
@@ -211,5 +213,16 @@ impl Settings {
             (Stabilisation::Baumgarte { alpha }, _) => alpha.or(self.step.map(|step| FIXED_GAIN / step)).unwrap_or(0.0),
             _ => 0.0,
         }
+    }
+}
+
+/// What keeps the places and speeds of a mechanism from being moved in turn.
+fn inseparable(mechanism: &Description) -> Option<Inseparable> {
+    if !mechanism.rows.is_empty() {
+        Some(Inseparable::Constraints)
+    } else if !mechanism.structure.constant_mass {
+        Some(Inseparable::MassMatrix)
+    } else {
+        (!mechanism.structure.separable).then_some(Inseparable::Speeds)
     }
 }

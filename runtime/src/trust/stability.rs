@@ -3,7 +3,7 @@
 use nalgebra::{Complex, DMatrix, Schur};
 
 use super::Warning;
-use crate::integrate::stability;
+use crate::integrate::{Stability, stability};
 use crate::mechanism::dense::{force_slopes, mass_matrix};
 use crate::mechanism::{At, Method, System};
 
@@ -77,17 +77,12 @@ impl Watchman {
 }
 
 /// By how much faster a mode grows than it should, 1/s: ln|R(hλ)|/h − max(Re λ, 0).
-fn excess(stability: &[f64], rate: Complex<f64>, step: f64) -> f64 {
-    amplification(stability, rate * step).ln() / step - rate.re.max(0.0)
-}
-
-/// |R(z)|.
-pub(crate) fn amplification(stability: &[f64], z: Complex<f64>) -> f64 {
-    stability.iter().rev().fold(Complex::new(0.0, 0.0), |sum, c| sum * z + c).norm()
+fn excess(stability: &Stability, rate: Complex<f64>, step: f64) -> f64 {
+    stability.amplification(rate * step).ln() / step - rate.re.max(0.0)
 }
 
 /// The largest step below `step` up to which the mode does not grow faster than it should.
-fn limit(stability: &[f64], rate: Complex<f64>, step: f64) -> f64 {
+fn limit(stability: &Stability, rate: Complex<f64>, step: f64) -> f64 {
     const PARTS: u32 = 1000;
     // A part of round-off per step is no growth.
     let stable = |h: f64| excess(stability, rate, h) * h <= 1e-14;

@@ -17,6 +17,8 @@ pub struct Structure {
     pub diagonal_mass: bool,
     /// Sizes of M's diagonal blocks, in the order of their first coordinates.
     pub mass_blocks: Vec<usize>,
+    /// M does not change, and nothing in the forces depends on speeds, nor switches with them.
+    pub separable: bool,
     /// Linear equations with constant coefficients (forced, perhaps).
     pub linear: bool,
     /// Nothing does work but what has a potential, and T and V do not contain time.
@@ -48,6 +50,7 @@ pub(super) fn recognise(
         constant_inertias,
         diagonal_mass: chosen.mass.iter().all(|e| e.0 == e.1),
         mass_blocks: blocks(n, &chosen.mass),
+        separable: constant_mass && !depends_on_speeds(graph, &chosen.bias, switches),
         linear: constant_mass
             && constant(stiffness)
             && constant(damping)
@@ -57,6 +60,22 @@ pub(super) fn recognise(
         time_dependent: graph.symbols(chosen.residual.iter().copied()).into_iter().any(time),
         cyclic: cyclic.to_vec(),
     }
+}
+
+/// Whether expressions contain speeds, or modes of switches that do.
+fn depends_on_speeds(graph: &Graph, expressions: &[Id], switches: &[Switch]) -> bool {
+    // A switch's argument contains modes of earlier switches only.
+    let mut switched: Vec<bool> = Vec::with_capacity(switches.len());
+    let moves = |switched: &[bool], symbol: Symbol| match symbol {
+        Symbol::Speed(_) => true,
+        Symbol::Mode(k) => switched.get(k as usize).is_none_or(|moves| *moves),
+        _ => false,
+    };
+    for switch in switches {
+        let by_speed = graph.symbols([switch.argument]).into_iter().any(|symbol| moves(&switched, symbol));
+        switched.push(by_speed);
+    }
+    graph.symbols(expressions.iter().copied()).into_iter().any(|symbol| moves(&switched, symbol))
 }
 
 /// Sizes of the sets of coordinates that M couples.

@@ -161,12 +161,13 @@ pub(super) fn description(program: &Program, source: &str) -> String {
     field(
         "structure",
         format!(
-            "mechanism::Structure {{ dimension: {}, constant_mass: {}, constant_inertias: {}, diagonal_mass: {}, mass_blocks: {}, linear: {}, conservative: {}, time_dependent: {}, cyclic: {} }}",
+            "mechanism::Structure {{ dimension: {}, constant_mass: {}, constant_inertias: {}, diagonal_mass: {}, mass_blocks: {}, separable: {}, linear: {}, conservative: {}, time_dependent: {}, cyclic: {} }}",
             model.dimension,
             s.constant_mass,
             s.constant_inertias,
             s.diagonal_mass,
             list(s.mass_blocks.iter().map(ToString::to_string)),
+            s.separable,
             s.linear,
             s.conservative,
             s.time_dependent,

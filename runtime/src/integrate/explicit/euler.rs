@@ -1,6 +1,7 @@
 //! Euler's method.
 
-use super::tableau::{Estimate, NO_CONTROL, Scheme, Tableau, r};
+use super::tableau::{Estimate, Scheme, Tableau, r};
+use crate::integrate::NO_CONTROL;
 
 /// y₁ = y + h f(t, y), order 1.  Amplifies every undamped vibration (catalogue A1).
 ///

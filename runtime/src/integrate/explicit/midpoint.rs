@@ -1,6 +1,7 @@
 //! The explicit midpoint rule.
 
-use super::tableau::{Estimate, NO_CONTROL, Scheme, Tableau, r};
+use super::tableau::{Estimate, Scheme, Tableau, r};
+use crate::integrate::NO_CONTROL;
 
 /// y₁ = y + h f(t + h/2, y + h f/2), order 2.  Amplifies every undamped vibration, slowly (catalogue A2).
 ///

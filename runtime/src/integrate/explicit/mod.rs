@@ -18,4 +18,4 @@ pub(crate) use euler::{EULER, Euler};
 pub(crate) use midpoint::{MIDPOINT, Midpoint};
 pub(crate) use rk4::{RK4, Rk4};
 pub(crate) use step::ExplicitRungeKutta;
-pub(crate) use tableau::{Scheme, Tableau};
+pub(crate) use tableau::Scheme;

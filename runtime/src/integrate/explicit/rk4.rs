@@ -1,6 +1,7 @@
 //! The classical method of Runge and Kutta.
 
-use super::tableau::{Estimate, NO_CONTROL, Scheme, Tableau, r};
+use super::tableau::{Estimate, Scheme, Tableau, r};
+use crate::integrate::NO_CONTROL;
 
 /// Four stages, order 4.  Stable for vibrations up to hω = 2√2 (catalogue A1).
 ///

@@ -61,7 +61,6 @@ pub(crate) trait Scheme: Send + 'static {
 #[derive(Debug)]
 pub(crate) struct Tableau {
     /// Order of the solution.
-    #[cfg_attr(not(test), expect(dead_code, reason = "what the tests hold the coefficients to"))]
     pub order: u32,
     /// (cᵢ, the non-zero aᵢⱼ) of each stage; the first is (0, nothing).
     pub rows: &'static [(f64, &'static [Term])],
@@ -78,10 +77,6 @@ pub(crate) struct Tableau {
     /// Step-size control.
     pub control: Control,
 }
-
-/// For methods that have no error estimate.
-pub(crate) const NO_CONTROL: Control =
-    Control { exponent: 0.0, beta: 0.0, shrink: 1.0, grow: 1.0, stiff: f64::INFINITY };
 
 impl Tableau {
     /// Stages of a step without those for dense output only.

@@ -8,11 +8,12 @@ use nalgebra::Complex;
 use super::tableau::{Estimate, Tableau, Term};
 use super::{DOP853, DOPRI5, EULER, MIDPOINT, RK4};
 use crate::Settings;
+use crate::integrate::Stability;
+use crate::integrate::trees::{Tree, trees};
 use crate::mechanism::Method;
 use crate::run::Run;
 use crate::simulate::simulate;
 use crate::testing::Toy;
-use crate::trust::amplification;
 
 /// An exact fraction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,20 +74,7 @@ impl Number for f64 {
     }
 }
 
-/// A rooted tree: its subtrees.
-#[derive(Clone, Debug, PartialEq, PartialOrd)]
-struct Tree(Vec<Tree>);
-
 impl Tree {
-    fn order(&self) -> usize {
-        1 + self.0.iter().map(Tree::order).sum::<usize>()
-    }
-
-    /// γ(t): the order times the γ of all subtrees.
-    fn density(&self) -> i128 {
-        self.order() as i128 * self.0.iter().map(Tree::density).product::<i128>()
-    }
-
     /// Φᵢ(t) for each stage: the product over the subtrees of Σⱼ aᵢⱼ Φⱼ.
     fn weights<N: Number>(&self, rows: &[(f64, &[Term])]) -> Vec<N> {
         let mut product = vec![N::whole(1); rows.len()];
@@ -102,40 +90,6 @@ impl Tree {
 
 fn sum<N: Number>(terms: &[Term], values: &[N]) -> N {
     terms.iter().fold(N::whole(0), |total, term| total + N::of(term) * values[term.stage])
-}
-
-/// All rooted trees with exactly this many nodes.
-fn trees(order: usize) -> Vec<Tree> {
-    fn forests(nodes: usize, largest: usize, below: &[Vec<Tree>]) -> Vec<Vec<Tree>> {
-        if nodes == 0 {
-            return vec![Vec::new()];
-        }
-        let mut found = Vec::new();
-        for size in 1..=nodes.min(largest) {
-            for tree in &below[size] {
-                for mut rest in forests(nodes - size, size, below) {
-                    // Subtrees in order, so that each tree appears once.
-                    if rest.first().is_none_or(|first: &Tree| first.order() < size || first <= tree) {
-                        rest.insert(0, tree.clone());
-                        found.push(rest);
-                    }
-                }
-            }
-        }
-        found
-    }
-    let mut below: Vec<Vec<Tree>> = vec![Vec::new()];
-    for nodes in 1..=order {
-        let level = forests(nodes - 1, nodes - 1, &below).into_iter().map(Tree).collect();
-        below.push(level);
-    }
-    below.swap_remove(order)
-}
-
-#[test]
-fn there_are_as_many_trees_as_cayley_counted() {
-    let counts: Vec<usize> = (1..=9).map(|order| trees(order).len()).collect();
-    assert_eq!(counts, [1, 1, 2, 4, 9, 20, 48, 115, 286]);
 }
 
 #[test]
@@ -195,8 +149,8 @@ fn nodes_are_the_sums_of_their_rows() {
 
 /// The first x at which |R(x·direction)| exceeds 1, to 10⁻⁹.
 fn limit(tableau: &Tableau, direction: Complex<f64>) -> f64 {
-    let stability = tableau.stability();
-    let stable = |x: f64| amplification(&stability, direction * x) <= 1.0 + 1e-13;
+    let stability = Stability::Polynomial(tableau.stability());
+    let stable = |x: f64| stability.amplification(direction * x) <= 1.0 + 1e-13;
     let Some(first) = (1..20_000).map(|k| f64::from(k) * 1e-3).find(|x| !stable(*x)) else { panic!("no limit") };
     let (mut low, mut high) = (first - 1e-3, first);
     while high - low > 1e-9 {

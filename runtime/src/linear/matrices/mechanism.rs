@@ -69,6 +69,7 @@ impl LinearMechanism {
             structure: Structure {
                 dimension: 2,
                 constant_mass: true,
+                separable: c.iter().all(|x| *x == 0.0),
                 linear: true,
                 conservative: c.iter().all(|x| *x == 0.0) && is_symmetric(&k),
                 ..Structure::default()

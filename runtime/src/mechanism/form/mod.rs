@@ -9,6 +9,7 @@
 mod comparison;
 mod null_space;
 mod rows;
+mod slopes;
 
 use super::solve::{factor_packed, substitute_back, substitute_forward};
 use super::{At, Singular, SingularMass, System};
@@ -205,14 +206,33 @@ impl Form {
         a: &mut [f64],
         lambda: &mut [f64],
     ) -> Result<(), Singular> {
+        let usual = system.description().phases.get(system.phase()).map_or(0, |phase| phase.rank as usize);
+        let held = system.row_history().map_or(&[][..], |history| &history.multipliers);
+        let held = if self.rank < usual { held } else { &[] };
+        let solved = self.solve_held(system, at, held, a);
+        lambda.fill(0.0);
+        for (k, row) in self.active.iter().enumerate() {
+            lambda[*row] = self.found[k] + self.strength[k] * self.gamma[k];
+        }
+        for row in self.order[self.rank..].iter().map(|k| self.active[*k]) {
+            lambda[row] += held.get(row).copied().unwrap_or(0.0);
+        }
+        solved
+    }
+
+    /// As [`Form::solve_motion`], rows that are left out having these multipliers; those of the others are in `found`.
+    fn solve_held<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        at: At<'_>,
+        held: &[f64],
+        a: &mut [f64],
+    ) -> Result<(), Singular> {
         let (n, m) = (self.n, self.active.len());
         let rubs = m > 0 && !system.description().friction_pattern.is_empty();
         if rubs {
             self.load_friction(system, at, a);
         }
-        let usual = system.description().phases.get(system.phase()).map_or(0, |phase| phase.rank as usize);
-        let held = system.row_history().map_or(&[][..], |history| &history.multipliers);
-        let held = if self.rank < usual { held } else { &[] };
         substitute_forward(&self.mass, a);
         self.hold(held, rubs, a);
         let mut found = std::mem::take(&mut self.found);
@@ -230,13 +250,6 @@ impl Form {
             add(a, *lambda, &lines[k * n..][..n]);
         }
         substitute_back(&self.mass, a);
-        lambda.fill(0.0);
-        for (k, row) in self.active.iter().enumerate() {
-            lambda[*row] = found[k] + self.strength[k] * self.gamma[k];
-        }
-        for row in self.order[self.rank..].iter().map(|k| self.active[*k]) {
-            lambda[row] += held.get(row).copied().unwrap_or(0.0);
-        }
         self.found = found;
         solved
     }

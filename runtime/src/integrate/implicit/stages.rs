@@ -1,0 +1,299 @@
+//! The stages of a step, by simplified Newton's method.
+
+use nalgebra::Complex;
+
+use super::tableau::{STAGES, Tableau, sum};
+use crate::integrate::linear::Pencil;
+use crate::integrate::{Setback, Tolerance};
+use crate::mechanism::{AccelerationSlopes, At, System};
+
+/// Accelerations at the nodes of a step, and what places and speeds have changed by until there; stage by stage.
+#[derive(Clone, Debug)]
+pub(super) struct Stages {
+    pub accelerations: Vec<f64>,
+    pub places: Vec<f64>,
+    pub speeds: Vec<f64>,
+    /// What the equations leave, then the correction.
+    left: Vec<f64>,
+    /// The accelerations that the iteration began with.
+    guess: Vec<f64>,
+}
+
+/// Where a step goes from.
+#[derive(Clone, Copy)]
+pub(super) struct From<'a> {
+    pub t: f64,
+    pub h: f64,
+    /// [q; q'].
+    pub y: &'a [f64],
+    /// What rounding took from it before.
+    pub carry: &'a [f64],
+}
+
+/// Simplified Newton's method for the stages, with the Jacobians of an earlier state as long as they serve.
+#[derive(Clone, Debug)]
+pub(super) struct Newton {
+    tableau: &'static Tableau,
+    n: usize,
+    pub slopes: AccelerationSlopes,
+    pub real: Pencil<f64>,
+    complex: Pencil<Complex<f64>>,
+    room: Vec<Complex<f64>>,
+    /// The step that the pencils are factored for; 0: none.
+    factored: f64,
+    /// How many iterations there were when the Jacobians were new; 0: they are to be.
+    usual: u32,
+    pub evaluations: u64,
+    pub jacobians: u64,
+    pub factorizations: u64,
+}
+
+/// Newton's corrections relative to the state below which they may be rounding.
+const NOISE: f64 = 1e-7;
+const TINY: f64 = 1e-290;
+/// Without a tolerance: iterations at most.
+const MOST: u32 = 60;
+/// With a tolerance: iterations at most, and what the last correction may leave, in its units.
+const MOST_LOOSE: u32 = 10;
+const LEFT: f64 = 0.03;
+/// Corrections that fall more slowly call for new Jacobians.
+const SLOW: f64 = 0.02;
+
+impl Stages {
+    pub fn new(stages: usize, n: usize) -> Self {
+        let zeros = || vec![0.0; stages * n];
+        Stages { accelerations: zeros(), places: zeros(), speeds: zeros(), left: zeros(), guess: zeros() }
+    }
+
+    /// Changes of places and speeds that go with the accelerations.
+    fn follow(&mut self, tableau: &Tableau, From { h, y, carry, .. }: From<'_>) {
+        let (n, s) = (y.len() / 2, tableau.stages());
+        for i in 0..s {
+            let (speeds, places) = (&tableau.speeds[i * s..][..s], &tableau.places[i * s..][..s]);
+            for j in 0..n {
+                let k = |stage: usize| self.accelerations[stage * n + j];
+                self.speeds[i * n + j] = carry[n + j] + h * sum(speeds, k);
+                let drift = sum(&tableau.nodes[i..=i], |_| y[n + j]);
+                self.places[i * n + j] = carry[j] + h * (drift + h * sum(places, k));
+            }
+        }
+    }
+}
+
+impl Newton {
+    pub fn new(tableau: &'static Tableau, n: usize) -> Self {
+        Newton {
+            tableau,
+            n,
+            slopes: AccelerationSlopes::new(n),
+            real: Pencil::new(n),
+            complex: Pencil::new(n),
+            room: vec![Complex::new(0.0, 0.0); n],
+            factored: 0.0,
+            usual: 0,
+            evaluations: 0,
+            jacobians: 0,
+            factorizations: 0,
+        }
+    }
+
+    /// The step that it solved last, s.
+    pub fn step(&self) -> f64 {
+        self.factored
+    }
+
+    /// The Jacobians say nothing any more.
+    pub fn forget(&mut self) {
+        self.usual = 0;
+    }
+
+    /// Solves for the stages from the accelerations that they have; `at` is room for a state.
+    pub fn solve(
+        &mut self,
+        system: &dyn System,
+        from: From<'_>,
+        stages: &mut Stages,
+        tolerance: Option<&Tolerance>,
+        at: &mut [f64],
+    ) -> Result<(), Setback> {
+        stages.guess.copy_from_slice(&stages.accelerations);
+        let known = self.usual > 0;
+        self.prepare(system, from)?;
+        match self.iterate(system, from, stages, tolerance, at) {
+            Err(Setback::Stalled { .. }) if known => {
+                // Once more, with new Jacobians.
+                stages.accelerations.copy_from_slice(&stages.guess);
+                self.prepare(system, from)?;
+                self.iterate(system, from, stages, tolerance, at)
+            }
+            outcome => outcome,
+        }
+    }
+
+    /// Jacobians where they are to be new, and the pencils of this step.
+    fn prepare(&mut self, system: &dyn System, from: From<'_>) -> Result<(), Setback> {
+        if self.usual == 0 {
+            self.slopes.evaluate(system, At::packed(from.t, from.y, self.n))?;
+            self.jacobians += 1;
+            self.factored = 0.0;
+        }
+        if self.factored != from.h {
+            let real = self.tableau.real.is_none_or(|(mu, ..)| self.real.factor(&self.slopes, from.h * mu));
+            let complex = self.tableau.complex.is_none_or(|(mu, ..)| self.complex.factor(&self.slopes, mu * from.h));
+            self.factorizations += 1;
+            self.factored = 0.0;
+            if !(real && complex) {
+                return Err(Setback::Stalled { h: from.h });
+            }
+            self.factored = from.h;
+        }
+        Ok(())
+    }
+
+    fn iterate(
+        &mut self,
+        system: &dyn System,
+        from: From<'_>,
+        stages: &mut Stages,
+        tolerance: Option<&Tolerance>,
+        at: &mut [f64],
+    ) -> Result<(), Setback> {
+        let mut before = f64::INFINITY;
+        let most = if tolerance.is_some() { MOST_LOOSE } else { MOST };
+        for iteration in 1..=most {
+            stages.follow(self.tableau, from);
+            self.left(system, from, stages, at)?;
+            self.correct(stages);
+            let mut same = true;
+            for (k, correction) in stages.accelerations.iter_mut().zip(&stages.left) {
+                let next = *k + correction;
+                same &= next == *k;
+                *k = next;
+            }
+            let size = match tolerance {
+                Some(tolerance) => self.in_units(from, stages, tolerance),
+                None => self.relative(from, stages),
+            };
+            let slow = size / before;
+            let done = same
+                || match tolerance {
+                    Some(_) if iteration == 1 => size <= 1e-3 * LEFT,
+                    Some(_) => slow < 1.0 && size * slow / (1.0 - slow) <= LEFT,
+                    // Corrections that no longer fall are rounding.
+                    None => size >= before && before < NOISE,
+                };
+            if done {
+                stages.follow(self.tableau, from);
+                if self.usual == 0 {
+                    self.usual = iteration;
+                }
+                let serves = match tolerance {
+                    Some(_) => iteration == 1 || slow < SLOW,
+                    None => iteration <= self.usual + 1,
+                };
+                if !serves {
+                    self.usual = 0;
+                }
+                return Ok(());
+            }
+            let hopeless = match tolerance {
+                Some(_) => slow >= 1.0,
+                // The first corrections of a rough guess may grow.
+                None => slow > 2.0 && iteration > 4,
+            };
+            if hopeless || !size.is_finite() {
+                break;
+            }
+            before = size;
+        }
+        self.usual = 0;
+        Err(Setback::Stalled { h: from.h })
+    }
+
+    /// a(t, Q, V) − k of all stages.
+    fn left(
+        &mut self,
+        system: &dyn System,
+        from: From<'_>,
+        stages: &mut Stages,
+        at: &mut [f64],
+    ) -> Result<(), Setback> {
+        let n = self.n;
+        for i in 0..self.tableau.stages() {
+            for j in 0..n {
+                at[j] = from.y[j] + stages.places[i * n + j];
+                at[n + j] = from.y[n + j] + stages.speeds[i * n + j];
+            }
+            let left = &mut stages.left[i * n..][..n];
+            let t = from.t + self.tableau.nodes[i].value() * from.h;
+            self.evaluations += 1;
+            system.accelerations(At::packed(t, at, n), left)?;
+            left.iter_mut().zip(&stages.accelerations[i * n..]).for_each(|(left, k)| *left -= k);
+        }
+        Ok(())
+    }
+
+    /// What is left becomes Newton's correction.
+    fn correct(&mut self, stages: &mut Stages) {
+        let (n, s) = (self.n, self.tableau.stages());
+        let left = &mut stages.left;
+        // Left eigenvectors take what is left apart, right ones put the corrections together.
+        if let Some((_, _, dual)) = &self.tableau.complex {
+            for (j, room) in self.room.iter_mut().enumerate() {
+                *room = (0..s).map(|i| dual[i] * left[i * n + j]).sum();
+            }
+            self.complex.solve(&mut self.room);
+        }
+        match &self.tableau.real {
+            Some((_, right, dual)) => self.by_real(s, right, dual, left),
+            None => left.fill(0.0),
+        }
+        if let Some((_, right, _)) = &self.tableau.complex {
+            for (j, room) in self.room.iter().enumerate() {
+                (0..s).for_each(|i| left[i * n + j] += 2.0 * (right[i] * room).re);
+            }
+        }
+    }
+
+    /// The part of the correction along the real eigenvector.
+    fn by_real(&self, s: usize, right: &[f64; STAGES], dual: &[f64; STAGES], left: &mut [f64]) {
+        let n = self.n;
+        for j in 0..n {
+            left[j] = (0..s).map(|i| dual[i] * left[i * n + j]).sum();
+        }
+        let (first, others) = left.split_at_mut(n);
+        self.real.solve(first);
+        for (i, line) in others.chunks_exact_mut(n.max(1)).enumerate() {
+            line.iter_mut().zip(first.iter()).for_each(|(x, y)| *x = right[i + 1] * y);
+        }
+        first.iter_mut().for_each(|x| *x *= right[0]);
+    }
+
+    /// The largest correction of a place, beside the sizes of places, speeds and accelerations over the step.
+    fn relative(&self, From { h, y, .. }: From<'_>, stages: &Stages) -> f64 {
+        let n = self.n;
+        let mut most = 0.0_f64;
+        for (i, (correction, k)) in stages.left.iter().zip(&stages.accelerations).enumerate() {
+            let j = i % n;
+            let size = y[j].abs() + (h * y[n + j]).abs() + h * h * k.abs();
+            let change = h * h * correction.abs();
+            // Numbers that have hardly any digits cannot agree to many.
+            most = most.max(if change <= TINY { 0.0 } else { change / size });
+        }
+        most
+    }
+
+    /// The root mean square of what a correction does to the state, in units of the tolerance.
+    fn in_units(&self, From { h, .. }: From<'_>, stages: &Stages, tolerance: &Tolerance) -> f64 {
+        let (n, s) = (self.n, self.tableau.stages());
+        let last = (s - 1) * n;
+        let mut sum = 0.0;
+        for j in 0..n {
+            let correction = (0..s).fold(0.0_f64, |most, i| most.max(stages.left[i * n + j].abs()));
+            let ends = [stages.places[last + j], stages.speeds[last + j]];
+            let [place, speed] = tolerance.units_by_change(j, h, ends);
+            sum += (0.5 * h * h * correction / place).powi(2) + (h * correction / speed).powi(2);
+        }
+        (sum / (2 * n).max(1) as f64).sqrt()
+    }
+}

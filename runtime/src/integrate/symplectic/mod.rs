@@ -1,0 +1,21 @@
+//! Symplectic methods for separable systems, with a fixed step: kicks of the speeds and drifts of the places in turn.
+//!
+//! Along a motion of a conservative mechanism the error of the energy stays bounded, however long the motion is: each
+//! method solves a mechanism with a slightly different energy, up to errors that are exponentially small in 1/h
+//! (Hairer, Lubich, Wanner, Geometric Numerical Integration, 2006, IX.8).  That holds for a step that never changes:
+//! reports and recorded events read dense output, and only what ends a motion, or changes its equations, cuts a step.
+
+mod blanes_moan;
+mod dense;
+mod kahan_li;
+mod step;
+mod tableau;
+#[cfg(test)]
+mod tests;
+mod verlet;
+
+pub(crate) use blanes_moan::SRKN4;
+pub(crate) use kahan_li::KAHAN_LI_8;
+pub(crate) use step::Symplectic;
+pub(crate) use tableau::Splitting;
+pub(crate) use verlet::VERLET;

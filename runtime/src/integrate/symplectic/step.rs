@@ -1,0 +1,214 @@
+//! One step of a splitting method.
+
+use super::tableau::Splitting;
+use crate::integrate::hermite::{BY_ENDS, BY_MIDDLE};
+use crate::integrate::{Block, Control, Counters, NO_CONTROL, OneStep, Reached, Segment, Setback, Trial};
+use crate::mechanism::{At, Singular, System};
+
+/// Any method that is given by a [`Splitting`], on blocks of any size.
+pub(crate) struct Symplectic<Y> {
+    pub(super) scheme: &'static Splitting,
+    n: usize,
+    y: Y,
+    /// What rounding took from y in the last step.
+    carry: Y,
+    /// The rate of y.
+    rate: Y,
+    /// The step that was tried, and one of half its length for dense output.
+    pub(super) whole: Passage<Y>,
+    pub(super) half: Passage<Y>,
+    work: Option<Quadrature>,
+    pub(super) pieces: Vec<f64>,
+    pub(super) evaluations: u64,
+}
+
+/// A way through kicks and drifts.
+pub(super) struct Passage<Y> {
+    /// What it adds to y, what was left over from the step before included.
+    increment: Y,
+    pub end: Y,
+    /// The rate at its end.
+    pub rate: Y,
+}
+
+/// W = ∫P dt beside the state: P is linear in the speeds of a separable mechanism, so that the mean speed of a kick gives
+/// its part exactly, and W has the order of the method.
+#[derive(Clone, Copy, Default)]
+struct Quadrature {
+    done: f64,
+    /// What the step that was tried adds.
+    increment: f64,
+}
+
+/// Where a passage begins.
+struct From<'a, Y> {
+    t: f64,
+    y: &'a Y,
+    rate: &'a Y,
+    carry: &'a Y,
+}
+
+impl<Y: Block> Symplectic<Y> {
+    /// Makes room for n coordinates.
+    pub fn new(scheme: &'static Splitting, n: usize, work: bool) -> Self {
+        let zeros = || Y::zeros(n);
+        let passage = || Passage { increment: zeros(), end: zeros(), rate: zeros() };
+        Symplectic {
+            scheme,
+            n,
+            y: zeros(),
+            carry: zeros(),
+            rate: zeros(),
+            whole: passage(),
+            half: passage(),
+            work: work.then(Quadrature::default),
+            pieces: vec![0.0; 2 * n * if scheme.needs_middle { BY_MIDDLE } else { BY_ENDS }],
+            evaluations: 0,
+        }
+    }
+
+    /// Goes half of a step of h, beside the motion.
+    pub(super) fn pass_half(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), Setback> {
+        let from = From { t, y: &self.y, rate: &self.rate, carry: &self.carry };
+        self.evaluations += self.scheme.drifts.len() as u64;
+        Ok(self.half.go(self.scheme, system, from, 0.5 * h, None)?)
+    }
+}
+
+impl<Y: Block> Passage<Y> {
+    fn go(
+        &mut self,
+        scheme: &Splitting,
+        system: &dyn System,
+        from: From<'_, Y>,
+        h: f64,
+        mut work: Option<&mut Quadrature>,
+    ) -> Result<(), Singular> {
+        let From { t, y, rate, carry } = from;
+        let n = y.all().len() / 2;
+        self.increment.clone_from(carry);
+        self.end.clone_from(y);
+        self.rate.clone_from(rate);
+        let (mut now, mut part) = (t, 0.0);
+        for (i, kick) in scheme.kicks.iter().enumerate() {
+            let kicked = |part: f64, passage: &mut Self| {
+                let (end, increment) = (passage.end.all_mut(), passage.increment.all_mut());
+                for k in n..2 * n {
+                    increment[k] += part * h * passage.rate.all()[k];
+                    end[k] = y.all()[k] + increment[k];
+                }
+            };
+            match &mut work {
+                Some(work) => {
+                    kicked(0.5 * kick, self);
+                    work.increment += kick * h * system.energy(At::packed(now, self.end.all(), n)).power;
+                    kicked(0.5 * kick, self);
+                }
+                None => kicked(*kick, self),
+            }
+            let Some(drift) = scheme.drifts.get(i) else { break };
+            part += drift;
+            now = if i + 1 == scheme.drifts.len() { t + h } else { t + part * h };
+            let (end, increment) = (self.end.all_mut(), self.increment.all_mut());
+            for k in 0..n {
+                increment[k] += drift * h * end[n + k];
+                end[k] = y.all()[k] + increment[k];
+            }
+            system.accelerations(At::packed(now, end, n), &mut self.rate.all_mut()[n..])?;
+        }
+        self.rate.all_mut()[..n].copy_from_slice(&self.end.all()[n..]);
+        Ok(())
+    }
+}
+
+impl<Y: Block> OneStep for Symplectic<Y> {
+    fn control(&self) -> Control {
+        NO_CONTROL
+    }
+
+    fn counters(&self) -> Counters {
+        Counters { evaluations: self.evaluations, ..Counters::default() }
+    }
+
+    fn start(&self) -> Reached<'_> {
+        let work = self.work.map_or(0.0, |work| work.done);
+        Reached { y: self.y.all(), rate: self.rate.all(), work }
+    }
+
+    fn state_mut(&mut self) -> &mut [f64] {
+        self.y.all_mut()
+    }
+
+    fn end(&self) -> Reached<'_> {
+        let work = self.work.map_or(0.0, |work| work.done + work.increment);
+        Reached { y: self.whole.end.all(), rate: self.whole.rate.all(), work }
+    }
+
+    fn end_mut(&mut self) -> &mut [f64] {
+        self.whole.end.all_mut()
+    }
+
+    fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), Setback> {
+        self.carry.all_mut().fill(0.0);
+        let y = self.y.clone();
+        let mut rate = self.rate.clone();
+        let outcome = self.evaluate(system, t, y.all(), rate.all_mut());
+        self.rate = rate;
+        outcome
+    }
+
+    fn evaluate(&mut self, system: &dyn System, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), Setback> {
+        self.evaluations += 1;
+        let at = At::packed(t, y, self.n);
+        let (speeds, accelerations) = rate.split_at_mut(self.n);
+        speeds.copy_from_slice(at.v);
+        Ok(system.accelerations(at, accelerations)?)
+    }
+
+    fn attempt(&mut self, system: &dyn System, trial: Trial<'_>) -> Result<f64, Setback> {
+        let from = From { t: trial.t, y: &self.y, rate: &self.rate, carry: &self.carry };
+        self.evaluations += self.scheme.drifts.len() as u64;
+        if let Some(work) = &mut self.work {
+            work.increment = 0.0;
+        }
+        self.whole.go(self.scheme, system, from, trial.h, self.work.as_mut())?;
+        Ok(0.0)
+    }
+
+    fn conclude(&mut self, _: &dyn System, _: f64, _: bool) -> Result<bool, Setback> {
+        // The last kick had the acceleration at the end; no constraint moves a separable mechanism.
+        Ok(self.whole.rate.all().iter().all(|rate| rate.is_finite()))
+    }
+
+    fn errors(&self) -> &[f64] {
+        &[]
+    }
+
+    fn accept(&mut self, compensated: bool) {
+        let (y, end, increment) = (self.y.all(), self.whole.end.all(), self.whole.increment.all());
+        for (i, carry) in self.carry.all_mut().iter_mut().enumerate() {
+            *carry = if compensated { increment[i] - (end[i] - y[i]) } else { 0.0 };
+        }
+        std::mem::swap(&mut self.y, &mut self.whole.end);
+        std::mem::swap(&mut self.rate, &mut self.whole.rate);
+        if let Some(work) = &mut self.work {
+            work.done += work.increment;
+        }
+    }
+
+    fn stiffness(&self, _: f64) -> f64 {
+        0.0
+    }
+
+    fn dense_is_free(&self) -> bool {
+        !self.scheme.needs_middle
+    }
+
+    fn dense(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), Setback> {
+        self.write_dense(system, t, h)
+    }
+
+    fn segment(&self, t: f64, h: f64) -> Segment<'_> {
+        Segment { t, h, width: 2 * self.n, pieces: &self.pieces }
+    }
+}

@@ -1,0 +1,135 @@
+//! A fixed step that suits a tolerance, found by trial steps over the start.
+
+use super::{March, Pace};
+use crate::integrate::{OneStep, Setback, StepControl, Tolerance, Trial, order, stepper};
+use crate::mechanism::{Method, System};
+
+/// The start is as much of the motion as the method of order 8 does in so many steps at this tolerance.
+const SCOUTED: usize = 200;
+const SCOUT: f64 = 1e-6;
+/// Steps are tried from so many states of it.
+const SAMPLES: usize = 24;
+/// The step is changed at most so often, until its error is that part of what it may be, or more.
+const ROUNDS: usize = 20;
+const ENOUGH: f64 = 0.5;
+
+impl March {
+    /// Takes the longest step whose errors over the start of the motion come to no more than the tolerance, and returns it.
+    ///
+    /// The error of a step h is what it differs by from two of h/2, in units of the tolerance; its root mean square over
+    /// states of the start, times the number of steps that the start takes, is to be 1.  So errors are proportional to the
+    /// tolerance.  What happens only later (an encounter, a stiffer spring) the step does not know.
+    pub fn find_step(&mut self, system: &dyn System, method: Method, tolerance: &Tolerance, longest: f64) -> f64 {
+        let (from, left) = (self.clock.now(), longest.min(self.until - self.clock.now()));
+        let mut tolerance = tolerance.clone();
+        let states = scout(system, (from, self.until), self.stepper.start().y, &mut tolerance);
+        let seen = states.last().map_or(left, |(t, _)| t - from);
+        let every = states.len().div_ceil(SAMPLES).max(1);
+        let samples: Vec<&(f64, Vec<f64>)> = states.iter().step_by(every).collect();
+        let mut trial = TrialSteps::new(method, system.len());
+        let power = 1.0 / f64::from(order(method));
+        let mut h = (seen / states.len().max(1) as f64).min(left);
+        let (mut good, mut bad) = (0.0_f64, f64::INFINITY);
+        for _ in 0..ROUNDS {
+            let squares: f64 = samples.iter().map(|(t, y)| trial.error(system, *t, y, h, &tolerance).powi(2)).sum();
+            let error = (squares / samples.len().max(1) as f64).sqrt() * (seen / h).max(1.0);
+            if error <= 1.0 {
+                good = good.max(h);
+                if error >= ENOUGH || h >= left {
+                    break;
+                }
+            } else {
+                bad = bad.min(h);
+            }
+            let wanted = h * (0.8 / error).powf(power).clamp(0.1, 4.0);
+            // Between what was too long and what was not.
+            let next = if error.is_finite() { wanted } else { 0.3 * h };
+            h = if next > good && next < bad { next } else { (good * bad).sqrt() };
+            h = h.min(left);
+            if bad < 1.05 * good {
+                break;
+            }
+        }
+        let h = if good > 0.0 { good } else { h };
+        self.pace = Pace::Fixed(h);
+        self.h = 0.0;
+        h
+    }
+}
+
+/// States along the start of a motion, and the ranges that the tolerance is to know.
+fn scout(system: &dyn System, (from, until): (f64, f64), y: &[f64], tolerance: &mut Tolerance) -> Vec<(f64, Vec<f64>)> {
+    let mut stepper = stepper(Method::Dop853, system.len(), false);
+    stepper.state_mut().copy_from_slice(y);
+    let mut control = StepControl::new(stepper.control());
+    let mut states = vec![(from, y.to_vec())];
+    let mut known = tolerance.clone();
+    known.relative = SCOUT;
+    let (mut t, mut h) = (from, 1e-3 * (until - from));
+    if stepper.begin(system, t).is_err() {
+        return states;
+    }
+    for _ in 0..2 * SCOUTED {
+        h = h.min(until - t);
+        if t + h <= t || states.len() > SCOUTED {
+            break;
+        }
+        let error = stepper.attempt(system, Trial { t, h, tolerance: Some(&known) }).unwrap_or(f64::NAN);
+        let concluded = error <= 1.0 && stepper.conclude(system, t + h, false) == Ok(true);
+        if !concluded {
+            h = control.rejected(h, if error <= 1.0 { f64::NAN } else { error });
+            continue;
+        }
+        t += h;
+        h = control.accepted(h, error);
+        stepper.accept(true);
+        let y = stepper.start().y;
+        known.observe(y);
+        tolerance.observe(y);
+        states.push((t, y.to_vec()));
+    }
+    states
+}
+
+/// One step beside two of half its length.
+struct TrialSteps {
+    stepper: Box<dyn OneStep>,
+    whole: Vec<f64>,
+}
+
+impl TrialSteps {
+    fn new(method: Method, n: usize) -> Self {
+        TrialSteps { stepper: stepper(method, n, false), whole: vec![0.0; 2 * n] }
+    }
+
+    /// What they differ by, a root mean square in units of the tolerance; infinite where a step cannot be done.
+    fn error(&mut self, system: &dyn System, t: f64, y: &[f64], h: f64, tolerance: &Tolerance) -> f64 {
+        if self.both(system, t, y, h).is_err() {
+            return f64::INFINITY;
+        }
+        let (n, end) = (y.len() / 2, self.stepper.start().y);
+        let sum: f64 = (0..n)
+            .map(|j| {
+                let changes = [end[j] - y[j], end[n + j] - y[n + j]];
+                let [place, speed] = tolerance.units_by_change(j, h, changes);
+                ((end[j] - self.whole[j]) / place).powi(2) + ((end[n + j] - self.whole[n + j]) / speed).powi(2)
+            })
+            .sum();
+        let error = (sum / (2 * n).max(1) as f64).sqrt();
+        if error.is_finite() { error } else { f64::INFINITY }
+    }
+
+    fn both(&mut self, system: &dyn System, t: f64, y: &[f64], h: f64) -> Result<(), Setback> {
+        let stepper = &mut self.stepper;
+        stepper.state_mut().copy_from_slice(y);
+        stepper.begin(system, t)?;
+        stepper.attempt(system, Trial { t, h, tolerance: None })?;
+        self.whole.copy_from_slice(stepper.end().y);
+        for from in [t, t + 0.5 * h] {
+            stepper.attempt(system, Trial { t: from, h: 0.5 * h, tolerance: None })?;
+            stepper.conclude(system, from + 0.5 * h, false)?;
+            stepper.accept(true);
+        }
+        Ok(())
+    }
+}

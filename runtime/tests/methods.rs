@@ -1,0 +1,226 @@
+//! Methods of integration on generated mechanisms: orders where derivatives are generated, with inputs and constraints.
+
+use dalembert::mechanism::{Mechanism, System};
+use dalembert::{Enforcement, Error, Inseparable, Method, Settings, Simulate, Stabilisation, simulate};
+
+dalembert::model!(
+    yaml = r#"
+name: Shaken
+parameters: {m: 1 kg, l: 1 m, g: 10 m/s^2, A: 0.1 m, w: 7 rad/s}
+coordinates: {theta: rad}
+inputs: {base: A*cos(w*t)}
+points: {pivot: "[0, base]"}
+bodies: {bob: {mass: m, position: "pivot + l*[sin(theta), -cos(theta)]"}}
+gravity: [0, -g]
+scene: {start: {theta: 1}, until: 2, tolerance: 1e-9}
+"#
+);
+
+dalembert::model!(
+    yaml = r#"
+name: Damped
+parameters: {m: 1 kg, l: 1 m, g: 10 m/s^2, c: 0.3 kg/s}
+coordinates: {a: rad, b: rad}
+bodies:
+  upper: {mass: m, position: "l*[sin(a), -cos(a)]"}
+  lower: {mass: m, position: "l*[sin(a) + sin(b), -cos(a) - cos(b)]"}
+forces: {drag: {on: lower, force: "-c*velocity(lower)"}}
+gravity: [0, -g]
+scene: {start: {a: 1, b: 2}, until: 2, tolerance: 1e-9}
+"#
+);
+
+dalembert::model!(
+    yaml = r#"
+name: Hung
+parameters: {m: 1 kg, l: 1 m, g: 10 m/s^2, A: 0.1 m, w: 5 rad/s}
+coordinates: {x: m, y: m}
+inputs: {hook: A*sin(w*t)}
+bodies: {bob: {mass: m, position: "[x, y]"}}
+gravity: [0, -g]
+constraints: {rod: (x - hook)^2 + y^2 - l^2}
+scene: {start: {x: 0.6, y: -0.8}, until: 1.5, tolerance: 1e-9}
+"#
+);
+
+dalembert::model!(
+    yaml = r#"
+name: Sliding
+parameters: {m: 1 kg, R: 1 m, g: 10 m/s^2, mu: 0.3 1}
+coordinates: {x: m, y: m}
+bodies: {bead: {mass: m, position: "[x, y]"}}
+gravity: [0, -g]
+constraints: {bowl: y - x^2/(2*R)}
+forces: {rub: {on: bead, force: "-mu*reaction(bowl)*[1, x/R]"}}
+scene: {start: {x: -1, y: 0.5, x': 0.5}, until: 0.5, tolerance: 1e-9}
+"#
+);
+
+dalembert::model!(
+    yaml = r#"
+name: Sleigh
+parameters: {m: 1 kg, I: 0.25 kg*m^2, d: 0.5 m}
+coordinates: {x: m, y: m, theta: rad}
+points: {skate: "[x, y]"}
+bodies: {sled: {mass: m, inertia: I, angle: theta, position: skate + d*sled.x}}
+constraints: {edge: "dot(velocity(skate), sled.y)"}
+scene: {start: {x: 0, y: 0, theta: 0, x': -0.5, y': 0, theta': 1}, until: 2, tolerance: 1e-9}
+"#
+);
+
+/// The last state by a method.
+fn last<M: Simulate<N, C>, const N: usize, const C: usize>(change: &dyn Fn(&mut Settings)) -> Vec<f64>
+where
+    M: Default,
+{
+    let mut system = M::default().system();
+    let mut settings = Settings::new(&system.scene(0));
+    (settings.dense, settings.watch) = (false, false);
+    change(&mut settings);
+    let run = simulate(&mut system, &settings).unwrap();
+    let last = run.last();
+    M::description().coordinates.iter().flat_map(|c| [last[&*c.name], last[&*format!("{}'", c.name)]]).collect()
+}
+
+/// How fast errors at the end fall as the step is halved.
+fn observed<M: Simulate<N, C> + Default, const N: usize, const C: usize>(
+    method: Method,
+    coarse: f64,
+    also: &dyn Fn(&mut Settings),
+) -> (f64, [f64; 2]) {
+    let exact = last::<M, N, C>(&|settings| {
+        settings.tolerance = 1e-14;
+        also(settings);
+    });
+    let errors = [coarse, coarse / 2.0].map(|step| {
+        let found = last::<M, N, C>(&|settings| {
+            (settings.method, settings.step) = (method, Some(step));
+            also(settings);
+        });
+        found.iter().zip(&exact).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+    });
+    ((errors[0] / errors[1]).log2(), errors)
+}
+
+/// Orders of all implicit methods on a mechanism.
+fn implicit<M: Simulate<N, C> + Default, const N: usize, const C: usize>(
+    name: &str,
+    steps: [f64; 4],
+    also: &dyn Fn(&mut Settings),
+) {
+    let methods = [(Method::Gauss4, 4.0), (Method::Gauss6, 6.0), (Method::Radau5, 5.0), (Method::Rodas5P, 5.0)];
+    let mut wrong = Vec::new();
+    for ((method, order), step) in methods.into_iter().zip(steps) {
+        let (found, errors) = observed::<M, N, C>(method, step, also);
+        if (found - order).abs() > 0.35 {
+            wrong.push(format!("{name} by {method}: {found}, {errors:?}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn what_is_separable_is_known() {
+    let separable = |description: &dalembert::mechanism::Description| description.structure.separable;
+    assert!(separable(Shaken::description()));
+    assert!(!separable(Damped::description()) && !Damped::description().structure.constant_mass);
+    let refusal = |system: &mut dyn System| {
+        let mut settings = Settings::new(&system.scene(0));
+        (settings.method, settings.step) = (Method::Verlet, Some(0.01));
+        match simulate(system, &settings) {
+            Err(Error::NotSeparable { reason, .. }) => Some(reason),
+            _ => None,
+        }
+    };
+    assert_eq!(refusal(&mut Shaken::default().system()), None);
+    assert_eq!(refusal(&mut Damped::default().system()), Some(Inseparable::MassMatrix));
+    assert_eq!(refusal(&mut Hung::default().system()), Some(Inseparable::Constraints));
+}
+
+#[test]
+fn separable_methods_keep_their_order_with_inputs() {
+    for (method, order, step) in
+        [(Method::Verlet, 2.0, 0.01), (Method::Srkn4, 4.0, 0.05), (Method::KahanLi8, 8.0, 0.12)]
+    {
+        let (found, errors) = observed::<Shaken, 1, 0>(method, step, &|_| ());
+        assert!((found - order).abs() < 0.35, "{method}: {found}, {errors:?}");
+    }
+}
+
+#[test]
+fn implicit_methods_keep_their_order_with_inputs() {
+    implicit::<Shaken, 1, 0>("shaken", [0.05, 0.1, 0.05, 0.025], &|_| ());
+}
+
+#[test]
+fn implicit_methods_keep_their_order_where_m_varies() {
+    implicit::<Damped, 2, 0>("damped", [0.02, 0.04, 0.02, 0.02], &|_| ());
+}
+
+#[test]
+fn implicit_methods_keep_their_order_with_a_constraint_that_moves() {
+    implicit::<Hung, 2, 1>("hung", [0.05, 0.1, 0.05, 0.025], &|_| ());
+}
+
+#[test]
+fn implicit_methods_keep_their_order_with_friction_of_reactions() {
+    implicit::<Sliding, 2, 1>("sliding", [0.05, 0.1, 0.05, 0.05], &|_| ());
+}
+
+#[test]
+fn implicit_methods_keep_their_order_with_constraints_of_speeds() {
+    implicit::<Sleigh, 3, 1>("sleigh", [0.1, 0.2, 0.1, 0.1], &|_| ());
+}
+
+#[test]
+fn implicit_methods_keep_their_order_with_baumgartes_gain() {
+    implicit::<Hung, 2, 1>("baumgarte", [0.05, 0.1, 0.05, 0.05], &|settings| {
+        settings.stabilisation = Stabilisation::Baumgarte { alpha: Some(3.0) };
+    });
+}
+
+#[test]
+fn implicit_methods_keep_their_order_with_springs_for_constraints() {
+    implicit::<Hung, 2, 1>("springs", [0.02, 0.05, 0.02, 0.02], &|settings| {
+        settings.enforcement = Enforcement::Springs { stiffness: 200.0, damping: 3.0 };
+    });
+}
+
+#[test]
+fn stiff_springs_for_constraints_cost_stiff_methods_little() {
+    let steps = |method: Method, stiffness: f64| {
+        let mut system = Hung::default().system();
+        let mut settings = Settings::new(&system.scene(0));
+        (settings.method, settings.tolerance, settings.dense) = (method, 1e-6, false);
+        settings.enforcement = Enforcement::Springs { stiffness, damping: 2.0 * stiffness.sqrt() };
+        let work = simulate(&mut system, &settings).unwrap().work;
+        println!("{method} {stiffness:e} {work:?}");
+        work.steps
+    };
+    for method in [Method::Radau5, Method::Rodas5P] {
+        let (soft, stiff) = (steps(method, 1e4), steps(method, 1e8));
+        assert!(stiff < 2 * soft, "{method}: {soft}, {stiff}");
+    }
+    assert!(steps(Method::Dopri5, 1e8) > 10 * steps(Method::Radau5, 1e8));
+}
+
+#[test]
+fn work_is_counted() {
+    let work = |method: Method, step: Option<f64>| {
+        let mut system = Damped::default().system();
+        let mut settings = Settings::new(&system.scene(0));
+        (settings.method, settings.step, settings.tolerance) = (method, step, 1e-6);
+        (settings.dense, settings.every) = (false, Some(2.0));
+        let work = simulate(&mut system, &settings).unwrap().work;
+        (work.steps, work.rejected, work.evaluations, work.jacobians, work.factorizations)
+    };
+    for (method, step, expected) in [
+        (Method::Gauss2, Some(0.01), (0, 0, 0, 0, 0)),
+        (Method::Gauss4, Some(0.01), (0, 0, 0, 0, 0)),
+        (Method::Gauss6, Some(0.01), (0, 0, 0, 0, 0)),
+        (Method::Radau5, None, (0, 0, 0, 0, 0)),
+        (Method::Rodas5P, None, (0, 0, 0, 0, 0)),
+    ] {
+        println!("{method} {:?} {expected:?}", work(method, step));
+    }
+}
