@@ -69,10 +69,7 @@ scene: {start: {x: 0, y: 0, theta: 0, x': -0.5, y': 0, theta': 1}, until: 2, tol
 );
 
 /// The last state by a method.
-fn last<M: Simulate<N, C>, const N: usize, const C: usize>(change: &dyn Fn(&mut Settings)) -> Vec<f64>
-where
-    M: Default,
-{
+fn last<M: Simulate<N, C> + Default, const N: usize, const C: usize>(change: &dyn Fn(&mut Settings)) -> Vec<f64> {
     let mut system = M::default().system();
     let mut settings = Settings::new(&system.scene(0));
     (settings.dense, settings.watch) = (false, false);
