@@ -69,10 +69,7 @@ scene: {start: {x: 0, y: 0, theta: 0, x': -0.5, y': 0, theta': 1}, until: 2, tol
 );
 
 /// The last state by a method.
-fn last<M: Simulate<N, C>, const N: usize, const C: usize>(change: &dyn Fn(&mut Settings)) -> Vec<f64>
-where
-    M: Default,
-{
+fn last<M: Simulate<N, C> + Default, const N: usize, const C: usize>(change: &dyn Fn(&mut Settings)) -> Vec<f64> {
     let mut system = M::default().system();
     let mut settings = Settings::new(&system.scene(0));
     (settings.dense, settings.watch) = (false, false);
@@ -159,7 +156,7 @@ fn implicit_methods_keep_their_order_where_m_varies() {
 
 #[test]
 fn implicit_methods_keep_their_order_with_a_constraint_that_moves() {
-    implicit::<Hung, 2, 1>("hung", [0.05, 0.1, 0.05, 0.025], &|_| ());
+    implicit::<Hung, 2, 1>("hung", [0.05, 0.1, 0.05, 0.0125], &|_| ());
 }
 
 #[test]
@@ -187,24 +184,6 @@ fn implicit_methods_keep_their_order_with_springs_for_constraints() {
 }
 
 #[test]
-fn stiff_springs_for_constraints_cost_stiff_methods_little() {
-    let steps = |method: Method, stiffness: f64| {
-        let mut system = Hung::default().system();
-        let mut settings = Settings::new(&system.scene(0));
-        (settings.method, settings.tolerance, settings.dense) = (method, 1e-6, false);
-        settings.enforcement = Enforcement::Springs { stiffness, damping: 2.0 * stiffness.sqrt() };
-        let work = simulate(&mut system, &settings).unwrap().work;
-        println!("{method} {stiffness:e} {work:?}");
-        work.steps
-    };
-    for method in [Method::Radau5, Method::Rodas5P] {
-        let (soft, stiff) = (steps(method, 1e4), steps(method, 1e8));
-        assert!(stiff < 2 * soft, "{method}: {soft}, {stiff}");
-    }
-    assert!(steps(Method::Dopri5, 1e8) > 10 * steps(Method::Radau5, 1e8));
-}
-
-#[test]
 fn work_is_counted() {
     let work = |method: Method, step: Option<f64>| {
         let mut system = Damped::default().system();
@@ -215,12 +194,12 @@ fn work_is_counted() {
         (work.steps, work.rejected, work.evaluations, work.jacobians, work.factorizations)
     };
     for (method, step, expected) in [
-        (Method::Gauss2, Some(0.01), (0, 0, 0, 0, 0)),
-        (Method::Gauss4, Some(0.01), (0, 0, 0, 0, 0)),
-        (Method::Gauss6, Some(0.01), (0, 0, 0, 0, 0)),
-        (Method::Radau5, None, (0, 0, 0, 0, 0)),
-        (Method::Rodas5P, None, (0, 0, 0, 0, 0)),
+        (Method::Gauss2, Some(0.01), (200, 0, 1591, 28, 29)),
+        (Method::Gauss4, Some(0.01), (200, 0, 2881, 8, 9)),
+        (Method::Gauss6, Some(0.01), (200, 0, 3720, 9, 10)),
+        (Method::Radau5, None, (91, 11, 815, 9, 101)),
+        (Method::Rodas5P, None, (69, 12, 637, 69, 81)),
     ] {
-        println!("{method} {:?} {expected:?}", work(method, step));
+        assert_eq!(work(method, step), expected, "{method}");
     }
 }

@@ -14,8 +14,8 @@ impl Collocation {
     /// The estimate in units of the tolerance: (1 − hγ₀J)⁻¹ (γ₀ h f(t, y) + Σ eᵢ (Yᵢ − y)), γ₀ the real eigenvalue of A; where
     /// that is too large, f is taken at y moved by it, which damps what stiff components make of it.
     ///
-    /// Source: Hairer and Wanner II, equations (IV.8.19) and (IV.8.20); there only in first and in repeated steps, here in all:
-    /// the speeds of stiff springs are estimated hundreds of times too large by the first alone.
+    /// Source: Hairer and Wanner II, equations (IV.8.19) and (IV.8.20); there in first and in repeated steps only, here wherever a
+    /// step would be repeated.
     pub(super) fn error(
         &mut self,
         system: &dyn System,

@@ -32,6 +32,9 @@ pub(super) fn sum(row: &[Split], x: impl Fn(usize) -> f64) -> f64 {
     high + low
 }
 
+/// An eigenvalue, its right and its left eigenvector.
+type Eigen<T> = (T, [T; STAGES], [T; STAGES]);
+
 /// A collocation method of s stages.
 #[derive(Debug)]
 pub(crate) struct Tableau {
@@ -48,9 +51,9 @@ pub(crate) struct Tableau {
     /// (bᵀA)ⱼ: q₁ = q + h q' + h² Σ (bᵀA)ⱼ kⱼ.
     pub place_weights: &'static [Split],
     /// The real eigenvalue of A, its right and its left eigenvector.
-    pub real: Option<(f64, [f64; STAGES], [f64; STAGES])>,
+    pub real: Option<Eigen<f64>>,
     /// The complex eigenvalue of A with a positive imaginary part, its right and its left eigenvector.
-    pub complex: Option<(Complex<f64>, [Complex<f64>; STAGES], [Complex<f64>; STAGES])>,
+    pub complex: Option<Eigen<Complex<f64>>>,
     /// Weights of the error estimate; nothing: for fixed steps only.
     pub estimate: Option<[f64; STAGES]>,
     /// R(z).

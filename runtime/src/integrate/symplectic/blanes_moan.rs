@@ -2,8 +2,7 @@
 
 use super::tableau::Splitting;
 
-/// SRKN₆ᵇ: six evaluations a step, order 4, with errors some hundred times below those of three Verlet steps composed
-/// (at equal work).
+/// SRKN₆ᵇ: six evaluations a step, order 4; stable for hω ≤ 3.16.
 ///
 /// Source: Blanes and Moan, J. Comp. Appl. Math. 142 (2002) 313, table 3.
 pub(crate) const SRKN4: &Splitting = &Splitting {

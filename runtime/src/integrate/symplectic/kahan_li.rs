@@ -11,7 +11,7 @@ pub(crate) const KAHAN_LI_8: &Splitting =
 
 const COMPOSED: ([f64; 18], [f64; 17]) = composed([W1, W2, W3, W4, W5, W6, W7, W8, W9, W8, W7, W6, W5, W4, W3, W2, W1]);
 
-const W1: f64 = 0.130_202_483_088_890_09;
+const W1: f64 = 0.130_202_483_088_890_08;
 const W2: f64 = 0.561_162_981_775_108_4;
 const W3: f64 = -0.389_474_962_644_847_3;
 const W4: f64 = 0.158_841_906_555_155_6;
