@@ -55,10 +55,10 @@ pub(super) fn rows(model: &mut Model, rows: &Rows, states: &[State], gate: Gate)
     let both =
         |first: &[Id], second: &[Id]| -> Vec<(Id, Id)> { first.iter().copied().zip(second.iter().copied()).collect() };
     let mut pairs = Vec::new();
-    for k in 0..count {
+    for (k, line) in matrix.iter().enumerate() {
         let values =
             both(&[rows.rate[k], rows.bias[k], rows.drive[k]], &[again.rate[k], again.bias[k], again.drive[k]]);
-        let all = values.into_iter().chain(both(&matrix[k], &again.matrix[k]));
+        let all = values.into_iter().chain(both(line, &again.matrix[k]));
         pairs.extend(all.map(|(x, y)| (k, x, y)));
     }
     let forces = both(&rows.forces, &again.forces);
@@ -123,14 +123,17 @@ fn entries(first: &Equations, second: &Equations) -> Vec<(usize, Id, Id)> {
     places.into_iter().map(|at| (at.0, value(&first, at), value(&second, at))).collect()
 }
 
+/// What a difference belongs to, and the two expressions that should be one.
+type Pair = (usize, Id, Id);
+
 /// The largest relative difference of pairs that stand for the same row, or the first that differs.
 fn compare(
     model: &Model,
-    (pairs, name): (&[(usize, Id, Id)], &dyn Fn(usize) -> (Place, String)),
+    (pairs, name): (&[Pair], &dyn Fn(usize) -> (Place, String)),
     states: &[State],
     gate: Gate,
 ) -> Result<f64, Box<Problem>> {
-    let differing: Vec<&(usize, Id, Id)> = pairs.iter().filter(|(_, x, y)| x != y).collect();
+    let differing: Vec<&Pair> = pairs.iter().filter(|(_, x, y)| x != y).collect();
     let roots: Vec<Id> = differing.iter().flat_map(|(_, x, y)| [*x, *y]).collect();
     let tape = Tape::new(&model.graph, &roots);
     let (mut scratch, mut values) = (Vec::new(), vec![Measured::exact(DoubleDouble::ZERO); roots.len()]);

@@ -7,6 +7,7 @@ use super::Gate;
 use super::motion::Motion;
 use super::report::Agreement;
 use super::state::{State, describe};
+use super::states::Struck;
 use super::system::{Assembled, zero};
 use crate::derive::momentum::Momentum;
 use crate::diagnose::Problem;
@@ -19,7 +20,7 @@ pub(super) fn agree(
     model: &Model,
     motion: &Motion,
     momentum: &[Momentum],
-    blows: &[(State, Vec<(usize, f64)>)],
+    blows: &[Struck],
     gate: Gate,
 ) -> Result<Vec<Agreement>, Vec<Problem>> {
     let (mut agreements, mut problems) = (Vec::new(), Vec::new());
@@ -99,7 +100,7 @@ mod tests {
     const FALLS: [&str; 2] =
         [include_str!("../../../models/bouncing_ball.yaml"), include_str!("falling_dumbbell.yaml")];
 
-    fn known(text: &str) -> (Derivation, Motion, Vec<(State, Vec<(usize, f64)>)>) {
+    fn known(text: &str) -> (Derivation, Motion, Vec<Struck>) {
         let mut derivation = derive(load(text, &[]).expect("a good file")).expect("derives");
         let Derivation { model, equations, rows, switches, .. } = &mut derivation;
         let motion = Motion::new(model, &equations[0], rows, switches);

@@ -45,6 +45,9 @@ const SCENES: usize = 8;
 /// Operations that all states together may cost.
 const WORK: usize = 20_000_000;
 
+/// A state on the constraints that a jump of the speeds meets, and how much the rate of each changes.
+pub(super) type Struck = (State, Vec<(usize, f64)>);
+
 /// States and how they were found.
 #[derive(Clone, Debug, Default)]
 pub(super) struct States {
@@ -56,8 +59,8 @@ pub(super) struct States {
     pub unreached: Vec<String>,
     /// Scenes that were run, until when, and until when they should go.
     pub followed: Vec<(String, f64, f64)>,
-    /// States on the constraints that a jump of the speeds meets, and how much it changes the rate of each.
-    pub blows: Vec<(State, Vec<(usize, f64)>)>,
+    /// Jumps of the speeds on the way.
+    pub blows: Vec<Struck>,
 }
 
 /// Finds states where some parameters are fixed; `own` are positions with the first scene's.
@@ -155,7 +158,7 @@ fn on_the_way(run: &Trajectory, step: &Passed) -> State {
 }
 
 /// Where a jump of the speeds happens, on the constraints that push.
-fn struck(motion: &Motion, run: &Trajectory, blow: &Blow) -> Option<(State, Vec<(usize, f64)>)> {
+fn struck(motion: &Motion, run: &Trajectory, blow: &Blow) -> Option<Struck> {
     let step = Passed { t: blow.t, q: blow.q.clone(), v: vec![0.0; motion.n], phase: blow.phase };
     let mut state = on_the_way(run, &step);
     motion.place(&mut state).then(|| (state, blow.rows.clone()))
