@@ -3,6 +3,7 @@
 //! 1. A family of one-step methods, each in its folder with the files `tableau`, `step`, `dense`,
 //!    implements [`OneStep`]: look in `explicit/`, `symplectic/`, `implicit/` and `rosenbrock/`, and for which name means which in `choose.rs`.
 //! 2. Methods are written once over [`Block`]s, whose size the compiler knows or not: look in `block.rs`.
+//!    Those that go from one end of a step to the other in one piece share [`ends::Ends`].
 //! 3. [`StepControl`] chooses steps against a [`Tolerance`]: look in `control.rs`.
 //! 4. Between its ends a step is a [`Segment`]: look in `segment.rs`.
 //!
@@ -12,6 +13,7 @@ mod block;
 mod choose;
 mod clock;
 mod control;
+mod ends;
 mod explicit;
 mod hermite;
 mod implicit;
@@ -38,7 +40,7 @@ pub(crate) use stiffness::StiffnessDetector;
 pub(crate) use tolerance::Tolerance;
 
 use crate::cause::Cause;
-use crate::mechanism::{Description, Singular, System};
+use crate::mechanism::{At, Description, Singular, System};
 
 /// A method of integration at work: it holds a motion's state, tries steps from it, and takes them.
 ///
@@ -96,6 +98,15 @@ pub(crate) trait OneStep: Send {
 
     /// The dense output, after [`OneStep::dense`].
     fn segment(&self, t: f64, h: f64) -> Segment<'_>;
+}
+
+/// [q'; q''] of a state [q; q'].
+#[inline(always)]
+fn rate_of(system: &dyn System, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), Singular> {
+    let at = At::packed(t, y, y.len() / 2);
+    let (speeds, accelerations) = rate.split_at_mut(at.q.len());
+    speeds.copy_from_slice(at.v);
+    system.accelerations(at, accelerations)
 }
 
 /// A step to try.

@@ -169,11 +169,13 @@ impl Run {
     }
 
     /// The time at which the run ended as text.
+    #[cfg(feature = "cli")]
     pub(crate) fn written_end(&self, state: &State) -> String {
         self.digits.as_ref().map_or_else(|| state.t.to_string(), |digits| written_time(state.t, digits.end))
     }
 
     /// The time of an event as text.
+    #[cfg(feature = "cli")]
     pub(crate) fn written_event(&self, index: usize) -> String {
         let t = self.events[index].state.t;
         match &self.digits {
@@ -184,6 +186,7 @@ impl Run {
 }
 
 /// A time that both runs agree on to the last digit was known beforehand: it is written as it is.
+#[cfg(feature = "cli")]
 fn written_time(t: f64, error: f64) -> String {
     if error == 0.0 { t.to_string() } else { written(t, error.max(2.0 * f64::EPSILON * t.abs())) }
 }

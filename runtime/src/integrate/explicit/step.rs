@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use super::dense::write_dense;
 use super::sums::{argument, pair};
 use super::tableau::{Estimate, Scheme, Term};
-use crate::integrate::{Block, Control, Counters, OneStep, Reached, Segment, Setback, Tolerance, Trial};
+use crate::integrate::{Block, Control, Counters, OneStep, Reached, Segment, Setback, Tolerance, Trial, rate_of};
 use crate::mechanism::{At, Singular, System};
 
 /// Any method that is given by a [`Scheme`], on blocks of any size.
@@ -154,15 +154,7 @@ impl<T: Scheme, Y: Block> ExplicitRungeKutta<T, Y> {
 /// [q'; q''] of a state.
 #[inline(always)]
 fn rate<Y: Block>(system: &dyn System, t: f64, y: &Y, out: &mut Y) -> Result<(), Singular> {
-    rate_into(system, t, y.all(), out.all_mut())
-}
-
-#[inline(always)]
-fn rate_into(system: &dyn System, t: f64, y: &[f64], out: &mut [f64]) -> Result<(), Singular> {
-    let at = At::packed(t, y, y.len() / 2);
-    let (speeds, accelerations) = out.split_at_mut(at.q.len());
-    speeds.copy_from_slice(at.v);
-    system.accelerations(at, accelerations)
+    rate_of(system, t, y.all(), out.all_mut())
 }
 
 /// Calls `stage` for these stages, as far as the method has them.
@@ -206,7 +198,7 @@ impl<T: Scheme, Y: Block> OneStep for ExplicitRungeKutta<T, Y> {
 
     fn evaluate(&mut self, system: &dyn System, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), Setback> {
         self.evaluations += 1;
-        Ok(rate_into(system, t, y, rate)?)
+        Ok(rate_of(system, t, y, rate)?)
     }
 
     fn attempt(&mut self, system: &dyn System, trial: Trial<'_>) -> Result<f64, Setback> {

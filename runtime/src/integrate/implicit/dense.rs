@@ -2,10 +2,10 @@
 
 use super::stages::{From, Newton, Stages};
 use super::step::Collocation;
-use super::tableau::{STAGES, Tableau};
+use super::tableau::{STAGES, Tableau, sum};
 use crate::integrate::hermite::{BY_ENDS, BY_MIDDLE, nest, write_by_ends, write_by_middle};
-use crate::integrate::{OneStep, Setback};
-use crate::mechanism::{At, System};
+use crate::integrate::{OneStep, Setback, rate_of};
+use crate::mechanism::System;
 
 /// What a method knows between the ends of a step.
 pub(super) struct Interpolation {
@@ -88,7 +88,7 @@ impl Collocation {
     /// Radau's collocation polynomial; for the methods of Gauss, whose own is of lower order, one through states of the
     /// order of the method.
     pub(super) fn write_dense(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), Setback> {
-        let width = 2 * self.n;
+        let width = 2 * self.ends.n;
         if let Kind::Middle(_) = &self.interpolation.of {
             self.go_half(system, t, h)?;
         }
@@ -99,18 +99,18 @@ impl Collocation {
             Kind::Collocated(weights) => {
                 pieces.fill(0.0);
                 for j in 0..width {
-                    pieces[j] = self.y[j];
+                    pieces[j] = self.ends.y[j];
                     let (of, j_of) =
-                        if j < self.n { (&self.stages.places, j) } else { (&self.stages.speeds, j - self.n) };
+                        if j < self.ends.n { (&self.stages.places, j) } else { (&self.stages.speeds, j - self.ends.n) };
                     for (i, line) in weights.iter().enumerate() {
                         for (k, weight) in line.iter().enumerate().skip(1) {
-                            pieces[k * width + j] += weight * of[i * self.n + j_of];
+                            pieces[k * width + j] += weight * of[i * self.ends.n + j_of];
                         }
                     }
                 }
                 // The end may have been moved to the constraints.
                 for j in 0..width {
-                    pieces[width + j] = self.end[j] - self.y[j];
+                    pieces[width + j] = self.ends.end[j] - self.ends.y[j];
                 }
             }
         }
@@ -119,7 +119,7 @@ impl Collocation {
     }
 
     fn go_half(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), Setback> {
-        let n = self.n;
+        let n = self.ends.n;
         let Kind::Middle(half) = &mut self.interpolation.of else { return Ok(()) };
         let node = |j: usize| self.tableau.nodes[j].value();
         for i in 0..STAGES {
@@ -132,18 +132,17 @@ impl Collocation {
                 line.iter_mut().zip(known).for_each(|(k, known)| *k += weight * known);
             }
         }
-        let from = From { t, h: 0.5 * h, y: &self.y, carry: &self.carry };
+        let from = From { t, h: 0.5 * h, y: &self.ends.y, carry: &self.ends.carry };
         half.newton.solve(system, from, &mut half.stages, None, &mut self.room)?;
         let Half { stages, y, rate, .. } = &mut **half;
         for j in 0..n {
             let k = |stage: usize| stages.accelerations[stage * n + j];
             let weights = (self.tableau.place_weights, self.tableau.speed_weights);
-            let (h, v) = (0.5 * h, self.y[n + j]);
-            y[j] = self.y[j] + (self.carry[j] + h * (v + h * super::tableau::sum(weights.0, k)));
-            y[n + j] = v + (self.carry[n + j] + h * super::tableau::sum(weights.1, k));
+            let (h, v) = (0.5 * h, self.ends.y[n + j]);
+            y[j] = self.ends.y[j] + (self.ends.carry[j] + h * (v + h * sum(weights.0, k)));
+            y[n + j] = v + (self.ends.carry[n + j] + h * sum(weights.1, k));
         }
-        self.evaluations += 1;
-        rate[..n].copy_from_slice(&y[n..]);
-        Ok(system.accelerations(At::packed(t + 0.5 * h, y, n), &mut rate[n..])?)
+        self.ends.evaluations += 1;
+        Ok(rate_of(system, t + 0.5 * h, y, rate)?)
     }
 }

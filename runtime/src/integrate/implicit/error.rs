@@ -26,40 +26,27 @@ impl Collocation {
         let scale = tolerance.relative.powf(POWER) / TIGHTER;
         let Some((gamma, ..)) = self.tableau.real else { return Ok(0.0) };
         self.estimate(h, gamma, weights, None);
-        let first = scale * self.in_units(h, tolerance);
+        let first = scale * self.ends.in_units(&self.errors, h, tolerance);
         if first <= 1.0 {
             return Ok(first);
         }
-        let (mut moved, mut rate) = (std::mem::take(&mut self.room), std::mem::take(&mut self.end_rate));
-        moved.iter_mut().zip(self.y.iter().zip(&self.errors)).for_each(|(at, (y, error))| *at = y + error);
+        let (mut moved, mut rate) = (std::mem::take(&mut self.room), std::mem::take(&mut self.ends.end_rate));
+        moved.iter_mut().zip(self.ends.y.iter().zip(&self.errors)).for_each(|(at, (y, error))| *at = y + error);
         let evaluated = self.evaluate(system, t, &moved, &mut rate);
         self.estimate(h, gamma, weights, Some(&rate));
-        (self.room, self.end_rate) = (moved, rate);
+        (self.room, self.ends.end_rate) = (moved, rate);
         evaluated?;
-        Ok(scale * self.in_units(h, tolerance))
+        Ok(scale * self.ends.in_units(&self.errors, h, tolerance))
     }
 
     fn estimate(&mut self, h: f64, gamma: f64, weights: [f64; STAGES], rate: Option<&[f64]>) {
-        let n = self.n;
-        let rate = rate.unwrap_or(&self.rate);
+        let n = self.ends.n;
+        let rate = rate.unwrap_or(&self.ends.rate);
         for j in 0..n {
             let change = |of: &[f64]| (0..self.tableau.stages()).map(|i| weights[i] * of[i * n + j]).sum::<f64>();
             self.errors[j] = gamma * h * rate[j] + change(&self.stages.places);
             self.errors[n + j] = gamma * h * rate[n + j] + change(&self.stages.speeds);
         }
         self.newton.real.solve_pair(&self.newton.slopes, gamma * h, &mut self.errors);
-    }
-
-    /// The root mean square over the components.
-    fn in_units(&self, h: f64, tolerance: &Tolerance) -> f64 {
-        let n = self.n;
-        let sum: f64 = (0..n)
-            .map(|j| {
-                let changes = [self.end[j] - self.y[j], self.end[n + j] - self.y[n + j]];
-                let [place, speed] = tolerance.units_by_change(j, h, changes);
-                (self.errors[j] / place).powi(2) + (self.errors[n + j] / speed).powi(2)
-            })
-            .sum();
-        (sum / (2 * n).max(1) as f64).sqrt()
     }
 }

@@ -3,21 +3,14 @@
 use super::dense::Interpolation;
 use super::stages::{From, Newton, Stages};
 use super::tableau::{Tableau, sum};
-use crate::integrate::{Control, Counters, OneStep, Reached, Segment, Setback, Trial};
+use crate::integrate::ends::Ends;
+use crate::integrate::{Control, Counters, OneStep, Reached, Segment, Setback, Trial, rate_of};
 use crate::mechanism::{At, System};
 
 /// Any method that is given by a [`Tableau`].
 pub(crate) struct Collocation {
     pub(super) tableau: &'static Tableau,
-    pub(super) n: usize,
-    pub(super) y: Vec<f64>,
-    /// What rounding took from y in the last step.
-    pub(super) carry: Vec<f64>,
-    pub(super) rate: Vec<f64>,
-    pub(super) end: Vec<f64>,
-    pub(super) end_rate: Vec<f64>,
-    /// What the step that was tried adds to y, what was left over from the step before included.
-    increment: Vec<f64>,
+    pub(super) ends: Ends,
     pub(super) newton: Newton,
     pub(super) stages: Stages,
     /// Accelerations of the stages of the last step, and its length; 0: there is none.
@@ -26,16 +19,6 @@ pub(crate) struct Collocation {
     pub(super) errors: Vec<f64>,
     pub(super) room: Vec<f64>,
     pub(super) interpolation: Interpolation,
-    work: Option<Quadrature>,
-    pub(super) evaluations: u64,
-}
-
-/// W = ∫P dt by the method's own weights.
-#[derive(Clone, Copy, Default)]
-struct Quadrature {
-    done: f64,
-    /// What the step that was tried adds.
-    increment: f64,
 }
 
 impl Collocation {
@@ -44,13 +27,7 @@ impl Collocation {
         let state = || vec![0.0; 2 * n];
         Collocation {
             tableau,
-            n,
-            y: state(),
-            carry: state(),
-            rate: state(),
-            end: state(),
-            end_rate: state(),
-            increment: state(),
+            ends: Ends::new(n, work),
             newton: Newton::new(tableau, n),
             stages: Stages::new(tableau.stages(), n),
             previous: vec![0.0; tableau.stages() * n],
@@ -58,15 +35,13 @@ impl Collocation {
             errors: state(),
             room: state(),
             interpolation: Interpolation::new(tableau, n),
-            work: work.then(Quadrature::default),
-            evaluations: 0,
         }
     }
 
     /// Accelerations of the stages as the last step's polynomial has them, through the rate where it ended.
     fn guess(&mut self, h: f64) {
-        let (n, s) = (self.n, self.tableau.stages());
-        let (ratio, start) = (h / self.previous_step, &self.rate[n..]);
+        let (n, s) = (self.ends.n, self.tableau.stages());
+        let (ratio, start) = (h / self.previous_step, &self.ends.rate[n..]);
         // A polynomial of the last step says nothing far beyond it.
         if self.previous_step == 0.0 || ratio > FAR {
             self.stages.accelerations.chunks_exact_mut(n.max(1)).for_each(|k| k.copy_from_slice(start));
@@ -90,27 +65,31 @@ impl Collocation {
 
     /// y and W at the end of the step.
     fn finish(&mut self, system: &dyn System, t: f64, h: f64) {
-        let (n, s) = (self.n, self.tableau.stages());
+        let n = self.ends.n;
         for j in 0..n {
             let k = |stage: usize| self.stages.accelerations[stage * n + j];
-            let place = h * (self.y[n + j] + h * sum(self.tableau.place_weights, k));
-            self.increment[j] = self.carry[j] + place;
-            self.increment[n + j] = self.carry[n + j] + h * sum(self.tableau.speed_weights, k);
+            let place = h * (self.ends.y[n + j] + h * sum(self.tableau.place_weights, k));
+            self.ends.increment[j] = self.ends.carry[j] + place;
+            self.ends.increment[n + j] = self.ends.carry[n + j] + h * sum(self.tableau.speed_weights, k);
         }
-        for ((end, y), increment) in self.end.iter_mut().zip(&self.y).zip(&self.increment) {
-            *end = y + increment;
+        self.ends.add_up();
+        if self.ends.works() {
+            self.weigh(system, t, h);
         }
-        let Some(work) = &mut self.work else { return };
-        work.increment = 0.0;
-        for i in 0..s {
+    }
+
+    /// W at the end of the step, by the method's own weights.
+    fn weigh(&mut self, system: &dyn System, t: f64, h: f64) {
+        let (n, y) = (self.ends.n, &self.ends.y);
+        let mut sum = 0.0;
+        for (i, (node, weight)) in self.tableau.nodes.iter().zip(self.tableau.speed_weights).enumerate() {
             for j in 0..n {
-                self.room[j] = self.y[j] + self.stages.places[i * n + j];
-                self.room[n + j] = self.y[n + j] + self.stages.speeds[i * n + j];
+                self.room[j] = y[j] + self.stages.places[i * n + j];
+                self.room[n + j] = y[n + j] + self.stages.speeds[i * n + j];
             }
-            let t = t + self.tableau.nodes[i].value() * h;
-            let power = system.energy(At::packed(t, &self.room, n)).power;
-            work.increment += h * self.tableau.speed_weights[i].value() * power;
+            sum += weight.value() * system.energy(At::packed(t + node.value() * h, &self.room, n)).power;
         }
+        self.ends.add_work(h * sum);
     }
 }
 
@@ -125,52 +104,44 @@ impl OneStep for Collocation {
     fn counters(&self) -> Counters {
         let newtons = || [Some(&self.newton), self.interpolation.newton()].into_iter().flatten();
         Counters {
-            evaluations: self.evaluations + newtons().map(|newton| newton.evaluations).sum::<u64>(),
+            evaluations: self.ends.evaluations + newtons().map(|newton| newton.evaluations).sum::<u64>(),
             jacobians: newtons().map(|newton| newton.jacobians).sum(),
             factorizations: newtons().map(|newton| newton.factorizations).sum(),
         }
     }
 
     fn start(&self) -> Reached<'_> {
-        Reached { y: &self.y, rate: &self.rate, work: self.work.map_or(0.0, |work| work.done) }
+        self.ends.first()
     }
 
     fn state_mut(&mut self) -> &mut [f64] {
-        &mut self.y
+        &mut self.ends.y
     }
 
     fn end(&self) -> Reached<'_> {
-        let work = self.work.map_or(0.0, |work| work.done + work.increment);
-        Reached { y: &self.end, rate: &self.end_rate, work }
+        self.ends.last()
     }
 
     fn end_mut(&mut self) -> &mut [f64] {
-        &mut self.end
+        &mut self.ends.end
     }
 
     fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), Setback> {
-        self.carry.fill(0.0);
         self.newton.forget();
         self.interpolation.forget();
         self.previous_step = 0.0;
-        let (y, mut rate) = (std::mem::take(&mut self.y), std::mem::take(&mut self.rate));
-        let outcome = self.evaluate(system, t, &y, &mut rate);
-        (self.y, self.rate) = (y, rate);
-        outcome
+        self.ends.begin(system, t)
     }
 
     fn evaluate(&mut self, system: &dyn System, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), Setback> {
-        self.evaluations += 1;
-        let at = At::packed(t, y, self.n);
-        let (speeds, accelerations) = rate.split_at_mut(self.n);
-        speeds.copy_from_slice(at.v);
-        Ok(system.accelerations(at, accelerations)?)
+        self.ends.evaluations += 1;
+        Ok(rate_of(system, t, y, rate)?)
     }
 
     fn attempt(&mut self, system: &dyn System, trial: Trial<'_>) -> Result<f64, Setback> {
         let Trial { t, h, tolerance } = trial;
         self.guess(h);
-        let from = From { t, h, y: &self.y, carry: &self.carry };
+        let from = From { t, h, y: &self.ends.y, carry: &self.ends.carry };
         let solved = self.newton.solve(system, from, &mut self.stages, tolerance, &mut self.room);
         if let Err(setback) = solved {
             self.errors.fill(f64::NAN);
@@ -185,16 +156,7 @@ impl OneStep for Collocation {
     }
 
     fn conclude(&mut self, system: &dyn System, t: f64, moved: bool) -> Result<bool, Setback> {
-        if moved {
-            // What was lost to rounding lies beside the constraints.
-            let ends = self.end.iter().zip(&self.y);
-            self.increment.iter_mut().zip(ends).for_each(|(increment, (end, y))| *increment = end - y);
-        }
-        let (end, mut rate) = (std::mem::take(&mut self.end), std::mem::take(&mut self.end_rate));
-        let outcome = self.evaluate(system, t, &end, &mut rate);
-        (self.end, self.end_rate) = (end, rate);
-        outcome?;
-        Ok(self.end_rate.iter().all(|rate| rate.is_finite()))
+        self.ends.conclude(system, t, moved)
     }
 
     fn errors(&self) -> &[f64] {
@@ -202,16 +164,9 @@ impl OneStep for Collocation {
     }
 
     fn accept(&mut self, compensated: bool) {
-        for (i, carry) in self.carry.iter_mut().enumerate() {
-            *carry = if compensated { self.increment[i] - (self.end[i] - self.y[i]) } else { 0.0 };
-        }
-        std::mem::swap(&mut self.y, &mut self.end);
-        std::mem::swap(&mut self.rate, &mut self.end_rate);
+        self.ends.accept(compensated);
         std::mem::swap(&mut self.previous, &mut self.stages.accelerations);
         self.previous_step = self.newton.step();
-        if let Some(work) = &mut self.work {
-            work.done += work.increment;
-        }
     }
 
     fn stiffness(&self, _: f64) -> f64 {
@@ -233,6 +188,6 @@ impl OneStep for Collocation {
     }
 
     fn segment(&self, t: f64, h: f64) -> Segment<'_> {
-        Segment { t, h, width: 2 * self.n, pieces: self.interpolation.pieces() }
+        Segment { t, h, width: 2 * self.ends.n, pieces: self.interpolation.pieces() }
     }
 }
