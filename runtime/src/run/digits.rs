@@ -2,7 +2,9 @@
 
 use std::collections::VecDeque;
 
-use super::{Run, State};
+use super::Run;
+#[cfg(feature = "cli")]
+use super::State;
 
 /// What a second run, less accurate and from a start moved by rounding, says about the first.
 ///
