@@ -156,7 +156,7 @@ impl Recorder {
         segment: Option<&Segment<'_>>,
         t: f64,
         end: Reached<'_>,
-    ) -> Result<(), Cause> {
+    ) -> Result<(), Box<Cause>> {
         self.judge(system, t, end)?;
         if self.keep_dense {
             let own = segment.filter(|_| self.keeps_own(t));
@@ -215,7 +215,7 @@ impl Recorder {
     }
 
     /// Judges the end of a step by what should be conserved, and by M.
-    fn judge(&mut self, system: &dyn System, t: f64, end: Reached<'_>) -> Result<(), Cause> {
+    fn judge(&mut self, system: &dyn System, t: f64, end: Reached<'_>) -> Result<(), Box<Cause>> {
         let h = t - self.judged;
         self.judged = t;
         if let Some(condition) = &mut self.condition {
@@ -223,7 +223,7 @@ impl Recorder {
         }
         let unbounded = self.guard.as_mut().and_then(|guard| guard.observe(system, t, end.y));
         if let Some(unbounded) = unbounded {
-            return Err(unbounded.cause(system.description()));
+            return Err(unbounded.cause(system.description()).into());
         }
         if let Some(warning) = self.watchman.as_mut().and_then(|watchman| watchman.check(system, t, end.y)) {
             self.watchman = None;
@@ -241,7 +241,7 @@ impl Recorder {
         let (jump, scale) = monitor.observe(system, t, end.y, end.work);
         if jump > f64::from(steps) * self.usual_jump {
             if let Some(unbounded) = self.guard.as_ref().and_then(|guard| guard.suspect(2.0 * h)) {
-                return Err(unbounded.cause(system.description()));
+                return Err(unbounded.cause(system.description()).into());
             }
             if self.jumps.len() < MOST_JUMPS {
                 self.jumps.push((t, jump, scale));

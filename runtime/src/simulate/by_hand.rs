@@ -74,7 +74,7 @@ impl<S: System> Stepping<S> {
         }
     }
 
-    fn go(&mut self, until: f64) -> Result<Halt, Cause> {
+    fn go(&mut self, until: f64) -> Result<Halt, Box<Cause>> {
         if self.changed {
             self.recorder.changed(&self.system, self.march.time(), self.march.state());
         }
