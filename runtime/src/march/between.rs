@@ -103,7 +103,7 @@ impl March {
     ///
     /// Steps that vanish are explained by what stands just ahead.
     pub(super) fn explained(&mut self, system: &dyn System, cause: Cause, watch: &mut Option<Box<Watch>>) -> Cause {
-        let ahead = (1e5 * self.h.abs()).max(1e-6 * self.defect.longest);
+        let ahead = (1e5 * self.h.abs()).max(1e-4 * self.defect.longest);
         let (now, n) = (self.clock.now(), system.len());
         let cause = match cause {
             Cause::StepTooSmall { .. } => {

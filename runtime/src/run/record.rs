@@ -37,7 +37,6 @@ pub(crate) struct Recorder {
     condition: Option<ConditionMonitor>,
     watchman: Option<Watchman>,
     n: usize,
-    needs_accelerations: bool,
     /// Brings reported states to the constraints.
     projection: Option<Projection>,
     point: Vec<f64>,
@@ -126,7 +125,6 @@ impl Recorder {
                 .filter(|_| plan.watch)
                 .and_then(|step| Watchman::new(system, plan.method, step, t, plan.until - t)),
             n,
-            needs_accelerations: description.outputs_use_accelerations,
             projection: Projection::new(system).map(|projection| projection.only_looking(!plan.projects)),
             point: vec![0.0; 2 * n],
             accelerations: vec![0.0; n],
@@ -388,19 +386,29 @@ impl Recorder {
     }
 
     fn write_outputs<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64], outputs: &mut [f64]) {
-        if outputs.is_empty() {
-            return;
-        }
-        let at = At::packed(t, y, self.n);
-        if !self.needs_accelerations {
-            system.outputs(at, outputs);
-        } else {
-            if system.accelerations(at, &mut self.accelerations).is_err() {
-                self.accelerations.fill(f64::NAN);
-            }
-            system.outputs(at.accelerated(&self.accelerations), outputs);
-        }
+        evaluate_outputs(system, t, y, &mut self.accelerations, outputs);
     }
+}
+
+/// The outputs of a state with the equations in force; `accelerations` is room.
+pub(crate) fn evaluate_outputs<S: System + ?Sized>(
+    system: &S,
+    t: f64,
+    y: &[f64],
+    accelerations: &mut [f64],
+    outputs: &mut [f64],
+) {
+    if outputs.is_empty() {
+        return;
+    }
+    let at = At::packed(t, y, system.len());
+    if !system.description().outputs_use_accelerations {
+        return system.outputs(at, outputs);
+    }
+    if system.accelerations(at, accelerations).is_err() {
+        accelerations.fill(f64::NAN);
+    }
+    system.outputs(at.accelerated(accelerations), outputs);
 }
 
 /// What is conserved may drift by so much: some tolerances a step, measured over ordinary motions (at most 0.2 a step), and

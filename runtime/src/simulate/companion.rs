@@ -6,7 +6,7 @@ use super::{Settings, simulate_with};
 use crate::cause::Cause;
 use crate::error::Error;
 use crate::mechanism::{Action, At, System, Watched};
-use crate::run::{Digits, Run};
+use crate::run::{Digits, Run, evaluate_outputs};
 use crate::trust::{Loss, Warning};
 
 /// The tolerance of the companion in units of the run's.
@@ -41,6 +41,13 @@ pub(crate) fn judge_digits(
     if digits.worst(run) > DOUBTFUL || is_cut(system, run) {
         let Some((_, another)) = self::companion(system, settings, run, LOOSER * LOOSER, &mut goes_on) else { return };
         digits.doubt(run, &another, 1.0 / LOOSER);
+    }
+    if let Some(t) = run.times.last().filter(|_| other.phases.last() == run.phases.last()) {
+        let (mut room, mut outputs) = (vec![0.0; system.len()], vec![f64::NAN; system.description().output_len()]);
+        digits.shake(run, |y| {
+            evaluate_outputs(system, *t, y, &mut room, &mut outputs);
+            outputs.clone()
+        });
     }
     // How many of infinitely many impacts are followed one by one says nothing.
     let accumulates = run.warnings.iter().any(|warning| matches!(warning, Warning::ImpactsAccumulate { .. }));
