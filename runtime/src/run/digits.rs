@@ -81,18 +81,25 @@ impl Digits {
         self.settle(run);
     }
 
-    /// Raises the bounds of the last outputs to what `outputs`, as a function of [q; q'], changes by where the last state
-    /// moves as far as half its bounds: both runs may find the same for a quotient by what vanishes there, and be wrong.
-    pub(crate) fn shake(&mut self, run: &Run, mut outputs: impl FnMut(&[f64]) -> Vec<f64>) {
+    /// The last state [q; q'], and states about it moved as far as half its bounds.
+    pub(crate) fn around_end(&self, run: &Run) -> Vec<Vec<f64>> {
         let (n, m) = (run.names.coordinates.len(), run.names.outputs.len());
-        let Some(row) = run.len().checked_sub(1).filter(|_| m > 0) else { return };
-        let state = &run.rows[2 * n * row..][..2 * n];
-        let (of_state, of_outputs) = self.rows[(2 * n + m) * row..].split_at_mut(2 * n);
-        let usual = outputs(state);
-        for pattern in 0..SHAKES {
+        let Some(row) = run.len().checked_sub(1) else { return Vec::new() };
+        let (state, bounds) = (&run.rows[2 * n * row..][..2 * n], &self.rows[(2 * n + m) * row..][..2 * n]);
+        let moved = |pattern: usize| {
             let sign = |i: usize| if (i * (pattern / 2) + pattern).is_multiple_of(2) { 0.5 } else { -0.5 };
-            let moved: Vec<f64> = (0..2 * n).map(|i| state[i] + sign(i) * of_state[i]).collect();
-            for ((bound, usual), moved) in of_outputs.iter_mut().zip(&usual).zip(outputs(&moved)) {
+            state.iter().zip(bounds).enumerate().map(|(i, (y, bound))| y + sign(i) * bound).collect()
+        };
+        std::iter::once(state.to_vec()).chain((0..SHAKES).map(moved)).collect()
+    }
+
+    /// Raises the bounds of the last outputs to what they differ by in these states, the last and others about it: both
+    /// runs may find the same for a quotient by what vanishes there, and be wrong.
+    pub(crate) fn shake(&mut self, outputs: &[Vec<f64>]) {
+        let [usual, others @ ..] = outputs else { return };
+        let first = self.rows.len() - usual.len();
+        for moved in others {
+            for ((bound, usual), moved) in self.rows[first..].iter_mut().zip(usual).zip(moved) {
                 let change = (moved - usual).abs();
                 // What is absent at the last state is absent, whatever it is beside it.
                 if !usual.is_nan() {

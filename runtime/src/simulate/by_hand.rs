@@ -44,7 +44,7 @@ impl<S: System> Stepping<S> {
         let clock = Instant::now();
         let Start { march, recorder, outcome } = start(&mut system, &settings, f64::INFINITY)?;
         if let Err(cause) = outcome {
-            return Err(fail(cause, &system, &march, recorder, clock));
+            return Err(fail(*cause, &system, &march, recorder, clock));
         }
         let spacing = settings.every.or(settings.step).unwrap_or_else(|| settings.spacing());
         Ok(Stepping { system, march, recorder, spacing, horizon: settings.until, changed: false, clock })
@@ -70,7 +70,7 @@ impl<S: System> Stepping<S> {
         match self.go(until) {
             Ok(Halt::Arrived) => Ok(None),
             Ok(Halt::Event) => Ok(self.recorder.last_event()),
-            Err(cause) => Err(fail(cause, &self.system, &self.march, self.recorder.clone(), self.clock)),
+            Err(cause) => Err(fail(*cause, &self.system, &self.march, self.recorder.clone(), self.clock)),
         }
     }
 

@@ -62,7 +62,7 @@ pub fn simulate_with(
             }
             Ok(run)
         }
-        Err(cause) => Err(fail(cause, system, &march, recorder, clock)),
+        Err(cause) => Err(fail(*cause, system, &march, recorder, clock)),
     }
 }
 
@@ -149,8 +149,8 @@ fn finish(system: &dyn System, march: &March, mut recorder: Recorder, clock: Ins
     recorder.finish(system, march.time(), march.state(), march.work(), clock.elapsed().as_secs_f64())
 }
 
-fn fail(cause: Box<Cause>, system: &dyn System, march: &March, recorder: Recorder, clock: Instant) -> Error {
-    let cause = recorder.explain(system, *cause);
+fn fail(cause: Cause, system: &dyn System, march: &March, recorder: Recorder, clock: Instant) -> Error {
+    let cause = recorder.explain(system, cause);
     let state = recorder.state(march.time(), march.state().y, Vec::new());
     Error::Run(Box::new(Failure { cause, state, run: finish(system, march, recorder, clock) }))
 }
