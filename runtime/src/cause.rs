@@ -170,6 +170,38 @@ pub enum Cause {
     },
 }
 
+impl Cause {
+    /// A word for it, for charts and tables.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Cause::StepTooSmall { .. } => "step too small",
+            Cause::ToleranceTooTight { .. } => "too tight",
+            Cause::StepBelowResolution { .. } => "step below resolution",
+            Cause::IterationStalled { .. } => "stalled",
+            Cause::NonFinite { .. } => "not finite",
+            Cause::SingularMass { .. } => "singular mass",
+            Cause::VoidBalance { .. } => "void balance",
+            Cause::NoBalances { .. } => "no balances",
+            Cause::SingularBalances { .. } => "singular balances",
+            Cause::StartMissesConstraint { .. } | Cause::Unreachable { .. } => "inconsistent start",
+            Cause::SingularConfiguration { .. } => "singular configuration",
+            Cause::PhaseMisses { .. } => "phase misses",
+            Cause::BadRestitution { .. } => "bad restitution",
+            Cause::ImpactsAccumulate { .. } => "impacts accumulate",
+            Cause::ConstraintLost { .. } => "constraint lost",
+            Cause::PainleveInconsistent { .. } => "inconsistent friction",
+            Cause::CoordinateSingularity { .. } => "coordinate singularity",
+            Cause::Chattering { .. } => "chattering",
+            Cause::DirectionLost { .. } | Cause::EndsMeet { .. } => "direction lost",
+            Cause::NegativeInertia { .. } => "negative inertia",
+            Cause::Interrupted => "interrupted",
+            Cause::InfiniteForce { .. } => "infinite force",
+            Cause::OscillatesTooFast { .. } => "oscillates too fast",
+            Cause::TooManySteps { .. } => "too many steps",
+        }
+    }
+}
+
 impl fmt::Display for Cause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -27,6 +27,7 @@ mod march;
 mod matrix;
 pub mod mechanism;
 mod numbers;
+pub mod precision;
 pub mod prelude;
 mod run;
 pub mod show;

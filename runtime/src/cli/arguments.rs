@@ -26,6 +26,7 @@ pub fn command() -> Command {
         )
         .subcommand(simulate())
         .subcommand(modes())
+        .subcommand(chart())
         .subcommand(
             Command::new("new")
                 .about("Writes a commented model file to start from")
@@ -82,6 +83,19 @@ fn modes() -> Command {
         .arg(value("locus", "FILE.svg", "Draw them"))
         .arg(flag("here", "Take that point as it is, and refuse it if it is no equilibrium"))
         .arg(flag("json", "Print one JSON object"))
+}
+
+fn chart() -> Command {
+    Command::new("chart")
+        .about("Charts speed against accuracy: what every method that suits, and every way of treating constraints, costs for its error")
+        .arg(model())
+        .args(sizes())
+        .args(scene().into_iter().filter(|arg| arg.get_id() != "tolerance"))
+        .arg(value("methods", "A,B", "Only these methods [default: all that suit]"))
+        .arg(value("compare", "NAME,NAME", "What errors are taken of: coordinates, rates, outputs [default: the coordinates]"))
+        .arg(value("twin", "NAME", "Another file of the same mechanism, in minimal coordinates say, compared by outputs of the same names"))
+        .arg(value("plot", "FILE.svg", "Where the charts go [default: NAME-chart.svg]"))
+        .arg(value("csv", "FILE.csv", "Where all points go [default: NAME-chart.csv]"))
 }
 
 /// A model's name or path.

@@ -31,7 +31,11 @@ impl Loaded {
     /// Finds the model that the command line names.
     pub fn find(models: &[Entry], options: &ArgMatches) -> Result<Loaded, Problem> {
         let name = options.get_one::<String>("model").map_or("", String::as_str);
-        let sizes = sizes(options)?;
+        Loaded::named(models, name, sizes(options)?)
+    }
+
+    /// Finds a model by its name or path.
+    pub fn named(models: &[Entry], name: &str, sizes: Vec<(String, i64)>) -> Result<Loaded, Problem> {
         if let Some(entry) = models.iter().find(|entry| entry.name == name) {
             return Loaded::compiled(entry, sizes);
         }

@@ -11,6 +11,7 @@
 //! Exit status: 0 done, 1 the run failed (what was computed is still written), 2 bad usage or a bad model file.
 
 mod arguments;
+mod chart;
 mod check;
 mod compare;
 mod enforcement;
@@ -79,6 +80,7 @@ pub fn run(
         Some(("show", options)) => show::run(models, options, out),
         Some(("check", options)) => check::run(models, options, out),
         Some(("simulate", options)) => simulate::run(models, options, out),
+        Some(("chart", options)) => chart::run(models, options, out),
         Some(("modes", options)) => modes::run(models, options, out),
         Some(("new", options)) => new::run(options, out),
         _ => Err(Problem::Usage(arguments::command().render_help().to_string())),

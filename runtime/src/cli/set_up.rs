@@ -29,7 +29,9 @@ pub fn set_up(loaded: &mut Loaded, options: &ArgMatches) -> Result<Settings, Pro
     }
     let mut option = |name: &str| -> Result<Option<f64>, Problem> {
         let sets = if name == "tolerance" { Sets::Number } else { Sets::Time };
-        options.get_one::<String>(name).map(|text| reader.value(loaded, name, sets, text)).transpose()
+        // Not every command has all of them.
+        let given = options.try_get_one::<String>(name).ok().flatten();
+        given.map(|text| reader.value(loaded, name, sets, text)).transpose()
     };
     if let Some(until) = option("until")? {
         settings.until = until;

@@ -57,6 +57,11 @@ pub enum Error {
         /// The names there are.
         known: Vec<String>,
     },
+    /// There is nothing to measure errors from: no two methods agree on the motion.
+    NoReference {
+        /// What stands in the way.
+        why: String,
+    },
     /// A file could not be written.
     File {
         /// Which one.
@@ -132,6 +137,9 @@ impl fmt::Display for Error {
                     [] => write!(f, "; there is none"),
                     known => write!(f, "; there are {}", Listed(known)),
                 }
+            }
+            Error::NoReference { why } => {
+                write!(f, "no two methods agree on the motion, so that errors cannot be measured: {why}")
             }
             Error::File { path, problem } => write!(f, "cannot write `{}`: {problem}", path.display()),
             Error::Linear(problem) => write!(f, "{problem}"),

@@ -24,7 +24,7 @@ mod stability;
 mod stiffness;
 mod symplectic;
 #[cfg(test)]
-mod test_problems;
+pub(crate) mod test_problems;
 mod tolerance;
 #[cfg(test)]
 mod trees;

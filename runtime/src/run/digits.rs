@@ -81,6 +81,15 @@ impl Digits {
         self.settle(run);
     }
 
+    /// Raises bounds to this part of what each column goes through: where errors follow the tolerance by chance only, none is
+    /// known to be less.
+    pub(crate) fn raise(&mut self, run: &Run, least: f64) {
+        let ranges = ranges(run, self.still);
+        for (bound, range) in self.rows.iter_mut().zip(ranges.iter().cycle()) {
+            *bound = bound.max(least * range);
+        }
+    }
+
     /// The last state [q; q'], and states about it moved as far as half its bounds.
     pub(crate) fn around_end(&self, run: &Run) -> Vec<Vec<f64>> {
         let (n, m) = (run.names.coordinates.len(), run.names.outputs.len());

@@ -27,6 +27,8 @@ pub struct Axis {
     pub range: Option<(f64, f64)>,
     /// Distance of the marks of a linear axis, where they are not too many; `None` (the default) chooses a round one.
     pub step: Option<f64>,
+    /// Values fall to the right, or upwards: errors that become digits.
+    pub reversed: bool,
 }
 
 impl Axis {
@@ -38,6 +40,11 @@ impl Axis {
     /// The same axis with a logarithmic scale.
     pub fn log(self) -> Axis {
         Axis { scale: Scale::Log, ..self }
+    }
+
+    /// The same axis with values that fall to the right, or upwards.
+    pub fn reversed(self) -> Axis {
+        Axis { reversed: true, ..self }
     }
 
     /// The same axis with a mark at multiples of this, twice this, four times this …, as many as fit.
@@ -65,6 +72,7 @@ pub(super) struct Extent {
     /// All values are the same: the ends are a mere guess.
     flat: bool,
     step: Option<f64>,
+    reversed: bool,
     ticks: Ticks,
 }
 
@@ -77,7 +85,7 @@ impl Extent {
         let given = axis.range.filter(|(low, high)| axis.has(*low) && axis.has(*high) && low < high);
         let (low, high) = given.unwrap_or_else(|| padded(axis.scale, found, pad));
         let flat = given.is_none() && found.is_none_or(|(low, high)| low == high);
-        Extent { scale: axis.scale, low, high, flat, step: axis.step, ticks: Ticks::default() }
+        Extent { scale: axis.scale, low, high, flat, step: axis.step, reversed: axis.reversed, ticks: Ticks::default() }
     }
 
     /// Gives an axis whose values are all the same a fifth of the other's range.
@@ -181,6 +189,7 @@ impl Ranged for Extent {
 
     fn map(&self, value: &f64, (start, end): (i32, i32)) -> i32 {
         let fraction = self.fraction(*value).clamp(-1.0, 2.0);
+        let fraction = if self.reversed { 1.0 - fraction } else { fraction };
         start + (fraction * f64::from(end - start)).round() as i32
     }
 

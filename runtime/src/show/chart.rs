@@ -50,6 +50,12 @@ impl Chart {
         self.equal && self.x.scale == Scale::Linear && self.y.scale == Scale::Linear
     }
 
+    /// How many colours its series take.
+    pub(super) fn colours(&self) -> usize {
+        let places = self.series.iter().filter_map(|series| series.colour).map(|place| place + 1);
+        places.max().unwrap_or(0).max(self.series.len())
+    }
+
     /// The chart as the text of an SVG file.
     pub fn to_svg(&self) -> String {
         Figure::from(self.clone()).to_svg()
@@ -67,6 +73,8 @@ pub struct Series {
     pub style: Style,
     /// What failed: crosses at the top of the chart.
     pub failures: Vec<Failure>,
+    /// The place in the order of colours, where it is not that among the series: charts of one figure can agree.
+    pub colour: Option<usize>,
 }
 
 impl Series {
@@ -83,6 +91,11 @@ impl Series {
     /// Marks joined by lines.
     pub fn marked_line(name: impl Into<String>, points: impl IntoIterator<Item = Option<(f64, f64)>>) -> Series {
         Series { style: Style::MarkedLine, ..Series::line(name, points) }
+    }
+
+    /// The same series in the colour of this place.
+    pub fn coloured(self, place: usize) -> Series {
+        Series { colour: Some(place), ..self }
     }
 
     /// The same series with one more failure.

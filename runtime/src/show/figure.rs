@@ -29,6 +29,8 @@ const MARGIN: i32 = 16;
 const TITLE: i32 = 34;
 const LEFT: i32 = 90;
 const BELOW: i32 = 56;
+/// Charts with more series are as tall as those with slopes.
+const CROWD: usize = 7;
 /// Height of a row of crosses.
 const CROSSES: i32 = 18;
 
@@ -74,7 +76,8 @@ impl Figure {
 fn height(chart: &Chart, charts: usize) -> i32 {
     let tallest = 530;
     let around = TITLE + BELOW;
-    match (chart.is_equal(), chart.slopes.is_empty(), charts) {
+    let crowded = chart.series.len() > CROWD || chart.series.iter().any(|series| !series.failures.is_empty());
+    match (chart.is_equal(), chart.slopes.is_empty() && !crowded, charts) {
         (true, ..) => {
             let (x, y) = fitted(chart);
             around + (0.8 * f64::from(WIDTH) * y.span() / x.span()).clamp(200.0, f64::from(tallest)) as i32
@@ -127,7 +130,7 @@ fn draw_chart<'a>(chart: &Chart, canvas: &Canvas<'a>, top: i32, height: i32, nam
     }
     let mut rows = (1..).map(|row| (top + title + row * CROSSES - CROSSES / 4) * FINE);
     for (index, series) in chart.series.iter().enumerate() {
-        let pen = Pen::new(index, chart.series.len(), series.style);
+        let pen = Pen::of(chart, index);
         let inside = |&(a, b): &(f64, f64)| chart.x.has(a) && chart.y.has(b) && x.contains(a) && y.contains(b);
         let points = series.points.iter().map(|point| point.filter(inside).map(|(a, b)| place(a, b)));
         pen.draw(canvas, points)?;

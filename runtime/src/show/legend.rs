@@ -23,7 +23,7 @@ pub(super) fn draw<'a>(canvas: &Canvas<'a>, chart: &Chart, (x, y, height): (i32,
     let stride = named.len().div_ceil((height / LINE).max(1) as usize);
     for (line, (index, series)) in named.into_iter().step_by(stride.max(1)).enumerate() {
         let middle = (y + LINE * line as i32 + LINE / 2) * FINE;
-        let pen = Pen::new(index, chart.series.len(), series.style);
+        let pen = Pen::of(chart, index);
         sample(canvas, &pen, x * FINE, middle)?;
         let style = text(13).color(&RGBColor(51, 51, 51)).pos(Pos::new(HPos::Left, VPos::Center));
         canvas.draw(&Text::new(series.name.clone(), ((x + SAMPLE + 8) * FINE, middle), style))?;

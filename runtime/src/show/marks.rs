@@ -1,7 +1,7 @@
 //! Lines, marks, crosses and slope triangles, placed in drawing units.
 
 use super::figure::{Canvas, FINE, Outcome, text};
-use super::{Slope, Style};
+use super::{Chart, Slope, Style};
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -29,9 +29,15 @@ pub(super) struct Pen {
 }
 
 impl Pen {
+    /// The pen of a series of a chart.
+    pub fn of(chart: &Chart, index: usize) -> Pen {
+        let series = &chart.series[index];
+        Pen::new(series.colour.unwrap_or(index), chart.colours(), series.style)
+    }
+
     /// The pen of one of so many series.  After the last colour the lines are dashed; where that does not
     /// do either, the series are taken for a family and their colours run from dark to light.
-    pub fn new(index: usize, count: usize, style: Style) -> Pen {
+    fn new(index: usize, count: usize, style: Style) -> Pen {
         let family = count > 2 * COLOURS.len();
         let dashes = match style {
             Style::Dashed => Some((6, 4)),

@@ -38,9 +38,13 @@ pub(crate) fn judge_digits(
     let mut goes_on = |_: f64| progress(settings.until);
     let Some((companion, other)) = companion(system, settings, run, LOOSER, &mut goes_on) else { return };
     let mut digits = Digits::compare(run, &other, companion, settings.step.is_none().then_some(companion));
-    if digits.worst(run) > DOUBTFUL || is_cut(system, run) {
+    let cut = is_cut(system, run);
+    if digits.worst(run) > DOUBTFUL || cut {
         let Some((_, another)) = self::companion(system, settings, run, LOOSER * LOOSER, &mut goes_on) else { return };
         digits.doubt(run, &another, 1.0 / LOOSER);
+    }
+    if let Some(tolerance) = run.tolerance.filter(|_| cut) {
+        digits.raise(run, tolerance);
     }
     if other.phases.last() == run.phases.last() {
         look_around_end(system, run, &mut digits);

@@ -1,0 +1,165 @@
+//! `chart`: speed against accuracy.
+
+use std::io::{IsTerminal, Write};
+use std::ops::ControlFlow;
+
+use clap::ArgMatches;
+
+use super::load::Loaded;
+use super::set_up::set_up;
+use super::{Entry, Problem, outputs};
+use crate::mechanism::{Description, Method, System};
+use crate::precision::{Candidate, Plan, WorkPrecision};
+use crate::show::Figure;
+use crate::{Error, Settings};
+
+/// Measures every method that suits, and every way of treating constraints; prints a table and what follows from it, and
+/// writes the charts and all points.
+pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+    let mut loaded = Loaded::find(models, options)?;
+    outputs::check(options, &["plot", "csv"], &loaded.path)?;
+    let settings = set_up(&mut loaded, options)?;
+    for warning in &loaded.warnings {
+        eprintln!("warning: {warning}");
+    }
+    let mut columns = columns(options);
+    let twin = options.get_one::<String>("twin").map(|name| twin(models, name, &loaded, &mut columns)).transpose()?;
+    let methods = methods(&loaded, &settings, options)?;
+    let by_dop853 = Settings { method: Method::Dop853, ..settings.clone() };
+    let mut ways = Candidate::formulations(&*loaded.system, &by_dop853);
+    if let Some((name, system, settings)) = twin {
+        if ways.is_empty() {
+            ways.push(Candidate::new(loaded.name.as_str(), &*loaded.system, by_dop853));
+        }
+        ways.push(Candidate::new(
+            name,
+            &*system,
+            Settings { method: Method::Dop853, until: ways[0].settings.until, ..settings },
+        ));
+    }
+    let plan = Plan { columns, ..Plan::default() };
+    let mut measured = vec![measure(&methods, &plan)?];
+    if !ways.is_empty() {
+        let mut found = measure(&ways, &plan)?;
+        found.title = format!("{}: formulations, by dop853", found.title);
+        measured.push(found);
+    }
+    for found in &measured {
+        report(found, out)?;
+    }
+    write_files(&measured, &loaded.name, options, out)
+}
+
+/// Coordinates and outputs to compare.
+fn columns(options: &ArgMatches) -> Vec<String> {
+    let given = options.get_many::<String>("compare").into_iter().flatten();
+    given.flat_map(|list| list.split(',')).map(|name| name.trim().to_owned()).filter(|name| !name.is_empty()).collect()
+}
+
+fn methods(loaded: &Loaded, settings: &Settings, options: &ArgMatches) -> Result<Vec<Candidate>, Problem> {
+    let Some(list) = options.get_one::<String>("methods") else {
+        return Ok(Candidate::methods(&*loaded.system, settings));
+    };
+    let read = |name: &str| -> Result<Candidate, Problem> {
+        let method: Method = name.trim().parse().map_err(|e| Problem::Usage(format!("error: {e}")))?;
+        Ok(Candidate::new(method.name(), &*loaded.system, Settings { method, ..settings.clone() }))
+    };
+    list.split(',').map(read).collect()
+}
+
+/// Another file of the same mechanism, and what both can be compared by.
+fn twin(
+    models: &[Entry],
+    name: &str,
+    loaded: &Loaded,
+    columns: &mut Vec<String>,
+) -> Result<(String, Box<dyn System>, Settings), Problem> {
+    let mut other = Loaded::named(models, name, Vec::new())?;
+    let scene = other.system.scene(0);
+    for (index, value) in other.system.scene_parameters(0) {
+        other.system.set_parameter(index, value);
+    }
+    if columns.is_empty() {
+        let names = components(loaded.system.description());
+        *columns = components(other.system.description()).into_iter().filter(|name| names.contains(name)).collect();
+    }
+    if columns.is_empty() {
+        return Err(Problem::Usage(format!(
+            "error: {} and {name} have no output of one name, by which they could be compared",
+            loaded.name
+        )));
+    }
+    Ok((format!("{name} (minimal)"), other.system, Settings::new(&scene)))
+}
+
+/// Outputs, component by component, as runs name them.
+fn components(description: &Description) -> Vec<String> {
+    let of = |output: &crate::mechanism::Quantity| match output.components {
+        1 => vec![output.name.to_string()],
+        count => ["x", "y", "z"].iter().take(count as usize).map(|axis| format!("{}.{axis}", output.name)).collect(),
+    };
+    description.outputs.iter().flat_map(of).collect()
+}
+
+fn measure(candidates: &[Candidate], plan: &Plan) -> Result<WorkPrecision, Problem> {
+    let shown = std::io::stderr().is_terminal();
+    let found = WorkPrecision::measure(candidates, plan, &mut |name| {
+        if shown {
+            eprint!("\r{name}\x1b[K");
+        }
+        ControlFlow::Continue(())
+    });
+    if shown {
+        eprint!("\r\x1b[K");
+    }
+    found.map_err(|error| match error {
+        Error::NoReference { .. } | Error::Run(_) => Problem::Run(error.to_string()),
+        _ => Problem::Usage(format!("error: {error}")),
+    })
+}
+
+fn report(found: &WorkPrecision, out: &mut dyn Write) -> Result<(), Problem> {
+    let reference = &found.reference;
+    let times = reference.times();
+    let [first, second] = reference.methods;
+    writeln!(out, "{} until t = {}", found.title, times[times.len() - 1])?;
+    writeln!(out, "errors of {}, the largest, in parts of their ranges", reference.columns.join(", "))?;
+    writeln!(out, "measured from {first}, with which {second} agrees to {:.0e}", reference.agreement)?;
+    if reference.is_cut {
+        writeln!(out, "the scene goes on, but beyond that time they agree on fewer than eight digits")?;
+    }
+    writeln!(out, "\nwork in evaluations, then CPU time, to reach 1e-3, 1e-6 and 1e-9:\n{}", found.table())?;
+    let mut refused = found.refused.as_slice();
+    while let Some((_, why)) = refused.first() {
+        let alike = refused.iter().take_while(|(_, other)| other == why).count();
+        let names: Vec<&str> = refused[..alike].iter().map(|(name, _)| name.as_str()).collect();
+        writeln!(out, "left out {}: {why}", names.join(", "))?;
+        refused = &refused[alike..];
+    }
+    writeln!(out, "{}\n", found.sentence())?;
+    Ok(())
+}
+
+/// Writes where it was told to, or beside where it stands.
+fn write_files(
+    measured: &[WorkPrecision],
+    name: &str,
+    options: &ArgMatches,
+    out: &mut dyn Write,
+) -> Result<(), Problem> {
+    let path = |option: &str, ending: &str| {
+        options.get_one::<String>(option).cloned().unwrap_or_else(|| format!("{name}-chart.{ending}"))
+    };
+    let charts = measured.iter().flat_map(|found| found.figure().charts).collect();
+    let mut table = String::new();
+    for found in measured {
+        let text = found.to_csv();
+        let rows = if table.is_empty() { text.as_str() } else { text.split_once('\n').map_or("", |(_, rows)| rows) };
+        table += rows;
+    }
+    for (path, text) in [(path("plot", "svg"), Figure { charts }.to_svg()), (path("csv", "csv"), table)] {
+        std::fs::write(&path, text).map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))?;
+        writeln!(out, "written: {path}")?;
+    }
+    Ok(())
+}

@@ -1,0 +1,118 @@
+//! Speed against accuracy: what each method costs for the error that it leaves, on one scene.
+//!
+//! 1. Who takes part, and how each is told to be more accurate: look in `candidate.rs`.
+//! 2. What errors are measured from: two different methods that agree: look in `reference.rs`.
+//! 3. One run's error, cost and failure: look in `point.rs`; a whole curve: in `curve.rs`; what work is counted in: in `work.rs`.
+//! 4. What follows from it, in a sentence: look in `verdict.rs`; over many scenes: in `profile.rs`.
+//! 5. The charts and the table: look in `picture.rs`.
+
+mod candidate;
+mod curve;
+mod picture;
+mod point;
+mod profile;
+mod reference;
+mod verdict;
+mod work;
+
+pub use candidate::Candidate;
+pub use curve::Curve;
+pub use point::{Measured, Pace, Point};
+pub use profile::Profile;
+pub use reference::Reference;
+pub use verdict::Band;
+pub use work::WorkUnits;
+
+#[cfg(test)]
+mod tests;
+
+use std::ops::ControlFlow;
+
+use crate::error::Error;
+
+/// Speed against accuracy of one scene: a curve for each candidate.
+///
+/// Errors are the largest, over 200 times of the scene and over all that is compared, of |y − y_ref| beside the range that
+/// y goes through; cost is counted in evaluations of the accelerations and measured in CPU time, both of runs that report and
+/// watch nothing.  After Mazzia, Cash and Soetaert (J. Comput. Appl. Math. 236, 2012), whose charts these are.
+///
+/// ```
+/// # use dalembert::prelude::*;
+/// # use dalembert::precision::{Candidate, Plan, WorkPrecision};
+/// # dalembert::model!(yaml = r#"
+/// # name: Swing
+/// # coordinates: {theta: rad}
+/// # kinetic_energy: theta'^2/2
+/// # potential_energy: -9.81*cos(theta)
+/// # scene: {start: {theta: 2}, until: 3}
+/// # "#);
+/// let swing = Swing::default().system();
+/// let candidates = Candidate::methods(&swing, &Settings::new(&swing.scene(0)));
+/// let found = WorkPrecision::measure(&candidates, &Plan::default(), &mut |_| std::ops::ControlFlow::Continue(()))?;
+/// println!("{}", found.sentence());
+/// std::fs::write(std::env::temp_dir().join("swing.svg"), found.figure().to_svg())?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct WorkPrecision {
+    /// What the charts are called.
+    pub title: String,
+    /// What errors are measured from.
+    pub reference: Reference,
+    /// Curves of those that suit the scene, in the order of the candidates.
+    pub curves: Vec<Curve>,
+    /// Who does not, and why.
+    pub refused: Vec<(String, String)>,
+}
+
+/// What is compared, and how carefully time is measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// Coordinates, rates (`theta'`) or outputs (`tip.x`) that all candidates have; none: the coordinates of the first one.
+    pub columns: Vec<String>,
+    /// No run is repeated more often for the least of its CPU times; 20 unless said otherwise.
+    pub repetitions: usize,
+}
+
+impl Default for Plan {
+    fn default() -> Plan {
+        Plan { columns: Vec::new(), repetitions: 20 }
+    }
+}
+
+impl WorkPrecision {
+    /// Runs every candidate from coarse to fine; `progress` is told the name of each one, and may break off.
+    ///
+    /// # Errors
+    /// A setting without meaning, an unknown column, or a scene of which no two methods agree ([`Error::NoReference`]).
+    pub fn measure(
+        candidates: &[Candidate],
+        plan: &Plan,
+        progress: &mut dyn FnMut(&str) -> ControlFlow<()>,
+    ) -> Result<WorkPrecision, Error> {
+        let Some(first) = candidates.first() else {
+            return Err(Error::NoReference { why: "there is no candidate".into() });
+        };
+        let reference = Reference::find(first, &plan.columns)?;
+        let mut found = WorkPrecision {
+            title: first.system.description().name.to_string(),
+            reference,
+            curves: Vec::new(),
+            refused: Vec::new(),
+        };
+        for candidate in candidates {
+            if progress(&candidate.name).is_break() {
+                break;
+            }
+            match Curve::measure(candidate, &found.reference, plan.repetitions) {
+                Ok(curve) => found.curves.push(curve),
+                Err(Error::NotSeparable { reason, .. }) => {
+                    found.refused.push((candidate.name.clone(), format!("not separable, since {reason}")));
+                }
+                Err(error) => found.refused.push((candidate.name.clone(), error.to_string())),
+            }
+        }
+        Ok(found)
+    }
+}

@@ -1,0 +1,125 @@
+//! One run: its error, its cost, or why there is none.
+
+use std::time::Instant;
+
+use super::{Candidate, Reference, WorkUnits};
+use crate::error::Error;
+use crate::mechanism::{Method, System};
+use crate::run::{Run, Work};
+use crate::simulate::{Settings, simulate};
+use crate::trust::Warning;
+
+/// How a run is told to be more accurate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Pace {
+    /// A relative tolerance.
+    Tolerance(f64),
+    /// A fixed step, s.
+    Step(f64),
+}
+
+/// One point of a curve.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Point {
+    /// Its tolerance or step.
+    pub pace: Pace,
+    /// What came out, or a word for why nothing did: `unstable`, or [`Cause::code`](crate::Cause::code).
+    pub outcome: Result<Measured, &'static str>,
+}
+
+/// What a run came to.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Measured {
+    /// The method, which `auto` may choose anew for each tolerance.
+    pub method: Method,
+    /// The largest error over the scene, in parts of the range of what is compared.
+    pub error: f64,
+    /// The largest error until each of the times of the reference.
+    pub growth: Vec<f64>,
+    /// Evaluations of the accelerations, with Jacobians and factorizations in units of these.
+    pub cost: f64,
+    /// What was counted.
+    pub work: Work,
+    /// CPU time, s; the least of several runs.
+    pub seconds: f64,
+    /// Drift of the energy balance.
+    pub drift: Option<f64>,
+    /// The largest residual of a constraint.
+    pub residual: Option<f64>,
+}
+
+/// A run is repeated until all took so long, s.
+const ENOUGH_TIME: f64 = 0.02;
+
+/// Errors above this part of a range are no errors any more.
+const LOST: f64 = 1.0;
+
+impl Point {
+    /// Runs a candidate at a pace; `None` where it takes many more evaluations than the reference.
+    ///
+    /// # Errors
+    /// The method does not suit the mechanism, or a setting has no meaning.
+    pub(super) fn measure(
+        system: &mut dyn System,
+        candidate: &Candidate,
+        pace: Pace,
+        reference: &Reference,
+        repetitions: usize,
+    ) -> Result<Option<Point>, Error> {
+        let most = reference.most_evaluations();
+        let settings = Settings { max_steps: most, ..paced(&candidate.settings, pace, reference) };
+        let coded = |code| Ok(Some(Point { pace, outcome: Err(code) }));
+        let run = match simulate(system, &settings) {
+            Ok(run) => run,
+            Err(Error::Run(failure)) => {
+                return if failure.run.work.evaluations >= most { Ok(None) } else { coded(failure.cause.code()) };
+            }
+            Err(error) => return Err(error),
+        };
+        if run.work.evaluations > most {
+            return Ok(None);
+        }
+        let growth = reference.errors(&run);
+        // What is smaller is not known.
+        let error = growth.last().map_or(f64::INFINITY, |error| error.max(reference.floor()));
+        let unstable = run.warnings.iter().any(|warning| matches!(warning, Warning::StepExceedsStability { .. }));
+        if error.is_nan() || error > LOST {
+            return coded(if unstable || !error.is_finite() { "unstable" } else { "lost" });
+        }
+        let (work, seconds) = plain(system, &settings, repetitions)?;
+        let residual = run.residuals.map(|rows| rows.position.max(rows.velocity));
+        let cost = WorkUnits::of(system, run.method).total(&work);
+        let (method, drift) = (run.method, run.energy_balance);
+        let found = Measured { method, error, growth, cost, work, seconds, drift, residual };
+        Ok(Some(Point { pace, outcome: Ok(found) }))
+    }
+}
+
+/// The settings of a run that is compared with the reference.
+fn paced(settings: &Settings, pace: Pace, reference: &Reference) -> Settings {
+    let settings = reference.compared(settings);
+    match pace {
+        Pace::Tolerance(tolerance) => Settings { tolerance, step: None, ..settings },
+        Pace::Step(step) => Settings { step: Some(step), ..settings },
+    }
+}
+
+/// What the motion alone costs: nothing is reported but the end, and nothing watched.
+fn plain(system: &mut dyn System, settings: &Settings, repetitions: usize) -> Result<(Work, f64), Error> {
+    let every = Some((settings.until - settings.from).max(f64::MIN_POSITIVE));
+    let plain = Settings { every, watch: false, ..settings.clone() };
+    let clock = Instant::now();
+    let mut least = f64::INFINITY;
+    let mut work = Work::default();
+    for _ in 0..repetitions.max(1) {
+        let run: Run = simulate(system, &plain)?;
+        least = least.min(run.seconds);
+        work = run.work;
+        if clock.elapsed().as_secs_f64() > ENOUGH_TIME {
+            break;
+        }
+    }
+    Ok((work, least))
+}

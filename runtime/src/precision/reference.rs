@@ -1,0 +1,204 @@
+//! What errors are measured from.
+
+use super::Candidate;
+use crate::error::Error;
+use crate::mechanism::Method;
+use crate::run::Run;
+use crate::simulate::{Settings, simulate};
+
+/// A motion that two different methods agree on, by multipliers and projection where there are constraints.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Reference {
+    /// The method whose values they are, and the one that agrees.
+    pub methods: [Method; 2],
+    /// The largest difference of the two, in parts of ranges.
+    pub agreement: f64,
+    /// True where the scene goes on, and two methods agree on fewer than eight digits of it.
+    pub is_cut: bool,
+    /// What is compared.
+    pub columns: Vec<String>,
+    times: Vec<f64>,
+    /// One list for each column, and what errors of it are measured by.
+    values: Vec<Vec<f64>>,
+    ranges: Vec<f64>,
+    /// When an event ends the motion, s.
+    end: Option<f64>,
+    evaluations: u64,
+    steps: u64,
+}
+
+/// Errors are looked at so many times.
+const TIMES: f64 = 200.0;
+/// So many digits must hold until the end of a scene.
+const AGREED: f64 = 1e-8;
+/// What moves less beside the most that has its unit is measured by that.
+const SMALL: f64 = 1e-6;
+/// Two of these that agree, in this order.
+const METHODS: [(Method, f64); 4] =
+    [(Method::Dop853, 1e-14), (Method::Dopri5, 1e-13), (Method::Radau5, 1e-12), (Method::Rodas5P, 1e-11)];
+/// No run of a reference takes more steps.
+const MOST_STEPS: u64 = 1_000_000;
+/// What is known to fewer digits than this times their agreement is no error of a method.
+const CERTAIN: f64 = 3.0;
+/// A method may take so many evaluations for each one of the reference, and so many more.
+const DEARER: u64 = 40;
+const LEAST_EVALUATIONS: u64 = 20_000;
+
+impl Reference {
+    /// The reference of a candidate's scene, for these columns; none: its coordinates.
+    pub(super) fn find(candidate: &Candidate, columns: &[String]) -> Result<Reference, Error> {
+        let mut system = candidate.system.boxed_clone();
+        let mut runs: Vec<Run> = Vec::new();
+        let mut failure = None;
+        for (method, tolerance) in METHODS {
+            match simulate(&mut *system, &exact(&candidate.settings, method, tolerance)) {
+                Ok(run) => runs.push(run),
+                Err(error @ Error::Run(_)) => failure = Some(error),
+                Err(error) => return Err(error),
+            }
+            if let [first, second] = runs.as_slice() {
+                return Reference::of(first, second, columns);
+            }
+        }
+        let why = failure.map_or_else(String::new, |error| error.to_string());
+        Err(Error::NoReference { why })
+    }
+
+    fn of(first: &Run, second: &Run, columns: &[String]) -> Result<Reference, Error> {
+        let coordinates = first.names.coordinates.clone();
+        let columns = if columns.is_empty() { coordinates } else { columns.to_vec() };
+        let values = columns.iter().map(|name| column(first, name)).collect::<Result<Vec<_>, Error>>()?;
+        let end = |run: &Run| run.ended_by().map(|event| event.state.t);
+        let mut found = Reference {
+            methods: [first.method, second.method],
+            agreement: 0.0,
+            is_cut: false,
+            ranges: ranges(first, &columns, &values),
+            columns,
+            times: first.times.clone(),
+            values,
+            end: end(first),
+            evaluations: first.work.evaluations,
+            steps: first.work.steps,
+        };
+        let growth = found.errors(second);
+        let agreed = growth.iter().take_while(|difference| **difference <= AGREED).count();
+        if agreed < growth.len() {
+            // Chaos, say: as far as they agree.
+            if agreed < 2 {
+                let why = format!("{} and {} differ from the start on", first.method, second.method);
+                return Err(Error::NoReference { why });
+            }
+            found.is_cut = true;
+            found.end = None;
+            found.times.truncate(agreed);
+        }
+        found.agreement = growth[agreed - 1];
+        Ok(found)
+    }
+
+    /// The largest error of a run until each of the reference's times.
+    pub(super) fn errors(&self, run: &Run) -> Vec<f64> {
+        let mut growth = vec![0.0_f64; self.times.len()];
+        // An event ends each run in its own time: what is compared is when.
+        let shared = self.times.len() - usize::from(self.end.is_some());
+        for ((name, values), range) in self.columns.iter().zip(&self.values).zip(&self.ranges) {
+            let theirs = column(run, name).unwrap_or_default();
+            for (row, error) in growth.iter_mut().enumerate().take(shared) {
+                let there = run.times.get(row) == Some(&self.times[row]);
+                let value = theirs.get(row).filter(|_| there).copied();
+                let difference = match value {
+                    Some(value) if value.is_nan() && values[row].is_nan() => 0.0,
+                    Some(value) => (value - values[row]).abs() / range,
+                    None => f64::INFINITY,
+                };
+                *error = if difference.is_nan() { f64::INFINITY } else { error.max(difference) };
+            }
+        }
+        if let (Some(end), Some(last)) = (self.end, growth.last_mut()) {
+            let span = end - self.times[0];
+            *last = run.ended_by().map_or(f64::INFINITY, |event| (event.state.t - end).abs() / span);
+        }
+        for row in 1..growth.len() {
+            growth[row] = growth[row].max(growth[row - 1]);
+        }
+        growth
+    }
+
+    /// The times at which errors are looked at, s.
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// Errors below this one are not known.
+    pub fn floor(&self) -> f64 {
+        CERTAIN * self.agreement.max(f64::EPSILON)
+    }
+
+    /// The settings of a run that is compared with it.
+    pub(super) fn compared(&self, settings: &Settings) -> Settings {
+        let until = if self.is_cut { self.times[self.times.len() - 1] } else { settings.until };
+        Settings { until, ..reported(settings) }
+    }
+
+    /// The step at which those begin that keep it, s: that of the reference's method at a tolerance of 1e-1 or so.
+    pub(super) fn longest_step(&self) -> f64 {
+        const COARSER: f64 = 30.0;
+        let span = self.times[self.times.len() - 1] - self.times[0];
+        span / (self.steps as f64 / COARSER).ceil().max(4.0)
+    }
+
+    /// A curve ends where it takes more evaluations.
+    pub(super) fn most_evaluations(&self) -> u64 {
+        DEARER * self.evaluations + LEAST_EVALUATIONS
+    }
+}
+
+/// The same scene, reported at the times at which errors are looked at.
+fn reported(settings: &Settings) -> Settings {
+    let every = Some((settings.until - settings.from).max(f64::MIN_POSITIVE) / TIMES);
+    Settings { every, dense: false, digits: false, ..settings.clone() }
+}
+
+/// As exact as a method can.
+fn exact(settings: &Settings, method: Method, tolerance: f64) -> Settings {
+    let (enforcement, stabilisation) = Default::default();
+    let settings = reported(settings);
+    Settings { method, tolerance, step: None, enforcement, stabilisation, max_steps: MOST_STEPS, ..settings }
+}
+
+fn column(run: &Run, name: &str) -> Result<Vec<f64>, Error> {
+    run.column(name).ok_or_else(|| Error::UnknownName {
+        kind: "coordinate, rate or output",
+        name: name.to_owned(),
+        known: run.column_names(),
+    })
+}
+
+/// How far values are apart, beside what else has their unit; what does not move is measured by its size.
+fn ranges(run: &Run, columns: &[String], values: &[Vec<f64>]) -> Vec<f64> {
+    let spans = values.iter().map(|values| {
+        let finite = || values.iter().copied().filter(|value| value.is_finite());
+        let (low, high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
+        let size = low.abs().max(high.abs());
+        if high - low > SMALL * size {
+            high - low
+        } else if size.is_finite() {
+            size
+        } else {
+            0.0
+        }
+    });
+    let spans: Vec<f64> = spans.collect();
+    let units: Vec<String> = columns.iter().map(|name| run.unit(name)).collect();
+    let largest = |unit: &String| {
+        let alike = spans.iter().zip(&units).filter(|(_, other)| *other == unit).map(|(span, _)| *span);
+        alike.fold(0.0, f64::max)
+    };
+    let of = |(span, unit): (&f64, &String)| {
+        let range = span.max(SMALL * largest(unit));
+        if range > 0.0 { range } else { 1.0 }
+    };
+    spans.iter().zip(&units).map(of).collect()
+}

@@ -1,0 +1,89 @@
+//! `chart`: what it prints and writes.
+
+use std::fs;
+use std::path::PathBuf;
+
+use dalembert_models::MODELS;
+
+fn told(arguments: &[&str]) -> Result<String, String> {
+    let mut out = Vec::new();
+    let arguments = ["dalembert", "chart"].iter().chain(arguments);
+    match dalembert::cli::run(MODELS, arguments, &mut out) {
+        Ok(()) => Ok(String::from_utf8(out).expect("text")),
+        Err(problem) => Err(problem.to_string()),
+    }
+}
+
+/// Where a test's files go.
+fn file(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("dalembert-charts-{}", std::process::id()));
+    fs::create_dir_all(&folder).expect("a folder");
+    folder.join(name)
+}
+
+fn text(path: &std::path::Path) -> &str {
+    path.to_str().expect("text")
+}
+
+#[test]
+fn a_chart_has_a_curve_for_every_method_that_suits() {
+    let (svg, csv) = (file("pendulum.svg"), file("pendulum.csv"));
+    let printed = told(&["double_pendulum", "--until", "1", "--plot", text(&svg), "--csv", text(&csv)]).unwrap();
+    for expected in [
+        "measured from dop853, with which dopri5 agrees",
+        "not separable, since its mass matrix changes",
+        "An error of 1e-6 costs",
+    ] {
+        assert!(printed.contains(expected), "{expected}: {printed}");
+    }
+    let points = fs::read_to_string(csv).unwrap();
+    for method in ["auto", "euler", "rk4", "dopri5", "dop853", "gauss6", "radau5", "rodas5p"] {
+        assert!(points.contains(&format!("DoublePendulum,{method},")), "{method}");
+    }
+    assert!(!points.contains("verlet"));
+    assert!(fs::read_to_string(svg).unwrap().starts_with("<svg"));
+}
+
+#[test]
+fn constraints_are_treated_in_four_ways_and_compared_with_the_minimal_file() {
+    let (svg, csv) = (file("four.svg"), file("four.csv"));
+    let printed = told(&[
+        "pendulum_cartesian",
+        "--until",
+        "2",
+        "--methods",
+        "dop853",
+        "--twin",
+        "simple_pendulum",
+        "--plot",
+        text(&svg),
+        "--csv",
+        text(&csv),
+    ])
+    .unwrap();
+    let points = fs::read_to_string(csv).unwrap();
+    for way in ["multipliers", "not projected", "Baumgarte", "null space", "springs 1e6", "simple_pendulum (minimal)"] {
+        assert!(points.contains(&format!(",{way},")) && printed.contains(way), "{way}: {printed}");
+    }
+    // What is not modelled costs nothing: the minimal coordinates need the least work.
+    let cost = |way: &str| -> f64 {
+        let line = printed.lines().find(|line| line.starts_with(way)).unwrap_or_else(|| panic!("{way}: {printed}"));
+        line[way.len()..].split_whitespace().nth(1).unwrap().parse().unwrap()
+    };
+    assert!(cost("simple_pendulum (minimal)") < 1.1 * cost("multipliers"), "{printed}");
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_before_anything_runs() {
+    for (arguments, expected) in [
+        (vec!["simple_pendulum", "--methods", "rk5"], "unknown method `rk5`"),
+        (vec!["simple_pendulum", "--compare", "psi"], "no coordinate, rate or output is called `psi`"),
+        (vec!["simple_pendulum", "--twin", "bouncing_ball"], "have no output of one name"),
+        (vec!["nobody"], "no model and no file is called `nobody`"),
+    ] {
+        let paths = [text(&file("no.svg")).to_owned(), text(&file("no.csv")).to_owned()];
+        let arguments: Vec<&str> = arguments.into_iter().chain(["--plot", &paths[0], "--csv", &paths[1]]).collect();
+        let problem = told(&arguments).unwrap_err();
+        assert!(problem.contains(expected), "{expected}: {problem}");
+    }
+}
