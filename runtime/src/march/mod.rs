@@ -18,7 +18,7 @@ use std::ops::ControlFlow;
 
 use between::Defect;
 use jump::{JumpDetector, Upset};
-use phase::Impacts;
+use phase::{Impacts, Instant};
 
 use crate::cause::Cause;
 use crate::constrain::Projection;
@@ -90,6 +90,7 @@ pub(crate) struct March {
     /// How many steps in a row ended where the constraints depend on each other as they do nowhere else.
     singular: u32,
     impacts: Impacts,
+    instant: Instant,
     defect: Defect,
     /// Until when the motion goes on at most, s.
     until: f64,
@@ -131,6 +132,7 @@ impl March {
             from: t,
             singular: 0,
             impacts: Impacts::default(),
+            instant: Instant::default(),
             rejected: Vec::with_capacity(y.len()),
             rejected_step: 0.0,
             cuts: 0,

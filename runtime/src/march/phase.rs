@@ -9,6 +9,8 @@ use crate::run::Recorder;
 
 /// More firings than this at one instant are a cycle.
 const AT_AN_INSTANT: u32 = 50;
+/// Times are one instant that differ by less than this part of themselves and of the whole run.
+const INSTANT: f64 = 1e-12;
 /// Changes of speeds below this part of them are none.
 const ROUNDING: f64 = 1e-12;
 /// Flights shorter than this part of the first are not followed one by one.
@@ -27,6 +29,13 @@ struct Flights {
     first: Option<f64>,
     flight: Option<f64>,
     estimate: Option<f64>,
+}
+
+/// Firings at one instant.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Instant {
+    t: f64,
+    firings: u32,
 }
 
 /// The impacts of all events.
@@ -76,7 +85,7 @@ impl March {
         recorder: &mut Recorder,
     ) -> Result<Halt, Box<Cause>> {
         let mut fired = fired;
-        for _ in 0..AT_AN_INSTANT {
+        while !self.cycles() {
             let (before, mut changed) = (system.phase(), false);
             let mut stops = false;
             'all: for Fired { event, actions, .. } in &fired {
@@ -115,6 +124,17 @@ impl March {
         }
         let event = fired.first().map_or(0, |fired| fired.event);
         Err(Cause::Chattering { switch: system.description().events[event].name.to_string() }.into())
+    }
+
+    /// Counts a firing; true where there were too many at one instant, in this call or, with steps too short to count between them, in
+    /// several.
+    fn cycles(&mut self) -> bool {
+        let now = self.clock.now();
+        if (now - self.instant.t).abs() > INSTANT * now.abs().max(self.until - self.from) {
+            self.instant = Instant { t: now, firings: 0 };
+        }
+        self.instant.firings += 1;
+        self.instant.firings > AT_AN_INSTANT
     }
 
     /// Brings the speeds to constraints that a sharp turn of time or of an input moves.

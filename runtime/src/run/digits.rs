@@ -35,7 +35,7 @@ const LOST: f64 = 0.2;
 const STILL: f64 = 1e-10;
 /// The part of the time until then over which differences are looked at.
 const WINDOW: f64 = 0.1;
-/// The last state is moved in so many ways.
+/// A state is moved in so many ways.
 const SHAKES: usize = 4;
 /// Numbers are printed with so many significant digits at most.
 const MOST: i32 = 15;
@@ -90,11 +90,10 @@ impl Digits {
         }
     }
 
-    /// The last state [q; q'], and states about it moved as far as half its bounds.
-    pub(crate) fn around_end(&self, run: &Run) -> Vec<Vec<f64>> {
-        let (n, m) = (run.names.coordinates.len(), run.names.outputs.len());
-        let Some(row) = run.len().checked_sub(1) else { return Vec::new() };
-        let (state, bounds) = (&run.rows[2 * n * row..][..2 * n], &self.rows[(2 * n + m) * row..][..2 * n]);
+    /// A state [q; q'] at about the time of a row, and states about it moved as far as half the bounds there.
+    pub(crate) fn around(&self, run: &Run, row: usize, state: &[f64]) -> Vec<Vec<f64>> {
+        let columns = state.len() + run.names.outputs.len();
+        let bounds = &self.rows[columns * row..][..state.len()];
         let moved = |pattern: usize| {
             let sign = |i: usize| if (i * (pattern / 2) + pattern).is_multiple_of(2) { 0.5 } else { -0.5 };
             state.iter().zip(bounds).enumerate().map(|(i, (y, bound))| y + sign(i) * bound).collect()
@@ -288,9 +287,13 @@ fn ranges(run: &Run, still: f64) -> Vec<f64> {
     }
     let ranges: Vec<f64> = ends.iter().map(|(low, high)| (high - low).max(0.0)).collect();
     let units: Vec<String> = names.iter().map(|name| run.unit(name)).collect();
+    // Outputs may be quotients by what vanishes: the motion says what is large, where it has the unit.
+    let states = 2 * run.names.coordinates.len();
     let largest = |unit: &String| {
-        let alike = ranges.iter().zip(&units).filter(|(_, other)| *other == unit);
-        alike.fold(f64::MIN_POSITIVE, |most, (range, _)| most.max(*range))
+        let alike = || ranges.iter().zip(&units).enumerate().filter(|(_, (_, other))| *other == unit);
+        let moves = alike().any(|(column, _)| column < states);
+        let counts = alike().filter(|(column, _)| !moves || *column < states);
+        counts.fold(f64::MIN_POSITIVE, |most, (_, (range, _))| most.max(*range))
     };
     let of = |column: usize| {
         let (low, high) = ends[column];

@@ -8,6 +8,7 @@
 
 mod builder;
 mod by_hand;
+mod close_calls;
 mod companion;
 mod settings;
 #[cfg(test)]

@@ -139,6 +139,14 @@ pub enum Warning {
         /// The event.
         event: String,
     },
+    /// An event's function turns back so near to zero that an error as large as the run's may add two crossings or take two
+    /// away.
+    EventGrazes {
+        /// The event.
+        event: String,
+        /// When, s.
+        t: f64,
+    },
     /// The run has too many steps to keep dense output of them all.
     DenseOutputEnds {
         /// Until when there is dense output, s.
@@ -284,6 +292,11 @@ impl fmt::Display for Warning {
             Warning::EventNearEnd { event } => {
                 write!(f, "`{event}` lies so near to the end of the run that it may be just before or just after it")
             }
+            Warning::EventGrazes { event, t } => write!(
+                f,
+                "`{event}` turns back so near to zero at t = {t} s that two crossings may be too many or missing",
+                t = short(*t)
+            ),
             Warning::DenseOutputEnds { t } => {
                 write!(f, "dense output ends at t = {t} s: it would fill the memory", t = short(*t))
             }

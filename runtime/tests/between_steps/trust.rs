@@ -205,13 +205,18 @@ scene: {{start: {{x: 0.1, x': 1}}, until: 1000, every: 100, tolerance: 1e-6}}",
 
 /// x = cos t: it is zero at π/2, where x'/x has a pole.
 fn swinging(until: &str, then: &str) -> Run {
+    swinging_past("x", until, then)
+}
+
+/// The same with an event where a function vanishes.
+fn swinging_past(when: &str, until: &str, then: &str) -> Run {
     let mut case = file(&format!(
         "name: S
 coordinates: {{x: 1}}
 kinetic_energy: x'^2/2
 potential_energy: x^2/2
 outputs: {{ratio: x'/x, speed: 2*x'}}
-events: {{zero: {{when: x, then: {then}}}}}
+events: {{zero: {{when: {when}, then: {then}}}}}
 scene: {{start: {{x: 1}}, until: {until}, tolerance: 1e-6}}"
     ));
     case.settings.digits = true;
@@ -242,4 +247,26 @@ fn a_crossing_nearer_to_the_end_than_the_error_is_told() {
     }
     // It ends the run.
     assert!(!told(5.0, "stop"));
+}
+
+#[test]
+fn an_event_that_turns_back_nearer_to_zero_than_the_error_is_told() {
+    let grazes = |when: &str| {
+        let run = swinging_past(when, "5", "record");
+        let at = run.warnings.iter().find_map(|warning| match warning {
+            Warning::EventGrazes { t, .. } => Some(*t),
+            _ => None,
+        });
+        (at, run.events.len())
+    };
+    // x turns back at −1: two crossings, or none, that a millionth decides.
+    for (when, events) in [("x + 1 - 1e-9", 2), ("x + 1 + 1e-9", 0)] {
+        let (at, found) = grazes(when);
+        assert!((at.unwrap() - std::f64::consts::PI).abs() < 1e-3, "{when}");
+        // Whatever was found, it is not promised.
+        assert!(found == events || found == 2 - events, "{when}: {found}");
+    }
+    for (when, events) in [("x + 1 - 1e-2", 2), ("x + 1 + 1e-2", 0), ("sin(20*x)", 21)] {
+        assert_eq!(grazes(when), (None, events), "{when}");
+    }
 }
