@@ -39,7 +39,7 @@ pub mod trust;
 pub use cause::Cause;
 pub use constrain::Residuals;
 pub use dalembert_macros::model;
-pub use error::{Error, Inseparable};
+pub use error::{Error, Inseparable, Nonlinear};
 pub use mechanism::{Enforcement, Method, ParseMethodError, Stabilisation};
 pub use run::{Digits, Failure, Impulse, Occurrence, Run, State, Trust, Work};
 pub use simulate::{Settings, Simulate, Simulation, StateMut, Stepping, simulate, simulate_with};

@@ -227,6 +227,7 @@ fn as_json(loaded: &Loaded, settings: &Settings, run: &Run) -> Value {
         ("model", json!(loaded.name)),
         ("source", json!(format!("{:016x}", fnv1a(&loaded.source)))),
         ("method", json!(run.method.to_string())),
+        ("method_chosen", json!(run.why)),
         ("constraints", json!(settings.enforcement.name())),
         ("constraint_drift", json!(settings.stabilisation.name())),
         ("derivation", json!(run.balances.as_ref().map_or(LAGRANGE, |b| b.system.as_str()))),

@@ -37,6 +37,11 @@ pub enum Error {
         /// What stands in the way.
         reason: Inseparable,
     },
+    /// The method is for linear systems with constant coefficients, and the mechanism is not one.
+    NotLinear {
+        /// What stands in the way.
+        reason: Nonlinear,
+    },
     /// Forces are made of reactions, which only multipliers give together with the accelerations.
     NeedsMultipliers,
     /// A list has the wrong length.
@@ -87,6 +92,28 @@ pub enum Inseparable {
     Speeds,
 }
 
+/// What keeps the exact propagation of linear systems from a mechanism.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Nonlinear {
+    /// The mechanism has constraints.
+    Constraints,
+    /// The equations of motion are not linear, or their coefficients change.
+    Coefficients,
+    /// The equations of motion depend on time.
+    Time,
+}
+
+impl fmt::Display for Nonlinear {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Nonlinear::Constraints => "it has constraints",
+            Nonlinear::Coefficients => "its equations of motion are not linear with constant coefficients",
+            Nonlinear::Time => "its equations of motion depend on time",
+        })
+    }
+}
+
 impl fmt::Display for Inseparable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -125,6 +152,12 @@ impl fmt::Display for Error {
                 "`{method}` is for separable systems: no constraints, a constant mass matrix, forces that do not depend on \
                  speeds; the mechanism is not one, since {reason}"
             ),
+            Error::NotLinear { reason } => {
+                write!(
+                    f,
+                    "`exact` propagates linear systems with constant coefficients; the mechanism is not one, since {reason}"
+                )
+            }
             Error::NeedsMultipliers => {
                 write!(f, "a force is made of reactions, as friction is: take `multipliers`, which find both together")
             }

@@ -1,5 +1,6 @@
 //! The code behind each method's name.
 
+use super::exact::Exact;
 use super::explicit::Scheme;
 use super::explicit::{DOP853, DOPRI5, Dop853, Dopri5, EULER, Euler, ExplicitRungeKutta, MIDPOINT, Midpoint, RK4, Rk4};
 use super::implicit::{Collocation, GAUSS_2, GAUSS_4, GAUSS_6, RADAU_5};
@@ -38,6 +39,7 @@ pub(crate) fn stepper(method: Method, n: usize, work: bool) -> Box<dyn OneStep> 
         Method::Gauss6 => Box::new(Collocation::new(GAUSS_6, n, work)),
         Method::Radau5 => Box::new(Collocation::new(RADAU_5, n, work)),
         Method::Rodas5P => Box::new(Rosenbrock::new(RODAS5P, n, work)),
+        Method::Exact => Box::new(Exact::new(n, work)),
     }
 }
 
@@ -57,6 +59,8 @@ pub(crate) fn order(method: Method) -> u32 {
         Method::Gauss6 => GAUSS_6.order,
         Method::Radau5 => RADAU_5.order,
         Method::Rodas5P => RODAS5P.order,
+        // That of its polynomial between the ends.
+        Method::Exact => 12,
     }
 }
 
@@ -76,6 +80,7 @@ pub(crate) fn stability(method: Method) -> Stability {
         Method::Gauss6 => Stability::Rational(GAUSS_6.stability),
         Method::Radau5 => Stability::Rational(RADAU_5.stability),
         Method::Rodas5P => Stability::Rational(RODAS5P.stability),
+        Method::Exact => Stability::Exponential,
     }
 }
 

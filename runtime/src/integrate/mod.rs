@@ -1,7 +1,7 @@
 //! Integrating the equations of motion in time.
 //!
 //! 1. A family of one-step methods, each in its folder with the files `tableau`, `step`, `dense`,
-//!    implements [`OneStep`]: look in `explicit/`, `symplectic/`, `implicit/` and `rosenbrock/`, and for which name means which in `choose.rs`.
+//!    implements [`OneStep`]: look in `explicit/`, `symplectic/`, `implicit/`, `rosenbrock/` and `exact/`, and for which name means which in `choose.rs`.
 //! 2. Methods are written once over [`Block`]s, whose size the compiler knows or not: look in `block.rs`.
 //!    Those that go from one end of a step to the other in one piece share [`ends::Ends`].
 //! 3. [`StepControl`] chooses steps against a [`Tolerance`]: look in `control.rs`.
@@ -14,6 +14,7 @@ mod choose;
 mod clock;
 mod control;
 mod ends;
+mod exact;
 mod explicit;
 mod hermite;
 mod implicit;
@@ -33,6 +34,8 @@ pub(crate) use block::Block;
 pub(crate) use choose::{order, stability, stepper};
 
 pub(crate) use clock::Clock;
+pub(crate) use exact::longest_step;
+
 pub(crate) use control::{Control, NO_CONTROL, StepControl};
 pub(crate) use segment::Segment;
 pub(crate) use stability::{Rational, Stability};

@@ -11,6 +11,8 @@ pub(crate) enum Stability {
     Polynomial(Vec<f64>),
     /// R(z) = P(z)/Q(z).
     Rational(Rational),
+    /// R(z) = eᶻ.
+    Exponential,
     /// For methods that know only pairs ±λ of modes of q'' = λ² q.
     Splitting(&'static Splitting),
 }
@@ -21,6 +23,7 @@ impl Stability {
         match self {
             Stability::Polynomial(coefficients) => polynomial(coefficients, z).norm(),
             Stability::Rational(Rational { above, below }) => (polynomial(above, z) / polynomial(below, z)).norm(),
+            Stability::Exponential => z.re.exp(),
             Stability::Splitting(scheme) => scheme.amplification(z),
         }
     }

@@ -1,7 +1,7 @@
 //! A fixed step that suits a tolerance, found by trial steps over the start.
 
 use super::{March, Pace};
-use crate::integrate::{OneStep, Setback, StepControl, Tolerance, Trial, order, stepper};
+use crate::integrate::{OneStep, Setback, StepControl, Tolerance, Trial, longest_step, order, stepper};
 use crate::mechanism::{Method, System};
 
 /// The start is as much of the motion as the method of order 8 does in so many steps at this tolerance.
@@ -21,6 +21,10 @@ impl March {
     /// tolerance.  What happens only later (an encounter, a stiffer spring) the step does not know.
     pub fn find_step(&mut self, system: &dyn System, method: Method, tolerance: &Tolerance, longest: f64) -> f64 {
         let (from, left) = (self.clock.now(), longest.min(self.until - self.clock.now()));
+        if method == Method::Exact {
+            let resolved = longest_step(system, from, self.stepper.start().y, tolerance.relative);
+            return self.keep_step(resolved.map_or(left, |resolved| resolved.min(left)));
+        }
         let mut tolerance = tolerance.clone();
         let states = scout(system, (from, self.until), self.stepper.start().y, &mut tolerance);
         let seen = states.last().map_or(left, |(t, _)| t - from);
@@ -50,7 +54,10 @@ impl March {
                 break;
             }
         }
-        let h = if good > 0.0 { good } else { h };
+        self.keep_step(if good > 0.0 { good } else { h })
+    }
+
+    fn keep_step(&mut self, h: f64) -> f64 {
         self.pace = Pace::Fixed(h);
         self.h = 0.0;
         h

@@ -18,8 +18,9 @@ use std::str::FromStr;
 /// | `gauss2`, `gauss4`, `gauss6` | 2, 4, 6 | all, symplectic | fixed | by iteration | always |
 /// | `radau5` | 5 | stiff motions | by the tolerance | by iteration | always, damped |
 /// | `rodas5p` | 5 | stiff motions | by the tolerance | 8 | always, damped |
+/// | `exact` | - | linear systems with constant coefficients | fixed | 0 | as the motion is |
 ///
-/// A system is separable where M is constant and forces do not depend on speeds, nor switch with them, without constraints.
+/// `exact` multiplies by e^{Ah}; its step is as long as a polynomial between its ends is exact to the tolerance.  A system is separable where M is constant and forces do not depend on speeds, nor switch with them, without constraints.
 /// Symplectic methods keep the energy of a conservative motion within a band, however long it is, as long as their step does
 /// not change; where none is given it is found once, from the tolerance, by trial steps over the start of the motion.  Implicit methods
 /// solve linear systems with the generated Jacobians.
@@ -53,15 +54,18 @@ pub enum Method {
     Radau5,
     /// Steinebach's Rosenbrock method, order 5, for stiff motions, with error control; a fixed step if one is given.
     Rodas5P,
-    /// [`Method::Rk4`] where a step is given; else [`Method::Dop853`], or [`Method::Dopri5`] for
-    /// tolerances above 10⁻⁵.
+    /// The exponential of a linear system with constant coefficients, exact to rounding; a fixed step.
+    Exact,
+    /// The one that suits: [`Method::Rk4`] where a step is given; [`Method::Exact`] for linear systems with constant
+    /// coefficients; [`Method::Rodas5P`] where what decays at the start is much faster than what vibrates; else
+    /// [`Method::Dop853`], or [`Method::Dopri5`] for tolerances above 10⁻⁴.
     #[default]
     Auto,
 }
 
 impl Method {
     /// All methods, as users list them.
-    pub const ALL: [Method; 14] = [
+    pub const ALL: [Method; 15] = [
         Method::Euler,
         Method::Midpoint,
         Method::Rk4,
@@ -75,6 +79,7 @@ impl Method {
         Method::Gauss6,
         Method::Radau5,
         Method::Rodas5P,
+        Method::Exact,
         Method::Auto,
     ];
 
@@ -94,6 +99,7 @@ impl Method {
             Method::Gauss6 => "gauss6",
             Method::Radau5 => "radau5",
             Method::Rodas5P => "rodas5p",
+            Method::Exact => "exact",
             Method::Auto => "auto",
         }
     }
@@ -108,19 +114,14 @@ impl Method {
         self.splits() || matches!(self, Method::Gauss2 | Method::Gauss4 | Method::Gauss6)
     }
 
+    /// True when the method keeps one step, and finds it from the tolerance where none is given.
+    pub fn finds_step(self) -> bool {
+        self.is_symplectic() || self == Method::Exact
+    }
+
     /// True when the method chooses its steps itself.
     pub fn is_adaptive(self) -> bool {
         matches!(self, Method::Dopri5 | Method::Dop853 | Method::Radau5 | Method::Rodas5P | Method::Auto)
-    }
-
-    /// The method that `auto` stands for.
-    pub fn resolve(self, step: Option<f64>, tolerance: f64) -> Method {
-        match (self, step) {
-            (Method::Auto, Some(_)) => Method::Rk4,
-            (Method::Auto, None) if tolerance > 1e-5 => Method::Dopri5,
-            (Method::Auto, None) => Method::Dop853,
-            (method, _) => method,
-        }
     }
 }
 

@@ -110,6 +110,9 @@ impl WorkPrecision {
                 Err(Error::NotSeparable { reason, .. }) => {
                     found.refused.push((candidate.name.clone(), format!("not separable, since {reason}")));
                 }
+                Err(Error::NotLinear { reason }) => {
+                    found.refused.push((candidate.name.clone(), format!("not linear, since {reason}")));
+                }
                 Err(error) => found.refused.push((candidate.name.clone(), error.to_string())),
             }
         }

@@ -14,9 +14,14 @@ pub struct WorkUnits {
     pub operations: f64,
     /// ∂a/∂q and ∂a/∂q', in evaluations.
     pub jacobian: f64,
-    /// The matrices of a step of an implicit method, in evaluations.
+    /// The matrices of a step of an implicit method, or of an exact one, in evaluations.
     pub factorization: f64,
+    /// What a step takes beside evaluations, where it is most of the work: the product of an exact one.
+    pub step: f64,
 }
+
+/// What the exponential of a matrix takes, about.
+const PRODUCTS: f64 = 12.0;
 
 impl WorkUnits {
     /// The costs of a method on a mechanism.
@@ -35,13 +40,22 @@ impl WorkUnits {
             Method::Gauss6 => 5.0,
             _ => 1.0,
         };
-        let factorization = complex * 2.0 * n.powi(3) / 3.0;
-        WorkUnits { operations, jacobian: jacobian / operations, factorization: factorization / operations }
+        let elimination = complex * 2.0 * n.powi(3) / 3.0;
+        let (factorization, step) = match method {
+            // Squares and products of a matrix of size 2n + 1, and a product with a vector.
+            Method::Exact => (PRODUCTS * 2.0 * (2.0 * n + 1.0).powi(3), 2.0 * (2.0 * n).powi(2)),
+            _ => (elimination, 0.0),
+        };
+        let [jacobian, factorization, step] = [jacobian, factorization, step].map(|cost| cost / operations);
+        WorkUnits { operations, jacobian, factorization, step }
     }
 
-    /// n_f + c_J n_J + c_LU n_LU.
+    /// n_f + c_J n_J + c_LU n_LU + c_h n_h.
     pub fn total(&self, work: &Work) -> f64 {
-        let Work { evaluations, jacobians, factorizations, .. } = *work;
-        evaluations as f64 + self.jacobian * jacobians as f64 + self.factorization * factorizations as f64
+        let Work { evaluations, jacobians, factorizations, steps, .. } = *work;
+        evaluations as f64
+            + self.jacobian * jacobians as f64
+            + self.factorization * factorizations as f64
+            + self.step * steps as f64
     }
 }

@@ -32,6 +32,8 @@ use crate::trust::{Conditioning, Drift, Warning};
 pub struct Run {
     /// The method that was used; never [`Method::Auto`].
     pub method: Method,
+    /// Why `auto` chose it; `None` where the user did.
+    pub why: Option<&'static str>,
     /// The relative tolerance; `None` at a fixed step that was given.
     pub tolerance: Option<f64>,
     /// The fixed step, s, if there was one; of symplectic methods also where it was found from the tolerance.

@@ -65,6 +65,8 @@ pub(crate) struct Plan {
     pub dense_is_free: bool,
     /// The method.
     pub method: Method,
+    /// Why it was chosen.
+    pub why: Option<&'static str>,
     /// The tolerance, if there is one.
     pub tolerance: Option<f64>,
     /// The fixed step, if there is one.
@@ -81,6 +83,7 @@ impl Recorder {
         let n = system.len();
         let run = Run {
             method: plan.method,
+            why: plan.why,
             tolerance: plan.tolerance,
             step: plan.step,
             balances: None,

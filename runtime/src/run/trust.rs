@@ -12,6 +12,9 @@ impl fmt::Display for Trust<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let run = self.0;
         write!(f, "method         {}", run.method)?;
+        if let Some(why) = run.why {
+            write!(f, " ({why})")?;
+        }
         match (run.tolerance, run.step) {
             (None, Some(step)) => writeln!(f, ", step {step} s")?,
             (Some(tolerance), Some(step)) => writeln!(f, ", step {step:.4e} s, found for tolerance {tolerance:e}")?,

@@ -6,6 +6,7 @@
 //!    that `model!` makes: look in `typed.rs`.
 //! 4. [`Stepping`] goes step by step, for control loops: look in `by_hand.rs`.
 
+mod auto;
 mod builder;
 mod by_hand;
 mod close_calls;
@@ -77,7 +78,6 @@ struct Start {
 /// Begins a run whose states are reported at this spacing.
 fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Start, Error> {
     settings.check(system.description())?;
-    let method = settings.method.resolve(settings.step, settings.tolerance);
     let dampers = matches!(settings.enforcement, Enforcement::Springs { damping, .. } if damping > 0.0);
     let work = settings.watch && (dampers || !system.description().structure.conservative);
     let guess = [settings.q.as_slice(), settings.v.as_slice()].concat();
@@ -92,10 +92,11 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     let alone = settings.guessed || !settings.watch;
     let elsewhere = met.as_ref().ok().filter(|_| !alone).and_then(|y| other_branch(system, &start, y));
     let (y, met) = met.map_or_else(|cause| (guess, Err(cause)), |y| (y, Ok(())));
+    let auto::Choice { method, why } = auto::choose(settings, system, &y);
     let tolerance = settings.tolerance.max(Settings::TIGHTEST);
     let units = Box::new(Tolerance::new(tolerance, system.description(), &y));
     let longest = settings.longest_step.unwrap_or(f64::INFINITY);
-    let finds_step = settings.step.is_none() && method.is_symplectic();
+    let finds_step = settings.step.is_none() && method.finds_step();
     let pace = match settings.step {
         Some(step) => Pace::Fixed(step),
         // Until it is found.
@@ -125,6 +126,7 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
         watch: settings.watch,
         dense_is_free: march.dense_is_free(),
         method,
+        why,
         tolerance: settings.step.is_none().then_some(tolerance),
         step,
         projects: settings.projects(),

@@ -1,7 +1,7 @@
 //! What a run can be told.
 
 use crate::cause::Cause;
-use crate::error::{Error, Inseparable};
+use crate::error::{Error, Inseparable, Nonlinear};
 use crate::integrate::stability;
 use crate::mechanism::{Description, Enforcement, Method, Scene, Stabilisation};
 use nalgebra::Complex;
@@ -165,11 +165,14 @@ impl Settings {
         }
         positive("step", self.step)?;
         positive("longest_step", self.longest_step)?;
-        if self.step.is_none() && !self.method.is_adaptive() && !self.method.is_symplectic() {
+        if self.step.is_none() && !self.method.is_adaptive() && !self.method.finds_step() {
             return Err(Error::NoStep { method: self.method });
         }
         if let Some(reason) = inseparable(mechanism).filter(|_| self.method.splits()) {
             return Err(Error::NotSeparable { method: self.method, reason });
+        }
+        if let Some(reason) = nonlinear(mechanism).filter(|_| self.method == Method::Exact) {
+            return Err(Error::NotLinear { reason });
         }
         self.check_enforcement(mechanism)
     }
@@ -192,7 +195,7 @@ impl Settings {
         if !(alpha > 0.0 && alpha.is_finite()) {
             return bad("alpha", alpha, "a positive number");
         }
-        let method = self.method.resolve(self.step, self.tolerance);
+        let method = if self.method == Method::Auto { Method::Rk4 } else { self.method };
         match self.step {
             Some(step) if stability(method).amplification(Complex::from(-alpha * step)) > 1.0 => {
                 bad("alpha", alpha, "less, or a shorter step: the method is unstable where it decays so fast in a step")
@@ -213,6 +216,17 @@ impl Settings {
             (Stabilisation::Baumgarte { alpha }, _) => alpha.or(self.step.map(|step| FIXED_GAIN / step)).unwrap_or(0.0),
             _ => 0.0,
         }
+    }
+}
+
+/// What keeps the exponential of a matrix from being the motion.
+fn nonlinear(mechanism: &Description) -> Option<Nonlinear> {
+    if !mechanism.rows.is_empty() {
+        Some(Nonlinear::Constraints)
+    } else if !mechanism.structure.linear {
+        Some(Nonlinear::Coefficients)
+    } else {
+        mechanism.structure.time_dependent.then_some(Nonlinear::Time)
     }
 }
 

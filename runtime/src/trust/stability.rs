@@ -29,7 +29,7 @@ pub(crate) fn check_step<S: System + ?Sized>(
     let mut worst: Option<(f64, Complex<f64>)> = None;
     // A mode that grows by itself hides what the method adds to it.
     let bounded = |rate: &Complex<f64>| rate.re <= 1e-3 * rate.norm();
-    for rate in eigenvalues(system, t, q, v)?.into_iter().filter(bounded) {
+    for rate in rates(system, t, q, v)?.into_iter().filter(bounded) {
         let growth = excess(&stability, rate, step) * span;
         if growth > GROWTH.ln() && worst.is_none_or(|(known, _)| growth > known) {
             worst = Some((growth, rate));
@@ -100,7 +100,7 @@ fn limit(stability: &Stability, rate: Complex<f64>, step: f64) -> f64 {
 }
 
 /// The eigenvalues of the system linearised at a state, 1/s; `None` where they cannot be had.
-fn eigenvalues<S: System + ?Sized>(system: &S, t: f64, q: &[f64], v: &[f64]) -> Option<Vec<Complex<f64>>> {
+pub(crate) fn rates<S: System + ?Sized>(system: &S, t: f64, q: &[f64], v: &[f64]) -> Option<Vec<Complex<f64>>> {
     let n = system.len();
     // With constraints these are not the motions that remain.
     if n == 0 || n > LARGEST || !system.active_rows().is_empty() {

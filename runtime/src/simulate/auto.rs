@@ -1,0 +1,115 @@
+//! What `auto` stands for.
+
+use super::Settings;
+use crate::mechanism::{AccelerationSlopes, At, Method, System};
+use crate::trust::rates;
+
+/// A method, and why it was chosen; nothing where the user chose it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Choice {
+    pub method: Method,
+    pub why: Option<&'static str>,
+}
+
+/// More coordinates than these make the exponential dearer than steps.
+const LARGEST: usize = 40;
+/// Looser tolerances than this are met with less work at order 5: the median over the library (`docs/charts.md`).
+const LOOSE: f64 = 1.5e-4;
+/// A rate of decay is looked at where it would hold an explicit method to so many steps.
+const MANY_STEPS: f64 = 1e4;
+/// It is stiff where it is so much faster than all that vibrates.
+const FASTER: f64 = 1e3;
+
+/// The method of the settings, or the one that suits the system, the tolerance and how long it runs from y.
+pub(super) fn choose(settings: &Settings, system: &dyn System, y: &[f64]) -> Choice {
+    let because = |method, why| Choice { method, why: Some(why) };
+    let description = system.description();
+    let structure = &description.structure;
+    match settings.method {
+        Method::Auto if settings.step.is_some() => because(Method::Rk4, "a step is given"),
+        Method::Auto
+            if structure.linear
+                && !structure.time_dependent
+                && description.rows.is_empty()
+                && description.switches.is_empty()
+                && system.derivation().is_none()
+                && system.len() <= LARGEST =>
+        {
+            because(Method::Exact, "the system is linear with constant coefficients")
+        }
+        Method::Auto if is_stiff(settings, system, y) => {
+            because(Method::Rodas5P, "what decays at the start is much faster than what vibrates")
+        }
+        Method::Auto if settings.tolerance > LOOSE => because(Method::Dopri5, "the tolerance is loose"),
+        Method::Auto => because(Method::Dop853, "nothing is stiff, and the tolerance is not loose"),
+        method => Choice { method, why: None },
+    }
+}
+
+/// Whether something decays so fast that steps would have to follow it long after it is gone.
+fn is_stiff(settings: &Settings, system: &dyn System, y: &[f64]) -> bool {
+    let (n, span) = (system.len(), settings.until - settings.from);
+    if system.description().damping_pattern.is_empty() || n > LARGEST {
+        return false;
+    }
+    let at = At::packed(settings.from, y, n);
+    let mut slopes = AccelerationSlopes::new(n);
+    if slopes.evaluate(system, at).is_err() {
+        return false;
+    }
+    let fastest = slopes.by_speed().iter().fold(0.0_f64, |most, slope| most.max(slope.abs()));
+    if fastest * span < MANY_STEPS {
+        return false;
+    }
+    let Some(rates) = rates(system, settings.from, at.q, at.v) else { return false };
+    let decay = rates.iter().fold(0.0_f64, |most, rate| most.max(-rate.re));
+    let vibration = rates.iter().fold(1.0 / span, |most: f64, rate| most.max(rate.im.abs()).max(rate.re));
+    decay * span > MANY_STEPS && decay > FASTER * vibration
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::Toy;
+
+    fn chosen(toy: &Toy, change: impl Fn(&mut Settings)) -> Method {
+        let mut settings = Settings::new(&toy.scene);
+        change(&mut settings);
+        let y = [settings.q.as_slice(), settings.v.as_slice()].concat();
+        let Choice { method, why } = choose(&settings, toy, &y);
+        assert_eq!(why.is_some(), settings.method == Method::Auto);
+        method
+    }
+
+    /// x'' = −d x' − x.
+    fn damped(d: f64, until: f64) -> Toy {
+        let mut toy = Toy::new(&["x"], (&[1.0], &[0.0]), until, move |_, q, v, _, a| a[0] = -d * v[0] - q[0]);
+        toy.jacobian = std::sync::Arc::new(move |_, _, _, dq, dv| (dq[0], dv[0]) = (1.0, d));
+        toy
+    }
+
+    #[test]
+    fn the_method_follows_from_the_system_and_the_tolerance() {
+        let pendulum = Toy::pendulum(9.81, 1.0, 10.0);
+        assert_eq!(chosen(&pendulum, |_| ()), Method::Dop853);
+        assert_eq!(chosen(&pendulum, |settings| settings.tolerance = 1e-3), Method::Dopri5);
+        assert_eq!(chosen(&pendulum, |settings| settings.step = Some(0.1)), Method::Rk4);
+        assert_eq!(chosen(&pendulum, |settings| settings.method = Method::Radau5), Method::Radau5);
+    }
+
+    #[test]
+    fn linear_systems_are_propagated_exactly_unless_time_drives_them() {
+        let mut toy = damped(0.1, 10.0);
+        toy.description.structure.linear = true;
+        assert_eq!(chosen(&toy, |_| ()), Method::Exact);
+        toy.description.structure.time_dependent = true;
+        assert_eq!(chosen(&toy, |_| ()), Method::Dop853);
+    }
+
+    #[test]
+    fn what_decays_fast_is_stiff_only_where_the_run_is_long_beside_it() {
+        assert_eq!(chosen(&damped(1e5, 10.0), |_| ()), Method::Rodas5P);
+        assert_eq!(chosen(&damped(1e5, 1e-3), |_| ()), Method::Dop853);
+        assert_eq!(chosen(&damped(10.0, 10.0), |_| ()), Method::Dop853);
+    }
+}
