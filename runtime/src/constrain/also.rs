@@ -18,7 +18,7 @@ const APART: f64 = 1e-6;
 impl<S: System + ?Sized> Closing<'_, S> {
     /// Moves on to what the start is to meet beside constraints, by least steps (Gauss and Newton; differences only
     /// steer).
-    pub fn also(&self, y: &mut [f64], range: Range<usize>) -> Result<(), Cause> {
+    pub fn also(&self, y: &mut [f64], range: Range<usize>) -> Result<(), Box<Cause>> {
         let free: Vec<usize> = (0..2 * self.n).filter(|i| !self.held[*i]).collect();
         let pairs = self.system.also(At::packed(self.t, y, self.n));
         let wanted = self.wanted(&pairs[range.clone()]);
@@ -62,10 +62,10 @@ impl<S: System + ?Sized> Closing<'_, S> {
         }
         let first = left.len() - range.len();
         match (first..left.len()).find(|k| left[*k].is_nan() || left[*k].abs() > MISSED * terms[*k]) {
-            Some(k) => Err(Cause::StartMissesConstraint {
-                constraint: format!("also, its equation {}", k - first + 1),
-                residual: left[k],
-            }),
+            Some(k) => {
+                let constraint = format!("also, its equation {}", k - first + 1);
+                Err(Cause::StartMissesConstraint { constraint, residual: left[k] }.into())
+            }
             None => Ok(()),
         }
     }

@@ -38,7 +38,7 @@ const SINGULAR: f64 = 1e-6;
 /// # Errors
 /// Held values that miss a constraint, constraints that cannot be met, rows that depend on each other there although they
 /// do not elsewhere.
-pub(crate) fn consistent<S: System + ?Sized>(system: &S, start: &Start<'_>) -> Result<Vec<f64>, Cause> {
+pub(crate) fn consistent<S: System + ?Sized>(system: &S, start: &Start<'_>) -> Result<Vec<f64>, Box<Cause>> {
     let n = system.len();
     let closing = Closing::new(system, start);
     let mut y = start.y.to_vec();
@@ -123,14 +123,14 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
     }
 
     /// Levenberg's and Marquardt's iteration to c = 0 (Moré 1978), rows divided by their norms.
-    pub fn close(&self, y: &mut [f64]) -> Result<(), Cause> {
+    pub fn close(&self, y: &mut [f64]) -> Result<(), Box<Cause>> {
         let mut damping = 1e-3;
         let mut scales = vec![0.0_f64; self.holonomic.len()];
         for _ in 0..ITERATIONS {
             let (c, closed) = self.residual(y);
             if let Some(k) = c.iter().position(|c| !c.is_finite()) {
                 let constraint = self.name(self.holonomic[k]);
-                return Err(Cause::NonFinite { what: format!("the constraint `{constraint}` at the start") });
+                return Err(Cause::NonFinite { what: format!("the constraint `{constraint}` at the start") }.into());
             }
             if c.iter().zip(&closed).all(|(c, closed)| c.abs() <= *closed) {
                 return Ok(());
@@ -177,7 +177,7 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
     }
 
     /// Whether what is left is rounding; else what it is.
-    fn closed(&self, y: &[f64]) -> Result<(), Cause> {
+    fn closed(&self, y: &[f64]) -> Result<(), Box<Cause>> {
         let (c, _) = self.residual(y);
         let negligible = self.negligible(y, &self.holonomic);
         let missed = (0..c.len()).filter(|k| c[*k].is_nan() || c[*k].abs() > negligible[*k]);
@@ -187,10 +187,10 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
         let a = full.select_columns(&self.free);
         let touched = self.free.iter().any(|i| full[(worst, *i)] != 0.0);
         if !touched {
-            return Err(Cause::StartMissesConstraint { constraint, residual });
+            return Err(Cause::StartMissesConstraint { constraint, residual }.into());
         }
         let stationary = (a.transpose() * &c).norm() <= STATIONARY * a.norm() * c.norm();
-        Err(Cause::Unreachable { constraint, residual, stationary })
+        Err(Cause::Unreachable { constraint, residual, stationary }.into())
     }
 
     /// Moves along the constraints to the point nearest to the guess.
@@ -230,7 +230,7 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
     }
 
     /// Speeds that are not held: those of least kinetic energy among all that the constraints allow.
-    fn speeds(&self, y: &mut [f64]) -> Result<(), Cause> {
+    fn speeds(&self, y: &mut [f64]) -> Result<(), Box<Cause>> {
         let n = self.n;
         let held = &self.held[n..];
         let free: Vec<usize> = (0..n).filter(|i| !held[*i]).collect();
@@ -258,7 +258,7 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
         for (k, row) in self.rows.iter().enumerate() {
             let residual = triples[*row][1];
             if residual.abs() > MISSED * terms[k] || residual.is_nan() {
-                return Err(Cause::StartMissesConstraint { constraint: self.name(*row), residual });
+                return Err(Cause::StartMissesConstraint { constraint: self.name(*row), residual }.into());
             }
         }
         Ok(())
@@ -279,7 +279,7 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
     }
 
     /// Refuses a place where the constraints are less independent than elsewhere: what follows there is not determined.
-    fn judge(&self, y: &[f64]) -> Result<(), Cause> {
+    fn judge(&self, y: &[f64]) -> Result<(), Box<Cause>> {
         let rank = self.system.description().phases.get(self.system.phase()).map_or(0, |phase| phase.rank as usize);
         let place = At::place(self.t, &y[..self.n]);
         let (mut j, triples) = (self.jacobian(y, &self.rows), self.triples(y));
@@ -301,7 +301,7 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
         let mut values: Vec<f64> = j.singular_values().iter().copied().collect();
         values.sort_by(|a, b| b.total_cmp(a));
         match rank.checked_sub(1).and_then(|k| values.get(k)) {
-            Some(sigma) if *sigma < SINGULAR => Err(Cause::SingularConfiguration { sigma: *sigma }),
+            Some(sigma) if *sigma < SINGULAR => Err(Cause::SingularConfiguration { sigma: *sigma }.into()),
             _ => Ok(()),
         }
     }

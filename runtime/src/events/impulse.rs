@@ -36,7 +36,7 @@ pub(crate) fn impulse<S: System + ?Sized>(
     (t, y): (f64, &[f64]),
     before: &[f64],
     after: &[f64],
-) -> Result<Option<Impulse>, Cause> {
+) -> Result<Option<Impulse>, Box<Cause>> {
     let description = system.description();
     let n = system.len();
     let mut jumps = vec![[0.0; 3]; before.len() / 3];
@@ -50,7 +50,7 @@ pub(crate) fn impulse<S: System + ?Sized>(
             match description.input_jumps.get(input) {
                 Some(InputJump::Refused) => {
                     let name = description.inputs.get(input).map_or_else(String::new, ToString::to_string);
-                    return Err(Cause::InfiniteForce { input: name, t });
+                    return Err(Cause::InfiniteForce { input: name, t }.into());
                 }
                 Some(InputJump::Speed) => jump[1] = change(0),
                 _ => {}

@@ -62,7 +62,7 @@ pub(crate) fn choose<S: System + ?Sized>(
     (t, y): (f64, &[f64]),
     known: &Known<'_>,
     trial: Trial<'_, S>,
-) -> Result<Vec<bool>, Cause> {
+) -> Result<Vec<bool>, Box<Cause>> {
     let count = system.description().switches.len();
     let before = system.modes().to_vec();
     let rested: Vec<bool> = (0..count).map(|switch| side(system, switch) == 0.0).collect();
@@ -135,7 +135,7 @@ pub(crate) fn choose<S: System + ?Sized>(
     }
     system.set_modes(&before);
     let switch = pushed.first().copied().unwrap_or(0);
-    Err(Cause::Chattering { switch: text(system, switch) })
+    Err(Cause::Chattering { switch: text(system, switch) }.into())
 }
 
 /// Sides of the switches that are on their surface.

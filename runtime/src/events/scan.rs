@@ -105,7 +105,7 @@ impl Scanner {
         arguments: &mut Arguments,
         system: &S,
         segment: &Segment<'_>,
-    ) -> Result<(), Cause> {
+    ) -> Result<(), Box<Cause>> {
         if self.ends == segment.t && !self.end.is_empty() {
             // The end of the last step, seen over the length of this one.
             std::mem::swap(&mut self.start, &mut self.end);
@@ -171,7 +171,7 @@ impl Scanner {
         arguments: &mut Arguments,
         system: &S,
         segment: &Segment<'_>,
-    ) -> Result<(), Cause> {
+    ) -> Result<(), Box<Cause>> {
         let (start, middle, end) = (self.start[function], self.middle[function], self.end[function]);
         let name = || watched_name(system, sampler, function);
         let mut grid = std::mem::take(&mut self.grid);
@@ -219,7 +219,8 @@ impl Scanner {
         self.collect(function, &certifier, segment, floor);
         self.certifier = certifier;
         self.grid = grid;
-        outcome.map_err(|_| Cause::OscillatesTooFast { function: watched_name(system, sampler, function) })
+        let function = || watched_name(system, sampler, function);
+        outcome.map_err(|_| Cause::OscillatesTooFast { function: function() }.into())
     }
 
     /// Takes over what the certifier marked, from where the function first is beyond `floor`: before, it is zero to

@@ -46,7 +46,7 @@ impl Stops {
         samplers: (&mut Sampler, &mut Arguments),
         (from, until): (f64, f64),
         y: &[f64],
-    ) -> Result<Self, Cause> {
+    ) -> Result<Self, Box<Cause>> {
         let mut stops = Stops { list: Vec::new(), horizon: from, until, stretch: until - from };
         stops.extend(system, samplers, y)?;
         Ok(stops)
@@ -63,7 +63,7 @@ impl Stops {
         system: &mut S,
         (sampler, arguments): (&mut Sampler, &mut Arguments),
         y: &[f64],
-    ) -> Result<(), Cause> {
+    ) -> Result<(), Box<Cause>> {
         let whole = self.until - self.horizon;
         let before = system.modes().to_vec();
         let outcome = loop {

@@ -76,7 +76,7 @@ impl Watch {
         (from, until): (f64, f64),
         y: &[f64],
         unlike: bool,
-    ) -> Result<Option<Self>, Cause> {
+    ) -> Result<Option<Self>, Box<Cause>> {
         let monitors = Monitors::new(system, unlike);
         let description = system.description();
         let closures = (0..description.inputs.len()).any(|input| system.signal(input).is_some());
@@ -108,7 +108,7 @@ impl Watch {
         system: &mut S,
         (t, y): (f64, &[f64]),
         trial: Trial<'_, S>,
-    ) -> Result<(), Cause> {
+    ) -> Result<(), Box<Cause>> {
         self.surface.fill(false);
         let kinds = system.description().switches.iter().map(|switch| switch.kind);
         let neutral: Vec<f64> = kinds.map(|kind| if kind == SwitchKind::Sign { 0.0 } else { 1.0 }).collect();
@@ -167,9 +167,14 @@ impl Watch {
     ///
     /// # Errors
     /// [`Cause::EndsMeet`].
-    pub fn meets<S: System + ?Sized>(&mut self, system: &S, segment: &Segment<'_>, part: f64) -> Result<(), Cause> {
+    pub fn meets<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        segment: &Segment<'_>,
+        part: f64,
+    ) -> Result<(), Box<Cause>> {
         match self.monitors.meets(&mut self.arguments, system, &Course::Step(*segment), part) {
-            Some((index, theta)) => Err(ends_meet(system, index, segment.t + theta * segment.h)),
+            Some((index, theta)) => Err(ends_meet(system, index, segment.t + theta * segment.h).into()),
             None => Ok(()),
         }
     }
@@ -204,7 +209,7 @@ impl Watch {
         &mut self,
         system: &S,
         segment: &Segment<'_>,
-    ) -> Result<Option<Interruption>, Cause> {
+    ) -> Result<Option<Interruption>, Box<Cause>> {
         self.scanner.scan(&mut self.sampler, &mut self.arguments, system, segment)?;
         for switch in 0..self.surface.len() {
             let function = self.sampler.function_of(switch);
@@ -285,7 +290,7 @@ impl Watch {
         segment: &Segment<'_>,
         recorder: &mut impl Log,
         together: &[Crossing],
-    ) -> Result<(), Cause> {
+    ) -> Result<(), Box<Cause>> {
         self.scanner.restart();
         self.monitors.forget();
         self.scanner.scan(&mut self.sampler, &mut self.arguments, system, segment)?;
@@ -336,7 +341,7 @@ impl Watch {
         (t, y): (f64, &[f64]),
         struck: bool,
         trial: Trial<'_, S>,
-    ) -> Result<(), Cause> {
+    ) -> Result<(), Box<Cause>> {
         self.surface.fill(false);
         self.choose(system, (t, y), None, trial)?;
         self.scanner.awaken(system);
@@ -409,7 +414,7 @@ impl Watch {
         (switch, side): (usize, f64),
         (t, y): (f64, &[f64]),
         trial: Trial<'_, S>,
-    ) -> Result<(), Cause> {
+    ) -> Result<(), Box<Cause>> {
         self.surface.fill(false);
         self.surface[switch] = true;
         self.choose(system, (t, y), Some((switch, side)), trial)?;
@@ -424,7 +429,7 @@ impl Watch {
         system: &mut S,
         (t, y): (f64, &[f64]),
         trial: Trial<'_, S>,
-    ) -> Result<Switched, Cause> {
+    ) -> Result<Switched, Box<Cause>> {
         let (mut timed, mut resume) = (false, t);
         let mut breaks = Vec::new();
         while let Some(stop) = self.stops.list.pop_if(|stop| stop.t <= t) {
@@ -464,7 +469,7 @@ impl Watch {
         (t, y): (f64, &[f64]),
         leaves: Option<(usize, f64)>,
         trial: Trial<'_, S>,
-    ) -> Result<(), Cause> {
+    ) -> Result<(), Box<Cause>> {
         let instant = AT_ONCE * self.step;
         self.restarts = if t - self.last_restart <= instant { self.restarts + 1 } else { 0 };
         self.last_restart = t;
@@ -477,7 +482,7 @@ impl Watch {
             self.scanner.sides[function] = modes::side(system, switch);
             self.scanner.fresh[function] |= on;
             if on && self.restarts > RESTARTS {
-                return Err(Cause::Chattering { switch: modes::text(system, switch) });
+                return Err(Cause::Chattering { switch: modes::text(system, switch) }.into());
             }
         }
         Ok(())

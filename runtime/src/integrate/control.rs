@@ -1,36 +1,40 @@
 //! Choosing the step.
 
-/// Constants of the step-size control h ← h·clamp(0.9·err₀^β/err^α), α = exponent − 3β/4.
+/// Constants of the step-size control.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Control {
     /// 1/(q + 1), q the order of the error estimate.
     pub exponent: f64,
-    /// Weight of the previous step's error (the integral part).
-    pub beta: f64,
     /// The smallest factor.
     pub shrink: f64,
     /// The largest factor.
     pub grow: f64,
     /// h|λ| above this is near the stability limit.
     pub stiff: f64,
-    /// Whether the last two steps foretell the next one's error (for implicit methods, whose steps are better not rejected).
-    pub predictive: bool,
 }
 
 /// For methods that have no error estimate.
-pub(crate) const NO_CONTROL: Control =
-    Control { exponent: 0.0, beta: 0.0, shrink: 1.0, grow: 1.0, stiff: f64::INFINITY, predictive: false };
+pub(crate) const NO_CONTROL: Control = Control { exponent: 0.0, shrink: 1.0, grow: 1.0, stiff: f64::INFINITY };
 
 /// The step a method proposes next, from the errors of the last steps.
 ///
-/// Source: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I (1993), section II.4;
-/// Gustafsson, ACM TOMS 17 (1991) 533, for the proportional–integral form, and 20 (1994) 496 for the predictive one.
+/// With err the error in units of the tolerance and p = 1/(q + 1),
+///
+/// h ← 0.9 h / max(errᵖ, errᵖ · (err/err₀)ᵖ · h₀/h):
+///
+/// the second expects that the error of a step of the same length grows once more as it grew from the last step, of h₀
+/// with the error err₀, to this one; where it falls the first alone counts.
+///
+/// Source: Gustafsson, ACM TOMS 20 (1994) 496; Hairer, Wanner, Solving Ordinary Differential Equations II (1996),
+/// section IV.8, who give it for implicit methods.  It spares explicit ones rejected steps as well: on Kepler's orbit of
+/// eccentricity 0.6 a quarter of all steps at order 8.
 #[derive(Clone, Debug)]
 pub(crate) struct StepControl {
     constants: Control,
-    previous_error: f64,
-    /// The last accepted step; 0: none.
-    previous_step: f64,
+    /// errᵖ of the last accepted step, and its length; 0: none.
+    previous: (f64, f64),
+    /// What counts as errᵖ at least: smaller errors foretell nothing.
+    least: f64,
     rejected: bool,
     /// True until a step was accepted.
     first: bool,
@@ -41,29 +45,23 @@ impl StepControl {
 
     /// At the start.
     pub fn new(constants: Control) -> Self {
-        StepControl { constants, previous_error: 1e-4, previous_step: 0.0, rejected: false, first: true }
+        let least = 1e-4_f64.powf(constants.exponent);
+        StepControl { constants, previous: (0.0, 0.0), least, rejected: false, first: true }
     }
 
     /// After a restart.
     pub fn restart(&mut self) {
-        (self.previous_error, self.previous_step, self.rejected) = (1e-4, 0.0, false);
+        (self.previous, self.rejected) = ((0.0, 0.0), false);
     }
 
     /// The next step after one of h was accepted with this error (at most 1).
     pub fn accepted(&mut self, h: f64, error: f64) -> f64 {
-        let Control { beta, shrink, grow, .. } = self.constants;
-        let mut factor = self.proportional(error) / Self::SAFETY;
-        if beta > 0.0 {
-            factor /= self.previous_error.powf(beta);
-        }
-        if self.constants.predictive && self.previous_step > 0.0 {
-            // As the error grew from the last step to this one, so it will to the next (Gustafsson 1994).
-            let grew = (error / self.previous_error).powf(self.constants.exponent) * self.previous_step / h;
-            factor = factor.max(factor * grew);
-        }
-        let factor = factor.clamp(1.0 / grow, 1.0 / shrink);
+        let Control { shrink, grow, .. } = self.constants;
+        let (own, (before, step)) = (self.power(error), self.previous);
+        let grew = if step > 0.0 { (own * step / (before * h)).max(1.0) } else { 1.0 };
+        let factor = (own * grew / Self::SAFETY).clamp(1.0 / grow, 1.0 / shrink);
         let limit = if self.rejected { 1.0 } else { f64::INFINITY };
-        (self.previous_error, self.previous_step) = (error.max(1e-4), h);
+        self.previous = (own.max(self.least), h);
         (self.rejected, self.first) = (false, false);
         h * (1.0 / factor).min(limit)
     }
@@ -73,12 +71,12 @@ impl StepControl {
         // A first step is no more than a guess, and may be wrong by orders of magnitude.
         let shrink = if self.first { FIRST_SHRINK } else { self.constants.shrink };
         self.rejected = true;
-        if error.is_finite() { h / (self.proportional(error) / Self::SAFETY).min(1.0 / shrink) } else { h * shrink }
+        if error.is_finite() { h / (self.power(error) / Self::SAFETY).min(1.0 / shrink) } else { h * shrink }
     }
 
-    /// error^(exponent − 3β/4); by roots where that is 1/8.
-    fn proportional(&self, error: f64) -> f64 {
-        match self.constants.exponent - 0.75 * self.constants.beta {
+    /// errᵖ; by roots where p is 1/8.
+    fn power(&self, error: f64) -> f64 {
+        match self.constants.exponent {
             0.125 => error.sqrt().sqrt().sqrt(),
             exponent => error.powf(exponent),
         }

@@ -65,24 +65,22 @@ impl Tolerance {
         tolerance
     }
 
-    /// The errors of qᵢ and q'ᵢ that count as 1, over a step of h from `start` to `end` that begins with `rate`.
+    /// The error of component k of [q; q'] that counts as 1, over a step of h that changes it by this much.
     #[inline(always)]
+    pub fn unit(&self, k: usize, h: f64, change: f64) -> f64 {
+        let noise = if k < self.n { h.abs() * (h.abs() * self.noise[k]) } else { h.abs() * self.noise[k - self.n] };
+        larger(larger(self.floors[k], self.relative * change), larger(noise, self.blurred[k]))
+    }
+
+    /// The errors of qᵢ and q'ᵢ that count as 1, over a step of h from `start` to `end` that begins with `rate`.
     pub fn units(&self, i: usize, h: f64, (start, end): (&[f64], &[f64]), rate: &[f64]) -> [f64; 2] {
-        let n = end.len() / 2;
-        let moved = |k: usize| self.relative * (end[k] - start[k]).abs().max((h * rate[k]).abs());
-        let noise = h.abs() * self.noise[i];
-        let unit = |k: usize, noise: f64| self.floors[k].max(moved(k)).max(noise).max(self.blurred[k]);
-        [unit(i, h.abs() * noise), unit(n + i, noise)]
+        [i, self.n + i].map(|k| self.unit(k, h, (end[k] - start[k]).abs().max((h * rate[k]).abs())))
     }
 
     /// As [`Tolerance::units`], for changes of qᵢ and q'ᵢ over a step of h that are known as a whole: stiff accelerations
     /// at its start tell nothing of them.
     pub fn units_by_change(&self, i: usize, h: f64, [place, speed]: [f64; 2]) -> [f64; 2] {
-        let noise = h.abs() * self.noise[i];
-        let unit = |k: usize, change: f64, noise: f64| {
-            self.floors[k].max(self.relative * change.abs()).max(noise).max(self.blurred[k])
-        };
-        [unit(i, place, h.abs() * noise), unit(self.n + i, speed, noise)]
+        [self.unit(i, h, place.abs()), self.unit(self.n + i, h, speed.abs())]
     }
 
     /// Takes note of what rounding of the constraints makes of [q; q'] at the present state; `None`: nothing to speak of.
@@ -95,11 +93,14 @@ impl Tolerance {
 
     /// Takes note of a state on the motion.
     pub fn observe(&mut self, y: &[f64]) {
+        let n = y.len();
+        let (low, high) = (&self.low[..n], &self.high[..n]);
+        if (0..n).all(|k| low[k] <= y[k] && y[k] <= high[k]) {
+            return;
+        }
         for (k, y) in y.iter().enumerate() {
-            if *y < self.low[k] || *y > self.high[k] {
-                (self.low[k], self.high[k]) = (self.low[k].min(*y), self.high[k].max(*y));
-                self.floors[k] = self.floor(k);
-            }
+            (self.low[k], self.high[k]) = (self.low[k].min(*y), self.high[k].max(*y));
+            self.floors[k] = self.floor(k);
         }
     }
 
@@ -159,6 +160,12 @@ impl Tolerance {
         let least = if self.widest[i].is_finite() { 1.0 } else { 0.0 };
         alike.map(|j| self.high[j].abs().max(self.low[j].abs())).fold(least, f64::max)
     }
+}
+
+/// The larger of two numbers, one instruction where `f64::max` takes five; a NaN counts as nothing if it comes second.
+#[inline(always)]
+pub(super) fn larger(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
 }
 
 /// True for the units of angles.

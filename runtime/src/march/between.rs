@@ -54,7 +54,7 @@ impl March {
         (stop, mut most): (f64, f64),
         watch: &mut Option<Box<Watch>>,
         recorder: &Recorder,
-    ) -> Result<(Step, bool), Cause> {
+    ) -> Result<(Step, bool), Box<Cause>> {
         for _ in 0..RETRIES {
             let step = self.attempt(system, stop, most, watch)?;
             if most.is_finite() {
@@ -91,7 +91,7 @@ impl March {
     }
 
     /// Refuses a step within which the ends of a force meet, as far as the tolerance tells.
-    fn meets(&self, system: &dyn System, step: Step, watch: &mut Option<Box<Watch>>) -> Result<(), Cause> {
+    fn meets(&self, system: &dyn System, step: Step, watch: &mut Option<Box<Watch>>) -> Result<(), Box<Cause>> {
         let part = match &self.pace {
             Pace::Fixed(_) => NEAR,
             Pace::Adaptive { tolerance, .. } => tolerance.relative.clamp(NEAR, 1e-5),
@@ -103,7 +103,7 @@ impl March {
     ///
     /// Steps that vanish are explained by what stands just ahead.
     pub(super) fn explained(&mut self, system: &dyn System, cause: Cause, watch: &mut Option<Box<Watch>>) -> Cause {
-        let ahead = (1e5 * self.h.abs()).max(1e-6 * self.defect.longest);
+        let ahead = (1e5 * self.h.abs()).max(1e-4 * self.defect.longest);
         let (now, n) = (self.clock.now(), system.len());
         let cause = match cause {
             Cause::StepTooSmall { .. } => {
@@ -113,7 +113,9 @@ impl March {
                 }
                 let beyond = self.stepper.evaluate(system, now + ahead, &y, &mut vec![0.0; 2 * n]);
                 let beyond = beyond.map_err(|setback| setback.cause(system.description()));
-                beyond.and_then(|()| positive_inertia(system, now + ahead, &y)).err().unwrap_or(cause)
+                beyond
+                    .map_or_else(Some, |()| positive_inertia(system, now + ahead, &y).err().map(|known| *known))
+                    .unwrap_or(cause)
             }
             cause => cause,
         };
@@ -122,7 +124,7 @@ impl March {
     }
 
     /// True where the dense output of the step that was tried is far from fulfilling the equations.
-    fn lies(&mut self, system: &dyn System, step: Step) -> Result<bool, Cause> {
+    fn lies(&mut self, system: &dyn System, step: Step) -> Result<bool, Box<Cause>> {
         // Where stability limits the step, dense output is poor and says nothing.
         if self.step_times_rate > 0.25 * self.stepper.control().stiff {
             return Ok(false);

@@ -15,7 +15,7 @@ const DWELLS: u32 = 100;
 
 impl March {
     /// Brings the present state to the constraints, and measures how independent they are there.
-    pub(super) fn project_start(&mut self, system: &mut dyn System) -> Result<(), Cause> {
+    pub(super) fn project_start(&mut self, system: &mut dyn System) -> Result<(), Box<Cause>> {
         let Some(projection) = &mut self.projection else { return Ok(()) };
         let projected = projection.project(system, self.clock.now(), self.stepper.state_mut());
         projected.map_err(|fault| fault.cause(system.description()))?;
@@ -31,7 +31,7 @@ impl March {
         &mut self,
         system: &mut dyn System,
         recorder: &mut Recorder,
-    ) -> Result<(), Cause> {
+    ) -> Result<(), Box<Cause>> {
         let deficient = self.deficient(system);
         let Some(projection) = &mut self.projection else { return Ok(()) };
         let usual = system.description().phases.get(system.phase()).map_or(0, |phase| phase.rank as usize);
@@ -58,7 +58,7 @@ impl March {
         if let Some(sigma) = deficient {
             self.singular += 1;
             recorder.warn(Warning::SingularPassed { t: now });
-            return if self.singular > DWELLS { Err(Cause::SingularConfiguration { sigma }) } else { Ok(()) };
+            return if self.singular > DWELLS { Err(Cause::SingularConfiguration { sigma }.into()) } else { Ok(()) };
         }
         self.singular = 0;
         if projection.passed(system, At::place(now, &y[..system.len()]), usual) {
@@ -67,7 +67,7 @@ impl March {
         match projection.lost(system) {
             Some((row, residual)) => {
                 let constraint = system.description().rows[row].name.to_string();
-                Err(Cause::ConstraintLost { constraint, residual })
+                Err(Cause::ConstraintLost { constraint, residual }.into())
             }
             None => Ok(()),
         }

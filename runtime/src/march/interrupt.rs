@@ -15,7 +15,7 @@ impl March {
         (step, dense): (Step, bool),
         watch: &mut Watch,
         recorder: &mut Recorder,
-    ) -> Result<Halt, Cause> {
+    ) -> Result<Halt, Box<Cause>> {
         let interruption = if watch.wants_dense() { watch.scan(system, &self.segment(step))? } else { None };
         let Some(interruption) = interruption else {
             if watch.wants_dense() {
@@ -80,7 +80,7 @@ impl March {
         way: f64,
         watch: &mut Watch,
         recorder: &mut Recorder,
-    ) -> Result<bool, Cause> {
+    ) -> Result<bool, Box<Cause>> {
         let h = UNEVEN * way;
         let step = Step { h, next: self.clock.after(h), lands: false };
         if step.next <= self.clock.now() {
@@ -98,7 +98,12 @@ impl March {
 
     /// Switches what is on its surface at the present state, and lets inputs that turn or jump there kick; returns
     /// whether anything was.
-    fn switch(&mut self, system: &mut dyn System, watch: &mut Watch, recorder: &mut Recorder) -> Result<bool, Cause> {
+    fn switch(
+        &mut self,
+        system: &mut dyn System,
+        watch: &mut Watch,
+        recorder: &mut Recorder,
+    ) -> Result<bool, Box<Cause>> {
         let (now, n) = (self.clock.now(), system.len());
         let y = self.stepper.start().y.to_vec();
         let switched = watch.switch(system, (now, &y), &mut |system| self.trial(system))?;
@@ -132,7 +137,7 @@ impl March {
         theta: f64,
         function: usize,
         watch: &mut Watch,
-    ) -> Result<Option<Step>, Cause> {
+    ) -> Result<Option<Step>, Box<Cause>> {
         let now = self.clock.now();
         let resolution = f64::EPSILON * now.abs().max(step.h);
         let mut h = theta * step.h;

@@ -40,16 +40,19 @@ impl JumpDetector {
 
     /// Looks at a step of h with these accelerations at its ends.
     pub fn observe(&mut self, h: f64, before: &[f64], after: &[f64]) -> Option<Upset> {
-        let change = |i: &usize| (after[*i] - before[*i]).abs();
-        let worst = (0..before.len()).max_by(|a, b| change(a).total_cmp(&change(b)))?;
-        let size = before.iter().chain(after).fold(0.0, |size: f64, a| size.max(a.abs()));
-        let pace = change(&worst) / h;
-        let jumps = h < COLLAPSE * self.calm && change(&worst) > 0.5 * size && pace > SUDDEN * self.pace;
+        let (mut change, mut size) = (0.0_f64, 0.0_f64);
+        for (before, after) in before.iter().zip(after) {
+            change = change.max((after - before).abs());
+            size = size.max(before.abs()).max(after.abs());
+        }
+        let pace = change / h;
+        let jumps = h < COLLAPSE * self.calm && change > 0.5 * size && pace > SUDDEN * self.pace;
         self.calm = h.max(0.8 * self.calm);
         self.pace = pace;
         self.short = if h < self.shortest { self.short + 1 } else { 0 };
         if jumps {
-            return Some(Upset::Jump(worst));
+            let moved = before.iter().zip(after).position(|(before, after)| (after - before).abs() == change);
+            return moved.map(Upset::Jump);
         }
         (self.short > STALL).then_some(Upset::Stall)
     }

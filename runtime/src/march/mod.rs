@@ -203,7 +203,7 @@ impl March {
     }
 
     /// Begins at the present state a motion that goes on to `until` at most: watches it, chooses the modes.
-    pub fn begin(&mut self, system: &mut dyn System, until: f64) -> Result<(), Cause> {
+    pub fn begin(&mut self, system: &mut dyn System, until: f64) -> Result<(), Box<Cause>> {
         let now = self.clock.now();
         finite(system, self.stepper.start().y, 0)?;
         let usual = self.stepper.control();
@@ -240,7 +240,7 @@ impl March {
         until: f64,
         recorder: &mut Recorder,
         progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
-    ) -> Result<Halt, Cause> {
+    ) -> Result<Halt, Box<Cause>> {
         while self.clock.now() < until {
             let halt = self.one(system, until, recorder);
             let goes_on = progress(self.clock.now());
@@ -248,20 +248,20 @@ impl March {
                 return Ok(Halt::Event);
             }
             if goes_on.is_break() {
-                return Err(Cause::Interrupted);
+                return Err(Cause::Interrupted.into());
             }
         }
         Ok(Halt::Arrived)
     }
 
     /// Takes one step, or what an event or a discontinuity leaves of it.
-    fn one(&mut self, system: &mut dyn System, until: f64, recorder: &mut Recorder) -> Result<Halt, Cause> {
+    fn one(&mut self, system: &mut dyn System, until: f64, recorder: &mut Recorder) -> Result<Halt, Box<Cause>> {
         let stop = self.watch.as_ref().map_or(until, |watch| watch.next_stop(until));
         let mut most = f64::INFINITY;
         loop {
             let mut watch = self.watch.take();
             let tried = self.sound(system, (stop, most), &mut watch, recorder);
-            let tried = tried.map_err(|cause| self.explained(system, cause, &mut watch));
+            let tried = tried.map_err(|cause| Box::new(self.explained(system, *cause, &mut watch)));
             self.watch = watch;
             let (step, dense) = tried?;
             let outcome = match self.watch.take() {
@@ -274,7 +274,7 @@ impl March {
             };
             match outcome {
                 // What oscillates in a long step may not in a short one.
-                Err(Cause::OscillatesTooFast { .. }) if self.cuts < MOST_CUTS && self.is_adaptive() => {
+                Err(cause) if matches!(*cause, Cause::OscillatesTooFast { .. }) && self.may_cut() => {
                     self.cuts += 1;
                     self.work.retries += 1;
                     most = 0.01 * step.h;
@@ -290,12 +290,18 @@ impl March {
         }
     }
 
-    fn is_adaptive(&self) -> bool {
-        matches!(self.pace, Pace::Adaptive { .. })
+    fn may_cut(&self) -> bool {
+        self.cuts < MOST_CUTS && matches!(self.pace, Pace::Adaptive { .. })
     }
 
     /// Writes down and takes a step that nothing can interrupt.
-    fn keep(&mut self, system: &dyn System, step: Step, dense: bool, recorder: &mut Recorder) -> Result<(), Cause> {
+    fn keep(
+        &mut self,
+        system: &dyn System,
+        step: Step,
+        dense: bool,
+        recorder: &mut Recorder,
+    ) -> Result<(), Box<Cause>> {
         let segment = dense.then(|| self.segment(step));
         recorder.accept(system, segment.as_ref(), step.next, self.stepper.end())?;
         self.commit(step);
@@ -305,13 +311,13 @@ impl March {
     /// Begins anew after the equations changed on the way.
     ///
     /// At a time that was known beforehand the length of the last step says what it said before: it is kept.
-    fn restart(&mut self, system: &dyn System, recorder: &mut Recorder) -> Result<(), Cause> {
+    fn restart(&mut self, system: &dyn System, recorder: &mut Recorder) -> Result<(), Box<Cause>> {
         self.begin_anew(system)?;
         recorder.restart(system, self.clock.now(), self.stepper.start());
         Ok(())
     }
 
-    fn begin_anew(&mut self, system: &dyn System) -> Result<(), Cause> {
+    fn begin_anew(&mut self, system: &dyn System) -> Result<(), Box<Cause>> {
         // The length of the step stays: what happened says little about the next one, and the error test judges it.
         self.control.restart();
         self.jumps.restart();
@@ -324,9 +330,9 @@ impl March {
     }
 
     /// Computes dense output of the step that was tried.
-    fn dense(&mut self, system: &dyn System, step: Step) -> Result<(), Cause> {
+    fn dense(&mut self, system: &dyn System, step: Step) -> Result<(), Box<Cause>> {
         let computed = self.stepper.dense(system, self.clock.now(), step.h);
-        computed.map_err(|setback| setback.cause(system.description()))
+        computed.map_err(|setback| setback.cause(system.description()).into())
     }
 
     fn segment(&self, step: Step) -> Segment<'_> {
@@ -342,9 +348,9 @@ impl March {
         stop: f64,
         most: f64,
         watch: &mut Option<Box<Watch>>,
-    ) -> Result<Step, Cause> {
+    ) -> Result<Step, Box<Cause>> {
         if self.work.steps >= self.max_steps {
-            return Err(Cause::TooManySteps { limit: self.max_steps });
+            return Err(Cause::TooManySteps { limit: self.max_steps }.into());
         }
         let now = self.clock.now();
         if self.h == 0.0 {
@@ -365,10 +371,11 @@ impl March {
             }
             let Step { h, next, lands } = step;
             if next <= now {
-                return Err(match self.pace {
+                let cause = match self.pace {
                     Pace::Fixed(h) => Cause::StepBelowResolution { h },
                     Pace::Adaptive { .. } => Cause::StepTooSmall { h },
-                });
+                };
+                return Err(cause.into());
             }
             let outcome = self.try_step(system, step, false);
             match &self.pace {
@@ -397,7 +404,7 @@ impl March {
                     if self.h < 16.0 * f64::EPSILON * now.abs() || self.h < f64::MIN_POSITIVE / f64::EPSILON {
                         outcome.map_err(|setback| setback.cause(system.description()))?;
                         self.all_finite(system, error)?;
-                        return Err(Cause::StepTooSmall { h: self.h });
+                        return Err(Cause::StepTooSmall { h: self.h }.into());
                     }
                 }
             }
@@ -405,7 +412,7 @@ impl March {
     }
 
     /// Refuses a step whose end, or the rate there, is not finite.
-    fn all_finite(&self, system: &dyn System, error: f64) -> Result<(), Cause> {
+    fn all_finite(&self, system: &dyn System, error: f64) -> Result<(), Box<Cause>> {
         let end = self.stepper.end();
         finite(system, end.y, 0)?;
         if error.is_nan() { finite(system, end.rate, 1) } else { Ok(()) }
@@ -477,7 +484,7 @@ impl March {
     }
 
     /// Refuses a step across which the acceleration jumps, unless it is time that makes it jump.
-    fn look_for_jumps(&mut self, system: &dyn System, step: Step) -> Result<(), Cause> {
+    fn look_for_jumps(&mut self, system: &dyn System, step: Step) -> Result<(), Box<Cause>> {
         // Rows that begin or cease to count there change accelerations by what rounding makes of them.
         if self.singular > 0 || self.deficient(system).is_some() {
             self.jumps.restart();
@@ -487,7 +494,7 @@ impl March {
         let n = start.y.len() / 2;
         match self.jumps.observe(step.h, &start.rate[n..], &end.rate[n..]) {
             None => Ok(()),
-            Some(Upset::Stall) => Err(Cause::StepTooSmall { h: step.h }),
+            Some(Upset::Stall) => Err(Cause::StepTooSmall { h: step.h }.into()),
             Some(Upset::Jump(coordinate)) => {
                 let (before, after) = (start.rate[n + coordinate], end.rate[n + coordinate]);
                 let (end, mut earlier) = (end.y.to_vec(), vec![0.0; 2 * n]);
@@ -501,7 +508,8 @@ impl March {
                 evaluated.map_err(|setback| setback.cause(system.description()))?;
                 let by_state = (earlier[n + coordinate] - before).abs();
                 if by_state > 0.5 * (after - before).abs() && self.jumps_within(system, step, coordinate)? {
-                    return Err(Cause::DirectionLost { coordinate: system.description().coordinate_name(coordinate) });
+                    let coordinate = system.description().coordinate_name(coordinate);
+                    return Err(Cause::DirectionLost { coordinate }.into());
                 }
                 Ok(())
             }
@@ -510,7 +518,7 @@ impl March {
 
     /// Whether the acceleration of a coordinate changes within one of 256 parts of the step that was tried by most of what it
     /// does over all of it: what is narrow, but resolved by such short steps, does not.
-    fn jumps_within(&mut self, system: &dyn System, step: Step, coordinate: usize) -> Result<bool, Cause> {
+    fn jumps_within(&mut self, system: &dyn System, step: Step, coordinate: usize) -> Result<bool, Box<Cause>> {
         const HALVINGS: u32 = 8;
         self.dense(system, step)?;
         let (now, place) = (self.clock.now(), system.len() + coordinate);
@@ -578,9 +586,9 @@ const USUAL: f64 = 1e-10;
 const MOST_CUTS: u32 = 100;
 
 /// An error that names the first number that is not finite.
-fn finite(system: &dyn System, y: &[f64], primes: usize) -> Result<(), Cause> {
+fn finite(system: &dyn System, y: &[f64], primes: usize) -> Result<(), Box<Cause>> {
     match y.iter().position(|y| !y.is_finite()) {
-        Some(index) => Err(non_finite(system, index, primes)),
+        Some(index) => Err(non_finite(system, index, primes).into()),
         None => Ok(()),
     }
 }

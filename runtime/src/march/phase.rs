@@ -74,7 +74,7 @@ impl March {
         fired: Vec<Fired>,
         watch: &mut Watch,
         recorder: &mut Recorder,
-    ) -> Result<Halt, Cause> {
+    ) -> Result<Halt, Box<Cause>> {
         let mut fired = fired;
         for _ in 0..AT_AN_INSTANT {
             let (before, mut changed) = (system.phase(), false);
@@ -114,20 +114,20 @@ impl March {
             }
         }
         let event = fired.first().map_or(0, |fired| fired.event);
-        Err(Cause::Chattering { switch: system.description().events[event].name.to_string() })
+        Err(Cause::Chattering { switch: system.description().events[event].name.to_string() }.into())
     }
 
     /// Brings the speeds to constraints that a sharp turn of time or of an input moves.
     ///
     /// # Errors
     /// A constraint that jumps, which no finite force could follow.
-    pub(super) fn jolt(&mut self, system: &mut dyn System, recorder: &mut Recorder) -> Result<(), Cause> {
+    pub(super) fn jolt(&mut self, system: &mut dyn System, recorder: &mut Recorder) -> Result<(), Box<Cause>> {
         let Some(projection) = self.projection.as_mut().filter(|_| !is_sprung(system)) else { return Ok(()) };
         let now = self.clock.now();
         projection.observe(system, now, self.stepper.start().y);
         if let Some((row, residual)) = projection.lost(system) {
             let constraint = system.description().rows[row].name.to_string();
-            return Err(Cause::ConstraintLost { constraint, residual });
+            return Err(Cause::ConstraintLost { constraint, residual }.into());
         }
         let active: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
         let taken = blow(system, (now, self.stepper.start().y), &active, |_| 0.0);
@@ -141,7 +141,7 @@ impl March {
         system: &mut dyn System,
         (event, action): (usize, Action),
         recorder: &mut Recorder,
-    ) -> Result<bool, Cause> {
+    ) -> Result<bool, Box<Cause>> {
         match action {
             Action::Stop | Action::Record => Ok(false),
             Action::Phase(phase) => self.enter(system, phase as usize, recorder).map(|()| true),
@@ -184,7 +184,7 @@ impl March {
     }
 
     /// Goes on in a phase: its constraints must hold, and take away what speed they do not leave.
-    fn enter(&mut self, system: &mut dyn System, phase: usize, recorder: &mut Recorder) -> Result<(), Cause> {
+    fn enter(&mut self, system: &mut dyn System, phase: usize, recorder: &mut Recorder) -> Result<(), Box<Cause>> {
         let before: Vec<u32> = system.active_rows().to_vec();
         system.set_phase(phase);
         let active: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
@@ -196,7 +196,7 @@ impl March {
                 let known = &system.description().rows[row];
                 if let Some(residual) = projection.misses(row).filter(|_| known.holonomic) {
                     let phase = system.description().phases[phase].name.to_string();
-                    return Err(Cause::PhaseMisses { phase, constraint: known.name.to_string(), residual });
+                    return Err(Cause::PhaseMisses { phase, constraint: known.name.to_string(), residual }.into());
                 }
             }
         }
@@ -216,10 +216,10 @@ impl March {
         along: u32,
         restitution: usize,
         recorder: &mut Recorder,
-    ) -> Result<f64, Cause> {
+    ) -> Result<f64, Box<Cause>> {
         let e = system.restitutions().get(restitution).copied().unwrap_or(0.0);
         if !(0.0..=1.0).contains(&e) {
-            return Err(Cause::BadRestitution { value: e });
+            return Err(Cause::BadRestitution { value: e }.into());
         }
         let rows = with(system, along);
         let rows_along = rows_of(system, along);
@@ -236,12 +236,12 @@ impl March {
         (event, along): (usize, u32),
         end: f64,
         recorder: &mut Recorder,
-    ) -> Result<(), Cause> {
+    ) -> Result<(), Box<Cause>> {
         let rows: Vec<u32> = with(system, along).into_iter().map(|row| row as u32).collect();
         let phases = &system.description().phases;
         let Some(phase) = phases.iter().position(|phase| *phase.rows == *rows) else {
             let event = system.description().events[event].name.to_string();
-            return Err(Cause::ImpactsAccumulate { event, t: end });
+            return Err(Cause::ImpactsAccumulate { event, t: end }.into());
         };
         let (left, n) = (end - self.clock.now(), system.len());
         let (q, v) = self.stepper.state_mut().split_at_mut(n);

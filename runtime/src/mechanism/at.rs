@@ -20,11 +20,13 @@ pub struct At<'a> {
 
 impl<'a> At<'a> {
     /// A state (q, q') at a time.
+    #[inline(always)]
     pub fn new(t: f64, q: &'a [f64], v: &'a [f64]) -> Self {
         At { t, q, v, ..At::default() }
     }
 
     /// A configuration at a time, without rates.
+    #[inline(always)]
     pub fn place(t: f64, q: &'a [f64]) -> Self {
         At { t, q, ..At::default() }
     }
@@ -32,17 +34,20 @@ impl<'a> At<'a> {
     /// A state as integrators have it, the n coordinates before their n rates.
     ///
     /// This is the only place that knows in which order they lie; what follows the rates is left out.
+    #[inline(always)]
     pub fn packed(t: f64, y: &'a [f64], n: usize) -> Self {
         let (q, rest) = y.split_at(n);
         At::new(t, q, &rest[..n])
     }
 
     /// With accelerations.
+    #[inline(always)]
     pub fn accelerated(self, a: &'a [f64]) -> Self {
         At { a, ..self }
     }
 
     /// With multipliers.
+    #[inline(always)]
     pub fn constrained(self, lambda: &'a [f64]) -> Self {
         At { lambda, ..self }
     }

@@ -35,6 +35,8 @@ const LOST: f64 = 0.2;
 const STILL: f64 = 1e-10;
 /// The part of the time until then over which differences are looked at.
 const WINDOW: f64 = 0.1;
+/// The last state is moved in so many ways.
+const SHAKES: usize = 4;
 /// Numbers are printed with so many significant digits at most.
 const MOST: i32 = 15;
 
@@ -77,6 +79,34 @@ impl Digits {
         }
         self.evaluations += other.work.evaluations;
         self.settle(run);
+    }
+
+    /// The last state [q; q'], and states about it moved as far as half its bounds.
+    pub(crate) fn around_end(&self, run: &Run) -> Vec<Vec<f64>> {
+        let (n, m) = (run.names.coordinates.len(), run.names.outputs.len());
+        let Some(row) = run.len().checked_sub(1) else { return Vec::new() };
+        let (state, bounds) = (&run.rows[2 * n * row..][..2 * n], &self.rows[(2 * n + m) * row..][..2 * n]);
+        let moved = |pattern: usize| {
+            let sign = |i: usize| if (i * (pattern / 2) + pattern).is_multiple_of(2) { 0.5 } else { -0.5 };
+            state.iter().zip(bounds).enumerate().map(|(i, (y, bound))| y + sign(i) * bound).collect()
+        };
+        std::iter::once(state.to_vec()).chain((0..SHAKES).map(moved)).collect()
+    }
+
+    /// Raises the bounds of the last outputs to what they differ by in these states, the last and others about it: both
+    /// runs may find the same for a quotient by what vanishes there, and be wrong.
+    pub(crate) fn shake(&mut self, outputs: &[Vec<f64>]) {
+        let [usual, others @ ..] = outputs else { return };
+        let first = self.rows.len() - usual.len();
+        for moved in others {
+            for ((bound, usual), moved) in self.rows[first..].iter_mut().zip(usual).zip(moved) {
+                let change = (moved - usual).abs();
+                // What is absent at the last state is absent, whatever it is beside it.
+                if !usual.is_nan() {
+                    *bound = bound.max(if change.is_nan() { f64::INFINITY } else { change });
+                }
+            }
+        }
     }
 
     /// The largest bound of a coordinate or rate, in parts of its range.
@@ -162,12 +192,14 @@ impl Run {
         Some(digits.lost.map_or_else(|| self.times.last().copied().unwrap_or(0.0), |(t, _)| t))
     }
 
-    /// A value of the last state as text with the digits that hold, all of them where nothing is known of them.
+    /// A value of the last state as text with the digits that hold, all of them where nothing is known of them; `?` where
+    /// its error is no residue of rounding but of the size of all that the column goes through.
     pub(crate) fn written(&self, name: &str, value: f64) -> String {
-        match self.errors(name).and_then(|errors| errors.last().copied()) {
-            Some(error) => written(value, error),
-            None => value.to_string(),
-        }
+        let column = self.column_names().iter().position(|known| known == name);
+        let error = self.errors(name).and_then(|errors| errors.last().copied());
+        let (Some(digits), Some(column), Some(error)) = (&self.digits, column, error) else { return value.to_string() };
+        let lost = error >= value.abs() && error > LOST * ranges(self, digits.still)[column];
+        written(value, if lost { f64::INFINITY } else { error })
     }
 
     /// The time at which the run ended as text.

@@ -16,7 +16,7 @@ use crate::constrain::Residuals;
 pub use digits::Digits;
 pub use failure::Failure;
 pub(crate) use frames::Scenery;
-pub(crate) use record::{Plan, Recorder};
+pub(crate) use record::{Plan, Recorder, evaluate_outputs};
 pub(crate) use state::Names;
 pub use state::State;
 pub(crate) use trajectory::Trajectory;

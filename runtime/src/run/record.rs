@@ -40,7 +40,6 @@ pub(crate) struct Recorder {
     condition: Option<ConditionMonitor>,
     watchman: Option<Watchman>,
     n: usize,
-    needs_accelerations: bool,
     /// Brings reported states to the constraints.
     projection: Option<Projection>,
     point: Vec<f64>,
@@ -129,7 +128,6 @@ impl Recorder {
                 .filter(|_| plan.watch)
                 .and_then(|step| Watchman::new(system, plan.method, step, t, plan.until - t)),
             n,
-            needs_accelerations: description.outputs_use_accelerations,
             projection: Projection::new(system).map(|projection| projection.only_looking(!plan.projects)),
             point: vec![0.0; 2 * n],
             accelerations: vec![0.0; n],
@@ -159,7 +157,7 @@ impl Recorder {
         segment: Option<&Segment<'_>>,
         t: f64,
         end: Reached<'_>,
-    ) -> Result<(), Cause> {
+    ) -> Result<(), Box<Cause>> {
         self.judge(system, t, end)?;
         if self.keep_dense {
             let own = segment.filter(|_| self.keeps_own(t));
@@ -218,7 +216,7 @@ impl Recorder {
     }
 
     /// Judges the end of a step by what should be conserved, and by M.
-    fn judge(&mut self, system: &dyn System, t: f64, end: Reached<'_>) -> Result<(), Cause> {
+    fn judge(&mut self, system: &dyn System, t: f64, end: Reached<'_>) -> Result<(), Box<Cause>> {
         let h = t - self.judged;
         self.judged = t;
         if let Some(condition) = &mut self.condition {
@@ -226,7 +224,7 @@ impl Recorder {
         }
         let unbounded = self.guard.as_mut().and_then(|guard| guard.observe(system, t, end.y));
         if let Some(unbounded) = unbounded {
-            return Err(unbounded.cause(system.description()));
+            return Err(unbounded.cause(system.description()).into());
         }
         if let Some(warning) = self.watchman.as_mut().and_then(|watchman| watchman.check(system, t, end.y)) {
             self.watchman = None;
@@ -244,7 +242,7 @@ impl Recorder {
         let (jump, scale) = monitor.observe(system, t, end.y, end.work);
         if jump > f64::from(steps) * self.usual_jump {
             if let Some(unbounded) = self.guard.as_ref().and_then(|guard| guard.suspect(2.0 * h)) {
-                return Err(unbounded.cause(system.description()));
+                return Err(unbounded.cause(system.description()).into());
             }
             if self.jumps.len() < MOST_JUMPS {
                 self.jumps.push((t, jump, scale));
@@ -391,19 +389,29 @@ impl Recorder {
     }
 
     fn write_outputs<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64], outputs: &mut [f64]) {
-        if outputs.is_empty() {
-            return;
-        }
-        let at = At::packed(t, y, self.n);
-        if !self.needs_accelerations {
-            system.outputs(at, outputs);
-        } else {
-            if system.accelerations(at, &mut self.accelerations).is_err() {
-                self.accelerations.fill(f64::NAN);
-            }
-            system.outputs(at.accelerated(&self.accelerations), outputs);
-        }
+        evaluate_outputs(system, t, y, &mut self.accelerations, outputs);
     }
+}
+
+/// The outputs of a state with the equations in force; `accelerations` is room.
+pub(crate) fn evaluate_outputs<S: System + ?Sized>(
+    system: &S,
+    t: f64,
+    y: &[f64],
+    accelerations: &mut [f64],
+    outputs: &mut [f64],
+) {
+    if outputs.is_empty() {
+        return;
+    }
+    let at = At::packed(t, y, system.len());
+    if !system.description().outputs_use_accelerations {
+        return system.outputs(at, outputs);
+    }
+    if system.accelerations(at, accelerations).is_err() {
+        accelerations.fill(f64::NAN);
+    }
+    system.outputs(at.accelerated(accelerations), outputs);
 }
 
 /// What is conserved may drift by so much: some tolerances a step, measured over ordinary motions (at most 0.2 a step), and

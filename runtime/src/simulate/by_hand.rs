@@ -44,7 +44,7 @@ impl<S: System> Stepping<S> {
         let clock = Instant::now();
         let Start { march, recorder, outcome } = start(&mut system, &settings, f64::INFINITY)?;
         if let Err(cause) = outcome {
-            return Err(fail(cause, &system, &march, recorder, clock));
+            return Err(fail(*cause, &system, &march, recorder, clock));
         }
         let spacing = settings.every.or(settings.step).unwrap_or_else(|| settings.spacing());
         Ok(Stepping { system, march, recorder, spacing, horizon: settings.until, changed: false, clock })
@@ -70,11 +70,11 @@ impl<S: System> Stepping<S> {
         match self.go(until) {
             Ok(Halt::Arrived) => Ok(None),
             Ok(Halt::Event) => Ok(self.recorder.last_event()),
-            Err(cause) => Err(fail(cause, &self.system, &self.march, self.recorder.clone(), self.clock)),
+            Err(cause) => Err(fail(*cause, &self.system, &self.march, self.recorder.clone(), self.clock)),
         }
     }
 
-    fn go(&mut self, until: f64) -> Result<Halt, Cause> {
+    fn go(&mut self, until: f64) -> Result<Halt, Box<Cause>> {
         if self.changed {
             self.recorder.changed(&self.system, self.march.time(), self.march.state());
         }

@@ -6,7 +6,7 @@ use super::{Settings, simulate_with};
 use crate::cause::Cause;
 use crate::error::Error;
 use crate::mechanism::{Action, At, System, Watched};
-use crate::run::{Digits, Run};
+use crate::run::{Digits, Run, evaluate_outputs};
 use crate::trust::{Loss, Warning};
 
 /// The tolerance of the companion in units of the run's.
@@ -42,6 +42,9 @@ pub(crate) fn judge_digits(
         let Some((_, another)) = self::companion(system, settings, run, LOOSER * LOOSER, &mut goes_on) else { return };
         digits.doubt(run, &another, 1.0 / LOOSER);
     }
+    if other.phases.last() == run.phases.last() {
+        look_around_end(system, run, &mut digits);
+    }
     // How many of infinitely many impacts are followed one by one says nothing.
     let accumulates = run.warnings.iter().any(|warning| matches!(warning, Warning::ImpactsAccumulate { .. }));
     if other.events.len() != run.events.len() && !accumulates {
@@ -53,6 +56,39 @@ pub(crate) fn judge_digits(
         run.warnings.push(Warning::DigitsLost { t, column, why });
     }
     run.digits = Some(digits);
+}
+
+/// Judges outputs at the end, and events that may lie beyond it, by states that the last one may as well be.
+fn look_around_end(system: &dyn System, run: &mut Run, digits: &mut Digits) {
+    let Some(t) = run.times.last().copied() else { return };
+    let (n, description) = (system.len(), system.description());
+    let states = digits.around_end(run);
+    let mut room = vec![0.0; n];
+    let outputs = |y: &Vec<f64>| {
+        let mut outputs = vec![f64::NAN; description.output_len()];
+        evaluate_outputs(system, t, y, &mut room, &mut outputs);
+        outputs
+    };
+    digits.shake(&states.iter().map(outputs).collect::<Vec<_>>());
+    let events = |t: f64, y: &[f64]| {
+        let mut pairs = vec![f64::NAN; 2 * description.events.len()];
+        system.events(At::packed(t, y, n), &mut pairs);
+        pairs
+    };
+    let Some(before) = run.len().checked_sub(2) else { return };
+    let before = events(run.times[before], &run.rows[2 * n * before..][..2 * n]);
+    let [end, others @ ..] = &states.iter().map(|y| events(t, y)).collect::<Vec<_>>()[..] else { return };
+    for (index, event) in description.events.iter().enumerate() {
+        let (value, phase) = (2 * index, system.phase() as u32);
+        let crosses = |other: &Vec<f64>| other[value] * end[value] < 0.0 && other[value + 1] > 0.0;
+        let moved = others.iter().fold(0.0_f64, |most, other| most.max((other[value] - end[value]).abs()));
+        // What rests at zero was there before.
+        let comes = before[value].abs() > moved && run.ended_by().is_none_or(|ending| ending.event != index);
+        let counts = event.phases.as_ref().is_none_or(|phases| phases.contains(&phase));
+        if counts && comes && others.iter().any(crosses) {
+            run.warnings.push(Warning::EventNearEnd { event: event.name.to_string() });
+        }
+    }
 }
 
 /// True where more than the tolerance decides how a run is divided into steps: discontinuities, events that change

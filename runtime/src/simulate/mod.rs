@@ -62,7 +62,7 @@ pub fn simulate_with(
             }
             Ok(run)
         }
-        Err(cause) => Err(fail(cause, system, &march, recorder, clock)),
+        Err(cause) => Err(fail(*cause, system, &march, recorder, clock)),
     }
 }
 
@@ -70,7 +70,7 @@ pub fn simulate_with(
 struct Start {
     march: March,
     recorder: Recorder,
-    outcome: Result<(), Cause>,
+    outcome: Result<(), Box<Cause>>,
 }
 
 /// Begins a run whose states are reported at this spacing.

@@ -115,10 +115,10 @@ impl Settings {
     }
 
     /// Refuses a tolerance that no arithmetic in `f64` can meet.
-    pub(super) fn attainable(&self) -> Result<(), Cause> {
+    pub(super) fn attainable(&self) -> Result<(), Box<Cause>> {
         const ROUND_OFF: f64 = 0.5 * f64::EPSILON;
         if self.step.is_none() && self.tolerance < ROUND_OFF {
-            return Err(Cause::ToleranceTooTight { asked: self.tolerance, attainable: Self::TIGHTEST });
+            return Err(Cause::ToleranceTooTight { asked: self.tolerance, attainable: Self::TIGHTEST }.into());
         }
         Ok(())
     }

@@ -52,7 +52,7 @@ impl Unbounded {
 const LARGEST: usize = 60;
 
 /// Refuses an M with a negative pivot: kinetic energy is never negative.
-pub(crate) fn positive_inertia(system: &dyn System, t: f64, y: &[f64]) -> Result<(), Cause> {
+pub(crate) fn positive_inertia(system: &dyn System, t: f64, y: &[f64]) -> Result<(), Box<Cause>> {
     let description = system.description();
     let n = system.len();
     let mut values = vec![0.0; description.mass_pattern.len()];
@@ -62,7 +62,7 @@ pub(crate) fn positive_inertia(system: &dyn System, t: f64, y: &[f64]) -> Result
     if n > LARGEST {
         let entries = description.mass_pattern.iter().zip(&values);
         let found = entries.filter(|((i, j), m)| i == j && below(**m, m.abs())).map(|((i, _), _)| *i as usize).min();
-        return found.map_or(Ok(()), |coordinate| Err(negative(coordinate)));
+        return found.map_or(Ok(()), |coordinate| Err(negative(coordinate).into()));
     }
     let mut m = vec![0.0; n * n];
     for ((i, j), value) in description.mass_pattern.iter().zip(&values) {
@@ -78,7 +78,7 @@ pub(crate) fn positive_inertia(system: &dyn System, t: f64, y: &[f64]) -> Result
         let before: f64 = (0..i).map(|k| m[i * n + k].powi(2) * m[k * n + k]).sum();
         m[i * n + i] -= before;
         if below(m[i * n + i], size) {
-            return Err(negative(i));
+            return Err(negative(i).into());
         }
         if m[i * n + i].is_nan() || m[i * n + i] <= 0.0 {
             // Singular or not finite: the accelerations say so.

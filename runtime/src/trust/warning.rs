@@ -134,6 +134,11 @@ pub enum Warning {
         /// How many the other one has.
         there: usize,
     },
+    /// A crossing lies nearer to the end of the run than the error of the last state.
+    EventNearEnd {
+        /// The event.
+        event: String,
+    },
     /// The run has too many steps to keep dense output of them all.
     DenseOutputEnds {
         /// Until when there is dense output, s.
@@ -286,6 +291,9 @@ impl fmt::Display for Warning {
                 f,
                 "there are {here} events, and {there} in a second run that differs slightly: some were close calls"
             ),
+            Warning::EventNearEnd { event } => {
+                write!(f, "`{event}` lies so near to the end of the run that it may be just before or just after it")
+            }
             Warning::DenseOutputEnds { t } => {
                 write!(f, "dense output ends at t = {t} s: it would fill the memory", t = short(*t))
             }

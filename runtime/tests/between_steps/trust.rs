@@ -1,6 +1,6 @@
 //! What a run says of itself: digits, drift, and what is left out.
 
-use dalembert::{Loss, Warning};
+use dalembert::{Loss, Run, Warning};
 
 use super::{Case, coasting, file, sprung};
 
@@ -201,4 +201,45 @@ scene: {{start: {{x: 0.1, x': 1}}, until: 1000, every: 100, tolerance: 1e-6}}",
     );
     // The motion itself goes on.
     assert!((many.last()["x"] - 1000.1).abs() < 1e-3);
+}
+
+/// x = cos t: it is zero at π/2, where x'/x has a pole.
+fn swinging(until: &str, then: &str) -> Run {
+    let mut case = file(&format!(
+        "name: S
+coordinates: {{x: 1}}
+kinetic_energy: x'^2/2
+potential_energy: x^2/2
+outputs: {{ratio: x'/x, speed: 2*x'}}
+events: {{zero: {{when: x, then: {then}}}}}
+scene: {{start: {{x: 1}}, until: {until}, tolerance: 1e-6}}"
+    ));
+    case.settings.digits = true;
+    case.run()
+}
+
+#[test]
+fn a_quotient_by_what_vanishes_where_the_run_ends_has_no_digits() {
+    let stopped = swinging("5", "stop");
+    assert_eq!(stopped.digits("ratio"), Some(0), "{:?}", stopped.last());
+    assert!(stopped.digits("speed").unwrap() >= 5);
+    let before = swinging("1.4", "stop");
+    assert!(before.digits("ratio").unwrap() >= 4, "{:?}", before.errors("ratio").unwrap().last());
+}
+
+#[test]
+fn a_crossing_nearer_to_the_end_than_the_error_is_told() {
+    let told = |until: f64, then: &str| {
+        let run = swinging(&until.to_string(), then);
+        run.warnings.iter().any(|warning| matches!(warning, Warning::EventNearEnd { .. }))
+    };
+    let quarter = std::f64::consts::FRAC_PI_2;
+    for near in [-1e-9, 1e-9] {
+        assert!(told(quarter + near, "record"), "{near}");
+    }
+    for far in [-1e-3, 1e-3, 0.5] {
+        assert!(!told(quarter + far, "record"), "{far}");
+    }
+    // It ends the run.
+    assert!(!told(5.0, "stop"));
 }

@@ -105,7 +105,7 @@ phases: {flight: [], rest: [floor]}
 events:
   hit: {when: y, direction: falling, phase: flight, then: {impact: e, along: floor}}
   passes: {when: y, phase: flight, then: record}
-scene: {start: {y: 5}, until: 2.5, tolerance: 1e-12}",
+scene: {start: {y: 5}, until: 2.4, tolerance: 1e-12}",
     )
     .run();
     same(&run, &[("hit", 1.0), ("passes", 1.0), ("hit", 2.0), ("passes", 2.0)]);

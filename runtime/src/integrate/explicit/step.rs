@@ -3,8 +3,9 @@
 use std::marker::PhantomData;
 
 use super::dense::write_dense;
-use super::sums::{argument, pair};
+use super::sums::{argument, pair, sum};
 use super::tableau::{Estimate, Scheme, Term};
+use crate::integrate::tolerance::larger;
 use crate::integrate::{Block, Control, Counters, OneStep, Reached, Segment, Setback, Tolerance, Trial, rate_of};
 use crate::mechanism::{At, Singular, System};
 
@@ -18,7 +19,7 @@ pub(crate) struct ExplicitRungeKutta<T, Y> {
     end: Y,
     /// What the step that was tried adds to y, what was left over from the step before included.
     increment: Y,
-    /// The two estimates of the error.
+    /// The two estimates of the error; the second per step.
     estimates: [Y; 2],
     /// Rates of all stages; the first is that of y.
     stages: [Y; STAGES],
@@ -124,22 +125,20 @@ impl<T: Scheme, Y: Block> ExplicitRungeKutta<T, Y> {
         let (higher, lower) = T::TABLEAU.estimate.terms();
         for (terms, estimate) in [higher, lower].into_iter().zip(&mut self.estimates) {
             for (k, out) in estimate.all_mut().chunks_exact_mut(2).enumerate() {
-                out.copy_from_slice(&pair(h, terms, &self.stages, 2 * k));
+                out.copy_from_slice(&sum(terms, &self.stages, 2 * k));
             }
         }
         let (start, end, rate) = (self.y.all(), self.end.all(), self.stages[0].all());
-        let (higher, lower) = (self.estimates[0].all(), self.estimates[1].all());
-        let n = end.len() / 2;
+        let [higher, lower] = &mut self.estimates;
         let (mut five, mut three) = (0.0, 0.0);
-        for i in 0..n {
-            let units = tolerance.units(i, h, (start, end), rate);
-            for (component, unit) in [i, n + i].into_iter().zip(units) {
-                let reciprocal = 1.0 / unit;
-                five += (higher[component] * reciprocal).powi(2);
-                three += (lower[component] * reciprocal).powi(2);
-            }
+        for (i, (higher, lower)) in higher.all_mut().iter_mut().zip(lower.all()).enumerate() {
+            let change = larger((end[i] - start[i]).abs(), (h * rate[i]).abs());
+            let steps = h / tolerance.unit(i, h, change);
+            five += (*higher * steps).powi(2);
+            three += (lower * steps).powi(2);
+            *higher *= h;
         }
-        let mean = 1.0 / (2 * n).max(1) as f64;
+        let mean = 1.0 / end.len().max(1) as f64;
         match T::TABLEAU.estimate {
             Estimate::None => 0.0,
             Estimate::Single(_) => (five * mean).sqrt(),

@@ -16,6 +16,18 @@ pub(super) fn pair<Y: Block>(h: f64, terms: &[Term], stages: &[Y], place: usize)
     sum
 }
 
+/// Σ aⱼkⱼ of one pair of components.
+#[inline(always)]
+pub(super) fn sum<Y: Block>(terms: &[Term], stages: &[Y], place: usize) -> [f64; 2] {
+    let mut sum = [0.0; 2];
+    for term in terms {
+        let rates = &stages[term.stage].all()[place..place + 2];
+        sum[0] += term.value * rates[0];
+        sum[1] += term.value * rates[1];
+    }
+    sum
+}
+
 /// out = y + h Σ aⱼkⱼ, the last term last: what waits for the rate just evaluated is one product and one sum.
 #[inline(always)]
 pub(super) fn argument<Y: Block>(out: &mut Y, y: &Y, h: f64, terms: &[Term], stages: &[Y]) {
