@@ -101,3 +101,46 @@ scene: {start: {x': 1}, until: 3}";
     assert_eq!(fired.iter().map(|e| e.0).collect::<Vec<_>>(), ["passes", "overdue"], "{fired:?}");
     assert!(fired.iter().all(|e| (e.1 - 1.5).abs() < 1e-12), "{fired:?}");
 }
+
+/// Many poles in one run, in steps as long as the motion allows: every zero between them is found and no pole is one, and
+/// what is said of the poles names their event.
+#[test]
+fn all_zeros_among_many_poles_are_found() {
+    use std::f64::consts::PI;
+    let within = |from: f64, apart: f64| -> Vec<f64> {
+        (0..).map(|k| from + f64::from(k) * apart).take_while(|x| *x < 3.0371).collect()
+    };
+    let both = |one: Vec<f64>, other: Vec<f64>| {
+        let mut all = [one, other].concat();
+        all.sort_by(f64::total_cmp);
+        all
+    };
+    let ninth = |angle: f64| both(within(angle / 9.0, 2.0 * PI / 9.0), within((PI - angle) / 9.0, 2.0 * PI / 9.0));
+    let cases = [
+        // It begins at a zero, which is none of the run's.
+        ("tan(7*x)", within(PI / 7.0, PI / 7.0), PI / 14.0),
+        ("tan(7*x) - 1", within(PI / 28.0, PI / 7.0), PI / 14.0),
+        ("tan(7*x) + 1e3", within((PI - 1e3_f64.atan()) / 7.0, PI / 7.0), PI / 14.0),
+        ("1/sin(9*x)", Vec::new(), PI / 9.0),
+        ("1/sin(9*x) - 2", ninth(PI / 6.0), PI / 9.0),
+        (
+            "1/sin(9*x + 0.4) - 2",
+            both(within((PI / 6.0 - 0.4) / 9.0, 2.0 * PI / 9.0), within((5.0 * PI / 6.0 - 0.4) / 9.0, 2.0 * PI / 9.0)),
+            (PI - 0.4) / 9.0,
+        ),
+    ];
+    let together: Vec<&str> = cases.iter().map(|case| case.0).collect();
+    let all = passing(&together);
+    for (k, (when, zeros, pole)) in cases.iter().enumerate() {
+        for (run, event) in [(&passing(&[when]), "e0".to_owned()), (&all, format!("e{k}"))] {
+            let (fired, odd, touches) = told(run, &event);
+            assert!(touches.is_empty(), "{when} touches at {touches:?}");
+            let right = fired.len() == zeros.len() && fired.iter().zip(zeros).all(|(t, zero)| (t - zero).abs() < 1e-10);
+            assert!(right, "{when} fires at {fired:?}, not {zeros:?}");
+            assert!(odd.iter().any(|t| (t - pole).abs() < 1e-6), "{when} is odd at {odd:?}, not {pole}");
+            let named = format!("`{event}`");
+            let words = run.warnings.iter().map(ToString::to_string).filter(|words| words.contains("pole"));
+            assert!(words.clone().any(|words| words.starts_with(&named)), "{:?}", words.collect::<Vec<_>>());
+        }
+    }
+}
