@@ -105,6 +105,8 @@ const NEAR: f64 = 0.3;
 const UNEXPLAINED: u32 = 6;
 /// From here on an inconsistent piece that stays away from zero is left alone.
 const AWAY: u32 = 8;
+/// A value larger than those beside it by this is at a pole.
+const POLE: f64 = 1e8;
 /// Pieces are not halved more often.
 const DEEPEST: u32 = 50;
 
@@ -122,14 +124,16 @@ impl Certifier {
         let pieces = if self.patient { 20 * grid.len() as u64 } else { 0 };
         let limit = self.samples + MOST_SAMPLES + pieces;
         self.stack.clear();
-        let mut right = 0.0;
-        for pair in grid.windows(2).rev() {
-            right = larger(right, pair[1].value);
+        let value = |k: usize| grid.get(k).map_or(0.0, |sample| larger(0.0, sample.value));
+        let size = |k: usize| tamed(value(k), value(k + 1).max(if k > 0 { value(k - 1) } else { 0.0 }));
+        let mut right = 0.0_f64;
+        for (k, pair) in grid.windows(2).enumerate().rev() {
+            right = right.max(size(k + 1));
             self.stack.push(Piece { a: pair[0], b: pair[1], depth: 0, sides: (0.0, right) });
         }
-        let mut left = 0.0;
-        for piece in self.stack.iter_mut().rev() {
-            left = larger(left, piece.a.value);
+        let mut left = 0.0_f64;
+        for (k, piece) in self.stack.iter_mut().rev().enumerate() {
+            left = left.max(size(k));
             piece.sides.0 = left;
         }
         while let Some(piece) = self.stack.pop() {
@@ -162,7 +166,8 @@ impl Certifier {
         if depth == 0 {
             self.size = self.size.max(own);
         }
-        let sides = (larger(piece.sides.0, a.value), larger(piece.sides.1, b.value));
+        let end = |value: f64| tamed(larger(0.0, value), own);
+        let sides = (piece.sides.0.max(end(a.value)), piece.sides.1.max(end(b.value)));
         let noise = NOISE * own.max(sides.0.min(sides.1));
         let piece = Piece { sides, ..piece };
         match (a.value.is_finite(), m.value.is_finite(), b.value.is_finite()) {
@@ -342,6 +347,11 @@ impl Certifier {
 /// The larger of a size and that of a value, where that is a number.
 fn larger(size: f64, value: f64) -> f64 {
     if value.is_finite() { size.max(value.abs()) } else { size }
+}
+
+/// A size that says how exactly values about it are known: at a pole, that of what is beside it times some number.
+fn tamed(size: f64, beside: f64) -> f64 {
+    if beside > 0.0 { size.min(POLE * beside) } else { size }
 }
 
 /// The second largest size of three values; 0 for what is no number.

@@ -160,13 +160,7 @@ impl Assembled {
         let mut open: Vec<usize> = (0..self.judged).collect();
         let mut taken: Vec<(usize, usize)> = Vec::new();
         for k in 0..self.size - n {
-            let sharp = |e: usize| {
-                let size = combined[e].coefficients[k].to_f64().abs();
-                let among = combined[e].sum(|e| coefficients[e][k].magnitude);
-                let beside = combined[e].sum(|e| known[e].magnitude);
-                if size <= NOTHING * among { 0.0 } else { size / beside.max(f64::MIN_POSITIVE) }
-            };
-            let sharpness: Vec<f64> = open.iter().map(|e| sharp(*e)).collect();
+            let sharpness: Vec<f64> = open.iter().map(|e| combined[*e].sharpness(k, &coefficients, &known)).collect();
             let Some(place) = (0..open.len()).max_by(|a, b| sharpness[*a].total_cmp(&sharpness[*b])) else { break };
             if sharpness[place] == 0.0 {
                 continue;
@@ -209,6 +203,14 @@ impl Combined {
     fn sum(&self, of: impl Fn(usize) -> f64) -> f64 {
         let taken = self.weights.iter().enumerate().filter(|(_, weight)| **weight != DoubleDouble::ZERO);
         taken.map(|(e, weight)| weight.to_f64().abs() * of(e)).sum()
+    }
+
+    /// How sharply it says what a reaction is: its coefficient beside the magnitude of all else; 0 where it has none.
+    fn sharpness(&self, reaction: usize, coefficients: &[&[Measured]], known: &[Measured]) -> f64 {
+        let size = self.coefficients[reaction].to_f64().abs();
+        let among = self.sum(|e| coefficients[e][reaction].magnitude);
+        let beside = self.sum(|e| known[e].magnitude);
+        if size <= NOTHING * among { 0.0 } else { size / beside.max(f64::MIN_POSITIVE) }
     }
 
     /// Takes a reaction out by another combination.
