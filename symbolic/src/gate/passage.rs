@@ -109,7 +109,7 @@ scene: {start: {x: 0, x': 1}, until: 1}
         assert_eq!(switches.len(), 1);
         let path = [0.0, 1.0].map(|x| {
             let mut state = State::at_rest(vec![1.0, 1.0], 1);
-            state.q[0] = x.into();
+            (state.t, state.q[0], state.v[0]) = (x.into(), x.into(), 1.0.into());
             motion.prepare(&mut state);
             state
         });
