@@ -3,7 +3,7 @@
 use dalembert_symbolic::gate::{Freedoms, Integrability};
 use dalembert_symbolic::lower::{Program, compile};
 
-use Integrability::{Combined, Integrable, Integral, Nonholonomic};
+use Integrability::{Combined, Integrable, Integral, Nonholonomic, Together};
 
 fn compiled(text: &str) -> Program {
     compile(text, &[]).unwrap_or_else(|problems| {
@@ -72,8 +72,16 @@ constraints:
   sideways: -sin(th)*x' + cos(th)*y'
   left: cos(th)*x' + sin(th)*y' - b*th' - R*p'
   right: cos(th)*x' + sin(th)*y' + b*th' - R*q'";
-    holds("x y th p q", cart, (4, 2), &[Nonholonomic, Combined, Combined]);
-    assert_eq!(freedoms("x y th p q", cart).combinations, 1);
+    holds("x y th p q", cart, (4, 2), &[Nonholonomic, Together, Together]);
+    let found = freedoms("x y th p q", cart);
+    assert_eq!((found.held, found.combinations), (1, 0));
+    // Numbers times the rows do no harm; other functions of the state do: it is known to be there, and not written down.
+    let scaled = cart.replace("cos(th)*x' + sin(th)*y' - b*th' - R*p'", "3*(cos(th)*x' + sin(th)*y' - b*th' - R*p')/7");
+    holds("x y th p q", &scaled, (4, 2), &[Nonholonomic, Together, Together]);
+    let hidden = cart.replace("+ b*th' - R*q'", "+ b*th' - R*q' + x*(-sin(th)*x' + cos(th)*y')");
+    let found = freedoms("x y th p q", &hidden);
+    assert_eq!((found.configuration, found.held, found.combinations), (4, 0, 1));
+    assert!(found.rows.iter().any(|row| row.1 == Combined), "{found:?}");
     // Wheels that steer with the cart's heading, of radii that grow with the way: no combination is left.
     let grows = cart.replace("- R*q'", "- R*(1 + x^2)*q'");
     holds("x y th p q", &grows, (5, 2), &[Nonholonomic; 3]);
@@ -143,6 +151,21 @@ fn holonomic_constraints_are_taken_off_both_counts() {
 fn constraints_that_leave_no_velocity_are_counted() {
     holds("x y", "constraints: {a: x' - 2*t, b: y'}", (0, 0), &[Integral; 2]);
     holds("x y", "constraints: {a: x - sin(t), b: y}", (0, 0), &[]);
+}
+
+/// Two rows neither of which is a rate, and their sum; three of which two combinations are.
+#[test]
+fn integrals_of_combinations_are_written_down() {
+    holds("x y z w", "constraints: {a: x' - y*w', b: y*w' - z'}", (3, 2), &[Together; 2]);
+    holds("x y z w", "constraints: {a: \"[x' - y*w', z' - y*w']\"}", (3, 2), &[Together; 2]);
+    let three = "constraints: {a: x' - y*w', b: 2*y*w' - z', c: u' + y*w'/3 - t}";
+    holds("x y z u w", three, (3, 2), &[Together; 3]);
+    assert_eq!(freedoms("x y z u w", three).held, 2);
+    // In another phase the other row is not there.
+    let apart = "constraints: {a: x' - y*w', b: y*w' - z'}\nphases: {one: [a, b], other: [a]}";
+    let program = program("x y z w", apart);
+    let kinds: Vec<Integrability> = program.report.freedoms[0].rows.iter().map(|row| row.1).collect();
+    assert_eq!(kinds, [Combined; 2]);
 }
 
 /// Coordinates that have nothing to do with each other are decided apart.

@@ -48,9 +48,18 @@ fn line(program: &Program, phase: usize, freedoms: &Freedoms) -> String {
         "{} are integrable, by no integrals that were found: their velocities are held",
     );
     say(Integrability::Nonholonomic, "{} is nonholonomic", "{} are nonholonomic");
+    let together = match freedoms.held {
+        1 => "a combination of {} is integrable: its integral is held".to_owned(),
+        n => format!("{n} combinations of {{}} are integrable: their integrals are held"),
+    };
+    say(Integrability::Together, &together, &together);
     let combination = match freedoms.combinations {
-        1 => "a combination of {} is integrable, none of them by itself: their velocities are held".to_owned(),
-        n => format!("{n} combinations of {{}} are integrable, none of them by itself: their velocities are held"),
+        1 => "a combination of {} is integrable, none of them by itself, by no integral that was found: their \
+              velocities are held"
+            .to_owned(),
+        n => format!(
+            "{n} combinations of {{}} are integrable, by no integrals that were found, none of them by itself: their velocities are held"
+        ),
     };
     say(Integrability::Combined, &combination, &combination);
     say(

@@ -23,6 +23,8 @@ pub(crate) struct Start<'a> {
 /// A constraint may be missed by this part of its terms, or of what the coordinates' sizes make of it, by values that are
 /// all held.
 pub(super) const MISSED: f64 = 1e-9;
+/// Speeds beside the others that are their rounding.
+const ROUNDED: f64 = 1e-14;
 /// A closed constraint, beside the sum of its terms.
 const CLOSED: f64 = 1e-14;
 /// At a stationary point of |c|² its gradient is below this part of what it might be.
@@ -255,9 +257,17 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
         let triples = self.triples(y);
         let sizes = DVector::from_vec(sizes_alike(self.system.description(), &y[n..]));
         let terms = j.abs() * sizes + rate.abs();
+        // Speeds that are rounding of others miss a row by as little: |J v| is no more than |J| |v| in the metric of M.
+        let inertia = mass.diagonal();
+        let quick = (0..n).map(|i| inertia[i].max(0.0) * y[n + i] * y[n + i]).sum::<f64>().sqrt();
+        let eased = |k: usize| {
+            let shares = (0..n).filter(|i| inertia[*i] > 0.0).map(|i| j[(k, i)] * j[(k, i)] / inertia[i]);
+            shares.sum::<f64>().sqrt()
+        };
         for (k, row) in self.rows.iter().enumerate() {
             let residual = triples[*row][1];
-            if residual.abs() > MISSED * terms[k] || residual.is_nan() {
+            let negligible = (MISSED * terms[k]).max(ROUNDED * quick * eased(k));
+            if residual.abs() > negligible || residual.is_nan() {
                 return Err(Cause::StartMissesConstraint { constraint: self.name(*row), residual }.into());
             }
         }

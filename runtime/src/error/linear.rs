@@ -128,8 +128,8 @@ impl fmt::Display for LinearError {
             }
             LinearError::VelocityConstraint { constraint } => write!(
                 f,
-                "the constraint `{constraint}` contains speeds: there are no independent coordinates to write M, C and K in; \
-                 where it can be integrated, write it without speeds"
+                "the constraint `{constraint}` contains speeds, without a known integral: there are no independent coordinates to \
+                 write M, C and K in; where it can be integrated, write it without speeds"
             ),
             LinearError::FrictionOfReactions => write!(
                 f,

@@ -1,6 +1,6 @@
 //! A function along a step, looked at until nothing can hide between the points.
 
-use super::root::{Nature, locate, nature_of_zero};
+use super::root::{Around, Nature, locate, nature_of_zero};
 
 /// A point of a function.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,20 +52,25 @@ pub(crate) struct TooMany;
 /// piece is halved.  In consistent pieces a pair of zeros hides only near a critical point of the halves' cubics that
 /// comes within 0.3 r of zero: there the extremum, a root of the slope, is looked at.
 ///
+/// What rounding makes of zero is measured by values that are large all around, as terms that cancel are; those beside a
+/// pole are large to one side only.  Of a piece this is the second largest of the values at its ends and in its middle, or
+/// the lesser of the largest ones to its left and to its right: of the points to begin with, and of the pieces that it is
+/// part of.
+///
 /// An oscillation that keeps step with the halving is not seen by this: pieces must begin short enough for the
 /// phases inside the function, see [`PHASE`].
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Certifier {
-    /// Pieces to look at, the first one last: ends and how often they were halved.
-    stack: Vec<(Sample, Sample, u32)>,
+    /// Pieces to look at, the first one last.
+    stack: Vec<Piece>,
     /// Points between which the function has no more extrema that matter, in order.
     points: Vec<Sample>,
     /// Zeros and the like, in order.
     pub marks: Vec<Mark>,
     /// Samples so far.
     pub samples: u64,
-    /// 8 unit round-offs of the largest value.
-    noise: f64,
+    /// The largest size of the function, poles left aside: the second largest at the ends and in the middle of some piece.
+    pub size: f64,
     /// What the rounding of the state may change of the values: less is zero, and no jump.
     pub rounding: f64,
     /// Whether every extremum is wanted, not only those that might hide zeros.
@@ -74,6 +79,19 @@ pub(crate) struct Certifier {
     pub patient: bool,
 }
 
+/// A piece of a function.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    a: Sample,
+    b: Sample,
+    /// How often it was halved.
+    depth: u32,
+    /// The largest sizes at its left end and before, and at its right end and behind.
+    sides: (f64, f64),
+}
+
+/// 8 unit round-offs.
+const NOISE: f64 = 4.0 * f64::EPSILON;
 /// Radians by which the argument of a sine or cosine may change within a first piece.
 pub(crate) const PHASE: f64 = 2.0;
 /// Samples of one function within one step.
@@ -87,6 +105,8 @@ const NEAR: f64 = 0.3;
 const UNEXPLAINED: u32 = 6;
 /// From here on an inconsistent piece that stays away from zero is left alone.
 const AWAY: u32 = 8;
+/// A value larger than those beside it by this is at a pole.
+const POLE: f64 = 1e8;
 /// Pieces are not halved more often.
 const DEEPEST: u32 = 50;
 
@@ -97,20 +117,30 @@ impl Certifier {
     /// [`TooMany`] samples: the function oscillates too fast.
     pub fn certify(&mut self, f: &mut impl FnMut(f64) -> (f64, f64), grid: &[Sample]) -> Result<(), TooMany> {
         let [first, .., last] = grid else { return Ok(()) };
-        let largest = grid.iter().map(|s| s.value.abs()).filter(|v| v.is_finite()).fold(0.0, f64::max);
-        self.noise = 4.0 * f64::EPSILON * largest;
+        self.size = 0.0;
         self.marks.clear();
         self.points.clear();
         self.points.push(*first);
         let pieces = if self.patient { 20 * grid.len() as u64 } else { 0 };
         let limit = self.samples + MOST_SAMPLES + pieces;
         self.stack.clear();
-        self.stack.extend(grid.windows(2).rev().map(|pair| (pair[0], pair[1], 0)));
-        while let Some((a, b, depth)) = self.stack.pop() {
+        let value = |k: usize| grid.get(k).map_or(0.0, |sample| larger(0.0, sample.value));
+        let size = |k: usize| tamed(value(k), value(k + 1).max(if k > 0 { value(k - 1) } else { 0.0 }));
+        let mut right = 0.0_f64;
+        for (k, pair) in grid.windows(2).enumerate().rev() {
+            right = right.max(size(k + 1));
+            self.stack.push(Piece { a: pair[0], b: pair[1], depth: 0, sides: (0.0, right) });
+        }
+        let mut left = 0.0_f64;
+        for (k, piece) in self.stack.iter_mut().rev().enumerate() {
+            left = left.max(size(k));
+            piece.sides.0 = left;
+        }
+        while let Some(piece) = self.stack.pop() {
             if self.samples > limit {
                 return Err(TooMany);
             }
-            self.piece(f, (a, b), depth);
+            self.piece(f, piece);
         }
         debug_assert_eq!(self.points.last().map(|p| p.x), Some(last.x));
         self.walk(f);
@@ -123,7 +153,8 @@ impl Certifier {
     }
 
     /// Settles a piece, or halves it.
-    fn piece(&mut self, f: &mut impl FnMut(f64) -> (f64, f64), (a, b): (Sample, Sample), depth: u32) {
+    fn piece(&mut self, f: &mut impl FnMut(f64) -> (f64, f64), piece: Piece) {
+        let Piece { a, b, depth, .. } = piece;
         let length = b.x - a.x;
         let x = a.x + 0.5 * length;
         if depth >= DEEPEST || length <= 2.0 * f64::EPSILON * a.x.abs().max(b.x.abs()) || !(x > a.x && x < b.x) {
@@ -131,6 +162,14 @@ impl Certifier {
             return;
         }
         let m = self.sample(f, x);
+        let own = second_largest([a, m, b]);
+        if depth == 0 {
+            self.size = self.size.max(own);
+        }
+        let end = |value: f64| tamed(larger(0.0, value), own);
+        let sides = (piece.sides.0.max(end(a.value)), piece.sides.1.max(end(b.value)));
+        let noise = NOISE * own.max(sides.0.min(sides.1));
+        let piece = Piece { sides, ..piece };
         match (a.value.is_finite(), m.value.is_finite(), b.value.is_finite()) {
             (true, true, true) => {}
             // Nothing is known of a piece in which the function is nowhere seen to be defined.
@@ -138,15 +177,15 @@ impl Certifier {
                 self.points.extend([m, b]);
                 return;
             }
-            _ => return self.halve(a, m, b, depth),
+            _ => return self.halve(m, piece),
         }
         let r = (b.value - a.value).abs().max((m.value - a.value).abs()).max((m.value - b.value).abs());
         let value = 0.5 * (a.value + b.value) + 0.125 * length * (a.slope - b.slope);
         let slope = 1.5 * (b.value - a.value) / length - 0.25 * (a.slope + b.slope);
         let near = |off: f64, noise: f64| off.abs() <= CONSISTENT * r + noise;
-        if near(m.value - value, self.noise) && near(0.25 * length * (m.slope - slope), 4.0 * self.noise) {
-            self.half(f, a, m, r);
-            self.half(f, m, b, r);
+        if near(m.value - value, noise) && near(0.25 * length * (m.slope - slope), 4.0 * noise) {
+            self.half(f, a, m, (r, noise));
+            self.half(f, m, b, (r, noise));
             return;
         }
         let steepest = a.slope.abs().max(b.slope.abs()).max(m.slope.abs());
@@ -158,16 +197,17 @@ impl Certifier {
             self.points.extend([m, b]);
             return;
         }
-        self.halve(a, m, b, depth);
+        self.halve(m, piece);
     }
 
-    fn halve(&mut self, a: Sample, m: Sample, b: Sample, depth: u32) {
-        self.stack.push((m, b, depth + 1));
-        self.stack.push((a, m, depth + 1));
+    fn halve(&mut self, m: Sample, piece: Piece) {
+        let depth = piece.depth + 1;
+        self.stack.push(Piece { a: m, depth, ..piece });
+        self.stack.push(Piece { b: m, depth, ..piece });
     }
 
-    /// Adds the points of half of a consistent piece whose values vary by r.
-    fn half(&mut self, f: &mut impl FnMut(f64) -> (f64, f64), a: Sample, b: Sample, r: f64) {
+    /// Adds the points of half of a consistent piece whose values vary by r, and of which `noise` is zero.
+    fn half(&mut self, f: &mut impl FnMut(f64) -> (f64, f64), a: Sample, b: Sample, (r, noise): (f64, f64)) {
         let length = b.x - a.x;
         // H = g + s L g'(a) + s² c₂ + s³ c₃ with s from 0 to 1.
         let change = b.value - a.value;
@@ -178,12 +218,12 @@ impl Certifier {
             let value = a.value + s * (start + s * (c2 + s * c3));
             // An extremum that leads away from zero hides nothing.
             let dips = value.abs() < a.value.abs().max(b.value.abs()) || value * a.value < 0.0 || value * b.value < 0.0;
-            if self.extrema || dips && (value.abs() <= NEAR * r + self.noise || value * a.value < 0.0) {
+            if self.extrema || dips && (value.abs() <= NEAR * r + noise || value * a.value < 0.0) {
                 let here = self.sample(f, a.x + s * length);
                 let turn = if before.slope * here.slope < 0.0 {
-                    self.extremum(f, before, here)
+                    self.extremum(f, (before, here), noise)
                 } else if here.slope * b.slope < 0.0 {
-                    self.extremum(f, here, b)
+                    self.extremum(f, (here, b), noise)
                 } else {
                     here
                 };
@@ -192,24 +232,17 @@ impl Certifier {
                 found.sort_by(|a, b| a.x.total_cmp(&b.x));
                 for point in found {
                     if point.x > before.x && point.x < b.x {
-                        self.points.push(self.settled(point, length, r));
+                        self.points.push(settled(point, length, (r, noise)));
                         before = point;
                     }
                 }
             }
         }
-        let end = self.settled(b, length, r);
-        self.points.push(end);
-    }
-
-    /// A point at which the function turns and is zero to its rounding, as a zero.
-    fn settled(&self, point: Sample, length: f64, r: f64) -> Sample {
-        let turns = length * point.slope.abs() <= 2.0 * (self.noise * r).sqrt();
-        if turns && point.value.abs() <= self.noise { Sample { value: 0.0, ..point } } else { point }
+        self.points.push(settled(b, length, (r, noise)));
     }
 
     /// The extremum between two points with slopes of opposite signs, or a point beyond zero that is met on the way.
-    fn extremum(&mut self, f: &mut impl FnMut(f64) -> (f64, f64), a: Sample, b: Sample) -> Sample {
+    fn extremum(&mut self, f: &mut impl FnMut(f64) -> (f64, f64), (a, b): (Sample, Sample), noise: f64) -> Sample {
         let side = a.value.signum();
         let (mut low, mut high) = (a, b);
         let mut best = if a.value.abs() < b.value.abs() { a } else { b };
@@ -228,12 +261,12 @@ impl Certifier {
             if better || !self.extrema && side * here.value < 0.0 {
                 best = here;
             }
-            if !self.extrema && side * here.value < -self.noise || here.slope == 0.0 || here.slope.is_nan() {
+            if !self.extrema && side * here.value < -noise || here.slope == 0.0 || here.slope.is_nan() {
                 break;
             }
             // What is left between the bracket's ends cannot reach zero.
             let reach = (high.x - low.x) * low.slope.abs().max(high.slope.abs());
-            if !self.extrema && here.value.abs() > 2.0 * reach + self.noise {
+            if !self.extrema && here.value.abs() > 2.0 * reach + noise {
                 break;
             }
             if (here.slope > 0.0) == (low.slope > 0.0) {
@@ -268,13 +301,12 @@ impl Certifier {
                 let rising = here.value > 0.0;
                 match (zero, (before.value > 0.0) != rising) {
                     (Some(x), true) => {
-                        let samples = &mut self.samples;
+                        let (around, samples) = (self.around(), &mut self.samples);
                         let value = |x: f64| {
                             *samples += 1;
                             f(x).0
                         };
-                        let nature =
-                            nature_of_zero(value, x, (before.x, before.value), (here.x, here.value), self.rounding);
+                        let nature = nature_of_zero(value, x, (before.x, before.value), (here.x, here.value), around);
                         self.marks.push(Mark { x, deed: deed(nature, rising) });
                     }
                     (Some(x), false) => self.marks.push(Mark { x, deed: Deed::Touches }),
@@ -289,25 +321,50 @@ impl Certifier {
         }
     }
 
+    fn around(&self) -> Around {
+        let ends = [self.points.first(), self.points.last()].map(|point| point.map_or(0.0, |point| point.x));
+        Around { domain: (ends[0], ends[1]), rounding: self.rounding }
+    }
+
     /// What lies between two points of opposite signs.
     fn between(&mut self, f: &mut impl FnMut(f64) -> (f64, f64), a: Sample, b: Sample) -> Mark {
-        let samples = &mut self.samples;
+        let (around, samples) = (self.around(), &mut self.samples);
         let value = |x: f64| {
             *samples += 1;
             f(x).0
         };
-        let (x, nature) = locate(value, (a.x, a.value), (b.x, b.value), self.rounding);
+        let (x, nature) = locate(value, (a.x, a.value), (b.x, b.value), around);
         Mark { x, deed: deed(nature, b.value > 0.0) }
     }
 
     fn sample(&mut self, f: &mut impl FnMut(f64) -> (f64, f64), x: f64) -> Sample {
         self.samples += 1;
         let (value, slope) = f(x);
-        if value.is_finite() {
-            self.noise = self.noise.max(4.0 * f64::EPSILON * value.abs());
-        }
         Sample { x, value, slope }
     }
+}
+
+/// The larger of a size and that of a value, where that is a number.
+fn larger(size: f64, value: f64) -> f64 {
+    if value.is_finite() { size.max(value.abs()) } else { size }
+}
+
+/// A size that says how exactly values about it are known: at a pole, that of what is beside it times some number.
+fn tamed(size: f64, beside: f64) -> f64 {
+    if beside > 0.0 { size.min(POLE * beside) } else { size }
+}
+
+/// The second largest size of three values; 0 for what is no number.
+fn second_largest(samples: [Sample; 3]) -> f64 {
+    let mut sizes = samples.map(|sample| larger(0.0, sample.value));
+    sizes.sort_unstable_by(f64::total_cmp);
+    sizes[1]
+}
+
+/// A point at which the function turns and is zero to its rounding, as a zero; the piece about it is this long.
+fn settled(point: Sample, length: f64, (r, noise): (f64, f64)) -> Sample {
+    let turns = length * point.slope.abs() <= 2.0 * (noise * r).sqrt();
+    if turns && point.value.abs() <= noise { Sample { value: 0.0, ..point } } else { point }
 }
 
 fn deed(nature: Nature, rising: bool) -> Deed {

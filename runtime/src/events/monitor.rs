@@ -5,7 +5,7 @@
 //! and the ends of the step show nothing of that, the step is cut so that the error test sees the rest by itself.
 
 use super::arguments::{Arguments, Course};
-use super::root::locate;
+use super::root::{Around, locate};
 use crate::integrate::Reached;
 use crate::mechanism::{Argument, At, Role, System, Watched};
 
@@ -295,7 +295,11 @@ fn along<S: System + ?Sized>(
         let before = path.windows(2).find(|pair| pair[1].0 <= top && natural(pair[1].1) >= level)?;
         let (a, b) = (before[0], before[1]);
         let (low, high) = (natural(a.1) - level, natural(b.1) - level);
-        let x = if low >= 0.0 || high <= 0.0 { b.0 } else { locate(|x| at(x) - level, (a.0, low), (b.0, high), 0.0).0 };
+        let x = if low >= 0.0 || high <= 0.0 {
+            b.0
+        } else {
+            locate(|x| at(x) - level, (a.0, low), (b.0, high), Around::bracket(a.0, b.0)).0
+        };
         return Some(x.min(0.9)).filter(|x| *x > LEAST);
     }
     let start = natural(path.first()?.1);
@@ -309,7 +313,7 @@ fn along<S: System + ?Sized>(
     let x = if low >= 0.0 || high <= 0.0 {
         b.0
     } else {
-        locate(|x| (at(x) - start).abs() - kept, (a.0, low), (b.0, high), 0.0).0
+        locate(|x| (at(x) - start).abs() - kept, (a.0, low), (b.0, high), Around::bracket(a.0, b.0)).0
     };
     Some(x.min(0.9)).filter(|x| *x > LEAST)
 }

@@ -13,6 +13,23 @@ pub(crate) enum Nature {
     Undefined,
 }
 
+/// What is known of a function about a bracket.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Around {
+    /// Where it may be looked at, the bracket's inside or more: what lies in a bracket that is narrower than what tells a root
+    /// from a jump is told by what surrounds it.
+    pub domain: (f64, f64),
+    /// What rounding may change of its values: less is zero, and no jump.
+    pub rounding: f64,
+}
+
+impl Around {
+    /// Nothing but the bracket itself.
+    pub fn bracket(a: f64, b: f64) -> Around {
+        Around { domain: (a.min(b), a.max(b)), rounding: 0.0 }
+    }
+}
+
 /// A function that is this many roundings of its largest value is zero.
 const ZERO: f64 = 128.0;
 /// Unit round-off.
@@ -23,9 +40,13 @@ const ROUND_OFF: f64 = 0.5 * f64::EPSILON;
 ///
 /// The bracket is narrowed to adjacent numbers by bisection and inverse quadratic interpolation (Chandrupatla, Adv.
 /// Eng. Software 28 (1997) 145).  What it holds is told by how |Δf| shrinks from brackets 2²⁰ and 2¹⁰ times as wide
-/// to it: like a power of the width for a root, not at all for a jump; it grows for a pole.  A value of no more than
-/// `rounding` is zero.
-pub(crate) fn locate(mut f: impl FnMut(f64) -> f64, from: (f64, f64), to: (f64, f64), rounding: f64) -> (f64, Nature) {
+/// to it: like a power of the width for a root, not at all for a jump; it grows for a pole.
+pub(crate) fn locate(
+    mut f: impl FnMut(f64) -> f64,
+    from: (f64, f64),
+    to: (f64, f64),
+    Around { domain: (low, high), rounding }: Around,
+) -> (f64, Nature) {
     let largest = from.1.abs().max(to.1.abs());
     let Some([a, b]) = narrow(&mut f, from, to) else {
         return (0.5 * (from.0 + to.0), Nature::Undefined);
@@ -34,7 +55,6 @@ pub(crate) fn locate(mut f: impl FnMut(f64) -> f64, from: (f64, f64), to: (f64, 
     if best.1.abs() <= (ZERO * ROUND_OFF * largest).max(rounding) {
         return (best.0, Nature::Root);
     }
-    let (low, high) = (from.0.min(to.0), from.0.max(to.0));
     let width = (b.0 - a.0).abs();
     let mut change = |factor: f64| {
         let [left, right] = [best.0 - 0.5 * factor * width, best.0 + 0.5 * factor * width];
@@ -54,19 +74,18 @@ pub(crate) fn locate(mut f: impl FnMut(f64) -> f64, from: (f64, f64), to: (f64, 
     (best.0, nature)
 }
 
-/// What is at a point with the value zero and values of opposite signs to its sides, `low` and `high`; a change of no more
-/// than `rounding` is none.
+/// What is at a point with the value zero and values of opposite signs to its sides, `low` and `high`.
 pub(crate) fn nature_of_zero(
     mut f: impl FnMut(f64) -> f64,
     x: f64,
     low: (f64, f64),
     high: (f64, f64),
-    rounding: f64,
+    Around { domain, rounding }: Around,
 ) -> Nature {
     let largest = low.1.abs().max(high.1.abs());
     let width = f64::EPSILON * x.abs().max(high.0 - low.0);
     let mut change = |factor: f64| {
-        let (left, right) = ((x - factor * width).max(low.0), (x + factor * width).min(high.0));
+        let (left, right) = ((x - factor * width).max(domain.0), (x + factor * width).min(domain.1));
         (f(right) - f(left)).abs()
     };
     let (narrow, wide) = (change(1024.0), change(1024.0 * 1024.0));
@@ -169,7 +188,7 @@ mod tests {
                 let place = draws.between(0.6, 1.4);
                 let g = |x: f64| f(x - place);
                 let (a, b) = (place - left, place + right);
-                let (x, found) = locate(g, (a, g(a)), (b, g(b)), 0.0);
+                let (x, found) = locate(g, (a, g(a)), (b, g(b)), Around::bracket(a, b));
                 // ln|x| sign x is refused either way.
                 let refused = |nature| nature == Nature::Pole || nature == Nature::Jump;
                 let right = found == nature || name == "logarithm with a sign" && refused(found);
@@ -187,7 +206,11 @@ mod tests {
         let root = ((360.0 * 0.87 / std::f64::consts::PI).ceil() * std::f64::consts::PI / 360.0 - 0.87) / 0.04;
         for before in [1e-3, 1e-5, 1e-8] {
             let g = |x: f64| tick(root - before + x);
-            assert_eq!(locate(g, (0.0, g(0.0)), (0.05, g(0.05)), 0.0).1, Nature::Root, "{before}");
+            assert_eq!(
+                locate(g, (0.0, g(0.0)), (0.05, g(0.05)), Around::bracket(0.0, 0.05)).1,
+                Nature::Root,
+                "{before}"
+            );
         }
     }
 
@@ -198,16 +221,34 @@ mod tests {
             count += 1;
             x * x - 2.0
         };
-        let (found, nature) = locate(square, (0.0, -2.0), (2.0, 2.0), 0.0);
+        let (found, nature) = locate(square, (0.0, -2.0), (2.0, 2.0), Around::bracket(0.0, 2.0));
         assert_eq!(nature, Nature::Root);
         assert!((found - 2.0_f64.sqrt()).abs() <= 4e-16 && count < 20, "{found} after {count}");
-        let (steep, _) = locate(|x| (x - 0.3).powi(9), (0.0, -0.3_f64.powi(9)), (1.0, 0.7_f64.powi(9)), 0.0);
+        let ninth = |x: f64| (x - 0.3).powi(9);
+        let (steep, _) = locate(ninth, (0.0, ninth(0.0)), (1.0, ninth(1.0)), Around::bracket(0.0, 1.0));
         assert!((steep - 0.3).abs() < 1e-3, "{steep}");
+    }
+
+    #[test]
+    fn what_a_narrow_bracket_does_not_tell_its_surroundings_do() {
+        let place = 0.2624747022216596;
+        let line = |x: f64| place - x;
+        let step = |x: f64| if x < place { 1.0 } else { -1.0 };
+        for half in [4e-16, 1e-14, 1e-12] {
+            let (a, b) = (place - half, place + half);
+            let around = Around { domain: (0.0, 1.0), rounding: 0.0 };
+            assert_eq!(nature_of_zero(line, place, (a, line(a)), (b, line(b)), around), Nature::Root, "{half}");
+            assert_eq!(nature_of_zero(step, place, (a, 1.0), (b, -1.0), around), Nature::Jump, "{half}");
+        }
     }
 
     #[test]
     fn a_bracket_is_narrowed_from_the_right_as_from_the_left() {
         let line = |x: f64| x - 0.25;
-        assert_eq!(locate(line, (1.0, 0.75), (0.0, -0.25), 0.0).0, locate(line, (0.0, -0.25), (1.0, 0.75), 0.0).0);
+        let around = Around::bracket(0.0, 1.0);
+        assert_eq!(
+            locate(line, (1.0, 0.75), (0.0, -0.25), around).0,
+            locate(line, (0.0, -0.25), (1.0, 0.75), around).0
+        );
     }
 }

@@ -24,6 +24,8 @@ pub(crate) struct Sampler {
 
 /// How far ahead a function at its zero is asked for its side, in parts of the step.
 const AHEAD: f64 = 1e-4;
+/// How much further where that shows nothing but rounding.
+const FURTHER: [f64; 3] = [1.0, 10.0, 100.0];
 /// A rate that changes a function by less than this part of its largest value in a step is none.
 const STILL: f64 = 1e-15;
 /// A change this small beside the values is rounding.
@@ -72,16 +74,23 @@ impl Sampler {
         (step, largest, struck): (f64, f64, bool),
     ) -> f64 {
         self.at_state(system, t, y);
-        let (before, ahead) = (self.value(event), AHEAD * step);
+        let before = self.value(event);
         if struck && self.rated[event] == Rated::Whole && (self.rates[event] * step).abs() > STILL * largest {
             // What was struck leaves as its rate says, however low it hops.
             return self.rates[event].signum();
         }
-        let moved = self.moved(system, (t, y), ahead);
-        self.at_state(system, t + ahead, &moved);
-        let change = self.value(event) - before;
-        let size = self.value(event).abs().max(before.abs());
-        if change.abs() > LEAVES * size { change.signum() } else { 0.0 }
+        let rounding = self.rounding_at(system, event, (t, y));
+        // So little ahead a foot that lifts off may have moved by less than its place is rounded: then further.
+        for ahead in FURTHER.map(|times| times * AHEAD * step) {
+            let moved = self.moved(system, (t, y), ahead);
+            self.at_state(system, t + ahead, &moved);
+            let change = self.value(event) - before;
+            if change.abs() > rounding {
+                let size = self.value(event).abs().max(before.abs());
+                return if change.abs() > LEAVES * size { change.signum() } else { 0.0 };
+            }
+        }
+        0.0
     }
 
     /// By how much an event's function would change in a step, seen a little ahead.
@@ -197,24 +206,31 @@ impl Sampler {
         let mut least = f64::INFINITY;
         for theta in [0.0, 1.0] {
             self.along(system, segment, theta);
-            let (t, mut y, value) = (segment.t + theta * segment.h, self.y.clone(), self.value(function));
-            let mut sum = 0.0;
-            for i in 0..y.len() {
-                let exact = y[i];
-                for moved in [exact * (1.0 - ROUNDINGS), exact * (1.0 + ROUNDINGS)] {
-                    y[i] = moved;
-                    self.evaluate(system, t, &y);
-                    sum += (self.value(function) - value).abs();
-                }
-                y[i] = exact;
-            }
-            for moved in [t * (1.0 - ROUNDINGS), t * (1.0 + ROUNDINGS)] {
-                self.evaluate(system, moved, &y);
-                sum += (self.value(function) - value).abs();
-            }
+            let (t, y) = (segment.t + theta * segment.h, self.y.clone());
+            let sum = self.rounding_at(system, function, (t, &y));
             least = least.min(sum);
         }
         if least.is_finite() { least } else { 0.0 }
+    }
+
+    /// By how much a function may change by the rounding of a state, its accelerations being those evaluated last.
+    pub fn rounding_at<S: System + ?Sized>(&mut self, system: &S, function: usize, (t, y): (f64, &[f64])) -> f64 {
+        self.evaluate(system, t, y);
+        let (mut near, value) = (y.to_vec(), self.value(function));
+        let mut sum = 0.0;
+        for i in 0..y.len() {
+            for moved in [y[i] * (1.0 - ROUNDINGS), y[i] * (1.0 + ROUNDINGS)] {
+                near[i] = moved;
+                self.evaluate(system, t, &near);
+                sum += (self.value(function) - value).abs();
+            }
+            near[i] = y[i];
+        }
+        for moved in [t * (1.0 - ROUNDINGS), t * (1.0 + ROUNDINGS)] {
+            self.evaluate(system, moved, y);
+            sum += (self.value(function) - value).abs();
+        }
+        sum
     }
 
     /// Samples of all functions at a place of a step.

@@ -40,7 +40,7 @@ pub(crate) struct Scanner {
     pub fresh: Vec<bool>,
     /// To which side these leave it, where their rates tell; 0 where they do not.
     pub leaving: Vec<f64>,
-    /// The largest size of each function that was met.
+    /// The largest size of each function that was met, poles left aside.
     pub largest: Vec<f64>,
     /// Events of other phases are not looked at.
     asleep: Vec<bool>,
@@ -64,6 +64,8 @@ pub(crate) struct Scanner {
 
 /// A value this small against the variation over the step is zero where the function was on its surface.
 const ZERO: f64 = 1e-13;
+/// A change that is larger than the others by this is beside a pole.
+const POLE: f64 = 1e8;
 
 impl Scanner {
     /// For the functions of a system.
@@ -187,9 +189,7 @@ impl Scanner {
         } else {
             grid.extend([start, end]);
         }
-        // What oscillates may be back where it was: the slope counts as well.
-        let slope = if start.slope.is_finite() { start.slope.abs() } else { 0.0 };
-        let variation = (middle.value - start.value).abs().max((end.value - start.value).abs()).max(slope);
+        let variation = variation([start, middle, end]);
         let resolution = ZERO + 16.0 * f64::EPSILON * segment.t.abs() / segment.h;
         let mut floor = 0.0;
         if self.fresh[function] && start.value.abs() <= resolution * variation {
@@ -241,9 +241,7 @@ impl Scanner {
                 side = sign;
             }
         }
-        for point in certifier.points().iter().filter(|point| point.value.is_finite()) {
-            self.largest[function] = self.largest[function].max(point.value.abs());
-        }
+        self.largest[function] = self.largest[function].max(certifier.size);
         for mark in certifier.marks.iter().filter(|mark| floor == 0.0 || mark.x > begins) {
             match mark.deed {
                 Deed::Crosses { rising } => {
@@ -265,6 +263,16 @@ impl Scanner {
         }
         self.end_sides[function] = side;
     }
+}
+
+/// By how much a function changes in a step, poles left aside; 0 where it begins undefined.
+fn variation([start, middle, end]: [Sample; 3]) -> f64 {
+    // What oscillates may be back where it was: the slope counts as well.
+    let mut changes = [middle.value - start.value, end.value - start.value, start.slope].map(f64::abs);
+    changes.iter_mut().filter(|change| !change.is_finite()).for_each(|change| *change = 0.0);
+    changes.sort_unstable_by(f64::total_cmp);
+    let [_, second, largest] = changes;
+    if second > 0.0 && largest > POLE * second { second } else { largest }
 }
 
 /// Where a function that leaves zero to a side at `start` is back at zero before `after`, by a parabola; 0 where its slope

@@ -354,7 +354,9 @@ impl Watch {
             };
             self.sampler.at_state(system, t, y);
             let value = self.sampler.value(function);
-            let on = value.is_nan() || value.abs() <= ON * seen.max(variation);
+            let on = value.is_nan()
+                || value.abs() <= ON * seen.max(variation)
+                || value.abs() <= self.sampler.rounding_at(system, function, (t, y));
             self.scanner.sides[function] = if on { 0.0 } else { value.signum() };
             self.scanner.fresh[function] = true;
             self.scanner.leaving[function] = 0.0;

@@ -99,8 +99,12 @@ pub struct Row {
     pub unit: Text,
     /// Whether it contains no speeds.
     pub holonomic: bool,
-    /// Whether it contains speeds and is the rate of a known function of time and coordinates, which is then its c.
+    /// Whether it contains speeds and is, by itself or together with `with`, the rate of a known function of time and
+    /// coordinates, which is then its c.
     pub integral: bool,
+    /// The rows, with factors, that make the integral's rate together with this one.  They have no integrals, and act where
+    /// this one does.
+    pub with: List<(u32, f64)>,
     /// The place of its constraint.
     pub constraint: u32,
 }

@@ -383,15 +383,16 @@ fn describe(program: &Program, source: &str) -> Description {
             .iter()
             .enumerate()
             .flat_map(|(k, c)| {
-                let integral = &program.constraints.integral[c.first..];
-                let row = move |(name, integral): (String, &bool)| Row {
+                let constraints = &program.constraints;
+                let row = move |(name, row): (String, usize)| Row {
                     name: Text::Owned(name),
                     unit: unit(&c.unit),
                     holonomic: c.holonomic,
-                    integral: *integral,
+                    integral: constraints.integral[row],
+                    with: constraints.with[row].iter().map(|(row, factor)| (*row as u32, *factor)).collect(),
                     constraint: k as u32,
                 };
-                c.row_names().into_iter().zip(integral).map(row)
+                c.row_names().into_iter().zip(c.first..).map(row)
             })
             .collect(),
         phases: model

@@ -10,6 +10,9 @@ use crate::integrate::{Reached, Segment};
 use crate::mechanism::{At, Method, System};
 use crate::trust::{ConditionMonitor, InertiaGuard, Monitor, Warning, Watchman};
 
+/// An edge that comes so early, in parts of the time of another one, is the start.
+const AT_THE_START: f64 = 1e-9;
+
 /// Collects what a [`Run`] holds: reported states, outputs, dense output, drift.
 #[derive(Clone)]
 pub(crate) struct Recorder {
@@ -441,6 +444,12 @@ impl Log for Recorder {
     }
 
     fn remark(&mut self, Remark { event, t, what }: Remark) {
+        // Where the run begins a function may be undefined at that one point: later edges say more.
+        let start = self.start;
+        let begins = |known: &Warning| matches!(known, Warning::Undefined { event: other, t: at } if *other == event && at - start <= AT_THE_START * (t - start));
+        if what == Remarkable::Edge {
+            self.run.warnings.retain(|known| !begins(known));
+        }
         self.warn(match what {
             Remarkable::Touch => Warning::Touch { event, t },
             Remarkable::Jump => Warning::NoCrossing { event, t },

@@ -4,8 +4,7 @@ use nalgebra::{Complex, DMatrix, Schur};
 
 use super::Warning;
 use crate::integrate::{Stability, stability};
-use crate::mechanism::dense::{force_slopes, mass_matrix};
-use crate::mechanism::{At, Method, System};
+use crate::mechanism::{AccelerationSlopes, At, Enforcement, Method, System};
 
 /// More coordinates than this are not looked at: the eigenvalues would cost more than they tell.
 const LARGEST: usize = 40;
@@ -15,11 +14,11 @@ const GROWTH: f64 = 1.01;
 /// Warns if a method at a fixed step amplifies a mode of the system linearised at the start by more than the
 /// mechanism itself does.
 ///
-/// With F(q, q', q'') = 0 linearised at the start, λ are the eigenvalues of [0 1; −M⁻¹∂F/∂q −M⁻¹∂F/∂q'], and a
+/// With F(q, q', q'') = 0 linearised at the start, λ are the eigenvalues of [0 1; ∂a/∂q ∂a/∂q'], and a
 /// step multiplies a mode by R(hλ), R the method's stability function (catalogue A1–A4).  [`Watchman`] repeats
 /// the check along the motion.
-pub(crate) fn check_step<S: System + ?Sized>(
-    system: &S,
+pub(crate) fn check_step(
+    system: &dyn System,
     (t, q, v): (f64, &[f64], &[f64]),
     method: Method,
     step: f64,
@@ -61,12 +60,12 @@ const LARGEST_REPEATED: usize = 10;
 
 impl Watchman {
     /// A watchman over a run of `span` seconds from t; `None` for a mechanism that is too large.
-    pub fn new<S: System + ?Sized>(system: &S, method: Method, step: f64, t: f64, span: f64) -> Option<Self> {
+    pub fn new(system: &dyn System, method: Method, step: f64, t: f64, span: f64) -> Option<Self> {
         (system.len() <= LARGEST_REPEATED).then_some(Watchman { method, step, span, next: t })
     }
 
     /// Checks the state y at time t, if it is time to.
-    pub fn check<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) -> Option<Warning> {
+    pub fn check(&mut self, system: &dyn System, t: f64, y: &[f64]) -> Option<Warning> {
         if t < self.next {
             return None;
         }
@@ -100,21 +99,19 @@ fn limit(stability: &Stability, rate: Complex<f64>, step: f64) -> f64 {
 }
 
 /// The eigenvalues of the system linearised at a state, 1/s; `None` where they cannot be had.
-pub(crate) fn rates<S: System + ?Sized>(system: &S, t: f64, q: &[f64], v: &[f64]) -> Option<Vec<Complex<f64>>> {
+pub(crate) fn rates(system: &dyn System, t: f64, q: &[f64], v: &[f64]) -> Option<Vec<Complex<f64>>> {
     let n = system.len();
-    // With constraints these are not the motions that remain.
-    if n == 0 || n > LARGEST || !system.active_rows().is_empty() {
+    // With constraints these are not the motions that remain; springs in their place are forces like others.
+    let springs = matches!(system.enforcement(), Enforcement::Springs { .. });
+    if n == 0 || n > LARGEST || !system.active_rows().is_empty() && !springs {
         return None;
     }
-    let mut a = vec![0.0; n];
-    system.accelerations(At::new(t, q, v), &mut a).ok()?;
-    let factors = mass_matrix(system, At::place(t, q)).lu();
-    let [stiffness, damping] = force_slopes(system, At::new(t, q, v).accelerated(&a));
-    let (stiffness, damping) = (factors.solve(&stiffness)?, factors.solve(&damping)?);
+    let mut slopes = AccelerationSlopes::new(n);
+    slopes.evaluate(system, At::new(t, q, v)).ok()?;
     let mut matrix = DMatrix::zeros(2 * n, 2 * n);
     matrix.view_mut((0, n), (n, n)).fill_with_identity();
-    matrix.view_mut((n, 0), (n, n)).copy_from(&-stiffness);
-    matrix.view_mut((n, n), (n, n)).copy_from(&-damping);
+    matrix.view_mut((n, 0), (n, n)).copy_from(&DMatrix::from_row_slice(n, n, slopes.by_place()));
+    matrix.view_mut((n, n), (n, n)).copy_from(&DMatrix::from_row_slice(n, n, slopes.by_speed()));
     if matrix.iter().any(|value| !value.is_finite()) {
         return None;
     }

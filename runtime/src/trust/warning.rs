@@ -202,9 +202,19 @@ impl fmt::Display for Loss {
 }
 
 impl Warning {
-    /// True when the other warning says the same, with other numbers.
+    /// True when the other warning says the same, with other numbers; of events, of the same one.
     pub fn same_kind(&self, other: &Warning) -> bool {
-        mem::discriminant(self) == mem::discriminant(other)
+        mem::discriminant(self) == mem::discriminant(other) && self.event() == other.event()
+    }
+
+    /// The event of which it speaks.
+    fn event(&self) -> Option<&str> {
+        match self {
+            Warning::Touch { event, .. } | Warning::NoCrossing { event, .. } | Warning::Undefined { event, .. } => {
+                Some(event)
+            }
+            _ => None,
+        }
     }
 }
 

@@ -1,10 +1,13 @@
 //! The rows of the constraints, differentiated as often as accelerations need.
 
+use std::collections::BTreeMap;
+
 use rustc_hash::FxHashMap as HashMap;
 
+use super::combined::combinations;
 use super::integrals::integral;
 use super::{bias_rates, rates};
-use crate::expr::{Forward, Graph, Id, Symbol, gradients, jacobian, reverse};
+use crate::expr::{Forward, Graph, Id, Rational, Symbol, gradients, jacobian, reverse};
 use crate::model::Model;
 
 /// All rows of the constraints, in file order, whatever the phase.
@@ -27,8 +30,11 @@ pub struct Rows {
     pub forces: Vec<Id>,
     /// Whether a row contains no speeds.
     pub holonomic: Vec<bool>,
-    /// A function of t and q whose rate a row with speeds is, where one was found.
+    /// A function of t and q whose rate a row with speeds is, by itself or with `with`, where one was found.
     pub integral: Vec<Option<Id>>,
+    /// The rows, with factors, that make an integral's rate together with its own row.  They have no integrals, and act in
+    /// the same phases.
+    pub with: Vec<Vec<(usize, Rational)>>,
 }
 
 impl Rows {
@@ -47,12 +53,20 @@ impl Rows {
             true => None,
             false => integral(graph, line, drive[k]),
         });
-        let integral = integral.collect();
+        let mut integral: Vec<Option<Id>> = integral.collect();
+        let mut with = vec![Vec::new(); integral.len()];
+        for rows in alike(model, &holonomic, &integral) {
+            for found in combinations(&mut model.graph, &lines, &drive, &rows) {
+                integral[found.row] = Some(found.integral);
+                with[found.row] = found.others;
+            }
+        }
+        let graph = &mut model.graph;
         let matrix = lines.into_iter().enumerate();
         let matrix: Vec<(usize, usize, Id)> =
             matrix.flat_map(|(k, line)| line.into_iter().map(move |(i, x)| (k, i, x))).collect();
         let forces = forces(graph, &matrix, model.coordinates.len());
-        Rows { value, rate, drive, matrix, bias, forces, holonomic, integral }
+        Rows { value, rate, drive, matrix, bias, forces, holonomic, integral, with }
     }
 
     /// How many rows there are.
@@ -63,6 +77,22 @@ impl Rows {
     /// True without constraints.
     pub fn is_empty(&self) -> bool {
         self.value.is_empty()
+    }
+
+    /// The elements of the rate of a row's integral by coordinates, and what drives it: the row, with what it needs.
+    pub fn of_integral(&self, graph: &mut Graph, row: usize) -> (BTreeMap<usize, Id>, Id) {
+        let one = Rational::integer(1);
+        let (mut sums, mut drive) = (BTreeMap::new(), Id::ZERO);
+        for (row, factor) in [(row, one)].iter().chain(&self.with[row]) {
+            let factor = graph.rational(*factor);
+            for (_, i, x) in self.matrix.iter().filter(|entry| entry.0 == *row) {
+                let (term, sum) = (graph.mul(factor, *x), sums.get(i).copied().unwrap_or(Id::ZERO));
+                sums.insert(*i, graph.add(sum, term));
+            }
+            let term = graph.mul(factor, self.drive[*row]);
+            drive = graph.add(drive, term);
+        }
+        (sums, drive)
     }
 
     /// J q'' + γ of some rows.
@@ -87,6 +117,19 @@ impl Rows {
         }
         power
     }
+}
+
+/// Rows with speeds and without integrals, those that act in the same phases together.
+fn alike(model: &Model, holonomic: &[bool], integral: &[Option<Id>]) -> Vec<Vec<usize>> {
+    let of_phase: Vec<Vec<usize>> = model.phases.iter().map(|phase| model.rows_of(phase)).collect();
+    let mut groups: BTreeMap<Vec<bool>, Vec<usize>> = BTreeMap::new();
+    for row in (0..holonomic.len()).filter(|row| !holonomic[*row] && integral[*row].is_none()) {
+        let phases: Vec<bool> = of_phase.iter().map(|rows| rows.contains(&row)).collect();
+        if phases.contains(&true) {
+            groups.entry(phases).or_default().push(row);
+        }
+    }
+    groups.into_values().collect()
 }
 
 /// Σ λ_k J_k, for n coordinates.

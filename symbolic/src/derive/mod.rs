@@ -7,10 +7,11 @@
 //! 5. Momentum balances as linear equations for accelerations and reactions: look in `momentum`.
 //!
 //! 6. Constraints, differentiated as often as accelerations need: look in `constraints`; integrals of those that contain
-//!    speeds, where they can be written down: look in `integrals`.
+//!    speeds, where they can be written down: look in `integrals`, of combinations of them in `combined`.
 //!
 //! Every derivation gives the same [`Equations`]; `gate` compares them, `lower` picks the cheapest.
 
+mod combined;
 mod constraints;
 mod integrals;
 pub(crate) mod lagrange;

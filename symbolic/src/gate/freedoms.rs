@@ -23,6 +23,8 @@ const SAME: f64 = 1e10;
 pub enum Integrability {
     /// The rate of a function of time and coordinates that was found.
     Integral,
+    /// Not such a rate by itself, but it has part in a combination of rows that is one.
+    Together,
     /// Equivalent to a constraint of the configuration, but no integral was found in closed form.
     Integrable,
     /// Not integrable by itself, but it has part in a combination that is.
@@ -45,6 +47,8 @@ pub struct Freedoms {
     pub rows: Vec<(usize, Integrability)>,
     /// How many combinations of [`Integrability::Combined`] rows are integrable.
     pub combinations: usize,
+    /// How many combinations of [`Integrability::Together`] rows have integrals.
+    pub held: usize,
     /// Whether it would be different with other values of the parameters.
     pub particular: bool,
 }
@@ -89,6 +93,7 @@ fn of_phase(model: &Model, motion: &Motion, rows: &Rows, phase: usize, own: &[St
         velocity: n.saturating_sub(rank),
         rows: Vec::new(),
         combinations: 0,
+        held: 0,
         particular: own_rank.is_some_and(|rank| rank != elsewhere),
     };
     let mut graph = None;
@@ -119,8 +124,12 @@ fn of_group(
     let rank = || positions[0].iter().map(|state| motion.constraints.rank_of(state, &group.rows).0).max();
     let closed = |row: &usize| rows.holonomic[*row] || rows.integral[*row].is_some();
     let (first, open): (Vec<usize>, Vec<usize>) = group.rows.iter().partition(|row| closed(row));
+    let combined: Vec<usize> = first.iter().copied().filter(|row| !rows.with[*row].is_empty()).collect();
+    freedoms.held += combined.len();
+    let together = |row: usize| combined.iter().any(|k| *k == row || rows.with[*k].iter().any(|other| other.0 == row));
     let written = first.iter().filter(|row| !rows.holonomic[**row]);
-    freedoms.rows.extend(written.map(|row| (*row, Integrability::Integral)));
+    let of_written = |row: usize| if together(row) { Integrability::Together } else { Integrability::Integral };
+    freedoms.rows.extend(written.map(|row| (*row, of_written(*row))));
     if open.is_empty() {
         return rank().unwrap_or(group.rows.len());
     }
@@ -143,7 +152,12 @@ fn of_group(
     freedoms.particular |= !closure.cut && closure.brackets.iter().any(|count| *count != closure.brackets[0]);
     let (kinds, combinations) = kinds(graph, &forms, &closure, &groups[0]);
     freedoms.combinations += combinations;
-    freedoms.rows.extend(open.iter().copied().zip(kinds));
+    // What a row is by itself says less than that its combination is held.
+    let of_open = |row: usize, kind| match kind {
+        Integrability::Nonholonomic | Integrability::Integrable if together(row) => Integrability::Together,
+        _ => kind,
+    };
+    freedoms.rows.extend(open.iter().zip(kinds).map(|(row, kind)| (*row, of_open(*row, kind))));
     rank.saturating_sub(closure.brackets[0])
 }
 
@@ -238,7 +252,8 @@ fn groups(graph: &Graph, rows: &Rows, active: &[usize], n: usize) -> Vec<Group> 
     groups.into_iter().flatten().collect()
 }
 
-/// Rows as forms of coordinates and time, inputs being what the file says that they are.
+/// Rows, or the combinations that have their integrals, as forms of coordinates and time, inputs being what the file says
+/// that they are.
 fn forms(
     graph: &mut Graph,
     model: &Model,
@@ -250,8 +265,9 @@ fn forms(
     let mut roots = Vec::new();
     for row in chosen {
         let mut line = vec![Id::ZERO; n];
-        rows.matrix.iter().filter(|e| e.0 == *row).for_each(|e| line[e.1] = e.2);
-        roots.extend(coordinates.iter().map(|i| line[*i]).chain([rows.drive[*row]]));
+        let (elements, drive) = rows.of_integral(graph, *row);
+        elements.into_iter().for_each(|(i, x)| line[i] = x);
+        roots.extend(coordinates.iter().map(|i| line[*i]).chain([drive]));
     }
     let signals = model.inputs.iter().enumerate().flat_map(|(k, input)| {
         let symbol = move |order: usize| Symbol::Input(k as u32, order as u8);
@@ -265,8 +281,9 @@ fn forms(
 fn keep_integrals<'a, I: Iterator<Item = &'a State>>(graph: &mut Graph, rows: &mut Rows, states: impl Fn() -> I) {
     for row in 0..rows.len() {
         let Some(integral) = rows.integral[row] else { continue };
-        let line = rows.matrix.iter().filter(|e| e.0 == row).map(|e| (Symbol::Coordinate(e.1 as u32), e.2));
-        let wanted: Vec<(Symbol, Id)> = line.chain([(Symbol::Time, rows.drive[row])]).collect();
+        let (elements, drive) = rows.of_integral(graph, row);
+        let line = elements.into_iter().map(|(i, x)| (Symbol::Coordinate(i as u32), x));
+        let wanted: Vec<(Symbol, Id)> = line.chain([(Symbol::Time, drive)]).collect();
         let differences: Vec<Id> = wanted
             .into_iter()
             .map(|(symbol, wanted)| {
@@ -278,6 +295,7 @@ fn keep_integrals<'a, I: Iterator<Item = &'a State>>(graph: &mut Graph, rows: &m
         let same = |x: &Measured| !x.value.is_finite() || x.vanishes(SAME);
         if !states().all(|state| tape.measured(|s| state.value(s)).iter().all(same)) {
             rows.integral[row] = None;
+            rows.with[row].clear();
         }
     }
 }

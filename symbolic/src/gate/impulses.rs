@@ -95,10 +95,13 @@ mod tests {
     use crate::model::load;
     use crate::number::DoubleDouble;
 
-    /// A dumbbell that falls flat on a floor, one ball first, and a ball that bounces: impacts and entered phases, each with
-    /// its reactions.
-    const FALLS: [&str; 2] =
-        [include_str!("../../../models/bouncing_ball.yaml"), include_str!("falling_dumbbell.yaml")];
+    /// A dumbbell that falls flat on a floor, one ball first, a ball that bounces, and two bars of which a peg catches one:
+    /// impacts and entered phases, each with its reactions.
+    const FALLS: [&str; 3] = [
+        include_str!("../../../models/bouncing_ball.yaml"),
+        include_str!("falling_dumbbell.yaml"),
+        include_str!("caught_flail.yaml"),
+    ];
 
     fn known(text: &str) -> (Derivation, Motion, Vec<Struck>) {
         let mut derivation = derive(load(text, &[]).expect("a good file")).expect("derives");
@@ -121,7 +124,8 @@ mod tests {
         }
     }
 
-    /// Each component of Δq' that is not 0, off by 1e-12 of itself, flipped or dropped alone.
+    /// Each component of Δq' that is not 0, off by 1e-12 of itself, flipped or dropped alone.  Where one speed only is
+    /// changed, by the one reaction that stops it, any impulse of that is as true: nothing is planted there.
     #[test]
     fn a_fault_in_one_component_of_an_impulse_is_refused() {
         let mut planted = 0;
@@ -131,19 +135,21 @@ mod tests {
                 let own = blows.iter().filter(|(state, _)| system.phases.contains(&state.phase));
                 for (state, rows) in own {
                     let change = motion.blow(state, rows).expect("determined");
-                    // One reaction can take any impulse of the only speed that it stops.
                     let moved: Vec<usize> =
                         (0..change.len()).filter(|i| change[*i].value != DoubleDouble::ZERO).collect();
+                    if moved.len() < 2 {
+                        continue;
+                    }
                     for (i, factor) in moved.iter().flat_map(|i| [1.0 + 1e-12, -1.0, 0.0].map(|x| (*i, x))) {
                         let mut wrong = change.clone();
                         wrong[i].value = wrong[i].value * DoubleDouble::from(factor);
                         let judged = compare(&derivation.model, (system, linear), &[(state, wrong)], Gate::default());
                         planted += 1;
-                        assert!(moved.len() < 2 || judged.is_err(), "component {i} times {factor} in {}", system.name);
+                        assert!(judged.is_err(), "component {i} times {factor} in {}", system.name);
                     }
                 }
             }
         }
-        assert!(planted >= 12, "{planted}");
+        assert_eq!(planted, 21);
     }
 }

@@ -15,6 +15,10 @@ use super::state::State;
 /// So many combinations are kept.
 const COMBINATIONS: usize = 48;
 
+/// So many states of a motion are looked at, if need be between its steps, and so many in one step at most.
+const LOOKS: usize = 400;
+const IN_A_STEP: usize = 8;
+
 /// On which side of each discontinuity a state lies, then which parameters are 0: what they multiply is silent there.
 pub(super) fn signs(motion: &Motion, switches: &[&Argument], state: &State) -> Vec<bool> {
     let sides = switches.iter().map(|argument| argument.at(motion, state) > 0.0);
@@ -30,7 +34,11 @@ pub(super) fn passages(
     seen: &mut BTreeSet<Vec<bool>>,
     found: &mut Sides,
 ) {
-    let Some(start) = path.first().filter(|_| !switches.is_empty()) else { return };
+    if switches.is_empty() {
+        return;
+    }
+    let path = &finer(motion, path);
+    let Some(start) = path.first() else { return };
     // Starts and ends of steps may lie on a discontinuity: states are taken between.
     let mut before = signs(motion, switches, start);
     for pair in path.windows(2) {
@@ -60,5 +68,55 @@ pub(super) fn passages(
             }
         }
         before = after;
+    }
+}
+
+/// A motion with more states: a narrow region is entered and left again within a coarse step.
+fn finer(motion: &Motion, path: &[State]) -> Vec<State> {
+    let parts = (LOOKS / path.len().max(1)).clamp(1, IN_A_STEP);
+    let mut states: Vec<State> = path.iter().take(1).cloned().collect();
+    for pair in path.windows(2) {
+        let places = (1..parts).map(|k| k as f64 / parts as f64);
+        states.extend(places.map(|z| moved(motion, &pair[0], &Line::Step(&pair[1]), z.into())));
+        states.push(pair[1].clone());
+    }
+    states
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::arguments::arguments;
+    use super::*;
+    use crate::derive::{Derivation, derive};
+    use crate::model::load;
+
+    /// A strip that one step enters and leaves again, so that both of its ends are outside.
+    #[test]
+    fn a_strip_within_a_step_is_passed() {
+        let text = "
+name: Strip
+parameters: {m: 1 kg, F: 1 N}
+coordinates: {x: }
+bodies: {bead: {mass: m, position: \"[x, 0]\"}}
+forces: {strip: {on: bead, force: \"[F*step(0.01 - (x - 0.5)^2), 0]\"}}
+scene: {start: {x: 0, x': 1}, until: 1}
+";
+        let mut derivation = derive(load(text, &[]).expect("a good file")).expect("derives");
+        let Derivation { model, equations, rows, switches, .. } = &mut derivation;
+        let motion = Motion::new(model, &equations[0], rows, switches);
+        let (all, _) = arguments(model);
+        let switches: Vec<&Argument> = all.iter().filter(|a| a.switches).collect();
+        assert_eq!(switches.len(), 1);
+        let path = [0.0, 1.0].map(|x| {
+            let mut state = State::at_rest(vec![1.0, 1.0], 1);
+            (state.t, state.q[0], state.v[0]) = (x.into(), x.into(), 1.0.into());
+            motion.prepare(&mut state);
+            state
+        });
+        let mut found = Sides { states: Vec::new(), surfaces: Vec::new(), unreached: Vec::new() };
+        passages(&motion, &switches, &path, &mut BTreeSet::new(), &mut found);
+        let inside = |state: &State| (state.q[0].to_f64() - 0.5).abs() < 0.1;
+        assert!(found.states.iter().any(inside), "{} states, none in the strip", found.states.len());
+        assert!(found.surfaces.iter().any(|state| ((state.q[0].to_f64() - 0.5).abs() - 0.1).abs() < 1e-12));
     }
 }

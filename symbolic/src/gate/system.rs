@@ -136,46 +136,96 @@ impl Assembled {
     /// What known accelerations leave of the equations once the reactions are eliminated: (equation, residual).
     ///
     /// Each reaction is taken from the equation that says most sharply what it is: where the coefficient is largest
-    /// beside the magnitude of all else in that equation.
+    /// beside the magnitude of all else in that equation.  What is left of an equation is a combination yᵀ(r + R λ) of all
+    /// of them, and its magnitude Σ |y| (m(r) + m(R) |λ|): magnitudes that ran along with the elimination would grow with
+    /// every step of it, and hide what is left.
     pub fn left_over(&self, accelerations: &[Measured]) -> Vec<(usize, Measured)> {
         let n = accelerations.len();
-        let mut rest: Vec<Measured> = Vec::new();
-        for (line, constant) in self.matrix.chunks(self.size.max(1)).zip(&self.rest) {
-            let terms = line[..n].iter().zip(accelerations).map(|(c, a)| times(*c, *a));
-            rest.push(terms.fold(*constant, plus));
-        }
-        let mut reactions: Vec<Vec<Measured>> =
-            self.matrix.chunks(self.size.max(1)).map(|line| line[n..].to_vec()).collect();
+        let lines = || self.matrix.chunks(self.size.max(1));
+        let known: Vec<Measured> = lines()
+            .zip(&self.rest)
+            .map(|(line, constant)| {
+                let terms = line[..n].iter().zip(accelerations).map(|(c, a)| times(*c, *a));
+                terms.fold(*constant, plus)
+            })
+            .collect();
+        let coefficients: Vec<&[Measured]> = lines().map(|line| &line[n..]).collect();
+        let mut combined: Vec<Combined> = (0..self.judged)
+            .map(|e| Combined {
+                weights: (0..self.judged).map(|k| DoubleDouble::from(f64::from(u8::from(k == e)))).collect(),
+                coefficients: coefficients[e].iter().map(|c| c.value).collect(),
+                rest: known[e].value,
+            })
+            .collect();
         let mut open: Vec<usize> = (0..self.judged).collect();
+        let mut taken: Vec<(usize, usize)> = Vec::new();
         for k in 0..self.size - n {
-            let sharp = |e: usize| {
-                let c = reactions[e][k];
-                let size = c.value.to_f64().abs();
-                if size <= NOTHING * c.magnitude { 0.0 } else { size / rest[e].magnitude.max(f64::MIN_POSITIVE) }
-            };
-            let Some(place) = (0..open.len()).max_by(|a, b| sharp(open[*a]).total_cmp(&sharp(open[*b]))) else { break };
-            let from = open[place];
-            if sharp(from) == 0.0 {
+            let sharpness: Vec<f64> = open.iter().map(|e| combined[*e].sharpness(k, &coefficients, &known)).collect();
+            let Some(place) = (0..open.len()).max_by(|a, b| sharpness[*a].total_cmp(&sharpness[*b])) else { break };
+            if sharpness[place] == 0.0 {
                 continue;
             }
-            open.swap_remove(place);
-            let (pivot, known) = (reactions[from].clone(), rest[from]);
-            for &e in &open {
-                if reactions[e][k].value == DoubleDouble::ZERO {
-                    continue;
-                }
-                let share = Measured::binary(Binary::Div, reactions[e][k], pivot[k]);
-                let factor = Measured { value: -share.value, magnitude: share.magnitude };
-                rest[e] = plus(rest[e], times(factor, known));
-                for c in k + 1..pivot.len() {
-                    reactions[e][c] = plus(reactions[e][c], times(factor, pivot[c]));
-                }
-                reactions[e][k] = zero();
-            }
+            let from = open.swap_remove(place);
+            let pivot = combined[from].clone();
+            open.iter().for_each(|e| combined[*e].eliminate(k, &pivot));
+            taken.push((k, from));
         }
+        // The reactions, the last one first.
+        let mut reactions = vec![DoubleDouble::ZERO; self.size - n];
+        for (k, from) in taken.into_iter().rev() {
+            let Combined { coefficients, rest, .. } = &combined[from];
+            let others = (k + 1..reactions.len()).fold(*rest, |sum, c| sum + coefficients[c] * reactions[c]);
+            reactions[k] = -others / coefficients[k];
+        }
+        let magnitude = |e: usize| {
+            let pushed = coefficients[e].iter().zip(&reactions).map(|(c, x)| c.magnitude * x.to_f64().abs());
+            known[e].magnitude + pushed.sum::<f64>()
+        };
+        let magnitudes: Vec<f64> = (0..self.judged).map(magnitude).collect();
         open.sort_unstable();
-        let constraints = self.judged..self.equations;
-        open.into_iter().chain(constraints).map(|e| (e, rest[e])).collect()
+        let left = open
+            .into_iter()
+            .map(|e| (e, Measured { value: combined[e].rest, magnitude: combined[e].sum(|e| magnitudes[e]) }));
+        left.chain((self.judged..self.equations).map(|e| (e, known[e]))).collect()
+    }
+}
+
+/// A combination of equations: Σ weights (coefficients·reactions + rest).
+#[derive(Clone)]
+struct Combined {
+    weights: Vec<DoubleDouble>,
+    coefficients: Vec<DoubleDouble>,
+    rest: DoubleDouble,
+}
+
+impl Combined {
+    /// Σ |weight| of what every equation has.
+    fn sum(&self, of: impl Fn(usize) -> f64) -> f64 {
+        let taken = self.weights.iter().enumerate().filter(|(_, weight)| **weight != DoubleDouble::ZERO);
+        taken.map(|(e, weight)| weight.to_f64().abs() * of(e)).sum()
+    }
+
+    /// How sharply it says what a reaction is: its coefficient beside the magnitude of all else; 0 where it has none.
+    fn sharpness(&self, reaction: usize, coefficients: &[&[Measured]], known: &[Measured]) -> f64 {
+        let size = self.coefficients[reaction].to_f64().abs();
+        let among = self.sum(|e| coefficients[e][reaction].magnitude);
+        let beside = self.sum(|e| known[e].magnitude);
+        if size <= NOTHING * among { 0.0 } else { size / beside.max(f64::MIN_POSITIVE) }
+    }
+
+    /// Takes a reaction out by another combination.
+    fn eliminate(&mut self, reaction: usize, pivot: &Combined) {
+        if self.coefficients[reaction] == DoubleDouble::ZERO {
+            return;
+        }
+        let factor = -self.coefficients[reaction] / pivot.coefficients[reaction];
+        let add = |mine: &mut [DoubleDouble], theirs: &[DoubleDouble]| {
+            mine.iter_mut().zip(theirs).for_each(|(x, y)| *x += factor * *y);
+        };
+        add(&mut self.weights, &pivot.weights);
+        add(&mut self.coefficients, &pivot.coefficients);
+        self.rest += factor * pivot.rest;
+        self.coefficients[reaction] = DoubleDouble::ZERO;
     }
 }
 
@@ -218,4 +268,36 @@ pub(super) fn evaluate(
         rows
     };
     states.iter().map(at).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    /// Many reactions that push on every equation: what is left is measured by what is combined, not by what one elimination
+    /// after the other might have added, so that a fault of 1e-12 shows.
+    #[test]
+    fn what_is_left_is_measured_by_what_is_combined() {
+        const REACTIONS: usize = 40;
+        let mut random = Random::new();
+        let mut number = || Measured::exact(DoubleDouble::from(random.between(-1.0, 1.0)));
+        let pushes: Vec<Vec<Measured>> = (0..=REACTIONS).map(|_| (0..REACTIONS).map(|_| number()).collect()).collect();
+        let reactions: Vec<Measured> = (0..REACTIONS).map(|_| number()).collect();
+        let sound = |line: &Vec<Measured>| {
+            let sum = line.iter().zip(&reactions).fold(DoubleDouble::ZERO, |sum, (c, x)| sum + c.value * x.value);
+            Measured::exact(-sum)
+        };
+        for (fault, shows) in [(0.0, false), (1e-12, true)] {
+            let rows = pushes.iter().enumerate().map(|(e, line)| {
+                let off = if e == 3 { DoubleDouble::from(fault) } else { DoubleDouble::ZERO };
+                Row::known(e, line.clone(), Measured::exact(sound(line).value + off))
+            });
+            let system = Assembled::of(&rows.collect::<Vec<_>>(), REACTIONS + 1, REACTIONS, None);
+            let left = system.left_over(&[]);
+            let [(_, left)] = left.as_slice() else { panic!("{left:?}") };
+            assert!(left.magnitude < 1e3 * left.value.to_f64().abs().max(1.0), "{left:?}");
+            assert_eq!(left.relative() > 1e-16, shows, "{left:?}");
+        }
+    }
 }

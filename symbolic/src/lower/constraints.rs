@@ -13,6 +13,8 @@ pub struct Constraints {
     pub values: Vec<Id>,
     /// The rows that have speeds and an integral.
     pub integral: Vec<bool>,
+    /// The rows, with factors, that make the rate of an integral together with its own row.
+    pub with: Vec<Vec<(usize, f64)>>,
     /// J: (row, coordinate, value).
     pub matrix: Vec<Entry>,
     /// γ.
@@ -74,6 +76,7 @@ pub(super) fn lowered(graph: &mut Graph, rows: Rows, chosen: &mut Chosen) -> Con
     Constraints {
         values,
         integral: rows.integral.iter().map(Option::is_some).collect(),
+        with: rows.with.iter().map(|with| with.iter().map(|(row, factor)| (*row, factor.to_f64())).collect()).collect(),
         matrix,
         bias: gather::gather(graph, &rows.bias),
         friction,

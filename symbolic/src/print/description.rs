@@ -51,13 +51,15 @@ pub(super) fn description(program: &Program, source: &str) -> String {
     field(
         "rows",
         list(model.constraints.iter().enumerate().flat_map(|(k, c)| {
-            let names = c.row_names().into_iter().zip(&program.constraints.integral[c.first..]);
-            names.map(move |(name, integral)| {
+            c.row_names().into_iter().zip(c.first..).map(move |(name, row)| {
+                let with = program.constraints.with[row].iter();
                 format!(
-                    "mechanism::Row {{ name: {}, unit: {}, holonomic: {}, integral: {integral}, constraint: {k} }}",
+                    "mechanism::Row {{ name: {}, unit: {}, holonomic: {}, integral: {}, with: {}, constraint: {k} }}",
                     string(&name),
                     string(&c.unit.as_deref().map(si_unit).unwrap_or_default()),
-                    c.holonomic
+                    c.holonomic,
+                    program.constraints.integral[row],
+                    list(with.map(|(row, factor)| format!("({row}, {})", float(*factor)))),
                 )
             })
         })),

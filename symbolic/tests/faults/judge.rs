@@ -4,24 +4,27 @@
 // The gate puts accelerations into equations and measures what is left of an equation by the running magnitudes of its
 // terms, sums of everything that rounding could act on.  Here the altered equations are solved, and each acceleration is
 // compared with the sound one.  The measure of row i is |a_i| + Σ_j |M_ij a_j|/M_ii + (the largest single term of h_i when
-// products are multiplied out)/M_ii: no magnitude of another row enters it, and no error is carried along.
+// products are multiplied out)/M_ii + Σ_k |J_ki λ_k|/M_ii: no magnitude of another row enters it, and no error is carried
+// along.  Constraints J a + γ = 0 are solved together with either side's equations; look in `bound.rs`.
 
 use std::collections::HashMap;
 
 use dalembert_symbolic::derive::{Derivation, Switch, SwitchKind, rates};
-use dalembert_symbolic::expr::{Binary, DoubleDouble, Graph, Id, Scalar, Symbol, Tape, Unary, jacobian};
+use dalembert_symbolic::expr::{Binary, DoubleDouble, Graph, Id, Scalar, Symbol, Tape, Unary, jacobian, substitute};
 use dalembert_symbolic::model::{BalanceSystem, Check, Conserved, Model};
 
+use super::bound::Bound;
 use super::moments::{Moment, Run, moments, runs, sides};
+use super::solve::solve;
 
 /// So many of all states are moved into a window.
 const IN_WINDOW: usize = 24;
 
 /// A value, and the largest single term of its expression when products are multiplied out.
 #[derive(Clone, Copy)]
-struct Term {
-    value: DoubleDouble,
-    largest: f64,
+pub struct Term {
+    pub value: DoubleDouble,
+    pub largest: f64,
 }
 
 impl Scalar for Term {
@@ -50,21 +53,26 @@ impl Scalar for Term {
 /// Lagrange's equations of one derivation, ready to be evaluated and solved.
 pub struct Route {
     n: usize,
+    pub bound: Bound,
     inputs: Vec<Tape>,
     switches: Vec<(SwitchKind, Tape)>,
     places: Vec<(usize, usize)>,
     equations: Tape,
+    /// Slopes of h by the multipliers, where friction of reactions stands in it: (coordinate, row), and their values.
+    rubbed: Vec<(usize, usize)>,
+    friction: Tape,
 }
 
 /// What a state does not hold itself: inputs with two rates, and the modes of discontinuities.
-struct Known<'m, S> {
-    moment: &'m Moment,
-    inputs: Vec<Vec<S>>,
-    modes: Vec<S>,
+pub struct Known<'m, S> {
+    pub moment: &'m Moment,
+    pub inputs: Vec<Vec<S>>,
+    pub modes: Vec<S>,
 }
 
 impl<S: Scalar> Known<'_, S> {
-    fn value(&self, symbol: Symbol) -> S {
+    /// The value of a symbol, of unknowns 0.
+    pub fn value(&self, symbol: Symbol) -> S {
         let zero = S::constant(DoubleDouble::ZERO);
         let found = self.moment.value(symbol).or_else(|| match symbol {
             Symbol::Input(k, order) => self.inputs.get(k as usize)?.get(usize::from(order)).copied(),
@@ -75,19 +83,32 @@ impl<S: Scalar> Known<'_, S> {
     }
 }
 
+/// Accelerations, and the multipliers of all rows.
+pub struct Solution {
+    pub a: Vec<DoubleDouble>,
+    lambda: Vec<DoubleDouble>,
+}
+
 impl Route {
     pub fn new(derivation: &Derivation) -> Route {
         let Derivation { model, equations, switches, .. } = derivation;
-        let graph = &model.graph;
+        let mut graph = model.graph.clone();
         let (mass, bias) = (&equations[0].mass, &equations[0].bias);
+        let of_row = |s: Symbol| if let Symbol::Multiplier(k) = s { Some(k as usize) } else { None };
+        let slopes = jacobian(&mut graph, bias, of_row).into_iter().enumerate();
+        let friction: Vec<(usize, usize, Id)> =
+            slopes.flat_map(|(i, line)| line.into_iter().map(move |(k, x)| (i, k, x))).collect();
         let roots: Vec<Id> = mass.iter().map(|e| e.2).chain(bias.iter().copied()).collect();
-        let switch = |s: &Switch| (s.kind, Tape::new(graph, &[s.argument]));
+        let switch = |s: &Switch| (s.kind, Tape::new(&graph, &[s.argument]));
         Route {
             n: bias.len(),
-            inputs: model.inputs.iter().map(|input| Tape::new(graph, &input.signal)).collect(),
+            bound: Bound::new(model),
+            inputs: model.inputs.iter().map(|input| Tape::new(&graph, &input.signal)).collect(),
             switches: switches.iter().map(switch).collect(),
             places: mass.iter().map(|e| (e.0, e.1)).collect(),
-            equations: Tape::new(graph, &roots),
+            equations: Tape::new(&graph, &roots),
+            rubbed: friction.iter().map(|e| (e.0, e.1)).collect(),
+            friction: Tape::new(&graph, &friction.iter().map(|e| e.2).collect::<Vec<Id>>()),
         }
     }
 
@@ -102,7 +123,8 @@ impl Route {
         self.switches[k].1.evaluate(|s| known.value(s))[0]
     }
 
-    fn known<'m, S: Scalar>(&self, moment: &'m Moment) -> Known<'m, S> {
+    /// Inputs and modes at a state.
+    pub fn known<'m, S: Scalar>(&self, moment: &'m Moment) -> Known<'m, S> {
         let mut known = Known { moment, inputs: Vec::new(), modes: Vec::new() };
         for tape in &self.inputs {
             let signal = tape.evaluate(|s| known.value(s));
@@ -116,31 +138,58 @@ impl Route {
         known
     }
 
-    /// The solution of M a = −h.
-    pub fn accelerations(&self, moment: &Moment) -> Option<Vec<DoubleDouble>> {
-        let known = self.known::<DoubleDouble>(moment);
+    /// M's diagonal.
+    pub fn diagonal(&self, known: &Known<'_, DoubleDouble>) -> Vec<DoubleDouble> {
         let values = self.equations.evaluate(|s| known.value(s));
-        self.solved(&values)
+        let mut diagonal = vec![DoubleDouble::ZERO; self.n];
+        self.places.iter().zip(values).filter(|((i, j), _)| i == j).for_each(|((i, _), m)| diagonal[*i] = m);
+        diagonal
     }
 
-    fn solved(&self, values: &[DoubleDouble]) -> Option<Vec<DoubleDouble>> {
-        let mut rows = vec![vec![DoubleDouble::ZERO; self.n + 1]; self.n];
-        for ((i, j), m) in self.places.iter().zip(values) {
+    /// The solution of M a + h(λ) − Jᵀλ = 0, J a + γ = 0.
+    pub fn solution(&self, moment: &Moment) -> Option<Solution> {
+        let known = self.known::<DoubleDouble>(moment);
+        let values = self.equations.evaluate(|s| known.value(s));
+        let held = self.bound.at(&known, self.n);
+        let size = self.n + held.active.len();
+        let mut rows = vec![vec![DoubleDouble::ZERO; size + 1]; size];
+        for ((i, j), m) in self.places.iter().zip(&values) {
             rows[*i][*j] = *m;
             rows[*j][*i] = *m;
         }
         for (row, h) in rows.iter_mut().zip(&values[self.places.len()..]) {
-            row[self.n] = -*h;
+            row[size] = -*h;
         }
-        solve(rows)
+        for (k, (line, bias)) in held.matrix.iter().zip(&held.bias).enumerate() {
+            for (i, x) in line.iter().enumerate() {
+                rows[self.n + k][i] = *x;
+                rows[i][self.n + k] = -*x;
+            }
+            rows[self.n + k][size] = -*bias;
+        }
+        for ((i, row), slope) in self.rubbed.iter().zip(self.friction.evaluate(|s| known.value(s))) {
+            if let Some(k) = held.active.iter().position(|active| active == row) {
+                rows[*i][self.n + k] += slope;
+            }
+        }
+        let mut a = solve(rows, self.n)?;
+        let mut lambda = vec![DoubleDouble::ZERO; self.bound.rows()];
+        held.active.iter().zip(a.split_off(self.n)).for_each(|(row, x)| lambda[*row] = x);
+        Some(Solution { a, lambda })
     }
 
     /// Accelerations, and the measure of each row.
     fn measured(&self, moment: &Moment) -> Option<Seen> {
+        let Solution { a, lambda } = self.solution(moment)?;
+        let exact = self.known::<DoubleDouble>(moment);
+        let held = self.bound.at(&exact, self.n);
         let known = self.known::<Term>(moment);
-        let terms: Vec<Term> = self.equations.evaluate(|s| known.value(s));
+        let plain = |x: DoubleDouble| Term { value: x, largest: x.to_f64().abs() };
+        let terms: Vec<Term> = self.equations.evaluate(|s| match s {
+            Symbol::Multiplier(k) => plain(lambda[k as usize]),
+            _ => known.value(s),
+        });
         let values: Vec<DoubleDouble> = terms.iter().map(|t| t.value).collect();
-        let a = self.solved(&values)?;
         let mut diagonal = vec![0.0; self.n];
         let mut sizes: Vec<f64> = terms[self.places.len()..].iter().map(|h| h.largest).collect();
         for ((i, j), m) in self.places.iter().zip(&values) {
@@ -152,16 +201,29 @@ impl Route {
                 sizes[*j] += m * a[*i].to_f64().abs();
             }
         }
-        let scales = (0..self.n).map(|i| a[i].to_f64().abs() + sizes[i] / diagonal[i]).collect();
-        Some(Seen { moment: moment.clone(), a, scales })
+        for (row, line) in held.active.iter().zip(&held.matrix) {
+            (0..self.n).for_each(|i| sizes[i] += (line[i] * lambda[*row]).to_f64().abs());
+        }
+        let scales: Vec<f64> = (0..self.n).map(|i| a[i].to_f64().abs() + sizes[i] / diagonal[i]).collect();
+        let mut forces: Vec<Term> = lambda.iter().map(|x| plain(*x)).collect();
+        for (row, line) in held.active.iter().zip(&held.matrix) {
+            let (felt, yields) = line
+                .iter()
+                .map(|x| x.to_f64().abs())
+                .enumerate()
+                .fold((0.0, 0.0), |(f, y), (i, x)| (f + x * scales[i], y + x * x / diagonal[i]));
+            forces[*row].largest += felt / yields;
+        }
+        Some(Seen { moment: moment.clone(), a, scales, forces })
     }
 }
 
-/// A state, its sound accelerations, and the measure of each row.
+/// A state, its sound accelerations with the measure of each row, and its sound multipliers.
 struct Seen {
     moment: Moment,
     a: Vec<DoubleDouble>,
     scales: Vec<f64>,
+    forces: Vec<Term>,
 }
 
 impl Seen {
@@ -195,6 +257,11 @@ impl Judge {
         judge
     }
 
+    /// How many states of a phase are seen.
+    pub fn states(&self, phase: usize) -> usize {
+        self.seen.iter().filter(|seen| seen.moment.phase == phase).count()
+    }
+
     fn seen_at(&self, moments: &[Moment]) -> Vec<Seen> {
         let finite = |seen: &Seen| seen.a.iter().all(|a| a.is_finite()) && seen.scales.iter().all(|s| s.is_finite());
         moments.iter().filter_map(|m| self.route.measured(m)).filter(finite).collect()
@@ -202,36 +269,53 @@ impl Judge {
 
     /// States within a window.
     fn within(&self, window: &Window) -> Vec<Seen> {
-        let place = |part: f64| {
-            move |m: &Moment, (symbol, low, high): &(Symbol, f64, f64)| m.with(*symbol, low + part * (high - low))
-        };
-        let moved = |m: &Moment, part: f64| window.iter().fold(m.clone(), |m, side| place(part)(&m, side));
         if window.is_empty() {
             return Vec::new();
         }
+        let moved = |m: &Moment, part: f64| {
+            window.iter().fold(m.clone(), |m, (symbol, low, high)| m.with(*symbol, low + part * (high - low)))
+        };
+        let inside = |m: &Moment| window.iter().all(|(s, low, high)| m.number(*s) > *low && m.number(*s) < *high);
+        // Constraints bring the others back, or, where there are too few others, those of the window too.
+        let bounded = |i: usize| window.iter().any(|side| side.0 == Symbol::Coordinate(i as u32));
+        let held: Vec<bool> = (0..self.route.n).map(bounded).collect();
+        let closed = |m: Moment| {
+            let found = self.route.closed(&m, (&held, &[])).or_else(|| self.route.closed(&m, (&[], &[])));
+            found.filter(|m| inside(m))
+        };
         // From the motion and from all that was drawn, for a parameter may be 0 in every scene; and on both sides of what
         // changes within the window.
         let apart = self.seen.len().div_ceil(IN_WINDOW).max(1);
         let chosen = self.seen.iter().take(12).chain(self.seen.iter().skip(12).step_by(apart));
-        let mut moments: Vec<Moment> =
-            chosen.map(|seen| &seen.moment).flat_map(|m| [moved(m, 0.5), moved(m, 0.2)]).collect();
+        let placed = chosen.map(|seen| &seen.moment).flat_map(|m| [moved(m, 0.5), moved(m, 0.2)]);
+        let mut moments: Vec<Moment> = placed.filter_map(closed).collect();
+        let passed = self.runs.iter().flat_map(|run| &run.moments);
+        moments.extend(passed.filter(|m| inside(m)).take(IN_WINDOW).cloned());
         moments.extend(sides(&self.route, &moments));
         self.seen_at(&moments)
     }
 
     /// By how much of its row some acceleration of an altered model differs: of Lagrange's equations and of every system
-    /// of balances.  Infinite where there is none.
-    pub fn difference(&self, altered: &Derivation, window: &Window) -> f64 {
+    /// of balances, infinite where there is none.  In the phases of its systems; and in those that have none.
+    pub fn difference(&self, altered: &Derivation, window: &Window) -> (f64, f64) {
         let route = Route::new(altered);
         let inside = self.within(window);
         let seen: Vec<&Seen> = self.seen.iter().chain(&inside).collect();
-        let lagrange = seen
-            .iter()
-            .map(|seen| route.accelerations(&seen.moment).map_or(f64::INFINITY, |found| seen.difference(&found)));
+        let (mut compared, mut elsewhere) = (0.0_f64, 0.0_f64);
+        for seen in &seen {
+            let found = route.solution(&seen.moment);
+            let gap = found.map_or(f64::INFINITY, |found| seen.difference(&found.a));
+            let covered = altered.model.balances.iter().any(|system| system.phases.contains(&seen.moment.phase));
+            let most = if covered { &mut compared } else { &mut elsewhere };
+            *most = most.max(gap);
+        }
         let mut model = altered.model.clone();
         let systems = std::mem::take(&mut model.balances);
-        let balances = systems.iter().map(|system| of_system(&mut model, system, &route, &seen));
-        lagrange.chain(balances).fold(0.0, f64::max)
+        for system in &systems {
+            let own: Vec<&Seen> = seen.iter().copied().filter(|s| system.phases.contains(&s.moment.phase)).collect();
+            compared = compared.max(of_system(&mut model, system, &route, &own));
+        }
+        (compared, elsewhere)
     }
 
     /// By how much of its largest term a check fails.
@@ -241,10 +325,12 @@ impl Judge {
         let tape = Tape::new(&altered.model.graph, &sides);
         let moments = moments(&altered.model, &self.route, &self.runs, &check.when);
         let seen = self.seen_at(&moments);
-        let failures = seen.iter().map(|seen| {
+        let claimed = |seen: &&Seen| check.phases.as_ref().is_none_or(|phases| phases.contains(&seen.moment.phase));
+        let failures = seen.iter().filter(claimed).map(|seen| {
             let known = route.known::<Term>(&seen.moment);
             let values = tape.evaluate(|s| match s {
                 Symbol::Acceleration(i) => Term::constant(seen.a[i as usize]),
+                Symbol::Multiplier(k) => seen.forces[k as usize],
                 _ => known.value(s),
             });
             let (left, right) = values.split_at(check.left.len());
@@ -270,7 +356,8 @@ impl Judge {
         let rates = rates(&mut graph, &claim.value);
         let tape = Tape::new(&graph, &rates);
         let seen = self.seen_at(&moments(&altered.model, &self.route, &self.runs, &claim.when));
-        let drifts = seen.iter().flat_map(|seen| {
+        let claimed = |seen: &&Seen| claim.phases.as_ref().is_none_or(|phases| phases.contains(&seen.moment.phase));
+        let drifts = seen.iter().filter(claimed).flat_map(|seen| {
             let known = route.known::<Term>(&seen.moment);
             let values = tape.evaluate(|s| match s {
                 Symbol::Acceleration(i) => Term { value: seen.a[i as usize], largest: seen.scales[i as usize] },
@@ -289,13 +376,18 @@ impl Judge {
 /// By how much of its row some acceleration that a system of balances gives differs, wherever it has a solution.
 fn of_system(model: &mut Model, system: &BalanceSystem, route: &Route, seen: &[&Seen]) -> f64 {
     let n = model.coordinates.len();
+    let sums = sums(&mut model.graph, system, route.bound.phases());
     let reactions = system.reactions.iter().flat_map(|&k| {
         let reaction = &model.reactions[k];
         (0..reaction.components as u32).map(|c| Symbol::Reaction(reaction.first + c))
     });
-    let unknowns: Vec<Symbol> = (0..n).map(|i| Symbol::Acceleration(i as u32)).chain(reactions).collect();
+    let mut multipliers: Vec<Symbol> = model.graph.symbols(sums.iter().copied()).into_iter().collect();
+    multipliers.retain(|s| matches!(s, Symbol::Multiplier(_)));
+    multipliers.sort_unstable();
+    let accelerations = (0..n).map(|i| Symbol::Acceleration(i as u32));
+    let unknowns: Vec<Symbol> = accelerations.chain(reactions).chain(multipliers).collect();
     let place: HashMap<Symbol, usize> = unknowns.iter().enumerate().map(|(k, s)| (*s, k)).collect();
-    let (sums, slopes) = linear(&mut model.graph, system, &place);
+    let slopes = jacobian(&mut model.graph, &sums, |s| place.get(&s).copied());
     let roots: Vec<Id> = sums.iter().copied().chain(slopes.iter().flatten().map(|e| e.1)).collect();
     let tape = Tape::new(&model.graph, &roots);
     let mut largest: Option<f64> = None;
@@ -311,7 +403,14 @@ fn of_system(model: &mut Model, system: &BalanceSystem, route: &Route, seen: &[&
                 row[*column] = slope.next().copied().unwrap_or(DoubleDouble::ZERO);
             }
         }
-        let Some(found) = solve(rows) else { continue };
+        let held = route.bound.at(&known, n);
+        for (line, bias) in held.matrix.iter().zip(&held.bias) {
+            let mut row = vec![DoubleDouble::ZERO; unknowns.len() + 1];
+            row[..n].copy_from_slice(line);
+            row[unknowns.len()] = -*bias;
+            rows.push(row);
+        }
+        let Some(found) = solve(rows, unknowns.len()) else { continue };
         // Of equations that are not linear this is no solution.
         let at = |s: Symbol| place.get(&s).map_or_else(|| known.value(s), |k| found[*k]);
         let left = tape.evaluate(at);
@@ -323,58 +422,15 @@ fn of_system(model: &mut Model, system: &BalanceSystem, route: &Route, seen: &[&
     largest.unwrap_or(f64::INFINITY)
 }
 
-/// The equations of a system as sums, and their slopes by the unknowns.
-fn linear(
-    graph: &mut Graph,
-    system: &BalanceSystem,
-    place: &HashMap<Symbol, usize>,
-) -> (Vec<Id>, Vec<Vec<(usize, Id)>>) {
+/// The equations of a system as sums, as they are in its first phase.
+fn sums(graph: &mut Graph, system: &BalanceSystem, phases: usize) -> Vec<Id> {
     let mut sums = Vec::new();
     for balance in &system.balances {
         for k in 0..balance.components {
             sums.push(balance.parts.iter().fold(Id::ZERO, |sum, part| graph.add(sum, part.value[k])));
         }
     }
-    let slopes = jacobian(graph, &sums, |s| place.get(&s).copied());
-    (sums, slopes)
-}
-
-/// Gauss and Jordan's elimination of an augmented matrix, rows and columns scaled, with pivots from all of them.
-fn solve(mut rows: Vec<Vec<DoubleDouble>>) -> Option<Vec<DoubleDouble>> {
-    let n = rows.len();
-    let size = |x: DoubleDouble| x.to_f64().abs();
-    if rows.iter().any(|row| row.len() != n + 1) {
-        return None;
-    }
-    for row in &mut rows {
-        let scale = row[..n].iter().fold(0.0_f64, |most, x| most.max(size(*x)));
-        row.iter_mut().for_each(|x| *x = *x / DoubleDouble::from(scale));
-    }
-    let scales: Vec<f64> = (0..n).map(|j| rows.iter().fold(0.0_f64, |most, row| most.max(size(row[j])))).collect();
-    for row in &mut rows {
-        row.iter_mut().zip(&scales).for_each(|(x, scale)| *x = *x / DoubleDouble::from(*scale));
-    }
-    let mut order: Vec<usize> = Vec::new();
-    for k in 0..n {
-        let free = |j: &usize| !order.contains(j);
-        let places = (k..n).flat_map(|i| (0..n).filter(free).map(move |j| (i, j)));
-        let (i, j) = places.max_by(|a, b| size(rows[a.0][a.1]).total_cmp(&size(rows[b.0][b.1])))?;
-        if size(rows[i][j]).is_nan() || size(rows[i][j]) < 1e-16 {
-            return None;
-        }
-        rows.swap(k, i);
-        let pivot = rows[k].clone();
-        for (other, row) in rows.iter_mut().enumerate() {
-            let factor = row[j] / pivot[j];
-            if other != k && factor != DoubleDouble::ZERO {
-                row.iter_mut().zip(&pivot).for_each(|(x, p)| *x = *x - factor * *p);
-            }
-        }
-        order.push(j);
-    }
-    let mut solution = vec![DoubleDouble::ZERO; n];
-    for (k, j) in order.into_iter().enumerate() {
-        solution[j] = rows[k][n] / rows[k][j] / DoubleDouble::from(scales[j]);
-    }
-    solution.iter().all(|x| x.is_finite()).then_some(solution)
+    let acts = |k: usize| if system.phases.first() == Some(&k) { Id::ONE } else { Id::ZERO };
+    let indicators = (0..phases).map(|k| (Symbol::Phase(k as u32), acts(k))).collect();
+    substitute(graph, &sums, &indicators)
 }

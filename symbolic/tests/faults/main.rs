@@ -19,6 +19,10 @@ fn every_fault_that_changes_the_motion_is_refused() {
     let wrong = table::wrong(&outcomes);
     assert!(wrong.is_empty(), "faults that were accepted, or sound models that were refused:\n{}", wrong.join("\n"));
     assert!(outcomes.len() > 1000, "only {} faults", outcomes.len());
+    for model in ["four_bar", "chaplygin_sleigh", "stick_slip", "bouncing_ball", "eccentric_cylinder"] {
+        let refused = outcomes.iter().filter(|o| o.is_caught(model)).count();
+        assert!(refused > 10, "{model}: {refused}");
+    }
     // The page's numbers go with the models; its parts and kinds of fault are held.
     let held = include_str!("../../../docs/faults.md");
     assert_eq!(frame(&now), frame(held), "regenerate docs/faults.md");

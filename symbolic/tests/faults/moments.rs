@@ -1,7 +1,7 @@
 // Where faults are judged: times, places and speeds of the study's own, none of them the gate's.
 //
-// Each scene is run by Runge and Kutta's fourth-order method with fixed steps, as far as a run with twice the step says
-// the same.  States are taken from that motion; about its start and at large, in the measure of what it passes through,
+// Each scene is run in its phase by Runge and Kutta's fourth-order method with fixed steps, as far as a run with twice the
+// step says the same; events are not looked for.  States are taken from that motion; about its start and at large, in the measure of what it passes through,
 // a thousandth and ten times as far too; and on both sides of every discontinuity that lies between two of them.
 
 use dalembert_symbolic::expr::{DoubleDouble, Scalar, Symbol, Tape};
@@ -14,8 +14,9 @@ use super::judge::Route;
 pub struct Moment {
     pub parameters: Vec<f64>,
     pub t: f64,
-    pub q: Vec<f64>,
-    pub v: Vec<f64>,
+    pub phase: usize,
+    pub q: Vec<DoubleDouble>,
+    pub v: Vec<DoubleDouble>,
 }
 
 /// The motion of one scene.
@@ -37,7 +38,7 @@ const SCENES: usize = 3;
 
 /// The motion of a model's scenes.
 pub fn runs(model: &Model, route: &Route) -> Vec<Run> {
-    model.scenes.iter().take(SCENES).map(|scene| run(model, route, scene)).collect()
+    model.scenes.iter().take(SCENES).filter_map(|scene| run(model, route, scene)).collect()
 }
 
 /// All states, the start of each scene first.
@@ -48,13 +49,16 @@ pub fn moments(model: &Model, route: &Route, runs: &[Run], when: &[(usize, f64)]
         let ranges = Ranges::of(run);
         let apart = (run.moments.len() / FROM_RUN).max(1);
         found.extend(run.moments.iter().step_by(apart).cloned());
-        for k in 0..2 * DRAWN {
-            found.push(drawn(model, run, &ranges, &mut numbers, k));
+        for phase in 0..route.bound.phases() {
+            for k in 0..2 * DRAWN {
+                found.push(Moment { phase, ..drawn(model, run, &ranges, &mut numbers, k) });
+            }
         }
     }
     for moment in &mut found {
         when.iter().for_each(|(i, x)| moment.parameters[*i] = *x);
     }
+    let mut found: Vec<Moment> = found.iter().filter_map(|moment| route.closed(moment, (&[], &[]))).collect();
     let sides = sides(route, &found);
     found.extend(sides);
     found
@@ -70,9 +74,9 @@ fn drawn(model: &Model, run: &Run, ranges: &Ranges, numbers: &mut Numbers, k: us
         *p = if *p == 0.0 { numbers.between(-1.0, 1.0) } else { *p * numbers.between(0.7, 1.4) };
     }
     moment.t = run.until * numbers.between(0.0, 1.0);
-    let mut place = |start: f64, range: f64| {
+    let mut place = |start: DoubleDouble, range: f64| {
         let away = factor * range * numbers.between(-1.0, 1.0);
-        if large { away } else { start + 0.3 * away }
+        DoubleDouble::from(if large { away } else { start.to_f64() + 0.3 * away })
     };
     for i in 0..moment.q.len() {
         moment.q[i] = place(start.q[i], ranges.q[i]);
@@ -84,7 +88,7 @@ fn drawn(model: &Model, run: &Run, ranges: &Ranges, numbers: &mut Numbers, k: us
             _ => 0.0,
         });
         let list = if sample.speed { &mut moment.v } else { &mut moment.q };
-        list[sample.coordinate] = numbers.between(ends[0], ends[1]);
+        list[sample.coordinate] = DoubleDouble::from(numbers.between(ends[0], ends[1]));
     }
     moment
 }
@@ -96,25 +100,27 @@ const PASSAGES: usize = 8;
 pub fn sides(route: &Route, moments: &[Moment]) -> Vec<Moment> {
     let mut found = Vec::new();
     let mut passages = vec![0; route.discontinuities()];
-    for pair in moments.windows(2) {
+    for pair in moments.windows(2).filter(|pair| pair[0].phase == pair[1].phase) {
         let between = |z: f64| {
-            let middle = |a: f64, b: f64| a + z * (b - a);
-            let lists = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| middle(*a, *b)).collect();
+            let middle = |a: &DoubleDouble, b: &DoubleDouble| *a + (*b - *a) * z;
+            let lists = |a: &[DoubleDouble], b: &[DoubleDouble]| a.iter().zip(b).map(|(a, b)| middle(a, b)).collect();
             let (q, v) = (lists(&pair[0].q, &pair[1].q), lists(&pair[0].v, &pair[1].v));
-            Moment { parameters: pair[0].parameters.clone(), t: middle(pair[0].t, pair[1].t), q, v }
+            let t = pair[0].t + z * (pair[1].t - pair[0].t);
+            route.closed(&Moment { t, q, v, ..pair[0].clone() }, (&[], &[]))
         };
         for (k, passed) in passages.iter_mut().enumerate() {
-            let positive = |z: f64| route.argument(k, &between(z)) > 0.0;
+            let positive = |z: f64| between(z).map(|m| route.argument(k, &m) > 0.0);
             let (mut a, mut b) = (0.0, 1.0);
-            if *passed >= PASSAGES || positive(a) == positive(b) {
+            let first = positive(a);
+            if *passed >= PASSAGES || first == positive(b) {
                 continue;
             }
             *passed += 1;
             for _ in 0..40 {
                 let middle = 0.5 * (a + b);
-                if positive(middle) == positive(0.0) { a = middle } else { b = middle }
+                if positive(middle) == first { a = middle } else { b = middle }
             }
-            found.extend([between(a - 1e-6), between(b + 1e-6)]);
+            found.extend([between(a - 1e-6), between(b + 1e-6)].into_iter().flatten());
         }
     }
     found
@@ -134,13 +140,14 @@ impl Ranges {
         };
         let or = |x: f64, other: f64| if x > 0.0 { x } else { other };
         let n = run.moments[0].q.len();
-        let q: Vec<f64> = (0..n).map(|i| or(range(&|m| m.q[i]), 1.0)).collect();
-        let v = (0..n).map(|i| or(range(&|m| m.v[i]), q[i] / run.until)).collect();
+        let q: Vec<f64> = (0..n).map(|i| or(range(&|m| m.q[i].to_f64()), 1.0)).collect();
+        let v = (0..n).map(|i| or(range(&|m| m.v[i].to_f64()), q[i] / run.until)).collect();
         Ranges { q, v }
     }
 }
 
-fn run(model: &Model, route: &Route, scene: &Scene) -> Run {
+/// None where the start cannot be brought to the constraints.
+fn run(model: &Model, route: &Route, scene: &Scene) -> Option<Run> {
     let mut parameters: Vec<f64> = model.parameters.iter().map(|p| p.default).collect();
     let value = |parameters: &[f64], s: Symbol| match s {
         Symbol::Parameter(i) => parameters[i as usize],
@@ -153,40 +160,43 @@ fn run(model: &Model, route: &Route, scene: &Scene) -> Run {
     let roots: Vec<_> = scene.q.iter().chain(&scene.v).copied().chain([scene.until]).collect();
     let start: Vec<f64> = Tape::new(&model.graph, &roots).evaluate(|s| value(&parameters, s));
     let until = if start[2 * n] > 0.0 { start[2 * n] } else { 10.0 };
-    let first = Moment { parameters, t: 0.0, q: start[..n].to_vec(), v: start[n..2 * n].to_vec() };
+    let doubles = |list: &[f64]| list.iter().map(|x| DoubleDouble::from(*x)).collect();
+    let (q, v) = (doubles(&start[..n]), doubles(&start[n..2 * n]));
+    let first = Moment { parameters, t: 0.0, phase: scene.phase, q, v };
+    let held = route.closed(&first, (&scene.held_q, &scene.held_v));
+    let first = held.or_else(|| route.closed(&first, (&[], &[])))?;
     let horizons = (0..10).map(|k| until * 0.1_f64.powi(k));
     let found = horizons.into_iter().find_map(|horizon| {
         let (fine, coarse) = (march(route, &first, horizon, STEPS)?, march(route, &first, horizon, STEPS / 2)?);
         same(&fine, &coarse).then_some(fine)
     });
-    Run { moments: found.unwrap_or_else(|| vec![first]), until }
+    Some(Run { moments: found.unwrap_or_else(|| vec![first]), until })
 }
 
 /// Whether two runs end at the same place, by a twentieth of the way.
 fn same(fine: &[Moment], coarse: &[Moment]) -> bool {
     let (Some(a), Some(b)) = (fine.last(), coarse.last()) else { return false };
     (0..a.q.len()).all(|i| {
-        let far = fine.iter().fold(0.0_f64, |most, m| most.max((m.q[i] - fine[0].q[i]).abs()));
-        (a.q[i] - b.q[i]).abs() <= 0.05 * far
+        let far = fine.iter().fold(0.0_f64, |most, m| most.max((m.q[i] - fine[0].q[i]).abs().to_f64()));
+        (a.q[i] - b.q[i]).abs().to_f64() <= 0.05 * far
     })
 }
 
-/// Steps of equal length; `None` where the motion cannot be continued.
+/// Steps of equal length, each brought back to the constraints; `None` where the motion cannot be continued.
 fn march(route: &Route, start: &Moment, until: f64, steps: usize) -> Option<Vec<Moment>> {
     let h = until / steps as f64;
     let n = start.q.len();
-    let moved = |from: &Moment, by: f64, v: &[f64], a: &[f64]| {
+    let moved = |from: &Moment, by: f64, v: &[DoubleDouble], a: &[DoubleDouble]| {
         let mut to = from.clone();
         to.t += by;
         (0..n).for_each(|i| {
-            to.q[i] += by * v[i];
-            to.v[i] += by * a[i];
+            to.q[i] += v[i] * by;
+            to.v[i] += a[i] * by;
         });
         to
     };
-    let accelerations = |m: &Moment| -> Option<Vec<f64>> {
-        let a: Vec<f64> = route.accelerations(m)?.iter().map(|a| a.to_f64()).collect();
-        a.iter().all(|a| a.is_finite()).then_some(a)
+    let accelerations = |m: &Moment| -> Option<Vec<DoubleDouble>> {
+        route.solution(m).map(|found| found.a).filter(|a| a.iter().all(|a| a.is_finite()))
     };
     let mut moments = vec![start.clone()];
     for _ in 0..steps {
@@ -198,11 +208,11 @@ fn march(route: &Route, start: &Moment, until: f64, steps: usize) -> Option<Vec<
         let a3 = accelerations(&m3)?;
         let m4 = moved(m, h, &m3.v, &a3);
         let a4 = accelerations(&m4)?;
-        let mean = |k: [&Vec<f64>; 4]| -> Vec<f64> {
-            (0..n).map(|i| (k[0][i] + 2.0 * k[1][i] + 2.0 * k[2][i] + k[3][i]) / 6.0).collect()
+        let mean = |k: [&Vec<DoubleDouble>; 4]| -> Vec<DoubleDouble> {
+            (0..n).map(|i| (k[0][i] + (k[1][i] + k[2][i]) * 2.0 + k[3][i]) * (1.0 / 6.0)).collect()
         };
         let next = moved(m, h, &mean([&m.v, &m2.v, &m3.v, &m4.v]), &mean([&a1, &a2, &a3, &a4]));
-        moments.push(next);
+        moments.push(route.closed(&next, (&[], &[]))?);
     }
     Some(moments)
 }
@@ -223,22 +233,28 @@ impl Moment {
     /// A symbol that stands in the state itself.
     pub fn value<S: Scalar>(&self, symbol: Symbol) -> Option<S> {
         let x = match symbol {
-            Symbol::Time => self.t,
+            Symbol::Time => DoubleDouble::from(self.t),
             Symbol::Coordinate(i) => self.q[i as usize],
             Symbol::Speed(i) => self.v[i as usize],
-            Symbol::Parameter(i) => self.parameters[i as usize],
+            Symbol::Parameter(i) => DoubleDouble::from(self.parameters[i as usize]),
+            Symbol::Phase(k) => DoubleDouble::from(f64::from(u8::from(self.phase == k as usize))),
             _ => return None,
         };
-        Some(S::constant(DoubleDouble::from(x)))
+        Some(S::constant(x))
     }
 
-    /// The same with one of its numbers replaced.
+    /// The same as a number.
+    pub fn number(&self, symbol: Symbol) -> f64 {
+        self.value(symbol).unwrap_or(0.0)
+    }
+
+    /// The same state with one of its numbers replaced.
     pub fn with(&self, symbol: Symbol, x: f64) -> Moment {
         let mut moment = self.clone();
         match symbol {
             Symbol::Time => moment.t = x,
-            Symbol::Coordinate(i) => moment.q[i as usize] = x,
-            Symbol::Speed(i) => moment.v[i as usize] = x,
+            Symbol::Coordinate(i) => moment.q[i as usize] = DoubleDouble::from(x),
+            Symbol::Speed(i) => moment.v[i as usize] = DoubleDouble::from(x),
             _ => {}
         }
         moment

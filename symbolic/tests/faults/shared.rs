@@ -67,7 +67,7 @@ fn notice(sound: &Sound, root: &Node) -> Notice {
     match judged(model.clone()) {
         Err(problems) if problems.iter().any(|p| p.code == "E506") => Notice::Balances,
         Err(_) => Notice::Claims,
-        Ok(judged) if sound.judge.difference(&judged.derivation, &Window::new()) <= NOTHING => Notice::Same,
+        Ok(judged) if sound.judge.difference(&judged.derivation, &Window::new()).0 <= NOTHING => Notice::Same,
         Ok(_) => Notice::Nobody,
     }
 }

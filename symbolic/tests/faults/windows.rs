@@ -14,7 +14,7 @@ pub fn windows(judge: &Judge) -> Vec<Change> {
     let mut changes = Vec::new();
     let moving: Vec<(usize, f64, f64)> = (0..n)
         .filter_map(|i| {
-            let values = run.moments.iter().map(|m| m.q[i]);
+            let values = run.moments.iter().map(|m| m.q[i].to_f64());
             let (low, high) = values.fold((f64::MAX, f64::MIN), |r, x| (r.0.min(x), r.1.max(x)));
             (high - low > 1e-3 * ranges.q[i]).then_some((i, low, high))
         })
@@ -34,8 +34,8 @@ pub fn windows(judge: &Judge) -> Vec<Change> {
     let passed = &run.moments[run.moments.len() / 3];
     let mut spot: Vec<(Symbol, f64, f64)> = Vec::new();
     for (i, low, high) in &moving {
-        let aside = 0.03 * (high - low);
-        spot.push((Symbol::Coordinate(*i as u32), passed.q[*i] - aside, passed.q[*i] + aside));
+        let (aside, place) = (0.03 * (high - low), passed.q[*i].to_f64());
+        spot.push((Symbol::Coordinate(*i as u32), place - aside, place + aside));
     }
     if spot.len() == 1 {
         spot.push((Symbol::Time, passed.t - 0.02 * last.t, passed.t + 0.02 * last.t));

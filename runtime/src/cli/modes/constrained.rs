@@ -1,5 +1,5 @@
 //! `modes` of a mechanism with constraints: at rest in independent coordinates, shapes in all of the file's; about
-//! steady motions, and where constraints contain speeds, by eigenvalues (`tangent.rs`).
+//! steady motions, and where constraints contain speeds without known integrals, by eigenvalues (`tangent.rs`).
 
 use std::io::Write;
 
@@ -10,7 +10,7 @@ use serde_json::json;
 use super::super::load::Loaded;
 use super::super::{Problem, json};
 use super::{failed, pictures, report};
-use crate::linear::{Guess, linearise_constrained};
+use crate::linear::{Guess, LinearError, linearise_constrained};
 
 /// Options that need the equations in all coordinates.
 const OTHERS: [&str; 7] = ["motion", "drive", "omega", "bode", "range", "vary", "locus"];
@@ -23,14 +23,18 @@ pub fn run(loaded: &Loaded, options: &ArgMatches, guess: &Guess, out: &mut dyn W
         return Err(Problem::Usage(words));
     }
     let system = &*loaded.system;
-    let rows = || system.active_rows().iter().map(|row| &system.description().rows[*row as usize]);
-    let names: Vec<String> = rows().map(|row| row.name.to_string()).collect();
-    // Friction made of reactions belongs to no K: it follows what the constraints carry.
-    let rubs = !system.description().friction_pattern.is_empty();
-    if rubs || guess.v.iter().any(|v| *v != 0.0) || rows().any(|row| !row.holonomic) {
+    let rows = system.active_rows().iter().map(|row| &system.description().rows[*row as usize]);
+    let names: Vec<String> = rows.map(|row| row.name.to_string()).collect();
+    if guess.v.iter().any(|v| *v != 0.0) {
         return by_departures(loaded, options, guess, &names, out);
     }
-    let found = linearise_constrained(system, guess, options.get_flag("here")).map_err(failed)?;
+    let found = match linearise_constrained(system, guess, options.get_flag("here")) {
+        // Friction made of reactions belongs to no K: it follows what the constraints carry.
+        Err(LinearError::VelocityConstraint { .. } | LinearError::FrictionOfReactions) => {
+            return by_departures(loaded, options, guess, &names, out);
+        }
+        found => found.map_err(failed)?,
+    };
     let modes = found.in_all_coordinates(&found.linear.modes().map_err(failed)?);
     pictures(loaded, options, &found.linear, &modes)?;
     let reactions: Vec<(String, f64)> = names.into_iter().zip(found.multipliers.iter().copied()).collect();

@@ -13,6 +13,9 @@ use super::super::{Problem, json};
 use super::failed;
 use crate::linear::{Guess, Stability, Tangent, linearise_tangent, short, short_beside};
 
+/// A real part below this part of its eigenvalue.
+const ROUNDING: f64 = 1e-13;
+
 /// Linearises about a steady motion and prints what becomes of departures.
 pub fn run(
     loaded: &Loaded,
@@ -61,6 +64,8 @@ fn listed(found: &Tangent) -> Vec<(usize, Complex<f64>, Vec<Complex<f64>>)> {
 
 /// `falls by e in 1 s`, `omega = 2 rad/s, …`.
 fn told(value: Complex<f64>) -> String {
+    // What rounding leaves of a real part is none.
+    let value = Complex::new(if value.re.abs() <= ROUNDING * value.norm() { 0.0 } else { value.re }, value.im);
     let lambda = match value.im == 0.0 {
         true => format!("eigenvalue {} 1/s", short(value.re)),
         false => format!("eigenvalues {} ± {}i 1/s, {} Hz", short(value.re), short(value.im), short(value.im / TAU)),

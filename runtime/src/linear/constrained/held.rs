@@ -12,6 +12,8 @@ use crate::mechanism::{At, System};
 
 /// What is left in a state that holds is below this part of its terms.
 const BALANCED: f64 = 1e-9;
+/// What a search for a rest at 0 comes to, each step a rounding of the one before, has no terms left to be measured by.
+const NOTHING: f64 = 1e-120;
 /// So many roundings of the state are nothing.
 const ROUNDINGS: f64 = 16.0;
 
@@ -20,6 +22,8 @@ pub(super) struct Held<'a, S: System + ?Sized> {
     pub system: &'a S,
     pub n: usize,
     pub rows: Vec<usize>,
+    /// The values at which integrals of constraints that contain speeds are held; 0 of all other rows.
+    levels: Vec<f64>,
 }
 
 /// A state without accelerations, and the multipliers (of all rows) that leave it so.
@@ -47,7 +51,22 @@ impl State {
     }
 }
 
-impl<S: System + ?Sized> Held<'_, S> {
+impl<'a, S: System + ?Sized> Held<'a, S> {
+    /// A mechanism, its rows in force, and their known integrals as they are at a place.
+    pub fn new(system: &'a S, rows: &[usize], q: &[f64]) -> Self {
+        let mut held = Held { system, n: system.len(), rows: rows.to_vec(), levels: vec![0.0; rows.len()] };
+        held.hold(q);
+        held
+    }
+
+    /// From here on known integrals have the values that they have at this place.
+    pub fn hold(&mut self, q: &[f64]) {
+        let all = constraint_triples(self.system, At::new(0.0, q, &vec![0.0; self.n]));
+        let rows = &self.system.description().rows;
+        let levels = self.rows.iter().map(|row| if rows[*row].integral { all[*row][0] } else { 0.0 });
+        self.levels = levels.collect();
+    }
+
     /// A state, with the multipliers that leave the least of its forces.
     pub fn state(&self, q: &[f64], v: &[f64]) -> State {
         let lambda = vec![0.0; self.system.description().rows.len()];
@@ -99,10 +118,24 @@ impl<S: System + ?Sized> Held<'_, S> {
         slopes
     }
 
-    /// (c, c', Σ |terms| of c) of each row.
+    /// (c, c', Σ |terms| of c) of each row, c of one that contains speeds being the change of its integral.
     pub fn triples(&self, state: &State) -> Vec<[f64; 3]> {
         let all = constraint_triples(self.system, state.at());
-        self.rows.iter().map(|row| all[*row]).collect()
+        let of = |(row, level): (&usize, &f64)| [all[*row][0] - level, all[*row][1], all[*row][2]];
+        self.rows.iter().zip(&self.levels).map(of).collect()
+    }
+
+    /// ∂c/∂q of the rows that hold a place.
+    pub fn closed_jacobian(&self, jacobian: &DMatrix<f64>) -> DMatrix<f64> {
+        let closed: Vec<usize> = self.closed().collect();
+        let mut lines = jacobian.select_rows(&closed);
+        for (mut line, k) in lines.row_iter_mut().zip(closed) {
+            for (row, factor) in self.system.description().rows[self.rows[k]].with.iter() {
+                let other = self.rows.iter().position(|active| *active == *row as usize);
+                other.into_iter().for_each(|other| line += *factor * jacobian.row(other));
+            }
+        }
+        lines
     }
 
     /// γ of each row.
@@ -112,10 +145,10 @@ impl<S: System + ?Sized> Held<'_, S> {
         self.rows.iter().map(|row| gamma[*row]).collect()
     }
 
-    /// Places of the holonomic rows among those in force.
-    pub fn holonomic(&self) -> impl Iterator<Item = usize> + '_ {
+    /// Places, among the rows in force, of those that hold a place: holonomic ones, and those with known integrals.
+    pub fn closed(&self) -> impl Iterator<Item = usize> + '_ {
         let rows = &self.system.description().rows;
-        (0..self.rows.len()).filter(move |k| rows[self.rows[*k]].holonomic)
+        (0..self.rows.len()).filter(move |k| rows[self.rows[*k]].holonomic || rows[self.rows[*k]].integral)
     }
 
     /// Whether nothing accelerates in this state and no constraint is missed, but for rounding of its terms, its place and
@@ -132,20 +165,22 @@ impl<S: System + ?Sized> Held<'_, S> {
         let force = self.force(state);
         let balanced = (0..self.n).all(|i| {
             let rounding = ROUNDINGS * f64::EPSILON * (by_state[i] + carried * effects.row(i).lp_norm(1));
-            force[i].abs() <= (BALANCED * sums[i]).max(rounding)
+            force[i].abs() <= (BALANCED * sums[i]).max(rounding).max(NOTHING)
         });
         let (place, speed) = (self.tilt(state).abs() * sizes.rows(0, self.n), self.jacobian(state).abs());
         let speed = place + speed * sizes.rows(self.n, self.n);
         let (triples, bias) = (self.triples(state), self.bias(state));
-        let at_ease =
-            |k: usize| triples[k][1].abs() <= BALANCED * speed[k] && bias[k].abs() <= BALANCED * by_state[self.n + k];
+        let at_ease = |k: usize| {
+            triples[k][1].abs() <= (BALANCED * speed[k]).max(NOTHING)
+                && bias[k].abs() <= (BALANCED * by_state[self.n + k]).max(NOTHING)
+        };
         balanced && (0..self.rows.len()).all(at_ease) && self.is_closed(state, &triples)
     }
 
     fn is_closed(&self, state: &State, triples: &[[f64; 3]]) -> bool {
         let sizes = DVector::from_vec(sizes_alike(self.system.description(), &state.q));
         let by_place = self.jacobian(state).abs() * sizes;
-        self.holonomic().all(|k| triples[k][0].abs() <= BALANCED * triples[k][2].max(by_place[k]))
+        self.closed().all(|k| triples[k][0].abs() <= (BALANCED * triples[k][2].max(by_place[k])).max(NOTHING))
     }
 
     /// What is left of the forces.

@@ -1,7 +1,8 @@
 //! Small motions of mechanisms with constraints.
 //!
-//! 1. At rest with holonomic constraints, M, C and K in independent coordinates: look in `rest.rs`.
-//! 2. About steady motions, and with constraints that contain speeds, a system of first order on the states that the
+//! 1. At rest with holonomic constraints, or such as have known integrals, M, C and K in independent coordinates: look in
+//!    `rest.rs`.
+//! 2. About steady motions, and with other constraints that contain speeds, a system of first order on the states that the
 //!    constraints leave: look in `tangent.rs`.
 //!
 //! The matrices of both at a state, and whether it stays: `held.rs`.

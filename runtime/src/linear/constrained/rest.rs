@@ -1,4 +1,5 @@
-//! Small motions of mechanisms with holonomic constraints, in coordinates that the constraints leave independent.
+//! Small motions of mechanisms with holonomic constraints, in coordinates that the constraints leave independent.  One
+//! that contains speeds counts as holonomic where its integral is known and held.
 //!
 //! At rest F(q, 0, 0, λ) = 0 and c(q) = 0.  With Z a basis of the motions that the constraints allow, J Z = 0,
 //! M_z = Zᵀ M Z, C_z = Zᵀ (∂F/∂q') Z and K_z = Zᵀ (∂F/∂q) Z at these λ, so that Σ λ_k ∇²c_k, the geometric stiffness of the
@@ -11,7 +12,7 @@ use super::on_its_sides;
 use crate::constrain::{Projection, Start, consistent};
 use crate::linear::{Equilibrium, Freedom, Guess, LinearError, Linearised, Mode, SparseMatrix};
 use crate::matrix::solve_least;
-use crate::mechanism::dense::{force_slopes, mass_matrix};
+use crate::mechanism::dense::{constraint_triples, force_slopes, mass_matrix};
 use crate::mechanism::{At, Solutions, System};
 
 /// M, C and K of a constrained mechanism in independent coordinates, and how all others follow.
@@ -36,11 +37,12 @@ const FALLS: usize = 400;
 const STILL: f64 = 1e-8;
 
 /// Linearises a mechanism with holonomic constraints at an equilibrium near a guess, or at the guess itself where `here` is
-/// set.
+/// set.  Known integrals of constraints that contain speeds keep the values that they have at the guess, or at the place
+/// nearest to it that closes.
 ///
 /// # Errors
 /// [`LinearError::NoEquilibrium`], [`LinearError::NotAnEquilibrium`]; [`LinearError::VelocityConstraint`]: a constraint
-/// that contains speeds leaves no M, C and K in independent coordinates; [`LinearError::FrictionOfReactions`]: nor do forces
+/// that contains speeds and has no known integral, or moves by itself, leaves no M, C and K in independent coordinates; [`LinearError::FrictionOfReactions`]: nor do forces
 /// made of reactions; numbers that are not finite.
 pub fn linearise_constrained<S: System + ?Sized>(
     system: &S,
@@ -52,11 +54,16 @@ pub fn linearise_constrained<S: System + ?Sized>(
     if !description.friction_pattern.is_empty() {
         return Err(LinearError::FrictionOfReactions);
     }
-    if let Some(row) = rows.iter().map(|row| &description.rows[*row]).find(|row| !row.holonomic) {
-        return Err(LinearError::VelocityConstraint { constraint: row.name.to_string() });
+    // A constraint that moves by itself has no rest.
+    let rates = constraint_triples(system, At::new(0.0, &guess.q, &vec![0.0; system.len()]));
+    let open = |row: &&usize| {
+        !(description.rows[**row].integral && rates[**row][1] == 0.0 || description.rows[**row].holonomic)
+    };
+    if let Some(row) = rows.iter().find(open) {
+        return Err(LinearError::VelocityConstraint { constraint: description.rows[*row].name.to_string() });
     }
     on_its_sides(system, guess, |system, guess| {
-        let held = Held { system, n: system.len(), rows: rows.clone() };
+        let mut held = Held::new(system, &rows, &guess.q);
         let state = if here { held.state(&guess.q, &vec![0.0; held.n]) } else { held.rest(&guess.q)? };
         held.in_independent_coordinates(&state).map(|found| (found, Guess::at(&state.q)))
     })
@@ -77,11 +84,12 @@ impl Constrained {
 impl<S: System + ?Sized> Held<'_, S> {
     /// From the place nearest to the guess that meets the constraints; where that leads nowhere, from where the motion
     /// would go from there.
-    fn rest(&self, guess: &[f64]) -> Result<State, LinearError> {
+    fn rest(&mut self, guess: &[f64]) -> Result<State, LinearError> {
         let (start, zero) = ([guess, &vec![0.0; self.n]].concat(), vec![0.0; self.n]);
         let held = vec![false; 2 * self.n];
         let closed = consistent(self.system, &Start { t: 0.0, y: &start, held: &held, also: 0..0 });
         let q = closed.map(|y| y[..self.n].to_vec()).map_err(|_| self.nowhere(&self.state(guess, &zero), 0))?;
+        self.hold(&q);
         self.newton(&q).or_else(|nowhere| self.newton(&self.fallen(q).ok_or(nowhere)?))
     }
 
@@ -90,6 +98,7 @@ impl<S: System + ?Sized> Held<'_, S> {
     fn fallen(&self, q: Vec<f64>) -> Option<Vec<f64>> {
         let n = self.n;
         let mut projection = Projection::new(self.system)?;
+        projection.hold(self.system, 0.0, &[q.as_slice(), &vec![0.0; n]].concat());
         let mass = |y: &[f64]| mass_matrix(self.system, At::place(0.0, &y[..n]));
         let acceleration = |y: &[f64]| {
             let (zero, mut lambda) = (vec![0.0; n], vec![0.0; self.system.description().rows.len()]);

@@ -1,7 +1,7 @@
 //! One file, several ways of enforcing its constraints, and what is done about drift.
 
 use dalembert::mechanism::{Enforcement, Stabilisation};
-use dalembert::{Error, Method, Run};
+use dalembert::{Error, Method, Run, Warning};
 use dalembert_tests::case::Case;
 
 use crate::near;
@@ -145,4 +145,35 @@ fn springs_come_near_the_constraint_as_they_become_stiff() {
         (last["crank_angle"] - exact).abs()
     });
     near(soft / stiff, 10.0, 2.0);
+}
+
+/// A fixed step too coarse for the springs: the run says so with the step up to which it would hold, 2 √2/ω of RK4 with
+/// ω² = 4 k/m, and loses the rod; within that it says nothing.
+#[test]
+fn a_fixed_step_too_coarse_for_springs_is_said_to_be() {
+    let stiffness = 2.5e5;
+    let bound = 8.0_f64.sqrt() / (4.0 * stiffness / 1.0_f64).sqrt();
+    let told = |part: f64| {
+        let mut case = pendulum(1.0).until(2.0);
+        (case.settings.step, case.settings.method) = (Some(part * bound), Method::Rk4);
+        (case.settings.enforcement, case.settings.stabilisation) =
+            (Enforcement::Springs { stiffness, damping: 0.0 }, Stabilisation::Project);
+        let tried = case.try_run();
+        let (failed, run) = match tried {
+            Ok(run) => (false, run),
+            Err(Error::Run(failure)) => (true, failure.run),
+            Err(error) => panic!("{error}"),
+        };
+        let limit = run.warnings.iter().find_map(|warning| match warning {
+            Warning::StepExceedsStability { limit, .. } => Some(*limit),
+            _ => None,
+        });
+        (failed, limit)
+    };
+    assert_eq!(told(0.9), (false, None));
+    for part in [1.1, 3.0, 30.0] {
+        let (failed, limit) = told(part);
+        near(limit.expect("a warning") / bound, 1.0, 0.01);
+        assert!(failed || part < 2.0, "{part}");
+    }
 }

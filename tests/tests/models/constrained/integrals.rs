@@ -114,3 +114,46 @@ fn an_integral_takes_the_value_that_it_has_where_its_phase_is_entered() {
     }
     assert!(seen[0] > 50 && seen[1] > 500, "{seen:?}");
 }
+
+/// Two rows neither of which is the rate of anything, and their sum, which is that of x − z.
+const PAIR: &str = "
+name: Pair
+parameters: {k: 3 1}
+coordinates: {x: 1, y: 1, z: 1, w: 1}
+kinetic_energy: (x'^2 + 2*y'^2 + z'^2 + w'^2)/2
+potential_energy: k*(x^2 + y^2 + (w - 1)^2)/2
+constraints: {one: x' - y*w', two: y*w' - z'}
+scene: {start: {x: 0.3, y: 1, z: 0.1, w: 0, y': 0.4, w': 1}, until: 100, tolerance: 1e-5}
+";
+
+/// The neighbour, where a row is multiplied by what moves, has the integral too, but nobody writes it down.
+fn pair_without_words() -> String {
+    PAIR.replace("two: y*w' - z'", "two: (y*w' - z')*(2 + sin(w))")
+}
+
+#[test]
+fn the_integral_of_a_combination_is_found_said_and_held() {
+    let off = |text: &str| {
+        let run = Case::written(text).run();
+        let states = (0..run.len()).map(|k| run.state(k));
+        states.fold(0.0_f64, |most, state| most.max((state["x"] - state["z"] - 0.2).abs()))
+    };
+    let (held, drifts) = (off(PAIR), off(&pair_without_words()));
+    assert!(held < 1e-13, "{held:e}");
+    assert!(drifts > 1e-9, "{drifts:e}");
+    let words = |text: &str| {
+        let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("pair.yaml");
+        std::fs::write(&path, text).expect("a file");
+        freedoms(path.to_str().expect("a path")).join("\n")
+    };
+    assert!(
+        words(PAIR).ends_with("a combination of one and two is integrable: its integral is held"),
+        "{}",
+        words(PAIR)
+    );
+    let other = words(&pair_without_words());
+    assert!(
+        other.ends_with("none of them by itself, by no integral that was found: their velocities are held"),
+        "{other}"
+    );
+}

@@ -97,27 +97,109 @@ scene: {start: {phi: 0, phi': 4, r': 0}, guess: {r: 0.8, z: -0.6}, until: 1}
     assert!(linearise_tangent(&*case.system, &rising, true).is_err());
 }
 
-/// A wheel that rolls up and down against a spring: nothing but a frequency k/(m + I/R²) and where it is held.
-#[test]
-fn a_rolling_wheel_on_a_spring_swings_and_keeps_where_it_was_put() {
-    let wheel = "
+/// A wheel on a spring, k/(m + I/R²), that rolls as a constraint says.
+fn wheel(rolls: &str, more: &str) -> Case {
+    Case::written(&format!(
+        "
 name: Wheel
-parameters: {m: 2 kg, R: 0.5 m, I: 0.25 kg*m^2, k: 12 N/m}
-coordinates: {x: m, phi: rad}
-bodies: {wheel: {mass: m, inertia: I, angle: -phi, position: \"[x, R]\"}}
-springs: {spring: {stretch: x, stiffness: k}}
-constraints: {rolls: x' - R*phi'}
-scene: {start: {x: 0.1, phi: 0, x': 0}, until: 1}
-";
-    let case = Case::written(wheel);
-    let found =
-        linearise_tangent(&*case.system, &Guess::at(&[0.3, 0.7]), false).unwrap_or_else(|error| panic!("{error}"));
-    near(found.equilibrium.q[0], 0.0, 1e-12);
-    assert_eq!((found.matrix.nrows(), found.analysis.zeros), (3, 1));
-    let last = found.analysis.eigenvalues.last().expect("eigenvalues");
-    near(last.im.abs(), 2.0, 1e-12);
-    let refused = linearise_constrained(&*case.system, &Guess::at(&[0.0; 2]), true);
+parameters: {{m: 2 kg, R: 0.5 m, I: 0.25 kg*m^2, k: 12 N/m, d: 0.2 m}}
+coordinates: {{x: m, phi: rad, a: m, b: m, theta: rad}}
+points: {{skate: \"[a, b]\"}}
+bodies:
+  wheel: {{mass: m, inertia: I, angle: -phi, position: \"[x, R]\"}}
+  sled: {{mass: m, inertia: I, angle: theta, position: skate + d*sled.x}}
+springs: {{spring: {{stretch: x, stiffness: k}}}}
+constraints: {{rolls: {rolls}, {more}}}
+scene: {{start: {{x: 0.1, phi: 0.2, theta: 0}}, until: 1}}
+"
+    ))
+}
+
+/// The sledge beside it held by pins: one frequency whether it rolls by speeds or by places, and where it was put stays.
+#[test]
+fn a_rolling_wheel_on_a_spring_has_the_modes_of_its_holonomic_twin() {
+    let pins = "pins: \"[a, b]\", still: theta";
+    for rolls in ["x' - R*phi'", "3*R*phi' - 3*x'", "x - R*phi"] {
+        let case = wheel(rolls, pins);
+        let found = linearise_constrained(&*case.system, &Guess::at(&[0.3, 0.6, 0.0, 0.0, 0.0]), false);
+        let found = found.unwrap_or_else(|error| panic!("{rolls}: {error}"));
+        let squared: Vec<f64> = found.linear.modes().expect("modes").iter().map(|mode| mode.omega.powi(2)).collect();
+        assert_eq!(squared.len(), 1, "{rolls}");
+        near(squared[0], 4.0, 1e-12);
+        near(found.linear.equilibrium.q[0], 0.0, 1e-12);
+        near(found.linear.equilibrium.q[1], 0.0, 1e-12);
+    }
+    let put = wheel("x' - R*phi'", pins);
+    let found = linearise_constrained(&*put.system, &Guess::at(&[0.3, 0.7, 0.0, 0.0, 0.0]), false).expect("a rest");
+    near(found.linear.equilibrium.q[1], 0.1, 1e-12);
+}
+
+/// Beside a skate, which no integral holds: as many departures and zeros by speeds as by places.
+#[test]
+fn integrals_are_held_beside_what_has_none() {
+    let edge = "edge: \"dot(velocity(skate), sled.y)\"";
+    let counted = |rolls: &str| {
+        let guess = Guess { v: vec![0.0, 0.0, 1.5, 0.0, 0.0], ..Guess::at(&[0.0, 0.0, 0.0, 0.0, 0.0]) };
+        let found = linearise_tangent(&*wheel(rolls, edge).system, &guess, false);
+        let found = found.unwrap_or_else(|error| panic!("{rolls}: {error}"));
+        (found.matrix.nrows(), found.analysis.zeros)
+    };
+    // The sleigh's five departures with four zeros, and the wheel's two.
+    assert_eq!(counted("x' - R*phi'"), (7, 4));
+    assert_eq!(counted("x - R*phi"), (7, 4));
+    let refused = linearise_constrained(&*wheel("x - R*phi", edge).system, &Guess::at(&[0.0; 5]), true);
     assert!(matches!(refused, Err(LinearError::VelocityConstraint { .. })), "{refused:?}");
+}
+
+/// Two rows whose sum is the rate of x − z: departures keep that, and have no zero for it.
+#[test]
+fn the_integral_of_a_combination_is_held_by_small_motions() {
+    let pair = "
+name: Pair
+parameters: {k: 3 1}
+coordinates: {x: 1, y: 1, z: 1, w: 1}
+kinetic_energy: (x'^2 + 2*y'^2 + z'^2 + w'^2)/2
+potential_energy: k*(x^2 + (y - 1)^2 + (w - 1)^2)/2
+constraints: {one: x' - y*w', two: y*w' - z'}
+scene: {start: {x: 0, y: 1, z: 0, w: 1}, until: 1}
+";
+    let counted = |text: &str| {
+        let found = linearise_tangent(&*Case::written(text).system, &Guess::at(&[0.0, 1.0, 0.0, 1.0]), false);
+        let found = found.unwrap_or_else(|error| panic!("{error}"));
+        (found.matrix.nrows(), found.analysis.zeros)
+    };
+    let (held, left) = (counted(pair), counted(&pair.replace("two: y*w' - z'", "two: (y*w' - z')*(2 + sin(w))")));
+    assert_eq!((held.0 + 1, held.1 + 1), left);
+    assert_eq!(held, (5, 1));
+}
+
+/// A wheel that rolls steadily, by speeds or by places; on a belt that moves it has no rest.
+#[test]
+fn a_wheel_that_rolls_on_has_no_more_zeros_by_speeds_than_by_places() {
+    let free = |rolls: &str| {
+        Case::written(&format!(
+            "
+name: Wheel
+parameters: {{m: 2 kg, R: 0.5 m, I: 0.25 kg*m^2, belt: 0.3 m/s}}
+coordinates: {{x: m, phi: rad}}
+bodies: {{wheel: {{mass: m, inertia: I, angle: -phi, position: \"[x, R]\"}}}}
+constraints: {{rolls: {rolls}}}
+scene: {{start: {{x: 0}}, until: 1}}
+"
+        ))
+    };
+    for rolls in ["x' - R*phi'", "x - R*phi"] {
+        let guess = Guess { v: vec![1.0, 2.0], ..Guess::at(&[0.0; 2]) };
+        let found = linearise_tangent(&*free(rolls).system, &guess, false);
+        let found = found.unwrap_or_else(|error| panic!("{rolls}: {error}"));
+        assert_eq!((found.matrix.nrows(), found.analysis.zeros), (2, 2), "{rolls}");
+    }
+    let belt = free("x' - R*phi' - belt");
+    let refused = linearise_constrained(&*belt.system, &Guess::at(&[0.0; 2]), false);
+    assert!(matches!(refused, Err(LinearError::VelocityConstraint { .. })), "{refused:?}");
+    let found =
+        linearise_tangent(&*belt.system, &Guess::at(&[0.0; 2]), false).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!((found.matrix.nrows(), found.analysis.zeros), (2, 2));
 }
 
 /// What a phase leaves out has no part in its modes; friction of a reaction shifts where the block rests.
