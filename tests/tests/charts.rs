@@ -49,6 +49,10 @@ fn constraints_are_treated_in_four_ways_and_compared_with_the_minimal_file() {
     let (svg, csv) = (file("four.svg"), file("four.csv"));
     let printed = told(&[
         "pendulum_cartesian",
+        "--scene",
+        "high",
+        "--compare",
+        "bob.x,bob.y",
         "--until",
         "2",
         "--methods",

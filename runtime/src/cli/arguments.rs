@@ -93,7 +93,7 @@ fn chart() -> Command {
         .args(scene().into_iter().filter(|arg| arg.get_id() != "tolerance"))
         .arg(value("methods", "A,B", "Only these methods [default: all that suit]"))
         .arg(value("compare", "NAME,NAME", "What errors are taken of: coordinates, rates, outputs [default: the coordinates]"))
-        .arg(value("twin", "NAME", "Another file of the same mechanism, in minimal coordinates say, compared by outputs of the same names"))
+        .arg(value("twin", "NAME", "Another file of the same mechanism, in minimal coordinates say, at its scene of the same name or its first; compared by outputs of the same names"))
         .arg(value("plot", "FILE.svg", "Where the charts go [default: NAME-chart.svg]"))
         .arg(value("csv", "FILE.csv", "Where all points go [default: NAME-chart.csv]"))
 }

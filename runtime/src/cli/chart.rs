@@ -23,7 +23,10 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         eprintln!("warning: {warning}");
     }
     let mut columns = columns(options);
-    let twin = options.get_one::<String>("twin").map(|name| twin(models, name, &loaded, &mut columns)).transpose()?;
+    let twin = options
+        .get_one::<String>("twin")
+        .map(|name| twin(models, name, (&loaded, options), &mut columns))
+        .transpose()?;
     let methods = methods(&loaded, &settings, options)?;
     let by_dop853 = Settings { method: Method::Dop853, ..settings.clone() };
     let mut ways = Candidate::formulations(&*loaded.system, &by_dop853);
@@ -71,12 +74,15 @@ fn methods(loaded: &Loaded, settings: &Settings, options: &ArgMatches) -> Result
 fn twin(
     models: &[Entry],
     name: &str,
-    loaded: &Loaded,
+    (loaded, options): (&Loaded, &ArgMatches),
     columns: &mut Vec<String>,
 ) -> Result<(String, Box<dyn System>, Settings), Problem> {
     let mut other = Loaded::named(models, name, Vec::new())?;
-    let scene = other.system.scene(0);
-    for (index, value) in other.system.scene_parameters(0) {
+    let wanted = options.get_one::<String>("scene").map_or("scene", String::as_str);
+    let known = &other.system.description().scenes;
+    let place = known.iter().position(|known| known == wanted).unwrap_or(0);
+    let scene = other.system.scene(place);
+    for (index, value) in other.system.scene_parameters(place) {
         other.system.set_parameter(index, value);
     }
     if columns.is_empty() {

@@ -20,7 +20,7 @@ pub(crate) const NO_CONTROL: Control = Control { exponent: 0.0, shrink: 1.0, gro
 ///
 /// With err the error in units of the tolerance and p = 1/(q + 1),
 ///
-/// h ← 0.9 h / max(errᵖ, errᵖ · (err/err₀)ᵖ · h₀/h):
+/// h ← 0.8 h / max(errᵖ, errᵖ · (err/err₀)ᵖ · h₀/h):
 ///
 /// the second expects that the error of a step of the same length grows once more as it grew from the last step, of h₀
 /// with the error err₀, to this one; where it falls the first alone counts.
@@ -41,7 +41,8 @@ pub(crate) struct StepControl {
 }
 
 impl StepControl {
-    const SAFETY: f64 = 0.9;
+    /// At 0.9 fewer steps are taken and more rejected: over the scenes of the library the same error then costs 1 to 4 % more.
+    const SAFETY: f64 = 0.8;
 
     /// At the start.
     pub fn new(constants: Control) -> Self {

@@ -14,7 +14,7 @@ pub struct Candidate {
 }
 
 /// Stiffnesses of springs in the place of constraints, SI.
-const SPRINGS: [f64; 4] = [1e4, 1e6, 1e8, 1e10];
+const SPRINGS: [f64; 4] = [1e4, 1e5, 1e6, 1e7];
 
 impl Candidate {
     /// A candidate.

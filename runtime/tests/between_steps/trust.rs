@@ -1,6 +1,6 @@
 //! What a run says of itself: digits, drift, and what is left out.
 
-use dalembert::{Loss, Run, Warning};
+use dalembert::{Loss, Method, Run, Warning};
 
 use super::{Case, coasting, file, sprung};
 
@@ -219,7 +219,7 @@ outputs: {{ratio: x'/x, speed: 2*x'}}
 events: {{zero: {{when: {when}, then: {then}}}}}
 scene: {{start: {{x: 1}}, until: {until}, tolerance: 1e-6}}"
     ));
-    case.settings.digits = true;
+    (case.settings.digits, case.settings.method) = (true, Method::Dop853);
     case.run()
 }
 

@@ -30,13 +30,12 @@ impl Exact {
     /// divided difference over the first k + 1 of them, with the sign that (1 − θ) for (θ − 1) asks.
     pub(super) fn write_dense(&mut self, h: f64) {
         let width = 2 * self.ends.n;
-        let ends = [self.derivatives(&self.ends.y, h), self.derivatives(&self.ends.end, h)];
+        let [first, last] = [self.derivatives(&self.ends.y, h), self.derivatives(&self.ends.end, h)];
         for j in 0..width {
             // f[0ⁱ, 1ʲ], built up from the derivatives over their factorials.
             let mut table = [[0.0; DERIVATIVES + 1]; DERIVATIVES + 1];
-            for order in 1..=DERIVATIVES {
-                table[order][0] = ends[0][order - 1][j];
-                table[0][order] = ends[1][order - 1][j];
+            for (k, (first, last)) in first.iter().zip(&last).enumerate() {
+                (table[k + 1][0], table[0][k + 1]) = (first[j], last[j]);
             }
             for i in 1..=DERIVATIVES {
                 for k in 1..=DERIVATIVES {
