@@ -28,6 +28,13 @@ pub fn command() -> Command {
         .subcommand(modes())
         .subcommand(chart())
         .subcommand(
+            Command::new("stability")
+                .about("Maps where a method is stable: growth per step of an oscillator over hω and its damping, measured, beside theory")
+                .arg(Arg::new("method").value_name("METHOD").required(true).help("dop853, radau5, …"))
+                .arg(value("longest", "NUMBER", "How far the map goes: h·ω [default: 7]"))
+                .arg(value("plot", "FILE.svg", "Where the map goes [default: METHOD-stability.svg]")),
+        )
+        .subcommand(
             Command::new("new")
                 .about("Writes a commented model file to start from")
                 .arg(Arg::new("name").value_name("NAME").required(true).help("The file's name, without .yaml")),

@@ -26,6 +26,7 @@ mod problem;
 mod set_up;
 mod show;
 mod simulate;
+mod stability;
 
 use std::process::ExitCode;
 
@@ -81,6 +82,7 @@ pub fn run(
         Some(("check", options)) => check::run(models, options, out),
         Some(("simulate", options)) => simulate::run(models, options, out),
         Some(("chart", options)) => chart::run(models, options, out),
+        Some(("stability", options)) => stability::run(options, out),
         Some(("modes", options)) => modes::run(models, options, out),
         Some(("new", options)) => new::run(options, out),
         _ => Err(Problem::Usage(arguments::command().render_help().to_string())),

@@ -168,7 +168,7 @@ impl Certifier {
         }
         let end = |value: f64| tamed(larger(0.0, value), own);
         let sides = (piece.sides.0.max(end(a.value)), piece.sides.1.max(end(b.value)));
-        let noise = NOISE * own.max(sides.0.min(sides.1));
+        let noise = (NOISE * own.max(sides.0.min(sides.1))).max(self.rounding);
         let piece = Piece { sides, ..piece };
         match (a.value.is_finite(), m.value.is_finite(), b.value.is_finite()) {
             (true, true, true) => {}
@@ -285,6 +285,11 @@ impl Certifier {
         let mut defined = self.points.first().is_some_and(|p| p.value.is_finite());
         for index in 0..self.points.len() {
             let here = self.points[index];
+            // A sample that hits a pole of even order says no more than those beside it.
+            let next = self.points.get(index + 1).map_or(f64::NAN, |next| next.value);
+            if here.value.is_infinite() && next.is_finite() && last.is_some_and(|last| last.value * next > 0.0) {
+                continue;
+            }
             if here.value.is_finite() != defined {
                 defined = !defined;
                 self.marks.push(Mark { x: here.x, deed: Deed::Undefined });

@@ -64,6 +64,8 @@ pub(crate) struct Scanner {
 
 /// A value this small against the variation over the step is zero where the function was on its surface.
 const ZERO: f64 = 1e-13;
+/// So many roundings of the time a surface is known to, at the least.
+const ROUNDINGS: f64 = 64.0;
 /// A change that is larger than the others by this is beside a pole.
 const POLE: f64 = 1e8;
 
@@ -190,7 +192,7 @@ impl Scanner {
             grid.extend([start, end]);
         }
         let variation = variation([start, middle, end]);
-        let resolution = ZERO + 16.0 * f64::EPSILON * segment.t.abs() / segment.h;
+        let resolution = ZERO + ROUNDINGS * f64::EPSILON * segment.t.abs() / segment.h;
         let mut floor = 0.0;
         if self.fresh[function] && start.value.abs() <= resolution * variation {
             floor = resolution * variation;
@@ -210,8 +212,8 @@ impl Scanner {
         };
         certifier.rounding = 0.0;
         let mut outcome = certifier.certify(&mut sample, &grid);
-        if certifier.marks.iter().any(|mark| matches!(mark.deed, Deed::Jumps | Deed::Pole)) {
-            // Within a very short step the rounding of the state looks like a jump.
+        // Within a very short step the rounding of the state, or of the time, looks like a jump or an oscillation.
+        if outcome.is_err() || certifier.marks.iter().any(|mark| matches!(mark.deed, Deed::Jumps | Deed::Pole)) {
             certifier.rounding = sampler.rounding(system, segment, function);
             let mut sample = |theta: f64| sampler.sample(system, segment, function, theta);
             outcome = certifier.certify(&mut sample, &grid);

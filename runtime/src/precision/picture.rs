@@ -74,9 +74,12 @@ impl WorkPrecision {
             let order = curve.order().map_or("-".to_owned(), |order| format!("{order:.1}"));
             let honesty = curve.honesty().map_or("-".to_owned(), |ratio| format!("{ratio:.1e}"));
             text += &format!("  {order:>5}  {honesty:>9}");
-            let codes = failures(curve);
-            if let Some(first) = codes.first() {
-                text += &format!("  {} of {} points: {}", codes.len(), curve.points.len(), first.label);
+            let failed = curve.points.iter().filter_map(|point| point.outcome.as_ref().err());
+            let (count, mut codes) = (failed.clone().count(), failed.copied().collect::<Vec<_>>());
+            codes.sort_unstable();
+            codes.dedup();
+            if count > 0 {
+                text += &format!("  {count} of {} points: {}", curve.points.len(), codes.join(", "));
             }
             text = text.trim_end().to_owned() + "\n";
         }
@@ -142,9 +145,15 @@ fn failures(curve: &Curve) -> Vec<Failure> {
         Pace::Tolerance(tolerance) => tolerance,
         Pace::Step(_) => 1.0,
     };
-    let mut found: Vec<Failure> =
-        failed.map(|(point, code)| Failure { x: place(point.pace), label: (*code).to_owned() }).collect();
-    found.dedup();
+    let mut found: Vec<Failure> = Vec::new();
+    for (point, code) in failed {
+        let x = place(point.pace);
+        match found.iter_mut().find(|failure| failure.x == x) {
+            Some(failure) if failure.label.contains(code) => {}
+            Some(failure) => failure.label += &format!(", {code}"),
+            None => found.push(Failure { x, label: (*code).to_owned() }),
+        }
+    }
     found
 }
 

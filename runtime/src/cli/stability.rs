@@ -1,0 +1,32 @@
+//! `stability`: where a method is stable.
+
+use std::io::Write;
+
+use clap::ArgMatches;
+
+use super::Problem;
+use crate::mechanism::Method;
+use crate::precision::StabilityMap;
+
+/// Prints the longest stable steps by damping, measured and by theory, and writes the map.
+pub fn run(options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+    let text = |name: &str| options.get_one::<String>(name).map(String::as_str);
+    let usage = |problem: String| Problem::Usage(format!("error: {problem}"));
+    let method: Method = text("method").unwrap_or_default().parse().map_err(|e| usage(format!("{e}")))?;
+    let longest: f64 = text("longest").unwrap_or("7").trim().parse().unwrap_or(f64::NAN);
+    if !(longest > 0.0 && longest <= 1e6) {
+        return Err(usage("--longest wants a positive number".to_owned()));
+    }
+    let map = StabilityMap::measure(method, longest).map_err(|error| usage(error.to_string()))?;
+    writeln!(out, "longest stable h·ω of x'' + 2ζω x' + ω² x = 0 by {method}")?;
+    writeln!(out, "{:>6}  {:>9}  {:>9}", "ζ", "measured", "theory")?;
+    let write = |limit: Option<f64>| limit.map_or(format!("> {longest}"), |limit| format!("{limit:.4}"));
+    for limit in &map.limits {
+        writeln!(out, "{:>6.3}  {:>9}  {:>9}", limit.damping, write(limit.measured), write(limit.theory))?;
+    }
+    let path = text("plot").map_or_else(|| format!("{method}-stability.svg"), str::to_owned);
+    std::fs::write(&path, map.chart().to_svg())
+        .map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))?;
+    writeln!(out, "written: {path}")?;
+    Ok(())
+}
