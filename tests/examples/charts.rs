@@ -4,7 +4,7 @@
 use std::ops::ControlFlow;
 
 use dalembert::Method;
-use dalembert::precision::{Candidate, Curve, Measured, Plan, Profile, WorkPrecision};
+use dalembert::precision::{Candidate, Curve, Measured, Plan, Profile, StabilityMap, WorkPrecision};
 use dalembert::show::Figure;
 use dalembert_tests::case::Case;
 
@@ -53,6 +53,20 @@ fn main() {
     for (name, mean) in profile.means() {
         println!("- {name}: {mean:.2}");
     }
+    print_maps();
+}
+
+/// Stability maps of five methods.
+fn print_maps() {
+    println!("\n## Where methods are stable\n");
+    println!(
+        "Growth per step of an oscillator, measured on the running code, with theory's limit over it; `dalembert stability METHOD`.\n"
+    );
+    for method in [Method::Rk4, Method::Dop853, Method::Gauss4, Method::Radau5, Method::Rodas5P] {
+        let map = StabilityMap::measure(method, 7.0).expect("a method of its own");
+        std::fs::write(format!("docs/charts/stability-{method}.svg"), map.chart().to_svg()).expect("a file");
+        println!("![Stability of {method}](charts/stability-{method}.svg)\n");
+    }
 }
 
 const INTRODUCTION: &str = "Every method that suits a scene runs from coarse to fine. Errors are the largest over 200 times \
@@ -68,9 +82,9 @@ coordinates: {x: m, y: m}
 points: {hinge: [0, 0]}
 bodies: {bob: {mass: m, position: \"[x, y]\"}}
 gravity: [0, -g]
-springs: {rod: {between: [hinge, bob], stiffness: k, length: l}}
+springs: {rod: {between: [hinge, bob], stiffness: k, rest: l}}
 dampers: {loss: {between: [hinge, bob], damping: d}}
-scene: {start: {x: l, y: 0}, until: 10, tolerance: 1e-8}
+scene: {start: {x: l, y: 0}, until: 2, tolerance: 1e-8}
 ";
 
 /// Name, heading and charts of the scenes that are drawn.

@@ -18,15 +18,15 @@ pub fn run(options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
         return Err(usage("--longest wants a positive number".to_owned()));
     }
     let map = StabilityMap::measure(method, longest).map_err(|error| usage(error.to_string()))?;
+    let path = text("plot").map_or_else(|| format!("{method}-stability.svg"), str::to_owned);
+    std::fs::write(&path, map.chart().to_svg())
+        .map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))?;
     writeln!(out, "longest stable h·ω of x'' + 2ζω x' + ω² x = 0 by {method}")?;
     writeln!(out, "{:>6}  {:>9}  {:>9}", "ζ", "measured", "theory")?;
     let write = |limit: Option<f64>| limit.map_or(format!("> {longest}"), |limit| format!("{limit:.4}"));
     for limit in &map.limits {
         writeln!(out, "{:>6.3}  {:>9}  {:>9}", limit.damping, write(limit.measured), write(limit.theory))?;
     }
-    let path = text("plot").map_or_else(|| format!("{method}-stability.svg"), str::to_owned);
-    std::fs::write(&path, map.chart().to_svg())
-        .map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))?;
     writeln!(out, "written: {path}")?;
     Ok(())
 }

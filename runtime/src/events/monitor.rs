@@ -55,6 +55,9 @@ const LEAST: f64 = 1e-12;
 /// Zero of the base of a power, in parts of the largest.
 const NOTHING: f64 = 1e-16;
 
+/// A distance is not followed at more points within a step.
+const MOST_POINTS: usize = 5_000;
+
 impl Monitors {
     /// The arguments that a description lists for the motion.
     ///
@@ -169,9 +172,17 @@ impl Monitors {
         course: &Course<'_>,
         part: f64,
     ) -> Option<(usize, f64)> {
+        // What takes so much looking within a step is no motion any more, but the noise of one that grew without bound.
+        let lost = |arguments: &Arguments| arguments.path.len() > MOST_POINTS;
+        if lost(arguments) {
+            self.distances.clear();
+        }
         for (index, largest) in &mut self.distances {
             if !arguments.follow(system, course, *index) {
                 continue;
+            }
+            if lost(arguments) {
+                break;
             }
             let finite = arguments.path.iter().filter(|(_, square)| square.is_finite());
             *largest = finite.clone().fold(*largest, |most, (_, square)| most.max(*square));

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use super::{Candidate, Reference, WorkUnits};
+use crate::cause::Cause;
 use crate::error::Error;
 use crate::mechanism::{Method, System};
 use crate::run::{Run, Work};
@@ -53,6 +54,9 @@ pub struct Measured {
 /// A run is repeated until all took so long, s.
 const ENOUGH_TIME: f64 = 0.02;
 
+/// What a step takes at the least, about; `euler` does not get far.
+const EVALUATIONS_A_STEP: u64 = 4;
+
 /// Errors above this part of a range are no errors any more.
 const LOST: f64 = 1.0;
 
@@ -69,12 +73,14 @@ impl Point {
         repetitions: usize,
     ) -> Result<Option<Point>, Error> {
         let most = reference.most_evaluations();
-        let settings = Settings { max_steps: most, ..paced(&candidate.settings, pace, reference) };
+        let max_steps = most / EVALUATIONS_A_STEP;
+        let settings = Settings { max_steps, ..paced(&candidate.settings, pace, reference) };
         let coded = |code| Ok(Some(Point { pace, outcome: Err(code) }));
         let run = match simulate(system, &settings) {
             Ok(run) => run,
             Err(Error::Run(failure)) => {
-                return if failure.run.work.evaluations >= most { Ok(None) } else { coded(failure.cause.code()) };
+                let long = matches!(failure.cause, Cause::TooManySteps { .. });
+                return if long { Ok(None) } else { coded(failure.cause.code()) };
             }
             Err(error) => return Err(error),
         };

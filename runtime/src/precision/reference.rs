@@ -41,9 +41,11 @@ const METHODS: [(Method, f64); 4] =
 const MOST_STEPS: u64 = 1_000_000;
 /// What is known to fewer digits than this times their agreement is no error of a method.
 const CERTAIN: f64 = 3.0;
-/// A method may take so many evaluations for each one of the reference, and so many more.
+/// A method may take so many evaluations for each one of the reference, and so many more; where these are many, twice as
+/// many and so many more.
 const DEARER: u64 = 40;
 const LEAST_EVALUATIONS: u64 = 20_000;
+const MANY_EVALUATIONS: u64 = 200_000;
 
 impl Reference {
     /// The reference of a candidate's scene, for these columns; none: its coordinates.
@@ -151,7 +153,7 @@ impl Reference {
 
     /// A curve ends where it takes more evaluations.
     pub(super) fn most_evaluations(&self) -> u64 {
-        DEARER * self.evaluations + LEAST_EVALUATIONS
+        (DEARER * self.evaluations + LEAST_EVALUATIONS).min(2 * self.evaluations + MANY_EVALUATIONS)
     }
 }
 

@@ -1,7 +1,5 @@
 //! The polynomial between the ends of a step.
 
-use nalgebra::DVector;
-
 use super::step::Exact;
 
 /// So many derivatives, from the zeroth on, are met at both ends.
@@ -30,12 +28,13 @@ impl Exact {
     /// divided difference over the first k + 1 of them, with the sign that (1 − θ) for (θ − 1) asks.
     pub(super) fn write_dense(&mut self, h: f64) {
         let width = 2 * self.ends.n;
-        let [first, last] = [self.derivatives(&self.ends.y, h), self.derivatives(&self.ends.end, h)];
+        self.write_derivatives(h);
+        let [first, last] = &self.taylor;
         for j in 0..width {
             // f[0ⁱ, 1ʲ], built up from the derivatives over their factorials.
             let mut table = [[0.0; DERIVATIVES + 1]; DERIVATIVES + 1];
-            for (k, (first, last)) in first.iter().zip(&last).enumerate() {
-                (table[k + 1][0], table[0][k + 1]) = (first[j], last[j]);
+            for k in 0..DERIVATIVES {
+                (table[k + 1][0], table[0][k + 1]) = (first[k * width + j], last[k * width + j]);
             }
             for i in 1..=DERIVATIVES {
                 for k in 1..=DERIVATIVES {
@@ -48,20 +47,5 @@ impl Exact {
                 self.pieces[piece * width + j] = sign * table[zeros][ones];
             }
         }
-    }
-
-    /// hᵏ y⁽ᵏ⁾/k! of [q; q'].
-    fn derivatives(&self, y: &[f64], h: f64) -> [DVector<f64>; DERIVATIVES] {
-        let n = self.ends.n;
-        let mut state = DVector::zeros(2 * n + 1);
-        self.pack(y, &mut state);
-        let mut order = 0.0;
-        std::array::from_fn(|_| {
-            let mut found = state.clone();
-            found.rows_mut(n, n).scale_mut(self.rate);
-            order += 1.0;
-            state = &self.field * &state * (h / order);
-            found
-        })
     }
 }

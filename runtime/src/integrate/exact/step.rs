@@ -25,6 +25,11 @@ pub(crate) struct Exact {
     /// The step that `over` is for, s; 0: none.
     over_step: f64,
     state: DVector<f64>,
+    /// Room for a product and a state.
+    product: DVector<f64>,
+    room: Vec<f64>,
+    /// hᵏ y⁽ᵏ⁾/k! at both ends, one state after the other.
+    pub(super) taylor: [Vec<f64>; 2],
     pub(super) pieces: Vec<f64>,
     counters: Counters,
 }
@@ -41,6 +46,9 @@ impl Exact {
             over: DMatrix::identity(size, size),
             over_step: 0.0,
             state: DVector::zeros(size),
+            product: DVector::zeros(size),
+            room: vec![0.0; 2 * n],
+            taylor: [vec![0.0; 2 * n * DERIVATIVES], vec![0.0; 2 * n * DERIVATIVES]],
             pieces: vec![0.0; 2 * n * 2 * DERIVATIVES],
             counters: Counters::default(),
         }
@@ -69,36 +77,42 @@ impl Exact {
         Ok(())
     }
 
-    /// [q; q'] in the units of A.
-    pub(super) fn pack(&self, y: &[f64], state: &mut DVector<f64>) {
-        let n = self.ends.n;
-        for i in 0..n {
-            (state[i], state[n + i]) = (y[i], y[n + i] / self.rate);
-        }
-        state[2 * n] = 1.0;
-    }
-
     /// [q'; q''] at the end of the step.
     fn rate_at_end(&mut self) {
         let n = self.ends.n;
-        let mut state = std::mem::replace(&mut self.state, DVector::zeros(0));
-        self.pack(&self.ends.end, &mut state);
+        pack(&self.ends.end, self.rate, &mut self.state);
+        self.product.gemv(1.0, &self.field, &self.state, 0.0);
         for i in 0..n {
             self.ends.end_rate[i] = self.ends.end[n + i];
-            self.ends.end_rate[n + i] = self.rate * self.field.row(n + i).transpose().dot(&state);
+            self.ends.end_rate[n + i] = self.rate * self.product[n + i];
         }
-        self.state = state;
+    }
+
+    /// hᵏ y⁽ᵏ⁾/k! of [q; q'] at both ends.
+    pub(super) fn write_derivatives(&mut self, h: f64) {
+        let n = self.ends.n;
+        for (y, taylor) in [&self.ends.y, &self.ends.end].into_iter().zip(&mut self.taylor) {
+            pack(y, self.rate, &mut self.state);
+            for (k, found) in taylor.chunks_exact_mut(2 * n).enumerate() {
+                if k > 0 {
+                    self.product.gemv(h / k as f64, &self.field, &self.state, 0.0);
+                    std::mem::swap(&mut self.product, &mut self.state);
+                }
+                for i in 0..n {
+                    (found[i], found[n + i]) = (self.state[i], self.rate * self.state[n + i]);
+                }
+            }
+        }
     }
 
     /// W of the step.
     fn weigh(&mut self, system: &dyn System, t: f64, h: f64) {
         self.write_dense(h);
-        let mut room = vec![0.0; 2 * self.ends.n];
         let segment = Segment { t, h, width: 2 * self.ends.n, pieces: &self.pieces };
         let mut sum = 0.0;
         for (node, weight) in LOBATTO {
-            segment.evaluate(node, &mut room);
-            sum += weight * system.energy(At::packed(t + node * h, &room, self.ends.n)).power;
+            segment.evaluate(node, &mut self.room);
+            sum += weight * system.energy(At::packed(t + node * h, &self.room, self.ends.n)).power;
         }
         self.ends.add_work(h * sum);
     }
@@ -146,14 +160,12 @@ impl OneStep for Exact {
             self.counters.factorizations += 1;
             self.over_step = h;
         }
-        let mut state = std::mem::replace(&mut self.state, DVector::zeros(0));
-        self.pack(&self.ends.y, &mut state);
+        pack(&self.ends.y, self.rate, &mut self.state);
+        self.product.gemv(1.0, &self.over, &self.state, 0.0);
         for i in 0..2 * n {
             let unit = if i < n { 1.0 } else { self.rate };
-            let end = unit * self.over.row(i).transpose().dot(&state);
-            self.ends.increment[i] = end - self.ends.y[i] + self.ends.carry[i];
+            self.ends.increment[i] = unit * self.product[i] - self.ends.y[i] + self.ends.carry[i];
         }
-        self.state = state;
         self.ends.add_up();
         self.rate_at_end();
         if self.ends.works() {
@@ -193,6 +205,15 @@ impl OneStep for Exact {
     fn segment(&self, t: f64, h: f64) -> Segment<'_> {
         Segment { t, h, width: 2 * self.ends.n, pieces: &self.pieces }
     }
+}
+
+/// [q; q'/s; 1].
+fn pack(y: &[f64], rate: f64, state: &mut DVector<f64>) {
+    let n = y.len() / 2;
+    for i in 0..n {
+        (state[i], state[n + i]) = (y[i], y[n + i] / rate);
+    }
+    state[2 * n] = 1.0;
 }
 
 /// A bound of the rates of the system, |λ| ≤ ‖D‖/2 + √(‖D‖²/4 + ‖K‖), 1/s.

@@ -126,6 +126,7 @@ impl<'a, S: System + ?Sized> Held<'a, S> {
     }
 
     /// ∂c/∂q of the rows that hold a place.
+    #[cfg(feature = "modal")]
     pub fn closed_jacobian(&self, jacobian: &DMatrix<f64>) -> DMatrix<f64> {
         let closed: Vec<usize> = self.closed().collect();
         let mut lines = jacobian.select_rows(&closed);
