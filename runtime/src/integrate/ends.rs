@@ -101,7 +101,7 @@ impl Ends {
         let n = self.n;
         let sum: f64 = (0..n)
             .map(|j| {
-                let changes = [self.end[j] - self.y[j], self.end[n + j] - self.y[n + j]];
+                let changes = tolerance.carried(j, |k| (self.end[k] - self.y[k]).abs());
                 let [place, speed] = tolerance.units_by_change(j, h, changes);
                 (errors[j] / place).powi(2) + (errors[n + j] / speed).powi(2)
             })

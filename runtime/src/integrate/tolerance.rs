@@ -83,6 +83,18 @@ impl Tolerance {
         [self.unit(i, h, place.abs()), self.unit(self.n + i, h, speed.abs())]
     }
 
+    /// The changes of qᵢ and q'ᵢ over a step, no less than this part of those of what has the same unit.
+    ///
+    /// What moves at first by a high power of the time alone, driven by what moves already, has errors of the size of its
+    /// change in any step, however short.
+    pub fn carried(&self, i: usize, change: impl Fn(usize) -> f64) -> [f64; 2] {
+        const CARRIED: f64 = 1e-6;
+        [0, self.n].map(|of| {
+            let alike = (0..self.n).filter(|j| self.group[*j] == self.group[i]);
+            alike.map(|j| CARRIED * change(of + j)).fold(change(of + i), f64::max)
+        })
+    }
+
     /// Takes note of what rounding of the constraints makes of [q; q'] at the present state; `None`: nothing to speak of.
     pub fn blur(&mut self, noise: Option<&[f64]>) {
         match noise {

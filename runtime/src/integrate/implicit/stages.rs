@@ -290,8 +290,9 @@ impl Newton {
         let mut sum = 0.0;
         for j in 0..n {
             let correction = (0..s).fold(0.0_f64, |most, i| most.max(stages.left[i * n + j].abs()));
-            let ends = [stages.places[last + j], stages.speeds[last + j]];
-            let [place, speed] = tolerance.units_by_change(j, h, ends);
+            let change = |k: usize| if k < n { stages.places[last + k] } else { stages.speeds[last + k - n] };
+            let changes = tolerance.carried(j, |k| change(k).abs());
+            let [place, speed] = tolerance.units_by_change(j, h, changes);
             sum += (0.5 * h * h * correction / place).powi(2) + (h * correction / speed).powi(2);
         }
         (sum / (2 * n).max(1) as f64).sqrt()

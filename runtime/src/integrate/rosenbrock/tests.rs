@@ -7,7 +7,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::RODAS5P;
 use super::tableau::STAGES;
 use crate::integrate::Stability;
-use crate::integrate::test_problems::{orders, polar_pendulum, proportionality};
+use crate::integrate::test_problems::{orders, polar_pendulum, proportionality, run, spring_pendulum};
 use crate::integrate::trees::{Tree, trees};
 use crate::mechanism::Method;
 use crate::testing::Toy;
@@ -116,5 +116,17 @@ fn followers_cost_hardly_more_the_stiffer_they_are_a5() {
             run.work.evaluations
         });
         assert!(work.iter().max() < work.iter().min().map(|least| 2 * least).as_ref(), "{method}: {work:?}");
+    }
+}
+
+#[test]
+fn what_moves_by_a_high_power_of_time_at_first_stops_no_start() {
+    // Let go level: x moves only once y has, through a spring of 10⁶.
+    for method in [Method::Radau5, Method::Rodas5P] {
+        for tolerance in [1e-2, 1e-3, 1e-5, 1e-8] {
+            let toy = spring_pendulum(1e6, std::f64::consts::FRAC_PI_2, 0.0, 0.01);
+            let run = run(toy, |settings| (settings.method, settings.tolerance) = (method, tolerance));
+            assert!(run.work.steps < 3000, "{method} {tolerance}: {:?}", run.work);
+        }
     }
 }
