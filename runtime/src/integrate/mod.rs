@@ -34,7 +34,7 @@ pub(crate) use block::Block;
 pub(crate) use choose::{order, stability, stepper};
 
 pub(crate) use clock::Clock;
-pub(crate) use exact::longest_step;
+pub(crate) use exact::{fastest_rate, longest_step};
 
 pub(crate) use control::{Control, NO_CONTROL, StepControl};
 pub(crate) use segment::Segment;

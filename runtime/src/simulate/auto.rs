@@ -1,6 +1,7 @@
 //! What `auto` stands for.
 
 use super::Settings;
+use crate::integrate::fastest_rate;
 use crate::mechanism::{AccelerationSlopes, At, Method, System};
 use crate::trust::rates;
 
@@ -20,6 +21,13 @@ const MANY_STEPS: f64 = 1e4;
 /// It is stiff where it is so much faster than all that vibrates.
 const FASTER: f64 = 1e3;
 
+/// What the exponential of a matrix of size m takes is so many times m³ operations, and its steps are so long, in radians.
+const EXPONENTIAL: f64 = 24.0;
+const RESOLVED: f64 = 1.0;
+/// An oscillator takes `dop853` so many evaluations a radian, times this power of 1/tolerance.
+const A_RADIAN: f64 = 2.7;
+const GAIN: f64 = 0.115;
+
 /// The method of the settings, or the one that suits the system, the tolerance and how long it runs from y.
 pub(super) fn choose(settings: &Settings, system: &dyn System, y: &[f64]) -> Choice {
     let because = |method, why| Choice { method, why: Some(why) };
@@ -33,9 +41,10 @@ pub(super) fn choose(settings: &Settings, system: &dyn System, y: &[f64]) -> Cho
                 && description.rows.is_empty()
                 && description.switches.is_empty()
                 && system.derivation().is_none()
-                && system.len() <= LARGEST =>
+                && system.len() <= LARGEST
+                && exact_pays(settings, system, y) =>
         {
-            because(Method::Exact, "the system is linear with constant coefficients")
+            because(Method::Exact, "linear with constant coefficients, for long enough")
         }
         Method::Auto if is_stiff(settings, system, y) => {
             because(Method::Rodas5P, "what decays at the start is much faster than what vibrates")
@@ -44,6 +53,17 @@ pub(super) fn choose(settings: &Settings, system: &dyn System, y: &[f64]) -> Cho
         Method::Auto => because(Method::Dop853, "nothing is stiff, and the tolerance is not loose"),
         method => Choice { method, why: None },
     }
+}
+
+/// Whether the exponential of a matrix and its products cost less than the evaluations of an explicit method.
+fn exact_pays(settings: &Settings, system: &dyn System, y: &[f64]) -> bool {
+    let (n, span) = (system.len() as f64, settings.until - settings.from);
+    let Ok(rate) = fastest_rate(system, settings.from, y) else { return false };
+    let counted = f64::from(system.description().counts.accelerations);
+    let operations = if counted > 0.0 { counted } else { 10.0 * n };
+    let steps = span * rate / RESOLVED;
+    let exact = (EXPONENTIAL * (2.0 * n + 1.0).powi(3) + steps * 8.0 * n * n) / operations;
+    exact < span * rate * A_RADIAN * settings.tolerance.powf(-GAIN)
 }
 
 /// Whether something decays so fast that steps would have to follow it long after it is gone.

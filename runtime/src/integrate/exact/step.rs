@@ -225,13 +225,21 @@ fn rate(slopes: &AccelerationSlopes, n: usize) -> f64 {
     half + (half * half + norm(slopes.by_place())).sqrt()
 }
 
+/// A bound of the rates of a system at a state, 1/s.
+///
+/// # Errors
+/// Those of the accelerations there.
+pub(crate) fn fastest_rate(system: &dyn System, t: f64, y: &[f64]) -> Result<f64, Setback> {
+    let n = y.len() / 2;
+    let mut slopes = AccelerationSlopes::new(n);
+    slopes.evaluate(system, At::packed(t, y, n))?;
+    Ok(rate(&slopes, n))
+}
+
 /// The longest step whose polynomial between the ends is as exact as a tolerance says, s; infinite for a system without rates.
 ///
 /// # Errors
 /// Those of the accelerations at the state.
 pub(crate) fn longest_step(system: &dyn System, t: f64, y: &[f64], tolerance: f64) -> Result<f64, Setback> {
-    let n = y.len() / 2;
-    let mut slopes = AccelerationSlopes::new(n);
-    slopes.evaluate(system, At::packed(t, y, n))?;
-    Ok(resolved(tolerance) / rate(&slopes, n))
+    Ok(resolved(tolerance) / fastest_rate(system, t, y)?)
 }
