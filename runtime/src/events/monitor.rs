@@ -56,7 +56,7 @@ const LEAST: f64 = 1e-12;
 const NOTHING: f64 = 1e-16;
 
 /// A distance is not followed at more points within a step.
-const MOST_POINTS: usize = 5_000;
+const MOST_POINTS: usize = 100_000;
 
 impl Monitors {
     /// The arguments that a description lists for the motion.
