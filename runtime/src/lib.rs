@@ -19,6 +19,8 @@ mod cause;
 #[cfg(feature = "cli")]
 pub mod cli;
 mod constrain;
+#[cfg(feature = "ensemble")]
+pub mod ensemble;
 mod error;
 mod events;
 mod integrate;

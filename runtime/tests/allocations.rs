@@ -126,6 +126,19 @@ fn longer_runs_by_symplectic_methods_allocate_no_more() {
     }
 }
 
+#[test]
+fn longer_runs_of_linear_systems_allocate_no_more() {
+    let mut toy = Toy::oscillator(1.0, 1.0);
+    toy.description.structure.linear = true;
+    let set = |settings: &mut Settings| {
+        (settings.method, settings.step, settings.dense) = (Method::Exact, Some(0.1), false);
+    };
+    let ((short, few), (long, many)) = (count(&toy, 20.0, set), count(&toy, 200.0, set));
+    assert!(many > 8 * few, "{few} and {many} steps");
+    // The exponential is computed anew for the last step, which is cut by rounding.
+    assert!(long <= short + 60, "allocations: {short} of {few} steps, {long} of {many}");
+}
+
 /// With constraints the Jacobians of the whole system are solved for in room that is there.  `rodas5p` evaluates them in every
 /// step: not with a [`Toy`], whose own mass matrix is a list that it makes anew.
 #[test]

@@ -65,6 +65,14 @@ fn seeds_of_the_fuzz_targets() {
 }
 
 #[test]
+fn a_reaction_that_two_systems_describe_differently_is_told() {
+    let text = include_str!("../../fuzz/corpus/derive/reactions.yaml");
+    let problems =
+        load(text, &[]).expect_err("`guide` is along the vertical in one system, and has any direction in the other");
+    assert!(problems.iter().any(|problem| problem.message.contains("`guide`")), "{problems:?}");
+}
+
+#[test]
 fn files_cut_short_or_with_a_character_changed() {
     for path in files("fuzz/corpus/read") {
         let text = fs::read_to_string(path).unwrap();

@@ -14,7 +14,8 @@ fn main() {
     let runs = match arguments.as_slice() {
         [word, run] if word == "one" => {
             let drawn = draw(number(run));
-            println!("{}{:#?}", drawn.text, judge(&drawn));
+            println!("{}", drawn.text);
+            println!("{:#?}", judge(&drawn));
             return;
         }
         [] => 0..10_000,
@@ -61,7 +62,7 @@ fn page(judged: &[Judged]) {
         "with one. *Refused* ends with an error in both runs, *stopped* only in the one judged. *Left out* are those"
     );
     println!(
-        "where the runs that judge disagree (a second one at 1e-11 is asked), fail, or take more than 30,000 steps. What"
+        "where the runs that judge disagree (a second one at 1e-11 is asked), fail, or take more than 30,000 steps or 20 s. What"
     );
     println!("both kinds of run have in common (derivation, modes, impulses) is not judged here.");
     println!(

@@ -105,3 +105,20 @@ fn a_negative_mass_is_refused_wherever_it_comes_from() {
     assert!(Slide { m: 1e-9, ..Slide::default() }.simulate().run().is_ok());
     fs::remove_dir_all(folder).expect("to be removed");
 }
+
+#[test]
+fn where_no_digit_holds_the_time_until_which_it_ran_is_told_all_the_same() {
+    let file = folder("coarse").join("coarse.yaml");
+    let model = "name: Stiff
+parameters: {m: 1 kg, k: 1e6 N/m, d: 2e3 N*s/m}
+coordinates: {x: m}
+bodies: {block: {mass: m, position: \"[x, 0]\"}}
+springs: {s: {stretch: x, stiffness: k, on: block, along: \"[1, 0]\"}}
+dampers: {d: {rate: \"x'\", damping: d, on: block, along: \"[1, 0]\"}}
+scene: {start: {x: 1}, until: 10}
+";
+    fs::write(&file, model).expect("a file");
+    let text =
+        told(&["simulate", file.to_str().expect("a path"), "--method", "rk4", "--step", "0.0015"]).expect("a run");
+    assert!(text.starts_with("coarse at t = 10, by rk4"), "{text}");
+}

@@ -26,6 +26,7 @@ pub fn command() -> Command {
         )
         .subcommand(simulate())
         .subcommand(modes())
+        .subcommand(sweep())
         .subcommand(chart())
         .subcommand(
             Command::new("stability")
@@ -65,6 +66,30 @@ fn simulate() -> Command {
         )
         .arg(flag("no-digits", "Leave the second run out, and print all digits"))
         .arg(flag("json", "Print one JSON object"))
+}
+
+fn sweep() -> Command {
+    Command::new("sweep")
+        .about("Runs a scene many times, in threads, while parameters or starts vary; writes a table of ends, extremes and events")
+        .arg(model())
+        .args(sizes())
+        .args(scene())
+        .arg(many("vary", "NAME=A..B:COUNT", "What varies: a parameter, or a coordinate or speed at the start; evenly, evenly in the logarithm (A..B:COUNT:log), or by a list (A,B,C); several make a grid"))
+        .arg(value("points", "FILE.csv", "The values of all runs, a column for each of what varies").conflicts_with("vary"))
+        .arg(value("method", "METHOD", "As of `simulate` [default: auto]"))
+        .arg(value("step", "TIME", "A fixed step"))
+        .arg(value("every", "TIME", "Spacing of the states among which extremes are looked for [default: 500 points]"))
+        .arg(value("show", "A,B", "What is printed and drawn: a coordinate, rate or output at the end, or `min A`, `max A`, `events E`, `t`, `energy drift`, `warnings` [default: coordinates and outputs]"))
+        .arg(value("csv", "FILE.csv", "Where the table goes [default: NAME-sweep.csv]"))
+        .arg(value("plot", "FILE.svg", "Draw what is shown over the first of what varies"))
+        .arg(value("threads", "COUNT", "How many runs at a time [default: one a processor]"))
+        .arg(value("shard", "I/N", "Only part I of N of all runs, for one of N machines"))
+        .arg(
+            many("merge", "FILE.csv", "Put the tables of all parts together instead of running")
+                .num_args(1..)
+                .allow_hyphen_values(false)
+                .conflicts_with_all(["vary", "points", "shard"]),
+        )
 }
 
 fn modes() -> Command {

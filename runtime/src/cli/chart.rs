@@ -17,7 +17,10 @@ use crate::{Error, Settings};
 /// writes the charts and all points.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let mut loaded = Loaded::find(models, options)?;
-    outputs::check(options, &["plot", "csv"], &loaded.path)?;
+    let files = [("plot", "svg"), ("csv", "csv")].map(|(option, ending)| {
+        options.get_one::<String>(option).cloned().unwrap_or_else(|| format!("{}-chart.{ending}", loaded.name))
+    });
+    outputs::check_paths(["plot", "csv"].into_iter().zip(files.iter().map(String::as_str)), &loaded.path)?;
     let settings = set_up(&mut loaded, options)?;
     for warning in &loaded.warnings {
         eprintln!("warning: {warning}");
@@ -50,7 +53,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     for found in &measured {
         report(found, out)?;
     }
-    write_files(&measured, &loaded.name, options, out)
+    write_files(&measured, &files, out)
 }
 
 /// Coordinates and outputs to compare.
@@ -134,7 +137,7 @@ fn report(found: &WorkPrecision, out: &mut dyn Write) -> Result<(), Problem> {
     if reference.is_cut {
         writeln!(out, "the scene goes on, but beyond that time they agree on fewer than eight digits")?;
     }
-    writeln!(out, "\nwork in evaluations, then CPU time, to reach 1e-3, 1e-6 and 1e-9:\n{}", found.table())?;
+    writeln!(out, "\nwork in evaluations, then time, to reach 1e-3, 1e-6 and 1e-9:\n{}", found.table())?;
     let mut refused = found.refused.as_slice();
     while let Some((_, why)) = refused.first() {
         let alike = refused.iter().take_while(|(_, other)| other == why).count();
@@ -146,16 +149,8 @@ fn report(found: &WorkPrecision, out: &mut dyn Write) -> Result<(), Problem> {
     Ok(())
 }
 
-/// Writes where it was told to, or beside where it stands.
-fn write_files(
-    measured: &[WorkPrecision],
-    name: &str,
-    options: &ArgMatches,
-    out: &mut dyn Write,
-) -> Result<(), Problem> {
-    let path = |option: &str, ending: &str| {
-        options.get_one::<String>(option).cloned().unwrap_or_else(|| format!("{name}-chart.{ending}"))
-    };
+/// Writes the charts and the points.
+fn write_files(measured: &[WorkPrecision], [plot, csv]: &[String; 2], out: &mut dyn Write) -> Result<(), Problem> {
     let charts = measured.iter().flat_map(|found| found.figure().charts).collect();
     let mut table = String::new();
     for found in measured {
@@ -163,8 +158,8 @@ fn write_files(
         let rows = if table.is_empty() { text.as_str() } else { text.split_once('\n').map_or("", |(_, rows)| rows) };
         table += rows;
     }
-    for (path, text) in [(path("plot", "svg"), Figure { charts }.to_svg()), (path("csv", "csv"), table)] {
-        std::fs::write(&path, text).map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))?;
+    for (path, text) in [(plot, Figure { charts }.to_svg()), (csv, table)] {
+        std::fs::write(path, text).map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))?;
         writeln!(out, "written: {path}")?;
     }
     Ok(())

@@ -27,6 +27,7 @@ mod set_up;
 mod show;
 mod simulate;
 mod stability;
+mod sweep;
 
 use std::process::ExitCode;
 
@@ -83,6 +84,7 @@ pub fn run(
         Some(("simulate", options)) => simulate::run(models, options, out),
         Some(("chart", options)) => chart::run(models, options, out),
         Some(("stability", options)) => stability::run(options, out),
+        Some(("sweep", options)) => sweep::run(models, options, out),
         Some(("modes", options)) => modes::run(models, options, out),
         Some(("new", options)) => new::run(options, out),
         _ => Err(Problem::Usage(arguments::command().render_help().to_string())),

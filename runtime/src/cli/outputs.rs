@@ -15,13 +15,25 @@ use super::Problem;
 /// # Errors
 /// [`Problem::File`]; nothing was computed then, and what was in a file is still there.
 pub fn check(options: &ArgMatches, names: &[&str], model: &str) -> Result<(), Problem> {
+    let given = names.iter().filter_map(|name| Some((*name, options.get_one::<String>(name)?.as_str())));
+    check_paths(given, model)
+}
+
+/// The same for (option, path) that are known.
+///
+/// # Errors
+/// As [`check`].
+pub fn check_paths<'a>(paths: impl Iterator<Item = (&'a str, &'a str)>, model: &str) -> Result<(), Problem> {
+    let mut created = Created::default();
     let mut taken: Vec<(String, PathBuf)> = Vec::new();
-    for name in names {
-        let Some(path) = options.get_one::<String>(name) else { continue };
+    for (name, path) in paths {
         let option = format!("--{name}");
         let asked = Path::new(path);
         if same_file(asked, Path::new(model)) {
             return Err(Problem::File(format!("{option} {path} would overwrite the model file")));
+        }
+        if !asked.exists() {
+            created.0.push(asked.to_owned());
         }
         let opened = File::options().append(true).create(true).open(asked);
         opened.map_err(|problem| Problem::File(format!("{option}: cannot write `{path}`: {problem}")))?;
@@ -32,6 +44,30 @@ pub fn check(options: &ArgMatches, names: &[&str], model: &str) -> Result<(), Pr
         taken.push((option, asked.to_owned()));
     }
     Ok(())
+}
+
+/// Refuses to write the table over a file that it is made from.
+///
+/// # Errors
+/// [`Problem::File`].
+pub fn keep<'a>(path: &str, mut read: impl Iterator<Item = &'a str>) -> Result<(), Problem> {
+    match read.find(|read| same_file(Path::new(path), Path::new(read))) {
+        Some(read) => {
+            Err(Problem::File(format!("{path} would overwrite {read}, which it is made from; name another by --csv")))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Files that are there only to be tried; they go when all are known.
+#[derive(Default)]
+struct Created(Vec<PathBuf>);
+
+impl Drop for Created {
+    fn drop(&mut self) {
+        // What cannot be taken away is empty and harmless.
+        self.0.iter().for_each(|path| fs::remove_file(path).unwrap_or_default());
+    }
 }
 
 /// True where two paths lead to one file that exists.

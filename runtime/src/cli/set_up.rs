@@ -15,35 +15,58 @@ use crate::mechanism::{Interpreted, System};
 /// Applies `--scene`, `--set`, `--start`, `--input`, `--until`, `--tolerance`, `--every` and `--step`.
 pub fn set_up(loaded: &mut Loaded, options: &ArgMatches) -> Result<Settings, Problem> {
     let (scene, mut reader) = choose(loaded, options)?;
-    let mut settings = Settings::new(&loaded.system.scene(scene));
-    let mut given = [vec![f64::NAN; settings.q.len()], vec![f64::NAN; settings.v.len()]];
-    let [q, v] = &mut given;
-    reader.states(loaded, options, "start", q, v)?;
-    for (list, held, given) in
-        [(&mut settings.q, &mut settings.held_q, &given[0]), (&mut settings.v, &mut settings.held_v, &given[1])]
-    {
-        for (i, value) in given.iter().enumerate().filter(|(_, value)| !value.is_nan()) {
-            list[i] = *value;
-            held.get_mut(i).into_iter().for_each(|held| *held = true);
+    let changes = Changes::read(loaded, &mut reader, options)?;
+    Ok(changes.of(Settings::new(&loaded.system.scene(scene))))
+}
+
+/// What options change of a scene.
+pub struct Changes {
+    /// Places in [q; q'] with values at the start.
+    start: Vec<(usize, f64)>,
+    until: Option<f64>,
+    tolerance: Option<f64>,
+    every: Option<f64>,
+    step: Option<f64>,
+}
+
+impl Changes {
+    /// Reads `--start`, `--until`, `--tolerance`, `--every` and `--step`; not every command has all of them.
+    pub fn read(loaded: &Loaded, reader: &mut Reader, options: &ArgMatches) -> Result<Changes, Problem> {
+        let mut start = [vec![f64::NAN; loaded.system.len()], vec![f64::NAN; loaded.system.len()]];
+        let [q, v] = &mut start;
+        reader.states(loaded, options, "start", q, v)?;
+        let start = start.concat().into_iter().enumerate().filter(|(_, value)| !value.is_nan()).collect();
+        let mut option = |name: &str| -> Result<Option<f64>, Problem> {
+            let sets = if name == "tolerance" { Sets::Number } else { Sets::Time };
+            let given = options.try_get_one::<String>(name).ok().flatten();
+            given.map(|text| reader.value(loaded, name, sets, text)).transpose()
+        };
+        let (until, tolerance) = (option("until")?, option("tolerance")?);
+        Ok(Changes { start, until, tolerance, every: option("every")?, step: option("step")? })
+    }
+
+    /// These settings with the changes.
+    pub fn of(&self, mut settings: Settings) -> Settings {
+        for (place, value) in &self.start {
+            start_at(&mut settings, *place, *value);
         }
+        settings.until = self.until.unwrap_or(settings.until);
+        settings.tolerance = self.tolerance.unwrap_or(settings.tolerance);
+        settings.every = self.every.or(settings.every);
+        settings.step = self.step;
+        settings
     }
-    let mut option = |name: &str| -> Result<Option<f64>, Problem> {
-        let sets = if name == "tolerance" { Sets::Number } else { Sets::Time };
-        // Not every command has all of them.
-        let given = options.try_get_one::<String>(name).ok().flatten();
-        given.map(|text| reader.value(loaded, name, sets, text)).transpose()
+}
+
+/// Starts at this value of a component of [q; q'], which constraints then leave alone.
+pub fn start_at(settings: &mut Settings, place: usize, value: f64) {
+    let n = settings.q.len();
+    let (list, held, i) = match place.checked_sub(n) {
+        None => (&mut settings.q, &mut settings.held_q, place),
+        Some(i) => (&mut settings.v, &mut settings.held_v, i),
     };
-    if let Some(until) = option("until")? {
-        settings.until = until;
-    }
-    if let Some(tolerance) = option("tolerance")? {
-        settings.tolerance = tolerance;
-    }
-    if let Some(every) = option("every")? {
-        settings.every = Some(every);
-    }
-    settings.step = option("step")?;
-    Ok(settings)
+    list[i] = value;
+    held.get_mut(i).into_iter().for_each(|held| *held = true);
 }
 
 /// Applies `--scene`, `--set` and `--input`; the scene's index, and a reader for the other options.

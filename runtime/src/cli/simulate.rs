@@ -74,7 +74,7 @@ fn wants_digits(run: &Run, options: &ArgMatches) -> bool {
 }
 
 /// True from the first Ctrl-C on; the second ends the program.
-fn interruption() -> Arc<AtomicBool> {
+pub fn interruption() -> Arc<AtomicBool> {
     let flag = Arc::new(AtomicBool::new(false));
     // Where signals cannot be had, Ctrl-C ends the program as it always did.
     let _ = signal_hook::flag::register_conditional_shutdown(signal_hook::consts::SIGINT, 130, flag.clone());

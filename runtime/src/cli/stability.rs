@@ -4,7 +4,7 @@ use std::io::Write;
 
 use clap::ArgMatches;
 
-use super::Problem;
+use super::{Problem, outputs};
 use crate::mechanism::Method;
 use crate::precision::StabilityMap;
 
@@ -17,8 +17,9 @@ pub fn run(options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     if !(longest > 0.0 && longest <= 1e6) {
         return Err(usage("--longest wants a positive number".to_owned()));
     }
-    let map = StabilityMap::measure(method, longest).map_err(|error| usage(error.to_string()))?;
     let path = text("plot").map_or_else(|| format!("{method}-stability.svg"), str::to_owned);
+    outputs::check_paths(std::iter::once(("plot", path.as_str())), "")?;
+    let map = StabilityMap::measure(method, longest).map_err(|error| usage(error.to_string()))?;
     std::fs::write(&path, map.chart().to_svg())
         .map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))?;
     writeln!(out, "longest stable h·ω of x'' + 2ζω x' + ω² x = 0 by {method}")?;

@@ -30,6 +30,8 @@ mod watch;
 
 pub use impulse::Impulse;
 pub(crate) use modes::OwnedSegment;
+#[cfg(feature = "ensemble")]
+pub(crate) use monitor::{keeps_clear, ratio as calm_ratio};
 pub(crate) use signals::WIDTH as CLOSURE_WIDTH;
 pub(crate) use watch::{Fired, Interruption, Switched, Watch};
 

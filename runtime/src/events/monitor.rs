@@ -18,6 +18,8 @@ pub(crate) struct Monitors {
     of_time: Vec<usize>,
     /// Squared distances along which forces act, with the largest they had.
     distances: Vec<(usize, f64)>,
+    /// Steps within which one of them could not be followed.
+    unfollowed: u32,
     /// Whether a phase turns inside one of them, so that the ends of a step tell nothing.
     wild: bool,
     /// The part of the usual change of a natural variable after which a step is cut.
@@ -55,8 +57,8 @@ const LEAST: f64 = 1e-12;
 /// Zero of the base of a power, in parts of the largest.
 const NOTHING: f64 = 1e-16;
 
-/// A distance is not followed at more points within a step.
-const MOST_POINTS: usize = 100_000;
+/// Distances are followed no more after so many steps in which one could not be.
+const MOST_UNFOLLOWED: u32 = 10;
 
 impl Monitors {
     /// The arguments that a description lists for the motion.
@@ -81,6 +83,7 @@ impl Monitors {
             of_state: places(of_state).into_iter().map(|place| (place, ratio(arguments[place].role, part))).collect(),
             of_time: places(of_time),
             distances: distances.map(|(place, _)| (place, 0.0)).collect(),
+            unfollowed: 0,
             wild,
             part,
             start: vec![0.0; 2 * arguments.len()],
@@ -122,30 +125,13 @@ impl Monitors {
         }
         let h = next - t;
         let arguments = &system.description().arguments;
-        // No farther from the chord than the cubic with these slopes can be, and some more.
-        let bounds = |index: usize| {
-            let (a, b) = (self.start[2 * index], self.end[2 * index]);
-            let bend = (h * self.start[2 * index + 1] - (b - a)).abs() + (h * self.end[2 * index + 1] - (b - a)).abs();
-            let margin = MARGIN * (bend + (b - a).abs());
-            (a.min(b), a.max(b), margin)
+        let ends = |index: usize| {
+            let pair = |pairs: &[f64]| (pairs[2 * index], pairs[2 * index + 1]);
+            (pair(&self.start), pair(&self.end))
         };
-        let still = |(index, ratio): &(usize, f64)| {
-            let (least, most, margin) = bounds(*index);
-            let role = arguments[*index].role;
-            match role {
-                // p ln|A| changes by no more than that, and A keeps its sign.
-                Role::Power(_) => {
-                    let (low, high) = if least > 0.0 { (least, most) } else { (-most, -least) };
-                    high + margin <= ratio * (low - margin)
-                }
-                Role::Exponential => most + margin <= (most + self.part * CALM).max(VANISHES),
-                _ => natural(role, most + margin, 0.0) - natural(role, least - margin, 0.0) <= self.part * CALM,
-            }
-        };
-        let far = |(index, _): &(usize, f64)| {
-            let (least, _, margin) = bounds(*index);
-            least - margin > FAR * least
-        };
+        let still =
+            |(index, ratio): &(usize, f64)| keeps_clear(arguments[*index].role, *ratio, self.part, h, ends(*index));
+        let far = |(index, _): &(usize, f64)| keeps_clear(Role::Distance, 0.0, self.part, h, ends(*index));
         let calm = self.of_state.iter().all(still) && self.distances.iter().all(far);
         for (index, largest) in &mut self.distances {
             *largest = largest.max(self.start[2 * *index]).max(self.end[2 * *index]);
@@ -172,17 +158,14 @@ impl Monitors {
         course: &Course<'_>,
         part: f64,
     ) -> Option<(usize, f64)> {
-        // What takes so much looking within a step is no motion any more, but the noise of one that grew without bound.
-        let lost = |arguments: &Arguments| arguments.path.len() > MOST_POINTS;
-        if lost(arguments) {
-            self.distances.clear();
+        // What cannot be followed again and again is no motion any more, but the noise of one that grew without bound.
+        if self.unfollowed > MOST_UNFOLLOWED {
+            return None;
         }
         for (index, largest) in &mut self.distances {
             if !arguments.follow(system, course, *index) {
+                self.unfollowed += 1;
                 continue;
-            }
-            if lost(arguments) {
-                break;
             }
             let finite = arguments.path.iter().filter(|(_, square)| square.is_finite());
             *largest = finite.clone().fold(*largest, |most, (_, square)| most.max(*square));
@@ -228,13 +211,37 @@ fn natural(role: Role, a: f64, least: f64) -> f64 {
     }
 }
 
+/// Whether an argument, with these values and rates at the ends of a step of h seconds, keeps clear of its feature: it is no
+/// farther from its chord than the cubic with these slopes can be, and some more.
+#[inline]
+pub(crate) fn keeps_clear(
+    role: Role,
+    ratio: f64,
+    part: f64,
+    h: f64,
+    ((a, from), (b, to)): ((f64, f64), (f64, f64)),
+) -> bool {
+    let bend = (h * from - (b - a)).abs() + (h * to - (b - a)).abs();
+    let (least, most, margin) = (a.min(b), a.max(b), MARGIN * (bend + (b - a).abs()));
+    match role {
+        Role::Distance => least - margin > FAR * least,
+        // p ln|A| changes by no more than that, and A keeps its sign.
+        Role::Power(_) => {
+            let (low, high) = if least > 0.0 { (least, most) } else { (-most, -least) };
+            high + margin <= ratio * (low - margin)
+        }
+        Role::Exponential => most + margin <= (most + part * CALM).max(VANISHES),
+        _ => natural(role, most + margin, 0.0) - natural(role, least - margin, 0.0) <= part * CALM,
+    }
+}
+
 /// Whether the function is large where its natural variable is, and nothing elsewhere.
 fn rises(role: Role) -> bool {
     matches!(role, Role::Exponential) || matches!(role, Role::Power(p) if p > 0.0)
 }
 
 /// The factor by which the base of a power may change so that its natural variable stays calm.
-fn ratio(role: Role, part: f64) -> f64 {
+pub(crate) fn ratio(role: Role, part: f64) -> f64 {
     match role {
         Role::Power(p) => (part * CALM / p.abs()).exp(),
         _ => 0.0,

@@ -84,5 +84,14 @@ impl StepControl {
     }
 }
 
+/// The first step to try on a way of this many seconds.
+pub(crate) fn first_step(control: &Control, tolerance: f64, way: f64) -> f64 {
+    FIRST * (tolerance / USUAL).powf(control.exponent) * way
+}
+
+/// The first step is tried at this part of the way, at the usual tolerance.
+const FIRST: f64 = 1e-3;
+const USUAL: f64 = 1e-10;
+
 /// A first step that fails is shortened to this part at most.
 const FIRST_SHRINK: f64 = 0.02;

@@ -34,13 +34,17 @@ pub(crate) use block::Block;
 pub(crate) use choose::{order, stability, stepper};
 
 pub(crate) use clock::Clock;
-pub(crate) use exact::{fastest_rate, longest_step};
+pub(crate) use exact::{fastest_rate, longest_step, operations as operations_of_exact};
 
-pub(crate) use control::{Control, NO_CONTROL, StepControl};
+pub(crate) use control::{Control, NO_CONTROL, StepControl, first_step};
+#[cfg(feature = "ensemble")]
+pub(crate) use explicit::{DOP853, Dop853, Stage, Term, stages};
 pub(crate) use segment::Segment;
 pub(crate) use stability::{Rational, Stability};
 pub(crate) use stiffness::StiffnessDetector;
-pub(crate) use tolerance::Tolerance;
+#[cfg(feature = "ensemble")]
+pub(crate) use tolerance::{ROUNDING, widest};
+pub(crate) use tolerance::{Tolerance, larger};
 
 use crate::cause::Cause;
 use crate::mechanism::{At, Description, Singular, System};

@@ -39,7 +39,7 @@ pub(crate) struct Tolerance {
 }
 
 /// 200 unit round-offs.
-const ROUNDING: f64 = 100.0 * f64::EPSILON;
+pub(crate) const ROUNDING: f64 = 100.0 * f64::EPSILON;
 /// Errors are explained by up to so many times the measured noise.
 const EXPLAINED: f64 = 8.0;
 
@@ -47,14 +47,13 @@ impl Tolerance {
     /// For a motion from this state.
     pub fn new(relative: f64, mechanism: &Description, start: &[f64]) -> Self {
         let units: Vec<&str> = mechanism.coordinates.iter().map(|coordinate| coordinate.unit.as_ref()).collect();
-        let widest = |unit: &&str| if is_angle(unit) { TAU } else { f64::INFINITY };
         let first = |unit: &&str| units.iter().position(|known| known == unit).unwrap_or(0);
         let mut tolerance = Tolerance {
             relative,
             n: units.len(),
             low: start.to_vec(),
             high: start.to_vec(),
-            widest: units.iter().map(widest).collect(),
+            widest: widest(mechanism),
             raised: vec![0.0; units.len()],
             noise: vec![0.0; units.len()],
             floors: vec![0.0; start.len()],
@@ -105,13 +104,14 @@ impl Tolerance {
 
     /// Takes note of a state on the motion.
     pub fn observe(&mut self, y: &[f64]) {
-        let n = y.len();
-        let (low, high) = (&self.low[..n], &self.high[..n]);
-        if (0..n).all(|k| low[k] <= y[k] && y[k] <= high[k]) {
-            return;
-        }
         for (k, y) in y.iter().enumerate() {
-            (self.low[k], self.high[k]) = (self.low[k].min(*y), self.high[k].max(*y));
+            if *y < self.low[k] {
+                self.low[k] = *y;
+            } else if *y > self.high[k] {
+                self.high[k] = *y;
+            } else {
+                continue;
+            }
             self.floors[k] = self.floor(k);
         }
     }
@@ -120,9 +120,10 @@ impl Tolerance {
     fn floor(&self, k: usize) -> f64 {
         let (low, high) = (self.low[k], self.high[k]);
         let (widest, raised) = if k < self.n { (self.widest[k], self.raised[k]) } else { (f64::INFINITY, 0.0) };
-        let rounding = (ROUNDING * high.abs().max(low.abs())).max(raised);
+        let rounding = larger(ROUNDING * larger(high.abs(), low.abs()), raised);
+        let range = if high - low > widest { widest } else { high - low };
         // Where all of it is zero an error of zero must count as none.
-        (self.relative * (high - low).min(widest)).max(rounding).max(f64::MIN_POSITIVE)
+        larger(larger(self.relative * range, rounding), f64::MIN_POSITIVE)
     }
 
     /// True if the errors of coordinate i, too large still after they fell from `before` to `after` when the step was cut
@@ -176,8 +177,14 @@ impl Tolerance {
 
 /// The larger of two numbers, one instruction where `f64::max` takes five; a NaN counts as nothing if it comes second.
 #[inline(always)]
-pub(super) fn larger(a: f64, b: f64) -> f64 {
+pub(crate) fn larger(a: f64, b: f64) -> f64 {
     if b > a { b } else { a }
+}
+
+/// The largest range of each coordinate that counts: 2π for angles.
+pub(crate) fn widest(mechanism: &Description) -> Vec<f64> {
+    let units = mechanism.coordinates.iter().map(|coordinate| is_angle(&coordinate.unit));
+    units.map(|angle| if angle { TAU } else { f64::INFINITY }).collect()
 }
 
 /// True for the units of angles.

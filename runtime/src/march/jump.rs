@@ -1,5 +1,7 @@
 //! Jumps of the acceleration that the model does not declare.
 
+use crate::integrate::larger;
+
 /// Notices jumps of the acceleration, and steps so short that the run would never end.
 ///
 /// Discontinuities that a model declares are switched at, so that steps never see them.  What is left is a
@@ -42,8 +44,8 @@ impl JumpDetector {
     pub fn observe(&mut self, h: f64, before: &[f64], after: &[f64]) -> Option<Upset> {
         let (mut change, mut size) = (0.0_f64, 0.0_f64);
         for (before, after) in before.iter().zip(after) {
-            change = change.max((after - before).abs());
-            size = size.max(before.abs()).max(after.abs());
+            change = larger(change, (after - before).abs());
+            size = larger(size, larger(before.abs(), after.abs()));
         }
         let pace = change / h;
         let jumps = h < COLLAPSE * self.calm && change > 0.5 * size && pace > SUDDEN * self.pace;

@@ -18,13 +18,14 @@ use std::ops::ControlFlow;
 
 use between::Defect;
 use jump::{JumpDetector, Upset};
-use phase::{Impacts, Instant};
+use phase::{Firings, Impacts};
 
 use crate::cause::Cause;
 use crate::constrain::Projection;
 use crate::events::Watch;
 use crate::integrate::{
-    Clock, Control, OneStep, Reached, Segment, Setback, StepControl, StiffnessDetector, Tolerance, Trial, stepper,
+    Clock, Control, OneStep, Reached, Segment, Setback, StepControl, StiffnessDetector, Tolerance, Trial, first_step,
+    stepper,
 };
 use crate::mechanism::{Method, System};
 use crate::run::{Recorder, Work};
@@ -90,7 +91,7 @@ pub(crate) struct March {
     /// How many steps in a row ended where the constraints depend on each other as they do nowhere else.
     singular: u32,
     impacts: Impacts,
-    instant: Instant,
+    firings: Firings,
     defect: Defect,
     /// Until when the motion goes on at most, s.
     until: f64,
@@ -132,7 +133,7 @@ impl March {
             from: t,
             singular: 0,
             impacts: Impacts::default(),
-            instant: Instant::default(),
+            firings: Firings::default(),
             rejected: Vec::with_capacity(y.len()),
             rejected_step: 0.0,
             cuts: 0,
@@ -568,8 +569,7 @@ impl March {
         match &self.pace {
             Pace::Fixed(h) => *h,
             Pace::Adaptive { longest, tolerance } => {
-                let order = self.stepper.control().exponent;
-                longest.min(FIRST * (tolerance.relative / USUAL).powf(order) * left)
+                longest.min(first_step(&self.stepper.control(), tolerance.relative, left))
             }
         }
     }
@@ -581,9 +581,6 @@ const UNEVEN: f64 = 0.4;
 const DIVISIONS: u32 = 2;
 /// A change of the acceleration over a step is noticed where it changes a rate by this part of the tolerance.
 const NOTICED: f64 = 0.1;
-/// The first step is tried at this part of the way, at the usual tolerance.
-const FIRST: f64 = 1e-3;
-const USUAL: f64 = 1e-10;
 /// So many times in a run a step is cut because a watched function oscillates within it.
 const MOST_CUTS: u32 = 100;
 

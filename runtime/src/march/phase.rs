@@ -33,9 +33,9 @@ struct Flights {
 
 /// Firings at one instant.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Instant {
+pub(super) struct Firings {
     t: f64,
-    firings: u32,
+    count: u32,
 }
 
 /// The impacts of all events.
@@ -130,11 +130,11 @@ impl March {
     /// several.
     fn cycles(&mut self) -> bool {
         let now = self.clock.now();
-        if (now - self.instant.t).abs() > INSTANT * now.abs().max(self.until - self.from) {
-            self.instant = Instant { t: now, firings: 0 };
+        if (now - self.firings.t).abs() > INSTANT * now.abs().max(self.until - self.from) {
+            self.firings = Firings { t: now, count: 0 };
         }
-        self.instant.firings += 1;
-        self.instant.firings > AT_AN_INSTANT
+        self.firings.count += 1;
+        self.firings.count > AT_AN_INSTANT
     }
 
     /// Brings the speeds to constraints that a sharp turn of time or of an input moves.

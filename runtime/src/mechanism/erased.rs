@@ -28,6 +28,12 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> Erased<M, N, 
         &self.mechanism
     }
 
+    /// Whether the equations are those of the file's energies, with the file's inputs.
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn is_plain(&self) -> bool {
+        self.derivation.is_none() && self.signals.iter().all(Option::is_none)
+    }
+
     fn input_block(&self, t: f64) -> M::Inputs<f64> {
         let mut block = M::inputs(&self.constants, t);
         for (signal, slot) in self.signals.iter().zip(block.as_mut().chunks_exact_mut(3)) {

@@ -73,7 +73,7 @@ impl Curve {
     }
 
     /// The order at which the error falls with the cost: the slope of −log error over log cost, by least squares over the
-    /// finer half of the points.
+    /// finer two thirds of the points.
     pub fn order(&self) -> Option<f64> {
         let found: Vec<(f64, f64)> = self.measured().map(|point| (point.cost.ln(), -point.error.ln())).collect();
         let fine = &found[found.len() / 3..];

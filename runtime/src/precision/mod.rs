@@ -14,6 +14,8 @@ mod picture;
 mod point;
 mod profile;
 mod reference;
+#[cfg(test)]
+mod tests;
 mod verdict;
 mod work;
 
@@ -26,9 +28,6 @@ pub use reference::Reference;
 pub use verdict::Band;
 pub use work::WorkUnits;
 
-#[cfg(test)]
-mod tests;
-
 use std::ops::ControlFlow;
 
 use crate::error::Error;
@@ -36,7 +35,7 @@ use crate::error::Error;
 /// Speed against accuracy of one scene: a curve for each candidate.
 ///
 /// Errors are the largest, over 200 times of the scene and over all that is compared, of |y − y_ref| beside the range that
-/// y goes through; cost is counted in evaluations of the accelerations and measured in CPU time, both of runs that report and
+/// y goes through; cost is counted in evaluations of the accelerations and measured in time on one thread, the least of several runs, both of runs that report and
 /// watch nothing.  After Mazzia, Cash and Soetaert (J. Comput. Appl. Math. 236, 2012), whose charts these are.
 ///
 /// ```
@@ -74,7 +73,7 @@ pub struct WorkPrecision {
 pub struct Plan {
     /// Coordinates, rates (`theta'`) or outputs (`tip.x`) that all candidates have; none: the coordinates of the first one.
     pub columns: Vec<String>,
-    /// No run is repeated more often for the least of its CPU times; 20 unless said otherwise.
+    /// No run is repeated more often for the least of its times; 20 unless said otherwise.
     pub repetitions: usize,
 }
 

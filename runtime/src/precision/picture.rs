@@ -8,11 +8,11 @@ use crate::show::{Axis, Chart, Failure, Figure, Series};
 const ALIKE: f64 = 2.0;
 
 impl WorkPrecision {
-    /// Work over error, CPU time over error, and error over time of runs of about the same work.
+    /// Work over error, time over error, and error over time of runs of about the same work.
     pub fn figure(&self) -> Figure {
         let span = self.reference.times().last().zip(self.reference.times().first()).map_or(1.0, |(b, a)| b - a);
         let work = self.chart("work (evaluations)", |point| point.cost);
-        let time = self.chart("CPU time (ns per simulated second)", |point| point.seconds * 1e9 / span);
+        let time = self.chart("time (ns per simulated second)", |point| point.seconds * 1e9 / span);
         let mut charts = vec![work, time];
         charts.extend(self.growth());
         charts[0].title = self.title.clone();
@@ -51,7 +51,7 @@ impl WorkPrecision {
         (!chart.series.is_empty()).then_some(chart)
     }
 
-    /// One line for each candidate: its cost to reach 1e-3, 1e-6 and 1e-9 in evaluations and in CPU time, the order at which
+    /// One line for each candidate: its cost to reach 1e-3, 1e-6 and 1e-9 in evaluations and in time, the order at which
     /// errors fall, errors beside tolerances, and failures.
     pub fn table(&self) -> String {
         let width = self.curves.iter().map(|curve| curve.name.chars().count()).max().unwrap_or(0).max(9);

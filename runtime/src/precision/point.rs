@@ -43,7 +43,7 @@ pub struct Measured {
     pub cost: f64,
     /// What was counted.
     pub work: Work,
-    /// CPU time, s; the least of several runs.
+    /// Time it took on one thread, s; the least of several runs.
     pub seconds: f64,
     /// Drift of the energy balance.
     pub drift: Option<f64>,
@@ -92,9 +92,13 @@ impl Point {
         let error = growth.last().map_or(f64::INFINITY, |error| error.max(reference.floor()));
         let unstable = run.warnings.iter().any(|warning| matches!(warning, Warning::StepExceedsStability { .. }));
         if error.is_nan() || error > LOST {
-            return coded(if unstable || !error.is_finite() { "unstable" } else { "lost" });
+            return coded(if unstable { "unstable" } else { "lost" });
         }
-        let (work, seconds) = plain(system, &settings, repetitions)?;
+        let (work, seconds) = match plain(system, &settings, repetitions) {
+            Ok(measured) => measured,
+            Err(Error::Run(failure)) => return coded(failure.cause.code()),
+            Err(error) => return Err(error),
+        };
         let residual = run.residuals.map(|rows| rows.position.max(rows.velocity));
         let cost = WorkUnits::of(system, run.method).total(&work);
         let (method, drift) = (run.method, run.energy_balance);

@@ -174,7 +174,7 @@ fn the_sentence_says_which_to_take() {
     let found = drawn(vec![coarse, fine, poor]);
     assert_eq!(
         found.sentence(),
-        "By work and by CPU time above 1e-5 take coarse, below that fine. An error of 1e-6 costs fine 129 evaluations; \
+        "By work and by time above 1e-5 take coarse, below that fine. An error of 1e-6 costs fine 129 evaluations; \
          times as many coarse 2.5; not reached by poor."
     );
     let bands = found.bands(|point| point.cost);

@@ -31,7 +31,7 @@ impl WorkPrecision {
 
     /// The least cost at an error, and whose it is; `auto` is somebody else's.
     pub fn best(&self, error: f64, cost: impl Fn(&Measured) -> f64 + Copy) -> Option<(&str, f64)> {
-        let own = self.curves.iter().filter(|curve| curve.method != Method::Auto || curve.name != Method::Auto.name());
+        let own = self.curves.iter().filter(|curve| curve.name != Method::Auto.name());
         let found = own.filter_map(|curve| Some((curve.name.as_str(), curve.at(error, cost)?)));
         found.min_by(|a, b| a.1.total_cmp(&b.1))
     }
@@ -63,9 +63,9 @@ impl WorkPrecision {
         }
         let names = |bands: &[Band]| bands.iter().map(|band| band.best.clone()).collect::<Vec<_>>();
         let mut text = if names(&work) == names(&time) {
-            format!("By work and by CPU time {}.", advice(&work))
+            format!("By work and by time {}.", advice(&work))
         } else {
-            format!("By work {}. By CPU time {}.", advice(&work), advice(&time))
+            format!("By work {}. By time {}.", advice(&work), advice(&time))
         };
         let reached = |target: &&f64| self.best(**target, |point| point.cost).is_some();
         let Some(target) = TARGETS[1..].iter().find(reached).or(TARGETS.first()) else { return text };

@@ -1,5 +1,6 @@
 //! What work is counted in.
 
+use crate::integrate::operations_of_exact;
 use crate::mechanism::{Method, System};
 use crate::run::Work;
 
@@ -20,9 +21,6 @@ pub struct WorkUnits {
     pub step: f64,
 }
 
-/// What the exponential of a matrix takes, about.
-const PRODUCTS: f64 = 12.0;
-
 impl WorkUnits {
     /// The costs of a method on a mechanism.
     pub fn of(system: &dyn System, method: Method) -> WorkUnits {
@@ -42,8 +40,7 @@ impl WorkUnits {
         };
         let elimination = complex * 2.0 * n.powi(3) / 3.0;
         let (factorization, step) = match method {
-            // Squares and products of a matrix of size 2n + 1, and a product with a vector.
-            Method::Exact => (PRODUCTS * 2.0 * (2.0 * n + 1.0).powi(3), 2.0 * (2.0 * n).powi(2)),
+            Method::Exact => operations_of_exact(system.len()),
             _ => (elimination, 0.0),
         };
         let [jacobian, factorization, step] = [jacobian, factorization, step].map(|cost| cost / operations);

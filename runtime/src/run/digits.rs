@@ -210,10 +210,11 @@ impl Run {
         written(value, if lost { f64::INFINITY } else { error })
     }
 
-    /// The time at which the run ended as text.
+    /// The time at which the run ended as text: known beforehand, unless an event ended it.
     #[cfg(feature = "cli")]
     pub(crate) fn written_end(&self, state: &State) -> String {
-        self.digits.as_ref().map_or_else(|| state.t.to_string(), |digits| written_time(state.t, digits.end))
+        let digits = self.digits.as_ref().filter(|_| self.ended_by().is_some());
+        digits.map_or_else(|| state.t.to_string(), |digits| written_time(state.t, digits.end))
     }
 
     /// The time of an event as text.

@@ -16,6 +16,8 @@ use crate::constrain::Residuals;
 pub use digits::Digits;
 pub use failure::Failure;
 pub(crate) use frames::Scenery;
+#[cfg(feature = "ensemble")]
+pub(crate) use record::usual_drift;
 pub(crate) use record::{Plan, Recorder, evaluate_outputs};
 pub(crate) use state::Names;
 pub use state::State;

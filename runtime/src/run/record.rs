@@ -419,7 +419,7 @@ pub(crate) fn evaluate_outputs<S: System + ?Sized>(
 
 /// What is conserved may drift by so much: some tolerances a step, measured over ordinary motions (at most 0.2 a step), and
 /// by what rounding adds up to; 1 % at a fixed step, of which nobody said what it is to achieve.
-fn usual_drift(tolerance: Option<f64>, steps: u64) -> f64 {
+pub(crate) fn usual_drift(tolerance: Option<f64>, steps: u64) -> f64 {
     let steps = steps as f64;
     tolerance.map_or(1e-2, |tolerance| (tolerance * (2.0 * steps).max(1e3)).max(1e-13 * steps.sqrt()).min(1e-2))
 }

@@ -18,6 +18,8 @@ pub use axis::{Axis, Scale};
 pub use chart::{Chart, Failure, Series, Slope, Style};
 pub use csv::csv;
 pub use figure::Figure;
+#[cfg(feature = "cli")]
+pub(crate) use run::unit;
 
 #[cfg(test)]
 mod tests;

@@ -2,7 +2,7 @@
 
 use super::{Animation, Axis, Chart, Figure, Series, csv};
 use crate::error::Error;
-use crate::mechanism::{Coordinate, Shape};
+use crate::mechanism::{Coordinate, Description, Shape};
 use crate::run::Run;
 use std::path::Path;
 use std::sync::Arc;
@@ -61,7 +61,7 @@ impl Run {
     pub fn history(&self, names: &[&str]) -> Result<Chart, Error> {
         let series = names.iter().map(|name| Ok(Series::line(*name, self.curve(name)?.into_iter().map(Some))));
         let series = series.collect::<Result<_, Error>>()?;
-        let time = Axis::new("time", if self.has_units() { "s" } else { "" });
+        let time = Axis::new("time", if has_units(&self.description) { "s" } else { "" });
         let mut chart = Chart { series, ..Chart::new("", time, Axis::new(label_of(names), "")) };
         chart.y.unit = self.common_unit(names);
         Ok(chart)
@@ -111,7 +111,7 @@ impl Run {
     /// Paths of all traces, or of the only output if that is a vector; of motions in space two views.
     fn paths(&self) -> Vec<Chart> {
         let traces = self.traces();
-        let unit = if self.has_units() && !traces.is_empty() { "m" } else { "" };
+        let unit = if has_units(&self.description) && !traces.is_empty() { "m" } else { "" };
         let paths = if traces.is_empty() { self.output_path().into_iter().collect() } else { traces };
         let view = |across: usize, up: usize| {
             let chart = Chart::new("", Axis::new(["x", "y", "z"][across], unit), Axis::new(["x", "y", "z"][up], unit));
@@ -151,13 +151,6 @@ impl Run {
         (size > 1).then(|| (output.name.to_string(), self.outputs.chunks_exact(size).map(point).collect()))
     }
 
-    /// True for a model written with units; without, lengths and times are pure numbers.
-    fn has_units(&self) -> bool {
-        let coordinates = self.description.coordinates.iter().map(|coordinate| &coordinate.unit);
-        let parameters = self.description.parameters.iter().map(|parameter| &parameter.unit);
-        coordinates.chain(parameters).any(|unit| !matches!(unit.as_ref(), "" | "1" | "rad"))
-    }
-
     /// A column against time: coordinates and rates from dense output where there are few reported states.
     fn curve(&self, name: &str) -> Result<Vec<(f64, f64)>, Error> {
         let column = self.column(name).ok_or_else(|| Error::UnknownName {
@@ -181,23 +174,31 @@ impl Run {
 
     /// The SI unit of a coordinate, rate or output; empty where it is pure or not known.
     pub(crate) fn unit(&self, name: &str) -> String {
-        let found = || {
-            let output = [".x", ".y", ".z"].iter().find_map(|axis| name.strip_suffix(axis)).unwrap_or(name);
-            if let Some(output) = self.description.outputs.iter().find(|known| known.name == output) {
-                return Some(output.unit.to_string());
-            }
-            let coordinate = name.strip_suffix('\'').unwrap_or(name);
-            let found = self.description.coordinates.iter().find(|known| known.name == coordinate)?;
-            let unit = si(found);
-            let rate = name.ends_with('\'') && self.has_units();
-            Some(match (unit, rate) {
-                ("", true) => "1/s".to_owned(),
-                (unit, true) => format!("{unit}/s"),
-                (unit, false) => unit.to_owned(),
-            })
-        };
-        found().unwrap_or_default()
+        unit(&self.description, name)
     }
+}
+
+/// The SI unit of a coordinate, rate or output of a mechanism; empty where it is pure or not known.
+pub(crate) fn unit(mechanism: &Description, name: &str) -> String {
+    let output = [".x", ".y", ".z"].iter().find_map(|axis| name.strip_suffix(axis)).unwrap_or(name);
+    if let Some(output) = mechanism.outputs.iter().find(|known| known.name == output) {
+        return output.unit.to_string();
+    }
+    let coordinate = name.strip_suffix('\'').unwrap_or(name);
+    let Some(found) = mechanism.coordinates.iter().find(|known| known.name == coordinate) else { return String::new() };
+    let rate = name.ends_with('\'') && has_units(mechanism);
+    match (si(found), rate) {
+        ("", true) => "1/s".to_owned(),
+        (unit, true) => format!("{unit}/s"),
+        (unit, false) => unit.to_owned(),
+    }
+}
+
+/// True for a model written with units; without, lengths and times are pure numbers.
+fn has_units(mechanism: &Description) -> bool {
+    let coordinates = mechanism.coordinates.iter().map(|coordinate| &coordinate.unit);
+    let parameters = mechanism.parameters.iter().map(|parameter| &parameter.unit);
+    coordinates.chain(parameters).any(|unit| !matches!(unit.as_ref(), "" | "1" | "rad"))
 }
 
 fn point(components: &[f64]) -> [f64; 3] {

@@ -1,7 +1,7 @@
 //! What `auto` stands for.
 
 use super::Settings;
-use crate::integrate::fastest_rate;
+use crate::integrate::{fastest_rate, operations_of_exact};
 use crate::mechanism::{AccelerationSlopes, At, Method, System};
 use crate::trust::rates;
 
@@ -21,8 +21,7 @@ const MANY_STEPS: f64 = 1e4;
 /// It is stiff where it is so much faster than all that vibrates.
 const FASTER: f64 = 1e3;
 
-/// What the exponential of a matrix of size m takes is so many times m³ operations, and its steps are so long, in radians.
-const EXPONENTIAL: f64 = 24.0;
+/// Steps of the exponential are so long, in radians.
 const RESOLVED: f64 = 1.0;
 /// An oscillator takes `dop853` so many evaluations a radian, times this power of 1/tolerance.
 const A_RADIAN: f64 = 2.7;
@@ -57,12 +56,12 @@ pub(super) fn choose(settings: &Settings, system: &dyn System, y: &[f64]) -> Cho
 
 /// Whether the exponential of a matrix and its products cost less than the evaluations of an explicit method.
 fn exact_pays(settings: &Settings, system: &dyn System, y: &[f64]) -> bool {
-    let (n, span) = (system.len() as f64, settings.until - settings.from);
+    let (n, span) = (system.len(), settings.until - settings.from);
     let Ok(rate) = fastest_rate(system, settings.from, y) else { return false };
     let counted = f64::from(system.description().counts.accelerations);
-    let operations = if counted > 0.0 { counted } else { 10.0 * n };
-    let steps = span * rate / RESOLVED;
-    let exact = (EXPONENTIAL * (2.0 * n + 1.0).powi(3) + steps * 8.0 * n * n) / operations;
+    let evaluation = if counted > 0.0 { counted } else { 10.0 * n as f64 };
+    let (exponential, step) = operations_of_exact(n);
+    let exact = (exponential + step * span * rate / RESOLVED) / evaluation;
     exact < span * rate * A_RADIAN * settings.tolerance.powf(-GAIN)
 }
 

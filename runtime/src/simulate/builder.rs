@@ -211,6 +211,12 @@ impl<S: System> Simulation<S> {
         }
     }
 
+    /// The system and what was said of its run, unless something in it has no meaning.
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn parts(&self) -> Option<(&S, &Settings)> {
+        self.wrong.is_none().then_some((&self.system, &self.settings))
+    }
+
     fn fail(mut self, error: Error) -> Self {
         self.wrong.get_or_insert(error);
         self

@@ -115,7 +115,7 @@ impl Settings {
     }
 
     /// Refuses a tolerance that no arithmetic in `f64` can meet.
-    pub(super) fn attainable(&self) -> Result<(), Box<Cause>> {
+    pub(crate) fn attainable(&self) -> Result<(), Box<Cause>> {
         const ROUND_OFF: f64 = 0.5 * f64::EPSILON;
         if self.step.is_none() && self.tolerance < ROUND_OFF {
             return Err(Cause::ToleranceTooTight { asked: self.tolerance, attainable: Self::TIGHTEST }.into());
@@ -124,7 +124,7 @@ impl Settings {
     }
 
     /// Refuses settings without meaning for a mechanism.
-    pub(super) fn check(&self, mechanism: &Description) -> Result<(), Error> {
+    pub(crate) fn check(&self, mechanism: &Description) -> Result<(), Error> {
         let n = mechanism.coordinates.len();
         for (setting, list) in [("start", &self.q), ("start of the rates", &self.v)] {
             if list.len() != n {

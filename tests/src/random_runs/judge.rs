@@ -1,8 +1,11 @@
 //! A run, and the run that judges it.
 
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
 use dalembert::mechanism::{Interpreted, System};
 
-use dalembert::{Error, Run, Settings, Stepping, simulate};
+use dalembert::{Cause, Error, Run, Settings, Stepping, simulate_with};
 use dalembert_symbolic::lower::compile;
 
 use super::file::Drawn;
@@ -54,6 +57,8 @@ const LESS_TIGHT: f64 = 1e-11;
 const SHARE: f64 = 1.0 / 500.0;
 /// What takes more is left out.
 const MOST_STEPS: u64 = 30_000;
+/// So is what takes longer, as do millions of events.
+const LONGEST: Duration = Duration::from_secs(20);
 /// Errors below this part of the largest value are rounding of the many short steps that judge.
 const ROUNDING: f64 = 1e-12;
 
@@ -64,7 +69,14 @@ pub fn judge(drawn: &Drawn) -> Verdict {
     let mut settings = Settings::new(&system.scene(0));
     settings.digits = true;
     settings.max_steps = MOST_STEPS;
-    let outcome = simulate(&mut system.clone(), &settings);
+    let begun = Instant::now();
+    let outcome = simulate_with(&mut system.clone(), &settings, &mut |_| match begun.elapsed() < LONGEST {
+        true => ControlFlow::Continue(()),
+        false => ControlFlow::Break(()),
+    });
+    if matches!(&outcome, Err(Error::Run(failure)) if matches!(failure.cause, Cause::Interrupted)) {
+        return Verdict::LeftOut { why: "more than 20 s" };
+    }
     let tight = bounded(&system, &settings, drawn, TIGHT, SHARE);
     let (run, tight) = match (outcome, tight) {
         (_, Err(Unjudged::TooLong)) => return Verdict::LeftOut { why: "too many short steps" },
@@ -112,7 +124,11 @@ fn bounded(
     settings.tolerance = tolerance;
     settings.longest_step = Some(share * span);
     let mut stepping = Stepping::new(system.clone(), settings)?;
+    let begun = Instant::now();
     for _ in 0..MOST_STEPS {
+        if begun.elapsed() > LONGEST {
+            break;
+        }
         let left = span - stepping.time();
         if left <= 1e-15 * span {
             return Ok(stepping.finish());

@@ -7,4 +7,4 @@ mod step;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use step::{Exact, fastest_rate, longest_step};
+pub(crate) use step::{Exact, fastest_rate, longest_step, operations};

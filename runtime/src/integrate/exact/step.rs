@@ -207,6 +207,14 @@ impl OneStep for Exact {
     }
 }
 
+/// Operations of the exponential, with the squares and products of a matrix of size 2n + 1, about, and of a step, a product with a
+/// vector.
+pub(crate) fn operations(n: usize) -> (f64, f64) {
+    const PRODUCTS: f64 = 12.0;
+    let n = n as f64;
+    (PRODUCTS * 2.0 * (2.0 * n + 1.0).powi(3), 2.0 * (2.0 * n).powi(2))
+}
+
 /// [q; q'/s; 1].
 fn pack(y: &[f64], rate: f64, state: &mut DVector<f64>) {
     let n = y.len() / 2;

@@ -19,3 +19,5 @@ pub(crate) use midpoint::{MIDPOINT, Midpoint};
 pub(crate) use rk4::{RK4, Rk4};
 pub(crate) use step::ExplicitRungeKutta;
 pub(crate) use tableau::Scheme;
+#[cfg(feature = "ensemble")]
+pub(crate) use tableau::{Stage, Term, stages};

@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use super::dense::write_dense;
 use super::sums::{argument, pair, sum};
-use super::tableau::{Estimate, Scheme, Term};
+use super::tableau::{Estimate, Scheme, Stage, stages};
 use crate::integrate::tolerance::larger;
 use crate::integrate::{Block, Control, Counters, OneStep, Reached, Segment, Setback, Tolerance, Trial, rate_of};
 use crate::mechanism::{At, Singular, System};
@@ -40,15 +40,6 @@ struct Quadrature {
     /// What the step that was tried adds.
     increment: f64,
     powers: [f64; STAGES],
-}
-
-/// Node and row of a stage, as constants.
-struct Stage<T, const I: usize>(PhantomData<T>);
-
-impl<T: Scheme, const I: usize> Stage<T, I> {
-    const NODE: f64 = T::TABLEAU.stage(I).0;
-    const ROW: &'static [Term] = T::TABLEAU.stage(I).1;
-    const WEIGHS: bool = T::TABLEAU.weighs(I);
 }
 
 impl<T: Scheme, Y: Block> ExplicitRungeKutta<T, Y> {
@@ -154,13 +145,6 @@ impl<T: Scheme, Y: Block> ExplicitRungeKutta<T, Y> {
 #[inline(always)]
 fn rate<Y: Block>(system: &dyn System, t: f64, y: &Y, out: &mut Y) -> Result<(), Singular> {
     rate_of(system, t, y.all(), out.all_mut())
-}
-
-/// Calls `stage` for these stages, as far as the method has them.
-macro_rules! stages {
-    ($self:ident.stage($system:ident, $t:ident, $h:ident) for $($i:literal)* below $end:expr, from $first:expr) => {
-        $(if const { $i > $first - 1 && $i < $end } { $self.stage::<$i>($system, $t, $h)?; })*
-    };
 }
 
 impl<T: Scheme, Y: Block> OneStep for ExplicitRungeKutta<T, Y> {

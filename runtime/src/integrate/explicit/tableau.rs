@@ -1,5 +1,7 @@
 //! The coefficients of an explicit Runge–Kutta method.
 
+use std::marker::PhantomData;
+
 use crate::integrate::Control;
 
 /// One product of a sum over stages: a coefficient times the rate of a stage.
@@ -56,6 +58,24 @@ pub(crate) trait Scheme: Send + 'static {
     /// Its coefficients.
     const TABLEAU: &'static Tableau;
 }
+
+/// Node and row of a stage, as constants.
+pub(crate) struct Stage<T, const I: usize>(PhantomData<T>);
+
+impl<T: Scheme, const I: usize> Stage<T, I> {
+    pub const NODE: f64 = T::TABLEAU.stage(I).0;
+    pub const ROW: &'static [Term] = T::TABLEAU.stage(I).1;
+    pub const WEIGHS: bool = T::TABLEAU.weighs(I);
+}
+
+/// Calls `stage` for these stages, as far as the method has them.
+macro_rules! stages {
+    ($self:ident.stage $arguments:tt for $($i:literal)* below $end:expr, from $first:expr) => {
+        $(if const { $i > $first - 1 && $i < $end } { $self.stage::<$i> $arguments?; })*
+    };
+}
+
+pub(crate) use stages;
 
 /// An explicit Runge–Kutta method: kᵢ = f(t + cᵢh, y + h Σ aᵢⱼkⱼ), y₁ = y + h Σ bᵢkᵢ.
 #[derive(Debug)]

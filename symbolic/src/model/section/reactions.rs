@@ -99,6 +99,10 @@ impl<'a> Resolver<'a> {
             }
             None => None,
         };
+        if direction.is_none() && reaction.scalar && !(couple && self.scope.dimension == 2) {
+            // Another system describes it otherwise (reported).
+            return None;
+        }
         let full = match direction {
             Some(direction) => direction.iter().map(|e| self.bench.graph.mul(symbols[0], *e)).collect(),
             None => symbols,

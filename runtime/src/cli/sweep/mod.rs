@@ -1,0 +1,220 @@
+//! `sweep`: many runs of one mechanism, and a table of what came of them.
+
+mod points;
+mod table;
+
+use std::io::{IsTerminal, Write};
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use clap::ArgMatches;
+
+use points::{Points, Varied, usage};
+use table::{Row, Table, results};
+
+use super::load::Loaded;
+use super::set_up::{Changes, choose, unknown};
+use super::simulate::interruption;
+use super::{Entry, Problem, outputs};
+use crate::Settings;
+use crate::ensemble::spread;
+use crate::mechanism::{Description, Method};
+use crate::numbers::short;
+use crate::run::Names;
+use crate::show::{Axis, Chart, Figure, Series, unit};
+
+/// No more rows are printed.
+const MOST_ROWS: usize = 40;
+/// Nor more columns, unless they were asked for.
+const MOST_COLUMNS: usize = 6;
+/// Progress is told about so many times.
+const TOLD: usize = 500;
+/// What is drawn over the first of what varies has a line for each combination of the others, up to so many.
+const MOST_LINES: usize = 12;
+
+/// Runs all, or merges the tables of parts; prints a table, and writes it whole.
+pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+    let mut loaded = Loaded::find(models, options)?;
+    let path = options.get_one::<String>("csv").cloned().unwrap_or_else(|| format!("{}-sweep.csv", loaded.name));
+    let files = [("csv", Some(&path)), ("plot", options.get_one::<String>("plot"))];
+    let files = files.into_iter().filter_map(|(option, path)| Some((option, path?.as_str())));
+    outputs::check_paths(files, &loaded.path)?;
+    let read = options.get_many::<String>("merge").into_iter().flatten().chain(options.get_one::<String>("points"));
+    outputs::keep(&path, read.map(String::as_str))?;
+    let columns = names(loaded.system.description());
+    let table = match options.get_many::<String>("merge") {
+        Some(parts) => Table::merge(&parts.map(String::as_str).collect::<Vec<_>>())?,
+        None => compute(&mut loaded, options, &columns)?,
+    };
+    let results = results(&columns, loaded.system.description());
+    let varied = table.names.len().saturating_sub(results.len() + 2);
+    if varied == 0 || table.names[1 + varied..].iter().ne(results.iter().chain(&["error".to_owned()])) {
+        return Err(usage(format!("these tables are not of {}: their columns differ", loaded.name)));
+    }
+    let shown = shown(options, &results, &columns)?;
+    std::fs::write(&path, table.to_csv()).map_err(|e| Problem::File(format!("cannot write `{path}`: {e}")))?;
+    if let Some(path) = options.get_one::<String>("plot") {
+        let figure = draw(&loaded, &table, varied, &shown);
+        std::fs::write(path, figure.to_svg()).map_err(|e| Problem::File(format!("cannot write `{path}`: {e}")))?;
+    }
+    print(&table, varied, &shown, out)?;
+    writeln!(out, "written: {path}")?;
+    match table.rows.iter().filter(|row| !row.error.is_empty()).collect::<Vec<_>>().as_slice() {
+        [] => Ok(()),
+        [first, ..] if table.rows.len() == 1 => Err(Problem::Run(first.error.clone())),
+        all @ [first, ..] => {
+            let (failed, count) = (all.len(), table.rows.len());
+            Err(Problem::Run(format!("{failed} of {count} runs failed; the first, run {}: {}", first.run, first.error)))
+        }
+    }
+}
+
+/// Coordinates, rates and outputs, component by component, as runs name them.
+fn names(description: &Description) -> Vec<String> {
+    let Names { coordinates, outputs } = Names::of(description);
+    let rates = coordinates.iter().map(|name| format!("{name}'")).collect::<Vec<_>>();
+    [coordinates, rates, outputs].concat()
+}
+
+fn compute(loaded: &mut Loaded, options: &ArgMatches, columns: &[String]) -> Result<Table, Problem> {
+    let (scene, mut reader) = choose(loaded, options)?;
+    let changes = Changes::read(loaded, &mut reader, options)?;
+    let points = Points::read(loaded, &mut reader, options)?;
+    let method = options.get_one::<String>("method").map(|text| text.parse::<Method>());
+    let method = method.transpose().map_err(|e| usage(e.to_string()))?;
+    let threads = options.get_one::<String>("threads").map(|text| match text.trim().parse::<usize>() {
+        Ok(threads @ 1..=4096) => Ok(threads),
+        _ => Err(usage(format!("--threads wants a number from 1 to 4096, not `{text}`"))),
+    });
+    let threads = threads.transpose()?;
+    let (shard, shards) = shard(options)?;
+    for warning in &loaded.warnings {
+        eprintln!("warning: {warning}");
+    }
+
+    let description = loaded.system.description();
+    let runs: Vec<usize> = (shard..points.len()).step_by(shards).collect();
+    let (system, interrupted) = (&*loaded.system, interruption());
+    let stopped = || interrupted.load(Ordering::Relaxed);
+    let (done, shown) = (AtomicUsize::new(0), std::io::stderr().is_terminal());
+    let rows = spread(runs.len(), threads, |place| {
+        if stopped() {
+            return None;
+        }
+        let (run, values) = (runs[place], points.at(runs[place]));
+        let mut system = system.boxed_clone();
+        points.varied.iter().zip(&values).for_each(|(varied, value)| varied.set(&mut *system, *value));
+        let mut settings = changes.of(Settings::new(&system.scene(scene)));
+        points.varied.iter().zip(&values).for_each(|(varied, value)| varied.start(&mut settings, *value));
+        settings.method = method.unwrap_or(settings.method);
+        settings.dense = false;
+        let outcome = crate::simulate_with(&mut *system, &settings, &mut |_| match stopped() {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        });
+        if stopped() {
+            return None;
+        }
+        let done = 1 + done.fetch_add(1, Ordering::Relaxed);
+        if shown && (done == runs.len() || done.is_multiple_of(runs.len().div_ceil(TOLD))) {
+            eprint!("\r{done} of {} runs\x1b[K", runs.len());
+        }
+        Some(Row::of(run, values, outcome, columns, description))
+    });
+    if shown {
+        eprint!("\r\x1b[K");
+    }
+    let rows: Vec<Row> = rows.into_iter().flatten().collect();
+    if rows.len() < runs.len() {
+        eprintln!("warning: interrupted; {} of {} runs are in the table", rows.len(), runs.len());
+    }
+    let varied = points.varied.iter().map(|Varied { name, .. }| name.clone());
+    let names = std::iter::once("run".to_owned()).chain(varied).chain(results(columns, description));
+    Ok(Table { names: names.chain(["error".to_owned()]).collect(), rows })
+}
+
+/// `--shard I/N`: the first run of this part, and how many parts there are.
+fn shard(options: &ArgMatches) -> Result<(usize, usize), Problem> {
+    let Some(text) = options.get_one::<String>("shard") else { return Ok((0, 1)) };
+    let parts = text.split_once('/').and_then(|(part, of)| Some((part.trim().parse().ok()?, of.trim().parse().ok()?)));
+    match parts {
+        Some((part, of)) if (1..=of).contains(&part) => Ok((part - 1, of)),
+        _ => Err(usage(format!("--shard wants I/N, the part I of N, not `{text}`"))),
+    }
+}
+
+/// Which results are printed and drawn.
+fn shown(options: &ArgMatches, results: &[String], columns: &[String]) -> Result<Vec<String>, Problem> {
+    let Some(list) = options.get_one::<String>("show") else {
+        let first = columns.iter().filter(|name| !name.ends_with('\''));
+        return Ok(first.take(MOST_COLUMNS).cloned().collect());
+    };
+    let known = |name: &str| match results.iter().find(|result| *result == name) {
+        Some(name) => Ok(name.clone()),
+        None => Err(unknown("result", name, results.iter().map(String::as_str))),
+    };
+    list.split(',').map(|name| known(name.trim())).collect()
+}
+
+/// The first rows, with what varies and what is shown.
+fn print(table: &Table, varied: usize, shown: &[String], out: &mut dyn Write) -> Result<(), Problem> {
+    let places: Vec<usize> = (0..varied).chain(shown.iter().filter_map(|name| table.column(name))).collect();
+    let mut lines = vec![
+        std::iter::once(&table.names[0]).chain(places.iter().map(|k| &table.names[1 + k])).cloned().collect::<Vec<_>>(),
+    ];
+    for row in table.rows.iter().take(MOST_ROWS) {
+        let cell = |k: &usize| row.cells[*k].map_or_else(|| "-".to_owned(), short);
+        let failed = if row.error.is_empty() { None } else { Some("failed".to_owned()) };
+        lines.push(std::iter::once(row.run.to_string()).chain(places.iter().map(cell)).chain(failed).collect());
+    }
+    let width =
+        |k: usize| lines.iter().filter_map(|line| line.get(k)).map(|cell| cell.chars().count()).max().unwrap_or(0);
+    for line in &lines {
+        let cells: Vec<String> = line.iter().enumerate().map(|(k, cell)| format!("{cell:>0$}", width(k))).collect();
+        writeln!(out, "{}", cells.join("  "))?;
+    }
+    if table.rows.len() > MOST_ROWS {
+        writeln!(out, "and {} more runs; the table that is written has them all", table.rows.len() - MOST_ROWS)?;
+    }
+    Ok(())
+}
+
+/// A chart for each of what is shown, over the first of what varies.
+fn draw(loaded: &Loaded, table: &Table, varied: usize, shown: &[String]) -> Figure {
+    let columns = names(loaded.system.description());
+    let label = |name: &str| Axis::new(name, unit_of(loaded.system.description(), name));
+    let mut others: Vec<Vec<Option<f64>>> = Vec::new();
+    for row in &table.rows {
+        let other = row.cells[1..varied].to_vec();
+        if !others.contains(&other) && others.len() < MOST_LINES {
+            others.push(other);
+        }
+    }
+    let chart = |name: &String| {
+        let Some(place) = table.column(name) else { return Chart::new(name.clone(), label(""), label("")) };
+        let line = |other: &Vec<Option<f64>>| {
+            let rows = table.rows.iter().filter(|row| row.cells[1..varied] == other[..]);
+            let points = rows.map(|row| Some((row.cells[0]?, row.cells[place]?)));
+            let values = table.names[2..].iter().zip(other);
+            let title: Vec<String> =
+                values.map(|(name, value)| format!("{name} = {}", short(value.unwrap_or(f64::NAN)))).collect();
+            Series::marked_line(title.join(", "), points)
+        };
+        let when = if columns.contains(name) { " at the end" } else { "" };
+        let empty = Chart::new(format!("{}: {name}{when}", loaded.name), label(&table.names[1]), label(name));
+        others.iter().map(line).fold(empty, Chart::with)
+    };
+    Figure { charts: shown.iter().map(chart).collect() }
+}
+
+/// The unit of a parameter, a coordinate, a rate or an output, `min` and `max` left aside.
+fn unit_of(description: &Description, name: &str) -> String {
+    let name = name.strip_prefix("min ").or_else(|| name.strip_prefix("max ")).unwrap_or(name);
+    if let Some(parameter) = description.parameters.iter().find(|parameter| parameter.name == name) {
+        return parameter.unit.to_string();
+    }
+    if name == "t" {
+        return "s".to_owned();
+    }
+    unit(description, name)
+}

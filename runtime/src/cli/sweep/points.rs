@@ -1,0 +1,217 @@
+//! What varies from run to run.
+
+use std::path::Path;
+
+use clap::ArgMatches;
+use dalembert_symbolic::model::Sets;
+
+use crate::Settings;
+use crate::cli::Problem;
+use crate::cli::load::{Loaded, pairs};
+use crate::cli::set_up::{Reader, coordinate_index, parameter_index, start_at, unknown};
+use crate::mechanism::System;
+
+/// More runs than this are refused: their table would not fit into memory.
+const MOST: usize = 10_000_000;
+
+/// Something that takes a value in each run.
+pub struct Varied {
+    pub name: String,
+    target: Target,
+}
+
+#[derive(Clone, Copy)]
+enum Target {
+    Parameter(usize),
+    /// A component of [q; q'] at the start.
+    Start(usize),
+}
+
+/// The values of all runs.
+pub struct Points {
+    pub varied: Vec<Varied>,
+    values: Values,
+}
+
+enum Values {
+    /// One list for each; every combination is run, the last varying fastest.
+    Grid(Vec<Vec<f64>>),
+    /// One row for each run.
+    List(Vec<Vec<f64>>),
+}
+
+impl Points {
+    /// Reads `--vary` and `--points`.
+    pub fn read(loaded: &Loaded, reader: &mut Reader, options: &ArgMatches) -> Result<Points, Problem> {
+        let grid = pairs(options, "vary")?;
+        let list = options.get_one::<String>("points");
+        let points = match (grid.is_empty(), list) {
+            (false, None) => Points::grid(loaded, reader, &grid)?,
+            (true, Some(path)) => Points::list(loaded, path)?,
+            _ => return Err(usage("a sweep wants --vary NAME=A..B:COUNT, or --points FILE.csv".to_owned())),
+        };
+        let mut names: Vec<&str> = points.varied.iter().map(|varied| varied.name.as_str()).collect();
+        names.sort_unstable();
+        match names.windows(2).find(|pair| pair[0] == pair[1]) {
+            Some(pair) => Err(usage(format!("`{}` is varied twice", pair[0]))),
+            None => Ok(points),
+        }
+    }
+
+    fn grid(loaded: &Loaded, reader: &mut Reader, given: &[(String, String)]) -> Result<Points, Problem> {
+        let mut varied = Vec::new();
+        let mut lists = Vec::new();
+        let mut count = 1_usize;
+        for (name, text) in given {
+            let (one, sets) = Varied::named(loaded, name)?;
+            let list = values(loaded, reader, sets, text)?;
+            count = count.saturating_mul(list.len());
+            varied.push(one);
+            lists.push(list);
+        }
+        if count > MOST {
+            return Err(usage(format!("--vary asks for more than {MOST} runs")));
+        }
+        Ok(Points { varied, values: Values::Grid(lists) })
+    }
+
+    fn list(loaded: &Loaded, path: &str) -> Result<Points, Problem> {
+        let unread =
+            |problem: &dyn std::fmt::Display| Problem::File(format!("--points: cannot read {path}: {problem}"));
+        let mut table =
+            csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(Path::new(path)).map_err(|e| unread(&e))?;
+        let names = table.headers().map_err(|e| unread(&e))?.clone();
+        let varied =
+            names.iter().map(|name| Ok(Varied::named(loaded, name)?.0)).collect::<Result<Vec<_>, Problem>>()?;
+        let mut rows = Vec::new();
+        for (place, record) in table.records().enumerate() {
+            let record = record.map_err(|e| unread(&e))?;
+            let read = |text: &str| match text.parse::<f64>() {
+                Ok(number) if number.is_finite() => Ok(number),
+                _ => Err(usage(format!("{path}, line {}: `{text}` is no number", place + 2))),
+            };
+            rows.push(record.iter().map(read).collect::<Result<Vec<_>, _>>()?);
+        }
+        if rows.is_empty() || rows.len() > MOST {
+            return Err(usage(format!("{path} has {} runs; there may be 1 to {MOST}", rows.len())));
+        }
+        Ok(Points { varied, values: Values::List(rows) })
+    }
+
+    /// How many runs there are.
+    pub fn len(&self) -> usize {
+        match &self.values {
+            Values::Grid(lists) => lists.iter().map(Vec::len).product(),
+            Values::List(rows) => rows.len(),
+        }
+    }
+
+    /// The values of one run.
+    pub fn at(&self, index: usize) -> Vec<f64> {
+        match &self.values {
+            Values::List(rows) => rows[index].clone(),
+            Values::Grid(lists) => {
+                let mut left = index;
+                let mut values: Vec<f64> = lists
+                    .iter()
+                    .rev()
+                    .map(|list| {
+                        let value = list[left % list.len()];
+                        left /= list.len();
+                        value
+                    })
+                    .collect();
+                values.reverse();
+                values
+            }
+        }
+    }
+}
+
+impl Varied {
+    /// A parameter, or a coordinate or a speed at the start.
+    fn named(loaded: &Loaded, name: &str) -> Result<(Varied, Sets), Problem> {
+        let description = loaded.system.description();
+        let n = loaded.system.len();
+        let of = |target| Varied { name: name.to_owned(), target };
+        if let Some(coordinate) = name.strip_suffix('\'') {
+            let index = coordinate_index(loaded, coordinate)?;
+            return Ok((of(Target::Start(n + index)), Sets::Speed(index)));
+        }
+        if let Ok(index) = parameter_index(loaded, name) {
+            return Ok((of(Target::Parameter(index)), Sets::Parameter(index)));
+        }
+        if let Ok(index) = coordinate_index(loaded, name) {
+            return Ok((of(Target::Start(index)), Sets::Coordinate(index)));
+        }
+        if description.derived.iter().any(|derived| derived == name) {
+            parameter_index(loaded, name)?;
+        }
+        let known = description.parameters.iter().map(|p| p.name.as_ref());
+        Err(unknown(
+            "parameter or coordinate",
+            name,
+            known.chain(description.coordinates.iter().map(|c| c.name.as_ref())),
+        ))
+    }
+
+    /// Sets a parameter; before the scene is asked, which may depend on it.
+    pub fn set(&self, system: &mut dyn System, value: f64) {
+        if let Target::Parameter(index) = self.target {
+            system.set_parameter(index, value);
+        }
+    }
+
+    /// Sets a start.
+    pub fn start(&self, settings: &mut Settings, value: f64) {
+        if let Target::Start(place) = self.target {
+            start_at(settings, place, value);
+        }
+    }
+}
+
+/// `A..B:COUNT`, evenly spaced; `A..B:COUNT:log`, evenly in the logarithm; or `A,B,C`.
+fn values(loaded: &Loaded, reader: &mut Reader, sets: Sets, text: &str) -> Result<Vec<f64>, Problem> {
+    let wrong = || usage(format!("--vary wants NAME=A..B:COUNT, NAME=A..B:COUNT:log or NAME=A,B,C, not `{text}`"));
+    let mut value = |text: &str| reader.value(loaded, "vary", sets, text);
+    let Some((from, rest)) = text.split_once("..") else {
+        return text.split(',').map(|one| value(one.trim())).collect();
+    };
+    let mut rest = rest.split(':');
+    let to = rest.next().ok_or_else(wrong)?;
+    let count: usize = rest.next().and_then(|count| count.trim().parse().ok()).ok_or_else(wrong)?;
+    let log = match rest.next().map(str::trim) {
+        None => false,
+        Some("log") => true,
+        Some(_) => return Err(wrong()),
+    };
+    let (from, to) = (value(from.trim())?, value(to.trim())?);
+    if count == 0 || count > MOST || rest.next().is_some() {
+        return Err(wrong());
+    }
+    if log && !(from > 0.0 && to > 0.0) {
+        return Err(usage(format!("--vary: `{text}` has no logarithm at its ends")));
+    }
+    let (a, b) = if log { (from.ln(), to.ln()) } else { (from, to) };
+    let between = |k: usize| {
+        let x = k as f64 / (count - 1) as f64;
+        let y = a * (1.0 - x) + b * x;
+        if log { y.exp() } else { y }
+    };
+    // Both ends as they were given.
+    Ok((0..count)
+        .map(|k| {
+            if k == 0 {
+                from
+            } else if k == count - 1 {
+                to
+            } else {
+                between(k)
+            }
+        })
+        .collect())
+}
+
+pub fn usage(problem: String) -> Problem {
+    Problem::Usage(format!("error: {problem}"))
+}

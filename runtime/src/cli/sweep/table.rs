@@ -1,0 +1,146 @@
+//! The table of a sweep, one row a run.
+
+use super::points::usage;
+use crate::cli::Problem;
+use crate::mechanism::Description;
+use crate::{Error, Run};
+
+/// All runs, in order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// `run`, what varies, and what came of it; the last is `error`.
+    pub names: Vec<String>,
+    pub rows: Vec<Row>,
+}
+
+/// One run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Its place in the whole sweep.
+    pub run: usize,
+    /// What varies, then what came of it; `None`: there is no such value.
+    pub cells: Vec<Option<f64>>,
+    /// Why it ended early; empty if it did not.
+    pub error: String,
+}
+
+/// The names of what comes of every run.
+pub fn results(columns: &[String], description: &Description) -> Vec<String> {
+    let of = |column: &String| [column.clone(), format!("min {column}"), format!("max {column}")];
+    let events = description.events.iter().map(|event| format!("events {}", event.name));
+    let others = ["energy drift", "warnings"].map(str::to_owned);
+    std::iter::once("t".to_owned()).chain(columns.iter().flat_map(of)).chain(events).chain(others).collect()
+}
+
+/// What came of a run, in the order of [`results`].
+pub fn outcome(run: &Run, columns: &[String], description: &Description) -> Vec<Option<f64>> {
+    let finite = |value: f64| Some(value).filter(|value| value.is_finite());
+    let of = |name: &String| {
+        let column = run.column(name).unwrap_or_default();
+        let seen = || column.iter().copied().filter(|value| value.is_finite());
+        [column.last().copied().and_then(finite), seen().reduce(f64::min), seen().reduce(f64::max)]
+    };
+    let counts = (0..description.events.len())
+        .map(|index| Some(run.events.iter().filter(|event| event.event == index).count() as f64));
+    let others = [run.energy_balance.and_then(finite), Some(run.warnings.len() as f64)];
+    std::iter::once(run.times().last().copied())
+        .chain(columns.iter().flat_map(of))
+        .chain(counts)
+        .chain(others)
+        .collect()
+}
+
+impl Row {
+    /// A row of what came of a run.
+    pub fn of(
+        run: usize,
+        values: Vec<f64>,
+        outcome: Result<Run, Error>,
+        columns: &[String],
+        description: &Description,
+    ) -> Row {
+        let (done, error) = match outcome {
+            Ok(done) => (Some(done), String::new()),
+            Err(Error::Run(failure)) => (Some(failure.run), failure.cause.to_string()),
+            Err(error) => (None, error.to_string()),
+        };
+        let results = results(columns, description).len();
+        let found =
+            done.map_or_else(|| vec![None; results], |done| outcome_or_nothing(&done, columns, description, results));
+        Row { run, cells: values.into_iter().map(Some).chain(found).collect(), error }
+    }
+}
+
+/// What came of a run; nothing where it never began.
+fn outcome_or_nothing(run: &Run, columns: &[String], description: &Description, results: usize) -> Vec<Option<f64>> {
+    if run.is_empty() { vec![None; results] } else { outcome(run, columns, description) }
+}
+
+impl Table {
+    /// As comma-separated values; numbers keep every digit.
+    pub fn to_csv(&self) -> String {
+        let mut table = csv::Writer::from_writer(Vec::new());
+        let into_memory = "a vector in memory takes all that is written";
+        table.write_record(&self.names).expect(into_memory);
+        for Row { run, cells, error } in &self.rows {
+            let cells = cells.iter().map(|cell| cell.map(|x| format!("{x:.16e}")).unwrap_or_default());
+            let record = std::iter::once(run.to_string()).chain(cells).chain([error.clone()]);
+            table.write_record(record).expect(into_memory);
+        }
+        String::from_utf8(table.into_inner().expect(into_memory)).expect("names and numbers are text")
+    }
+
+    /// Reads what [`Table::to_csv`] wrote.
+    pub fn read(path: &str) -> Result<Table, Problem> {
+        let unread = |problem: &dyn std::fmt::Display| Problem::File(format!("cannot read {path}: {problem}"));
+        let mut table = csv::Reader::from_path(path).map_err(|e| unread(&e))?;
+        let names: Vec<String> = table.headers().map_err(|e| unread(&e))?.iter().map(str::to_owned).collect();
+        if names.first().map(String::as_str) != Some("run") || names.last().map(String::as_str) != Some("error") {
+            return Err(usage(format!("{path} is no table of a sweep")));
+        }
+        let mut rows = Vec::new();
+        for record in table.records() {
+            let record = record.map_err(|e| unread(&e))?;
+            let bad = |text: &str| usage(format!("{path}: `{text}` is no number"));
+            let cell = |text: &str| match text {
+                "" => Ok(None),
+                text => text.parse().map(Some).map_err(|_| bad(text)),
+            };
+            let (first, last) = (&record[0], &record[names.len() - 1]);
+            let run = first.parse().map_err(|_| bad(first))?;
+            let cells = (1..names.len() - 1).map(|k| cell(&record[k])).collect::<Result<_, _>>()?;
+            rows.push(Row { run, cells, error: last.to_owned() });
+        }
+        Ok(Table { names, rows })
+    }
+
+    /// One table of the parts of a sweep, each run once and none missing.
+    pub fn merge(paths: &[&str]) -> Result<Table, Problem> {
+        let [first, others @ ..] = paths else {
+            return Err(usage("--merge wants the tables of all parts".to_owned()));
+        };
+        let mut whole = Table::read(first)?;
+        for path in others {
+            let table = Table::read(path)?;
+            if table.names != whole.names {
+                return Err(usage(format!("{path} and {first} are not of one sweep: their columns differ")));
+            }
+            whole.rows.extend(table.rows);
+        }
+        whole.rows.sort_by_key(|row| row.run);
+        if let Some(pair) = whole.rows.windows(2).find(|pair| pair[0].run == pair[1].run) {
+            return Err(usage(format!("run {} stands in two parts", pair[0].run)));
+        }
+        match whole.rows.iter().enumerate().find(|(place, row)| row.run != *place) {
+            Some((place, _)) => {
+                Err(usage(format!("run {place} is missing: a part has not been given, or was interrupted")))
+            }
+            None => Ok(whole),
+        }
+    }
+
+    /// A column by its name.
+    pub fn column(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|known| known == name).and_then(|place| place.checked_sub(1))
+    }
+}

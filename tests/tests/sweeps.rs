@@ -1,0 +1,135 @@
+//! `sweep`: many runs on the command line.
+
+use std::fs;
+use std::path::PathBuf;
+
+use dalembert::prelude::*;
+use dalembert_models::MODELS;
+
+dalembert::model!("../models/double_pendulum.yaml", name = DoublePendulum);
+
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("dalembert-sweep-{name}-{}", std::process::id()));
+    fs::create_dir_all(&folder).expect("a folder");
+    folder
+}
+
+/// What the program prints, or what it says is wrong.
+fn told(arguments: &[&str]) -> Result<String, String> {
+    let mut out = Vec::new();
+    match dalembert::cli::run(MODELS, ["dalembert"].iter().chain(arguments), &mut out) {
+        Ok(()) => Ok(String::from_utf8(out).expect("text")),
+        Err(problem) => Err(problem.to_string()),
+    }
+}
+
+/// A sweep's table.
+fn swept(path: &PathBuf, arguments: &[&str]) -> String {
+    let path_text = path.to_str().expect("a path");
+    told(&[&["sweep"], arguments, &["--csv", path_text]].concat()).expect("a sweep");
+    fs::read_to_string(path).expect("a table")
+}
+
+const GRID: [&str; 9] =
+    ["double_pendulum", "--vary", "l=0.5..1:3", "--vary", "theta1'=0,1 rad/s", "--until", "1", "--tolerance", "1e-9"];
+
+#[test]
+fn a_grid_holds_what_single_runs_give() {
+    let table = swept(&folder("grid").join("all.csv"), &GRID);
+    let mut reader = csv::Reader::from_reader(table.as_bytes());
+    let names = reader.headers().expect("names").clone();
+    let place =
+        |name: &str| names.iter().position(|known| known == name).unwrap_or_else(|| panic!("{name} in {names:?}"));
+    let rows: Vec<csv::StringRecord> = reader.records().map(|row| row.expect("a row")).collect();
+    assert_eq!(rows.len(), 6);
+    for (index, row) in rows.iter().enumerate() {
+        let value = |name: &str| row[place(name)].parse::<f64>().expect("a number");
+        assert_eq!(value("run"), index as f64);
+        let (l, speed) = ([0.5, 0.75, 1.0][index / 2], [0.0, 1.0][index % 2]);
+        assert_eq!((value("l"), value("theta1'")), (l, speed));
+        let model = DoublePendulum { l, ..DoublePendulum::default() };
+        let run = model.simulate().starting("theta1'", speed).until(1.0).tolerance(1e-9).run().expect("a run");
+        let column = run.column("tip.y").expect("an output");
+        let extremes =
+            [column.iter().copied().fold(f64::INFINITY, f64::min), column.iter().copied().fold(-1e9, f64::max)];
+        assert!((value("theta2") - run.last()["theta2"]).abs() < 1e-8);
+        assert!((value("min tip.y") - extremes[0]).abs() < 1e-8 && (value("max tip.y") - extremes[1]).abs() < 1e-8);
+        assert_eq!((value("t"), value("warnings"), &row[place("error")]), (1.0, 0.0, ""));
+    }
+}
+
+#[test]
+fn parts_are_put_together_to_the_same_bytes_whatever_the_number_of_threads() {
+    let folder = folder("parts");
+    let whole = swept(&folder.join("whole.csv"), &GRID);
+    assert_eq!(whole, swept(&folder.join("one.csv"), &[&GRID[..], &["--threads", "1"]].concat()));
+    let part = |k: u32| folder.join(format!("part{k}.csv")).to_str().expect("a path").to_owned();
+    for k in 1..=3 {
+        swept(&part(k).into(), &[&GRID[..], &["--shard", &format!("{k}/3"), "--threads", "2"]].concat());
+    }
+    let parts = [part(3), part(1), part(2)];
+    let merge = |parts: &[String]| {
+        let all: Vec<&str> =
+            ["double_pendulum", "--merge"].into_iter().chain(parts.iter().map(String::as_str)).collect();
+        let path = folder.join("merged.csv");
+        let told = told(&[&["sweep"], &all[..], &["--csv", path.to_str().expect("a path")]].concat());
+        told.map(|_| fs::read_to_string(path).expect("a table"))
+    };
+    assert_eq!(merge(&parts), Ok(whole));
+    let missing = merge(&parts[..2]).expect_err("a part is missing");
+    assert!(missing.contains("run 1 is missing"), "{missing}");
+    let twice = merge(&[part(1), part(1), part(2), part(3)]).expect_err("a part stands twice");
+    assert!(twice.contains("run 0 stands in two parts"), "{twice}");
+}
+
+#[test]
+fn a_run_that_fails_stands_in_its_row() {
+    let folder = folder("fails");
+    let path = folder.join("table.csv");
+    let file = folder.join("ball.yaml");
+    let text = "name: Ball
+parameters: {m: 1 kg, k: 1 1/(m*s^2)}
+coordinates: {x: m}
+bodies: {ball: {mass: m, position: \"[x, 0]\"}}
+generalized_forces: {x: \"k*m*x^2\"}
+scene: {start: {x: 1}, until: 3}
+";
+    fs::write(&file, text).expect("a file");
+    let (file, table) = (file.to_str().expect("a path"), path.to_str().expect("a path"));
+    let sweep = ["sweep", file, "--vary", "k=0.1..10:4:log", "--csv", table];
+    let failed = told(&sweep).expect_err("some leave for infinity");
+    assert!(failed.contains("of 4 runs failed; the first, run"), "{failed}");
+    let rows = fs::read_to_string(path).expect("a table").lines().count();
+    assert_eq!(rows, 5);
+}
+
+#[test]
+fn runs_may_be_listed_in_a_file() {
+    let folder = folder("list");
+    let list = folder.join("list.csv");
+    fs::write(&list, "m, theta\n1, 0.1\n2, 0.2\n").expect("a file");
+    let list = list.to_str().expect("a path");
+    let table = swept(&folder.join("all.csv"), &["simple_pendulum", "--points", list, "--until", "1"]);
+    assert!(table.lines().count() == 3, "{table}");
+}
+
+#[test]
+fn what_has_no_meaning_is_refused_with_a_way_out() {
+    let refused =
+        |arguments: &[&str]| told(&[&["sweep", "double_pendulum"], arguments].concat()).expect_err("a refusal");
+    let cases: [(&[&str], &str); 9] = [
+        (&[], "a sweep wants --vary"),
+        (&["--vary", "l=1..2"], "--vary wants NAME=A..B:COUNT"),
+        (&["--vary", "l=1..2:0"], "--vary wants"),
+        (&["--vary", "l=-1..2:3:log"], "no logarithm"),
+        (&["--vary", "len=1,2"], "no parameter or coordinate is called `len`"),
+        (&["--vary", "l=1,2", "--vary", "l=3,4"], "`l` is varied twice"),
+        (&["--vary", "l=1..2:10000", "--vary", "m=1..2:10000"], "more than 10000000 runs"),
+        (&["--vary", "l=1,2", "--shard", "3/2"], "--shard wants I/N"),
+        (&["--vary", "l=1,2", "--show", "tip"], "no result is called `tip`"),
+    ];
+    for (arguments, part) in cases {
+        let problem = refused(&[arguments, &["--csv", folder("bad").join("x.csv").to_str().expect("a path")]].concat());
+        assert!(problem.contains(part), "{arguments:?}: {problem}");
+    }
+}
