@@ -66,7 +66,7 @@ fn seeds_of_the_fuzz_targets() {
 
 #[test]
 fn a_reaction_that_two_systems_describe_differently_is_told() {
-    let text = include_str!("../../fuzz/corpus/derive/reactions.yaml");
+    let text = include_str!("refused/reactions.yaml");
     let problems =
         load(text, &[]).expect_err("`guide` is along the vertical in one system, and has any direction in the other");
     assert!(problems.iter().any(|problem| problem.message.contains("`guide`")), "{problems:?}");

@@ -114,6 +114,32 @@ fn runs_may_be_listed_in_a_file() {
 }
 
 #[test]
+fn nothing_is_written_over_what_a_table_is_made_from() {
+    let folder = folder("over");
+    let part = folder.join("part.csv");
+    let table = swept(&part, &[&GRID[..], &["--shard", "1/2"]].concat());
+    let text = part.to_str().expect("a path");
+    let refused = told(&["sweep", "double_pendulum", "--merge", text, "--csv", text]).expect_err("a refusal");
+    assert!(refused.contains("would overwrite") && refused.contains("--csv"), "{refused}");
+    assert_eq!(fs::read_to_string(&part).expect("a table"), table);
+
+    let list = folder.join("list.csv");
+    fs::write(&list, "theta\n0.1\n").expect("a file");
+    let text = list.to_str().expect("a path");
+    let refused = told(&["sweep", "simple_pendulum", "--points", text, "--csv", text]).expect_err("a refusal");
+    assert!(refused.contains("would overwrite"), "{refused}");
+    assert_eq!(fs::read_to_string(&list).expect("a table"), "theta\n0.1\n");
+}
+
+#[test]
+fn a_sweep_that_is_refused_leaves_no_file() {
+    let path = folder("trace").join("table.csv");
+    let text = path.to_str().expect("a path");
+    told(&["sweep", "double_pendulum", "--vary", "len=1,2", "--csv", text]).expect_err("a refusal");
+    assert!(!path.exists());
+}
+
+#[test]
 fn what_has_no_meaning_is_refused_with_a_way_out() {
     let refused =
         |arguments: &[&str]| told(&[&["sweep", "double_pendulum"], arguments].concat()).expect_err("a refusal");

@@ -35,6 +35,14 @@ pub(crate) enum Course<'a> {
 }
 
 impl Course<'_> {
+    /// How close places θ are that rounding of the time makes one.
+    pub fn resolution(&self) -> f64 {
+        let (t, h) = match self {
+            Course::Step(Segment { t, h, .. }) | Course::Time { t, h } => (t, h),
+        };
+        TICK * (t.abs() + h.abs()) / h.abs()
+    }
+
     /// The time at θ, s.
     fn time(&self, theta: f64) -> f64 {
         match self {
@@ -44,6 +52,8 @@ impl Course<'_> {
     }
 }
 
+/// By how much of itself a time t + θh may be off.
+const TICK: f64 = 2.0 * f64::EPSILON;
 /// More first pieces than this in one step are not tried.
 const MOST_PIECES: f64 = 1e5;
 
@@ -173,6 +183,7 @@ impl Arguments {
         }
         let mut certifier = std::mem::take(&mut self.certifier);
         certifier.extrema = true;
+        certifier.resolution = course.resolution();
         let outcome = certifier.certify(&mut |x| self.sample(system, course, index, x), &grid);
         self.path.clear();
         self.path.extend(certifier.points().iter().map(|point| (point.x, point.value)));

@@ -73,6 +73,8 @@ pub(crate) struct Certifier {
     pub size: f64,
     /// What the rounding of the state may change of the values: less is zero, and no jump.
     pub rounding: f64,
+    /// Points this close to each other are the same, for places are rounded before the function sees them, as θ is in t + θh.
+    pub resolution: f64,
     /// Whether every extremum is wanted, not only those that might hide zeros.
     pub extrema: bool,
     /// Whether as many samples may be taken as there are pieces to begin with, times this many and more.
@@ -157,18 +159,19 @@ impl Certifier {
         let Piece { a, b, depth, .. } = piece;
         let length = b.x - a.x;
         let x = a.x + 0.5 * length;
-        if depth >= DEEPEST || length <= 2.0 * f64::EPSILON * a.x.abs().max(b.x.abs()) || !(x > a.x && x < b.x) {
+        if depth >= DEEPEST || length <= self.finest(a.x, b.x) || !(x > a.x && x < b.x) {
             self.points.push(b);
             return;
         }
         let m = self.sample(f, x);
-        let own = second_largest([a, m, b]);
+        let own = second_largest([a, m, b].map(|sample| sample.value));
         if depth == 0 {
             self.size = self.size.max(own);
         }
         let end = |value: f64| tamed(larger(0.0, value), own);
         let sides = (piece.sides.0.max(end(a.value)), piece.sides.1.max(end(b.value)));
-        let noise = (NOISE * own.max(sides.0.min(sides.1))).max(self.rounding);
+        let blur = self.resolution * second_largest([a, m, b].map(|sample| sample.slope));
+        let noise = (NOISE * own.max(sides.0.min(sides.1))).max(self.rounding).max(blur);
         let piece = Piece { sides, ..piece };
         match (a.value.is_finite(), m.value.is_finite(), b.value.is_finite()) {
             (true, true, true) => {}
@@ -198,6 +201,11 @@ impl Certifier {
             return;
         }
         self.halve(m, piece);
+    }
+
+    /// Pieces from a to b this long are not divided.
+    fn finest(&self, a: f64, b: f64) -> f64 {
+        2.0 * self.resolution.max(f64::EPSILON * a.abs().max(b.abs()))
     }
 
     fn halve(&mut self, m: Sample, piece: Piece) {
@@ -247,8 +255,8 @@ impl Certifier {
         let (mut low, mut high) = (a, b);
         let mut best = if a.value.abs() < b.value.abs() { a } else { b };
         for round in 0..100 {
-            let (width, least) = (high.x - low.x, 2.0 * f64::EPSILON * high.x.abs().max(low.x.abs()));
-            if width.is_nan() || width <= least {
+            let width = high.x - low.x;
+            if width.is_nan() || width <= self.finest(low.x, high.x) {
                 break;
             }
             // Where the chord of the slope meets zero; halves where that does not help.
@@ -360,8 +368,8 @@ fn tamed(size: f64, beside: f64) -> f64 {
 }
 
 /// The second largest size of three values; 0 for what is no number.
-fn second_largest(samples: [Sample; 3]) -> f64 {
-    let mut sizes = samples.map(|sample| larger(0.0, sample.value));
+fn second_largest(values: [f64; 3]) -> f64 {
+    let mut sizes = values.map(|value| larger(0.0, value));
     sizes.sort_unstable_by(f64::total_cmp);
     sizes[1]
 }

@@ -43,7 +43,7 @@ pub(crate) use segment::Segment;
 pub(crate) use stability::{Rational, Stability};
 pub(crate) use stiffness::StiffnessDetector;
 #[cfg(feature = "ensemble")]
-pub(crate) use tolerance::{ROUNDING, widest};
+pub(crate) use tolerance::{JITTER, ROUNDING, widest};
 pub(crate) use tolerance::{Tolerance, larger};
 
 use crate::cause::Cause;

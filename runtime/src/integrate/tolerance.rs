@@ -13,7 +13,7 @@ use crate::mechanism::Description;
 /// R is the range that the component has gone through since the start, or the way of the step itself if that is longer, so
 /// that neither a shift of the origin nor a change of units changes a step; an angle's is at most 2π.  φ = 200 u max|q|, u = 2⁻⁵³, is the
 /// rounding of q: no error below it counts.  ν is the noise of the acceleration, what the rounding of all coordinates
-/// makes of it; it is measured where errors do not fall as steps become shorter ([`Tolerance::noise`]).  Where a
+/// and of the time makes of it; it is measured where errors do not fall as steps become shorter ([`Tolerance::noise`]).  Where a
 /// coordinate takes over the rounding of a larger one beside it, φ is raised then.
 ///
 /// What has decayed far below its largest value has absolute accuracy only.
@@ -40,6 +40,8 @@ pub(crate) struct Tolerance {
 
 /// 200 unit round-offs.
 pub(crate) const ROUNDING: f64 = 100.0 * f64::EPSILON;
+/// By what part of themselves coordinates and the time are moved to see what their rounding does.
+pub(crate) const JITTER: f64 = 4.0 * f64::EPSILON;
 /// Errors are explained by up to so many times the measured noise.
 const EXPLAINED: f64 = 8.0;
 
@@ -156,7 +158,7 @@ impl Tolerance {
 
     /// A change of coordinate i of a few roundings.
     pub fn jitter(&self, i: usize) -> f64 {
-        4.0 * f64::EPSILON * self.high[i].abs().max(self.low[i].abs())
+        JITTER * self.high[i].abs().max(self.low[i].abs())
     }
 
     /// Coordinates whose accuracy is limited by the rounding of others instead of the tolerance, and to what, in SI;

@@ -1,6 +1,7 @@
 //! Rounding told apart from errors that shorter steps would mend.
 
 use super::{March, Pace, Step};
+use crate::integrate::JITTER;
 use crate::mechanism::{At, System, solve_packed_slice};
 
 impl March {
@@ -28,8 +29,8 @@ impl March {
         }
     }
 
-    /// What rounding makes of each acceleration here: that of the coordinates, by moving them, and that of the terms
-    /// of the equations, M⁻¹ u m with their running magnitudes m; 0 where neither can be told.
+    /// What rounding makes of each acceleration here: that of the coordinates and of the time, by moving them, and that of the
+    /// terms of the equations, M⁻¹ u m with their running magnitudes m; 0 where none can be told.
     pub(super) fn noise(&mut self, system: &dyn System) -> Vec<f64> {
         let (n, now) = (system.len(), self.clock.now());
         let Pace::Adaptive { tolerance, .. } = &self.pace else { return vec![0.0; n] };
@@ -39,14 +40,14 @@ impl March {
         let at = At::packed(now, start.y, n).accelerated(&from);
         let mut noise = by_terms(system, at, self.until).unwrap_or_else(|| vec![0.0; n]);
         let mut rate = vec![0.0; 2 * n];
-        for side in [1.0, -1.0] {
+        for (side, tick) in [(1.0, 0.0), (-1.0, 0.0), (0.0, JITTER), (0.0, -JITTER)] {
             // Differences of neighbours show most where these move apart.
             for i in 0..n {
                 let sign = if i % 2 == 0 { side } else { -side };
                 y[i] = self.stepper.start().y[i] + sign * jitter[i];
             }
-            if self.stepper.evaluate(system, now, &y, &mut rate).is_err() {
-                break;
+            if self.stepper.evaluate(system, now + tick * now, &y, &mut rate).is_err() {
+                continue;
             }
             for i in 0..n {
                 noise[i] = noise[i].max((rate[n + i] - from[i]).abs());

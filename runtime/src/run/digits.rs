@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use super::Run;
 #[cfg(feature = "cli")]
 use super::State;
+use super::state::plain;
 
 /// What a second run, less accurate and from a start moved by rounding, says about the first.
 ///
@@ -205,7 +206,7 @@ impl Run {
     pub(crate) fn written(&self, name: &str, value: f64) -> String {
         let column = self.column_names().iter().position(|known| known == name);
         let error = self.errors(name).and_then(|errors| errors.last().copied());
-        let (Some(digits), Some(column), Some(error)) = (&self.digits, column, error) else { return value.to_string() };
+        let (Some(digits), Some(column), Some(error)) = (&self.digits, column, error) else { return plain(value) };
         let lost = error >= value.abs() && error > LOST * ranges(self, digits.still)[column];
         written(value, if lost { f64::INFINITY } else { error })
     }

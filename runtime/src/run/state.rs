@@ -108,8 +108,14 @@ impl fmt::Debug for State {
 impl fmt::Display for State {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (index, (name, value)) in self.entries().enumerate() {
-            write!(f, "{}{name} = {value}", if index == 0 { "" } else { ", " })?;
+            write!(f, "{}{name} = {}", if index == 0 { "" } else { ", " }, plain(value))?;
         }
         Ok(())
     }
+}
+
+/// All digits of a value; with an exponent where it is very small or large.
+pub(crate) fn plain(value: f64) -> String {
+    let text = format!("{value:?}");
+    text.strip_suffix(".0").map(str::to_owned).unwrap_or(text)
 }

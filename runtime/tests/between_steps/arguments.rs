@@ -2,7 +2,7 @@
 
 use dalembert::Method;
 
-use crate::{coasting, sprung};
+use crate::{coasting, file, sprung};
 
 #[test]
 fn smooth_pulses_of_time_are_met_whatever_their_width() {
@@ -16,6 +16,45 @@ scene: {{start: {{x: 0}}, until: 100, tolerance: 1e-10}}"
         let a = 0.5 * std::f64::consts::PI / rate;
         let expected = a / a.sinh() * (47.0_f64.cos() - 50.0_f64.cos());
         assert!((run.last()["x"] - expected).abs() < 1e-6, "{rate}: {} {expected}", run.last());
+    }
+}
+
+/// In steps of some 1e-8 s the rounding of t changes the argument of the pulse by more than the cubic through it does: it
+/// was followed through noise, and the run never ended.
+#[test]
+fn a_pulse_of_time_is_followed_no_closer_than_time_is_known() {
+    let mut drawn = file(
+        "name: Drawn
+coordinates: {theta: 1}
+gravity: [0, -9.81]
+bodies: {bob: {mass: 0.13, position: \"[0.81*sin(theta), -0.81*cos(theta)]\"}}
+generalized_forces:
+  theta: \"0.99*sign(abs(theta - 0.835) - 0.0054) - 113*exp(-((t - 5.76245)/3.2e-5)^2)\"
+scene: {start: {theta: 1.4, theta': -1.42}, until: 5.8, tolerance: 1e-10}",
+    );
+    let usual = drawn.run();
+    let run = drawn.tolerance(1e-12).run();
+    assert!((run.last()["theta"] - usual.last()["theta"]).abs() < 1e-6, "{} {}", run.last(), usual.last());
+    assert!(run.work.samples < 40 * run.work.steps, "{:?}", run.work);
+}
+
+/// A blow of 1 N s within 1e-7 s after 100 s: of the argument of its exponential nothing would be left if it were multiplied
+/// out, and the rounding of the time makes 1e-5 of the force.
+#[test]
+fn a_short_pulse_long_after_the_start_gives_its_impulse() {
+    for (at, width) in [(100.0, 1e-7), (5.0, 1e-8), (1e4, 1e-3)] {
+        let mut blow = file(&format!(
+            "name: Kick
+coordinates: {{x: 1}}
+bodies: {{b: {{mass: 1, position: \"[x, 0]\"}}}}
+generalized_forces: {{x: \"exp(-((t - {at:?})/{width:e})^2)/{width:e}\"}}
+scene: {{start: {{x: 0}}, until: {}, tolerance: 1e-9}}",
+            at + 1.0
+        ));
+        let run = blow.run();
+        let impulse = std::f64::consts::PI.sqrt();
+        assert!((run.last()["x'"] - impulse).abs() < 1e-6, "{at} {width}: {}", run.last());
+        assert!(run.work.steps < 10_000, "{at} {width}: {:?}", run.work);
     }
 }
 

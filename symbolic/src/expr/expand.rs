@@ -4,6 +4,10 @@
 //! collected with coefficients that depend on parameters only, k s² + k c² becomes k, and the result is
 //! factored greedily by its most frequent factor.  For small planar mechanisms this finds what a person
 //! writes by hand; for recursive code it destroys shared prefixes.  The caller keeps the cheaper form.
+//!
+//! What cancels stays as it is: arguments of functions, denominators and bases that are not linear (of √((x − a)² + …) the
+//! expanded square has lost its digits, and may be negative, where the distance is small), and differences of places and
+//! times in products, which are atoms there: (x − c)², (t − t₀)².
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -57,7 +61,7 @@ fn polynomial_of(graph: &mut Graph, id: Id, known: &mut HashMap<Id, Rc<Polynomia
             p
         }
         Node::Unary(f, x) => {
-            let argument = lowered(graph, &known[&x].clone());
+            let argument = argument(graph, x, known);
             let new = graph.unary(f, argument);
             match graph.node(new) {
                 // Signs pulled outwards: −sin(x) is −1 times an atom.
@@ -78,22 +82,41 @@ fn polynomial_of(graph: &mut Graph, id: Id, known: &mut HashMap<Id, Rc<Polynomia
         }
         Node::Binary(Binary::Mul, x, y) => {
             let (p, q) = (known[&x].clone(), known[&y].clone());
+            let (p, q) = if p.len() > 1 && q.len() > 1 { (whole(graph, &p), whole(graph, &q)) } else { (p, q) };
             if p.len() * q.len() > 4 * TERM_LIMIT {
                 return None;
             }
             product(graph, &p, &q)
         }
         Node::Binary(Binary::Div, x, y) => {
-            let denominator = lowered(graph, &known[&y].clone());
+            let denominator = argument(graph, y, known);
             let reciprocal = graph.div(Id::ONE, denominator);
             let p = known[&x].clone();
             product(graph, &p, &atom(reciprocal))
         }
         Node::Binary(operation, x, y) => {
-            let (a, b) = (lowered(graph, &known[&x].clone()), lowered(graph, &known[&y].clone()));
+            let (a, b) = (argument(graph, x, known), argument(graph, y, known));
             atom(graph.binary(operation, a, b))
         }
     })
+}
+
+/// What a function is taken of: as it is, but that linear expressions and products get their one form.
+fn argument(graph: &mut Graph, x: Id, known: &HashMap<Id, Rc<Polynomial>>) -> Id {
+    let p = known[&x].clone();
+    let linear = p.keys().all(|monomial| monomial.iter().map(|(_, n)| n).sum::<u32>() <= 1);
+    if linear || p.len() == 1 { lowered(graph, &p) } else { x }
+}
+
+/// A factor with several terms: an atom if these are places and times, whose difference may vanish.
+fn whole(graph: &mut Graph, p: &Rc<Polynomial>) -> Rc<Polynomial> {
+    let place = |graph: &Graph, atom: Id| {
+        matches!(graph.node(atom), Node::Symbol(Symbol::Coordinate(_) | Symbol::Time | Symbol::Input(_, 0)))
+    };
+    if p.keys().all(|monomial| monomial.iter().all(|(atom, _)| place(graph, *atom))) {
+        return Rc::new(Polynomial::from([(vec![(lowered(graph, p), 1)], Id::ONE)]));
+    }
+    p.clone()
 }
 
 fn product(graph: &mut Graph, p: &Polynomial, q: &Polynomial) -> Polynomial {

@@ -1,9 +1,10 @@
-//! The choice among equivalent forms, by number of operations.
+//! The choice among equivalent forms that round alike, by number of operations.
 
 use super::Entry;
 use super::count::operations;
+use super::rounding::expanded;
 use crate::derive::Equations;
-use crate::expr::{Graph, Id, Symbol, expand};
+use crate::expr::{Graph, Id, Symbol};
 
 /// The cheapest M, h and F.
 pub(super) struct Chosen {
@@ -16,7 +17,6 @@ pub(super) struct Chosen {
 /// M, h and F may come from different derivations and in different forms: as derived, or expanded and
 /// factored again.  M and h are chosen together, since they are evaluated together.
 pub(super) fn choose(graph: &mut Graph, equations: &[Equations]) -> Chosen {
-    let constant = |s: Symbol| matches!(s, Symbol::Parameter(_));
     let mut masses: Vec<(String, Vec<Entry>)> = Vec::new();
     let mut biases: Vec<(String, Vec<Id>)> = Vec::new();
     let mut residuals: Vec<(String, Vec<Id>)> = Vec::new();
@@ -25,14 +25,14 @@ pub(super) fn choose(graph: &mut Graph, equations: &[Equations]) -> Chosen {
         let values: Vec<Id> = derivation.mass.iter().map(|e| e.2).collect();
         // Expanded forms of different derivations are the same up to order, so one is enough.
         if masses.is_empty() {
-            if let Some(expanded) = expand(graph, &values, constant) {
+            if let Some(expanded) = expanded(graph, &values) {
                 let entries = derivation.mass.iter().zip(expanded).map(|(e, x)| (e.0, e.1, x));
                 masses.push((format!("{name}, expanded"), entries.filter(|e| e.2 != Id::ZERO).collect()));
             }
-            if let Some(expanded) = expand(graph, &derivation.bias, constant) {
+            if let Some(expanded) = expanded(graph, &derivation.bias) {
                 biases.push((format!("{name}, expanded"), expanded));
             }
-            if let Some(expanded) = expand(graph, &derivation.residual, constant) {
+            if let Some(expanded) = expanded(graph, &derivation.residual) {
                 residuals.push((format!("{name}, expanded"), expanded));
             }
         }

@@ -8,6 +8,7 @@ mod factor;
 mod gather;
 mod magnitude;
 mod momentum;
+mod rounding;
 mod structure;
 mod time;
 

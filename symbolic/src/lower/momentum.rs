@@ -2,9 +2,10 @@
 
 use super::count::operations;
 use super::gather::gather;
+use super::rounding::expanded;
 use super::{Entry, gather_entries};
 use crate::derive::Momentum;
-use crate::expr::{Graph, Id, Symbol, expand};
+use crate::expr::{Graph, Id, Symbol};
 use crate::model::{BalanceSystem, Model};
 
 /// One system of balances.
@@ -64,7 +65,6 @@ fn cheapest(graph: &mut Graph, matrix: Vec<Entry>, right: Vec<Id>) -> (Vec<Entry
     if right.len() > EXPAND_LIMIT {
         return (matrix, right);
     }
-    let constant = |s: Symbol| matches!(s, Symbol::Parameter(_));
     let values: Vec<Id> = matrix.iter().map(|e| e.2).collect();
     let mut best = (matrix, right);
     let cost = |graph: &Graph, (matrix, right): &(Vec<Entry>, Vec<Id>)| {
@@ -74,8 +74,8 @@ fn cheapest(graph: &mut Graph, matrix: Vec<Entry>, right: Vec<Id>) -> (Vec<Entry
         let entries = old.iter().zip(values).map(|(e, value)| (e.0, e.1, value));
         entries.filter(|e| e.2 != Id::ZERO).collect()
     };
-    let expanded_matrix = expand(graph, &values, constant).map(|values| put(&best.0, values));
-    let expanded_right = expand(graph, &best.1, constant);
+    let expanded_matrix = expanded(graph, &values).map(|values| put(&best.0, values));
+    let expanded_right = expanded(graph, &best.1);
     for matrix in [None, expanded_matrix] {
         for right in [None, expanded_right.clone()] {
             let candidate = (matrix.clone().unwrap_or_else(|| best.0.clone()), right.unwrap_or_else(|| best.1.clone()));

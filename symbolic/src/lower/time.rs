@@ -39,8 +39,7 @@ pub(super) fn of_time(graph: &mut Graph, residual: &[Id], switches: &[Switch]) -
 
 /// Functions of time alone, but for sine and cosine (which are nowhere small for long), become numbers.
 fn with_generic_functions(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
-    let timed = graph.contains(|s| s == Symbol::Time);
-    let moving = graph.contains(|s| {
+    let moves = |s: &Symbol| {
         matches!(
             s,
             Symbol::Coordinate(_)
@@ -50,14 +49,16 @@ fn with_generic_functions(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
                 | Symbol::Mode(_)
                 | Symbol::Phase(_)
         )
-    });
+    };
     let mut random = Random::new();
     rewrite(graph, roots, |graph, node| {
         let Node::Unary(function, x) = node else { return None };
-        let tame = matches!(function, Unary::Neg | Unary::Abs | Unary::Sin | Unary::Cos | Unary::Tan);
-        // An argument that was rebuilt has numbers in it already.
-        let of_time = timed.get(x.index()).copied().unwrap_or(false) && !moving[x.index()];
-        (of_time && !tame).then(|| graph.float(random.between(0.4, 0.9)))
+        if matches!(function, Unary::Neg | Unary::Abs | Unary::Sin | Unary::Cos | Unary::Tan) {
+            return None;
+        }
+        let symbols = graph.symbols([x]);
+        let of_time = symbols.contains(&Symbol::Time) && !symbols.iter().any(moves);
+        of_time.then(|| graph.float(random.between(0.4, 0.9)))
     })
 }
 
@@ -116,5 +117,6 @@ mod tests {
         assert_eq!(rows("exp(-(t - 700)^2)"), 1);
         assert_eq!(rows("-x*cos(W*t)"), 1);
         assert_eq!(rows("tanh(t - 1e6)"), 1);
+        assert_eq!(rows("k*tanh((t - 1e4*W)/W)"), 1);
     }
 }
