@@ -28,6 +28,8 @@ pub mod linear;
 mod march;
 mod matrix;
 pub mod mechanism;
+#[cfg(feature = "interpret")]
+pub mod needs;
 mod numbers;
 pub mod precision;
 pub mod prelude;

@@ -28,6 +28,7 @@ pub fn command() -> Command {
         .subcommand(modes())
         .subcommand(sweep())
         .subcommand(chart())
+        .subcommand(needs())
         .subcommand(
             Command::new("stability")
                 .about("Maps where a method is stable: growth per step of an oscillator over hω and its damping, measured, beside theory")
@@ -128,6 +129,19 @@ fn chart() -> Command {
         .arg(value("twin", "NAME", "Another file of the same mechanism, in minimal coordinates say, at its scene of the same name or its first; compared by outputs of the same names"))
         .arg(value("plot", "FILE.svg", "Where the charts go [default: NAME-chart.svg]"))
         .arg(value("csv", "FILE.csv", "Where all points go [default: NAME-chart.csv]"))
+}
+
+fn needs() -> Command {
+    let [scene, ..] = scene();
+    Command::new("needs")
+        .about("Tells what a scene can do without: tries every force, body and coordinate, prints what each changes and saves, and writes the smaller model")
+        .arg(model())
+        .args(sizes())
+        .arg(scene)
+        .arg(value("needs", "A,B", "What is wanted: coordinates, rates, outputs [default: the scene's `needs`, or all coordinates and outputs]"))
+        .arg(value("within", "PART", "How exactly, in parts of the range of each [default: the scene's `needs`, or 1e-3]"))
+        .arg(flag("all", "Leave out too what saves less than a twentieth of the work"))
+        .arg(value("write", "FILE.yaml", "Write the smaller model: the file's text without what goes, and what was found in comments"))
 }
 
 /// A model's name or path.

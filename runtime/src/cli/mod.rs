@@ -20,6 +20,7 @@ mod json;
 mod list;
 mod load;
 mod modes;
+mod needs;
 mod new;
 mod outputs;
 mod problem;
@@ -86,6 +87,7 @@ pub fn run(
         Some(("stability", options)) => stability::run(options, out),
         Some(("sweep", options)) => sweep::run(models, options, out),
         Some(("modes", options)) => modes::run(models, options, out),
+        Some(("needs", options)) => needs::run(models, options, out),
         Some(("new", options)) => new::run(options, out),
         _ => Err(Problem::Usage(arguments::command().render_help().to_string())),
     }

@@ -38,6 +38,8 @@ pub(crate) struct Known<'a> {
 const NOW: f64 = 1e-11;
 /// A rate that is this part of the largest is zero to rounding.
 const STANDS: f64 = 1e-12;
+/// Rates up to so many times what the rounding of the state makes of them are rounding.
+pub(super) const EXPLAINED: f64 = 8.0;
 /// Combinations of sides that are tried.
 const MOST_COMBINATIONS: usize = 64;
 
@@ -50,7 +52,7 @@ const MOST_COMBINATIONS: usize = 64;
 ///
 /// Where no combination leads away, one `sign` that rested, as at the start, stays 0 if nothing moves with it; one that
 /// slid until then and is pushed back from both sides does not come to rest by itself: what holds it there is for a
-/// phase to say.
+/// phase to say.  Where all that pushes is rounding, it rests.
 ///
 /// Returns which switches are on their surface.
 ///
@@ -132,6 +134,15 @@ pub(crate) fn choose<S: System + ?Sized>(
         if pushed.iter().all(|k| sampler.rate(*k).abs() <= STANDS * scale(*k)) {
             return Ok(rest.on);
         }
+    }
+    if pushed.iter().all(|k| scale(*k) <= EXPLAINED * sampler.rounding_of_rate(system, (t, y), *k)) {
+        // Rounding pushes: at rest the drag v |v| is as good as none, and no side is the motion's.
+        let mut rest = combinations[best].clone();
+        for switch in &pushed {
+            rest.modes[*switch] = at_rest(system, *switch);
+        }
+        system.set_modes(&rest.modes);
+        return Ok(rest.on);
     }
     system.set_modes(&before);
     let switch = pushed.first().copied().unwrap_or(0);
@@ -227,6 +238,23 @@ fn side_of<S: System + ?Sized>(system: &S, switch: usize, mode: f64) -> f64 {
 /// A switch's argument as the model file has it.
 pub(crate) fn text<S: System + ?Sized>(system: &S, switch: usize) -> String {
     system.description().switches.get(switch).map_or_else(String::new, |switch| switch.text.to_string())
+}
+
+/// Lets a switch on its surface rest where what moves it from there is no more than rounding, as it is where drag v |v| acts on
+/// what stands still.
+pub(crate) fn rest_if_only_rounding_moves<S: System + ?Sized>(
+    system: &mut S,
+    sampler: &mut Sampler,
+    (t, y): (f64, &[f64]),
+    switch: usize,
+) {
+    let noise = sampler.rounding_of_rate(system, (t, y), switch);
+    sampler.at_state(system, t, y);
+    if sampler.rate(switch).abs() <= EXPLAINED * noise {
+        let mut modes = system.modes().to_vec();
+        modes[switch] = at_rest(system, switch);
+        system.set_modes(&modes);
+    }
 }
 
 /// The mode on the surface where nothing moves.

@@ -233,6 +233,22 @@ impl Sampler {
         sum
     }
 
+    /// By how much the rate of a switch's argument may change by the rounding of a state, 1/s.
+    pub fn rounding_of_rate<S: System + ?Sized>(&mut self, system: &S, (t, y): (f64, &[f64]), switch: usize) -> f64 {
+        self.at_state(system, t, y);
+        let (mut near, rate) = (y.to_vec(), self.rate(switch));
+        let mut sum = 0.0;
+        for i in 0..y.len() {
+            for moved in [y[i] * (1.0 - ROUNDINGS), y[i] * (1.0 + ROUNDINGS)] {
+                near[i] = moved;
+                self.at_state(system, t, &near);
+                sum += (self.rate(switch) - rate).abs();
+            }
+            near[i] = y[i];
+        }
+        sum
+    }
+
     /// Samples of all functions at a place of a step.
     pub fn samples<S: System + ?Sized>(
         &mut self,

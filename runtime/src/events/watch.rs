@@ -58,6 +58,8 @@ pub(crate) enum Interruption {
 
 /// More restarts than this at once are chattering.
 const RESTARTS: u32 = 100;
+/// After so many it is asked whether rounding makes them.
+const SEVERAL: u32 = 8;
 /// What happens within this part of a step happens at once.
 const AT_ONCE: f64 = 1e-9;
 /// An event's function is at its zero where it is this part of the largest it had.
@@ -216,7 +218,12 @@ impl Watch {
             let value = self.scanner.largest_here(function);
             let rests = modes::side(system, switch) == 0.0;
             if rests && value.abs() > REST * self.scanner.largest[function] && value != 0.0 {
-                return Ok(Some(Interruption::Leaves { switch, side: value.signum() }));
+                segment.evaluate(1.0, &mut self.y);
+                let noise = self.sampler.rounding_of_rate(system, (segment.t + segment.h, &self.y), switch);
+                if value.abs() > modes::EXPLAINED * noise * segment.h {
+                    return Ok(Some(Interruption::Leaves { switch, side: value.signum() }));
+                }
+                self.scanner.crossings.retain(|crossing| crossing.function != function);
             }
         }
         let crossings = std::mem::take(&mut self.scanner.crossings);
@@ -479,6 +486,11 @@ impl Watch {
         self.monitors.forget();
         let known = Known { surface: &self.surface, leaves, step: self.step };
         let on = modes::choose(system, &mut self.sampler, (t, y), &known, trial)?;
+        if self.restarts > SEVERAL {
+            for switch in (0..on.len()).filter(|switch| on[*switch]) {
+                modes::rest_if_only_rounding_moves(system, &mut self.sampler, (t, y), switch);
+            }
+        }
         for (switch, on) in on.into_iter().enumerate() {
             let function = self.sampler.function_of(switch);
             self.scanner.sides[function] = modes::side(system, switch);

@@ -42,9 +42,9 @@ pub(crate) use explicit::{DOP853, Dop853, Stage, Term, stages};
 pub(crate) use segment::Segment;
 pub(crate) use stability::{Rational, Stability};
 pub(crate) use stiffness::StiffnessDetector;
+pub(crate) use tolerance::{JITTER, Tolerance, larger};
 #[cfg(feature = "ensemble")]
-pub(crate) use tolerance::{JITTER, ROUNDING, widest};
-pub(crate) use tolerance::{Tolerance, larger};
+pub(crate) use tolerance::{ROUNDING, widest};
 
 use crate::cause::Cause;
 use crate::mechanism::{At, Description, Singular, System};

@@ -21,6 +21,8 @@ pub(crate) use record::usual_drift;
 pub(crate) use record::{Plan, Recorder, evaluate_outputs};
 pub(crate) use state::Names;
 pub use state::State;
+#[cfg(feature = "interpret")]
+pub(crate) use state::plain;
 pub(crate) use trajectory::Trajectory;
 pub use trust::Trust;
 

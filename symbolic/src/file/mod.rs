@@ -1,6 +1,7 @@
 //! The file as YAML: read to a tree of nodes with places, and problems shown where they stand in it.
 
 mod complaint;
+pub mod edit;
 mod locate;
 mod node;
 mod outline;

@@ -91,6 +91,19 @@ impl Model {
         Ok([value, rate, second])
     }
 
+    /// What a scene is run for by its `needs`: names, and how exactly; `None` where it has none, or there is no such scene.
+    pub fn need(&self, scene: &str) -> Option<(Vec<String>, f64)> {
+        let scene = self.scenes.iter().find(|known| known.name == scene)?;
+        let need = scene.need.as_ref()?;
+        let mut parameters: Vec<f64> = self.parameters.iter().map(|parameter| parameter.default).collect();
+        let set: Vec<Id> = scene.set.iter().map(|(_, value)| *value).collect();
+        for ((place, _), value) in scene.set.iter().zip(evaluate_all(&self.graph, &set, &parameters.clone())) {
+            parameters[*place] = value;
+        }
+        let names = need.outputs.iter().map(|(name, _)| name.clone()).collect();
+        Some((names, evaluate(&self.graph, need.within, &parameters)?))
+    }
+
     /// True where expressions contain discontinuities, or functions that are local through their argument: `exp`,
     /// `tanh`, powers, quotients.
     pub fn is_local(&self, roots: &[Id]) -> bool {

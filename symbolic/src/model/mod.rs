@@ -14,8 +14,8 @@ pub use identifier::{KEYWORDS, METHODS, field_name, is_snake_case, local_name, m
 pub use resolve::{load, read_through, resolve};
 pub use resolved::{
     Balance, BalanceSystem, Body, Change, Check, Conserved, Constraint, Coordinate, Derived, Event, EventAction,
-    Family, GeneralizedForce, Input, Load, Model, Output, Parameter, Part, Phase, Push, Reaction, Rotation, Sample,
-    Scene, Shape, SharedEnd, Vector, Work,
+    Family, GeneralizedForce, Input, Load, Model, Need, Output, Parameter, Part, Phase, Push, Reaction, Rotation,
+    Sample, Scene, Shape, SharedEnd, Vector, Work,
 };
 pub use text::text;
 pub(crate) use text::text_in;

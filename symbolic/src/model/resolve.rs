@@ -98,6 +98,7 @@ fn resolve_through(root: &Node, sizes: &[(String, i64)]) -> (Option<Model>, Vec<
     // 5. What is computed along a run; look in `watched.rs` and `draw.rs`.
     resolver.watched();
     resolver.also(held);
+    resolver.needed();
     resolver.events();
     resolver.idle_constraints();
     resolver.draw();

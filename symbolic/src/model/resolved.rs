@@ -467,6 +467,17 @@ pub struct Scene {
     pub every: Option<Id>,
     /// Free parameters and their values (of the others, before `set`).
     pub set: Vec<(usize, Id)>,
+    /// What is wanted of it; absent: everything.
+    pub need: Option<Need>,
+}
+
+/// What a scene is run for.
+#[derive(Clone, Debug)]
+pub struct Need {
+    /// Coordinates, rates (with a prime) and outputs, with where each is named; none: all coordinates and outputs.
+    pub outputs: Vec<(String, Place)>,
+    /// How exactly, in parts of the range that each goes through.
+    pub within: Id,
 }
 
 /// An unknown force or couple.

@@ -12,14 +12,15 @@ use crate::model::expression::dimension::Dimension;
 use crate::model::expression::facts::Depends;
 use crate::model::expression::families::{self, Expanded, Family, Locals};
 use crate::model::expression::rules::Rules;
-use crate::model::resolved::Scene;
+use crate::model::resolved::{Need, Scene};
 use crate::model::resolver::Resolver;
 
-const SCENE_KEYS: [&str; 8] = ["start", "until", "tolerance", "every", "phase", "set", "guess", "also"];
+const SCENE_KEYS: [&str; 9] = ["start", "until", "tolerance", "every", "phase", "set", "guess", "also", "needs"];
 
 const END: Rules = Rules::constant("the end of a run").si(Dimension::TIME);
 const SPACING: Rules = Rules::constant("a spacing").si(Dimension::TIME);
 const TOLERANCE: Rules = Rules::constant("a tolerance").si(Dimension::ONE);
+const ACCURACY: Rules = Rules::constant("an accuracy").si(Dimension::ONE);
 
 /// An entry of `also`, to be looked up among what is watched.
 #[derive(Clone, Debug)]
@@ -84,6 +85,7 @@ impl Resolver<'_> {
             tolerance: self.bench.graph.rational(Rational::new(1, 1_000_000_000).unwrap_or(Rational::ONE)),
             every: None,
             set: Vec::new(),
+            need: None,
         };
         if let Some(phase) = get("phase") {
             scene.phase = self.one_phase(&phase, &Self::no_locals()).unwrap_or(0);
@@ -109,7 +111,42 @@ impl Resolver<'_> {
         let tolerance = get("tolerance").and_then(|spot| self.positive(&spot, TOLERANCE, &scene));
         scene.tolerance = tolerance.unwrap_or(scene.tolerance);
         scene.every = get("every").and_then(|spot| self.positive(&spot, SPACING, &scene));
+        scene.need = get("needs").and_then(|spot| self.need(&spot, &scene));
         self.model.scenes.push(scene);
+    }
+
+    /// `needs`: what a scene is run for, and how exactly.
+    fn need(&mut self, spot: &Spot<'_>, scene: &Scene) -> Option<Need> {
+        if !spot.only(&["outputs", "within"], "`needs`", &mut self.bench.problems) {
+            return None;
+        }
+        let mut outputs = Vec::new();
+        if let Some(list) = spot.get("outputs") {
+            for item in list.list(&mut self.bench.problems) {
+                outputs.extend(item.words(&mut self.bench.problems).map(|name| (name.to_owned(), item.place.clone())));
+            }
+        }
+        let within = spot.need("within", "`needs`", &mut self.bench.problems)?;
+        Some(Need { outputs, within: self.positive(&within, ACCURACY, scene)? })
+    }
+
+    /// Looks up what scenes need, now that outputs are known.
+    pub fn needed(&mut self) {
+        let coordinates = self.model.coordinates.iter().flat_map(|c| [c.name.clone(), format!("{}'", c.name)]);
+        let known: Vec<String> =
+            coordinates.chain(self.model.outputs.iter().map(|output| output.name.clone())).collect();
+        let mut seen: Vec<Place> = Vec::new();
+        for need in self.model.scenes.iter().filter_map(|scene| scene.need.as_ref()) {
+            for (name, place) in need.outputs.iter().filter(|(name, _)| !known.contains(name)) {
+                // A scene that inherits it is not told again.
+                if !seen.contains(place) {
+                    let known: Vec<&str> = known.iter().map(String::as_str).collect();
+                    let help = crate::diagnose::did_you_mean_or(name, &known);
+                    self.bench.problems.push(names::unknown_name(place.clone(), name, help));
+                    seen.push(place.clone());
+                }
+            }
+        }
     }
 
     /// The values of the free parameters in a scene.

@@ -1,0 +1,239 @@
+//! What may go together.
+
+use std::ops::ControlFlow;
+
+use dalembert_symbolic::diagnose::Step;
+use dalembert_symbolic::file::edit::{keys, source};
+
+use super::Unanswered;
+use super::deviation::{Motion, between, largest};
+use super::edit::{Edit, entry, shown, word};
+use super::full::{Full, columns, moved};
+use super::rung::{Answer, Proposal, Rung, Verdict, answer, near};
+use crate::mechanism::System;
+use crate::simulate::Settings;
+
+/// What a scene does without, tried as a whole.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Choice {
+    /// Which ingredients go; none where only the tolerance is looser.
+    pub members: Vec<String>,
+    /// What goes with what was held, since it does nothing any more.
+    pub idle: Vec<String>,
+    /// The tolerance at which the smaller model is run.
+    pub tolerance: f64,
+    /// The largest of the sum of the members' own changes; `None` without members.
+    pub predicted: Option<f64>,
+    /// The largest deviation of the smaller model at that tolerance from the full one, integration included.
+    pub verified: f64,
+    /// Of what.
+    pub of: String,
+    /// The same from starts moved by a hundredth of the ranges; `None` where they could not be compared.
+    pub moved: Option<f64>,
+    /// What the scene takes now, as [`Needs::operations`](super::Needs::operations).
+    pub operations: f64,
+    /// By how many times less work the scene takes.
+    pub saving: f64,
+    /// Claims of the file that went, and why.
+    pub gone: Vec<(String, String)>,
+    /// Coordinates and outputs that are not wanted, and by how much more than the need they are off; infinite for what happens
+    /// otherwise.
+    pub not_promised: Vec<(String, f64)>,
+    pub(super) text: String,
+}
+
+/// What saves less stays: a file without it is less general for no gain.
+const WORTH: f64 = 1.05;
+/// Sums of changes may take this part of the need, and their sizes twice the need: none fits only by cancelling another.
+const FILLED: f64 = 0.95;
+const CANCELLED: f64 = 2.0;
+/// The tolerance is this part of the need at the loosest.
+const LOOSE: f64 = 1e-2;
+/// A set that fails as a whole is tried again with one member less, so often.
+const RETRIES: usize = 3;
+/// Starts are moved by this part of ranges.
+const MOVED: f64 = 0.01;
+/// What does nothing changes no more than this.
+const IDLE: f64 = 1e-11;
+
+/// The set that saves most, verified; `None` where nothing does.
+pub(super) fn choose(
+    full: &Full,
+    rungs: &[Rung],
+    all: bool,
+    progress: &mut dyn FnMut(&str) -> ControlFlow<()>,
+) -> Result<Option<Choice>, Unanswered> {
+    let mut members = greedy(full, rungs, all);
+    for _ in 0..=RETRIES {
+        if progress("what goes together").is_break() {
+            return Err(Unanswered::Interrupted);
+        }
+        if members.is_empty() {
+            break;
+        }
+        if let Some(choice) = verified(full, &members) {
+            return Ok(Some(choice).filter(|choice| choice.saving > WORTH));
+        }
+        // Without the one whose own change is the largest.
+        let worst = (0..members.len()).max_by(|a, b| change(members[*a]).total_cmp(&change(members[*b])));
+        worst.map(|worst| members.remove(worst));
+    }
+    Ok(verified(full, &[]).filter(|choice| choice.saving > WORTH))
+}
+
+fn change(rung: &Rung) -> f64 {
+    rung.deviation.as_ref().map_or(0.0, |deviation| deviation.largest)
+}
+
+/// Those that serve, the ones that save most first, as long as the sum of their changes fits.
+fn greedy<'a>(full: &Full, rungs: &'a [Rung], all: bool) -> Vec<&'a Rung> {
+    let mut candidates: Vec<&Rung> =
+        rungs.iter().filter(|rung| rung.verdict == Verdict::Serves && (all || rung.saving >= WORTH)).collect();
+    candidates.sort_by(|a, b| b.saving.total_cmp(&a.saving).then(change(a).total_cmp(&change(b))));
+    let mut chosen: Vec<&Rung> = Vec::new();
+    for rung in candidates {
+        let with: Vec<&Rung> = chosen.iter().copied().chain([rung]).collect();
+        let sizes: f64 = with.iter().map(|rung| change(rung)).sum();
+        if predicted(&with) <= FILLED * full.need.within && sizes <= CANCELLED * full.need.within {
+            chosen = with;
+        }
+    }
+    chosen
+}
+
+/// The largest sum of signed changes.
+fn predicted(members: &[&Rung]) -> f64 {
+    let Some(first) = members.first() else { return 0.0 };
+    let columns = first.differences.iter().enumerate().map(|(column, own)| {
+        let sum = |row: usize| -> f64 {
+            let at = |rung: &&Rung| rung.differences.get(column).and_then(|d| d.get(row)).copied().unwrap_or(0.0);
+            members.iter().map(at).sum()
+        };
+        largest(&(0..own.len()).map(sum).collect::<Vec<f64>>())
+    });
+    columns.fold(0.0, f64::max)
+}
+
+/// The file without these, at the loosest tolerance that serves; `None` where none does.
+fn verified(full: &Full, members: &[&Rung]) -> Option<Choice> {
+    let mut edits: Vec<Edit> = members.iter().flat_map(|rung| rung.edits.clone()).collect();
+    let mut found = answer(full, &edits).ok()?;
+    let reference = motion(full, &found, full.tolerance)?;
+    if near(&full.motion, &reference).is_some() {
+        return None;
+    }
+    let idle = idle(full, members, &mut edits, (&mut found, &reference));
+    let within = full.need.within;
+    let own = full.settings.tolerance;
+    let loose = [LOOSE, 0.1 * LOOSE].map(|part| part * within).into_iter().filter(|tolerance| *tolerance > own);
+    let (tolerance, run, deviation) = loose.chain([own]).find_map(|tolerance| {
+        let run = motion(full, &found, tolerance)?;
+        let deviation = full.deviation(&run).ok()?;
+        (deviation.largest <= within).then_some((tolerance, run, deviation))
+    })?;
+    Some(Choice {
+        members: members.iter().map(|rung| rung.ingredient.clone()).collect(),
+        idle,
+        tolerance,
+        predicted: (!members.is_empty()).then(|| predicted(members)),
+        verified: deviation.largest,
+        of: deviation.of,
+        moved: from_moved_starts(full, &found, tolerance),
+        operations: run.operations,
+        saving: full.operations / run.operations,
+        not_promised: not_promised(full, &found),
+        gone: found.gone,
+        text: found.text,
+    })
+}
+
+fn motion(full: &Full, answer: &Answer, tolerance: f64) -> Option<Motion> {
+    Motion::of(&*answer.system, &answer.settings, tolerance, &full.need.outputs).ok()
+}
+
+/// Takes out springs and dampers, and forces that say the name of a coordinate that is held, if they do nothing any more.
+fn idle(full: &Full, members: &[&Rung], edits: &mut Vec<Edit>, (found, run): (&mut Answer, &Motion)) -> Vec<String> {
+    let held: Vec<String> = members
+        .iter()
+        .filter(|rung| matches!(rung.proposal, Proposal::Held { .. }))
+        .filter_map(|rung| rung.ingredient.strip_prefix("coordinates.").map(str::to_owned))
+        .collect();
+    let mut gone = Vec::new();
+    if held.is_empty() {
+        return gone;
+    }
+    for section in ["springs", "dampers", "forces", "torques", "generalized_forces"] {
+        for name in keys(&found.text, &[Step::Key(section.to_owned())]) {
+            let path = entry(section, &name);
+            let written = source(&found.text, &path).unwrap_or_default().to_owned();
+            // What said its rate says 0 now.
+            let speaks =
+                |held: &String| word(&written, held).is_some() || word(&source_of(full, &path), held).is_some();
+            if !section.ends_with("ers") && section != "springs" && !held.iter().any(speaks) {
+                continue;
+            }
+            let more: Vec<Edit> = edits.iter().cloned().chain([Edit::Remove(path.clone())]).collect();
+            let Ok(less) = answer(full, &more) else { continue };
+            let Some(without) = motion(full, &less, full.tolerance) else { continue };
+            let same = between(run, &without, full.measure());
+            if same.is_ok_and(|(deviation, _)| deviation.largest <= IDLE) {
+                *edits = more;
+                *found = less;
+                gone.push(shown(&path));
+            }
+        }
+    }
+    gone
+}
+
+/// What the smaller model still gives, unasked, and does not give within the need.
+fn not_promised(full: &Full, found: &Answer) -> Vec<(String, f64)> {
+    let own = columns(&*found.system, &[]).unwrap_or_default();
+    let others: Vec<String> = columns(&*full.system, &[]).unwrap_or_default();
+    let others: Vec<String> =
+        others.into_iter().filter(|name| own.contains(name) && !full.need.outputs.contains(name)).collect();
+    let of = |system: &dyn System, settings: &Settings| Motion::of(system, settings, full.tolerance, &others).ok();
+    let (Some(whole), Some(small)) = (of(&*full.system, &full.settings), of(&*found.system, &found.settings)) else {
+        return Vec::new();
+    };
+    let off = |(place, name): (usize, &String)| {
+        let one = |motion: &Motion| Motion { values: vec![motion.values[place].clone()], ..motion.clone() };
+        let scale = whole.scales()[place].unwrap_or(f64::MIN_POSITIVE);
+        let compared = between(&one(&whole), &one(&small), (std::slice::from_ref(name), &[scale]));
+        let size = compared.map_or(f64::INFINITY, |(deviation, _)| deviation.largest);
+        (size > full.need.within).then(|| (name.clone(), size))
+    };
+    others.iter().enumerate().filter_map(off).collect()
+}
+
+/// What stood at a path of the full file.
+fn source_of(full: &Full, path: &[Step]) -> String {
+    source(&full.source, path).unwrap_or_default().to_owned()
+}
+
+/// The largest deviation from two other starts, each moved alike for both models.
+fn from_moved_starts(full: &Full, found: &Answer, tolerance: f64) -> Option<f64> {
+    let names = |system: &dyn System| -> Vec<String> {
+        system.description().coordinates.iter().map(|c| c.name.to_string()).collect()
+    };
+    let (all, own) = (names(&*full.system), names(&*found.system));
+    let mut worst = 0.0_f64;
+    for part in [MOVED, -MOVED] {
+        let there = moved(&full.settings, &full.motion.ranges, part);
+        let mut here = found.settings.clone();
+        for (k, name) in own.iter().enumerate() {
+            let i = all.iter().position(|known| known == name)?;
+            let (change, rate) = (there.q[i] - full.settings.q[i], there.v[i] - full.settings.v[i]);
+            here.q[k] += change;
+            here.v[k] += rate;
+        }
+        here.held_q.fill(false);
+        here.held_v.fill(false);
+        let whole = Motion::of(&*full.system, &there, full.tolerance, &full.need.outputs).ok()?;
+        let small = Motion::of(&*found.system, &here, tolerance, &full.need.outputs).ok()?;
+        let (deviation, _) = between(&whole, &small, full.measure()).ok()?;
+        worst = worst.max(deviation.largest);
+    }
+    Some(worst)
+}

@@ -1,0 +1,202 @@
+//! How far two runs are apart in what is wanted.
+
+use crate::mechanism::{At, System};
+use crate::precision::WorkUnits;
+use crate::run::Run;
+use crate::simulate::{Settings, simulate};
+
+/// How far a run is from the full one.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Deviation {
+    /// The largest over the scene, in parts of the range that each wanted quantity goes through; of events, of the scene's length.
+    pub largest: f64,
+    /// Of which quantity or event.
+    pub of: String,
+    /// Of that, what is clock: the same motion, by this part faster or slower.
+    pub clock: f64,
+    /// What is left of the deviation when the clock is set right.
+    pub shape: f64,
+}
+
+/// What is compared of a run.
+#[derive(Clone, Debug)]
+pub(super) struct Motion {
+    pub times: Vec<f64>,
+    /// What is wanted, a list for each.
+    pub values: Vec<Vec<f64>>,
+    /// Names and times of events.
+    pub events: Vec<(String, f64)>,
+    /// Functions of events and discontinuities, by name; nothing with constraints or phases.
+    pub guards: Vec<(String, Vec<f64>)>,
+    /// Evaluations of the accelerations, and all else in their terms, times operations.
+    pub operations: f64,
+    /// The range of each coordinate, then of each rate.
+    pub ranges: Vec<f64>,
+    /// Where each is on the average.
+    pub means: Vec<f64>,
+}
+
+/// The runs are compared at so many times.
+const TIMES: f64 = 1000.0;
+/// No rung takes so many steps.
+const MOST_STEPS: u64 = 400_000;
+/// What moves less beside its size stands still.
+const STILL: f64 = 1e-9;
+
+impl Motion {
+    /// A run that reports what is wanted.
+    ///
+    /// # Errors
+    /// What it is that failed, in words.
+    pub fn of(system: &dyn System, settings: &Settings, tolerance: f64, columns: &[String]) -> Result<Motion, String> {
+        let mut system = system.boxed_clone();
+        let every = Some((settings.until - settings.from) / TIMES);
+        let settings =
+            Settings { every, tolerance, max_steps: MOST_STEPS, dense: false, watch: false, ..settings.clone() };
+        let run = simulate(&mut *system, &settings).map_err(|error| error.to_string())?;
+        let column = |name: &String| run.column(name).ok_or_else(|| format!("it has no `{name}`"));
+        let values = columns.iter().map(column).collect::<Result<Vec<_>, String>>()?;
+        let units = WorkUnits::of(&*system, run.method);
+        let states: Vec<Vec<f64>> =
+            run.column_names().iter().take(2 * system.len()).map(|name| run.column(name).unwrap_or_default()).collect();
+        Ok(Motion {
+            times: run.times().to_vec(),
+            values,
+            events: run.events.iter().map(|event| (event.name.clone(), event.state.t)).collect(),
+            guards: guards(&*system, &run),
+            operations: units.operations * units.total(&run.work),
+            ranges: states.iter().map(|values| spread(values).0).collect(),
+            means: states.iter().map(|values| values.iter().sum::<f64>() / values.len() as f64).collect(),
+        })
+    }
+
+    /// The range of each wanted quantity, by which its deviations are measured; `None` for one that is always 0.
+    pub fn scales(&self) -> Vec<Option<f64>> {
+        let of = |values: &Vec<f64>| {
+            let (range, size) = spread(values);
+            let scale = if range > STILL * size { range } else { size };
+            (scale > 0.0 && scale.is_finite()).then_some(scale)
+        };
+        self.values.iter().map(of).collect()
+    }
+}
+
+/// The range of values and their largest size; what is no number is left aside.
+fn spread(values: &[f64]) -> (f64, f64) {
+    let finite = || values.iter().copied().filter(|value| value.is_finite());
+    let (low, high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
+    ((high - low).max(0.0), low.abs().max(high.abs()))
+}
+
+/// Functions of events and discontinuities along a run.
+fn guards(system: &dyn System, run: &Run) -> Vec<(String, Vec<f64>)> {
+    let description = system.description();
+    if !description.rows.is_empty() || description.phases.len() > 1 {
+        return Vec::new();
+    }
+    let (events, switches) = (description.events.len(), description.switches.len());
+    let switch = |index: usize| format!("`{}` = 0", crate::events::switch_text(system, index));
+    let names = description.events.iter().map(|event| event.name.to_string()).chain((0..switches).map(switch));
+    let mut found: Vec<(String, Vec<f64>)> = names.map(|name| (name, Vec::new())).collect();
+    let (mut pairs, mut switched) = (vec![0.0; 2 * events], vec![0.0; 2 * switches]);
+    let mut a = vec![0.0; system.len()];
+    for state in run.states() {
+        let at = At::new(state.t, &state.q, &state.v);
+        if system.accelerations(at, &mut a).is_err() {
+            a.fill(f64::NAN);
+        }
+        system.events(at.accelerated(&a), &mut pairs);
+        system.switches(at.accelerated(&a), &mut switched);
+        for (k, pair) in pairs.chunks(2).chain(switched.chunks(2)).enumerate() {
+            found[k].1.push(pair[0]);
+        }
+    }
+    found
+}
+
+/// How far `other` is from `full`, with signed differences of each quantity in parts of its scale.
+///
+/// # Errors
+/// What happens otherwise: other events, or in another order.
+pub(super) fn between(
+    full: &Motion,
+    other: &Motion,
+    (columns, scales): (&[String], &[f64]),
+) -> Result<(Deviation, Vec<Vec<f64>>), String> {
+    let names = |motion: &Motion| motion.events.iter().map(|event| event.0.clone()).collect::<Vec<_>>();
+    if names(full) != names(other) {
+        return Err(differs(&names(full), &names(other)));
+    }
+    let span = full.times.last().copied().unwrap_or(0.0) - full.times.first().copied().unwrap_or(0.0);
+    let moved: Vec<(f64, f64)> = full.events.iter().zip(&other.events).map(|(a, b)| (a.1, (a.1 - b.1).abs())).collect();
+    // Beside an event that both have, each at its own time, all that jumps there would count.
+    let beside = |t: f64| moved.iter().any(|(at, apart)| (t - at).abs() <= *apart);
+    let shared = full.times.iter().zip(&other.times).take_while(|(a, b)| a == b).count();
+    if shared + 1 < full.times.len() && moved.is_empty() {
+        return Err("it ends earlier".to_owned());
+    }
+    let mut worst =
+        Deviation { largest: 0.0, of: columns.first().cloned().unwrap_or_default(), clock: 0.0, shape: 0.0 };
+    let mut differences = Vec::with_capacity(columns.len());
+    for (((name, scale), mine), theirs) in columns.iter().zip(scales).zip(&full.values).zip(&other.values) {
+        let difference = |row: usize| match (mine[row], theirs[row]) {
+            _ if beside(full.times[row]) => 0.0,
+            (a, b) if a.is_nan() && b.is_nan() => 0.0,
+            (a, b) if a.is_nan() != b.is_nan() => f64::INFINITY,
+            (a, b) => (b - a) / scale,
+        };
+        let signed: Vec<f64> = (0..shared).map(difference).collect();
+        let largest = largest(&signed);
+        if largest > worst.largest {
+            let (clock, shape) = clock(&full.times[..shared], &mine[..shared], &signed, *scale);
+            worst = Deviation { largest, of: name.clone(), clock, shape };
+        }
+        differences.push(signed);
+    }
+    for ((name, _), (_, apart)) in full.events.iter().zip(&moved) {
+        if span > 0.0 && apart / span > worst.largest {
+            worst = Deviation { largest: apart / span, of: name.clone(), clock: 0.0, shape: 0.0 };
+        }
+    }
+    Ok((worst, differences))
+}
+
+/// The largest size.
+pub(super) fn largest(signed: &[f64]) -> f64 {
+    signed.iter().fold(0.0, |most, value| if value.is_nan() { f64::INFINITY } else { most.max(value.abs()) })
+}
+
+/// The relative rate s by which e(t) ≈ s t y'(t) explains most of a deviation, and the largest of what it leaves.
+fn clock(times: &[f64], values: &[f64], signed: &[f64], scale: f64) -> (f64, f64) {
+    let rate = |row: usize| {
+        let (before, after) = (row.saturating_sub(1), (row + 1).min(times.len() - 1));
+        (values[after] - values[before]) / (times[after] - times[before]) / scale
+    };
+    let pulls: Vec<f64> = (0..times.len()).map(|row| (times[row] - times[0]) * rate(row)).collect();
+    let (mut top, mut bottom) = (0.0, 0.0);
+    for (pull, error) in pulls.iter().zip(signed) {
+        if pull.is_finite() && error.is_finite() {
+            top += pull * error;
+            bottom += pull * pull;
+        }
+    }
+    let s = if bottom > 0.0 { top / bottom } else { 0.0 };
+    let left: Vec<f64> = pulls.iter().zip(signed).map(|(pull, error)| error - s * pull).collect();
+    (s, largest(&left))
+}
+
+/// How two lists of events differ, in words.
+fn differs(full: &[String], other: &[String]) -> String {
+    let same = full.iter().zip(other).take_while(|(a, b)| a == b).count();
+    match (full.get(same), other.get(same)) {
+        (Some(name), None) => format!("`{name}` happens {} times instead of {}", count(other, name), count(full, name)),
+        (None, Some(name)) => format!("`{name}` happens {} times instead of {}", count(other, name), count(full, name)),
+        (Some(name), Some(instead)) => format!("`{instead}` happens instead of `{name}`"),
+        (None, None) => String::new(),
+    }
+}
+
+fn count(names: &[String], name: &str) -> usize {
+    names.iter().filter(|known| *known == name).count()
+}

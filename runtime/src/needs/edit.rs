@@ -1,0 +1,143 @@
+//! The file without an ingredient.
+
+use dalembert_symbolic::diagnose::{Problem, Step};
+use dalembert_symbolic::file::edit::{keys, rewritten, source, value, with, without};
+
+/// A change of a model file.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Edit {
+    /// What stands at this path goes.
+    Remove(Vec<Step>),
+    /// A coordinate becomes a definition that keeps a value.
+    Hold { coordinate: String, value: String },
+}
+
+/// Sections of what a file claims, shows and compares: what cannot stay in them goes with an ingredient.
+const CLAIMS: [&str; 6] = ["balances", "conserved", "checks", "draw", "outputs", "equilibrium"];
+/// So much goes with an ingredient at most.
+const MOST_GONE: usize = 12;
+
+/// The path of an entry of a section.
+pub(super) fn entry(section: &str, name: &str) -> Vec<Step> {
+    [section, name].map(|key| Step::Key(key.to_owned())).to_vec()
+}
+
+/// `springs.tyre`.
+pub(super) fn shown(path: &[Step]) -> String {
+    let step = |step: &Step| match step {
+        Step::Key(name) => name.clone(),
+        Step::Index(index) => (index + 1).to_string(),
+    };
+    path.iter().map(step).collect::<Vec<_>>().join(".")
+}
+
+/// The file with all edits; `None` where one cannot be made.
+pub(super) fn edited(text: &str, edits: &[Edit]) -> Option<String> {
+    edits.iter().try_fold(text.to_owned(), |text, edit| match edit {
+        Edit::Remove(path) => without(&text, path),
+        Edit::Hold { coordinate, value } => hold(&text, coordinate, value),
+    })
+}
+
+/// z leaves `coordinates`, every start and guess, and what acts on it alone; `define: {z: z_held}` takes its place, with `z_held` a
+/// parameter, and 0 that of z' and z''.
+fn hold(text: &str, coordinate: &str, value: &str) -> Option<String> {
+    let key = |name: &str| Step::Key(name.to_owned());
+    let mut text = without(text, &entry("coordinates", coordinate))?;
+    let scenes = keys(&text, &[key("scenes")]);
+    let places = std::iter::once(vec![key("scene")]).chain(scenes.iter().map(|name| vec![key("scenes"), key(name)]));
+    for place in places.collect::<Vec<_>>() {
+        for (section, prime) in [("start", ""), ("start", "'"), ("guess", "")] {
+            let name = format!("{coordinate}{prime}");
+            let path = [place.as_slice(), &[key(section), key(&name)]].concat();
+            text = without(&text, &path).unwrap_or(text);
+        }
+    }
+    for section in ["equilibrium", "generalized_forces"] {
+        text = without(&text, &entry(section, coordinate)).unwrap_or(text);
+    }
+    text = rewritten(&text, |scalar| still(scalar, coordinate))?;
+    let mut name = format!("{coordinate}_held");
+    while text.contains(&name) {
+        name.push('_');
+    }
+    let text = with(&text, "define", "coordinates", coordinate, &name)?;
+    with(&text, "parameters", "name", &name, value)
+}
+
+/// An expression in which the rates of a coordinate are 0.
+fn still(expression: &str, coordinate: &str) -> String {
+    let mut text = expression.to_owned();
+    for rate in [format!("{coordinate}''"), format!("{coordinate}'")] {
+        while let Some(at) = word(&text, &rate) {
+            text.replace_range(at..at + rate.len(), "0");
+        }
+    }
+    text
+}
+
+/// Where a name, or its rate, stands as a word of its own.
+pub(super) fn word(text: &str, name: &str) -> Option<usize> {
+    let is_part = |c: char| c.is_alphanumeric() || c == '_';
+    let whole = |(at, _): &(usize, &str)| {
+        let (before, after) = (text[..*at].chars().next_back(), text[at + name.len()..].chars().next());
+        !before.is_some_and(is_part) && !after.is_some_and(|c| is_part(c) || c == '\'' && name.ends_with('\''))
+    };
+    text.match_indices(name).find(whole).map(|(at, _)| at)
+}
+
+/// The unit that a file writes behind a coordinate.
+pub(super) fn unit_of(text: &str, coordinate: &str) -> String {
+    value(text, &entry("coordinates", coordinate)).unwrap_or_default()
+}
+
+/// What of the file's claims a problem is about, and why it cannot stay: a system of balances, one claim, one output, and what
+/// is drawn as a whole.
+pub(super) fn claim(text: &str, problem: &Problem) -> Option<(Vec<Step>, String)> {
+    let path = &problem.place.path;
+    let Some(Step::Key(section)) = path.first() else { return None };
+    if !CLAIMS.contains(&section.as_str()) || problem.is_warning() {
+        return None;
+    }
+    let single = section == "balances" && keys(text, &path[..1]).iter().any(|key| key == "equations");
+    let long = if section == "draw" || single { 1 } else { 2.min(path.len()) };
+    let path = path[..long].to_vec();
+    source(text, &path)?;
+    Some((path, problem.message.clone()))
+}
+
+/// The file less what it claims in vain, given what compiles; with what went, and why.
+///
+/// # Errors
+/// The first problem that is about something else, or about an output that is wanted.
+pub(super) fn without_vain_claims<T>(
+    text: String,
+    is_wanted: impl Fn(&str) -> bool,
+    mut compile: impl FnMut(&str) -> Result<T, Vec<Problem>>,
+) -> Result<(String, T, Vec<(String, String)>), String> {
+    let (mut text, mut gone) = (text, Vec::new());
+    loop {
+        let problems = match compile(&text) {
+            Ok(done) => return Ok((text, done, gone)),
+            Err(problems) => problems,
+        };
+        let said = || problems.first().map_or_else(String::new, |problem| problem.message.clone());
+        let claims: Vec<_> =
+            problems.iter().filter(|problem| !problem.is_warning()).map(|p| (claim(&text, p), p)).collect();
+        if gone.len() >= MOST_GONE || claims.is_empty() {
+            return Err(said());
+        }
+        if let Some((_, problem)) = claims.iter().find(|(claim, _)| claim.is_none()) {
+            return Err(problem.message.clone());
+        }
+        let Some((path, why)) = claims.into_iter().find_map(|(claim, _)| claim) else { return Err(said()) };
+        if let [Step::Key(section), Step::Key(output)] = path.as_slice()
+            && section == "outputs"
+            && is_wanted(output)
+        {
+            return Err(format!("`{output}` is wanted and reads it: {why}"));
+        }
+        text = without(&text, &path).ok_or_else(said)?;
+        gone.push((shown(&path), why));
+    }
+}

@@ -1,0 +1,217 @@
+//! What is wanted, and the motion that answers it in full.
+
+use dalembert_symbolic::lower::compile;
+
+use super::deviation::{Deviation, Motion, between, largest};
+use super::{Need, Question, Unanswered};
+use crate::mechanism::{Interpreted, System};
+use crate::simulate::Settings;
+
+/// The full model's answer.
+pub(super) struct Full {
+    pub source: String,
+    pub sizes: Vec<(String, i64)>,
+    pub scene: Option<String>,
+    pub system: Box<dyn System>,
+    pub settings: Settings,
+    /// With vectors by components.
+    pub need: Need,
+    /// The range of each wanted quantity.
+    pub scales: Vec<f64>,
+    /// At the tolerance at which rungs are compared, and ten times more exactly.
+    pub motion: Motion,
+    pub exact: Motion,
+    pub tolerance: f64,
+    pub known: f64,
+    pub growth: f64,
+    pub promised_until: Option<f64>,
+    /// What the scene takes at its own tolerance.
+    pub operations: f64,
+}
+
+/// Rungs are compared at a tolerance this far below the need, and no looser than the other.
+const BELOW: f64 = 1e-3;
+const TIGHT: f64 = 1e-9;
+/// Errors must be known to this part of the need.
+const KNOWN: f64 = 0.05;
+/// Pushes of the start, in parts of ranges, by which growth is measured.
+const PUSH: f64 = 1e-7;
+/// Scenes in which a small change grows more than this are not reduced.
+pub(super) const MOST_GROWTH: f64 = 1e4;
+
+impl Full {
+    pub fn run(question: &Question, need: Need) -> Result<Full, Unanswered> {
+        if !(1e-9..=0.5).contains(&need.within) {
+            return Err(Unanswered::BadNeed { within: need.within });
+        }
+        let Question { source, sizes, scene, .. } = question;
+        let (system, settings) = built(source, sizes, scene.as_deref())?;
+        let everything = need.outputs.is_empty();
+        let mut need = Need { outputs: columns(&*system, &need.outputs)?, ..need };
+        let tolerance = (BELOW * need.within).min(TIGHT);
+        let wanted = need.outputs.clone();
+        let run = |tolerance: f64| {
+            Motion::of(&*system, &settings, tolerance, &wanted).map_err(|why| Unanswered::Fails { why })
+        };
+        let (mut motion, mut exact, own) = (run(tolerance)?, run(0.1 * tolerance)?, run(settings.tolerance)?);
+        let mut scales = exact.scales();
+        if everything {
+            // Of what stands still where everything is wanted nothing can be lost.
+            let moves: Vec<bool> = scales.iter().map(Option::is_some).collect();
+            let mut kept = moves.iter();
+            need.outputs.retain(|_| *kept.next().unwrap_or(&true));
+            for values in [&mut motion.values, &mut exact.values] {
+                let mut kept = moves.iter();
+                values.retain(|_| *kept.next().unwrap_or(&true));
+            }
+            scales.retain(Option::is_some);
+        }
+        if let Some(still) = scales.iter().position(Option::is_none) {
+            return Err(Unanswered::Still { name: need.outputs[still].clone() });
+        }
+        let scales: Vec<f64> = scales.into_iter().flatten().collect();
+        let mut full = Full {
+            source: source.clone(),
+            sizes: sizes.clone(),
+            scene: scene.clone(),
+            system,
+            settings,
+            need,
+            scales,
+            motion,
+            exact,
+            tolerance,
+            known: 0.0,
+            growth: 0.0,
+            promised_until: None,
+            operations: own.operations,
+        };
+        let known = between(&full.exact, &full.motion, full.measure());
+        full.known = known.map_or(f64::INFINITY, |(deviation, _)| deviation.largest);
+        if full.known > KNOWN * full.need.within {
+            return Err(Unanswered::NotKnown { known: full.known, within: full.need.within });
+        }
+        full.grow();
+        Ok(full)
+    }
+
+    pub fn name(&self) -> &str {
+        &self.system.description().name
+    }
+
+    pub fn until(&self) -> f64 {
+        self.settings.until
+    }
+
+    /// What is wanted, and by which ranges it is measured.
+    pub fn measure(&self) -> (&[String], &[f64]) {
+        (&self.need.outputs, &self.scales)
+    }
+
+    /// How far a run is from the exact one.
+    pub fn deviation(&self, motion: &Motion) -> Result<Deviation, String> {
+        between(&self.exact, motion, self.measure()).map(|(deviation, _)| deviation)
+    }
+
+    /// Measures how a small push of the start grows, and until when the scene can be promised.
+    fn grow(&mut self) {
+        let mut grown = vec![0.0_f64; self.motion.times.len()];
+        for push in [PUSH, -PUSH] {
+            let pushed = moved(&self.settings, &self.motion.ranges, push);
+            let Ok(motion) = Motion::of(&*self.system, &pushed, self.tolerance, &self.need.outputs) else { continue };
+            match between(&self.motion, &motion, self.measure()) {
+                Ok((_, differences)) => {
+                    for (row, grown) in grown.iter_mut().enumerate() {
+                        let here: Vec<f64> = differences.iter().filter_map(|d| d.get(row).copied()).collect();
+                        *grown = grown.max(largest(&here) / PUSH);
+                    }
+                }
+                Err(_) => grown.fill(f64::INFINITY),
+            }
+        }
+        self.growth = largest(&grown);
+        let most = (KNOWN * self.need.within / self.tolerance).min(MOST_GROWTH);
+        if self.growth > most {
+            let row = grown.iter().position(|grown| *grown > most).unwrap_or(0);
+            self.promised_until = Some(self.motion.times[row.saturating_sub(1)]);
+        }
+    }
+}
+
+/// A start moved by a part of the range that each coordinate and rate goes through, to one side and the other in turn; where
+/// there are constraints it is the guess.
+pub(super) fn moved(settings: &Settings, ranges: &[f64], part: f64) -> Settings {
+    let mut settings = settings.clone();
+    let n = settings.q.len();
+    for (i, range) in ranges.iter().enumerate() {
+        let step = if i % 2 == 0 { part } else { -0.6 * part } * range;
+        match i.checked_sub(n) {
+            None => settings.q[i] += step,
+            Some(i) => settings.v[i] += step,
+        }
+    }
+    settings.held_q.fill(false);
+    settings.held_v.fill(false);
+    settings
+}
+
+/// A file's mechanism at a scene.
+pub(super) fn built(
+    source: &str,
+    sizes: &[(String, i64)],
+    scene: Option<&str>,
+) -> Result<(Box<dyn System>, Settings), Unanswered> {
+    let program = compile(source, sizes).map_err(|problems| Unanswered::Model { problems })?;
+    let mut system = Interpreted::new(program, source);
+    let place = match scene {
+        None => 0,
+        Some(name) => {
+            let known = &system.description().scenes;
+            known.iter().position(|known| known == name).ok_or_else(|| Unanswered::UnknownName {
+                kind: "scene",
+                name: name.to_owned(),
+                known: known.iter().map(ToString::to_string).collect(),
+            })?
+        }
+    };
+    for (index, value) in system.scene_parameters(place) {
+        system.set_parameter(index, value);
+    }
+    let settings = Settings::new(&system.scene(place));
+    Ok((Box::new(system), settings))
+}
+
+/// What is wanted as columns of a run; all coordinates and outputs where nothing is named.
+pub(super) fn columns(system: &dyn System, wanted: &[String]) -> Result<Vec<String>, Unanswered> {
+    let description = system.description();
+    let outputs = description.outputs.iter().map(|output| {
+        let parts: Vec<String> = match output.components {
+            1 => vec![output.name.to_string()],
+            count => {
+                ["x", "y", "z"].iter().take(count as usize).map(|axis| format!("{}.{axis}", output.name)).collect()
+            }
+        };
+        (output.name.to_string(), parts)
+    });
+    let coordinates: Vec<String> = description.coordinates.iter().map(|c| c.name.to_string()).collect();
+    let mut known: Vec<(String, Vec<String>)> =
+        coordinates.iter().map(|name| (name.clone(), vec![name.clone()])).collect();
+    known.extend(outputs);
+    if wanted.is_empty() {
+        return Ok(known.into_iter().flat_map(|(_, parts)| parts).collect());
+    }
+    let rates: Vec<String> = coordinates.iter().map(|name| format!("{name}'")).collect();
+    let mut found = Vec::new();
+    for name in wanted {
+        match known.iter().find(|(known, parts)| known == name || parts.contains(name)) {
+            Some((whole, parts)) if whole == name => found.extend(parts.iter().cloned()),
+            Some(_) => found.push(name.clone()),
+            None if rates.contains(name) => found.push(name.clone()),
+            None => {
+                let known = known.iter().map(|(name, _)| name.clone()).chain(rates.iter().cloned()).collect();
+                return Err(Unanswered::UnknownName { kind: "coordinate, rate or output", name: name.clone(), known });
+            }
+        }
+    }
+    Ok(found)
+}

@@ -1,0 +1,163 @@
+//! No more than a scene needs: which parts of a model its outputs feel, by how much, and what leaving out the rest saves.
+//!
+//! 1. What is wanted, and the motion that answers it in full: look in `full.rs`.
+//! 2. Every ingredient of the file, and the file without it: look in `rung.rs`; edits of the text: in `edit.rs`.
+//! 3. How far two runs are apart: look in `deviation.rs`.
+//! 4. What goes together, tried as a whole: look in `choice.rs`.
+//! 5. The table, and the smaller file: look in `report.rs`.
+//!
+//! Every candidate is a file of its own that compiles by itself, with all that it claims proved again, and is run; nothing is
+//! left out by a prediction alone.
+
+mod choice;
+mod deviation;
+mod edit;
+mod full;
+mod report;
+mod rung;
+mod unanswered;
+
+pub use choice::Choice;
+pub use deviation::Deviation;
+pub use rung::{Proposal, Rung, Verdict};
+pub use unanswered::Unanswered;
+
+use std::ops::ControlFlow;
+
+use dalembert_symbolic::model;
+
+use full::Full;
+
+/// What is wanted of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Need {
+    /// Coordinates, rates (`theta'`) and outputs (a vector's name stands for all its components).
+    pub outputs: Vec<String>,
+    /// The largest deviation over the scene, in parts of the range that each goes through.
+    pub within: f64,
+}
+
+/// What a file is asked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Question {
+    /// The model file's text.
+    pub source: String,
+    /// Sizes other than the file's.
+    pub sizes: Vec<(String, i64)>,
+    /// Which scene; `None`: the default one.
+    pub scene: Option<String>,
+    /// What is wanted; `None`: what the scene says, or all coordinates and outputs to a thousandth.
+    pub need: Option<Need>,
+    /// Whether what saves less than a twentieth of the work may go too.
+    pub all: bool,
+}
+
+/// What a scene needs of its model.
+///
+/// ```
+/// use dalembert::needs::{Need, Needs, Question};
+///
+/// let source = "
+/// name: Hung
+/// parameters: {m: 1 kg, L: 1 m, k: 2e4 N/m, g: 9.81 m/s^2}
+/// coordinates: {r: m, theta: rad}
+/// points: {O: [0, 0]}
+/// bodies: {bob: {mass: m, position: \"r*[sin(theta), -cos(theta)]\"}}
+/// gravity: [0, -g]
+/// springs: {cord: {between: [O, bob], stiffness: k, rest: L}}
+/// scene: {start: {r: L + m*g/k, theta: 0.3}, until: 5, tolerance: 1e-6}
+/// ";
+/// let need = Need { outputs: vec!["theta".into()], within: 2e-3 };
+/// let question = Question { need: Some(need), ..Question::new(source) };
+/// let found = Needs::find(&question, &mut |_| std::ops::ControlFlow::Continue(()))?;
+/// let choice = found.choice.as_ref().unwrap();
+/// assert!(choice.verified < 2e-3 && choice.saving > 10.0);
+/// assert!(found.smaller_file().unwrap().contains("define: {r: r_held}"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Needs {
+    /// The model.
+    pub name: String,
+    /// What is wanted; vectors by components.
+    pub need: Need,
+    /// When the scene ends, s.
+    pub until: f64,
+    /// How far two runs of the full model are apart, that is how well errors are known.
+    pub known: f64,
+    /// By how much a small change of the start grows in what is wanted, both in parts of ranges.
+    pub growth: f64,
+    /// Until when the scene can be promised, s, where that is not until its end.
+    pub promised_until: Option<f64>,
+    /// Operations that the scene takes as the file has it: evaluations of the accelerations, and Jacobians in their terms, times
+    /// operations.
+    pub operations: f64,
+    /// Every ingredient and what becomes of it, those that save most first.
+    pub rungs: Vec<Rung>,
+    /// What may go together; `None` where the full model is the cheapest that serves.
+    pub choice: Option<Choice>,
+}
+
+/// Where a file says nothing else.
+const WITHIN: f64 = 1e-3;
+
+impl Question {
+    /// Of a file's default scene, as it says.
+    pub fn new(source: impl Into<String>) -> Question {
+        Question { source: source.into(), sizes: Vec::new(), scene: None, need: None, all: false }
+    }
+
+    /// What is wanted, by its own words or the file's.
+    ///
+    /// # Errors
+    /// A file with mistakes.
+    pub fn need(&self) -> Result<Need, Unanswered> {
+        if let Some(need) = &self.need {
+            return Ok(need.clone());
+        }
+        let model = model::load(&self.source, &self.sizes).map_err(|problems| Unanswered::Model { problems })?;
+        let said = model.need(self.scene.as_deref().unwrap_or("scene"));
+        let said = said.map(|(outputs, within)| Need { outputs, within });
+        Ok(said.unwrap_or(Need { outputs: Vec::new(), within: WITHIN }))
+    }
+}
+
+impl Needs {
+    /// Tries every ingredient; `progress` is told the name of each one, and may break off.
+    ///
+    /// # Errors
+    /// A file with mistakes, an unknown output or scene, an accuracy that is no number between 1e-9 and 0.5, a scene that fails
+    /// or is not known well enough, and a broken-off search ([`Unanswered::Interrupted`]).
+    pub fn find(question: &Question, progress: &mut dyn FnMut(&str) -> ControlFlow<()>) -> Result<Needs, Unanswered> {
+        let full = Full::run(question, question.need()?)?;
+        let mut rungs: Vec<Rung> = Vec::new();
+        if full.promised_until.is_none() {
+            for proposal in rung::proposals(&full) {
+                if progress(&proposal.ingredient).is_break() {
+                    return Err(Unanswered::Interrupted);
+                }
+                let tried = rung::tried(&full, proposal);
+                match rungs.last_mut() {
+                    // The same coordinate held elsewhere.
+                    Some(last) if last.ingredient == tried.ingredient => *last = rung::better(last.clone(), tried),
+                    _ => rungs.push(tried),
+                }
+            }
+        }
+        let choice = choice::choose(&full, &rungs, question.all, progress)?;
+        let mut found = Needs {
+            name: full.name().to_owned(),
+            need: full.need.clone(),
+            until: full.until(),
+            known: full.known,
+            growth: full.growth,
+            promised_until: full.promised_until,
+            operations: full.operations,
+            rungs,
+            choice,
+        };
+        found.rungs.sort_by(|a, b| b.saving.total_cmp(&a.saving));
+        Ok(found)
+    }
+}

@@ -1,0 +1,202 @@
+//! The table, and the smaller file.
+
+use std::fmt::Write;
+
+use dalembert_symbolic::diagnose::Step;
+use dalembert_symbolic::file::edit::{replaced, value};
+
+use super::{Choice, Needs, Proposal, Rung, Verdict};
+
+impl Needs {
+    /// Every ingredient with what leaving it out changes and saves, and what follows.
+    pub fn table(&self) -> String {
+        let mut text = format!(
+            "{}: {} within {} of the range of each, until t = {} s\n",
+            self.name,
+            self.need.outputs.join(", "),
+            part(self.need.within),
+            self.until
+        );
+        let _ = writeln!(
+            text,
+            "two runs of the full model agree to {}; a small change of the start grows {} times",
+            part(self.known),
+            times(self.growth)
+        );
+        if let Some(t) = self.promised_until {
+            let _ = writeln!(
+                text,
+                "no part of it is left out: it forgets its start, and can be promised until t = {t:.3} s at most"
+            );
+        }
+        if !self.rungs.is_empty() {
+            text.push('\n');
+            text += &self.rows();
+        }
+        text.push('\n');
+        text += &self.sentence();
+        text
+    }
+
+    fn rows(&self) -> String {
+        let head = ["ingredient", "proposed", "change", "of", "less work", "found"].map(str::to_owned);
+        let rows: Vec<[String; 6]> = std::iter::once(head).chain(self.rungs.iter().map(row)).collect();
+        let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+        let widths: Vec<usize> = (0..6).map(width).collect();
+        let mut text = String::new();
+        for row in rows {
+            let cells: Vec<String> = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:width$}")).collect();
+            text += cells.join("  ").trim_end();
+            text.push('\n');
+        }
+        text
+    }
+
+    /// What the scene does without, in words.
+    pub fn sentence(&self) -> String {
+        let Some(choice) = &self.choice else {
+            return format!("the full model is the cheapest that serves ({} operations)\n", count(self.operations));
+        };
+        let mut text = String::new();
+        if choice.members.is_empty() {
+            let _ = write!(text, "the model stays as it is, at a tolerance of {:e}", choice.tolerance);
+        } else {
+            let _ = write!(text, "it does without {}", choice.members.join(", "));
+            if !choice.idle.is_empty() {
+                let _ = write!(text, " (with it go {})", choice.idle.join(", "));
+            }
+            let _ = write!(text, ", at a tolerance of {:e}", choice.tolerance);
+        }
+        let _ = writeln!(
+            text,
+            ": {} {}, {} times less work ({} operations instead of {})",
+            changes(choice),
+            choice.of,
+            times(choice.saving),
+            count(choice.operations),
+            count(self.operations)
+        );
+        let serves = 1.5 * self.need.within;
+        let _ = match choice.moved {
+            Some(moved) if moved <= serves => {
+                writeln!(text, "from starts moved by a hundredth of the ranges it is off by {} at most", part(moved))
+            }
+            Some(moved) => writeln!(
+                text,
+                "it holds for this start only: from starts moved by a hundredth of the ranges it is off by {}",
+                part(moved)
+            ),
+            None => writeln!(text, "it was not compared from other starts"),
+        };
+        if !choice.not_promised.is_empty() {
+            let of = |(name, size): &(String, f64)| format!("{name} ({} of its range)", part(*size));
+            let _ =
+                writeln!(text, "not promised: {}", choice.not_promised.iter().map(of).collect::<Vec<_>>().join(", "));
+        }
+        for (claim, why) in &choice.gone {
+            let _ = writeln!(text, "{claim} goes with it: {why}");
+        }
+        text
+    }
+
+    /// The smaller model as a file: the author's text without what goes, and what was found in comments above it.  `None` where
+    /// there is none.
+    pub fn smaller_file(&self) -> Option<String> {
+        let choice = self.choice.as_ref()?;
+        let mut head = format!(
+            "# Smaller than {}: for {} within {} of the range of each until t = {} s.\n",
+            self.name,
+            self.need.outputs.join(", "),
+            part(self.need.within),
+            self.until
+        );
+        for rung in self.rungs.iter().filter(|rung| choice.members.contains(&rung.ingredient)) {
+            let own =
+                rung.deviation.as_ref().map_or_else(String::new, |d| format!("; alone {} ({})", part(d.largest), d.of));
+            let _ = writeln!(head, "# - {} {}{own}", rung.ingredient, proposed(&rung.proposal));
+        }
+        for name in &choice.idle {
+            let _ = writeln!(head, "# - {name} left out: it does nothing where that is held");
+        }
+        let _ = writeln!(
+            head,
+            "# Off by {} {} at the tolerance {:e}; {} times less work.",
+            changes(choice),
+            choice.of,
+            choice.tolerance,
+            times(choice.saving)
+        );
+        if choice.moved.is_none_or(|moved| moved > 1.5 * self.need.within) {
+            head += "# Known for this start only.\n";
+        }
+        for (name, size) in &choice.not_promised {
+            let _ = writeln!(head, "# Not promised: {name} ({} of its range).", part(*size));
+        }
+        for (claim, why) in &choice.gone {
+            let _ = writeln!(head, "# {claim} is not claimed any more: {why}");
+        }
+        let tolerance = [Step::Key("scene".to_owned()), Step::Key("tolerance".to_owned())];
+        let looser = format!("{:e}", choice.tolerance);
+        let text = match value(&choice.text, &tolerance) {
+            Some(_) => replaced(&choice.text, &tolerance, &looser).unwrap_or_else(|| choice.text.clone()),
+            None => choice.text.clone(),
+        };
+        Some(head + &text)
+    }
+}
+
+fn row(rung: &Rung) -> [String; 6] {
+    let dash = || "–".to_owned();
+    let (change, of) = match &rung.deviation {
+        Some(deviation) => (part(deviation.largest), deviation.of.clone()),
+        None => (dash(), dash()),
+    };
+    let saving = if rung.saving > 0.0 { times(rung.saving) } else { dash() };
+    let found = match &rung.verdict {
+        Verdict::Serves => "not needed".to_owned(),
+        Verdict::Acts => match &rung.deviation {
+            // One that runs ahead by a constant part is late, not otherwise.
+            Some(d) if d.shape < 0.2 * d.largest => {
+                format!("acts: the same, {} {}", part(d.clock.abs()), pace(d.clock))
+            }
+            _ => "acts".to_owned(),
+        },
+        Verdict::HappensOtherwise { what } => format!("acts: {what}"),
+        Verdict::Near { guard, margin } => format!("stays: {guard} is missed by {} of its range", part(*margin)),
+        Verdict::Refused { why } => format!("stays: {why}"),
+    };
+    [rung.ingredient.clone(), proposed(&rung.proposal), change, of, saving, found]
+}
+
+fn pace(clock: f64) -> &'static str {
+    if clock > 0.0 { "faster" } else { "slower" }
+}
+
+fn proposed(proposal: &Proposal) -> String {
+    match proposal {
+        Proposal::LeftOut => "left out".to_owned(),
+        Proposal::Held { at } => format!("held at {at}"),
+    }
+}
+
+/// `predicted 4.2e-4, verified 4.3e-4 of`.
+fn changes(choice: &Choice) -> String {
+    let predicted = choice.predicted.map_or_else(String::new, |p| format!("predicted {}, ", part(p)));
+    format!("{predicted}verified {} of", part(choice.verified))
+}
+
+fn part(value: f64) -> String {
+    if value == 0.0 { "0".to_owned() } else { format!("{value:.1e}") }
+}
+
+fn times(value: f64) -> String {
+    match value {
+        v if v < 10.0 => format!("{v:.2}"),
+        v if v < 1e4 => format!("{v:.0}"),
+        v => format!("{v:.0e}"),
+    }
+}
+
+fn count(value: f64) -> String {
+    format!("{value:.0}")
+}
