@@ -38,8 +38,8 @@ pub(crate) struct Known<'a> {
 const NOW: f64 = 1e-11;
 /// A rate that is this part of the largest is zero to rounding.
 const STANDS: f64 = 1e-12;
-/// Rates up to so many times what the rounding of the state makes of them are rounding.
-pub(super) const EXPLAINED: f64 = 8.0;
+/// Accelerations that differ by up to so many times what the rounding of the state makes of them are the same.
+const EXPLAINED: f64 = 8.0;
 /// Combinations of sides that are tried.
 const MOST_COMBINATIONS: usize = 64;
 
@@ -52,7 +52,7 @@ const MOST_COMBINATIONS: usize = 64;
 ///
 /// Where no combination leads away, one `sign` that rested, as at the start, stays 0 if nothing moves with it; one that
 /// slid until then and is pushed back from both sides does not come to rest by itself: what holds it there is for a
-/// phase to say.  Where all that pushes is rounding, it rests.
+/// phase to say.
 ///
 /// Returns which switches are on their surface.
 ///
@@ -134,15 +134,6 @@ pub(crate) fn choose<S: System + ?Sized>(
         if pushed.iter().all(|k| sampler.rate(*k).abs() <= STANDS * scale(*k)) {
             return Ok(rest.on);
         }
-    }
-    if pushed.iter().all(|k| scale(*k) <= EXPLAINED * sampler.rounding_of_rate(system, (t, y), *k)) {
-        // Rounding pushes: at rest the drag v |v| is as good as none, and no side is the motion's.
-        let mut rest = combinations[best].clone();
-        for switch in &pushed {
-            rest.modes[*switch] = at_rest(system, *switch);
-        }
-        system.set_modes(&rest.modes);
-        return Ok(rest.on);
     }
     system.set_modes(&before);
     let switch = pushed.first().copied().unwrap_or(0);
@@ -240,21 +231,52 @@ pub(crate) fn text<S: System + ?Sized>(system: &S, switch: usize) -> String {
     system.description().switches.get(switch).map_or_else(String::new, |switch| switch.text.to_string())
 }
 
-/// Lets a switch on its surface rest where what moves it from there is no more than rounding, as it is where drag v |v| acts on
-/// what stands still.
-pub(crate) fn rest_if_only_rounding_moves<S: System + ?Sized>(
+/// Lets a switch on its surface rest where its two sides differ by no more than rounding, as those of a drag v |v| do where
+/// nothing moves: what crosses there again and again is rounding too.
+pub(crate) fn rest_if_sides_agree<S: System + ?Sized>(
     system: &mut S,
     sampler: &mut Sampler,
     (t, y): (f64, &[f64]),
     switch: usize,
 ) {
-    let noise = sampler.rounding_of_rate(system, (t, y), switch);
-    sampler.at_state(system, t, y);
-    if sampler.rate(switch).abs() <= EXPLAINED * noise {
+    let sides = [mode(system, switch, 1.0), mode(system, switch, -1.0)];
+    if agree(system, sampler, (t, y), switch, sides) {
         let mut modes = system.modes().to_vec();
         modes[switch] = at_rest(system, switch);
         system.set_modes(&modes);
     }
+}
+
+/// Whether a switch that rests may go on resting on this side of its surface: its mode there makes no difference but rounding.
+pub(crate) fn may_rest<S: System + ?Sized>(
+    system: &S,
+    sampler: &mut Sampler,
+    (t, y): (f64, &[f64]),
+    (switch, side): (usize, f64),
+) -> bool {
+    let modes = [at_rest(system, switch), mode(system, switch, side)];
+    agree(&mut *system.boxed_clone(), sampler, (t, y), switch, modes)
+}
+
+/// Whether everything moves alike in two modes of a switch, up to rounding.
+fn agree<S: System + ?Sized>(
+    system: &mut S,
+    sampler: &mut Sampler,
+    (t, y): (f64, &[f64]),
+    switch: usize,
+    either: [f64; 2],
+) -> bool {
+    let present = system.modes().to_vec();
+    let [one, other] = either.map(|mode| {
+        let mut modes = present.clone();
+        modes[switch] = mode;
+        system.set_modes(&modes);
+        sampler.at_state(system, t, y);
+        sampler.accelerations().to_vec()
+    });
+    system.set_modes(&present);
+    let noise = sampler.rounding_of_accelerations(system, (t, y));
+    one.iter().zip(&other).zip(noise).all(|((one, other), noise)| (one - other).abs() <= EXPLAINED * noise)
 }
 
 /// The mode on the surface where nothing moves.

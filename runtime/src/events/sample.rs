@@ -233,20 +233,27 @@ impl Sampler {
         sum
     }
 
-    /// By how much the rate of a switch's argument may change by the rounding of a state, 1/s.
-    pub fn rounding_of_rate<S: System + ?Sized>(&mut self, system: &S, (t, y): (f64, &[f64]), switch: usize) -> f64 {
+    /// The accelerations of the last state that was evaluated with its own.
+    pub fn accelerations(&self) -> &[f64] {
+        &self.a
+    }
+
+    /// By how much each acceleration may change by the rounding of a state.
+    pub fn rounding_of_accelerations<S: System + ?Sized>(&mut self, system: &S, (t, y): (f64, &[f64])) -> Vec<f64> {
         self.at_state(system, t, y);
-        let (mut near, rate) = (y.to_vec(), self.rate(switch));
-        let mut sum = 0.0;
+        let (mut near, usual) = (y.to_vec(), self.a.clone());
+        let mut sums = vec![0.0; self.n];
         for i in 0..y.len() {
             for moved in [y[i] * (1.0 - ROUNDINGS), y[i] * (1.0 + ROUNDINGS)] {
                 near[i] = moved;
                 self.at_state(system, t, &near);
-                sum += (self.rate(switch) - rate).abs();
+                for (sum, (a, usual)) in sums.iter_mut().zip(self.a.iter().zip(&usual)) {
+                    *sum += (a - usual).abs();
+                }
             }
             near[i] = y[i];
         }
-        sum
+        sums
     }
 
     /// Samples of all functions at a place of a step.

@@ -219,8 +219,8 @@ impl Watch {
             let rests = modes::side(system, switch) == 0.0;
             if rests && value.abs() > REST * self.scanner.largest[function] && value != 0.0 {
                 segment.evaluate(1.0, &mut self.y);
-                let noise = self.sampler.rounding_of_rate(system, (segment.t + segment.h, &self.y), switch);
-                if value.abs() > modes::EXPLAINED * noise * segment.h {
+                let end = (segment.t + segment.h, self.y.as_slice());
+                if !modes::may_rest(system, &mut self.sampler, end, (switch, value.signum())) {
                     return Ok(Some(Interruption::Leaves { switch, side: value.signum() }));
                 }
                 self.scanner.crossings.retain(|crossing| crossing.function != function);
@@ -488,7 +488,7 @@ impl Watch {
         let on = modes::choose(system, &mut self.sampler, (t, y), &known, trial)?;
         if self.restarts > SEVERAL {
             for switch in (0..on.len()).filter(|switch| on[*switch]) {
-                modes::rest_if_only_rounding_moves(system, &mut self.sampler, (t, y), switch);
+                modes::rest_if_sides_agree(system, &mut self.sampler, (t, y), switch);
             }
         }
         for (switch, on) in on.into_iter().enumerate() {

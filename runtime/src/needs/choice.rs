@@ -25,6 +25,8 @@ pub struct Choice {
     pub tolerance: f64,
     /// The largest of the sum of the members' own changes; `None` without members.
     pub predicted: Option<f64>,
+    /// The largest change that leaving them out makes by itself.
+    pub change: f64,
     /// The largest deviation of the smaller model at that tolerance from the full one, integration included.
     pub verified: f64,
     /// Of what.
@@ -54,6 +56,8 @@ const LOOSE: f64 = 1e-2;
 const RETRIES: usize = 3;
 /// Starts are moved by this part of ranges.
 const MOVED: f64 = 0.01;
+/// Sections of which every entry is asked whether it does nothing any more.
+const TRIED: [&str; 2] = ["springs", "dampers"];
 /// What does nothing changes no more than this.
 const IDLE: f64 = 1e-11;
 
@@ -93,6 +97,10 @@ fn greedy<'a>(full: &Full, rungs: &'a [Rung], all: bool) -> Vec<&'a Rung> {
     candidates.sort_by(|a, b| b.saving.total_cmp(&a.saving).then(change(a).total_cmp(&change(b))));
     let mut chosen: Vec<&Rung> = Vec::new();
     for rung in candidates {
+        // What acts on a coordinate that is held goes with it, if it is idle then.
+        if held(&chosen).iter().any(|coordinate| speaks_of(full, rung, coordinate)) {
+            continue;
+        }
         let with: Vec<&Rung> = chosen.iter().copied().chain([rung]).collect();
         let sizes: f64 = with.iter().map(|rung| change(rung)).sum();
         if predicted(&with) <= FILLED * full.need.within && sizes <= CANCELLED * full.need.within {
@@ -123,6 +131,7 @@ fn verified(full: &Full, members: &[&Rung]) -> Option<Choice> {
     if near(&full.motion, &reference).is_some() {
         return None;
     }
+    let (change, _) = between(&full.motion, &reference, full.measure()).ok()?;
     let idle = idle(full, members, &mut edits, (&mut found, &reference));
     let within = full.need.within;
     let own = full.settings.tolerance;
@@ -137,6 +146,7 @@ fn verified(full: &Full, members: &[&Rung]) -> Option<Choice> {
         idle,
         tolerance,
         predicted: (!members.is_empty()).then(|| predicted(members)),
+        change: change.largest,
         verified: deviation.largest,
         of: deviation.of,
         moved: from_moved_starts(full, &found, tolerance),
@@ -152,13 +162,23 @@ fn motion(full: &Full, answer: &Answer, tolerance: f64) -> Option<Motion> {
     Motion::of(&*answer.system, &answer.settings, tolerance, &full.need.outputs).ok()
 }
 
+/// The coordinates that are held.
+fn held<'a>(members: &[&'a Rung]) -> Vec<&'a str> {
+    let is_held = |rung: &&&Rung| matches!(rung.proposal, Proposal::Held { .. });
+    members.iter().filter(is_held).filter_map(|rung| rung.ingredient.strip_prefix("coordinates.")).collect()
+}
+
+/// Whether an entry that is left out says the name of a coordinate, in the full file.
+fn speaks_of(full: &Full, rung: &Rung, coordinate: &str) -> bool {
+    rung.edits.iter().any(|edit| match edit {
+        Edit::Remove(path) => word(&source_of(full, path), coordinate).is_some(),
+        Edit::Hold { .. } => false,
+    })
+}
+
 /// Takes out springs and dampers, and forces that say the name of a coordinate that is held, if they do nothing any more.
 fn idle(full: &Full, members: &[&Rung], edits: &mut Vec<Edit>, (found, run): (&mut Answer, &Motion)) -> Vec<String> {
-    let held: Vec<String> = members
-        .iter()
-        .filter(|rung| matches!(rung.proposal, Proposal::Held { .. }))
-        .filter_map(|rung| rung.ingredient.strip_prefix("coordinates.").map(str::to_owned))
-        .collect();
+    let held = held(members);
     let mut gone = Vec::new();
     if held.is_empty() {
         return gone;
@@ -168,9 +188,8 @@ fn idle(full: &Full, members: &[&Rung], edits: &mut Vec<Edit>, (found, run): (&m
             let path = entry(section, &name);
             let written = source(&found.text, &path).unwrap_or_default().to_owned();
             // What said its rate says 0 now.
-            let speaks =
-                |held: &String| word(&written, held).is_some() || word(&source_of(full, &path), held).is_some();
-            if !section.ends_with("ers") && section != "springs" && !held.iter().any(speaks) {
+            let speaks = |held: &&str| word(&written, held).is_some() || word(&source_of(full, &path), held).is_some();
+            if !TRIED.contains(&section) && !held.iter().any(speaks) {
                 continue;
             }
             let more: Vec<Edit> = edits.iter().cloned().chain([Edit::Remove(path.clone())]).collect();
@@ -228,8 +247,6 @@ fn from_moved_starts(full: &Full, found: &Answer, tolerance: f64) -> Option<f64>
             here.q[k] += change;
             here.v[k] += rate;
         }
-        here.held_q.fill(false);
-        here.held_v.fill(false);
         let whole = Motion::of(&*full.system, &there, full.tolerance, &full.need.outputs).ok()?;
         let small = Motion::of(&*found.system, &here, tolerance, &full.need.outputs).ok()?;
         let (deviation, _) = between(&whole, &small, full.measure()).ok()?;

@@ -25,6 +25,8 @@ pub(super) struct Motion {
     pub times: Vec<f64>,
     /// What is wanted, a list for each.
     pub values: Vec<Vec<f64>>,
+    /// Their units.
+    pub units: Vec<String>,
     /// Names and times of events.
     pub events: Vec<(String, f64)>,
     /// Functions of events and discontinuities, by name; nothing with constraints or phases.
@@ -41,6 +43,8 @@ pub(super) struct Motion {
 const TIMES: f64 = 1000.0;
 /// No rung takes so many steps.
 const MOST_STEPS: u64 = 400_000;
+/// Beside an event is what is this part of the scene from it.
+const INSTANT: f64 = 1e-9;
 /// What moves less beside its size stands still.
 const STILL: f64 = 1e-9;
 
@@ -63,6 +67,7 @@ impl Motion {
         Ok(Motion {
             times: run.times().to_vec(),
             values,
+            units: columns.iter().map(|name| run.unit(name)).collect(),
             events: run.events.iter().map(|event| (event.name.clone(), event.state.t)).collect(),
             guards: guards(&*system, &run),
             operations: units.operations * units.total(&run.work),
@@ -71,14 +76,21 @@ impl Motion {
         })
     }
 
-    /// The range of each wanted quantity, by which its deviations are measured; `None` for one that is always 0.
+    /// The range of each wanted quantity, by which its deviations are measured, and its size where that stands still; `None` for
+    /// what does not move beside others of its unit, but by rounding.
     pub fn scales(&self) -> Vec<Option<f64>> {
         let of = |values: &Vec<f64>| {
             let (range, size) = spread(values);
-            let scale = if range > STILL * size { range } else { size };
-            (scale > 0.0 && scale.is_finite()).then_some(scale)
+            if range > STILL * size { range } else { size }
         };
-        self.values.iter().map(of).collect()
+        let scales: Vec<f64> = self.values.iter().map(of).collect();
+        let alike = |unit: &String| {
+            let list = scales.iter().zip(&self.units).filter(|(_, other)| *other == unit);
+            list.fold(0.0_f64, |most, (scale, _)| most.max(*scale))
+        };
+        let moves =
+            |(scale, unit): (&f64, &String)| (*scale > STILL * alike(unit) && scale.is_finite()).then_some(*scale);
+        scales.iter().zip(&self.units).map(moves).collect()
     }
 }
 
@@ -131,7 +143,7 @@ pub(super) fn between(
     let span = full.times.last().copied().unwrap_or(0.0) - full.times.first().copied().unwrap_or(0.0);
     let moved: Vec<(f64, f64)> = full.events.iter().zip(&other.events).map(|(a, b)| (a.1, (a.1 - b.1).abs())).collect();
     // Beside an event that both have, each at its own time, all that jumps there would count.
-    let beside = |t: f64| moved.iter().any(|(at, apart)| (t - at).abs() <= *apart);
+    let beside = |t: f64| moved.iter().any(|(at, apart)| (t - at).abs() <= apart + INSTANT * span);
     let shared = full.times.iter().zip(&other.times).take_while(|(a, b)| a == b).count();
     if shared + 1 < full.times.len() && moved.is_empty() {
         return Err("it ends earlier".to_owned());

@@ -12,6 +12,9 @@ pub(super) enum Edit {
     Hold { coordinate: String, value: String },
 }
 
+/// What goes with an ingredient, and why.
+pub(super) type Gone = (String, String);
+
 /// Sections of what a file claims, shows and compares: what cannot stay in them goes with an ingredient.
 const CLAIMS: [&str; 6] = ["balances", "conserved", "checks", "draw", "outputs", "equilibrium"];
 /// So much goes with an ingredient at most.
@@ -110,25 +113,29 @@ pub(super) fn claim(text: &str, problem: &Problem) -> Option<(Vec<Step>, String)
 ///
 /// # Errors
 /// The first problem that is about something else, or about an output that is wanted.
-pub(super) fn without_vain_claims<T>(
+pub(super) fn without_vain_claims(
     text: String,
     is_wanted: impl Fn(&str) -> bool,
-    mut compile: impl FnMut(&str) -> Result<T, Vec<Problem>>,
-) -> Result<(String, T, Vec<(String, String)>), String> {
+    mut compile: impl FnMut(&str) -> Result<(), Vec<Problem>>,
+) -> Result<(String, Vec<Gone>), String> {
     let (mut text, mut gone) = (text, Vec::new());
     loop {
         let problems = match compile(&text) {
-            Ok(done) => return Ok((text, done, gone)),
+            Ok(()) => return Ok((text, gone)),
             Err(problems) => problems,
         };
-        let said = || problems.first().map_or_else(String::new, |problem| problem.message.clone());
+        let words = |problem: &Problem| match problem.code {
+            "E201" => "the rest of the file lacks a name".to_owned(),
+            _ => problem.message.clone(),
+        };
+        let said = || problems.first().map_or_else(String::new, words);
         let claims: Vec<_> =
             problems.iter().filter(|problem| !problem.is_warning()).map(|p| (claim(&text, p), p)).collect();
         if gone.len() >= MOST_GONE || claims.is_empty() {
             return Err(said());
         }
         if let Some((_, problem)) = claims.iter().find(|(claim, _)| claim.is_none()) {
-            return Err(problem.message.clone());
+            return Err(words(problem));
         }
         let Some((path, why)) = claims.into_iter().find_map(|(claim, _)| claim) else { return Err(said()) };
         if let [Step::Key(section), Step::Key(output)] = path.as_slice()

@@ -56,7 +56,7 @@ impl Full {
         let (mut motion, mut exact, own) = (run(tolerance)?, run(0.1 * tolerance)?, run(settings.tolerance)?);
         let mut scales = exact.scales();
         if everything {
-            // Of what stands still where everything is wanted nothing can be lost.
+            // Where everything is wanted nothing is to be lost of what stands still.
             let moves: Vec<bool> = scales.iter().map(Option::is_some).collect();
             let mut kept = moves.iter();
             need.outputs.retain(|_| *kept.next().unwrap_or(&true));
@@ -87,7 +87,9 @@ impl Full {
             operations: own.operations,
         };
         let known = between(&full.exact, &full.motion, full.measure());
-        full.known = known.map_or(f64::INFINITY, |(deviation, _)| deviation.largest);
+        let (known, _) =
+            known.map_err(|what| Unanswered::Fails { why: format!("in another run, more exact, {what}") })?;
+        full.known = known.largest;
         if full.known > KNOWN * full.need.within {
             return Err(Unanswered::NotKnown { known: full.known, within: full.need.within });
         }
@@ -119,7 +121,10 @@ impl Full {
         for push in [PUSH, -PUSH] {
             let pushed = moved(&self.settings, &self.motion.ranges, push);
             let Ok(motion) = Motion::of(&*self.system, &pushed, self.tolerance, &self.need.outputs) else { continue };
-            match between(&self.motion, &motion, self.measure()) {
+            // An event more or less, as where a motion begins at a turning point, is no growth.
+            let quiet = |motion: &Motion| Motion { events: Vec::new(), ..motion.clone() };
+            let compared = between(&self.motion, &motion, self.measure());
+            match compared.or_else(|_| between(&quiet(&self.motion), &quiet(&motion), self.measure())) {
                 Ok((_, differences)) => {
                     for (row, grown) in grown.iter_mut().enumerate() {
                         let here: Vec<f64> = differences.iter().filter_map(|d| d.get(row).copied()).collect();
@@ -138,8 +143,8 @@ impl Full {
     }
 }
 
-/// A start moved by a part of the range that each coordinate and rate goes through, to one side and the other in turn; where
-/// there are constraints it is the guess.
+/// A start moved by a part of the range that each coordinate and rate goes through, to one side and the other in turn; of what is
+/// not held it is the guess.
 pub(super) fn moved(settings: &Settings, ranges: &[f64], part: f64) -> Settings {
     let mut settings = settings.clone();
     let n = settings.q.len();
@@ -150,8 +155,6 @@ pub(super) fn moved(settings: &Settings, ranges: &[f64], part: f64) -> Settings 
             Some(i) => settings.v[i] += step,
         }
     }
-    settings.held_q.fill(false);
-    settings.held_v.fill(false);
     settings
 }
 

@@ -80,6 +80,8 @@ pub struct Question {
 pub struct Needs {
     /// The model.
     pub name: String,
+    /// The scene; `None`: the default one.
+    pub scene: Option<String>,
     /// What is wanted; vectors by components.
     pub need: Need,
     /// When the scene ends, s.
@@ -148,6 +150,7 @@ impl Needs {
         let choice = choice::choose(&full, &rungs, question.all, progress)?;
         let mut found = Needs {
             name: full.name().to_owned(),
+            scene: full.scene.clone(),
             need: full.need.clone(),
             until: full.until(),
             known: full.known,

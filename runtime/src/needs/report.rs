@@ -135,7 +135,9 @@ impl Needs {
         for (claim, why) in &choice.gone {
             let _ = writeln!(head, "# {claim} is not claimed any more: {why}");
         }
-        let tolerance = [Step::Key("scene".to_owned()), Step::Key("tolerance".to_owned())];
+        let scene = self.scene.as_ref().map_or(vec!["scene"], |name| vec!["scenes", name]);
+        let tolerance: Vec<Step> =
+            scene.into_iter().chain(["tolerance"]).map(|key| Step::Key(key.to_owned())).collect();
         let looser = format!("{:e}", choice.tolerance);
         let text = match value(&choice.text, &tolerance) {
             Some(_) => replaced(&choice.text, &tolerance, &looser).unwrap_or_else(|| choice.text.clone()),
@@ -163,7 +165,7 @@ fn row(rung: &Rung) -> [String; 6] {
         },
         Verdict::HappensOtherwise { what } => format!("acts: {what}"),
         Verdict::Near { guard, margin } => format!("stays: {guard} is missed by {} of its range", part(*margin)),
-        Verdict::Refused { why } => format!("stays: {why}"),
+        Verdict::Refused { why } => format!("stays: without it, {why}"),
     };
     [rung.ingredient.clone(), proposed(&rung.proposal), change, of, saving, found]
 }
@@ -179,10 +181,10 @@ fn proposed(proposal: &Proposal) -> String {
     }
 }
 
-/// `predicted 4.2e-4, verified 4.3e-4 of`.
+/// `predicted 4.1e-4, found 4.2e-4, with integration 4.3e-4 of`.
 fn changes(choice: &Choice) -> String {
-    let predicted = choice.predicted.map_or_else(String::new, |p| format!("predicted {}, ", part(p)));
-    format!("{predicted}verified {} of", part(choice.verified))
+    let of_model = |predicted| format!("predicted {}, found {}, ", part(predicted), part(choice.change));
+    format!("{}with integration {} of", choice.predicted.map_or_else(String::new, of_model), part(choice.verified))
 }
 
 fn part(value: f64) -> String {

@@ -184,7 +184,7 @@ pub(super) fn answer(full: &Full, edits: &[Edit]) -> Result<Answer, String> {
         full.need.outputs.iter().any(of)
     };
     let compiled = |text: &str| compile(text, &full.sizes).map(|_| ());
-    let (text, (), gone) = without_vain_claims(text, is_wanted, compiled)?;
+    let (text, gone) = without_vain_claims(text, is_wanted, compiled)?;
     let (system, settings) = built(&text, &full.sizes, full.scene.as_deref()).map_err(|e| said(&e))?;
     Ok(Answer { text, gone, system, settings })
 }

@@ -270,3 +270,29 @@ fn an_event_that_turns_back_nearer_to_zero_than_the_error_is_told() {
         assert_eq!(grazes(when), (None, events), "{when}");
     }
 }
+
+/// A block hangs at rest, held by a stiff spring, until it is pushed: rounding moves it to and fro through v = 0, where the drag
+/// v |v| has a corner, and nothing pushes back from both sides.
+#[test]
+fn what_stands_still_under_drag_does_not_chatter() {
+    let mut hung = file(
+        "name: Hung
+parameters: {m: 300, e: 0.05, k: 2e4, p: 8e4, c: 1200, C: 1e-3, g: 9.81}
+coordinates: {x: 1, z: 1}
+bodies: {b: {mass: m, position: \"[0, x]\"}, s: {mass: e, position: \"[0, x + z]\"}}
+gravity: [0, -g]
+springs:
+  one: {stretch: x, stiffness: k, along: \"[0, 1]\", on: b}
+  pin: {stretch: z, stiffness: p, along: \"[0, 1]\", on: s, from: b}
+dampers: {one: {rate: \"x'\", damping: c, along: \"[0, 1]\", on: b}}
+forces: {air: {on: b, force: \"[0, -C*x'*abs(x')]\"}, push: {on: b, force: \"[0, 1e3*exp(-((t - 5)/0.1)^2)]\"}}
+scene: {start: {x: -(m + e)*g/k, z: -e*g/p}, until: 10, tolerance: 1e-9}",
+    );
+    for tolerance in [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12] {
+        hung.settings.tolerance = tolerance;
+        let run = hung.run();
+        // As tighter tolerances have it.
+        let highest = run.column("x").unwrap().into_iter().fold(f64::NEG_INFINITY, f64::max);
+        assert!(tolerance > 1e-4 || (highest + 0.10327).abs() < 1e-4, "{tolerance}: {highest}");
+    }
+}
