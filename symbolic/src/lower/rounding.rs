@@ -15,6 +15,8 @@ pub(super) fn expanded(graph: &mut Graph, roots: &[Id]) -> Option<Vec<Id>> {
 /// Sums that are looked at, and places along which each is brought to zero.
 const SUMS: usize = 24;
 const PLACES: usize = 2;
+/// Forms with more symbols are not looked at: an expanded form of theirs is hardly ever the cheaper one.
+const SYMBOLS: usize = 200;
 /// How far from a zero both forms are compared, in parts of the place or of 1: no round numbers, of which squares are exact.
 const BESIDE: [f64; 2] = [1.234_567_891e-2, 1.234_567_891e-5];
 /// A form may err so many times more than the other one and the rounding of the state explain.
@@ -31,23 +33,18 @@ type State = HashMap<Symbol, f64>;
 ///
 /// An error counts by what the rounding of the state makes of the value, found in double-double.
 fn rounds_alike(graph: &Graph, plain: &[Id], other: &[Id]) -> bool {
-    let symbols: Vec<Symbol> =
-        graph.needed(plain.iter().copied()).into_iter().filter_map(|id| symbol(graph, id)).collect();
-    let places: Vec<Symbol> = symbols.iter().copied().filter(|s| is_place(*s)).collect();
-    let within: Vec<Vec<bool>> = places.iter().map(|place| graph.contains(|s| s == *place)).collect();
+    let symbols = graph.symbols(plain.iter().copied());
+    if symbols.len() > SYMBOLS {
+        return true;
+    }
+    let moves = graph.contains(is_place);
     let is_sum = |id: &Id| matches!(graph.node(*id), Node::Binary(Binary::Add | Binary::Sub, ..));
-    let sums: Vec<Id> = graph.needed(plain.iter().copied()).into_iter().filter(is_sum).collect();
+    let sums = graph.needed(plain.iter().copied()).into_iter().filter(|id| is_sum(id) && moves[id.index()]);
     let forms = [Tape::new(graph, plain), Tape::new(graph, other)];
     let mut random = Random::new();
-    let mut looked_at = 0;
-    for sum in sums {
-        let own: Vec<Symbol> =
-            places.iter().zip(&within).filter(|(_, within)| within[sum.index()]).map(|(place, _)| *place).collect();
-        if own.is_empty() {
-            continue;
-        }
+    for sum in sums.take(SUMS) {
         let tape = Tape::new(graph, &[sum]);
-        for place in own.into_iter().take(PLACES) {
+        for place in graph.symbols([sum]).into_iter().filter(|s| is_place(*s)).take(PLACES) {
             let mut state: State = symbols.iter().map(|s| (*s, drawn(*s, &mut random))).collect();
             let Some(zero) = zero(&tape, &mut state, place) else { continue };
             for beside in BESIDE {
@@ -57,19 +54,8 @@ fn rounds_alike(graph: &Graph, plain: &[Id], other: &[Id]) -> bool {
                 }
             }
         }
-        looked_at += 1;
-        if looked_at == SUMS {
-            break;
-        }
     }
     true
-}
-
-fn symbol(graph: &Graph, id: Id) -> Option<Symbol> {
-    match graph.node(id) {
-        Node::Symbol(symbol) => Some(symbol),
-        _ => None,
-    }
 }
 
 /// Whether differences of such symbols have no scale of their own: of places and times.
