@@ -113,6 +113,13 @@ fn oscillator(rest: &str) -> String {
 }
 
 #[test]
+fn a_tolerance_is_written_where_the_file_has_none() {
+    let needs = found(&oscillator("generalized_forces: {x: -k*x^3/A^2}\nscene: {start: {x: 1}, until: 20}"), "x");
+    let text = needs.smaller_file().expect("a looser tolerance");
+    assert!(text.contains("scene: {tolerance: 1e-5, start: {x: 1}, until: 20}"), "{text}");
+}
+
+#[test]
 fn what_acts_late_or_at_resonance_stays() {
     let late = oscillator(
         "forces: {late: {on: b, force: \"[0.2*F*exp(-((t - 36*T)/(0.2*T))^2), 0]\"}}

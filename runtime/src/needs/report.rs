@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use dalembert_symbolic::diagnose::Step;
-use dalembert_symbolic::file::edit::{replaced, value};
+use dalembert_symbolic::file::edit::{replaced, value, with};
 
 use super::{Choice, Needs, Proposal, Rung, Verdict};
 
@@ -69,9 +69,8 @@ impl Needs {
         }
         let _ = writeln!(
             text,
-            ": {} {}, {} times less work ({} operations instead of {})",
+            ": {}; {} times less work ({} operations instead of {})",
             changes(choice),
-            choice.of,
             times(choice.saving),
             count(choice.operations),
             count(self.operations)
@@ -120,9 +119,8 @@ impl Needs {
         }
         let _ = writeln!(
             head,
-            "# Off by {} {} at the tolerance {:e}; {} times less work.",
+            "# Together {}, at the tolerance {:e}; {} times less work.",
             changes(choice),
-            choice.of,
             choice.tolerance,
             times(choice.saving)
         );
@@ -139,10 +137,12 @@ impl Needs {
         let tolerance: Vec<Step> =
             scene.into_iter().chain(["tolerance"]).map(|key| Step::Key(key.to_owned())).collect();
         let looser = format!("{:e}", choice.tolerance);
-        let text = match value(&choice.text, &tolerance) {
-            Some(_) => replaced(&choice.text, &tolerance, &looser).unwrap_or_else(|| choice.text.clone()),
-            None => choice.text.clone(),
+        let text = match (value(&choice.text, &tolerance), &self.scene) {
+            (Some(_), _) => replaced(&choice.text, &tolerance, &looser),
+            (None, None) => with(&choice.text, "scene", "name", "tolerance", &looser),
+            (None, Some(_)) => None,
         };
+        let text = text.unwrap_or_else(|| choice.text.clone());
         Some(head + &text)
     }
 }
@@ -181,10 +181,15 @@ fn proposed(proposal: &Proposal) -> String {
     }
 }
 
-/// `predicted 4.1e-4, found 4.2e-4, with integration 4.3e-4 of`.
+/// `predicted 4.1e-4, found 4.2e-4; off by 4.3e-4 of swing, integration included`.
 fn changes(choice: &Choice) -> String {
-    let of_model = |predicted| format!("predicted {}, found {}, ", part(predicted), part(choice.change));
-    format!("{}with integration {} of", choice.predicted.map_or_else(String::new, of_model), part(choice.verified))
+    let of_model = |predicted| format!("predicted {}, found {}; ", part(predicted), part(choice.change));
+    format!(
+        "{}off by {} of {}, integration included",
+        choice.predicted.map_or_else(String::new, of_model),
+        part(choice.verified),
+        choice.of
+    )
 }
 
 fn part(value: f64) -> String {

@@ -64,7 +64,14 @@ const ROUNDING: f64 = 1e-12;
 
 /// Runs a drawn file, and judges the run.
 pub fn judge(drawn: &Drawn) -> Verdict {
-    let program = compile(&drawn.text, &[]).unwrap_or_else(|problems| panic!("{}: {problems:?}", drawn.text));
+    let program = match compile(&drawn.text, &[]) {
+        Ok(program) => program,
+        // exp(-(x - c)/w) may be too large for any number wherever the gate looks.
+        Err(problems) if problems.iter().all(|problem| problem.code == "E504") => {
+            return Verdict::Refused { error: problems[0].message.clone() };
+        }
+        Err(problems) => panic!("{}: {problems:?}", drawn.text),
+    };
     let system = Interpreted::new(program, &drawn.text);
     let mut settings = Settings::new(&system.scene(0));
     settings.digits = true;
