@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashMap as HashMap;
 
-use crate::expr::{Binary, Graph, Id, Node, Symbol, Tape, Unary, expand, partial};
+use crate::expr::{Angles, Binary, Graph, Id, Node, Symbol, Tape, Unary, expand, partial};
 use crate::number::DoubleDouble;
 use crate::random::Random;
 
@@ -42,7 +42,8 @@ pub(super) fn integral(graph: &mut Graph, row: &[(usize, Id)], drive: Id) -> Opt
         let more = match direct {
             Some(more) => more,
             None => {
-                let missing = *expand(graph, &[missing], |s| matches!(s, Symbol::Parameter(_)))?.first()?;
+                let missing =
+                    *expand(graph, &[missing], |s| matches!(s, Symbol::Parameter(_)), Angles::Shorter)?.first()?;
                 if stands(graph, missing) {
                     return None;
                 }

@@ -3,7 +3,7 @@
 use rustc_hash::FxHashMap as HashMap;
 
 use super::momentum::{in_phase, unknowns};
-use crate::expr::{Graph, Id, Node, Symbol, Unary, expand, jacobian};
+use crate::expr::{Angles, Graph, Id, Node, Symbol, Unary, expand, jacobian};
 use crate::model::{BalanceSystem, Model};
 
 /// Puts reactions, by name, into what observes: outputs, events and checks.  Tells which components of outputs,
@@ -145,11 +145,11 @@ fn least_squares(graph: &mut Graph, system: &BalanceSystem, unknowns: &[Symbol])
     // All rows at once, for what they share; row by row where that grows too large.
     let constant = |s: Symbol| matches!(s, Symbol::Parameter(_));
     let all: Vec<Id> = normal.iter().flat_map(|row| &row[..m]).copied().collect();
-    let together = expand(graph, &all, constant);
+    let together = expand(graph, &all, constant, Angles::Shorter);
     for (k, row) in normal.iter_mut().enumerate() {
         let simple = match &together {
             Some(all) => Some(all[k * m..][..m].to_vec()),
-            None => expand(graph, &row[..m], constant),
+            None => expand(graph, &row[..m], constant, Angles::Shorter),
         };
         if let Some(simple) = simple {
             row[..m].copy_from_slice(&simple);

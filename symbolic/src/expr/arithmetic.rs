@@ -323,6 +323,15 @@ impl Graph {
         }
     }
 
+    /// The same operation on what has become of its operands.
+    pub(super) fn rebuilt(&mut self, id: Id, image: impl Fn(Id) -> Id) -> Id {
+        match self.node(id) {
+            Node::Unary(f, x) => self.unary(f, image(x)),
+            Node::Binary(f, x, y) => self.binary(f, image(x), image(y)),
+            Node::Number(_) | Node::Symbol(_) => id,
+        }
+    }
+
     fn fold_unary(&mut self, function: Unary, value: Number) -> Option<Id> {
         let folded = match function {
             Unary::Sqrt => value.sqrt(),

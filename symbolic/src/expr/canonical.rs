@@ -5,120 +5,48 @@
 //! *popularity* (the number of sums a term occurs in).  In a chain of links the terms of inner links occur
 //! in most positions, so the recursion tip[i] = tip[i−1] + … comes back by itself from closed-form sums.
 
-use rustc_hash::FxHashMap as HashMap;
-
-use super::places::Places;
+use super::chains::{Chain, Chains};
 use super::{Binary, Graph, Id, Node, Unary};
 use crate::number::Number;
 
 /// Rebuilds all roots together.
 pub fn canonical(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
     // The first pass makes equal terms equal, so that the second can count them.
-    let roots = pass(graph, roots, |_, _| {});
-    let popularity = popularity(graph, &roots);
-    let by_popularity = |_: &Graph, terms: &mut Vec<(Id, Number)>| {
-        terms.sort_by_key(|(term, _)| {
-            let count = popularity.get(term).copied().unwrap_or(0);
-            (std::cmp::Reverse(count), *term)
-        });
-    };
-    pass(graph, &roots, by_popularity)
+    let roots = Chains::of::<Sum>(graph, roots).rebuild::<Sum>(graph, roots, sum);
+    let sums = Chains::of::<Sum>(graph, &roots);
+    let popularity = sums.popularity::<Sum, _>(graph, |term| term.0);
+    sums.rebuild::<Sum>(graph, &roots, |graph, mut terms, image| {
+        terms.sort_by_key(|(term, _)| (std::cmp::Reverse(popularity.get(term)), *term));
+        sum(graph, terms, image)
+    })
 }
 
-/// One rebuilding; `order` arranges the terms of a sum, given by their places before this pass.
-fn pass(graph: &mut Graph, roots: &[Id], order: impl Fn(&Graph, &mut Vec<(Id, Number)>)) -> Vec<Id> {
-    let sums = Sums::of(graph, roots);
-    let mut image: Vec<Option<Id>> = vec![None; sums.needed.list().len()];
-    for (i, &id) in sums.needed.list().iter().enumerate() {
-        if !sums.wanted[i] {
-            continue;
-        }
-        let of = |image: &[Option<Id>], x: Id| image[sums.needed.of(x)].unwrap_or(x);
-        let new = match graph.node(id) {
-            _ if is_sum(graph, id) => {
-                let mut terms = sums.terms(graph, i);
-                order(graph, &mut terms);
-                let mut sum = Id::ZERO;
-                for (term, coefficient) in terms {
-                    let factor = graph.constant(coefficient);
-                    let image = if term == Id::ONE { term } else { of(&image, term) };
-                    let product = graph.mul(factor, image);
-                    sum = graph.add(sum, product);
-                }
-                sum
-            }
-            Node::Unary(f, x) => graph.unary(f, of(&image, x)),
-            Node::Binary(f, x, y) => graph.binary(f, of(&image, x), of(&image, y)),
-            Node::Number(_) | Node::Symbol(_) => id,
-        };
-        image[i] = Some(new);
-    }
-    roots.iter().map(|r| image[sums.needed.of(*r)].unwrap_or(*r)).collect()
+/// Σ cₖ termₖ, the terms as they have become.
+fn sum(graph: &mut Graph, terms: Vec<(Id, Number)>, image: &dyn Fn(Id) -> Id) -> Id {
+    terms.into_iter().fold(Id::ZERO, |sum, (term, coefficient)| {
+        let factor = graph.constant(coefficient);
+        let term = if term == Id::ONE { term } else { image(term) };
+        let product = graph.mul(factor, term);
+        graph.add(sum, product)
+    })
 }
 
-/// In how many sums each term stands.
-fn popularity(graph: &Graph, roots: &[Id]) -> HashMap<Id, u32> {
-    let sums = Sums::of(graph, roots);
-    let mut count = HashMap::default();
-    for (i, &id) in sums.needed.list().iter().enumerate() {
-        if sums.wanted[i] && is_sum(graph, id) {
-            for (term, _) in sums.terms(graph, i) {
-                *count.entry(term).or_default() += 1;
-            }
-        }
-    }
-    count
-}
+/// Sums of multiples.
+pub(super) struct Sum;
 
-/// Terms of all sums together beyond which a sum is not taken apart further than to sums that are needed as such:
-/// running sums of n terms have n²/2.
-const FLATTENED: usize = 300_000;
+impl Chain for Sum {
+    type Part = (Id, Number);
 
-/// What is needed as such, and how far sums are taken apart.
-struct Sums {
-    needed: Places,
-    /// Roots, and children of anything but a sum, and terms of sums.
-    wanted: Vec<bool>,
-    /// Sums that are taken apart as far as to others that are wanted.
-    shallow: Vec<bool>,
-}
-
-impl Sums {
-    fn of(graph: &Graph, roots: &[Id]) -> Sums {
-        let needed = Places::new(graph.needed(roots.iter().copied()));
-        let count = needed.list().len();
-        let mut sums = Sums { needed, wanted: vec![false; count], shallow: vec![false; count] };
-        for root in roots {
-            let place = sums.needed.of(*root);
-            sums.wanted[place] = true;
-        }
-        let mut terms = 0;
-        for i in (0..count).rev() {
-            if !sums.wanted[i] {
-                continue;
-            }
-            let id = sums.needed.list()[i];
-            let parts: Vec<Id> = if is_sum(graph, id) {
-                sums.shallow[i] = terms > FLATTENED;
-                sums.terms(graph, i).into_iter().map(|(term, _)| term).collect()
-            } else {
-                graph.children(id).collect()
-            };
-            terms += parts.len();
-            for part in parts {
-                // A constant summand counts as a multiple of 1, which may stand nowhere else.
-                if let Some(place) = sums.needed.find(part) {
-                    sums.wanted[place] = true;
-                }
-            }
-        }
-        sums
+    fn is(graph: &Graph, id: Id) -> bool {
+        is_sum(graph, id)
     }
 
-    /// The terms of the sum at a place.
-    fn terms(&self, graph: &Graph, i: usize) -> Vec<(Id, Number)> {
-        let whole = |id: Id| self.shallow[i] && self.needed.find(id).is_some_and(|place| self.wanted[place]);
-        flatten(graph, self.needed.list()[i], whole)
+    fn parts(graph: &Graph, root: Id, whole: &dyn Fn(Id) -> bool) -> Vec<(Id, Number)> {
+        flatten(graph, root, whole)
+    }
+
+    fn id(part: &(Id, Number)) -> Id {
+        part.0
     }
 }
 
@@ -134,7 +62,7 @@ fn is_sum(graph: &Graph, id: Id) -> bool {
 
 /// The terms of a sum and their coefficients, like terms collected, in the order of the arena; parts of which `whole` is
 /// true are terms as they are.
-fn flatten(graph: &Graph, root: Id, whole: impl Fn(Id) -> bool) -> Vec<(Id, Number)> {
+pub(super) fn flatten(graph: &Graph, root: Id, whole: &dyn Fn(Id) -> bool) -> Vec<(Id, Number)> {
     let one = Number::ONE;
     let mut terms: Vec<(Id, Number)> = Vec::new();
     // Parents have larger places than children, so taking the largest first visits each node once.

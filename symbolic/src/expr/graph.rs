@@ -14,6 +14,8 @@ impl Id {
     pub const ZERO: Id = Id(0);
     /// The constant 1, at this place in every graph.
     pub const ONE: Id = Id(1);
+    /// The constant −1, likewise.
+    pub const MINUS_ONE: Id = Id(2);
 
     /// Its place in the graph.
     pub fn index(self) -> usize {
@@ -120,7 +122,7 @@ impl Default for Graph {
 }
 
 impl Graph {
-    /// An empty graph (with 0 and 1 in it).
+    /// An empty graph (with 0, 1 and −1 in it).
     pub fn new() -> Self {
         let mut graph = Graph {
             nodes: Vec::new(),
@@ -131,6 +133,7 @@ impl Graph {
         };
         graph.rational(Rational::ZERO);
         graph.rational(Rational::ONE);
+        graph.integer(-1);
         graph
     }
 
@@ -139,7 +142,7 @@ impl Graph {
         self.nodes.len()
     }
 
-    /// Never true: 0 and 1 are always there.
+    /// Never true: 0, 1 and −1 are always there.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }
@@ -152,6 +155,11 @@ impl Graph {
     /// The node of an expression.
     pub fn node(&self, id: Id) -> Node {
         self.nodes[id.index()]
+    }
+
+    /// The expression with this node, if there is one.
+    pub fn find(&self, node: Node) -> Option<Id> {
+        self.index.get(&node).copied()
     }
 
     /// The number with this place in the table.

@@ -2,12 +2,15 @@
 
 mod arithmetic;
 mod canonical;
+mod chains;
+mod coefficient;
 mod differentiate;
 mod evaluate;
 mod expand;
 mod graph;
 mod measured;
 mod places;
+mod products;
 mod rewrite;
 mod scalar;
 mod symbol;
@@ -15,9 +18,10 @@ mod symbol;
 pub use canonical::canonical;
 pub use differentiate::{Forward, gradients, jacobian, partial, reverse};
 pub use evaluate::Tape;
-pub use expand::expand;
+pub use expand::{Angles, expand};
 pub use graph::{Binary, Graph, Id, Node, Unary};
 pub use measured::Measured;
+pub use products::products;
 pub use rewrite::{rewrite, substitute};
 pub use scalar::Scalar;
 pub use symbol::Symbol;

@@ -18,11 +18,7 @@ pub fn rewrite(graph: &mut Graph, roots: &[Id], mut replace: impl FnMut(&mut Gra
         };
         let new = match replace(graph, node) {
             Some(other) => other,
-            None => match node {
-                Node::Unary(f, x) => graph.unary(f, x),
-                Node::Binary(f, x, y) => graph.binary(f, x, y),
-                Node::Number(_) | Node::Symbol(_) => id,
-            },
+            None => graph.rebuilt(id, |x| image[needed.of(x)]),
         };
         image.push(new);
     }

@@ -1,7 +1,7 @@
 //! Cyclic coordinates.
 
 use super::state::State;
-use crate::expr::{Id, Symbol, Tape, expand};
+use crate::expr::{Angles, Id, Symbol, Tape, expand};
 use crate::model::Model;
 
 /// Coordinates on which neither T − V nor any force depends or acts, with their momenta, which are conserved.
@@ -17,7 +17,7 @@ pub(super) fn cyclic(model: &mut Model, states: &[State], momenta: &[(Id, Id)]) 
     let constant = |s: Symbol| matches!(s, Symbol::Parameter(_));
     let mut found = Vec::new();
     for (i, &(momentum, _)) in momenta.iter().enumerate().filter(|(i, _)| still[*i]) {
-        let expanded = expand(&mut model.graph, &[momentum], constant);
+        let expanded = expand(&mut model.graph, &[momentum], constant, Angles::Shorter);
         found.push((i, expanded.map_or(momentum, |e| e[0])));
     }
     found

@@ -1,8 +1,9 @@
-//! The choice among equivalent forms that round alike, by number of operations.
+//! The choice among equivalent forms that round alike, by the time that their operations take.
 
-use super::Entry;
-use super::count::operations;
-use super::rounding::expanded;
+use super::count::work;
+use super::gather::gather;
+use super::rounding::{expanded, gathered};
+use super::{Entry, gather_entries};
 use crate::derive::Equations;
 use crate::expr::{Graph, Id, Symbol};
 
@@ -25,36 +26,50 @@ pub(super) fn choose(graph: &mut Graph, equations: &[Equations]) -> Chosen {
         let values: Vec<Id> = derivation.mass.iter().map(|e| e.2).collect();
         // Expanded forms of different derivations are the same up to order, so one is enough.
         if masses.is_empty() {
-            if let Some(expanded) = expanded(graph, &values) {
-                let entries = derivation.mass.iter().zip(expanded).map(|(e, x)| (e.0, e.1, x));
-                masses.push((format!("{name}, expanded"), entries.filter(|e| e.2 != Id::ZERO).collect()));
+            for (words, form) in expanded(graph, &values) {
+                let entries = derivation.mass.iter().zip(form).map(|(e, x)| (e.0, e.1, x));
+                masses.push((format!("{name}, {words}"), entries.filter(|e| e.2 != Id::ZERO).collect()));
             }
-            if let Some(expanded) = expanded(graph, &derivation.bias) {
-                biases.push((format!("{name}, expanded"), expanded));
+            for (words, form) in expanded(graph, &derivation.bias) {
+                biases.push((format!("{name}, {words}"), form));
             }
-            if let Some(expanded) = expanded(graph, &derivation.residual) {
-                residuals.push((format!("{name}, expanded"), expanded));
+            for (words, form) in expanded(graph, &derivation.residual) {
+                residuals.push((format!("{name}, {words}"), form));
             }
         }
         masses.push((name.to_owned(), derivation.mass.clone()));
         biases.push((name.to_owned(), derivation.bias.clone()));
         residuals.push((name.to_owned(), derivation.residual.clone()));
     }
+    for entries in masses.iter_mut().map(|(_, entries)| entries) {
+        gather_entries(graph, entries);
+    }
+    for values in biases.iter_mut().map(|(_, values)| values) {
+        *values = gather(graph, values);
+    }
     let mut best: Option<(usize, usize, usize)> = None;
     for (i, (_, mass)) in masses.iter().enumerate() {
         for (j, (_, bias)) in biases.iter().enumerate() {
             let roots: Vec<Id> = mass.iter().map(|e| e.2).chain(bias.iter().copied()).collect();
-            let cost = operations(graph, &roots);
+            let cost = work(graph, &roots);
             if best.is_none_or(|(least, ..)| cost < least) {
                 best = Some((cost, i, j));
             }
         }
     }
     let (_, i, j) = best.unwrap_or_default();
-    let (mass_words, mass) = masses.swap_remove(i);
+    let (mass_words, mut mass) = masses.swap_remove(i);
     let (bias_words, bias) = biases.swap_remove(j);
+    let values = gathered(graph, mass.iter().map(|e| e.2).chain(bias).collect(), &[]);
+    let bias = values[mass.len()..].to_vec();
+    for (entry, value) in mass.iter_mut().zip(values) {
+        entry.2 = value;
+    }
     residuals.push(("M q'' + h".to_owned(), product_form(graph, &mass, &bias)));
-    let k = (0..residuals.len()).min_by_key(|&k| operations(graph, &residuals[k].1)).unwrap_or(0);
+    for values in residuals.iter_mut().map(|(_, values)| values) {
+        *values = gathered(graph, std::mem::take(values), &[]);
+    }
+    let k = (0..residuals.len()).min_by_key(|&k| work(graph, &residuals[k].1)).unwrap_or(0);
     let (residual_words, residual) = residuals.swap_remove(k);
     Chosen { mass, bias, residual, words: format!("M: {mass_words}; h: {bias_words}; F: {residual_words}") }
 }

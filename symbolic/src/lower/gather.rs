@@ -11,8 +11,15 @@ pub(super) fn gather(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
         let product = match node {
             Node::Binary(Binary::Mul, x, y) => {
                 extend(graph, &mut varies);
-                let (c, p) = split(graph, &varies, x);
-                let (d, q) = split(graph, &varies, y);
+                let (mut c, mut p) = split(graph, &varies, x);
+                let (mut d, mut q) = split(graph, &varies, y);
+                // A quotient gives its constant where there is another one.
+                if d != Id::ONE {
+                    (c, p) = above(graph, &varies, (c, p));
+                } else if c != Id::ONE {
+                    (d, q) = above(graph, &varies, (d, q));
+                }
+                extend(graph, &mut varies);
                 let coefficient = graph.mul(c, d);
                 let rest = match (p, q) {
                     (Some(p), Some(q)) if coefficient != Id::ONE || (c, d) != (Id::ONE, Id::ONE) => graph.mul(p, q),
@@ -28,6 +35,8 @@ pub(super) fn gather(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
                 }
                 let reciprocal = graph.div(Id::ONE, y);
                 let (c, p) = split(graph, &varies, x);
+                let (c, p) = above(graph, &varies, (c, p));
+                extend(graph, &mut varies);
                 (graph.mul(c, reciprocal), p?)
             }
             _ => return None,
@@ -35,6 +44,10 @@ pub(super) fn gather(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
         let (coefficient, rest) = product;
         if coefficient == Id::ONE {
             return Some(rest);
+        }
+        // c (1/x) is c/x.
+        if let Node::Binary(Binary::Div, Id::ONE, denominator) = graph.node(rest) {
+            return Some(graph.div(coefficient, denominator));
         }
         // The sign stays outside, where it is free.
         if let Node::Unary(crate::expr::Unary::Neg, positive) = graph.node(coefficient) {
@@ -54,6 +67,16 @@ fn split(graph: &Graph, varies: &[bool], id: Id) -> (Id, Option<Id>) {
         Node::Binary(Binary::Mul, c, x) if !varies[c.index()] => (c, Some(x)),
         Node::Binary(Binary::Mul, x, c) if !varies[c.index()] => (c, Some(x)),
         _ => (Id::ONE, Some(id)),
+    }
+}
+
+/// c · 1/x for c/x.
+fn above(graph: &mut Graph, varies: &[bool], (c, x): (Id, Option<Id>)) -> (Id, Option<Id>) {
+    match x.map(|x| graph.node(x)) {
+        Some(Node::Binary(Binary::Div, d, y)) if c == Id::ONE && d != Id::ONE && !varies[d.index()] => {
+            (d, Some(graph.div(Id::ONE, y)))
+        }
+        _ => (c, x),
     }
 }
 

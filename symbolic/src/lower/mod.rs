@@ -165,13 +165,15 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
 
     let mut chosen = candidates::choose(graph, &equations);
     let mut constraints = constraints::lowered(graph, rows, &mut chosen);
-    gather_entries(graph, &mut chosen.mass);
     chosen.bias = gather::gather(graph, &chosen.bias);
     chosen.residual = gather::gather(graph, &chosen.residual);
     let accelerations = factor::accelerations(graph, n, &chosen.mass, &chosen.bias);
     let (mut stiffness, mut damping) = residual_jacobians(graph, n, &chosen.residual);
-    gather_entries(graph, &mut stiffness);
-    gather_entries(graph, &mut damping);
+    let slopes = stiffness.iter().chain(&damping).map(|e| e.2).collect();
+    let slopes = rounding::gathered(graph, slopes, &chosen.residual);
+    for (entry, value) in stiffness.iter_mut().chain(&mut damping).zip(slopes) {
+        entry.2 = value;
+    }
     let input = entries(jacobian(graph, &chosen.residual, |s| match s {
         Symbol::Input(k, order @ 0..=2) => Some(3 * k as usize + usize::from(order)),
         _ => None,

@@ -1,6 +1,6 @@
 //! Systems of momentum balances, ready to print: A·[q''; reactions] = b in its cheapest form.
 
-use super::count::operations;
+use super::count::{operations, work};
 use super::gather::gather;
 use super::rounding::expanded;
 use super::{Entry, gather_entries};
@@ -66,25 +66,25 @@ fn cheapest(graph: &mut Graph, matrix: Vec<Entry>, right: Vec<Id>) -> (Vec<Entry
         return (matrix, right);
     }
     let values: Vec<Id> = matrix.iter().map(|e| e.2).collect();
-    let mut best = (matrix, right);
-    let cost = |graph: &Graph, (matrix, right): &(Vec<Entry>, Vec<Id>)| {
-        operations(graph, &matrix.iter().map(|e| e.2).chain(right.iter().copied()).collect::<Vec<Id>>())
-    };
-    let put = |old: &[Entry], values: Vec<Id>| -> Vec<Entry> {
-        let entries = old.iter().zip(values).map(|(e, value)| (e.0, e.1, value));
+    let put = |values: Vec<Id>| -> Vec<Entry> {
+        let entries = matrix.iter().zip(values).map(|(e, value)| (e.0, e.1, value));
         entries.filter(|e| e.2 != Id::ZERO).collect()
     };
-    let expanded_matrix = expanded(graph, &values).map(|values| put(&best.0, values));
-    let expanded_right = expanded(graph, &best.1);
-    for matrix in [None, expanded_matrix] {
-        for right in [None, expanded_right.clone()] {
-            let candidate = (matrix.clone().unwrap_or_else(|| best.0.clone()), right.unwrap_or_else(|| best.1.clone()));
-            if cost(graph, &candidate) < cost(graph, &best) {
-                best = candidate;
+    let matrices: Vec<Vec<Entry>> = expanded(graph, &values).into_iter().map(|(_, values)| put(values)).collect();
+    let rights: Vec<Vec<Id>> = expanded(graph, &right).into_iter().map(|(_, values)| values).collect();
+    let cost = |graph: &Graph, matrix: &[Entry], right: &[Id]| {
+        work(graph, &matrix.iter().map(|e| e.2).chain(right.iter().copied()).collect::<Vec<Id>>())
+    };
+    let mut best = (cost(graph, &matrix, &right), &matrix, &right);
+    for other in std::iter::once(&matrix).chain(&matrices) {
+        for right in std::iter::once(&right).chain(&rights) {
+            let cost = cost(graph, other, right);
+            if cost < best.0 {
+                best = (cost, other, right);
             }
         }
     }
-    best
+    (best.1.clone(), best.2.clone())
 }
 
 /// The components of vectors.

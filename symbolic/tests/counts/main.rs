@@ -1,4 +1,4 @@
-//! Operation counts of the n-link chain are held by `docs/counts.md`.
+//! Operation counts of the n-link chain and of the library are held by `docs/counts.md`.
 
 mod table;
 
@@ -21,4 +21,41 @@ fn growth_stays_below_the_bounds() {
         assert!(pair[0] < 2.0 && (0.9..1.1).contains(&pair[1]), "{exponents:?}");
     }
     assert_eq!(exponents.len(), 4);
+}
+
+/// Two bars, M and h by hand: 22 operations.
+const ARM: &str = r#"
+name: Arm
+parameters: {m1: 2 kg, m2: 1 kg, L1: 1 m, L2: 0.8 m, g: 9.81 m/s^2}
+coordinates: {q1: rad, q2: rad}
+points:
+  elbow: "L1*[cos(q1), sin(q1)]"
+  hand: "elbow + L2*[cos(q1 + q2), sin(q1 + q2)]"
+bodies:
+  upper: {mass: m1, inertia: m1*L1^2/12, angle: q1, position: elbow/2}
+  fore: {mass: m2, inertia: m2*L2^2/12, angle: q1 + q2, position: (elbow + hand)/2}
+gravity: [0, -g]
+"#;
+
+#[test]
+fn bodies_of_an_arm_cost_what_its_energies_by_hand_do() {
+    let by_hand = r#"
+name: Arm
+parameters: {m1: 2 kg, m2: 1 kg, L1: 1 m, L2: 0.8 m, g: 9.81 m/s^2}
+coordinates: {q1: rad, q2: rad}
+kinetic_energy: m1*L1^2*q1'^2/6 + m2*(L1^2*q1'^2 + L2^2*(q1' + q2')^2/3 + L1*L2*cos(q2)*q1'*(q1' + q2'))/2
+potential_energy: g*((m1/2 + m2)*L1*sin(q1) + m2*L2/2*sin(q1 + q2))
+"#;
+    for text in [ARM, by_hand] {
+        assert_eq!(table::counts(text, &[]).mass_and_bias, 22, "{text}");
+    }
+}
+
+#[test]
+fn a_pair_of_stars_takes_one_root_and_one_division() {
+    let text = include_str!("../../../models/figure_eight.yaml");
+    let program = dalembert_symbolic::lower::compile(text, &[]).unwrap();
+    let code = dalembert_symbolic::print::rust(&program, text, "FigureEight");
+    let bias = code.split("fn bias").nth(1).unwrap().split("\n    }").next().unwrap();
+    assert_eq!([bias.matches(" / ").count(), bias.matches("sqrt").count(), bias.matches("ratio").count()], [3, 3, 0]);
 }

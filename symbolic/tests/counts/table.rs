@@ -31,13 +31,13 @@ gravity: [0, -g]
 /// Derives every size both ways and writes the table.
 pub fn table() -> String {
     let mut text = String::from(
-        "# Operations of the n-link chain\n\n\
+        "# Operations of the n-link chain and of the library\n\n\
          Additions, multiplications, divisions, roots, sines and cosines of the generated functions; what depends on\n\
          parameters only is computed once per run and not counted. *Floor* is hand-structured code for M and h, with its\n\
          parameter products counted. Regenerate: `cargo run --release --example counts -p dalembert-symbolic > docs/counts.md`.\n",
     );
     for (model, floors, title) in [(ABSOLUTE, FLOORS[0], "Absolute angles"), (RELATIVE, FLOORS[1], "Relative angles")] {
-        let counts: Vec<Counts> = SIZES.iter().map(|&n| counts(model, n)).collect();
+        let counts: Vec<Counts> = SIZES.iter().map(|&n| counts(model, &[("n".to_owned(), n)])).collect();
         let _ = write!(
             text,
             "\n## {title}\n\n| n | M | h | M and h | floor | F | F and Jacobians | accelerations |\n| ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n"
@@ -57,11 +57,35 @@ pub fn table() -> String {
             growth(|c| c.bias)
         );
     }
+    text += "\n## The library\n\n| model | M | h | M and h | F | F and Jacobians | accelerations |\n\
+             | --- | ---: | ---: | ---: | ---: | ---: | ---: |\n";
+    for (name, source) in library() {
+        let Counts { mass, bias, mass_and_bias, residual, jacobians, accelerations } = counts(&source, &[]);
+        let _ = writeln!(
+            text,
+            "| `{name}` | {mass} | {bias} | {mass_and_bias} | {residual} | {jacobians} | {accelerations} |"
+        );
+    }
     text
 }
 
-fn counts(model: &str, n: i64) -> Counts {
-    match compile(model, &[("n".to_owned(), n)]) {
+fn library() -> Vec<(String, String)> {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../models");
+    let files = std::fs::read_dir(folder).expect("the folder of models").filter_map(Result::ok);
+    let paths = files.map(|file| file.path()).filter(|path| path.extension().is_some_and(|e| e == "yaml"));
+    let mut models: Vec<(String, String)> = paths
+        .map(|path| {
+            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            (name, std::fs::read_to_string(path).expect("a model of the library"))
+        })
+        .collect();
+    models.sort();
+    models
+}
+
+/// Of a model with these sizes.
+pub fn counts(model: &str, sizes: &[(String, i64)]) -> Counts {
+    match compile(model, sizes) {
         Ok(program) => program.counts,
         Err(problems) => panic!("{problems:?}"),
     }
