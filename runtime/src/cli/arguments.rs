@@ -1,6 +1,6 @@
 //! What may stand on the command line.
 
-use clap::{Arg, ArgAction, Command};
+use clap::{Arg, ArgAction, ArgGroup, Command};
 
 /// The whole grammar.
 pub fn command() -> Command {
@@ -16,7 +16,11 @@ pub fn command() -> Command {
                 .about("Prints the derived equations, operation counts and what was recognised")
                 .arg(model())
                 .args(sizes())
-                .arg(flag("rust", "Print the generated Rust instead")),
+                .arg(flag("rust", "Print the generated Rust instead"))
+                .arg(flag("latex", "Print them in LaTeX"))
+                .arg(flag("python", "Print a module for Python (NumPy) that gives M, h and the rate of the state"))
+                .arg(flag("json", "Print one JSON object"))
+                .group(ArgGroup::new("form").args(["rust", "latex", "python", "json"])),
         )
         .subcommand(
             Command::new("check")

@@ -41,7 +41,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         writeln!(out, "  {}", nature(force))?;
     }
     write!(out, "{}", file::render(&loaded.path, &loaded.source, &program.model.warnings))?;
-    recognised(&program, out)
+    structure(&program, out)
 }
 
 /// Where the states come from, and what they do not reach.
@@ -160,21 +160,28 @@ fn conditions(program: &Program, source: &str, out: &mut dyn Write) -> Result<()
 }
 
 /// What was recognised, and operation counts.
-pub fn recognised(program: &Program, out: &mut dyn Write) -> Result<(), Problem> {
+pub fn structure(program: &Program, out: &mut dyn Write) -> Result<(), Problem> {
+    for word in recognised(program) {
+        writeln!(out, "  {word}")?;
+    }
+    let counts: Vec<String> = operations(program).iter().map(|(what, count)| format!("{what} {count}")).collect();
+    writeln!(out, "  operations: {}", counts.join(", "))?;
+    Ok(())
+}
+
+/// What was recognised, in words.
+pub fn recognised(program: &Program) -> Vec<String> {
     let s = &program.structure;
     let name = |i: usize| program.model.coordinates.get(i).map_or("?", |c| c.name.as_str());
-    let mut words: Vec<String> = Vec::new();
-    let mut note = |is: bool, word: &str| {
-        if is {
-            words.push(word.to_owned());
-        }
-    };
-    note(s.linear, "linear with constant coefficients");
-    note(s.constant_mass, "constant mass matrix");
-    note(s.separable, "separable");
-    note(s.diagonal_mass, "diagonal mass matrix");
-    note(s.conservative, "conservative");
-    note(s.time_dependent, "depends on time");
+    let flags = [
+        (s.linear, "linear with constant coefficients"),
+        (s.constant_mass, "constant mass matrix"),
+        (s.separable, "separable"),
+        (s.diagonal_mass, "diagonal mass matrix"),
+        (s.conservative, "conservative"),
+        (s.time_dependent, "depends on time"),
+    ];
+    let mut words: Vec<String> = flags.iter().filter(|(is, _)| *is).map(|(_, word)| (*word).to_owned()).collect();
     if s.mass_blocks.len() > 1 && !s.diagonal_mass {
         words.push(format!("mass matrix in {} blocks", s.mass_blocks.len()));
     }
@@ -182,14 +189,18 @@ pub fn recognised(program: &Program, out: &mut dyn Write) -> Result<(), Problem>
         let momentum = dalembert_symbolic::model::text(&program.model, *momentum);
         words.push(format!("{} is cyclic, its momentum {momentum} is conserved", name(*i)));
     }
-    for word in words {
-        writeln!(out, "  {word}")?;
-    }
+    words
+}
+
+/// Operations of the generated functions.
+pub fn operations(program: &Program) -> Vec<(&'static str, usize)> {
     let c = program.counts;
-    writeln!(
-        out,
-        "  operations: M {}, h {}, M and h {}, accelerations {}, F {}, F with its Jacobians {}",
-        c.mass, c.bias, c.mass_and_bias, c.accelerations, c.residual, c.jacobians
-    )?;
-    Ok(())
+    vec![
+        ("M", c.mass),
+        ("h", c.bias),
+        ("M and h", c.mass_and_bias),
+        ("accelerations", c.accelerations),
+        ("F", c.residual),
+        ("F with its Jacobians", c.jacobians),
+    ]
 }

@@ -1,35 +1,60 @@
-//! `show`: the derived equations, or the generated Rust.
+//! `show`: the derived equations as text, in LaTeX, as JSON; the generated Rust, or a module for Python.
 
 use std::io::Write;
 
 use clap::ArgMatches;
-use dalembert_symbolic::{model, print};
+use dalembert_symbolic::print;
+use serde_json::Value;
 
 use super::load::Loaded;
-use super::{Entry, Problem, check};
+use super::{Entry, Problem, check, json};
 
-/// Prints M, h and what was recognised; with `--rust` the generated code.
+/// Prints M, h, constraints and what was recognised; with `--rust` or `--python` code.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let loaded = Loaded::find(models, options)?;
     let program = loaded.program()?;
+    let model = &program.model;
     if options.get_flag("rust") {
-        let name = print::type_name(&program.model.name);
+        let name = print::type_name(&model.name);
         write!(out, "{}", print::rust(&program, &loaded.source, &name))?;
         return Ok(());
     }
-    let model = &program.model;
+    if options.get_flag("python") {
+        write!(out, "{}", print::python(&program, &loaded.name))?;
+        return Ok(());
+    }
+    let reading = print::Reading::of(&program);
+    if options.get_flag("latex") {
+        write!(out, "{}", reading.latex(model))?;
+        return Ok(());
+    }
+    if options.get_flag("json") {
+        let text = |text: &str| Value::String(text.to_owned());
+        let unit = |unit: &Option<String>| unit.as_ref().map_or(Value::Null, |unit| Value::String(unit.clone()));
+        let coordinates =
+            model.coordinates.iter().map(|c| json::object([("name", text(&c.name)), ("unit", unit(&c.unit))]));
+        let parameters = model.parameters.iter().map(|p| {
+            let default = json::number(p.default);
+            json::object([("name", text(&p.name)), ("unit", unit(&p.unit)), ("default", default)])
+        });
+        let equations = reading.lines(model).into_iter().map(|(left, right)| (left, Value::String(right)));
+        let object = json::object([
+            ("name", text(&model.name)),
+            ("about", text(model.about.trim())),
+            ("coordinates", coordinates.collect()),
+            ("parameters", parameters.collect()),
+            ("equations", json::object(equations)),
+            ("recognised", check::recognised(&program).into()),
+            ("operations", json::object(check::operations(&program).into_iter().map(|(k, n)| (k, n.into())))),
+        ]);
+        json::write(&object, out)?;
+        return Ok(());
+    }
     writeln!(out, "{}", model.name)?;
     if !model.about.is_empty() {
         writeln!(out, "{}", model.about.trim())?;
     }
-    writeln!(out, "\nM q'' + h = 0, with ({})", program.choice)?;
-    let name = |i: usize| &model.coordinates[i].name;
-    for (i, j, m) in &program.mass {
-        writeln!(out, "  M[{}, {}] = {}", name(*i), name(*j), model::text(model, *m))?;
-    }
-    for (i, h) in program.bias.iter().enumerate() {
-        writeln!(out, "  h[{}] = {}", name(i), model::text(model, *h))?;
-    }
-    writeln!(out)?;
-    check::recognised(&program, out)
+    write!(out, "\n{}", reading.text(model))?;
+    writeln!(out, "\ncomputed from {}", program.choice)?;
+    check::structure(&program, out)
 }

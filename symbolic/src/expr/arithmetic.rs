@@ -336,6 +336,7 @@ impl Graph {
         let folded = match function {
             Unary::Sqrt => value.sqrt(),
             Unary::Abs => value.abs(),
+            Unary::Sin | Unary::Cos if let Some(exact) = of_twelfths(function, value) => exact,
             _ => DoubleDouble::unary(function, value.to_double_double()).into(),
         };
         // Values that are not finite stay nodes.
@@ -374,5 +375,63 @@ impl Graph {
         let d = if subtract { d.negated() } else { d };
         let factor = self.constant(c.unwrap_or(Number::ONE).plus(d));
         Some(self.mul(factor, x?))
+    }
+}
+
+/// The sine or cosine of a multiple of π/6 or π/4, to all digits that an angle has: rational, or one root for all
+/// angles that have it, so that differences vanish.
+fn of_twelfths(function: Unary, angle: Number) -> Option<Number> {
+    /// Angles beyond have fewer digits.
+    const TURNS: f64 = 1e3;
+    const SAME: f64 = 1e-28;
+    let twelfths = angle.to_double_double() * DoubleDouble::from(12.0) / DoubleDouble::PI;
+    let whole = twelfths.to_f64().round();
+    if whole.abs() > 24.0 * TURNS || (twelfths - DoubleDouble::from(whole)).abs().to_f64() > SAME {
+        return None;
+    }
+    let quarter = if function == Unary::Cos { 6 } else { 0 };
+    let place = (whole as i64 + quarter).rem_euclid(24);
+    // The sine is half the root of this.
+    let square = match place % 12 {
+        0 => 0,
+        2 | 10 => 1,
+        3 | 9 => 2,
+        4 | 8 => 3,
+        6 => 4,
+        _ => return None,
+    };
+    let half = Number::Exact(super::Rational::new(1, 2)?);
+    let sine = Number::Exact(super::Rational::integer(square)).sqrt().times(half);
+    Some(if place > 12 { sine.negated() } else { sine })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::expr::Rational;
+
+    #[test]
+    fn sines_of_known_angles_are_known() {
+        let mut g = Graph::new();
+        let mut at = |function: Unary, numerator: i128, denominator: i128| {
+            let part = Number::Exact(Rational::new(numerator, denominator).unwrap());
+            let angle = g.constant(Number::Float(DoubleDouble::PI).times(part));
+            let value = g.unary(function, angle);
+            g.number(value).unwrap()
+        };
+        for (n, d) in [(0, 1), (1, 6), (5, 6), (7, 6), (1, 2), (3, 2), (-1, 2), (1, 4), (2, 3), (4, 3), (1, 5), (1, 12)]
+        {
+            for (function, expected) in [(Unary::Sin, f64::sin as fn(f64) -> f64), (Unary::Cos, f64::cos)] {
+                let expected = expected(std::f64::consts::PI * n as f64 / d as f64);
+                assert!((at(function, n, d).to_f64() - expected).abs() < 1e-15, "{function:?} {n}/{d}");
+            }
+        }
+        assert!(matches!(at(Unary::Cos, 1, 3), Number::Exact(_)) && matches!(at(Unary::Sin, 7, 1), Number::Exact(_)));
+        assert_eq!(at(Unary::Sin, 1, 3).bits(), at(Unary::Sin, 8, 3).bits());
+        assert_eq!(at(Unary::Sin, 1, 4).bits(), at(Unary::Cos, -1, 4).bits());
+        // An angle of 16 digits is none of them.
+        let near = g.float(std::f64::consts::PI);
+        let sine = g.unary(Unary::Sin, near);
+        assert!(g.number(sine).unwrap().to_f64() > 1e-16);
     }
 }

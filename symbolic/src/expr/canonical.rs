@@ -31,6 +31,11 @@ fn sum(graph: &mut Graph, terms: Vec<(Id, Number)>, image: &dyn Fn(Id) -> Id) ->
     })
 }
 
+/// The terms of a sum with their coefficients, like terms collected; of anything else itself.
+pub fn terms(graph: &Graph, id: Id) -> Vec<(Id, Number)> {
+    flatten(graph, id, &|_| false)
+}
+
 /// Sums of multiples.
 pub(super) struct Sum;
 
@@ -62,7 +67,7 @@ fn is_sum(graph: &Graph, id: Id) -> bool {
 
 /// The terms of a sum and their coefficients, like terms collected, in the order of the arena; parts of which `whole` is
 /// true are terms as they are.
-pub(super) fn flatten(graph: &Graph, root: Id, whole: &dyn Fn(Id) -> bool) -> Vec<(Id, Number)> {
+fn flatten(graph: &Graph, root: Id, whole: &dyn Fn(Id) -> bool) -> Vec<(Id, Number)> {
     let one = Number::ONE;
     let mut terms: Vec<(Id, Number)> = Vec::new();
     // Parents have larger places than children, so taking the largest first visits each node once.

@@ -14,7 +14,7 @@ use std::rc::Rc;
 
 use rustc_hash::FxHashMap as HashMap;
 
-use super::canonical::flatten;
+use super::canonical::terms;
 use super::coefficient::{Coefficient, combined};
 use super::{Binary, Graph, Id, Node, Symbol, Unary};
 
@@ -283,14 +283,13 @@ fn angle_in(graph: &mut Graph, p: &Polynomial, angles: Angles) -> Option<(Monomi
 /// a ± b with its first term positive, and whether that changed its sign; `None` for 0, and where it is not wanted.
 fn together(graph: &mut Graph, a: Id, b: Id, subtract: bool, angles: Angles) -> Option<(Id, bool)> {
     let new = if subtract { graph.sub(a, b) } else { graph.add(a, b) };
-    let terms = flatten(graph, new, &|_| false);
-    let length = |graph: &Graph, angle: Id| flatten(graph, angle, &|_| false).len();
-    let shorter = terms.len() < length(graph, a).max(length(graph, b));
-    let negative = terms.first()?.1.to_f64() < 0.0;
+    let sum = terms(graph, new);
+    let shorter = sum.len() < terms(graph, a).len().max(terms(graph, b).len());
+    let negative = sum.first()?.1.to_f64() < 0.0;
     if !shorter && angles == Angles::Shorter {
         return None;
     }
-    let angle = terms.into_iter().fold(Id::ZERO, |sum, (term, c)| {
+    let angle = sum.into_iter().fold(Id::ZERO, |sum, (term, c)| {
         let c = graph.constant(if negative { c.negated() } else { c });
         let product = graph.mul(c, term);
         graph.add(sum, product)

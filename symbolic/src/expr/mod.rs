@@ -15,13 +15,13 @@ mod rewrite;
 mod scalar;
 mod symbol;
 
-pub use canonical::canonical;
+pub use canonical::{canonical, terms};
 pub use differentiate::{Forward, gradients, jacobian, partial, reverse};
 pub use evaluate::Tape;
 pub use expand::{Angles, expand};
 pub use graph::{Binary, Graph, Id, Node, Unary};
 pub use measured::Measured;
-pub use products::products;
+pub use products::{factors, products};
 pub use rewrite::{rewrite, substitute};
 pub use scalar::Scalar;
 pub use symbol::Symbol;

@@ -31,6 +31,11 @@ pub fn products(graph: &mut Graph, roots: &[Id], constant: impl Fn(Symbol) -> bo
     })
 }
 
+/// The factors of a product with twice their exponents, equal ones gathered; of anything else itself.
+pub fn factors(graph: &Graph, id: Id) -> Vec<(Id, i32)> {
+    Product::parts(graph, id, &|_| false).into_iter().map(|factor| (factor.base, factor.halves)).collect()
+}
+
 /// Factors in groups of falling popularity; each group is multiplied to what there is, its denominators divided by.
 fn product(graph: &mut Graph, factors: &[Factor], image: &dyn Fn(Id) -> Id, popularity: impl Fn(&Factor) -> u32) -> Id {
     let mut number = Number::ONE;

@@ -17,5 +17,5 @@ pub use resolved::{
     Family, GeneralizedForce, Input, Load, Model, Need, Output, Parameter, Part, Phase, Push, Reaction, Rotation,
     Sample, Scene, Shape, SharedEnd, Vector, Work,
 };
-pub use text::text;
 pub(crate) use text::text_in;
+pub use text::{number_text, symbol_text, text};

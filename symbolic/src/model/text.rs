@@ -38,7 +38,7 @@ fn written(model: &Model, graph: &Graph, id: Id, budget: &mut usize) -> (String,
     }
     match graph.node(id) {
         Node::Number(place) => number(graph.number_at(place)),
-        Node::Symbol(s) => (symbol(model, s), Level::Atom),
+        Node::Symbol(s) => (symbol_text(model, s), Level::Atom),
         Node::Unary(Unary::Neg, x) => (format!("-{}", at(x, Level::Product)), Level::Sum),
         Node::Unary(f, x) => (format!("{}({})", f.name(), at(x, Level::Sum)), Level::Atom),
         Node::Binary(Binary::Add, x, y) => (format!("{} + {}", at(x, Level::Sum), at(y, Level::Sum)), Level::Sum),
@@ -73,16 +73,29 @@ fn one_sided(graph: &Graph, id: Id) -> Option<(&'static str, Id)> {
 }
 
 fn number(number: Number) -> (String, Level) {
+    let level = match number {
+        _ if number.to_f64() < 0.0 => Level::Sum,
+        Number::Exact(r) if r.denominator() != 1 => Level::Product,
+        _ => Level::Atom,
+    };
+    (number_text(number), level)
+}
+
+/// A number as the model language reads it: `1/2`, `pi`, `6.02e23`.
+pub fn number_text(number: Number) -> String {
     match number {
-        Number::Exact(r) if r.denominator() == 1 && r.numerator() >= 0 => (r.numerator().to_string(), Level::Atom),
-        Number::Exact(r) if r.denominator() == 1 => (r.numerator().to_string(), Level::Sum),
-        Number::Exact(r) => (format!("{}/{}", r.numerator(), r.denominator()), Level::Product),
-        Number::Float(x) if x == DoubleDouble::PI => ("pi".to_owned(), Level::Atom),
-        Number::Float(x) => (x.to_f64().to_string(), if x.to_f64() < 0.0 { Level::Sum } else { Level::Atom }),
+        Number::Exact(r) if r.denominator() == 1 => r.numerator().to_string(),
+        Number::Exact(r) => format!("{}/{}", r.numerator(), r.denominator()),
+        Number::Float(x) if x == DoubleDouble::PI => "pi".to_owned(),
+        Number::Float(x) => {
+            let (x, size) = (x.to_f64(), x.to_f64().abs());
+            if x == 0.0 || (1e-4..1e7).contains(&size) { x.to_string() } else { format!("{x:e}") }
+        }
     }
 }
 
-fn symbol(model: &Model, symbol: Symbol) -> String {
+/// A symbol by its name in the file: `theta'`.
+pub fn symbol_text(model: &Model, symbol: Symbol) -> String {
     let name = |name: Option<&str>| name.unwrap_or("?").to_owned();
     let coordinate = |i: u32| name(model.coordinates.get(i as usize).map(|c| c.name.as_str()));
     match symbol {

@@ -1,12 +1,15 @@
-//! Programs to Rust.
+//! Programs to Rust, to Python, and to formulas for people.
 
 mod body;
 mod description;
 mod documentation;
+mod formula;
 mod function;
 mod mechanism;
 mod momentum;
+mod numpy;
 mod parameters;
+mod reading;
 mod rust;
 mod scenes;
 mod scope;
@@ -15,6 +18,8 @@ mod words;
 
 pub use crate::model::{field_name, type_name};
 pub use description::{fnv1a, switch_text};
+pub use numpy::python;
+pub use reading::Reading;
 pub use rust::rust;
 pub use scope::OWN;
 pub use units::si_unit;

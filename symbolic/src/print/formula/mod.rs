@@ -1,0 +1,257 @@
+//! Expressions as a person reads them: sums and products as wholes, powers, one fraction line, and names for long parts
+//! that stand in several places.
+
+mod latex;
+mod python;
+mod text;
+
+use std::collections::BTreeSet;
+use std::rc::Rc;
+
+use rustc_hash::FxHashMap as HashMap;
+
+use crate::expr::{Binary, Graph, Id, Node, Number, Symbol, Unary, factors, terms};
+
+pub(super) use latex::Latex;
+pub(super) use python::Python;
+pub(super) use text::Text;
+
+/// What a person reads.
+#[derive(Clone, Debug)]
+pub(super) enum Formula {
+    /// A constant that is not negative.
+    Number(Number),
+    /// A leaf.
+    Symbol(Symbol),
+    /// A part that has a name, by its place in [`Formulas::parts`].
+    Part(usize),
+    /// Terms with their signs (true: subtracted).
+    Sum(Vec<(bool, Rc<Formula>)>),
+    /// A number that is not negative, and powers above and below the line, with twice their exponents.
+    Product(Number, Vec<Power>, Vec<Power>),
+    /// A function.
+    Call(&'static str, Vec<Rc<Formula>>),
+}
+
+/// A base with twice its exponent, which is positive.
+#[derive(Clone, Debug)]
+pub(super) struct Power {
+    /// The base.
+    pub base: Rc<Formula>,
+    /// Twice the exponent.
+    pub halves: i32,
+}
+
+/// Some expressions, and the parts that they share.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Formulas {
+    /// Named parts, each of parts before it.
+    pub parts: Vec<Rc<Formula>>,
+    /// The expressions themselves.
+    pub roots: Vec<(bool, Rc<Formula>)>,
+}
+
+/// A sum with as many leaves that stands in several places gets a name, and anything else with twice as many.
+const LONG: usize = 4;
+/// Twice the exponent up to which powers of numbers are written as numbers.
+const COMPUTED: i32 = 16;
+/// What is nested deeper gets one too.
+const DEEP: usize = 24;
+
+impl Formulas {
+    /// Of expressions without modes.
+    pub fn new(graph: &Graph, roots: &[Id]) -> Formulas {
+        let (order, uses) = needed(graph, roots);
+        let mut written = Writing { known: HashMap::default(), parts: Vec::new() };
+        for id in order {
+            let formula = written.formula(graph, id);
+            written.keep(id, formula, uses[&id]);
+        }
+        let roots = roots.iter().map(|root| written.known[root].signed()).collect();
+        Formulas { parts: written.parts, roots }
+    }
+}
+
+/// What has to be written by itself, parts before wholes, and how often each stands in something else.
+fn needed(graph: &Graph, roots: &[Id]) -> (Vec<Id>, HashMap<Id, usize>) {
+    let mut open: BTreeSet<Id> = roots.iter().copied().collect();
+    let mut uses: HashMap<Id, usize> = open.iter().map(|id| (*id, 1)).collect();
+    let mut order = Vec::new();
+    // Parents have larger places than children, so taking the largest first meets each once.
+    while let Some(id) = open.pop_last() {
+        order.push(id);
+        for part in parts(graph, id) {
+            *uses.entry(part).or_default() += 1;
+            open.insert(part);
+        }
+    }
+    order.reverse();
+    (order, uses)
+}
+
+fn parts(graph: &Graph, id: Id) -> Vec<Id> {
+    if is_sum(graph, id) {
+        return terms(graph, id).into_iter().map(|(term, _)| term).collect();
+    }
+    match graph.node(id) {
+        Node::Binary(Binary::Mul | Binary::Div, ..) | Node::Unary(Unary::Neg | Unary::Sqrt, _) => {
+            factors(graph, id).into_iter().map(|(base, _)| base).collect()
+        }
+        _ => graph.children(id).collect(),
+    }
+}
+
+fn is_sum(graph: &Graph, id: Id) -> bool {
+    matches!(graph.node(id), Node::Binary(Binary::Add | Binary::Sub, ..))
+}
+
+/// A formula with its sign and its size.
+#[derive(Clone)]
+struct Written {
+    negative: bool,
+    formula: Rc<Formula>,
+    leaves: usize,
+    depth: usize,
+}
+
+impl Written {
+    fn signed(&self) -> (bool, Rc<Formula>) {
+        (self.negative, self.formula.clone())
+    }
+}
+
+struct Writing {
+    known: HashMap<Id, Written>,
+    parts: Vec<Rc<Formula>>,
+}
+
+impl Writing {
+    /// Remembers a formula, by a name where it is long and stands in several places.
+    fn keep(&mut self, id: Id, mut written: Written, uses: usize) {
+        let composed = !matches!(*written.formula, Formula::Number(_) | Formula::Symbol(_));
+        let long = if matches!(*written.formula, Formula::Sum(_)) { LONG } else { 2 * LONG };
+        if composed && (written.depth > DEEP || uses > 1 && written.leaves >= long) {
+            self.parts.push(written.formula);
+            written.formula = Rc::new(Formula::Part(self.parts.len() - 1));
+            (written.leaves, written.depth) = (1, 0);
+        }
+        self.known.insert(id, written);
+    }
+
+    fn formula(&self, graph: &Graph, id: Id) -> Written {
+        if is_sum(graph, id) {
+            return self.sum(graph, id);
+        }
+        let inner: Vec<&Written> = parts(graph, id).iter().map(|part| &self.known[part]).collect();
+        let leaves = inner.iter().map(|part| part.leaves).sum::<usize>().max(1);
+        let depth = inner.iter().map(|part| part.depth + 1).max().unwrap_or(0);
+        let (negative, formula) = match graph.node(id) {
+            Node::Number(place) => {
+                let number = graph.number_at(place);
+                (number.to_f64() < 0.0, Formula::Number(number.abs()))
+            }
+            Node::Symbol(symbol) => (false, Formula::Symbol(symbol)),
+            Node::Binary(Binary::Mul | Binary::Div, ..) | Node::Unary(Unary::Neg | Unary::Sqrt, _) => {
+                self.product(graph, id)
+            }
+            Node::Binary(Binary::Pow, x, y) => (false, Formula::Call("^", vec![self.whole(x), self.whole(y)])),
+            Node::Unary(function, x) => (false, Formula::Call(function.name(), vec![self.whole(x)])),
+            Node::Binary(function, x, y) => {
+                let name = match function {
+                    Binary::Atan2 => "atan2",
+                    Binary::Min => "min",
+                    _ => "max",
+                };
+                (false, Formula::Call(name, vec![self.whole(x), self.whole(y)]))
+            }
+        };
+        Written { negative, formula: Rc::new(formula), leaves, depth }
+    }
+
+    /// With its sign inside.
+    fn whole(&self, id: Id) -> Rc<Formula> {
+        let (negative, formula) = self.known[&id].signed();
+        if negative { Rc::new(Formula::Sum(vec![(true, formula)])) } else { formula }
+    }
+
+    fn sum(&self, graph: &Graph, id: Id) -> Written {
+        let (mut leaves, mut depth) = (0, 0);
+        let mut list: Vec<(bool, Rc<Formula>)> = Vec::new();
+        for (term, coefficient) in terms(graph, id) {
+            let part = &self.known[&term];
+            leaves += part.leaves;
+            depth = depth.max(part.depth + 1);
+            let negative = part.negative != (coefficient.to_f64() < 0.0);
+            list.push((negative, times(&part.formula, coefficient.abs())));
+        }
+        // A sum begins with what is added, where there is such a term.
+        if let Some(first) = list.iter().position(|(negative, _)| !negative) {
+            list[..=first].rotate_right(1);
+        }
+        let all_negative = list.iter().all(|(negative, _)| *negative);
+        if all_negative {
+            list.iter_mut().for_each(|(negative, _)| *negative = false);
+        }
+        let formula = if list.len() == 1 { list.remove(0).1 } else { Rc::new(Formula::Sum(list)) };
+        Written { negative: all_negative, formula, leaves, depth }
+    }
+
+    fn product(&self, graph: &Graph, id: Id) -> (bool, Formula) {
+        let (mut negative, mut number) = (false, Number::ONE);
+        let (mut above, mut below) = (Vec::new(), Vec::new());
+        for (base, halves) in factors(graph, id) {
+            let part = &self.known[&base];
+            negative ^= part.negative && halves % 4 != 0;
+            // Of an odd power the sign stays inside.
+            let formula = if part.negative && halves % 2 != 0 { self.whole(base) } else { part.formula.clone() };
+            match &*formula {
+                Formula::Number(value) if halves > 0 && halves % 2 == 0 && halves <= COMPUTED => {
+                    number = (0..halves / 2).fold(number, |product, _| product.times(*value));
+                }
+                Formula::Number(value) if halves == -2 && value.to_f64() != 0.0 => number = number.times(value.recip()),
+                _ => {
+                    let side = if halves > 0 { &mut above } else { &mut below };
+                    side.push(Power { base: formula, halves: halves.abs() });
+                }
+            }
+        }
+        if let [Power { base, halves: 2 }] = &above[..]
+            && below.is_empty()
+        {
+            return (negative, (*times(base, number)).clone());
+        }
+        for side in [&mut above, &mut below] {
+            side.sort_by_key(|power| rank(&power.base));
+        }
+        (negative, Formula::Product(number, above, below))
+    }
+}
+
+/// A formula times a number that is not negative.
+fn times(formula: &Rc<Formula>, number: Number) -> Rc<Formula> {
+    match &**formula {
+        _ if number.bits() == Number::ONE.bits() => formula.clone(),
+        Formula::Number(value) => Rc::new(Formula::Number(value.times(number))),
+        Formula::Product(value, above, below) => {
+            Rc::new(Formula::Product(value.times(number), above.clone(), below.clone()))
+        }
+        _ => {
+            let power = Power { base: formula.clone(), halves: 2 };
+            Rc::new(Formula::Product(number, vec![power], Vec::new()))
+        }
+    }
+}
+
+/// Factors are written in this order: parameters as the file declares them, coordinates, speeds, functions, sums.
+fn rank(formula: &Formula) -> (u8, u32) {
+    match formula {
+        Formula::Symbol(Symbol::Parameter(k)) => (0, *k),
+        Formula::Symbol(Symbol::Coordinate(k)) => (2, *k),
+        Formula::Symbol(Symbol::Speed(k)) => (3, *k),
+        Formula::Symbol(Symbol::Acceleration(k)) => (4, *k),
+        Formula::Number(_) | Formula::Symbol(_) => (1, 0),
+        Formula::Part(k) => (5, *k as u32),
+        Formula::Call(..) | Formula::Product(..) => (6, 0),
+        Formula::Sum(_) => (7, 0),
+    }
+}
