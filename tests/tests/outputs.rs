@@ -122,3 +122,65 @@ scene: {start: {x: 1}, until: 10}
         told(&["simulate", file.to_str().expect("a path"), "--method", "rk4", "--step", "0.0015"]).expect("a run");
     assert!(text.starts_with("coarse at t = 10, by rk4"), "{text}");
 }
+
+/// The numbers of SVG text, of the axes' labels.
+fn plot(folder: &std::path::Path, arguments: &[&str]) -> Result<String, String> {
+    let file = folder.join("plot.svg").to_string_lossy().into_owned();
+    told(&[arguments, &["--no-digits", "--plot", &file]].concat())?;
+    Ok(fs::read_to_string(file).expect("a plot"))
+}
+
+#[test]
+fn plots_show_what_is_asked_for() {
+    let folder = folder("shows");
+    let svg = plot(
+        &folder,
+        &["simulate", "double_pendulum", "--show", "theta1',theta2'", "--show", "tip.x:tip.y", "--show", "hinge_force"],
+    );
+    let svg = svg.expect("a plot").replace("&apos;", "'");
+    for text in ["theta1', theta2' (rad/s)", "tip.x (m)", "tip.y (m)", "hinge_force.x, hinge_force.y (N)"] {
+        assert!(svg.contains(text), "{text}");
+    }
+    assert!(!svg.contains(">theta1 ("), "what was not asked for");
+    for (show, told) in [
+        ("tipp", "no coordinate, rate or output is called `tipp`; did you mean `tip.x`?"),
+        ("theta1,tip.w", "no coordinate, rate or output is called `tip.w`"),
+        ("tip:theta1", "`tip` is a vector"),
+        ("", "no coordinate, rate or output is called ``"),
+    ] {
+        let refused = plot(&folder, &["simulate", "double_pendulum", "--show", show]).expect_err(show);
+        assert!(refused.contains(told), "{refused}");
+    }
+    fs::remove_dir_all(folder).expect("removed");
+}
+
+#[test]
+fn sections_have_a_point_a_period() {
+    let folder = folder("sections");
+    let section = |period: &str, show: &str| {
+        plot(
+            &folder,
+            &["simulate", "base_excitation", "--scene", "free", "--until", "10", "--show", show, "--section", period],
+        )
+    };
+    let count =
+        |svg: &str| svg.matches("<circle").count() + svg.matches("<rect").count() + svg.matches("<polygon").count();
+    let (few, many) = (section("2.5", "x:x'").expect("a plot"), section("0.5", "x:x'").expect("a plot"));
+    assert_eq!(count(&many) - count(&few), 16, "21 points less 5");
+    assert!(section("0", "x:x'").expect_err("no period").contains("greater than 0"));
+    assert!(section("1", "x").expect_err("no portrait").contains("X:Y"));
+    fs::remove_dir_all(folder).expect("removed");
+}
+
+#[test]
+fn scenes_stand_side_by_side() {
+    let folder = folder("beside");
+    let svg = plot(&folder, &["simulate", "base_excitation", "--with", "dashpot_end, both_ends", "--show", "x"])
+        .expect("a plot");
+    for name in ["x, scene", "x, dashpot_end", "x, both_ends"] {
+        assert!(svg.contains(name), "{name}");
+    }
+    let refused = plot(&folder, &["simulate", "base_excitation", "--with", "dash"]).expect_err("no such scene");
+    assert!(refused.contains("no scene is called `dash`"), "{refused}");
+    fs::remove_dir_all(folder).expect("removed");
+}

@@ -64,6 +64,9 @@ fn simulate() -> Command {
         .arg(value("every", "TIME", "Spacing of reported states [default: 500 points]"))
         .arg(value("csv", "FILE", "Write reported states and outputs as a table"))
         .arg(value("plot", "FILE.svg", "Draw them"))
+        .arg(many("show", "A,B", "A chart of the plot: coordinates, rates or outputs against time, or X:Y, a portrait; several make several charts [default: paths and coordinates]").requires("plot"))
+        .arg(value("section", "PERIOD", "Portraits of states at multiples of this time only: a stroboscopic section").requires("show"))
+        .arg(value("with", "SCENE,SCENE", "Draw other scenes beside this one").requires("plot"))
         .arg(value("animate", "FILE.html", "Write a page that animates the mechanism"))
         .arg(
             flag("digits", "Tell how many digits hold, by a second run, however long it takes")

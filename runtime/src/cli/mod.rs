@@ -26,6 +26,7 @@ mod outputs;
 mod problem;
 mod set_up;
 mod show;
+mod shown;
 mod simulate;
 mod stability;
 mod sweep;

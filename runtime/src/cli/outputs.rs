@@ -59,6 +59,14 @@ pub fn keep<'a>(path: &str, mut read: impl Iterator<Item = &'a str>) -> Result<(
     }
 }
 
+/// Writes a file that was looked at before.
+///
+/// # Errors
+/// [`Problem::File`].
+pub fn write(path: &str, text: &str) -> Result<(), Problem> {
+    fs::write(path, text).map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))
+}
+
 /// Files that are there only to be tried; they go when all are known.
 #[derive(Default)]
 struct Created(Vec<PathBuf>);

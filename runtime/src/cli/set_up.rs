@@ -14,7 +14,12 @@ use crate::mechanism::{Interpreted, System};
 
 /// Applies `--scene`, `--set`, `--start`, `--input`, `--until`, `--tolerance`, `--every` and `--step`.
 pub fn set_up(loaded: &mut Loaded, options: &ArgMatches) -> Result<Settings, Problem> {
-    let (scene, mut reader) = choose(loaded, options)?;
+    set_up_scene(loaded, options, options.get_one::<String>("scene").map(String::as_str))
+}
+
+/// The same for another scene than that of `--scene`.
+pub fn set_up_scene(loaded: &mut Loaded, options: &ArgMatches, scene: Option<&str>) -> Result<Settings, Problem> {
+    let (scene, mut reader) = choose_scene(loaded, options, scene)?;
     let changes = Changes::read(loaded, &mut reader, options)?;
     Ok(changes.of(Settings::new(&loaded.system.scene(scene))))
 }
@@ -71,7 +76,11 @@ pub fn start_at(settings: &mut Settings, place: usize, value: f64) {
 
 /// Applies `--scene`, `--set` and `--input`; the scene's index, and a reader for the other options.
 pub fn choose(loaded: &mut Loaded, options: &ArgMatches) -> Result<(usize, Reader), Problem> {
-    let scene = scene_index(loaded, options)?;
+    choose_scene(loaded, options, options.get_one::<String>("scene").map(String::as_str))
+}
+
+fn choose_scene(loaded: &mut Loaded, options: &ArgMatches, scene: Option<&str>) -> Result<(usize, Reader), Problem> {
+    let scene = scene_index(loaded, scene)?;
     for (index, value) in loaded.system.scene_parameters(scene) {
         loaded.system.set_parameter(index, value);
     }
@@ -93,7 +102,7 @@ pub struct Reader {
 }
 
 impl Reader {
-    fn new(_loaded: &Loaded) -> Self {
+    pub fn new(_loaded: &Loaded) -> Self {
         Reader { model: None }
     }
 
@@ -181,8 +190,8 @@ fn set_input(loaded: &mut Loaded, reader: &mut Reader, name: &str, text: &str) -
     Ok(())
 }
 
-fn scene_index(loaded: &Loaded, options: &ArgMatches) -> Result<usize, Problem> {
-    let Some(name) = options.get_one::<String>("scene") else { return Ok(0) };
+fn scene_index(loaded: &Loaded, name: Option<&str>) -> Result<usize, Problem> {
+    let Some(name) = name else { return Ok(0) };
     let scenes = &loaded.system.description().scenes;
     let found = scenes.iter().position(|scene| scene == name);
     found.ok_or_else(|| unknown("scene", name, scenes.iter().map(AsRef::as_ref)))

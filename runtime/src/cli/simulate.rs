@@ -13,7 +13,8 @@ use serde_json::{Value, json};
 
 use super::json::{number, object};
 use super::load::Loaded;
-use super::set_up::set_up;
+use super::set_up::{set_up, set_up_scene};
+use super::shown::Shown;
 use super::{Entry, Problem, compare, enforcement, outputs};
 use crate::mechanism::{Description, Enforcement, Stabilisation};
 use crate::numbers::short;
@@ -24,11 +25,8 @@ use crate::{Error, Impulse, Run, Settings};
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let mut loaded = Loaded::find(models, options)?;
     outputs::check(options, &["csv", "plot", "animate"], &loaded.path)?;
-    let mut settings = set_up(&mut loaded, options)?;
-    if let Some(method) = options.get_one::<String>("method") {
-        settings.method = method.parse().map_err(|e| Problem::Usage(format!("error: {e}")))?;
-    }
-    enforcement::choose(options, &mut settings)?;
+    let settings = set_up(&mut loaded, options).and_then(|settings| by_options(settings, options))?;
+    let shown = Shown::read(&loaded, options)?;
     for warning in &loaded.warnings {
         eprintln!("warning: {warning}");
     }
@@ -37,6 +35,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         Some(name) => choose_derivation(&mut loaded, name)?,
         None => (),
     }
+    let others = others(models, options)?;
     let mut progress = Progress::new(&settings);
     let interrupted = interruption();
     let outcome = crate::simulate_with(&mut *loaded.system, &settings, &mut |t| {
@@ -54,13 +53,43 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     });
     progress.clear();
     match outcome {
-        Ok(run) => report((&loaded, &settings), (&run, false), options, out),
+        Ok(run) => report((&loaded, &settings), (&run, false), (&shown, &others), options, out),
         Err(Error::Run(failure)) => {
-            report((&loaded, &settings), (&failure.run, true), options, out)?;
+            report((&loaded, &settings), (&failure.run, true), (&shown, &others), options, out)?;
             Err(Problem::Run(failure.to_string()))
         }
         Err(error) => Err(Problem::Usage(format!("error: {error}"))),
     }
+}
+
+/// With `--method` and what is said of constraints.
+fn by_options(mut settings: Settings, options: &ArgMatches) -> Result<Settings, Problem> {
+    if let Some(method) = options.get_one::<String>("method") {
+        settings.method = method.parse().map_err(|e| Problem::Usage(format!("error: {e}")))?;
+    }
+    enforcement::choose(options, &mut settings)?;
+    Ok(settings)
+}
+
+/// The runs of `--with`, as far as they came.
+fn others(models: &[Entry], options: &ArgMatches) -> Result<Vec<(String, Run)>, Problem> {
+    let scenes = options.get_one::<String>("with").map_or("", String::as_str);
+    let scenes = scenes.split(',').map(str::trim).filter(|scene| !scene.is_empty());
+    scenes
+        .map(|scene| {
+            let mut loaded = Loaded::find(models, options)?;
+            let settings = set_up_scene(&mut loaded, options, Some(scene))?;
+            let settings = by_options(settings, options)?;
+            match crate::simulate(&mut *loaded.system, &settings) {
+                Ok(run) => Ok((scene.to_owned(), run)),
+                Err(Error::Run(failure)) => {
+                    eprintln!("warning: {scene}: {failure}");
+                    Ok((scene.to_owned(), failure.run))
+                }
+                Err(error) => Err(Problem::Usage(format!("error: {scene}: {error}"))),
+            }
+        })
+        .collect()
 }
 
 /// No more events are printed.
@@ -143,6 +172,7 @@ impl Progress {
 fn report(
     (loaded, settings): (&Loaded, &Settings),
     (run, failed): (&Run, bool),
+    (shown, others): (&Shown, &[(String, Run)]),
     options: &ArgMatches,
     out: &mut dyn Write,
 ) -> Result<(), Problem> {
@@ -152,7 +182,11 @@ fn report(
         run.csv(path).map_err(unwritten)?;
     }
     if let Some(path) = file("plot") {
-        run.plot(path).map_err(unwritten)?;
+        let scene = file("scene").map_or("scene", String::as_str);
+        let mut runs = vec![(scene.to_owned(), run)];
+        runs.extend(others.iter().map(|(name, run)| (name.clone(), run)));
+        let figure = shown.figure(&runs).map_err(|error| Problem::Usage(format!("error: {error}")))?;
+        outputs::write(path, &figure.to_svg())?;
     }
     if let Some(path) = file("animate") {
         run.animate(path).map_err(unwritten)?;

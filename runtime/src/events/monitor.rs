@@ -189,7 +189,7 @@ impl Monitors {
         let met = |(index, largest): &(usize, f64)| {
             let (square, rate) = arguments.at_state(system, (t, y), *index);
             let soon = rate < 0.0 && -2.0 * square / rate <= ahead;
-            (square <= 1e-8 * largest && soon || square == 0.0).then_some(*index)
+            (square <= 1e-8 * largest && soon || square <= 1e-28 * largest).then_some(*index)
         };
         self.distances.iter().find_map(met)
     }

@@ -40,6 +40,8 @@ impl Defect {
 
 /// A step is tried again for what was seen inside it at most so often.
 const RETRIES: u32 = 16;
+/// Steps are cut no shorter than so many roundings of the time.
+const RESOLVED: f64 = 64.0;
 /// Distances are zero within this part of the largest.
 const NEAR: f64 = 1e-9;
 
@@ -76,8 +78,8 @@ impl March {
                 most = 0.5 * step.h;
             } else if calm {
                 return Ok((step, true));
-            } else if let Some(theta) = watch.as_mut().and_then(|watch| watch.cut(system, &self.segment(step))) {
-                most = theta * step.h;
+            } else if let Some(shorter) = self.cut(system, step, watch) {
+                most = shorter;
                 self.jumps.restart();
             } else {
                 self.meets(system, step, watch)?;
@@ -88,6 +90,13 @@ impl March {
         let step = self.attempt(system, stop, most, watch)?;
         self.dense(system, step)?;
         Ok((step, true))
+    }
+
+    /// How long a step is to be instead, s, that jumps over a feature; what times cannot resolve cuts none.
+    fn cut(&self, system: &dyn System, step: Step, watch: &mut Option<Box<Watch>>) -> Option<f64> {
+        let theta = watch.as_mut()?.cut(system, &self.segment(step))?;
+        let shorter = theta * step.h;
+        (shorter > RESOLVED * f64::EPSILON * self.clock.now().abs()).then_some(shorter)
     }
 
     /// Refuses a step within which the ends of a force meet, as far as the tolerance tells.

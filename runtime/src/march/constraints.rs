@@ -10,8 +10,40 @@ use crate::trust::Warning;
 /// Baumgarte's gain is this over the mean of so many steps (measured: larger ones cost more steps than they save errors).
 const GAIN: f64 = 0.03;
 const GAIN_AFTER: u64 = 20;
-/// More steps than this in a row at a singular position: the motion stays there.
+/// More steps than this in a row at a singular position that comes no nearer and goes no farther: the motion stays there.
 const DWELLS: u32 = 100;
+/// What is nearer or farther by this part of the distance.
+const MOVES: f64 = 0.1;
+
+/// How long the motion has been at a singular position: steps, and the least and largest distance from it in these.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Dwelling {
+    steps: u32,
+    nearest: f64,
+    farthest: f64,
+}
+
+impl Dwelling {
+    /// One more step; true where the motion stays.
+    fn stays(&mut self, sigma: f64) -> bool {
+        if self.steps == 0 {
+            (self.nearest, self.farthest) = (sigma, sigma);
+        }
+        self.steps += 1;
+        (self.nearest, self.farthest) = (self.nearest.min(sigma), self.farthest.max(sigma));
+        if self.steps <= DWELLS {
+            return false;
+        }
+        let stays = self.farthest - self.nearest <= MOVES * self.farthest;
+        *self = Dwelling { steps: 1, nearest: sigma, farthest: sigma };
+        stays
+    }
+
+    /// Whether the last step ended there.
+    pub fn is_there(&self) -> bool {
+        self.steps > 0
+    }
+}
 
 impl March {
     /// Brings the present state to the constraints, and measures how independent they are there.
@@ -56,11 +88,11 @@ impl March {
             tolerance.blur(projection.blur(system, now, y));
         }
         if let Some(sigma) = deficient {
-            self.singular += 1;
             recorder.warn(Warning::SingularPassed { t: now });
-            return if self.singular > DWELLS { Err(Cause::SingularConfiguration { sigma }.into()) } else { Ok(()) };
+            let stays = self.dwelling.stays(sigma);
+            return if stays { Err(Cause::SingularConfiguration { sigma }.into()) } else { Ok(()) };
         }
-        self.singular = 0;
+        self.dwelling = Dwelling::default();
         if projection.passed(system, At::place(now, &y[..system.len()]), usual) {
             recorder.warn(Warning::SingularPassed { t: now });
         }

@@ -17,6 +17,7 @@ mod trial;
 use std::ops::ControlFlow;
 
 use between::Defect;
+use constraints::Dwelling;
 use jump::{JumpDetector, Upset};
 use phase::{Firings, Impacts};
 
@@ -88,8 +89,8 @@ pub(crate) struct March {
     finds_gain: bool,
     /// Where the march began, s.
     from: f64,
-    /// How many steps in a row ended where the constraints depend on each other as they do nowhere else.
-    singular: u32,
+    /// How long steps have ended where the constraints depend on each other as they do nowhere else.
+    dwelling: Dwelling,
     impacts: Impacts,
     firings: Firings,
     defect: Defect,
@@ -131,7 +132,7 @@ impl March {
             projects: true,
             finds_gain: false,
             from: t,
-            singular: 0,
+            dwelling: Dwelling::default(),
             impacts: Impacts::default(),
             firings: Firings::default(),
             rejected: Vec::with_capacity(y.len()),
@@ -489,7 +490,7 @@ impl March {
     /// Refuses a step across which the acceleration jumps, unless it is time that makes it jump.
     fn look_for_jumps(&mut self, system: &dyn System, step: Step) -> Result<(), Box<Cause>> {
         // Rows that begin or cease to count there change accelerations by what rounding makes of them.
-        if self.singular > 0 || self.deficient(system).is_some() {
+        if self.dwelling.is_there() || self.deficient(system).is_some() {
             self.jumps.restart();
             return Ok(());
         }

@@ -192,9 +192,7 @@ impl Run {
 
     /// Names of the columns: coordinates, their rates, outputs component by component.
     pub fn column_names(&self) -> Vec<String> {
-        let coordinates = &self.names.coordinates;
-        let rates = coordinates.iter().map(|name| format!("{name}'"));
-        coordinates.iter().cloned().chain(rates).chain(self.names.outputs.iter().cloned()).collect()
+        self.names.columns()
     }
 
     /// What the model draws at up to some thousands of times, evaluated now.

@@ -19,6 +19,12 @@ impl Names {
         let outputs = description.outputs.iter().flat_map(|o| components(&o.name, o.components)).collect();
         Names { coordinates, outputs }
     }
+
+    /// Coordinates, their rates, outputs component by component.
+    pub fn columns(&self) -> Vec<String> {
+        let rates = self.coordinates.iter().map(|name| format!("{name}'"));
+        self.coordinates.iter().cloned().chain(rates).chain(self.outputs.iter().cloned()).collect()
+    }
 }
 
 /// `tip.x`, `tip.y` of a vector, `speed` of a scalar.

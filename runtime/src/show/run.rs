@@ -9,6 +9,8 @@ use std::sync::Arc;
 
 /// Curves have about this many points.
 const POINTS: usize = 2000;
+/// A section has no more points.
+const MOST_SECTIONS: usize = 100_000;
 
 impl Run {
     /// Writes [`Run::to_svg`] to a file.
@@ -81,6 +83,33 @@ impl Run {
         };
         let axis = |name: &str| Axis::new(name, self.common_unit(&[name]));
         Ok(Chart::new("", axis(x), axis(y)).with(Series::line("", points)))
+    }
+
+    /// A stroboscopic section: states at multiples of a period, s, as points of a portrait of coordinates and rates.
+    ///
+    /// # Errors
+    /// [`Error::UnknownName`].
+    pub fn section(&self, x: &str, y: &str, period: f64) -> Result<Chart, Error> {
+        let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
+        let mut points = Vec::new();
+        for k in 0..MOST_SECTIONS {
+            // The last one may miss the end by rounding.
+            let t = first + k as f64 * period;
+            if t > last + 1e-9 * period {
+                break;
+            }
+            let Some(state) = self.at(t.min(last)) else { break };
+            let value = |name: &str| {
+                state.get(name).ok_or_else(|| Error::UnknownName {
+                    kind: "coordinate or rate",
+                    name: name.to_owned(),
+                    known: self.column_names(),
+                })
+            };
+            points.push(Some((value(x)?, value(y)?)));
+        }
+        let axis = |name: &str| Axis::new(name, self.common_unit(&[name]));
+        Ok(Chart::new("", axis(x), axis(y)).with(Series::marks("", points)))
     }
 
     /// The charts of [`Run::to_svg`].

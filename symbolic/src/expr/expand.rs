@@ -129,10 +129,12 @@ impl Expansion {
         })
     }
 
-    /// What a function is taken of: as it is, but that linear expressions and products get their one form.
+    /// What a function is taken of: as it is, but that linear expressions of symbols and products get their one form
+    /// (of (sin a + sin b)² + (cos a + cos b)² the linear 2 + 2 cos(a − b) has lost the digits of what is small).
     fn argument(&self, graph: &mut Graph, x: Id) -> Id {
         let p = self.known[&x].clone();
-        let linear = p.keys().all(|monomial| monomial.iter().map(|(_, n)| n).sum::<u32>() <= 1);
+        let symbol = |(atom, n): &(Id, u32)| *n == 1 && matches!(graph.node(*atom), Node::Symbol(_));
+        let linear = p.keys().all(|monomial| monomial.len() <= 1 && monomial.iter().all(symbol));
         if linear || p.len() == 1 { lowered(graph, &p) } else { x }
     }
 
@@ -393,6 +395,21 @@ mod tests {
         assert_eq!(expand(&mut g, &roots, parameters, Angles::All), Some(both.to_vec()));
         let kept = expand(&mut g, &roots, parameters, Angles::Shorter).unwrap();
         assert_ne!(kept[0], both[0]);
+    }
+
+    #[test]
+    fn a_distance_that_may_vanish_keeps_its_squares() {
+        let mut g = Graph::new();
+        let (q, r) = (g.symbol(Symbol::Coordinate(0)), g.symbol(Symbol::Coordinate(1)));
+        let squares = [Unary::Sin, Unary::Cos].map(|f| {
+            let (a, b) = (g.unary(f, q), g.unary(f, r));
+            let sum = g.add(a, b);
+            g.mul(sum, sum)
+        });
+        let sum = g.add(squares[0], squares[1]);
+        let distance = g.unary(Unary::Sqrt, sum);
+        let form = expand(&mut g, &[distance], |_| false, Angles::All).unwrap();
+        assert_eq!(form, [distance]);
     }
 
     #[test]

@@ -49,18 +49,26 @@ fn product(graph: &mut Graph, factors: &[Factor], image: &dyn Fn(Id) -> Id, popu
     let mut whole = Id::ONE;
     for group in groups.into_values() {
         let (mut above, mut below) = (Id::ONE, Id::ONE);
+        // Such are divided by one after the other: 0 comes before what is beyond all numbers.
+        let mut alone = Vec::new();
         for Factor { base, halves } in group {
+            let may_be_tiny = is_guarded(graph, base);
             let base = image(base);
             let mut power = graph.powi(base, halves.abs() / 2);
             if halves % 2 != 0 {
                 let root = graph.unary(Unary::Sqrt, base);
                 power = graph.mul(power, root);
             }
+            if may_be_tiny && halves < 0 {
+                alone.push(graph.div(Id::ONE, power));
+                continue;
+            }
             let side = if halves > 0 { &mut above } else { &mut below };
             *side = graph.mul(*side, power);
         }
         whole = graph.mul(whole, above);
         whole = graph.div(whole, below);
+        whole = alone.into_iter().fold(whole, |whole, reciprocal| graph.mul(whole, reciprocal));
     }
     let number = graph.constant(number);
     graph.mul(number, whole)
@@ -73,6 +81,18 @@ fn is_computed(value: Number, halves: i32) -> bool {
 fn power(value: Number, n: i32) -> Number {
     let power = (0..n.abs()).fold(Number::ONE, |power, _| power.times(value));
     if n < 0 { power.recip() } else { power }
+}
+
+/// Whether this is a sum, or the root of one, that a constant of next to nothing keeps from 0: powers of it beyond itself
+/// are none of the numbers that there are.
+fn is_guarded(graph: &Graph, id: Id) -> bool {
+    const NEXT_TO_NOTHING: f64 = 1e-150;
+    let tiny = |x: Id| graph.number(x).is_some_and(|c| c.to_f64() != 0.0 && c.abs().to_f64() < NEXT_TO_NOTHING);
+    match graph.node(id) {
+        Node::Binary(Binary::Add, x, y) => tiny(x) || tiny(y),
+        Node::Unary(Unary::Sqrt, x) => is_guarded(graph, x),
+        _ => false,
+    }
 }
 
 /// A base with twice its exponent.
@@ -121,7 +141,7 @@ impl Chain for Product {
             };
             if parts.is_empty() {
                 let (base, halves) = match graph.node(id) {
-                    Node::Unary(Unary::Sqrt, x) if halves % 2 == 0 => (x, halves / 2),
+                    Node::Unary(Unary::Sqrt, x) if halves % 2 == 0 && !is_guarded(graph, x) => (x, halves / 2),
                     _ => (id, halves),
                 };
                 *found.entry(base).or_default() += halves;
@@ -185,6 +205,20 @@ mod tests {
         for (image, place) in images.into_iter().zip([x, y]) {
             assert_eq!(image, g.mul(shared, place));
         }
+    }
+
+    #[test]
+    fn what_is_barely_kept_from_zero_is_divided_by_as_it_stands() {
+        let mut g = Graph::new();
+        let x = g.symbol(Symbol::Coordinate(0));
+        let (guard, square) = (g.float(1e-300), g.mul(x, x));
+        let sum = g.add(square, guard);
+        let root = g.unary(Unary::Sqrt, sum);
+        let (first, second) = (g.div(square, sum), g.div(Id::ONE, root));
+        let whole = g.mul(first, second);
+        let image = all(&mut g, &[whole])[0];
+        let value: f64 = Tape::new(&g, &[image]).evaluate(|_| 0.0)[0];
+        assert_eq!(value, 0.0);
     }
 
     #[test]

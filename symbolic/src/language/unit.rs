@@ -191,6 +191,13 @@ const UNITS: &[Row] = &[
     ("W", 1, 1, 0, [1, 2, -3], true),
     ("Pa", 1, 1, 0, [1, -1, -2], true),
     ("Hz", 1, 1, 0, [0, 0, -1], true),
+    ("min", 60, 1, 0, [0, 0, 1], false),
+    ("h", 3600, 1, 0, [0, 0, 1], false),
+    ("rpm", 1, 30, 1, [0, 0, -1], false),
+    ("in", 254, 10_000, 0, [0, 1, 0], false),
+    ("ft", 3048, 10_000, 0, [0, 1, 0], false),
+    ("lb", 45_359_237, 100_000_000, 0, [1, 0, 0], false),
+    ("lbf", 44_482_216_152_605, 10_000_000_000_000, 0, [1, 1, -2], false),
 ];
 
 /// SI prefixes and their powers of ten.
@@ -232,7 +239,9 @@ fn help(name: &str) -> String {
     let meant = MEANT.iter().find(|(other, _)| other.eq_ignore_ascii_case(name)).map(|(_, unit)| *unit);
     match meant.or_else(|| nearest(name, COMMON.iter().copied())) {
         Some(unit) => format!("did you mean `{unit}`?"),
-        None => "units are `kg m s rad deg N J W Pa Hz g` with SI prefixes, and `1`".to_owned(),
+        None => {
+            "units are `kg m s rad N J W Pa Hz g` with SI prefixes, `deg min h rpm in ft lb lbf`, and `1`".to_owned()
+        }
     }
 }
 
@@ -250,9 +259,29 @@ const MEANT: &[(&str, &str)] = &[
     ("radian", "rad"),
     ("radians", "rad"),
     ("Nm", "N*m"),
+    // As a unit it would be taken for the time.
+    ("t", "Mg"),
+    ("ton", "Mg"),
+    ("tonne", "Mg"),
+    ("hour", "h"),
+    ("hours", "h"),
+    ("hr", "h"),
+    ("minute", "min"),
+    ("minutes", "min"),
+    ("inch", "in"),
+    ("foot", "ft"),
+    ("feet", "ft"),
+    ("lbs", "lb"),
+    ("kmh", "km/h"),
+    ("kph", "km/h"),
+    ("mps", "m/s"),
+    ("psi", "lbf/in^2"),
+    ("bar", "kPa"),
+    ("dps", "deg/s"),
 ];
 
-const COMMON: &[&str] = &["kg", "g", "m", "mm", "s", "ms", "rad", "deg", "N", "kN", "J", "W", "Pa", "MPa", "Hz"];
+const COMMON: &[&str] =
+    &["kg", "g", "m", "mm", "s", "ms", "min", "rad", "deg", "rpm", "N", "kN", "lbf", "J", "W", "Pa", "MPa", "Hz"];
 
 #[cfg(test)]
 mod tests {
@@ -285,6 +314,20 @@ mod tests {
         unit("cm", 1, 100, [0, 1, 0]);
         unit("µm", 1, 1_000_000, [0, 1, 0]);
         unit("dam", 10, 1, [0, 1, 0]);
+    }
+
+    #[test]
+    fn units_beside_si_are_exact() {
+        unit("km/h", 5, 18, [0, 1, -1]);
+        unit("ft", 3048, 10_000, [0, 1, 0]);
+        unit("lbf/in", 44_482_216_152_605 / 5, 10_000_000_000_000 / 5 * 254 / 10_000, [1, 0, -2]);
+        unit("lb/min", 45_359_237, 6_000_000_000, [1, 0, -1]);
+        let rpm = parse_unit("rpm").unwrap();
+        assert!((rpm.factor().to_f64() - std::f64::consts::TAU / 60.0).abs() < 1e-16);
+        assert_eq!(rpm.dimension, parse_unit("rad/s").unwrap().dimension);
+        for (text, meant) in [("t", "Mg"), ("hours", "h"), ("kmh", "km/h"), ("kmin", "min")] {
+            assert_eq!(parse_unit(text).unwrap_err()[0].help, format!("did you mean `{meant}`?"), "{text}");
+        }
     }
 
     #[test]

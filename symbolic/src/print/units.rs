@@ -5,6 +5,10 @@ use crate::language::parse_unit;
 /// Units without a prefix that are SI, for each run of letters in a unit.
 const COHERENT: [&str; 9] = ["kg", "m", "s", "rad", "N", "J", "W", "Pa", "Hz"];
 
+/// Units beside SI, with those in which their numbers are told.
+const BESIDE: [(&str, &str); 7] =
+    [("min", "s"), ("h", "s"), ("in", "m"), ("ft", "m"), ("lb", "kg"), ("lbf", "N"), ("rpm", "rad/s")];
+
 /// A unit as the file writes it, for a number that is in SI: `N/mm` becomes `N/m`, `deg` `rad`, `g` `kg`.
 pub fn si_unit(written: &str) -> String {
     let coherent = |text: &str| parse_unit(text).is_ok_and(|unit| unit.factor().to_f64() == 1.0);
@@ -37,6 +41,9 @@ fn without_prefix(name: &str) -> String {
     if unit.factor().to_f64() == 1.0 {
         return name.to_owned();
     }
+    if let Some((_, base)) = BESIDE.iter().find(|(other, _)| *other == name) {
+        return (*base).to_owned();
+    }
     let fits = |base: &&&str| {
         parse_unit(base).is_ok_and(|known| known.dimension == unit.dimension)
             && (name.ends_with(**base) || name.ends_with('g') || unit.dimension == [0; 3])
@@ -45,13 +52,16 @@ fn without_prefix(name: &str) -> String {
 }
 
 fn by_dimension(dimension: [i8; 3]) -> String {
-    let power = |(name, exponent): (&str, i8)| match exponent {
-        1 => name.to_owned(),
-        _ => format!("{name}^{exponent}"),
+    let side = |sign: i8| {
+        let powers = ["kg", "m", "s"].into_iter().zip(dimension).filter(move |(_, exponent)| exponent * sign > 0);
+        powers.map(|(name, exponent)| match exponent.abs() {
+            1 => name.to_owned(),
+            n => format!("{name}^{n}"),
+        })
     };
-    let factors: Vec<String> =
-        ["kg", "m", "s"].into_iter().zip(dimension).filter(|(_, exponent)| *exponent != 0).map(power).collect();
-    if factors.is_empty() { "1".to_owned() } else { factors.join("*") }
+    let above: Vec<String> = side(1).collect();
+    let above = if above.is_empty() { "1".to_owned() } else { above.join("*") };
+    side(-1).fold(above, |text, below| format!("{text}/{below}"))
 }
 
 #[cfg(test)]
@@ -75,6 +85,11 @@ mod tests {
             ("deg/s", "rad/s"),
             ("1/ms", "1/s"),
             ("mJ", "J"),
+            ("km/h", "m/s"),
+            ("lbf/in", "N/m"),
+            ("rpm", "rad/s"),
+            ("1/rpm", "s"),
+            ("N/ft^2", "N/m^2"),
         ];
         for (written, si) in cases {
             assert_eq!(si_unit(written), si, "{written}");

@@ -1,0 +1,136 @@
+//! What `simulate --plot` draws: `--show`, `--section` and `--with`.
+
+use clap::ArgMatches;
+use dalembert_symbolic::model::Sets;
+
+use super::Problem;
+use super::load::Loaded;
+use super::set_up::{Reader, unknown};
+use crate::mechanism::Description;
+use crate::run::Names;
+use crate::show::{Chart, Figure};
+use crate::{Error, Run};
+
+/// The charts that are asked for; none: those that a run has by itself.
+pub struct Shown {
+    charts: Vec<Asked>,
+    /// States at multiples of this time only, s.
+    section: Option<f64>,
+}
+
+enum Asked {
+    /// Against time.
+    History(Vec<String>),
+    /// The second over the first.
+    Portrait(String, String),
+}
+
+impl Shown {
+    /// Reads the options; names are looked up before anything is computed.
+    pub fn read(loaded: &Loaded, options: &ArgMatches) -> Result<Shown, Problem> {
+        let charts = options.get_many::<String>("show").into_iter().flatten();
+        let charts =
+            charts.map(|text| asked(loaded.system.description(), text)).collect::<Result<Vec<Asked>, Problem>>()?;
+        let section = options.get_one::<String>("section");
+        let section = section.map(|text| Reader::new(loaded).value(loaded, "section", Sets::Time, text)).transpose()?;
+        if section.is_some_and(|period| period <= 0.0) {
+            return Err(Problem::Usage("error: --section wants a time greater than 0".to_owned()));
+        }
+        if section.is_some() && !charts.iter().all(|chart| matches!(chart, Asked::Portrait(..))) {
+            return Err(Problem::Usage("error: --section draws points of a portrait: `--show X:Y`".to_owned()));
+        }
+        let outputs = Names::of(loaded.system.description()).outputs;
+        let of_output = |chart: &Asked| match chart {
+            Asked::Portrait(x, y) => [x, y].into_iter().find(|name| outputs.contains(name)).cloned(),
+            Asked::History(_) => None,
+        };
+        if let Some(name) = charts.iter().find_map(of_output).filter(|_| section.is_some()) {
+            return Err(Problem::Usage(format!(
+                "error: `{name}` is an output, which is known at reported times only; --section wants coordinates and rates"
+            )));
+        }
+        Ok(Shown { charts, section })
+    }
+
+    /// One figure of several runs, each with the name that its curves get where there are several.
+    pub fn figure(&self, runs: &[(String, &Run)]) -> Result<Figure, Error> {
+        let mut figure = Figure::default();
+        for (name, run) in runs {
+            let charts = if self.charts.is_empty() { run.figure().charts } else { self.of(run)? };
+            for (place, mut chart) in charts.into_iter().enumerate() {
+                if runs.len() > 1 {
+                    for series in &mut chart.series {
+                        series.name =
+                            if series.name.is_empty() { name.clone() } else { format!("{}, {name}", series.name) };
+                    }
+                }
+                match figure.charts.get_mut(place) {
+                    Some(known) => known.series.extend(chart.series),
+                    None => figure.charts.push(chart),
+                }
+            }
+        }
+        Ok(figure)
+    }
+
+    fn of(&self, run: &Run) -> Result<Vec<Chart>, Error> {
+        let mut charts = self.charts.iter().map(|asked| match (asked, self.section) {
+            (Asked::History(names), _) => run.history(&names.iter().map(String::as_str).collect::<Vec<_>>()),
+            (Asked::Portrait(x, y), None) => {
+                run.portrait(x, y).map(|chart| if is_path(x, y) { chart.equal() } else { chart })
+            }
+            (Asked::Portrait(x, y), Some(period)) => run.section(x, y, period),
+        });
+        let mut charts = charts.by_ref().collect::<Result<Vec<Chart>, Error>>()?;
+        if let Some(first) = charts.first_mut() {
+            first.title = run.description.name.to_string();
+        }
+        Ok(charts)
+    }
+}
+
+/// Whether these are components of one vector, whose path keeps its shape.
+fn is_path(x: &str, y: &str) -> bool {
+    let owner = |name: &str| name.rsplit_once('.').map(|(owner, _)| owner.to_owned());
+    owner(x).is_some() && owner(x) == owner(y)
+}
+
+/// `A,B` against time, or `X:Y`.
+fn asked(description: &Description, text: &str) -> Result<Asked, Problem> {
+    if let Some((x, y)) = text.split_once(':') {
+        let one = |name: &str| match columns(description, name)?.as_slice() {
+            [one] => Ok(one.clone()),
+            several => Err(Problem::Usage(format!(
+                "error: `{}` is a vector; a portrait wants one of {}",
+                name.trim(),
+                several.join(", ")
+            ))),
+        };
+        return Ok(Asked::Portrait(one(x)?, one(y)?));
+    }
+    let mut depth = 0;
+    let names = text.split(|c: char| {
+        depth += i32::from(c == '[') - i32::from(c == ']');
+        c == ',' && depth == 0
+    });
+    let names = names.map(|name| columns(description, name)).collect::<Result<Vec<_>, Problem>>()?;
+    Ok(Asked::History(names.concat()))
+}
+
+/// The columns of a name: itself, or the components of a vector output.
+fn columns(description: &Description, name: &str) -> Result<Vec<String>, Problem> {
+    let name = name.trim();
+    let known = Names::of(description).columns();
+    if known.iter().any(|column| column == name) {
+        return Ok(vec![name.to_owned()]);
+    }
+    let parts: Vec<String> = known
+        .iter()
+        .filter(|column| column.strip_prefix(name).is_some_and(|rest| rest.starts_with('.')))
+        .cloned()
+        .collect();
+    if parts.is_empty() {
+        return Err(unknown("coordinate, rate or output", name, known.iter().map(String::as_str)));
+    }
+    Ok(parts)
+}
