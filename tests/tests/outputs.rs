@@ -184,3 +184,109 @@ fn scenes_stand_side_by_side() {
     assert!(refused.contains("no scene is called `dash`"), "{refused}");
     fs::remove_dir_all(folder).expect("removed");
 }
+
+#[test]
+fn a_run_goes_on_from_its_end() {
+    let folder = folder("goes_on");
+    let state = folder.join("state.txt").to_string_lossy().into_owned();
+    let end = |arguments: &[&str]| -> Vec<f64> {
+        let text = told(&[&["simulate"], arguments, &["--json", "--no-digits"]].concat()).expect("a run");
+        let object: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        ["q", "v"]
+            .iter()
+            .flat_map(|part| object[part].as_object().unwrap().values())
+            .map(|x| x.as_f64().unwrap())
+            .collect()
+    };
+    for (model, half, whole) in [
+        ("four_bar", "1", "2"),
+        ("chaplygin_sleigh", "5", "10"),
+        ("bouncing_ball", "1", "2"),
+        ("base_excitation", "3", "6"),
+    ] {
+        end(&[model, "--until", half, "--save", &state]);
+        let (on, at_once) = (end(&[model, "--state", &state, "--until", whole]), end(&[model, "--until", whole]));
+        for (x, y) in on.iter().zip(&at_once) {
+            assert!((x - y).abs() < 1e-8 * (1.0 + y.abs()), "{model}: {on:?} {at_once:?}");
+        }
+    }
+    fs::write(&state, "x: 1 m\ny is 2\n").expect("a file");
+    let refused = told(&["simulate", "bouncing_ball", "--state", &state]).expect_err("no value");
+    assert!(refused.contains("state.txt:2: `y is 2` is no `name: value`"), "{refused}");
+    fs::write(&state, "z: 1 m\n").expect("a file");
+    let refused = told(&["simulate", "bouncing_ball", "--state", &state]).expect_err("no coordinate");
+    assert!(refused.contains("no coordinate is called `z`"), "{refused}");
+    fs::remove_dir_all(folder).expect("removed");
+}
+
+#[test]
+fn parameters_come_from_a_file() {
+    let folder = folder("parameters");
+    let file = folder.join("params.txt").to_string_lossy().into_owned();
+    fs::write(&file, "# other\nl: 200 cm # longer\n\"g\": 20\n").expect("a file");
+    let run = |arguments: &[&str]| told(&[&["simulate", "double_pendulum", "--no-digits"], arguments].concat());
+    let line = |text: String| text.lines().nth(1).expect("a line").to_owned();
+    let by_file = line(run(&["--params", &file]).expect("a run"));
+    assert_eq!(by_file, line(run(&["--set", "l=2", "--set", "g=20"]).expect("a run")));
+    let both = line(run(&["--params", &file, "--set", "g=10"]).expect("a run"));
+    assert_eq!(both, line(run(&["--set", "l=2"]).expect("a run")));
+    fs::write(&file, "length: 1\n").expect("a file");
+    assert!(run(&["--params", &file]).expect_err("no parameter").contains("no parameter is called `length`"));
+    assert!(run(&["--params", "/nowhere"]).expect_err("no file").contains("cannot read /nowhere"));
+    fs::remove_dir_all(folder).expect("removed");
+}
+
+#[test]
+fn matrices_are_written_for_other_programs() {
+    let folder = folder("matrices");
+    let path = |name: &str| folder.join(name).to_string_lossy().into_owned();
+    told(&["modes", "forced_chain", "--matrices", &path("chain.mtx")]).expect("modes");
+    let text = fs::read_to_string(path("chain-K.mtx")).expect("K");
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some("%%MatrixMarket matrix coordinate real general"));
+    assert!(lines.next().is_some_and(|line| line.starts_with("% K of M x'' + C x' + K x = 0")));
+    assert_eq!(lines.next(), Some("3 3 7"));
+    assert_eq!(lines.count(), 7);
+    told(&["modes", "forced_chain", "--matrices", &path("chain.csv")]).expect("modes");
+    let table = fs::read_to_string(path("chain-A.csv")).expect("A");
+    let rows: Vec<Vec<f64>> =
+        table.lines().map(|line| line.split(',').map(|x| x.parse().expect("a number")).collect()).collect();
+    assert!(rows.len() == 6 && rows.iter().all(|row| row.len() == 6));
+    assert_eq!(rows[0], [0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
+    fs::remove_dir_all(folder).expect("removed");
+}
+
+#[test]
+fn mistakes_come_with_their_places_as_data() {
+    let folder = folder("mistakes");
+    let file = folder.join("wrong.yaml").to_string_lossy().into_owned();
+    fs::write(
+        &file,
+        "name: W\ncoordinates: {x: m}\nparameters: {m: 1 Kg}\nbodies: {b: {mas: m, position: \"[x, 0]\"}}\n",
+    )
+    .expect("a file");
+    let mut out = Vec::new();
+    let problem = dalembert::cli::run(MODELS, ["dalembert", "check", &file, "--json"], &mut out).expect_err("mistakes");
+    assert_eq!(problem.status(), 2);
+    let report: serde_json::Value = serde_json::from_slice(&out).expect("JSON");
+    let found: Vec<(String, u64, u64, u64)> = report["problems"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(|p| {
+            (
+                p["code"].as_str().unwrap().to_owned(),
+                p["line"].as_u64().unwrap(),
+                p["column"].as_u64().unwrap(),
+                p["end_column"].as_u64().unwrap(),
+            )
+        })
+        .collect();
+    assert!(found.contains(&("E119".to_owned(), 3, 19, 21)), "{found:?}");
+    assert!(found.contains(&("E301".to_owned(), 4, 14, 17)), "{found:?}");
+    let good = told(&["check", "double_pendulum", "--json"]).expect("a report");
+    let report: serde_json::Value = serde_json::from_str(&good).expect("JSON");
+    assert_eq!(report["agreements"][0]["between"][1], "virtual power");
+    assert!(report["problems"].as_array().expect("a list").is_empty());
+    fs::remove_dir_all(folder).expect("removed");
+}

@@ -26,7 +26,8 @@ pub fn command() -> Command {
             Command::new("check")
                 .about("Reads and derives a model, and says what was tested")
                 .arg(model())
-                .args(sizes()),
+                .args(sizes())
+                .arg(flag("json", "Print one JSON object; of a file with mistakes these, with their places")),
         )
         .subcommand(simulate())
         .subcommand(modes())
@@ -61,6 +62,8 @@ fn simulate() -> Command {
         .arg(value("drift", "WAY", "What keeps constraints: project, none or baumgarte [default: project]"))
         .arg(value("alpha", "RATE", "Baumgarte's gain, 1/s [default: by the step]"))
         .arg(value("by", "SYSTEM", "Accelerations from a system of `balances` of the file; `all` compares them"))
+        .arg(value("state", "FILE", "A state to start from, as --save writes it; --start goes before"))
+        .arg(value("save", "FILE", "Write the final state, to start from it"))
         .arg(value("every", "TIME", "Spacing of reported states [default: 500 points]"))
         .arg(value("csv", "FILE", "Write reported states and outputs as a table"))
         .arg(value("plot", "FILE.svg", "Draw them"))
@@ -101,17 +104,18 @@ fn sweep() -> Command {
 }
 
 fn modes() -> Command {
-    let [scene, set, ..] = scene();
+    let [scene, set, params, ..] = scene();
     Command::new("modes")
         .about("Finds an equilibrium; prints M, C, K and the modes of small motions about it")
         .arg(model())
         .args(sizes())
-        .args([scene, set])
+        .args([scene, set, params])
         .arg(many("input", "NAME=VALUE", "Hold an input at a value [default: all at 0]"))
         .arg(many("at", "NAME=VALUE", "Where the search starts [default: the file's `equilibrium`]"))
         .arg(value("phase", "NAME", "Which constraints and forces act [default: those of the scene's start]"))
         .arg(flag("steady", "Find the steady motion in which cyclic coordinates keep the speeds of the scene (`--at` sets others)"))
         .arg(value("plot", "FILE.svg", "Draw the shapes of the modes"))
+        .arg(value("matrices", "NAME.mtx", "Write M, C, K, B and the state matrix A as NAME-M.mtx and so on, in Matrix Market's format, or as tables (NAME.csv)"))
         .arg(value("animate", "FILE.html", "Write a page that animates a mode"))
         .arg(value("mode", "NUMBER", "Which mode to animate [default: the first that is not rigid]"))
         .arg(value("motion", "FILE.svg", "Draw the free motion from the scene's start, computed in several ways, and compare them"))
@@ -161,10 +165,11 @@ fn sizes() -> [Arg; 1] {
 }
 
 /// What chooses and changes a scene.
-fn scene() -> [Arg; 6] {
+fn scene() -> [Arg; 7] {
     [
         value("scene", "NAME", "Another scene than the first"),
         many("set", "PARAMETER=VALUE", "Another value of a parameter"),
+        value("params", "FILE", "Values of parameters, a line each: `m: 2 kg`; --set goes before"),
         many("start", "NAME=VALUE", "Another start of a coordinate, or of a speed (theta'=1)"),
         many("input", "NAME=EXPR", "Another function of time for an input"),
         value("until", "TIME", "Where to end"),

@@ -5,15 +5,20 @@ use std::io::Write;
 use clap::ArgMatches;
 use dalembert_symbolic::file;
 use dalembert_symbolic::gate::{Conservative, Nature, Origin, shared_data};
-use dalembert_symbolic::lower::Program;
+use dalembert_symbolic::lower::{Program, compile};
 use dalembert_symbolic::number::DoubleDouble;
+use serde_json::Value;
 
-use super::load::Loaded;
+use super::json::{number, object, write};
+use super::load::{Loaded, Text};
 use super::{Entry, Problem, freedoms};
 use crate::mechanism::{At, Balances, Interpreted, System};
 
 /// Derives the model anew and prints the report.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+    if options.get_flag("json") {
+        return as_json(models, options, out);
+    }
     let loaded = Loaded::find(models, options)?;
     let program = loaded.program()?;
     let n = program.model.coordinates.len();
@@ -42,6 +47,67 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     }
     write!(out, "{}", file::render(&loaded.path, &loaded.source, &program.model.warnings))?;
     structure(&program, out)
+}
+
+/// The report as one object; of a file with mistakes these, each with its place, before the command fails.
+fn as_json(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+    let text = Text::find(models, options)?;
+    let program = match compile(&text.source, &text.sizes) {
+        Ok(program) => program,
+        Err(problems) => {
+            let report = object([("name", text.name.into()), ("problems", mistakes(&text.source, &problems))]);
+            write(&report, out)?;
+            return Err(Problem::Model(file::render(&text.path, &text.source, &problems)));
+        }
+    };
+    let (model, report) = (&program.model, &program.report);
+    let words = |list: &[String]| Value::from(list.to_vec());
+    let agreements = report.agreements.iter().map(|agreement| {
+        let (first, second) = &agreement.between;
+        object([
+            ("between", vec![first.to_string(), second.to_string()].into()),
+            ("states", agreement.states.into()),
+            ("worst", number(agreement.worst)),
+        ])
+    });
+    let claims = |list: &[(String, f64)]| -> Value {
+        list.iter().map(|(name, worst)| object([("name", name.clone().into()), ("worst", number(*worst))])).collect()
+    };
+    let forces: Vec<String> = report.forces.iter().map(nature).collect();
+    let object = object([
+        ("name", text.name.into()),
+        ("coordinates", model.coordinates.len().into()),
+        ("agreements", agreements.collect()),
+        ("degrees_of_freedom", words(&freedoms::lines(&program))),
+        ("states", report.states.len().into()),
+        ("unreached", words(&report.unreached)),
+        ("without_units", words(&names_without_units(&program))),
+        ("conserved", claims(&report.conserved)),
+        ("checks", claims(&report.checks)),
+        ("forces", words(&forces)),
+        ("problems", mistakes(&text.source, &model.warnings)),
+        ("recognised", words(&recognised(&program))),
+        ("operations", object(operations(&program).into_iter().map(|(what, count)| (what, count.into())))),
+    ]);
+    write(&object, out)?;
+    Ok(())
+}
+
+/// Errors and warnings, with lines and columns in characters from 1.
+fn mistakes(source: &str, problems: &[dalembert_symbolic::diagnose::Problem]) -> Value {
+    let one = |(extent, problem): (file::Extent, &dalembert_symbolic::diagnose::Problem)| {
+        object([
+            ("code", problem.code.into()),
+            ("severity", if problem.is_warning() { "warning" } else { "error" }.into()),
+            ("message", problem.message.clone().into()),
+            ("help", problem.help.clone().into()),
+            ("line", extent.line.into()),
+            ("column", extent.column.into()),
+            ("end_line", extent.end_line.into()),
+            ("end_column", extent.end_column.into()),
+        ])
+    };
+    file::extents(source, problems).into_iter().map(one).collect()
 }
 
 /// Where the states come from, and what they do not reach.
@@ -80,6 +146,15 @@ fn unseen(program: &Program, out: &mut dyn Write) -> Result<(), Problem> {
 
 /// Names without a unit, which leave what depends on them unchecked.
 fn without_units(program: &Program, out: &mut dyn Write) -> Result<(), Problem> {
+    let names = names_without_units(program);
+    if !names.is_empty() {
+        let list = names.join(", ");
+        writeln!(out, "  no unit is given for {list}: units of what depends on them are not checked")?;
+    }
+    Ok(())
+}
+
+fn names_without_units(program: &Program) -> Vec<String> {
     let model = &program.model;
     let parameters = model.parameters.iter().filter(|p| p.unit.is_none()).map(|p| match &p.family {
         Some(family) => family.name.as_str(),
@@ -87,13 +162,9 @@ fn without_units(program: &Program, out: &mut dyn Write) -> Result<(), Problem> 
     });
     let coordinates = model.coordinates.iter().filter(|c| c.unit.is_none());
     let coordinates = coordinates.map(|c| c.name.split('[').next().unwrap_or(&c.name));
-    let mut names: Vec<&str> = parameters.chain(coordinates).collect();
+    let mut names: Vec<String> = parameters.chain(coordinates).map(str::to_owned).collect();
     names.dedup();
-    if !names.is_empty() {
-        let list = names.join(", ");
-        writeln!(out, "  no unit is given for {list}: units of what depends on them are not checked")?;
-    }
-    Ok(())
+    names
 }
 
 /// What kind of force an entry is, in words.

@@ -11,6 +11,42 @@ use dalembert_symbolic::{diagnose, file};
 use super::{Entry, Problem};
 use crate::mechanism::{Interpreted, System};
 
+/// A model's text.
+pub struct Text {
+    /// The name it goes by: its file's.
+    pub name: String,
+    /// Where its file is.
+    pub path: String,
+    /// What stands in it (stood, when it was compiled).
+    pub source: String,
+    /// Sizes other than the file's.
+    pub sizes: Vec<(String, i64)>,
+}
+
+impl Text {
+    /// Finds the text of the model that the command line names, whatever is wrong with it.
+    pub fn find(models: &[Entry], options: &ArgMatches) -> Result<Text, Problem> {
+        let name = options.get_one::<String>("model").map_or("", String::as_str);
+        let sizes = sizes(options)?;
+        if let Some(entry) = models.iter().find(|entry| entry.name == name) {
+            let (path, source) = (entry.path.to_owned(), entry.source.to_owned());
+            return Ok(Text { name: name.to_owned(), path, source, sizes });
+        }
+        Text::read(models, name, sizes)
+    }
+
+    fn read(models: &[Entry], name: &str, sizes: Vec<(String, i64)>) -> Result<Text, Problem> {
+        if !Path::new(name).is_file() {
+            let hint = diagnose::did_you_mean(name, models.iter().map(|entry| entry.name));
+            let hint = if hint.is_empty() { "`list` names the models".to_owned() } else { hint };
+            return Err(Problem::Usage(format!("error: no model and no file is called `{name}`; {hint}")));
+        }
+        let source = std::fs::read_to_string(name).map_err(|e| Problem::File(format!("cannot read {name}: {e}")))?;
+        let stem = Path::new(name).file_stem().map_or(name.to_owned(), |s| s.to_string_lossy().into_owned());
+        Ok(Text { name: stem, path: name.to_owned(), source, sizes })
+    }
+}
+
 /// A model that was found.
 pub struct Loaded {
     /// The name it goes by: its file's.
@@ -39,15 +75,8 @@ impl Loaded {
         if let Some(entry) = models.iter().find(|entry| entry.name == name) {
             return Loaded::compiled(entry, sizes);
         }
-        if Path::new(name).is_file() {
-            let source =
-                std::fs::read_to_string(name).map_err(|e| Problem::File(format!("cannot read {name}: {e}")))?;
-            let stem = Path::new(name).file_stem().map_or(name.to_owned(), |s| s.to_string_lossy().into_owned());
-            return Loaded::interpreted(stem, name.to_owned(), source, sizes);
-        }
-        let hint = diagnose::did_you_mean(name, models.iter().map(|entry| entry.name));
-        let hint = if hint.is_empty() { "`list` names the models".to_owned() } else { hint };
-        Err(Problem::Usage(format!("error: no model and no file is called `{name}`; {hint}")))
+        let Text { name, path, source, sizes } = Text::read(models, name, sizes)?;
+        Loaded::interpreted(name, path, source, sizes)
     }
 
     fn compiled(entry: &Entry, sizes: Vec<(String, i64)>) -> Result<Loaded, Problem> {

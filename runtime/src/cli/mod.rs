@@ -18,6 +18,7 @@ mod enforcement;
 mod freedoms;
 mod json;
 mod list;
+mod listed;
 mod load;
 mod modes;
 mod needs;

@@ -7,12 +7,12 @@ use dalembert_symbolic::expr::{Symbol, Tape};
 use dalembert_symbolic::model::{Model, Sets};
 use dalembert_symbolic::{diagnose, file, gate, lower};
 
-use super::Problem;
 use super::load::{Loaded, pairs};
+use super::{Problem, listed};
 use crate::Settings;
 use crate::mechanism::{Interpreted, System};
 
-/// Applies `--scene`, `--set`, `--start`, `--input`, `--until`, `--tolerance`, `--every` and `--step`.
+/// Applies `--scene`, `--params`, `--set`, `--state`, `--start`, `--input`, `--until`, `--tolerance`, `--every` and `--step`.
 pub fn set_up(loaded: &mut Loaded, options: &ArgMatches) -> Result<Settings, Problem> {
     set_up_scene(loaded, options, options.get_one::<String>("scene").map(String::as_str))
 }
@@ -21,7 +21,11 @@ pub fn set_up(loaded: &mut Loaded, options: &ArgMatches) -> Result<Settings, Pro
 pub fn set_up_scene(loaded: &mut Loaded, options: &ArgMatches, scene: Option<&str>) -> Result<Settings, Problem> {
     let (scene, mut reader) = choose_scene(loaded, options, scene)?;
     let changes = Changes::read(loaded, &mut reader, options)?;
-    Ok(changes.of(Settings::new(&loaded.system.scene(scene))))
+    let mut settings = Settings::new(&loaded.system.scene(scene));
+    if let Some(path) = options.try_get_one::<String>("state").ok().flatten() {
+        listed::start(loaded, &mut reader, path, &mut settings)?;
+    }
+    Ok(changes.of(settings))
 }
 
 /// What options change of a scene.
@@ -74,7 +78,7 @@ pub fn start_at(settings: &mut Settings, place: usize, value: f64) {
     held.get_mut(i).into_iter().for_each(|held| *held = true);
 }
 
-/// Applies `--scene`, `--set` and `--input`; the scene's index, and a reader for the other options.
+/// Applies `--scene`, `--params`, `--set` and `--input`; the scene's index, and a reader for the other options.
 pub fn choose(loaded: &mut Loaded, options: &ArgMatches) -> Result<(usize, Reader), Problem> {
     choose_scene(loaded, options, options.get_one::<String>("scene").map(String::as_str))
 }
@@ -85,6 +89,9 @@ fn choose_scene(loaded: &mut Loaded, options: &ArgMatches, scene: Option<&str>) 
         loaded.system.set_parameter(index, value);
     }
     let mut reader = Reader::new(loaded);
+    if let Some(path) = options.get_one::<String>("params") {
+        listed::parameters(loaded, &mut reader, path)?;
+    }
     for (name, text) in pairs(options, "set")? {
         let index = parameter_index(loaded, &name)?;
         let value = reader.value(loaded, "set", Sets::Parameter(index), &text)?;

@@ -15,7 +15,7 @@ use super::json::{number, object};
 use super::load::Loaded;
 use super::set_up::{set_up, set_up_scene};
 use super::shown::Shown;
-use super::{Entry, Problem, compare, enforcement, outputs};
+use super::{Entry, Problem, compare, enforcement, listed, outputs};
 use crate::mechanism::{Description, Enforcement, Stabilisation};
 use crate::numbers::short;
 use crate::simulate::{LAGRANGE, judge_digits};
@@ -24,7 +24,7 @@ use crate::{Error, Impulse, Run, Settings};
 /// Runs, writes files that were asked for, and prints the outcome; a run that failed is written and printed too.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let mut loaded = Loaded::find(models, options)?;
-    outputs::check(options, &["csv", "plot", "animate"], &loaded.path)?;
+    outputs::check(options, &["csv", "plot", "animate", "save"], &loaded.path)?;
     let settings = set_up(&mut loaded, options).and_then(|settings| by_options(settings, options))?;
     let shown = Shown::read(&loaded, options)?;
     for warning in &loaded.warnings {
@@ -187,6 +187,9 @@ fn report(
         runs.extend(others.iter().map(|(name, run)| (name.clone(), run)));
         let figure = shown.figure(&runs).map_err(|error| Problem::Usage(format!("error: {error}")))?;
         outputs::write(path, &figure.to_svg())?;
+    }
+    if let Some(path) = file("save") {
+        outputs::write(path, &listed::state(run))?;
     }
     if let Some(path) = file("animate") {
         run.animate(path).map_err(unwritten)?;

@@ -16,7 +16,7 @@ pub use locate::locate;
 pub use node::Node;
 pub use read::read;
 pub(crate) use reader::{Quantity, Spot, describe, quantity, unit_at};
-pub use render::{render, sort};
+pub use render::{Extent, extents, render, sort};
 pub(crate) use written::{Text, Written, words};
 
 #[cfg(test)]

@@ -45,6 +45,37 @@ pub fn render(path: &str, text: &str, problems: &[Problem]) -> String {
     out
 }
 
+/// Where a problem stands: line and column of its beginning and of what follows its end, in characters from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "named after what they are")]
+pub struct Extent {
+    pub line: usize,
+    pub column: usize,
+    pub end_line: usize,
+    pub end_column: usize,
+}
+
+/// Problems with where they stand in the text, sorted by that.
+pub fn extents<'a>(text: &str, problems: &'a [Problem]) -> Vec<(Extent, &'a Problem)> {
+    let located = &problems[..problems.len().min(LOCATED)];
+    let places: Vec<_> = located.iter().map(|problem| &problem.place).collect();
+    let at = |offset: usize| {
+        let before = &text[..offset];
+        let start = before.rfind('\n').map_or(0, |newline| newline + 1);
+        (before.matches('\n').count() + 1, before[start..].chars().count() + 1)
+    };
+    let mut found: Vec<(Extent, &Problem)> = locate(text, &places)
+        .into_iter()
+        .map(|range| {
+            let ((line, column), (end_line, end_column)) = (at(range.start), at(range.end));
+            Extent { line, column, end_line, end_column }
+        })
+        .zip(located)
+        .collect();
+    found.sort_by_key(|(spot, problem)| (spot.line, spot.column, problem.code));
+    found
+}
+
 /// Sorts problems by where they stand in the text.
 pub fn sort(text: &str, problems: &mut Vec<Problem>) {
     let places: Vec<_> = problems.iter().take(LOCATED).map(|problem| &problem.place).collect();

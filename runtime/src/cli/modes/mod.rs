@@ -5,6 +5,7 @@ mod constrained;
 mod damping;
 mod drive;
 mod locus;
+mod matrices;
 mod motion;
 mod report;
 #[cfg(feature = "modal")]
@@ -147,7 +148,7 @@ fn failed(error: LinearError) -> Problem {
     Problem::Run(format!("{error}{hint}"))
 }
 
-fn write_file(path: &String, text: String) -> Result<(), Problem> {
+fn write_file(path: &str, text: String) -> Result<(), Problem> {
     std::fs::write(path, text).map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))
 }
 
@@ -179,6 +180,9 @@ fn pictures(loaded: &Loaded, options: &ArgMatches, linear: &Linearised, modes: &
     let file = |name: &str| options.get_one::<String>(name);
     if let Some(path) = file("plot") {
         write_file(path, draw_modes(system, linear, modes).to_svg())?;
+    }
+    if let Some(path) = file("matrices") {
+        matrices::write(path, linear)?;
     }
     let number = match file("mode") {
         None => modes.iter().position(|mode| mode.kind != Kind::Rigid).unwrap_or(0),

@@ -1,0 +1,101 @@
+//! Files of names with values, a line each: `m: 2 kg`, `"theta'": 0.1`.
+
+use std::fmt::Write;
+use std::fs;
+
+use dalembert_symbolic::model::Sets;
+
+use super::Problem;
+use super::load::Loaded;
+use super::set_up::{Reader, coordinate_index, parameter_index, unknown};
+use crate::{Run, Settings};
+
+/// Reads such a file; `#` begins a comment, as in a model file.
+///
+/// # Errors
+/// It cannot be read, or a line is none of these.
+pub fn read(path: &str) -> Result<Vec<(String, String)>, Problem> {
+    let text = fs::read_to_string(path).map_err(|problem| Problem::File(format!("cannot read {path}: {problem}")))?;
+    let mut entries = Vec::new();
+    for (index, line) in text.lines().enumerate() {
+        let line = line.split(" #").next().unwrap_or("").trim();
+        if line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        let wrong = || Problem::Usage(format!("error: {path}:{}: `{line}` is no `name: value`", index + 1));
+        let (name, value) = match line.strip_prefix('"') {
+            Some(quoted) => quoted.split_once('"').ok_or_else(wrong)?,
+            None => line.split_once(':').map(|(name, _)| (name, &line[name.len()..])).ok_or_else(wrong)?,
+        };
+        let value = value.trim_start().strip_prefix(':').ok_or_else(wrong)?.trim();
+        if name.trim().is_empty() || value.is_empty() {
+            return Err(wrong());
+        }
+        entries.push((name.trim().to_owned(), value.to_owned()));
+    }
+    Ok(entries)
+}
+
+/// Sets the parameters of a file.
+///
+/// # Errors
+/// Names or values that are none.
+pub fn parameters(loaded: &mut Loaded, reader: &mut Reader, path: &str) -> Result<(), Problem> {
+    for (name, text) in read(path)? {
+        let index = parameter_index(loaded, &name)?;
+        let value = reader.value(loaded, "params", Sets::Parameter(index), &text)?;
+        loaded.system.set_parameter(index, value);
+    }
+    Ok(())
+}
+
+/// Starts from the state of a file: coordinates and rates, and where they are given time and phase; what it does not
+/// name stays as the scene has it.
+///
+/// # Errors
+/// Names or values that are none.
+pub fn start(loaded: &Loaded, reader: &mut Reader, path: &str, settings: &mut Settings) -> Result<(), Problem> {
+    let length = settings.until - settings.from;
+    for (name, text) in read(path)? {
+        match name.strip_suffix('\'') {
+            _ if name == "t" => {
+                settings.from = reader.value(loaded, "state", Sets::Time, &text)?;
+                settings.until = settings.from + length;
+            }
+            _ if name == "phase" && coordinate_index(loaded, &name).is_err() => {
+                let phases = &loaded.system.description().phases;
+                let found = phases.iter().position(|phase| phase.name == text);
+                settings.phase =
+                    found.ok_or_else(|| unknown("phase", &text, phases.iter().map(|phase| phase.name.as_ref())))?;
+            }
+            Some(coordinate) => {
+                let index = coordinate_index(loaded, coordinate)?;
+                settings.v[index] = reader.value(loaded, "state", Sets::Speed(index), &text)?;
+            }
+            None => {
+                let index = coordinate_index(loaded, &name)?;
+                settings.q[index] = reader.value(loaded, "state", Sets::Coordinate(index), &text)?;
+            }
+        }
+    }
+    // A motion went through it: nothing is chosen any more.
+    settings.held_q.fill(true);
+    settings.held_v.fill(true);
+    (settings.also, settings.guessed) = (0..0, true);
+    Ok(())
+}
+
+/// The last state of a run as such a file, with all digits of each number.
+pub fn state(run: &Run) -> String {
+    let phases = &run.description.phases;
+    let phase = run.phases.last().and_then(|(_, phase)| phases.get(*phase)).map_or("", |phase| phase.name.as_ref());
+    let last = run.last();
+    let mut text = format!("# {} by {}, SI units\nt: {}\n", run.description.name, run.method, last.t);
+    if !phase.is_empty() {
+        let _ = writeln!(text, "phase: {phase}");
+    }
+    for (name, value) in last.entries() {
+        let _ = writeln!(text, "\"{name}\": {value}");
+    }
+    text
+}
