@@ -286,3 +286,38 @@ fn steady_motions_are_found_and_have_modes() {
     let refused = words("none", SOFT_BESIDE_STIFF, &["--steady"]).unwrap_err();
     contains(&refused, &["has no cyclic coordinate"]);
 }
+
+/// Shapes stand in a grid under titles that fit; springs have coils, and what lies along x is drawn one above the other.
+#[test]
+fn shapes_are_drawn_so_that_they_are_seen() {
+    let path = std::env::temp_dir().join(format!("dalembert-shapes-{}.svg", std::process::id()));
+    let file = path.to_string_lossy().into_owned();
+    let picture = |model: &str| {
+        words("library", &library(model), &["--plot", &file]).unwrap();
+        std::fs::read_to_string(&path).unwrap()
+    };
+    let chain = picture("forced_chain");
+    let document = roxmltree::Document::parse(&chain).unwrap();
+    let number = |node: &roxmltree::Node<'_, '_>, name: &str| node.attribute(name).unwrap().parse::<f64>().unwrap();
+    let width =
+        document.root_element().attribute("viewBox").unwrap().split(' ').nth(2).unwrap().parse::<f64>().unwrap();
+    for title in document
+        .descendants()
+        .filter(|node| node.has_tag_name("text"))
+        .filter(|node| node.text().is_some_and(|text| text.trim().starts_with("mode ")))
+    {
+        let half = 0.5 * 0.6 * number(&title, "font-size") * title.text().unwrap().trim().len() as f64;
+        let middle = number(&title, "x");
+        assert!(middle - half > 0.0 && middle + half < width, "{title:?}");
+    }
+    // Three modes in two columns; coils make lines of many corners.
+    let longest = document
+        .descendants()
+        .filter(|node| node.has_tag_name("polyline"))
+        .map(|node| node.attribute("points").unwrap().split_whitespace().count())
+        .max();
+    assert!(longest.unwrap() >= 16, "{longest:?}");
+    let square = picture("square_springs");
+    assert_eq!(square.matches("mode ").count(), 8);
+    std::fs::remove_file(path).unwrap();
+}

@@ -131,7 +131,7 @@ fn five_scenes() -> Vec<(&'static str, &'static str, Vec<WorkPrecision>)> {
 }
 
 fn picture(found: &[WorkPrecision]) -> String {
-    Figure { charts: found.iter().flat_map(|found| found.figure().charts).collect() }.to_svg()
+    Figure::from(found.iter().flat_map(|found| found.figure().charts).collect::<Vec<_>>()).to_svg()
 }
 
 /// What `auto` chose in each scene, and what that costs beside the best.

@@ -151,14 +151,14 @@ fn report(found: &WorkPrecision, out: &mut dyn Write) -> Result<(), Problem> {
 
 /// Writes the charts and the points.
 fn write_files(measured: &[WorkPrecision], [plot, csv]: &[String; 2], out: &mut dyn Write) -> Result<(), Problem> {
-    let charts = measured.iter().flat_map(|found| found.figure().charts).collect();
+    let charts = measured.iter().flat_map(|found| found.figure().charts).collect::<Vec<_>>();
     let mut table = String::new();
     for found in measured {
         let text = found.to_csv();
         let rows = if table.is_empty() { text.as_str() } else { text.split_once('\n').map_or("", |(_, rows)| rows) };
         table += rows;
     }
-    for (path, text) in [(plot, Figure { charts }.to_svg()), (csv, table)] {
+    for (path, text) in [(plot, Figure::from(charts).to_svg()), (csv, table)] {
         std::fs::write(path, text).map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))?;
         writeln!(out, "written: {path}")?;
     }

@@ -16,7 +16,7 @@ impl WorkPrecision {
         let mut charts = vec![work, time];
         charts.extend(self.growth());
         charts[0].title = self.title.clone();
-        Figure { charts }
+        Figure::from(charts)
     }
 
     fn chart(&self, label: &str, cost: impl Fn(&Measured) -> f64) -> Chart {

@@ -34,53 +34,81 @@ const CROWD: usize = 7;
 /// Height of a row of crosses.
 const CROSSES: i32 = 18;
 
-/// Charts one below the other on one page.
+/// Charts on one page, one below the other or in columns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Figure {
-    /// From top to bottom.
+    /// Row by row, from top to bottom.
     pub charts: Vec<Chart>,
+    /// How many stand side by side; 0 is 1.  Of a row that has several the names of one chart stand for all.
+    pub columns: usize,
 }
 
 impl From<Chart> for Figure {
     fn from(chart: Chart) -> Figure {
-        Figure { charts: vec![chart] }
+        Figure::from(vec![chart])
     }
+}
+
+impl From<Vec<Chart>> for Figure {
+    fn from(charts: Vec<Chart>) -> Figure {
+        Figure { charts, columns: 1 }
+    }
+}
+
+/// A part of the page, px.
+#[derive(Clone, Copy)]
+struct Cell {
+    left: i32,
+    top: i32,
+    width: i32,
+    height: i32,
 }
 
 impl Figure {
     /// The figure as the text of an SVG file; it refers to no other file and to no special font.
     pub fn to_svg(&self) -> String {
-        let heights: Vec<i32> = self.charts.iter().map(|chart| height(chart, self.charts.len())).collect();
+        let columns = self.columns.max(1);
+        let names = self.charts.iter().filter_map(legend::width).max().unwrap_or(0);
+        let width = (WIDTH - names) / columns as i32;
+        let rows: Vec<&[Chart]> = self.charts.chunks(columns).collect();
+        let tallest = |row: &&[Chart]| row.iter().map(|chart| height(chart, width, rows.len())).max().unwrap_or(0);
+        let heights: Vec<i32> = rows.iter().map(tallest).collect();
         let size = (WIDTH, heights.iter().sum::<i32>().max(1));
         let mut svg = String::new();
         let fine = |pixels: i32| (pixels * FINE) as u32;
         let canvas = SVGBackend::with_string(&mut svg, (fine(size.0), fine(size.1))).into_drawing_area();
-        self.draw(&canvas, &heights).expect("text in memory takes all that is drawn");
+        draw(&canvas, &rows, &heights, width).expect("text in memory takes all that is drawn");
         drop(canvas);
         scaled_down(&svg, size)
     }
-
-    fn draw<'a>(&self, canvas: &Canvas<'a>, heights: &[i32]) -> Outcome<'a> {
-        canvas.fill(&WHITE)?;
-        let mut top = 0;
-        let names = self.charts.iter().filter_map(legend::width).max();
-        for (chart, height) in self.charts.iter().zip(heights) {
-            draw_chart(chart, canvas, top, *height, names.unwrap_or(0))?;
-            top += height;
-        }
-        canvas.present()
-    }
 }
 
-/// Height of a chart on a page of so many, px; where axes are equal it follows the data.
-fn height(chart: &Chart, charts: usize) -> i32 {
+fn draw<'a>(canvas: &Canvas<'a>, rows: &[&[Chart]], heights: &[i32], width: i32) -> Outcome<'a> {
+    canvas.fill(&WHITE)?;
+    let mut top = 0;
+    for (row, height) in rows.iter().zip(heights) {
+        let mut named = false;
+        for (column, chart) in row.iter().enumerate() {
+            let cell = Cell { left: column as i32 * width, top, width, height: *height };
+            let names = !named && legend::width(chart).is_some();
+            draw_chart(chart, canvas, cell, names.then_some(row.len() as i32 * width))?;
+            named |= names;
+        }
+        top += height;
+    }
+    canvas.present()
+}
+
+/// Height of a chart of this width on a page of so many rows, px; where axes are equal it follows the data.
+fn height(chart: &Chart, width: i32, rows: usize) -> i32 {
     let tallest = 530;
     let around = TITLE + BELOW;
     let crowded = chart.series.len() > CROWD || chart.series.iter().any(|series| !series.failures.is_empty());
-    match (chart.is_equal(), chart.slopes.is_empty() && !crowded, charts) {
+    match (chart.is_equal(), chart.slopes.is_empty() && !crowded, rows) {
         (true, ..) => {
             let (x, y) = fitted(chart);
-            around + (0.8 * f64::from(WIDTH) * y.span() / x.span()).clamp(200.0, f64::from(tallest)) as i32
+            let inside = f64::from(width - LEFT - MARGIN).max(1.0);
+            around + (inside * y.span() / x.span()).clamp(0.22 * f64::from(width), f64::from(tallest)) as i32
         }
         (false, false, _) => around + tallest,
         (false, true, 1) => around + 370,
@@ -95,18 +123,19 @@ fn scaled_down(svg: &str, (width, height): (i32, i32)) -> String {
     svg.replacen(&fine, &format!("width=\"{width}\" height=\"{height}\""), 1)
 }
 
-/// Draws a chart between two heights of the page, with room for names to its right, px.
-fn draw_chart<'a>(chart: &Chart, canvas: &Canvas<'a>, top: i32, height: i32, names: i32) -> Outcome<'a> {
+/// Draws a chart into its cell, and its names from a place to the right on, px, where they are wanted.
+fn draw_chart<'a>(chart: &Chart, canvas: &Canvas<'a>, cell: Cell, names: Option<i32>) -> Outcome<'a> {
     let title = if chart.title.is_empty() { MARGIN } else { TITLE };
-    let right = MARGIN + names;
-    let (width, inner_height) = (WIDTH - LEFT - right, height - title - BELOW);
+    let Cell { left, top, height, .. } = cell;
+    let (width, inner_height) = (cell.width - LEFT - MARGIN, height - title - BELOW);
     let (x, y) = extents(chart, width, inner_height);
     let fine = |pixels: i32| (pixels * FINE) as u32;
     let mut builder = ChartBuilder::on(canvas);
     builder
         .margin_top(fine(top + title))
         .margin_bottom((canvas.dim_in_pixel().1 as i32 - (top + height) * FINE) as u32)
-        .margin_right(fine(right))
+        .margin_left(fine(left))
+        .margin_right(fine(WIDTH - left - cell.width + MARGIN))
         .x_label_area_size(fine(BELOW))
         .y_label_area_size(fine(LEFT));
     let mut context = builder.build_cartesian_2d(x.clone(), y.clone())?;
@@ -144,14 +173,14 @@ fn draw_chart<'a>(chart: &Chart, canvas: &Canvas<'a>, top: i32, height: i32, nam
     for triangle in &chart.slopes {
         slope(canvas, triangle, &place)?;
     }
-    if legend::width(chart).is_some() {
-        legend::draw(canvas, chart, (WIDTH - right + 14, top + title + 4, inner_height))?;
+    if let Some(right) = names {
+        legend::draw(canvas, chart, (right + 14 - MARGIN, top + title + 4, inner_height))?;
     }
-    let (middle, bottom) = (LEFT + width / 2, top + height);
+    let (middle, bottom) = (left + LEFT + width / 2, top + height);
     write(canvas, &chart.title, (middle, top + TITLE / 2), text(16))?;
     write(canvas, &chart.x.text(), (middle, bottom - 18), text(14))?;
     let turned = text(14).transform(FontTransform::Rotate270);
-    write(canvas, &chart.y.text(), (18, top + title + inner_height / 2), turned)
+    write(canvas, &chart.y.text(), (left + 18, top + title + inner_height / 2), turned)
 }
 
 /// Writes text about a middle, px.

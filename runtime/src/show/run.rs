@@ -129,7 +129,7 @@ impl Run {
         if let Some(first) = charts.first_mut() {
             first.title = self.description.name.to_string();
         }
-        Figure { charts }
+        Figure::from(charts)
     }
 
     /// The shapes that the model draws, at up to some thousands of times, none if the run kept no dense output.

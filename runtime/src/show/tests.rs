@@ -133,11 +133,11 @@ fn a_figure_stacks_its_charts() {
     let chart = |y: &str| {
         Chart::new("", time_axis(), Axis::new(y, "")).with(Series::line(y, [Some((0.0, 1.0)), Some((1.0, 2.0))]))
     };
-    let svg = Figure { charts: vec![chart("upper"), chart("lower")] }.to_svg();
+    let svg = Figure::from(vec![chart("upper"), chart("lower")]).to_svg();
     let curves = curves(&Document::parse(&svg).unwrap(), BLUE);
     assert_eq!(curves.len(), 2);
     assert!(curves[0].iter().all(|p| p.1 < 330.0) && curves[1].iter().all(|p| p.1 > 330.0));
-    assert_eq!(svg, Figure { charts: vec![chart("upper"), chart("lower")] }.to_svg());
+    assert_eq!(svg, Figure::from(vec![chart("upper"), chart("lower")]).to_svg());
 }
 
 #[test]
@@ -151,4 +151,18 @@ fn many_series_get_colours_of_a_family() {
     assert_eq!(colours.len(), 40);
     let names = texts(&document).iter().filter(|text| text.starts_with("theta[")).count();
     assert!((10..=25).contains(&names), "{names} names");
+}
+
+#[test]
+fn charts_stand_side_by_side() {
+    let charts = ["a", "b", "c"]
+        .map(|title| Chart::new(title, time_axis(), Axis::new("y", "")).with(Series::line("name", [Some((0.0, 1.0))])));
+    let side = Figure { charts: charts.to_vec(), columns: 2 }.to_svg();
+    let below = Figure::from(charts.to_vec()).to_svg();
+    let height = |svg: &str| -> f64 {
+        Document::parse(svg).unwrap().root_element().attribute("height").unwrap().parse().unwrap()
+    };
+    assert!(height(&side) < height(&below));
+    // Of the upper row the names of one chart stand for both.
+    assert_eq!((side.matches("name").count(), below.matches("name").count()), (2, 3));
 }

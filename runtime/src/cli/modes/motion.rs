@@ -128,5 +128,5 @@ fn figure(linear: &Linearised, times: &[f64], exact: &Motion, ways: &[(&'static 
         ways.iter()
             .fold(chart, |chart, (name, motion)| chart.with(Series { style: Style::Dashed, ..line(name, motion) }))
     };
-    Figure { charts: (0..linear.len().min(MOST_DRAWN)).map(chart).collect() }
+    Figure::from((0..linear.len().min(MOST_DRAWN)).map(chart).collect::<Vec<_>>())
 }

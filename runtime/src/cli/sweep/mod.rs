@@ -204,7 +204,7 @@ fn draw(loaded: &Loaded, table: &Table, varied: usize, shown: &[String]) -> Figu
         let empty = Chart::new(format!("{}: {name}{when}", loaded.name), label(&table.names[1]), label(name));
         others.iter().map(line).fold(empty, Chart::with)
     };
-    Figure { charts: shown.iter().map(chart).collect() }
+    Figure::from(shown.iter().map(chart).collect::<Vec<_>>())
 }
 
 /// The unit of a parameter, a coordinate, a rate or an output, `min` and `max` left aside.

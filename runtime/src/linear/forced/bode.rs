@@ -50,5 +50,5 @@ pub fn bode(linear: &Linearised, drive: &Drive, name: &str, omegas: &[f64]) -> R
         });
         phase.series.push(Series::line(label, phases.collect::<Vec<_>>()));
     }
-    Ok(Figure { charts: vec![size, phase] })
+    Ok(Figure::from(vec![size, phase]))
 }

@@ -4,13 +4,21 @@ use std::f64::consts::TAU;
 
 use nalgebra::Complex;
 
-use super::Mode;
+use super::{Kind, Mode};
 use crate::linear::{Linearised, short};
 use crate::mechanism::{At, Shape, System};
 use crate::show::{Animation, Axis, Chart, Figure, Series, Style};
 
 /// Drawn points move by at most this part of the drawing's size.
 const SWING: f64 = 0.15;
+/// Half the width of a spring's coils, of the drawing's size; how many there are, and the part at each end that is straight.
+const COIL: f64 = 0.02;
+const COILS: u32 = 6;
+const STRAIGHT: f64 = 0.15;
+/// What is lower, of its width, lies along x.
+const LOW: f64 = 0.1;
+/// Corners of what stands for a circle.
+const CORNERS: u32 = 60;
 /// Frames of one period.
 const FRAMES: u32 = 60;
 
@@ -31,26 +39,47 @@ pub fn animate_mode<S: System + ?Sized>(system: &S, linear: &Linearised, mode: &
 }
 
 /// Each mode's shape over the mechanism at rest (dashed); where the mechanism is not drawn, or in space, its elements
-/// by coordinate.
+/// by coordinate.  Several stand side by side.
 pub fn draw_modes<S: System + ?Sized>(system: &S, linear: &Linearised, modes: &[Mode]) -> Figure {
     let description = system.description();
     let flat = description.structure.dimension == 2 && description.drawing_len() > 0;
     let chart = |(index, mode): (usize, &Mode)| {
-        let title = format!("mode {}: {}", index + 1, mode);
+        let title = title(index, mode);
         if !flat {
             let points = mode.shape.iter().enumerate().map(|(i, x)| Some((i as f64 + 1.0, x.re)));
             return Chart::new(title, Axis::new("coordinate", ""), Axis::new("shape", ""))
                 .with(Series::marked_line("", points));
         }
         let a = amplitude(system, linear, mode);
-        let lines = |phase, a| outline(&description.draw, &drawing(system, linear, mode, a, phase));
-        Chart::new(title, Axis::new("x", "m"), Axis::new("y", "m"))
-            .with(Series { style: Style::Dashed, ..Series::line("at rest", lines(0.0, 0.0)) })
-            .with(Series::line("one way", lines(0.0, a)))
-            .with(Series::line("the other way", lines(0.5 * TAU, a)))
+        let width = COIL * size(&drawing(system, linear, mode, 0.0, 0.0));
+        let lines = |phase, a, width| outline(&description.draw, &drawing(system, linear, mode, a, phase), width);
+        // Dashes leave nothing of coils.
+        let lines = [lines(0.0, 0.0, 0.0), lines(0.0, a, width), lines(0.5 * TAU, a, width)];
+        let apart = apart(&lines);
+        let [rest, one, other] = lines;
+        let moved = |line: Vec<Option<(f64, f64)>>, up: f64| line.into_iter().map(move |p| p.map(|(x, y)| (x, y + up)));
+        Chart::new(title, Axis::new("x", "m"), if apart > 0.0 { Axis::default() } else { Axis::new("y", "m") })
+            .with(Series { style: Style::Dashed, ..Series::line("at rest", rest) })
+            .with(Series::line("one way", moved(one, apart)))
+            .with(Series::line("the other way", moved(other, -apart)))
             .equal()
     };
-    Figure { charts: modes.iter().enumerate().map(chart).collect() }
+    let charts: Vec<Chart> = modes.iter().enumerate().map(chart).collect();
+    let columns = if charts.len() < 3 { 1 } else { 2 };
+    Figure { charts, columns }
+}
+
+/// `mode 2: 1.41421 rad/s, 0.225079 Hz`: as much as stands above a small picture.
+fn title(index: usize, mode: &Mode) -> String {
+    let what = match (&mode.name, mode.kind) {
+        (Some(name), _) => name.clone(),
+        (None, Kind::Overdamped | Kind::Critical | Kind::Rigid) => mode.kind.word().to_owned(),
+        (None, kind) => {
+            let word = if kind == Kind::Unstable { "unstable, " } else { "" };
+            format!("{word}{} rad/s, {} Hz", short(mode.omega), short(mode.omega / TAU))
+        }
+    };
+    format!("mode {}: {what}", index + 1)
 }
 
 /// Eigenvalues in the complex plane as a parameter goes through some values; marks where it begins and ends.
@@ -111,15 +140,48 @@ fn amplitude<S: System + ?Sized>(system: &S, linear: &Linearised, mode: &Mode) -
     let rest = drawing(system, linear, mode, 0.0, 0.0);
     let small = 1e-6;
     let moved = drawing(system, linear, mode, small, 0.0);
-    let finite = || rest.iter().filter(|x| x.is_finite());
-    let (low, high) = finite().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
     let most = rest.iter().zip(&moved).map(|(a, b)| (a - b).abs()).filter(|d| d.is_finite()).fold(0.0, f64::max);
-    let amplitude = SWING * (high - low) * small / most;
+    let amplitude = SWING * size(&rest) * small / most;
     if amplitude.is_finite() && amplitude > 0.0 { amplitude } else { 1.0 }
 }
 
-/// Lines, springs, curves and circles in the plane as one path with gaps.
-fn outline(shapes: &[Shape], numbers: &[f64]) -> Vec<Option<(f64, f64)>> {
+/// How far pictures of what lies along x are drawn above each other, m; 0 where they are seen as they lie.
+fn apart(lines: &[Vec<Option<(f64, f64)>>]) -> f64 {
+    let span = |of: fn(&(f64, f64)) -> f64| {
+        let values = lines.iter().flatten().flatten().map(of);
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        high - low
+    };
+    let (width, height) = (span(|point| point.0), span(|point| point.1));
+    if height < LOW * width { 1.5 * LOW * width } else { 0.0 }
+}
+
+/// From the least to the largest number of a drawing.
+fn size(numbers: &[f64]) -> f64 {
+    let finite = numbers.iter().filter(|x| x.is_finite());
+    let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+    high - low
+}
+
+/// A spring from one point to another: straight at its ends, coils of this half width between.
+fn spring((from, to): ([f64; 2], [f64; 2]), width: f64) -> impl Iterator<Item = (f64, f64)> {
+    let along = [to[0] - from[0], to[1] - from[1]];
+    let length = along[0].hypot(along[1]);
+    let across = if length > 0.0 { [-along[1] / length, along[0] / length] } else { [0.0, 0.0] };
+    let turns = 2 * COILS;
+    let point = move |part: f64, aside: f64| {
+        (from[0] + part * along[0] + aside * across[0], from[1] + part * along[1] + aside * across[1])
+    };
+    let coils = (0..turns).map(move |k| {
+        let part = STRAIGHT + (1.0 - 2.0 * STRAIGHT) * (f64::from(k) + 0.5) / f64::from(turns);
+        point(part, if k % 2 == 0 { width } else { -width })
+    });
+    let ends = [point(0.0, 0.0), point(STRAIGHT, 0.0)];
+    ends.into_iter().chain(coils).chain([point(1.0 - STRAIGHT, 0.0), point(1.0, 0.0)])
+}
+
+/// Lines, springs, curves and circles in the plane as one path with gaps; springs have coils of this half width.
+fn outline(shapes: &[Shape], numbers: &[f64], width: f64) -> Vec<Option<(f64, f64)>> {
     let mut path = Vec::new();
     let mut left = numbers;
     for shape in shapes {
@@ -128,9 +190,10 @@ fn outline(shapes: &[Shape], numbers: &[f64]) -> Vec<Option<(f64, f64)>> {
         match (shape, own) {
             (Shape::Trace(_), _) => continue,
             (Shape::Circle, [x, y, radius]) => {
-                let rim = (0..=24).map(|i| TAU * f64::from(i) / 24.0);
+                let rim = (0..=CORNERS).map(|i| TAU * f64::from(i) / f64::from(CORNERS));
                 path.extend(rim.map(|angle| Some((x + radius * angle.cos(), y + radius * angle.sin()))));
             }
+            (Shape::Spring, [a, b, c, d]) => path.extend(spring(([*a, *b], [*c, *d]), width).map(Some)),
             _ => path.extend(own.chunks_exact(2).map(|point| Some((point[0], point[1])))),
         }
         path.push(None);
