@@ -1,11 +1,14 @@
 //! No text makes reading, parsing or deriving panic: the seeds of the fuzz targets, and random texts.
 
 use dalembert_symbolic::diagnose::Problem;
+use dalembert_symbolic::expr::{Symbol, Tape};
 use dalembert_symbolic::file::read;
 use dalembert_symbolic::file::render;
 use dalembert_symbolic::gate::judged;
 use dalembert_symbolic::language::{parse, parse_equation, parse_key, parse_unit, parse_value_with_unit};
+use dalembert_symbolic::lower::compile;
 use dalembert_symbolic::model::load;
+use dalembert_symbolic::print;
 use proptest::prelude::*;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -20,9 +23,18 @@ fn read_file(text: &str) {
 
 /// What the fuzz target `derive` does.
 fn derive_file(text: &str) {
-    if let Err(problems) = load(text, &[]).and_then(judged) {
-        assert!(!problems.is_empty());
-        render("hostile.yaml", text, &problems);
+    match compile(text, &[]) {
+        Ok(program) => {
+            print::rust(&program, text, "Hostile");
+            print::python(&program, "hostile");
+            let reading = print::Reading::of(&program);
+            reading.text(&program.model);
+            reading.latex(&program.model);
+        }
+        Err(problems) => {
+            assert!(!problems.is_empty());
+            render("hostile.yaml", text, &problems);
+        }
     }
 }
 
@@ -48,6 +60,27 @@ fn files(folder: &str) -> Vec<PathBuf> {
     let mut files: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).filter(|path| path.is_file()).collect();
     files.sort();
     files
+}
+
+/// Exponents of powers of powers are beyond all integers; they are neither wrong nor a panic.
+#[test]
+fn powers_of_powers_are_what_they_are() {
+    let tower = |x: &str| (0..6).fold(x.to_owned(), |base, _| format!("({base}^64)"));
+    let of_place =
+        format!("name: P\ncoordinates: {{x: 1}}\nkinetic_energy: x'^2/2\npotential_energy: {}\n", tower("x"));
+    let of_parameter = format!(
+        "name: P\nparameters: {{a: 1}}\ncoordinates: {{x: 1}}\nkinetic_energy: x'^2/2\npotential_energy: {}*x^2/2\n",
+        tower("a")
+    );
+    for (text, force) in [(of_place, 64.0_f64.powi(6)), (of_parameter, 1.0)] {
+        let program = compile(&text, &[]).unwrap_or_else(|problems| panic!("{problems:?}"));
+        for near in [1.0, 1.0 + 1e-12] {
+            let at = |s: Symbol| if matches!(s, Symbol::Coordinate(_) | Symbol::Parameter(_)) { near } else { 0.0 };
+            let h = Tape::new(&program.model.graph, &program.bias).evaluate(at)[0];
+            let expected = force * (64.0_f64.powi(6) * near.ln()).exp();
+            assert!((h / expected - 1.0).abs() < 1e-6, "{h} is not {expected} in\n{text}");
+        }
+    }
 }
 
 #[test]

@@ -11,12 +11,14 @@ use crate::number::Number;
 /// Factors with their exponents, sorted.
 type Factors = Vec<(Id, i32)>;
 
-/// A sum with no more terms than [`TERMS`], or 0.
+/// A sum of terms, none of which is 0.
 #[derive(Clone, Debug)]
 pub(super) struct Coefficient(BTreeMap<Factors, Number>);
 
 /// Products with more terms stay factored.
 const TERMS: usize = 24;
+/// Exponents beyond this are not counted: powers of powers have any.
+const HIGHEST: u32 = 1 << 20;
 
 impl Coefficient {
     pub fn zero() -> Coefficient {
@@ -67,6 +69,11 @@ impl Coefficient {
     }
 
     pub fn times(&self, other: &Coefficient, graph: &mut Graph) -> Coefficient {
+        if self.highest() + other.highest() > HIGHEST {
+            let (x, y) = (self.lowered(graph), other.lowered(graph));
+            let product = graph.mul(x, y);
+            return Coefficient::atom(graph, product);
+        }
         let out = self.0.len() * other.0.len() <= TERMS;
         let (a, b) = (self.factor(graph, out, other), other.factor(graph, out, self));
         let mut product = Coefficient::zero();
@@ -76,6 +83,11 @@ impl Coefficient {
             }
         }
         product
+    }
+
+    /// The largest exponent.
+    fn highest(&self) -> u32 {
+        self.0.keys().flatten().map(|(_, n)| n.unsigned_abs()).max().unwrap_or(0)
     }
 
     /// As it enters a product with another: what has several terms as one factor unless it may be multiplied out.

@@ -34,6 +34,8 @@ pub enum Angles {
 
 /// More terms than this in one expression: the form does not pay.
 const TERM_LIMIT: usize = 120;
+/// Exponents beyond this are not counted: powers of powers have any.
+const HIGHEST: u32 = 1 << 20;
 /// More terms than this in all polynomials together: stop looking.
 const TOTAL_LIMIT: usize = 60_000;
 
@@ -108,7 +110,7 @@ impl Expansion {
                 if p.len() * q.len() > 4 * TERM_LIMIT {
                     return None;
                 }
-                self.product(graph, &p, &q)
+                self.product(graph, &p, &q)?
             }
             Node::Binary(Binary::Div, x, y) => {
                 let reciprocal = match constant(&self.known[&y]) {
@@ -119,7 +121,7 @@ impl Expansion {
                         atom(graph, reciprocal)
                     }
                 };
-                self.product(graph, &self.known[&x].clone(), &reciprocal)
+                self.product(graph, &self.known[&x].clone(), &reciprocal)?
             }
             Node::Binary(operation, x, y) => {
                 let (a, b) = (self.argument(graph, x), self.argument(graph, y));
@@ -138,14 +140,19 @@ impl Expansion {
         if linear || p.len() == 1 { lowered(graph, &p) } else { x }
     }
 
-    fn product(&self, graph: &mut Graph, p: &Polynomial, q: &Polynomial) -> Polynomial {
+    /// `None` where exponents grow beyond what is counted.
+    fn product(&self, graph: &mut Graph, p: &Polynomial, q: &Polynomial) -> Option<Polynomial> {
+        let highest = |p: &Polynomial| p.keys().flatten().map(|(_, n)| *n).max().unwrap_or(0);
+        if highest(p) + highest(q) > HIGHEST {
+            return None;
+        }
         let mut result = Polynomial::new();
         for (a, c) in p {
             for (b, d) in q {
                 accumulate(&mut result, joined(a, b), &c.times(d, graph));
             }
         }
-        self.folded(graph, result)
+        Some(self.folded(graph, result))
     }
 
     fn folded(&self, graph: &mut Graph, p: Polynomial) -> Polynomial {

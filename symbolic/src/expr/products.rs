@@ -107,8 +107,9 @@ struct Product;
 
 /// Twice the exponent up to which powers of numbers are computed.
 const UNROLLED: i32 = 128;
-/// Twice the exponent beyond which powers are not taken apart.
-const HIGHEST: i32 = 1 << 20;
+/// Twice the exponent beyond which powers are not taken apart: from a million nodes exponents add up to no more than there
+/// are numbers.
+const HIGHEST: i32 = 1 << 10;
 
 impl Chain for Product {
     type Part = Factor;
