@@ -10,7 +10,7 @@ use dalembert_symbolic::number::DoubleDouble;
 use serde_json::Value;
 
 use super::json::{number, object, write};
-use super::load::{Loaded, Text};
+use super::load::{Loaded, ModelFile};
 use super::{Entry, Problem, freedoms};
 use crate::mechanism::{At, Balances, Interpreted, System};
 
@@ -51,7 +51,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
 
 /// The report as one object; of a file with mistakes these, each with its place, before the command fails.
 fn as_json(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
-    let text = Text::find(models, options)?;
+    let text = ModelFile::find(models, options)?;
     let program = match compile(&text.source, &text.sizes) {
         Ok(program) => program,
         Err(problems) => {

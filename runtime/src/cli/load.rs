@@ -11,8 +11,8 @@ use dalembert_symbolic::{diagnose, file};
 use super::{Entry, Problem};
 use crate::mechanism::{Interpreted, System};
 
-/// A model's text.
-pub struct Text {
+/// A model file, whatever is wrong with it.
+pub struct ModelFile {
     /// The name it goes by: its file's.
     pub name: String,
     /// Where its file is.
@@ -23,19 +23,19 @@ pub struct Text {
     pub sizes: Vec<(String, i64)>,
 }
 
-impl Text {
+impl ModelFile {
     /// Finds the text of the model that the command line names, whatever is wrong with it.
-    pub fn find(models: &[Entry], options: &ArgMatches) -> Result<Text, Problem> {
+    pub fn find(models: &[Entry], options: &ArgMatches) -> Result<ModelFile, Problem> {
         let name = options.get_one::<String>("model").map_or("", String::as_str);
         let sizes = sizes(options)?;
         if let Some(entry) = models.iter().find(|entry| entry.name == name) {
             let (path, source) = (entry.path.to_owned(), entry.source.to_owned());
-            return Ok(Text { name: name.to_owned(), path, source, sizes });
+            return Ok(ModelFile { name: name.to_owned(), path, source, sizes });
         }
-        Text::read(models, name, sizes)
+        ModelFile::read(models, name, sizes)
     }
 
-    fn read(models: &[Entry], name: &str, sizes: Vec<(String, i64)>) -> Result<Text, Problem> {
+    fn read(models: &[Entry], name: &str, sizes: Vec<(String, i64)>) -> Result<ModelFile, Problem> {
         if !Path::new(name).is_file() {
             let hint = diagnose::did_you_mean(name, models.iter().map(|entry| entry.name));
             let hint = if hint.is_empty() { "`list` names the models".to_owned() } else { hint };
@@ -43,7 +43,7 @@ impl Text {
         }
         let source = std::fs::read_to_string(name).map_err(|e| Problem::File(format!("cannot read {name}: {e}")))?;
         let stem = Path::new(name).file_stem().map_or(name.to_owned(), |s| s.to_string_lossy().into_owned());
-        Ok(Text { name: stem, path: name.to_owned(), source, sizes })
+        Ok(ModelFile { name: stem, path: name.to_owned(), source, sizes })
     }
 }
 
@@ -75,7 +75,7 @@ impl Loaded {
         if let Some(entry) = models.iter().find(|entry| entry.name == name) {
             return Loaded::compiled(entry, sizes);
         }
-        let Text { name, path, source, sizes } = Text::read(models, name, sizes)?;
+        let ModelFile { name, path, source, sizes } = ModelFile::read(models, name, sizes)?;
         Loaded::interpreted(name, path, source, sizes)
     }
 

@@ -18,19 +18,19 @@ mod enforcement;
 mod freedoms;
 mod json;
 mod list;
-mod listed;
 mod load;
 mod modes;
 mod needs;
 mod new;
 mod outputs;
+mod plotted;
 mod problem;
 mod set_up;
 mod show;
-mod shown;
 mod simulate;
 mod stability;
 mod sweep;
+mod value_files;
 
 use std::process::ExitCode;
 

@@ -8,7 +8,7 @@ use dalembert_symbolic::model::{Model, Sets};
 use dalembert_symbolic::{diagnose, file, gate, lower};
 
 use super::load::{Loaded, pairs};
-use super::{Problem, listed};
+use super::{Problem, value_files};
 use crate::Settings;
 use crate::mechanism::{Interpreted, System};
 
@@ -23,7 +23,7 @@ pub fn set_up_scene(loaded: &mut Loaded, options: &ArgMatches, scene: Option<&st
     let changes = Changes::read(loaded, &mut reader, options)?;
     let mut settings = Settings::new(&loaded.system.scene(scene));
     if let Some(path) = options.try_get_one::<String>("state").ok().flatten() {
-        listed::start(loaded, &mut reader, path, &mut settings)?;
+        value_files::start(loaded, &mut reader, path, &mut settings)?;
     }
     Ok(changes.of(settings))
 }
@@ -90,7 +90,7 @@ fn choose_scene(loaded: &mut Loaded, options: &ArgMatches, scene: Option<&str>) 
     }
     let mut reader = Reader::new(loaded);
     if let Some(path) = options.get_one::<String>("params") {
-        listed::parameters(loaded, &mut reader, path)?;
+        value_files::parameters(loaded, &mut reader, path)?;
     }
     for (name, text) in pairs(options, "set")? {
         let index = parameter_index(loaded, &name)?;

@@ -13,9 +13,9 @@ use serde_json::{Value, json};
 
 use super::json::{number, object};
 use super::load::Loaded;
+use super::plotted::Shown;
 use super::set_up::{set_up, set_up_scene};
-use super::shown::Shown;
-use super::{Entry, Problem, compare, enforcement, listed, outputs};
+use super::{Entry, Problem, compare, enforcement, outputs, value_files};
 use crate::mechanism::{Description, Enforcement, Stabilisation};
 use crate::numbers::short;
 use crate::simulate::{LAGRANGE, judge_digits};
@@ -189,7 +189,7 @@ fn report(
         outputs::write(path, &figure.to_svg())?;
     }
     if let Some(path) = file("save") {
-        outputs::write(path, &listed::state(run))?;
+        outputs::write(path, &value_files::state(run))?;
     }
     if let Some(path) = file("animate") {
         run.animate(path).map_err(unwritten)?;

@@ -1,7 +1,7 @@
 //! Equations of motion from a resolved model.
 //!
 //! 1. Discontinuities become modes: look in `switches`.
-//! 2. Sums get one order: look in `expr/canonical`.
+//! 2. Sums get one order: look in `expr/sums`.
 //! 3. Lagrange's equations from the energies: look in `lagrange`.
 //! 4. Virtual power from the bodies: look in `virtual_power`.
 //! 5. Momentum balances as linear equations for accelerations and reactions: look in `momentum`.
@@ -22,7 +22,7 @@ mod virtual_power;
 
 use crate::diagnose::catalogue::mechanics;
 use crate::diagnose::{Place, Problem};
-use crate::expr::{Forward, Graph, Id, Symbol, canonical};
+use crate::expr::{Forward, Graph, Id, Symbol, canonical_sums};
 use crate::model::{Load, Model, Work};
 
 pub(crate) use constraints::held_rates;
@@ -191,7 +191,7 @@ impl Dynamics {
         roots.extend(model.generalized_forces.iter().map(|f| f.force));
         roots.extend(model.inputs.iter().map(|input| input.signal[0]));
         let graph = &mut model.graph;
-        let roots = canonical(graph, &roots);
+        let roots = canonical_sums(graph, &roots);
         let (roots, switches) = switches::introduce(graph, &roots, model.inputs.len());
 
         let mut next = roots.into_iter();

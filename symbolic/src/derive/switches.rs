@@ -6,7 +6,7 @@
 
 use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
 
-use crate::expr::{Binary, Graph, Id, Node, Rational, Symbol, Unary, canonical, rewrite};
+use crate::expr::{Binary, Graph, Id, Node, Rational, Symbol, Unary, canonical_sums, rewrite};
 
 /// One discontinuity.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -332,7 +332,7 @@ impl Forms {
 /// of them was given.
 fn forms(graph: &mut Graph, argument: Id) -> [Id; 2] {
     let opposite = graph.neg(argument);
-    let forms = canonical(graph, &[argument, opposite]);
+    let forms = canonical_sums(graph, &[argument, opposite]);
     [forms[0], forms[1]]
 }
 

@@ -14,8 +14,8 @@ use std::rc::Rc;
 
 use rustc_hash::FxHashMap as HashMap;
 
-use super::canonical::terms;
 use super::coefficient::{Coefficient, combined};
+use super::sums::terms;
 use super::{Binary, Graph, Id, Node, Symbol, Unary};
 
 /// Atoms with their exponents, sorted by atom.

@@ -1,7 +1,6 @@
 //! The expression graph: hash-consed arena, differentiation, evaluation.
 
 mod arithmetic;
-mod canonical;
 mod chains;
 mod coefficient;
 mod differentiate;
@@ -13,17 +12,18 @@ mod places;
 mod products;
 mod rewrite;
 mod scalar;
+mod sums;
 mod symbol;
 
-pub use canonical::{canonical, terms};
 pub use differentiate::{Forward, gradients, jacobian, partial, reverse};
 pub use evaluate::Tape;
 pub use expand::{Angles, expand};
 pub use graph::{Binary, Graph, Id, Node, Unary};
 pub use measured::Measured;
-pub use products::{factors, products};
+pub use products::{canonical_products, factors};
 pub use rewrite::{rewrite, substitute};
 pub use scalar::Scalar;
+pub use sums::{canonical_sums, terms};
 pub use symbol::Symbol;
 
 pub use crate::number::{DoubleDouble, Number, Rational};

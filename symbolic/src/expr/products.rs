@@ -12,7 +12,7 @@ use super::{Binary, Graph, Id, Node, Symbol, Unary};
 use crate::number::Number;
 
 /// Rebuilds all roots together; `constant` is true of symbols that do not change.
-pub fn products(graph: &mut Graph, roots: &[Id], constant: impl Fn(Symbol) -> bool) -> Vec<Id> {
+pub fn canonical_products(graph: &mut Graph, roots: &[Id], constant: impl Fn(Symbol) -> bool) -> Vec<Id> {
     // The first pass makes equal factors equal, so that the second can count them.
     let roots = Chains::of::<Product>(graph, roots)
         .rebuild::<Product>(graph, roots, |graph, factors, image| product(graph, &factors, image, |_| 0));
@@ -170,7 +170,7 @@ mod tests {
     use crate::expr::Tape;
 
     fn all(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
-        products(graph, roots, |s| matches!(s, Symbol::Parameter(_)))
+        canonical_products(graph, roots, |s| matches!(s, Symbol::Parameter(_)))
     }
 
     #[test]

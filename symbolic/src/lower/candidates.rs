@@ -1,8 +1,8 @@
 //! The choice among equivalent forms that round alike, by the time that their operations take.
 
 use super::count::work;
+use super::forms::{expanded, gathered};
 use super::gather::gather;
-use super::rounding::{expanded, gathered};
 use super::{Entry, gather_entries};
 use crate::derive::Equations;
 use crate::expr::{Graph, Id, Symbol};

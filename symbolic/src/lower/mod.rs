@@ -5,6 +5,7 @@ mod candidates;
 mod constraints;
 mod count;
 mod factor;
+mod forms;
 mod gather;
 mod magnitude;
 mod momentum;
@@ -170,7 +171,7 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let accelerations = factor::accelerations(graph, n, &chosen.mass, &chosen.bias);
     let (mut stiffness, mut damping) = residual_jacobians(graph, n, &chosen.residual);
     let slopes = stiffness.iter().chain(&damping).map(|e| e.2).collect();
-    let slopes = rounding::gathered(graph, slopes, &chosen.residual);
+    let slopes = forms::gathered(graph, slopes, &chosen.residual);
     for (entry, value) in stiffness.iter_mut().chain(&mut damping).zip(slopes) {
         entry.2 = value;
     }

@@ -1,8 +1,8 @@
 //! Systems of momentum balances, ready to print: A·[q''; reactions] = b in its cheapest form.
 
 use super::count::{operations, work};
+use super::forms::expanded;
 use super::gather::gather;
-use super::rounding::expanded;
 use super::{Entry, gather_entries};
 use crate::derive::Momentum;
 use crate::expr::{Graph, Id, Symbol};

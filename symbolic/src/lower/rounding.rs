@@ -2,34 +2,9 @@
 
 use rustc_hash::FxHashMap as HashMap;
 
-use super::count::work;
-use super::gather::gather;
-use crate::expr::{Angles, Binary, Graph, Id, Node, Symbol, Tape, expand, products};
+use crate::expr::{Binary, Graph, Id, Node, Symbol, Tape};
 use crate::number::DoubleDouble;
 use crate::random::Random;
-
-/// The roots expanded over the state and factored again, with sines and cosines of as few or of all differences of angles;
-/// forms that grow too large, or lose digits, are left out.
-pub(super) fn expanded(graph: &mut Graph, roots: &[Id]) -> Vec<(&'static str, Vec<Id>)> {
-    let mut forms: Vec<(&'static str, Vec<Id>)> = Vec::new();
-    for (words, angles) in [("expanded", Angles::Shorter), ("expanded, angles joined", Angles::All)] {
-        let Some(form) = expand(graph, roots, |s| matches!(s, Symbol::Parameter(_)), angles) else { break };
-        let new = forms.iter().all(|(_, known)| *known != form);
-        if new && (form == roots || rounds_alike(graph, roots, &form)) {
-            forms.push((words, form));
-        }
-    }
-    forms
-}
-
-/// The roots with the factors of their products gathered, where that costs no more with what is computed beside them.
-pub(super) fn gathered(graph: &mut Graph, roots: Vec<Id>, beside: &[Id]) -> Vec<Id> {
-    let form = products(graph, &roots, |s| matches!(s, Symbol::Parameter(_)));
-    let form = gather(graph, &form);
-    let roots = gather(graph, &roots);
-    let cost = |form: &[Id]| work(graph, &[form, beside].concat());
-    if cost(&form) <= cost(&roots) { form } else { roots }
-}
 
 /// Sums that are looked at, and places along which each is brought to zero.
 const SUMS: usize = 24;
@@ -51,7 +26,7 @@ type State = HashMap<Symbol, f64>;
 /// (x − c)² multiplied out has none left.
 ///
 /// An error counts by what the rounding of the state makes of the value, found in double-double.
-fn rounds_alike(graph: &Graph, plain: &[Id], other: &[Id]) -> bool {
+pub(super) fn rounds_alike(graph: &Graph, plain: &[Id], other: &[Id]) -> bool {
     let symbols = graph.symbols(plain.iter().copied());
     if symbols.len() > SYMBOLS {
         return true;

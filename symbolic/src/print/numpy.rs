@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::fmt::Write;
 
-use super::formula::{Formulas, Python};
+use super::formula::{Formulas, Notation, Python};
 use crate::derive::without_modes;
 use crate::expr::{Graph, Id, Symbol};
 use crate::lower::{Entry, Program};

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::formula::{Formulas, Latex, Text};
+use super::formula::{Formulas, Latex, Notation, Text};
 use crate::derive::without_modes;
 use crate::expr::{Angles, Graph, Id, Node, Symbol, Unary, expand};
 use crate::lower::Program;

@@ -1,6 +1,6 @@
 //! Formulas in LaTeX.
 
-use super::{Formula, Power};
+use super::{Formula, Power, sum};
 use crate::expr::{DoubleDouble, Number, Symbol};
 use crate::model::{Model, symbol_text};
 
@@ -49,19 +49,10 @@ impl Latex<'_> {
             Formula::Number(number) => self::number(*number),
             Formula::Symbol(symbol) => self.symbol(*symbol),
             Formula::Part(place) => Self::part(*place),
-            Formula::Sum(terms) => {
-                let mut out = String::new();
-                for (i, (negative, term)) in terms.iter().enumerate() {
-                    out += match (i, negative) {
-                        (0, false) => "",
-                        (0, true) => "-",
-                        (_, false) => " + ",
-                        (_, true) => " - ",
-                    };
-                    out += &if matches!(**term, Formula::Sum(_)) { self.grouped(term) } else { self.written(term) };
-                }
-                out
-            }
+            Formula::Sum(terms) => sum(terms, |term| match term {
+                Formula::Sum(_) => self.grouped(term),
+                _ => self.written(term),
+            }),
             Formula::Product(number, above, below) => self.product(*number, above, below),
             Formula::Call("^", arguments) => {
                 let [base, exponent] = arguments.as_slice() else { return String::new() };

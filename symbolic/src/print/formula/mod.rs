@@ -242,6 +242,48 @@ fn times(formula: &Rc<Formula>, number: Number) -> Rc<Formula> {
     }
 }
 
+/// How tightly text holds together.
+#[derive(Clone, Copy, PartialEq, PartialOrd)]
+pub(super) enum Level {
+    Sum,
+    Product,
+    Power,
+    Atom,
+}
+
+/// A notation on one line.
+pub(super) trait Notation {
+    /// A formula, and how tightly it holds together.
+    fn written(&self, formula: &Formula) -> (String, Level);
+
+    /// In parentheses where it holds together less.
+    fn at(&self, formula: &Formula, level: Level) -> String {
+        let (text, own) = self.written(formula);
+        if own < level { format!("({text})") } else { text }
+    }
+
+    /// A formula with its sign.
+    fn signed(&self, negative: bool, formula: &Formula) -> String {
+        if negative { format!("-{}", self.at(formula, Level::Product)) } else { self.written(formula).0 }
+    }
+
+    /// Formulas with commas.
+    fn list(&self, formulas: &[Rc<Formula>]) -> String {
+        formulas.iter().map(|formula| self.written(formula).0).collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// Terms with their signs between them, each as `term` writes it.
+fn sum(terms: &[(bool, Rc<Formula>)], term: impl Fn(&Formula) -> String) -> String {
+    let signs = terms.iter().enumerate().map(|(i, (negative, _))| match (i, negative) {
+        (0, false) => "",
+        (0, true) => "-",
+        (_, false) => " + ",
+        (_, true) => " - ",
+    });
+    signs.zip(terms).map(|(sign, (_, formula))| format!("{sign}{}", term(formula))).collect()
+}
+
 /// Factors are written in this order: parameters as the file declares them, coordinates, speeds, functions, sums.
 fn rank(formula: &Formula) -> (u8, u32) {
     match formula {

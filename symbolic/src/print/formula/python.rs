@@ -1,6 +1,6 @@
 //! Formulas in Python, with NumPy's functions.
 
-use super::{Formula, Power};
+use super::{Formula, Level, Notation, Power, sum};
 use crate::expr::{DoubleDouble, Number, Symbol};
 
 /// Writes formulas as Python.
@@ -9,48 +9,29 @@ pub struct Python<'a> {
     pub symbol: &'a dyn Fn(Symbol) -> String,
 }
 
-/// How tightly text holds together.
-#[derive(Clone, Copy, PartialEq, PartialOrd)]
-enum Level {
-    Sum,
-    Product,
-    Atom,
-}
-
 impl Python<'_> {
-    /// A formula with its sign.
-    pub fn signed(&self, negative: bool, formula: &Formula) -> String {
-        if negative { format!("-{}", self.at(formula, Level::Product)) } else { self.written(formula).0 }
-    }
-
     /// The name of a part.
     pub fn part(place: usize) -> String {
         format!("s{}_", place + 1)
     }
 
-    fn at(&self, formula: &Formula, level: Level) -> String {
-        let (text, own) = self.written(formula);
-        if own < level { format!("({text})") } else { text }
+    fn power(&self, Power { base, halves }: &Power) -> String {
+        match halves {
+            1 => format!("np.sqrt({})", self.written(base).0),
+            2 => self.at(base, Level::Atom),
+            n if n % 2 == 0 => format!("{}**{}", self.at(base, Level::Atom), n / 2),
+            n => format!("{}**{:.1}", self.at(base, Level::Atom), f64::from(*n) / 2.0),
+        }
     }
+}
 
+impl Notation for Python<'_> {
     fn written(&self, formula: &Formula) -> (String, Level) {
         match formula {
             Formula::Number(number) => self::number(*number),
             Formula::Symbol(symbol) => ((self.symbol)(*symbol), Level::Atom),
             Formula::Part(place) => (Self::part(*place), Level::Atom),
-            Formula::Sum(terms) => {
-                let mut out = String::new();
-                for (i, (negative, term)) in terms.iter().enumerate() {
-                    out += match (i, negative) {
-                        (0, false) => "",
-                        (0, true) => "-",
-                        (_, false) => " + ",
-                        (_, true) => " - ",
-                    };
-                    out += &self.at(term, Level::Product);
-                }
-                (out, Level::Sum)
-            }
+            Formula::Sum(terms) => (sum(terms, |term| self.at(term, Level::Product)), Level::Sum),
             Formula::Product(number, above, below) => {
                 let (front, _) = self::number(*number);
                 let mut factors: Vec<String> = above.iter().map(|power| self.power(power)).collect();
@@ -68,12 +49,8 @@ impl Python<'_> {
                 let parts: Vec<String> = arguments.iter().map(|x| self.at(x, Level::Atom)).collect();
                 (format!("({})", parts.join("**")), Level::Atom)
             }
-            Formula::Call("step", arguments) => {
-                let arguments: Vec<String> = arguments.iter().map(|x| self.written(x).0).collect();
-                (format!("np.heaviside({}, 1.0)", arguments.join(", ")), Level::Atom)
-            }
+            Formula::Call("step", arguments) => (format!("np.heaviside({}, 1.0)", self.list(arguments)), Level::Atom),
             Formula::Call(name, arguments) => {
-                let arguments: Vec<String> = arguments.iter().map(|x| self.written(x).0).collect();
                 let name = match *name {
                     "asin" => "arcsin",
                     "acos" => "arccos",
@@ -84,17 +61,8 @@ impl Python<'_> {
                     "max" => "maximum",
                     other => other,
                 };
-                (format!("np.{name}({})", arguments.join(", ")), Level::Atom)
+                (format!("np.{name}({})", self.list(arguments)), Level::Atom)
             }
-        }
-    }
-
-    fn power(&self, Power { base, halves }: &Power) -> String {
-        match halves {
-            1 => format!("np.sqrt({})", self.written(base).0),
-            2 => self.at(base, Level::Atom),
-            n if n % 2 == 0 => format!("{}**{}", self.at(base, Level::Atom), n / 2),
-            n => format!("{}**{:.1}", self.at(base, Level::Atom), f64::from(*n) / 2.0),
         }
     }
 }

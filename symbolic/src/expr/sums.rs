@@ -10,7 +10,7 @@ use super::{Binary, Graph, Id, Node, Unary};
 use crate::number::Number;
 
 /// Rebuilds all roots together.
-pub fn canonical(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
+pub fn canonical_sums(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
     // The first pass makes equal terms equal, so that the second can count them.
     let roots = Chains::of::<Sum>(graph, roots).rebuild::<Sum>(graph, roots, sum);
     let sums = Chains::of::<Sum>(graph, &roots);
