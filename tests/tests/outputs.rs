@@ -290,3 +290,24 @@ fn mistakes_come_with_their_places_as_data() {
     assert!(report["problems"].as_array().expect("a list").is_empty());
     fs::remove_dir_all(folder).expect("removed");
 }
+
+#[test]
+fn shells_complete_commands_options_and_models() {
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let mut script = Vec::new();
+        dalembert::cli::run(MODELS, ["dalembert", "completions", shell], &mut script).expect("a script");
+        let script = String::from_utf8(script).expect("text");
+        for word in ["simulate", "no-digits", "dalembert"] {
+            assert!(script.contains(word), "{shell}: {word}");
+        }
+        // Other shells complete no values.
+        assert!(script.contains("double_pendulum") || !["bash", "zsh"].contains(&shell), "{shell}");
+    }
+    let unknown = dalembert::cli::run(MODELS, ["dalembert", "completions", "tcsh"], &mut Vec::new());
+    assert!(
+        unknown
+            .expect_err("no such shell")
+            .to_string()
+            .contains("[possible values: bash, elvish, fish, powershell, zsh]")
+    );
+}

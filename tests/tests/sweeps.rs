@@ -159,3 +159,33 @@ fn what_has_no_meaning_is_refused_with_a_way_out() {
         assert!(problem.contains(part), "{arguments:?}: {problem}");
     }
 }
+
+#[test]
+fn frequencies_stand_in_the_table() {
+    // Two rods of a length l each: both frequencies go as √(g/l).
+    let path = folder("modes").join("all.csv");
+    let table = swept(&path, &["double_pendulum", "--vary", "l=0.5,2", "--until", "0.1", "--modes", "3"]);
+    let mut reader = csv::Reader::from_reader(table.as_bytes());
+    let names = reader.headers().expect("names").clone();
+    let rows: Vec<csv::StringRecord> = reader.records().map(|row| row.expect("a row")).collect();
+    let value = |row: usize, name: &str| {
+        let place = names.iter().position(|known| known == name).unwrap_or_else(|| panic!("{name} in {names:?}"));
+        rows[row][place].parse::<f64>().ok()
+    };
+    for (row, l) in [(0, 0.5), (1, 2.0)] {
+        let model = DoublePendulum { l, ..DoublePendulum::default() };
+        let rest = model.equilibrium_near(&[0.0, 0.0]).expect("at rest");
+        let modes = model.linearise(&rest).expect("M, C and K").modes().expect("two modes");
+        for (k, mode) in modes.iter().enumerate() {
+            let found = value(row, &format!("frequency {}", k + 1)).expect("a frequency");
+            assert!((found * std::f64::consts::TAU - mode.omega).abs() < 1e-12 * mode.omega);
+            assert_eq!(value(row, &format!("damping {}", k + 1)), mode.zeta);
+        }
+        assert_eq!((value(row, "frequency 3"), value(row, "damping 3")), (None, None));
+    }
+    // A table that is read again keeps its modes.
+    let again = told(&["sweep", "double_pendulum", "--merge", path.to_str().expect("a path"), "--csv", "/dev/null"]);
+    assert!(again.expect("a table").contains("frequency 1"));
+    let refused = told(&["sweep", "double_pendulum", "--vary", "l=1,2", "--modes", "many", "--csv", "/dev/null"]);
+    assert!(refused.expect_err("no number").contains("--modes wants a number from 1 to 100"));
+}

@@ -1,6 +1,8 @@
 //! What may stand on the command line.
 
+use clap::builder::PossibleValuesParser;
 use clap::{Arg, ArgAction, ArgGroup, Command};
+use clap_complete::Shell;
 
 /// The whole grammar.
 pub fn command() -> Command {
@@ -46,6 +48,29 @@ pub fn command() -> Command {
                 .about("Writes a commented model file to start from")
                 .arg(Arg::new("name").value_name("NAME").required(true).help("The file's name, without .yaml")),
         )
+        .subcommand(
+            Command::new("completions")
+                .about("Writes a script by which a shell completes commands and options; Bash and Zsh also names of models")
+                .arg(
+                    Arg::new("shell")
+                        .value_name("SHELL")
+                        .required(true)
+                        .value_parser(clap::value_parser!(Shell))
+                        .help("bash, elvish, fish, powershell or zsh"),
+                ),
+        )
+}
+
+/// The grammar as shells are told of it: models by their names too.
+pub fn completed(names: &[&'static str]) -> Command {
+    let has_model = |command: &Command| command.get_arguments().any(|argument| argument.get_id() == "model");
+    command().mut_subcommands(|sub| {
+        if !has_model(&sub) {
+            return sub;
+        }
+        let names = PossibleValuesParser::new(names.iter().copied());
+        sub.mut_arg("model", |model| model.value_parser(names))
+    })
 }
 
 fn simulate() -> Command {
@@ -90,7 +115,8 @@ fn sweep() -> Command {
         .arg(value("method", "METHOD", "As of `simulate` [default: auto]"))
         .arg(value("step", "TIME", "A fixed step"))
         .arg(value("every", "TIME", "Spacing of the states among which extremes are looked for [default: 500 points]"))
-        .arg(value("show", "A,B", "What is printed and drawn: a coordinate, rate or output at the end, or `min A`, `max A`, `events E`, `t`, `energy drift`, `warnings` [default: coordinates and outputs]"))
+        .arg(value("modes", "COUNT", "Frequencies in Hz and damping ratios of so many modes about the equilibrium of each run's parameters, the slowest first"))
+        .arg(value("show", "A,B", "What is printed and drawn: a coordinate, rate or output at the end, or `min A`, `max A`, `events E`, `t`, `energy drift`, `warnings`, `frequency 1`, `damping 1` [default: coordinates, outputs and frequencies]"))
         .arg(value("csv", "FILE.csv", "Where the table goes [default: NAME-sweep.csv]"))
         .arg(value("plot", "FILE.svg", "Draw what is shown over the first of what varies"))
         .arg(value("threads", "COUNT", "How many runs at a time [default: one a processor]"))

@@ -34,6 +34,9 @@ mod value_files;
 
 use std::process::ExitCode;
 
+use clap::ArgMatches;
+use clap_complete::Shell;
+
 use crate::mechanism::System;
 
 pub use problem::Problem;
@@ -91,6 +94,16 @@ pub fn run(
         Some(("modes", options)) => modes::run(models, options, out),
         Some(("needs", options)) => needs::run(models, options, out),
         Some(("new", options)) => new::run(options, out),
+        Some(("completions", options)) => completions(models, options, out),
         _ => Err(Problem::Usage(arguments::command().render_help().to_string())),
     }
+}
+
+/// Writes the script with which a shell completes what is typed after the program's name.
+fn completions(models: &[Entry], options: &ArgMatches, out: &mut dyn std::io::Write) -> Result<(), Problem> {
+    let Some(shell) = options.get_one::<Shell>("shell") else { return Ok(()) };
+    let names: Vec<&str> = models.iter().map(|model| model.name).collect();
+    let mut script = Vec::new();
+    clap_complete::generate(*shell, &mut arguments::completed(&names), "dalembert", &mut script);
+    Ok(out.write_all(&script)?)
 }

@@ -169,6 +169,11 @@ impl Tolerance {
         raised.filter(move |(i, rounding)| *rounding > self.relative * range(*i) && range(*i) > 4.0 * rounding)
     }
 
+    /// How far each component has gone.
+    pub fn swept(&self) -> Vec<f64> {
+        self.low.iter().zip(&self.high).map(|(low, high)| high - low).collect()
+    }
+
     /// The largest size of a coordinate with the same unit as this one; of angles at least one radian.
     fn largest_alike(&self, i: usize) -> f64 {
         let alike = (0..self.n).filter(|j| self.group[*j] == self.group[i]);

@@ -562,6 +562,14 @@ impl March {
         tolerance.limited().map(limited).collect()
     }
 
+    /// How far [q; q'] have gone, the ends of all steps counted; nothing at a fixed step.
+    pub fn swept(&self) -> Vec<f64> {
+        match &self.pace {
+            Pace::Fixed(_) => Vec::new(),
+            Pace::Adaptive { tolerance, .. } => tolerance.swept(),
+        }
+    }
+
     /// The first step: a thousandth of the way or so, which the error test shortens.
     ///
     /// It follows the tolerance as other steps do, so that runs at two tolerances have no step in common, even where the

@@ -82,10 +82,16 @@ impl Digits {
         self.settle(run);
     }
 
+    /// Raises all bounds by a factor.
+    pub(crate) fn widen(&mut self, factor: f64) {
+        self.rows.iter_mut().for_each(|bound| *bound *= factor);
+    }
+
     /// Raises bounds to this part of what each column goes through: where errors follow the tolerance by chance only, none is
     /// known to be less.
     pub(crate) fn raise(&mut self, run: &Run, least: f64) {
-        let ranges = ranges(run, self.still);
+        let mut ranges = ranges(run, self.still);
+        ranges.iter_mut().zip(&run.swept).for_each(|(range, swept)| *range = range.max(*swept));
         for (bound, range) in self.rows.iter_mut().zip(ranges.iter().cycle()) {
             *bound = bound.max(least * range);
         }

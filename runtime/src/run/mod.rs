@@ -68,6 +68,8 @@ pub struct Run {
     pub(crate) ended_by: Option<usize>,
     pub(crate) times: Vec<f64>,
     pub(crate) rows: Vec<f64>,
+    /// How far each component of [q; q'] has gone, between reported times too; empty at a fixed step.
+    pub(crate) swept: Vec<f64>,
     pub(crate) outputs: Vec<f64>,
     pub(crate) scenery: Scenery,
     /// Empty if the run was told to keep no dense output.

@@ -103,6 +103,7 @@ impl Recorder {
             ended_by: None,
             times: Vec::new(),
             rows: Vec::new(),
+            swept: Vec::new(),
             outputs: Vec::new(),
             scenery: Scenery::default(),
             trajectory: Trajectory::new(n),
@@ -328,6 +329,11 @@ impl Recorder {
         if !self.run.warnings.iter().any(|known| known.same_kind(&warning)) {
             self.run.warnings.push(warning);
         }
+    }
+
+    /// Takes note of how far [q; q'] have gone.
+    pub fn swept(&mut self, swept: Vec<f64>) {
+        self.run.swept = swept;
     }
 
     /// A state with this run's names.

@@ -20,6 +20,10 @@ const MOVED: f64 = 20.0;
 const GROWS: f64 = 1e4;
 /// Where errors may be larger than this part of a range, two runs may agree by chance: a third one is asked.
 const DOUBTFUL: f64 = 1e-6;
+/// Where so many of the steps were rejected two runs may agree by chance too.
+const BUMPY: f64 = 0.1;
+/// Where runs may agree by chance, bounds are so many times what they differ by elsewhere.
+const BY_CHANCE: f64 = 3.0;
 /// Not more numbers than these are compared.
 const MOST_NUMBERS: usize = 20_000_000;
 
@@ -40,9 +44,13 @@ pub(crate) fn judge_digits(
     let Some((companion, other)) = companion(system, settings, run, LOOSER, &mut goes_on) else { return };
     let mut digits = Digits::compare(run, &other, companion, settings.step.is_none().then_some(companion));
     let cut = is_cut(system, run);
-    if digits.worst(run) > DOUBTFUL || cut {
+    let by_chance = cut || is_bumpy(run);
+    if digits.worst(run) > DOUBTFUL || by_chance {
         let Some((_, another)) = self::companion(system, settings, run, LOOSER * LOOSER, &mut goes_on) else { return };
         digits.doubt(run, &another, 1.0 / LOOSER);
+    }
+    if by_chance {
+        digits.widen(BY_CHANCE);
     }
     if let Some(tolerance) = run.tolerance.filter(|_| cut) {
         digits.raise(run, tolerance);
@@ -85,6 +93,12 @@ fn is_cut(system: &dyn System, run: &Run) -> bool {
     let acts = description.events.iter().any(|event| event.actions.iter().any(|action| *action != Action::Record));
     let timed = description.arguments.iter().any(|argument| argument.of == Watched::Motion && argument.time_only);
     !description.switches.is_empty() || acts || timed || run.work.retries > 0
+}
+
+/// True where steps were often too long: what limits them comes and goes faster than they can follow, and errors do not
+/// follow the tolerance.
+fn is_bumpy(run: &Run) -> bool {
+    run.work.rejected as f64 > BUMPY * run.work.steps as f64
 }
 
 /// A run at a tolerance, or a fixed step, that is larger by about this factor, and what it is; `None` if it was

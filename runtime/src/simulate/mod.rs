@@ -149,6 +149,7 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
 fn finish(system: &dyn System, march: &March, mut recorder: Recorder, clock: Instant) -> Run {
     march.warnings(system).into_iter().for_each(|warning| recorder.warn(warning));
     recorder.constrained(march.residuals());
+    recorder.swept(march.swept());
     recorder.finish(system, march.time(), march.state(), march.work(), clock.elapsed().as_secs_f64())
 }
 

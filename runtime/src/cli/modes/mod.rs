@@ -17,8 +17,10 @@ use super::load::{Loaded, pairs};
 use super::set_up::{Reader, choose};
 use super::{Entry, Problem};
 use crate::linear::{
-    Guess, Kind, LinearError, Linearised, Mode, animate_mode, draw_modes, equilibrium_here, equilibrium_near, linearise,
+    Guess, Kind, LinearError, Linearised, Mode, animate_mode, draw_modes, equilibrium_here, equilibrium_near,
+    linearise, linearise_constrained,
 };
+use crate::mechanism::System;
 use clap::ArgMatches;
 use dalembert_symbolic::model::Sets;
 use damping::Damping;
@@ -36,7 +38,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     enter_phase(&mut loaded, scene, options)?;
     let mut guess = match options.get_flag("steady") {
         true => steady(&loaded, scene)?,
-        false => Guess::at(&resting(&loaded, scene)),
+        false => Guess::at(&resting(&*loaded.system, scene)),
     };
     reader.states(&loaded, options, "at", &mut guess.q, &mut guess.v)?;
     guess.inputs = held_inputs(&loaded, options)?;
@@ -87,11 +89,21 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
 }
 
 /// Where the search starts: the file's guess, or the scene's start where it gives none and constraints must be met.
-fn resting(loaded: &Loaded, scene: usize) -> Vec<f64> {
-    let guess = loaded.system.equilibrium_guess();
-    match guess.iter().all(|q| *q == 0.0) && !loaded.system.active_rows().is_empty() {
-        true => loaded.system.scene(scene).q,
+fn resting(system: &dyn System, scene: usize) -> Vec<f64> {
+    let guess = system.equilibrium_guess();
+    match guess.iter().all(|q| *q == 0.0) && !system.active_rows().is_empty() {
+        true => system.scene(scene).q,
         false => guess,
+    }
+}
+
+/// The modes about the equilibrium that is found from the file's guess, or from a scene's start.
+pub(super) fn at_rest(system: &dyn System, scene: usize) -> Result<Vec<Mode>, LinearError> {
+    let guess = Guess::at(&resting(system, scene));
+    if system.active_rows().is_empty() {
+        linearise(system, &equilibrium_near(system, &guess)?)?.modes()
+    } else {
+        linearise_constrained(system, &guess, false)?.linear.modes()
     }
 }
 

@@ -13,6 +13,7 @@ use points::{Points, Varied, usage};
 use table::{Row, Table, results};
 
 use super::load::Loaded;
+use super::modes::at_rest;
 use super::set_up::{Changes, choose, unknown};
 use super::simulate::interruption;
 use super::{Entry, Problem, outputs};
@@ -29,6 +30,8 @@ const MOST_ROWS: usize = 40;
 const MOST_COLUMNS: usize = 6;
 /// Progress is told about so many times.
 const TOLD: usize = 500;
+/// Nor more modes asked for.
+const MOST_MODES: usize = 100;
 /// What is drawn over the first of what varies has a line for each combination of the others, up to so many.
 const MOST_LINES: usize = 12;
 
@@ -42,11 +45,13 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     let read = options.get_many::<String>("merge").into_iter().flatten().chain(options.get_one::<String>("points"));
     outputs::keep(&path, read.map(String::as_str))?;
     let columns = names(loaded.system.description());
+    let modes = modes(options)?;
     let table = match options.get_many::<String>("merge") {
         Some(parts) => Table::merge(&parts.map(String::as_str).collect::<Vec<_>>())?,
-        None => compute(&mut loaded, options, &columns)?,
+        None => compute(&mut loaded, options, &columns, modes)?,
     };
-    let results = results(&columns, loaded.system.description());
+    let modes = table.names.iter().filter(|name| name.starts_with("frequency ")).count();
+    let results = results(&columns, loaded.system.description(), modes);
     let varied = table.names.len().saturating_sub(results.len() + 2);
     if varied == 0 || table.names[1 + varied..].iter().ne(results.iter().chain(&["error".to_owned()])) {
         return Err(usage(format!("these tables are not of {}: their columns differ", loaded.name)));
@@ -76,7 +81,16 @@ fn names(description: &Description) -> Vec<String> {
     [coordinates, rates, outputs].concat()
 }
 
-fn compute(loaded: &mut Loaded, options: &ArgMatches, columns: &[String]) -> Result<Table, Problem> {
+/// `--modes COUNT`: of how many modes frequencies are wanted.
+fn modes(options: &ArgMatches) -> Result<usize, Problem> {
+    let Some(text) = options.get_one::<String>("modes") else { return Ok(0) };
+    match text.trim().parse() {
+        Ok(count @ 1..=MOST_MODES) => Ok(count),
+        _ => Err(usage(format!("--modes wants a number from 1 to {MOST_MODES}, not `{text}`"))),
+    }
+}
+
+fn compute(loaded: &mut Loaded, options: &ArgMatches, columns: &[String], modes: usize) -> Result<Table, Problem> {
     let (scene, mut reader) = choose(loaded, options)?;
     let changes = Changes::read(loaded, &mut reader, options)?;
     let points = Points::read(loaded, &mut reader, options)?;
@@ -104,6 +118,7 @@ fn compute(loaded: &mut Loaded, options: &ArgMatches, columns: &[String]) -> Res
         let (run, values) = (runs[place], points.at(runs[place]));
         let mut system = system.boxed_clone();
         points.varied.iter().zip(&values).for_each(|(varied, value)| varied.set(&mut *system, *value));
+        let found = (modes > 0).then(|| at_rest(&*system, scene));
         let mut settings = changes.of(Settings::new(&system.scene(scene)));
         points.varied.iter().zip(&values).for_each(|(varied, value)| varied.start(&mut settings, *value));
         settings.method = method.unwrap_or(settings.method);
@@ -119,7 +134,11 @@ fn compute(loaded: &mut Loaded, options: &ArgMatches, columns: &[String]) -> Res
         if shown && (done == runs.len() || done.is_multiple_of(runs.len().div_ceil(TOLD))) {
             eprint!("\r{done} of {} runs\x1b[K", runs.len());
         }
-        Some(Row::of(run, values, outcome, columns, description))
+        let row = Row::of(run, values, outcome, columns, description);
+        Some(match found {
+            None => row,
+            Some(found) => row.with_modes(found, modes),
+        })
     });
     if shown {
         eprint!("\r\x1b[K");
@@ -129,7 +148,7 @@ fn compute(loaded: &mut Loaded, options: &ArgMatches, columns: &[String]) -> Res
         eprintln!("warning: interrupted; {} of {} runs are in the table", rows.len(), runs.len());
     }
     let varied = points.varied.iter().map(|Varied { name, .. }| name.clone());
-    let names = std::iter::once("run".to_owned()).chain(varied).chain(results(columns, description));
+    let names = std::iter::once("run".to_owned()).chain(varied).chain(results(columns, description, modes));
     Ok(Table { names: names.chain(["error".to_owned()]).collect(), rows })
 }
 
@@ -147,7 +166,8 @@ fn shard(options: &ArgMatches) -> Result<(usize, usize), Problem> {
 fn shown(options: &ArgMatches, results: &[String], columns: &[String]) -> Result<Vec<String>, Problem> {
     let Some(list) = options.get_one::<String>("show") else {
         let first = columns.iter().filter(|name| !name.ends_with('\''));
-        return Ok(first.take(MOST_COLUMNS).cloned().collect());
+        let modes = results.iter().filter(|name| name.starts_with("frequency "));
+        return Ok(modes.chain(first).take(MOST_COLUMNS).cloned().collect());
     };
     let known = |name: &str| match results.iter().find(|result| *result == name) {
         Some(name) => Ok(name.clone()),
@@ -215,6 +235,9 @@ fn unit_of(description: &Description, name: &str) -> String {
     }
     if name == "t" {
         return "s".to_owned();
+    }
+    if name.starts_with("frequency ") {
+        return "Hz".to_owned();
     }
     unit(description, name)
 }

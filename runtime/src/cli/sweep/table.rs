@@ -1,7 +1,10 @@
 //! The table of a sweep, one row a run.
 
+use std::f64::consts::TAU;
+
 use super::points::usage;
 use crate::cli::Problem;
+use crate::linear::{LinearError, Mode};
 use crate::mechanism::Description;
 use crate::{Error, Run};
 
@@ -24,15 +27,17 @@ pub struct Row {
     pub error: String,
 }
 
-/// The names of what comes of every run.
-pub fn results(columns: &[String], description: &Description) -> Vec<String> {
+/// The names of what comes of every run; with frequencies and damping ratios of so many modes.
+pub fn results(columns: &[String], description: &Description, modes: usize) -> Vec<String> {
     let of = |column: &String| [column.clone(), format!("min {column}"), format!("max {column}")];
     let events = description.events.iter().map(|event| format!("events {}", event.name));
     let others = ["energy drift", "warnings"].map(str::to_owned);
-    std::iter::once("t".to_owned()).chain(columns.iter().flat_map(of)).chain(events).chain(others).collect()
+    let modes = (1..=modes).flat_map(|k| [format!("frequency {k}"), format!("damping {k}")]);
+    let run = std::iter::once("t".to_owned()).chain(columns.iter().flat_map(of)).chain(events).chain(others);
+    run.chain(modes).collect()
 }
 
-/// What came of a run, in the order of [`results`].
+/// What came of a run, in the order of [`results`], but for its modes.
 pub fn outcome(run: &Run, columns: &[String], description: &Description) -> Vec<Option<f64>> {
     let finite = |value: f64| Some(value).filter(|value| value.is_finite());
     let of = |name: &String| {
@@ -64,10 +69,26 @@ impl Row {
             Err(Error::Run(failure)) => (Some(failure.run), failure.cause.to_string()),
             Err(error) => (None, error.to_string()),
         };
-        let results = results(columns, description).len();
+        let results = results(columns, description, 0).len();
         let found =
             done.map_or_else(|| vec![None; results], |done| outcome_or_nothing(&done, columns, description, results));
         Row { run, cells: values.into_iter().map(Some).chain(found).collect(), error }
+    }
+
+    /// The row with frequencies, Hz, and damping ratios of so many modes, the slowest first; nothing beyond those there are.
+    pub fn with_modes(mut self, found: Result<Vec<Mode>, LinearError>, count: usize) -> Row {
+        let of = |mode: &Mode| [Some(mode.omega / TAU), mode.zeta];
+        let modes = match found {
+            Ok(modes) => modes,
+            Err(problem) => {
+                if self.error.is_empty() {
+                    self.error = format!("modes: {problem}");
+                }
+                Vec::new()
+            }
+        };
+        self.cells.extend(modes.iter().map(of).chain(std::iter::repeat([None, None])).take(count).flatten());
+        self
     }
 }
 
