@@ -1,6 +1,6 @@
 //! From arguments to tokens.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use dalembert_symbolic::{file, lower, print};
 use proc_macro2::{Span, TokenStream};
@@ -10,17 +10,19 @@ use crate::arguments::{Arguments, Source, Warnings};
 
 /// The items of a mechanism, or one error that tells all problems and a skeleton of the type.
 pub fn expand(arguments: &Arguments) -> TokenStream {
-    let (path, text, span, watch) = match source(&arguments.source) {
+    let Found { path, folder, text, span, watch } = match source(&arguments.source) {
         Ok(found) => found,
         Err(error) => return error.to_compile_error(),
     };
     let given = arguments.name.as_ref().map(ToString::to_string);
-    match lower::compile(&text, &arguments.sizes) {
+    match lower::compile_in(folder.as_deref(), &text, &arguments.sizes) {
         Ok(program) => {
+            let tables = program.model.files.iter().map(|file| watched(&file.to_string_lossy()));
+            let tables: TokenStream = tables.collect();
             let name = given.unwrap_or_else(|| print::type_name(&program.model.name));
             let doubts = doubts(arguments.warnings, file::render(&path, &text, &program.model.warnings), span);
             match print::rust(&program, &text, &name).parse::<TokenStream>() {
-                Ok(items) => quote! { #watch #doubts #items },
+                Ok(items) => quote! { #watch #tables #doubts #items },
                 Err(error) => {
                     let message =
                         format!("dalembert printed text that is not Rust ({error}); this is a fault of dalembert");
@@ -59,13 +61,29 @@ fn doubts(level: Warnings, message: String, span: Span) -> TokenStream {
     }
 }
 
-type Found = (String, String, Span, TokenStream);
+/// A model's text.
+struct Found {
+    /// To show.
+    path: String,
+    /// Where the files of its tables are: beside its own, or for inline models in the crate's folder.
+    folder: Option<PathBuf>,
+    text: String,
+    /// Where it is asked for.
+    span: Span,
+    /// An item that makes Cargo watch the file.
+    watch: TokenStream,
+}
 
-/// The path to show, the model's text, where it is asked for, and an item that makes Cargo watch the file.
+/// An item that makes Cargo watch a file.
+fn watched(path: &str) -> TokenStream {
+    quote! { const _: &[u8] = ::core::include_bytes!(#path); }
+}
+
 fn source(source: &Source) -> syn::Result<Found> {
     let literal = match source {
         Source::Inline(literal) => {
-            return Ok(("inline model".to_owned(), literal.value(), literal.span(), TokenStream::new()));
+            let (path, text, span) = ("inline model".to_owned(), literal.value(), literal.span());
+            return Ok(Found { path, folder: Some(crate_folder()), text, span, watch: TokenStream::new() });
         }
         Source::Path(literal) => literal,
     };
@@ -75,13 +93,18 @@ fn source(source: &Source) -> syn::Result<Found> {
             "the path of a model file is relative to the crate's folder; an absolute one would not build elsewhere";
         return Err(syn::Error::new(literal.span(), message));
     }
-    let folder = std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default();
-    let text = std::fs::read_to_string(Path::new(&folder).join(&path))
+    let file = crate_folder().join(&path);
+    let text = std::fs::read_to_string(&file)
         .map_err(|error| syn::Error::new(literal.span(), format!("cannot read `{path}`: {error}")))?;
     let slashed = format!("/{path}");
     let watch = quote! { const _: &[u8] =
     ::core::include_bytes!(::core::concat!(::core::env!("CARGO_MANIFEST_DIR"), #slashed)); };
-    Ok((path, text, literal.span(), watch))
+    let folder = file.parent().map(Path::to_owned);
+    Ok(Found { path, folder, text, span: literal.span(), watch })
+}
+
+fn crate_folder() -> PathBuf {
+    std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default().into()
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use dalembert::mechanism::{At, Interpreted, SwitchKind, System};
-use dalembert_symbolic::{lower::compile, print};
+use dalembert_symbolic::{lower::compile_in, print};
 use serde_json::{Value, json};
 
 /// States at which a module is compared.
@@ -43,7 +43,7 @@ fn python() -> Option<&'static str> {
 
 fn files() -> BTreeMap<String, PathBuf> {
     let folders =
-        [concat!(env!("CARGO_MANIFEST_DIR"), "/../models"), concat!(env!("CARGO_MANIFEST_DIR"), "/tests/names")];
+        [concat!(env!("CARGO_MANIFEST_DIR"), "/../models"), concat!(env!("CARGO_MANIFEST_DIR"), "/tests/names"), concat!(env!("CARGO_MANIFEST_DIR"), "/roads")];
     let files = folders.iter().flat_map(|folder| fs::read_dir(folder).unwrap().map(|file| file.unwrap().path()));
     files
         .filter(|path| path.extension().is_some_and(|e| e == "yaml"))
@@ -83,7 +83,7 @@ struct Asked {
 
 fn asked(path: &Path, module: &str, folder: &Path) -> Asked {
     let text = fs::read_to_string(path).unwrap();
-    let program = compile(&text, &[]).unwrap_or_else(|problems| panic!("{module}: {problems:?}"));
+    let program = compile_in(path.parent(), &text, &[]).unwrap_or_else(|problems| panic!("{module}: {problems:?}"));
     fs::write(folder.join(format!("{module}.py")), print::python(&program, module)).unwrap();
     let phases = program.model.phases.len().max(1);
     let n = program.model.coordinates.len();

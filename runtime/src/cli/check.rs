@@ -5,12 +5,12 @@ use std::io::Write;
 use clap::ArgMatches;
 use dalembert_symbolic::file;
 use dalembert_symbolic::gate::{Conservative, Nature, Origin, shared_data};
-use dalembert_symbolic::lower::{Program, compile};
+use dalembert_symbolic::lower::{Program, compile_in};
 use dalembert_symbolic::number::DoubleDouble;
 use serde_json::Value;
 
 use super::json::{number, object, write};
-use super::load::{Loaded, ModelFile};
+use super::load::{Loaded, ModelFile, folder};
 use super::{Entry, Problem, freedoms};
 use crate::mechanism::{At, Balances, Interpreted, System};
 
@@ -52,7 +52,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
 /// The report as one object; of a file with mistakes these, each with its place, before the command fails.
 fn as_json(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let text = ModelFile::find(models, options)?;
-    let program = match compile(&text.source, &text.sizes) {
+    let program = match compile_in(folder(&text.path), &text.source, &text.sizes) {
         Ok(program) => program,
         Err(problems) => {
             let report = object([("name", text.name.into()), ("problems", mistakes(&text.source, &problems))]);

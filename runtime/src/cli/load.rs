@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use clap::ArgMatches;
-use dalembert_symbolic::lower::{Program, compile};
-use dalembert_symbolic::model::Model;
+use dalembert_symbolic::lower::{Program, compile_in};
+use dalembert_symbolic::model::{Model, load_in};
 use dalembert_symbolic::print::fnv1a;
 use dalembert_symbolic::{diagnose, file};
 
@@ -106,13 +106,18 @@ impl Loaded {
 
     /// The model with its names, for reading expressions.
     pub fn model(&self) -> Result<Model, Problem> {
-        dalembert_symbolic::model::load(&self.source, &self.sizes)
+        load_in(folder(&self.path), &self.source, &self.sizes)
             .map_err(|problems| Problem::Model(file::render(&self.path, &self.source, &problems)))
     }
 }
 
 fn compiled_or_problem(path: &str, source: &str, sizes: &[(String, i64)]) -> Result<Program, Problem> {
-    compile(source, sizes).map_err(|problems| Problem::Model(file::render(path, source, &problems)))
+    compile_in(folder(path), source, sizes).map_err(|problems| Problem::Model(file::render(path, source, &problems)))
+}
+
+/// Where the files of a model's tables are: beside its own.
+pub fn folder(path: &str) -> Option<&Path> {
+    Path::new(path).parent()
 }
 
 fn sizes(options: &ArgMatches) -> Result<Vec<(String, i64)>, Problem> {

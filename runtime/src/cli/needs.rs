@@ -2,11 +2,12 @@
 
 use std::io::{IsTerminal, Write};
 use std::ops::ControlFlow;
+use std::path::Path;
 
 use clap::ArgMatches;
 use dalembert_symbolic::file;
 
-use super::load::Loaded;
+use super::load::{Loaded, folder};
 use super::{Entry, Problem, outputs};
 use crate::needs::{Need, Needs, Question, Unanswered};
 
@@ -49,6 +50,7 @@ fn question(loaded: &Loaded, options: &ArgMatches) -> Result<Question, Problem> 
     let own = |option: &str| options.get_one::<String>(option).cloned();
     let mut question = Question {
         sizes: loaded.sizes.clone(),
+        folder: folder(&loaded.path).map(Path::to_owned),
         scene: own("scene"),
         all: options.get_flag("all"),
         ..Question::new(loaded.source.as_str())

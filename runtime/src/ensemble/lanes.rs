@@ -9,25 +9,13 @@ use crate::mechanism::Real;
 ///
 /// `f64x8` is the usual choice; `f64x4` serves processors with registers of 256 bits as well, and `f64` takes one run at a
 /// time.  Results do not depend on it by more than a unit in the last place of a sine.
-pub trait Lanes: Real + 'static {
-    /// The number of one lane.
-    fn lane(self, index: usize) -> f64;
-}
+pub trait Lanes: Real + 'static {}
 
-impl Lanes for f64 {
-    fn lane(self, _: usize) -> f64 {
-        self
-    }
-}
+impl Lanes for f64 {}
 
 macro_rules! lanes {
     ($lanes:ident, $count:literal) => {
-        impl Lanes for $lanes {
-            #[inline]
-            fn lane(self, index: usize) -> f64 {
-                self.to_array()[index]
-            }
-        }
+        impl Lanes for $lanes {}
 
         impl Real for $lanes {
             const LANES: usize = $count;
@@ -35,6 +23,10 @@ macro_rules! lanes {
             #[inline]
             fn gather(lane: impl Fn(usize) -> f64) -> Self {
                 Self::new(std::array::from_fn(lane))
+            }
+            #[inline]
+            fn lane(self, lane: usize) -> f64 {
+                self.to_array()[lane]
             }
             #[inline]
             fn ratio(n: f64, d: f64) -> Self {

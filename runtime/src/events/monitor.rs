@@ -206,6 +206,7 @@ fn natural(role: Role, a: f64, least: f64) -> f64 {
         Role::Exponential => a.max(VANISHES),
         Role::Bounded => a.clamp(-SATURATES, SATURATES),
         Role::Arctangent => a.asinh(),
+        Role::Points => a,
         Role::Power(p) => -p.abs() * a.abs().clamp(least, f64::MAX).ln(),
         Role::Phase | Role::Landmark | Role::Distance => 0.0,
     }

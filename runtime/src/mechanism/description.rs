@@ -4,6 +4,8 @@
 
 use std::borrow::Cow;
 
+use super::Table;
+
 /// Text that generated code has as a literal and the interpreter owns.
 pub type Text = Cow<'static, str>;
 /// A list that generated code has as a literal and the interpreter owns.
@@ -22,6 +24,8 @@ pub struct Description {
     pub coordinates: List<Coordinate>,
     /// Free parameters, families expanded, in the order of `System::parameters`.
     pub parameters: List<Parameter>,
+    /// Functions that the file gives by points, and those that count their points.
+    pub tables: List<Table>,
     /// Names of derived parameters (they cannot be set).
     pub derived: List<Text>,
     /// Inputs, functions of time.
@@ -254,6 +258,8 @@ pub enum Role {
     Bounded,
     /// atan A.
     Arctangent,
+    /// The points of a table that A has passed.
+    Points,
     /// A squared distance: a force acts along the line, which has no direction where A vanishes.
     Distance,
     /// A to this power, negative or no integer; ln A counts as the first.

@@ -11,7 +11,7 @@ use super::phased::{Phased, RowHistory, indicate, sprung};
 use super::{
     Action, Argument, At, Balance, BalanceSystem, Balances, Coordinate, Counts, Description, Direction, Energy,
     Enforcement, Event, InputJump, List, Parameter, Phase, Quantity, Rated, Role, Row, Scene, Shape, Signal, Singular,
-    SingularMass, Structure, Switch, SwitchKind, System, Text, Watched,
+    SingularMass, Structure, Switch, SwitchKind, System, Table, Text, Watched,
 };
 
 /// An interpreted mechanism.
@@ -370,6 +370,7 @@ fn describe(program: &Program, source: &str) -> Description {
             .iter()
             .map(|p| Parameter { name: text(&p.name), unit: unit(&p.unit), default: p.default })
             .collect(),
+        tables: program.tables().into_iter().map(table).collect(),
         derived: model.derived.iter().map(|d| text(&d.name)).collect(),
         inputs: model.inputs.iter().map(|u| text(&u.name)).collect(),
         mass_pattern: pattern(&program.mass),
@@ -495,6 +496,16 @@ fn describe(program: &Program, source: &str) -> Description {
     }
 }
 
+fn table(table: dalembert_symbolic::expr::Table) -> Table {
+    Table {
+        name: Text::Borrowed(table.name()),
+        knots: List::Borrowed(table.knots()),
+        pieces: List::Borrowed(table.pieces()),
+        period: table.period(),
+        rise: table.rise(),
+    }
+}
+
 fn argument(argument: &lower::Argument) -> Argument {
     Argument {
         of: match argument.of {
@@ -509,6 +520,7 @@ fn argument(argument: &lower::Argument) -> Argument {
             lower::Role::Exponential => Role::Exponential,
             lower::Role::Bounded => Role::Bounded,
             lower::Role::Arctangent => Role::Arctangent,
+            lower::Role::Points => Role::Points,
             lower::Role::Distance => Role::Distance,
             lower::Role::Power(p) => Role::Power(p),
         },

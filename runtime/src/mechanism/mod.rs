@@ -17,6 +17,7 @@ mod singular;
 mod slopes;
 mod solve;
 mod system;
+mod table;
 
 pub use at::At;
 pub use balances::Balances;
@@ -39,6 +40,7 @@ pub(crate) use slopes::AccelerationSlopes;
 pub use solve::solve_packed;
 pub(crate) use solve::solve_packed_slice;
 pub use system::{Signal, System};
+pub use table::Table;
 
 /// Energies of a state.
 ///

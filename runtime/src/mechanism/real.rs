@@ -2,6 +2,7 @@
 //!
 //! Every method is `#[inline]`: in an incremental build these calls would otherwise stay calls in generated code.
 
+use super::Table;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A real number, or several side by side (lanes): what generated functions compute with.
@@ -23,6 +24,9 @@ pub trait Real:
 
     /// Collects one number per lane.
     fn gather(lane: impl Fn(usize) -> f64) -> Self;
+
+    /// The number in a lane, 0 the first.
+    fn lane(self, lane: usize) -> f64;
 
     /// The constant n/d; types wider than `f64` divide at their own precision.
     fn ratio(n: f64, d: f64) -> Self;
@@ -90,6 +94,12 @@ pub trait Real:
         self.select_nonnegative(Self::ratio(1.0, 1.0), Self::ratio(0.0, 1.0))
     }
 
+    /// A table at this argument, or one of its derivatives there.
+    #[inline]
+    fn table(self, table: &Table, order: usize) -> Self {
+        table.evaluate(self, order)
+    }
+
     /// The smaller of two.
     #[inline]
     fn min(self, other: Self) -> Self {
@@ -111,6 +121,10 @@ macro_rules! real_for_float {
             #[inline]
             fn gather(lane: impl Fn(usize) -> f64) -> Self {
                 lane(0) as $float
+            }
+            #[inline]
+            fn lane(self, _: usize) -> f64 {
+                self as f64
             }
             #[inline]
             fn ratio(n: f64, d: f64) -> Self {

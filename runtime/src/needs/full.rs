@@ -1,6 +1,8 @@
 //! What is wanted, and the motion that answers it in full.
 
-use dalembert_symbolic::lower::compile;
+use std::path::{Path, PathBuf};
+
+use dalembert_symbolic::lower::compile_in;
 
 use super::deviation::{Deviation, Motion, between, largest};
 use super::{Need, Question, Unanswered};
@@ -11,6 +13,7 @@ use crate::simulate::Settings;
 pub(super) struct Full {
     pub source: String,
     pub sizes: Vec<(String, i64)>,
+    pub folder: Option<PathBuf>,
     pub scene: Option<String>,
     pub system: Box<dyn System>,
     pub settings: Settings,
@@ -44,8 +47,8 @@ impl Full {
         if !(1e-9..=0.5).contains(&need.within) {
             return Err(Unanswered::BadNeed { within: need.within });
         }
-        let Question { source, sizes, scene, .. } = question;
-        let (system, settings) = built(source, sizes, scene.as_deref())?;
+        let Question { source, sizes, scene, folder, .. } = question;
+        let (system, settings) = built(folder.as_deref(), source, sizes, scene.as_deref())?;
         let everything = need.outputs.is_empty();
         let mut need = Need { outputs: columns(&*system, &need.outputs)?, ..need };
         let tolerance = (BELOW * need.within).min(TIGHT);
@@ -73,6 +76,7 @@ impl Full {
         let mut full = Full {
             source: source.clone(),
             sizes: sizes.clone(),
+            folder: folder.clone(),
             scene: scene.clone(),
             system,
             settings,
@@ -160,11 +164,12 @@ pub(super) fn moved(settings: &Settings, ranges: &[f64], part: f64) -> Settings 
 
 /// A file's mechanism at a scene.
 pub(super) fn built(
+    folder: Option<&Path>,
     source: &str,
     sizes: &[(String, i64)],
     scene: Option<&str>,
 ) -> Result<(Box<dyn System>, Settings), Unanswered> {
-    let program = compile(source, sizes).map_err(|problems| Unanswered::Model { problems })?;
+    let program = compile_in(folder, source, sizes).map_err(|problems| Unanswered::Model { problems })?;
     let mut system = Interpreted::new(program, source);
     let place = match scene {
         None => 0,

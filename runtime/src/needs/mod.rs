@@ -23,6 +23,7 @@ pub use rung::{Proposal, Rung, Verdict};
 pub use unanswered::Unanswered;
 
 use std::ops::ControlFlow;
+use std::path::PathBuf;
 
 use dalembert_symbolic::model;
 
@@ -44,6 +45,8 @@ pub struct Question {
     pub source: String,
     /// Sizes other than the file's.
     pub sizes: Vec<(String, i64)>,
+    /// Where the files of its tables are.
+    pub folder: Option<PathBuf>,
     /// Which scene; `None`: the default one.
     pub scene: Option<String>,
     /// What is wanted; `None`: what the scene says, or all coordinates and outputs to a thousandth.
@@ -107,7 +110,7 @@ const WITHIN: f64 = 1e-3;
 impl Question {
     /// Of a file's default scene, as it says.
     pub fn new(source: impl Into<String>) -> Question {
-        Question { source: source.into(), sizes: Vec::new(), scene: None, need: None, all: false }
+        Question { source: source.into(), sizes: Vec::new(), folder: None, scene: None, need: None, all: false }
     }
 
     /// What is wanted, by its own words or the file's.
@@ -118,7 +121,8 @@ impl Question {
         if let Some(need) = &self.need {
             return Ok(need.clone());
         }
-        let model = model::load(&self.source, &self.sizes).map_err(|problems| Unanswered::Model { problems })?;
+        let model = model::load_in(self.folder.as_deref(), &self.source, &self.sizes)
+            .map_err(|problems| Unanswered::Model { problems })?;
         let said = model.need(self.scene.as_deref().unwrap_or("scene"));
         let said = said.map(|(outputs, within)| Need { outputs, within });
         Ok(said.unwrap_or(Need { outputs: Vec::new(), within: WITHIN }))

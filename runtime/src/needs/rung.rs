@@ -2,7 +2,7 @@
 
 use dalembert_symbolic::diagnose::Step;
 use dalembert_symbolic::file::edit::keys;
-use dalembert_symbolic::lower::compile;
+use dalembert_symbolic::lower::compile_in;
 
 use super::Unanswered;
 use super::deviation::{Deviation, Motion, between};
@@ -183,9 +183,10 @@ pub(super) fn answer(full: &Full, edits: &[Edit]) -> Result<Answer, String> {
         let of = |name: &String| name == output || name.strip_prefix(output).is_some_and(|rest| rest.starts_with('.'));
         full.need.outputs.iter().any(of)
     };
-    let compiled = |text: &str| compile(text, &full.sizes).map(|_| ());
+    let compiled = |text: &str| compile_in(full.folder.as_deref(), text, &full.sizes).map(|_| ());
     let (text, gone) = without_vain_claims(text, is_wanted, compiled)?;
-    let (system, settings) = built(&text, &full.sizes, full.scene.as_deref()).map_err(|e| said(&e))?;
+    let (system, settings) =
+        built(full.folder.as_deref(), &text, &full.sizes, full.scene.as_deref()).map_err(|e| said(&e))?;
     Ok(Answer { text, gone, system, settings })
 }
 

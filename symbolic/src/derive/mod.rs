@@ -20,9 +20,11 @@ mod reactions;
 mod switches;
 mod virtual_power;
 
-use crate::diagnose::catalogue::mechanics;
+use std::collections::BTreeMap;
+
+use crate::diagnose::catalogue::{mechanics, sections};
 use crate::diagnose::{Place, Problem};
-use crate::expr::{Forward, Graph, Id, Symbol, canonical_sums};
+use crate::expr::{Forward, Graph, Id, Node, Symbol, Table, Unary, canonical_sums};
 use crate::model::{Load, Model, Work};
 
 pub(crate) use constraints::held_rates;
@@ -117,6 +119,10 @@ pub fn derive(mut model: Model) -> Result<Derivation, Vec<Problem>> {
     let momentum = momentum::systems(&mut model, &rows, &switches);
     if model.graph.overflowed() {
         return Err(vec![too_large()]);
+    }
+    let rough = rough_tables(&model, &equations, &rows, &signals);
+    if !rough.is_empty() {
+        return Err(rough);
     }
     let named_reactions = reactions::put_in(&mut model);
     Ok(Derivation { model, equations, rows, momentum, named_reactions, energies, momenta, signals, switches })
@@ -252,6 +258,38 @@ impl Dynamics {
             switches,
         }
     }
+}
+
+/// Tables of which derivatives that jump enter the equations of motion.
+fn rough_tables(model: &Model, equations: &[Equations], rows: &Rows, signals: &[[Id; 3]]) -> Vec<Problem> {
+    let graph = &model.graph;
+    let of_rows = rows.matrix.iter().map(|entry| entry.2).chain(rows.bias.iter().copied());
+    let of_motion = equations.iter().flat_map(|e| e.mass.iter().map(|entry| entry.2).chain(e.bias.iter().copied()));
+    let mut needed = graph.needed(of_motion.chain(of_rows));
+    let input = |id: &Id| match graph.node(*id) {
+        Node::Symbol(Symbol::Input(k, order)) => signals.get(k as usize)?.get(usize::from(order)).copied(),
+        _ => None,
+    };
+    let of_inputs: Vec<Id> = needed.iter().filter_map(input).collect();
+    needed.extend(graph.needed(of_inputs));
+    let mut worst: BTreeMap<Table, Table> = BTreeMap::new();
+    for id in needed {
+        if let Node::Unary(Unary::Table(table), _) = graph.node(id)
+            && table.order() > table.smooth().order()
+        {
+            let known = worst.entry(table.whole()).or_insert(table);
+            *known = (*known).max(table);
+        }
+    }
+    let problem = |(whole, slope): (Table, Table)| {
+        let help = match slope.order() {
+            order @ 1..=2 => format!("it is smooth enough with `smooth: {order}`"),
+            _ => "no table is as smooth as that".to_owned(),
+        };
+        let place = Place::default().key("tables").key(whole.name());
+        sections::rough_table(place.of_key(), whole.name(), slope.name(), whole.smooth().order(), help)
+    };
+    worst.into_iter().map(problem).collect()
 }
 
 /// The entry of the file with which the discontinuities are more than the limit.

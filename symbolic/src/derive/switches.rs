@@ -6,7 +6,9 @@
 
 use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
 
-use crate::expr::{Binary, Graph, Id, Node, Rational, Symbol, Unary, canonical_sums, rewrite};
+use crate::expr::{
+    Binary, DoubleDouble, Graph, Id, Node, Number, Rational, Symbol, Table, Unary, canonical_sums, rewrite,
+};
 
 /// One discontinuity.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -41,6 +43,10 @@ pub(crate) fn introduce(graph: &mut Graph, roots: &[Id], signals: usize) -> (Vec
     let images = rewrite(graph, roots, |graph, node| {
         if let Node::Unary(Unary::Sqrt, base) | Node::Binary(Binary::Pow, base, _) = node {
             return one_sided(graph, node, base, &found.switches);
+        }
+        if let Node::Unary(Unary::Table(table), x) = node {
+            found.points(graph, table, x);
+            return None;
         }
         let (function, argument) = match node {
             Node::Unary(f @ (Unary::Abs | Unary::Sign | Unary::Step), x) => (Some(f), x),
@@ -156,6 +162,17 @@ impl Found {
             self.switches.len() - 1
         });
         graph.symbol(Symbol::Mode(k as u32))
+    }
+
+    /// The switch at the points of a table, where a derivative jumps; no equation reads its mode.
+    fn points(&mut self, graph: &mut Graph, table: Table, x: Id) {
+        if self.switches.len() <= SWITCH_LIMIT && self.contents(graph, x).moves {
+            let counter = graph.unary(Unary::Table(table.counter()), x);
+            let pi = graph.constant(Number::Float(DoubleDouble::PI));
+            let phase = graph.mul(pi, counter);
+            let sine = graph.unary(Unary::Sin, phase);
+            self.mode(graph, SwitchKind::Sign, sine);
+        }
     }
 
     /// What is in an expression; of every node once.

@@ -256,6 +256,10 @@ fn partial_unary(g: &mut Graph, id: Id) -> Id {
         Unary::Ln => g.div(Id::ONE, x),
         Unary::Abs => g.unary(Unary::Sign, x),
         Unary::Sign | Unary::Step => Id::ZERO,
+        Unary::Table(table) => match table.derivative() {
+            Some(slope) => g.unary(Unary::Table(slope), x),
+            None => Id::ZERO,
+        },
     }
 }
 

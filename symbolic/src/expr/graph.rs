@@ -2,7 +2,7 @@
 
 use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
 
-use super::Symbol;
+use super::{Symbol, Table};
 use crate::number::{DoubleDouble, Number, Rational};
 
 /// An expression: an index into the [`Graph`] that made it.  Children have smaller indices than parents.
@@ -23,7 +23,7 @@ impl Id {
     }
 }
 
-/// Functions of one argument.
+/// Functions of one argument; [`Table`]s are the model's own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[expect(missing_docs, reason = "the usual functions")]
 pub enum Unary {
@@ -43,6 +43,7 @@ pub enum Unary {
     Abs,
     Sign,
     Step,
+    Table(Table),
 }
 
 impl Unary {
@@ -65,6 +66,7 @@ impl Unary {
             Unary::Abs => "abs",
             Unary::Sign => "sign",
             Unary::Step => "step",
+            Unary::Table(table) => table.name(),
         }
     }
 }

@@ -62,6 +62,7 @@ impl Scalar for Measured {
             Unary::Tanh => at.cosh().powi(-2) * m,
             Unary::Exp => f * m,
             Unary::Ln => m / at,
+            Unary::Table(table) => table.derivative().map_or(0.0, |slope| slope.at(x.value).to_f64().abs()) * m,
         };
         Measured { value, magnitude: f.abs() + spread }
     }

@@ -14,6 +14,7 @@ mod rewrite;
 mod scalar;
 mod sums;
 mod symbol;
+mod table;
 
 pub use differentiate::{Forward, gradients, jacobian, partial, reverse};
 pub use evaluate::Tape;
@@ -25,5 +26,6 @@ pub use rewrite::{rewrite, substitute};
 pub use scalar::Scalar;
 pub use sums::{canonical_sums, terms};
 pub use symbol::Symbol;
+pub use table::{Smooth, Table};
 
 pub use crate::number::{DoubleDouble, Number, Rational};

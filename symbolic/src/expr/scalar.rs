@@ -40,6 +40,7 @@ impl Scalar for f64 {
             Unary::Sign => x.signum(),
             Unary::Step if x.is_nan() => x,
             Unary::Step => f64::from(u8::from(x >= 0.0)),
+            Unary::Table(table) => table.at(x.into()).to_f64(),
         }
     }
 
@@ -80,6 +81,7 @@ impl Scalar for DoubleDouble {
             Unary::Abs => x.abs(),
             Unary::Sign => x.sign(),
             Unary::Step => x.step(),
+            Unary::Table(table) => table.at(x),
         }
     }
 

@@ -13,6 +13,8 @@ mod rounding;
 mod structure;
 mod time;
 
+use std::path::Path;
+
 use crate::derive::{Derivation, Switch, held_rates, rates};
 use crate::diagnose::Problem;
 use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary, jacobian, reverse};
@@ -141,7 +143,15 @@ pub struct Counts {
 /// # Errors
 /// Everything that is wrong with the model file.
 pub fn compile(text: &str, sizes: &[(String, i64)]) -> Result<Program, Vec<Problem>> {
-    match crate::model::read_through(text, sizes) {
+    compile_in(None, text, sizes)
+}
+
+/// As [`compile`], for a file in a folder, where the files of its tables are.
+///
+/// # Errors
+/// Everything that is wrong with the model file, and with them.
+pub fn compile_in(folder: Option<&Path>, text: &str, sizes: &[(String, i64)]) -> Result<Program, Vec<Problem>> {
+    match crate::model::read_through_in(folder, text, sizes) {
         (Some(model), problems) if problems.is_empty() => lower(crate::gate::judged(model)?),
         (Some(model), mut problems) => {
             // Mistakes that leave the equations as written hide nothing that the gate finds in them.

@@ -11,7 +11,7 @@ mod text;
 
 pub use command::Sets;
 pub use identifier::{KEYWORDS, METHODS, field_name, is_snake_case, local_name, method_name, type_name};
-pub use resolve::{load, read_through, resolve};
+pub use resolve::{load, load_in, read_through, read_through_in, resolve};
 pub use resolved::{
     Balance, BalanceSystem, Body, Change, Check, Conserved, Constraint, Coordinate, Derived, Event, EventAction,
     Family, GeneralizedForce, Input, Load, Model, Need, Output, Parameter, Part, Phase, Push, Reaction, Rotation,

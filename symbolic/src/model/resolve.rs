@@ -1,5 +1,7 @@
 //! From the tree of a file to a model: the passes in order.
 
+use std::path::Path;
+
 use super::expression::bench::is_of_units;
 use super::identifier::type_name;
 use super::resolved::Model;
@@ -11,10 +13,11 @@ use crate::diagnose::{Place, Problem, Step};
 use crate::file::{Node, Spot};
 
 /// Every key that a model file may have.
-const KEYS: [&str; 29] = [
+const KEYS: [&str; 30] = [
     "name",
     "about",
     "sizes",
+    "tables",
     "parameters",
     "coordinates",
     "inputs",
@@ -50,21 +53,27 @@ const KEYS: [&str; 29] = [
 /// # Errors
 /// Everything that is wrong with the file.
 pub fn resolve(root: &Node, sizes: &[(String, i64)]) -> Result<Model, Vec<Problem>> {
-    match resolve_through(root, sizes) {
-        (Some(model), problems) if problems.is_empty() => Ok(model),
-        (_, problems) => Err(problems),
+    whole(resolve_through(root, sizes, None))
+}
+
+/// The model, if nothing is wrong.
+fn whole((model, problems): (Option<Model>, Vec<Problem>)) -> Result<Model, Vec<Problem>> {
+    match model {
+        Some(model) if problems.is_empty() => Ok(model),
+        _ => Err(problems),
     }
 }
 
 /// As [`resolve`], and with all that is wrong the model too where its equations of motion are as meant: problems of
 /// units leave every expression its meaning, and what a run only observes does not enter the equations.
-fn resolve_through(root: &Node, sizes: &[(String, i64)]) -> (Option<Model>, Vec<Problem>) {
-    let mut resolver = Resolver::new(Spot::root(root));
+fn resolve_through(root: &Node, sizes: &[(String, i64)], folder: Option<&Path>) -> (Option<Model>, Vec<Problem>) {
+    let mut resolver = Resolver::new(Spot::root(root), folder);
     resolver.head();
     // 1. Names; look in `declare.rs` and `parameters.rs`.
     resolver.scope.dimension = dimension(root);
     resolver.sizes(sizes);
     let derived = resolver.parameters();
+    resolver.tables();
     resolver.coordinates();
     resolver.inputs();
     resolver.definitions();
@@ -110,7 +119,15 @@ fn resolve_through(root: &Node, sizes: &[(String, i64)]) -> (Option<Model>, Vec<
 /// # Errors
 /// Everything that is wrong with it; YAML's own syntax is reported alone.
 pub fn load(text: &str, sizes: &[(String, i64)]) -> Result<Model, Vec<Problem>> {
-    resolve(&crate::file::read(text)?, sizes)
+    load_in(None, text, sizes)
+}
+
+/// As [`load`], for a file in a folder, where the files of its tables are.
+///
+/// # Errors
+/// Everything that is wrong with it and with them.
+pub fn load_in(folder: Option<&Path>, text: &str, sizes: &[(String, i64)]) -> Result<Model, Vec<Problem>> {
+    whole(resolve_through(&crate::file::read(text)?, sizes, folder))
 }
 
 /// Reads and resolves the text of a file as far as it goes: all problems, and the model wherever it can be derived and
@@ -129,8 +146,13 @@ pub fn load(text: &str, sizes: &[(String, i64)]) -> Result<Model, Vec<Problem>> 
 /// assert!(model.is_some());             // and can be judged as it stands
 /// ```
 pub fn read_through(text: &str, sizes: &[(String, i64)]) -> (Option<Model>, Vec<Problem>) {
+    read_through_in(None, text, sizes)
+}
+
+/// As [`read_through`], for a file in a folder, where the files of its tables are.
+pub fn read_through_in(folder: Option<&Path>, text: &str, sizes: &[(String, i64)]) -> (Option<Model>, Vec<Problem>) {
     match crate::file::read(text) {
-        Ok(root) => resolve_through(&root, sizes),
+        Ok(root) => resolve_through(&root, sizes, folder),
         Err(problems) => (None, problems),
     }
 }

@@ -19,6 +19,8 @@ pub struct Model {
     pub name: String,
     /// One paragraph.
     pub about: String,
+    /// Files beside the model's that its tables come from.
+    pub files: Vec<std::path::PathBuf>,
     /// The sizes in force.
     pub sizes: Vec<(String, i64)>,
     /// 2 or 3.

@@ -1,6 +1,7 @@
 //! What resolving a model carries from section to section.
 
 use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use super::expression::bench::Bench;
@@ -31,6 +32,8 @@ pub struct Resolver<'a> {
     pub index_names: IndexNames,
     /// What `conserved` and `outputs` name, none where it was refused.
     pub watched: BTreeMap<String, Vec<Option<Watched>>>,
+    /// Where files that the model names are; `None` where it is in no folder.
+    pub folder: Option<PathBuf>,
     /// The result so far.
     pub model: Model,
     names: usize,
@@ -38,7 +41,7 @@ pub struct Resolver<'a> {
 
 impl<'a> Resolver<'a> {
     /// For a file.
-    pub fn new(root: Spot<'a>) -> Resolver<'a> {
+    pub fn new(root: Spot<'a>, folder: Option<&Path>) -> Resolver<'a> {
         Resolver {
             root,
             bench: Bench::new(crate::expr::Graph::new()),
@@ -46,6 +49,7 @@ impl<'a> Resolver<'a> {
             items: Vec::new(),
             index_names: Vec::new(),
             watched: BTreeMap::new(),
+            folder: folder.map(Path::to_owned),
             model: Model::default(),
             names: 0,
         }

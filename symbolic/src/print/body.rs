@@ -8,7 +8,7 @@ use rustc_hash::FxHashMap as HashMap;
 use std::fmt::Write;
 
 use super::scope::{Names, Scope, joined};
-use crate::expr::{Binary, Graph, Id, Node, Number, Symbol, Unary};
+use crate::expr::{Binary, Graph, Id, Node, Number, Symbol, Table, Unary};
 
 /// What happens with a computed value.
 pub(super) enum Use {
@@ -57,6 +57,10 @@ pub(super) struct Bodies<'a> {
     pub first_mode: usize,
     /// Place of the first phase in the block of constants.
     pub first_phase: usize,
+    /// What tables are numbered by.
+    pub tables: &'a [Table],
+    /// The type that describes them.
+    pub owner: &'a str,
 }
 
 #[derive(Clone)]
@@ -263,6 +267,14 @@ impl Writer<'_> {
             Node::Unary(Unary::Neg, x) => {
                 let inner = &self.pieces[&x];
                 Piece { text: format!("-{}", at_least(inner, Level::Atom)), level: Level::Sign, depth: inner.depth + 1 }
+            }
+            Node::Unary(Unary::Table(table), x) => {
+                let inner = &self.pieces[&x];
+                let place = self.of.tables.iter().position(|known| *known == table.whole()).unwrap_or(0);
+                let receiver = at_least(inner, Level::Atom);
+                let text =
+                    format!("{receiver}.table(&{}::description().tables[{place}], {})", self.of.owner, table.order());
+                Piece { text, level: Level::Atom, depth: inner.depth + 1 }
             }
             Node::Unary(f, x) => {
                 let inner = &self.pieces[&x];

@@ -40,6 +40,21 @@ pub(super) fn description(program: &Program, source: &str) -> String {
             )
         })),
     );
+    let tables = program.tables().into_iter().map(|table| {
+        let pieces = table.pieces().iter().map(|piece| format!("[{}]", piece.map(float).join(", ")));
+        format!(
+            "mechanism::Table {{ name: {}, knots: {}, pieces: {}, period: {}, rise: {} }}",
+            string(table.name()),
+            list(table.knots().iter().map(|knot| float(*knot))),
+            list(pieces),
+            match table.period() {
+                None => "::core::option::Option::None".to_owned(),
+                Some(period) => format!("::core::option::Option::Some({})", float(period)),
+            },
+            float(table.rise())
+        )
+    });
+    field("tables", list(tables));
     field("derived", list(model.derived.iter().map(|d| string(&d.name))));
     field("inputs", list(model.inputs.iter().map(|u| string(&u.name))));
     field("mass_pattern", pattern(&program.mass));

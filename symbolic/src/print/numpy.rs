@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use super::formula::{Formulas, Notation, Python};
 use crate::derive::without_modes;
-use crate::expr::{Graph, Id, Symbol};
+use crate::expr::{Graph, Id, Symbol, Table};
 use crate::lower::{Entry, Program};
 use crate::model::local_name;
 
@@ -14,14 +14,30 @@ const TAKEN: &[&str] = &[
     "False", "None", "True", "and", "as", "assert", "async", "await", "break", "class", "continue", "def", "del",
     "elif", "else", "except", "finally", "for", "from", "global", "if", "import", "in", "is", "lambda", "nonlocal",
     "not", "or", "pass", "raise", "return", "try", "while", "with", "yield", "np", "t", "q", "v", "p", "u", "phase",
-    "out", "n",
+    "out", "n", "pieces_",
 ];
+
+/// Evaluates a table.
+const PIECES: &str = "
+
+def pieces_(x, order, knots, pieces, period):
+    \"\"\"Cubics between knots, straight beyond them; order: how often they are differentiated.\"\"\"
+    if period is not None:
+        x = x - np.floor((x - knots[0])/period)*period
+    k = int(np.searchsorted(knots, x, side=\"right\"))
+    d = x - knots[max(k - 1, 0)]
+    out = 0.0
+    for power in range(3, order - 1, -1):
+        out = out*d + pieces[k][power]*np.prod(np.arange(power - order + 1, power + 1.0))
+    return out
+";
 
 /// The module's text; `name` is what a person imports it as.
 pub fn python(program: &Program, name: &str) -> String {
     let mut module =
         Module { program, graph: program.model.graph.clone(), names: Names::new(program), out: String::new() };
     module.head(name);
+    module.tables();
     module.inputs();
     let n = program.model.coordinates.len();
     module.matrix("mass_matrix", "M(t, q), n by n, symmetric, in SI units.", &program.mass, (n, n), true);
@@ -66,7 +82,8 @@ struct Names {
 impl Names {
     fn new(program: &Program) -> Names {
         let model = &program.model;
-        let mut taken: HashSet<String> = TAKEN.iter().map(|name| (*name).to_owned()).collect();
+        let tables = program.tables().into_iter().map(Python::table);
+        let mut taken: HashSet<String> = TAKEN.iter().map(|name| (*name).to_owned()).chain(tables).collect();
         let mut fresh = |wanted: String| {
             let mut name = wanted;
             while !taken.insert(name.clone()) {
@@ -145,6 +162,28 @@ impl Module<'_> {
             let _ = writeln!(text, "\nPHASES = [{names}]");
         }
         self.out += &text;
+    }
+
+    /// The functions that the file gives by points.
+    fn tables(&mut self) {
+        let tables: Vec<Table> = self.program.tables().into_iter().filter(|table| !table.is_counter()).collect();
+        if tables.is_empty() {
+            return;
+        }
+        self.out += PIECES;
+        for table in tables {
+            let numbers = |numbers: &[f64]| numbers.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(", ");
+            let period = table.period().map_or_else(|| "None".to_owned(), |period| format!("{period:?}"));
+            let pieces: Vec<String> = table.pieces().iter().map(|piece| format!("[{}]", numbers(piece))).collect();
+            let _ = writeln!(
+                self.out,
+                "\n\ndef {}(x, order=0):\n    \"\"\"A table of the model, or one of its derivatives.\"\"\"\n    \
+                 knots = [{}]\n    pieces = [{}]\n    return pieces_(x, order, knots, pieces, {period})",
+                Python::table(table),
+                numbers(table.knots()),
+                pieces.join(", "),
+            );
+        }
     }
 
     fn inputs(&mut self) {

@@ -6,7 +6,7 @@ use super::body::Bodies;
 use super::mechanism::Mechanism;
 use super::parameters::parameters;
 use super::scope::Names;
-use crate::expr::{Id, Node, Symbol, Unary};
+use crate::expr::{Id, Node, Symbol, Table, Unary};
 use crate::lower::{Accelerations, Program};
 use crate::model::EventAction;
 
@@ -22,7 +22,21 @@ pub fn rust(program: &Program, source: &str, name: &str) -> String {
     let first_phase = first_mode + program.switches.len();
     let nowhere = HashMap::default();
     let places = constants.iter().enumerate().map(|(k, id)| (*id, free + k)).collect();
-    let bodies = |hoisted| Bodies { graph: &program.model.graph, names: &names, hoisted, first_mode, first_phase };
+    let tables = program.tables();
+    let owner = format!(
+        "<{name} as ::dalembert::mechanism::Mechanism<{}, {}>>",
+        program.model.coordinates.len(),
+        program.constraints.len()
+    );
+    let bodies = |hoisted| Bodies {
+        graph: &program.model.graph,
+        names: &names,
+        hoisted,
+        first_mode,
+        first_phase,
+        tables: &tables,
+        owner: &owner,
+    };
     let mechanism = Mechanism {
         program,
         bodies: bodies(&places),
@@ -61,6 +75,20 @@ fn hoist(program: &Program) -> Vec<Id> {
 }
 
 impl Program {
+    /// All tables that expressions contain, each once.
+    pub fn tables(&self) -> Vec<Table> {
+        let graph = &self.model.graph;
+        let mut tables: Vec<Table> = Vec::new();
+        for node in (0..graph.len()).map(|place| graph.node(graph.id_at(place))) {
+            if let Node::Unary(Unary::Table(table), _) = node
+                && !tables.contains(&table.whole())
+            {
+                tables.push(table.whole());
+            }
+        }
+        tables
+    }
+
     /// Every expression that some generated function computes from a state.
     fn roots(&self) -> Vec<Id> {
         let constraints = &self.constraints;

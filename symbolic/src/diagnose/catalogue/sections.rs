@@ -55,4 +55,10 @@ super::entries! {
     E318 two_phases() "an event that goes to two phases"
         "an event goes to one phase" "a second one" "leave one of them out, or write two events with an `if` each"
         "One phase is active at a time.";
+    E319 bad_table(name, why, help) "points that make no function"
+        "`{name}` is no function: {why}" "" "{help}"
+        "A table has one value for each argument: at least two points, from left to right, and a periodic one ends as it begins.";
+    E320 rough_table(name, slope, smooth, help) "a table that is not smooth enough"
+        "`{slope}` enters the equations of motion, and jumps from piece to piece of `{name}`, which is smooth to order {smooth}" "" "{help}"
+        "What moves a body enters with its second derivative, what has potential energy with its first; accelerations that jump unannounced would be integrated wrongly.";
 }

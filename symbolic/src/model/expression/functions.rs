@@ -4,7 +4,7 @@ use super::facts::Depends;
 use super::index::{self, Indices};
 use super::lower::{Local, Lower};
 use super::names::Solid;
-use super::scope::Member;
+use super::scope::{Member, Section};
 use super::value::{self, Value};
 use crate::diagnose::catalogue::{mechanics, names};
 use crate::diagnose::did_you_mean;
@@ -15,7 +15,12 @@ impl Lower<'_> {
     /// The value of `name(arguments)`.
     pub(super) fn call(&mut self, name: &str, name_span: Span, arguments: &[Ast], span: Span) -> Value {
         let Some(known) = function(name) else {
-            let help = did_you_mean(name, FUNCTIONS.iter().map(|f| f.name));
+            if let Some(table) = self.table(name) {
+                return self.of_table(name, table, arguments, span);
+            }
+            let tables = self.scope.names.iter().filter(|(_, entry)| entry.section == Section::Table);
+            let tables = tables.map(|(name, _)| name.as_str());
+            let help = did_you_mean(name, FUNCTIONS.iter().map(|f| f.name).chain(tables));
             let help = match self.scope.names.contains_key(name) && help.is_empty() {
                 true => format!("a product needs `*`: `{name}*(…)`"),
                 false => help,
@@ -42,6 +47,34 @@ impl Lower<'_> {
             ("dot" | "norm" | "unit", _) => self.metric(name, arguments),
             ("cross", [a, b]) => self.cross(a, b),
             _ => self.scalar_function(name, arguments, span),
+        }
+    }
+
+    /// The place of the table of this name, if there is one.
+    pub(super) fn table(&self, name: &str) -> Option<Option<usize>> {
+        let entry = self.scope.names.get(name).filter(|entry| entry.section == Section::Table)?;
+        Some(match entry.members.values().next() {
+            Some(Member::Table(place)) if !entry.refused => Some(*place),
+            _ => None,
+        })
+    }
+
+    /// A table at an argument; nothing is said of one that was refused.
+    fn of_table(&mut self, name: &str, table: Option<usize>, arguments: &[Ast], span: Span) -> Value {
+        let Some(place) = table else { return Value::Poison };
+        let [argument] = arguments else {
+            let place = self.place(span);
+            return self.refuse(names::argument_count(place, name, "1 argument".to_owned(), arguments.len()));
+        };
+        let table = self.scope.tables[place].table;
+        match self.expression(argument) {
+            Value::Scalar(x) => Value::Scalar(self.bench.graph.unary(Unary::Table(table), x)),
+            Value::Nothing => Value::Scalar(self.bench.graph.unary(Unary::Table(table), Id::ZERO)),
+            Value::Poison => Value::Poison,
+            found @ Value::Vector(_) => {
+                let problem = names::argument_kind(self.place(argument.span), name, "a number", found.describe());
+                self.refuse(problem)
+            }
         }
     }
 

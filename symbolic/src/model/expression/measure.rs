@@ -62,7 +62,7 @@ impl Lower<'_> {
             Member::Reaction(_) if units.pure => Measure::ONE,
             Member::Reaction(place) if self.scope.reactions[place].couple => Measure::Of(Dimension::ENERGY),
             Member::Reaction(_) => Measure::Of(Dimension::FORCE),
-            Member::Constraint(_) | Member::Phase(_) | Member::Refused => Measure::Unknown,
+            Member::Constraint(_) | Member::Phase(_) | Member::Table(_) | Member::Refused => Measure::Unknown,
         };
         self.rate_of(measure, primes)
     }
@@ -183,6 +183,7 @@ impl Lower<'_> {
                 let a = self.measure(a);
                 a.times(self.measure(b))
             }
+            (_, [argument]) if self.table(name).is_some() => self.measure_of_table(name, argument),
             _ => {
                 for argument in arguments {
                     self.want_pure(name, argument);
@@ -190,6 +191,20 @@ impl Lower<'_> {
                 Measure::ONE
             }
         }
+    }
+
+    /// What a table gives; its argument is in the unit of its first column.
+    fn measure_of_table(&mut self, name: &str, argument: &Ast) -> Measure {
+        let found = self.measure(argument);
+        let Some(Some(place)) = self.table(name) else { return Measure::Unknown };
+        let (of, gives) = (self.scope.tables[place].of, self.scope.tables[place].gives);
+        if let (None, Measure::Of(found), Measure::Of(of)) = (found.alike(of), found, of) {
+            let words = self.text.words(argument.span).to_owned();
+            let what = format!("the argument of `{name}`");
+            let problem = units::wrong_unit(self.place(argument.span), words, found.described(), what, of.wanted(), "");
+            self.refuse(problem);
+        }
+        gives
     }
 
     fn want_pure(&mut self, function: &str, argument: &Ast) {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::dimension::{Dimension, Measure};
 use super::rules::Expected;
 use super::value::Value;
-use crate::expr::Id;
+use crate::expr::{Id, Table};
 use crate::language::FUNCTIONS;
 use crate::model::resolved::Reaction;
 
@@ -34,6 +34,8 @@ pub enum Section {
     Constraint,
     /// `phases`
     Phase,
+    /// `tables`
+    Table,
 }
 
 impl Section {
@@ -51,6 +53,7 @@ impl Section {
             Section::Reaction => "reactions",
             Section::Constraint => "constraints",
             Section::Phase => "phases",
+            Section::Table => "tables",
         }
     }
 
@@ -68,6 +71,7 @@ impl Section {
             Section::Reaction => "a reaction",
             Section::Constraint => "a constraint",
             Section::Phase => "a phase",
+            Section::Table => "a table",
         }
     }
 }
@@ -95,6 +99,8 @@ pub enum Member {
     Constraint(usize),
     /// A phase, by its place.
     Phase(usize),
+    /// A table, by its place.
+    Table(usize),
     /// Belongs to a part of the file that was refused already.
     Refused,
 }
@@ -132,6 +138,17 @@ pub struct ConstraintNames {
     pub item: usize,
     /// The place of its first component among the rows of all constraints, once that is known.
     pub first: Option<usize>,
+}
+
+/// A function that is given by points.
+#[derive(Clone, Debug)]
+pub struct TableNames {
+    /// The function, in SI.
+    pub table: Table,
+    /// The unit of its argument.
+    pub of: Measure,
+    /// The unit of its value.
+    pub gives: Measure,
 }
 
 /// T and V of the whole model.
@@ -210,6 +227,8 @@ pub struct Scope {
     pub phase_names: BTreeMap<String, Entry>,
     /// Constraints in the file's order, families expanded.
     pub constraints: Vec<ConstraintNames>,
+    /// Tables in the file's order.
+    pub tables: Vec<TableNames>,
     /// Known once bodies and loads are.
     pub energies: Option<Energies>,
     /// What is known of units.

@@ -18,4 +18,5 @@ pub mod scenes;
 pub mod settle;
 pub mod shared;
 pub mod springs;
+pub mod tables;
 pub mod watched;

@@ -54,6 +54,10 @@ impl Latex<'_> {
                 _ => self.written(term),
             }),
             Formula::Product(number, above, below) => self.product(*number, above, below),
+            Formula::Table(table, x) => {
+                let primes = "'".repeat(table.order().into());
+                format!("{}{primes}\\left({}\\right)", name(table.whole().name()), self.written(x))
+            }
             Formula::Call("^", arguments) => {
                 let [base, exponent] = arguments.as_slice() else { return String::new() };
                 format!("{}^{{{}}}", self.base(base), self.written(exponent))

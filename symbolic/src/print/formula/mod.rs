@@ -10,7 +10,7 @@ use std::rc::Rc;
 
 use rustc_hash::FxHashMap as HashMap;
 
-use crate::expr::{Binary, Graph, Id, Node, Number, Symbol, Unary, factors, terms};
+use crate::expr::{Binary, Graph, Id, Node, Number, Symbol, Table, Unary, factors, terms};
 
 pub(super) use latex::Latex;
 pub(super) use python::Python;
@@ -31,6 +31,8 @@ pub(super) enum Formula {
     Product(Number, Vec<Power>, Vec<Power>),
     /// A function.
     Call(&'static str, Vec<Rc<Formula>>),
+    /// A table of the model, or a derivative of it.
+    Table(Table, Rc<Formula>),
 }
 
 /// A base with twice its exponent, which is positive.
@@ -155,6 +157,7 @@ impl Writing {
                 self.product(graph, id)
             }
             Node::Binary(Binary::Pow, x, y) => (false, Formula::Call("^", vec![self.whole(x), self.whole(y)])),
+            Node::Unary(Unary::Table(table), x) => (false, Formula::Table(table, self.whole(x))),
             Node::Unary(function, x) => (false, Formula::Call(function.name(), vec![self.whole(x)])),
             Node::Binary(function, x, y) => {
                 let name = match function {
@@ -293,7 +296,7 @@ fn rank(formula: &Formula) -> (u8, u32) {
         Formula::Symbol(Symbol::Acceleration(k)) => (4, *k),
         Formula::Number(_) | Formula::Symbol(_) => (1, 0),
         Formula::Part(k) => (5, *k as u32),
-        Formula::Call(..) | Formula::Product(..) => (6, 0),
+        Formula::Call(..) | Formula::Table(..) | Formula::Product(..) => (6, 0),
         Formula::Sum(_) => (7, 0),
     }
 }

@@ -1,7 +1,8 @@
 //! Formulas in Python, with NumPy's functions.
 
 use super::{Formula, Level, Notation, Power, sum};
-use crate::expr::{DoubleDouble, Number, Symbol};
+use crate::expr::{DoubleDouble, Number, Symbol, Table};
+use crate::model::local_name;
 
 /// Writes formulas as Python.
 pub struct Python<'a> {
@@ -13,6 +14,11 @@ impl Python<'_> {
     /// The name of a part.
     pub fn part(place: usize) -> String {
         format!("s{}_", place + 1)
+    }
+
+    /// The function of a table.
+    pub fn table(table: Table) -> String {
+        format!("{}_table_", local_name(table.whole().name()).trim_start_matches("r#"))
     }
 
     fn power(&self, Power { base, halves }: &Power) -> String {
@@ -44,6 +50,10 @@ impl Notation for Python<'_> {
                     out += &format!("/({})", below.join("*"));
                 }
                 (out, Level::Product)
+            }
+            Formula::Table(table, x) => {
+                let (name, order) = (Self::table(*table), table.order());
+                (format!("{name}({}, {order})", self.written(x).0), Level::Atom)
             }
             Formula::Call("^", arguments) => {
                 let parts: Vec<String> = arguments.iter().map(|x| self.at(x, Level::Atom)).collect();

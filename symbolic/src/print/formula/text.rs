@@ -54,6 +54,7 @@ impl Notation for Text<'_> {
                 let alone = below.is_empty() && factors.len() == 1;
                 (out, if alone { Level::Power } else { Level::Product })
             }
+            Formula::Table(table, x) => (format!("{}({})", table.name(), self.written(x).0), Level::Atom),
             Formula::Call("^", arguments) => {
                 (arguments.iter().map(|x| self.at(x, Level::Atom)).collect::<Vec<_>>().join("^"), Level::Power)
             }

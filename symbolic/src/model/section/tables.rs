@@ -1,0 +1,283 @@
+//! `tables`: functions that are given by points, in the file or in one beside it.
+
+use crate::diagnose::Place;
+use crate::diagnose::catalogue::{later, sections};
+use crate::expr::{Smooth, Table};
+use crate::file::{Spot, unit_at};
+use crate::model::expression::dimension::Measure;
+use crate::model::expression::index::MEMBER_LIMIT;
+use crate::model::expression::rules::Rules;
+use crate::model::expression::scope::{Member, Section, TableNames};
+use crate::model::resolver::Resolver;
+
+/// What an entry may say.
+const KEYS: [&str; 6] = ["points", "file", "columns", "units", "smooth", "periodic"];
+
+/// What a column's numbers are in.
+struct Scale {
+    factor: f64,
+    measure: Measure,
+}
+
+impl Resolver<'_> {
+    /// Declares the tables.
+    pub fn tables(&mut self) {
+        for (key, spot) in self.section("tables") {
+            let Some(family) = self.expand_declared(key, &spot, Section::Table) else { continue };
+            if !family.key.indices.is_empty() {
+                self.bench.problems.push(sections::family_not_allowed(spot.place.of_key(), "`tables`"));
+                self.refuse_name(&family.key.name, Section::Table);
+                continue;
+            }
+            match (self.read_table(&family.key.name, &spot), family.members.as_slice()) {
+                (Some(table), [member]) => {
+                    let place = self.scope.tables.len();
+                    if self.declare(Section::Table, member, Member::Table(place), &spot.place) {
+                        self.scope.tables.push(table);
+                    }
+                }
+                _ => self.refuse_name(&family.key.name, Section::Table),
+            }
+        }
+    }
+
+    fn read_table(&mut self, name: &str, spot: &Spot<'_>) -> Option<TableNames> {
+        if !spot.only(&KEYS, "a table", &mut self.bench.problems) {
+            return None;
+        }
+        let before = self.bench.problems.len();
+        let smooth = self.smooth(spot);
+        let periodic = self.periodic(spot);
+        let [of, gives] = self.scales(spot)?;
+        let points = match (spot.get("points"), spot.get("file")) {
+            (Some(_), Some(file)) => {
+                let place = file.place.of_key();
+                self.bench.problems.push(sections::conflicting_keys(place, "points", "file", "a table"));
+                return None;
+            }
+            (Some(points), None) => self.listed_points(&points)?,
+            (None, Some(file)) => self.points_of_file(spot, &file)?,
+            (None, None) if spot.misspelt(&self.bench.problems) => return None,
+            (None, None) => {
+                let place = spot.place.of_key();
+                self.bench.problems.push(sections::needs_one_of(place, "`points`, `file`", "a table"));
+                return None;
+            }
+        };
+        let scaled: Vec<[f64; 2]> = points.iter().map(|[x, y]| [x * of.factor, y * gives.factor]).collect();
+        if let Some((why, help)) = unfit(&points, periodic).or_else(|| unfit(&scaled, periodic)) {
+            let at = spot.get("points").or_else(|| spot.get("file")).map_or(Place::default(), |spot| spot.place);
+            self.bench.problems.push(sections::bad_table(at, name, why, help));
+        }
+        (self.bench.problems.len() == before).then(|| TableNames {
+            table: Table::new(name, &scaled, smooth, periodic),
+            of: of.measure,
+            gives: gives.measure,
+        })
+    }
+
+    fn smooth(&mut self, spot: &Spot<'_>) -> Smooth {
+        let Some(smooth) = spot.get("smooth") else { return Smooth::Twice };
+        let problems = &mut self.bench.problems;
+        match smooth.words(problems) {
+            Some("0") => Smooth::Zero,
+            Some("1") => Smooth::Once,
+            Some("2") | None => Smooth::Twice,
+            Some(other) => {
+                let help = "0: straight between the points; 1: no steeper than they are; 2: a cubic spline";
+                problems.push(sections::unknown_choice(smooth.place, other, "0, 1 or 2", help));
+                Smooth::Twice
+            }
+        }
+    }
+
+    fn periodic(&mut self, spot: &Spot<'_>) -> bool {
+        let Some(periodic) = spot.get("periodic") else { return false };
+        let problems = &mut self.bench.problems;
+        match periodic.words(problems) {
+            Some("true") => true,
+            Some("false") | None => false,
+            Some(other) => {
+                problems.push(sections::unknown_choice(periodic.place, other, "true or false", ""));
+                false
+            }
+        }
+    }
+
+    /// What both columns are in.
+    fn scales(&mut self, spot: &Spot<'_>) -> Option<[Scale; 2]> {
+        let Some(units) = spot.get("units") else {
+            return Some([(); 2].map(|()| Scale { factor: 1.0, measure: Measure::Unknown }));
+        };
+        let list = units.list(&mut self.bench.problems);
+        if list.len() != 2 {
+            self.bench.problems.push(sections::list_length(units.place, "units", 2, list.len()));
+            return None;
+        }
+        let mut scale = |spot: &Spot<'_>| {
+            let words = spot.words(&mut self.bench.problems)?;
+            match unit_at(words, &spot.place) {
+                Ok(unit) => {
+                    let measure = self.note_unit(Some(&unit));
+                    Some(Scale { factor: unit.factor().to_f64(), measure })
+                }
+                Err(found) => {
+                    self.bench.problems.extend(found);
+                    None
+                }
+            }
+        };
+        let (of, gives) = (scale(&list[0]), scale(&list[1]));
+        Some([of?, gives?])
+    }
+
+    /// `[[x, y], …]`.
+    fn listed_points(&mut self, spot: &Spot<'_>) -> Option<Vec<[f64; 2]>> {
+        let before = self.bench.problems.len();
+        let list = spot.list(&mut self.bench.problems);
+        if !self.count(list.len(), &spot.place) {
+            return None;
+        }
+        let mut points = Vec::with_capacity(list.len());
+        for point in list {
+            let pair = point.list(&mut self.bench.problems);
+            let [x, y] = pair.as_slice() else {
+                if self.bench.problems.len() == before {
+                    let (name, found) = (point.name.clone(), pair.len());
+                    self.bench.problems.push(sections::list_length(point.place, name, 2, found));
+                }
+                continue;
+            };
+            if let (Some(x), Some(y)) = (self.number_of_point(x), self.number_of_point(y)) {
+                points.push([x, y]);
+            }
+        }
+        (self.bench.problems.len() == before).then_some(points)
+    }
+
+    /// A number, or an expression of numbers.
+    fn number_of_point(&mut self, spot: &Spot<'_>) -> Option<f64> {
+        if let Some(number) = spot.words(&mut self.bench.problems)?.trim().parse().ok().filter(|x: &f64| x.is_finite())
+        {
+            return Some(number);
+        }
+        let text = spot.text(&mut self.bench.problems)?;
+        let id = self.scalar(&text, Rules::constant("a point of a table"), &Default::default())?;
+        let number = self.bench.graph.number(id).map(|number| number.to_f64());
+        if number.is_none() {
+            let what = "a point of a table";
+            self.bench.problems.push(sections::wrong_shape(spot.place.clone(), what, "a number", "an expression"));
+        }
+        number
+    }
+
+    /// Two columns of a file beside the model's.
+    fn points_of_file(&mut self, spot: &Spot<'_>, file: &Spot<'_>) -> Option<Vec<[f64; 2]>> {
+        let words = file.words(&mut self.bench.problems)?;
+        let Some(folder) = &self.folder else {
+            self.bench
+                .problems
+                .push(later::form_not_supported(file.place.clone(), "a table's file in a model that is none"));
+            return None;
+        };
+        let path = folder.join(words);
+        let columns = match spot.get("columns") {
+            None => None,
+            Some(columns) => {
+                let list = columns.list(&mut self.bench.problems);
+                if list.len() != 2 {
+                    self.bench.problems.push(sections::list_length(columns.place, "columns", 2, list.len()));
+                    return None;
+                }
+                Some([list[0].words(&mut self.bench.problems)?, list[1].words(&mut self.bench.problems)?])
+            }
+        };
+        let read = std::fs::read_to_string(&path).map_err(|error| error.to_string());
+        match read.and_then(|text| columns_of(&text, columns)) {
+            Ok(points) => {
+                self.model.files.push(path);
+                self.count(points.len(), &file.place).then_some(points)
+            }
+            Err(why) => {
+                let help = "two columns of numbers with commas, semicolons, tabs or blanks between, under a line of names or not; `columns` picks them by name";
+                self.bench.problems.push(sections::bad_table(file.place.clone(), words, why, help));
+                None
+            }
+        }
+    }
+}
+
+/// Why points make no function, and a way out.
+fn unfit(points: &[[f64; 2]], periodic: bool) -> Option<(String, &'static str)> {
+    if points.len() < 2 {
+        return Some((format!("it has {} of the two points that it needs", points.len()), ""));
+    }
+    if let Some([x, y]) = points.iter().find(|point| !point.iter().all(|x| x.is_finite())) {
+        return Some((format!("its point ({x}, {y}) is not finite"), ""));
+    }
+    if let Some(pair) = points.windows(2).find(|pair| pair[1][0] <= pair[0][0]) {
+        let why = format!("{} does not come after {}", pair[1][0], pair[0][0]);
+        return Some((why, "the first numbers of the points must rise"));
+    }
+    let (first, last) = (points[0][1], points[points.len() - 1][1]);
+    if periodic && first != last {
+        return Some((format!("it begins with {first} and ends with {last}"), "a period ends as it begins"));
+    }
+    None
+}
+
+/// Two columns of a table of text: the first two, or those of these names.
+fn columns_of(text: &str, names: Option<[&str; 2]>) -> Result<Vec<[f64; 2]>, String> {
+    let cells = |line: &str| -> Vec<String> {
+        let cells: Vec<&str> = match line.contains([',', ';', '\t']) {
+            true => line.split([',', ';', '\t']).collect(),
+            false => line.split_whitespace().collect(),
+        };
+        cells.into_iter().map(|cell| cell.trim().trim_matches('"').to_owned()).collect()
+    };
+    let mut lines =
+        text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#')).peekable();
+    let number = |cell: &str| cell.parse::<f64>().ok().filter(|x| x.is_finite());
+    let mut places = [0, 1];
+    let header =
+        lines.peek().map(|(_, line)| cells(line)).filter(|cells| cells.iter().all(|cell| number(cell).is_none()));
+    if header.is_some() {
+        lines.next();
+    }
+    if let Some(names) = names {
+        let header = header.ok_or_else(|| "it has no line of names".to_owned())?;
+        for (place, name) in places.iter_mut().zip(names) {
+            let found = header.iter().position(|known| known == name);
+            *place = found.ok_or_else(|| format!("no column is called `{name}`; there are {}", header.join(", ")))?;
+        }
+    }
+    let point = |(line, text): (usize, &str)| {
+        let cells = cells(text);
+        let at = |place: usize| {
+            let cell = cells.get(place).ok_or_else(|| format!("line {} has {} columns", line + 1, cells.len()))?;
+            number(cell).ok_or_else(|| format!("`{cell}` in line {} is no number", line + 1))
+        };
+        Ok([at(places[0])?, at(places[1])?])
+    };
+    // A file can be longer than any model may be.
+    lines.take(MEMBER_LIMIT + 1).map(point).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::columns_of;
+
+    #[test]
+    fn columns_are_found_whatever_separates_them() {
+        let points = vec![[0.0, 1.0], [1.0, -2.5]];
+        for text in ["0,1\n1,-2.5\n", "s;z\n0;1\n1;-2.5", "# road\n\n0 1\n1\t-2.5\n", "\"s\" \"z\"\n0.0 1e0\n1 -2.5"] {
+            assert_eq!(columns_of(text, None).as_ref(), Ok(&points), "{text}");
+        }
+        let wide = "t, s, z\n9, 0, 1\n9, 1, -2.5\n";
+        assert_eq!(columns_of(wide, Some(["s", "z"])).as_ref(), Ok(&points));
+        assert_eq!(columns_of(wide, Some(["s", "y"])), Err("no column is called `y`; there are t, s, z".to_owned()));
+        assert_eq!(columns_of("0,1\n1,x", None), Err("`x` in line 2 is no number".to_owned()));
+        assert_eq!(columns_of("0,1\n1", None), Err("line 2 has 1 columns".to_owned()));
+        assert_eq!(columns_of("0,1", Some(["a", "b"])), Err("it has no line of names".to_owned()));
+    }
+}
