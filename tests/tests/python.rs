@@ -42,8 +42,11 @@ fn python() -> Option<&'static str> {
 }
 
 fn files() -> BTreeMap<String, PathBuf> {
-    let folders =
-        [concat!(env!("CARGO_MANIFEST_DIR"), "/../models"), concat!(env!("CARGO_MANIFEST_DIR"), "/tests/names"), concat!(env!("CARGO_MANIFEST_DIR"), "/roads")];
+    let folders = [
+        concat!(env!("CARGO_MANIFEST_DIR"), "/../models"),
+        concat!(env!("CARGO_MANIFEST_DIR"), "/tests/names"),
+        concat!(env!("CARGO_MANIFEST_DIR"), "/roads"),
+    ];
     let files = folders.iter().flat_map(|folder| fs::read_dir(folder).unwrap().map(|file| file.unwrap().path()));
     files
         .filter(|path| path.extension().is_some_and(|e| e == "yaml"))

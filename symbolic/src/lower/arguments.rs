@@ -180,10 +180,8 @@ fn inside(graph: &mut Graph, roots: &[Id]) -> Vec<(Role, Id)> {
             Node::Unary(Unary::Tanh | Unary::Sinh | Unary::Cosh, x) => note(Role::Bounded, x),
             Node::Unary(Unary::Atan, x) => note(Role::Arctangent, x),
             Node::Unary(Unary::Abs | Unary::Sign | Unary::Step, x) => note(Role::Landmark, x),
-            Node::Unary(Unary::Table(table), x) => {
-                if moving.contains(&x) {
-                    found.push((Role::Points, graph.unary(Unary::Table(table.counter()), x)));
-                }
+            Node::Unary(Unary::Table(table), x) if moving.contains(&x) => {
+                found.push((Role::Points, graph.unary(Unary::Table(table.counter()), x)));
             }
             Node::Unary(Unary::Sqrt, x) => factors(graph, x, 0.5, &mut bases),
             Node::Unary(Unary::Ln, x) => factors(graph, x, 1.0, &mut bases),
