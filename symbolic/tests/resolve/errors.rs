@@ -139,6 +139,9 @@ fn sections() {
     refused("sample: {x: 1}", "E304", "1");
     refused("draw: [{lin: [P, O]}]", "E301", "lin");
     refused("draw: [{circle: {at: P}}]", "E302", "circle");
+    refused("draw: [{line: [P, O], each: i in 1..x}]", "E221", "x");
+    refused("draw: [{line: [P, \"[i, kk]\"], each: i in 1..3}]", "E201", "kk");
+    refused("draw: [{line: [P, O], each: m in 1..3}]", "E204", "m in 1..3");
     refused("draw: [{curve: \"[s, s^2]\"}]", "E302", "curve");
     refused("checks: {a: \"x = P\"}", "E212", "x = P");
     refused("define: {a: x = y}", "E115", "=");

@@ -170,7 +170,9 @@ conserved: {"E[i in 1..2]": energy*i}
 checks: {"same[i in 1..n]": "tip[i] - tip[i-1] = l*[sin(theta[i]), -cos(theta[i])]"}
 outputs: {"height[i in 1..n]": "tip[i].y"}
 events: {"down[i in 1..n]": {when: "theta[i]", then: [record, stop]}}
-draw: [{line: ["tip[i in 0..n]"]}, {circle: {at: "tip[i in 1..2]", radius: l/10}}, {trace: "tip[n]"}]
+draw: [{line: ["tip[i in 0..n]"]}, {circle: {at: "tip[i in 1..2]", radius: l/10}}, {trace: "tip[n]"},
+  {spring: ["tip[i]", "tip[j]"], each: "i in 0..n, j in i+1..n"}, {curve: "tip[i] + [s, s^2]", s: 0..l, each: i in 1..n},
+  {circle: {at: "bar[b]", radius: "m[b]/10"}, each: b in 1..n}]
 scene: {start: {"theta[i in 1..n]": "i/10", "theta[2]'": 1}}
 "#,
     );
@@ -184,10 +186,17 @@ scene: {start: {"theta[i in 1..n]": "i/10", "theta[2]'": 1}}
     assert_eq!(chain.derived.len(), 3);
     assert_eq!(chain.loads.len(), 5);
     assert_eq!(chain.generalized_forces.len(), 3);
-    assert_eq!((chain.checks.len(), chain.conserved.len(), chain.draw.len()), (3, 2, 4));
+    assert_eq!((chain.checks.len(), chain.conserved.len(), chain.draw.len()), (3, 2, 16));
     assert_eq!(chain.events[2].actions, [EventAction::Record, EventAction::Stop]);
     assert!(matches!(&chain.draw[0], Shape::Line(points) if points.len() == 4));
     assert!(matches!(&chain.draw[3], Shape::Trace(name, _) if name == "tip[n]"));
+    assert_eq!(chain.draw.iter().filter(|shape| matches!(shape, Shape::Spring(..))).count(), 6);
+    let radii: Vec<_> = chain
+        .draw
+        .iter()
+        .filter_map(|s| if let Shape::Circle { radius, .. } = s { Some(*radius) } else { None })
+        .collect();
+    close(&at.values(&chain, &radii[2..]), &[0.1, 0.2, 0.3]);
     close(&at.values(&chain, &chain.scenes[0].q), &[0.1, 0.2, 0.3]);
     close(&at.values(&chain, &chain.scenes[0].v), &[0.0, 1.0, 0.0]);
 }

@@ -7,6 +7,7 @@ use crate::expr::{Id, Rational, Symbol};
 use crate::file::{Spot, Text, Written};
 use crate::language::{is_reserved, parse_bounds};
 use crate::model::expression::dimension::{Dimension, Measure};
+use crate::model::expression::families::Locals;
 use crate::model::expression::lower::Local;
 use crate::model::expression::rules::Rules;
 use crate::model::expression::substitute::substitute;
@@ -16,6 +17,9 @@ use crate::model::resolver::Resolver;
 /// Stretches into which a curve is divided.
 const STRETCHES: i64 = 100;
 
+/// Makes a family of a shape.
+const EACH: &str = "each";
+
 const RULES: Rules = Rules::velocity("a drawing").numbers_fit();
 
 impl Resolver<'_> {
@@ -23,15 +27,49 @@ impl Resolver<'_> {
     pub fn draw(&mut self) {
         let Some(spot) = self.root.get("draw") else { return };
         for item in spot.list(&mut self.bench.problems) {
-            self.shape(&item);
+            let members = match item.get(EACH) {
+                None => vec![Self::no_locals()],
+                Some(each) => self.each(&each),
+            };
+            // What is wrong with one member is wrong with all.
+            let before = self.bench.problems.len();
+            for locals in members {
+                if self.bench.problems.len() == before {
+                    self.shape(&item, &locals);
+                }
+            }
         }
     }
 
-    fn shape(&mut self, spot: &Spot<'_>) {
+    /// `each: i in 1..n, j in i+1..n`: what the indices stand for in every member.
+    fn each(&mut self, spot: &Spot<'_>) -> Vec<Locals> {
+        let Some(words) = spot.words(&mut self.bench.problems) else { return Vec::new() };
+        let before = self.bench.problems.len();
+        let family = self.expand(&format!("s[{words}]"), spot);
+        // They stand where the ranges do, without the name that makes a key of them.
+        for problem in &mut self.bench.problems[before..] {
+            problem.place.key = false;
+            if let Some(span) = &mut problem.place.span {
+                (span.start, span.end) =
+                    (span.start.saturating_sub(2), span.end.saturating_sub(2).min(words.len() as u32));
+            }
+        }
+        let members: Vec<Locals> =
+            family.into_iter().flat_map(|family| family.members).map(|member| member.locals).collect();
+        let hides = |(name, _): &&(String, Local)| self.scope.names.contains_key(name);
+        if let Some((name, _)) = members.first().and_then(|locals| locals.iter().find(hides)) {
+            self.bench.problems.push(names::index_hides_name(spot.place.clone(), name));
+            return Vec::new();
+        }
+        members
+    }
+
+    fn shape(&mut self, spot: &Spot<'_>, locals: &Locals) {
         let kinds = ["line", "circle", "spring", "curve", "trace"];
         let found: Vec<&str> = kinds.into_iter().filter(|kind| spot.get(kind).is_some()).collect();
         let problems = &mut self.bench.problems;
-        if found.first() != Some(&"curve") && !spot.only(&kinds, "a shape", problems) {
+        let known: Vec<&str> = kinds.into_iter().chain([EACH]).collect();
+        if found.first() != Some(&"curve") && !spot.only(&known, "a shape", problems) {
             return;
         }
         let [kind] = found.as_slice() else {
@@ -50,11 +88,11 @@ impl Resolver<'_> {
         let Some(what) = spot.get(kind) else { return };
         match *kind {
             "line" => {
-                let points = self.points(&what);
+                let points = self.points(&what, locals);
                 self.model.draw.push(Shape::Line(points.into_iter().map(|(_, point)| point).collect()));
             }
             "spring" => {
-                let points = self.points(&what);
+                let points = self.points(&what, locals);
                 match <[(String, Vector); 2]>::try_from(points) {
                     Ok([(_, from), (_, to)]) => self.model.draw.push(Shape::Spring(from, to)),
                     Err(points) if self.bench.problems.is_empty() => {
@@ -64,32 +102,31 @@ impl Resolver<'_> {
                 }
             }
             "trace" => {
-                let traces = self.points(&what).into_iter().map(|(name, point)| Shape::Trace(name, point));
+                let traces = self.points(&what, locals).into_iter().map(|(name, point)| Shape::Trace(name, point));
                 self.model.draw.extend(traces);
             }
-            "circle" => self.circle(&what),
-            _ => self.curve(spot, &what),
+            "circle" => self.circle(&what, locals),
+            _ => self.curve(spot, &what, locals),
         }
     }
 
     /// The points of a list, or of one entry, families put in.
-    fn points(&mut self, spot: &Spot<'_>) -> Vec<(String, Vector)> {
-        let no_locals = Self::no_locals();
+    fn points(&mut self, spot: &Spot<'_>, locals: &Locals) -> Vec<(String, Vector)> {
         let items = spot.items().unwrap_or_else(|| vec![spot.clone()]);
         let mut points = Vec::new();
         for item in items {
             if item.items().is_some() {
                 // `[[0, 0], P]`: a list that is a vector.
                 if let Some(written) = item.written(&mut self.bench.problems)
-                    && let Some(point) = self.vector(&written, RULES, &no_locals)
+                    && let Some(point) = self.vector(&written, RULES, locals)
                 {
                     points.push((String::new(), point));
                 }
                 continue;
             }
-            for text in self.listed(&item, &no_locals) {
+            for text in self.listed(&item, locals) {
                 let name = text.source.to_string();
-                if let Some(point) = self.vector(&Written::One(text), RULES, &no_locals) {
+                if let Some(point) = self.vector(&Written::One(text), RULES, locals) {
                     points.push((name, point));
                 }
             }
@@ -97,7 +134,7 @@ impl Resolver<'_> {
         points
     }
 
-    fn circle(&mut self, spot: &Spot<'_>) {
+    fn circle(&mut self, spot: &Spot<'_>, locals: &Locals) {
         let problems = &mut self.bench.problems;
         if !spot.only(&["at", "radius"], "a circle", problems) {
             return;
@@ -106,19 +143,19 @@ impl Resolver<'_> {
         let Some(at) = spot.need("at", "a circle", &mut self.bench.problems) else { return };
         let vector = matches!(at.items(), Some(items) if items.iter().all(|item| item.items().is_none()));
         let centres = match (vector, at.written(&mut Vec::new())) {
-            (true, Some(written)) => self.vector(&written, RULES, &Self::no_locals()).into_iter().collect(),
-            _ => self.points(&at).into_iter().map(|(_, point)| point).collect::<Vec<_>>(),
+            (true, Some(written)) => self.vector(&written, RULES, locals).into_iter().collect(),
+            _ => self.points(&at, locals).into_iter().map(|(_, point)| point).collect::<Vec<_>>(),
         };
-        let radius = radius.and_then(|radius| self.setting(&radius, RULES.si(Dimension::LENGTH), &Self::no_locals()));
+        let radius = radius.and_then(|radius| self.setting(&radius, RULES.si(Dimension::LENGTH), locals));
         let Some(radius) = radius else { return };
         self.model.draw.extend(centres.into_iter().map(|at| Shape::Circle { at, radius }));
     }
 
     /// `{curve: "[s, c*s^2]", s: -2..2}`: sampled at equal steps of its parameter.
-    fn curve(&mut self, spot: &Spot<'_>, what: &Spot<'_>) {
+    fn curve(&mut self, spot: &Spot<'_>, what: &Spot<'_>, locals: &Locals) {
         let Some(written) = what.written(&mut self.bench.problems) else { return };
         let entries = spot.entries(&mut self.bench.problems);
-        let others: Vec<_> = entries.into_iter().filter(|(key, _)| *key != "curve").collect();
+        let others: Vec<_> = entries.into_iter().filter(|(key, _)| *key != "curve" && *key != EACH).collect();
         let [(name, range)] = others.as_slice() else {
             let problem = sections::missing_key(what.place.of_key(), "s: a..b", "a curve");
             self.bench.problems.push(problem);
@@ -128,9 +165,10 @@ impl Resolver<'_> {
             self.bench.problems.push(names::index_hides_name(range.place.of_key(), name));
             return;
         }
-        let Some(([from, to], measure)) = self.range(range) else { return };
+        let Some(([from, to], measure)) = self.range(range, locals) else { return };
         let symbol = Symbol::Dummy(0);
-        let locals = vec![((*name).to_owned(), Local::Symbol(symbol, measure))];
+        let dummy = ((*name).to_owned(), Local::Symbol(symbol, measure));
+        let locals: Vec<_> = locals.iter().cloned().chain([dummy]).collect();
         let Some(curve) = self.bench.vector(&self.scope, &written, RULES, &locals) else { return };
         let points = (0..=STRETCHES).map(|k| self.on_curve(&curve, symbol, from, to, k, what)).collect();
         self.model.draw.push(Shape::Curve(points));
@@ -152,7 +190,7 @@ impl Resolver<'_> {
     }
 
     /// `-2..2`.
-    fn range(&mut self, spot: &Spot<'_>) -> Option<([Id; 2], Measure)> {
+    fn range(&mut self, spot: &Spot<'_>, locals: &Locals) -> Option<([Id; 2], Measure)> {
         let words = spot.words(&mut self.bench.problems)?;
         let (from, to) = match parse_bounds(words) {
             Ok(bounds) => bounds,
@@ -164,7 +202,7 @@ impl Resolver<'_> {
         let (mut ends, mut measure) = ([Id::ZERO; 2], Measure::Unknown);
         for (end, ast) in ends.iter_mut().zip([from, to]) {
             let text = Text { source: words.into(), ast: Rc::new(ast), unit: None, place: Rc::new(spot.place.clone()) };
-            *end = self.scalar(&text, RULES, &Self::no_locals())?;
+            *end = self.scalar(&text, RULES, locals)?;
             // A bare number is in the unit of what is drawn.
             if self.bench.measured != Measure::ONE {
                 measure = self.bench.measured;
