@@ -48,6 +48,7 @@ pub fn command() -> Command {
                 .about("Writes a commented model file to start from")
                 .arg(Arg::new("name").value_name("NAME").required(true).help("The file's name, without .yaml")),
         )
+        .subcommand(Command::new("schema").about("Writes a JSON schema of model files, by which editors complete keys and underline others"))
         .subcommand(
             Command::new("completions")
                 .about("Writes a script by which a shell completes commands and options; Bash and Zsh also names of models")

@@ -25,6 +25,7 @@ mod new;
 mod outputs;
 mod plotted;
 mod problem;
+mod schema;
 mod set_up;
 mod show;
 mod simulate;
@@ -94,6 +95,7 @@ pub fn run(
         Some(("modes", options)) => modes::run(models, options, out),
         Some(("needs", options)) => needs::run(models, options, out),
         Some(("new", options)) => new::run(options, out),
+        Some(("schema", _)) => schema::run(out),
         Some(("completions", options)) => completions(models, options, out),
         _ => Err(Problem::Usage(arguments::command().render_help().to_string())),
     }

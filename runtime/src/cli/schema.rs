@@ -1,0 +1,294 @@
+//! `schema`: what a model file may contain, as a JSON schema, for editors that complete and underline.
+//!
+//! Keys and shapes only; whether names exist, units fit and derivations agree is what `check` says.
+
+use std::io::Write;
+
+use serde_json::{Map, Value, json};
+
+use super::Problem;
+
+/// A key with what it holds: the name of a definition, or `NAME*` for a mapping of names to them.
+type Key = (&'static str, &'static str, &'static str);
+
+const MODEL: &[Key] = &[
+    ("name", "word", "The Rust type to generate, CartPendulum"),
+    ("about", "word", "One paragraph"),
+    ("sizes", "expression*", "Integers, overridden where the macro is called or by --size"),
+    ("tables", "table*", "Functions of one argument by points"),
+    ("parameters", "value*", "A value, then a unit: `1.5 kg`; computed from others it is derived"),
+    ("coordinates", "unit*", "Generalized coordinates with their units"),
+    ("inputs", "expression*", "Functions of time, used like coordinates"),
+    ("define", "value*", "Named scalars or vectors"),
+    ("frames", "frame*", "Planar frames by their angle"),
+    ("points", "value*", "Named positions"),
+    ("bodies", "body*", "Particles and rigid bodies"),
+    ("gravity", "value", "The acceleration of gravity, [0, -9.81 m/s^2]"),
+    ("springs", "spring*", "Springs between points, or along a stretch"),
+    ("dampers", "damper*", "Dampers between points, or of a rate"),
+    ("forces", "force*", "Forces on bodies"),
+    ("torques", "torque*", "Torques on bodies"),
+    ("kinetic_energy", "expression", "Beside what bodies have"),
+    ("potential_energy", "expression", "Beside what gravity and springs have"),
+    ("dissipation", "expression", "Rayleigh's function D; Q = -dD/dq'"),
+    ("generalized_forces", "value*", "Forces on coordinates"),
+    ("constraints", "constraint*", "Equations that hold: `y = R`"),
+    ("phases", "value*", "Which constraints hold when; the first is in force at the start"),
+    ("events", "event*", "What is recorded, stops or changes the phase"),
+    ("balances", "balances", "A second derivation: momentum balances, compared with Lagrange's equations"),
+    ("conserved", "claim*", "What does not change; tested when the file compiles, watched by runs"),
+    ("checks", "check*", "Identities that are tested when the file compiles"),
+    ("sample", "value*", "Ranges of states at which is tested"),
+    ("outputs", "value*", "What runs compute"),
+    ("draw", "shapes", "What is animated"),
+    ("scene", "scene", "Where a run starts, and how it goes"),
+    ("scenes", "scene*", "Others by name; what they leave out is the first one's"),
+    ("equilibrium", "value*", "Where the search for an equilibrium starts"),
+];
+
+const OBJECTS: &[(&str, &[Key])] = &[
+    (
+        "table",
+        &[
+            ("points", "list", "[[x, y], …], x rising"),
+            ("file", "word", "Two columns of text beside the model file"),
+            ("columns", "list", "Their names, [s, height]"),
+            ("units", "list", "[m, mm]"),
+            ("smooth", "expression", "2: a cubic spline; 1: no steeper than the points; 0: straight"),
+            ("periodic", "flag", "Whether it repeats itself"),
+        ],
+    ),
+    (
+        "frame",
+        &[
+            ("angle", "expression", "From the ground's x, or that of `from`, counterclockwise"),
+            ("from", "expression", "Another frame"),
+            ("rotate", "list", "[axis, angle]"),
+        ],
+    ),
+    (
+        "body",
+        &[
+            ("mass", "expression", "2 kg"),
+            ("position", "value", "Of the centre of mass"),
+            ("inertia", "value", "About the centre of mass"),
+            ("angle", "expression", "Counterclockwise"),
+            ("frame", "expression", "Its orientation in space"),
+        ],
+    ),
+    (
+        "spring",
+        &[
+            ("between", "list", "Two points"),
+            ("stiffness", "expression", "k of k (length - rest)^2/2"),
+            ("rest", "expression", "Its length without force"),
+            ("energy", "expression", "As a function of `length`"),
+            ("tension", "expression", "As a function of `length`"),
+            ("stretch", "expression", "Of what it stretches, in the place of points"),
+            ("on", "value", "The body it pulls"),
+            ("from", "value", "The body it pulls from"),
+            ("along", "value", "A direction"),
+            ("at", "value", "A point"),
+            ("phase", "value", "When it acts"),
+        ],
+    ),
+    (
+        "damper",
+        &[
+            ("between", "list", "Two points"),
+            ("rate", "expression", "In the place of points"),
+            ("damping", "expression", "c of c times the rate"),
+            ("on", "value", "The body it acts on"),
+            ("from", "value", "The body it acts from"),
+            ("along", "value", "A direction"),
+            ("at", "value", "A point"),
+            ("phase", "value", "When it acts"),
+        ],
+    ),
+    (
+        "force",
+        &[
+            ("on", "value", "A body"),
+            ("at", "value", "A point; the centre of mass if absent"),
+            ("force", "value", "A vector"),
+            ("from", "value", "The body that it acts back on"),
+            ("reaction", "value", "The body or frame that it acts back on"),
+            ("phase", "value", "When it acts"),
+        ],
+    ),
+    (
+        "torque",
+        &[
+            ("on", "value", "A body"),
+            ("torque", "expression", "Counterclockwise"),
+            ("from", "value", "The body that it acts back on"),
+            ("phase", "value", "When it acts"),
+        ],
+    ),
+    (
+        "event",
+        &[
+            ("when", "expression", "What vanishes"),
+            ("direction", "word", "rising, falling or both"),
+            ("if", "expression", "Counts only where this is not negative"),
+            ("then", "value", "stop, record, a phase, {impact: e, along: constraint}, or a list"),
+            ("phase", "value", "When it counts"),
+        ],
+    ),
+    (
+        "scene",
+        &[
+            ("start", "value*", "Coordinates and speeds"),
+            ("until", "expression", "When a run ends"),
+            ("tolerance", "expression", "Relative to what each coordinate goes through"),
+            ("every", "expression", "Spacing of reported states"),
+            ("phase", "expression", "In which it starts"),
+            ("set", "value*", "Other values of parameters"),
+            ("guess", "value*", "Where what must meet constraints is searched"),
+            ("also", "value", "What the start meets beside them"),
+            ("needs", "need", "What is wanted of it, and how exactly"),
+        ],
+    ),
+    (
+        "need",
+        &[("outputs", "value", "Coordinates, rates, outputs"), ("within", "expression", "In parts of their ranges")],
+    ),
+];
+
+/// Prints the schema.
+pub fn run(out: &mut dyn Write) -> Result<(), Problem> {
+    writeln!(out, "{}", serde_json::to_string_pretty(&schema()).unwrap_or_default())?;
+    Ok(())
+}
+
+/// What a model file may contain.
+pub fn schema() -> Value {
+    let text = || json!({"type": ["string", "number"]});
+    let anything = json!({"type": ["string", "number", "array", "object", "null"]});
+    let mut definitions = Map::new();
+    for (name, keys) in OBJECTS {
+        definitions.insert((*name).to_owned(), object(keys));
+    }
+    for (name, shape) in [
+        ("word", text()),
+        ("flag", json!({"type": ["boolean", "string"]})),
+        ("expression", text()),
+        ("value", anything.clone()),
+        ("unit", json!({"type": ["string", "number", "null"]})),
+        ("list", json!({"type": ["array", "string"]})),
+        ("constraint", anything.clone()),
+        ("balances", json!({"type": "object"})),
+        ("claim", anything.clone()),
+        ("check", anything),
+        ("shapes", json!({"type": "array", "items": {"type": "object"}})),
+    ] {
+        definitions.insert(name.to_owned(), shape);
+    }
+    let mut schema = Map::new();
+    schema.insert("$schema".to_owned(), json!("https://json-schema.org/draft/2020-12/schema"));
+    schema.insert("title".to_owned(), json!("A mechanism for dalembert"));
+    let Value::Object(model) = object(MODEL) else { return Value::Null };
+    schema.extend(model);
+    schema.insert("required".to_owned(), json!(["name", "coordinates"]));
+    schema.insert("$defs".to_owned(), Value::Object(definitions));
+    Value::Object(schema)
+}
+
+fn object(keys: &[Key]) -> Value {
+    let one = |(key, holds, about): &Key| {
+        let refer = |name: &str| format!("#/$defs/{name}");
+        let shape = match holds.strip_suffix('*') {
+            Some(each) => {
+                json!({"type": ["object", "null"], "additionalProperties": {"$ref": refer(each)}, "description": about})
+            }
+            None => json!({"$ref": refer(holds), "description": about}),
+        };
+        ((*key).to_owned(), shape)
+    };
+    let properties: Map<String, Value> = keys.iter().map(one).collect();
+    json!({"type": "object", "additionalProperties": false, "properties": properties})
+}
+
+#[cfg(test)]
+mod tests {
+    use dalembert_symbolic::file::{Node, read};
+    use dalembert_symbolic::model::load;
+
+    use super::*;
+
+    /// The keys that the reader names where one is unknown.
+    fn known(text: &str) -> Vec<String> {
+        let problems = load(text, &[]).expect_err("an unknown key");
+        let help = &problems.iter().find(|problem| problem.code == "E301").expect("an unknown key").help;
+        let keys = help.strip_prefix("it is one of ").unwrap_or_else(|| panic!("{text}: {help}"));
+        keys.split(", ").map(|key| key.trim_matches('`').to_owned()).collect()
+    }
+
+    #[test]
+    fn keys_are_those_that_the_reader_knows() {
+        let names = |keys: &[Key]| keys.iter().map(|key| key.0.to_owned()).collect::<Vec<_>>();
+        assert_eq!(known("qqqqqqqq: 1\nname: A\ncoordinates: {x: }\n"), names(MODEL));
+        for (object, keys) in OBJECTS {
+            let section = match *object {
+                "body" => "bodies: {a: {qqqqqqqq: 1}}".to_owned(),
+                "scene" => "scene: {qqqqqqqq: 1}".to_owned(),
+                "need" => "scene: {needs: {qqqqqqqq: 1}}".to_owned(),
+                other => format!("{other}s: {{a: {{qqqqqqqq: 1}}}}"),
+            };
+            let mut found = known(&format!("name: A\ncoordinates: {{x: }}\nkinetic_energy: x'^2/2\n{section}\n"));
+            let mut said = names(keys);
+            found.sort();
+            said.sort();
+            assert_eq!(found, said, "{object}");
+        }
+    }
+
+    /// Whether a file fits a schema, as far as this one says anything.
+    fn misfit(node: &Node, schema: &Value, whole: &Value) -> Option<String> {
+        let schema = match schema["$ref"].as_str() {
+            Some(name) => &whole["$defs"][name.strip_prefix("#/$defs/")?],
+            None => schema,
+        };
+        let kind = match node {
+            Node::Map(_) => vec!["object"],
+            Node::List(_) => vec!["array"],
+            Node::Null => vec!["null"],
+            Node::Scalar(text) if text == "true" || text == "false" => vec!["boolean"],
+            Node::Scalar(text) if text.parse::<f64>().is_ok() => vec!["number"],
+            Node::Scalar(_) => vec!["string"],
+        };
+        let types: Vec<&str> = match &schema["type"] {
+            Value::Array(types) => types.iter().filter_map(Value::as_str).collect(),
+            Value::String(one) => vec![one],
+            _ => return None,
+        };
+        if !kind.iter().any(|kind| types.contains(kind)) {
+            return Some(format!("{node:?} is {kind:?}, not {types:?}"));
+        }
+        let Node::Map(entries) = node else { return None };
+        entries.iter().find_map(|(key, inner)| match (&schema["properties"][key], &schema["additionalProperties"]) {
+            (Value::Null, Value::Bool(false)) => Some(format!("no key {key}")),
+            (Value::Null, Value::Null) => None,
+            (Value::Null, each) => misfit(inner, each, whole),
+            (own, _) => misfit(inner, own, whole),
+        })
+    }
+
+    #[test]
+    fn every_model_of_the_library_fits() {
+        let schema = schema();
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../models");
+        let mut seen = 0;
+        for file in std::fs::read_dir(folder).expect("the library").map(|file| file.expect("a file").path()) {
+            if file.extension().is_some_and(|extension| extension == "yaml") {
+                let text = std::fs::read_to_string(&file).expect("text");
+                let misfit = misfit(&read(&text).expect("YAML"), &schema, &schema);
+                assert_eq!(misfit, None, "{}", file.display());
+                seen += 1;
+            }
+        }
+        assert!(seen > 50);
+        let wrong = read("name: A\ncoordinates: {x: }\nbodies: {a: {mas: 1}}\n").expect("YAML");
+        assert_eq!(super::tests::misfit(&wrong, &schema, &schema), Some("no key mas".to_owned()));
+    }
+}
