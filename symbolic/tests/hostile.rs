@@ -124,6 +124,9 @@ const WHOLE: &str = include_str!("../../fuzz/corpus/derive/whole.yaml");
 /// Constraints, phases, events, impacts, reactions and balances, in every form.
 const CONTACT: &str = include_str!("../../fuzz/corpus/derive/contact.yaml");
 
+/// Tables in every form, and a family of shapes.
+const TABLES: &str = include_str!("../../fuzz/corpus/derive/tables.yaml");
+
 #[test]
 fn whole_models_are_valid() {
     for path in files("fuzz/corpus/derive") {
@@ -136,7 +139,7 @@ fn whole_models_are_valid() {
 
 #[test]
 fn a_model_with_a_word_taken_away_or_doubled_or_swapped() {
-    for (text, step) in [(WHOLE, 3), (CONTACT, 5)] {
+    for (text, step) in [(WHOLE, 3), (CONTACT, 5), (TABLES, 1)] {
         mutated(text, step);
     }
 }

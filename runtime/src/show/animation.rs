@@ -32,6 +32,8 @@ pub struct Animation {
     /// Times in rising order, each with the numbers of all shapes in order, as `System::drawing` writes them.
     /// Numbers that are not finite leave a gap.
     pub frames: Vec<(f64, Vec<f64>)>,
+    /// Whether lengths are in metres and times in seconds; a model without units leaves that open.
+    pub in_units: bool,
     /// Starts again at the end, as a mode shape does: then the last frame should equal the first.
     pub repeat: bool,
 }
@@ -46,7 +48,11 @@ impl Animation {
     pub fn of(mechanism: &Description) -> Animation {
         let about = mechanism.about.to_string();
         let dimension = mechanism.structure.dimension;
-        Animation { about, ..Animation::new(mechanism.name.clone(), dimension, mechanism.draw.to_vec()) }
+        let of_coordinates = mechanism.coordinates.iter().map(|coordinate| &coordinate.unit);
+        let units = of_coordinates.chain(mechanism.parameters.iter().map(|parameter| &parameter.unit));
+        let in_units = units.into_iter().any(|unit| !matches!(unit.as_ref(), "" | "1" | "rad"));
+        let shapes = mechanism.draw.to_vec();
+        Animation { about, in_units, ..Animation::new(mechanism.name.clone(), dimension, shapes) }
     }
 
     /// The same animation with these frames.
@@ -77,6 +83,7 @@ impl Animation {
             "about": self.about,
             "dimension": self.dimension,
             "repeat": self.repeat,
+            "units": if self.in_units { [" m", " s"] } else { ["", ""] },
             "unit": unit,
             "tick": tick,
             "shapes": self.shapes.iter().map(kind_and_points).collect::<Vec<_>>(),

@@ -176,12 +176,12 @@ function plane() {
   for (const x of multiples(centre[0] - w, centre[0] + w, step)) {
     const [at] = pixel([x, 0, 0]);
     stroke([[at, 0], [at, height]], colour(x === 0 ? "--zero" : "--grid"), 1);
-    pen.fillText(short(x), at + 3, height - 4);
+    pen.fillText(short(x) + data.units[0], at + 3, height - 4);
   }
   for (const y of multiples(centre[1] - h, centre[1] + h, step)) {
     const at = pixel([0, y, 0])[1];
     stroke([[0, at], [width, at]], colour(y === 0 ? "--zero" : "--grid"), 1);
-    if (at < height - 20) pen.fillText(short(y), 4, at - 3);
+    if (at < height - 20) pen.fillText(short(y) + data.units[0], 4, at - 3);
   }
 }
 
@@ -193,7 +193,7 @@ function ground() {
   for (const y of multiples(y0, y1 + step / 2, step)) stroke([[x0, y, floor], [x1, y, floor]].map(pixel), colour("--grid"), 1);
   pen.fillStyle = colour("--quiet");
   pen.font = "13px system-ui, Helvetica, Arial, sans-serif";
-  pen.fillText(`grid ${short(step)}`, 16, height - 10);
+  pen.fillText(`grid ${short(step)}${data.units[0]}`, 16, height - 10);
   const [x, y] = pixel(centre);
   ["x", "y", "z"].forEach((name, k) => {   // which way the axes point, in a corner of the picture
     const tip = pixel(centre.map((c, i) => i === k ? c + 1 / scale : c));
@@ -217,7 +217,7 @@ function draw() {
   [...shapes].sort((a, b) => order(a.kind) - order(b.kind)).forEach(shape => drawShape(now, shape, pixel));
   slider.value = end > start ? (t - start) / (end - start) : 0;
   const digits = Math.max(0, Math.min(12, 3 - Math.floor(Math.log10((end - start) || 1))));
-  clock.value = `t = ${t.toFixed(digits)}`;
+  clock.value = `t = ${t.toFixed(digits)}${data.units[1]}`;
   button.textContent = playing ? "Pause" : "Play";
   // What a test, or another script, can read: the time, and where the last point of the first shape is.
   const first = shapes[0];

@@ -65,15 +65,18 @@ impl Resolver<'_> {
             }
         };
         let scaled: Vec<[f64; 2]> = points.iter().map(|[x, y]| [x * of.factor, y * gives.factor]).collect();
+        let at = spot.get("points").or_else(|| spot.get("file")).map_or(Place::default(), |spot| spot.place);
         if let Some((why, help)) = unfit(&points, periodic).or_else(|| unfit(&scaled, periodic)) {
-            let at = spot.get("points").or_else(|| spot.get("file")).map_or(Place::default(), |spot| spot.place);
             self.bench.problems.push(sections::bad_table(at, name, why, help));
+            return None;
         }
-        (self.bench.problems.len() == before).then(|| TableNames {
-            table: Table::new(name, &scaled, smooth, periodic),
-            of: of.measure,
-            gives: gives.measure,
-        })
+        let table = Table::new(name, &scaled, smooth, periodic);
+        if !table.pieces().iter().flatten().all(|coefficient| coefficient.is_finite()) {
+            let help = "its points are too near to each other for what they differ by";
+            self.bench.problems.push(sections::bad_table(at, name, "it is too steep for numbers of 64 bits", help));
+        }
+        let sound = self.bench.problems.len() == before;
+        sound.then_some(TableNames { table, of: of.measure, gives: gives.measure })
     }
 
     fn smooth(&mut self, spot: &Spot<'_>) -> Smooth {
