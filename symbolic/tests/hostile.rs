@@ -83,6 +83,22 @@ fn powers_of_powers_are_what_they_are() {
     }
 }
 
+/// Other forms of long products must not be sought for long, nor take the room that the equations themselves need.
+#[test]
+fn long_products_and_long_chains_derive() {
+    for n in [40, 300, 900] {
+        let factors: Vec<String> = (1..=n).map(|k| format!("cos(x/{k})")).collect();
+        let text = format!(
+            "name: Long\ncoordinates: {{x: }}\nkinetic_energy: x'^2/2\npotential_energy: {}\n",
+            factors.join("*")
+        );
+        let program = compile(&text, &[]).unwrap_or_else(|problems| panic!("{n}: {problems:?}"));
+        assert!(program.counts.bias < 40 * n, "{}", program.counts.bias);
+    }
+    let chain = include_str!("../../models/chain.yaml");
+    assert!(compile(chain, &[("n".to_owned(), 100)]).is_ok());
+}
+
 #[test]
 fn seeds_of_the_fuzz_targets() {
     let seeds = files("fuzz/corpus/read");

@@ -258,9 +258,12 @@ fn fold_angles(graph: &mut Graph, mut p: Polynomial, angles: Angles) -> Polynomi
     p
 }
 
+/// Angles are joined in products of so many factors at most: all pairs are tried.
+const MOST_TURNING: usize = 12;
+
 /// Two terms and the one that they are together.
 fn angle_in(graph: &mut Graph, p: &Polynomial, angles: Angles) -> Option<(Monomial, Monomial, Monomial, Coefficient)> {
-    for (monomial, c) in p {
+    for (monomial, c) in p.iter().filter(|(monomial, _)| monomial.len() <= MOST_TURNING) {
         for &(u, _) in monomial {
             for &(v, _) in monomial.iter().filter(|atom| atom.0 != u) {
                 let (first, a, b) = match (graph.node(u), graph.node(v)) {

@@ -115,7 +115,7 @@ pub struct Graph {
 }
 
 /// A hostile file cannot make the graph larger than this.
-const NODE_LIMIT: usize = 1_000_000;
+pub const NODE_LIMIT: usize = 1_000_000;
 
 impl Default for Graph {
     fn default() -> Self {

@@ -19,7 +19,7 @@ mod table;
 pub use differentiate::{Forward, gradients, jacobian, partial, reverse};
 pub use evaluate::Tape;
 pub use expand::{Angles, expand};
-pub use graph::{Binary, Graph, Id, Node, Unary};
+pub use graph::{Binary, Graph, Id, NODE_LIMIT, Node, Unary};
 pub use measured::Measured;
 pub use products::{canonical_products, factors};
 pub use rewrite::{rewrite, substitute};
