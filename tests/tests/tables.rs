@@ -3,6 +3,7 @@
 use dalembert::ensemble::{Ensemble, f64x4};
 use dalembert::mechanism::{At, Erased, Interpreted, System};
 use dalembert::prelude::*;
+use dalembert::{Settings, simulate};
 use dalembert_symbolic::lower::compile_in;
 use dalembert_symbolic::model::load;
 use std::path::Path;
@@ -36,10 +37,10 @@ fn pulled(table: &str, foot: &str, until: &str) -> String {
 
 fn end(text: &str) -> State {
     let program = compile_in(None, text, &[]).unwrap_or_else(|problems| panic!("{text}: {problems:?}"));
-    let system = Interpreted::new(program, text);
-    let scene = system.scene(0);
-    let run = Simulation::new(system).start(&scene.q, &scene.v).until(scene.until).tolerance(1e-11);
-    run.run().expect("a run").last().clone()
+    let mut system = Interpreted::new(program, text);
+    let mut settings = Settings::new(&system.scene(0));
+    settings.tolerance = 1e-11;
+    simulate(&mut system, &settings).expect("a run").last().clone()
 }
 
 fn codes(text: &str) -> Vec<&'static str> {
