@@ -79,6 +79,7 @@ fn watched(path: &str) -> TokenStream {
     quote! { const _: &[u8] = ::core::include_bytes!(#path); }
 }
 
+/// The model's text, where it is asked for, and where it is found.
 fn source(source: &Source) -> syn::Result<Found> {
     let literal = match source {
         Source::Inline(literal) => {

@@ -1,6 +1,8 @@
 //! The command `modes` where small motions are easily misjudged: each case beside a neighbour that must be left alone.
 #![cfg(all(feature = "cli", feature = "modal"))]
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use serde_json::Value;
 
 /// What the program writes as JSON for the text of a model file, or its complaint.
@@ -11,7 +13,9 @@ fn run(name: &str, text: &str, options: &[&str]) -> Result<Value, String> {
 
 /// What it writes for people.
 fn words(name: &str, text: &str, options: &[&str]) -> Result<String, String> {
-    let path = std::env::temp_dir().join(format!("dalembert-small-{name}-{}.yaml", std::process::id()));
+    static FILES: AtomicUsize = AtomicUsize::new(0);
+    let of = (std::process::id(), FILES.fetch_add(1, Ordering::Relaxed));
+    let path = std::env::temp_dir().join(format!("dalembert-small-{name}-{}-{}.yaml", of.0, of.1));
     std::fs::write(&path, text).unwrap();
     let mut arguments = vec!["dalembert", "modes", path.to_str().unwrap()];
     arguments.extend(options);

@@ -126,7 +126,7 @@ fn sweep() -> Command {
             many("merge", "FILE.csv", "Put the tables of all parts together instead of running")
                 .num_args(1..)
                 .allow_hyphen_values(false)
-                .conflicts_with_all(["vary", "points", "shard"]),
+                .conflicts_with_all(["vary", "points", "shard", "modes"]),
         )
 }
 

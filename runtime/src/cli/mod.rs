@@ -14,6 +14,7 @@ mod arguments;
 mod chart;
 mod check;
 mod compare;
+mod completions;
 mod enforcement;
 mod freedoms;
 mod json;
@@ -34,9 +35,6 @@ mod sweep;
 mod value_files;
 
 use std::process::ExitCode;
-
-use clap::ArgMatches;
-use clap_complete::Shell;
 
 use crate::mechanism::System;
 
@@ -96,16 +94,7 @@ pub fn run(
         Some(("needs", options)) => needs::run(models, options, out),
         Some(("new", options)) => new::run(options, out),
         Some(("schema", _)) => schema::run(out),
-        Some(("completions", options)) => completions(models, options, out),
+        Some(("completions", options)) => completions::run(models, options, out),
         _ => Err(Problem::Usage(arguments::command().render_help().to_string())),
     }
-}
-
-/// Writes the script with which a shell completes what is typed after the program's name.
-fn completions(models: &[Entry], options: &ArgMatches, out: &mut dyn std::io::Write) -> Result<(), Problem> {
-    let Some(shell) = options.get_one::<Shell>("shell") else { return Ok(()) };
-    let names: Vec<&str> = models.iter().map(|model| model.name).collect();
-    let mut script = Vec::new();
-    clap_complete::generate(*shell, &mut arguments::completed(&names), "dalembert", &mut script);
-    Ok(out.write_all(&script)?)
 }

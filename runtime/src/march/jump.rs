@@ -1,6 +1,9 @@
 //! Jumps of the acceleration that the model does not declare.
 
+use super::{March, Step};
+use crate::cause::Cause;
 use crate::integrate::larger;
+use crate::mechanism::System;
 
 /// Notices jumps of the acceleration, and steps so short that the run would never end.
 ///
@@ -33,6 +36,8 @@ const COLLAPSE: f64 = 1e-3;
 const SUDDEN: f64 = 1e3;
 /// So many short steps in a row are a stall.
 const STALL: u32 = 20_000;
+/// A change of the acceleration over a step is noticed where it changes a rate by this part of the tolerance.
+const NOTICED: f64 = 0.1;
 
 impl JumpDetector {
     /// For a motion of `span` seconds.
@@ -63,5 +68,65 @@ impl JumpDetector {
     pub fn restart(&mut self) {
         self.calm = 0.0;
         self.pace = f64::NAN;
+    }
+}
+
+impl March {
+    /// Refuses a step across which the acceleration jumps, unless it is time that makes it jump.
+    pub(super) fn look_for_jumps(&mut self, system: &dyn System, step: Step) -> Result<(), Box<Cause>> {
+        // Rows that begin or cease to count there change accelerations by what rounding makes of them.
+        if self.dwelling.is_there() || self.deficient(system).is_some() {
+            self.jumps.restart();
+            return Ok(());
+        }
+        let (start, end) = (self.stepper.start(), self.stepper.end());
+        let n = start.y.len() / 2;
+        match self.jumps.observe(step.h, &start.rate[n..], &end.rate[n..]) {
+            None => Ok(()),
+            Some(Upset::Stall) => Err(Cause::StepTooSmall { h: step.h }.into()),
+            Some(Upset::Jump(coordinate)) => {
+                let (before, after) = (start.rate[n + coordinate], end.rate[n + coordinate]);
+                let (end, mut earlier) = (end.y.to_vec(), vec![0.0; 2 * n]);
+                let mut effect = vec![0.0; 2 * n];
+                effect[n + coordinate] = step.h * (after - before);
+                // What moves nothing made no step collapse.
+                if self.in_units(step, &effect) < NOTICED {
+                    return Ok(());
+                }
+                let evaluated = self.stepper.evaluate(system, self.clock.now(), &end, &mut earlier);
+                evaluated.map_err(|setback| setback.cause(system.description()))?;
+                let by_state = (earlier[n + coordinate] - before).abs();
+                if by_state > 0.5 * (after - before).abs() && self.jumps_within(system, step, coordinate)? {
+                    let coordinate = system.description().coordinate_name(coordinate);
+                    return Err(Cause::DirectionLost { coordinate }.into());
+                }
+                Ok(())
+            }
+        }
+    }
+
+    /// Whether the acceleration of a coordinate changes within one of 256 parts of the step that was tried by most of what it
+    /// does over all of it: what is narrow, but resolved by such short steps, does not.
+    fn jumps_within(&mut self, system: &dyn System, step: Step, coordinate: usize) -> Result<bool, Box<Cause>> {
+        const HALVINGS: u32 = 8;
+        self.dense(system, step)?;
+        let (now, place) = (self.clock.now(), system.len() + coordinate);
+        let mut state = vec![0.0; 2 * system.len()];
+        let mut rate = state.clone();
+        let mut ends = [self.stepper.start().rate[place], self.stepper.end().rate[place]];
+        let all = (ends[1] - ends[0]).abs();
+        let (mut from, mut part) = (0.0, 1.0);
+        for _ in 0..HALVINGS {
+            part *= 0.5;
+            self.segment(step).evaluate(from + part, &mut state);
+            let evaluated = self.stepper.evaluate(system, now + (from + part) * step.h, &state, &mut rate);
+            evaluated.map_err(|setback| setback.cause(system.description()))?;
+            if (rate[place] - ends[0]).abs() > (ends[1] - rate[place]).abs() {
+                ends[1] = rate[place];
+            } else {
+                (from, ends[0]) = (from + part, rate[place]);
+            }
+        }
+        Ok((ends[1] - ends[0]).abs() > 0.5 * all)
     }
 }

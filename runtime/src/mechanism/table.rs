@@ -38,14 +38,16 @@ impl Table {
     /// Its value at x, or that of one of its derivatives, each lane in its own piece.
     #[inline]
     pub(super) fn evaluate<S: Real>(&self, x: S, order: usize) -> S {
-        let origin = S::gather(|lane| self.find(x.lane(lane)).1);
+        let first = self.find(x.lane(0));
+        let found = |lane| if lane == 0 { first } else { self.find(x.lane(lane)) };
+        let origin = S::gather(|lane| found(lane).1);
         let d = x - origin;
         let mut sum = S::ratio(0.0, 1.0);
         for power in (order..4).rev() {
             let falling = (power - order + 1..=power).fold(1.0, |product, k| product * k as f64);
-            sum = sum * d + S::gather(|lane| falling * self.find(x.lane(lane)).0[power]);
+            sum = sum * d + S::gather(|lane| falling * found(lane).0[power]);
         }
-        if order == 0 { sum + S::gather(|lane| self.find(x.lane(lane)).2) } else { sum }
+        if order == 0 { sum + S::gather(|lane| found(lane).2) } else { sum }
     }
 }
 

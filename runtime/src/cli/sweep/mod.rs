@@ -45,10 +45,10 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     let read = options.get_many::<String>("merge").into_iter().flatten().chain(options.get_one::<String>("points"));
     outputs::keep(&path, read.map(String::as_str))?;
     let columns = names(loaded.system.description());
-    let modes = modes(options)?;
+    let wanted = wanted_modes(options)?;
     let table = match options.get_many::<String>("merge") {
         Some(parts) => Table::merge(&parts.map(String::as_str).collect::<Vec<_>>())?,
-        None => compute(&mut loaded, options, &columns, modes)?,
+        None => compute(&mut loaded, options, &columns, wanted)?,
     };
     let modes = table.names.iter().filter(|name| name.starts_with("frequency ")).count();
     let results = results(&columns, loaded.system.description(), modes);
@@ -82,7 +82,7 @@ fn names(description: &Description) -> Vec<String> {
 }
 
 /// `--modes COUNT`: of how many modes frequencies are wanted.
-fn modes(options: &ArgMatches) -> Result<usize, Problem> {
+fn wanted_modes(options: &ArgMatches) -> Result<usize, Problem> {
     let Some(text) = options.get_one::<String>("modes") else { return Ok(0) };
     match text.trim().parse() {
         Ok(count @ 1..=MOST_MODES) => Ok(count),

@@ -1,0 +1,217 @@
+//! The description that generated code would have.
+
+use dalembert_symbolic::derive::SwitchKind as SymbolicSwitchKind;
+use dalembert_symbolic::lower::{self, Entry, MomentumSystem, Program, Rate};
+use dalembert_symbolic::model::{EventAction, Shape as SymbolicShape};
+use dalembert_symbolic::{expr, print};
+
+use crate::mechanism::{
+    Action, Argument, Balance, BalanceSystem, Coordinate, Counts, Description, Direction, Event, InputJump, List,
+    Parameter, Phase, Quantity, Rated, Role, Row, Shape, Structure, Switch, SwitchKind, Table, Text, Watched,
+};
+
+/// Describes a program lowered from the model file with the text `source`.
+pub(super) fn describe(program: &Program, source: &str) -> Description {
+    let model = &program.model;
+    let text = |s: &str| Text::Owned(s.to_owned());
+    let unit = |u: &Option<String>| Text::Owned(u.as_deref().map(print::si_unit).unwrap_or_default());
+    let pattern = |entries: &[Entry]| entries.iter().map(|e| (e.0 as u32, e.1 as u32)).collect::<List<(u32, u32)>>();
+    let quantity =
+        |name: &str, n: usize, of: &Option<String>| Quantity { name: text(name), components: n as u32, unit: unit(of) };
+    let s = &program.structure;
+    let c = program.counts;
+    let mut impacts = 0;
+    Description {
+        name: text(&model.name),
+        about: text(&model.about),
+        source_hash: print::fnv1a(source),
+        coordinates: model
+            .coordinates
+            .iter()
+            .map(|c| Coordinate { name: text(&c.name), unit: unit(&c.unit) })
+            .collect(),
+        parameters: model
+            .parameters
+            .iter()
+            .map(|p| Parameter { name: text(&p.name), unit: unit(&p.unit), default: p.default })
+            .collect(),
+        tables: program.tables().into_iter().map(table).collect(),
+        derived: model.derived.iter().map(|d| text(&d.name)).collect(),
+        inputs: model.inputs.iter().map(|u| text(&u.name)).collect(),
+        mass_pattern: pattern(&program.mass),
+        stiffness_pattern: pattern(&program.stiffness),
+        damping_pattern: pattern(&program.damping),
+        input_pattern: pattern(&program.input),
+        time_pattern: program.time.iter().map(|e| e.0 as u32).collect(),
+        timed_switches: program.timed_switches.iter().map(|k| *k as u32).collect(),
+        rows: model
+            .constraints
+            .iter()
+            .enumerate()
+            .flat_map(|(k, c)| {
+                let constraints = &program.constraints;
+                let row = move |(name, row): (String, usize)| Row {
+                    name: Text::Owned(name),
+                    unit: unit(&c.unit),
+                    holonomic: c.holonomic,
+                    integral: constraints.integral[row],
+                    with: constraints.with[row].iter().map(|(row, factor)| (*row as u32, *factor)).collect(),
+                    constraint: k as u32,
+                };
+                c.row_names().into_iter().zip(c.first..).map(row)
+            })
+            .collect(),
+        phases: model
+            .phases
+            .iter()
+            .enumerate()
+            .map(|(k, phase)| Phase {
+                name: text(&phase.name),
+                rows: program.model.rows_of(phase).into_iter().map(|row| row as u32).collect(),
+                rank: program.rank_of(k) as u32,
+            })
+            .collect(),
+        constraint_pattern: pattern(&program.constraints.matrix),
+        friction_pattern: pattern(&program.constraints.friction),
+        constraint_stiffness_pattern: pattern(&program.constraints.stiffness),
+        constraint_damping_pattern: pattern(&program.constraints.damping),
+        constraint_tilt_pattern: pattern(&program.constraints.tilt),
+        outputs: model.outputs.iter().map(|o| quantity(&o.name, o.value.len(), &o.unit)).collect(),
+        outputs_use_accelerations: program.outputs_use_accelerations(),
+        events_use_accelerations: program.events_use_accelerations(),
+        invariants: model.conserved.iter().map(|i| quantity(&i.name, i.value.len(), &None)).collect(),
+        events: model
+            .events
+            .iter()
+            .zip(&program.event_rates)
+            .map(|(e, rate)| Event {
+                name: text(&e.name),
+                direction: match e.direction {
+                    1 => Direction::Rising,
+                    -1 => Direction::Falling,
+                    _ => Direction::Both,
+                },
+                conditional: e.condition.is_some(),
+                phases: e.phases.as_ref().map(|phases| phases.iter().map(|k| *k as u32).collect()),
+                actions: e
+                    .actions
+                    .iter()
+                    .map(|a| match a {
+                        EventAction::Stop => Action::Stop,
+                        EventAction::Record => Action::Record,
+                        EventAction::Phase(phase) => Action::Phase(*phase as u32),
+                        EventAction::Impact { along, .. } => {
+                            impacts += 1;
+                            Action::Impact { along: *along as u32, restitution: impacts - 1 }
+                        }
+                    })
+                    .collect(),
+                rated: match rate {
+                    Rate::Whole(_) => Rated::Whole,
+                    Rate::Held(_) => Rated::Held,
+                    Rate::Unknown => Rated::Unknown,
+                },
+            })
+            .collect(),
+        switches: program
+            .switches
+            .iter()
+            .map(|s| Switch {
+                text: Text::Owned(print::switch_text(program, s)),
+                kind: if s.kind == SymbolicSwitchKind::Sign { SwitchKind::Sign } else { SwitchKind::Step },
+                time_only: s.time_only,
+                of_input: s.of_input,
+            })
+            .collect(),
+        arguments: program.arguments.iter().map(argument).collect(),
+        input_jumps: program.jumps.iter().map(input_jump).collect(),
+        scenes: model.scenes.iter().map(|s| text(&s.name)).collect(),
+        draw: model
+            .draw
+            .iter()
+            .map(|shape| match shape {
+                SymbolicShape::Line(points) => Shape::Line(points.len() as u32),
+                SymbolicShape::Circle { .. } => Shape::Circle,
+                SymbolicShape::Spring(..) => Shape::Spring,
+                SymbolicShape::Curve(points) => Shape::Curve(points.len() as u32),
+                SymbolicShape::Trace(name, _) => Shape::Trace(text(name)),
+            })
+            .collect(),
+        balances: program.momentum.iter().map(balances).collect(),
+        structure: Structure {
+            dimension: model.dimension as u32,
+            constant_mass: s.constant_mass,
+            constant_inertias: s.constant_inertias,
+            diagonal_mass: s.diagonal_mass,
+            mass_blocks: s.mass_blocks.iter().map(|b| *b as u32).collect(),
+            separable: s.separable,
+            linear: s.linear,
+            conservative: s.conservative,
+            time_dependent: s.time_dependent,
+            cyclic: s.cyclic.iter().map(|c| c.0 as u32).collect(),
+        },
+        counts: Counts {
+            mass: c.mass as u32,
+            bias: c.bias as u32,
+            mass_and_bias: c.mass_and_bias as u32,
+            accelerations: c.accelerations as u32,
+            residual: c.residual as u32,
+            jacobians: c.jacobians as u32,
+        },
+    }
+}
+
+fn table(table: expr::Table) -> Table {
+    Table {
+        name: Text::Borrowed(table.name()),
+        knots: List::Borrowed(table.knots()),
+        pieces: List::Borrowed(table.pieces()),
+        period: table.period(),
+        rise: table.rise(),
+    }
+}
+
+fn argument(argument: &lower::Argument) -> Argument {
+    Argument {
+        of: match argument.of {
+            lower::Watched::Event(k) => Watched::Event(k as u32),
+            lower::Watched::Switch(k) => Watched::Switch(k as u32),
+            lower::Watched::Motion => Watched::Motion,
+            lower::Watched::Argument(k) => Watched::Argument(k as u32),
+        },
+        role: match argument.role {
+            lower::Role::Phase => Role::Phase,
+            lower::Role::Landmark => Role::Landmark,
+            lower::Role::Exponential => Role::Exponential,
+            lower::Role::Bounded => Role::Bounded,
+            lower::Role::Arctangent => Role::Arctangent,
+            lower::Role::Points => Role::Points,
+            lower::Role::Distance => Role::Distance,
+            lower::Role::Power(p) => Role::Power(p),
+        },
+        time_only: argument.time_only,
+        load: Text::Owned(argument.load.clone()),
+    }
+}
+
+fn input_jump(jump: &lower::InputJump) -> InputJump {
+    match jump {
+        lower::InputJump::Force => InputJump::Force,
+        lower::InputJump::Speed => InputJump::Speed,
+        lower::InputJump::Refused => InputJump::Refused,
+    }
+}
+
+fn balances(system: &MomentumSystem) -> BalanceSystem {
+    let text = |s: &String| Text::Owned(s.clone());
+    let balance = |(name, void): &(String, bool)| Balance { name: text(name), void_at_rest: *void };
+    BalanceSystem {
+        name: text(&system.name),
+        phases: system.phases.iter().map(|phase| *phase as u32).collect(),
+        unknowns: system.unknowns.iter().map(text).collect(),
+        equations: system.equations.iter().map(balance).collect(),
+        nonzeros: system.matrix.len() as u32,
+        operations: system.operations as u32,
+        outputs: system.outputs.iter().map(|(output, unknown)| (*output as u32, *unknown as u32)).collect(),
+    }
+}
