@@ -34,6 +34,7 @@ pub(crate) use modes::OwnedSegment;
 pub(crate) use modes::text as switch_text;
 #[cfg(feature = "ensemble")]
 pub(crate) use monitor::{keeps_clear, ratio as calm_ratio};
+pub(crate) use scan::Crossing;
 pub(crate) use signals::WIDTH as CLOSURE_WIDTH;
 pub(crate) use watch::{Fired, Interruption, Switched, Watch};
 

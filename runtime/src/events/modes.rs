@@ -28,6 +28,8 @@ impl OwnedSegment {
 pub(crate) struct Known<'a> {
     /// Which are on their surface, because their zero was located here.
     pub surface: &'a [bool],
+    /// On which side some are from here on, whose argument jumps over zero, or is one of time alone.
+    pub beyond: &'a [Option<f64>],
     /// One that is known to leave its surface, and to which side.
     pub leaves: Option<(usize, f64)>,
     /// The length of the last step, s: what happens in a billionth of it happens now.
@@ -48,7 +50,7 @@ const MOST_COMBINATIONS: usize = 64;
 /// In order, since an argument contains modes of earlier switches only: off its surface (argument = 0) a switch's mode
 /// is the sign of the argument under the modes already chosen.  On it both sides are tried, in all combinations, the
 /// present one first; a combination is the motion's if it moves every argument that is on its surface to the side that
-/// the combination says.  Where rates vanish one trial step tells where the arguments go.
+/// the combination says.  Where rates vanish, or no combination agrees with them, one trial step tells where the arguments go.
 ///
 /// Where no combination leads away, one `sign` that rested, as at the start, stays 0 if nothing moves with it; one that
 /// slid until then and is pushed back from both sides does not come to rest by itself: what holds it there is for a
@@ -75,6 +77,10 @@ pub(crate) fn choose<S: System + ?Sized>(
             let switch = one.next;
             one.next += 1;
             system.set_modes(&one.modes);
+            if let Some(side) = known.beyond[switch] {
+                one.modes[switch] = mode(system, switch, side);
+                continue;
+            }
             sampler.at_state(system, t, y);
             let (value, rate) = (sampler.value(sampler.function_of(switch)), sampler.rate(switch));
             let on = known.surface[switch] || value == 0.0 || value.abs() <= NOW * known.step * rate.abs();
@@ -93,19 +99,18 @@ pub(crate) fn choose<S: System + ?Sized>(
         }
         combinations.push(one);
     }
-    let directions: Vec<Vec<f64>> =
-        combinations.iter().map(|one| directions(system, sampler, (t, y), one, trial)).collect();
-    let scale = |k: usize| directions.iter().map(|to: &Vec<f64>| to[k].abs()).fold(0.0, f64::max);
-    let agrees = |one: &Combination, directions: &[f64]| {
-        let forward = |k: usize| side_of(system, k, one.modes[k]) * directions[k] >= -STANDS * scale(k);
-        (0..count).filter(|k| one.on[*k]).all(forward)
-    };
-    let moves = |one: &Combination, directions: &[f64]| (0..count).any(|k| one.on[k] && directions[k] != 0.0);
-    let list = || combinations.iter().zip(&directions);
-    let found = list().find(|(one, to)| agrees(one, to) && moves(one, to));
-    let found = found.or_else(|| list().find(|(one, to)| agrees(one, to)));
-    if let Some((one, to)) = found {
-        let mut one = one.clone();
+    let by_rates: Vec<Vec<f64>> = combinations
+        .iter()
+        .map(|one| directions(system, sampler, (t, y), (one, Looks::WhereRatesVanish), trial))
+        .collect();
+    let mut found = agreed(system, &combinations, &by_rates);
+    if found.is_none() {
+        // Rates that are next to nothing beside what a step does, as those of a drag that hardly moves, do not count.
+        let by_trial: Vec<Vec<f64>> =
+            combinations.iter().map(|one| directions(system, sampler, (t, y), (one, Looks::Always), trial)).collect();
+        found = agreed(system, &combinations, &by_trial);
+    }
+    if let Some((mut one, to)) = found {
         for switch in (0..count).filter(|k| one.on[*k] && to[*k] == 0.0) {
             one.modes[switch] = match known.leaves {
                 Some((other, to)) if other == switch => mode(system, switch, to),
@@ -116,11 +121,8 @@ pub(crate) fn choose<S: System + ?Sized>(
         return Ok(one.on);
     }
     // The combinations in which fewest arguments are moved against their sides; those are pushed back to their surface.
-    let against = |one: &Combination, to: &[f64]| {
-        let back = |k: &usize| one.on[*k] && side_of(system, *k, one.modes[*k]) * to[*k] < -STANDS * scale(*k);
-        (0..count).filter(back).collect::<Vec<usize>>()
-    };
-    let opposed: Vec<Vec<usize>> = list().map(|(one, to)| against(one, to)).collect();
+    let list = combinations.iter().zip(&by_rates);
+    let opposed: Vec<Vec<usize>> = list.map(|(one, to)| against(system, one, to, &by_rates)).collect();
     let fewest = opposed.iter().map(Vec::len).min().unwrap_or(0);
     let best = opposed.iter().position(|list| list.len() == fewest).unwrap_or(0);
     let pushed = opposed[best].clone();
@@ -131,7 +133,7 @@ pub(crate) fn choose<S: System + ?Sized>(
         }
         system.set_modes(&rest.modes);
         sampler.at_state(system, t, y);
-        if pushed.iter().all(|k| sampler.rate(*k).abs() <= STANDS * scale(*k)) {
+        if pushed.iter().all(|k| sampler.rate(*k).abs() <= STANDS * scale(&by_rates, *k)) {
             return Ok(rest.on);
         }
     }
@@ -149,19 +151,52 @@ struct Combination {
     next: usize,
 }
 
-/// Where the arguments on their surface go under a combination: their rates or, where these vanish, their values in a
-/// trial step.
+/// The first combination that moves every argument on its surface to the side that it says, and where it moves them; one that
+/// moves something before others.
+fn agreed<S: System + ?Sized>(
+    system: &S,
+    combinations: &[Combination],
+    directions: &[Vec<f64>],
+) -> Option<(Combination, Vec<f64>)> {
+    let agree =
+        || combinations.iter().zip(directions).filter(|(one, to)| against(system, one, to, directions).is_empty());
+    let moves = |(one, to): &(&Combination, &Vec<f64>)| one.on.iter().zip(*to).any(|(on, to)| *on && *to != 0.0);
+    agree().find(moves).or_else(|| agree().next()).map(|(one, to)| (one.clone(), to.clone()))
+}
+
+/// The switches on their surface that a combination moves against the sides that it says.
+fn against<S: System + ?Sized>(system: &S, one: &Combination, to: &[f64], directions: &[Vec<f64>]) -> Vec<usize> {
+    let back = |k: &usize| one.on[*k] && side_of(system, *k, one.modes[*k]) * to[*k] < -STANDS * scale(directions, *k);
+    (0..one.on.len()).filter(back).collect()
+}
+
+/// The largest size of what an argument does under any combination.
+fn scale(directions: &[Vec<f64>], switch: usize) -> f64 {
+    directions.iter().map(|to| to[switch].abs()).fold(0.0, f64::max)
+}
+
+/// When a trial step tells where an argument goes.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Looks {
+    /// Where its rate vanishes.
+    WhereRatesVanish,
+    /// Whatever its rate.
+    Always,
+}
+
+/// Where the arguments on their surface go under a combination: their rates or, where a trial step tells, their values in it.
 fn directions<S: System + ?Sized>(
     system: &mut S,
     sampler: &mut Sampler,
     (t, y): (f64, &[f64]),
-    one: &Combination,
+    (one, looks): (&Combination, Looks),
     trial: Trial<'_, S>,
 ) -> Vec<f64> {
     system.set_modes(&one.modes);
     sampler.at_state(system, t, y);
     let mut to: Vec<f64> = (0..one.on.len()).map(|k| if one.on[k] { sampler.rate(k) } else { 0.0 }).collect();
-    let unsure: Vec<usize> = (0..to.len()).filter(|k| one.on[*k] && to[*k] == 0.0).collect();
+    let unsure: Vec<usize> =
+        (0..to.len()).filter(|k| one.on[*k] && (to[*k] == 0.0 || looks == Looks::Always)).collect();
     if unsure.is_empty() {
         return to;
     }
@@ -219,7 +254,7 @@ pub(crate) fn side<S: System + ?Sized>(system: &S, switch: usize) -> f64 {
     side_of(system, switch, system.modes()[switch])
 }
 
-fn side_of<S: System + ?Sized>(system: &S, switch: usize, mode: f64) -> f64 {
+pub(crate) fn side_of<S: System + ?Sized>(system: &S, switch: usize, mode: f64) -> f64 {
     match system.description().switches[switch].kind {
         SwitchKind::Sign => mode,
         SwitchKind::Step => 2.0 * mode - 1.0,

@@ -203,23 +203,37 @@ impl Sampler {
     /// By how much a function may change by the rounding of the state, within a step: the least of both ends, since one
     /// of them may be where it jumps.
     pub fn rounding<S: System + ?Sized>(&mut self, system: &S, segment: &Segment<'_>, function: usize) -> f64 {
-        let mut least = f64::INFINITY;
-        for theta in [0.0, 1.0] {
+        let ends = [0.0, 1.0].map(|theta| {
             self.along(system, segment, theta);
-            let (t, y) = (segment.t + theta * segment.h, self.y.clone());
-            let sum = self.rounding_at(system, function, (t, &y));
-            least = least.min(sum);
+            self.y.clone()
+        });
+        // Between the ends a state is as exact as the larger of them.
+        let sizes: Vec<f64> = ends[0].iter().zip(&ends[1]).map(|(a, b)| a.abs().max(b.abs())).collect();
+        let mut least = f64::INFINITY;
+        for (y, t) in ends.iter().zip([segment.t, segment.t + segment.h]) {
+            least = least.min(self.rounding_about(system, function, (t, y), &sizes));
         }
         if least.is_finite() { least } else { 0.0 }
     }
 
     /// By how much a function may change by the rounding of a state, its accelerations being those evaluated last.
     pub fn rounding_at<S: System + ?Sized>(&mut self, system: &S, function: usize, (t, y): (f64, &[f64])) -> f64 {
+        self.rounding_about(system, function, (t, y), y)
+    }
+
+    /// The same for a state that is as exact as numbers of these sizes.
+    fn rounding_about<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        function: usize,
+        (t, y): (f64, &[f64]),
+        sizes: &[f64],
+    ) -> f64 {
         self.evaluate(system, t, y);
         let (mut near, value) = (y.to_vec(), self.value(function));
         let mut sum = 0.0;
         for i in 0..y.len() {
-            for moved in [y[i] * (1.0 - ROUNDINGS), y[i] * (1.0 + ROUNDINGS)] {
+            for moved in [y[i] - ROUNDINGS * sizes[i], y[i] + ROUNDINGS * sizes[i]] {
                 near[i] = moved;
                 self.evaluate(system, t, &near);
                 sum += (self.value(function) - value).abs();

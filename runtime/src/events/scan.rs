@@ -16,6 +16,8 @@ pub(crate) struct Crossing {
     pub theta: f64,
     /// True when it goes from below to above.
     pub rising: bool,
+    /// True when it jumps there, or has a pole: θ is just beyond.
+    pub jumps: bool,
 }
 
 /// Something of an event's function that is no crossing, and worth a word.
@@ -36,8 +38,10 @@ pub(crate) struct Scanner {
     pub sides: Vec<f64>,
     /// The sides at its end, if nothing happens in between.
     pub end_sides: Vec<f64>,
-    /// Functions that were at zero when the integration (re)started.
+    /// Functions that were at zero when the integration (re)started, and have not left it.
     pub fresh: Vec<bool>,
+    /// Those that will not have at the end of the step.
+    lingers: Vec<bool>,
     /// To which side these leave it, where their rates tell; 0 where they do not.
     pub leaving: Vec<f64>,
     /// The largest size of each function that was met, poles left aside.
@@ -66,6 +70,8 @@ pub(crate) struct Scanner {
 const ZERO: f64 = 1e-13;
 /// So many roundings of the time a surface is known to, at the least.
 const ROUNDINGS: f64 = 64.0;
+/// A place this part of itself behind a jump is beyond it, rounding and all.
+const BEYOND: f64 = 1024.0 * f64::EPSILON;
 /// A change that is larger than the others by this is beside a pole.
 const POLE: f64 = 1e8;
 
@@ -81,6 +87,7 @@ impl Scanner {
             sides: vec![0.0; functions],
             end_sides: vec![0.0; functions],
             fresh: vec![true; functions],
+            lingers: vec![false; functions],
             leaving: vec![0.0; functions],
             largest: vec![0.0; functions],
             asleep: vec![false; functions],
@@ -149,7 +156,7 @@ impl Scanner {
     /// The sides at the end of the step become those at the start of the next.
     pub fn advance(&mut self, t: f64) {
         self.sides.copy_from_slice(&self.end_sides);
-        self.fresh.fill(false);
+        self.fresh.copy_from_slice(&self.lingers);
         self.leaving.fill(0.0);
         self.ends = t;
     }
@@ -203,6 +210,12 @@ impl Scanner {
                 self.sides[function] = self.leaving[function];
             }
         }
+        // What leaves its surface to a side begins there, on whichever side rounding has put it.
+        let leaves = sampler.switch(function).is_some() && start.slope * self.sides[function] > 0.0;
+        if self.fresh[function] && leaves && start.value * self.sides[function] < 0.0 {
+            floor = floor.max(start.value.abs());
+            grid[0].value = 0.0;
+        }
         let mut certifier = std::mem::take(&mut self.certifier);
         let mut sample = |theta: f64| {
             if theta == 0.5 {
@@ -218,7 +231,7 @@ impl Scanner {
             let mut sample = |theta: f64| sampler.sample(system, segment, function, theta);
             outcome = certifier.certify(&mut sample, &grid);
         }
-        self.collect(function, &certifier, segment, floor);
+        self.collect((function, sampler.switch(function).is_some()), &certifier, segment, floor);
         self.certifier = certifier;
         self.grid = grid;
         let function = || watched_name(system, sampler, function);
@@ -227,10 +240,17 @@ impl Scanner {
 
     /// Takes over what the certifier marked, from where the function first is beyond `floor`: before, it is zero to
     /// rounding, and has not left the side where it was put.
-    fn collect(&mut self, function: usize, certifier: &Certifier, segment: &Segment<'_>, floor: f64) {
+    fn collect(
+        &mut self,
+        (function, switches): (usize, bool),
+        certifier: &Certifier,
+        segment: &Segment<'_>,
+        floor: f64,
+    ) {
         let mut side = self.sides[function];
         let first = certifier.points().iter().find(|point| point.value.abs() > floor && point.value.is_finite());
         let begins = first.map_or(1.0, |point| point.x);
+        self.lingers[function] = first.is_none() && floor > 0.0;
         if let Some(first) = first {
             let sign = first.value.signum();
             if side == 0.0 {
@@ -239,7 +259,7 @@ impl Scanner {
                 // It lies beyond zero from the start, since what changed it there was no step; or it left zero to the
                 // other side and came back before anybody looked.
                 let theta = certifier.points().first().map_or(0.0, |start| hop(start, first, side));
-                self.crossings.push(Crossing { function, theta, rising: sign > 0.0 });
+                self.crossings.push(Crossing { function, theta, rising: sign > 0.0, jumps: false });
                 side = sign;
             }
         }
@@ -247,8 +267,18 @@ impl Scanner {
         for mark in certifier.marks.iter().filter(|mark| floor == 0.0 || mark.x > begins) {
             match mark.deed {
                 Deed::Crosses { rising } => {
-                    self.crossings.push(Crossing { function, theta: mark.x, rising });
+                    self.crossings.push(Crossing { function, theta: mark.x, rising, jumps: false });
                     side = if rising { 1.0 } else { -1.0 };
+                }
+                // An event is what passes through zero; a switch has another side, however it got there.
+                Deed::Jumps | Deed::Pole | Deed::Undefined if switches => {
+                    let theta = (mark.x + BEYOND * mark.x.max(segment.t.abs() / segment.h)).min(1.0);
+                    let after = certifier.points().iter().find(|point| point.x >= theta && point.value.is_finite());
+                    let there = after.map_or(side, |point| point.value.signum());
+                    if there != side {
+                        self.crossings.push(Crossing { function, theta, rising: there > 0.0, jumps: true });
+                    }
+                    side = there;
                 }
                 deed => {
                     let t = segment.t + mark.x * segment.h;

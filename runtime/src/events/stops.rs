@@ -13,8 +13,8 @@ use crate::mechanism::{System, Watched};
 pub(crate) struct Stop {
     /// s.
     pub t: f64,
-    /// Which.
-    pub switches: Vec<usize>,
+    /// Which, and on which side each is from then on.
+    pub switches: Vec<(usize, f64)>,
     /// Inputs that are closures and jump or turn just after it.
     pub breaks: Vec<(usize, Break)>,
 }
@@ -126,9 +126,9 @@ fn stop_times<S: System + ?Sized>(
             let near = 4.0 * f64::EPSILON * t.abs();
             let place = stops.partition_point(|stop| stop.t < t - near);
             match stops.get_mut(place) {
-                Some(stop) if stop.t <= t + near => stop.switches.push(switch),
+                Some(stop) if stop.t <= t + near => stop.switches.push((switch, 0.0)),
                 _ => {
-                    stops.insert(place, Stop { t, switches: vec![switch], breaks: Vec::new() });
+                    stops.insert(place, Stop { t, switches: vec![(switch, 0.0)], breaks: Vec::new() });
                     modes.insert(place, modes[place].clone());
                 }
             }
@@ -140,6 +140,11 @@ fn stop_times<S: System + ?Sized>(
             system.set_modes(&modes[interval]);
             sampler.at_time(system, low + 0.5 * (high - low), y);
             modes[interval][switch] = modes::mode(system, switch, sampler.value(sampler.function_of(switch)));
+        }
+    }
+    for (stop, after) in stops.iter_mut().zip(&modes[1..]) {
+        for (switch, side) in &mut stop.switches {
+            *side = modes::side_of(system, *switch, after[*switch]);
         }
     }
     Ok(stops)

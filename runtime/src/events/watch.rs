@@ -25,6 +25,8 @@ pub(crate) struct Watch {
     time_only: Vec<bool>,
     /// Which switches are on their surface at a restart.
     surface: Vec<bool>,
+    /// On which side others are from there on.
+    beyond: Vec<Option<f64>>,
     /// The length of the last step, s.
     step: f64,
     /// How many restarts in a row came at once, and when the last one was.
@@ -96,6 +98,7 @@ impl Watch {
             monitors,
             stops,
             surface: vec![false; time_only.len()],
+            beyond: vec![None; time_only.len()],
             time_only,
             step: 0.0,
             restarts: 0,
@@ -111,7 +114,7 @@ impl Watch {
         (t, y): (f64, &[f64]),
         trial: Trial<'_, S>,
     ) -> Result<(), Box<Cause>> {
-        self.surface.fill(false);
+        self.forget_surfaces();
         let kinds = system.description().switches.iter().map(|switch| switch.kind);
         let neutral: Vec<f64> = kinds.map(|kind| if kind == SwitchKind::Sign { 0.0 } else { 1.0 }).collect();
         system.set_modes(&neutral);
@@ -248,6 +251,23 @@ impl Watch {
         }))
     }
 
+    /// Just behind the first jump of a function over zero within a step, 0 to 1; `None` where there is none.
+    ///
+    /// # Errors
+    /// A function that oscillates too fast.
+    pub fn beyond<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        function: usize,
+        segment: &Segment<'_>,
+    ) -> Result<Option<f64>, Box<Cause>> {
+        self.scanner.restart();
+        self.scanner.scan(&mut self.sampler, &mut self.arguments, system, segment)?;
+        let mut jumps =
+            self.scanner.crossings.iter().filter(|crossing| crossing.function == function && crossing.jumps);
+        Ok(jumps.next().map(|crossing| crossing.theta))
+    }
+
     /// A function's value at a state, and its rate there along the step that ends in it.
     pub fn value_and_rate<S: System + ?Sized>(
         &mut self,
@@ -317,7 +337,7 @@ impl Watch {
         (t, y): (f64, &[f64]),
         recorder: &mut impl Log,
     ) -> Vec<Fired> {
-        self.surface.fill(false);
+        self.forget_surfaces();
         self.scanner.restart();
         self.monitors.forget();
         let mut fired = Vec::new();
@@ -325,7 +345,11 @@ impl Watch {
             self.scanner.sides[crossing.function] = if crossing.rising { 1.0 } else { -1.0 };
             self.scanner.fresh[crossing.function] = true;
             if let Some(switch) = self.sampler.switch(crossing.function) {
-                self.surface[switch] = true;
+                if crossing.jumps {
+                    self.beyond[switch] = Some(self.scanner.sides[crossing.function]);
+                } else {
+                    self.surface[switch] = true;
+                }
                 continue;
             }
             self.sampler.at_state(system, t, y);
@@ -349,7 +373,7 @@ impl Watch {
         struck: bool,
         trial: Trial<'_, S>,
     ) -> Result<(), Box<Cause>> {
-        self.surface.fill(false);
+        self.forget_surfaces();
         self.choose(system, (t, y), None, trial)?;
         self.scanner.awaken(system);
         for function in 0..self.sampler.events() {
@@ -424,10 +448,10 @@ impl Watch {
         (t, y): (f64, &[f64]),
         trial: Trial<'_, S>,
     ) -> Result<(), Box<Cause>> {
-        self.surface.fill(false);
+        self.forget_surfaces();
         self.surface[switch] = true;
         self.choose(system, (t, y), Some((switch, side)), trial)?;
-        self.surface.fill(false);
+        self.forget_surfaces();
         Ok(())
     }
 
@@ -443,12 +467,12 @@ impl Watch {
         let mut breaks = Vec::new();
         while let Some(stop) = self.stops.list.pop_if(|stop| stop.t <= t) {
             timed = true;
-            for switch in stop.switches {
-                self.surface[switch] = true;
+            for (switch, side) in stop.switches {
+                self.beyond[switch] = Some(side);
             }
             breaks.extend(stop.breaks);
         }
-        let any = timed || self.surface.contains(&true);
+        let any = timed || self.surface.contains(&true) || self.beyond.iter().any(Option::is_some);
         let mut impulse = None;
         if any {
             let inputs = 3 * system.description().inputs.len();
@@ -459,7 +483,7 @@ impl Watch {
                 resume = resume.max(one.after);
             }
             self.choose(system, (resume, y), None, trial)?;
-            self.surface.fill(false);
+            self.forget_surfaces();
             system.inputs(resume, &mut after);
             if timed {
                 impulse = self::impulse(system, (t, y), &before, &after)?;
@@ -469,6 +493,11 @@ impl Watch {
             self.stops.extend(system, (&mut self.sampler, &mut self.arguments), y)?;
         }
         Ok(Switched { any, resume, impulse })
+    }
+
+    fn forget_surfaces(&mut self) {
+        self.surface.fill(false);
+        self.beyond.fill(None);
     }
 
     /// Chooses the modes and sets the switches' sides to match.
@@ -484,7 +513,7 @@ impl Watch {
         self.last_restart = t;
         self.scanner.restart();
         self.monitors.forget();
-        let known = Known { surface: &self.surface, leaves, step: self.step };
+        let known = Known { surface: &self.surface, beyond: &self.beyond, leaves, step: self.step };
         let on = modes::choose(system, &mut self.sampler, (t, y), &known, trial)?;
         if self.restarts > SEVERAL {
             for switch in (0..on.len()).filter(|switch| on[*switch]) {

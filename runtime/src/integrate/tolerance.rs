@@ -32,6 +32,8 @@ pub(crate) struct Tolerance {
     raised: Vec<f64>,
     /// ν, 0 where nothing made it worth a measurement.
     noise: Vec<f64>,
+    /// Errors over the step in which a component sets off from rest, where no shorter one has smaller ones beside its change.
+    onset: Vec<f64>,
     /// What rounding of constraints that hardly differ leaves open, of q and of q'; 0 elsewhere.
     blurred: Vec<f64>,
     /// The first coordinate of the same unit.
@@ -59,6 +61,7 @@ impl Tolerance {
             raised: vec![0.0; units.len()],
             noise: vec![0.0; units.len()],
             floors: vec![0.0; start.len()],
+            onset: vec![0.0; start.len()],
             blurred: vec![0.0; start.len()],
             group: units.iter().map(first).collect(),
         };
@@ -125,7 +128,7 @@ impl Tolerance {
         let rounding = larger(ROUNDING * larger(high.abs(), low.abs()), raised);
         let range = if high - low > widest { widest } else { high - low };
         // Where all of it is zero an error of zero must count as none.
-        larger(larger(self.relative * range, rounding), f64::MIN_POSITIVE)
+        larger(larger(self.relative * range, rounding), larger(self.onset[k], f64::MIN_POSITIVE))
     }
 
     /// True if the errors of coordinate i, too large still after they fell from `before` to `after` when the step was cut
@@ -154,6 +157,19 @@ impl Tolerance {
         // That of another one's place, or of its own.
         self.raised[i] = self.raised[i].max(floor);
         self.floors[i] = self.floor(i);
+    }
+
+    /// Takes note of errors over a step: those of components that have not moved yet count no more from now on.
+    ///
+    /// What grows like tᵖ is off by the same part of itself over any first step, however short; later steps, which move it by
+    /// far more, are judged by its range.
+    pub fn set_off(&mut self, errors: &[f64]) {
+        for (k, error) in errors.iter().enumerate() {
+            if self.low[k] == self.high[k] {
+                self.onset[k] = error.abs();
+                self.floors[k] = self.floor(k);
+            }
+        }
     }
 
     /// A change of coordinate i of a few roundings.

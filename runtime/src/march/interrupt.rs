@@ -2,7 +2,7 @@
 
 use super::{Halt, March, Step, UNEVEN, finite};
 use crate::cause::Cause;
-use crate::events::{Interruption, Switched, Watch};
+use crate::events::{Crossing, Interruption, Switched, Watch};
 use crate::mechanism::{Action, System};
 use crate::run::Recorder;
 
@@ -47,7 +47,7 @@ impl March {
             return Ok(Halt::Arrived);
         }
         let together = watch.simultaneous(crossing, &self.segment(step));
-        let fired = match self.shorten(system, step, crossing.theta, crossing.function, watch)? {
+        let fired = match self.shorten(system, step, crossing, watch)? {
             Some(shorter) => {
                 let (segment, end) = (self.segment(shorter), self.stepper.end());
                 recorder.accept(system, Some(&segment), shorter.next, end)?;
@@ -134,14 +134,15 @@ impl March {
         &mut self,
         system: &dyn System,
         step: Step,
-        theta: f64,
-        function: usize,
+        Crossing { function, theta, jumps, .. }: Crossing,
         watch: &mut Watch,
     ) -> Result<Option<Step>, Box<Cause>> {
         let now = self.clock.now();
         let resolution = f64::EPSILON * now.abs().max(step.h);
         let mut h = theta * step.h;
         let mut shorter = None;
+        // By how much a step that ends before a jump is made longer.
+        let mut reach = 1e-12 * step.h;
         for _ in 0..8 {
             if h <= resolution {
                 return Ok(shorter);
@@ -151,6 +152,18 @@ impl March {
             finite(system, self.stepper.end().y, 0)?;
             self.dense(system, trial)?;
             shorter = Some(trial);
+            if jumps {
+                match watch.beyond(system, function, &self.segment(trial))? {
+                    // The state there is one that a shorter step reaches, too.
+                    Some(place) if place < 1.0 - 1e-9 => h *= place,
+                    Some(_) => break,
+                    None => {
+                        h += reach;
+                        reach *= 1e3;
+                    }
+                }
+                continue;
+            }
             let (segment, end) = (self.segment(trial), self.stepper.end());
             let (value, rate) = watch.value_and_rate(system, function, &segment, end.y);
             let correction = -value / rate;

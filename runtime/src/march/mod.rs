@@ -19,6 +19,7 @@ use std::ops::ControlFlow;
 use between::Defect;
 use constraints::Dwelling;
 use jump::JumpDetector;
+use noise::Steady;
 use phase::{Firings, Impacts};
 
 use crate::cause::Cause;
@@ -361,6 +362,7 @@ impl March {
             self.h = self.first(stop - now);
         }
         self.rejected.clear();
+        let mut steady = Steady::default();
         loop {
             let mut step = self.plan(stop);
             if let Pace::Adaptive { .. } = self.pace {
@@ -403,6 +405,7 @@ impl March {
                     // Where nothing has moved yet the least error is infinitely many times too large.
                     if outcome.is_ok() && self.stepper.errors().iter().all(|error| error.is_finite()) {
                         self.look_for_noise(system, step);
+                        self.look_for_onset(&mut steady, (error, h));
                     }
                     self.h = self.control.rejected(h, error);
                     if self.h < 16.0 * f64::EPSILON * now.abs() || self.h < f64::MIN_POSITIVE / f64::EPSILON {

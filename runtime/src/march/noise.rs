@@ -1,10 +1,46 @@
-//! Rounding told apart from errors that shorter steps would mend.
+//! Rounding, and what sets off from rest, told apart from errors that shorter steps would mend.
 
 use super::{March, Pace, Step};
 use crate::integrate::JITTER;
 use crate::mechanism::{At, System, solve_packed_slice};
 
+/// How often in a row an error in units of the tolerance hardly fell although steps became much shorter.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Steady {
+    error: f64,
+    h: f64,
+    times: u32,
+}
+
+impl Steady {
+    /// It is small beside the change of the step: an explicit step beyond its stability has errors of the size of that.
+    const SMALL: f64 = 0.05;
+    /// Steps are much shorter by this.
+    const SHORTER: f64 = 0.5;
+    /// What shorter steps did not mend so often, they never will.
+    const NEVER: u32 = 3;
+
+    /// Takes note of a rejected step's error; true once no shorter step can have a smaller one.
+    fn remains(&mut self, error: f64, h: f64, tolerance: f64) -> bool {
+        let shorter = h / self.h;
+        let falls = error < shorter.sqrt() * self.error;
+        let stays = self.h > 0.0 && shorter < Self::SHORTER && error * tolerance < Self::SMALL && !falls;
+        self.times = if stays { self.times + 1 } else { 0 };
+        (self.error, self.h) = (error, h);
+        self.times >= Self::NEVER
+    }
+}
+
 impl March {
+    /// Looks whether the error of a rejected step is the same part of what it changes by in any step: that of what sets off
+    /// from rest by a high power of time.  If so the tolerance takes note.
+    pub(super) fn look_for_onset(&mut self, steady: &mut Steady, (error, h): (f64, f64)) {
+        let Pace::Adaptive { tolerance, .. } = &mut self.pace else { return };
+        if steady.remains(error, h, tolerance.relative) {
+            tolerance.set_off(self.stepper.errors());
+        }
+    }
+
     /// Looks whether what was rejected twice running is rounding; if so the tolerance takes note.
     pub(super) fn look_for_noise(&mut self, system: &dyn System, step: Step) {
         let Pace::Adaptive { tolerance, .. } = &self.pace else { return };

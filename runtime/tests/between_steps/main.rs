@@ -6,6 +6,7 @@ mod arguments;
 mod catalogue;
 mod functions;
 mod nested;
+mod onset;
 mod poles;
 mod time;
 mod trust;

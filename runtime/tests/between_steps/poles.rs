@@ -2,7 +2,7 @@
 
 use dalembert::{Run, Warning};
 
-use super::coasting;
+use super::{coasting, file};
 
 /// A particle that goes through the places 0 to 3.0371 in as many seconds, at 1 m/s, and events in its place.
 fn passing(events: &[&str]) -> Run {
@@ -142,5 +142,38 @@ fn all_zeros_among_many_poles_are_found() {
             let words = run.warnings.iter().map(ToString::to_string).filter(|words| words.contains("pole"));
             assert!(words.clone().any(|words| words.starts_with(&named)), "{:?}", words.collect::<Vec<_>>());
         }
+    }
+}
+
+/// A switch has another side behind a jump of its argument over zero, though that is nowhere zero.
+#[test]
+fn arguments_of_switches_may_jump_over_zero() {
+    let thrown = |law: &str| {
+        file(&format!(
+            "name: P\nparameters: {{m: 1, F: 1}}\ncoordinates: {{x: 1}}\n\
+             bodies: {{b: {{mass: m, position: \"[x, 0]\"}}}}\nforces: {{f: {{on: b, force: \"[F*({law}), 0]\"}}}}\n\
+             scene: {{start: {{x': 3}}, until: 1, tolerance: 1e-8}}"
+        ))
+        .run()
+        .last()["x'"]
+    };
+    let root = 7.0_f64.sqrt();
+    let half_pi = std::f64::consts::FRAC_PI_2;
+    // Speeds where the tangent has its pole and its zero: it is pushed ahead, back, and ahead again.
+    let fast = (9.0 + 2.0 * (half_pi - 0.7)).sqrt();
+    let slow = (fast * fast - 2.0 * half_pi).sqrt();
+    for (law, expected) in [
+        ("sign(x - 1)", 2.0 * root - 2.0),
+        ("sign(1/(x - 1))", 2.0 * root - 2.0),
+        ("sign(1e-9/(x - 1)^3)", 2.0 * root - 2.0),
+        ("sign(1e9/(x - 1)^5)", 2.0 * root - 2.0),
+        ("sign(1/(x - 1)^2)", 4.0),
+        ("sign(atan2(x - 1, -1))", 2.0 * root - 2.0),
+        ("step(1/(x - 1))", 11.0 / 3.0),
+        ("sign(tan(x + 0.7))", 4.0 - 2.0 * (fast - slow)),
+        ("sign(1/(t - 0.5))", 3.0),
+        ("sign(tan(3*t + 0.7))", 4.0 - 2.0 * half_pi / 3.0),
+    ] {
+        assert!((thrown(law) - expected).abs() < 1e-7, "{law}: {} and not {expected}", thrown(law));
     }
 }

@@ -160,8 +160,8 @@ impl Newton {
     ) -> Result<(), Setback> {
         let mut before = f64::INFINITY;
         let most = if tolerance.is_some() { MOST_LOOSE } else { MOST };
+        stages.follow(self.tableau, from);
         for iteration in 1..=most {
-            stages.follow(self.tableau, from);
             self.left(system, from, stages, at)?;
             self.correct(stages);
             let mut same = true;
@@ -170,6 +170,8 @@ impl Newton {
                 same &= next == *k;
                 *k = next;
             }
+            // What begins at rest has no size before its first correction.
+            stages.follow(self.tableau, from);
             let size = match tolerance {
                 Some(tolerance) => self.in_units(from, stages, tolerance),
                 None => self.relative(from, stages),
@@ -183,7 +185,6 @@ impl Newton {
                     None => size >= before && before < NOISE,
                 };
             if done {
-                stages.follow(self.tableau, from);
                 if self.usual == 0 {
                     self.usual = iteration;
                 }

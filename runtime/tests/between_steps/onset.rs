@@ -1,0 +1,51 @@
+//! Motions that set off from rest, by a high power of time or beside the surface of a discontinuity.
+
+use dalembert::Method;
+
+use super::{Case, file};
+
+/// Two bodies at rest on a spring: a force that sets in as `force` says moves one, and a drag v |v|, or v³, acts on the other.
+fn pulled(force: &str, drag: &str, start: &str) -> Case {
+    file(&format!(
+        "name: Pulled
+parameters: {{m: 1, F: 1, k: 100, d: 0.1}}
+coordinates: {{x: 1, y: 1}}
+bodies: {{b: {{mass: m, position: \"[x, 0]\"}}, c: {{mass: m, position: \"[y, 0]\"}}}}
+springs: {{s: {{stretch: y - x, stiffness: k, along: \"[1, 0]\", on: c, from: b}}}}
+forces: {{f: {{on: b, force: \"[F*({force}), 0]\"}}, d: {{on: c, force: \"[-d*{drag}, 0]\"}}}}
+scene: {{start: {{{start}}}, until: 4, tolerance: 1e-8}}"
+    ))
+}
+
+#[test]
+fn a_force_that_sets_in_slowly_takes_no_step_beyond_counting() {
+    // y goes like t⁶ at first, so that its error is the same part of it in any step.
+    for force in ["1 - exp(-t^2)", "t^2", "t^3"] {
+        for drag in ["y'*abs(y')", "y'^3"] {
+            let mut case = pulled(force, drag, "");
+            let expected = case.run().last()["y"];
+            for (method, most) in [(Method::Dop853, 300), (Method::Dopri5, 1200), (Method::Radau5, 2500)] {
+                case.settings.method = method;
+                let run = case.run();
+                assert!(run.work.steps < most, "{force}, {drag}, {method}: {} steps", run.work.steps);
+                assert!((run.last()["y"] / expected - 1.0).abs() < 1e-6, "{force}, {drag}, {method}: {}", run.last());
+            }
+        }
+    }
+}
+
+#[test]
+fn rounding_beside_a_surface_does_not_choose_the_side() {
+    // y' leaves 0 upwards, from whatever side rounding has put it on.
+    for force in ["t", "1 - exp(-t^2)"] {
+        let expected = pulled(force, "y'*abs(y')", "").tolerance(1e-12).run().last()["y"];
+        for start in ["-1e-25", "-1e-20", "-1e-17", "-1e-15", "-1e-13", "-1e-10", "1e-20", "1e-15"] {
+            let mut case = pulled(force, "y'*abs(y')", &format!("y': {start}"));
+            case.settings.digits = true;
+            let run = case.run();
+            assert!((run.last()["y"] / expected - 1.0).abs() < 1e-6, "{force} from {start}: {}", run.last());
+            let promised = run.errors("y").unwrap()[run.len() - 1] / expected;
+            assert!(promised < 1e-4, "{force} from {start}: {promised:e}");
+        }
+    }
+}
