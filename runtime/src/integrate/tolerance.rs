@@ -146,17 +146,19 @@ impl Tolerance {
     }
 
     /// Takes note of the noise of an acceleration: what it changes by when every coordinate moves by
-    /// [`Tolerance::jitter`].  Errors over a step of h that are no larger than it explains count as rounding from now on.
-    pub fn noise(&mut self, i: usize, change: f64, h: f64, errors: [f64; 2]) {
+    /// [`Tolerance::jitter`].  Errors over a step of h that are no larger than it explains count as rounding from now on; false if
+    /// they are.
+    pub fn noise(&mut self, i: usize, change: f64, h: f64, errors: [f64; 2]) -> bool {
         let floor = ROUNDING * self.largest_alike(i);
         let explains = h.abs() * change;
         if errors[1] > EXPLAINED * explains || errors[0] > (EXPLAINED * h.abs() * explains).max(floor) {
-            return;
+            return false;
         }
         self.noise[i] = self.noise[i].max(2.0 * EXPLAINED * change);
         // That of another one's place, or of its own.
         self.raised[i] = self.raised[i].max(floor);
         self.floors[i] = self.floor(i);
+        true
     }
 
     /// Takes note of errors over a step: those of components that have not moved yet count no more from now on.

@@ -59,8 +59,13 @@ impl March {
         if !suspects.is_empty() {
             let noise = self.noise(system);
             let Pace::Adaptive { tolerance, .. } = &mut self.pace else { return };
+            let mut found = false;
             for i in suspects {
-                tolerance.noise(i, noise[i], step.h, of(&self.rejected, i));
+                found |= tolerance.noise(i, noise[i], step.h, of(&self.rejected, i));
+            }
+            if found {
+                // What rounding drives is rounding, too.
+                tolerance.set_off(&self.rejected);
             }
         }
     }

@@ -8,7 +8,7 @@ use dalembert_symbolic::file::edit::{keys, source};
 use super::Unanswered;
 use super::deviation::{Motion, between, largest};
 use super::edit::{Edit, entry, shown, word};
-use super::full::{Full, columns, moved};
+use super::full::{Full, columns};
 use super::rung::{Answer, Proposal, Rung, Verdict, answer, near};
 use crate::mechanism::System;
 use crate::simulate::Settings;
@@ -31,7 +31,7 @@ pub struct Choice {
     pub verified: f64,
     /// Of what.
     pub of: String,
-    /// The same from starts moved by a hundredth of the ranges; `None` where they could not be compared.
+    /// The same from starts moved by a hundredth of the way to where the motion goes, and away from it; `None` where they could not be compared.
     pub moved: Option<f64>,
     /// What the scene takes now, as [`Needs::operations`](super::Needs::operations).
     pub operations: f64,
@@ -42,7 +42,17 @@ pub struct Choice {
     /// Coordinates and outputs that are not wanted, and by how much more than the need they are off; infinite for what happens
     /// otherwise.
     pub not_promised: Vec<(String, f64)>,
+    /// What becomes of each of `members`.
+    pub proposals: Vec<Proposal>,
     pub(super) text: String,
+}
+
+impl Choice {
+    /// Whether a rung is one of its members.
+    pub(super) fn includes(&self, rung: &Rung) -> bool {
+        let mut members = self.members.iter().zip(&self.proposals);
+        members.any(|(ingredient, proposal)| *ingredient == rung.ingredient && *proposal == rung.proposal)
+    }
 }
 
 /// What saves less stays: a file without it is less general for no gain.
@@ -54,7 +64,7 @@ const CANCELLED: f64 = 2.0;
 const LOOSE: f64 = 1e-2;
 /// A set that fails as a whole is tried again with one member less, so often.
 const RETRIES: usize = 3;
-/// Starts are moved by this part of ranges.
+/// Starts are moved by this part of the way to states that the motion goes through.
 const MOVED: f64 = 0.01;
 /// Sections of which every entry is asked whether it does nothing any more.
 const TRIED: [&str; 2] = ["springs", "dampers"];
@@ -97,6 +107,10 @@ fn greedy<'a>(full: &Full, rungs: &'a [Rung], all: bool) -> Vec<&'a Rung> {
     candidates.sort_by(|a, b| b.saving.total_cmp(&a.saving).then(change(a).total_cmp(&change(b))));
     let mut chosen: Vec<&Rung> = Vec::new();
     for rung in candidates {
+        // Of one ladder only one rung.
+        if chosen.iter().any(|other| other.ingredient == rung.ingredient) {
+            continue;
+        }
         // What acts on a coordinate that is held goes with it, if it is idle then.
         if held(&chosen).iter().any(|coordinate| speaks_of(full, rung, coordinate)) {
             continue;
@@ -143,6 +157,7 @@ fn verified(full: &Full, members: &[&Rung]) -> Option<Choice> {
     })?;
     Some(Choice {
         members: members.iter().map(|rung| rung.ingredient.clone()).collect(),
+        proposals: members.iter().map(|rung| rung.proposal.clone()).collect(),
         idle,
         tolerance,
         predicted: (!members.is_empty()).then(|| predicted(members)),
@@ -172,7 +187,7 @@ fn held<'a>(members: &[&'a Rung]) -> Vec<&'a str> {
 fn speaks_of(full: &Full, rung: &Rung, coordinate: &str) -> bool {
     rung.edits.iter().any(|edit| match edit {
         Edit::Remove(path) => word(&source_of(full, path), coordinate).is_some(),
-        Edit::Hold { .. } => false,
+        Edit::Hold { .. } | Edit::Slave { .. } => false,
     })
 }
 
@@ -231,6 +246,16 @@ fn source_of(full: &Full, path: &[Step]) -> String {
     source(&full.source, path).unwrap_or_default().to_owned()
 }
 
+/// A start moved by a part of the way to a state.
+fn towards(settings: &Settings, state: &[f64], part: f64) -> Settings {
+    let mut settings = settings.clone();
+    let (places, rates) = state.split_at(settings.q.len());
+    for (start, there) in [(&mut settings.q, places), (&mut settings.v, rates)] {
+        start.iter_mut().zip(there).for_each(|(start, there)| *start += part * (there - *start));
+    }
+    settings
+}
+
 /// The largest deviation from two other starts, each moved alike for both models.
 fn from_moved_starts(full: &Full, found: &Answer, tolerance: f64) -> Option<f64> {
     let names = |system: &dyn System| -> Vec<String> {
@@ -238,8 +263,8 @@ fn from_moved_starts(full: &Full, found: &Answer, tolerance: f64) -> Option<f64>
     };
     let (all, own) = (names(&*full.system), names(&*found.system));
     let mut worst = 0.0_f64;
-    for part in [MOVED, -MOVED] {
-        let there = moved(&full.settings, &full.motion.ranges, part);
+    for (part, visited) in [MOVED, -MOVED].into_iter().zip(&full.motion.visited) {
+        let there = towards(&full.settings, visited, part);
         let mut here = found.settings.clone();
         for (k, name) in own.iter().enumerate() {
             let i = all.iter().position(|known| known == name)?;

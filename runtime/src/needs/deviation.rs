@@ -37,6 +37,8 @@ pub(super) struct Motion {
     pub ranges: Vec<f64>,
     /// Where each is on the average.
     pub means: Vec<f64>,
+    /// Where each is at a third of the run, and at two thirds.
+    pub visited: [Vec<f64>; 2],
 }
 
 /// The runs are compared at so many times.
@@ -72,6 +74,7 @@ impl Motion {
             guards: guards(&*system, &run),
             operations: units.operations * units.total(&run.work),
             ranges: states.iter().map(|values| spread(values).0).collect(),
+            visited: [1, 2].map(|third| states.iter().map(|values| values[third * (values.len() - 1) / 3]).collect()),
             means: states.iter().map(|values| values.iter().sum::<f64>() / values.len() as f64).collect(),
         })
     }

@@ -2,6 +2,7 @@
 
 use dalembert_symbolic::diagnose::{Problem, Step};
 use dalembert_symbolic::file::edit::{keys, rewritten, source, value, with, without};
+use dalembert_symbolic::lower::Program;
 
 /// A change of a model file.
 #[derive(Clone, Debug, PartialEq)]
@@ -10,6 +11,8 @@ pub(super) enum Edit {
     Remove(Vec<Step>),
     /// A coordinate becomes a definition that keeps a value.
     Hold { coordinate: String, value: String },
+    /// A coordinate becomes a definition; `moves` says whether anything in its place moves.
+    Slave { coordinate: String, place: String, moves: bool },
 }
 
 /// What goes with an ingredient, and why.
@@ -39,12 +42,34 @@ pub(super) fn edited(text: &str, edits: &[Edit]) -> Option<String> {
     edits.iter().try_fold(text.to_owned(), |text, edit| match edit {
         Edit::Remove(path) => without(&text, path),
         Edit::Hold { coordinate, value } => hold(&text, coordinate, value),
+        Edit::Slave { coordinate, place, moves } => slave(&text, coordinate, place, *moves),
     })
 }
 
 /// z leaves `coordinates`, every start and guess, and what acts on it alone; `define: {z: z_held}` takes its place, with `z_held` a
 /// parameter, and 0 that of z' and z''.
 fn hold(text: &str, coordinate: &str, value: &str) -> Option<String> {
+    let text = without(text, &entry("generalized_forces", coordinate)).unwrap_or_else(|| text.to_owned());
+    let mut name = format!("{coordinate}_held");
+    while text.contains(&name) {
+        name.push('_');
+    }
+    let text = defined(&text, coordinate, &name, |_| "0".to_owned())?;
+    with(&text, "parameters", "name", &name, value)
+}
+
+/// As [`hold`], with a formula in the place of the value; z' becomes `rate(z)` where that moves.  `None` where a generalized force
+/// on z would go with it.
+fn slave(text: &str, coordinate: &str, place: &str, moves: bool) -> Option<String> {
+    if source(text, &entry("generalized_forces", coordinate)).is_some() {
+        return None;
+    }
+    let rate = |order: usize| format!("{}{coordinate}{}", "rate(".repeat(order), ")".repeat(order));
+    defined(text, coordinate, place, |order| if moves { rate(order) } else { "0".to_owned() })
+}
+
+/// A coordinate becomes a definition, and leaves all that starts or guesses it; `rate` writes its first and second rate.
+fn defined(text: &str, coordinate: &str, place: &str, rate: impl Fn(usize) -> String) -> Option<String> {
     let key = |name: &str| Step::Key(name.to_owned());
     let mut text = without(text, &entry("coordinates", coordinate))?;
     let scenes = keys(&text, &[key("scenes")]);
@@ -56,27 +81,18 @@ fn hold(text: &str, coordinate: &str, value: &str) -> Option<String> {
             text = without(&text, &path).unwrap_or(text);
         }
     }
-    for section in ["equilibrium", "generalized_forces"] {
-        text = without(&text, &entry(section, coordinate)).unwrap_or(text);
-    }
-    text = rewritten(&text, |scalar| still(scalar, coordinate))?;
-    let mut name = format!("{coordinate}_held");
-    while text.contains(&name) {
-        name.push('_');
-    }
-    let text = with(&text, "define", "coordinates", coordinate, &name)?;
-    with(&text, "parameters", "name", &name, value)
-}
-
-/// An expression in which the rates of a coordinate are 0.
-fn still(expression: &str, coordinate: &str) -> String {
-    let mut text = expression.to_owned();
-    for rate in [format!("{coordinate}''"), format!("{coordinate}'")] {
-        while let Some(at) = word(&text, &rate) {
-            text.replace_range(at..at + rate.len(), "0");
+    text = without(&text, &entry("equilibrium", coordinate)).unwrap_or(text);
+    let written = |scalar: &str| {
+        let mut scalar = scalar.to_owned();
+        for (order, primed) in [(2, format!("{coordinate}''")), (1, format!("{coordinate}'"))] {
+            while let Some(at) = word(&scalar, &primed) {
+                scalar.replace_range(at..at + primed.len(), &rate(order));
+            }
         }
-    }
-    text
+        scalar
+    };
+    text = rewritten(&text, written)?;
+    with(&text, "define", "coordinates", coordinate, place)
 }
 
 /// Where a name, or its rate, stands as a word of its own.
@@ -109,19 +125,19 @@ pub(super) fn claim(text: &str, problem: &Problem) -> Option<(Vec<Step>, String)
     Some((path, problem.message.clone()))
 }
 
-/// The file less what it claims in vain, given what compiles; with what went, and why.
+/// The file less what it claims in vain, given what compiles, and as a program; with what went, and why.
 ///
 /// # Errors
 /// The first problem that is about something else, or about an output that is wanted.
 pub(super) fn without_vain_claims(
     text: String,
     is_wanted: impl Fn(&str) -> bool,
-    mut compile: impl FnMut(&str) -> Result<(), Vec<Problem>>,
-) -> Result<(String, Vec<Gone>), String> {
+    mut compile: impl FnMut(&str) -> Result<Program, Vec<Problem>>,
+) -> Result<(String, Program, Vec<Gone>), String> {
     let (mut text, mut gone) = (text, Vec::new());
     loop {
         let problems = match compile(&text) {
-            Ok(()) => return Ok((text, gone)),
+            Ok(program) => return Ok((text, program, gone)),
             Err(problems) => problems,
         };
         let words = |problem: &Problem| match problem.code {

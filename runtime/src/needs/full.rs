@@ -1,8 +1,9 @@
 //! What is wanted, and the motion that answers it in full.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use dalembert_symbolic::lower::compile_in;
+use dalembert_symbolic::lower::{Program, compile_in};
+use dalembert_symbolic::print::resting_place;
 
 use super::deviation::{Deviation, Motion, between, largest};
 use super::{Need, Question, Unanswered};
@@ -16,6 +17,8 @@ pub(super) struct Full {
     pub folder: Option<PathBuf>,
     pub scene: Option<String>,
     pub system: Box<dyn System>,
+    /// Where each coordinate would rest, as formulas; none where there are constraints.
+    pub places: Vec<Option<String>>,
     pub settings: Settings,
     /// With vectors by components.
     pub need: Need,
@@ -41,6 +44,8 @@ const KNOWN: f64 = 0.05;
 const PUSH: f64 = 1e-7;
 /// Scenes in which a small change grows more than this are not reduced.
 pub(super) const MOST_GROWTH: f64 = 1e4;
+/// Coordinates beyond this many are not tried.
+pub(super) const MOST_COORDINATES: usize = 24;
 
 impl Full {
     pub fn run(question: &Question, need: Need) -> Result<Full, Unanswered> {
@@ -48,7 +53,10 @@ impl Full {
             return Err(Unanswered::BadNeed { within: need.within });
         }
         let Question { source, sizes, scene, folder, .. } = question;
-        let (system, settings) = built(folder.as_deref(), source, sizes, scene.as_deref())?;
+        let compiled = compile_in(folder.as_deref(), source, sizes);
+        let program = compiled.map_err(|problems| Unanswered::Model { problems })?;
+        let places = places(&program);
+        let (system, settings) = set(program, source, scene.as_deref())?;
         let everything = need.outputs.is_empty();
         let mut need = Need { outputs: columns(&*system, &need.outputs)?, ..need };
         let tolerance = (BELOW * need.within).min(TIGHT);
@@ -79,6 +87,7 @@ impl Full {
             folder: folder.clone(),
             scene: scene.clone(),
             system,
+            places,
             settings,
             need,
             scales,
@@ -149,7 +158,7 @@ impl Full {
 
 /// A start moved by a part of the range that each coordinate and rate goes through, to one side and the other in turn; of what is
 /// not held it is the guess.
-pub(super) fn moved(settings: &Settings, ranges: &[f64], part: f64) -> Settings {
+fn moved(settings: &Settings, ranges: &[f64], part: f64) -> Settings {
     let mut settings = settings.clone();
     let n = settings.q.len();
     for (i, range) in ranges.iter().enumerate() {
@@ -162,14 +171,19 @@ pub(super) fn moved(settings: &Settings, ranges: &[f64], part: f64) -> Settings 
     settings
 }
 
-/// A file's mechanism at a scene.
-pub(super) fn built(
-    folder: Option<&Path>,
+/// Where each coordinate would rest.
+fn places(program: &Program) -> Vec<Option<String>> {
+    let count = program.model.coordinates.len();
+    let known = program.model.constraints.is_empty() && count <= MOST_COORDINATES;
+    (0..count).map(|coordinate| if known { resting_place(program, coordinate) } else { None }).collect()
+}
+
+/// A program's mechanism at a scene of its file.
+pub(super) fn set(
+    program: Program,
     source: &str,
-    sizes: &[(String, i64)],
     scene: Option<&str>,
 ) -> Result<(Box<dyn System>, Settings), Unanswered> {
-    let program = compile_in(folder, source, sizes).map_err(|problems| Unanswered::Model { problems })?;
     let mut system = Interpreted::new(program, source);
     let place = match scene {
         None => 0,

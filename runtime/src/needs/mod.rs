@@ -146,7 +146,7 @@ impl Needs {
                 let tried = rung::tried(&full, proposal);
                 match rungs.last_mut() {
                     // The same coordinate held elsewhere.
-                    Some(last) if last.ingredient == tried.ingredient => *last = rung::better(last.clone(), tried),
+                    Some(last) if rung::are_alternatives(last, &tried) => *last = rung::better(last.clone(), tried),
                     _ => rungs.push(tried),
                 }
             }

@@ -78,11 +78,15 @@ impl Needs {
         let serves = 1.5 * self.need.within;
         let _ = match choice.moved {
             Some(moved) if moved <= serves => {
-                writeln!(text, "from starts moved by a hundredth of the ranges it is off by {} at most", part(moved))
+                writeln!(
+                    text,
+                    "from other starts, a hundredth of the way to where it goes, it is off by {} at most",
+                    part(moved)
+                )
             }
             Some(moved) => writeln!(
                 text,
-                "it holds for this start only: from starts moved by a hundredth of the ranges it is off by {}",
+                "it holds for this start only: from others, a hundredth of the way to where it goes, it is off by {}",
                 part(moved)
             ),
             None => writeln!(text, "it was not compared from other starts"),
@@ -109,7 +113,7 @@ impl Needs {
             part(self.need.within),
             self.until
         );
-        for rung in self.rungs.iter().filter(|rung| choice.members.contains(&rung.ingredient)) {
+        for rung in self.rungs.iter().filter(|rung| choice.includes(rung)) {
             let own =
                 rung.deviation.as_ref().map_or_else(String::new, |d| format!("; alone {} ({})", part(d.largest), d.of));
             let _ = writeln!(head, "# - {} {}{own}", rung.ingredient, proposed(&rung.proposal));
@@ -178,6 +182,7 @@ fn proposed(proposal: &Proposal) -> String {
     match proposal {
         Proposal::LeftOut => "left out".to_owned(),
         Proposal::Held { at } => format!("held at {at}"),
+        Proposal::Slaved { to } => format!("follows {to}"),
     }
 }
 

@@ -6,8 +6,8 @@ use dalembert_symbolic::lower::compile_in;
 
 use super::Unanswered;
 use super::deviation::{Deviation, Motion, between};
-use super::edit::{Edit, edited, entry, shown, unit_of, without_vain_claims};
-use super::full::{Full, built};
+use super::edit::{Edit, edited, entry, shown, unit_of, without_vain_claims, word};
+use super::full::{Full, MOST_COORDINATES, set};
 use crate::mechanism::{At, System};
 use crate::run::plain;
 
@@ -22,6 +22,11 @@ pub enum Proposal {
     Held {
         /// The place with its unit, as the file would say.
         at: String,
+    },
+    /// The coordinate follows the others, where the forces on it vanish without motion; its inertia stays.
+    Slaved {
+        /// The place as a formula of the model language.
+        to: String,
     },
 }
 
@@ -76,10 +81,10 @@ pub struct Rung {
 /// Sections whose entries may go one by one, and those that may as a whole.
 const ENTRIES: [&str; 6] = ["springs", "dampers", "forces", "torques", "generalized_forces", "bodies"];
 const WHOLE: [&str; 2] = ["gravity", "dissipation"];
-/// Coordinates beyond this many are not tried.
-const MOST_COORDINATES: usize = 24;
 /// What stays this near to zero, in parts of its range, is not left to chance.
 const NEAR: f64 = 0.05;
+/// Changes that differ by less are the same.
+const ALIKE: f64 = 1.01;
 /// A guard may move by this part of how far it is from zero.
 const MOVES: f64 = 0.5;
 /// A place this small beside the range of its coordinate is 0.
@@ -114,20 +119,33 @@ pub(super) fn proposals(full: &Full) -> Vec<Candidate> {
             coordinates.iter().enumerate().filter(|(_, c)| own.iter().any(|name| c.name == *name))
         {
             let name = coordinate.name.to_string();
+            let ingredient = format!("coordinates.{name}");
+            let slaved = full.places[index].as_ref().map(|place| {
+                let moves = coordinates.iter().any(|other| word(place, &other.name).is_some()) || timed(full, place);
+                let proposal = match moves {
+                    true => Proposal::Slaved { to: place.clone() },
+                    false => Proposal::Held { at: place.clone() },
+                };
+                let edits = vec![Edit::Slave { coordinate: name.clone(), place: place.clone(), moves }];
+                Candidate { ingredient: ingredient.clone(), proposal, edits }
+            });
             let places = [resting(full, index).unwrap_or(full.settings.q[index]), full.motion.means[index]];
             for value in places.map(|value| rounded(value, full.motion.ranges[index])) {
                 // All units of coordinates are those of SI.
                 let at = format!("{} {}", plain(value), unit_of(text, &name)).trim_end().to_owned();
                 let edits = vec![Edit::Hold { coordinate: name.clone(), value: at.clone() }];
-                found.push(Candidate {
-                    ingredient: format!("coordinates.{name}"),
-                    proposal: Proposal::Held { at },
-                    edits,
-                });
+                found.push(Candidate { ingredient: ingredient.clone(), proposal: Proposal::Held { at }, edits });
             }
+            found.extend(slaved);
         }
     }
     found
+}
+
+/// Whether a place moves with time or an input.
+fn timed(full: &Full, place: &str) -> bool {
+    let mut inputs = full.system.description().inputs.iter();
+    word(place, "t").is_some() || inputs.any(|input| word(place, input).is_some())
 }
 
 /// A place to nine digits; 0 where it is that beside the range of its coordinate.
@@ -183,10 +201,9 @@ pub(super) fn answer(full: &Full, edits: &[Edit]) -> Result<Answer, String> {
         let of = |name: &String| name == output || name.strip_prefix(output).is_some_and(|rest| rest.starts_with('.'));
         full.need.outputs.iter().any(of)
     };
-    let compiled = |text: &str| compile_in(full.folder.as_deref(), text, &full.sizes).map(|_| ());
-    let (text, gone) = without_vain_claims(text, is_wanted, compiled)?;
-    let (system, settings) =
-        built(full.folder.as_deref(), &text, &full.sizes, full.scene.as_deref()).map_err(|e| said(&e))?;
+    let compile = |text: &str| compile_in(full.folder.as_deref(), text, &full.sizes);
+    let (text, program, gone) = without_vain_claims(text, is_wanted, compile)?;
+    let (system, settings) = set(program, &text, full.scene.as_deref()).map_err(|e| said(&e))?;
     Ok(Answer { text, gone, system, settings })
 }
 
@@ -213,10 +230,16 @@ pub(super) fn tried(full: &Full, candidate: Candidate) -> Rung {
     rung
 }
 
-/// Which of two proposals for one ingredient changes less.
+/// Which of two proposals for one ingredient changes less; of those that change as much the later, which is a formula.
 pub(super) fn better(one: Rung, other: Rung) -> Rung {
     let change = |rung: &Rung| rung.deviation.as_ref().map_or(f64::INFINITY, |deviation| deviation.largest);
-    if change(&other) < change(&one) { other } else { one }
+    if change(&other) <= ALIKE * change(&one) { other } else { one }
+}
+
+/// Whether two rungs are the same coordinate held, each elsewhere.
+pub(super) fn are_alternatives(one: &Rung, other: &Rung) -> bool {
+    let is_held = |rung: &Rung| matches!(rung.proposal, Proposal::Held { .. });
+    one.ingredient == other.ingredient && is_held(one) && is_held(other)
 }
 
 fn measure(full: &Full, rung: &mut Rung) -> Result<(), Verdict> {

@@ -49,3 +49,17 @@ fn rounding_beside_a_surface_does_not_choose_the_side() {
         }
     }
 }
+
+#[test]
+fn rounding_at_the_onset_is_no_error() {
+    // 1 − exp(−t²) is 0 or 2⁻⁵³ at first: nothing but rounding moves anything.
+    for k in [1.0, 1e4] {
+        let expected = pulled("1 - exp(-t^2)", "y'*abs(y')", "").set("k", k).tolerance(1e-13).run().last()["x"];
+        for tolerance in [1e-4, 1e-6, 1e-9, 1e-11] {
+            let run = pulled("1 - exp(-t^2)", "y'*abs(y')", "").set("k", k).tolerance(tolerance).run();
+            assert!(run.work.rejected < 40 + run.work.steps / 3, "{k}, {tolerance:e}: {} rejected", run.work.rejected);
+            let error = (run.last()["x"] / expected - 1.0).abs();
+            assert!(error < 100.0 * tolerance, "{k}, {tolerance:e}: {error:e}");
+        }
+    }
+}
