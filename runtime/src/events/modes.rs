@@ -40,6 +40,8 @@ pub(crate) struct Known<'a> {
 const NOW: f64 = 1e-11;
 /// A rate that is this part of the largest is zero to rounding.
 const STANDS: f64 = 1e-12;
+/// A rate that is this part of the mean one over a step is next to nothing.
+const NEXT_TO_NOTHING: f64 = 1e-6;
 /// Accelerations that differ by up to so many times what the rounding of the state makes of them are the same.
 const EXPLAINED: f64 = 8.0;
 /// Combinations of sides that are tried.
@@ -180,7 +182,7 @@ fn scale(directions: &[Vec<f64>], switch: usize) -> f64 {
 enum Looks {
     /// Where its rate vanishes.
     WhereRatesVanish,
-    /// Whatever its rate.
+    /// Where its rate is next to nothing, too.
     Always,
 }
 
@@ -221,7 +223,10 @@ fn directions<S: System + ?Sized>(
             }
             theta *= 0.5;
         }
-        to[switch] = change;
+        let mean = change / (theta * step.h);
+        if to[switch].abs() <= NEXT_TO_NOTHING * mean.abs() {
+            to[switch] = mean;
+        }
     }
     to
 }

@@ -42,6 +42,8 @@ pub(crate) struct Scanner {
     pub fresh: Vec<bool>,
     /// Those that will not have at the end of the step.
     lingers: Vec<bool>,
+    /// What was zero of them when they were last seen there.
+    zero: Vec<f64>,
     /// To which side these leave it, where their rates tell; 0 where they do not.
     pub leaving: Vec<f64>,
     /// The largest size of each function that was met, poles left aside.
@@ -88,6 +90,7 @@ impl Scanner {
             end_sides: vec![0.0; functions],
             fresh: vec![true; functions],
             lingers: vec![false; functions],
+            zero: vec![0.0; functions],
             leaving: vec![0.0; functions],
             largest: vec![0.0; functions],
             asleep: vec![false; functions],
@@ -203,6 +206,7 @@ impl Scanner {
         let mut floor = 0.0;
         if self.fresh[function] && start.value.abs() <= resolution * variation {
             floor = resolution * variation;
+            self.zero[function] = floor;
             grid[0].value = 0.0;
             if sampler.switch(function).is_none() {
                 // An event that is zero where a motion begins has no side until it has left zero; a hop that is too low to
@@ -210,9 +214,11 @@ impl Scanner {
                 self.sides[function] = self.leaving[function];
             }
         }
-        // What leaves its surface to a side begins there, on whichever side rounding has put it.
-        let leaves = sampler.switch(function).is_some() && start.slope * self.sides[function] > 0.0;
-        if self.fresh[function] && leaves && start.value * self.sides[function] < 0.0 {
+        // What leaves its surface to a side begins there, on whichever side rounding has put it: a short step does not show that
+        // it is rounding, but the longer one before did.
+        let side = self.sides[function];
+        let leaves = sampler.switch(function).is_some() && start.slope * side > 0.0 && start.value * side < 0.0;
+        if self.fresh[function] && leaves && start.value.abs() <= self.zero[function] {
             floor = floor.max(start.value.abs());
             grid[0].value = 0.0;
         }

@@ -483,11 +483,19 @@ impl Watch {
                 resume = resume.max(one.after);
             }
             self.choose(system, (resume, y), None, trial)?;
-            self.forget_surfaces();
             system.inputs(resume, &mut after);
             if timed {
                 impulse = self::impulse(system, (t, y), &before, &after)?;
             }
+            if let Some(impulse) = &impulse {
+                // Speeds that jump may have other sides.
+                self.surface.fill(false);
+                let mut y = y.to_vec();
+                let speeds = y.iter_mut().skip(impulse.jump.len());
+                speeds.zip(&impulse.jump).for_each(|(speed, jump)| *speed += jump);
+                self.choose(system, (resume, &y), None, trial)?;
+            }
+            self.forget_surfaces();
         }
         if self.stops.list.is_empty() && self.stops.horizon <= t {
             self.stops.extend(system, (&mut self.sampler, &mut self.arguments), y)?;
