@@ -43,7 +43,7 @@ pub(crate) struct Scanner {
     /// Those that will not have at the end of the step.
     lingers: Vec<bool>,
     /// What was zero of them when they were last seen there.
-    zero: Vec<f64>,
+    pub zero: Vec<f64>,
     /// To which side these leave it, where their rates tell; 0 where they do not.
     pub leaving: Vec<f64>,
     /// The largest size of each function that was met, poles left aside.

@@ -349,6 +349,8 @@ impl Watch {
                     self.beyond[switch] = Some(self.scanner.sides[crossing.function]);
                 } else {
                     self.surface[switch] = true;
+                    self.sampler.at_state(system, t, y);
+                    self.scanner.zero[crossing.function] = self.sampler.value(crossing.function).abs();
                 }
                 continue;
             }

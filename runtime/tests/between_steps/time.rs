@@ -201,6 +201,26 @@ scene: {start: {x: 0}, until: 6, tolerance: 1e-10}",
     assert!(run.last()["x'"].abs() < 1e-10 && (run.last()["x"] + 9.0).abs() < 1e-9, "{}", run.last());
 }
 
+/// An input that steps kicks a body that slides to the other side, where friction pulls the other way; the last one to rest, nearly.
+#[test]
+fn kicks_turn_friction_around() {
+    for (kick, expected) in [(-3.0, -2.0), (-0.1, 0.0), (2.0, 2.0), (-0.5 - 1e-9, 0.0)] {
+        let mut case = file(
+            "name: P\nparameters: {m: 1, F: 1, kick: 1}\ncoordinates: {x: 1}\ninputs: {u: kick*step(t - 0.5)}\n\
+             kinetic_energy: m*x'^2/2\ngeneralized_forces: {x: \"m*u' - F*sign(x')\"}\n\
+             scene: {start: {x': 1}, until: 1, tolerance: 1e-8}",
+        )
+        .set("kick", kick);
+        if expected == 0.0 {
+            // It comes to rest, where friction without a phase has no answer.
+            assert!(case.try_run().is_err(), "{kick}");
+        } else {
+            let found = case.run().last()["x'"];
+            assert!((found - expected).abs() < 1e-9, "{kick}: {found} and not {expected}");
+        }
+    }
+}
+
 #[test]
 fn inputs_that_are_closures_are_scanned_for_jumps() {
     let text = "name: P
