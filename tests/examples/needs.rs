@@ -6,7 +6,7 @@ use dalembert::needs::{Need, Needs, Question};
 use dalembert_models::MODELS;
 
 /// Files with something to leave out, what they are, and what is written otherwise in them.
-const FILES: [(&str, &str, &str, [&str; 2]); 5] = [
+const FILES: [(&str, &str, &str, [&str; 2]); 7] = [
     ("crane", "a crane with a steel rope", include_str!("../needs/crane.yaml"), ["", ""]),
     (
         "quarter_car",
@@ -17,6 +17,8 @@ const FILES: [(&str, &str, &str, [&str; 2]); 5] = [
     ("quarter_car", "at 80 Hz", include_str!("../needs/quarter_car.yaml"), ["200 Hz\n", "80 Hz\n"]),
     ("quarter_car", "at 200 Hz", include_str!("../needs/quarter_car.yaml"), ["", ""]),
     ("spring_pendulum", "a bob on a stiff spring", include_str!("../needs/spring_pendulum.yaml"), ["", ""]),
+    ("geared_rotor", "a light coupling between two shafts", include_str!("../needs/geared_rotor.yaml"), ["", ""]),
+    ("hanging_chain", "forty links under a cart", include_str!("../needs/hanging_chain.yaml"), ["", ""]),
 ];
 
 fn main() {

@@ -170,16 +170,18 @@ fn chart() -> Command {
 }
 
 fn needs() -> Command {
-    let [scene, ..] = scene();
+    let [scene, set, params, start, ..] = scene();
     Command::new("needs")
         .about("Tells what a scene can do without: tries every force, body and coordinate, prints what each changes and saves, and writes the smaller model")
         .arg(model())
         .args(sizes())
-        .arg(scene)
+        .args([scene, set, params, start])
         .arg(value("needs", "A,B", "What is wanted: coordinates, rates, outputs [default: the scene's `needs`, or all coordinates and outputs]"))
         .arg(value("within", "PART", "How exactly, in parts of the range of each [default: the scene's `needs`, or 1e-3]"))
         .arg(flag("all", "Leave out too what saves less than a twentieth of the work"))
-        .arg(value("write", "FILE.yaml", "Write the smaller model: the file's text without what goes, and what was found in comments"))
+        .arg(value("write", "FILE.yaml", "Write the smaller model: the file's text without what goes, and what was found in comments; beside it, as FILE_test.rs, a test that compares both"))
+        .arg(value("plot", "FILE.svg", "Draw what each omission changes against the work that is left"))
+        .arg(flag("json", "Print one JSON object"))
 }
 
 /// A model's name or path.

@@ -6,16 +6,28 @@ use std::path::Path;
 
 use clap::ArgMatches;
 use dalembert_symbolic::file;
+use dalembert_symbolic::model::Sets;
+use serde_json::{Value, json};
 
-use super::load::{Loaded, folder};
-use super::{Entry, Problem, outputs};
-use crate::needs::{Need, Needs, Question, Unanswered};
+use super::json::{self, number, object};
+use super::load::{Loaded, folder, pairs};
+use super::set_up::{Reader, parameter_index};
+use super::{Entry, Problem, outputs, value_files};
+use crate::needs::{Deviation, Need, Needs, Proposal, Question, Rung, Unanswered, Verdict};
+use crate::run::plain;
 
 /// Tries every ingredient of a model, prints what a scene does without, and writes the smaller file.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
-    let loaded = Loaded::find(models, options)?;
-    outputs::check(options, &["write"], &loaded.path)?;
-    let question = question(&loaded, options)?;
+    let mut loaded = Loaded::find(models, options)?;
+    let comparison = options.get_one::<String>("write").map(|path| comparison_path(path));
+    let files = [
+        ("write", options.get_one::<String>("write")),
+        ("write", comparison.as_ref()),
+        ("plot", options.get_one::<String>("plot")),
+    ];
+    let files = files.into_iter().filter_map(|(option, path)| Some((option, path?.as_str())));
+    outputs::check_paths(files, &loaded.path)?;
+    let question = question(&mut loaded, options)?;
     let shown = std::io::stderr().is_terminal();
     let found = Needs::find(&question, &mut |name| {
         if shown {
@@ -31,22 +43,130 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         Unanswered::Fails { .. } | Unanswered::NotKnown { .. } => Problem::Run(unanswered.to_string()),
         other => Problem::Usage(format!("error: {other}")),
     })?;
-    write!(out, "{}", found.table())?;
-    if let Some(path) = options.get_one::<String>("write") {
-        match found.smaller_file() {
-            Some(text) => {
-                std::fs::write(path, text)
-                    .map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))?;
-                writeln!(out, "written: {path}")?;
-            }
-            None => writeln!(out, "nothing is written")?,
+    let said = options.get_flag("json");
+    if said {
+        json::write(&as_json(&found), out)?;
+    } else {
+        write!(out, "{}", found.table())?;
+    }
+    let mut written = Vec::new();
+    if let Some(path) = options.get_one::<String>("plot") {
+        outputs::write(path, &found.chart().to_svg())?;
+        written.push(path.clone());
+    }
+    if let (Some(path), Some(comparison)) = (options.get_one::<String>("write"), comparison)
+        && let (Some(text), Some(test)) = (found.smaller_file(), found.comparison(&loaded.path, path))
+    {
+        outputs::write(path, &text)?;
+        written.push(path.clone());
+        // A changed file would have to be compared with itself as it was asked.
+        if question.source == loaded.source {
+            outputs::write(&comparison, &test)?;
+            written.push(comparison);
         }
+    }
+    match written.as_slice() {
+        _ if said => {}
+        [] if options.contains_id("write") => writeln!(out, "nothing is written")?,
+        [] => {}
+        written => writeln!(out, "written: {}", written.join(", "))?,
     }
     Ok(())
 }
 
+/// The question with `--params`, `--set` and `--start` written into the file.
+fn changed(loaded: &mut Loaded, options: &ArgMatches, mut question: Question) -> Result<Question, Problem> {
+    let usage = |unanswered: Unanswered| Problem::Usage(format!("error: {unanswered}"));
+    let mut reader = Reader::new(loaded);
+    let mut set: Vec<(usize, String, String)> = Vec::new();
+    let given = options.get_one::<String>("params").map_or_else(|| Ok(Vec::new()), |path| value_files::read(path))?;
+    for (name, text) in given.into_iter().chain(pairs(options, "set")?) {
+        set.push((parameter_index(loaded, &name)?, name, text));
+    }
+    for (index, name, text) in set {
+        let value = reader.value(loaded, "set", Sets::Parameter(index), &text)?;
+        let unit = &loaded.system.description().parameters[index].unit;
+        let written = format!("{} {unit}", plain(value));
+        question = question.setting(&name, written.trim_end()).map_err(usage)?;
+    }
+    let [mut q, mut v] = [(); 2].map(|()| vec![f64::NAN; loaded.system.len()]);
+    reader.states(loaded, options, "start", &mut q, &mut v)?;
+    for (prime, values) in [("", q), ("'", v)] {
+        for (coordinate, value) in loaded.system.description().coordinates.iter().zip(values) {
+            if !value.is_nan() {
+                let name = format!("{}{prime}", coordinate.name);
+                question = question.starting(&name, &plain(value)).map_err(usage)?;
+            }
+        }
+    }
+    Ok(question)
+}
+
+/// `small_test.rs` beside `small.yaml`.
+fn comparison_path(path: &str) -> String {
+    format!("{}_test.rs", path.strip_suffix(".yaml").unwrap_or(path))
+}
+
+/// The table and what follows as data.
+fn as_json(found: &Needs) -> Value {
+    let strings = |list: &[String]| Value::from(list.to_vec());
+    let gone = |gone: &[(String, String)]| -> Value {
+        gone.iter().map(|(claim, why)| object([("claim", json!(claim)), ("why", json!(why))])).collect()
+    };
+    let rung = |rung: &Rung| {
+        let deviation = rung.deviation.as_ref();
+        let of = |what: fn(&Deviation) -> f64| deviation.map_or(Value::Null, |deviation| number(what(deviation)));
+        object([
+            ("ingredient", json!(rung.ingredient)),
+            ("proposed", json!(rung.proposal.to_string())),
+            ("change", of(|deviation| deviation.largest)),
+            ("of", deviation.map_or(Value::Null, |deviation| json!(deviation.of))),
+            ("clock", of(|deviation| deviation.clock)),
+            ("shape", of(|deviation| deviation.shape)),
+            ("saving", number(rung.saving)),
+            ("needed", json!(rung.verdict != Verdict::Serves)),
+            ("found", json!(rung.verdict.to_string())),
+            ("gone", gone(&rung.gone)),
+        ])
+    };
+    let choice = found.choice.as_ref().map_or(Value::Null, |choice| {
+        let members = choice.members.iter().zip(&choice.proposals);
+        let member = |(ingredient, proposal): (&String, &Proposal)| {
+            object([("ingredient", json!(ingredient)), ("proposed", json!(proposal.to_string()))])
+        };
+        let off = |(name, size): &(String, f64)| object([("of", json!(name)), ("change", number(*size))]);
+        object([
+            ("members", members.map(member).collect()),
+            ("idle", strings(&choice.idle)),
+            ("tolerance", number(choice.tolerance)),
+            ("predicted", choice.predicted.map_or(Value::Null, number)),
+            ("change", number(choice.change)),
+            ("verified", number(choice.verified)),
+            ("of", json!(choice.of)),
+            ("moved", choice.moved.map_or(Value::Null, number)),
+            ("operations", number(choice.operations)),
+            ("saving", number(choice.saving)),
+            ("not_promised", choice.not_promised.iter().map(off).collect()),
+            ("gone", gone(&choice.gone)),
+        ])
+    });
+    object([
+        ("model", json!(found.name)),
+        ("scene", json!(found.scene)),
+        ("outputs", strings(&found.need.outputs)),
+        ("within", number(found.need.within)),
+        ("until", number(found.until)),
+        ("known", number(found.known)),
+        ("growth", number(found.growth)),
+        ("promised_until", found.promised_until.map_or(Value::Null, number)),
+        ("operations", number(found.operations)),
+        ("rungs", found.rungs.iter().map(rung).collect()),
+        ("choice", choice),
+    ])
+}
+
 /// What the options ask of the file; what they leave out the scene says.
-fn question(loaded: &Loaded, options: &ArgMatches) -> Result<Question, Problem> {
+fn question(loaded: &mut Loaded, options: &ArgMatches) -> Result<Question, Problem> {
     let own = |option: &str| options.get_one::<String>(option).cloned();
     let mut question = Question {
         sizes: loaded.sizes.clone(),
@@ -55,6 +175,7 @@ fn question(loaded: &Loaded, options: &ArgMatches) -> Result<Question, Problem> 
         all: options.get_flag("all"),
         ..Question::new(loaded.source.as_str())
     };
+    question = changed(loaded, options, question)?;
     let (names, within) = (own("needs"), own("within"));
     if names.is_none() && within.is_none() {
         return Ok(question);

@@ -164,7 +164,7 @@ fn verified(full: &Full, members: &[&Rung]) -> Option<Choice> {
         change: change.largest,
         verified: deviation.largest,
         of: deviation.of,
-        moved: from_moved_starts(full, &found, tolerance),
+        moved: from_moved_starts(full, &edits, (&found, tolerance)),
         operations: run.operations,
         saving: full.operations / run.operations,
         not_promised: not_promised(full, &found),
@@ -187,7 +187,7 @@ fn held<'a>(members: &[&'a Rung]) -> Vec<&'a str> {
 fn speaks_of(full: &Full, rung: &Rung, coordinate: &str) -> bool {
     rung.edits.iter().any(|edit| match edit {
         Edit::Remove(path) => word(&source_of(full, path), coordinate).is_some(),
-        Edit::Hold { .. } | Edit::Slave { .. } => false,
+        Edit::Hold { .. } | Edit::Slave { .. } | Edit::ByModes(_) => false,
     })
 }
 
@@ -256,8 +256,19 @@ fn towards(settings: &Settings, state: &[f64], part: f64) -> Settings {
     settings
 }
 
+/// By how much a coordinate of the smaller model changes with those of the full one.
+fn change_of(edits: &[Edit], name: &str, all: &[String], changes: &[f64]) -> Option<f64> {
+    if let Some(place) = all.iter().position(|known| known == name) {
+        return Some(changes[place]);
+    }
+    edits.iter().find_map(|edit| match edit {
+        Edit::ByModes(modes) => modes.change(name, changes),
+        _ => None,
+    })
+}
+
 /// The largest deviation from two other starts, each moved alike for both models.
-fn from_moved_starts(full: &Full, found: &Answer, tolerance: f64) -> Option<f64> {
+fn from_moved_starts(full: &Full, edits: &[Edit], (found, tolerance): (&Answer, f64)) -> Option<f64> {
     let names = |system: &dyn System| -> Vec<String> {
         system.description().coordinates.iter().map(|c| c.name.to_string()).collect()
     };
@@ -266,11 +277,13 @@ fn from_moved_starts(full: &Full, found: &Answer, tolerance: f64) -> Option<f64>
     for (part, visited) in [MOVED, -MOVED].into_iter().zip(&full.motion.visited) {
         let there = towards(&full.settings, visited, part);
         let mut here = found.settings.clone();
-        for (k, name) in own.iter().enumerate() {
-            let i = all.iter().position(|known| known == name)?;
-            let (change, rate) = (there.q[i] - full.settings.q[i], there.v[i] - full.settings.v[i]);
-            here.q[k] += change;
-            here.v[k] += rate;
+        for (start, there, before) in
+            [(&mut here.q, &there.q, &full.settings.q), (&mut here.v, &there.v, &full.settings.v)]
+        {
+            let changes: Vec<f64> = there.iter().zip(before).map(|(there, before)| there - before).collect();
+            for (name, start) in own.iter().zip(start) {
+                *start += change_of(edits, name, &all, &changes)?;
+            }
         }
         let whole = Motion::of(&*full.system, &there, full.tolerance, &full.need.outputs).ok()?;
         let small = Motion::of(&*found.system, &here, tolerance, &full.need.outputs).ok()?;

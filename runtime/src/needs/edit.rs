@@ -1,8 +1,10 @@
 //! The file without an ingredient.
 
 use dalembert_symbolic::diagnose::{Problem, Step};
-use dalembert_symbolic::file::edit::{keys, rewritten, source, value, with, without};
+use dalembert_symbolic::file::edit::{keys, replaced, rewritten, source, value, with, with_at, without};
 use dalembert_symbolic::lower::Program;
+
+use super::modal::{Modes, by_modes};
 
 /// A change of a model file.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +15,8 @@ pub(super) enum Edit {
     Hold { coordinate: String, value: String },
     /// A coordinate becomes a definition; `moves` says whether anything in its place moves.
     Slave { coordinate: String, place: String, moves: bool },
+    /// A family of coordinates becomes a definition by modes.
+    ByModes(Modes),
 }
 
 /// What goes with an ingredient, and why.
@@ -43,7 +47,45 @@ pub(super) fn edited(text: &str, edits: &[Edit]) -> Option<String> {
         Edit::Remove(path) => without(&text, path),
         Edit::Hold { coordinate, value } => hold(&text, coordinate, value),
         Edit::Slave { coordinate, place, moves } => slave(&text, coordinate, place, *moves),
+        Edit::ByModes(modes) => by_modes(&text, modes),
     })
+}
+
+/// The file with other sizes.
+pub(super) fn with_sizes(text: &str, sizes: &[(String, i64)]) -> String {
+    let sized = |text: String, (name, size): &(String, i64)| {
+        replaced(&text, &entry("sizes", name), &size.to_string()).unwrap_or(text)
+    };
+    sizes.iter().fold(text.to_owned(), sized)
+}
+
+/// The file with another value of a free parameter, as it is written, in a scene too; `None` where it has none of this name.
+pub(super) fn with_parameter(text: &str, scene: Option<&str>, name: &str, value: &str) -> Option<String> {
+    let own = [scene_path(scene).as_slice(), &[key("set"), key(name)]].concat();
+    let text = without(text, &own).unwrap_or_else(|| text.to_owned());
+    replaced(&text, &entry("parameters", name), value)
+}
+
+fn scene_path(scene: Option<&str>) -> Vec<Step> {
+    scene.map_or(vec!["scene"], |name| vec!["scenes", name]).into_iter().map(key).collect()
+}
+
+/// The file with another start of a coordinate or speed in a scene; `None` where the scene is not in lines or brackets.
+pub(super) fn with_start(text: &str, scene: Option<&str>, name: &str, value: &str) -> Option<String> {
+    let scene = scene_path(scene);
+    let start = [scene.as_slice(), &[key("start")]].concat();
+    let own = [start.as_slice(), &[key(name)]].concat();
+    if source(text, &own).is_some() {
+        return replaced(text, &own, value);
+    }
+    match source(text, &start) {
+        Some(_) => with_at(text, &start, name, value),
+        None => with_at(text, &scene, "start", &format!("{{{name}: {value}}}")),
+    }
+}
+
+fn key(name: &str) -> Step {
+    Step::Key(name.to_owned())
 }
 
 /// z leaves `coordinates`, every start and guess, and what acts on it alone; `define: {z: z_held}` takes its place, with `z_held` a
@@ -70,7 +112,6 @@ fn slave(text: &str, coordinate: &str, place: &str, moves: bool) -> Option<Strin
 
 /// A coordinate becomes a definition, and leaves all that starts or guesses it; `rate` writes its first and second rate.
 fn defined(text: &str, coordinate: &str, place: &str, rate: impl Fn(usize) -> String) -> Option<String> {
-    let key = |name: &str| Step::Key(name.to_owned());
     let mut text = without(text, &entry("coordinates", coordinate))?;
     let scenes = keys(&text, &[key("scenes")]);
     let places = std::iter::once(vec![key("scene")]).chain(scenes.iter().map(|name| vec![key("scenes"), key(name)]));

@@ -6,6 +6,7 @@ use dalembert_symbolic::lower::{Program, compile_in};
 use dalembert_symbolic::print::resting_place;
 
 use super::deviation::{Deviation, Motion, between, largest};
+use super::edit::with_sizes;
 use super::{Need, Question, Unanswered};
 use crate::mechanism::{Interpreted, System};
 use crate::simulate::Settings;
@@ -52,7 +53,9 @@ impl Full {
         if !(1e-9..=0.5).contains(&need.within) {
             return Err(Unanswered::BadNeed { within: need.within });
         }
-        let Question { source, sizes, scene, folder, .. } = question;
+        let Question { sizes, scene, folder, .. } = question;
+        // The smaller file is one of these sizes.
+        let source = &with_sizes(&question.source, sizes);
         let compiled = compile_in(folder.as_deref(), source, sizes);
         let program = compiled.map_err(|problems| Unanswered::Model { problems })?;
         let places = places(&program);

@@ -1,18 +1,23 @@
 //! No more than a scene needs: which parts of a model its outputs feel, by how much, and what leaving out the rest saves.
 //!
 //! 1. What is wanted, and the motion that answers it in full: look in `full.rs`.
-//! 2. Every ingredient of the file, and the file without it: look in `rung.rs`; edits of the text: in `edit.rs`.
+//! 2. Every ingredient of the file, and the file without it: look in `rung.rs`; edits of the text: in `edit.rs`; families of
+//!    coordinates by their modes: in `modal.rs`.
 //! 3. How far two runs are apart: look in `deviation.rs`.
 //! 4. What goes together, tried as a whole: look in `choice.rs`.
-//! 5. The table, and the smaller file: look in `report.rs`.
+//! 5. The table, and the smaller file: look in `report.rs`; the picture: in `picture.rs`; the test that comes with the file:
+//!    in `comparison.rs`.
 //!
 //! Every candidate is a file of its own that compiles by itself, with all that it claims proved again, and is run; nothing is
 //! left out by a prediction alone.
 
 mod choice;
+mod comparison;
 mod deviation;
 mod edit;
 mod full;
+mod modal;
+mod picture;
 mod report;
 mod rung;
 mod unanswered;
@@ -25,6 +30,8 @@ pub use unanswered::Unanswered;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
+use dalembert_symbolic::diagnose::Step;
+use dalembert_symbolic::file::edit::keys;
 use dalembert_symbolic::model;
 
 use full::Full;
@@ -98,10 +105,14 @@ pub struct Needs {
     /// Operations that the scene takes as the file has it: evaluations of the accelerations, and Jacobians in their terms, times
     /// operations.
     pub operations: f64,
+    /// The same at the tolerance at which rungs are compared, to which their savings refer.
+    pub exact_operations: f64,
     /// Every ingredient and what becomes of it, those that save most first.
     pub rungs: Vec<Rung>,
     /// What may go together; `None` where the full model is the cheapest that serves.
     pub choice: Option<Choice>,
+    /// Sizes other than the file's.
+    sizes: Vec<(String, i64)>,
 }
 
 /// Where a file says nothing else.
@@ -111,6 +122,32 @@ impl Question {
     /// Of a file's default scene, as it says.
     pub fn new(source: impl Into<String>) -> Question {
         Question { source: source.into(), sizes: Vec::new(), folder: None, scene: None, need: None, all: false }
+    }
+
+    /// The same question of the file with another value of a free parameter that has one, as the file would have it (`2 kg`).
+    ///
+    /// # Errors
+    /// The names of parameters that can be set, where this is none of them.
+    pub fn setting(mut self, name: &str, value: &str) -> Result<Question, Unanswered> {
+        let known = keys(&self.source, &[Step::Key("parameters".to_owned())]);
+        let unknown = || Unanswered::UnknownName { kind: "parameter", name: name.to_owned(), known: known.clone() };
+        self.source = edit::with_parameter(&self.source, self.scene.as_deref(), name, value).ok_or_else(unknown)?;
+        Ok(self)
+    }
+
+    /// The same question of the file with another start of a coordinate or a speed, as the file would have it (`0.3 rad`).
+    ///
+    /// # Errors
+    /// The names of coordinates, where this is neither one of them nor its speed.
+    pub fn starting(mut self, name: &str, value: &str) -> Result<Question, Unanswered> {
+        let known = keys(&self.source, &[Step::Key("coordinates".to_owned())]);
+        let unknown = || Unanswered::UnknownName { kind: "coordinate", name: name.to_owned(), known: known.clone() };
+        if !known.iter().any(|coordinate| coordinate == name.trim_end_matches('\'')) {
+            return Err(unknown());
+        }
+        let edited = edit::with_start(&self.source, self.scene.as_deref(), name, value);
+        self.source = edited.ok_or_else(unknown)?;
+        Ok(self)
     }
 
     /// What is wanted, by its own words or the file's.
@@ -140,6 +177,9 @@ impl Needs {
         let mut rungs: Vec<Rung> = Vec::new();
         if full.promised_until.is_none() {
             for proposal in rung::proposals(&full) {
+                if rung::is_climbed(&rungs, &proposal) {
+                    continue;
+                }
                 if progress(&proposal.ingredient).is_break() {
                     return Err(Unanswered::Interrupted);
                 }
@@ -161,8 +201,10 @@ impl Needs {
             growth: full.growth,
             promised_until: full.promised_until,
             operations: full.operations,
+            exact_operations: full.motion.operations,
             rungs,
             choice,
+            sizes: full.sizes.clone(),
         };
         found.rungs.sort_by(|a, b| b.saving.total_cmp(&a.saving));
         Ok(found)

@@ -1,9 +1,9 @@
 //! The table, and the smaller file.
 
-use std::fmt::Write;
+use std::fmt::{self, Write};
 
 use dalembert_symbolic::diagnose::Step;
-use dalembert_symbolic::file::edit::{replaced, value, with};
+use dalembert_symbolic::file::edit::{replaced, value, with, with_at};
 
 use super::{Choice, Needs, Proposal, Rung, Verdict};
 
@@ -61,7 +61,7 @@ impl Needs {
         if choice.members.is_empty() {
             let _ = write!(text, "the model stays as it is, at a tolerance of {:e}", choice.tolerance);
         } else {
-            let _ = write!(text, "it does without {}", choice.members.join(", "));
+            text += &done(choice);
             if !choice.idle.is_empty() {
                 let _ = write!(text, " (with it go {})", choice.idle.join(", "));
             }
@@ -116,7 +116,7 @@ impl Needs {
         for rung in self.rungs.iter().filter(|rung| choice.includes(rung)) {
             let own =
                 rung.deviation.as_ref().map_or_else(String::new, |d| format!("; alone {} ({})", part(d.largest), d.of));
-            let _ = writeln!(head, "# - {} {}{own}", rung.ingredient, proposed(&rung.proposal));
+            let _ = writeln!(head, "# - {} {}{own}", rung.ingredient, rung.proposal);
         }
         for name in &choice.idle {
             let _ = writeln!(head, "# - {name} left out: it does nothing where that is held");
@@ -144,7 +144,9 @@ impl Needs {
         let text = match (value(&choice.text, &tolerance), &self.scene) {
             (Some(_), _) => replaced(&choice.text, &tolerance, &looser),
             (None, None) => with(&choice.text, "scene", "name", "tolerance", &looser),
-            (None, Some(_)) => None,
+            (None, Some(name)) => {
+                with_at(&choice.text, &["scenes", name].map(|key| Step::Key(key.to_owned())), "tolerance", &looser)
+            }
         };
         let text = text.unwrap_or_else(|| choice.text.clone());
         Some(head + &text)
@@ -158,31 +160,54 @@ fn row(rung: &Rung) -> [String; 6] {
         None => (dash(), dash()),
     };
     let saving = if rung.saving > 0.0 { times(rung.saving) } else { dash() };
-    let found = match &rung.verdict {
-        Verdict::Serves => "not needed".to_owned(),
-        Verdict::Acts => match &rung.deviation {
-            // One that runs ahead by a constant part is late, not otherwise.
-            Some(d) if d.shape < 0.2 * d.largest => {
-                format!("acts: the same, {} {}", part(d.clock.abs()), pace(d.clock))
-            }
-            _ => "acts".to_owned(),
-        },
-        Verdict::HappensOtherwise { what } => format!("acts: {what}"),
-        Verdict::Near { guard, margin } => format!("stays: {guard} is missed by {} of its range", part(*margin)),
-        Verdict::Refused { why } => format!("stays: without it, {why}"),
+    let found = match &rung.deviation {
+        // One that runs ahead by a constant part is late, not otherwise.
+        Some(d) if rung.verdict == Verdict::Acts && d.shape < 0.2 * d.largest => {
+            format!("acts: the same, {} {}", part(d.clock.abs()), pace(d.clock))
+        }
+        _ => rung.verdict.to_string(),
     };
-    [rung.ingredient.clone(), proposed(&rung.proposal), change, of, saving, found]
+    [rung.ingredient.clone(), rung.proposal.to_string(), change, of, saving, found]
+}
+
+/// `it does without forces.drag and with coordinates.l held at 10 m`.
+fn done(choice: &Choice) -> String {
+    let members = || choice.members.iter().zip(&choice.proposals);
+    let gone = members().filter(|(_, proposal)| **proposal == Proposal::LeftOut).map(|(name, _)| name.clone());
+    let others = members().filter(|(_, proposal)| **proposal != Proposal::LeftOut);
+    let others = others.map(|(name, proposal)| format!("{name} {proposal}"));
+    let [gone, others] = [gone.collect::<Vec<_>>().join(", "), others.collect::<Vec<_>>().join(", ")];
+    match (gone.is_empty(), others.is_empty()) {
+        (false, true) => format!("it does without {gone}"),
+        (true, false) => format!("it does with {others}"),
+        _ => format!("it does without {gone} and with {others}"),
+    }
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Verdict::Serves => f.write_str("not needed"),
+            Verdict::Acts => f.write_str("acts"),
+            Verdict::HappensOtherwise { what } => write!(f, "acts: {what}"),
+            Verdict::Near { guard, margin } => write!(f, "stays: {guard} is missed by {} of its range", part(*margin)),
+            Verdict::Refused { why } => write!(f, "stays: without it, {why}"),
+        }
+    }
 }
 
 fn pace(clock: f64) -> &'static str {
     if clock > 0.0 { "faster" } else { "slower" }
 }
 
-fn proposed(proposal: &Proposal) -> String {
-    match proposal {
-        Proposal::LeftOut => "left out".to_owned(),
-        Proposal::Held { at } => format!("held at {at}"),
-        Proposal::Slaved { to } => format!("follows {to}"),
+impl fmt::Display for Proposal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Proposal::LeftOut => f.write_str("left out"),
+            Proposal::Held { at } => write!(f, "held at {at}"),
+            Proposal::Slaved { to } => write!(f, "following {to}"),
+            Proposal::Modes { kept, of } => write!(f, "in {kept} of its {of} modes"),
+        }
     }
 }
 

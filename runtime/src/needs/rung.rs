@@ -8,6 +8,7 @@ use super::Unanswered;
 use super::deviation::{Deviation, Motion, between};
 use super::edit::{Edit, edited, entry, shown, unit_of, without_vain_claims, word};
 use super::full::{Full, MOST_COORDINATES, set};
+use super::modal::ladders;
 use crate::mechanism::{At, System};
 use crate::run::plain;
 
@@ -27,6 +28,13 @@ pub enum Proposal {
     Slaved {
         /// The place as a formula of the model language.
         to: String,
+    },
+    /// The family of coordinates moves in the slowest of its modes, about its place at rest.
+    Modes {
+        /// How many.
+        kept: usize,
+        /// Of how many.
+        of: usize,
     },
 }
 
@@ -120,7 +128,7 @@ pub(super) fn proposals(full: &Full) -> Vec<Candidate> {
         {
             let name = coordinate.name.to_string();
             let ingredient = format!("coordinates.{name}");
-            let slaved = full.places[index].as_ref().map(|place| {
+            let slaved = full.places[index].as_ref().filter(|place| is_plain(place)).map(|place| {
                 let moves = coordinates.iter().any(|other| word(place, &other.name).is_some()) || timed(full, place);
                 let proposal = match moves {
                     true => Proposal::Slaved { to: place.clone() },
@@ -139,7 +147,18 @@ pub(super) fn proposals(full: &Full) -> Vec<Candidate> {
             found.extend(slaved);
         }
     }
+    found.extend(ladders(full).into_iter().map(|modes| {
+        let (kept, of) = modes.count();
+        let ingredient = format!("coordinates.{}", modes.key);
+        Candidate { ingredient, proposal: Proposal::Modes { kept, of }, edits: vec![Edit::ByModes(modes)] }
+    }));
     found
+}
+
+/// Whether a formula has no number in it that only a machine writes.
+fn is_plain(formula: &str) -> bool {
+    const DIGITS: usize = 5;
+    formula.split(|c: char| !c.is_ascii_digit()).all(|digits| digits.len() <= DIGITS)
 }
 
 /// Whether a place moves with time or an input.
@@ -234,6 +253,15 @@ pub(super) fn tried(full: &Full, candidate: Candidate) -> Rung {
 pub(super) fn better(one: Rung, other: Rung) -> Rung {
     let change = |rung: &Rung| rung.deviation.as_ref().map_or(f64::INFINITY, |deviation| deviation.largest);
     if change(&other) <= ALIKE * change(&one) { other } else { one }
+}
+
+/// Whether a ladder of modes is climbed high enough before this candidate.
+pub(super) fn is_climbed(rungs: &[Rung], candidate: &Candidate) -> bool {
+    let by_modes = |proposal: &Proposal| matches!(proposal, Proposal::Modes { .. });
+    let serves = |rung: &Rung| {
+        rung.ingredient == candidate.ingredient && by_modes(&rung.proposal) && rung.verdict == Verdict::Serves
+    };
+    by_modes(&candidate.proposal) && rungs.iter().any(serves)
 }
 
 /// Whether two rungs are the same coordinate held, each elsewhere.

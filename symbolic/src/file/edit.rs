@@ -82,6 +82,16 @@ pub fn with(text: &str, section: &str, behind: &str, key: &str, value: &str) -> 
         let gap = if before.is_empty() || before.ends_with('\n') { "" } else { "\n" };
         return Some(format!("{before}{gap}{section}: {{{key}: {value}}}\n{rest}"));
     };
+    entered(text, node, key, value)
+}
+
+/// The file with an entry more in the mapping at a path, first in it.  `None` where there is none, or none that has entries in lines.
+pub fn with_at(text: &str, path: &[Step], key: &str, value: &str) -> Option<String> {
+    entered(text, at(&outline(text).0?, path)?, key, value)
+}
+
+/// The file with an entry more in a mapping.
+fn entered(text: &str, node: &Outline, key: &str, value: &str) -> Option<String> {
     let Shape::Map(entries) = &node.shape else { return None };
     let first = entries.first().map(|(key, _)| key.range.start);
     let (at, entry) = match (flows(text, node), first) {
@@ -220,6 +230,12 @@ scene:
         ] {
             assert_eq!(with(FILE, section, "parameters", "z", "1 m"), Some(FILE.replacen(from, to, 1)), "{section}");
         }
+        assert_eq!(with_at(FILE, &path(&["scene", "start"]), "y", "2"), Some(FILE.replace("{x: 1}", "{y: 2, x: 1}")));
+        assert_eq!(
+            with_at(FILE, &path(&["springs", "seat"]), "rest", "2")
+                .map(|text| text.contains("    rest: 2\n    between")),
+            Some(true)
+        );
         assert_eq!(replaced(FILE, &path(&["scene", "until"]), "4"), Some(FILE.replace("until: 3", "until: 4")));
         let louder = rewritten(FILE, |scalar| scalar.replace('x', "y"));
         assert_eq!(louder, Some(FILE.replace("{x: 1}", "{y: 1}")));
