@@ -145,6 +145,13 @@ impl Tolerance {
         (0..2).any(|k| after[k] > units[k] && after[k] > falls * before[k])
     }
 
+    /// True if coordinate i has been at rest until now, and a step of h with too large an error moves it.
+    pub fn is_moved(&self, i: usize, errors: [f64; 2], h: f64, (ends, rate): ((&[f64], &[f64]), &[f64])) -> bool {
+        let rests = |k: usize| self.low[k] == self.high[k];
+        let units = self.units(i, h, ends, rate);
+        rests(i) && rests(self.n + i) && (0..2).any(|k| errors[k] > units[k])
+    }
+
     /// Takes note of the noise of an acceleration: what it changes by when every coordinate moves by
     /// [`Tolerance::jitter`].  Errors over a step of h that are no larger than it explains count as rounding from now on; false if
     /// they are.

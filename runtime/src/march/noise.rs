@@ -41,7 +41,7 @@ impl March {
         }
     }
 
-    /// Looks whether what was rejected twice running is rounding; if so the tolerance takes note.
+    /// Looks whether what was rejected twice running, or once of what is at rest, is rounding; if so the tolerance takes note.
     pub(super) fn look_for_noise(&mut self, system: &dyn System, step: Step) {
         let Pace::Adaptive { tolerance, .. } = &self.pace else { return };
         let n = system.len();
@@ -51,8 +51,9 @@ impl March {
         let (ends, rate) = ((start.y, self.stepper.end().y), start.rate);
         let lengths = (self.rejected_step, step.h);
         let suspected = |i: usize| tolerance.suspects(i, (of(before, i), of(after, i)), lengths, (ends, rate));
-        let suspects: Vec<usize> =
-            if before.is_empty() { Vec::new() } else { (0..n).filter(|i| suspected(*i)).collect() };
+        // What has not moved yet may be moved by rounding alone: it need not be rejected twice.
+        let sets_off = |i: usize| tolerance.is_moved(i, of(after, i), step.h, (ends, rate));
+        let suspects: Vec<usize> = (0..n).filter(|i| sets_off(*i) || !before.is_empty() && suspected(*i)).collect();
         self.rejected.clear();
         self.rejected.extend_from_slice(self.stepper.errors());
         self.rejected_step = step.h;
