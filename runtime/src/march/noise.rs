@@ -51,8 +51,9 @@ impl March {
         let (ends, rate) = ((start.y, self.stepper.end().y), start.rate);
         let lengths = (self.rejected_step, step.h);
         let suspected = |i: usize| tolerance.suspects(i, (of(before, i), of(after, i)), lengths, (ends, rate));
-        // What has not moved yet may be moved by rounding alone: it need not be rejected twice.
-        let sets_off = |i: usize| tolerance.is_moved(i, of(after, i), step.h, (ends, rate));
+        // What has not moved yet while others have may be moved by rounding alone: it need not be rejected twice.
+        let sets_off =
+            |i: usize| self.clock.now() > self.from && tolerance.is_moved(i, of(after, i), step.h, (ends, rate));
         let suspects: Vec<usize> = (0..n).filter(|i| sets_off(*i) || !before.is_empty() && suspected(*i)).collect();
         self.rejected.clear();
         self.rejected.extend_from_slice(self.stepper.errors());
