@@ -168,13 +168,15 @@ impl Tolerance {
         true
     }
 
-    /// Takes note of errors over a step: those of components that have not moved yet count no more from now on.
+    /// Takes note of errors over a step: those of components that have not moved yet, if they are no larger than this of places and
+    /// of speeds, count no more from now on.
     ///
     /// What grows like tᵖ is off by the same part of itself over any first step, however short; later steps, which move it by
     /// far more, are judged by its range.
-    pub fn set_off(&mut self, errors: &[f64]) {
+    pub fn set_off(&mut self, errors: &[f64], most: [f64; 2]) {
         for (k, error) in errors.iter().enumerate() {
-            if self.low[k] == self.high[k] {
+            let most = EXPLAINED * most[usize::from(k >= self.n)];
+            if self.low[k] == self.high[k] && error.abs() <= most {
                 self.onset[k] = error.abs();
                 self.floors[k] = self.floor(k);
             }

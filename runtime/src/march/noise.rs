@@ -37,7 +37,7 @@ impl March {
     pub(super) fn look_for_onset(&mut self, steady: &mut Steady, (error, h): (f64, f64)) {
         let Pace::Adaptive { tolerance, .. } = &mut self.pace else { return };
         if steady.remains(error, h, tolerance.relative) {
-            tolerance.set_off(self.stepper.errors());
+            tolerance.set_off(self.stepper.errors(), [f64::INFINITY; 2]);
         }
     }
 
@@ -51,9 +51,10 @@ impl March {
         let (ends, rate) = ((start.y, self.stepper.end().y), start.rate);
         let lengths = (self.rejected_step, step.h);
         let suspected = |i: usize| tolerance.suspects(i, (of(before, i), of(after, i)), lengths, (ends, rate));
-        // What has not moved yet while others have may be moved by rounding alone: it need not be rejected twice.
+        // What nothing moves at first, while others begin to, may be moved by rounding alone: it need not be rejected twice.
+        let begins = self.clock.now() == self.from && rate.iter().any(|rate| *rate != 0.0);
         let sets_off =
-            |i: usize| self.clock.now() > self.from && tolerance.is_moved(i, of(after, i), step.h, (ends, rate));
+            |i: usize| begins && rate[n + i] == 0.0 && tolerance.is_moved(i, of(after, i), step.h, (ends, rate));
         let suspects: Vec<usize> = (0..n).filter(|i| sets_off(*i) || !before.is_empty() && suspected(*i)).collect();
         self.rejected.clear();
         self.rejected.extend_from_slice(self.stepper.errors());
@@ -61,14 +62,14 @@ impl March {
         if !suspects.is_empty() {
             let noise = self.noise(system);
             let Pace::Adaptive { tolerance, .. } = &mut self.pace else { return };
-            let mut found = false;
+            let mut largest = 0.0_f64;
             for i in suspects {
-                found |= tolerance.noise(i, noise[i], step.h, of(&self.rejected, i));
+                if tolerance.noise(i, noise[i], step.h, of(&self.rejected, i)) {
+                    largest = largest.max(noise[i]);
+                }
             }
-            if found {
-                // What rounding drives is rounding, too.
-                tolerance.set_off(&self.rejected);
-            }
+            // What rounding drives is rounding, too.
+            tolerance.set_off(&self.rejected, [step.h * step.h * largest, step.h * largest]);
         }
     }
 
