@@ -50,6 +50,12 @@ fn page(judged: &[Judged]) {
         "input, an input's rate, a moved base, a rate or a potential, mostly an event, and a tolerance from 1e-10 to 1e-4."
     );
     println!(
+        "Three in ten have poles in the arguments of their discontinuities (`sign(tan(x/2))` for `sign(sin(x))`), four in ten start"
+    );
+    println!(
+        "not quite at rest (1e-25 to 1e-16 of their speed), two in ten have a drag v |v|; who judges them has neither."
+    );
+    println!(
         "Each run estimates its digits, and is judged by a run at 1e-12 whose steps stay short against the distance to"
     );
     println!(

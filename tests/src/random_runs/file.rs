@@ -10,6 +10,8 @@ use super::shapes::{Shape, Sharpness};
 pub struct Drawn {
     /// The text.
     pub text: String,
+    /// What the run is judged by: the same with its discontinuities and its start written plainly.
+    pub plain: String,
     /// The mechanism.
     pub mechanism: &'static str,
     /// The features.
@@ -49,8 +51,66 @@ pub fn draw(run: u64) -> Drawn {
         sheet.add(&mechanism, &mut draws);
     }
     let event = draws.chance(0.6).then(|| sheet.watch(&mechanism, &mut draws));
-    let text = sheet.text(&mechanism, &mut draws);
-    Drawn { text, mechanism: mechanism.kind, features: sheet.features, event, locals: sheet.locals }
+    // Drawn apart, so that everything else stays what it was before these were.
+    let mut aside = Draws::new(run ^ ASIDE);
+    if aside.chance(0.2) {
+        sheet.drag(&mechanism, &mut aside);
+    }
+    let plain = sheet.text(&mechanism, &mechanism.start, &mut draws);
+    let mut text = plain.clone();
+    if aside.chance(0.3) {
+        text = with_jumping_arguments(&text);
+    }
+    if aside.chance(0.4) {
+        let start = nudged(&mechanism, &mut aside);
+        text = text.replace(&starting(&mechanism, &mechanism.start), &starting(&mechanism, &start));
+    }
+    Drawn { text, plain, mechanism: mechanism.kind, features: sheet.features, event, locals: sheet.locals }
+}
+
+const ASIDE: u64 = 0x5eed_0000_0000_0000;
+
+/// The same discontinuities with arguments that have poles in the place of zeros, or besides them.
+fn with_jumping_arguments(text: &str) -> String {
+    let mut out = text.replace("sign(sin(", "sign(tan(0.5*");
+    for name in ["step(", "sign(abs("] {
+        let mut from = 0;
+        while let Some(at) = out[from..].find(name).map(|at| from + at + name.find('(').unwrap_or(0)) {
+            let Some(end) = closing(&out[at..]).map(|end| at + end) else { break };
+            let inner = out[at + 1..end].to_owned();
+            out.replace_range(at + 1..end, &format!("1/({inner})"));
+            from = at + 1;
+        }
+    }
+    out
+}
+
+/// Where the first bracket closes.
+fn closing(text: &str) -> Option<usize> {
+    let mut depth = 0;
+    text.char_indices().find_map(|(at, c)| {
+        depth += i32::from(c == '(') - i32::from(c == ')');
+        (c == ')' && depth == 0).then_some(at)
+    })
+}
+
+/// A start in which what rests moves, by next to nothing.
+fn nudged(mechanism: &Mechanism, draws: &mut Draws) -> Vec<f64> {
+    let n = mechanism.coordinates.len();
+    let nudge = |(k, value): (usize, &f64)| {
+        let (_, motion, speed, _) = mechanism.coordinates[k % n];
+        let size = if k < n { motion } else { speed };
+        if *value == 0.0 { draws.sign() * draws.scale(1e-25, 1e-16) * size } else { *value }
+    };
+    mechanism.start.iter().enumerate().map(nudge).collect()
+}
+
+/// The start as it stands in the file.
+fn starting(mechanism: &Mechanism, start: &[f64]) -> String {
+    let names = mechanism.coordinates.iter().map(|(name, ..)| *name);
+    let all = names.clone().map(str::to_owned).chain(names.map(|name| format!("{name}'")));
+    let start: Vec<String> = all.zip(start).map(|(name, value)| format!("{name}: {}", text(*value))).collect();
+    format!("start: {{{}}}", start.join(", "))
 }
 
 /// What is added to a mechanism.
@@ -131,6 +191,14 @@ impl Sheet {
         }
     }
 
+    /// Adds a drag of the square of a rate.
+    fn drag(&mut self, mechanism: &Mechanism, draws: &mut Draws) {
+        let i = *draws.pick(&(0..mechanism.coordinates.len()).collect::<Vec<_>>());
+        let (name, _, speed, force) = mechanism.coordinates[i];
+        let factor = draws.scale(0.01, 0.5) * force / (speed * speed);
+        self.forces.push((i, format!("-{}*{name}'*abs({name}')", text(factor))));
+    }
+
     /// Adds an event, and tells which kind.
     fn watch(&mut self, mechanism: &Mechanism, draws: &mut Draws) -> &'static str {
         let (of, range) = *draws.pick(&mechanism.ways);
@@ -175,7 +243,7 @@ impl Sheet {
         kind
     }
 
-    fn text(&self, mechanism: &Mechanism, draws: &mut Draws) -> String {
+    fn text(&self, mechanism: &Mechanism, start: &[f64], draws: &mut Draws) -> String {
         let names: Vec<&str> = mechanism.coordinates.iter().map(|(name, ..)| *name).collect();
         let mut lines = vec!["name: Drawn".to_owned()];
         lines.push(format!(
@@ -206,13 +274,9 @@ impl Sheet {
         if let Some(event) = &self.event {
             lines.push(format!("events: {{e: {{when: \"{event}\", then: record}}}}"));
         }
-        let rates = names.iter().map(|name| format!("{name}'"));
-        let all = names.iter().map(|name| (*name).to_owned()).chain(rates);
-        let start: Vec<String> =
-            all.zip(&mechanism.start).map(|(name, value)| format!("{name}: {}", text(*value))).collect();
         lines.push(format!(
-            "scene: {{start: {{{}}}, until: {}, tolerance: {}}}\n",
-            start.join(", "),
+            "scene: {{{}, until: {}, tolerance: {}}}\n",
+            starting(mechanism, start),
             text(mechanism.until),
             text(draws.scale(1e-10, 1e-4))
         ));

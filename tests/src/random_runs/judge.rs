@@ -73,6 +73,8 @@ pub fn judge(drawn: &Drawn) -> Verdict {
         Err(problems) => panic!("{}: {problems:?}", drawn.text),
     };
     let system = Interpreted::new(program, &drawn.text);
+    let Ok(plain) = compile(&drawn.plain, &[]) else { return Verdict::LeftOut { why: "the run that judges fails" } };
+    let plain = Interpreted::new(plain, &drawn.plain);
     let mut settings = Settings::new(&system.scene(0));
     settings.digits = true;
     settings.max_steps = MOST_STEPS;
@@ -84,7 +86,7 @@ pub fn judge(drawn: &Drawn) -> Verdict {
     if matches!(&outcome, Err(Error::Run(failure)) if matches!(failure.cause, Cause::Interrupted)) {
         return Verdict::LeftOut { why: "more than 20 s" };
     }
-    let tight = bounded(&system, &settings, drawn, TIGHT, SHARE);
+    let tight = bounded(&plain, drawn, TIGHT, SHARE);
     let (run, tight) = match (outcome, tight) {
         (_, Err(Unjudged::TooLong)) => return Verdict::LeftOut { why: "too many short steps" },
         (Err(error), Err(Unjudged::Failed)) => return Verdict::Refused { error: error.to_string() },
@@ -96,7 +98,7 @@ pub fn judge(drawn: &Drawn) -> Verdict {
     if faults(&run, &tight, None).is_none() {
         return Verdict::Right { warnings };
     }
-    let Ok(other) = bounded(&system, &settings, drawn, LESS_TIGHT, 1.7 * SHARE) else {
+    let Ok(other) = bounded(&plain, drawn, LESS_TIGHT, 1.7 * SHARE) else {
         return Verdict::LeftOut { why: "too many short steps" };
     };
     let Some(fault) = faults(&run, &tight, Some(&other)) else {
@@ -118,15 +120,10 @@ impl From<Error> for Unjudged {
 }
 
 /// A run at a tolerance, whose steps stay short against the distances to all that happens.
-fn bounded(
-    system: &Interpreted,
-    settings: &Settings,
-    drawn: &Drawn,
-    tolerance: f64,
-    share: f64,
-) -> Result<Run, Unjudged> {
+fn bounded(system: &Interpreted, drawn: &Drawn, tolerance: f64, share: f64) -> Result<Run, Unjudged> {
+    let mut settings = Settings::new(&system.scene(0));
+    settings.max_steps = MOST_STEPS;
     let span = settings.until;
-    let mut settings = settings.clone();
     (settings.digits, settings.watch, settings.dense) = (false, false, false);
     settings.tolerance = tolerance;
     settings.longest_step = Some(share * span);
