@@ -119,6 +119,8 @@ fn as_json(found: &Needs) -> Value {
         object([
             ("ingredient", json!(rung.ingredient)),
             ("proposed", json!(rung.proposal.to_string())),
+            ("predicted", rung.predicted.map_or(Value::Null, |predicted| number(predicted.change))),
+            ("second", rung.predicted.map_or(Value::Null, |predicted| number(predicted.second))),
             ("change", of(|deviation| deviation.largest)),
             ("of", deviation.map_or(Value::Null, |deviation| json!(deviation.of))),
             ("clock", of(|deviation| deviation.clock)),

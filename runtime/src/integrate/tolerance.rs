@@ -153,30 +153,40 @@ impl Tolerance {
     }
 
     /// Takes note of the noise of an acceleration: what it changes by when every coordinate moves by
-    /// [`Tolerance::jitter`].  Errors over a step of h that are no larger than it explains count as rounding from now on; false if
-    /// they are.
-    pub fn noise(&mut self, i: usize, change: f64, h: f64, errors: [f64; 2]) -> bool {
+    /// [`Tolerance::jitter`].  Errors over a step of h that are no larger than it explains count as rounding from now on.
+    pub fn noise(&mut self, i: usize, change: f64, h: f64, errors: [f64; 2]) {
         let floor = ROUNDING * self.largest_alike(i);
         let explains = h.abs() * change;
         if errors[1] > EXPLAINED * explains || errors[0] > (EXPLAINED * h.abs() * explains).max(floor) {
-            return false;
+            return;
         }
         self.noise[i] = self.noise[i].max(2.0 * EXPLAINED * change);
         // That of another one's place, or of its own.
         self.raised[i] = self.raised[i].max(floor);
         self.floors[i] = self.floor(i);
-        true
     }
 
-    /// Takes note of errors over a step: those of components that have not moved yet, if they are no larger than this of places and
-    /// of speeds, count no more from now on.
+    /// Takes note of errors over a step: those of components that have not moved yet count no more from now on.
     ///
     /// What grows like tᵖ is off by the same part of itself over any first step, however short; later steps, which move it by
     /// far more, are judged by its range.
-    pub fn set_off(&mut self, errors: &[f64], most: [f64; 2]) {
+    pub fn set_off(&mut self, errors: &[f64]) {
+        self.set_off_up_to(errors, [f64::INFINITY; 2]);
+    }
+
+    /// As [`Tolerance::set_off`], for errors over a step of h that are no larger than the noise of any acceleration explains: what
+    /// rounding drives is rounding, too.
+    pub fn set_off_by_noise(&mut self, errors: &[f64], h: f64) {
+        let noise = 0.5 * self.noise.iter().fold(0.0_f64, |most, noise| most.max(*noise));
+        if noise > 0.0 {
+            self.set_off_up_to(errors, [h.abs() * (h.abs() * noise), h.abs() * noise]);
+        }
+    }
+
+    /// For errors of places and of speeds up to these.
+    fn set_off_up_to(&mut self, errors: &[f64], most: [f64; 2]) {
         for (k, error) in errors.iter().enumerate() {
-            let most = EXPLAINED * most[usize::from(k >= self.n)];
-            if self.low[k] == self.high[k] && error.abs() <= most {
+            if self.low[k] == self.high[k] && error.abs() <= most[usize::from(k >= self.n)] {
                 self.onset[k] = error.abs();
                 self.floors[k] = self.floor(k);
             }

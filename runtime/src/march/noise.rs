@@ -37,7 +37,7 @@ impl March {
     pub(super) fn look_for_onset(&mut self, steady: &mut Steady, (error, h): (f64, f64)) {
         let Pace::Adaptive { tolerance, .. } = &mut self.pace else { return };
         if steady.remains(error, h, tolerance.relative) {
-            tolerance.set_off(self.stepper.errors(), [f64::INFINITY; 2]);
+            tolerance.set_off(self.stepper.errors());
         }
     }
 
@@ -62,15 +62,12 @@ impl March {
         if !suspects.is_empty() {
             let noise = self.noise(system);
             let Pace::Adaptive { tolerance, .. } = &mut self.pace else { return };
-            let mut largest = 0.0_f64;
             for i in suspects {
-                if tolerance.noise(i, noise[i], step.h, of(&self.rejected, i)) {
-                    largest = largest.max(noise[i]);
-                }
+                tolerance.noise(i, noise[i], step.h, of(&self.rejected, i));
             }
-            // What rounding drives is rounding, too.
-            tolerance.set_off(&self.rejected, [step.h * step.h * largest, step.h * largest]);
         }
+        let Pace::Adaptive { tolerance, .. } = &mut self.pace else { return };
+        tolerance.set_off_by_noise(&self.rejected, step.h);
     }
 
     /// What rounding makes of each acceleration here: that of the coordinates and of the time, by moving them, and that of the

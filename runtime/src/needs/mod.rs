@@ -3,7 +3,7 @@
 //! 1. What is wanted, and the motion that answers it in full: look in `full.rs`.
 //! 2. Every ingredient of the file, and the file without it: look in `rung.rs`; edits of the text: in `edit.rs`; families of
 //!    coordinates by their modes: in `modal.rs`.
-//! 3. How far two runs are apart: look in `deviation.rs`.
+//! 3. How far two runs are apart: look in `deviation.rs`; how far they would be by a first approximation: in `prediction.rs`.
 //! 4. What goes together, tried as a whole: look in `choice.rs`.
 //! 5. The table, and the smaller file: look in `report.rs`; the picture: in `picture.rs`; the test that comes with the file:
 //!    in `comparison.rs`.
@@ -18,12 +18,14 @@ mod edit;
 mod full;
 mod modal;
 mod picture;
+mod prediction;
 mod report;
 mod rung;
 mod unanswered;
 
 pub use choice::Choice;
 pub use deviation::Deviation;
+pub use prediction::Prediction;
 pub use rung::{Proposal, Rung, Verdict};
 pub use unanswered::Unanswered;
 

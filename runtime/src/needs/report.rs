@@ -5,7 +5,7 @@ use std::fmt::{self, Write};
 use dalembert_symbolic::diagnose::Step;
 use dalembert_symbolic::file::edit::{replaced, value, with, with_at};
 
-use super::{Choice, Needs, Proposal, Rung, Verdict};
+use super::{Choice, Needs, Prediction, Proposal, Rung, Verdict};
 
 impl Needs {
     /// Every ingredient with what leaving it out changes and saves, and what follows.
@@ -39,10 +39,10 @@ impl Needs {
     }
 
     fn rows(&self) -> String {
-        let head = ["ingredient", "proposed", "change", "of", "less work", "found"].map(str::to_owned);
-        let rows: Vec<[String; 6]> = std::iter::once(head).chain(self.rungs.iter().map(row)).collect();
+        let head = ["ingredient", "proposed", "predicted", "change", "of", "less work", "found"].map(str::to_owned);
+        let rows: Vec<[String; 7]> = std::iter::once(head).chain(self.rungs.iter().map(row)).collect();
         let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
-        let widths: Vec<usize> = (0..6).map(width).collect();
+        let widths: Vec<usize> = (0..7).map(width).collect();
         let mut text = String::new();
         for row in rows {
             let cells: Vec<String> = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:width$}")).collect();
@@ -153,7 +153,7 @@ impl Needs {
     }
 }
 
-fn row(rung: &Rung) -> [String; 6] {
+fn row(rung: &Rung) -> [String; 7] {
     let dash = || "–".to_owned();
     let (change, of) = match &rung.deviation {
         Some(deviation) => (part(deviation.largest), deviation.of.clone()),
@@ -167,7 +167,9 @@ fn row(rung: &Rung) -> [String; 6] {
         }
         _ => rung.verdict.to_string(),
     };
-    [rung.ingredient.clone(), rung.proposal.to_string(), change, of, saving, found]
+    // Of what is not proportional to the ingredient nothing is predicted.
+    let predicted = rung.predicted.filter(Prediction::holds).map_or_else(dash, |predicted| part(predicted.change));
+    [rung.ingredient.clone(), rung.proposal.to_string(), predicted, change, of, saving, found]
 }
 
 /// `it does without forces.drag and with coordinates.l held at 10 m`.

@@ -9,6 +9,7 @@ use super::deviation::{Deviation, Motion, between};
 use super::edit::{Edit, edited, entry, shown, unit_of, without_vain_claims, word};
 use super::full::{Full, MOST_COORDINATES, set};
 use super::modal::ladders;
+use super::prediction::{Prediction, predicted};
 use crate::mechanism::{At, System};
 use crate::run::plain;
 
@@ -75,6 +76,8 @@ pub struct Rung {
     pub proposal: Proposal,
     /// What that changes; `None` where nothing could be compared.
     pub deviation: Option<Deviation>,
+    /// What that changes by a first approximation; `None` where there is none.
+    pub predicted: Option<Prediction>,
     /// By how many times less work the scene takes.
     pub saving: f64,
     /// What is found.
@@ -237,6 +240,7 @@ pub(super) fn tried(full: &Full, candidate: Candidate) -> Rung {
         ingredient,
         proposal,
         deviation: None,
+        predicted: None,
         saving: 0.0,
         verdict: Verdict::Acts,
         gone: Vec::new(),
@@ -276,6 +280,9 @@ fn measure(full: &Full, rung: &mut Rung) -> Result<(), Verdict> {
     rung.gone.clone_from(&answer.gone);
     let motion = Motion::of(&*answer.system, &answer.settings, full.tolerance, &full.need.outputs).map_err(refused)?;
     rung.saving = full.motion.operations / motion.operations;
+    if rung.proposal == Proposal::LeftOut {
+        rung.predicted = predicted(full, &*answer.system, &answer.settings);
+    }
     let compared = between(&full.motion, &motion, full.measure());
     let (deviation, differences) = compared.map_err(|what| Verdict::HappensOtherwise { what })?;
     let serves = deviation.largest <= full.need.within;
