@@ -158,6 +158,52 @@ fn a_hanging_chain_moves_in_its_slow_modes() {
     assert!(chosen(&needs).members[0].contains("th["), "{}", needs.table());
 }
 
+/// A pendulum that air, a drag, a spring and a hum hardly move otherwise, each by a coefficient.
+const SWING: &str = "name: Swing
+parameters: {m: 1 kg, L: 1 m, g: 10 m/s^2, c: 1e-3 N*s/m, d: 1e-3 N*s^2/m^2, k: 1e-2 N/m, F: 1e-3 N, T: 1 s}
+coordinates: {theta: rad}
+points: {P: \"L*[sin(theta), -cos(theta)]\"}
+bodies: {bob: {mass: m, position: P}}
+gravity: [0, -g]
+springs: {side: {stretch: \"P.x\", stiffness: k, along: \"[1, 0]\", on: bob}}
+forces:
+  air: {on: bob, force: \"-c*velocity(bob)\"}
+  drag: {on: bob, force: \"-d*velocity(bob)*sqrt(1e-9*g*L + dot(velocity(bob), velocity(bob)))\"}
+  hum: {on: bob, force: \"[F*cos(2*t/T), 0]\"}
+outputs: {side: P.x}
+scene: {start: {theta: 1}, until: 10, tolerance: 1e-9}
+";
+
+#[test]
+fn predictions_hold_within_a_factor_of_two_where_they_say_so() {
+    let mut held = 0;
+    let mut judge = |needs: &Needs| {
+        for rung in &needs.rungs {
+            let (Some(predicted), Some(deviation)) = (&rung.predicted, &rung.deviation) else { continue };
+            if predicted.holds() {
+                held += 1;
+                let ratio = predicted.change / deviation.largest;
+                assert!((0.5..2.0).contains(&ratio), "{}: {ratio}\n{}", rung.ingredient, needs.table());
+            }
+        }
+    };
+    for strength in ["1e-3", "3e-3", "1e-2", "3e-2", "1e-1"] {
+        let coefficients = [("c", "N*s/m", 1.0), ("d", "N*s^2/m^2", 1.0), ("k", "N/m", 10.0), ("F", "N", 1.0)];
+        let question = coefficients.into_iter().fold(Question::new(SWING), |question, (name, unit, factor)| {
+            let value = factor * strength.parse::<f64>().unwrap();
+            question.setting(name, &format!("{value} {unit}")).unwrap()
+        });
+        judge(&asked(&question).unwrap());
+    }
+    let crane = asked(&Question::new(CRANE)).unwrap();
+    judge(&crane);
+    judge(&asked(&Question::new(SPRING_PENDULUM)).unwrap());
+    assert!(held > 20, "{held}");
+    // A rope that is cut is no small change, though its tension hardly changes at first; the table says nothing then.
+    assert!(rung(&crane, "springs.rope").predicted.is_some_and(|predicted| !predicted.holds()), "{}", crane.table());
+    assert!(crane.table().contains("springs.rope          left out                          –"), "{}", crane.table());
+}
+
 #[test]
 fn what_is_held_is_wanted_or_read() {
     // The pull of a rope that is held is no constant.

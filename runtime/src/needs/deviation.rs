@@ -33,6 +33,8 @@ pub(super) struct Motion {
     pub guards: Vec<(String, Vec<f64>)>,
     /// Evaluations of the accelerations, and all else in their terms, times operations.
     pub operations: f64,
+    /// Steps that it took.
+    pub steps: u64,
     /// The range of each coordinate, then of each rate.
     pub ranges: Vec<f64>,
     /// Where each is on the average.
@@ -73,6 +75,7 @@ impl Motion {
             events: run.events.iter().map(|event| (event.name.clone(), event.state.t)).collect(),
             guards: guards(&*system, &run),
             operations: units.operations * units.total(&run.work),
+            steps: run.work.steps,
             ranges: states.iter().map(|values| spread(values).0).collect(),
             visited: [1, 2].map(|third| states.iter().map(|values| values[third * (values.len() - 1) / 3]).collect()),
             means: states.iter().map(|values| values.iter().sum::<f64>() / values.len() as f64).collect(),

@@ -2,16 +2,19 @@
 //!
 //! With accelerations a(q, v, t) of the full model and ã of the one without, D = ã − a is what the ingredient does, and
 //!
-//! δ'' = ∂a/∂q δ + ∂a/∂v δ' + D,  w'' = ∂a/∂q w + ∂a/∂v w' + [ã(q + δ, v + δ') − a − ∂a/∂q δ − ∂a/∂v δ' − D]
+//! δ'' = ∂a/∂q δ + ∂a/∂v δ' + D,  z'' = ∂a/∂q z + ∂a/∂v z' + [ã(q + δ, v + δ') − a − ∂a/∂q δ − ∂a/∂v δ']
 //!
 //! are the first and the second approximation of the change (Newton and Kantorovich).  The prediction is the largest change of what is
-//! wanted that δ makes; the law holds where w makes less than half of that.  It says why a run changes as it does, and whether
+//! wanted that δ makes; the law holds where z makes one that differs by less than half of that.  It says why a run changes as it does, and whether
 //! twice as much would change it twice as much; what is left out is decided by runs.
 
 use std::sync::Arc;
 
+use nalgebra::DVector;
+
 use super::full::Full;
-use crate::mechanism::{At, Coordinate, Description, Energy, Method, Scene, Singular, Structure, System};
+use crate::mechanism::dense::{force_slopes, mass_matrix};
+use crate::mechanism::{At, Coordinate, Description, Energy, Method, Scene, Singular, SingularMass, Structure, System};
 use crate::run::{Names, evaluate_outputs};
 use crate::simulate::{Settings, simulate};
 
@@ -34,13 +37,13 @@ impl Prediction {
 
 /// The law holds where the second approximation adds less than this part of the first.
 const SMALL: f64 = 0.5;
-/// Derivatives along a direction are differences over this part of ranges to either side.
-const STEP: f64 = 1e-4;
-/// A first approximation needs no more digits.
-const TOLERANCE: f64 = 1e-6;
+/// Its steps are equal, half as long on the average as those of the full motion: what begins as rounding is no error to them.
+const SHORTER: f64 = 0.5;
+/// They serve where they give the full motion to this part of ranges.
+const SERVES: f64 = 1e-3;
 /// Larger models are not worth it.
 const MOST_COORDINATES: usize = 12;
-/// It gives up after so many steps.
+/// Motions of more steps are left alone.
 const MOST_STEPS: u64 = 100_000;
 
 /// The change that a model without an ingredient makes to first order; `None` where it has other coordinates, constraints, events,
@@ -52,13 +55,18 @@ pub(super) fn predicted(full: &Full, without: &dyn System, settings: &Settings) 
         description.events.is_empty() && description.switches.is_empty() && description.rows.is_empty()
     };
     let names = |system: &dyn System| Names::of(system.description()).coordinates;
-    if n > MOST_COORDINATES || !smooth(&*full.system) || !smooth(without) || names(&*full.system) != names(without) {
+    if n > MOST_COORDINATES
+        || full.motion.steps > MOST_STEPS
+        || !smooth(&*full.system)
+        || !smooth(without)
+        || names(&*full.system) != names(without)
+    {
         return None;
     }
     let mut variation = Variation::new(full, without);
     let both = |own: &[f64], other: &[f64]| -> Vec<f64> {
-        let apart = own.iter().zip(other).map(|(own, other)| other - own);
-        own.iter().copied().chain(apart).chain(vec![0.0; n]).collect()
+        let apart: Vec<f64> = own.iter().zip(other).map(|(own, other)| other - own).collect();
+        [own, &apart, &apart].concat()
     };
     let along = Settings {
         q: both(&full.settings.q, &settings.q),
@@ -66,9 +74,8 @@ pub(super) fn predicted(full: &Full, without: &dyn System, settings: &Settings) 
         held_q: Vec::new(),
         held_v: Vec::new(),
         every: Some((settings.until - settings.from) / 1000.0),
-        tolerance: TOLERANCE,
+        step: Some(SHORTER * (settings.until - settings.from) / full.motion.steps as f64),
         method: Method::Dop853,
-        max_steps: MOST_STEPS,
         dense: false,
         watch: false,
         digits: false,
@@ -81,14 +88,18 @@ pub(super) fn predicted(full: &Full, without: &dyn System, settings: &Settings) 
     };
     let (own, other) = (columns(&*full.system)?, columns(without)?);
     let (mut first, mut second) = (0.0_f64, 0.0_f64);
-    for state in run.states() {
+    for (row, state) in run.states().enumerate() {
         let part = |k: usize| [&state.q[k * n..][..n], &state.v[k * n..][..n]].concat();
-        let [y, delta, w] = [0, 1, 2].map(part);
-        let moved: Vec<f64> = y.iter().zip(&delta).map(|(y, delta)| y + delta).collect();
-        let twice: Vec<f64> = moved.iter().zip(&w).map(|(y, w)| y + w).collect();
+        let [y, delta, z] = [0, 1, 2].map(part);
+        let [moved, twice] = [delta, z].map(|by| y.iter().zip(by).map(|(y, by)| y + by).collect::<Vec<f64>>());
         let before = wanted(&*full.system, state.t, &y, &own);
         let [once, twice] = [moved, twice].map(|y| wanted(without, state.t, &y, &other));
         for (k, scale) in full.scales.iter().enumerate() {
+            let reached =
+                full.motion.values[k].get(row).is_some_and(|known| (known - before[k]).abs() <= SERVES * scale);
+            if !reached {
+                return None;
+            }
             first = first.max((once[k] - before[k]).abs() / scale);
             second = second.max((twice[k] - once[k]).abs() / scale);
         }
@@ -105,13 +116,11 @@ fn wanted(system: &dyn System, t: f64, y: &[f64], columns: &[usize]) -> Vec<f64>
     columns.iter().map(|column| all[*column]).collect()
 }
 
-/// The full motion with its two approximations: coordinates (q, δ, w).
+/// The full motion with the two approximations of its change: coordinates (q, δ, z).
 #[derive(Clone)]
 struct Variation {
     full: Arc<dyn System>,
     without: Arc<dyn System>,
-    /// Of each coordinate and rate.
-    ranges: Vec<f64>,
     description: Description,
 }
 
@@ -126,7 +135,6 @@ impl Variation {
         Variation {
             full: full.system.boxed_clone().into(),
             without: without.boxed_clone().into(),
-            ranges: full.motion.ranges.clone(),
             description: Description {
                 name: "Variation".into(),
                 coordinates: tripled.collect(),
@@ -137,22 +145,15 @@ impl Variation {
         }
     }
 
-    /// ∂a/∂q d + ∂a/∂v d' at a state.
-    fn along(&self, t: f64, y: &[f64], d: &[f64]) -> Result<Vec<f64>, Singular> {
+    /// ∂a/∂q d + ∂a/∂v d' for directions d at a state with its accelerations: −M⁻¹ (∂F/∂q d + ∂F/∂v d').
+    fn along(&self, at: At<'_>, directions: [&[f64]; 2]) -> Option<[Vec<f64>; 2]> {
         let n = self.full.len();
-        // Ranges of what stands still are its size, or that of the direction.
-        let share = d.iter().zip(&self.ranges).map(|(d, range)| d.abs() / range.max(f64::MIN_POSITIVE));
-        let longest = share.filter(|share| share.is_finite()).fold(0.0_f64, f64::max);
-        if longest == 0.0 {
-            return Ok(vec![0.0; n]);
-        }
-        let s = STEP / longest;
-        let at = |side: f64| -> Result<Vec<f64>, Singular> {
-            let moved: Vec<f64> = y.iter().zip(d).map(|(y, d)| y + side * s * d).collect();
-            accelerations(&*self.full, t, &moved)
-        };
-        let (ahead, behind) = (at(1.0)?, at(-1.0)?);
-        Ok(ahead.iter().zip(&behind).map(|(a, b)| (a - b) / (2.0 * s)).collect())
+        let [dq, dv] = force_slopes(&*self.full, at);
+        let factor = mass_matrix(&*self.full, at).cholesky()?;
+        Some(directions.map(|d| {
+            let (place, speed) = (DVector::from_column_slice(&d[..n]), DVector::from_column_slice(&d[n..]));
+            (-factor.solve(&(&dq * place + &dv * speed))).iter().copied().collect()
+        }))
     }
 }
 
@@ -170,17 +171,17 @@ impl System for Variation {
     fn accelerations(&self, at: At<'_>, a: &mut [f64]) -> Result<(), Singular> {
         let n = self.full.len();
         let part = |k: usize| [&at.q[k * n..][..n], &at.v[k * n..][..n]].concat();
-        let [y, delta, w] = [0, 1, 2].map(part);
+        let [y, delta, z] = [0, 1, 2].map(part);
         let moved: Vec<f64> = y.iter().zip(&delta).map(|(y, delta)| y + delta).collect();
         let own = accelerations(&*self.full, at.t, &y)?;
         let [here, there] = [&y, &moved].map(|y| accelerations(&*self.without, at.t, y));
         let (here, there) = (here?, there?);
-        let [first, second] = [self.along(at.t, &y, &delta)?, self.along(at.t, &y, &w)?];
+        let here_at = At::packed(at.t, &y, n).accelerated(&own);
+        let [first, second] = self.along(here_at, [&delta, &z]).ok_or(SingularMass { coordinate: 0 })?;
         for i in 0..n {
-            let defect = here[i] - own[i];
             a[i] = own[i];
-            a[n + i] = first[i] + defect;
-            a[2 * n + i] = second[i] + (there[i] - own[i] - first[i] - defect);
+            a[n + i] = first[i] + (here[i] - own[i]);
+            a[2 * n + i] = second[i] + (there[i] - own[i] - first[i]);
         }
         Ok(())
     }
