@@ -171,24 +171,23 @@ impl Tolerance {
     /// What grows like tᵖ is off by the same part of itself over any first step, however short; later steps, which move it by
     /// far more, are judged by its range.
     pub fn set_off(&mut self, errors: &[f64]) {
-        self.set_off_up_to(errors, [f64::INFINITY; 2]);
-    }
-
-    /// As [`Tolerance::set_off`], for errors over a step of h that are no larger than the noise of any acceleration explains: what
-    /// rounding drives is rounding, too.
-    pub fn set_off_by_noise(&mut self, errors: &[f64], h: f64) {
-        let noise = 0.5 * self.noise.iter().fold(0.0_f64, |most, noise| most.max(*noise));
-        if noise > 0.0 {
-            self.set_off_up_to(errors, [h.abs() * (h.abs() * noise), h.abs() * noise]);
+        for (k, error) in errors.iter().enumerate() {
+            if self.low[k] == self.high[k] {
+                self.onset[k] = error.abs();
+                self.floors[k] = self.floor(k);
+            }
         }
     }
 
-    /// For errors of places and of speeds up to these.
-    fn set_off_up_to(&mut self, errors: &[f64], most: [f64; 2]) {
-        for (k, error) in errors.iter().enumerate() {
-            if self.low[k] == self.high[k] && error.abs() <= most[usize::from(k >= self.n)] {
-                self.onset[k] = error.abs();
-                self.floors[k] = self.floor(k);
+    /// What rounding drives is rounding, too: coordinates that have been at rest until now, and whose errors over a step of h are no
+    /// larger than the noise of any acceleration explains, have that noise.
+    pub fn spread_noise(&mut self, errors: &[f64], h: f64) {
+        let noise = self.noise.iter().fold(0.0_f64, |most, noise| most.max(*noise));
+        let explained = 0.5 * h.abs() * noise;
+        for i in 0..self.n {
+            let rests = self.low[i] == self.high[i] && self.low[self.n + i] == self.high[self.n + i];
+            if rests && errors[i].abs() <= h.abs() * explained && errors[self.n + i].abs() <= explained {
+                self.noise[i] = noise;
             }
         }
     }

@@ -67,7 +67,7 @@ impl March {
             }
         }
         let Pace::Adaptive { tolerance, .. } = &mut self.pace else { return };
-        tolerance.set_off_by_noise(&self.rejected, step.h);
+        tolerance.spread_noise(&self.rejected, step.h);
     }
 
     /// What rounding makes of each acceleration here: that of the coordinates and of the time, by moving them, and that of the
