@@ -14,7 +14,8 @@ use crate::mechanism::Description;
 /// that neither a shift of the origin nor a change of units changes a step; an angle's is at most 2π.  φ = 200 u max|q|, u = 2⁻⁵³, is the
 /// rounding of q: no error below it counts.  ν is the noise of the acceleration, what the rounding of all coordinates
 /// and of the time makes of it; it is measured where errors do not fall as steps become shorter ([`Tolerance::noise`]).  Where a
-/// coordinate takes over the rounding of a larger one beside it, φ is raised then.
+/// coordinate takes over the rounding of a larger one beside it, φ is raised then.  What sets off from rest like a high power of
+/// time has errors of the size of its change in any step: those of its first step count as none ([`Tolerance::set_off`]).
 ///
 /// What has decayed far below its largest value has absolute accuracy only.
 #[derive(Clone, Debug)]
