@@ -354,7 +354,7 @@ fn the_command_writes_a_file_that_runs() {
     let said = told(&["needs", &full, "--needs", "swing", "--within", "2e-3", "--write", &small]).expect("an answer");
     assert!(said.contains("swing within 2.0e-3") && said.contains("with coordinates.l held at"), "{said}");
     let test = std::fs::read_to_string(path("small_test.rs")).expect("a test");
-    assert!(test.contains("[\"swing\"]") && test.contains("found <= 2e-3"), "{test}");
+    assert!(test.contains("[\"swing\"]") && test.contains("off <= 2e-3"), "{test}");
     assert!(told(&["check", &small]).is_ok());
     assert!(told(&["simulate", &small, "--set", "l_held=9"]).expect("a run").contains("swing"));
     let chart = path("chart.svg");

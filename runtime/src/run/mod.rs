@@ -1,5 +1,6 @@
 //! What a run returns.
 
+mod deviation;
 mod digits;
 mod failure;
 mod frames;
