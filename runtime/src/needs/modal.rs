@@ -1,6 +1,6 @@
 //! A family of coordinates by a few of its modes: θ = θ₀ + P z, all else as it is.
 //!
-//! The modes are those of the family alone, all other coordinates held where the scene starts: (K − ω² M) φ = 0.  What is
+//! They are the family's parts of the modes of all coordinates, (K − ω² M) φ = 0, where the family rests.  What is
 //! nonlinear stays so, since the places of the bodies are still written in θ; the fast modes are what is left out.
 
 use dalembert_symbolic::diagnose::Step;
@@ -72,24 +72,22 @@ pub(super) fn ladders(full: &Full) -> Vec<Modes> {
     for family in families {
         let Some((rest, mass, stiffness)) = family.at_rest(full) else { continue };
         let Some(all) = modes(&mass, &stiffness) else { continue };
-        for count in LADDER.into_iter().filter(|count| *count < family.members.len()) {
-            found.push(family.by(&all[..count], &mass, &rest, full));
+        let own = mass.select_rows(&family.members).select_columns(&family.members);
+        let shapes = family.shapes(&all, &own);
+        for count in LADDER.into_iter().filter(|count| *count < family.members.len().min(shapes.len() + 1)) {
+            found.push(family.by(&shapes[..count], &own, &rest, full));
         }
     }
     found
 }
 
-/// Shapes of all modes, slowest first, the largest part of each 1; `None` where one does not swing.
+/// Shapes of all modes, slowest first; `None` where one grows.
 fn modes(mass: &DMatrix<f64>, stiffness: &DMatrix<f64>) -> Option<Vec<DVector<f64>>> {
     let none = DMatrix::zeros(mass.nrows(), mass.nrows());
     let alone = LinearMechanism::new(mass.clone(), none, stiffness.clone()).ok()?;
     let rest = equilibrium_here(&alone, &Guess::at(&vec![0.0; mass.nrows()])).ok()?;
     let modes = normal_modes(&linearise(&alone, &rest).ok()?, Reduction::Cholesky).ok()?;
-    let shape = |shape: &[f64]| {
-        let largest = shape.iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
-        Some(DVector::from_iterator(shape.len(), shape.iter().map(|part| part / largest)))
-    };
-    modes.iter().map(|mode| if mode.omega > 0.0 { shape(&mode.real_shape()) } else { None }).collect()
+    modes.iter().map(|mode| (mode.eigenvalue.re <= 0.0).then(|| DVector::from_vec(mode.real_shape()))).collect()
 }
 
 /// A family of coordinates with one index.
@@ -116,8 +114,30 @@ fn family(full: &Full, key: &str) -> Option<Family> {
 }
 
 impl Family {
+    /// Its members' parts of modes, each made orthogonal in their M to those before, the largest part 1; what is nearly none, or
+    /// nearly one of those, is left aside.
+    fn shapes(&self, modes: &[DVector<f64>], mass: &DMatrix<f64>) -> Vec<DVector<f64>> {
+        const NEARLY: f64 = 1e-3;
+        let mut found: Vec<DVector<f64>> = Vec::new();
+        for mode in modes {
+            let part = mode.select_rows(&self.members);
+            let mut own = part.clone();
+            for before in &found {
+                let along = (mass * before).dot(&own) / (mass * before).dot(before);
+                own -= along * before;
+            }
+            let size = |shape: &DVector<f64>| (mass * shape).dot(shape);
+            if size(&own) > NEARLY * NEARLY * size(&part) && part.amax() > NEARLY * NEARLY * mode.amax() {
+                let largest =
+                    own.iter().copied().fold(0.0_f64, |most, part| if part.abs() > most.abs() { part } else { most });
+                found.push(own / largest);
+            }
+        }
+        found
+    }
+
     /// Where its members rest among the places they go through, while all other coordinates stay where the scene starts, by
-    /// Newton's method, and M and K of them there.
+    /// Newton's method, and M and K of all coordinates there.
     fn at_rest(&self, full: &Full) -> Option<(Vec<f64>, DMatrix<f64>, DMatrix<f64>)> {
         const ROUNDS: u32 = 30;
         const BEYOND: f64 = 2.0;
@@ -126,16 +146,16 @@ impl Family {
         let (means, ranges) = (&full.motion.means, &full.motion.ranges);
         self.members.iter().for_each(|index| q[*index] = means[*index]);
         let widest = self.members.iter().fold(SMALL, |most, index| ranges[*index].max(most));
-        let block = |matrix: DMatrix<f64>| matrix.select_rows(&self.members).select_columns(&self.members);
         for _ in 0..ROUNDS {
             let at = At::new(full.settings.from, &q, &still).accelerated(&still);
             let mut residual = vec![0.0; n];
             system.residual(at, &mut residual);
-            let (mass, stiffness) = (block(mass_matrix(system, at)), block(force_slopes(system, at)[0].clone()));
+            let (mass, [slopes, _]) = (mass_matrix(system, at), force_slopes(system, at));
+            let stiffness = slopes.select_rows(&self.members).select_columns(&self.members);
             let force = DVector::from_iterator(self.members.len(), self.members.iter().map(|index| residual[*index]));
-            let step = stiffness.clone().lu().solve(&force).filter(|step| step.iter().all(|part| part.is_finite()))?;
+            let step = stiffness.lu().solve(&force).filter(|step| step.iter().all(|part| part.is_finite()))?;
             if step.amax() <= SMALL * (1.0 + q.iter().fold(0.0_f64, |most, q| most.max(q.abs()))) {
-                let symmetric = 0.5 * (&stiffness + stiffness.transpose());
+                let symmetric = 0.5 * (&slopes + slopes.transpose());
                 return Some((self.members.iter().map(|index| q[*index]).collect(), mass, symmetric));
             }
             self.members.iter().zip(step.iter()).for_each(|(index, step)| q[*index] -= step);
