@@ -21,7 +21,7 @@ impl Steady {
     const NEVER: u32 = 3;
 
     /// Takes note of a rejected step's error; true once no shorter step can have a smaller one.
-    fn remains(&mut self, error: f64, h: f64, tolerance: f64) -> bool {
+    pub fn remains(&mut self, error: f64, h: f64, tolerance: f64) -> bool {
         let shorter = h / self.h;
         let falls = error < shorter.sqrt() * self.error;
         let stays = self.h > 0.0 && shorter < Self::SHORTER && error * tolerance < Self::SMALL && !falls;

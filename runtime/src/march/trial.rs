@@ -1,5 +1,6 @@
 //! A fixed step that suits a tolerance, found by trial steps over the start.
 
+use super::noise::Steady;
 use super::{March, Pace};
 use crate::integrate::{OneStep, Setback, StepControl, Tolerance, Trial, longest_step, order, stepper};
 use crate::mechanism::{Method, System};
@@ -76,6 +77,7 @@ fn scout(system: &dyn System, (from, until): (f64, f64), y: &[f64], tolerance: &
     if stepper.begin(system, t).is_err() {
         return states;
     }
+    let mut steady = Steady::default();
     for _ in 0..2 * SCOUTED {
         h = h.min(until - t);
         if t + h <= t || states.len() > SCOUTED {
@@ -84,9 +86,13 @@ fn scout(system: &dyn System, (from, until): (f64, f64), y: &[f64], tolerance: &
         let error = stepper.attempt(system, Trial { t, h, tolerance: Some(&known) }).unwrap_or(f64::NAN);
         let concluded = error <= 1.0 && stepper.conclude(system, t + h, false) == Ok(true);
         if !concluded {
+            if steady.remains(error, h, SCOUT) {
+                known.set_off(stepper.errors());
+            }
             h = control.rejected(h, if error <= 1.0 { f64::NAN } else { error });
             continue;
         }
+        steady = Steady::default();
         t += h;
         h = control.accepted(h, error);
         stepper.accept(true);
