@@ -1,6 +1,6 @@
 //! The two ends of a step, for methods that go from one to the other in one piece.
 
-use super::{Reached, Setback, Tolerance, rate_of};
+use super::{Reached, Setback, Tolerance};
 use crate::mechanism::System;
 
 /// State, rate and W = ∫P dt where a step begins, and where the one that was tried ends.
@@ -52,7 +52,7 @@ impl Ends {
     pub fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), Setback> {
         self.carry.fill(0.0);
         self.evaluations += 1;
-        Ok(rate_of(system, t, &self.y, &mut self.rate)?)
+        Ok(system.rate(t, &self.y, &mut self.rate)?)
     }
 
     /// The end follows from what the step adds.
@@ -80,7 +80,7 @@ impl Ends {
             self.increment.iter_mut().zip(ends).for_each(|(increment, (end, y))| *increment = end - y);
         }
         self.evaluations += 1;
-        rate_of(system, t, &self.end, &mut self.end_rate)?;
+        system.rate(t, &self.end, &mut self.end_rate)?;
         Ok(self.end_rate.iter().all(|rate| rate.is_finite()))
     }
 

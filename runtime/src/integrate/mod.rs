@@ -47,7 +47,7 @@ pub(crate) use tolerance::{JITTER, Tolerance, larger};
 pub(crate) use tolerance::{ROUNDING, widest};
 
 use crate::cause::Cause;
-use crate::mechanism::{At, Description, Singular, System};
+use crate::mechanism::{Description, Singular, System};
 
 /// A method of integration at work: it holds a motion's state, tries steps from it, and takes them.
 ///
@@ -105,15 +105,6 @@ pub(crate) trait OneStep: Send {
 
     /// The dense output, after [`OneStep::dense`].
     fn segment(&self, t: f64, h: f64) -> Segment<'_>;
-}
-
-/// [q'; q''] of a state [q; q'].
-#[inline(always)]
-fn rate_of(system: &dyn System, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), Singular> {
-    let at = At::packed(t, y, y.len() / 2);
-    let (speeds, accelerations) = rate.split_at_mut(at.q.len());
-    speeds.copy_from_slice(at.v);
-    system.accelerations(at, accelerations)
 }
 
 /// A step to try.

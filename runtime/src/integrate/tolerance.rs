@@ -37,6 +37,8 @@ pub(crate) struct Tolerance {
     onset: Vec<f64>,
     /// What rounding of constraints that hardly differ leaves open, of q and of q'; 0 elsewhere.
     blurred: Vec<f64>,
+    /// Whether there is neither noise nor blur, as usual.
+    is_clear: bool,
     /// The first coordinate of the same unit.
     group: Vec<usize>,
 }
@@ -64,6 +66,7 @@ impl Tolerance {
             floors: vec![0.0; start.len()],
             onset: vec![0.0; start.len()],
             blurred: vec![0.0; start.len()],
+            is_clear: true,
             group: units.iter().map(first).collect(),
         };
         tolerance.floors = (0..start.len()).map(|k| tolerance.floor(k)).collect();
@@ -73,8 +76,12 @@ impl Tolerance {
     /// The error of component k of [q; q'] that counts as 1, over a step of h that changes it by this much.
     #[inline(always)]
     pub fn unit(&self, k: usize, h: f64, change: f64) -> f64 {
+        let usual = larger(self.floors[k], self.relative * change);
+        if self.is_clear {
+            return usual;
+        }
         let noise = if k < self.n { h.abs() * (h.abs() * self.noise[k]) } else { h.abs() * self.noise[k - self.n] };
-        larger(larger(self.floors[k], self.relative * change), larger(noise, self.blurred[k]))
+        larger(usual, larger(noise, self.blurred[k]))
     }
 
     /// The errors of qᵢ and q'ᵢ that count as 1, over a step of h from `start` to `end` that begins with `rate`.
@@ -106,6 +113,7 @@ impl Tolerance {
             Some(noise) => self.blurred.iter_mut().zip(noise).for_each(|(blurred, noise)| *blurred = *noise),
             None => self.blurred.fill(0.0),
         }
+        self.clear_up();
     }
 
     /// Takes note of a state on the motion.
@@ -162,6 +170,7 @@ impl Tolerance {
             return;
         }
         self.noise[i] = self.noise[i].max(2.0 * EXPLAINED * change);
+        self.clear_up();
         // That of another one's place, or of its own.
         self.raised[i] = self.raised[i].max(floor);
         self.floors[i] = self.floor(i);
@@ -191,6 +200,11 @@ impl Tolerance {
                 self.noise[i] = noise;
             }
         }
+        self.clear_up();
+    }
+
+    fn clear_up(&mut self) {
+        self.is_clear = self.noise.iter().chain(&self.blurred).all(|part| *part == 0.0);
     }
 
     /// A change of coordinate i of a few roundings.

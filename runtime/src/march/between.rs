@@ -63,8 +63,9 @@ impl March {
                 // Shorter steps that follow one cut before a feature say nothing about the acceleration.
                 self.jumps.restart();
             }
-            let ends = (self.stepper.start(), self.stepper.end());
-            let calm = watch.as_mut().is_none_or(|watch| watch.calm(system, (self.clock.now(), step.next), ends));
+            let calm = watch.as_mut().is_none_or(|watch| {
+                watch.calm(system, (self.clock.now(), step.next), (self.stepper.start(), self.stepper.end()))
+            });
             let watched = watch.as_ref().is_some_and(|watch| watch.wants_dense());
             if calm && !watched && !recorder.wants_dense(step.next) {
                 return Ok((step, false));

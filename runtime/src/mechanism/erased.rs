@@ -58,6 +58,12 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> Erased<M, N, 
         Ok(())
     }
 
+    /// The accelerations from Lagrange's equations where no constraint acts.
+    #[inline]
+    fn free(&self, t: f64, q: &[f64; N], v: &[f64; N], a: &mut [f64; N]) -> Result<(), Singular> {
+        Ok(M::accelerations(&self.constants, t, self.input_block(t).as_ref(), q, v, a)?)
+    }
+
     fn first_mode(&self) -> usize {
         self.first_phase() - M::MODES
     }
@@ -81,12 +87,15 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> Erased<M, N, 
 /// # Panics
 /// If the slice has another length than the mechanism has coordinates, which is a programming error.
 fn array<const N: usize>(slice: &[f64]) -> &[f64; N] {
-    slice.try_into().expect("as many numbers as generalized coordinates")
+    slice.try_into().expect(WIDTH)
 }
 
 fn array_mut<const N: usize>(slice: &mut [f64]) -> &mut [f64; N] {
-    slice.try_into().expect("as many numbers as generalized coordinates")
+    slice.try_into().expect(WIDTH)
 }
+
+/// What slices are.
+const WIDTH: &str = "as many numbers as generalized coordinates";
 
 /// Accelerations or multipliers as an array; an empty slice stands for numbers that nobody reads.
 fn array_or_zero<const N: usize>(slice: &[f64]) -> [f64; N] {
@@ -105,15 +114,17 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
         if C > 0 && !self.active_rows().is_empty() {
             return self.phased.motion(self, at, a, &mut [0.0; C]);
         }
-        M::accelerations(
-            &self.constants,
-            at.t,
-            self.input_block(at.t).as_ref(),
-            array(at.q),
-            array(at.v),
-            array_mut(a),
-        )?;
-        Ok(())
+        self.free(at.t, array(at.q), array(at.v), array_mut(a))
+    }
+
+    fn rate(&self, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), Singular> {
+        assert!(y.len() == 2 * N && rate.len() == 2 * N, "{WIDTH}");
+        let ((q, v), (speeds, a)) = (y.split_at(N), rate.split_at_mut(N));
+        speeds.copy_from_slice(v);
+        if C > 0 || self.derivation.is_some() {
+            return self.accelerations(At::new(t, q, v), a);
+        }
+        self.free(t, array(q), array(v), array_mut(a))
     }
 
     fn motion(&self, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> Result<(), Singular> {

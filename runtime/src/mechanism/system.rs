@@ -27,6 +27,16 @@ pub trait System: Send + Sync {
     /// undetermined in the balances.
     fn accelerations(&self, at: At<'_>, a: &mut [f64]) -> Result<(), Singular>;
 
+    /// The rate [q'; q''] of a state [q; q'] at a time, as methods of integration ask for it most often.
+    ///
+    /// # Errors
+    /// As [`System::accelerations`].
+    fn rate(&self, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), Singular> {
+        let (speeds, accelerations) = rate.split_at_mut(y.len() / 2);
+        speeds.copy_from_slice(&y[y.len() / 2..]);
+        self.accelerations(At::packed(t, y, y.len() / 2), accelerations)
+    }
+
     /// The accelerations, and the multipliers λ of all rows of the constraints (0 for those that are not active):
     /// M a + h = (Jᵀ + B) λ and J a + γ = 0.
     ///

@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::Entry;
-use super::count::operations;
-use crate::expr::{Graph, Id};
+use super::count::{operations, varying, work};
+use super::forms::gathered;
+use crate::expr::{Graph, Id, terms};
 
 /// How the accelerations are computed.
 #[derive(Clone, Debug)]
@@ -25,8 +26,14 @@ const UNROLL_LIMIT: usize = 1500;
 /// if these are more than so many for each coordinate: a diagonal, or a narrow band, is never made a full triangle.
 const UNROLL_EACH: usize = 16;
 
-/// Chooses and builds.
-pub(super) fn accelerations(graph: &mut Graph, n: usize, mass: &[Entry], bias: &[Id]) -> Accelerations {
+/// Chooses and builds; `others` are other forms of h.
+pub(super) fn accelerations(
+    graph: &mut Graph,
+    n: usize,
+    mass: &[Entry],
+    bias: &[Id],
+    others: &[Vec<Id>],
+) -> Accelerations {
     let Some(order) = elimination_order(n, mass, UNROLL_LIMIT.max(UNROLL_EACH * n)) else {
         return Accelerations::Loop;
     };
@@ -69,14 +76,58 @@ pub(super) fn accelerations(graph: &mut Graph, n: usize, mass: &[Entry], bias: &
         }
         values[k] = value;
     }
+    let masses = constant_masses(graph, n, mass);
+    let judged = tested(&pivots);
+    for form in others.iter().map(Vec::as_slice).chain([bias]) {
+        let divided = divided(graph, &values, &masses, form);
+        let divided = gathered(graph, divided, &judged);
+        let takes = |values: &[Id]| work(graph, &[values, &judged].concat());
+        if takes(&divided) < takes(&values) {
+            values = divided;
+        }
+    }
     Accelerations::Unrolled { values, pivots }
+}
+
+/// What is computed to test the pivots.
+fn tested(pivots: &[(usize, Id, Id)]) -> Vec<Id> {
+    pivots.iter().flat_map(|(_, pivot, diagonal)| [*pivot, *diagonal]).collect()
+}
+
+/// What each coordinate has of M, where that is one constant on the diagonal.
+fn constant_masses(graph: &Graph, n: usize, mass: &[Entry]) -> Vec<Option<Id>> {
+    let varies = varying(graph);
+    let mut masses = vec![None; n];
+    for &(i, _, m) in mass.iter().filter(|e| e.0 == e.1 && !varies[e.2.index()]) {
+        masses[i] = Some(m);
+    }
+    for &(i, j, _) in mass.iter().filter(|e| e.0 != e.1) {
+        (masses[i], masses[j]) = (None, None);
+    }
+    masses
+}
+
+/// These accelerations, with every term of h divided by a constant mass by itself, so that its constant factors, computed once
+/// per run, take the mass in.
+fn divided(graph: &mut Graph, values: &[Id], masses: &[Option<Id>], bias: &[Id]) -> Vec<Id> {
+    let accelerations = values.iter().zip(masses).zip(bias);
+    let accelerations = accelerations.map(|((value, mass), h)| {
+        let Some(mass) = *mass else { return *value };
+        terms(graph, *h).into_iter().fold(Id::ZERO, |sum, (term, number)| {
+            let factor = graph.constant(number);
+            let force = graph.mul(factor, term);
+            let part = graph.div(force, mass);
+            graph.sub(sum, part)
+        })
+    });
+    accelerations.collect()
 }
 
 impl Accelerations {
     /// Operations, those of M and h included.
     pub fn operations(&self, graph: &Graph, n: usize, mass: &[Entry], bias: &[Id]) -> usize {
         match self {
-            Accelerations::Unrolled { values, .. } => operations(graph, values),
+            Accelerations::Unrolled { values, pivots } => operations(graph, &[values.clone(), tested(pivots)].concat()),
             Accelerations::Loop => {
                 let roots: Vec<Id> = mass.iter().map(|e| e.2).chain(bias.iter().copied()).collect();
                 operations(graph, &roots) + n * n * n / 3 + 2 * n * n

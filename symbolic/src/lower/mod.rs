@@ -178,7 +178,10 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let mut constraints = constraints::lowered(graph, rows, &mut chosen);
     chosen.bias = gather::gather(graph, &chosen.bias);
     chosen.residual = gather::gather(graph, &chosen.residual);
-    let accelerations = factor::accelerations(graph, n, &chosen.mass, &chosen.bias);
+    // With constraints the forces of their multipliers are no part of h any more.
+    let derived = equations.iter().filter(|_| constraints.is_empty()).map(|derivation| derivation.bias.clone());
+    let derived: Vec<Vec<Id>> = derived.collect();
+    let accelerations = factor::accelerations(graph, n, &chosen.mass, &chosen.bias, &derived);
     let (mut stiffness, mut damping) = residual_jacobians(graph, n, &chosen.residual);
     let slopes = stiffness.iter().chain(&damping).map(|e| e.2).collect();
     let slopes = forms::gathered(graph, slopes, &chosen.residual);

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::integrate::ends::Ends;
-use crate::integrate::{Control, Counters, NO_CONTROL, OneStep, Reached, Segment, Setback, Trial, rate_of};
+use crate::integrate::{Control, Counters, NO_CONTROL, OneStep, Reached, Segment, Setback, Trial};
 use crate::mechanism::{AccelerationSlopes, At, System};
 
 use super::dense::{DERIVATIVES, LOBATTO, resolved};
@@ -150,7 +150,7 @@ impl OneStep for Exact {
 
     fn evaluate(&mut self, system: &dyn System, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), Setback> {
         self.counters.evaluations += 1;
-        Ok(rate_of(system, t, y, rate)?)
+        Ok(system.rate(t, y, rate)?)
     }
 
     fn attempt(&mut self, system: &dyn System, Trial { t, h, .. }: Trial<'_>) -> Result<f64, Setback> {

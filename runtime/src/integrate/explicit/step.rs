@@ -6,7 +6,7 @@ use super::dense::write_dense;
 use super::sums::{argument, pair, sum};
 use super::tableau::{Estimate, Scheme, Stage, stages};
 use crate::integrate::tolerance::larger;
-use crate::integrate::{Block, Control, Counters, OneStep, Reached, Segment, Setback, Tolerance, Trial, rate_of};
+use crate::integrate::{Block, Control, Counters, OneStep, Reached, Segment, Setback, Tolerance, Trial};
 use crate::mechanism::{At, Singular, System};
 
 /// Any method that is given by a [`Scheme`], on blocks of any size.
@@ -71,7 +71,7 @@ impl<T: Scheme, Y: Block> ExplicitRungeKutta<T, Y> {
         argument(at, &self.y, h, Stage::<T, I>::ROW, &self.stages);
         let t = t + Stage::<T, I>::NODE * h;
         self.evaluations += 1;
-        rate(system, t, at, &mut self.stages[I])?;
+        system.rate(t, at.all(), self.stages[I].all_mut())?;
         if let Some(work) = self.work.as_mut().filter(|_| Stage::<T, I>::WEIGHS) {
             work.powers[I] = system.energy(At::packed(t, at.all(), self.n)).power;
         }
@@ -83,7 +83,7 @@ impl<T: Scheme, Y: Block> ExplicitRungeKutta<T, Y> {
         let y = if stage == Self::END { &self.end } else { &self.y };
         if !known {
             self.evaluations += 1;
-            rate(system, t, y, &mut self.stages[stage])?;
+            system.rate(t, y.all(), self.stages[stage].all_mut())?;
         }
         if let Some(work) = &mut self.work {
             work.powers[stage] = system.energy(At::packed(t, y.all(), self.n)).power;
@@ -141,12 +141,6 @@ impl<T: Scheme, Y: Block> ExplicitRungeKutta<T, Y> {
     }
 }
 
-/// [q'; q''] of a state.
-#[inline(always)]
-fn rate<Y: Block>(system: &dyn System, t: f64, y: &Y, out: &mut Y) -> Result<(), Singular> {
-    rate_of(system, t, y.all(), out.all_mut())
-}
-
 impl<T: Scheme, Y: Block> OneStep for ExplicitRungeKutta<T, Y> {
     fn control(&self) -> Control {
         T::TABLEAU.control
@@ -181,7 +175,7 @@ impl<T: Scheme, Y: Block> OneStep for ExplicitRungeKutta<T, Y> {
 
     fn evaluate(&mut self, system: &dyn System, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), Setback> {
         self.evaluations += 1;
-        Ok(rate_of(system, t, y, rate)?)
+        Ok(system.rate(t, y, rate)?)
     }
 
     fn attempt(&mut self, system: &dyn System, trial: Trial<'_>) -> Result<f64, Setback> {

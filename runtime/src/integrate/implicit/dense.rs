@@ -4,7 +4,7 @@ use super::stages::{From, Newton, Stages};
 use super::step::Collocation;
 use super::tableau::{STAGES, Tableau, sum};
 use crate::integrate::hermite::{BY_ENDS, BY_MIDDLE, nest, write_by_ends, write_by_middle};
-use crate::integrate::{OneStep, Setback, rate_of};
+use crate::integrate::{OneStep, Setback};
 use crate::mechanism::System;
 
 /// What a method knows between the ends of a step.
@@ -143,6 +143,6 @@ impl Collocation {
             y[n + j] = v + (self.ends.carry[n + j] + h * sum(weights.1, k));
         }
         self.ends.evaluations += 1;
-        Ok(rate_of(system, t + 0.5 * h, y, rate)?)
+        Ok(system.rate(t + 0.5 * h, y, rate)?)
     }
 }

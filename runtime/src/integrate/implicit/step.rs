@@ -4,7 +4,7 @@ use super::dense::Interpolation;
 use super::stages::{From, Newton, Stages};
 use super::tableau::{Tableau, sum};
 use crate::integrate::ends::Ends;
-use crate::integrate::{Control, Counters, OneStep, Reached, Segment, Setback, Trial, rate_of};
+use crate::integrate::{Control, Counters, OneStep, Reached, Segment, Setback, Trial};
 use crate::mechanism::{At, System};
 
 /// Any method that is given by a [`Tableau`].
@@ -135,7 +135,7 @@ impl OneStep for Collocation {
 
     fn evaluate(&mut self, system: &dyn System, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), Setback> {
         self.ends.evaluations += 1;
-        Ok(rate_of(system, t, y, rate)?)
+        Ok(system.rate(t, y, rate)?)
     }
 
     fn attempt(&mut self, system: &dyn System, trial: Trial<'_>) -> Result<f64, Setback> {

@@ -3,7 +3,7 @@
 use super::tableau::{STAGES, Tableau};
 use crate::integrate::ends::Ends;
 use crate::integrate::linear::Pencil;
-use crate::integrate::{Control, Counters, OneStep, Reached, Segment, Setback, Trial, rate_of};
+use crate::integrate::{Control, Counters, OneStep, Reached, Segment, Setback, Trial};
 use crate::mechanism::{AccelerationSlopes, At, System};
 
 /// Any method that is given by a [`Tableau`].
@@ -84,7 +84,7 @@ impl Rosenbrock {
         } else {
             add(&mut self.room, &self.ends.y, arguments[i], before);
             self.counters.evaluations += 1;
-            rate_of(system, t + nodes[i] * h, &self.room, u)?;
+            system.rate(t + nodes[i] * h, &self.room, u)?;
         }
         for (u, by_time) in u[n..].iter_mut().zip(self.slopes.by_time()) {
             *u += h * times[i] * by_time;
@@ -149,7 +149,7 @@ impl OneStep for Rosenbrock {
 
     fn evaluate(&mut self, system: &dyn System, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), Setback> {
         self.ends.evaluations += 1;
-        Ok(rate_of(system, t, y, rate)?)
+        Ok(system.rate(t, y, rate)?)
     }
 
     fn attempt(&mut self, system: &dyn System, trial: Trial<'_>) -> Result<f64, Setback> {

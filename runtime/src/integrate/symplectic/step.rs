@@ -2,7 +2,7 @@
 
 use super::tableau::Splitting;
 use crate::integrate::hermite::{BY_ENDS, BY_MIDDLE};
-use crate::integrate::{Block, Control, Counters, NO_CONTROL, OneStep, Reached, Segment, Setback, Trial, rate_of};
+use crate::integrate::{Block, Control, Counters, NO_CONTROL, OneStep, Reached, Segment, Setback, Trial};
 use crate::mechanism::{At, Singular, System};
 
 /// Any method that is given by a [`Splitting`], on blocks of any size.
@@ -159,7 +159,7 @@ impl<Y: Block> OneStep for Symplectic<Y> {
 
     fn evaluate(&mut self, system: &dyn System, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), Setback> {
         self.evaluations += 1;
-        Ok(rate_of(system, t, y, rate)?)
+        Ok(system.rate(t, y, rate)?)
     }
 
     fn attempt(&mut self, system: &dyn System, trial: Trial<'_>) -> Result<f64, Setback> {
