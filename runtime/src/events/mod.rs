@@ -32,7 +32,6 @@ pub use impulse::Impulse;
 pub(crate) use modes::OwnedSegment;
 #[cfg(feature = "interpret")]
 pub(crate) use modes::text as switch_text;
-pub(crate) use monitor::Monitors;
 #[cfg(feature = "ensemble")]
 pub(crate) use monitor::{keeps_clear, ratio as calm_ratio};
 pub(crate) use scan::Crossing;

@@ -64,13 +64,11 @@ impl Monitors {
     /// The arguments that a description lists for the motion.
     ///
     /// Runs that cut their steps at the same places of a feature share its error; to be compared with another one, a run
-    /// cuts them at others: `unlike`.  Features of time alone are known before a step; those of the state only if `watches`.
-    pub fn new<S: System + ?Sized>(system: &S, unlike: bool, watches: bool) -> Self {
+    /// cuts them at others: `unlike`.
+    pub fn new<S: System + ?Sized>(system: &S, unlike: bool) -> Self {
         let part = if unlike { FINER } else { 1.0 };
         let list = system.description().arguments.iter().enumerate();
-        let followed = |argument: &Argument| {
-            argument.of == Watched::Motion && argument.role != Role::Distance && (watches || argument.time_only)
-        };
+        let followed = |argument: &Argument| argument.of == Watched::Motion && argument.role != Role::Distance;
         let motion = list.filter(|(_, argument)| followed(argument));
         let (of_time, of_state): (Vec<_>, Vec<_>) = motion.partition(|(_, argument)| argument.time_only);
         let places = |list: Vec<(usize, _)>| list.into_iter().map(|(place, _)| place).collect::<Vec<usize>>();
@@ -80,7 +78,7 @@ impl Monitors {
             _ => false,
         });
         let distances = system.description().arguments.iter().enumerate();
-        let distances = distances.filter(|(_, argument)| watches && argument.role == Role::Distance);
+        let distances = distances.filter(|(_, argument)| argument.role == Role::Distance);
         Monitors {
             of_state: places(of_state).into_iter().map(|place| (place, ratio(arguments[place].role, part))).collect(),
             of_time: places(of_time),

@@ -70,7 +70,8 @@ const ON: f64 = 1e-10;
 const REST: f64 = 1e-12;
 
 impl Watch {
-    /// A watch over the motion from `from` to `until`, and these features on its way; `None` if there is nothing to watch.
+    /// A watch over the motion from `from` to `until`, that cuts steps at others than the usual places if `unlike`; `None`
+    /// if there is nothing to watch.
     ///
     /// # Errors
     /// A discontinuity of time that comes too often.
@@ -78,8 +79,9 @@ impl Watch {
         system: &mut S,
         (from, until): (f64, f64),
         y: &[f64],
-        monitors: Monitors,
+        unlike: bool,
     ) -> Result<Option<Self>, Box<Cause>> {
+        let monitors = Monitors::new(system, unlike);
         let description = system.description();
         let closures = (0..description.inputs.len()).any(|input| system.signal(input).is_some());
         if description.events.is_empty() && description.switches.is_empty() && monitors.is_empty() && !closures {

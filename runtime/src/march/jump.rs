@@ -47,13 +47,11 @@ impl JumpDetector {
 
     /// Looks at a step of h with these accelerations at its ends.
     pub fn observe(&mut self, h: f64, before: &[f64], after: &[f64]) -> Option<Upset> {
-        let (mut change, mut size) = (0.0_f64, 0.0_f64);
-        for (before, after) in before.iter().zip(after) {
-            change = larger(change, (after - before).abs());
-            size = larger(size, larger(before.abs(), after.abs()));
-        }
+        let changes = before.iter().zip(after).map(|(before, after)| (after - before).abs());
+        let change = changes.fold(0.0, larger);
+        let size = || before.iter().chain(after).fold(0.0, |most, a| larger(most, a.abs()));
         let pace = change / h;
-        let jumps = h < COLLAPSE * self.calm && change > 0.5 * size && pace > SUDDEN * self.pace;
+        let jumps = h < COLLAPSE * self.calm && change > 0.5 * size() && pace > SUDDEN * self.pace;
         self.calm = h.max(0.8 * self.calm);
         self.pace = pace;
         self.short = if h < self.shortest { self.short + 1 } else { 0 };

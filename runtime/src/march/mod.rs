@@ -24,7 +24,7 @@ use phase::{Firings, Impacts};
 
 use crate::cause::Cause;
 use crate::constrain::Projection;
-use crate::events::{Monitors, Watch};
+use crate::events::Watch;
 use crate::integrate::{
     Clock, Control, OneStep, Reached, Segment, Setback, StepControl, StiffnessDetector, Tolerance, Trial, first_step,
     stepper,
@@ -80,8 +80,6 @@ pub(crate) struct March {
     compensated: bool,
     /// Whether steps are chosen otherwise than usual; and how many were taken since the last stop.
     unlike: bool,
-    /// Whether steps are looked at for what they may jump over.
-    watches: bool,
     since_stop: u32,
     watch: Option<Box<Watch>>,
     /// Where there are constraints.
@@ -129,7 +127,6 @@ impl March {
             max_steps: u64::MAX,
             compensated: true,
             unlike: false,
-            watches: true,
             since_stop: 0,
             watch: None,
             projection: None,
@@ -163,12 +160,6 @@ impl March {
     /// tolerance nor the equations limit are others than usual.
     pub fn unlike(mut self, unlike: bool) -> Self {
         self.unlike = unlike;
-        self
-    }
-
-    /// Looks for features of the state that steps may jump over, or not.
-    pub fn watching(mut self, watches: bool) -> Self {
-        self.watches = watches;
         self
     }
 
@@ -239,8 +230,7 @@ impl March {
         self.work.samples += self.watch.as_ref().map_or(0, |watch| watch.samples());
         self.watch = None;
         let y = self.stepper.start().y.to_vec();
-        if let Some(mut watch) = Watch::new(system, (now, until), &y, Monitors::new(system, self.unlike, self.watches))?
-        {
+        if let Some(mut watch) = Watch::new(system, (now, until), &y, self.unlike)? {
             let outcome = watch.begin(system, (now, &y), &mut |system| self.trial(system));
             self.watch = Some(Box::new(watch));
             outcome?;
@@ -405,9 +395,7 @@ impl March {
                     if error <= 1.0 {
                         // Dense output makes other stages in the place of these.
                         self.step_times_rate = self.stepper.stiffness(h);
-                        if self.watches {
-                            self.look_for_jumps(system, step)?;
-                        }
+                        self.look_for_jumps(system, step)?;
                         let proposal = self.control.accepted(h, error);
                         // A step cut short by a stop says nothing against the longer one before it.
                         self.h = if lands { proposal.max(self.h) } else { proposal };

@@ -104,11 +104,7 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
         None => Pace::Adaptive { tolerance: units.clone(), longest },
     };
     let march = March::new(method, pace, settings.from, &y, work).limit(settings.max_steps);
-    let mut march = march
-        .compensate(settings.compensated)
-        .unlike(settings.unlike)
-        .watching(settings.watch)
-        .projecting(settings.projects());
+    let mut march = march.compensate(settings.compensated).unlike(settings.unlike).projecting(settings.projects());
     if settings.stabilisation == (Stabilisation::Baumgarte { alpha: None }) && settings.step.is_none() {
         march = march.finding_gain();
     }

@@ -54,8 +54,7 @@ pub struct Settings {
     /// Whether to keep dense output for [`Run::at`](crate::Run::at) (on unless said otherwise); it costs memory and, with
     /// `dop853`, three evaluations per step.
     pub dense: bool,
-    /// Whether to watch invariants, the energy balance, and what steps may jump over in the equations (on unless said
-    /// otherwise): without, a run is as fast as it can be, and its steps answer to their error estimates alone.
+    /// Whether to watch invariants and the energy balance (on unless said otherwise).
     pub watch: bool,
     /// Whether to run a second time, less accurately, to tell how many digits hold (off unless said otherwise); see
     /// [`Digits`](crate::run::Digits).  It costs about three quarters of the run again, twice where discontinuities or
