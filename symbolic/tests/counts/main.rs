@@ -2,6 +2,8 @@
 
 mod table;
 
+use dalembert_symbolic::interpret::{At, Interpreter};
+
 #[test]
 fn counts_are_those_of_the_table() {
     let now = table::table();
@@ -58,4 +60,35 @@ fn a_pair_of_stars_takes_one_root_and_one_division() {
     let code = dalembert_symbolic::print::rust(&program, text, "FigureEight");
     let bias = code.split("fn bias").nth(1).unwrap().split("\n    }").next().unwrap();
     assert_eq!([bias.matches(" / ").count(), bias.matches("sqrt").count(), bias.matches("ratio").count()], [3, 3, 0]);
+}
+
+/// A mass on a spring, in a plane.
+const SPRING: &str = r#"
+name: Spring
+parameters: {m: 3 kg, k: 7 N/m, l: 0.3 m, g: 9.81 m/s^2}
+coordinates: {x: m, y: m}
+kinetic_energy: m*(x'^2 + y'^2)/2
+potential_energy: k*(sqrt(x^2 + y^2) - l)^2/2 + m*g*y
+"#;
+
+#[test]
+fn constant_masses_cost_nothing_in_accelerations() {
+    let counts = table::counts(SPRING, &[]);
+    assert_eq!((counts.bias, counts.accelerations), (10, 10));
+    // What the coordinates share of M is no constant of one of them.
+    let coupled = SPRING.replace("m*(x'^2 + y'^2)/2", "m*(x'^2 + y'^2 + x'*y')/2");
+    let counts = table::counts(&coupled, &[]);
+    assert!(counts.accelerations > counts.bias + 2, "{counts:?}");
+}
+
+#[test]
+fn a_spring_of_its_own_length_pulls_nothing() {
+    let text = SPRING.replace(" + m*g*y", "");
+    for length in [0.3, 0.7, 1.9] {
+        let text = text.replace("l: 0.3", &format!("l: {length}"));
+        let spring = Interpreter::new(dalembert_symbolic::lower::compile(&text, &[]).unwrap());
+        let mut a = [1.0; 2];
+        spring.accelerations(At { q: &[length, 0.0], v: &[0.0; 2], ..At::default() }, &mut a).unwrap();
+        assert_eq!(a, [0.0; 2], "{length}");
+    }
 }
