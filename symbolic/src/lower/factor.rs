@@ -23,6 +23,8 @@ pub enum Accelerations {
 
 /// Above this many operations of factoring and substituting a loop costs no more time and less code,
 const UNROLL_LIMIT: usize = 1500;
+/// or so many of substituting alone,
+const UNROLL_ONCE: usize = 20_000;
 /// if these are more than so many for each coordinate: a diagonal, or a narrow band, is never made a full triangle.
 const UNROLL_EACH: usize = 16;
 
@@ -34,7 +36,11 @@ pub(super) fn accelerations(
     bias: &[Id],
     others: &[Vec<Id>],
 ) -> Accelerations {
-    let Some(order) = elimination_order(n, mass, UNROLL_LIMIT.max(UNROLL_EACH * n)) else {
+    let varies = varying(graph);
+    // A constant M is factored once per run.
+    let once = mass.iter().all(|e| !varies[e.2.index()]);
+    let limit = if once { UNROLL_ONCE } else { UNROLL_LIMIT };
+    let Some(order) = elimination_order(n, mass, once, limit.max(UNROLL_EACH * n)) else {
         return Accelerations::Loop;
     };
     let mut rows: Vec<BTreeMap<usize, Id>> = vec![BTreeMap::new(); n];
@@ -137,8 +143,8 @@ impl Accelerations {
 }
 
 /// Minimum degree: next the coordinate that is coupled to the fewest others, the first of equals; `None` where factoring
-/// and substituting in this order takes more operations than the limit.
-fn elimination_order(n: usize, mass: &[Entry], limit: usize) -> Option<Vec<usize>> {
+/// and substituting in this order, or substituting alone where M is factored `once`, takes more operations than the limit.
+fn elimination_order(n: usize, mass: &[Entry], once: bool, limit: usize) -> Option<Vec<usize>> {
     let mut coupled = couplings(n, mass);
     let mut left: Vec<usize> = (0..n).collect();
     let mut order = Vec::with_capacity(n);
@@ -146,7 +152,8 @@ fn elimination_order(n: usize, mass: &[Entry], limit: usize) -> Option<Vec<usize
     while let Some(place) = (0..left.len()).min_by_key(|&p| (coupled[left[p]].len(), left[p])) {
         let k = left.remove(place);
         let degree = coupled[k].len();
-        operations += 1 + degree + degree * (degree + 1) + 4 * degree + 1;
+        operations += if once { 0 } else { 1 + degree + degree * (degree + 1) };
+        operations += 4 * degree + 1;
         if operations > limit {
             return None;
         }

@@ -92,3 +92,18 @@ fn a_spring_of_its_own_length_pulls_nothing() {
         assert_eq!(a, [0.0; 2], "{length}");
     }
 }
+
+#[test]
+fn a_constant_mass_matrix_is_factored_once() {
+    let model = |kinetic: &str| {
+        format!(
+            "name: Coupled\nparameters: {{m: 1 kg, L: 1 m, c: 3 N/m^3}}\nsizes: {{n: 40}}\ncoordinates: {{\"x[i in 1..n]\": m}}\n\
+             kinetic_energy: \"{kinetic}\"\npotential_energy: \"sum(c*x[i]^4/4, i in 1..n)\"\n"
+        )
+    };
+    let constant = table::counts(&model("m*(sum(x[i]', i in 1..n)^2 + sum(x[i]'^2, i in 1..n))/2"), &[]);
+    // A fraction of a factorization, n³/3: substituting forth and back takes 2 n (n - 1).
+    assert!(constant.accelerations < 3500, "{constant:?}");
+    let varying = table::counts(&model("m*(sum(cos(i*x[i]/L)*x[i]', i in 1..n)^2 + sum(x[i]'^2, i in 1..n))/2"), &[]);
+    assert!(varying.accelerations > 20_000, "{varying:?}");
+}
