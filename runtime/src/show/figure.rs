@@ -162,7 +162,12 @@ fn draw_chart<'a>(chart: &Chart, canvas: &Canvas<'a>, cell: Cell, names: Option<
         let pen = Pen::of(chart, index);
         let inside = |&(a, b): &(f64, f64)| chart.x.has(a) && chart.y.has(b) && x.contains(a) && y.contains(b);
         let points = series.points.iter().map(|point| point.filter(inside).map(|(a, b)| place(a, b)));
-        pen.draw(canvas, points)?;
+        let there = |&(a, b): &(f64, f64)| chart.x.has(a) && chart.y.has(b);
+        let line: Vec<_> = series.points.iter().map(|point| point.filter(there)).collect();
+        let at = |(a, b): (f64, f64)| place(x.at(a), y.at(b));
+        let fractions = line.iter().map(|point| point.map(|(a, b)| (x.fraction(a), y.fraction(b))));
+        pen.line(canvas, within(fractions).into_iter().map(|point| point.map(at)))?;
+        pen.marks(canvas, points)?;
         let failures = series.failures.iter().filter(|failure| chart.x.has(failure.x) && x.contains(failure.x));
         let failures: Vec<_> =
             failures.map(|failure| (place(failure.x, y.at(1.0)).0, failure.label.as_str())).collect();
@@ -181,6 +186,50 @@ fn draw_chart<'a>(chart: &Chart, canvas: &Canvas<'a>, cell: Cell, names: Option<
     write(canvas, &chart.x.text(), (middle, bottom - 18), text(14))?;
     let turned = text(14).transform(FontTransform::Rotate270);
     write(canvas, &chart.y.text(), (left + 18, top + title + inner_height / 2), turned)
+}
+
+/// A line in fractions of both axes without what is outside of the frame, cut where it crosses that.
+fn within(points: impl Iterator<Item = Option<(f64, f64)>>) -> Vec<Option<(f64, f64)>> {
+    let mut kept: Vec<Option<(f64, f64)>> = Vec::new();
+    let mut last: Option<(f64, f64)> = None;
+    let inside = |(x, y): (f64, f64)| [x, y].iter().all(|part| (-EDGE..=1.0 + EDGE).contains(part));
+    for point in points {
+        match (last, point) {
+            (Some(a), Some(b)) if !(inside(a) && inside(b)) => match cut(a, b) {
+                Some((begin, end)) => {
+                    let begins = (!inside(a)).then_some([None, Some(begin)]);
+                    kept.extend(begins.into_iter().flatten());
+                    kept.push(Some(end));
+                }
+                None => kept.push(None),
+            },
+            (_, point) => kept.push(point.filter(|point| inside(*point))),
+        }
+        last = point;
+    }
+    kept
+}
+
+/// What is this near to the frame, in parts of it, is inside.
+const EDGE: f64 = 1e-9;
+
+/// The part of a straight piece that lies in the unit square (Liang and Barsky 1984).
+fn cut(a: (f64, f64), b: (f64, f64)) -> Option<((f64, f64), (f64, f64))> {
+    let (mut from, mut to) = (0.0_f64, 1.0_f64);
+    for (start, end) in [(a.0, b.0), (a.1, b.1)] {
+        let along = end - start;
+        let (low, high) = (-start / along, (1.0 - start) / along);
+        if along == 0.0 {
+            if !(0.0..=1.0).contains(&start) {
+                return None;
+            }
+            continue;
+        }
+        from = from.max(low.min(high));
+        to = to.min(low.max(high));
+    }
+    let at = |part: f64| (a.0 + part * (b.0 - a.0), a.1 + part * (b.1 - a.1));
+    (from < to).then(|| (at(from), at(to)))
 }
 
 /// Writes text about a middle, px.

@@ -51,12 +51,6 @@ impl Pen {
         Pen { colour, dashes, shape: index % 5, style }
     }
 
-    /// Draws a series.
-    pub fn draw<'a>(&self, canvas: &Canvas<'a>, points: impl Iterator<Item = Option<Place>> + Clone) -> Outcome<'a> {
-        self.line(canvas, points.clone())?;
-        self.marks(canvas, points)
-    }
-
     /// Lines between neighbours that are both there; a lone point is a dot.
     pub fn line<'a>(&self, canvas: &Canvas<'a>, points: impl Iterator<Item = Option<Place>>) -> Outcome<'a> {
         if self.style == Style::Marks {

@@ -19,6 +19,7 @@ pub use chart::{Chart, Failure, Series, Slope, Style};
 pub use csv::csv;
 pub use figure::Figure;
 #[cfg(feature = "cli")]
+pub(crate) use run::has_units;
 pub(crate) use run::unit;
 
 #[cfg(test)]

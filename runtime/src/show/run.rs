@@ -224,7 +224,7 @@ pub(crate) fn unit(mechanism: &Description, name: &str) -> String {
 }
 
 /// True for a model written with units; without, lengths and times are pure numbers.
-fn has_units(mechanism: &Description) -> bool {
+pub(crate) fn has_units(mechanism: &Description) -> bool {
     let coordinates = mechanism.coordinates.iter().map(|coordinate| &coordinate.unit);
     let parameters = mechanism.parameters.iter().map(|parameter| &parameter.unit);
     coordinates.chain(parameters).any(|unit| !matches!(unit.as_ref(), "" | "1" | "rad"))

@@ -8,6 +8,7 @@ mod locus;
 mod matrices;
 mod motion;
 mod report;
+mod shaken;
 #[cfg(feature = "modal")]
 mod tangent;
 
@@ -58,7 +59,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     let locus = Locus::new(&loaded, options, &mut reader, &linear.equilibrium)?;
     let damping = Damping::new(&linear, &modes);
     let motion = Compared::new(&loaded, options, scene, &linear, damping.as_ref())?;
-    let more = driven.iter().flat_map(|driven| driven.notes(&linear)).chain(locus.iter().flat_map(Locus::notes));
+    let more = driven.iter().flat_map(Driven::notes).chain(locus.iter().flat_map(Locus::notes));
     for note in notes(&linear, &modes).into_iter().chain(more) {
         eprintln!("warning: {note}");
     }
