@@ -13,12 +13,12 @@ const POINTS: usize = 2000;
 const MOST_SECTIONS: usize = 100_000;
 
 impl Run {
-    /// Writes [`Run::to_svg`] to a file.
+    /// Draws the run to a file, see [`Run::to_svg`]: as PNG where its name ends in `.png`.
     ///
     /// # Errors
-    /// [`Error::File`].
+    /// As [`Figure::write`].
     pub fn plot(&self, path: impl AsRef<Path>) -> Result<(), Error> {
-        write(path.as_ref(), &self.to_svg())
+        self.figure().write(path)
     }
 
     /// Writes [`Run::to_html`] to a file.

@@ -8,13 +8,13 @@ use dalembert_symbolic::model::Sets;
 use nalgebra::Complex;
 use serde_json::{Value, json};
 
-use super::super::Problem;
 use super::super::json::{number, object};
 use super::super::load::Loaded;
 use super::super::plotted::listed;
 use super::super::set_up::Reader;
+use super::super::{Problem, outputs};
+use super::failed;
 use super::shaken::{Shaken, named};
-use super::{failed, write_file};
 use crate::linear::{Linearised, Observed, Response, Steady, observe, short, short_beside};
 
 /// Below this part of its static stiffness a coordinate by itself is near resonance.
@@ -68,7 +68,7 @@ impl Driven {
             let response = linear.response(&drive, &seen, range).map_err(failed)?.to(&driven.label, per);
             if let Some(path) = bode_file {
                 let figure = if options.get_flag("hertz") { response.figure_in_hertz() } else { response.figure() };
-                write_file(path, figure.to_svg())?;
+                outputs::draw(path, figure)?;
             }
             driven.response = Some(response);
         }

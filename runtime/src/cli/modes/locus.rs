@@ -7,11 +7,11 @@ use dalembert_symbolic::model::Sets;
 use nalgebra::Complex;
 use serde_json::{Value, json};
 
-use super::super::Problem;
 use super::super::json::{number, object};
 use super::super::load::{Loaded, pairs};
 use super::super::set_up::{Reader, parameter_index};
-use super::{failed, write_file};
+use super::super::{Problem, outputs};
+use super::failed;
 use crate::linear::{
     Branch, BranchPoint, Equilibrium, Threshold, ThresholdKind, follow, root_locus, short, short_beside,
 };
@@ -50,7 +50,7 @@ impl Locus {
         if let Some(path) = options.get_one::<String>("locus") {
             let points = branch.smooth(&*loaded.system, index, &start.guess()).map_err(failed)?;
             let steps: Vec<_> = points.into_iter().map(|point| (point.value, point.eigenvalues)).collect();
-            write_file(path, root_locus(&parameter, &unit, &steps).to_svg())?;
+            outputs::draw(path, root_locus(&parameter, &unit, &steps))?;
         }
         Ok(Some(Locus { parameter, unit, range, coordinates: start.coordinates.clone(), branch }))
     }
