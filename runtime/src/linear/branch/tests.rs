@@ -283,8 +283,7 @@ fn random_scans_miss_nothing() {
     assert!(total > 30, "{total}");
 }
 
-/// The largest bend of a path, in degrees, between pieces of at least a pixel; and the farthest that an eigenvalue goes at once
-/// beside a bend, in pixels.
+/// The largest bend of a path, in degrees, between pieces of at least a pixel.
 fn roughness(points: &[BranchPoint]) -> f64 {
     let all = || points.iter().flat_map(|point| &point.eigenvalues);
     let span = |of: fn(&Complex<f64>) -> f64| {
@@ -299,8 +298,8 @@ fn roughness(points: &[BranchPoint]) -> f64 {
     }
     let mut worst = 0.0_f64;
     for three in paths.windows(3) {
-        for k in 0..three[0].len() {
-            let (there, on) = (pixels(three[1][k] - three[0][k]), pixels(three[2][k] - three[1][k]));
+        for ((a, b), c) in three[0].iter().zip(&three[1]).zip(&three[2]) {
+            let (there, on) = (pixels(b - a), pixels(c - b));
             if there.norm() > 1.0 && on.norm() > 1.0 {
                 worst = worst.max((on * there.conj()).arg().abs().to_degrees());
             }
