@@ -421,7 +421,7 @@ fn responses_and_loci_are_drawn_and_told() {
     let (omegas, answers) = (numbers(&found["response"]["omega"]), found["response"]["amplitude"]["x[3]"].clone());
     assert_eq!((omegas[0], *omegas.last().unwrap(), omegas.len()), (0.5, 3.0, answers.as_array().unwrap().len()));
     let drawn = std::fs::read_to_string(&bode).unwrap();
-    contains(&drawn, &["<svg", "amplitude (m)", "phase (degrees)", "frequency (rad/s)", "x[3]"]);
+    contains(&drawn, &["<svg", "amplitude (m/N)", "phase (degrees)", "frequency (rad/s)", "x[3]"]);
 
     // x'' + c x' + x = 0 is critical at c = 2; a negative c makes it grow.
     let found = run("vibration_isolation", &["--vary", "c=-1..3", "--locus", &locus]).unwrap();

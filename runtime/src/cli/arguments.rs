@@ -41,7 +41,7 @@ pub fn command() -> Command {
                 .about("Maps where a method is stable: growth per step of an oscillator over hω and its damping, measured, beside theory")
                 .arg(Arg::new("method").value_name("METHOD").required(true).help("dop853, radau5, …"))
                 .arg(value("longest", "NUMBER", "How far the map goes: h·ω [default: 7]"))
-                .arg(value("plot", "FILE.svg", "Where the map goes [default: METHOD-stability.svg]")),
+                .arg(picture("plot", "Where the map goes [default: METHOD-stability.svg]")),
         )
         .subcommand(
             Command::new("new")
@@ -92,7 +92,7 @@ fn simulate() -> Command {
         .arg(value("save", "FILE", "Write the final state, to start from it"))
         .arg(value("every", "TIME", "Spacing of reported states [default: 500 points]"))
         .arg(value("csv", "FILE", "Write reported states and outputs as a table"))
-        .arg(value("plot", "FILE.svg", "Draw them"))
+        .arg(picture("plot", "Draw them"))
         .arg(many("show", "A,B", "A chart of the plot: coordinates, rates or outputs against time, or X:Y, a portrait; several make several charts [default: paths and coordinates]").requires("plot"))
         .arg(value("section", "PERIOD", "Portraits of states at multiples of this time only: a stroboscopic section").requires("show"))
         .arg(value("with", "SCENE,SCENE", "Draw other scenes beside this one").requires("plot"))
@@ -119,7 +119,7 @@ fn sweep() -> Command {
         .arg(value("modes", "COUNT", "Frequencies in Hz and damping ratios of so many modes about the equilibrium of each run's parameters, the slowest first"))
         .arg(value("show", "A,B", "What is printed and drawn: a coordinate, rate or output at the end, or `min A`, `max A`, `events E`, `t`, `energy drift`, `warnings`, `frequency 1`, `damping 1` [default: coordinates, outputs and frequencies]"))
         .arg(value("csv", "FILE.csv", "Where the table goes [default: NAME-sweep.csv]"))
-        .arg(value("plot", "FILE.svg", "Draw what is shown over the first of what varies"))
+        .arg(picture("plot", "Draw what is shown over the first of what varies"))
         .arg(value("threads", "COUNT", "How many runs at a time [default: one a processor]"))
         .arg(value("shard", "I/N", "Only part I of N of all runs, for one of N machines"))
         .arg(
@@ -141,17 +141,19 @@ fn modes() -> Command {
         .arg(many("at", "NAME=VALUE", "Where the search starts [default: the file's `equilibrium`]"))
         .arg(value("phase", "NAME", "Which constraints and forces act [default: those of the scene's start]"))
         .arg(flag("steady", "Find the steady motion in which cyclic coordinates keep the speeds of the scene (`--at` sets others)"))
-        .arg(value("plot", "FILE.svg", "Draw the shapes of the modes"))
+        .arg(picture("plot", "Draw the shapes of the modes"))
         .arg(value("matrices", "NAME.mtx", "Write M, C, K, B and the state matrix A as NAME-M.mtx and so on, in Matrix Market's format, or as tables (NAME.csv)"))
         .arg(value("animate", "FILE.html", "Write a page that animates a mode"))
         .arg(value("mode", "NUMBER", "Which mode to animate [default: the first that is not rigid]"))
-        .arg(value("motion", "FILE.svg", "Draw the free motion from the scene's start, computed in several ways, and compare them"))
-        .arg(many("drive", "NAME[=AMPLITUDE]", "What shakes it: an input, or a coordinate that a force acts on; several go in step [default: the first input]"))
+        .arg(picture("motion", "Draw the free motion from the scene's start, computed in several ways, and compare them"))
+        .arg(many("drive", "NAME[=AMPLITUDE]", "What shakes it: an input, an entry of `forces` or `torques` (along its direction), or a coordinate that a force acts on; several go in step [default: the first input]"))
         .arg(value("omega", "FREQUENCY", "Print the steady state at this frequency, rad/s: by modes, and what drives what"))
-        .arg(value("bode", "FILE.svg", "Draw the frequency response: amplitude and phase of every coordinate"))
+        .arg(picture("bode", "Draw the frequency response: amplitude, per unit of what drives, and phase"))
+        .arg(value("response", "A,B", "What answers: coordinates, rates, outputs [default: all coordinates]"))
+        .arg(flag("hertz", "Draw over frequencies in Hz").requires("bode"))
         .arg(value("range", "A..B", "Frequencies of the response, rad/s [default: about those of the modes]"))
         .arg(many("vary", "PARAMETER=A..B", "Follow the equilibrium and its eigenvalues while a parameter changes; find folds and where stability changes"))
-        .arg(value("locus", "FILE.svg", "Draw them"))
+        .arg(picture("locus", "Draw them"))
         .arg(flag("here", "Take that point as it is, and refuse it if it is no equilibrium"))
         .arg(flag("json", "Print one JSON object"))
 }
@@ -165,7 +167,7 @@ fn chart() -> Command {
         .arg(value("methods", "A,B", "Only these methods [default: all that suit]"))
         .arg(value("compare", "NAME,NAME", "What errors are taken of: coordinates, rates, outputs [default: the coordinates]"))
         .arg(value("twin", "NAME", "Another file of the same mechanism, in minimal coordinates say, at its scene of the same name or its first; compared by outputs of the same names"))
-        .arg(value("plot", "FILE.svg", "Where the charts go [default: NAME-chart.svg]"))
+        .arg(picture("plot", "Where the charts go [default: NAME-chart.svg]"))
         .arg(value("csv", "FILE.csv", "Where all points go [default: NAME-chart.csv]"))
 }
 
@@ -180,7 +182,7 @@ fn needs() -> Command {
         .arg(value("within", "PART", "How exactly, in parts of the range of each [default: the scene's `needs`, or 1e-3]"))
         .arg(flag("all", "Leave out too what saves less than a twentieth of the work"))
         .arg(value("write", "FILE.yaml", "Write the smaller model: the file's text without what goes, and what was found in comments; beside it, as FILE_test.rs, a test that compares both"))
-        .arg(value("plot", "FILE.svg", "Draw what each omission changes against the work that is left"))
+        .arg(picture("plot", "Draw what each omission changes against the work that is left"))
         .arg(flag("json", "Print one JSON object"))
 }
 
@@ -208,6 +210,11 @@ fn scene() -> [Arg; 7] {
 
 fn value(name: &'static str, placeholder: &'static str, help: &'static str) -> Arg {
     Arg::new(name).long(name).value_name(placeholder).help(help).allow_hyphen_values(true)
+}
+
+/// A file that is drawn.
+fn picture(name: &'static str, help: &str) -> Arg {
+    value(name, "FILE.svg", "").help(format!("{help}; as PNG where FILE ends in .png"))
 }
 
 fn many(name: &'static str, placeholder: &'static str, help: &'static str) -> Arg {

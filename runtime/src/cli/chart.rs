@@ -10,7 +10,6 @@ use super::set_up::set_up;
 use super::{Entry, Problem, outputs};
 use crate::mechanism::{Description, Method, System};
 use crate::precision::{Candidate, Plan, WorkPrecision};
-use crate::show::Figure;
 use crate::{Error, Settings};
 
 /// Measures every method that suits, and every way of treating constraints; prints a table and what follows from it, and
@@ -158,9 +157,8 @@ fn write_files(measured: &[WorkPrecision], [plot, csv]: &[String; 2], out: &mut 
         let rows = if table.is_empty() { text.as_str() } else { text.split_once('\n').map_or("", |(_, rows)| rows) };
         table += rows;
     }
-    for (path, text) in [(plot, Figure::from(charts).to_svg()), (csv, table)] {
-        std::fs::write(path, text).map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))?;
-        writeln!(out, "written: {path}")?;
-    }
+    outputs::draw(plot, charts)?;
+    outputs::write(csv, &table)?;
+    [plot, csv].into_iter().try_for_each(|path| writeln!(out, "written: {path}"))?;
     Ok(())
 }

@@ -51,7 +51,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     }
     let mut written = Vec::new();
     if let Some(path) = options.get_one::<String>("plot") {
-        outputs::write(path, &found.chart().to_svg())?;
+        outputs::draw(path, found.chart())?;
         written.push(path.clone());
     }
     if let (Some(path), Some(comparison)) = (options.get_one::<String>("write"), comparison)

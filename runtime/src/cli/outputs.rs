@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 use clap::ArgMatches;
 
 use super::Problem;
+use crate::Error;
+use crate::show::{Figure, is_png};
 
 /// Refuses paths that cannot be written, that are the model file, or that two options share.
 ///
@@ -29,6 +31,9 @@ pub fn check_paths<'a>(paths: impl Iterator<Item = (&'a str, &'a str)>, model: &
     for (name, path) in paths {
         let option = format!("--{name}");
         let asked = Path::new(path);
+        if name == "plot" {
+            drawable(path)?;
+        }
         if same_file(asked, Path::new(model)) {
             return Err(Problem::File(format!("{option} {path} would overwrite the model file")));
         }
@@ -56,6 +61,26 @@ pub fn keep<'a>(path: &str, mut read: impl Iterator<Item = &'a str>) -> Result<(
             Err(Problem::File(format!("{path} would overwrite {read}, which it is made from; name another by --csv")))
         }
         None => Ok(()),
+    }
+}
+
+/// Draws a picture to a file, as SVG or PNG by its name.
+///
+/// # Errors
+/// [`Problem::File`].
+pub fn draw(path: &str, picture: impl Into<Figure>) -> Result<(), Problem> {
+    picture.into().write(path).map_err(|problem| Problem::File(problem.to_string()))
+}
+
+/// Refuses a picture in a format that the program was built without.
+///
+/// # Errors
+/// [`Problem::Usage`].
+pub fn drawable(path: &str) -> Result<(), Problem> {
+    let path = PathBuf::from(path);
+    match is_png(&path) && !cfg!(feature = "png") {
+        true => Err(Problem::Usage(format!("error: {}", Error::NeedsPng { path }))),
+        false => Ok(()),
     }
 }
 

@@ -108,13 +108,18 @@ fn asked(description: &Description, text: &str) -> Result<Asked, Problem> {
         };
         return Ok(Asked::Portrait(one(x)?, one(y)?));
     }
+    Ok(Asked::History(listed(description, text)?))
+}
+
+/// The columns of `A,B`.
+pub fn listed(description: &Description, text: &str) -> Result<Vec<String>, Problem> {
     let mut depth = 0;
     let names = text.split(|c: char| {
         depth += i32::from(c == '[') - i32::from(c == ']');
         c == ',' && depth == 0
     });
     let names = names.map(|name| columns(description, name)).collect::<Result<Vec<_>, Problem>>()?;
-    Ok(Asked::History(names.concat()))
+    Ok(names.concat())
 }
 
 /// The columns of a name: itself, or the components of a vector output.

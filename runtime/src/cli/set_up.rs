@@ -113,7 +113,8 @@ impl Reader {
         Reader { model: None }
     }
 
-    fn model(&mut self, loaded: &Loaded) -> Result<&mut Model, Problem> {
+    /// The model with its names.
+    pub fn model(&mut self, loaded: &Loaded) -> Result<&mut Model, Problem> {
         if self.model.is_none() {
             self.model = Some(loaded.model()?);
         }

@@ -186,7 +186,7 @@ fn report(
         let mut runs = vec![(scene.to_owned(), run)];
         runs.extend(others.iter().map(|(name, run)| (name.clone(), run)));
         let figure = shown.figure(&runs).map_err(|error| Problem::Usage(format!("error: {error}")))?;
-        outputs::write(path, &figure.to_svg())?;
+        outputs::draw(path, figure)?;
     }
     if let Some(path) = file("save") {
         outputs::write(path, &value_files::state(run))?;

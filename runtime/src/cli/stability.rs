@@ -20,8 +20,7 @@ pub fn run(options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let path = text("plot").map_or_else(|| format!("{method}-stability.svg"), str::to_owned);
     outputs::check_paths(std::iter::once(("plot", path.as_str())), "")?;
     let map = StabilityMap::measure(method, longest).map_err(|error| usage(error.to_string()))?;
-    std::fs::write(&path, map.chart().to_svg())
-        .map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))?;
+    outputs::draw(&path, map.chart())?;
     writeln!(out, "longest stable h·ω of x'' + 2ζω x' + ω² x = 0 by {method}")?;
     writeln!(out, "{:>6}  {:>9}  {:>9}", "ζ", "measured", "theory")?;
     let write = |limit: Option<f64>| limit.map_or(format!("> {longest}"), |limit| format!("{limit:.4}"));

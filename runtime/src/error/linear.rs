@@ -100,6 +100,28 @@ pub enum LinearError {
         /// The forcing frequency Ω, rad/s.
         omega: f64,
     },
+    /// No coordinate, rate or output has this name.
+    UnknownAnswer {
+        /// The name.
+        name: String,
+        /// All that there are.
+        known: Vec<String>,
+    },
+    /// An output has no derivative here: a kink, a jump, a zero under a root.
+    NoSlope {
+        /// The output.
+        answer: String,
+    },
+    /// An output, or how it depends on the state, changes with time or along the steady motion.
+    AnswerVaries {
+        /// The output.
+        answer: String,
+    },
+    /// A reaction depends on where a force acts, which a generalized force on a coordinate does not say.
+    ReactionToForce {
+        /// The output that contains it.
+        answer: String,
+    },
     /// The crate was built without what this needs.
     NeedsFeature {
         /// The feature of the crate.
@@ -171,6 +193,23 @@ impl fmt::Display for LinearError {
                 let omega = short(*omega);
                 write!(f, "no steady state: the force at {omega} rad/s meets an undamped mode, which grows with time")
             }
+            LinearError::UnknownAnswer { name, known } => {
+                write!(f, "no coordinate, rate or output is called `{name}`; there are {}", known.join(", "))
+            }
+            LinearError::NoSlope { answer } => {
+                write!(f, "`{answer}` has no derivative at the equilibrium, so that no small motion of it is known")
+            }
+            LinearError::AnswerVaries { answer } => {
+                write!(
+                    f,
+                    "`{answer}` changes with time, or along the steady motion, whatever drives: it has no amplitude"
+                )
+            }
+            LinearError::ReactionToForce { answer } => write!(
+                f,
+                "`{answer}` is a reaction, which depends on where a force acts; a generalized force does not say where: \
+                 put an input into a force of the file, and drive by that"
+            ),
             LinearError::NeedsFeature { feature } => {
                 write!(f, "damped and gyroscopic modes need the feature `{feature}` of the crate `dalembert`")
             }

@@ -67,6 +67,11 @@ pub enum Error {
         /// What stands in the way.
         why: String,
     },
+    /// A picture was to be a PNG, and the crate was built without the feature `png`.
+    NeedsPng {
+        /// Its file.
+        path: PathBuf,
+    },
     /// A file could not be written.
     File {
         /// Which one.
@@ -174,6 +179,11 @@ impl fmt::Display for Error {
             Error::NoReference { why } => {
                 write!(f, "no two methods agree on the motion, so that errors cannot be measured: {why}")
             }
+            Error::NeedsPng { path } => write!(
+                f,
+                "cannot draw `{}`: PNG needs the feature `png` of the crate `dalembert`; name a file .svg, or build with it",
+                path.display()
+            ),
             Error::File { path, problem } => write!(f, "cannot write `{}`: {problem}", path.display()),
             Error::Linear(problem) => write!(f, "{problem}"),
             Error::Run(failure) => write!(f, "{failure}"),

@@ -39,12 +39,15 @@ pub use branch::{Branch, BranchPoint, Change, Threshold, ThresholdKind, follow};
 pub use constrained::{Constrained, linearise_constrained};
 #[cfg(feature = "modal")]
 pub use constrained::{Tangent, linearise_tangent};
+#[cfg(feature = "cli")]
+pub(crate) use equilibrium::force_unit;
 pub use equilibrium::{
     Equilibrium, Freedom, Guess, Jump, Linearised, equilibria, equilibrium_here, equilibrium_near, linearise,
     state_matrix,
 };
 pub use forced::{
-    Drive, Harmonic, Measured, Motion, Source, Steady, beat, bode, measure, solvemode, solvenorm, solvenum,
+    Drive, Harmonic, Measured, Motion, Observed, Response, Source, Steady, beat, bode, measure, observe, solvemode,
+    solvenorm, solvenum,
 };
 pub use matrices::{LinearMechanism, SparseMatrix, expm};
 #[cfg(feature = "modal")]

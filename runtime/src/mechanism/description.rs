@@ -60,6 +60,8 @@ pub struct Description {
     pub outputs: List<Quantity>,
     /// True when some output needs accelerations.
     pub outputs_use_accelerations: bool,
+    /// Outputs, by index, that contain named reactions: what balances say of them, which know the file's own loads only.
+    pub outputs_of_reactions: List<u32>,
     /// True when some event needs accelerations or multipliers.
     pub events_use_accelerations: bool,
     /// Quantities that the file says are conserved, in the order of `System::invariants`.

@@ -1,6 +1,7 @@
 //! A [`Mechanism`] behind slices.
 
 use super::balances::solve_rows;
+use super::dual::{Dual, seed, still};
 use super::phased::{Phased, RowHistory, sprung};
 use super::{At, Description, Energy, Enforcement, Mechanism, Scene, Signal, Singular, System, Values};
 
@@ -335,6 +336,33 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
             // Where the system is singular its accelerations are missing already.
             let _ = self.by_balances(system, at, put);
         }
+    }
+
+    fn output_slopes(&self, at: At<'_>, columns: &mut [f64]) -> bool {
+        let zero = Dual::constant(0.0);
+        let mut c = M::Constants::<Dual>::filled(zero);
+        still(self.constants.as_ref(), c.as_mut());
+        let (mut u, mut l) = (M::Inputs::<Dual>::filled(zero), [zero; C]);
+        let (mut q, mut v, mut a) = ([zero; N], [zero; N], [zero; N]);
+        still(self.input_block(at.t).as_ref(), u.as_mut());
+        for (from, to) in [(at.q, &mut q), (at.v, &mut v), (at.a, &mut a)] {
+            still(from, to);
+        }
+        still(at.lambda, &mut l);
+        let mut t = Dual::constant(at.t);
+        let size = M::description().output_len();
+        let mut values = vec![zero; size];
+        for (k, column) in columns.chunks_exact_mut(size.max(1)).enumerate() {
+            let mut lines: [&mut [Dual]; 6] =
+                [&mut q, &mut v, &mut a, &mut l, u.as_mut(), std::slice::from_mut(&mut t)];
+            seed(&mut lines, k, 1.0);
+            M::outputs(&c, t, u.as_ref(), &q, &v, &a, &l, &mut values);
+            let mut lines: [&mut [Dual]; 6] =
+                [&mut q, &mut v, &mut a, &mut l, u.as_mut(), std::slice::from_mut(&mut t)];
+            seed(&mut lines, k, 0.0);
+            column.iter_mut().zip(&values).for_each(|(slope, value)| *slope = value.slope);
+        }
+        true
     }
 
     fn events(&self, at: At<'_>, pairs: &mut [f64]) {

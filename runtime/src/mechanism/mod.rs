@@ -4,6 +4,7 @@ mod at;
 mod balances;
 pub(crate) mod dense;
 mod description;
+mod dual;
 mod enforcement;
 mod erased;
 mod form;

@@ -197,6 +197,15 @@ pub trait System: Send + Sync {
         let _ = (at, values);
     }
 
+    /// ∂y/∂(q, q', q'', λ, u, u', u'', t) of all components of the outputs, at a state with its own accelerations and
+    /// multipliers: a column of `description().output_len()` numbers for each coordinate, each rate, each acceleration,
+    /// each row of the constraints, each of three for every input, and time.  NaN where an output has no derivative;
+    /// false where none are known.
+    fn output_slopes(&self, at: At<'_>, columns: &mut [f64]) -> bool {
+        let _ = (at, columns);
+        false
+    }
+
     /// Pairs (value, condition) for each event; it counts only where its condition is > 0
     /// (1 where the file gives none).
     fn events(&self, at: At<'_>, pairs: &mut [f64]) {

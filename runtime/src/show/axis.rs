@@ -151,7 +151,8 @@ impl Extent {
         (self.low - slack..=self.high + slack).contains(&value)
     }
 
-    fn fraction(&self, value: f64) -> f64 {
+    /// Where a value lies: 0 at the lower end, 1 at the upper one.
+    pub fn fraction(&self, value: f64) -> f64 {
         match self.scale {
             Scale::Linear => (value - self.low) / (self.high - self.low),
             Scale::Log => (value.ln() - self.low.ln()) / (self.high.ln() - self.low.ln()),

@@ -7,17 +7,20 @@ use super::axis::Extent;
 use super::legend;
 use super::marks::{Pen, crosses, slope};
 use super::{Chart, Style};
+use crate::error::Error;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
+use std::path::Path;
+use std::sync::Arc;
 
 /// Drawing units per pixel.
 pub(super) const FINE: i32 = 10;
-pub(super) type Canvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-pub(super) type Outcome<'a> = Result<(), DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>>;
+pub(super) type Canvas<B> = DrawingArea<B, Shift>;
+pub(super) type Outcome<B> = Result<(), DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
 
 /// plotters writes text smaller than it is asked to by this factor.
-const PLOTTERS_SHRINKS: f64 = 1.24;
+pub(super) const PLOTTERS_SHRINKS: f64 = 1.24;
 const FONT: &str = "Helvetica, Arial, sans-serif";
 const INK: RGBColor = RGBColor(51, 51, 51);
 const GRID: RGBColor = RGBColor(221, 221, 221);
@@ -67,6 +70,50 @@ struct Cell {
 impl Figure {
     /// The figure as the text of an SVG file; it refers to no other file and to no special font.
     pub fn to_svg(&self) -> String {
+        let layout = self.layout();
+        let mut svg = String::new();
+        let canvas = SVGBackend::with_string(&mut svg, layout.fine()).into_drawing_area();
+        draw(&canvas, &layout).expect("text in memory takes all that is drawn");
+        drop(canvas);
+        scaled_down(&svg, layout.size)
+    }
+
+    /// The figure as a PNG file, two pixels for one of the SVG's; its letters are those of DejaVu Sans, which is built in.
+    ///
+    /// ```
+    /// use dalembert::show::{Axis, Chart, Figure, Series};
+    /// let line = Series::line("x", [Some((0.0, 1.0)), Some((2.0, 3.0))]);
+    /// let chart = Chart::new("a line", Axis::new("time", "s"), Axis::new("x", "m")).with(line);
+    /// assert!(Figure::from(chart).to_png().starts_with(b"\x89PNG"));
+    /// ```
+    #[cfg(feature = "png")]
+    pub fn to_png(&self) -> Vec<u8> {
+        let layout = self.layout();
+        let mut picture = super::raster::Picture::new(layout.fine());
+        let canvas = super::raster::Raster::on(&mut picture).into_drawing_area();
+        draw(&canvas, &layout).expect("a picture in memory takes all that is drawn");
+        drop(canvas);
+        picture.to_png()
+    }
+
+    /// Writes the figure to a file: as PNG where its name ends in `.png`, else as SVG.
+    ///
+    /// # Errors
+    /// [`Error::File`]; [`Error::NeedsPng`] for a PNG where the crate was built without the feature `png`.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        let path = path.as_ref();
+        let file = |problem| Error::File { path: path.to_owned(), problem: Arc::new(problem) };
+        if !is_png(path) {
+            return std::fs::write(path, self.to_svg()).map_err(file);
+        }
+        #[cfg(feature = "png")]
+        return std::fs::write(path, self.to_png()).map_err(file);
+        #[cfg(not(feature = "png"))]
+        Err(Error::NeedsPng { path: path.to_owned() })
+    }
+
+    /// What stands where on the page.
+    fn layout(&self) -> Layout<'_> {
         let columns = self.columns.max(1);
         let names = self.charts.iter().filter_map(legend::width).max().unwrap_or(0);
         let width = (WIDTH - names) / columns as i32;
@@ -74,22 +121,38 @@ impl Figure {
         let tallest = |row: &&[Chart]| row.iter().map(|chart| height(chart, width, rows.len())).max().unwrap_or(0);
         let heights: Vec<i32> = rows.iter().map(tallest).collect();
         let size = (WIDTH, heights.iter().sum::<i32>().max(1));
-        let mut svg = String::new();
-        let fine = |pixels: i32| (pixels * FINE) as u32;
-        let canvas = SVGBackend::with_string(&mut svg, (fine(size.0), fine(size.1))).into_drawing_area();
-        draw(&canvas, &rows, &heights, width).expect("text in memory takes all that is drawn");
-        drop(canvas);
-        scaled_down(&svg, size)
+        Layout { rows, heights, width, size }
     }
 }
 
-fn draw<'a>(canvas: &Canvas<'a>, rows: &[&[Chart]], heights: &[i32], width: i32) -> Outcome<'a> {
+/// Whether a file is to be a PNG, by its name.
+pub(crate) fn is_png(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"))
+}
+
+/// Rows of charts, their heights, the width of a chart and the size of the page, px.
+struct Layout<'a> {
+    rows: Vec<&'a [Chart]>,
+    heights: Vec<i32>,
+    width: i32,
+    size: (i32, i32),
+}
+
+impl Layout<'_> {
+    /// The size of the page in drawing units.
+    fn fine(&self) -> (u32, u32) {
+        ((self.size.0 * FINE) as u32, (self.size.1 * FINE) as u32)
+    }
+}
+
+fn draw<B: DrawingBackend>(canvas: &Canvas<B>, layout: &Layout<'_>) -> Outcome<B> {
+    let Layout { rows, heights, width, .. } = layout;
     canvas.fill(&WHITE)?;
     let mut top = 0;
     for (row, height) in rows.iter().zip(heights) {
         let mut named = false;
         for (column, chart) in row.iter().enumerate() {
-            let cell = Cell { left: column as i32 * width, top, width, height: *height };
+            let cell = Cell { left: column as i32 * width, top, width: *width, height: *height };
             let names = !named && legend::width(chart).is_some();
             draw_chart(chart, canvas, cell, names.then_some(row.len() as i32 * width))?;
             named |= names;
@@ -124,7 +187,7 @@ fn scaled_down(svg: &str, (width, height): (i32, i32)) -> String {
 }
 
 /// Draws a chart into its cell, and its names from a place to the right on, px, where they are wanted.
-fn draw_chart<'a>(chart: &Chart, canvas: &Canvas<'a>, cell: Cell, names: Option<i32>) -> Outcome<'a> {
+fn draw_chart<B: DrawingBackend>(chart: &Chart, canvas: &Canvas<B>, cell: Cell, names: Option<i32>) -> Outcome<B> {
     let title = if chart.title.is_empty() { MARGIN } else { TITLE };
     let Cell { left, top, height, .. } = cell;
     let (width, inner_height) = (cell.width - LEFT - MARGIN, height - title - BELOW);
@@ -162,7 +225,12 @@ fn draw_chart<'a>(chart: &Chart, canvas: &Canvas<'a>, cell: Cell, names: Option<
         let pen = Pen::of(chart, index);
         let inside = |&(a, b): &(f64, f64)| chart.x.has(a) && chart.y.has(b) && x.contains(a) && y.contains(b);
         let points = series.points.iter().map(|point| point.filter(inside).map(|(a, b)| place(a, b)));
-        pen.draw(canvas, points)?;
+        let there = |&(a, b): &(f64, f64)| chart.x.has(a) && chart.y.has(b);
+        let line: Vec<_> = series.points.iter().map(|point| point.filter(there)).collect();
+        let at = |(a, b): (f64, f64)| place(x.at(a), y.at(b));
+        let fractions = line.iter().map(|point| point.map(|(a, b)| (x.fraction(a), y.fraction(b))));
+        pen.line(canvas, within(fractions).into_iter().map(|point| point.map(at)))?;
+        pen.marks(canvas, points)?;
         let failures = series.failures.iter().filter(|failure| chart.x.has(failure.x) && x.contains(failure.x));
         let failures: Vec<_> =
             failures.map(|failure| (place(failure.x, y.at(1.0)).0, failure.label.as_str())).collect();
@@ -183,8 +251,52 @@ fn draw_chart<'a>(chart: &Chart, canvas: &Canvas<'a>, cell: Cell, names: Option<
     write(canvas, &chart.y.text(), (left + 18, top + title + inner_height / 2), turned)
 }
 
+/// A line in fractions of both axes without what is outside of the frame, cut where it crosses that.
+fn within(points: impl Iterator<Item = Option<(f64, f64)>>) -> Vec<Option<(f64, f64)>> {
+    let mut kept: Vec<Option<(f64, f64)>> = Vec::new();
+    let mut last: Option<(f64, f64)> = None;
+    let inside = |(x, y): (f64, f64)| [x, y].iter().all(|part| (-EDGE..=1.0 + EDGE).contains(part));
+    for point in points {
+        match (last, point) {
+            (Some(a), Some(b)) if !(inside(a) && inside(b)) => match cut(a, b) {
+                Some((begin, end)) => {
+                    let begins = (!inside(a)).then_some([None, Some(begin)]);
+                    kept.extend(begins.into_iter().flatten());
+                    kept.push(Some(end));
+                }
+                None => kept.push(None),
+            },
+            (_, point) => kept.push(point.filter(|point| inside(*point))),
+        }
+        last = point;
+    }
+    kept
+}
+
+/// What is this near to the frame, in parts of it, is inside.
+const EDGE: f64 = 1e-9;
+
+/// The part of a straight piece that lies in the unit square (Liang and Barsky 1984).
+fn cut(a: (f64, f64), b: (f64, f64)) -> Option<((f64, f64), (f64, f64))> {
+    let (mut from, mut to) = (0.0_f64, 1.0_f64);
+    for (start, end) in [(a.0, b.0), (a.1, b.1)] {
+        let along = end - start;
+        let (low, high) = (-start / along, (1.0 - start) / along);
+        if along == 0.0 {
+            if !(0.0..=1.0).contains(&start) {
+                return None;
+            }
+            continue;
+        }
+        from = from.max(low.min(high));
+        to = to.min(low.max(high));
+    }
+    let at = |part: f64| (a.0 + part * (b.0 - a.0), a.1 + part * (b.1 - a.1));
+    (from < to).then(|| (at(from), at(to)))
+}
+
 /// Writes text about a middle, px.
-fn write<'a>(canvas: &Canvas<'a>, line: &str, (x, y): (i32, i32), style: TextStyle<'_>) -> Outcome<'a> {
+fn write<B: DrawingBackend>(canvas: &Canvas<B>, line: &str, (x, y): (i32, i32), style: TextStyle<'_>) -> Outcome<B> {
     let style = style.color(&INK).pos(Pos::new(HPos::Center, VPos::Center));
     canvas.draw(&Text::new(line.to_owned(), (x * FINE, y * FINE), style))
 }

@@ -18,7 +18,11 @@ pub(super) fn width(chart: &Chart) -> Option<i32> {
 }
 
 /// Writes the names from (x, y) down, px; of more than there is room for, only every second, third …
-pub(super) fn draw<'a>(canvas: &Canvas<'a>, chart: &Chart, (x, y, height): (i32, i32, i32)) -> Outcome<'a> {
+pub(super) fn draw<B: DrawingBackend>(
+    canvas: &Canvas<B>,
+    chart: &Chart,
+    (x, y, height): (i32, i32, i32),
+) -> Outcome<B> {
     let named: Vec<(usize, &Series)> = chart.series.iter().enumerate().filter(|(_, s)| !s.name.is_empty()).collect();
     let stride = named.len().div_ceil((height / LINE).max(1) as usize);
     for (line, (index, series)) in named.into_iter().step_by(stride.max(1)).enumerate() {
@@ -31,7 +35,7 @@ pub(super) fn draw<'a>(canvas: &Canvas<'a>, chart: &Chart, (x, y, height): (i32,
     Ok(())
 }
 
-fn sample<'a>(canvas: &Canvas<'a>, pen: &Pen, x: i32, y: i32) -> Outcome<'a> {
+fn sample<B: DrawingBackend>(canvas: &Canvas<B>, pen: &Pen, x: i32, y: i32) -> Outcome<B> {
     let ends = [x, x + SAMPLE * FINE].map(|x| Some((x, y)));
     pen.line(canvas, ends.into_iter())?;
     pen.marks(canvas, std::iter::once(Some((x + SAMPLE * FINE / 2, y))))

@@ -51,14 +51,12 @@ impl Pen {
         Pen { colour, dashes, shape: index % 5, style }
     }
 
-    /// Draws a series.
-    pub fn draw<'a>(&self, canvas: &Canvas<'a>, points: impl Iterator<Item = Option<Place>> + Clone) -> Outcome<'a> {
-        self.line(canvas, points.clone())?;
-        self.marks(canvas, points)
-    }
-
     /// Lines between neighbours that are both there; a lone point is a dot.
-    pub fn line<'a>(&self, canvas: &Canvas<'a>, points: impl Iterator<Item = Option<Place>>) -> Outcome<'a> {
+    pub fn line<B: DrawingBackend>(
+        &self,
+        canvas: &Canvas<B>,
+        points: impl Iterator<Item = Option<Place>>,
+    ) -> Outcome<B> {
         if self.style == Style::Marks {
             return Ok(());
         }
@@ -80,7 +78,11 @@ impl Pen {
     }
 
     /// A mark at each point that is there.
-    pub fn marks<'a>(&self, canvas: &Canvas<'a>, points: impl Iterator<Item = Option<Place>>) -> Outcome<'a> {
+    pub fn marks<B: DrawingBackend>(
+        &self,
+        canvas: &Canvas<B>,
+        points: impl Iterator<Item = Option<Place>>,
+    ) -> Outcome<B> {
         if !matches!(self.style, Style::Marks | Style::MarkedLine) {
             return Ok(());
         }
@@ -90,7 +92,7 @@ impl Pen {
         Ok(())
     }
 
-    fn mark<'a>(&self, canvas: &Canvas<'a>, (x, y): Place) -> Outcome<'a> {
+    fn mark<B: DrawingBackend>(&self, canvas: &Canvas<B>, (x, y): Place) -> Outcome<B> {
         let corners: &[Place] = match self.shape {
             0 => return canvas.draw(&Circle::new((x, y), 4 * FINE, self.colour.filled())),
             1 => &[(-35, -35), (35, -35), (35, 35), (-35, 35)],
@@ -104,7 +106,12 @@ impl Pen {
 }
 
 /// A row of crosses for what failed at these places from left to right; words stand after the last of a kind.
-pub(super) fn crosses<'a>(canvas: &Canvas<'a>, pen: &Pen, row: i32, failures: &[(i32, &str)]) -> Outcome<'a> {
+pub(super) fn crosses<B: DrawingBackend>(
+    canvas: &Canvas<B>,
+    pen: &Pen,
+    row: i32,
+    failures: &[(i32, &str)],
+) -> Outcome<B> {
     for (index, (x, label)) in failures.iter().enumerate() {
         canvas.draw(&Cross::new((*x, row), 4 * FINE, pen.colour.stroke_width(2 * FINE as u32)))?;
         if failures.get(index + 1).is_none_or(|(_, next)| next != label) {
@@ -116,7 +123,11 @@ pub(super) fn crosses<'a>(canvas: &Canvas<'a>, pen: &Pen, row: i32, failures: &[
 }
 
 /// A right triangle over one decade, with its exponent.
-pub(super) fn slope<'a>(canvas: &Canvas<'a>, slope: &Slope, place: &impl Fn(f64, f64) -> Place) -> Outcome<'a> {
+pub(super) fn slope<B: DrawingBackend>(
+    canvas: &Canvas<B>,
+    slope: &Slope,
+    place: &impl Fn(f64, f64) -> Place,
+) -> Outcome<B> {
     let colour = RGBColor(110, 110, 110);
     let far = slope.y * 10f64.powf(slope.order);
     let corners = [(slope.x, slope.y), (10.0 * slope.x, slope.y), (10.0 * slope.x, far)].map(|(x, y)| place(x, y));

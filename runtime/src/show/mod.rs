@@ -1,7 +1,7 @@
-//! Seeing a run: charts as SVG, an animation as one HTML page, tables as CSV.
+//! Seeing a run: charts as SVG, or PNG (feature `png`), an animation as one HTML page, tables as CSV.
 //!
-//! Everything here turns plain data into text, so it serves runs, error charts and mode shapes alike; only
-//! [`Run::plot`](crate::Run::plot) and its neighbours write files.
+//! Everything here turns plain data into text or pixels, so it serves runs, error charts and mode shapes alike; only
+//! [`Figure::write`], [`Run::plot`](crate::Run::plot) and its neighbours write files.
 
 mod animation;
 mod axis;
@@ -10,6 +10,8 @@ mod csv;
 mod figure;
 mod legend;
 mod marks;
+#[cfg(feature = "png")]
+mod raster;
 mod run;
 mod ticks;
 
@@ -19,6 +21,9 @@ pub use chart::{Chart, Failure, Series, Slope, Style};
 pub use csv::csv;
 pub use figure::Figure;
 #[cfg(feature = "cli")]
+pub(crate) use figure::is_png;
+#[cfg(feature = "cli")]
+pub(crate) use run::has_units;
 pub(crate) use run::unit;
 
 #[cfg(test)]

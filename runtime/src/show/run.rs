@@ -13,12 +13,12 @@ const POINTS: usize = 2000;
 const MOST_SECTIONS: usize = 100_000;
 
 impl Run {
-    /// Writes [`Run::to_svg`] to a file.
+    /// Draws the run to a file, see [`Run::to_svg`]: as PNG where its name ends in `.png`.
     ///
     /// # Errors
-    /// [`Error::File`].
+    /// As [`Figure::write`].
     pub fn plot(&self, path: impl AsRef<Path>) -> Result<(), Error> {
-        write(path.as_ref(), &self.to_svg())
+        self.figure().write(path)
     }
 
     /// Writes [`Run::to_html`] to a file.
@@ -224,7 +224,7 @@ pub(crate) fn unit(mechanism: &Description, name: &str) -> String {
 }
 
 /// True for a model written with units; without, lengths and times are pure numbers.
-fn has_units(mechanism: &Description) -> bool {
+pub(crate) fn has_units(mechanism: &Description) -> bool {
     let coordinates = mechanism.coordinates.iter().map(|coordinate| &coordinate.unit);
     let parameters = mechanism.parameters.iter().map(|parameter| &parameter.unit);
     coordinates.chain(parameters).any(|unit| !matches!(unit.as_ref(), "" | "1" | "rad"))

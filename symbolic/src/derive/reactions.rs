@@ -20,6 +20,10 @@ pub(crate) fn put_in(model: &mut Model) -> Vec<(usize, Symbol)> {
         return named;
     }
     let (graph, count) = (&mut model.graph, model.phases.len());
+    for output in &mut model.outputs {
+        let symbols = graph.symbols(output.value.iter().copied());
+        output.of_reactions = symbols.iter().any(|s| matches!(s, Symbol::Reaction(_)));
+    }
     let mut values = |absent: bool| -> HashMap<Symbol, Id> {
         known.iter().map(|(symbol, named)| (*symbol, named.value(graph, count, absent))).collect()
     };

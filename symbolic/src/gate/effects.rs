@@ -47,18 +47,59 @@ impl Kind {
     }
 }
 
+/// A force or a couple of size 1 in the place of an entry of `forces` or `torques`: at the same material, and with the same
+/// opposite.
+#[derive(Clone, Debug)]
+pub struct UnitPush {
+    /// The graph of the expressions.
+    pub graph: Graph,
+    /// The components of the entry's own force or couple.
+    pub given: Vec<Id>,
+    /// For each of them, the generalized forces Q of 1 along its axis, by coordinate.
+    pub along: Vec<Vec<Id>>,
+    /// Whether it is a couple.
+    pub couple: bool,
+}
+
+/// What 1 in the place of this entry does; `None` where no force or torque has this name.
+pub fn unit_push(model: &Model, name: &str) -> Option<UnitPush> {
+    let load = model.loads.iter().find(|load| load.name == name && load.work == Work::Pushes)?;
+    let couple = load.pushes.iter().all(|push| push.force.iter().all(|f| *f == Id::ZERO));
+    let first = load.pushes.first()?;
+    let given = if couple { first.couple.clone() } else { first.force.clone() };
+    let mut graph = model.graph.clone();
+    let (velocities, angular) = velocities(&mut graph, model);
+    let mut along = Vec::new();
+    for k in 0..given.len() {
+        let mut unit = load.clone();
+        for (place, push) in unit.pushes.iter_mut().enumerate() {
+            // After the entry's own push comes its opposite.
+            let one = if place == 0 { Id::ONE } else { graph.integer(-1) };
+            push.force.iter_mut().chain(&mut push.couple).for_each(|component| *component = Id::ZERO);
+            let component = if couple { &mut push.couple[k] } else { &mut push.force[k] };
+            *component = one;
+        }
+        along.push(pushed(&mut graph, model, &unit, &velocities, &angular));
+    }
+    Some(UnitPush { graph, given, along, couple })
+}
+
+/// Velocities of all bodies' centres of mass, and angular velocities.
+fn velocities(graph: &mut Graph, model: &Model) -> (Vec<Vec<Id>>, Vec<Id>) {
+    let places: Vec<Id> = model.bodies.iter().flat_map(|body| body.position.iter().copied()).collect();
+    let mut rest = rates(graph, &places).into_iter();
+    let linear = model.bodies.iter().map(|body| rest.by_ref().take(body.position.len()).collect()).collect();
+    let angles: Vec<Id> = model.bodies.iter().map(|body| body.rotation.map_or(Id::ZERO, |r| r.angle)).collect();
+    (linear, rates(graph, &angles))
+}
+
 /// All entries that act, in the file's order of sections; the true functions, without modes.  They live in a copy of
 /// the model's graph: what is formed to judge forces by is no part of the equations.
 pub(super) fn effects(model: &Model) -> (Graph, Vec<Effect>) {
     let mut copy = model.graph.clone();
     let graph = &mut copy;
     let n = model.coordinates.len();
-    let places: Vec<Id> = model.bodies.iter().flat_map(|body| body.position.iter().copied()).collect();
-    let mut rest = rates(graph, &places).into_iter();
-    let velocities: Vec<Vec<Id>> =
-        model.bodies.iter().map(|body| rest.by_ref().take(body.position.len()).collect()).collect();
-    let angles: Vec<Id> = model.bodies.iter().map(|body| body.rotation.map_or(Id::ZERO, |r| r.angle)).collect();
-    let angular = rates(graph, &angles);
+    let (velocities, angular) = velocities(graph, model);
     let mut found = Vec::new();
     for load in &model.loads {
         let (kind, force) = match load.work {

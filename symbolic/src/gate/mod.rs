@@ -56,6 +56,7 @@ use crate::expr::Id;
 use crate::model::{Load, Model, Work};
 use crate::number::DoubleDouble;
 
+pub use effects::{UnitPush, unit_push};
 pub use freedoms::{Freedoms, Integrability};
 pub use potential::{Conservative, Nature};
 pub use report::{Agreement, Report};

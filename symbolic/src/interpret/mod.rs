@@ -1,6 +1,6 @@
 //! Evaluating a program without compiling it: some 25 times slower than the generated code, and tested against it.
 
-use crate::expr::{Id, Symbol, Tape};
+use crate::expr::{Id, Scalar, Symbol, Tape};
 use crate::lower::{Accelerations, Entry, Program};
 
 /// A program with values for its parameters, inputs and modes.
@@ -141,6 +141,12 @@ impl Interpreter {
         self.run(&self.tapes.functions[function as usize], at, values);
     }
 
+    /// Evaluates one function in another kind of number, every symbol having the value that it is given; parameters,
+    /// modes and phases are in [`Interpreter::value`].
+    pub fn evaluate_in<S: Scalar>(&self, function: Function, value: impl Fn(Symbol) -> S, values: &mut [S]) {
+        self.tapes.functions[function as usize].run(value, &mut Vec::new(), values);
+    }
+
     /// The accelerations; `Err` names the coordinate whose pivot vanishes.
     ///
     /// # Errors
@@ -199,8 +205,13 @@ impl Interpreter {
     }
 
     fn run(&self, tape: &Tape, at: At<'_>, values: &mut [f64]) {
+        tape.run(|symbol| self.value(symbol, at), &mut Vec::new(), values);
+    }
+
+    /// What a symbol stands for at a state.
+    pub fn value(&self, symbol: Symbol, at: At<'_>) -> f64 {
         let get = |list: &[f64], i: u32| list.get(i as usize).copied().unwrap_or(0.0);
-        let value = |symbol: Symbol| match symbol {
+        match symbol {
             Symbol::Time => at.t,
             Symbol::Coordinate(i) => get(at.q, i),
             Symbol::Speed(i) => get(at.v, i),
@@ -211,8 +222,7 @@ impl Interpreter {
             Symbol::Multiplier(k) => get(at.l, k),
             Symbol::Phase(k) => get(&self.phases, k),
             Symbol::Reaction(_) | Symbol::Dummy(_) => f64::NAN,
-        };
-        tape.run(value, &mut Vec::new(), values);
+        }
     }
 }
 

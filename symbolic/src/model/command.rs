@@ -50,6 +50,16 @@ impl Model {
         }
     }
 
+    /// The unit in SI of an expression that may stand in `outputs`; `None` where it is a pure number, not known, or wrong.
+    pub fn unit_of(&mut self, text: &str) -> Option<String> {
+        let text = read(text).ok()?;
+        let mut bench = self.bench();
+        bench.value(&self.scope, &text, Rules::anything("an expression").numbers_fit(), &[]);
+        let dimension = bench.measured.dimension();
+        self.take_back(bench).ok()?;
+        dimension.filter(|dimension| *dimension != Dimension::ONE).map(|dimension| dimension.to_string())
+    }
+
     /// The number that an expression of parameters, sizes and definitions without coordinates stands for, in SI,
     /// with these values of the free parameters.  A unit may follow: `30 deg`; it must be that of what is set.
     ///

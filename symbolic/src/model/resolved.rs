@@ -385,6 +385,8 @@ pub struct Output {
     pub value: Vec<Id>,
     /// Its unit in SI, where it is known and not 1.
     pub unit: Option<String>,
+    /// Whether it contains named reactions; those become expressions of the state and the accelerations.
+    pub of_reactions: bool,
 }
 
 /// An event.

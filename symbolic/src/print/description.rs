@@ -94,6 +94,7 @@ pub(super) fn description(program: &Program, source: &str) -> String {
     };
     field("outputs", list(model.outputs.iter().map(|o| quantity(&o.name, o.value.len(), &o.unit))));
     field("outputs_use_accelerations", program.outputs_use_accelerations().to_string());
+    field("outputs_of_reactions", list(program.outputs_of_reactions().map(|place| place.to_string())));
     field("events_use_accelerations", program.events_use_accelerations().to_string());
     field("invariants", list(model.conserved.iter().map(|c| quantity(&c.name, c.value.len(), &None))));
     let mut impacts = 0;

@@ -167,6 +167,11 @@ impl Program {
         symbols.into_iter().any(|s| matches!(s, Symbol::Acceleration(_) | Symbol::Multiplier(_)))
     }
 
+    /// Outputs, by place, that contain named reactions.
+    pub fn outputs_of_reactions(&self) -> impl Iterator<Item = usize> {
+        self.model.outputs.iter().enumerate().filter(|(_, output)| output.of_reactions).map(|(place, _)| place)
+    }
+
     /// True when some event contains an acceleration or a multiplier.
     pub fn events_use_accelerations(&self) -> bool {
         let symbols = self.model.graph.symbols(self.events.iter().copied());

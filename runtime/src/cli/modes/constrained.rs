@@ -13,7 +13,7 @@ use super::{failed, pictures, report};
 use crate::linear::{Guess, LinearError, linearise_constrained};
 
 /// Options that need the equations in all coordinates.
-const OTHERS: [&str; 7] = ["motion", "drive", "omega", "bode", "range", "vary", "locus"];
+const OTHERS: [&str; 8] = ["motion", "drive", "omega", "bode", "response", "range", "vary", "locus"];
 
 /// Linearises at rest and prints the modes.
 pub fn run(loaded: &Loaded, options: &ArgMatches, guess: &Guess, out: &mut dyn Write) -> Result<(), Problem> {

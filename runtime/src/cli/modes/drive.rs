@@ -1,5 +1,6 @@
-//! `--drive`, `--omega`, `--bode`: steady states and frequency responses.
+//! `--drive`, `--omega`, `--bode`, `--response`: steady states and frequency responses.
 
+use std::f64::consts::TAU;
 use std::io::Write;
 
 use clap::ArgMatches;
@@ -7,12 +8,14 @@ use dalembert_symbolic::model::Sets;
 use nalgebra::Complex;
 use serde_json::{Value, json};
 
-use super::super::Problem;
 use super::super::json::{number, object};
 use super::super::load::Loaded;
-use super::super::set_up::{Reader, unknown};
-use super::{failed, write_file};
-use crate::linear::{Drive, Kind, Linearised, Source, Steady, bode, short, short_beside};
+use super::super::plotted::listed;
+use super::super::set_up::Reader;
+use super::super::{Problem, outputs};
+use super::failed;
+use super::shaken::{Shaken, named};
+use crate::linear::{Linearised, Observed, Response, Steady, observe, short, short_beside};
 
 /// Below this part of its static stiffness a coordinate by itself is near resonance.
 const NEAR_RESONANCE: f64 = 0.3;
@@ -25,30 +28,25 @@ pub struct Driven {
     response: Option<Response>,
 }
 
-/// A frequency response.
-struct Response {
-    omegas: Vec<f64>,
-    answers: Vec<Option<Vec<Complex<f64>>>>,
-}
-
 impl Driven {
-    /// Computes what `--omega`, `--bode` and `--range` ask for, and draws; `None` if nothing is asked.
+    /// Computes what `--omega`, `--bode`, `--response` and `--range` ask for, and draws; `None` if nothing is asked.
     pub fn new(
         loaded: &Loaded,
         options: &ArgMatches,
         reader: &mut Reader,
         linear: &Linearised,
     ) -> Result<Option<Driven>, Problem> {
-        let omega = options.get_one::<String>("omega");
-        let (bode_file, range) = (options.get_one::<String>("bode"), options.get_one::<String>("range"));
-        let asked = omega.is_some() || bode_file.is_some() || range.is_some();
-        if !asked {
+        let option = |name: &str| options.get_one::<String>(name);
+        let (omega, bode_file, range) = (option("omega"), option("bode"), option("range"));
+        let answers = option("response");
+        let responds = bode_file.is_some() || range.is_some() || answers.is_some();
+        if omega.is_none() && !responds {
             return match options.contains_id("drive") {
                 true => Err(Problem::Usage("error: --drive wants --omega, --bode or --range beside it".to_owned())),
                 false => Ok(None),
             };
         }
-        let (drive, label) = drive(loaded, options, reader, linear)?;
+        let Shaken { drive, label, per } = drive(loaded, options, reader, linear)?;
         let mut driven = Driven { label, steady: None, response: None };
         if let Some(text) = omega {
             let omega = reader.value(loaded, "omega", Sets::Frequency, text)?;
@@ -57,30 +55,30 @@ impl Driven {
             }
             driven.steady = Some(linear.steady(&drive, omega).map_err(failed)?);
         }
-        if bode_file.is_some() || range.is_some() {
+        if responds {
             let range = range.map(|text| frequencies(loaded, reader, text)).transpose()?;
-            let omegas = linear.telling_frequencies(range).map_err(failed)?;
-            let answers = linear.frequency_response(&drive, &omegas).map_err(failed)?;
+            let seen = match answers {
+                None => Observed::coordinates(linear),
+                Some(text) => {
+                    let names = listed(loaded.system.description(), text)?;
+                    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+                    observe(&*loaded.system, linear, &names).map_err(failed)?
+                }
+            };
+            let response = linear.response(&drive, &seen, range).map_err(failed)?.to(&driven.label, per);
             if let Some(path) = bode_file {
-                write_file(path, bode(linear, &drive, &driven.label, &omegas).map_err(failed)?.to_svg())?;
+                let figure = if options.get_flag("hertz") { response.figure_in_hertz() } else { response.figure() };
+                outputs::draw(path, figure)?;
             }
-            driven.response = Some(Response { omegas, answers });
+            driven.response = Some(response);
         }
         Ok(Some(driven))
     }
 
-    /// Frequencies of undamped modes in the range of the response, rad/s.
-    fn undamped(&self, linear: &Linearised) -> Vec<f64> {
-        let Some(Response { omegas, .. }) = &self.response else { return Vec::new() };
-        let (low, high) = (omegas[0], omegas[omegas.len() - 1]);
-        let modes = linear.modes().unwrap_or_default();
-        let undamped = modes.iter().filter(|mode| mode.kind == Kind::Oscillating && (low..=high).contains(&mode.omega));
-        undamped.map(|mode| mode.omega).collect()
-    }
-
     /// What the numbers alone do not tell.
-    pub fn notes(&self, linear: &Linearised) -> Vec<String> {
-        let list: Vec<String> = self.undamped(linear).into_iter().map(short).collect();
+    pub fn notes(&self) -> Vec<String> {
+        let poles = self.response.iter().flat_map(|response| &response.poles);
+        let list: Vec<String> = poles.map(|omega| short(*omega)).collect();
         if list.is_empty() {
             return Vec::new();
         }
@@ -109,19 +107,22 @@ impl Driven {
                 ]),
             ));
         }
-        if let Some(Response { omegas, answers }) = &self.response {
+        if let Some(response) = &self.response {
+            let Response { omegas, answers, names, .. } = response;
             let column = |index: usize| -> Value {
                 let cell =
                     |answer: &Option<Vec<Complex<f64>>>| answer.as_ref().map_or(Value::Null, |x| pair(&x[index]));
                 answers.iter().map(cell).collect::<Vec<_>>().into()
             };
-            let columns = linear.coordinates.iter().enumerate().map(|(i, name)| (name.clone(), column(i)));
+            let columns = names.iter().enumerate().map(|(i, name)| (name.clone(), column(i)));
+            let units = names.iter().enumerate().map(|(i, name)| (name.clone(), json!(response.unit(i))));
             entries.push((
                 "response",
                 object([
                     ("drive", json!(self.label)),
                     ("omega", omegas.iter().map(|omega| number(*omega)).collect::<Vec<_>>().into()),
                     ("amplitude", object(columns)),
+                    ("units", object(units)),
                 ]),
             ));
         }
@@ -131,7 +132,7 @@ impl Driven {
     /// For people.
     pub fn table(&self, linear: &Linearised, out: &mut dyn Write) -> Result<(), Problem> {
         if let Some(steady) = &self.steady {
-            let hertz = short(steady.omega / std::f64::consts::TAU);
+            let hertz = short(steady.omega / TAU);
             writeln!(out, "steady state, if {} goes as cos({} t), {hertz} Hz:", self.label, short(steady.omega))?;
             parts(linear, steady, out)?;
             if steady.growth.is_some() {
@@ -145,18 +146,19 @@ impl Driven {
         }
         if let Some(response) = &self.response {
             let (low, high) = (response.omegas[0], response.omegas[response.omegas.len() - 1]);
-            let undamped = self.undamped(linear);
             writeln!(out, "largest answers to {} between {} and {} rad/s:", self.label, short(low), short(high))?;
-            for (index, name) in linear.coordinates.iter().enumerate() {
+            for (index, name) in response.names.iter().enumerate() {
                 let sizes = response.omegas.iter().zip(&response.answers);
                 let peak = sizes
                     .filter_map(|(omega, answer)| Some((*omega, answer.as_ref()?[index].norm())))
                     .max_by(|a, b| a.1.total_cmp(&b.1));
                 let Some((omega, size)) = peak else { continue };
-                if let Some(mode) = undamped.iter().find(|mode| (omega - **mode).abs() < 1e-3 * omega) {
+                if let Some(mode) = response.poles.iter().find(|mode| (omega - **mode).abs() < 1e-3 * omega) {
                     writeln!(out, "  {name}: without bound at {} rad/s", short(*mode))?;
                 } else {
-                    writeln!(out, "  {name}: {}{} at {} rad/s", short(size), unit(linear, index), short(omega))?;
+                    let (size, unit, hertz) = (short(size), response.unit(index), short(omega / TAU));
+                    let space = if unit.is_empty() { "" } else { " " };
+                    writeln!(out, "  {name}: {size}{space}{unit} at {} rad/s, {hertz} Hz", short(omega))?;
                 }
             }
         }
@@ -300,15 +302,8 @@ fn unit(linear: &Linearised, index: usize) -> String {
 }
 
 /// What `--drive` names: the first input if it is absent.
-fn drive(
-    loaded: &Loaded,
-    options: &ArgMatches,
-    reader: &mut Reader,
-    linear: &Linearised,
-) -> Result<(Drive, String), Problem> {
-    let given: Vec<&String> = options.get_many::<String>("drive").into_iter().flatten().collect();
-    let mut drive = Drive::default();
-    let mut label = String::new();
+fn drive(loaded: &Loaded, options: &ArgMatches, reader: &mut Reader, linear: &Linearised) -> Result<Shaken, Problem> {
+    let mut given: Vec<String> = options.get_many::<String>("drive").into_iter().flatten().cloned().collect();
     if given.is_empty() {
         let Some(input) = linear.inputs.first() else {
             let example = linear.coordinates.first().map_or("", String::as_str);
@@ -317,29 +312,28 @@ fn drive(
                 loaded.name
             )));
         };
-        drive.parts.push((Source::Input(0), 1.0));
-        label.clone_from(input);
+        given.push(input.clone());
     }
+    let mut all = Shaken::default();
+    let alone = given.len() == 1;
     for text in given {
         let (name, amplitude) = text.split_once('=').map_or((text.trim(), "1"), |(name, value)| (name.trim(), value));
-        let Some(source) = linear.source(name) else {
-            let known = linear.inputs.iter().chain(&linear.coordinates).map(String::as_str);
-            return Err(unknown("input or coordinate", name, known));
-        };
+        let Shaken { drive, label, per } = named(loaded, reader, linear, name)?;
         let size = reader.value(loaded, "drive", Sets::Any, amplitude)?;
-        let what = match source {
-            Source::Input(_) => name.to_owned(),
-            Source::Force(_) => format!("a force on {name}"),
-        };
         let times = if size == 1.0 { String::new() } else { format!("{} times ", short(size)) };
-        label = if label.is_empty() { format!("{times}{what}") } else { format!("{label} and {times}{what}") };
-        drive.parts.push((source, size));
+        let before = if all.label.is_empty() { String::new() } else { format!("{} and ", all.label) };
+        all.label = format!("{before}{times}{label}");
+        all.per = if alone && size == 1.0 { per } else { String::new() };
+        all.drive.parts.extend(drive.parts.into_iter().map(|(source, part)| (source, part * size)));
     }
     let acts = [0.7, 1.9].iter().try_fold(false, |acts, omega| {
-        let force = linear.driving_force(&drive, *omega).map_err(failed)?;
+        let force = linear.driving_force(&all.drive, *omega).map_err(failed)?;
         Ok::<bool, Problem>(acts || force.iter().any(|f| f.norm() > 0.0))
     })?;
-    if acts { Ok((drive, label)) } else { Err(Problem::Run(format!("{label} does not act on small motions here"))) }
+    match acts {
+        true => Ok(all),
+        false => Err(Problem::Run(format!("{} does not act on small motions here", all.label))),
+    }
 }
 
 /// `A..B` with 0 < A < B.

@@ -7,11 +7,11 @@ use dalembert_symbolic::model::Sets;
 use nalgebra::Complex;
 use serde_json::{Value, json};
 
-use super::super::Problem;
 use super::super::json::{number, object};
 use super::super::load::{Loaded, pairs};
 use super::super::set_up::{Reader, parameter_index};
-use super::{failed, write_file};
+use super::super::{Problem, outputs};
+use super::failed;
 use crate::linear::{
     Branch, BranchPoint, Equilibrium, Threshold, ThresholdKind, follow, root_locus, short, short_beside,
 };
@@ -47,20 +47,17 @@ impl Locus {
         let range = super::range(loaded, reader, "vary", Sets::Parameter(index), &text)?;
         let unit = loaded.system.description().parameters[index].unit.to_string();
         let branch = follow(&*loaded.system, index, range, &start.guess()).map_err(failed)?;
-        let locus = Locus { parameter, unit, range, coordinates: start.coordinates.clone(), branch };
-        locus.draw(options)?;
-        Ok(Some(locus))
+        if let Some(path) = options.get_one::<String>("locus") {
+            let points = branch.smooth(&*loaded.system, index, &start.guess()).map_err(failed)?;
+            let steps: Vec<_> = points.into_iter().map(|point| (point.value, point.eigenvalues)).collect();
+            outputs::draw(path, root_locus(&parameter, &unit, &steps))?;
+        }
+        Ok(Some(Locus { parameter, unit, range, coordinates: start.coordinates.clone(), branch }))
     }
 
     /// The states of the branch itself, without those behind folds.
     fn steps(&self) -> impl Iterator<Item = &BranchPoint> {
         self.branch.points.iter().filter(|point| !point.folded)
-    }
-
-    fn draw(&self, options: &ArgMatches) -> Result<(), Problem> {
-        let Some(path) = options.get_one::<String>("locus") else { return Ok(()) };
-        let steps: Vec<_> = self.steps().map(|point| (point.value, point.eigenvalues.clone())).collect();
-        write_file(path, root_locus(&self.parameter, &self.unit, &steps).to_svg())
     }
 
     /// What the numbers alone do not tell.

@@ -8,6 +8,7 @@ mod locus;
 mod matrices;
 mod motion;
 mod report;
+mod shaken;
 #[cfg(feature = "modal")]
 mod tangent;
 
@@ -15,7 +16,7 @@ use std::io::Write;
 
 use super::load::{Loaded, pairs};
 use super::set_up::{Reader, choose};
-use super::{Entry, Problem};
+use super::{Entry, Problem, outputs};
 use crate::linear::{
     Guess, Kind, LinearError, Linearised, Mode, animate_mode, draw_modes, equilibrium_here, equilibrium_near,
     linearise, linearise_constrained,
@@ -28,11 +29,15 @@ use drive::Driven;
 use locus::Locus;
 use motion::Compared;
 
+/// Options that draw.
+const PICTURES: [&str; 4] = ["plot", "motion", "bode", "locus"];
 /// Matrices with more coordinates are not printed for people.
 const MOST_PRINTED: usize = 12;
 
 /// Searches from `--at` or the file's guess (or takes it as it is), linearises, and prints the modes.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+    let mut drawn = PICTURES.iter().filter_map(|name| options.get_one::<String>(name));
+    drawn.try_for_each(|path| outputs::drawable(path))?;
     let mut loaded = Loaded::find(models, options)?;
     let (scene, mut reader) = choose(&mut loaded, options)?;
     enter_phase(&mut loaded, scene, options)?;
@@ -58,7 +63,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     let locus = Locus::new(&loaded, options, &mut reader, &linear.equilibrium)?;
     let damping = Damping::new(&linear, &modes);
     let motion = Compared::new(&loaded, options, scene, &linear, damping.as_ref())?;
-    let more = driven.iter().flat_map(|driven| driven.notes(&linear)).chain(locus.iter().flat_map(Locus::notes));
+    let more = driven.iter().flat_map(Driven::notes).chain(locus.iter().flat_map(Locus::notes));
     for note in notes(&linear, &modes).into_iter().chain(more) {
         eprintln!("warning: {note}");
     }
@@ -191,7 +196,7 @@ fn pictures(loaded: &Loaded, options: &ArgMatches, linear: &Linearised, modes: &
     let system = &*loaded.system;
     let file = |name: &str| options.get_one::<String>(name);
     if let Some(path) = file("plot") {
-        write_file(path, draw_modes(system, linear, modes).to_svg())?;
+        outputs::draw(path, draw_modes(system, linear, modes))?;
     }
     if let Some(path) = file("matrices") {
         matrices::write(path, linear)?;

@@ -8,8 +8,9 @@ use serde_json::{Value, json};
 use super::super::Problem;
 use super::super::json::{number, object};
 use super::super::load::Loaded;
+use super::super::outputs;
 use super::damping::Damping;
-use super::{failed, write_file};
+use super::failed;
 use crate::linear::{Linearised, Motion, SparseMatrix, short};
 use crate::show::{Axis, Chart, Figure, Series, Style};
 use crate::{Settings, simulate};
@@ -63,7 +64,7 @@ impl Compared {
                 ways.push(("C = alpha M + beta K", with(linear.m() * alpha + linear.k() * beta)?));
             }
         }
-        write_file(path, figure(linear, &times, &exact, &ways).to_svg())?;
+        outputs::draw(path, figure(linear, &times, &exact, &ways))?;
         let scale = exact.x.amax().max(f64::MIN_POSITIVE);
         let difference = |motion: &Motion| (&motion.x - &exact.x).amax() / scale;
         let differences = ways.iter().map(|(name, motion)| (*name, difference(motion))).collect();

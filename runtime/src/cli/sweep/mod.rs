@@ -60,7 +60,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     std::fs::write(&path, table.to_csv()).map_err(|e| Problem::File(format!("cannot write `{path}`: {e}")))?;
     if let Some(path) = options.get_one::<String>("plot") {
         let figure = draw(&loaded, &table, varied, &shown);
-        std::fs::write(path, figure.to_svg()).map_err(|e| Problem::File(format!("cannot write `{path}`: {e}")))?;
+        outputs::draw(path, figure)?;
     }
     print(&table, varied, &shown, out)?;
     writeln!(out, "written: {path}")?;

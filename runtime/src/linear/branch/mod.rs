@@ -3,7 +3,9 @@
 //! 1. Pseudo-arclength continuation: look in `walk.rs`.
 //! 2. Eigenvalues along it, and between which two states of it stability changes: look in `threshold.rs`.
 //! 3. What of the range is left where the branch turns back: below.
+//! 4. States between, for paths that are drawn: look in `smooth.rs`.
 
+mod smooth;
 mod spectrum;
 mod threshold;
 mod walk;

@@ -282,3 +282,59 @@ fn random_scans_miss_nothing() {
     }
     assert!(total > 30, "{total}");
 }
+
+/// The largest bend of a path, in degrees, between pieces of at least a pixel.
+fn roughness(points: &[BranchPoint]) -> f64 {
+    let all = || points.iter().flat_map(|point| &point.eigenvalues);
+    let span = |of: fn(&Complex<f64>) -> f64| {
+        all().map(of).fold(f64::NEG_INFINITY, f64::max) - all().map(of).fold(f64::INFINITY, f64::min)
+    };
+    let pixel = [span(|x| x.re) / 600.0, span(|x| x.im) / 350.0];
+    let pixels = |x: Complex<f64>| Complex::new(x.re / pixel[0], x.im / pixel[1]);
+    let mut paths: Vec<Vec<Complex<f64>>> = vec![points[0].eigenvalues.clone()];
+    for point in &points[1..] {
+        let next = crate::linear::modes::matched(&paths[paths.len() - 1], &point.eigenvalues);
+        paths.push(next);
+    }
+    let mut worst = 0.0_f64;
+    for three in paths.windows(3) {
+        for ((a, b), c) in three[0].iter().zip(&three[1]).zip(&three[2]) {
+            let (there, on) = (pixels(b - a), pixels(c - b));
+            if there.norm() > 1.0 && on.norm() > 1.0 {
+                worst = worst.max((on * there.conj()).arg().abs().to_degrees());
+            }
+        }
+    }
+    worst
+}
+
+/// Paths are smooth where eigenvalues meet and part: on the real axis (c = 2), off it (flutter of x'' + c x' + [1 p; −p 2] x),
+/// where a pair meets at 0 (divergence), and where one passes quickly.
+#[test]
+fn paths_of_eigenvalues_are_drawn_smoothly() {
+    let one = |x| dmatrix![x];
+    let flutter = |p: f64| [DMatrix::identity(2, 2), DMatrix::identity(2, 2) * 0.05, dmatrix![1.0, p; -p, 2.0]];
+    let quick = |p: f64| {
+        let c = 1.0 + (20.0 * p).tanh();
+        [DMatrix::identity(2, 2), dmatrix![c, 0.3; 0.3, 0.1], dmatrix![4.0, 0.0; 0.0, 1.0]]
+    };
+    let cases = [
+        Tuned::new(1, 0.0, move |p| [one(1.0), one(p), one(1.0)]),
+        Tuned::new(2, 0.0, flutter),
+        Tuned::new(1, 0.0, move |p| [one(1.0), one(0.1), one(1.0 - p)]),
+        Tuned::new(2, 0.0, quick),
+    ];
+    let mut rough = 0.0_f64;
+    for (case, tuned) in cases.iter().enumerate() {
+        let guess = Guess::at(&vec![0.0; tuned.len()]);
+        let branch = follow(tuned, 0, (-0.9, 2.7), &guess).unwrap();
+        let points = branch.smooth(tuned, 0, &guess).unwrap();
+        let found = roughness(&points);
+        assert!(found < 3.5, "{case}: bends by {found} degrees");
+        assert!(points.len() < 1000, "{case}: {} points", points.len());
+        assert!(points.windows(2).all(|pair| pair[0].value < pair[1].value), "{case}: out of order");
+        rough = rough.max(roughness(&branch.points));
+    }
+    // What is looked at for thresholds alone is not smooth.
+    assert!(rough > 5.0, "{rough}");
+}

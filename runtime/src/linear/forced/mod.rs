@@ -6,6 +6,8 @@ mod harmonic;
 mod initial_value;
 mod measured;
 mod motion;
+mod observed;
+mod response;
 
 #[cfg(test)]
 mod forced_tests;
@@ -17,3 +19,5 @@ pub use drive::{Drive, Source, Steady};
 pub use harmonic::{Harmonic, beat};
 pub use initial_value::{Motion, solvemode, solvenorm, solvenum};
 pub use measured::{Measured, measure};
+pub use observed::{Observed, observe};
+pub use response::Response;

@@ -23,5 +23,6 @@ pub use first_order::{FirstOrder, Stability, first_order_modes};
 pub use mode::{Kind, Mode};
 pub(super) use normal::{Fault, Spectrum};
 pub use normal::{Reduction, normal_modes};
+pub(super) use pictures::matched;
 pub use pictures::{animate_mode, draw_modes, root_locus};
 pub use proportional::{DiagonalDamping, proportional_damping};

@@ -111,7 +111,7 @@ pub fn root_locus(parameter: &str, unit: &str, eigenvalues: &[(f64, Vec<Complex<
 }
 
 /// `next` in such an order that each stands where one of `before` is near.
-pub(crate) fn matched(before: &[Complex<f64>], next: &[Complex<f64>]) -> Vec<Complex<f64>> {
+pub(in crate::linear) fn matched(before: &[Complex<f64>], next: &[Complex<f64>]) -> Vec<Complex<f64>> {
     let mut left = next.to_vec();
     let take = |end: &Complex<f64>| {
         let apart = |x: &Complex<f64>| (x - *end).norm();

@@ -78,6 +78,7 @@ pub(super) fn describe(program: &Program, source: &str) -> Description {
         constraint_tilt_pattern: pattern(&program.constraints.tilt),
         outputs: model.outputs.iter().map(|o| quantity(&o.name, o.value.len(), &o.unit)).collect(),
         outputs_use_accelerations: program.outputs_use_accelerations(),
+        outputs_of_reactions: program.outputs_of_reactions().map(|place| place as u32).collect(),
         events_use_accelerations: program.events_use_accelerations(),
         invariants: model.conserved.iter().map(|i| quantity(&i.name, i.value.len(), &None)).collect(),
         events: model

@@ -1,6 +1,7 @@
 //! A model file that nobody compiled, as a [`System`].
 
 mod describe;
+mod slopes;
 
 use dalembert_symbolic::interpret::{self, Function, Interpreter};
 use dalembert_symbolic::lower::Program;
@@ -232,6 +233,12 @@ impl System for Interpreted {
         if let Some(Ok(unknowns)) = self.unknowns(at).filter(|_| !pairs.is_empty()) {
             put_reactions(pairs, &unknowns, values);
         }
+    }
+
+    fn output_slopes(&self, at: At<'_>, columns: &mut [f64]) -> bool {
+        let u = self.input_values(at.t);
+        slopes::output_slopes(&self.interpreter, with_inputs(at, &u), self.description.output_len(), columns);
+        true
     }
 
     fn events(&self, at: At<'_>, pairs: &mut [f64]) {

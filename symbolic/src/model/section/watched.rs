@@ -235,7 +235,7 @@ impl Resolver<'_> {
         self.watch(&name, &value);
         let known = self.bench.measured.dimension().filter(|dimension| *dimension != Dimension::ONE);
         let unit = known.map(|dimension| dimension.to_string());
-        self.model.outputs.push(Output { name, value: components(value, 1), unit });
+        self.model.outputs.push(Output { name, value: components(value, 1), unit, of_reactions: false });
     }
 
     /// Notes a quantity, in the unit of what was evaluated last, for scenes.

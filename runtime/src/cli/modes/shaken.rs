@@ -1,0 +1,97 @@
+//! What `--drive` names: inputs, entries of `forces` and `torques`, coordinates that a force acts on.
+
+use dalembert_symbolic::expr::{Symbol, Tape};
+use dalembert_symbolic::gate::{UnitPush, unit_push};
+use dalembert_symbolic::model::Work;
+
+use super::super::Problem;
+use super::super::load::Loaded;
+use super::super::set_up::{Reader, unknown};
+use crate::linear::{Drive, Linearised, Source, force_unit};
+use crate::show::has_units;
+
+/// A drive of size 1, in words and with its unit.
+#[derive(Default)]
+pub struct Shaken {
+    pub drive: Drive,
+    /// `push1`, `a force on x`.
+    pub label: String,
+    /// What its size is measured in; empty where that is a pure number or not known.
+    pub per: String,
+}
+
+/// What shakes under this name.
+pub fn named(loaded: &Loaded, reader: &mut Reader, linear: &Linearised, name: &str) -> Result<Shaken, Problem> {
+    match linear.source(name) {
+        Some(source @ Source::Input(_)) => {
+            let unit = reader.model(loaded)?.unit_of(name).map(|unit| dalembert_symbolic::print::si_unit(&unit));
+            Ok(Shaken { drive: source.into(), label: name.to_owned(), per: unit.unwrap_or_default() })
+        }
+        Some(source @ Source::Force(coordinate)) => {
+            let (label, per) = (format!("a force on {name}"), force_unit(&linear.units[coordinate]));
+            Ok(Shaken { drive: source.into(), label, per })
+        }
+        None => load(loaded, reader, linear, name),
+    }
+}
+
+/// A force of 1 N, or a couple of 1 N m, along the direction of an entry of the file.
+fn load(loaded: &Loaded, reader: &mut Reader, linear: &Linearised, name: &str) -> Result<Shaken, Problem> {
+    let model = reader.model(loaded)?;
+    let Some(push) = unit_push(model, name) else {
+        let pushes = model.loads.iter().filter(|load| load.work == Work::Pushes).map(|load| load.name.as_str());
+        let known = linear.inputs.iter().map(String::as_str).chain(pushes);
+        return Err(unknown(
+            "input, force or coordinate",
+            name,
+            known.chain(linear.coordinates.iter().map(String::as_str)),
+        ));
+    };
+    let size = push.given.len();
+    let values = values(loaded, linear, &push);
+    let (given, along) = values.split_at(size);
+    let Some(direction) = direction(&push, given) else {
+        return Err(Problem::Run(format!(
+            "`{name}` vanishes at the equilibrium, where its direction is not known; put an input into it, and drive by that"
+        )));
+    };
+    let n = linear.len();
+    let parts = (0..n).map(|i| (0..size).map(|k| direction[k] * along[k * n + i]).sum::<f64>());
+    let parts = parts.enumerate().filter(|(_, q)| *q != 0.0).map(|(i, q)| (Source::Force(i), q)).collect();
+    let units = has_units(loaded.system.description());
+    let per = match (units, push.couple) {
+        (false, _) => "",
+        (true, false) => "N",
+        (true, true) => "N m",
+    };
+    Ok(Shaken { drive: Drive { parts }, label: name.to_owned(), per: per.to_owned() })
+}
+
+/// The entry's components, and the generalized forces of each axis, at the equilibrium.
+fn values(loaded: &Loaded, linear: &Linearised, push: &UnitPush) -> Vec<f64> {
+    let (at, parameters) = (&linear.equilibrium, loaded.system.parameters());
+    let get = |list: &[f64], i: u32| list.get(i as usize).copied().unwrap_or(0.0);
+    let phase = loaded.system.phase() as u32;
+    let value = |symbol: Symbol| match symbol {
+        Symbol::Coordinate(i) => get(&at.q, i),
+        Symbol::Speed(i) => get(&at.v, i),
+        Symbol::Parameter(i) => get(&parameters, i),
+        Symbol::Input(i, 0) => get(&at.inputs, i),
+        Symbol::Phase(k) => f64::from(u8::from(k == phase)),
+        _ => 0.0,
+    };
+    let roots: Vec<_> = push.given.iter().chain(push.along.iter().flatten()).copied().collect();
+    Tape::new(&push.graph, &roots).evaluate(value)
+}
+
+/// The unit vector along the entry; where it vanishes, along the only axis that it can have.
+fn direction(push: &UnitPush, given: &[f64]) -> Option<Vec<f64>> {
+    let size = given.iter().map(|f| f * f).sum::<f64>().sqrt();
+    if size > 0.0 && size.is_finite() {
+        return Some(given.iter().map(|f| f / size).collect());
+    }
+    let zero = dalembert_symbolic::expr::Id::ZERO;
+    let axes: Vec<usize> = (0..given.len()).filter(|k| push.given[*k] != zero).collect();
+    let [axis] = axes[..] else { return None };
+    Some((0..given.len()).map(|k| f64::from(u8::from(k == axis))).collect())
+}

@@ -1,0 +1,231 @@
+//! What outputs do in small motions: their exact slopes at an equilibrium.
+
+use nalgebra::{Complex, DMatrix};
+
+use super::{Drive, Source};
+use crate::linear::equilibrium::Probe;
+use crate::linear::{LinearError, Linearised};
+use crate::mechanism::System;
+use crate::run::Names;
+use crate::show::unit;
+
+/// Answers y of small motions: y − y₀ = `place` x + `rate` x' + `acceleration` x'' + `input` (u, u', u'').
+///
+/// With p answers, n coordinates and m inputs; exact derivatives of the model's outputs, never differences.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Observed {
+    /// Names of the answers, components of vectors by themselves: `x`, `x'`, `tip.y`.
+    pub names: Vec<String>,
+    /// Their units, SI; empty where they are pure numbers or not known.
+    pub units: Vec<String>,
+    /// ∂y/∂q, p × n.
+    pub place: DMatrix<f64>,
+    /// ∂y/∂q', p × n.
+    pub rate: DMatrix<f64>,
+    /// ∂y/∂q'', p × n.
+    pub acceleration: DMatrix<f64>,
+    /// ∂y/∂(u, u', u''), p × 3m.
+    pub input: DMatrix<f64>,
+    /// Which answers contain named reactions, whose balances know the file's own loads only.
+    pub of_reactions: Vec<bool>,
+}
+
+/// The slopes of coordinates (`x`), rates (`x'`) and outputs at a linear model's equilibrium; the name of a vector
+/// stands for its components.
+///
+/// # Errors
+/// [`LinearError::UnknownAnswer`]; [`LinearError::NoSlope`] for an output that has no derivative there, or whose
+/// system knows none; [`LinearError::AnswerVaries`] for one that changes with time, or along a steady motion.
+///
+/// # Example
+/// The force that an oscillator hands to the ground, k x + c x', per unit of a force on its mass, is
+/// (k + iΩc)/(k + iΩc − Ω²m):
+/// ```
+/// use dalembert::linear::{Guess, Source, equilibrium_near, linearise, observe};
+/// use dalembert::mechanism::Erased;
+/// # mod example {
+/// dalembert::model!(yaml = r#"
+/// name: Mounted
+/// parameters: {m: 2 kg, c: 3 N*s/m, k: 50 N/m}
+/// coordinates: {x: m}
+/// kinetic_energy: m*x'^2/2
+/// potential_energy: k*x^2/2
+/// dissipation: c*x'^2/2
+/// outputs: {to_ground: "k*x + c*x'"}
+/// "#);
+/// # }
+/// # use example::Mounted;
+/// let system = Erased::new(Mounted::default());
+/// let linear = linearise(&system, &equilibrium_near(&system, &Guess::at(&[0.0]))?)?;
+/// let to_ground = observe(&system, &linear, &["to_ground"])?;
+/// let answers = linear.answers(&Source::Force(0).into(), &to_ground, &[5.0])?;
+/// let size = answers[0].as_ref().unwrap()[0].norm();
+/// assert!((size - 50.0_f64.hypot(15.0) / 15.0).abs() < 1e-13);
+/// # Ok::<(), dalembert::linear::LinearError>(())
+/// ```
+pub fn observe<S: System + ?Sized>(system: &S, linear: &Linearised, names: &[&str]) -> Result<Observed, LinearError> {
+    let description = system.description();
+    let known = Names::of(description);
+    let probe = Probe::new(system, &linear.equilibrium.guess());
+    let (n, m) = (linear.len(), linear.inputs.len());
+    let chosen = names.iter().map(|name| chosen(&known, name)).collect::<Result<Vec<_>, _>>()?.concat();
+    let mut seen = Observed::empty(chosen.len(), n, m);
+    let slopes = match chosen.iter().any(|answer| matches!(answer, Answer::Output(_))) {
+        true => Some(Slopes::new(&probe, &linear.equilibrium.q)?),
+        false => None,
+    };
+    let owners: Vec<usize> =
+        description.outputs.iter().enumerate().flat_map(|(k, o)| vec![k; o.components as usize]).collect();
+    for (row, answer) in chosen.into_iter().enumerate() {
+        let name = match answer {
+            Answer::Coordinate(i) => {
+                seen.place[(row, i)] = 1.0;
+                known.coordinates[i].clone()
+            }
+            Answer::Rate(i) => {
+                seen.rate[(row, i)] = 1.0;
+                format!("{}'", known.coordinates[i])
+            }
+            Answer::Output(k) => {
+                if let Some(slopes) = &slopes {
+                    slopes.put(k, row, &known.outputs[k], &mut seen)?;
+                }
+                seen.of_reactions[row] = description.outputs_of_reactions.contains(&(owners[k] as u32));
+                known.outputs[k].clone()
+            }
+        };
+        seen.units.push(unit(description, &name));
+        seen.names.push(name);
+    }
+    Ok(seen)
+}
+
+impl Observed {
+    fn empty(p: usize, n: usize, m: usize) -> Observed {
+        let matrix = || DMatrix::zeros(p, n);
+        Observed {
+            names: Vec::new(),
+            units: Vec::new(),
+            place: matrix(),
+            rate: matrix(),
+            acceleration: matrix(),
+            input: DMatrix::zeros(p, 3 * m),
+            of_reactions: vec![false; p],
+        }
+    }
+
+    /// The coordinates themselves.
+    pub fn coordinates(linear: &Linearised) -> Observed {
+        let n = linear.len();
+        Observed {
+            names: linear.coordinates.clone(),
+            units: linear.units.clone(),
+            place: DMatrix::identity(n, n),
+            ..Observed::empty(n, n, linear.inputs.len())
+        }
+    }
+
+    /// Refuses reactions to generalized forces: they depend on where a force acts, which a generalized one does not say.
+    pub(super) fn admits(&self, drive: &Drive) -> Result<(), LinearError> {
+        let forced = drive.parts.iter().any(|(source, _)| matches!(source, Source::Force(_)));
+        match self.of_reactions.iter().position(|of_reactions| *of_reactions).filter(|_| forced) {
+            Some(row) => Err(LinearError::ReactionToForce { answer: self.names[row].clone() }),
+            None => Ok(()),
+        }
+    }
+
+    /// Y = (`place` + iΩ `rate` − Ω² `acceleration`) X + `input` (U, iΩ U, −Ω² U).
+    pub(super) fn of(&self, x: &[Complex<f64>], drive: &Drive, omega: f64) -> Vec<Complex<f64>> {
+        let turn = |order: u32| Complex::new(0.0, omega).powu(order);
+        let answer = |row: usize| {
+            let moved: Complex<f64> = x
+                .iter()
+                .enumerate()
+                .map(|(i, x)| {
+                    let slopes = [self.place[(row, i)], self.rate[(row, i)], self.acceleration[(row, i)]];
+                    x * (turn(1) * slopes[1] + turn(2) * slopes[2] + slopes[0])
+                })
+                .sum();
+            let put_in = |(source, amplitude): &(Source, f64)| match source {
+                Source::Input(k) => (0..3).map(|order| turn(order as u32) * self.input[(row, 3 * k + order)]).sum(),
+                Source::Force(_) => Complex::new(0.0, 0.0),
+            } * *amplitude;
+            moved + drive.parts.iter().map(put_in).sum::<Complex<f64>>()
+        };
+        (0..self.names.len()).map(answer).collect()
+    }
+}
+
+/// What is asked for.
+#[derive(Clone, Copy)]
+enum Answer {
+    Coordinate(usize),
+    Rate(usize),
+    /// A component, among those of all outputs.
+    Output(usize),
+}
+
+/// A coordinate, a rate, a component of an output or all components of one.
+fn chosen(known: &Names, name: &str) -> Result<Vec<Answer>, LinearError> {
+    let coordinate = |name: &str| known.coordinates.iter().position(|known| known == name);
+    if let Some(i) = coordinate(name) {
+        return Ok(vec![Answer::Coordinate(i)]);
+    }
+    if let Some(i) = name.strip_suffix('\'').and_then(coordinate) {
+        return Ok(vec![Answer::Rate(i)]);
+    }
+    let belongs =
+        |output: &String| output == name || output.strip_prefix(name).is_some_and(|rest| rest.starts_with('.'));
+    let outputs = known.outputs.iter().enumerate().filter(|(_, output)| belongs(output));
+    let outputs: Vec<Answer> = outputs.map(|(k, _)| Answer::Output(k)).collect();
+    match outputs.is_empty() {
+        true => Err(LinearError::UnknownAnswer { name: name.to_owned(), known: known.columns() }),
+        false => Ok(outputs),
+    }
+}
+
+/// Slopes of all outputs, and what they are later, along a steady motion.
+struct Slopes {
+    here: DMatrix<f64>,
+    later: Vec<DMatrix<f64>>,
+}
+
+/// Times, s, at which outputs are looked at again, and how far what moves steadily has come by then, SI.
+const LATER: [f64; 2] = [0.31, 2.3];
+/// Slopes that change by less than this part of the largest are the same.
+const SAME: f64 = 1e-9;
+
+impl Slopes {
+    fn new(probe: &Probe, q: &[f64]) -> Result<Slopes, LinearError> {
+        let at = |t: f64, q: &[f64]| {
+            probe.output_slopes(t, q).ok_or_else(|| LinearError::NoSlope { answer: "outputs".to_owned() })
+        };
+        let moved = |far: f64| q.iter().zip(&probe.v).map(move |(q, v)| if *v == 0.0 { *q } else { q + far });
+        let later = LATER.iter().map(|t| at(*t, &moved(*t).collect::<Vec<f64>>())).collect::<Result<_, _>>()?;
+        Ok(Slopes { here: at(0.0, q)?, later })
+    }
+
+    /// Puts the slopes of one component into a row.
+    fn put(&self, component: usize, row: usize, name: &str, seen: &mut Observed) -> Result<(), LinearError> {
+        let slopes = self.here.row(component);
+        let changed = |later: &DMatrix<f64>| {
+            let difference = (later.row(component) - slopes).amax();
+            difference > SAME * slopes.amax().max(later.row(component).amax())
+        };
+        let clock = slopes.len() - 1;
+        if slopes.iter().any(|slope| !slope.is_finite()) {
+            return Err(LinearError::NoSlope { answer: name.to_owned() });
+        }
+        if slopes[clock] != 0.0 || self.later.iter().any(changed) {
+            return Err(LinearError::AnswerVaries { answer: name.to_owned() });
+        }
+        let (n, inputs) = (seen.place.ncols(), seen.input.ncols());
+        for i in 0..n {
+            seen.place[(row, i)] = slopes[i];
+            seen.rate[(row, i)] = slopes[n + i];
+            seen.acceleration[(row, i)] = slopes[2 * n + i];
+        }
+        (0..inputs).for_each(|k| seen.input[(row, k)] = slopes[clock - inputs + k]);
+        Ok(())
+    }
+}

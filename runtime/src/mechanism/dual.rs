@@ -1,0 +1,227 @@
+//! Numbers with a slope: exact derivatives of whatever is computed with them.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use super::{Real, Table};
+
+/// x + x' ε with ε² = 0: a value and its derivative in one direction (Griewank and Walther, Evaluating Derivatives,
+/// 2008, 3.1).
+///
+/// Where a function has no derivative, at a kink or a jump that the direction leads across, the slope is NaN.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Dual {
+    pub value: f64,
+    pub slope: f64,
+}
+
+impl Dual {
+    /// A number that does not change.
+    pub fn constant(value: f64) -> Dual {
+        Dual { value, slope: 0.0 }
+    }
+
+    /// f(x) with the derivative f'(x); what does not change needs none.
+    fn mapped(self, value: f64, derivative: f64) -> Dual {
+        Dual { value, slope: times(self.slope, derivative) }
+    }
+}
+
+/// slope · derivative, 0 where nothing changes, however steep the function is.
+fn times(slope: f64, derivative: f64) -> f64 {
+    if slope == 0.0 { 0.0 } else { slope * derivative }
+}
+
+impl Add for Dual {
+    type Output = Dual;
+
+    fn add(self, other: Dual) -> Dual {
+        Dual { value: self.value + other.value, slope: self.slope + other.slope }
+    }
+}
+
+impl Sub for Dual {
+    type Output = Dual;
+
+    fn sub(self, other: Dual) -> Dual {
+        Dual { value: self.value - other.value, slope: self.slope - other.slope }
+    }
+}
+
+impl Mul for Dual {
+    type Output = Dual;
+
+    fn mul(self, other: Dual) -> Dual {
+        let slope = times(self.slope, other.value) + times(other.slope, self.value);
+        Dual { value: self.value * other.value, slope }
+    }
+}
+
+impl Div for Dual {
+    type Output = Dual;
+
+    fn div(self, other: Dual) -> Dual {
+        let value = self.value / other.value;
+        Dual { value, slope: times(self.slope, 1.0 / other.value) - times(other.slope, value / other.value) }
+    }
+}
+
+impl Neg for Dual {
+    type Output = Dual;
+
+    fn neg(self) -> Dual {
+        Dual { value: -self.value, slope: -self.slope }
+    }
+}
+
+impl Real for Dual {
+    const LANES: usize = 1;
+
+    fn gather(lane: impl Fn(usize) -> f64) -> Dual {
+        Dual::constant(lane(0))
+    }
+
+    fn lane(self, _: usize) -> f64 {
+        self.value
+    }
+
+    fn ratio(n: f64, d: f64) -> Dual {
+        Dual::constant(n / d)
+    }
+
+    fn sqrt(self) -> Dual {
+        let root = self.value.sqrt();
+        self.mapped(root, 0.5 / root)
+    }
+
+    fn sin_cos(self) -> (Dual, Dual) {
+        let (sin, cos) = self.value.sin_cos();
+        (self.mapped(sin, cos), self.mapped(cos, -sin))
+    }
+
+    fn tan(self) -> Dual {
+        let tan = self.value.tan();
+        self.mapped(tan, 1.0 + tan * tan)
+    }
+
+    fn asin(self) -> Dual {
+        self.mapped(self.value.asin(), 1.0 / (1.0 - self.value * self.value).sqrt())
+    }
+
+    fn acos(self) -> Dual {
+        self.mapped(self.value.acos(), -1.0 / (1.0 - self.value * self.value).sqrt())
+    }
+
+    fn atan(self) -> Dual {
+        self.mapped(self.value.atan(), 1.0 / (1.0 + self.value * self.value))
+    }
+
+    fn atan2(self, x: Dual) -> Dual {
+        let square = self.value * self.value + x.value * x.value;
+        let slope = times(self.slope, x.value / square) - times(x.slope, self.value / square);
+        Dual { value: self.value.atan2(x.value), slope }
+    }
+
+    fn sinh(self) -> Dual {
+        self.mapped(self.value.sinh(), self.value.cosh())
+    }
+
+    fn cosh(self) -> Dual {
+        self.mapped(self.value.cosh(), self.value.sinh())
+    }
+
+    fn tanh(self) -> Dual {
+        let tanh = self.value.tanh();
+        self.mapped(tanh, 1.0 - tanh * tanh)
+    }
+
+    fn exp(self) -> Dual {
+        let exp = self.value.exp();
+        self.mapped(exp, exp)
+    }
+
+    fn ln(self) -> Dual {
+        self.mapped(self.value.ln(), 1.0 / self.value)
+    }
+
+    fn powf(self, y: Dual) -> Dual {
+        let value = self.value.powf(y.value);
+        let by_base = times(self.slope, y.value * self.value.powf(y.value - 1.0));
+        Dual { value, slope: by_base + times(y.slope, value * self.value.ln()) }
+    }
+
+    fn select_nonnegative(self, yes: Dual, no: Dual) -> Dual {
+        let chosen = if self.value >= 0.0 { yes } else { no };
+        let at_the_edge = self.value == 0.0 && self.slope != 0.0;
+        if at_the_edge && yes != no { Dual { slope: f64::NAN, ..chosen } } else { chosen }
+    }
+
+    fn exceeds(self, floor: Dual) -> bool {
+        self.value > floor.value
+    }
+
+    fn table(self, table: &Table, order: usize) -> Dual {
+        let at = |order| table.evaluate(self.value, order);
+        self.mapped(at(order), at(order + 1))
+    }
+}
+
+/// Numbers that do not change; where there are none, zeros.
+pub(super) fn still(from: &[f64], to: &mut [Dual]) {
+    to.iter_mut().zip(from).for_each(|(to, from)| *to = Dual::constant(*from));
+}
+
+/// Gives the number at a place of several lists, counted through all of them, a slope.
+pub(super) fn seed(lists: &mut [&mut [Dual]], mut place: usize, slope: f64) {
+    for list in lists {
+        match list.get_mut(place) {
+            Some(number) => return number.slope = slope,
+            None => place -= list.len(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every derivative beside that of the inverse or of an identity, to rounding.
+    #[test]
+    fn slopes_are_derivatives() {
+        let x = |value: f64| Dual { value, slope: 1.0 };
+        let close = |found: Dual, value: f64, slope: f64| {
+            let off = (found.value - value).abs().max((found.slope - slope).abs());
+            assert!(off < 1e-14, "{found:?} is not {value} + {slope} ε");
+        };
+        for value in [0.3, 0.7] {
+            let it = x(value);
+            close(it.sin_cos().0.asin(), value, 1.0);
+            close(it.sin_cos().1.acos(), value, 1.0);
+            close(it.tan().atan(), value, 1.0);
+            close(it.tan().atan2(Dual::constant(1.0)), value, 1.0);
+            close(it.exp().ln(), value, 1.0);
+            close(it.sinh() / it.cosh() - it.tanh(), 0.0, 0.0);
+            close(it.cosh() * it.cosh() - it.sinh() * it.sinh(), 1.0, 0.0);
+            close(it.sqrt() * it.sqrt(), value, 1.0);
+            close(it.powf(Dual::constant(2.5)), value.powf(2.5), 2.5 * value.powf(1.5));
+            close(Dual::constant(2.0).powf(it), 2.0_f64.powf(value), 2.0_f64.powf(value) * 2.0_f64.ln());
+        }
+    }
+
+    #[test]
+    fn kinks_have_no_slope() {
+        let zero = Dual { value: 0.0, slope: 1.0 };
+        assert!(zero.abs().slope.is_nan() && zero.step().slope.is_nan() && zero.max(-zero).slope.is_nan());
+        // Where nothing moves nothing has to be differentiable.
+        let still = Dual::constant(0.0);
+        assert_eq!((still.abs().slope, still.sqrt().slope, still.max(still).slope), (0.0, 0.0, 0.0));
+        assert_eq!((zero - Dual::constant(1.0)).abs().slope, -1.0);
+    }
+
+    #[test]
+    fn tables_have_their_own_slopes() {
+        let pieces = vec![[1.0, -1.0, 0.0, 0.0], [1.0, -1.0, 0.5, 2.0], [17.0, 25.0, 0.0, 0.0]];
+        let table = Table { knots: vec![0.0, 2.0].into(), pieces: pieces.into(), ..Table::default() };
+        let found = Dual { value: 1.0, slope: 2.0 }.table(&table, 0);
+        assert_eq!((found.value, found.slope), (2.5, 12.0));
+    }
+}

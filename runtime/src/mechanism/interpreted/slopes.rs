@@ -1,0 +1,77 @@
+//! Slopes of what an interpreted mechanism puts out.
+
+use dalembert_symbolic::expr::{Binary, DoubleDouble, Scalar, Symbol, Unary};
+use dalembert_symbolic::interpret::{self, Function, Interpreter};
+
+use crate::mechanism::Real;
+use crate::mechanism::dual::Dual;
+
+/// Fills the columns of [`System::output_slopes`](crate::mechanism::System::output_slopes).
+pub(super) fn output_slopes(interpreter: &Interpreter, at: interpret::At<'_>, size: usize, columns: &mut [f64]) {
+    let program = interpreter.program();
+    let (n, rows) = (program.model.coordinates.len(), program.constraints.len());
+    let clock = 3 * n + rows + 3 * program.model.inputs.len();
+    let column_of = |symbol: Symbol| match symbol {
+        Symbol::Coordinate(i) => Some(i as usize),
+        Symbol::Speed(i) => Some(n + i as usize),
+        Symbol::Acceleration(i) => Some(2 * n + i as usize),
+        Symbol::Multiplier(k) => Some(3 * n + k as usize),
+        Symbol::Input(k, order) => Some(3 * n + rows + 3 * k as usize + usize::from(order)),
+        Symbol::Time => Some(clock),
+        _ => None,
+    };
+    let mut values = vec![Dual::constant(0.0); size];
+    for (k, column) in columns.chunks_exact_mut(size.max(1)).enumerate() {
+        let value = |symbol: Symbol| {
+            let slope = f64::from(u8::from(column_of(symbol) == Some(k)));
+            Dual { value: interpreter.value(symbol, at), slope }
+        };
+        interpreter.evaluate_in(Function::Outputs, value, &mut values);
+        column.iter_mut().zip(&values).for_each(|(slope, value)| *slope = value.slope);
+    }
+}
+
+impl Scalar for Dual {
+    fn constant(value: DoubleDouble) -> Dual {
+        Dual::constant(value.to_f64())
+    }
+
+    fn unary(function: Unary, x: Dual) -> Dual {
+        match function {
+            Unary::Neg => -x,
+            Unary::Sqrt => x.sqrt(),
+            Unary::Sin => x.sin_cos().0,
+            Unary::Cos => x.sin_cos().1,
+            Unary::Tan => Real::tan(x),
+            Unary::Asin => x.asin(),
+            Unary::Acos => x.acos(),
+            Unary::Atan => x.atan(),
+            Unary::Sinh => x.sinh(),
+            Unary::Cosh => x.cosh(),
+            Unary::Tanh => x.tanh(),
+            Unary::Exp => x.exp(),
+            Unary::Ln => x.ln(),
+            Unary::Abs => x.abs(),
+            Unary::Sign => x.sign(),
+            Unary::Step => x.step(),
+            Unary::Table(table) => {
+                let at = |x: f64| table.at(x.into()).to_f64();
+                let slope = table.derivative().map_or(0.0, |steepness| steepness.at(x.value.into()).to_f64());
+                Dual { value: at(x.value), slope: x.slope * slope }
+            }
+        }
+    }
+
+    fn binary(operation: Binary, x: Dual, y: Dual) -> Dual {
+        match operation {
+            Binary::Add => x + y,
+            Binary::Sub => x - y,
+            Binary::Mul => x * y,
+            Binary::Div => x / y,
+            Binary::Pow => x.powf(y),
+            Binary::Atan2 => x.atan2(y),
+            Binary::Min => x.min(y),
+            Binary::Max => x.max(y),
+        }
+    }
+}
