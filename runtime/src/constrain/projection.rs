@@ -119,15 +119,38 @@ impl Projection {
     /// As [`Projection::project`].
     pub fn project_speeds<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &mut [f64]) -> Result<(), Singular> {
         let n = system.len();
-        self.form.factor(system, At::place(t, &y[..n]))?;
+        self.factor(system, At::place(t, &y[..n]))?;
         system.constraints(At::packed(t, y, n), &mut self.triples);
         self.solve(|projection, row| -projection.triples[3 * row + 1]);
         y[n..].iter_mut().zip(&self.delta).for_each(|(v, delta)| *v += delta);
+        system.constraints(At::packed(t, y, n), &mut self.triples);
+        self.note(system);
+        Ok(())
+    }
+
+    /// Measures how far a state is from the constraints that are active, and how independent they are there, of a method that
+    /// ends on them by itself.
+    ///
+    /// # Errors
+    /// As [`Projection::project`].
+    pub fn look<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) -> Result<(), Singular> {
+        if system.active_rows().is_empty() {
+            return Ok(());
+        }
+        if self.corrects {
+            self.factor(system, At::place(t, &y[..system.len()]))?;
+        }
+        self.observe(system, t, y);
+        self.note(system);
+        Ok(())
+    }
+
+    /// Factors M and J at a place, and notes how large the rows are.
+    fn factor<S: System + ?Sized>(&mut self, system: &S, place: At<'_>) -> Result<(), Singular> {
+        self.form.factor(system, place)?;
         for (row, norm) in self.form.active().iter().zip(self.form.norms()) {
             self.norms[*row] = self.norms[*row].max(*norm);
         }
-        system.constraints(At::packed(t, y, n), &mut self.triples);
-        self.note(system);
         Ok(())
     }
 

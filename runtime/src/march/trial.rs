@@ -2,6 +2,7 @@
 
 use super::noise::Steady;
 use super::{March, Pace};
+use crate::constrain::Projection;
 use crate::integrate::{OneStep, Setback, StepControl, Tolerance, Trial, longest_step, order, stepper};
 use crate::mechanism::{Method, System};
 
@@ -27,7 +28,7 @@ impl March {
             return self.keep_step(resolved.map_or(left, |resolved| resolved.min(left)));
         }
         let mut tolerance = tolerance.clone();
-        let states = scout(system, (from, self.until), self.stepper.start().y, &mut tolerance);
+        let states = scout(system, self.projects, (from, self.until), self.stepper.start().y, &mut tolerance);
         let seen = states.last().map_or(left, |(t, _)| t - from);
         let every = states.len().div_ceil(SAMPLES).max(1);
         let samples: Vec<&(f64, Vec<f64>)> = states.iter().step_by(every).collect();
@@ -65,8 +66,14 @@ impl March {
     }
 }
 
-/// States along the start of a motion, and the ranges that the tolerance is to know.
-fn scout(system: &dyn System, (from, until): (f64, f64), y: &[f64], tolerance: &mut Tolerance) -> Vec<(f64, Vec<f64>)> {
+/// States along the start of a motion, brought to the constraints if it `projects`, and the ranges that the tolerance is to know.
+fn scout(
+    system: &dyn System,
+    projects: bool,
+    (from, until): (f64, f64),
+    y: &[f64],
+    tolerance: &mut Tolerance,
+) -> Vec<(f64, Vec<f64>)> {
     let mut stepper = stepper(Method::Dop853, system.len(), false);
     stepper.state_mut().copy_from_slice(y);
     let mut control = StepControl::new(stepper.control());
@@ -78,13 +85,18 @@ fn scout(system: &dyn System, (from, until): (f64, f64), y: &[f64], tolerance: &
         return states;
     }
     let mut steady = Steady::default();
+    // Trial steps are to begin on the constraints.
+    let mut projection = Projection::new(system).map(|projection| projection.only_looking(!projects));
     for _ in 0..2 * SCOUTED {
         h = h.min(until - t);
         if t + h <= t || states.len() > SCOUTED {
             break;
         }
         let error = stepper.attempt(system, Trial { t, h, tolerance: Some(&known) }).unwrap_or(f64::NAN);
-        let concluded = error <= 1.0 && stepper.conclude(system, t + h, false) == Ok(true);
+        let concluded = error <= 1.0 && {
+            let moved = projection.as_mut().map_or(Ok(false), |p| p.project(system, t + h, stepper.end_mut()));
+            moved.is_ok_and(|moved| stepper.conclude(system, t + h, moved) == Ok(true))
+        };
         if !concluded {
             if steady.remains(error, h, SCOUT) {
                 known.set_off(stepper.errors());
