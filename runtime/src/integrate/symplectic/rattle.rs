@@ -23,7 +23,7 @@ pub(super) struct Rattle {
     pub stands: bool,
     /// (c, c', Σ |terms| of c) of all rows.
     triples: Vec<f64>,
-    /// The largest Σ |terms| that each row has had.
+    /// The largest Σ |terms| that each row has had at the ends of parts: where it vanishes its terms may too.
     scales: Vec<f64>,
     delta: Vec<f64>,
     right: Vec<f64>,
@@ -45,8 +45,8 @@ pub(super) struct Part<'a> {
     pub y: &'a [f64],
 }
 
-/// Rounding of a constraint beside the sum of its terms.
-const ROUNDING: f64 = 8.0 * f64::EPSILON;
+/// Less than the rounding of a constraint beside the sum of its terms.
+const ROUNDING: f64 = 0.1 * f64::EPSILON;
 /// An iteration that no longer converges has met a constraint to rounding where it misses no more than this part of its terms.
 const MET: f64 = 1e-10;
 /// A correction that leaves more than this of what is missed calls for a new matrix.
@@ -139,15 +139,15 @@ impl Rattle {
         let (mut before, mut fresh) = (f64::INFINITY, false);
         for _ in 0..ITERATIONS {
             let missed = self.missed(system, At::packed(t, end, n));
-            let converges = missed <= SLOW * before;
-            if missed <= ROUNDING || (fresh && !converges && missed <= MET) {
+            let left = missed / before;
+            let met = fresh && left > SLOW && missed <= MET;
+            if met || missed == 0.0 {
                 return true;
             }
-            fresh = !converges || before.is_infinite();
+            fresh = before.is_infinite() || left > SLOW;
             if !missed.is_finite() || (fresh && !self.aim(system, At::place(t, &end[..n]))) {
                 break;
             }
-            before = missed;
             let (triples, delta) = (&self.triples, &mut self.delta);
             self.form.steer(|row| -triples[3 * row], delta);
             for k in 0..n {
@@ -156,6 +156,11 @@ impl Rattle {
                 end[k] = y[k] + increment[k];
                 end[n + k] = y[n + k] + increment[n + k];
             }
+            // What this correction leaves is known by what the one before left.
+            if !before.is_infinite() && left * missed <= ROUNDING {
+                return true;
+            }
+            before = missed;
         }
         false
     }
@@ -168,11 +173,9 @@ impl Rattle {
     /// By what part of its terms the place misses the constraint that it misses most, of those whose rows are kept.
     fn missed(&mut self, system: &dyn System, at: At<'_>) -> f64 {
         system.constraints(at, &mut self.triples);
-        let (triples, scales) = (&self.triples, &mut self.scales);
         self.form.kept().fold(0.0_f64, |most, row| {
-            let (c, terms) = (triples[3 * row], triples[3 * row + 2]);
-            scales[row] = scales[row].max(terms);
-            let share = if c == 0.0 { 0.0 } else { c.abs() / scales[row] };
+            let (c, terms) = (self.triples[3 * row], self.triples[3 * row + 2]);
+            let share = if c == 0.0 { 0.0 } else { c.abs() / terms.max(self.scales[row]) };
             most.max(if share.is_nan() { f64::INFINITY } else { share })
         })
     }
@@ -181,6 +184,9 @@ impl Rattle {
     fn align(&mut self, system: &dyn System, Part { t, y, .. }: Part<'_>, increment: &mut [f64], end: &mut [f64]) {
         let n = y.len() / 2;
         system.constraints(At::packed(t, end, n), &mut self.triples);
+        for (scale, triple) in self.scales.iter_mut().zip(self.triples.chunks_exact(3)) {
+            *scale = scale.max(triple[2]);
+        }
         self.right.clear();
         self.right.extend(self.form.active().iter().map(|row| -self.triples[3 * row + 1]));
         self.delta.fill(0.0);

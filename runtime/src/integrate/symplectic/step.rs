@@ -58,7 +58,8 @@ impl<Y: Block> Symplectic<Y> {
     /// Makes room for n coordinates.
     pub fn new(scheme: &'static Splitting, n: usize, work: bool) -> Self {
         let zeros = || Y::zeros(n);
-        let passage = || Passage { increment: zeros(), end: zeros(), rate: zeros(), rattle: Rattle::default(), evaluations: 0 };
+        let passage =
+            || Passage { increment: zeros(), end: zeros(), rate: zeros(), rattle: Rattle::default(), evaluations: 0 };
         Symplectic {
             scheme,
             n,

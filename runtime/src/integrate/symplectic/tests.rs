@@ -11,12 +11,8 @@ use crate::simulate::simulate;
 use crate::testing::Toy;
 use crate::{Error, Inseparable, Settings};
 
-const ALL: [(Method, &Splitting); 4] = [
-    (Method::Verlet, VERLET),
-    (Method::Srkn4, SRKN4),
-    (Method::Suzuki4, SUZUKI_4),
-    (Method::KahanLi8, KAHAN_LI_8),
-];
+const ALL: [(Method, &Splitting); 4] =
+    [(Method::Verlet, VERLET), (Method::Srkn4, SRKN4), (Method::Suzuki4, SUZUKI_4), (Method::KahanLi8, KAHAN_LI_8)];
 
 /// The largest departures of energy and angular momentum from the start up to each of these times.
 fn departures(run: &Run, times: &[f64]) -> Vec<[f64; 2]> {
