@@ -35,8 +35,8 @@ fn eliminate<T: ComplexField<RealField = f64> + Copy>(matrix: &mut [T], pivots: 
 /// x becomes (L U)⁻¹ x, of a matrix that [`factor_lu`] factored.
 pub(crate) fn solve_lu<T: ComplexField<RealField = f64> + Copy>(matrix: &[T], pivots: &[usize], x: &mut [T]) {
     let n = pivots.len();
-    for k in 0..n {
-        x.swap(k, pivots[k]);
+    for (k, pivot) in pivots.iter().enumerate() {
+        x.swap(k, *pivot);
     }
     for i in 1..n {
         let sum = (0..i).fold(x[i], |sum, j| sum - matrix[i * n + j] * x[j]);
