@@ -2,7 +2,9 @@
 
 use dalembert::mechanism::System;
 use dalembert::precision::{Candidate, Plan, WorkPrecision};
-use dalembert::{Cause, Enforcement, Error, Inseparable, Method, Run, Settings, Simulate, Stabilisation, simulate};
+use dalembert::{
+    Cause, Enforcement, Error, Inseparable, Method, Run, Settings, Simulate, Stabilisation, Warning, simulate,
+};
 
 dalembert::model!(
     yaml = r#"
@@ -85,6 +87,19 @@ constraints: {rod: x^2 + y^2 - l^2}
 phases: {held: [rod], free: []}
 events: {lets_go: {phase: held, when: y + 0.6*l, direction: rising, then: free}}
 scene: {start: {x: 0, y: -l, x': 4}, phase: held, until: 0.6, tolerance: 1e-9}
+"#
+);
+
+dalembert::model!(
+    yaml = r#"
+name: Parallelogram
+parameters: {m: 1 kg, l: 1 m, d: 1.5 m, g: 10 m/s^2}
+coordinates: {x: m, y: m, u: m, v: m}
+bodies: {a: {mass: m, position: "[x, y]"}, b: {mass: 2*m, position: "[u, v]"}}
+gravity: [0, -g]
+constraints: {crank: x^2 + y^2 - l^2, rocker: (u - d)^2 + v^2 - l^2, rod: (u - x)^2 + (v - y)^2 - d^2}
+outputs: {energy: m*(x'^2 + y'^2)/2 + m*(u'^2 + v'^2) + m*g*(y + 2*v)}
+scene: {start: {x: l*cos(1), y: l*sin(1), u: d + l*cos(1), v: l*sin(1), x': -8*sin(1)}, until: 100, tolerance: 1e-9}
 "#
 );
 
@@ -483,4 +498,36 @@ fn charts_have_a_curve_for_each_of_them() {
         let observed = curve.order().unwrap();
         assert!((observed - order).abs() < 0.1 * order, "{method}: {observed}");
     }
+}
+
+#[test]
+fn change_points_are_passed_on_the_branch_and_on_the_constraints() {
+    for (method, step, within) in [
+        (Method::Verlet, 0.03, 5e-3),
+        (Method::Verlet, 0.01, 2e-3),
+        (Method::Suzuki4, 0.02, 1e-5),
+        (Method::KahanLi8, 0.1, 1e-5),
+        (Method::KahanLi8, 0.023, 1e-8),
+    ] {
+        let change = |settings: &mut Settings| {
+            (settings.method, settings.step, settings.every) = (method, Some(step), Some(1.0));
+        };
+        let run = run(&mut Parallelogram::default().system(), &change).unwrap();
+        let off = run.states().map(|state| (state["u"] - state["x"] - 1.5).abs()).fold(0.0, f64::max);
+        let (energy, residuals) = (run.column("energy").unwrap(), run.residuals.unwrap());
+        let lost = (energy.last().unwrap() / energy[0] - 1.0).abs();
+        assert!(off < 1e-12 && lost < within, "{method} {step}: {off:e} {lost:e}");
+        assert!(residuals.position < 1e-10 && residuals.velocity < 1e-6, "{method} {step}: {residuals:?}");
+        assert!(run.warnings.iter().any(|warning| matches!(warning, Warning::SingularPassed { .. })));
+    }
+}
+
+#[test]
+fn a_tolerance_below_rounding_finds_the_step_below_which_errors_do_not_fall() {
+    let exact = run(&mut Angle::default().system(), &|_| ()).unwrap().last()["theta"];
+    let found = swing(&|settings| {
+        (settings.method, settings.tolerance, settings.every) = (Method::Suzuki4, 1e-14, Some(settings.until));
+    });
+    let (error, step) = ((found.last()["theta"] - exact).abs(), found.step.unwrap());
+    assert!(error < 1e-11 && (1e-4..1e-2).contains(&step), "{error:e} {step:e}");
 }

@@ -44,6 +44,8 @@ pub struct Residuals {
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// A constraint that is missed by this part of its terms is not kept.
 const LOST: f64 = 1e-6;
+/// So many roundings are more than those of a method that met all rows.
+const LEFT_OUT: f64 = 1e5;
 /// Corrections of positions at most; a chord iteration gains some four digits each.
 const ITERATIONS: usize = 8;
 /// Rows further than this from depending on each other determine a state to its own rounding.
@@ -129,20 +131,23 @@ impl Projection {
     }
 
     /// Measures how far a state is from the constraints that are active, and how independent they are there, of a method that
-    /// ends on them by itself.
+    /// ends on them by itself; brings it back only where rows that it left out near a singular position were missed.
     ///
     /// # Errors
     /// As [`Projection::project`].
-    pub fn look<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) -> Result<(), Singular> {
+    pub fn look<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &mut [f64]) -> Result<bool, Singular> {
         if system.active_rows().is_empty() {
-            return Ok(());
-        }
-        if self.corrects {
-            self.factor(system, At::place(t, &y[..system.len()]))?;
+            return Ok(false);
         }
         self.observe(system, t, y);
+        if self.corrects {
+            if self.distance(system) > LEFT_OUT {
+                return self.project(system, t, y);
+            }
+            self.factor(system, At::place(t, &y[..system.len()]))?;
+        }
         self.note(system);
-        Ok(())
+        Ok(false)
     }
 
     /// Factors M and J at a place, and notes how large the rows are.

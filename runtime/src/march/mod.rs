@@ -469,8 +469,7 @@ impl March {
         }
         let moved = match &mut self.projection {
             Some(projection) if self.stepper.keeps_constraints() => {
-                projection.look(system, step.next, self.stepper.end().y)?;
-                false
+                projection.look(system, step.next, self.stepper.end_mut())?
             }
             Some(projection) => projection.project(system, step.next, self.stepper.end_mut())?,
             None => false,

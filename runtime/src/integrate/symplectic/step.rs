@@ -130,6 +130,16 @@ impl<Y: Block> Passage<Y> {
         Ok(())
     }
 
+    /// Takes note that its end is another.
+    fn moved(&mut self, system: &dyn System, t: f64, y: &Y) -> Result<(), Setback> {
+        let ends = self.end.all().iter().zip(y.all());
+        self.increment.all_mut().iter_mut().zip(ends).for_each(|(increment, (end, y))| *increment = end - y);
+        let (n, end) = (y.all().len() / 2, self.end.all());
+        let (speeds, accelerations) = self.rate.all_mut().split_at_mut(n);
+        speeds.copy_from_slice(&end[n..]);
+        Ok(self.rattle.begin(system, At::packed(t, end, n), accelerations)?)
+    }
+
     /// The same in parts of RATTLE, for compositions of Verlet steps.
     fn go_constrained(
         &mut self,
@@ -218,8 +228,11 @@ impl<Y: Block> OneStep for Symplectic<Y> {
         Ok(0.0)
     }
 
-    fn conclude(&mut self, _: &dyn System, _: f64, _: bool) -> Result<bool, Setback> {
-        // The last kick had the acceleration at the end, and nothing moves it: RATTLE's parts end on the constraints.
+    fn conclude(&mut self, system: &dyn System, t: f64, moved: bool) -> Result<bool, Setback> {
+        // The last kick had the acceleration at the end, and RATTLE ends on all constraints that it does not leave out.
+        if moved {
+            self.whole.moved(system, t, &self.y)?;
+        }
         Ok(self.whole.rate.all().iter().all(|rate| rate.is_finite()))
     }
 
