@@ -1,6 +1,52 @@
-//! Dense matrices whose rows and columns may be of any size.
+//! Dense matrices whose rows and columns may be of any size; systems that are solved in room that is there.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{ComplexField, DMatrix, DVector};
+
+/// L U of a square matrix, row by row, in place, by Gauss's elimination: L below the diagonal, U on it and above.  The pivot of
+/// a column is its largest element; `pivots` tells which row was exchanged with each.  False where it is singular or not finite.
+pub(crate) fn factor_lu<T: ComplexField<RealField = f64> + Copy>(matrix: &mut [T], pivots: &mut [usize]) -> bool {
+    (0..pivots.len()).all(|k| eliminate(matrix, pivots, k))
+}
+
+fn eliminate<T: ComplexField<RealField = f64> + Copy>(matrix: &mut [T], pivots: &mut [usize], k: usize) -> bool {
+    let n = pivots.len();
+    let size = |matrix: &[T], i: usize| matrix[i * n + k].norm1();
+    let best = (k..n).fold(k, |best, i| if size(matrix, i) > size(matrix, best) { i } else { best });
+    pivots[k] = best;
+    if best != k {
+        (0..n).for_each(|j| matrix.swap(k * n + j, best * n + j));
+    }
+    let pivot = matrix[k * n + k];
+    if !(pivot.norm1() > 0.0 && pivot.is_finite()) {
+        return false;
+    }
+    let (above, below) = matrix.split_at_mut((k + 1) * n);
+    let line = &above[k * n..];
+    for row in below.chunks_exact_mut(n) {
+        let factor = row[k] / pivot;
+        row[k] = factor;
+        if factor != T::zero() {
+            row[k + 1..].iter_mut().zip(&line[k + 1..]).for_each(|(x, y)| *x -= factor * *y);
+        }
+    }
+    true
+}
+
+/// x becomes (L U)⁻¹ x, of a matrix that [`factor_lu`] factored.
+pub(crate) fn solve_lu<T: ComplexField<RealField = f64> + Copy>(matrix: &[T], pivots: &[usize], x: &mut [T]) {
+    let n = pivots.len();
+    for (k, pivot) in pivots.iter().enumerate() {
+        x.swap(k, *pivot);
+    }
+    for i in 1..n {
+        let sum = (0..i).fold(x[i], |sum, j| sum - matrix[i * n + j] * x[j]);
+        x[i] = sum;
+    }
+    for i in (0..n).rev() {
+        let sum = (i + 1..n).fold(x[i], |sum, j| sum - matrix[i * n + j] * x[j]);
+        x[i] = sum / matrix[i * n + i];
+    }
+}
 
 /// R A C with the largest element of every row and column near 1, and the diagonals of R and C, powers of two: so
 /// that what is small beside 1e12 counts in its own row (Ruiz 2001).
@@ -46,4 +92,30 @@ pub(crate) fn solve_least(matrix: &DMatrix<f64>, right: &DMatrix<f64>) -> Option
 pub(crate) fn is_symmetric(matrix: &DMatrix<f64>) -> bool {
     let largest = matrix.amax();
     (matrix - matrix.transpose()).amax() <= 1e-13 * largest
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Complex;
+
+    use super::*;
+
+    #[test]
+    fn factors_solve_with_exchanged_rows() {
+        let matrix = [0.0, 2.0, 1.0, 4.0, 1.0, 0.0, 2.0, 3.0, 5.0].map(|x| Complex::new(x, 0.5 * x * x));
+        let (mut factors, mut pivots) = (matrix, [0; 3]);
+        assert!(factor_lu(&mut factors, &mut pivots));
+        let expected = [Complex::new(1.0, -1.0), Complex::new(0.5, 2.0), Complex::new(-3.0, 0.0)];
+        let mut x: Vec<Complex<f64>> =
+            matrix.chunks(3).map(|row| row.iter().zip(&expected).map(|(a, x)| a * x).sum()).collect();
+        solve_lu(&factors, &pivots, &mut x);
+        assert!(x.iter().zip(&expected).all(|(x, expected)| (x - expected).norm() < 1e-13), "{x:?}");
+    }
+
+    #[test]
+    fn a_singular_matrix_is_not_factored() {
+        assert!(!factor_lu(&mut [1.0, 2.0, 2.0, 4.0], &mut [0; 2]));
+        assert!(!factor_lu(&mut [f64::NAN], &mut [0]));
+        assert!(factor_lu(&mut [1.0, 2.0, 2.0, 5.0], &mut [0; 2]));
+    }
 }

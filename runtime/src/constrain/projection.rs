@@ -44,6 +44,8 @@ pub struct Residuals {
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// A constraint that is missed by this part of its terms is not kept.
 const LOST: f64 = 1e-6;
+/// So many roundings are more than those of a method that met all rows.
+const LEFT_OUT: f64 = 1e5;
 /// Corrections of positions at most; a chord iteration gains some four digits each.
 const ITERATIONS: usize = 8;
 /// Rows further than this from depending on each other determine a state to its own rounding.
@@ -119,15 +121,41 @@ impl Projection {
     /// As [`Projection::project`].
     pub fn project_speeds<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &mut [f64]) -> Result<(), Singular> {
         let n = system.len();
-        self.form.factor(system, At::place(t, &y[..n]))?;
+        self.factor(system, At::place(t, &y[..n]))?;
         system.constraints(At::packed(t, y, n), &mut self.triples);
         self.solve(|projection, row| -projection.triples[3 * row + 1]);
         y[n..].iter_mut().zip(&self.delta).for_each(|(v, delta)| *v += delta);
+        system.constraints(At::packed(t, y, n), &mut self.triples);
+        self.note(system);
+        Ok(())
+    }
+
+    /// Measures how far a state is from the constraints that are active, and how independent they are there, of a method that
+    /// ends on them by itself; brings it back only where rows that it left out near a singular position were missed.
+    ///
+    /// # Errors
+    /// As [`Projection::project`].
+    pub fn look<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &mut [f64]) -> Result<bool, Singular> {
+        if system.active_rows().is_empty() {
+            return Ok(false);
+        }
+        self.observe(system, t, y);
+        if self.corrects {
+            if self.distance(system) > LEFT_OUT {
+                return self.project(system, t, y);
+            }
+            self.factor(system, At::place(t, &y[..system.len()]))?;
+        }
+        self.note(system);
+        Ok(false)
+    }
+
+    /// Factors M and J at a place, and notes how large the rows are.
+    fn factor<S: System + ?Sized>(&mut self, system: &S, place: At<'_>) -> Result<(), Singular> {
+        self.form.factor(system, place)?;
         for (row, norm) in self.form.active().iter().zip(self.form.norms()) {
             self.norms[*row] = self.norms[*row].max(*norm);
         }
-        system.constraints(At::packed(t, y, n), &mut self.triples);
-        self.note(system);
         Ok(())
     }
 

@@ -86,15 +86,24 @@ pub enum Error {
 }
 
 /// What keeps a method for separable systems from a mechanism.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Inseparable {
-    /// The mechanism has constraints.
+    /// The mechanism has constraints, and the method is not made of Verlet steps, whose constrained form is RATTLE.
     Constraints,
     /// M changes along a run.
     MassMatrix,
     /// Forces depend on speeds, or switch with them, or are not known not to.
     Speeds,
+    /// A constraint contains speeds.
+    Rates {
+        /// The constraint, or its component.
+        constraint: String,
+    },
+    /// Forces are made of reactions, as friction is.
+    Friction,
+    /// Constraints are enforced by the null space, or brought back by Baumgarte's stabilisation: both go with accelerations.
+    Enforcement,
 }
 
 /// What keeps the exact propagation of linear systems from a mechanism.
@@ -122,9 +131,15 @@ impl fmt::Display for Nonlinear {
 impl fmt::Display for Inseparable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Inseparable::Constraints => "it has constraints",
+            Inseparable::Constraints => "it has constraints; `verlet` (RATTLE), `suzuki4` and `kahanli8` keep them",
             Inseparable::MassMatrix => "its mass matrix changes along the motion",
             Inseparable::Speeds => "its forces depend on speeds",
+            Inseparable::Rates { constraint } => return write!(f, "its constraint `{constraint}` contains speeds"),
+            Inseparable::Friction => "its forces are made of reactions, as friction is",
+            Inseparable::Enforcement => {
+                "its constraints are enforced by the null space or by Baumgarte's stabilisation, which act on accelerations; \
+                 take `multipliers`"
+            }
         })
     }
 }
@@ -154,8 +169,8 @@ impl fmt::Display for Error {
             Error::NoStep { method } => write!(f, "`{method}` needs a fixed step: give `step`"),
             Error::NotSeparable { method, reason } => write!(
                 f,
-                "`{method}` is for separable systems: no constraints, a constant mass matrix, forces that do not depend on \
-                 speeds; the mechanism is not one, since {reason}"
+                "`{method}` is for separable systems: a constant mass matrix, forces that do not depend on speeds, constraints \
+                 without speeds; the mechanism is not one, since {reason}"
             ),
             Error::NotLinear { reason } => {
                 write!(

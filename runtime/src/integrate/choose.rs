@@ -5,7 +5,7 @@ use super::explicit::Scheme;
 use super::explicit::{DOP853, DOPRI5, Dop853, Dopri5, EULER, Euler, ExplicitRungeKutta, MIDPOINT, Midpoint, RK4, Rk4};
 use super::implicit::{Collocation, GAUSS_2, GAUSS_4, GAUSS_6, RADAU_5};
 use super::rosenbrock::{RODAS5P, Rosenbrock};
-use super::symplectic::{KAHAN_LI_8, SRKN4, Splitting, Symplectic, VERLET};
+use super::symplectic::{KAHAN_LI_8, SRKN4, SUZUKI_4, Splitting, Symplectic, VERLET};
 use super::{OneStep, Stability};
 use crate::mechanism::Method;
 
@@ -33,6 +33,7 @@ pub(crate) fn stepper(method: Method, n: usize, work: bool) -> Box<dyn OneStep> 
         Method::Dop853 | Method::Auto => explicit::<Dop853>(n, work),
         Method::Verlet => symplectic(VERLET, n, work),
         Method::Srkn4 => symplectic(SRKN4, n, work),
+        Method::Suzuki4 => symplectic(SUZUKI_4, n, work),
         Method::KahanLi8 => symplectic(KAHAN_LI_8, n, work),
         Method::Gauss2 => Box::new(Collocation::new(GAUSS_2, n, work)),
         Method::Gauss4 => Box::new(Collocation::new(GAUSS_4, n, work)),
@@ -53,6 +54,7 @@ pub(crate) fn order(method: Method) -> u32 {
         Method::Dop853 | Method::Auto => DOP853.order,
         Method::Verlet => VERLET.order,
         Method::Srkn4 => SRKN4.order,
+        Method::Suzuki4 => SUZUKI_4.order,
         Method::KahanLi8 => KAHAN_LI_8.order,
         Method::Gauss2 => GAUSS_2.order,
         Method::Gauss4 => GAUSS_4.order,
@@ -74,6 +76,7 @@ pub(crate) fn stability(method: Method) -> Stability {
         Method::Dop853 | Method::Auto => Stability::Polynomial(DOP853.stability()),
         Method::Verlet => Stability::Splitting(VERLET),
         Method::Srkn4 => Stability::Splitting(SRKN4),
+        Method::Suzuki4 => Stability::Splitting(SUZUKI_4),
         Method::KahanLi8 => Stability::Splitting(KAHAN_LI_8),
         Method::Gauss2 => Stability::Rational(GAUSS_2.stability),
         Method::Gauss4 => Stability::Rational(GAUSS_4.stability),

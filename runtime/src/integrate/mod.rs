@@ -89,6 +89,11 @@ pub(crate) trait OneStep: Send {
     /// Takes the step that was tried; adds what rounding took from it to the next one if `compensated`.
     fn accept(&mut self, compensated: bool);
 
+    /// Whether steps end on the constraints by themselves: to bring them there would take from them what they are for.
+    fn keeps_constraints(&self) -> bool {
+        false
+    }
+
     /// h‖Δf‖/‖Δy‖ near the end of the step, an estimate of h|λ| of the stiffest mode; after the rate at the end.
     fn stiffness(&self, h: f64) -> f64;
 
@@ -136,7 +141,7 @@ pub(crate) struct Counters {
     pub evaluations: u64,
     /// Of the Jacobians.
     pub jacobians: u64,
-    /// Factorizations of iteration matrices.
+    /// Factorizations of iteration matrices, those by which RATTLE meets constraints included.
     pub factorizations: u64,
 }
 
@@ -145,7 +150,7 @@ pub(crate) struct Counters {
 pub(crate) enum Setback {
     /// There are no accelerations at a state on the way.
     Singular(Singular),
-    /// The iteration of an implicit method does not come to an end.
+    /// The iteration of an implicit method, or of one that meets constraints, does not come to an end.
     Stalled {
         /// The step, s.
         h: f64,

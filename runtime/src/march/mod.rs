@@ -456,7 +456,7 @@ impl March {
     }
 
     /// Tries a step, and returns its error (NaN where the rate at its end is not finite).  If it is good, or `whatever` its
-    /// error, its end is brought to the constraints, and has its rate.
+    /// error, its end is brought to the constraints where the method does not end there, and has its rate.
     fn try_step(&mut self, system: &dyn System, step: Step, whatever: bool) -> Result<f64, Setback> {
         let tolerance = match &self.pace {
             Pace::Fixed(_) => None,
@@ -468,6 +468,9 @@ impl March {
             return Ok(error);
         }
         let moved = match &mut self.projection {
+            Some(projection) if self.stepper.keeps_constraints() => {
+                projection.look(system, step.next, self.stepper.end_mut())?
+            }
             Some(projection) => projection.project(system, step.next, self.stepper.end_mut())?,
             None => false,
         };

@@ -2,6 +2,7 @@
 
 use super::noise::Steady;
 use super::{March, Pace};
+use crate::constrain::Projection;
 use crate::integrate::{OneStep, Setback, StepControl, Tolerance, Trial, longest_step, order, stepper};
 use crate::mechanism::{Method, System};
 
@@ -13,13 +14,18 @@ const SAMPLES: usize = 24;
 /// The step is changed at most so often, until its error is that part of what it may be, or more.
 const ROUNDS: usize = 20;
 const ENOUGH: f64 = 0.5;
+/// The error of one step is rounding where half the step, or less, leaves so much of it; if it is below this part of the ranges,
+/// so that the motion is resolved.
+const REMAINS: f64 = 0.5;
+const RESOLVED: f64 = 1e-3;
 
 impl March {
     /// Takes the longest step whose errors over the start of the motion come to no more than the tolerance, and returns it.
     ///
     /// The error of a step h is what it differs by from two of h/2, in units of the tolerance; its root mean square over
     /// states of the start, times the number of steps that the start takes, is to be 1.  So errors are proportional to the
-    /// tolerance.  What happens only later (an encounter, a stiffer spring) the step does not know.
+    /// tolerance.  What happens only later (an encounter, a stiffer spring) the step does not know.  Where rounding does not let errors be so
+    /// small, the step is the one below which they do not fall.
     pub fn find_step(&mut self, system: &dyn System, method: Method, tolerance: &Tolerance, longest: f64) -> f64 {
         let (from, left) = (self.clock.now(), longest.min(self.until - self.clock.now()));
         if method == Method::Exact {
@@ -27,7 +33,7 @@ impl March {
             return self.keep_step(resolved.map_or(left, |resolved| resolved.min(left)));
         }
         let mut tolerance = tolerance.clone();
-        let states = scout(system, (from, self.until), self.stepper.start().y, &mut tolerance);
+        let states = scout(system, self.projects, (from, self.until), self.stepper.start().y, &mut tolerance);
         let seen = states.last().map_or(left, |(t, _)| t - from);
         let every = states.len().div_ceil(SAMPLES).max(1);
         let samples: Vec<&(f64, Vec<f64>)> = states.iter().step_by(every).collect();
@@ -35,9 +41,16 @@ impl March {
         let power = 1.0 / f64::from(order(method));
         let mut h = (seen / states.len().max(1) as f64).min(left);
         let (mut good, mut bad) = (0.0_f64, f64::INFINITY);
+        let mut before = (0.0, 0.0);
         for _ in 0..ROUNDS {
             let squares: f64 = samples.iter().map(|(t, y)| trial.error(system, *t, y, h, &tolerance).powi(2)).sum();
-            let error = (squares / samples.len().max(1) as f64).sqrt() * (seen / h).max(1.0);
+            let of_step = (squares / samples.len().max(1) as f64).sqrt();
+            let error = of_step * (seen / h).max(1.0);
+            let remains = h <= 0.5 * before.0 && of_step >= REMAINS * before.1;
+            if error > 1.0 && remains && of_step * tolerance.relative < RESOLVED {
+                return self.keep_step(before.0);
+            }
+            before = (h, of_step);
             if error <= 1.0 {
                 good = good.max(h);
                 if error >= ENOUGH || h >= left {
@@ -65,8 +78,14 @@ impl March {
     }
 }
 
-/// States along the start of a motion, and the ranges that the tolerance is to know.
-fn scout(system: &dyn System, (from, until): (f64, f64), y: &[f64], tolerance: &mut Tolerance) -> Vec<(f64, Vec<f64>)> {
+/// States along the start of a motion, brought to the constraints if it `projects`, and the ranges that the tolerance is to know.
+fn scout(
+    system: &dyn System,
+    projects: bool,
+    (from, until): (f64, f64),
+    y: &[f64],
+    tolerance: &mut Tolerance,
+) -> Vec<(f64, Vec<f64>)> {
     let mut stepper = stepper(Method::Dop853, system.len(), false);
     stepper.state_mut().copy_from_slice(y);
     let mut control = StepControl::new(stepper.control());
@@ -78,13 +97,18 @@ fn scout(system: &dyn System, (from, until): (f64, f64), y: &[f64], tolerance: &
         return states;
     }
     let mut steady = Steady::default();
+    // Trial steps are to begin on the constraints.
+    let mut projection = Projection::new(system).map(|projection| projection.only_looking(!projects));
     for _ in 0..2 * SCOUTED {
         h = h.min(until - t);
         if t + h <= t || states.len() > SCOUTED {
             break;
         }
         let error = stepper.attempt(system, Trial { t, h, tolerance: Some(&known) }).unwrap_or(f64::NAN);
-        let concluded = error <= 1.0 && stepper.conclude(system, t + h, false) == Ok(true);
+        let concluded = error <= 1.0 && {
+            let moved = projection.as_mut().map_or(Ok(false), |p| p.project(system, t + h, stepper.end_mut()));
+            moved.is_ok_and(|moved| stepper.conclude(system, t + h, moved) == Ok(true))
+        };
         if !concluded {
             if steady.remains(error, h, SCOUT) {
                 known.set_off(stepper.errors());

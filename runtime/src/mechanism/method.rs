@@ -14,13 +14,16 @@ use std::str::FromStr;
 /// | `dop853` | 8 | all that is not stiff | by the tolerance | 12 | up to hω = 5.96 |
 /// | `verlet` | 2 | separable systems, symplectic | fixed | 1 | up to hω = 2 |
 /// | `srkn4` | 4 | separable systems, symplectic | fixed | 6 | up to hω = 3.16 |
+/// | `suzuki4` | 4 | separable systems, symplectic | fixed | 5 | up to hω = 2.72 |
 /// | `kahanli8` | 8 | separable systems, symplectic | fixed | 17 | up to hω = 3.09 |
 /// | `gauss2`, `gauss4`, `gauss6` | 2, 4, 6 | all, symplectic | fixed | by iteration | always |
 /// | `radau5` | 5 | stiff motions | by the tolerance | by iteration | always, damped |
 /// | `rodas5p` | 5 | stiff motions | by the tolerance | 8 | always, damped |
 /// | `exact` | - | linear systems with constant coefficients | fixed | 0 | as the motion is |
 ///
-/// `exact` multiplies by e^{Ah}; its step is as long as a polynomial between its ends is exact to the tolerance.  A system is separable where M is constant and forces do not depend on speeds, nor switch with them, without constraints.
+/// `exact` multiplies by e^{Ah}; its step is as long as a polynomial between its ends is exact to the tolerance.  A system is separable where M is constant and forces do not depend on speeds, nor switch with them.
+/// Where constraints contain no speeds, `verlet` is RATTLE (`rattle` is another name of it), and `suzuki4` and `kahanli8` are its
+/// compositions of order 4 and 8: places and speeds keep the constraints to rounding, and nothing is projected.
 /// Symplectic methods keep the energy of a conservative motion within a band, however long it is, as long as their step does
 /// not change; where none is given it is found once, from the tolerance, by trial steps over the start of the motion.  Implicit methods
 /// solve linear systems with the generated Jacobians.
@@ -37,12 +40,16 @@ pub enum Method {
     Dopri5,
     /// Dormand and Prince, order 8, with error control; a fixed step if one is given.
     Dop853,
-    /// Störmer–Verlet, order 2, symplectic, for separable systems; a fixed step.
+    /// Störmer–Verlet, order 2, symplectic, for separable systems; with constraints RATTLE; a fixed step.
     Verlet,
-    /// Blanes and Moan's Runge–Kutta–Nyström splitting of six stages, order 4, symplectic, for separable systems; a fixed
-    /// step.
+    /// Blanes and Moan's Runge–Kutta–Nyström splitting of six stages, order 4, symplectic, for separable systems without
+    /// constraints; a fixed step.
     Srkn4,
-    /// Kahan and Li's composition of seventeen Verlet steps, order 8, symplectic, for separable systems; a fixed step.
+    /// Suzuki's composition of five Verlet steps, order 4, symplectic, for separable systems; with constraints of steps of
+    /// RATTLE; a fixed step.
+    Suzuki4,
+    /// Kahan and Li's composition of seventeen Verlet steps, order 8, symplectic, for separable systems; with constraints of
+    /// steps of RATTLE; a fixed step.
     KahanLi8,
     /// Gauss's collocation of one stage, the implicit midpoint rule, order 2, symplectic; a fixed step.
     Gauss2,
@@ -65,7 +72,7 @@ pub enum Method {
 
 impl Method {
     /// All methods, as users list them.
-    pub const ALL: [Method; 15] = [
+    pub const ALL: [Method; 16] = [
         Method::Euler,
         Method::Midpoint,
         Method::Rk4,
@@ -73,6 +80,7 @@ impl Method {
         Method::Dop853,
         Method::Verlet,
         Method::Srkn4,
+        Method::Suzuki4,
         Method::KahanLi8,
         Method::Gauss2,
         Method::Gauss4,
@@ -93,6 +101,7 @@ impl Method {
             Method::Dop853 => "dop853",
             Method::Verlet => "verlet",
             Method::Srkn4 => "srkn4",
+            Method::Suzuki4 => "suzuki4",
             Method::KahanLi8 => "kahanli8",
             Method::Gauss2 => "gauss2",
             Method::Gauss4 => "gauss4",
@@ -106,7 +115,12 @@ impl Method {
 
     /// True when the method is for separable systems only: M constant, forces free of speeds.
     pub fn splits(self) -> bool {
-        matches!(self, Method::Verlet | Method::Srkn4 | Method::KahanLi8)
+        self == Method::Srkn4 || self.is_of_verlet_steps()
+    }
+
+    /// True when the method is made of steps of Störmer and Verlet, which are those of RATTLE where there are constraints.
+    pub fn is_of_verlet_steps(self) -> bool {
+        matches!(self, Method::Verlet | Method::Suzuki4 | Method::KahanLi8)
     }
 
     /// True when the method is symplectic at a fixed step, and only then.
@@ -154,6 +168,9 @@ impl FromStr for Method {
     type Err = ParseMethodError;
 
     fn from_str(name: &str) -> Result<Self, ParseMethodError> {
+        if name == "rattle" {
+            return Ok(Method::Verlet);
+        }
         Method::ALL
             .into_iter()
             .find(|method| method.name() == name)

@@ -7,7 +7,8 @@ use crate::run::Work;
 /// What Jacobians and factorizations cost in evaluations of the accelerations, by counting operations.
 ///
 /// Generated functions know how many operations they have; elimination of n coordinates and m rows of constraints takes
-/// (n³ + m³)/3 + 2 n m (n + m), a solution 2 (n + m)², a factorization of the matrix of an implicit method 2 n³/3 and of a complex one four times as many.
+/// (n³ + m³)/3 + 2 n m (n + m), a solution 2 (n + m)², a factorization of the matrix of an implicit method 2 n³/3 and of a complex
+/// one four times as many, RATTLE's 2 m³/3 + 2 n m (n + m), with two solutions that go with it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct WorkUnits {
@@ -15,7 +16,7 @@ pub struct WorkUnits {
     pub operations: f64,
     /// ∂a/∂q and ∂a/∂q', in evaluations.
     pub jacobian: f64,
-    /// The matrices of a step of an implicit method, or of an exact one, in evaluations.
+    /// The matrices of a step of an implicit method, of a part of RATTLE, or of an exact one, in evaluations.
     pub factorization: f64,
     /// What a step takes beside evaluations, where it is most of the work: the product of an exact one.
     pub step: f64,
@@ -41,6 +42,9 @@ impl WorkUnits {
         let elimination = complex * 2.0 * n.powi(3) / 3.0;
         let (factorization, step) = match method {
             Method::Exact => operations_of_exact(system.len()),
+            method if method.is_of_verlet_steps() => {
+                (2.0 * m.powi(3) / 3.0 + 2.0 * n * m * (n + m) + 2.0 * solution, 0.0)
+            }
             _ => (elimination, 0.0),
         };
         let [jacobian, factorization, step] = [jacobian, factorization, step].map(|cost| cost / operations);

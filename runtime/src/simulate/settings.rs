@@ -168,13 +168,45 @@ impl Settings {
         if self.step.is_none() && !self.method.is_adaptive() && !self.method.finds_step() {
             return Err(Error::NoStep { method: self.method });
         }
-        if let Some(reason) = inseparable(mechanism).filter(|_| self.method.splits()) {
+        if let Some(reason) = self.inseparable(mechanism).filter(|_| self.method.splits()) {
             return Err(Error::NotSeparable { method: self.method, reason });
         }
         if let Some(reason) = nonlinear(mechanism).filter(|_| self.method == Method::Exact) {
             return Err(Error::NotLinear { reason });
         }
         self.check_enforcement(mechanism)
+    }
+
+    /// What keeps the places and speeds of a mechanism from being moved in turn.
+    fn inseparable(&self, mechanism: &Description) -> Option<Inseparable> {
+        if !mechanism.structure.constant_mass {
+            Some(Inseparable::MassMatrix)
+        } else if !mechanism.structure.separable {
+            Some(Inseparable::Speeds)
+        } else if mechanism.rows.is_empty() {
+            None
+        } else {
+            self.unlike_rattle(mechanism)
+        }
+    }
+
+    /// What keeps constraints from being met by RATTLE, or forgotten for springs.
+    fn unlike_rattle(&self, mechanism: &Description) -> Option<Inseparable> {
+        if !mechanism.friction_pattern.is_empty() {
+            return Some(Inseparable::Friction);
+        }
+        match self.enforcement {
+            Enforcement::Springs { damping, .. } => return (damping > 0.0).then_some(Inseparable::Speeds),
+            Enforcement::NullSpace => return Some(Inseparable::Enforcement),
+            Enforcement::Multipliers => {}
+        }
+        if let Some(row) = mechanism.rows.iter().find(|row| !row.holonomic) {
+            return Some(Inseparable::Rates { constraint: row.name.to_string() });
+        }
+        if matches!(self.stabilisation, Stabilisation::Baumgarte { .. }) {
+            return Some(Inseparable::Enforcement);
+        }
+        (!self.method.is_of_verlet_steps()).then_some(Inseparable::Constraints)
     }
 
     fn check_enforcement(&self, mechanism: &Description) -> Result<(), Error> {
@@ -227,16 +259,5 @@ fn nonlinear(mechanism: &Description) -> Option<Nonlinear> {
         Some(Nonlinear::Coefficients)
     } else {
         mechanism.structure.time_dependent.then_some(Nonlinear::Time)
-    }
-}
-
-/// What keeps the places and speeds of a mechanism from being moved in turn.
-fn inseparable(mechanism: &Description) -> Option<Inseparable> {
-    if !mechanism.rows.is_empty() {
-        Some(Inseparable::Constraints)
-    } else if !mechanism.structure.constant_mass {
-        Some(Inseparable::MassMatrix)
-    } else {
-        (!mechanism.structure.separable).then_some(Inseparable::Speeds)
     }
 }

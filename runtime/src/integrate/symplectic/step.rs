@@ -1,9 +1,10 @@
 //! One step of a splitting method.
 
+use super::rattle::{Part, Rattle, is_constrained};
 use super::tableau::Splitting;
 use crate::integrate::hermite::{BY_ENDS, BY_MIDDLE};
 use crate::integrate::{Block, Control, Counters, NO_CONTROL, OneStep, Reached, Segment, Setback, Trial};
-use crate::mechanism::{At, Singular, System};
+use crate::mechanism::{At, System};
 
 /// Any method that is given by a [`Splitting`], on blocks of any size.
 pub(crate) struct Symplectic<Y> {
@@ -29,10 +30,15 @@ pub(super) struct Passage<Y> {
     pub end: Y,
     /// The rate at its end.
     pub rate: Y,
+    /// What goes along constraints.
+    rattle: Rattle,
+    /// Evaluations of the accelerations on ways without constraints.
+    evaluations: u64,
 }
 
 /// W = ∫P dt beside the state: P is linear in the speeds of a separable mechanism, so that the mean speed of a kick gives
-/// its part exactly, and W has the order of the method.
+/// its part exactly, and W has the order of the method.  Along constraints the mean of P at both ends of a part does as well: a
+/// symmetric rule of order 2, as the part itself.
 #[derive(Clone, Copy, Default)]
 struct Quadrature {
     done: f64,
@@ -52,7 +58,8 @@ impl<Y: Block> Symplectic<Y> {
     /// Makes room for n coordinates.
     pub fn new(scheme: &'static Splitting, n: usize, work: bool) -> Self {
         let zeros = || Y::zeros(n);
-        let passage = || Passage { increment: zeros(), end: zeros(), rate: zeros() };
+        let passage =
+            || Passage { increment: zeros(), end: zeros(), rate: zeros(), rattle: Rattle::default(), evaluations: 0 };
         Symplectic {
             scheme,
             n,
@@ -70,8 +77,7 @@ impl<Y: Block> Symplectic<Y> {
     /// Goes half of a step of h, beside the motion.
     pub(super) fn pass_half(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), Setback> {
         let from = From { t, y: &self.y, rate: &self.rate, carry: &self.carry };
-        self.evaluations += self.scheme.drifts.len() as u64;
-        Ok(self.half.go(self.scheme, system, from, 0.5 * h, None)?)
+        self.half.go(self.scheme, system, from, 0.5 * h, None)
     }
 }
 
@@ -83,13 +89,17 @@ impl<Y: Block> Passage<Y> {
         from: From<'_, Y>,
         h: f64,
         mut work: Option<&mut Quadrature>,
-    ) -> Result<(), Singular> {
-        let From { t, y, rate, carry } = from;
+    ) -> Result<(), Setback> {
+        self.increment.clone_from(from.carry);
+        self.end.clone_from(from.y);
+        self.rate.clone_from(from.rate);
+        if is_constrained(system) {
+            return self.go_constrained(scheme, system, from, h, work);
+        }
+        let From { t, y, .. } = from;
         let n = y.all().len() / 2;
-        self.increment.clone_from(carry);
-        self.end.clone_from(y);
-        self.rate.clone_from(rate);
         let (mut now, mut part) = (t, 0.0);
+        self.evaluations += scheme.drifts.len() as u64;
         for (i, kick) in scheme.kicks.iter().enumerate() {
             let kicked = |part: f64, passage: &mut Self| {
                 let (end, increment) = (passage.end.all_mut(), passage.increment.all_mut());
@@ -119,6 +129,47 @@ impl<Y: Block> Passage<Y> {
         self.rate.all_mut()[..n].copy_from_slice(&self.end.all()[n..]);
         Ok(())
     }
+
+    /// Takes note that its end is another.
+    fn moved(&mut self, system: &dyn System, t: f64, y: &Y) -> Result<(), Setback> {
+        let ends = self.end.all().iter().zip(y.all());
+        self.increment.all_mut().iter_mut().zip(ends).for_each(|(increment, (end, y))| *increment = end - y);
+        let (n, end) = (y.all().len() / 2, self.end.all());
+        let (speeds, accelerations) = self.rate.all_mut().split_at_mut(n);
+        speeds.copy_from_slice(&end[n..]);
+        Ok(self.rattle.begin(system, At::packed(t, end, n), accelerations)?)
+    }
+
+    /// The same in parts of RATTLE, for compositions of Verlet steps.
+    fn go_constrained(
+        &mut self,
+        scheme: &Splitting,
+        system: &dyn System,
+        From { t, y, .. }: From<'_, Y>,
+        h: f64,
+        mut work: Option<&mut Quadrature>,
+    ) -> Result<(), Setback> {
+        let n = y.all().len() / 2;
+        let power = |t: f64, end: &Y| system.energy(At::packed(t, end.all(), n)).power;
+        let mut done = 0.0;
+        let mut before = work.as_ref().map_or(0.0, |_| power(t, y));
+        self.rattle.stand(system, At::place(t, &y.all()[..n]))?;
+        for (i, drift) in scheme.drifts.iter().enumerate() {
+            done += drift;
+            let now = if i + 1 == scheme.drifts.len() { t + h } else { t + done * h };
+            let part = Part { t: now, h: drift * h, y: y.all() };
+            let state = (self.increment.all_mut(), self.end.all_mut());
+            if !self.rattle.go(system, part, state, self.rate.all_mut())? {
+                return Err(Setback::Stalled { h });
+            }
+            if let Some(work) = &mut work {
+                let after = power(now, &self.end);
+                work.increment += 0.5 * drift * h * (before + after);
+                before = after;
+            }
+        }
+        Ok(())
+    }
 }
 
 impl<Y: Block> OneStep for Symplectic<Y> {
@@ -127,7 +178,10 @@ impl<Y: Block> OneStep for Symplectic<Y> {
     }
 
     fn counters(&self) -> Counters {
-        Counters { evaluations: self.evaluations, ..Counters::default() }
+        let ways = [&self.whole, &self.half];
+        let evaluations = ways.map(|way| way.evaluations + way.rattle.evaluations).iter().sum::<u64>();
+        let factorizations = ways.map(|way| way.rattle.factorizations).iter().sum();
+        Counters { evaluations: self.evaluations + evaluations, factorizations, ..Counters::default() }
     }
 
     fn start(&self) -> Reached<'_> {
@@ -150,11 +204,14 @@ impl<Y: Block> OneStep for Symplectic<Y> {
 
     fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), Setback> {
         self.carry.all_mut().fill(0.0);
-        let y = self.y.clone();
-        let mut rate = self.rate.clone();
-        let outcome = self.evaluate(system, t, y.all(), rate.all_mut());
-        self.rate = rate;
-        outcome
+        let (y, n) = (self.y.all(), self.n);
+        if !is_constrained(system) {
+            self.evaluations += 1;
+            return Ok(system.rate(t, y, self.rate.all_mut())?);
+        }
+        let (speeds, accelerations) = self.rate.all_mut().split_at_mut(n);
+        speeds.copy_from_slice(&y[n..]);
+        Ok(self.whole.rattle.begin(system, At::packed(t, y, n), accelerations)?)
     }
 
     fn evaluate(&mut self, system: &dyn System, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), Setback> {
@@ -164,7 +221,6 @@ impl<Y: Block> OneStep for Symplectic<Y> {
 
     fn attempt(&mut self, system: &dyn System, trial: Trial<'_>) -> Result<f64, Setback> {
         let from = From { t: trial.t, y: &self.y, rate: &self.rate, carry: &self.carry };
-        self.evaluations += self.scheme.drifts.len() as u64;
         if let Some(work) = &mut self.work {
             work.increment = 0.0;
         }
@@ -172,8 +228,11 @@ impl<Y: Block> OneStep for Symplectic<Y> {
         Ok(0.0)
     }
 
-    fn conclude(&mut self, _: &dyn System, _: f64, _: bool) -> Result<bool, Setback> {
-        // The last kick had the acceleration at the end; no constraint moves a separable mechanism.
+    fn conclude(&mut self, system: &dyn System, t: f64, moved: bool) -> Result<bool, Setback> {
+        // The last kick had the acceleration at the end, and RATTLE ends on all constraints that it does not leave out.
+        if moved {
+            self.whole.moved(system, t, &self.y)?;
+        }
         Ok(self.whole.rate.all().iter().all(|rate| rate.is_finite()))
     }
 
@@ -188,9 +247,14 @@ impl<Y: Block> OneStep for Symplectic<Y> {
         }
         std::mem::swap(&mut self.y, &mut self.whole.end);
         std::mem::swap(&mut self.rate, &mut self.whole.rate);
+        self.whole.rattle.stands = true;
         if let Some(work) = &mut self.work {
             work.done += work.increment;
         }
+    }
+
+    fn keeps_constraints(&self) -> bool {
+        true
     }
 
     fn stiffness(&self, _: f64) -> f64 {

@@ -2,7 +2,7 @@
 
 use nalgebra::Complex;
 
-use super::{KAHAN_LI_8, SRKN4, Splitting, VERLET};
+use super::{KAHAN_LI_8, SRKN4, SUZUKI_4, Splitting, VERLET};
 use crate::integrate::Stability;
 use crate::integrate::test_problems::{fixed, invariants, kepler, proportionality, run};
 use crate::mechanism::Method;
@@ -11,8 +11,8 @@ use crate::simulate::simulate;
 use crate::testing::Toy;
 use crate::{Error, Inseparable, Settings};
 
-const ALL: [(Method, &Splitting); 3] =
-    [(Method::Verlet, VERLET), (Method::Srkn4, SRKN4), (Method::KahanLi8, KAHAN_LI_8)];
+const ALL: [(Method, &Splitting); 4] =
+    [(Method::Verlet, VERLET), (Method::Srkn4, SRKN4), (Method::Suzuki4, SUZUKI_4), (Method::KahanLi8, KAHAN_LI_8)];
 
 /// The largest departures of energy and angular momentum from the start up to each of these times.
 fn departures(run: &Run, times: &[f64]) -> Vec<[f64; 2]> {
@@ -41,7 +41,7 @@ fn errors_fall_with_the_order_of_the_method_and_of_its_dense_output() {
         let settings = Settings { tolerance: 1e-14, longest_step: Some(0.02), ..Settings::new(&toy.scene) };
         simulate(&mut toy, &settings).unwrap()
     };
-    for ((method, scheme), coarse) in ALL.into_iter().zip([0.01, 0.04, 0.2]) {
+    for ((method, scheme), coarse) in ALL.into_iter().zip([0.01, 0.04, 0.04, 0.2]) {
         let errors = [coarse, coarse / 2.0].map(|step| {
             let run = run(kepler(0.3, 5.0), |settings| {
                 (settings.method, settings.step, settings.dense) = (method, Some(step), true);
@@ -63,7 +63,7 @@ fn errors_fall_with_the_order_of_the_method_and_of_its_dense_output() {
 
 #[test]
 fn stability_limits_are_those_of_the_catalogue_a3() {
-    for ((method, scheme), limit) in ALL.into_iter().zip([2.0, 3.163, 3.096]) {
+    for ((method, scheme), limit) in ALL.into_iter().zip([2.0, 3.163, 2.721, 3.096]) {
         let stability = Stability::Splitting(scheme);
         let stable = |y: f64| stability.amplification(Complex::new(0.0, y)) <= 1.0 + 1e-7;
         let first = (1..6000).map(|k| 1e-3 * f64::from(k)).find(|y| !stable(*y)).expect("a limit");
@@ -119,7 +119,7 @@ fn energy_stays_bounded_where_rk4_drifts_b2_b14() {
         let slope = (pair[1][0] / pair[0][0]).log10();
         assert!((slope - 1.0).abs() < 0.08, "{rk4:?}");
     }
-    for method in [Method::Verlet, Method::Srkn4, Method::KahanLi8] {
+    for (method, _) in ALL {
         let found = along(method);
         let slope = (found[2][0] / found[0][0]).log10() / 2.0;
         assert!(slope.abs() < 0.05 || found[2][0] < 1e-12, "{method}: {found:?}");
@@ -182,7 +182,7 @@ fn what_is_not_separable_is_refused_with_the_reason_b16() {
 #[test]
 fn the_work_of_an_input_has_the_order_of_the_method() {
     // x'' = −x + sin 2t: the balance T + V − ∫ x' sin 2t dt is constant.
-    for ((method, scheme), coarse) in ALL.into_iter().zip([0.02, 0.1, 0.4]) {
+    for ((method, scheme), coarse) in ALL.into_iter().zip([0.02, 0.1, 0.1, 0.4]) {
         let drifts = [coarse, coarse / 2.0].map(|step| {
             let mut toy = Toy::new(&["x"], (&[1.0], &[0.3]), 8.0, |t, q, _, _, a| a[0] = -q[0] + (2.0 * t).sin())
                 .energy(|t, q, v| [0.5 * v[0] * v[0], 0.5 * q[0] * q[0], v[0] * (2.0 * t).sin()])
@@ -205,6 +205,7 @@ fn steps_that_are_found_make_errors_proportional_to_the_tolerance() {
     for (method, powers) in [
         (Method::Verlet, 2..=6),
         (Method::Srkn4, 3..=9),
+        (Method::Suzuki4, 3..=9),
         (Method::KahanLi8, 4..=11),
         (Method::Gauss2, 2..=6),
         (Method::Gauss4, 3..=9),

@@ -7,6 +7,7 @@
 //! never count; in those that cease to count near a singular position, what it was before (`rows.rs`).
 
 mod comparison;
+mod crossed;
 mod null_space;
 mod rows;
 mod slopes;
@@ -35,6 +36,11 @@ pub(crate) struct Form {
     rubbed: Vec<f64>,
     /// The rows' norms √S_kk, or the largest there were.
     norms: Vec<f64>,
+    /// J at another place, later L⁻¹ Jᵀ of it, likewise.
+    ahead: Vec<f64>,
+    /// J M⁻¹ Jᵀ with J at the other place on the left and at this one on the right, of the rows that are kept, scaled and factored.
+    crossed: Vec<f64>,
+    pivots: Vec<usize>,
     gamma: Vec<f64>,
     /// What JᵀJ was added to M with, row by row, where M alone is singular.
     strength: Vec<f64>,
@@ -165,8 +171,33 @@ impl Form {
         a: &mut [f64],
         lambda: &mut [f64],
     ) -> Result<(), Singular> {
+        self.stand(system, at)?;
+        self.motion_here(system, at, alpha, a, lambda)
+    }
+
+    /// Takes M, J and h at a state and factors them.
+    ///
+    /// # Errors
+    /// As [`Form::factor`].
+    pub fn stand<S: System + ?Sized>(&mut self, system: &S, at: At<'_>) -> Result<(), Singular> {
         self.factor(system, at)?;
         system.bias(at, &mut self.h);
+        Ok(())
+    }
+
+    /// As [`Form::motion`], with M, J and h as they were taken last: at the same place, and at any speeds of which h does not
+    /// depend.
+    ///
+    /// # Errors
+    /// As [`Form::motion`].
+    pub fn motion_here<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        at: At<'_>,
+        alpha: f64,
+        a: &mut [f64],
+        lambda: &mut [f64],
+    ) -> Result<(), Singular> {
         a.iter_mut().zip(&self.h).for_each(|(a, h)| *a = -h);
         self.load_gamma(system, at, alpha, lambda);
         self.solve_motion(system, at, a, lambda)

@@ -13,6 +13,11 @@ const MANY: f64 = 8.0;
 const PAINLEVE: f64 = 1e-9;
 
 impl Form {
+    /// The rows that are kept, in the order of their pivots, among all rows of the mechanism.
+    pub fn kept(&self) -> impl Iterator<Item = usize> + '_ {
+        self.order[..self.rank].iter().map(|k| self.active[*k])
+    }
+
     /// Rows that were chosen after so many others, in the order of the mechanism's.
     pub fn chosen_after(&self, count: usize) -> Vec<usize> {
         let mut rows: Vec<usize> = self.order.iter().skip(count).map(|k| self.active[*k]).collect();
