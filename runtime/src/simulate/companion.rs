@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use super::close_calls::close_calls;
 use super::{Settings, simulate_with};
 use crate::cause::Cause;
+use crate::constrain::Projection;
 use crate::error::Error;
 use crate::mechanism::{Action, At, System, Watched};
 use crate::run::{Digits, Run, evaluate_outputs};
@@ -110,7 +111,7 @@ fn companion(
     looser: f64,
     progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Option<(f64, Run)> {
-    let mut other = alike(settings, run);
+    let mut other = alike(system, settings, run);
     let companion = match settings.step {
         Some(step) => *other.step.insert(step * if looser > LOOSER { 3.0 } else { 2.0 }),
         None => {
@@ -126,12 +127,15 @@ fn companion(
     }
 }
 
-/// The same settings for a run that is only compared, from a start moved by rounding.
-fn alike(settings: &Settings, run: &Run) -> Settings {
+/// The same settings for a run that is only compared, from its start moved by rounding.
+fn alike(system: &mut dyn System, settings: &Settings, run: &Run) -> Settings {
     // The same times are reported, however long it is.
     let every = Some(settings.spacing());
     let mut other = Settings { digits: false, dense: false, watch: false, unlike: true, every, ..settings.clone() };
     let n = other.q.len();
+    if let Some(start) = run.rows.get(..2 * n) {
+        (other.q, other.v) = (start[..n].to_vec(), start[n..].to_vec());
+    }
     let largest =
         |column: usize| run.rows.iter().skip(column).step_by(2 * n).fold(0.0_f64, |most, y| most.max(y.abs()));
     let unit = 0.5 * f64::EPSILON * MOVED;
@@ -141,7 +145,22 @@ fn alike(settings: &Settings, run: &Run) -> Settings {
         other.q[i] += sign * unit * largest(i);
         other.v[i] += sign * unit * largest(n + i);
     }
+    project(system, &mut other);
     other
+}
+
+/// Brings a moved start to the constraints: values that are held would miss what they met.
+fn project(system: &mut dyn System, settings: &mut Settings) {
+    system.set_phase(settings.phase);
+    system.enforce(settings.enforcement, settings.alpha());
+    let Some(mut projection) = Projection::new(system) else { return };
+    let mut y = [settings.q.as_slice(), settings.v.as_slice()].concat();
+    // Where that cannot be, the start is left as it is.
+    if projection.project(system, settings.from, &mut y).is_ok() {
+        let n = settings.q.len();
+        (settings.q, settings.v) = (y[..n].to_vec(), y[n..].to_vec());
+        (settings.held_q, settings.held_v, settings.also) = (Vec::new(), Vec::new(), 0..0);
+    }
 }
 
 /// Why a run has no digits left from t on: a third run, as accurate as the first, tells how a moved start grows.
@@ -157,7 +176,7 @@ fn reason(
         None => Loss::LooseTolerance { tolerance: settings.tolerance },
     };
     // With the same steps: only the start differs.
-    let moved = Settings { unlike: false, ..alike(settings, run) };
+    let moved = Settings { unlike: false, ..alike(system, settings, run) };
     if starts_at_rest(system, settings, run) {
         return Loss::UnstableStart;
     }
@@ -171,8 +190,7 @@ fn reason(
     let shared = run.times.iter().zip(&other.times).take_while(|(a, b)| a == b).count();
     let Some(row) = run.times[..shared].iter().rposition(|time| *time <= t) else { return accuracy };
     let (here, there) = (&run.rows[2 * n * row..][..2 * n], &other.rows[2 * n * row..][..2 * n]);
-    let start =
-        if column < n { apart(&settings.q, &moved.q, column) } else { apart(&settings.v, &moved.v, column - n) };
+    let start = (run.rows[column] - [moved.q, moved.v].concat()[column]).abs();
     let growth = apart(here, there, column) / start;
     if growth.is_finite() && growth > GROWS { Loss::Instability { growth } } else { accuracy }
 }

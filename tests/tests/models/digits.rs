@@ -1,5 +1,6 @@
 //! Digits that are promised hold.
 
+use dalembert_tests::Case;
 use dalembert_tests::digits::promises;
 
 #[test]
@@ -21,4 +22,18 @@ fn no_promise_is_broken_and_few_are_too_modest() {
     let median = modesty[modesty.len() / 2];
     assert!(broken.is_empty(), "{broken:#?}");
     assert!(median < 2.0, "{median}");
+}
+
+/// A start that rounding takes off its constraints is no start of chaos.
+#[test]
+fn no_scene_loses_all_digits_where_it_starts() {
+    for entry in dalembert_models::MODELS {
+        let scenes = Case::new(entry.name).system.description().scenes.clone();
+        for scene in scenes.iter() {
+            let mut case = Case::new(entry.name).scene(scene);
+            case.settings.digits = true;
+            let Ok(run) = case.try_run() else { continue };
+            assert!(run.digits_until() > Some(case.settings.from), "{}, {scene}", entry.name);
+        }
+    }
 }
