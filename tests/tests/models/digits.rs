@@ -1,6 +1,6 @@
 //! Digits that are promised hold.
 
-use dalembert_tests::Case;
+use dalembert_tests::case::Case;
 use dalembert_tests::digits::promises;
 
 #[test]
