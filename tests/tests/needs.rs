@@ -406,3 +406,32 @@ fn questions_without_meaning_are_refused() {
     let Unanswered::Model { problems } = refused(Question::new(misspelt)) else { panic!("not a problem of the file") };
     assert!(problems[0].message.contains("load_y"), "{problems:?}");
 }
+
+/// A pendulum, and a block on a stiff spring that it does not feel; with a cord between them it does.
+const TWO_PARTS: &str = r#"
+name: TwoParts
+parameters: {m: 1 kg, L: 1 m, g: 9.81 m/s^2, M: 2 kg, c: 1e5 N/m, k: 0 N/m}
+coordinates: {theta: rad, x: m}
+points: {hand: "L*[sin(theta), -cos(theta)]"}
+bodies:
+  bob: {mass: m, position: hand}
+  block: {mass: M, position: "[x, 1]"}
+gravity: [0, -g]
+springs:
+  stiff: {stretch: x, stiffness: c}
+scene: {start: {theta: 1, x: 0.01}, until: 10, tolerance: 1e-8}
+"#;
+
+#[test]
+fn what_nothing_wanted_feels_is_not_run() {
+    let needs = found(TWO_PARTS, "theta");
+    assert!(rung(&needs, "coordinates.x").unfelt && !rung(&needs, "coordinates.theta").unfelt, "{}", needs.table());
+    let choice = chosen(&needs);
+    assert!(choice.saving > 100.0 && choice.verified < 1e-3, "{}", needs.table());
+    let text = needs.smaller_file().unwrap();
+    assert!(text.contains("nothing wanted feels it") && !text.contains("block:"), "{text}");
+    holds(TWO_PARTS, &needs);
+    let tied = TWO_PARTS.replace("  stiff:", "  cord: {between: [hand, block], stiffness: k, rest: L}\n  stiff:");
+    let needs = found(&tied, "theta");
+    assert!(!rung(&needs, "coordinates.x").unfelt, "{}", needs.table());
+}

@@ -256,6 +256,11 @@ pub fn recognised(program: &Program) -> Vec<String> {
     if s.mass_blocks.len() > 1 && !s.diagonal_mass {
         words.push(format!("mass matrix in {} blocks", s.mass_blocks.len()));
     }
+    if s.parts.len() > 1 {
+        let names = |part: &Vec<usize>| part.iter().map(|i| name(*i)).collect::<Vec<_>>().join(", ");
+        let parts: Vec<String> = s.parts.iter().map(names).collect();
+        words.push(format!("{} parts that do not feel each other: {}", parts.len(), parts.join("; ")));
+    }
     for (i, momentum) in &s.cyclic {
         let momentum = dalembert_symbolic::model::text(&program.model, *momentum);
         words.push(format!("{} is cyclic, its momentum {momentum} is conserved", name(*i)));

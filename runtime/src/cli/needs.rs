@@ -127,6 +127,7 @@ fn as_json(found: &Needs) -> Value {
             ("shape", of(|deviation| deviation.shape)),
             ("saving", number(rung.saving)),
             ("needed", json!(rung.verdict != Verdict::Serves)),
+            ("unfelt", json!(rung.unfelt)),
             ("found", json!(rung.verdict.to_string())),
             ("gone", gone(&rung.gone)),
         ])

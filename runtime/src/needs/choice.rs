@@ -191,14 +191,14 @@ fn speaks_of(full: &Full, rung: &Rung, coordinate: &str) -> bool {
     })
 }
 
-/// Takes out springs and dampers, and forces that say the name of a coordinate that is held, if they do nothing any more.
+/// Takes out springs and dampers, and forces and bodies that say the name of a coordinate that is held, if they do nothing any more.
 fn idle(full: &Full, members: &[&Rung], edits: &mut Vec<Edit>, (found, run): (&mut Answer, &Motion)) -> Vec<String> {
     let held = held(members);
     let mut gone = Vec::new();
     if held.is_empty() {
         return gone;
     }
-    for section in ["springs", "dampers", "forces", "torques", "generalized_forces"] {
+    for section in ["springs", "dampers", "forces", "torques", "generalized_forces", "bodies"] {
         for name in keys(&found.text, &[Step::Key(section.to_owned())]) {
             let path = entry(section, &name);
             let written = source(&found.text, &path).unwrap_or_default().to_owned();

@@ -20,6 +20,8 @@ pub(super) struct Full {
     pub system: Box<dyn System>,
     /// Where each coordinate would rest, as formulas; none where there are constraints.
     pub places: Vec<Option<String>>,
+    /// Coordinates in parts of the mechanism that nothing wanted feels.
+    unfelt: Vec<String>,
     pub settings: Settings,
     /// With vectors by components.
     pub need: Need,
@@ -59,6 +61,7 @@ impl Full {
         let compiled = compile_in(folder.as_deref(), source, sizes);
         let program = compiled.map_err(|problems| Unanswered::Model { problems })?;
         let places = places(&program);
+        let unfelt = unfelt(&program, &need.outputs);
         let (system, settings) = set(program, source, scene.as_deref())?;
         let everything = need.outputs.is_empty();
         let mut need = Need { outputs: columns(&*system, &need.outputs)?, ..need };
@@ -91,6 +94,7 @@ impl Full {
             scene: scene.clone(),
             system,
             places,
+            unfelt,
             settings,
             need,
             scales,
@@ -111,6 +115,11 @@ impl Full {
         }
         full.grow();
         Ok(full)
+    }
+
+    /// Whether an ingredient is a coordinate that nothing wanted feels.
+    pub fn is_unfelt(&self, ingredient: &str) -> bool {
+        ingredient.strip_prefix("coordinates.").is_some_and(|name| self.unfelt.iter().any(|unfelt| unfelt == name))
     }
 
     pub fn name(&self) -> &str {
@@ -172,6 +181,28 @@ fn moved(settings: &Settings, ranges: &[f64], part: f64) -> Settings {
         }
     }
     settings
+}
+
+/// The coordinates of parts that nothing of what is wanted feels; none where all is wanted.
+fn unfelt(program: &Program, wanted: &[String]) -> Vec<String> {
+    if wanted.is_empty() {
+        return Vec::new();
+    }
+    let model = &program.model;
+    let is_wanted = |name: &str| wanted.iter().any(|wanted| wanted == name || wanted.trim_end_matches('\'') == name);
+    let of_output = |name: &str| {
+        let component = |wanted: &String| wanted.strip_prefix(name).is_some_and(|rest| rest.starts_with('.'));
+        is_wanted(name) || wanted.iter().any(component)
+    };
+    let outputs = model.outputs.iter().filter(|output| of_output(&output.name)).flat_map(|output| &output.value);
+    let felt = program.feels(&outputs.copied().collect::<Vec<_>>());
+    let parts = &program.structure.parts;
+    let with_wanted = |k: usize| {
+        let own = parts.iter().find(|part| part.contains(&k));
+        own.is_none_or(|part| part.iter().any(|k| is_wanted(&model.coordinates[*k].name)))
+    };
+    let unfelt = (0..model.coordinates.len()).filter(|k| !felt[*k] && !with_wanted(*k));
+    unfelt.map(|k| model.coordinates[k].name.clone()).collect()
 }
 
 /// Where each coordinate would rest.

@@ -114,8 +114,12 @@ impl Needs {
             self.until
         );
         for rung in self.rungs.iter().filter(|rung| choice.includes(rung)) {
-            let own =
-                rung.deviation.as_ref().map_or_else(String::new, |d| format!("; alone {} ({})", part(d.largest), d.of));
+            let own = match &rung.deviation {
+                _ if rung.unfelt => "; nothing wanted feels it".to_owned(),
+                deviation => {
+                    deviation.as_ref().map_or_else(String::new, |d| format!("; alone {} ({})", part(d.largest), d.of))
+                }
+            };
             let _ = writeln!(head, "# - {} {}{own}", rung.ingredient, rung.proposal);
         }
         for name in &choice.idle {
@@ -165,6 +169,7 @@ fn row(rung: &Rung) -> [String; 7] {
         Some(d) if rung.verdict == Verdict::Acts && d.shape < 0.2 * d.largest => {
             format!("acts: the same, {} {}", part(d.clock.abs()), pace(d.clock))
         }
+        _ if rung.unfelt && rung.verdict == Verdict::Serves => "nothing wanted feels it".to_owned(),
         _ => rung.verdict.to_string(),
     };
     // Of what is not proportional to the ingredient nothing is predicted.

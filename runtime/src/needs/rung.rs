@@ -82,6 +82,8 @@ pub struct Rung {
     pub saving: f64,
     /// What is found.
     pub verdict: Verdict,
+    /// Whether this is a coordinate in a part of the mechanism that nothing wanted feels, by the equations themselves.
+    pub unfelt: bool,
     /// Claims of the file that go with it, and why.
     pub gone: Vec<(String, String)>,
     pub(super) edits: Vec<Edit>,
@@ -237,6 +239,7 @@ fn said(unanswered: &Unanswered) -> String {
 pub(super) fn tried(full: &Full, candidate: Candidate) -> Rung {
     let Candidate { ingredient, proposal, edits } = candidate;
     let mut rung = Rung {
+        unfelt: full.is_unfelt(&ingredient),
         ingredient,
         proposal,
         deviation: None,

@@ -9,6 +9,7 @@ mod forms;
 mod gather;
 mod magnitude;
 mod momentum;
+mod parts;
 mod rounding;
 mod structure;
 mod time;
@@ -216,8 +217,10 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let outputs = model.outputs.iter().flat_map(|o| o.value.iter().copied()).collect();
     let drawing = model.draw.iter().flat_map(drawn).collect();
 
+    let parts = parts::parts(graph, n, (&chosen.residual, &constraints.matrix), &switches, &model.events);
     let structure =
         structure::recognise(graph, n, &chosen, (&stiffness, &damping), (power, energies.jacobi), &switches, &cyclic);
+    let structure = Structure { parts, ..structure };
     let count = |roots: Vec<Id>| operations(graph, &roots);
     let values = |entries: &[Entry]| entries.iter().map(|e| e.2).collect::<Vec<_>>();
     let counts = Counts {
@@ -266,6 +269,21 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
 }
 
 impl Program {
+    /// Whether anything of each coordinate is in what is wanted, or in the motion of what is, by the parts of the mechanism
+    /// ([`Structure::parts`]); reactions by momentum balances feel all.
+    pub fn feels(&self, wanted: &[Id]) -> Vec<bool> {
+        let graph = &self.model.graph;
+        let n = self.model.coordinates.len();
+        let by_balances = |symbol: Symbol| matches!(symbol, Symbol::Reaction(_));
+        if graph.symbols(wanted.iter().copied()).into_iter().any(by_balances) {
+            return vec![true; n];
+        }
+        let within = (self.constraints.matrix.as_slice(), self.switches.as_slice());
+        let own: Vec<usize> = wanted.iter().flat_map(|id| parts::felt(graph, *id, within)).collect();
+        let part_of = |k: usize| self.structure.parts.iter().find(|part| part.contains(&k));
+        (0..n).map(|k| part_of(k).is_none_or(|part| own.iter().any(|own| part.contains(own)))).collect()
+    }
+
     /// A program without coordinates, in the place of one that could not be derived.
     pub fn empty(name: &str) -> Program {
         let scene = Scene { name: "scene".to_owned(), ..Scene::default() };

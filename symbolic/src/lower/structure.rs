@@ -27,6 +27,8 @@ pub struct Structure {
     pub time_dependent: bool,
     /// Cyclic coordinates and their momenta.
     pub cyclic: Vec<(usize, Id)>,
+    /// Sets of coordinates that do not feel each other.
+    pub parts: Vec<Vec<usize>>,
 }
 
 pub(super) fn recognise(
@@ -59,6 +61,7 @@ pub(super) fn recognise(
         conservative: power == Id::ZERO && !graph.symbols([jacobi]).into_iter().any(by_time),
         time_dependent: graph.symbols(chosen.residual.iter().copied()).into_iter().any(time),
         cyclic: cyclic.to_vec(),
+        parts: Vec::new(),
     }
 }
 
