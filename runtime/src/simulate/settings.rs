@@ -168,7 +168,7 @@ impl Settings {
         if self.step.is_none() && !self.method.is_adaptive() && !self.method.finds_step() {
             return Err(Error::NoStep { method: self.method });
         }
-        if let Some(reason) = inseparable(mechanism).filter(|_| self.method.splits()) {
+        if let Some(reason) = inseparable(mechanism).filter(|_| self.method.wants_separable()) {
             return Err(Error::NotSeparable { method: self.method, reason });
         }
         if let Some(reason) = nonlinear(mechanism).filter(|_| self.method == Method::Exact) {
@@ -231,7 +231,7 @@ fn nonlinear(mechanism: &Description) -> Option<Nonlinear> {
 }
 
 /// What keeps the places and speeds of a mechanism from being moved in turn.
-fn inseparable(mechanism: &Description) -> Option<Inseparable> {
+pub(super) fn inseparable(mechanism: &Description) -> Option<Inseparable> {
     if !mechanism.rows.is_empty() {
         Some(Inseparable::Constraints)
     } else if !mechanism.structure.constant_mass {
