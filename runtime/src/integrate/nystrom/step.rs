@@ -70,14 +70,15 @@ impl<Y: Block> Nystrom<Y> {
     /// gᵢ = a(t + cᵢh, q + cᵢh q' + h² Σ aᵢⱼgⱼ).
     #[inline(always)]
     fn stage<const I: usize>(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), Singular> {
+        // Two numbers travel together on every processor of 64 bits.
         let n = self.y.all().len() / 2;
-        let (y, argument) = (self.y.all(), self.argument.all_mut());
-        in_pairs(n, |place, lanes| {
-            let sum = sum(h * h, Stage::<I>::ROW, &self.stages, n + place, lanes);
-            for (i, sum) in (place..place + lanes).zip(sum) {
-                argument[i] = y[i] + (Stage::<I>::NODE * h * y[n + i] + sum);
-            }
-        });
+        for k in 0..n / 2 {
+            self.place::<I, 2>(2 * k, h);
+        }
+        if n % 2 == 1 {
+            self.place::<I, 1>(n - 1, h);
+        }
+        let argument = self.argument.all();
         self.evaluations += 1;
         system.rate(t + Stage::<I>::NODE * h, argument, self.stages[I].all_mut())?;
         if let Some(work) = self.work.as_mut().filter(|_| I < END) {
@@ -86,22 +87,47 @@ impl<Y: Block> Nystrom<Y> {
         Ok(())
     }
 
+    /// The places of a stage from here on, the last term last: what waits for the acceleration just evaluated is one product
+    /// and one sum.
+    #[inline(always)]
+    fn place<const I: usize, const LANES: usize>(&mut self, at: usize, h: f64) {
+        let [earlier @ .., last] = Stage::<I>::ROW else { return };
+        let n = self.y.all().len() / 2;
+        let sum = sum::<Y, LANES>(h * h, earlier, &self.stages, n + at);
+        let (y, latest, factor) = (self.y.all(), self.stages[last.stage].all(), h * h * last.value);
+        let argument = self.argument.all_mut();
+        for (lane, sum) in sum.into_iter().enumerate() {
+            let i = at + lane;
+            argument[i] = (y[i] + (Stage::<I>::NODE * h * y[n + i] + sum)) + factor * latest[n + i];
+        }
+    }
+
     /// The end, with what rounding took from the step before.
     #[inline(always)]
     fn finish(&mut self, h: f64) {
         let n = self.y.all().len() / 2;
-        let (y, carry, increment) = (self.y.all(), self.carry.all(), self.increment.all_mut());
-        let end = self.end.all_mut();
-        in_pairs(n, |place, lanes| {
-            let places = sum(h * h, RKN8.places, &self.stages, n + place, lanes);
-            let speeds = sum(h, RKN8.speeds, &self.stages, n + place, lanes);
-            for (i, (place, speed)) in (place..place + lanes).zip(places.into_iter().zip(speeds)) {
-                increment[i] = (h * y[n + i] + place) + carry[i];
-                increment[n + i] = speed + carry[n + i];
-                end[i] = y[i] + increment[i];
-                end[n + i] = y[n + i] + increment[n + i];
-            }
-        });
+        for k in 0..n / 2 {
+            self.finish_at::<2>(2 * k, h);
+        }
+        if n % 2 == 1 {
+            self.finish_at::<1>(n - 1, h);
+        }
+    }
+
+    #[inline(always)]
+    fn finish_at<const LANES: usize>(&mut self, at: usize, h: f64) {
+        let n = self.y.all().len() / 2;
+        let places = sum::<Y, LANES>(h * h, RKN8.places, &self.stages, n + at);
+        let speeds = sum::<Y, LANES>(h, RKN8.speeds, &self.stages, n + at);
+        let (y, carry) = (self.y.all(), self.carry.all());
+        let (increment, end) = (self.increment.all_mut(), self.end.all_mut());
+        for (lane, (place, speed)) in places.into_iter().zip(speeds).enumerate() {
+            let i = at + lane;
+            increment[i] = (h * y[n + i] + place) + carry[i];
+            increment[n + i] = speed + carry[n + i];
+            end[i] = y[i] + increment[i];
+            end[n + i] = y[n + i] + increment[n + i];
+        }
     }
 
     /// W's part of the step: Σ b'ᵢ P(t + cᵢh, qᵢ, q' + h Σ a'ᵢⱼgⱼ).
@@ -113,7 +139,7 @@ impl<Y: Block> Nystrom<Y> {
         for term in RKN8.speeds {
             let state = work.states[term.stage].all_mut();
             for i in n..2 * n {
-                state[i] = self.y.all()[i] + sum(h, RKN8.speed_rows[term.stage], &self.stages, i, 1)[0];
+                state[i] = self.y.all()[i] + sum::<Y, 1>(h, RKN8.speed_rows[term.stage], &self.stages, i)[0];
             }
             let power = system.energy(At::packed(t + RKN8.rows[term.stage].0 * h, state, n)).power;
             work.increment += term.value * h * power;
@@ -124,21 +150,30 @@ impl<Y: Block> Nystrom<Y> {
     #[inline(always)]
     fn error(&mut self, h: f64, tolerance: &Tolerance) -> f64 {
         let n = self.y.all().len() / 2;
-        let estimate = self.estimate.all_mut();
-        in_pairs(n, |place, lanes| {
-            let places = sum(RKN8.counts * h * h, RKN8.errors[0], &self.stages, n + place, lanes);
-            let speeds = sum(RKN8.counts * h, RKN8.errors[1], &self.stages, n + place, lanes);
-            for (i, (place, speed)) in (place..place + lanes).zip(places.into_iter().zip(speeds)) {
-                (estimate[i], estimate[n + i]) = (place, speed);
-            }
-        });
+        for k in 0..n / 2 {
+            self.estimate_at::<2>(2 * k, h);
+        }
+        if n % 2 == 1 {
+            self.estimate_at::<1>(n - 1, h);
+        }
         let (start, end, rate) = (self.y.all(), self.end.all(), self.stages[0].all());
         let mut squares = 0.0;
-        for (i, error) in estimate.iter().enumerate() {
+        for (i, error) in self.estimate.all().iter().enumerate() {
             let change = larger((end[i] - start[i]).abs(), (h * rate[i]).abs());
             squares += (error / tolerance.unit(i, h, change)).powi(2);
         }
         (squares / end.len().max(1) as f64).sqrt()
+    }
+
+    #[inline(always)]
+    fn estimate_at<const LANES: usize>(&mut self, at: usize, h: f64) {
+        let n = self.y.all().len() / 2;
+        let [places, speeds] = RKN8.errors;
+        let places = sum::<Y, LANES>(RKN8.counts * h * h, places, &self.stages, n + at);
+        let speeds = sum::<Y, LANES>(RKN8.counts * h, speeds, &self.stages, n + at);
+        let estimate = self.estimate.all_mut();
+        estimate[at..at + LANES].copy_from_slice(&places);
+        estimate[n + at..n + at + LANES].copy_from_slice(&speeds);
     }
 }
 
@@ -249,25 +284,16 @@ impl<Y: Block> OneStep for Nystrom<Y> {
     }
 }
 
-/// Calls `each` for the places of n numbers and how many follow them: two travel together on every processor of 64 bits.
+/// The factor times Σ aⱼkⱼ of neighbouring components, the factor folded into the coefficients.
 #[inline(always)]
-fn in_pairs(n: usize, mut each: impl FnMut(usize, usize)) {
-    for place in (0..n / 2).map(|k| 2 * k) {
-        each(place, 2);
-    }
-    if n % 2 == 1 {
-        each(n - 1, 1);
-    }
-}
-
-/// The factor times Σ aⱼkⱼ of one or two components, the factor folded into the coefficients.
-#[inline(always)]
-fn sum<Y: Block>(factor: f64, terms: &[Term], stages: &[Y], place: usize, lanes: usize) -> [f64; 2] {
-    let mut sum = [0.0; 2];
+fn sum<Y: Block, const LANES: usize>(factor: f64, terms: &[Term], stages: &[Y], at: usize) -> [f64; LANES] {
+    let mut sum = [0.0; LANES];
     for term in terms {
-        let rates = &stages[term.stage].all()[place..place + lanes];
+        let rates = &stages[term.stage].all()[at..at + LANES];
         let factor = factor * term.value;
-        sum.iter_mut().zip(rates).for_each(|(sum, rate)| *sum += factor * rate);
+        for lane in 0..LANES {
+            sum[lane] += factor * rates[lane];
+        }
     }
     sum
 }
