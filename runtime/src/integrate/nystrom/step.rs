@@ -138,8 +138,8 @@ impl<Y: Block> Nystrom<Y> {
         work.increment = 0.0;
         for term in RKN8.speeds {
             let state = work.states[term.stage].all_mut();
-            for i in n..2 * n {
-                state[i] = self.y.all()[i] + sum::<Y, 1>(h, RKN8.speed_rows[term.stage], &self.stages, i)[0];
+            for (i, speed) in state.iter_mut().enumerate().skip(n) {
+                *speed = self.y.all()[i] + sum::<Y, 1>(h, RKN8.speed_rows[term.stage], &self.stages, i)[0];
             }
             let power = system.energy(At::packed(t + RKN8.rows[term.stage].0 * h, state, n)).power;
             work.increment += term.value * h * power;
