@@ -114,10 +114,16 @@ fn longer_runs_allocate_no_more() {
 }
 
 #[test]
-fn longer_runs_by_symplectic_methods_allocate_no_more() {
-    for method in [Method::Verlet, Method::Srkn4, Method::Suzuki4, Method::KahanLi8] {
+fn longer_runs_of_separable_mechanisms_allocate_no_more() {
+    for (method, step) in [
+        (Method::Verlet, Some(1e-2)),
+        (Method::Srkn4, Some(1e-2)),
+        (Method::Suzuki4, Some(1e-2)),
+        (Method::KahanLi8, Some(1e-2)),
+        (Method::Rkn8, None),
+    ] {
         let set = |settings: &mut Settings| {
-            (settings.method, settings.step, settings.dense) = (method, Some(1e-2), false);
+            (settings.method, settings.step, settings.dense) = (method, step, false);
         };
         let toy = Toy::oscillator(1.0, 1.0);
         let ((short, few), (long, many)) = (count(&toy, 20.0, set), count(&toy, 200.0, set));

@@ -1,5 +1,7 @@
 //! Methods of integration on generated mechanisms: orders where derivatives are generated, with inputs and constraints.
 
+use std::f64::consts::PI;
+
 use dalembert::mechanism::{Mechanism, System};
 use dalembert::{Enforcement, Error, Inseparable, Method, Settings, Simulate, Stabilisation, simulate};
 
@@ -65,6 +67,18 @@ points: {skate: "[x, y]"}
 bodies: {sled: {mass: m, inertia: I, angle: theta, position: skate + d*sled.x}}
 constraints: {edge: "dot(velocity(skate), sled.y)"}
 scene: {start: {x: 0, y: 0, theta: 0, x': -0.5, y': 0, theta': 1}, until: 2, tolerance: 1e-9}
+"#
+);
+
+dalembert::model!(
+    yaml = r#"
+name: OneSided
+parameters: {m: 1 kg, k: 1 N/m, x0: 0.5 m}
+coordinates: {x: m}
+kinetic_energy: m*x'^2/2
+potential_energy: k*x^2/2 + 4*k*x^2*step(x)
+events: {half: {when: x - x0, then: record}}
+scene: {start: {x: 1}, until: 42, tolerance: 1e-10}
 "#
 );
 
@@ -144,6 +158,32 @@ fn separable_methods_keep_their_order_with_inputs() {
     ] {
         let (found, errors) = observed::<Shaken, 1, 0>(method, step, &|_| ());
         assert!((found - order).abs() < 0.35, "{method}: {found}, {errors:?}");
+    }
+}
+
+#[test]
+fn nystroms_method_keeps_its_order_with_inputs() {
+    let (found, errors) = observed::<Shaken, 1, 0>(Method::Rkn8, 0.12, &|_| ());
+    // At this end errors of order 8 nearly cancel.
+    assert!(found > 7.8, "{found}, {errors:?}");
+}
+
+#[test]
+fn nystroms_method_meets_switches_and_events() {
+    // x'' = −9x where x > 0 and −x else: half periods of π/3 and π, from rest at 1; cos 3t = 1/2 beside each return.
+    let mut system = OneSided::default().system();
+    let mut settings = Settings::new(&system.scene(0));
+    settings.method = Method::Rkn8;
+    let run = simulate(&mut system, &settings).unwrap();
+    let (period, beside) = (4.0 / 3.0 * PI, PI / 9.0);
+    let last = run.last();
+    let after = last.t - 10.0 * period;
+    assert!((last["x"] - (3.0 * after).cos()).abs() < 2e-9 && (last["x'"] + 3.0 * (3.0 * after).sin()).abs() < 5e-9);
+    assert_eq!(run.events.len(), 20);
+    for (k, found) in run.events.iter().enumerate() {
+        let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+        let error = found.state.t - (k.div_ceil(2) as f64 * period + sign * beside);
+        assert!(error.abs() < 2e-9, "{k}: {error:e}");
     }
 }
 

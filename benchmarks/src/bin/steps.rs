@@ -1,8 +1,9 @@
-//! What a step costs: `dop853` of this crate on generated equations against `ode_solvers` on equations written by hand.
+//! What a step costs: `dop853` of this crate on generated equations, and `rkn8` where it suits, against `DOP853` of `ode_solvers` on
+//! equations written by hand.
 //!
 //! `cargo run --release --bin steps` in this folder.  All variants run in turns, and medians of the rounds are given, since the
 //! machine may be shared; counts are steadier still: `valgrind --tool=callgrind target/release/steps
-//! SCENE plain`, or `watched`, counts instructions of one run.
+//! SCENE plain`, or `watched`, counts instructions of one run, by `dop853` or the method named after it.
 //!
 //! - *plain* keeps no dense output, watches nothing and reports the end; *watched* is what `simulate` does, but for the
 //!   companion that counts digits, and for the rows of a report.
@@ -51,8 +52,19 @@ fn main() {
     let only = std::env::args().nth(1);
     let once = std::env::args().nth(2);
     let once = once.as_deref();
-    let wanted = |name: &str| only.as_deref().is_none_or(|only| only == name);
+    let by = std::env::args().nth(3).map(|name| name.parse::<Method>().expect("a method"));
+    for method in [Method::Dop853, Method::Rkn8]
+        .into_iter()
+        .filter(|method| once.is_none() || *method == by.unwrap_or(Method::Dop853))
+    {
+        table(method, only.as_deref(), once);
+    }
+}
+
+fn table(method: Method, only: Option<&str>, once: Option<&str>) {
+    let wanted = |name: &str| only.is_none_or(|only| only == name);
     if once.is_none() {
+        println!("{method}:");
         println!(
             "| scene | evaluations | ns each | ode_solvers: evaluations | ns each | evaluations at equal error | time at equal \
              error | watched/plain | set-up, µs |"
@@ -60,19 +72,22 @@ fn main() {
         println!("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |");
     }
     if wanted("figure_eight") {
-        compare("figure eight", FigureEight::default().simulate().until(100.0), figure_eight, once);
+        compare("figure eight", FigureEight::default().simulate().until(100.0), figure_eight, method, once);
     }
     if wanted("kepler") {
-        compare("Kepler", Kepler::default().simulate().until(628.0), kepler, once);
+        compare("Kepler", Kepler::default().simulate().until(628.0), kepler, method, once);
     }
     if wanted("stiff_spring") {
-        compare("stiff spring", StiffSpring::default().simulate(), stiff_spring, once);
+        compare("stiff spring", StiffSpring::default().simulate(), stiff_spring, method, once);
+    }
+    if method == Method::Rkn8 {
+        return;
     }
     if wanted("double_pendulum") {
-        compare("double pendulum", DoublePendulum::default().simulate().until(10.0), double_pendulum, once);
+        compare("double pendulum", DoublePendulum::default().simulate().until(10.0), double_pendulum, method, once);
     }
     if wanted("chain") {
-        compare("chain of ten", Chain::default().simulate().until(5.0), rods::<10, 20>, once);
+        compare("chain of ten", Chain::default().simulate().until(5.0), rods::<10, 20>, method, once);
     }
 }
 
@@ -80,9 +95,10 @@ fn compare<S: System + Clone, const D: usize>(
     name: &str,
     simulation: Simulation<S>,
     f: fn(&SVector<f64, D>, &mut SVector<f64, D>),
+    method: Method,
     once: Option<&str>,
 ) {
-    let simulation = simulation.method(Method::Dop853).every(1e9);
+    let simulation = simulation.method(method).every(1e9);
     let plain = simulation.clone().with(|settings| (settings.dense, settings.watch) = (false, false));
     let ours = |tolerance: f64| plain.clone().tolerance(tolerance).run().expect("a run");
     if let Some(kind) = once {

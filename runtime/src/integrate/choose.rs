@@ -4,6 +4,7 @@ use super::exact::Exact;
 use super::explicit::Scheme;
 use super::explicit::{DOP853, DOPRI5, Dop853, Dopri5, EULER, Euler, ExplicitRungeKutta, MIDPOINT, Midpoint, RK4, Rk4};
 use super::implicit::{Collocation, GAUSS_2, GAUSS_4, GAUSS_6, RADAU_5};
+use super::nystrom::{Nystrom, RKN8};
 use super::rosenbrock::{RODAS5P, Rosenbrock};
 use super::symplectic::{KAHAN_LI_8, SRKN4, SUZUKI_4, Splitting, Symplectic, VERLET};
 use super::{OneStep, Stability};
@@ -31,6 +32,7 @@ pub(crate) fn stepper(method: Method, n: usize, work: bool) -> Box<dyn OneStep> 
         Method::Rk4 => explicit::<Rk4>(n, work),
         Method::Dopri5 => explicit::<Dopri5>(n, work),
         Method::Dop853 | Method::Auto => explicit::<Dop853>(n, work),
+        Method::Rkn8 => sized!(n, Y => Nystrom::<Y>::new(n, work)),
         Method::Verlet => symplectic(VERLET, n, work),
         Method::Srkn4 => symplectic(SRKN4, n, work),
         Method::Suzuki4 => symplectic(SUZUKI_4, n, work),
@@ -52,6 +54,7 @@ pub(crate) fn order(method: Method) -> u32 {
         Method::Rk4 => RK4.order,
         Method::Dopri5 => DOPRI5.order,
         Method::Dop853 | Method::Auto => DOP853.order,
+        Method::Rkn8 => RKN8.order,
         Method::Verlet => VERLET.order,
         Method::Srkn4 => SRKN4.order,
         Method::Suzuki4 => SUZUKI_4.order,
@@ -74,6 +77,7 @@ pub(crate) fn stability(method: Method) -> Stability {
         Method::Rk4 => Stability::Polynomial(RK4.stability()),
         Method::Dopri5 => Stability::Polynomial(DOPRI5.stability()),
         Method::Dop853 | Method::Auto => Stability::Polynomial(DOP853.stability()),
+        Method::Rkn8 => Stability::Nystrom(&RKN8),
         Method::Verlet => Stability::Splitting(VERLET),
         Method::Srkn4 => Stability::Splitting(SRKN4),
         Method::Suzuki4 => Stability::Splitting(SUZUKI_4),

@@ -11,7 +11,7 @@ pub(crate) const BY_MIDDLE: usize = 9;
 ///
 /// Its error is O(h⁶) in q and O(h⁵) in q', and costs no evaluation.
 pub(crate) fn write_by_ends(h: f64, ends: [Reached<'_>; 2], pieces: &mut [f64]) {
-    write(h, ends, None, pieces);
+    write(h, ends, pieces, |_, _| ());
 }
 
 /// q is the polynomial of degree 8 through (q, q', q'') at both ends of a step of h and in its middle, q' its
@@ -19,10 +19,21 @@ pub(crate) fn write_by_ends(h: f64, ends: [Reached<'_>; 2], pieces: &mut [f64]) 
 ///
 /// Its error is O(h⁹) in q and O(h⁸) in q'.
 pub(crate) fn write_by_middle(h: f64, ends: [Reached<'_>; 2], middle: (&[f64], &[f64]), pieces: &mut [f64]) {
-    write(h, ends, Some(middle), pieces);
+    let n = ends[0].y.len() / 2;
+    let (y, rate) = middle;
+    write(h, ends, pieces, |i, nested| correct(nested, [y[i], h * y[n + i], h * h * rate[n + i]]));
 }
 
-fn write(h: f64, ends: [Reached<'_>; 2], middle: Option<(&[f64], &[f64])>, pieces: &mut [f64]) {
+/// q is the polynomial of degree 8 through (q, q', q'') at both ends of a step of h that has these q'' at points (θ, q'')
+/// between them, 1/2 − s, 1/2 and 1/2 + s; q' is its derivative.
+///
+/// Its error is O(h⁹) in q and O(h⁸) in q' where those of q'' are O(h⁷).
+pub(crate) fn write_by_bends(h: f64, ends: [Reached<'_>; 2], bends: [(f64, &[f64]); 3], pieces: &mut [f64]) {
+    write(h, ends, pieces, |i, nested| bend(nested, bends.map(|(theta, q2)| (theta, h * h * q2[i]))));
+}
+
+/// What is known between the ends completes the polynomial of each coordinate.
+fn write(h: f64, ends: [Reached<'_>; 2], pieces: &mut [f64], complete: impl Fn(usize, &mut [f64; BY_MIDDLE])) {
     let width = ends[0].y.len();
     let n = width / 2;
     let count = pieces.len().checked_div(width).unwrap_or(0);
@@ -32,9 +43,7 @@ fn write(h: f64, ends: [Reached<'_>; 2], middle: Option<(&[f64], &[f64])>, piece
         let [start, end] = ends.map(|end| knot(end.y, end.rate));
         let mut nested = [0.0; BY_MIDDLE];
         nested[..BY_ENDS].copy_from_slice(&quintic(start, end));
-        if let Some((y, rate)) = middle {
-            correct(&mut nested, knot(y, rate));
-        }
+        complete(i, &mut nested);
         let mut slope = derivative(&nested);
         slope.iter_mut().for_each(|r| *r /= h);
         // The ends are met to the last digit.
@@ -58,14 +67,35 @@ fn quintic(start: [f64; 3], end: [f64; 3]) -> [f64; BY_ENDS] {
 /// Adds (θ(1−θ))³ (r₆ + θ(r₇ + (1−θ) r₈)), which vanishes thrice at the ends, so that the middle is met too.
 fn correct(nested: &mut [f64; BY_MIDDLE], middle: [f64; 3]) {
     let monomials = expanded(nested);
-    let at_half = |order: i32| -> f64 {
-        let falling = |k: usize| (0..order).map(|j| k as f64 - f64::from(j)).product::<f64>();
-        monomials.iter().enumerate().map(|(k, c)| c * falling(k) * 0.5_f64.powi(k as i32 - order)).sum()
-    };
-    let [value, slope, bend] = [0, 1, 2].map(|order| middle[order as usize] - at_half(order));
+    let [value, slope, bend] = [0, 1, 2].map(|order| middle[order as usize] - at(&monomials, 0.5, order));
     let r8 = -32.0 * (bend + 24.0 * value);
     let r7 = 64.0 * slope;
     nested[6..].copy_from_slice(&[64.0 * value - 0.5 * r7 - 0.25 * r8, r7, r8]);
+}
+
+/// Adds the same so that the second derivatives at 1/2 − s, 1/2 and 1/2 + s are these.
+///
+/// With u = θ(1−θ) = 1/4 − s² it is u³ (r₆ + r₇/2) + u⁴ r₈, which is even in s, and s u³ r₇, which is odd.  Their second
+/// derivatives are (uᵐ)'' = 4m(m−1) s² uᵐ⁻² − 2m uᵐ⁻¹ and (s u³)'' = s u (42 s² − 9/2); the last is 0 at s² = 3/28, where
+/// no point may lie.
+fn bend(nested: &mut [f64; BY_MIDDLE], points: [(f64, f64); 3]) {
+    let monomials = expanded(nested);
+    let [before, middle, after] = points.map(|(theta, bend)| bend - at(&monomials, theta, 2));
+    let s = points[2].0 - 0.5;
+    let u = 0.25 - s * s;
+    let (cube, fourth) = (24.0 * s * s * u - 6.0 * u * u, 48.0 * (s * u).powi(2) - 8.0 * u.powi(3));
+    let even = 0.5 * (before + after);
+    // Of u³ and u⁴ in the middle: −3/8 and −1/8.
+    let r8 = (even * 0.375 + cube * middle) / (0.375 * fourth - 0.125 * cube);
+    let r7 = 0.5 * (after - before) / (s * u * (42.0 * s * s - 4.5));
+    nested[6..].copy_from_slice(&[-(middle + 0.125 * r8) / 0.375 - 0.5 * r7, r7, r8]);
+}
+
+/// The derivative of this order of Σ cₖθᵏ.
+fn at(monomials: &[f64; BY_MIDDLE], theta: f64, order: i32) -> f64 {
+    let falling = |k: usize| (0..order).map(|j| k as f64 - f64::from(j)).product::<f64>();
+    let terms = monomials.iter().enumerate().skip(order as usize);
+    terms.map(|(k, c)| c * falling(k) * theta.powi(k as i32 - order)).sum()
 }
 
 /// The derivative of a nested polynomial, nested.

@@ -1,7 +1,7 @@
 //! Integrating the equations of motion in time.
 //!
 //! 1. A family of one-step methods, each in its folder with the files `tableau`, `step`, `dense`,
-//!    implements [`OneStep`]: look in `explicit/`, `symplectic/`, `implicit/`, `rosenbrock/` and `exact/`, and for which name means which in `choose.rs`.
+//!    implements [`OneStep`]: look in `explicit/`, `nystrom/`, `symplectic/`, `implicit/`, `rosenbrock/` and `exact/`, and for which name means which in `choose.rs`.
 //! 2. Methods are written once over [`Block`]s, whose size the compiler knows or not: look in `block.rs`.
 //!    Those that go from one end of a step to the other in one piece share [`ends::Ends`].
 //! 3. [`StepControl`] chooses steps against a [`Tolerance`]: look in `control.rs`.
@@ -19,6 +19,7 @@ mod explicit;
 mod hermite;
 mod implicit;
 mod linear;
+mod nystrom;
 mod rosenbrock;
 mod segment;
 mod stability;

@@ -2,6 +2,7 @@
 
 use nalgebra::Complex;
 
+use super::nystrom::Tableau as Nystrom;
 use super::symplectic::Splitting;
 
 /// The stability function of a method: a step of h multiplies y' = λy by R(z), z = hλ.
@@ -15,6 +16,8 @@ pub(crate) enum Stability {
     Exponential,
     /// For methods that know only pairs ±λ of modes of q'' = λ² q.
     Splitting(&'static Splitting),
+    /// As these.
+    Nystrom(&'static Nystrom),
 }
 
 impl Stability {
@@ -25,6 +28,7 @@ impl Stability {
             Stability::Rational(Rational { above, below }) => (polynomial(above, z) / polynomial(below, z)).norm(),
             Stability::Exponential => z.re.exp(),
             Stability::Splitting(scheme) => scheme.amplification(z),
+            Stability::Nystrom(tableau) => tableau.amplification(z),
         }
     }
 }

@@ -12,6 +12,7 @@ use std::str::FromStr;
 /// | `rk4` | 4 | all that is not stiff | fixed | 4 | up to hω = 2.83 |
 /// | `dopri5` | 5 | loose tolerances | by the tolerance | 6 | up to hω = 1.00 |
 /// | `dop853` | 8 | all that is not stiff | by the tolerance | 12 | up to hω = 5.96 |
+/// | `rkn8` | 8 | separable systems | by the tolerance | 8 | up to hω = 3.29 |
 /// | `verlet` | 2 | separable systems, symplectic | fixed | 1 | up to hω = 2 |
 /// | `srkn4` | 4 | separable systems, symplectic | fixed | 6 | up to hω = 3.16 |
 /// | `suzuki4` | 4 | separable systems, symplectic | fixed | 5 | up to hω = 2.72 |
@@ -40,6 +41,9 @@ pub enum Method {
     Dopri5,
     /// Dormand and Prince, order 8, with error control; a fixed step if one is given.
     Dop853,
+    /// Dormand, El-Mikkawy and Prince's Runge–Kutta–Nyström method, order 8, for separable systems, with error control; a fixed
+    /// step if one is given.
+    Rkn8,
     /// Störmer–Verlet, order 2, symplectic, for separable systems; with constraints RATTLE; a fixed step.
     Verlet,
     /// Blanes and Moan's Runge–Kutta–Nyström splitting of six stages, order 4, symplectic, for separable systems without
@@ -64,20 +68,21 @@ pub enum Method {
     /// The exponential of a linear system with constant coefficients, exact to rounding; a fixed step.
     Exact,
     /// The one that suits: [`Method::Rk4`] where a step is given; [`Method::Exact`] for linear systems with constant
-    /// coefficients, for long enough; [`Method::Rodas5P`] where what decays at the start is much faster than what vibrates; else
-    /// [`Method::Dop853`], or [`Method::Dopri5`] for tolerances above 10⁻⁴.
+    /// coefficients, for long enough; [`Method::Rodas5P`] where what decays at the start is much faster than what vibrates;
+    /// [`Method::Rkn8`] for separable systems; else [`Method::Dop853`], or [`Method::Dopri5`] for tolerances above 10⁻⁴.
     #[default]
     Auto,
 }
 
 impl Method {
     /// All methods, as users list them.
-    pub const ALL: [Method; 16] = [
+    pub const ALL: [Method; 17] = [
         Method::Euler,
         Method::Midpoint,
         Method::Rk4,
         Method::Dopri5,
         Method::Dop853,
+        Method::Rkn8,
         Method::Verlet,
         Method::Srkn4,
         Method::Suzuki4,
@@ -99,6 +104,7 @@ impl Method {
             Method::Rk4 => "rk4",
             Method::Dopri5 => "dopri5",
             Method::Dop853 => "dop853",
+            Method::Rkn8 => "rkn8",
             Method::Verlet => "verlet",
             Method::Srkn4 => "srkn4",
             Method::Suzuki4 => "suzuki4",
@@ -113,7 +119,7 @@ impl Method {
         }
     }
 
-    /// True when the method is for separable systems only: M constant, forces free of speeds.
+    /// True when the method moves places and speeds in turn.
     pub fn splits(self) -> bool {
         self == Method::Srkn4 || self.is_of_verlet_steps()
     }
@@ -121,6 +127,11 @@ impl Method {
     /// True when the method is made of steps of Störmer and Verlet, which are those of RATTLE where there are constraints.
     pub fn is_of_verlet_steps(self) -> bool {
         matches!(self, Method::Verlet | Method::Suzuki4 | Method::KahanLi8)
+    }
+
+    /// True when the method is for separable systems only: M constant, forces free of speeds.
+    pub fn wants_separable(self) -> bool {
+        self.splits() || self == Method::Rkn8
     }
 
     /// True when the method is symplectic at a fixed step, and only then.
@@ -135,7 +146,7 @@ impl Method {
 
     /// True when the method chooses its steps itself.
     pub fn is_adaptive(self) -> bool {
-        matches!(self, Method::Dopri5 | Method::Dop853 | Method::Radau5 | Method::Rodas5P | Method::Auto)
+        matches!(self, Method::Dopri5 | Method::Dop853 | Method::Rkn8 | Method::Radau5 | Method::Rodas5P | Method::Auto)
     }
 }
 

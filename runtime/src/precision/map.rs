@@ -64,7 +64,7 @@ impl StabilityMap {
         if method == Method::Auto {
             return Err(Error::NoReference { why: "`auto` has no steps of its own".to_owned() });
         }
-        let rows = if method.splits() { 1 } else { ROWS };
+        let rows = if method.wants_separable() { 1 } else { ROWS };
         let damping = |row: usize| MOST_DAMPING * row as f64 / (ROWS - 1) as f64;
         let column = |k: usize| longest * (k + 1) as f64 / COLUMNS as f64;
         let cells = (0..rows).flat_map(|row| {

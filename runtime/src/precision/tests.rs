@@ -58,6 +58,7 @@ fn errors_fall_at_the_order_of_each_method() {
         (Method::Srkn4, 4.0),
         (Method::Suzuki4, 4.0),
         (Method::KahanLi8, 8.0),
+        (Method::Rkn8, 8.0),
         (Method::Gauss2, 2.0),
         (Method::Gauss4, 4.0),
         (Method::Gauss6, 6.0),

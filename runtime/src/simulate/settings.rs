@@ -168,7 +168,7 @@ impl Settings {
         if self.step.is_none() && !self.method.is_adaptive() && !self.method.finds_step() {
             return Err(Error::NoStep { method: self.method });
         }
-        if let Some(reason) = self.inseparable(mechanism).filter(|_| self.method.splits()) {
+        if let Some(reason) = self.inseparable(mechanism).filter(|_| self.method.wants_separable()) {
             return Err(Error::NotSeparable { method: self.method, reason });
         }
         if let Some(reason) = nonlinear(mechanism).filter(|_| self.method == Method::Exact) {

@@ -183,8 +183,14 @@ fn work_is_counted() {
     let steps = dopri5.work.steps + dopri5.work.rejected;
     // One more where the equations are looked at inside a step.
     assert!((1 + 6 * steps..=2 + 7 * steps).contains(&dopri5.work.evaluations), "{:?}", dopri5.work);
-    let plain = run(Toy::oscillator(1.0, 20.0), |s| (s.dense, s.every) = (false, Some(20.0))).unwrap();
-    assert_eq!(plain.work.evaluations, 1 + 12 * plain.work.steps + 11 * plain.work.rejected);
+    let plain = |method: Method| {
+        let set = |s: &mut Settings| (s.method, s.dense, s.every) = (method, false, Some(20.0));
+        run(Toy::oscillator(1.0, 20.0), set).unwrap().work
+    };
+    let dop853 = plain(Method::Dop853);
+    assert_eq!(dop853.evaluations, 1 + 12 * dop853.steps + 11 * dop853.rejected);
+    let rkn8 = plain(Method::Rkn8);
+    assert_eq!(rkn8.evaluations, 1 + 8 * (rkn8.steps + rkn8.rejected));
 }
 
 #[test]

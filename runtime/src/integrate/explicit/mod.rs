@@ -18,6 +18,7 @@ pub(crate) use euler::{EULER, Euler};
 pub(crate) use midpoint::{MIDPOINT, Midpoint};
 pub(crate) use rk4::{RK4, Rk4};
 pub(crate) use step::ExplicitRungeKutta;
-pub(crate) use tableau::Scheme;
+pub(crate) use tableau::{Scheme, Term};
 #[cfg(feature = "ensemble")]
-pub(crate) use tableau::{Stage, Term, stages};
+pub(crate) use tableau::{Stage, stages};
+pub(super) use tableau::{r, x};
