@@ -231,7 +231,7 @@ fn nonlinear(mechanism: &Description) -> Option<Nonlinear> {
 }
 
 /// What keeps the places and speeds of a mechanism from being moved in turn.
-pub(super) fn inseparable(mechanism: &Description) -> Option<Inseparable> {
+fn inseparable(mechanism: &Description) -> Option<Inseparable> {
     if !mechanism.rows.is_empty() {
         Some(Inseparable::Constraints)
     } else if !mechanism.structure.constant_mass {
