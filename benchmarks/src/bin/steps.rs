@@ -64,7 +64,7 @@ fn main() {
 fn table(method: Method, only: Option<&str>, once: Option<&str>) {
     let wanted = |name: &str| only.is_none_or(|only| only == name);
     if once.is_none() {
-        println!("{method}:");
+        println!("\n{method}:\n");
         println!(
             "| scene | evaluations | ns each | ode_solvers: evaluations | ns each | evaluations at equal error | time at equal \
              error | watched/plain | set-up, µs |"

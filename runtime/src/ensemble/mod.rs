@@ -9,7 +9,7 @@
 //!
 //! Results are in the order of the list, and the same to the last bit whatever the number of threads.
 //!
-//! What goes into lanes is integrated by `dop853`, also where `auto` takes `rkn8` for a run by itself, with the same error norm and control as any run, and nothing is hidden.
+//! What goes into lanes is integrated by `dop853` with the same error norm and control as any run, and nothing is hidden.
 //! A run that must be looked at more closely is run again by itself, with its warnings and errors: one that starts where the
 //! equations have no meaning, whose mass matrix is singular, whose steps are rejected again and again, in which a function
 //! that is local (`exp`, `tanh`, a power) changes much within a step or points come close to each other, whose energy or

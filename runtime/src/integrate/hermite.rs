@@ -170,6 +170,26 @@ mod tests {
     }
 
     #[test]
+    fn polynomials_are_reproduced_from_their_second_derivatives() {
+        let h = 0.5_f64;
+        for degree in 0..=9 {
+            let power = |falling: i32, t: f64| f64::from(falling) * t.powi(degree);
+            let q = |t: f64| power(1, t);
+            let v = |t: f64| power(degree, t) / t;
+            let a = |t: f64| power(degree * (degree - 1), t) / (t * t);
+            let [start, end] = [1.0, 1.0 + h].map(|t| ([q(t), v(t)], [v(t), a(t)]));
+            let ends = [&start, &end].map(|(y, rate)| Reached { y, rate, work: 0.0 });
+            let points = [0.3, 0.5, 0.7].map(|theta| (theta, [a(1.0 + theta * h)]));
+            let mut pieces = [0.0; 2 * BY_MIDDLE];
+            write_by_bends(h, ends, [0, 1, 2].map(|k| (points[k].0, points[k].1.as_slice())), &mut pieces);
+            let mut out = [0.0; 2];
+            Segment { t: 1.0, h, width: 2, pieces: &pieces }.evaluate(0.4, &mut out);
+            let (place, speed) = ((out[0] - q(1.2)).abs(), (out[1] - v(1.2)).abs());
+            assert_eq!(place < 1e-12 && speed < 1e-10, degree <= 8, "degree {degree}: {place}, {speed}");
+        }
+    }
+
+    #[test]
     fn polynomials_are_reproduced_up_to_their_degree() {
         for (with_middle, most) in [(false, 5), (true, 8)] {
             for degree in 0..=most {

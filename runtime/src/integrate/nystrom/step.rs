@@ -87,8 +87,8 @@ impl<Y: Block> Nystrom<Y> {
         Ok(())
     }
 
-    /// The places of a stage from here on, the last term last: what waits for the acceleration just evaluated is one product
-    /// and one sum.
+    /// The places of a stage from here on, the last term last: little waits for the acceleration just evaluated.  Each is rounded
+    /// once beside y, since its differences are all that small motions are made of.
     #[inline(always)]
     fn place<const I: usize, const LANES: usize>(&mut self, at: usize, h: f64) {
         let [earlier @ .., last] = Stage::<I>::ROW else { return };
@@ -98,7 +98,7 @@ impl<Y: Block> Nystrom<Y> {
         let argument = self.argument.all_mut();
         for (lane, sum) in sum.into_iter().enumerate() {
             let i = at + lane;
-            argument[i] = (y[i] + (Stage::<I>::NODE * h * y[n + i] + sum)) + factor * latest[n + i];
+            argument[i] = y[i] + ((Stage::<I>::NODE * h * y[n + i] + sum) + factor * latest[n + i]);
         }
     }
 
