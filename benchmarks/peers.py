@@ -1,9 +1,11 @@
 """The scenes of `peers` in SciPy, CasADi and heyoka, and the tables of all programs.
 
-pip install numpy numba scipy casadi heyoka; python peers.py FOLDER [FOLDER OF THE DEFAULT BUILD]
+pip install numpy numba scipy casadi heyoka
+python peers.py measure FOLDER                  adds `python.csv` to what `cargo run --bin peers FOLDER` wrote
+python peers.py table FOLDER [DEFAULT BUILD'S]  prints the tables
 
-FOLDER has `times.csv` and `ends.csv` of `cargo run --bin peers FOLDER`.  Equations are compiled by numba for SciPy, by the C
-compiler for CasADi and by LLVM for heyoka, all for the processor at hand and before the clock runs.
+Equations are compiled by numba for SciPy, by the C compiler for CasADi and by LLVM for heyoka, all for the processor at hand
+and before the clock runs.
 """
 
 import csv
@@ -12,6 +14,7 @@ import os
 import statistics
 import sys
 import time
+import warnings
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -23,9 +26,9 @@ import numpy as np
 import scipy.integrate
 
 ERRORS = [1e-6, 1e-9]
-TOLERANCES = [10 ** (-i / 2) for i in range(4, 27)]
-SECONDS = 10.0  # rounds of one program go on for so long, but there are 3 at least and 41 at most
-LONGEST = 5.0  # runs that take longer are left out
+TOLERANCES = [10.0**-i for i in range(4, 15)]
+SECONDS = 3.0  # rounds of one program go on for so long, but there are 3 at least and 41 at most
+LONGEST = 3.0  # runs that take longer are left out
 
 
 # Equations of motion, with the sines and cosines of any of the programs.
@@ -162,6 +165,7 @@ def cvodes(formula, iteration):
         def at(tolerance):
             options = {"abstol": tolerance, "reltol": tolerance, "max_num_steps": 100_000_000}
             options |= {"linear_multistep_method": formula, "nonlinear_solver_iteration": iteration}
+            options |= {"disable_internal_warnings": True}
             options |= {"jit": True, "compiler": "shell", "jit_options": {"flags": ["-O3", "-march=native"]}}
             integrator = ca.integrator("peer", "cvodes", system, 0, until, options)
 
@@ -249,32 +253,37 @@ def time_at(runs, error):
 # Files and tables.
 
 
-def read(folder):
+def read(folder, *names):
     """Seconds by scene, program with its method, and error."""
-    with open(os.path.join(folder, "times.csv"), newline="") as file:
-        return {
-            (row["scene"], f"{row['program']} `{row['method']}`", float(row["error"])): float(row["seconds"])
-            for row in csv.DictReader(file)
-        }
+    seconds = {}
+    for name in names:
+        with open(os.path.join(folder, name), newline="") as file:
+            for row in csv.DictReader(file):
+                key = row["scene"], f"{row['program']} `{row['method']}`", float(row["error"])
+                seconds[key] = float(row["seconds"])
+    return seconds
 
 
 def measure(folder):
-    """What the programs of this file take."""
-    seconds = {}
+    """Writes what the programs of this file take."""
+    warnings.simplefilter("ignore")  # SciPy's, that a tolerance is below what it takes
     with open(os.path.join(folder, "ends.csv"), newline="") as file:
-        for name, until, *numbers in csv.reader(file):
+        scenes = list(csv.reader(file))
+    with open(os.path.join(folder, "python.csv"), "w", newline="") as file:
+        rows = csv.writer(file)
+        rows.writerow(["scene", "program", "method", "error", "seconds"])
+        for name, until, *numbers in scenes:
             size = len(numbers) // 3 * 2
             start, end = np.array(numbers[:size], dtype=float), np.array(numbers[size:], dtype=float)
             for program, method, prepare in IMPLICIT if name.startswith("stiff") else EXPLICIT:
-                # Each tolerance of heyoka is another order, and compiled anew: some ten seconds for the chain.
+                # Each tolerance of heyoka is another order, and compiled anew: half a minute for the chain.
                 few = program == "heyoka" and size > 12
                 at = prepare(SCENES[name], start, float(until))
-                runs = curve(at, end, TOLERANCES[6::4] if few else TOLERANCES)
+                runs = curve(at, end, TOLERANCES[3:8:2] if few else TOLERANCES)
                 print(name, program, method, [(f"{e:.0e}", f"{s:.1e}") for e, s in runs], file=sys.stderr)
-                for error in ERRORS:
-                    if (found := time_at(runs, error)) is not None:
-                        seconds[name, f"{program} `{method}`", error] = found
-    return seconds
+                found = [(error, time_at(runs, error)) for error in ERRORS]
+                rows.writerows([name, program, method, error, s] for error, s in found if s is not None)
+                file.flush()
 
 
 def table(base, columns, builds):
@@ -300,14 +309,14 @@ def cell(row, base, scene, error, builds):
     return first if first == "–" else first + "".join(f" ({other})" for other in rest)
 
 
-def main():
-    builds = [read(folder) for folder in sys.argv[1:]]
-    python = measure(sys.argv[1])
-    builds = [times | python for times in builds]
+def tables(folder, *default):
+    """What was measured, one table for explicit methods and one for stiff scenes."""
+    builds = [read(folder, "times.csv", "python.csv")]
+    builds += [read(other, "times.csv") | read(folder, "python.csv") for other in default]
     explicit = [name for name in SCENES if not name.startswith("stiff")]
     table("dalembert `dop853`", [(name, error) for name in explicit for error in ERRORS], builds)
     table("dalembert `radau5`", [(name, 1e-6) for name in SCENES if name.startswith("stiff")], builds)
 
 
 if __name__ == "__main__":
-    main()
+    {"measure": measure, "table": tables}[sys.argv[1]](*sys.argv[2:])

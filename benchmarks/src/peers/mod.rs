@@ -58,6 +58,7 @@ pub fn implicit<F: Rates<D>, const D: usize>(problem: Problem<F, D>, jacobian: J
     vec![
         differential_equations::radau5(problem, jacobian),
         russell::radau5(problem, jacobian),
+        russell::radau5_threads(problem, jacobian),
         diffsol::bdf(problem, jacobian),
         diffsol::tr_bdf2(problem, jacobian),
         diffsol::esdirk34(problem, jacobian),

@@ -6,10 +6,29 @@ use russell_sparse::{CooMatrix, Sym};
 use super::{Jacobian, Problem, Program, Rates, STEPS};
 
 pub fn dopri8<F: Rates<D>, const D: usize>(problem: Problem<F, D>) -> Program {
-    Program::new("russell_ode", "DoPri8", move |tolerance| solve(problem, Method::DoPri8, system(problem), tolerance))
+    Program::new("russell_ode", "DoPri8", move |tolerance| {
+        solve(problem, Params::new(Method::DoPri8), system(problem), tolerance)
+    })
 }
 
+/// Its two linear systems are factored one after the other.
 pub fn radau5<F: Rates<D>, const D: usize>(problem: Problem<F, D>, jacobian: Jacobian<D>) -> Program {
+    let mut params = Params::new(Method::Radau5);
+    params.radau5.concurrent = false;
+    radau5_by("Radau5", params, problem, jacobian)
+}
+
+/// As it comes: its two linear systems are factored by two threads.
+pub fn radau5_threads<F: Rates<D>, const D: usize>(problem: Problem<F, D>, jacobian: Jacobian<D>) -> Program {
+    radau5_by("Radau5, two threads", Params::new(Method::Radau5), problem, jacobian)
+}
+
+fn radau5_by<F: Rates<D>, const D: usize>(
+    name: &'static str,
+    params: Params,
+    problem: Problem<F, D>,
+    jacobian: Jacobian<D>,
+) -> Program {
     let fill = move |matrix: &mut CooMatrix, alpha: f64, _: f64, y: &Vector, _: &mut NoArgs| {
         matrix.reset();
         for (i, row) in jacobian(&SVector::from_column_slice(y.as_data())).iter().enumerate() {
@@ -19,10 +38,10 @@ pub fn radau5<F: Rates<D>, const D: usize>(problem: Problem<F, D>, jacobian: Jac
         }
         Ok(())
     };
-    Program::new("russell_ode", "Radau5", move |tolerance| {
+    Program::new("russell_ode", name, move |tolerance| {
         let mut system = system(problem);
         system.set_jacobian(Some(D * D), Sym::No, fill).ok()?;
-        solve(problem, Method::Radau5, system, tolerance)
+        solve(problem, params, system, tolerance)
     })
 }
 
@@ -35,14 +54,11 @@ fn system<F: Rates<D>, const D: usize>(problem: Problem<F, D>) -> System<'static
 
 fn solve<F, const D: usize>(
     problem: Problem<F, D>,
-    method: Method,
+    mut params: Params,
     system: System<NoArgs>,
     tolerance: f64,
 ) -> Option<Vec<f64>> {
-    let mut params = Params::new(method);
     params.step.n_step_max = STEPS;
-    // Threads for two systems of four equations cost more than they give.
-    params.radau5.concurrent = false;
     params.set_tolerances(tolerance, tolerance, None).ok()?;
     let mut y = Vector::from(&problem.start);
     OdeSolver::new(params, system).ok()?.solve(&mut y, 0.0, problem.until, None, &mut 0, None).ok()?;
