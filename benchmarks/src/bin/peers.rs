@@ -127,7 +127,7 @@ impl Bench {
             for error in ERRORS {
                 if let Some(seconds) = curve.time(error) {
                     println!("{name}, {} {}: {:.1} µs at {error:e}", program.name, program.method, 1e6 * seconds);
-                    writeln!(self.times, "{name:?},{},{},{error:e},{seconds:e}", program.name, program.method)?;
+                    writeln!(self.times, "{name:?},{},{:?},{error:e},{seconds:e}", program.name, program.method)?;
                 }
             }
         }
