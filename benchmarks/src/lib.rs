@@ -1,5 +1,8 @@
 //! Equations of motion as a person writes them, and what all benchmarks share.
 
+#[cfg(feature = "peers")]
+pub mod peers;
+
 use std::time::Instant;
 
 use ode_solvers::{SVector, System as Equations};
@@ -33,6 +36,34 @@ pub fn kepler(y: &SVector<f64, 4>, rate: &mut SVector<f64, 4>) {
     let square = y[0] * y[0] + y[1] * y[1];
     let factor = -1.0 / (square * square.sqrt());
     (rate[0], rate[1], rate[2], rate[3]) = (y[2], y[3], factor * y[0], factor * y[1]);
+}
+
+/// A bob on a spring of k = 10⁶ N/m with a damper of d N s/m beside it.
+pub fn stiff_pendulum<const DAMPING: u32>(y: &SVector<f64, 4>, rate: &mut SVector<f64, 4>) {
+    let square = y[0] * y[0] + y[1] * y[1];
+    let one_over_r = 1.0 / square.sqrt();
+    let turning = f64::from(DAMPING) * (y[0] * y[2] + y[1] * y[3]) * one_over_r * one_over_r;
+    let factor = 1e6 * (one_over_r - 1.0) - turning;
+    (rate[0], rate[1], rate[2], rate[3]) = (y[2], y[3], factor * y[0], factor * y[1] - 10.0);
+}
+
+/// Its Jacobian.
+pub fn stiff_jacobian<const DAMPING: u32>(y: &SVector<f64, 4>) -> [[f64; 4]; 4] {
+    let (x, y, u, v) = (y[0], y[1], y[2], y[3]);
+    let d = f64::from(DAMPING);
+    let square = x * x + y * y;
+    let one_over_r = 1.0 / square.sqrt();
+    let rate = (x * u + y * v) / square;
+    let factor = 1e6 * (one_over_r - 1.0) - d * rate;
+    let along = |q: f64, w: f64| -(1e6 * q * one_over_r + d * (w - 2.0 * rate * q)) / square;
+    let (by_x, by_y) = (along(x, u), along(y, v));
+    let (by_u, by_v) = (-d * x / square, -d * y / square);
+    [
+        [0.0, 0.0, 1.0, 0.0],
+        [0.0, 0.0, 0.0, 1.0],
+        [factor + x * by_x, x * by_y, x * by_u, x * by_v],
+        [y * by_x, factor + y * by_y, y * by_u, y * by_v],
+    ]
 }
 
 pub fn stiff_spring(y: &SVector<f64, 4>, rate: &mut SVector<f64, 4>) {
