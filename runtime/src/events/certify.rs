@@ -222,31 +222,28 @@ impl Certifier {
         let (start, end) = (length * a.slope, length * b.slope);
         let (c2, c3) = (3.0 * change - 2.0 * start - end, start + end - 2.0 * change);
         let mut before = a;
-        for s in critical(start, c2, c3).into_iter().flatten() {
+        let mut points = [None; 2];
+        for (s, point) in critical(start, c2, c3).into_iter().zip(&mut points) {
+            let Some(s) = s else { continue };
             let value = a.value + s * (start + s * (c2 + s * c3));
             // An extremum that leads away from zero hides nothing.
             let dips = value.abs() < a.value.abs().max(b.value.abs()) || value * a.value < 0.0 || value * b.value < 0.0;
             if self.extrema || dips && (value.abs() <= NEAR * r + noise || value * a.value < 0.0) {
-                let here = self.sample(f, a.x + s * length);
-                let turn = if before.slope * here.slope < 0.0 {
-                    self.extremum(f, (before, here), noise)
-                } else if here.slope * b.slope < 0.0 {
-                    self.extremum(f, (here, b), noise)
-                } else {
-                    here
-                };
-                // In order, whichever was found first.
-                let mut found = [here, turn];
-                found.sort_by(|a, b| a.x.total_cmp(&b.x));
-                for point in found {
-                    if point.x > before.x && point.x < b.x {
-                        self.points.push(settled(point, length, (r, noise)));
-                        before = point;
-                    }
-                }
+                *point = Some(self.sample(f, a.x + s * length));
             }
         }
-        self.points.push(settled(b, length, (r, noise)));
+        // Each pair of neighbours may have an extremum between them: the cubic's are not quite in their places.
+        let looked = points.iter().any(Option::is_some);
+        for here in points.into_iter().flatten().filter(|here| here.x > a.x && here.x < b.x).chain([b]) {
+            if looked && before.slope * here.slope < 0.0 {
+                let turn = self.extremum(f, (before, here), noise);
+                if turn.x > before.x && turn.x < here.x {
+                    self.points.push(settled(turn, length, (r, noise)));
+                }
+            }
+            self.points.push(settled(here, length, (r, noise)));
+            before = here;
+        }
     }
 
     /// The extremum between two points with slopes of opposite signs, or a point beyond zero that is met on the way.
