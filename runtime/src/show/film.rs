@@ -11,8 +11,9 @@ use super::{Animation, Pace};
 /// A frame is shown for so many hundredths of a second, the last one of a motion that does not repeat longer.
 const SHOWN: u16 = 100 / Pace::RATE as u16;
 const AT_THE_END: u16 = 100;
-/// Colours of a GIF, and of how many frames they are taken.
-const COLOURS: usize = 256;
+/// Colours of a GIF, the place after them, which shows the frame before, and of how many frames they are taken.
+const COLOURS: usize = 255;
+const UNCHANGED: u8 = 255;
 const TRIED: usize = 16;
 const INTO_MEMORY: &str = "a file in memory takes all that is written";
 
@@ -34,24 +35,26 @@ impl Animation {
         let mut file = Vec::new();
         let (width, height) = film.background.dimensions();
         let mut encoder = png::Encoder::new(&mut file, width, height);
-        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_color(png::ColorType::Rgba);
         // Even areas and thin lines are smallest as they are.
         encoder.set_filter(png::Filter::NoFilter);
         encoder.set_animated(film.pace.frames as u32, 0).expect(INTO_MEMORY);
         let mut writer = encoder.write_header().expect(INTO_MEMORY);
-        film.play(|Frame { area, picture, shown }| {
+        film.play(|Frame { area, pixels, shown }| {
+            writer.set_blend_op(png::BlendOp::Over)?;
             writer.set_frame_delay(shown, 100)?;
             writer.reset_frame_position()?;
             writer.set_frame_dimension(area.width, area.height)?;
             writer.set_frame_position(area.left, area.top)?;
-            writer.write_image_data(&picture.part(area))
+            let opaque = |pixel: &Option<[u8; 3]>| pixel.map_or([0; 4], |[r, g, b]| [r, g, b, u8::MAX]);
+            writer.write_image_data(&pixels.iter().flat_map(opaque).collect::<Vec<u8>>())
         })
         .expect(INTO_MEMORY);
         writer.finish().expect(INTO_MEMORY);
         file
     }
 
-    /// The animation as a GIF file, frame by frame as [`Animation::pace`] says, in up to 256 colours; charts are left out.
+    /// The animation as a GIF file, frame by frame as [`Animation::pace`] says, in up to 255 colours; charts are left out.
     pub fn to_gif(&self) -> Vec<u8> {
         let film = Film::of(self);
         let mut palette = Palette::of(&film);
@@ -60,10 +63,11 @@ impl Animation {
         let mut encoder =
             gif::Encoder::new(&mut file, width as u16, height as u16, &palette.colours.concat()).expect(INTO_MEMORY);
         encoder.set_repeat(gif::Repeat::Infinite).expect(INTO_MEMORY);
-        film.play(|Frame { area, picture, shown }| {
+        film.play(|Frame { area, pixels, shown }| {
             let [left, top, width, height] = [area.left, area.top, area.width, area.height].map(|x| x as u16);
-            let buffer = palette.places(&picture.part(area)).into();
-            encoder.write_frame(&gif::Frame { delay: shown, left, top, width, height, buffer, ..gif::Frame::default() })
+            let (delay, buffer, transparent) = (shown, palette.places(&pixels).into(), Some(UNCHANGED));
+            let frame = gif::Frame { delay, transparent, left, top, width, height, buffer, ..gif::Frame::default() };
+            encoder.write_frame(&frame)
         })
         .expect(INTO_MEMORY);
         drop(encoder);
@@ -81,10 +85,10 @@ struct Film<'a> {
 }
 
 /// One frame of a film.
-struct Frame<'a> {
-    picture: &'a Picture,
-    /// Where it differs from the one before.
+struct Frame {
+    /// Where it differs from the one before, and the colours there that do.
     area: Rectangle,
+    pixels: Vec<Option<[u8; 3]>>,
     /// For how long, s/100.
     shown: u16,
 }
@@ -108,13 +112,14 @@ impl<'a> Film<'a> {
     }
 
     /// Hands frame after frame to what writes them.
-    fn play<E>(&self, mut write: impl FnMut(Frame<'_>) -> Result<(), E>) -> Result<(), E> {
+    fn play<E>(&self, mut write: impl FnMut(Frame) -> Result<(), E>) -> Result<(), E> {
         let mut before: Option<Picture> = None;
         for index in 0..self.pace.frames {
             let picture = self.picture(index);
             let area = before.as_ref().map_or_else(|| picture.whole(), |before| picture.changed(before));
+            let pixels = picture.changes(area, before.as_ref());
             let ends = index + 1 == self.pace.frames && !self.animation.repeat;
-            write(Frame { picture: &picture, area, shown: if ends { AT_THE_END } else { SHOWN } })?;
+            write(Frame { area, pixels, shown: if ends { AT_THE_END } else { SHOWN } })?;
             before = Some(picture);
         }
         Ok(())
@@ -142,16 +147,16 @@ impl Palette {
     }
 
     /// For each pixel the place of the colour that is nearest.
-    fn places(&mut self, pixels: &[u8]) -> Vec<u8> {
+    fn places(&mut self, pixels: &[Option<[u8; 3]>]) -> Vec<u8> {
         let Palette { colours, nearest } = self;
-        let place = |pixel: &[u8; 3]| {
+        let mut place = |pixel: &[u8; 3]| {
             let away = |colour: &[u8; 3]| -> u32 {
                 colour.iter().zip(pixel).map(|(a, b)| u32::from(a.abs_diff(*b)).pow(2)).sum()
             };
             let best = |colours: &[[u8; 3]]| (0..colours.len()).min_by_key(|k| away(&colours[*k])).unwrap_or_default();
             *nearest.entry(*pixel).or_insert_with(|| best(colours) as u8)
         };
-        pixels.as_chunks::<3>().0.iter().map(place).collect()
+        pixels.iter().map(|pixel| pixel.as_ref().map_or(UNCHANGED, &mut place)).collect()
     }
 }
 
@@ -183,12 +188,13 @@ mod tests {
             Seen { width: width as usize, height: height as usize, pictures: Vec::new(), shown: Vec::new() }
         }
 
-        fn add(&mut self, [left, top, width, height]: [usize; 4], pixels: &[u8], shown: u16) {
+        /// Lays a frame over the picture before; `None` leaves that as it is.
+        fn add(&mut self, [left, top, width, _]: [usize; 4], pixels: &[Option<[u8; 3]>], shown: u16) {
             let blank = || vec![0; 3 * self.width * self.height];
             let mut picture = self.pictures.last().cloned().unwrap_or_else(blank);
-            for (y, row) in pixels.chunks(3 * width).enumerate().take(height) {
-                let first = 3 * ((top + y) * self.width + left);
-                picture[first..first + 3 * width].copy_from_slice(row);
+            for (index, pixel) in pixels.iter().enumerate().filter_map(|(index, pixel)| Some((index, (*pixel)?))) {
+                let first = 3 * ((top + index / width) * self.width + left + index % width);
+                picture[first..first + 3].copy_from_slice(&pixel);
             }
             self.pictures.push(picture);
             self.shown.push(shown);
@@ -204,7 +210,9 @@ mod tests {
                 let control = *reader.info().frame_control().unwrap();
                 let area = [control.x_offset, control.y_offset, info.width, info.height].map(|x| x as usize);
                 assert_eq!(control.delay_den, 100);
-                seen.add(area, &pixels[..info.buffer_size()], control.delay_num);
+                let read = pixels[..info.buffer_size()].chunks(4);
+                let read: Vec<_> = read.map(|p| (p[3] == 255).then_some([p[0], p[1], p[2]])).collect();
+                seen.add(area, &read, control.delay_num);
             }
             assert!(reader.next_frame(&mut pixels).is_err());
             seen
@@ -218,9 +226,10 @@ mod tests {
             let palette = reader.global_palette().unwrap().to_vec();
             while let Some(frame) = reader.read_next_frame().unwrap() {
                 let area = [frame.left, frame.top, frame.width, frame.height].map(usize::from);
-                let colour = |place: &u8| &palette[3 * usize::from(*place)..3 * usize::from(*place) + 3];
-                let pixels: Vec<&[u8]> = frame.buffer.iter().map(colour).collect();
-                seen.add(area, &pixels.concat(), frame.delay);
+                let colour = |place: usize| std::array::from_fn(|k| palette[3 * place + k]);
+                let shown = |place: &u8| (Some(*place) != frame.transparent).then(|| colour(usize::from(*place)));
+                let pixels: Vec<Option<[u8; 3]>> = frame.buffer.iter().map(shown).collect();
+                seen.add(area, &pixels, frame.delay);
             }
             seen
         }

@@ -58,13 +58,15 @@ impl Picture {
         Rectangle { left: x.0, top: y.0, width: x.1 - x.0 + 1, height: y.1 - y.0 + 1 }
     }
 
-    /// The pixels of a part.
-    pub fn part(&self, Rectangle { left, top, width, height }: Rectangle) -> Vec<u8> {
-        let row = |y: u32| {
-            let first = 3 * (y as usize * self.width as usize + left as usize);
-            &self.pixels[first..first + 3 * width as usize]
+    /// The pixels of a part, those that are the same in a picture before left out.
+    pub fn changes(&self, part: Rectangle, before: Option<&Picture>) -> Vec<Option<[u8; 3]>> {
+        let Rectangle { left, top, width, height } = part;
+        let pixel = |picture: &Picture, x: u32, y: u32| -> [u8; 3] {
+            let first = 3 * (y as usize * picture.width as usize + x as usize);
+            std::array::from_fn(|k| picture.pixels[first + k])
         };
-        (top..top + height).map(row).collect::<Vec<_>>().concat()
+        let change = |x, y| Some(pixel(self, x, y)).filter(|own| before.is_none_or(|other| pixel(other, x, y) != *own));
+        (top..top + height).flat_map(|y| (left..left + width).map(move |x| (x, y))).map(|(x, y)| change(x, y)).collect()
     }
 
     /// The colours of all pixels.
