@@ -3,7 +3,7 @@
 //! Where it is not installed these tests say so and pass; in CI, where the variable `CI` is set, they fail.
 
 use dalembert::mechanism::Shape;
-use dalembert::show::Animation;
+use dalembert::show::{Animation, Axis, Chart, Series};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -52,12 +52,27 @@ fn turning_bar(dimension: u32) -> Animation {
     Animation::new("Turning bar", dimension, vec![Shape::Line(2)]).with_frames(frames)
 }
 
+/// The same with the tip's height over time, and its path.
+fn with_charts(animation: Animation) -> Animation {
+    let turn = |t: f64| t * std::f64::consts::TAU / 8.0;
+    let times = || (0..=800).map(|i| f64::from(i) / 100.0);
+    let height = Series::line("y", times().map(|t| Some((t, turn(t).sin()))));
+    let path = Series::line("", times().map(|t| Some((turn(t).cos(), turn(t).sin())))).at_times(times());
+    let axis = |name: &str| Axis::new(name, "m");
+    let history = Chart::new("", Axis::new("time", "s"), axis("y")).with(height);
+    animation.with_chart(history).with_chart(Chart::new("", axis("x"), axis("y")).equal().with(path))
+}
+
 fn number(seen: &HashMap<String, String>, name: &str) -> f64 {
     seen[name].parse().unwrap()
 }
 
 fn tip(seen: &HashMap<String, String>) -> [f64; 2] {
-    let (x, y) = seen["point"].split_once(',').unwrap();
+    pixel(seen, "point")
+}
+
+fn pixel(seen: &HashMap<String, String>, name: &str) -> [f64; 2] {
+    let (x, y) = seen[name].split_once(',').unwrap();
     [x.parse().unwrap(), y.parse().unwrap()]
 }
 
@@ -138,6 +153,55 @@ fn keys_slider_and_mouse_are_heard() {
         assert!(paused["playing"] == "false" && number(&paused, "t") < 0.1, "{paused:?}");
         assert_eq!(number(&slid, "t"), 2.0);
         assert!((tip(&still)[0] - tip(&turned)[0]).abs() > 20.0, "{still:?} {turned:?}");
+    }
+    std::fs::remove_dir_all(directory).unwrap();
+}
+
+#[test]
+fn a_marker_runs_along_the_curve() {
+    let directory = directory("marker");
+    std::fs::write(directory.join("bar.html"), with_charts(turning_bar(2)).to_html()).unwrap();
+    let at = |t: u32| look(&directory, &format!("bar.html#t={t}"), 500);
+    if let (Some(start), Some(up), Some(half), Some(down)) = (at(0), at(2), at(4), at(6)) {
+        let [start, up, half, down] = [start, up, half, down].map(|seen| (tip(&seen), pixel(&seen, "marker")));
+        // The mechanism is on the left of the charts, and time runs evenly to the right.
+        assert!(start.0[0] < start.1[0]);
+        assert!((half.1[0] - start.1[0] - 2.0 * (up.1[0] - start.1[0])).abs() < 0.1, "{start:?} {up:?} {half:?}");
+        assert!((start.1[1] - half.1[1]).abs() < 0.1 && (up.1[1] + down.1[1] - 2.0 * half.1[1]).abs() < 0.1);
+        assert!(up.1[1] < half.1[1] - 20.0, "{up:?} {half:?}");
+    }
+    std::fs::remove_dir_all(directory).unwrap();
+}
+
+#[test]
+fn a_click_into_a_chart_sets_the_time() {
+    let directory = directory("click");
+    let after = |name: &str, script: &str| {
+        let page =
+            with_charts(turning_bar(2)).to_html().replace("</html>", &format!("<script>{script}</script></html>"));
+        std::fs::write(directory.join(name), page).unwrap();
+        look(&directory, name, 500)
+    };
+    let event = |kind: &str, x: &str, y: &str| {
+        format!(
+            "canvas.dispatchEvent(new PointerEvent('{kind}', {{clientX: canvas.getBoundingClientRect().left + {x}, \
+                 clientY: canvas.getBoundingClientRect().top + {y}, buttons: 1}}));"
+        )
+    };
+    // A pointer that a script makes up cannot be captured.
+    let free = "canvas.setPointerCapture = () => {};";
+    let middle = ["charts[0].across(4)", "charts[0].up(0)"];
+    let click = event("pointerdown", middle[0], middle[1]);
+    let drag = event("pointermove", "charts[0].across(6)", middle[1]);
+    let left = event("pointerdown", "charts[1].across(0)", "charts[1].up(1)");
+    let beside = event("pointerdown", "width / 2", "height / 2");
+    let clicked = after("click.html", &format!("{free}{click}"));
+    let dragged = after("drag.html", &format!("{free}{click}{drag}"));
+    let along = after("path.html", &format!("{free}{left}"));
+    let outside = after("outside.html", &format!("{free}{beside}{drag}"));
+    if let (Some(clicked), Some(dragged), Some(along), Some(outside)) = (clicked, dragged, along, outside) {
+        let times = [clicked, dragged, along, outside].map(|seen| number(&seen, "t"));
+        assert!(times.iter().zip([4.0, 6.0, 2.0, 0.0]).all(|(t, wanted)| (t - wanted).abs() < 0.05), "{times:?}");
     }
     std::fs::remove_dir_all(directory).unwrap();
 }

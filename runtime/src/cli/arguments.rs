@@ -93,10 +93,11 @@ fn simulate() -> Command {
         .arg(value("every", "TIME", "Spacing of reported states [default: 500 points]"))
         .arg(value("csv", "FILE", "Write reported states and outputs as a table"))
         .arg(picture("plot", "Draw them"))
-        .arg(many("show", "A,B", "A chart of the plot: coordinates, rates or outputs against time, or X:Y, a portrait; several make several charts [default: paths and coordinates]").requires("plot"))
+        .arg(many("show", "A,B", "A chart of the plot, and beside the animation: coordinates, rates or outputs against time, or X:Y, a portrait; several make several charts [default: paths and coordinates in the plot]").requires("drawn"))
         .arg(value("section", "PERIOD", "Portraits of states at multiples of this time only: a stroboscopic section").requires("show"))
         .arg(value("with", "SCENE,SCENE", "Draw other scenes beside this one").requires("plot"))
-        .arg(value("animate", "FILE.html", "Write a page that animates the mechanism"))
+        .arg(animation("Write a page that animates the mechanism"))
+        .group(ArgGroup::new("drawn").args(["plot", "animate"]).multiple(true))
         .arg(
             flag("digits", "Tell how many digits hold, by a second run, however long it takes")
                 .conflicts_with("no-digits"),
@@ -143,7 +144,7 @@ fn modes() -> Command {
         .arg(flag("steady", "Find the steady motion in which cyclic coordinates keep the speeds of the scene (`--at` sets others)"))
         .arg(picture("plot", "Draw the shapes of the modes"))
         .arg(value("matrices", "NAME.mtx", "Write M, C, K, B and the state matrix A as NAME-M.mtx and so on, in Matrix Market's format, or as tables (NAME.csv)"))
-        .arg(value("animate", "FILE.html", "Write a page that animates a mode"))
+        .arg(animation("Write a page that animates a mode"))
         .arg(value("mode", "NUMBER", "Which mode to animate [default: the first that is not rigid]"))
         .arg(picture("motion", "Draw the free motion from the scene's start, computed in several ways, and compare them"))
         .arg(many("drive", "NAME[=AMPLITUDE]", "What shakes it: an input, an entry of `forces` or `torques` (along its direction), or a coordinate that a force acts on; several go in step [default: the first input]"))
@@ -215,6 +216,11 @@ fn value(name: &'static str, placeholder: &'static str, help: &'static str) -> A
 /// A file that is drawn.
 fn picture(name: &'static str, help: &str) -> Arg {
     value(name, "FILE.svg", "").help(format!("{help}; as PNG where FILE ends in .png"))
+}
+
+/// What moves.
+fn animation(help: &str) -> Arg {
+    value("animate", "FILE.html", "").help(format!("{help}; a picture that moves where FILE ends in .png or .gif"))
 }
 
 fn many(name: &'static str, placeholder: &'static str, help: &'static str) -> Arg {

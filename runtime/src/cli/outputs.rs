@@ -7,7 +7,7 @@ use clap::ArgMatches;
 
 use super::Problem;
 use crate::Error;
-use crate::show::{Figure, is_png};
+use crate::show::{Animation, Figure, Pace, is_picture, is_png};
 
 /// Refuses paths that cannot be written, that are the model file, or that two options share.
 ///
@@ -31,8 +31,10 @@ pub fn check_paths<'a>(paths: impl Iterator<Item = (&'a str, &'a str)>, model: &
     for (name, path) in paths {
         let option = format!("--{name}");
         let asked = Path::new(path);
-        if name == "plot" {
-            drawable(path)?;
+        match name {
+            "plot" => drawable(path, is_png)?,
+            "animate" => drawable(path, is_picture)?,
+            _ => (),
         }
         if same_file(asked, Path::new(model)) {
             return Err(Problem::File(format!("{option} {path} would overwrite the model file")));
@@ -72,13 +74,22 @@ pub fn draw(path: &str, picture: impl Into<Figure>) -> Result<(), Problem> {
     picture.into().write(path).map_err(|problem| Problem::File(problem.to_string()))
 }
 
+/// Writes an animation to a file, as a page or a picture by its name; of a picture how it plays.
+///
+/// # Errors
+/// [`Problem::File`].
+pub fn animate(path: &str, animation: &Animation) -> Result<Option<Pace>, Problem> {
+    animation.write(path).map_err(|problem| Problem::File(problem.to_string()))?;
+    Ok(is_picture(Path::new(path)).then(|| animation.pace()))
+}
+
 /// Refuses a picture in a format that the program was built without.
 ///
 /// # Errors
 /// [`Problem::Usage`].
-pub fn drawable(path: &str) -> Result<(), Problem> {
+pub fn drawable(path: &str, has_pixels: fn(&Path) -> bool) -> Result<(), Problem> {
     let path = PathBuf::from(path);
-    match is_png(&path) && !cfg!(feature = "png") {
+    match has_pixels(&path) && !cfg!(feature = "png") {
         true => Err(Problem::Usage(format!("error: {}", Error::NeedsPng { path }))),
         false => Ok(()),
     }

@@ -1,4 +1,6 @@
-//! What `simulate --plot` draws: `--show`, `--section` and `--with`.
+//! What `simulate --plot` draws, and `--animate` beside the mechanism: `--show`, `--section` and `--with`.
+
+use std::path::Path;
 
 use clap::ArgMatches;
 use dalembert_symbolic::model::Sets;
@@ -8,7 +10,7 @@ use super::load::Loaded;
 use super::set_up::{Reader, unknown};
 use crate::mechanism::Description;
 use crate::run::Names;
-use crate::show::{Chart, Figure};
+use crate::show::{Chart, Figure, is_picture};
 use crate::{Error, Run};
 
 /// The charts that are asked for; none: those that a run has by itself.
@@ -31,6 +33,10 @@ impl Shown {
         let charts = options.get_many::<String>("show").into_iter().flatten();
         let charts =
             charts.map(|text| asked(loaded.system.description(), text)).collect::<Result<Vec<Asked>, Problem>>()?;
+        let animated = options.get_one::<String>("animate").filter(|_| !options.contains_id("plot"));
+        if animated.is_some_and(|path| is_picture(Path::new(path))) && !charts.is_empty() {
+            return Err(Problem::Usage("error: --show draws beside a page: `--animate FILE.html`".to_owned()));
+        }
         let section = options.get_one::<String>("section");
         let section = section.map(|text| Reader::new(loaded).value(loaded, "section", Sets::Time, text)).transpose()?;
         if section.is_some_and(|period| period <= 0.0) {
@@ -56,7 +62,10 @@ impl Shown {
     pub fn figure(&self, runs: &[(String, &Run)]) -> Result<Figure, Error> {
         let mut figure = Figure::default();
         for (name, run) in runs {
-            let charts = if self.charts.is_empty() { run.figure().charts } else { self.of(run)? };
+            let mut charts = if self.charts.is_empty() { run.figure().charts } else { self.of(run)? };
+            if let Some(first) = charts.first_mut() {
+                first.title = run.description.name.to_string();
+            }
             for (place, mut chart) in charts.into_iter().enumerate() {
                 if runs.len() > 1 {
                     for series in &mut chart.series {
@@ -73,19 +82,16 @@ impl Shown {
         Ok(figure)
     }
 
-    fn of(&self, run: &Run) -> Result<Vec<Chart>, Error> {
-        let mut charts = self.charts.iter().map(|asked| match (asked, self.section) {
+    /// What was asked for, of one run.
+    pub fn of(&self, run: &Run) -> Result<Vec<Chart>, Error> {
+        let charts = self.charts.iter().map(|asked| match (asked, self.section) {
             (Asked::History(names), _) => run.history(&names.iter().map(String::as_str).collect::<Vec<_>>()),
             (Asked::Portrait(x, y), None) => {
                 run.portrait(x, y).map(|chart| if is_path(x, y) { chart.equal() } else { chart })
             }
             (Asked::Portrait(x, y), Some(period)) => run.section(x, y, period),
         });
-        let mut charts = charts.by_ref().collect::<Result<Vec<Chart>, Error>>()?;
-        if let Some(first) = charts.first_mut() {
-            first.title = run.description.name.to_string();
-        }
-        Ok(charts)
+        charts.collect()
     }
 }
 

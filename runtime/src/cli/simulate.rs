@@ -18,6 +18,7 @@ use super::set_up::{set_up, set_up_scene};
 use super::{Entry, Problem, compare, enforcement, outputs, value_files};
 use crate::mechanism::{Description, Enforcement, Stabilisation};
 use crate::numbers::short;
+use crate::show::Animation;
 use crate::simulate::{LAGRANGE, judge_digits};
 use crate::{Error, Impulse, Run, Settings};
 
@@ -192,7 +193,11 @@ fn report(
         outputs::write(path, &value_files::state(run))?;
     }
     if let Some(path) = file("animate") {
-        run.animate(path).map_err(unwritten)?;
+        let charts = shown.of(run).map_err(|error| Problem::Usage(format!("error: {error}")))?;
+        let pace = outputs::animate(path, &Animation { charts, ..run.animation() })?;
+        if let Some(pace) = pace.filter(|_| !options.get_flag("json")) {
+            writeln!(out, "{path}: {pace}")?;
+        }
     }
     if options.get_flag("json") {
         super::json::write(&as_json(loaded, settings, run), out)?;

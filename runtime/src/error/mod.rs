@@ -67,7 +67,7 @@ pub enum Error {
         /// What stands in the way.
         why: String,
     },
-    /// A picture was to be a PNG, and the crate was built without the feature `png`.
+    /// A picture was to be a PNG or a GIF, and the crate was built without the feature `png`.
     NeedsPng {
         /// Its file.
         path: PathBuf,
@@ -196,7 +196,8 @@ impl fmt::Display for Error {
             }
             Error::NeedsPng { path } => write!(
                 f,
-                "cannot draw `{}`: PNG needs the feature `png` of the crate `dalembert`; name a file .svg, or build with it",
+                "cannot draw `{}`: PNG and GIF need the feature `png` of the crate `dalembert`; name a file .svg (a chart) or .html \
+                 (an animation), or build with it",
                 path.display()
             ),
             Error::File { path, problem } => write!(f, "cannot write `{}`: {problem}", path.display()),

@@ -1,7 +1,13 @@
-//! An animated mechanism as one HTML page.
+//! An animated mechanism: what moves, and its HTML page.
 
+use super::Chart;
+use super::curves::{self, multiple, unit};
+use super::figure::ends_in;
+use crate::error::Error;
 use crate::mechanism::{Description, Shape};
 use serde_json::{Value, json};
+use std::path::Path;
+use std::sync::Arc;
 
 /// What a page animates: shapes, and where their points are at some times.
 ///
@@ -19,6 +25,23 @@ use serde_json::{Value, json};
 /// let page = Animation::new("Pendulum", 2, vec![Shape::Line(2)]).with_frames(swing).to_html();
 /// assert!(page.contains("Pendulum"));
 /// ```
+///
+/// Charts stand beside the mechanism, or below it where the window is narrow.  In each a marker runs along the curves,
+/// and clicking or dragging sets the time:
+///
+/// ```
+/// use dalembert::mechanism::Shape;
+/// use dalembert::show::{Animation, Axis, Chart, Series};
+/// let times = || (0..=100).map(|i| f64::from(i) / 10.0);
+/// let angle = |t: f64| 0.5 * t.cos();
+/// let bar = times().map(|t| (t, vec![0.0, 0.0, angle(t).sin(), -angle(t).cos()]));
+/// let curve = Series::line("theta", times().map(|t| Some((t, angle(t)))));
+/// let chart = Chart::new("", Axis::new("time", "s"), Axis::new("theta", "rad")).with(curve);
+/// let page = Animation::new("Pendulum", 2, vec![Shape::Line(2)]).with_frames(bar).with_chart(chart).to_html();
+/// assert!(page.contains("theta (rad)"));
+/// ```
+///
+/// Of a run: `run.animation().with_chart(run.history(&["theta"])?)`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Animation {
     /// The heading.
@@ -36,6 +59,9 @@ pub struct Animation {
     pub in_units: bool,
     /// Starts again at the end, as a mode shape does: then the last frame should equal the first.
     pub repeat: bool,
+    /// What stands beside the mechanism: over the time of the frames, or over anything else where the series tell their
+    /// [`times`](super::Series::times).  Failures and slopes are left out.
+    pub charts: Vec<Chart>,
 }
 
 impl Animation {
@@ -60,18 +86,41 @@ impl Animation {
         Animation { frames: frames.into_iter().collect(), ..self }
     }
 
+    /// The same animation with one more chart beside the mechanism.
+    pub fn with_chart(mut self, chart: Chart) -> Animation {
+        self.charts.push(chart);
+        self
+    }
+
     /// The text of the page.
     pub fn to_html(&self) -> String {
         // In a script element `<` could end the element; JSON may write it as an escape.
         let data = self.data().to_string().replace('<', "\\u003c");
-        include_str!("page.html").replace("@SCRIPT@", include_str!("page.js")).replace("@DATA@", &data)
+        let script = [include_str!("curves.js"), include_str!("page.js")].concat();
+        include_str!("page.html").replace("@SCRIPT@", &script).replace("@DATA@", &data)
+    }
+
+    /// Writes the animation to a file: as a picture that moves where its name ends in `.png` or `.gif`, else as a page.
+    ///
+    /// # Errors
+    /// [`Error::File`]; [`Error::NeedsPng`] for a picture where the crate was built without the feature `png`.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        let path = path.as_ref();
+        let file = |problem| Error::File { path: path.to_owned(), problem: Arc::new(problem) };
+        if !is_picture(path) {
+            return std::fs::write(path, self.to_html()).map_err(file);
+        }
+        #[cfg(feature = "png")]
+        return std::fs::write(path, if ends_in(path, "gif") { self.to_gif() } else { self.to_png() }).map_err(file);
+        #[cfg(not(feature = "png"))]
+        Err(Error::NeedsPng { path: path.to_owned() })
     }
 
     /// Everything that the page knows; lengths and times are whole multiples of a millionth of their range or
     /// less, and of each frame only the numbers that ever change are there.
     fn data(&self) -> Value {
         let unit = unit(self.frames.iter().flat_map(|(_, numbers)| numbers));
-        let tick = self::unit(self.frames.iter().map(|(time, _)| time));
+        let tick = curves::unit(self.frames.iter().map(|(time, _)| time));
         let first = self.frames.first().map_or(&[][..], |(_, numbers)| numbers);
         let moves = |k: &usize| self.frames.iter().any(|(_, numbers)| numbers.get(*k) != first.get(*k));
         let moving: Vec<usize> = (0..first.len()).filter(moves).collect();
@@ -91,8 +140,14 @@ impl Animation {
             "first": first.iter().map(|x| multiple(*x, unit)).collect::<Vec<_>>(),
             "moving": moving,
             "frames": self.frames.iter().map(|(_, numbers)| changes(numbers)).collect::<Vec<_>>(),
+            "charts": self.charts.iter().map(curves::data).collect::<Vec<_>>(),
         })
     }
+}
+
+/// Whether an animation is to be a picture, by its file's name.
+pub(crate) fn is_picture(path: &Path) -> bool {
+    ends_in(path, "png") || ends_in(path, "gif")
 }
 
 fn kind_and_points(shape: &Shape) -> Value {
@@ -105,22 +160,10 @@ fn kind_and_points(shape: &Shape) -> Value {
     }
 }
 
-/// The power of ten that is between 10⁻⁷ and 10⁻⁶ of the range of these numbers.
-fn unit<'a>(numbers: impl Iterator<Item = &'a f64>) -> f64 {
-    let finite = numbers.filter(|x| x.is_finite());
-    let (low, high) = finite.fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(*x), high.max(*x)));
-    let range = (high / 2.0 - low / 2.0) * 2.0;
-    let range = if range > 1e-290 { range.min(1e300) } else { 1.0 };
-    format!("1e{}", range.log10().floor() as i32 - 6).parse().expect("a power of ten between 1e-297 and 1e294")
-}
-
-fn multiple(x: f64, unit: f64) -> Value {
-    if x.is_finite() { json!((x / unit).round() as i64) } else { Value::Null }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::show::{Axis, Series};
 
     fn data(page: &str) -> Value {
         let begin = page.find("application/json\">").unwrap() + "application/json\">".len();
@@ -167,6 +210,27 @@ mod tests {
     }
 
     #[test]
+    fn a_page_has_the_curves_that_it_is_given_and_no_others() {
+        let bare = data(&Animation::new("Bob", 2, Vec::new()).to_html());
+        assert_eq!(bare["charts"], json!([]));
+        let points = (0..=10).map(|i| (i != 5).then_some((f64::from(i), 0.5 * f64::from(i))));
+        let chart = Chart::new("", Axis::new("time", "s"), Axis::new("x", "mm"));
+        let history = chart.clone().with(Series::line("x", points.clone()));
+        let portrait = chart.with(Series::marks("p", points).coloured(4).at_times((0..=10).map(f64::from)));
+        let page = Animation::new("Bob", 2, Vec::new()).with_chart(history).with_chart(portrait).to_html();
+        let charts = &data(&page)["charts"];
+        assert_eq!((&charts[0]["x"]["text"], &charts[0]["y"]["text"]), (&json!("time (s)"), &json!("x (mm)")));
+        let series = &charts[0]["series"][0];
+        assert_eq!((&series["name"], &series["t"]), (&json!("x"), &Value::Null));
+        let unit = series["y"]["unit"].as_f64().unwrap();
+        assert_eq!(series["y"]["values"][9].as_f64().unwrap() * unit, 4.5);
+        assert!(series["y"]["values"][5].is_null());
+        let series = &charts[1]["series"][0];
+        assert_eq!((&series["colour"], &series["line"], &series["marks"]), (&json!(4), &json!(false), &json!(true)));
+        assert_eq!(series["t"]["values"].as_array().unwrap().len(), 11);
+    }
+
+    #[test]
     fn the_page_loads_nothing() {
         let page =
             Animation::new("Bob", 3, vec![Shape::Spring, Shape::Circle]).with_frames([(0.0, vec![0.0; 10])]).to_html();
@@ -181,5 +245,15 @@ mod tests {
         let page = Animation::new(title, 2, Vec::new()).to_html();
         assert_eq!(page.matches("</script>").count(), 2);
         assert_eq!(data(&page)["title"], title);
+    }
+
+    #[cfg(not(feature = "png"))]
+    #[test]
+    fn a_picture_needs_a_feature() {
+        for name in ["film.png", "film.GIF"] {
+            let error = Animation::new("Bob", 2, Vec::new()).write(name).unwrap_err().to_string();
+            assert!(error.contains(name) && error.contains("feature `png`"), "{error}");
+            assert!(!std::fs::exists(name).unwrap());
+        }
     }
 }

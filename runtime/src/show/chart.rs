@@ -75,6 +75,9 @@ pub struct Series {
     pub failures: Vec<Failure>,
     /// The place in the order of colours, where it is not that among the series: charts of one figure can agree.
     pub colour: Option<usize>,
+    /// When each point was, s: a marker beside an [`Animation`](super::Animation) goes by them.  Empty where the horizontal axis
+    /// is the time, or nothing moves.
+    pub times: Vec<f64>,
 }
 
 impl Series {
@@ -96,6 +99,11 @@ impl Series {
     /// The same series in the colour of this place.
     pub fn coloured(self, place: usize) -> Series {
         Series { colour: Some(place), ..self }
+    }
+
+    /// The same series with the time of each point, s.
+    pub fn at_times(self, times: impl IntoIterator<Item = f64>) -> Series {
+        Series { times: times.into_iter().collect(), ..self }
     }
 
     /// The same series with one more failure.

@@ -22,10 +22,14 @@ pub(super) type Outcome<B> = Result<(), DrawingAreaErrorKind<<B as DrawingBacken
 /// plotters writes text smaller than it is asked to by this factor.
 pub(super) const PLOTTERS_SHRINKS: f64 = 1.24;
 const FONT: &str = "Helvetica, Arial, sans-serif";
-const INK: RGBColor = RGBColor(51, 51, 51);
-const GRID: RGBColor = RGBColor(221, 221, 221);
+pub(super) const INK: RGBColor = RGBColor(51, 51, 51);
+pub(super) const GRID: RGBColor = RGBColor(221, 221, 221);
 const FINE_GRID: RGBColor = RGBColor(240, 240, 240);
-const ZERO: RGBColor = RGBColor(160, 160, 160);
+pub(super) const ZERO: RGBColor = RGBColor(160, 160, 160);
+
+/// Pixels of a PNG for one of the SVG's.
+#[cfg(feature = "png")]
+const SHARPER: f32 = 2.0;
 
 const WIDTH: i32 = 860;
 const MARGIN: i32 = 16;
@@ -89,7 +93,7 @@ impl Figure {
     #[cfg(feature = "png")]
     pub fn to_png(&self) -> Vec<u8> {
         let layout = self.layout();
-        let mut picture = super::raster::Picture::new(layout.fine());
+        let mut picture = super::raster::Picture::new(layout.fine(), SHARPER);
         let canvas = super::raster::Raster::on(&mut picture).into_drawing_area();
         draw(&canvas, &layout).expect("a picture in memory takes all that is drawn");
         drop(canvas);
@@ -127,7 +131,11 @@ impl Figure {
 
 /// Whether a file is to be a PNG, by its name.
 pub(crate) fn is_png(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"))
+    ends_in(path, "png")
+}
+
+pub(super) fn ends_in(path: &Path, ending: &str) -> bool {
+    path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending))
 }
 
 /// Rows of charts, their heights, the width of a chart and the size of the page, px.

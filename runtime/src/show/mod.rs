@@ -1,27 +1,37 @@
-//! Seeing a run: charts as SVG, or PNG (feature `png`), an animation as one HTML page, tables as CSV.
+//! Seeing a run: charts as SVG, or PNG (feature `png`), an animation as one HTML page, as PNG or as GIF (feature `png`),
+//! tables as CSV.
 //!
 //! Everything here turns plain data into text or pixels, so it serves runs, error charts and mode shapes alike; only
-//! [`Figure::write`], [`Run::plot`](crate::Run::plot) and its neighbours write files.
+//! [`Figure::write`], [`Animation::write`], [`Run::plot`](crate::Run::plot) and its neighbours write files.
 
 mod animation;
 mod axis;
 mod chart;
 mod csv;
+mod curves;
 mod figure;
+#[cfg(feature = "png")]
+mod film;
 mod legend;
 mod marks;
+mod pace;
 #[cfg(feature = "png")]
 mod raster;
 mod run;
+#[cfg(feature = "png")]
+mod stage;
 mod ticks;
 
 pub use animation::Animation;
+#[cfg(feature = "cli")]
+pub(crate) use animation::is_picture;
 pub use axis::{Axis, Scale};
 pub use chart::{Chart, Failure, Series, Slope, Style};
 pub use csv::csv;
 pub use figure::Figure;
 #[cfg(feature = "cli")]
 pub(crate) use figure::is_png;
+pub use pace::Pace;
 #[cfg(feature = "cli")]
 pub(crate) use run::has_units;
 pub(crate) use run::unit;

@@ -1,4 +1,3 @@
-"use strict";
 
 // ---- data: integers in units of `unit` (lengths) and `tick` (time); null where a value is absent
 const data = JSON.parse(document.getElementById("data").textContent);
@@ -10,7 +9,9 @@ const frames = data.frames.map(changes => {        // of each frame only the num
   data.moving.forEach((place, i) => frame[place] = number(changes[i]));
   return frame;
 });
-const [start, end] = [times[0] ?? 0, times[times.length - 1] ?? 0];
+const charts = data.charts.map(readChart);
+const known = times.length ? times : charts.flatMap(chart => chart.series.flatMap(series => series.t)).sort((a, b) => a - b);
+const [start, end] = [known[0] ?? 0, known[known.length - 1] ?? 0];
 
 // Each shape knows where its numbers begin and how many points it has.
 let offset = 0;
@@ -70,11 +71,24 @@ let width = 1, height = 1, scale = 1;
 
 function resize() {
   const ratio = window.devicePixelRatio || 1;
-  [width, height] = [canvas.clientWidth || 1, canvas.clientHeight || 1];
-  [canvas.width, canvas.height] = [width * ratio, height * ratio];
+  const whole = [canvas.clientWidth || 1, canvas.clientHeight || 1];
+  [canvas.width, canvas.height] = whole.map(length => length * ratio);
   pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+  [width, height] = whole;
+  if (charts.length) placeCharts(whole);
   const [w, h] = [Math.max(width - 80, 20), Math.max(height - 60, 20)];
   scale = Math.min(w / (size[0] || 1e-9 * reach), h / (size[1] || 1e-9 * reach));
+}
+
+// Charts stand right of the mechanism, or below it in a narrow window; where nothing is drawn they have it all.
+function placeCharts([w, h]) {
+  const beside = w >= 700 && w >= h;
+  if (!shapes.length) [width, height] = beside ? [0, h] : [w, 0];
+  else if (beside) width = Math.round(0.52 * w);
+  else height = Math.round((charts.length > 1 ? 0.42 : 0.5) * h);
+  const area = beside ? [width, 0, w - width, h] : [0, height, w, h - height];
+  const each = area[3] / charts.length;
+  charts.forEach((chart, i) => placeChart(chart, area[0], area[1] + i * each, area[2], each));
 }
 
 function pixel(p) {
@@ -166,7 +180,7 @@ function roundStep(raw) {
 }
 const multiples = (from, to, step) =>
   Array.from({length: Math.max(0, Math.floor(to / step) - Math.ceil(from / step) + 1)}, (_, i) => (Math.ceil(from / step) + i) * step);
-const short = x => String(Number(x.toPrecision(6)));
+const short = x => String(Number(x.toPrecision(6))).replaceAll("-", "−");
 
 function plane() {
   const step = roundStep(70 / scale);
@@ -208,21 +222,32 @@ const slider = document.getElementById("slider"), button = document.getElementBy
 const clock = document.getElementById("clock"), speed = document.getElementById("speed");
 let t = start, playing = false, before = 0, frameRequest, timer;
 
-function draw() {
-  const now = drawing(t);
-  pen.clearRect(0, 0, width, height);
+function drawMechanism(now) {
+  pen.save();
+  pen.beginPath();
+  pen.rect(0, 0, width, height);
+  pen.clip();
   spatial ? ground() : plane();
   if (spatial) shapes.forEach(shape => drawShape(now, shape, shadow, colour("--shadow")));
   const order = kind => ["curve", "trace", "spring", "line", "circle"].indexOf(kind);
   [...shapes].sort((a, b) => order(a.kind) - order(b.kind)).forEach(shape => drawShape(now, shape, pixel));
+  pen.restore();
+}
+
+function draw() {
+  const now = drawing(t);
+  pen.clearRect(0, 0, canvas.width, canvas.height);
+  if (shapes.length || !charts.length) drawMechanism(now);
+  const markers = charts.map(drawChart);
   slider.value = end > start ? (t - start) / (end - start) : 0;
   const digits = Math.max(0, Math.min(12, 3 - Math.floor(Math.log10((end - start) || 1))));
   clock.value = `t = ${t.toFixed(digits)}${data.units[1]}`;
   button.textContent = playing ? "Pause" : "Play";
-  // What a test, or another script, can read: the time, and where the last point of the first shape is.
+  // What a test, or another script, can read: the time, where the last point of the first shape is, and the first marker.
   const first = shapes[0];
   const seen = first ? pixel(point(now.frame, first, first.points - 1)) : [];
-  Object.assign(document.documentElement.dataset, {t: t.toFixed(digits), playing, point: seen.map(x => x.toFixed(2)).join()});
+  const written = pixels => (pixels ?? []).map(x => x.toFixed(2)).join();
+  Object.assign(document.documentElement.dataset, {t: t.toFixed(digits), playing, point: written(seen), marker: written(markers[0]?.[0])});
 }
 
 // Wherever frames are shown they set the pace; where none are (a headless browser), a timer does.
@@ -264,7 +289,7 @@ function seek(to) {
 // A run of a second to a minute is shown as it is, others in about ten seconds.
 const natural = end - start >= 1 && end - start <= 60 || end <= start ? 1 : roundStep((end - start) / 10);
 for (const factor of [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100]) {
-  const value = short(factor * natural);
+  const value = String(Number((factor * natural).toPrecision(6)));
   speed.add(new Option(`${value}×`, value, factor === 1, factor === 1));
 }
 
@@ -278,14 +303,23 @@ document.onkeydown = event => {
   event.preventDefault();
   action();
 };
-canvas.onpointerdown = event => { if (spatial) canvas.setPointerCapture(event.pointerId); };
+let held = null;                           // the chart in which a drag began
+const under = event => charts.find(chart => inFrame(chart.area, [event.offsetX, event.offsetY]));
+canvas.onpointerdown = event => {
+  held = under(event) ?? null;
+  if (!spatial && !held) return;
+  canvas.setPointerCapture(event.pointerId);
+  if (held) seek(timeAt(held, [event.offsetX, event.offsetY]));
+};
+canvas.onpointerup = canvas.onpointercancel = () => held = null;
 canvas.onpointermove = event => {
+  if (held) { seek(timeAt(held, [event.offsetX, event.offsetY])); return; }
+  canvas.style.cursor = under(event) ? "crosshair" : spatial ? "grab" : "";
   if (!spatial || !event.buttons) return;
   azimuth -= 0.008 * event.movementX;
   elevation = Math.min(Math.max(elevation + 0.008 * event.movementY, -Math.PI / 2), Math.PI / 2);
   draw();
 };
-if (spatial) canvas.style.cursor = "grab";
 
 // page.html#t=1.5&play&speed=2&azimuth=0.3
 function followAddress() {
@@ -300,7 +334,7 @@ function followAddress() {
 }
 
 document.title = document.getElementById("title").textContent = data.title;
-document.querySelector("header").title = document.getElementById("about").textContent = shapes.length ? data.about : "Nothing is drawn: the model has no `draw`.";
+document.querySelector("header").title = document.getElementById("about").textContent = shapes.length || charts.length ? data.about : "Nothing is drawn: the model has no `draw`.";
 window.onresize = () => { resize(); draw(); };
 window.onhashchange = followAddress;
 matchMedia("(prefers-color-scheme: dark)").onchange = draw;

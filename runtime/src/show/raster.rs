@@ -1,4 +1,4 @@
-//! Charts as pixels: what plotters draws, filled and stroked by zeno, with the outlines of DejaVu Sans as letters.
+//! Charts and animations as pixels: what plotters draws, filled and stroked by zeno, with the outlines of DejaVu Sans as letters.
 
 use std::convert::Infallible;
 
@@ -11,24 +11,67 @@ use zeno::{Command, Join, Mask, PathBuilder, Stroke, Style, Vector};
 
 use super::figure::{FINE, PLOTTERS_SHRINKS};
 
-/// Pixels of the picture for one of the SVG's.
-const SHARPER: f32 = 2.0;
-/// Pixels of the picture for one drawing unit.
-const SCALE: f32 = SHARPER / FINE as f32;
-
 /// Opaque pixels, red, green and blue, row by row.
+#[derive(Clone)]
 pub(super) struct Picture {
     size: (u32, u32),
+    /// Pixels for one drawing unit.
+    scale: f32,
     width: u32,
     height: u32,
     pixels: Vec<u8>,
 }
 
 impl Picture {
-    /// A white picture of this size in drawing units.
-    pub fn new(size: (u32, u32)) -> Picture {
-        let [width, height] = [size.0, size.1].map(|length| (length as f32 * SCALE).ceil() as u32);
-        Picture { size, width, height, pixels: vec![255; 3 * width as usize * height as usize] }
+    /// A white picture of this size in drawing units, `sharper` pixels for one of the figure's.
+    pub fn new(size: (u32, u32), sharper: f32) -> Picture {
+        let scale = sharper / FINE as f32;
+        let [width, height] = [size.0, size.1].map(|length| (length as f32 * scale).ceil() as u32);
+        Picture { size, scale, width, height, pixels: vec![255; 3 * width as usize * height as usize] }
+    }
+
+    /// Width and height, px.
+    pub fn dimensions(&self) -> (u32, u32) {
+        (self.width, self.height)
+    }
+
+    /// All of it.
+    pub fn whole(&self) -> Rectangle {
+        Rectangle { left: 0, top: 0, width: self.width, height: self.height }
+    }
+
+    /// The least rectangle in which it differs from another picture of this size; one pixel where they are the same.
+    pub fn changed(&self, other: &Picture) -> Rectangle {
+        let row = 3 * self.width as usize;
+        let rows = self.pixels.chunks_exact(row).zip(other.pixels.chunks_exact(row)).enumerate();
+        let (mut x, mut y) = ((u32::MAX, 0), (u32::MAX, 0));
+        for (line, (one, two)) in rows.filter(|(_, (one, two))| one != two) {
+            let differs = |i: &usize| one[*i] != two[*i];
+            let (first, last) = ((0..row).find(differs), (0..row).rev().find(differs));
+            let [first, last] = [first, last].map(|place| place.unwrap_or_default() as u32 / 3);
+            x = (x.0.min(first), x.1.max(last));
+            y = (y.0.min(line as u32), y.1.max(line as u32));
+        }
+        if x.0 > x.1 {
+            return Rectangle { left: 0, top: 0, width: 1, height: 1 };
+        }
+        Rectangle { left: x.0, top: y.0, width: x.1 - x.0 + 1, height: y.1 - y.0 + 1 }
+    }
+
+    /// The pixels of a part, those that are the same in a picture before left out.
+    pub fn changes(&self, part: Rectangle, before: Option<&Picture>) -> Vec<Option<[u8; 3]>> {
+        let Rectangle { left, top, width, height } = part;
+        let pixel = |picture: &Picture, x: u32, y: u32| -> [u8; 3] {
+            let first = 3 * (y as usize * picture.width as usize + x as usize);
+            std::array::from_fn(|k| picture.pixels[first + k])
+        };
+        let change = |x, y| Some(pixel(self, x, y)).filter(|own| before.is_none_or(|other| pixel(other, x, y) != *own));
+        (top..top + height).flat_map(|y| (left..left + width).map(move |x| (x, y))).map(|(x, y)| change(x, y)).collect()
+    }
+
+    /// The colours of all pixels.
+    pub fn colours(&self) -> impl Iterator<Item = [u8; 3]> {
+        self.pixels.as_chunks::<3>().0.iter().copied()
     }
 
     /// The picture as a PNG file.
@@ -62,6 +105,15 @@ impl Picture {
     }
 }
 
+/// A part of a picture, px.
+#[derive(Clone, Copy)]
+pub(super) struct Rectangle {
+    pub left: u32,
+    pub top: u32,
+    pub width: u32,
+    pub height: u32,
+}
+
 /// A picture on which plotters draws.
 pub(super) struct Raster<'a> {
     picture: &'a mut Picture,
@@ -76,7 +128,7 @@ impl<'a> Raster<'a> {
     }
 
     fn stroke<S: BackendStyle>(&mut self, path: &[Command], style: &S) {
-        let mut stroke = Stroke::new(style.stroke_width() as f32 * SCALE);
+        let mut stroke = Stroke::new(style.stroke_width() as f32 * self.picture.scale);
         // Curves of many pieces have no spikes.
         stroke.join(Join::Round);
         self.picture.cover(path, stroke, style.color());
@@ -86,6 +138,24 @@ impl<'a> Raster<'a> {
     fn width(&self, text: &str) -> f32 {
         let advance = |letter| self.letters.glyph_index(letter).and_then(|glyph| self.letters.glyph_hor_advance(glyph));
         text.chars().filter_map(advance).map(f32::from).sum()
+    }
+
+    /// A place in pixels.
+    fn pixel(&self, (x, y): BackendCoord) -> Vector {
+        Vector::new(x as f32 * self.picture.scale, y as f32 * self.picture.scale)
+    }
+
+    /// A path through these places.
+    fn outline(&self, places: impl IntoIterator<Item = BackendCoord>) -> Vec<Command> {
+        let mut path: Vec<Command> = Vec::new();
+        for (index, place) in places.into_iter().enumerate() {
+            if index == 0 {
+                path.move_to(self.pixel(place))
+            } else {
+                path.line_to(self.pixel(place))
+            };
+        }
+        path
     }
 }
 
@@ -129,14 +199,14 @@ impl DrawingBackend for Raster<'_> {
     }
 
     fn draw_path<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(&mut self, path: I, style: &S) -> Drawn {
-        let path = outline(path);
+        let path = self.outline(path);
         self.stroke(&path, style);
         Ok(())
     }
 
     fn draw_circle<S: BackendStyle>(&mut self, centre: BackendCoord, radius: u32, style: &S, fill: bool) -> Drawn {
         let mut path: Vec<Command> = Vec::new();
-        path.add_circle(pixel(centre), radius as f32 * SCALE);
+        path.add_circle(self.pixel(centre), radius as f32 * self.picture.scale);
         match fill {
             true => self.picture.cover(&path, zeno::Fill::NonZero, style.color()),
             false => self.stroke(&path, style),
@@ -145,14 +215,14 @@ impl DrawingBackend for Raster<'_> {
     }
 
     fn fill_polygon<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(&mut self, corners: I, style: &S) -> Drawn {
-        let mut path = outline(corners);
+        let mut path = self.outline(corners);
         path.close();
         self.picture.cover(&path, zeno::Fill::NonZero, style.color());
         Ok(())
     }
 
     fn draw_text<T: BackendTextStyle>(&mut self, text: &str, style: &T, place: BackendCoord) -> Drawn {
-        let size = (style.size() / PLOTTERS_SHRINKS) as f32 * SCALE;
+        let size = (style.size() / PLOTTERS_SHRINKS) as f32 * self.picture.scale;
         let scale = size / f32::from(self.letters.units_per_em());
         let small = self.letters.glyph_index('x').and_then(|glyph| self.letters.glyph_bounding_box(glyph));
         let height = small.map_or(0.0, |small| f32::from(small.y_max)) * scale;
@@ -174,7 +244,7 @@ impl DrawingBackend for Raster<'_> {
             FontTransform::Rotate270 => (0.0, -1.0),
         };
         let start = across * self.width(text) * scale;
-        let mut line = Line { path: Vec::new(), origin: pixel(place), turn, scale, start, down };
+        let mut line = Line { path: Vec::new(), origin: self.pixel(place), turn, scale, start, down };
         for letter in text.chars() {
             let Some(glyph) = self.letters.glyph_index(letter) else { continue };
             self.letters.outline_glyph(glyph, &mut line);
@@ -183,24 +253,6 @@ impl DrawingBackend for Raster<'_> {
         self.picture.cover(&line.path, zeno::Fill::NonZero, style.color());
         Ok(())
     }
-}
-
-/// A place in pixels.
-fn pixel((x, y): BackendCoord) -> Vector {
-    Vector::new(x as f32 * SCALE, y as f32 * SCALE)
-}
-
-/// A path through these places.
-fn outline(places: impl IntoIterator<Item = BackendCoord>) -> Vec<Command> {
-    let mut path: Vec<Command> = Vec::new();
-    for (index, place) in places.into_iter().enumerate() {
-        if index == 0 {
-            path.move_to(pixel(place))
-        } else {
-            path.line_to(pixel(place))
-        };
-    }
-    path
 }
 
 /// Outlines of the letters of a line, put where the line is.

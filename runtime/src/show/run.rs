@@ -21,12 +21,12 @@ impl Run {
         self.figure().write(path)
     }
 
-    /// Writes [`Run::to_html`] to a file.
+    /// Writes [`Run::animation`] to a file: a page, or a picture that moves where its name ends in `.png` or `.gif`.
     ///
     /// # Errors
-    /// [`Error::File`].
+    /// As [`Animation::write`].
     pub fn animate(&self, path: impl AsRef<Path>) -> Result<(), Error> {
-        write(path.as_ref(), &self.to_html())
+        self.animation().write(path)
     }
 
     /// Writes [`Run::to_csv`] to a file.
@@ -43,7 +43,7 @@ impl Run {
         self.figure().to_svg()
     }
 
-    /// A page that plays the motion: see [`Animation`].
+    /// A page that plays the motion: see [`Animation`], which takes charts beside it.
     pub fn to_html(&self) -> String {
         self.animation().to_html()
     }
@@ -78,11 +78,15 @@ impl Run {
         let (across, up) = (self.curve(x)?, self.curve(y)?);
         // Both have the same times, unless one has dense output and the other has not.
         let points: Vec<Option<(f64, f64)>> = match across.len() == up.len() {
-            true => across.iter().zip(up).map(|(a, b)| Some((a.1, b.1))).collect(),
+            true => across.iter().zip(&up).map(|(a, b)| Some((a.1, b.1))).collect(),
             false => self.column(x).into_iter().flatten().zip(self.column(y).into_iter().flatten()).map(Some).collect(),
         };
+        let times = match across.len() == up.len() {
+            true => across.iter().map(|point| point.0).collect(),
+            false => self.times.clone(),
+        };
         let axis = |name: &str| Axis::new(name, self.common_unit(&[name]));
-        Ok(Chart::new("", axis(x), axis(y)).with(Series::line("", points)))
+        Ok(Chart::new("", axis(x), axis(y)).with(Series::line("", points).at_times(times)))
     }
 
     /// A stroboscopic section: states at multiples of a period, s, as points of a portrait of coordinates and rates.
@@ -91,7 +95,7 @@ impl Run {
     /// [`Error::UnknownName`].
     pub fn section(&self, x: &str, y: &str, period: f64) -> Result<Chart, Error> {
         let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
-        let mut points = Vec::new();
+        let (mut times, mut points) = (Vec::new(), Vec::new());
         for k in 0..MOST_SECTIONS {
             // The last one may miss the end by rounding.
             let t = first + k as f64 * period;
@@ -107,9 +111,10 @@ impl Run {
                 })
             };
             points.push(Some((value(x)?, value(y)?)));
+            times.push(t);
         }
         let axis = |name: &str| Axis::new(name, self.common_unit(&[name]));
-        Ok(Chart::new("", axis(x), axis(y)).with(Series::marks("", points)))
+        Ok(Chart::new("", axis(x), axis(y)).with(Series::marks("", points).at_times(times)))
     }
 
     /// The charts of [`Run::to_svg`].
@@ -326,6 +331,7 @@ mod tests {
         assert_eq!((chart.x.text(), chart.y.text()), ("phi (rad)".to_owned(), "phi' (rad/s)".to_owned()));
         let (phi, rate) = chart.series[0].points[POINTS].unwrap();
         assert!((phi - 6.0).abs() < 1e-9 && (rate - 1.0).abs() < 1e-9);
+        assert_eq!((chart.series[0].times.len(), chart.series[0].times[POINTS]), (POINTS + 1, 6.0));
     }
 
     #[test]

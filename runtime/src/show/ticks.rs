@@ -67,7 +67,8 @@ fn power(d: f64, k: i32) -> f64 {
     if k < 0 && k > -300 { d / 10f64.powi(-k) } else { d * 10f64.powi(k) }
 }
 
-fn round_step(raw: f64) -> f64 {
+/// 1, 2 or 5 times a power of ten, the next one that is no smaller.
+pub(super) fn round_step(raw: f64) -> f64 {
     let decade = raw.log10().floor() as i32;
     [1.0, 2.0, 5.0, 10.0].map(|d| power(d, decade)).into_iter().find(|step| *step >= raw * 0.999).unwrap_or(raw)
 }

@@ -22,6 +22,7 @@ use crate::linear::{
     linearise, linearise_constrained,
 };
 use crate::mechanism::System;
+use crate::show::{is_picture, is_png};
 use clap::ArgMatches;
 use dalembert_symbolic::model::Sets;
 use damping::Damping;
@@ -37,7 +38,8 @@ const MOST_PRINTED: usize = 12;
 /// Searches from `--at` or the file's guess (or takes it as it is), linearises, and prints the modes.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let mut drawn = PICTURES.iter().filter_map(|name| options.get_one::<String>(name));
-    drawn.try_for_each(|path| outputs::drawable(path))?;
+    drawn.try_for_each(|path| outputs::drawable(path, is_png))?;
+    options.get_one::<String>("animate").map_or(Ok(()), |path| outputs::drawable(path, is_picture))?;
     let mut loaded = Loaded::find(models, options)?;
     let (scene, mut reader) = choose(&mut loaded, options)?;
     enter_phase(&mut loaded, scene, options)?;
@@ -211,7 +213,7 @@ fn pictures(loaded: &Loaded, options: &ArgMatches, linear: &Linearised, modes: &
         },
     };
     if let (Some(path), Some(mode)) = (file("animate"), modes.get(number)) {
-        write_file(path, animate_mode(system, linear, mode).to_html())?;
+        outputs::animate(path, &animate_mode(system, linear, mode))?;
     }
     Ok(())
 }
