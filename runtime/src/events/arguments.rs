@@ -54,6 +54,8 @@ impl Course<'_> {
 
 /// By how much of itself a time t + θh may be off.
 const TICK: f64 = 2.0 * f64::EPSILON;
+/// Functions that happen where |A| is some units at most want A to this.
+const FINE: f64 = 10.0;
 /// More first pieces than this in one step are not tried.
 const MOST_PIECES: f64 = 1e5;
 
@@ -183,6 +185,10 @@ impl Arguments {
         }
         let mut certifier = std::mem::take(&mut self.certifier);
         certifier.extrema = true;
+        certifier.fine = match system.description().arguments[index].role {
+            Role::Exponential | Role::Bounded | Role::Arctangent => FINE,
+            _ => f64::INFINITY,
+        };
         certifier.resolution = course.resolution();
         let outcome = certifier.certify(&mut |x| self.sample(system, course, index, x), &grid);
         self.path.clear();

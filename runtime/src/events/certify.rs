@@ -59,7 +59,7 @@ pub(crate) struct TooMany;
 ///
 /// An oscillation that keeps step with the halving is not seen by this: pieces must begin short enough for the
 /// phases inside the function, see [`PHASE`].
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Certifier {
     /// Pieces to look at, the first one last.
     stack: Vec<Piece>,
@@ -77,6 +77,8 @@ pub(crate) struct Certifier {
     pub resolution: f64,
     /// Whether every extremum is wanted, not only those that might hide zeros.
     pub extrema: bool,
+    /// Near zero the function is wanted to this; infinite where its own variation says how closely.
+    pub fine: f64,
     /// Whether as many samples may be taken as there are pieces to begin with, times this many and more.
     pub patient: bool,
 }
@@ -103,6 +105,8 @@ pub(crate) const MOST_SAMPLES: u64 = 100_000;
 const CONSISTENT: f64 = 0.05;
 /// A critical value this near to zero, in parts of the observed variation, is looked at.
 const NEAR: f64 = 0.3;
+/// A cubic whose slope comes this near to zero, in parts of the observed variation, may have two extrema that it does not show.
+const ALL_BUT: f64 = 0.2;
 /// From here on a piece whose values vary more than its slopes explain is a jump or noise.
 const UNEXPLAINED: u32 = 6;
 /// From here on an inconsistent piece that stays away from zero is left alone.
@@ -111,6 +115,23 @@ const AWAY: u32 = 8;
 const POLE: f64 = 1e8;
 /// Pieces are not halved more often.
 const DEEPEST: u32 = 50;
+
+impl Default for Certifier {
+    fn default() -> Self {
+        Certifier {
+            stack: Vec::new(),
+            points: Vec::new(),
+            marks: Vec::new(),
+            samples: 0,
+            size: 0.0,
+            rounding: 0.0,
+            resolution: 0.0,
+            extrema: false,
+            fine: f64::INFINITY,
+            patient: false,
+        }
+    }
+}
 
 impl Certifier {
     /// Finds what a function does between the first and the last of these samples of it.
@@ -186,13 +207,14 @@ impl Certifier {
         let value = 0.5 * (a.value + b.value) + 0.125 * length * (a.slope - b.slope);
         let slope = 1.5 * (b.value - a.value) / length - 0.25 * (a.slope + b.slope);
         let near = |off: f64, noise: f64| off.abs() <= CONSISTENT * r + noise;
-        if near(m.value - value, noise) && near(0.25 * length * (m.slope - slope), 4.0 * noise) {
+        let least = a.value.abs().min(b.value.abs()).min(m.value.abs());
+        let coarse = r > self.fine && least <= NEAR * r;
+        if !coarse && near(m.value - value, noise) && near(0.25 * length * (m.slope - slope), 4.0 * noise) {
             self.half(f, a, m, (r, noise));
             self.half(f, m, b, (r, noise));
             return;
         }
         let steepest = a.slope.abs().max(b.slope.abs()).max(m.slope.abs());
-        let least = a.value.abs().min(b.value.abs()).min(m.value.abs());
         let one_side = (a.value > 0.0) == (m.value > 0.0) && (m.value > 0.0) == (b.value > 0.0);
         let blind = ![a, m, b].iter().any(|sample| sample.slope.is_finite());
         let unexplained = blind || depth >= UNEXPLAINED && r > 4.0 * length * steepest;
@@ -222,8 +244,17 @@ impl Certifier {
         let (start, end) = (length * a.slope, length * b.slope);
         let (c2, c3) = (3.0 * change - 2.0 * start - end, start + end - 2.0 * change);
         let mut before = a;
-        let mut points = [None; 2];
-        for (s, point) in critical(start, c2, c3).into_iter().zip(&mut points) {
+        let mut points = [None; 3];
+        // Between the cubic's two extrema, or where it all but has them, the function's slope tells whether it has two.
+        let [first, second] = critical(start, c2, c3);
+        let inflexion = Some(-c2 / (3.0 * c3)).filter(|s| *s > 0.0 && *s < 1.0);
+        let all_but = inflexion.filter(|s| (start + s * (2.0 * c2 + 3.0 * c3 * s)).abs() <= ALL_BUT * r);
+        let between = match (first, second) {
+            (Some(_), Some(_)) => inflexion,
+            (None, None) if self.extrema => all_but,
+            _ => None,
+        };
+        for (s, point) in [first, between, second].into_iter().zip(&mut points) {
             let Some(s) = s else { continue };
             let value = a.value + s * (start + s * (c2 + s * c3));
             // An extremum that leads away from zero hides nothing.
