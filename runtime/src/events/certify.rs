@@ -50,7 +50,8 @@ pub(crate) struct TooMany;
 /// its ends, to a twentieth of the variation r that was *observed* (to excuse a deviation by the slopes would excuse
 /// the very oscillations that are looked for); its halves are then known 16 times better than was tested.  Any other
 /// piece is halved.  In consistent pieces a pair of zeros hides only near a critical point of the halves' cubics that
-/// comes within 0.3 r of zero: there the extremum, a root of the slope, is looked at.
+/// comes within 0.3 r of zero: there the extremum, a root of the slope, is looked at.  Where r is larger than what is wanted near
+/// zero ([`Certifier::fine`]) pieces that come near zero are halved as well: a twentieth of r may hide all that matters.
 ///
 /// What rounding makes of zero is measured by values that are large all around, as terms that cancel are; those beside a
 /// pole are large to one side only.  Of a piece this is the second largest of the values at its ends and in its middle, or
@@ -105,8 +106,6 @@ pub(crate) const MOST_SAMPLES: u64 = 100_000;
 const CONSISTENT: f64 = 0.05;
 /// A critical value this near to zero, in parts of the observed variation, is looked at.
 const NEAR: f64 = 0.3;
-/// A cubic whose slope comes this near to zero, in parts of the observed variation, may have two extrema that it does not show.
-const ALL_BUT: f64 = 0.2;
 /// From here on a piece whose values vary more than its slopes explain is a jump or noise.
 const UNEXPLAINED: u32 = 6;
 /// From here on an inconsistent piece that stays away from zero is left alone.
@@ -244,17 +243,8 @@ impl Certifier {
         let (start, end) = (length * a.slope, length * b.slope);
         let (c2, c3) = (3.0 * change - 2.0 * start - end, start + end - 2.0 * change);
         let mut before = a;
-        let mut points = [None; 3];
-        // Between the cubic's two extrema, or where it all but has them, the function's slope tells whether it has two.
-        let [first, second] = critical(start, c2, c3);
-        let inflexion = Some(-c2 / (3.0 * c3)).filter(|s| *s > 0.0 && *s < 1.0);
-        let all_but = inflexion.filter(|s| (start + s * (2.0 * c2 + 3.0 * c3 * s)).abs() <= ALL_BUT * r);
-        let between = match (first, second) {
-            (Some(_), Some(_)) => inflexion,
-            (None, None) if self.extrema => all_but,
-            _ => None,
-        };
-        for (s, point) in [first, between, second].into_iter().zip(&mut points) {
+        let mut points = [None; 2];
+        for (s, point) in critical(start, c2, c3).into_iter().zip(&mut points) {
             let Some(s) = s else { continue };
             let value = a.value + s * (start + s * (c2 + s * c3));
             // An extremum that leads away from zero hides nothing.

@@ -83,16 +83,27 @@ pub(super) fn accelerations(
         values[k] = value;
     }
     let masses = constant_masses(graph, n, mass);
-    let judged = tested(&pivots);
-    for form in others.iter().map(Vec::as_slice).chain([bias]) {
-        let divided = divided(graph, &values, &masses, form);
-        let divided = gathered(graph, divided, &judged);
-        let takes = |values: &[Id]| work(graph, &[values, &judged].concat());
+    let values = cheapest(graph, values, &tested(&pivots), (&masses, others.iter().map(Vec::as_slice).chain([bias])));
+    Accelerations::Unrolled { values, pivots }
+}
+
+/// These accelerations, or those with constant masses divided into one of the forms of h, whichever take least time beside what
+/// tests the pivots.
+fn cheapest<'a>(
+    graph: &mut Graph,
+    mut values: Vec<Id>,
+    tested: &[Id],
+    (masses, forms): (&[Option<Id>], impl Iterator<Item = &'a [Id]>),
+) -> Vec<Id> {
+    for form in forms {
+        let divided = divided(graph, &values, masses, form);
+        let divided = gathered(graph, divided, tested);
+        let takes = |values: &[Id]| work(graph, &[values, tested].concat());
         if takes(&divided) < takes(&values) {
             values = divided;
         }
     }
-    Accelerations::Unrolled { values, pivots }
+    values
 }
 
 /// What is computed to test the pivots.
