@@ -95,8 +95,9 @@ pub(crate) trait OneStep: Send {
         false
     }
 
-    /// h‖Δf‖/‖Δy‖ near the end of the step, an estimate of h|λ| of the stiffest mode; after the rate at the end.
-    fn stiffness(&self, h: f64) -> f64;
+    /// h‖Δf‖/‖Δy‖ near the end of the step, an estimate of h|λ| of the stiffest mode, or 0 where that is less than `least`;
+    /// after the rate at the end.
+    fn stiffness(&self, h: f64, least: f64) -> f64;
 
     /// Overwrites a defect of the dense output, [q; q'], with what it does to a state: where equations are stiff, less.
     fn damp(&self, defect: &mut [f64]) {

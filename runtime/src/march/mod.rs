@@ -347,6 +347,7 @@ impl March {
     /// Tries steps until one is good.
     ///
     /// None is longer than `most` seconds; one that would be is taken of just that length.
+    #[inline]
     fn attempt(
         &mut self,
         system: &dyn System,
@@ -394,7 +395,7 @@ impl March {
                     let error = *outcome.as_ref().unwrap_or(&f64::NAN);
                     if error <= 1.0 {
                         // Dense output makes other stages in the place of these.
-                        self.step_times_rate = self.stepper.stiffness(h);
+                        self.step_times_rate = self.stepper.stiffness(h, self.stiffness.least());
                         self.look_for_jumps(system, step)?;
                         let proposal = self.control.accepted(h, error);
                         // A step cut short by a stop says nothing against the longer one before it.

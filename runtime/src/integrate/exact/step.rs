@@ -189,7 +189,7 @@ impl OneStep for Exact {
         self.ends.accept(compensated);
     }
 
-    fn stiffness(&self, _: f64) -> f64 {
+    fn stiffness(&self, _: f64, _: f64) -> f64 {
         0.0
     }
 
