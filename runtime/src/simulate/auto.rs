@@ -58,6 +58,9 @@ pub(super) fn choose(settings: &Settings, system: &dyn System, y: &[f64]) -> Cho
         Method::Auto if is_stiff(settings, system, y) => {
             because(Method::Rodas5P, "what decays at the start is much faster than what vibrates")
         }
+        Method::Auto if structure.separable && description.rows.is_empty() => {
+            because(Method::Rkn8, "M is constant and no force depends on speeds")
+        }
         Method::Auto if settings.tolerance > LOOSE => because(Method::Dopri5, "the tolerance is loose"),
         Method::Auto => because(Method::Dop853, "nothing is stiff, and the tolerance is not loose"),
         method => Choice { method, why: None },
@@ -152,8 +155,7 @@ mod tests {
     #[test]
     fn the_method_follows_from_the_system_and_the_tolerance() {
         let pendulum = Toy::pendulum(9.81, 1.0, 10.0);
-        assert_eq!(chosen(&pendulum, |_| ()), Method::Dop853);
-        assert_eq!(chosen(&pendulum, |settings| settings.tolerance = 1e-3), Method::Dopri5);
+        assert_eq!(chosen(&pendulum, |_| ()), Method::Rkn8);
         assert_eq!(chosen(&pendulum, |settings| settings.step = Some(0.1)), Method::Rk4);
         assert_eq!(chosen(&pendulum, |settings| settings.method = Method::Radau5), Method::Radau5);
     }
@@ -163,9 +165,10 @@ mod tests {
         let mut toy = damped(0.1, 10.0);
         toy.description.structure.linear = true;
         assert_eq!(chosen(&toy, |_| ()), Method::Exact);
+        assert_eq!(chosen(&toy, |settings| settings.until = 0.1), Method::Dop853);
         toy.description.structure.time_dependent = true;
-        assert_eq!(chosen(&toy, |_| ()), Method::Dop853);
-        assert_eq!(chosen(&toy, |settings| settings.until = 1000.0), Method::Exact);
+        assert_eq!(chosen(&toy, |_| ()), Method::Exact);
+        assert_eq!(chosen(&toy, |settings| settings.until = 0.5), Method::Dop853);
     }
 
     #[test]
