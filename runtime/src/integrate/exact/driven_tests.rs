@@ -76,6 +76,30 @@ fn motions_are_those_of_closed_forms_to_the_tolerance() {
 }
 
 #[test]
+fn errors_are_proportional_to_the_tolerance() {
+    let toy = driven((2.0, 0.5), (0.0, 0.0), 12.0, |t| chirp((2.0, 0.5), t));
+    let resonance = driven((2.0, 0.0), (0.0, 0.0), 60.0, |t| (2.0 * t).sin());
+    let swelling = |t: f64| ((2.0 * t).sin() - 2.0 * t * (2.0 * t).cos()) / 8.0;
+    for (name, slope) in [("chirp", slope(&toy, |t| (t * t).sin())), ("resonance", slope(&resonance, swelling))] {
+        assert!((0.7..1.3).contains(&slope), "{name}: {slope}");
+    }
+}
+
+/// DETEST's E, the slope of log(error) over log(tolerance), by least squares.
+fn slope(toy: &Toy, x: impl Fn(f64) -> f64) -> f64 {
+    let points: Vec<(f64, f64)> = (4..=11)
+        .map(|k| {
+            let tolerance = 10.0_f64.powi(-k);
+            (tolerance.ln(), at(toy, Method::Exact, tolerance, &x).0.ln())
+        })
+        .collect();
+    let count = points.len() as f64;
+    let (x, y) = (points.iter().map(|p| p.0).sum::<f64>() / count, points.iter().map(|p| p.1).sum::<f64>() / count);
+    let up: f64 = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
+    up / points.iter().map(|p| (p.0 - x).powi(2)).sum::<f64>()
+}
+
+#[test]
 fn the_unit_of_time_makes_no_difference() {
     let toy = |unit: f64| {
         let f = move |t: f64| chirp((2.0, 0.5), t / unit) / (unit * unit);

@@ -15,6 +15,8 @@ pub(super) struct Propagator {
 
 /// Where ‖A‖h is no more than 1 so many terms of e^{Ah} are all of it.
 const SERIES: u32 = 18;
+/// Steps that double more often are not finite, or no steps.
+const MOST_DOUBLINGS: f64 = 1000.0;
 
 impl Propagator {
     /// For steps of h, and forces of so many polynomials that act as `input`, B, says.
@@ -54,9 +56,6 @@ impl Propagator {
         }
     }
 }
-
-/// Steps that double more often are not finite, or no steps.
-const MOST_DOUBLINGS: f64 = 1000.0;
 
 /// Xₖ = ∫ e^{A(h − s)} B τᵏ ds = h/2 Σⱼ (hA/2)ʲ/j! B ∫ (1 − τ)ʲ τᵏ dτ, for ‖A‖h ≤ 1.
 fn series(field: &DMatrix<f64>, input: &DMatrix<f64>, h: f64, terms: usize) -> Vec<DMatrix<f64>> {

@@ -230,7 +230,7 @@ impl OneStep for Exact {
             self.force.follow(system, t, h)?;
             if let Some(tolerance) = tolerance {
                 error = self.error(h, tolerance);
-                if !(error <= 1.0) {
+                if error.is_nan() || error > 1.0 {
                     self.ends.end.copy_from_slice(&self.ends.y);
                     return Ok(error);
                 }
