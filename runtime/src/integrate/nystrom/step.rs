@@ -13,10 +13,10 @@ pub(crate) struct Nystrom<Y> {
     pub(super) n: usize,
     y: Y,
     /// What rounding took from y in the last step.
-    carry: Y,
+    pub(super) carry: Y,
     end: Y,
     /// What the step that was tried adds to y, what was left over from the step before included.
-    increment: Y,
+    pub(super) increment: Y,
     /// The estimate of the error per step.
     estimate: Y,
     /// Rates [q'; q''] of all stages, the first that of y; of those between the ends of the step only q'' is read.
