@@ -27,6 +27,7 @@ pub use constraints::Constraints;
 pub use count::operations;
 pub use factor::Accelerations;
 pub use momentum::MomentumSystem;
+pub use parts::Part;
 pub use structure::Structure;
 
 /// An entry of a sparse matrix: row, column, value.
@@ -89,6 +90,8 @@ pub struct Program {
     pub momentum: Vec<MomentumSystem>,
     /// What was recognised.
     pub structure: Structure,
+    /// Parts of the mechanism that can be computed by themselves.
+    pub parts: Vec<Part>,
     /// Operations of the generated functions.
     pub counts: Counts,
     /// Which candidates were chosen, in words.
@@ -217,7 +220,8 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let outputs = model.outputs.iter().flat_map(|o| o.value.iter().copied()).collect();
     let drawing = model.draw.iter().flat_map(drawn).collect();
 
-    let parts = parts::parts(graph, n, (&chosen.residual, &constraints.matrix), &switches, &model.events);
+    let forces = ([&chosen.residual[..], &chosen.bias], &chosen.mass[..], &constraints.matrix[..]);
+    let parts = parts::parts(graph, n, forces, &switches, &model.events);
     let structure =
         structure::recognise(graph, n, &chosen, (&stiffness, &damping), (power, energies.jacobi), &switches, &cyclic);
     let structure = Structure { parts, ..structure };
@@ -232,10 +236,7 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
         jacobians: count([values(&stiffness), values(&damping), chosen.residual.clone()].concat()),
     };
     let momentum = momentum::systems(&mut model, momentum, &named_reactions);
-    if model.graph.overflowed() {
-        return Err(vec![crate::derive::too_large()]);
-    }
-    Ok(Program {
+    let mut program = Program {
         report,
         switches,
         signals,
@@ -262,10 +263,16 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
         drawing,
         momentum,
         structure,
+        parts: Vec::new(),
         counts,
         choice: chosen.words,
         model,
-    })
+    };
+    program.parts = parts::computed_apart(&mut program);
+    if program.model.graph.overflowed() {
+        return Err(vec![crate::derive::too_large()]);
+    }
+    Ok(program)
 }
 
 impl Program {
@@ -279,7 +286,7 @@ impl Program {
             return vec![true; n];
         }
         let within = (self.constraints.matrix.as_slice(), self.switches.as_slice());
-        let own: Vec<usize> = wanted.iter().flat_map(|id| parts::felt(graph, *id, within)).collect();
+        let own = parts::felt(graph, wanted, within);
         let part_of = |k: usize| self.structure.parts.iter().find(|part| part.contains(&k));
         (0..n).map(|k| part_of(k).is_none_or(|part| own.iter().any(|own| part.contains(own)))).collect()
     }
@@ -315,6 +322,7 @@ impl Program {
             drawing: Vec::new(),
             momentum: Vec::new(),
             structure: Structure::default(),
+            parts: Vec::new(),
             counts: Counts::default(),
             choice: String::new(),
         }

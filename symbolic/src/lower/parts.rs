@@ -1,17 +1,46 @@
 //! Parts of a mechanism that do not feel each other.
 
-use super::Entry;
+use super::count::{operations, varying};
+use super::magnitude::Magnitudes;
+use super::{Accelerations, Argument, Entry, Program, Watched};
 use crate::derive::Switch;
-use crate::expr::{Graph, Id, Symbol};
+use crate::expr::{Angles, Graph, Id, Symbol, expand, terms};
 use crate::model::{Event, EventAction};
 
-/// Sets of coordinates whose equations of motion contain nothing of the others', in the order of their first ones: by what F, the
-/// rows of the constraints (their entries of J) and the arguments of discontinuities contain.  Where events change the phase all
-/// is one part.
+/// A part that is computed by itself: nothing here contains coordinates or speeds of the others.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// Its coordinates, in order.
+    pub coordinates: Vec<usize>,
+    /// T, V, Jacobi function, its power, Σ |terms|: its terms of those of the whole.
+    pub energy: [Id; 5],
+    /// Its equations are linear with constant coefficients (forced, perhaps).
+    pub linear: bool,
+    /// Its equations contain time or inputs.
+    pub time_dependent: bool,
+    /// Places, among the arguments that a run follows, of those inside its equations, and of those of time alone.
+    pub arguments: Vec<usize>,
+    /// Operations of its accelerations.
+    pub operations: usize,
+}
+
+impl Part {
+    /// Nothing does work on it but what has a potential, and its energies do not contain time.
+    pub fn is_conservative(&self) -> bool {
+        self.energy[3] == Id::ZERO
+    }
+}
+
+/// Code for more parts than these would be longer than what their own steps are worth.
+const MOST_PARTS: usize = 16;
+
+/// Sets of coordinates whose equations of motion contain nothing of the others', in the order of their first ones: by what F, h, M,
+/// the rows of the constraints (their entries of J) and the arguments of discontinuities contain.  Where events change the phase
+/// all is one part.
 pub(super) fn parts(
     graph: &Graph,
     n: usize,
-    (residual, rows): (&[Id], &[Entry]),
+    (forces, mass, rows): ([&[Id]; 2], &[Entry], &[Entry]),
     switches: &[Switch],
     events: &[Event],
 ) -> Vec<Vec<usize>> {
@@ -25,9 +54,14 @@ pub(super) fn parts(
         let joined: Vec<usize> = members.iter().map(|member| part[*member]).collect();
         part.iter_mut().filter(|own| joined.contains(own)).for_each(|own| *own = least.unwrap_or(*own));
     };
-    for (row, force) in residual.iter().enumerate() {
-        let mut members = felt(graph, *force, (rows, switches));
+    for (row, force) in forces.iter().flat_map(|list| list.iter().enumerate()) {
+        let mut members = felt(graph, &[*force], (rows, switches));
         members.push(row);
+        join(&members);
+    }
+    for &(row, column, value) in mass {
+        let mut members = felt(graph, &[value], (rows, switches));
+        members.extend([row, column]);
         join(&members);
     }
     for &(row, ..) in rows {
@@ -37,10 +71,95 @@ pub(super) fn parts(
     (0..n).filter(|k| part[*k] == *k).map(of).collect()
 }
 
-/// The coordinates of which an expression contains anything, by way of multipliers and discontinuities too.
-pub(super) fn felt(graph: &Graph, expression: Id, (rows, switches): (&[Entry], &[Switch])) -> Vec<usize> {
+/// The parts that can be computed by themselves; none where there are fewer than two or too many of them, where constraints,
+/// discontinuities or events act, where accelerations are not written out, or where a term of the energies belongs to several.
+pub(super) fn computed_apart(program: &mut Program) -> Vec<Part> {
+    let parts = std::mem::take(&mut program.structure.parts);
+    let found = apart(program, &parts);
+    program.structure.parts = parts;
+    found.unwrap_or_default()
+}
+
+fn apart(program: &mut Program, parts: &[Vec<usize>]) -> Option<Vec<Part>> {
+    let Program { model, switches, constraints, residual, arguments, .. } = program;
+    let tied = !(switches.is_empty() && constraints.is_empty() && model.events.is_empty());
+    let Accelerations::Unrolled { values, pivots } = &program.accelerations else { return None };
+    if tied || !(2..=MOST_PARTS).contains(&parts.len()) {
+        return None;
+    }
+    let graph = &mut model.graph;
+    let [kinetic, potential, jacobi, power, _] = program.energy;
+    let mut shares = |energy: Id| shares(graph, energy, parts);
+    let energies = [shares(kinetic)?, shares(potential)?, shares(jacobi)?, shares(power)?];
+    let mut magnitudes = Magnitudes::default();
+    let varies = varying(graph);
+    let slopes = [&program.mass, &program.stiffness, &program.damping];
+    let mut found = Vec::with_capacity(parts.len());
+    for (k, coordinates) in parts.iter().enumerate() {
+        let own = |i: &usize| coordinates.contains(i);
+        let [kinetic, potential, jacobi, power] = [0, 1, 2, 3].map(|which: usize| energies[which][k]);
+        let sizes = [kinetic, potential].map(|energy| magnitudes.of(graph, energy));
+        let tested = pivots.iter().filter(|pivot| own(&pivot.0)).flat_map(|pivot| [pivot.1, pivot.2]);
+        let roots: Vec<Id> = coordinates.iter().map(|i| values[*i]).chain(tested).collect();
+        if !felt(graph, &roots, (&[], &[])).iter().all(own) {
+            return None;
+        }
+        let forces = coordinates.iter().map(|i| residual[*i]);
+        found.push(Part {
+            coordinates: coordinates.clone(),
+            energy: [kinetic, potential, jacobi, power, graph.add(sizes[0], sizes[1])],
+            linear: slopes.iter().all(|list| !list.iter().any(|entry| own(&entry.0) && varies[entry.2.index()])),
+            time_dependent: graph.symbols(forces).iter().any(|s| matches!(s, Symbol::Time | Symbol::Input(..))),
+            arguments: arguments_of(graph, arguments, own),
+            operations: operations(graph, &roots),
+        });
+    }
+    Some(found)
+}
+
+/// The terms of an energy that belong to each part; what depends on time alone belongs to none.  A sum whose terms belong to several
+/// parts is multiplied out; `None` where that does not part them.
+fn shares(graph: &mut Graph, energy: Id, parts: &[Vec<usize>]) -> Option<Vec<Id>> {
+    let parameter = |s: Symbol| matches!(s, Symbol::Parameter(_));
+    terms_of(graph, energy, parts).or_else(|| {
+        let expanded = expand(graph, &[energy], parameter, Angles::Shorter)?;
+        terms_of(graph, expanded[0], parts)
+    })
+}
+
+fn terms_of(graph: &mut Graph, energy: Id, parts: &[Vec<usize>]) -> Option<Vec<Id>> {
+    let mut shares = vec![Id::ZERO; parts.len()];
+    for (term, number) in terms(graph, energy) {
+        let felt = felt(graph, &[term], (&[], &[]));
+        let mut owners = (0..parts.len()).filter(|k| parts[*k].iter().any(|i| felt.contains(i)));
+        let Some(owner) = owners.next() else { continue };
+        if owners.next().is_some() {
+            return None;
+        }
+        let factor = graph.constant(number);
+        let term = graph.mul(factor, term);
+        shares[owner] = graph.add(shares[owner], term);
+    }
+    Some(shares)
+}
+
+/// The places of arguments that contain coordinates of one part, or none, and stand in others of that part.
+fn arguments_of(graph: &Graph, arguments: &[Argument], own: impl Fn(&usize) -> bool) -> Vec<usize> {
+    let mut found: Vec<usize> = Vec::new();
+    for (place, argument) in arguments.iter().enumerate() {
+        // What an argument stands in comes before it.
+        let within = if let Watched::Argument(outer) = argument.of { found.contains(&outer) } else { true };
+        if within && felt(graph, &[argument.value], (&[], &[])).iter().all(&own) {
+            found.push(place);
+        }
+    }
+    found
+}
+
+/// The coordinates of which expressions contain anything, by way of multipliers and discontinuities too.
+pub(super) fn felt(graph: &Graph, expressions: &[Id], (rows, switches): (&[Entry], &[Switch])) -> Vec<usize> {
     let mut found = Vec::new();
-    for symbol in graph.symbols([expression]) {
+    for symbol in graph.symbols(expressions.iter().copied()) {
         match symbol {
             Symbol::Coordinate(i) | Symbol::Speed(i) | Symbol::Acceleration(i) => found.push(i as usize),
             Symbol::Multiplier(row) => found.extend(of_row(row as usize, rows)),
@@ -48,7 +167,7 @@ pub(super) fn felt(graph: &Graph, expression: Id, (rows, switches): (&[Entry], &
             Symbol::Mode(k) => {
                 let earlier = switches.get(..k as usize).unwrap_or_default();
                 found.extend(
-                    switches.get(k as usize).map_or_else(Vec::new, |s| felt(graph, s.argument, (rows, earlier))),
+                    switches.get(k as usize).map_or_else(Vec::new, |s| felt(graph, &[s.argument], (rows, earlier))),
                 );
             }
             _ => {}

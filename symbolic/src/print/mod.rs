@@ -9,6 +9,7 @@ mod mechanism;
 mod momentum;
 mod numpy;
 mod parameters;
+mod parts;
 mod reading;
 mod resting;
 mod rust;
