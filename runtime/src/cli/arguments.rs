@@ -82,6 +82,7 @@ fn simulate() -> Command {
         .args(scene())
         .arg(value("method", "METHOD", "auto [default], dop853, rkn8, dopri5, rk4, midpoint, euler; verlet (or rattle), srkn4, suzuki4, kahanli8, gauss2, gauss4, gauss6; radau5, rodas5p; exact"))
         .arg(value("step", "TIME", "A fixed step"))
+        .arg(flag("together", "Run parts that do not feel each other with the same steps, not each with its own"))
         .arg(value("constraints", "WAY", "multipliers, nullspace or springs [default: multipliers]"))
         .arg(value("stiffness", "K", "Of springs in the place of constraints, SI [default: 1e6]"))
         .arg(value("damping", "D", "Of dampers beside them, SI [default: 0]"))

@@ -20,6 +20,7 @@ use crate::mechanism::{Description, Enforcement, Stabilisation};
 use crate::numbers::short;
 use crate::show::Animation;
 use crate::simulate::{LAGRANGE, judge_digits};
+use crate::run::{RunPart, Work};
 use crate::{Error, Impulse, Run, Settings};
 
 /// Runs, writes files that were asked for, and prints the outcome; a run that failed is written and printed too.
@@ -63,11 +64,12 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     }
 }
 
-/// With `--method` and what is said of constraints.
+/// With `--method`, `--together` and what is said of constraints.
 fn by_options(mut settings: Settings, options: &ArgMatches) -> Result<Settings, Problem> {
     if let Some(method) = options.get_one::<String>("method") {
         settings.method = method.parse().map_err(|e| Problem::Usage(format!("error: {e}")))?;
     }
+    settings.apart &= !options.get_flag("together");
     enforcement::choose(options, &mut settings)?;
     Ok(settings)
 }
@@ -208,7 +210,7 @@ fn report(
         unit if unit.is_empty() => unit,
         unit => format!(" {unit}"),
     };
-    writeln!(out, "{} at t = {}, by {}", loaded.name, run.written_end(&last), run.method)?;
+    writeln!(out, "{} at t = {}, by {}", loaded.name, run.written_end(&last), run.by())?;
     for (name, value) in last.entries() {
         writeln!(out, "  {name} = {}{}", run.written(&name, value), unit(&name))?;
     }
@@ -268,8 +270,9 @@ fn as_json(loaded: &Loaded, settings: &Settings, run: &Run) -> Value {
     object([
         ("model", json!(loaded.name)),
         ("source", json!(format!("{:016x}", fnv1a(&loaded.source)))),
-        ("method", json!(run.method.to_string())),
+        ("method", json!(run.by())),
         ("method_chosen", json!(run.why)),
+        ("parts", parts(run)),
         ("constraints", json!(settings.enforcement.name())),
         ("constraint_drift", json!(settings.stabilisation.name())),
         ("derivation", json!(run.balances.as_ref().map_or(LAGRANGE, |b| b.system.as_str()))),
@@ -290,24 +293,38 @@ fn as_json(loaded: &Loaded, settings: &Settings, run: &Run) -> Value {
                 .into(),
         ),
         ("impulses", impulses(description, run)),
-        (
-            "work",
-            json!({
-                "steps": run.work.steps,
-                "rejected": run.work.rejected,
-                "evaluations": run.work.evaluations,
-                "jacobians": run.work.jacobians,
-                "factorizations": run.work.factorizations,
-                "retries": run.work.retries,
-                "samples": run.work.samples,
-            }),
-        ),
+        ("work", work(&run.work)),
         ("digits", digits(run)),
         ("digits_until", run.digits_until().map_or(Value::Null, number)),
         ("errors", errors(run)),
         ("seconds", number(run.seconds)),
         ("warnings", json!(warnings.collect::<Vec<String>>())),
     ])
+}
+
+fn work(work: &Work) -> Value {
+    json!({
+        "steps": work.steps,
+        "rejected": work.rejected,
+        "evaluations": work.evaluations,
+        "jacobians": work.jacobians,
+        "factorizations": work.factorizations,
+        "retries": work.retries,
+        "samples": work.samples,
+    })
+}
+
+/// The parts that were run apart.
+fn parts(run: &Run) -> Value {
+    let one = |part: &RunPart| {
+        object([
+            ("coordinates", json!(part.coordinates)),
+            ("method", json!(part.method.to_string())),
+            ("method_chosen", json!(part.why)),
+            ("work", work(&part.work)),
+        ])
+    };
+    run.parts.iter().map(one).collect::<Vec<_>>().into()
 }
 
 /// Significant digits that hold at the end, column by column; `null` where they were not estimated.

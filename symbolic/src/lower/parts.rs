@@ -1,10 +1,12 @@
 //! Parts of a mechanism that do not feel each other.
 
+use rustc_hash::FxHashMap as HashMap;
+
 use super::count::{operations, varying};
 use super::magnitude::Magnitudes;
 use super::{Accelerations, Argument, Entry, Program, Watched};
 use crate::derive::Switch;
-use crate::expr::{Angles, Graph, Id, Symbol, expand, terms};
+use crate::expr::{Angles, Binary, Graph, Id, Node, Symbol, Unary, expand};
 use crate::model::{Event, EventAction};
 
 /// A part that is computed by itself: nothing here contains coordinates or speeds of the others.
@@ -117,30 +119,46 @@ fn apart(program: &mut Program, parts: &[Vec<usize>]) -> Option<Vec<Part>> {
     Some(found)
 }
 
-/// The terms of an energy that belong to each part; what depends on time alone belongs to none.  A sum whose terms belong to several
-/// parts is multiplied out; `None` where that does not part them.
+/// What each part has of an energy that is a sum over them; what depends on time alone belongs to none.  `None` for one that is no such
+/// sum, multiplied out or not.
 fn shares(graph: &mut Graph, energy: Id, parts: &[Vec<usize>]) -> Option<Vec<Id>> {
     let parameter = |s: Symbol| matches!(s, Symbol::Parameter(_));
-    terms_of(graph, energy, parts).or_else(|| {
+    let of_all = |graph: &mut Graph, energy: Id| -> Option<Vec<Id>> {
+        parts.iter().map(|part| share(graph, energy, part)).collect()
+    };
+    of_all(graph, energy).or_else(|| {
         let expanded = expand(graph, &[energy], parameter, Angles::Shorter)?;
-        terms_of(graph, expanded[0], parts)
+        of_all(graph, expanded[0])
     })
 }
 
-fn terms_of(graph: &mut Graph, energy: Id, parts: &[Vec<usize>]) -> Option<Vec<Id>> {
-    let mut shares = vec![Id::ZERO; parts.len()];
-    for (term, number) in terms(graph, energy) {
-        let felt = felt(graph, &[term], (&[], &[]));
-        let mut owners = (0..parts.len()).filter(|k| parts[*k].iter().any(|i| felt.contains(i)));
-        let Some(owner) = owners.next() else { continue };
-        if owners.next().is_some() {
-            return None;
-        }
-        let factor = graph.constant(number);
-        let term = graph.mul(factor, term);
-        shares[owner] = graph.add(shares[owner], term);
+/// What one part has of an energy.
+fn share(graph: &mut Graph, energy: Id, part: &[usize]) -> Option<Id> {
+    let contains = |own: bool| {
+        graph.contains(|symbol| match symbol {
+            Symbol::Coordinate(i) | Symbol::Speed(i) => part.contains(&(i as usize)) == own,
+            _ => false,
+        })
+    };
+    let (own, others) = (contains(true), contains(false));
+    let fixed = |x: Id| !own[x.index()] && !others[x.index()];
+    let mut known: HashMap<Id, Option<Id>> = HashMap::default();
+    for id in graph.needed([energy]) {
+        let of = |x: Id| known.get(&x).copied().flatten();
+        let share = match graph.node(id) {
+            _ if !own[id.index()] => Some(Id::ZERO),
+            _ if !others[id.index()] => Some(id),
+            Node::Unary(Unary::Neg, x) => of(x).map(|x| graph.neg(x)),
+            Node::Binary(Binary::Add, x, y) => of(x).zip(of(y)).map(|(x, y)| graph.add(x, y)),
+            Node::Binary(Binary::Sub, x, y) => of(x).zip(of(y)).map(|(x, y)| graph.sub(x, y)),
+            Node::Binary(Binary::Mul, x, y) if fixed(x) => of(y).map(|y| graph.mul(x, y)),
+            Node::Binary(Binary::Mul, x, y) if fixed(y) => of(x).map(|x| graph.mul(x, y)),
+            Node::Binary(Binary::Div, x, y) if fixed(y) => of(x).map(|x| graph.div(x, y)),
+            _ => None,
+        };
+        known.insert(id, share);
     }
-    Some(shares)
+    known.get(&energy).copied().flatten()
 }
 
 /// The places of arguments that contain coordinates of one part, or none, and stand in others of that part.
