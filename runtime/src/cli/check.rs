@@ -266,6 +266,14 @@ pub fn recognised(program: &Program) -> Vec<String> {
         let momentum = dalembert_symbolic::model::text(&program.model, *momentum);
         words.push(format!("{} is cyclic, its momentum {momentum} is conserved", name(*i)));
     }
+    for direction in &s.directions {
+        let names: Vec<&str> = direction.shift.iter().map(|(i, _)| name(*i)).collect();
+        let ratio: Vec<String> = direction.shift.iter().map(|(_, multiple)| multiple.to_string()).collect();
+        let alike = ratio.iter().all(|multiple| *multiple == ratio[0]);
+        let how = if alike { "together".to_owned() } else { format!("in the ratio {}", ratio.join(" : ")) };
+        let momentum = dalembert_symbolic::model::text(&program.model, direction.momentum);
+        words.push(format!("{} may be shifted {how}, the momentum {momentum} is conserved", names.join(", ")));
+    }
     words
 }
 

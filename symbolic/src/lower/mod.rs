@@ -172,7 +172,7 @@ pub fn compile_in(folder: Option<&Path>, text: &str, sizes: &[(String, i64)]) ->
 /// # Errors
 /// The model is too large.
 pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
-    let Judged { derivation, cyclic, report } = judged;
+    let Judged { derivation, cyclic, directions, report } = judged;
     let Derivation { mut model, equations, rows, momentum, named_reactions, energies, signals, switches, .. } =
         derivation;
     let n = model.coordinates.len();
@@ -224,7 +224,7 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let parts = parts::parts(graph, n, forces, &switches, &model.events);
     let structure =
         structure::recognise(graph, n, &chosen, (&stiffness, &damping), (power, energies.jacobi), &switches, &cyclic);
-    let structure = Structure { parts, ..structure };
+    let structure = Structure { directions, parts, ..structure };
     let count = |roots: Vec<Id>| operations(graph, &roots);
     let values = |entries: &[Entry]| entries.iter().map(|e| e.2).collect::<Vec<_>>();
     let counts = Counts {
