@@ -11,7 +11,7 @@ use serde_json::Value;
 
 use super::json::{number, object, write};
 use super::load::{Loaded, ModelFile, folder};
-use super::{Entry, Problem, freedoms};
+use super::{Entry, Problem, freedoms, symmetries};
 use crate::mechanism::{At, Balances, Interpreted, System};
 
 /// Derives the model anew and prints the report.
@@ -46,7 +46,8 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         writeln!(out, "  {}", nature(force))?;
     }
     write!(out, "{}", file::render(&loaded.path, &loaded.source, &program.model.warnings))?;
-    structure(&program, out)
+    structure(&program, out)?;
+    if options.get_flag("symmetries") { symmetries::of_scenes(&loaded, &program, out) } else { Ok(()) }
 }
 
 /// The report as one object; of a file with mistakes these, each with its place, before the command fails.

@@ -15,7 +15,7 @@ use super::json::{number, object};
 use super::load::Loaded;
 use super::plotted::Shown;
 use super::set_up::{set_up, set_up_scene};
-use super::{Entry, Problem, compare, enforcement, outputs, value_files};
+use super::{Entry, Problem, compare, enforcement, outputs, symmetries, value_files};
 use crate::mechanism::{Description, Enforcement, Stabilisation};
 use crate::numbers::short;
 use crate::show::Animation;
@@ -55,9 +55,9 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     });
     progress.clear();
     match outcome {
-        Ok(run) => report((&loaded, &settings), (&run, false), (&shown, &others), options, out),
-        Err(Error::Run(failure)) => {
-            report((&loaded, &settings), (&failure.run, true), (&shown, &others), options, out)?;
+        Ok(mut run) => report((&loaded, &settings), (&mut run, false), (&shown, &others), options, out),
+        Err(Error::Run(mut failure)) => {
+            report((&loaded, &settings), (&mut failure.run, true), (&shown, &others), options, out)?;
             Err(Problem::Run(failure.to_string()))
         }
         Err(error) => Err(Problem::Usage(format!("error: {error}"))),
@@ -174,11 +174,14 @@ impl Progress {
 
 fn report(
     (loaded, settings): (&Loaded, &Settings),
-    (run, failed): (&Run, bool),
+    (run, failed): (&mut Run, bool),
     (shown, others): (&Shown, &[(String, Run)]),
     options: &ArgMatches,
     out: &mut dyn Write,
 ) -> Result<(), Problem> {
+    let asked = options.get_flag("symmetries");
+    let watched = if asked { symmetries::watch(loaded, run)? } else { None };
+    let run = &*run;
     let file = |name: &str| options.get_one::<String>(name);
     let unwritten = |error: Error| Problem::File(error.to_string());
     if let Some(path) = file("csv") {
@@ -202,7 +205,11 @@ fn report(
         }
     }
     if options.get_flag("json") {
-        super::json::write(&as_json(loaded, settings, run), out)?;
+        let mut object = as_json(loaded, settings, run);
+        if asked {
+            object["symmetries"] = symmetries::as_json(watched.as_deref());
+        }
+        super::json::write(&object, out)?;
         return Ok(());
     }
     let last = run.last();
@@ -252,6 +259,9 @@ fn report(
             "the run took long; --digits runs a second time all the same"
         };
         writeln!(out, "digits         not estimated: {why}")?;
+    }
+    if asked {
+        symmetries::write(watched.as_deref(), out)?;
     }
     writeln!(out)?;
     Ok(())

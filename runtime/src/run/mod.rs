@@ -8,6 +8,7 @@ mod hermite;
 mod parts;
 mod record;
 mod state;
+mod symmetry;
 mod trajectory;
 mod trust;
 
@@ -25,6 +26,7 @@ pub(crate) use record::usual_drift;
 pub(crate) use record::{Plan, Recorder, evaluate_outputs};
 pub(crate) use state::Names;
 pub use state::State;
+pub use symmetry::Symmetry;
 #[cfg(feature = "interpret")]
 pub(crate) use state::plain;
 pub(crate) use trajectory::Trajectory;

@@ -83,7 +83,7 @@ pub(super) fn directions(
 }
 
 /// A state that has each coordinate and each speed near that of any state.
-fn mixed(states: &[State], random: &mut Random) -> State {
+pub(crate) fn mixed(states: &[State], random: &mut Random) -> State {
     let mut any = || &states[(random.between(0.0, states.len() as f64) as usize).min(states.len() - 1)];
     let mut state = any().clone();
     let picked: Vec<(DoubleDouble, DoubleDouble)> =

@@ -58,6 +58,7 @@ use crate::model::{Load, Model, Work};
 use crate::number::DoubleDouble;
 
 pub use directions::Direction;
+pub(crate) use directions::mixed;
 pub use effects::{UnitPush, unit_push};
 pub use freedoms::{Freedoms, Integrability};
 pub use potential::{Conservative, Nature};

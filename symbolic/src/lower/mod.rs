@@ -12,6 +12,7 @@ mod momentum;
 mod parts;
 mod rounding;
 mod structure;
+mod symmetry;
 mod time;
 
 use std::path::Path;
@@ -29,6 +30,7 @@ pub use factor::Accelerations;
 pub use momentum::MomentumSystem;
 pub use parts::Part;
 pub use structure::Structure;
+pub use symmetry::{Symmetries, Symmetry, generators, symmetries};
 
 /// An entry of a sparse matrix: row, column, value.
 pub type Entry = (usize, usize, Id);
