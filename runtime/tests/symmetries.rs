@@ -41,5 +41,8 @@ fn a_motion_that_leaves_its_symmetry_is_warned_of() {
 #[test]
 fn a_motion_that_keeps_its_symmetry_is_not() {
     let text = simulated("+", &[]);
-    assert!(text.contains("symmetry       y -> -y: the motion departs from it by ") && !text.contains("leaves"), "{text}");
+    assert!(
+        text.contains("symmetry       y -> -y: the motion departs from it by ") && !text.contains("leaves"),
+        "{text}"
+    );
 }

@@ -18,9 +18,9 @@ use super::set_up::{set_up, set_up_scene};
 use super::{Entry, Problem, compare, enforcement, outputs, symmetries, value_files};
 use crate::mechanism::{Description, Enforcement, Stabilisation};
 use crate::numbers::short;
+use crate::run::{RunPart, Work};
 use crate::show::Animation;
 use crate::simulate::{LAGRANGE, judge_digits};
-use crate::run::{RunPart, Work};
 use crate::{Error, Impulse, Run, Settings};
 
 /// Runs, writes files that were asked for, and prints the outcome; a run that failed is written and printed too.

@@ -30,9 +30,8 @@ impl Found {
 
     /// Those that a start has, without products of others.
     fn of_start(&self, system: &dyn System, q: &[f64], v: &[f64]) -> Vec<Symmetry> {
-        let has = |symmetry: &&dalembert_symbolic::lower::Symmetry| {
-            one(symmetry, system).is_of(system.description(), q, v)
-        };
+        let has =
+            |symmetry: &&dalembert_symbolic::lower::Symmetry| one(symmetry, system).is_of(system.description(), q, v);
         let own: Vec<_> = self.all.iter().filter(has).cloned().collect();
         named(&generators(&own), system)
     }
@@ -79,7 +78,11 @@ pub fn write(watched: Option<&[(Symmetry, f64)]>, out: &mut dyn Write) -> Result
         Some([]) => writeln!(out, "symmetry       the start has none")?,
         Some(watched) => {
             for (symmetry, departure) in watched {
-                writeln!(out, "symmetry       {}: the motion departs from it by {departure:.1e} at most", symmetry.name)?;
+                writeln!(
+                    out,
+                    "symmetry       {}: the motion departs from it by {departure:.1e} at most",
+                    symmetry.name
+                )?;
             }
         }
     }

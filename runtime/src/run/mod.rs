@@ -18,17 +18,17 @@ use crate::constrain::Residuals;
 
 pub use digits::Digits;
 pub use failure::Failure;
+pub(crate) use frames::Scenery;
 pub use parts::RunPart;
 pub(crate) use parts::{Together, put_together};
-pub(crate) use frames::Scenery;
 #[cfg(feature = "ensemble")]
 pub(crate) use record::usual_drift;
 pub(crate) use record::{Plan, Recorder, evaluate_outputs};
 pub(crate) use state::Names;
 pub use state::State;
-pub use symmetry::Symmetry;
 #[cfg(feature = "interpret")]
 pub(crate) use state::plain;
+pub use symmetry::Symmetry;
 pub(crate) use trajectory::Trajectory;
 pub use trust::Trust;
 

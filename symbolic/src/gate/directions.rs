@@ -46,7 +46,8 @@ pub(super) fn directions(
     let at = |state: &State| tape.evaluate(|s| state.measured(s));
     let known: Vec<Vec<Measured>> = states.iter().map(at).collect();
     let scales = (0..columns.len()).map(|j| known.iter().fold(0.0_f64, |most, row| most.max(row[j].magnitude)));
-    let scales: Vec<f64> = scales.map(|scale| if scale > 0.0 && scale.is_finite() { 1.0 / scale } else { 1.0 }).collect();
+    let scales: Vec<f64> =
+        scales.map(|scale| if scale > 0.0 && scale.is_finite() { 1.0 / scale } else { 1.0 }).collect();
     let mut rows = Rows::default();
     let (mut random, mut idle, mut undefined) = (Random::new(), 0, 0);
     while idle < PROOF && rows.pivots.len() < columns.len() && undefined < UNDEFINED {
@@ -86,8 +87,7 @@ pub(super) fn directions(
 pub(crate) fn mixed(states: &[State], random: &mut Random) -> State {
     let mut any = || &states[(random.between(0.0, states.len() as f64) as usize).min(states.len() - 1)];
     let mut state = any().clone();
-    let picked: Vec<(DoubleDouble, DoubleDouble)> =
-        (0..state.q.len()).map(|i| (any().q[i], any().v[i])).collect();
+    let picked: Vec<(DoubleDouble, DoubleDouble)> = (0..state.q.len()).map(|i| (any().q[i], any().v[i])).collect();
     for (i, (q, v)) in picked.into_iter().enumerate() {
         state.q[i] = q * random.between(0.5, 1.5);
         state.v[i] = v * random.between(0.5, 1.5);

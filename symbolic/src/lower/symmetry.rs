@@ -52,7 +52,8 @@ pub fn symmetries(program: &Program, parameters: &[f64]) -> Option<Symmetries> {
     let state = |_| {
         let mut state = mixed(states, &mut random);
         state.parameters = parameters.to_vec();
-        let size = state.a.iter().fold(1.0_f64, |most, a| if a.magnitude.is_finite() { most.max(a.magnitude) } else { most });
+        let size =
+            state.a.iter().fold(1.0_f64, |most, a| if a.magnitude.is_finite() { most.max(a.magnitude) } else { most });
         state.a = (0..n).map(|_| Measured::exact(random.between(-size, size).into())).collect();
         let forces = tape.evaluate(|s| state.measured(s));
         (state, forces)
@@ -60,7 +61,8 @@ pub fn symmetries(program: &Program, parameters: &[f64]) -> Option<Symmetries> {
     let states = (0..STATES).map(state).collect();
     let unit = |i: usize| program.model.coordinates[i].unit.clone();
     let alike = (0..n).map(|i| (0..n).filter(|j| unit(i) == unit(*j)).collect()).collect();
-    let mut search = Search { tape: &tape, states, alike, origin: Origin::of(program, parameters), tried: 0, found: Vec::new() };
+    let mut search =
+        Search { tape: &tape, states, alike, origin: Origin::of(program, parameters), tried: 0, found: Vec::new() };
     let complete = search.extend(&mut vec![None; n]);
     let mut found = search.found;
     found.sort_by_key(|symmetry| symmetry.images.iter().enumerate().filter(|(i, to)| **to != (*i, false)).count());

@@ -20,8 +20,13 @@ pub(super) fn parts(program: &Program, bodies: &Bodies<'_>) -> String {
     let target = format!(", out: &mut [S; {n}]");
     let singular = "::core::result::Result<(), ::dalembert::mechanism::SingularMass>";
     let before = "        let mut out = [S::ratio(0.0, 1.0); 5];\n";
-    method(program, bodies, ("part_accelerations", &target, singular), ("", "::core::result::Result::Ok(())"), accelerations)
-        + &method(program, bodies, ("part_energy", "", "[S; 5]"), (before, "out"), energy)
+    method(
+        program,
+        bodies,
+        ("part_accelerations", &target, singular),
+        ("", "::core::result::Result::Ok(())"),
+        accelerations,
+    ) + &method(program, bodies, ("part_energy", "", "[S; 5]"), (before, "out"), energy)
 }
 
 fn method(
