@@ -59,6 +59,27 @@ scene: {start: {x: 1, y: 2}, until: 1}
 
 dalembert::model!(
     yaml = r#"
+name: Shot
+parameters: {m: 1 kg, g: 10 m/s^2, k: 400 N/m, b: 0.2 N*s/m, c: 0.001 kg/m, s: 1 m/s, w: 4 m/s^2}
+coordinates: {x: m, y: m, z: m}
+bodies: {ball: {mass: m, position: "[x, y]"}}
+kinetic_energy: m*z'^2/2
+potential_energy: k*z^2/2
+gravity: [0, -g]
+generalized_forces: {x: -b*x', y: -c*y'*sqrt(y'^2 + s^2)}
+events:
+  land: {when: y, direction: falling, then: stop}
+  apex: {when: y', direction: falling, then: record}
+  swing: {when: z', direction: falling, if: z, then: record}
+  hasty: {when: x'' + w, then: record}
+outputs: {distance: sqrt(x^2 + y^2)}
+scene: {start: {x': 30, y': 40, z: 0.1}, until: 20, tolerance: 1e-10}
+scenes: {short: {start: {x': 30, y': 40, z: 0.1}, until: 3}}
+"#
+);
+
+dalembert::model!(
+    yaml = r#"
 name: Rubbed
 parameters: {mu: 0.1}
 coordinates: {x: , y: }
@@ -190,6 +211,33 @@ fn a_run_that_is_interrupted_has_all_parts_until_then() {
     for (found, expected) in failure.state.q.iter().zip(&expected.q) {
         assert!((found - expected).abs() < 1e-8, "{failure:?} {expected:?}");
     }
+}
+
+#[test]
+fn events_of_parts_are_those_of_the_whole() {
+    let apart = Shot::default().simulate().run().unwrap();
+    let together = Shot::default().simulate().together().run().unwrap();
+    assert_eq!((apart.parts.len(), together.parts.len()), (3, 0));
+    let ended = apart.ended_by().map(|event| (event.name.as_str(), event.event));
+    assert_eq!(ended, Some(("land", 0)));
+    let landed = &apart.ended_by().unwrap().state;
+    assert!((apart.last().t - landed.t).abs() < 1e-14 * landed.t, "{landed:?}");
+    assert!(apart.last().q.iter().zip(&landed.q).all(|(a, b)| (a - b).abs() < 1e-12), "{landed:?}");
+    assert_eq!(apart.events.len(), together.events.len());
+    assert!(apart.events.len() > 20);
+    for (found, expected) in apart.events.iter().zip(&together.events) {
+        assert_eq!((&found.name, found.event), (&expected.name, expected.event));
+        assert!((found.state.t - expected.state.t).abs() < 1e-8, "{found:?} {expected:?}");
+        let values = found.state.entries().chain(found.state.outputs().map(|(name, x)| (name.to_owned(), x.unwrap())));
+        for (name, value) in values {
+            let other = expected.state.get(&name).unwrap();
+            // Dense output is within a thousand tolerances of the ranges.
+            assert!((value - other).abs() < 1e-5, "{name} {found:?} {expected:?}");
+        }
+    }
+    // Without the landing all go to the end.
+    let short = Shot::default().simulate().scene("short").run().unwrap();
+    assert_eq!((short.last().t, short.ended_by()), (3.0, None));
 }
 
 #[test]

@@ -371,6 +371,8 @@ pub struct Part {
     pub conservative: bool,
     /// Indices of the arguments that a run of it follows.
     pub arguments: List<u32>,
+    /// Indices of the events that read it alone.
+    pub events: List<u32>,
     /// Operations of its accelerations.
     pub accelerations: u32,
 }

@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::{At, Counts, Description, Energy, List, Scene, Signal, Singular, Structure, System};
+use super::{At, Counts, Description, Energy, List, Scene, Signal, Singular, Structure, System, Watched};
 
 /// One of `description().parts` of a mechanism.
 ///
@@ -12,6 +12,8 @@ pub(crate) struct OfPart {
     whole: Box<dyn System>,
     index: usize,
     coordinates: Vec<usize>,
+    /// Its events among those of the whole.
+    events: Vec<usize>,
     /// Where all coordinates are held.
     place: Vec<f64>,
     description: Description,
@@ -26,8 +28,9 @@ struct Places {
     damping: Vec<usize>,
     input: Vec<usize>,
     time: Vec<usize>,
-    /// Both numbers of each argument.
+    /// Both numbers of each argument, and of each event.
     arguments: Vec<usize>,
+    events: Vec<usize>,
 }
 
 /// A state of the whole, and what is computed of it.
@@ -51,14 +54,17 @@ impl OfPart {
         let (damping_pattern, damping) = square(&whole.damping_pattern);
         let (input_pattern, input) = entries(&whole.input_pattern, |(row, column)| Some((own(row)?, column)));
         let (time_pattern, time) = entries(&whole.time_pattern, own);
-        let listed = |k: u32| part.arguments.iter().position(|known| *known == k);
+        let listed = |list: &[u32], k: u32| list.iter().position(|known| *known == k).map(|place| place as u32);
         let argument = |place: &u32| {
             let mut argument = whole.arguments.get(*place as usize)?.clone();
-            if let super::Watched::Argument(outer) = &mut argument.of {
-                *outer = listed(*outer)? as u32;
+            match &mut argument.of {
+                Watched::Argument(outer) => *outer = listed(&part.arguments, *outer)?,
+                Watched::Event(event) => *event = listed(&part.events, *event)?,
+                Watched::Motion | Watched::Switch(_) => {}
             }
             Some(argument)
         };
+        let pairs = |list: &[u32]| list.iter().flat_map(|k| [2 * *k as usize, 2 * *k as usize + 1]).collect();
         let description = Description {
             coordinates: coordinates.iter().filter_map(|i| whole.coordinates.get(*i).cloned()).collect(),
             mass_pattern,
@@ -71,6 +77,7 @@ impl OfPart {
             outputs_of_reactions: List::default(),
             invariants: List::default(),
             arguments: part.arguments.iter().filter_map(argument).collect(),
+            events: part.events.iter().filter_map(|k| whole.events.get(*k as usize).cloned()).collect(),
             draw: List::default(),
             balances: List::default(),
             structure: Structure {
@@ -93,8 +100,10 @@ impl OfPart {
                 damping,
                 input,
                 time,
-                arguments: part.arguments.iter().flat_map(|k| [2 * *k as usize, 2 * *k as usize + 1]).collect(),
+                arguments: pairs(&part.arguments),
+                events: pairs(&part.events),
             },
+            events: part.events.iter().map(|k| *k as usize).collect(),
             whole: system.boxed_clone(),
             index,
             coordinates,
@@ -112,6 +121,11 @@ impl OfPart {
     /// Its coordinates among those of the whole.
     pub fn coordinates(&self) -> &[usize] {
         &self.coordinates
+    }
+
+    /// Its events among those of the whole.
+    pub fn events(&self) -> &[usize] {
+        &self.events
     }
 
     /// The room, with this state in it.
@@ -214,6 +228,16 @@ impl System for OfPart {
     fn arguments(&self, at: At<'_>, pairs: &mut [f64]) {
         let size = 2 * self.whole.description().arguments.len();
         self.pick(at, (size, &self.places.arguments), pairs, |whole, at, all| whole.arguments(at, all));
+    }
+
+    fn events(&self, at: At<'_>, pairs: &mut [f64]) {
+        let size = 2 * self.whole.description().events.len();
+        self.pick(at, (size, &self.places.events), pairs, |whole, at, all| whole.events(at, all));
+    }
+
+    fn event_rates(&self, at: At<'_>, rates: &mut [f64]) {
+        let size = self.whole.description().events.len();
+        self.pick(at, (size, &self.events), rates, |whole, at, all| whole.event_rates(at, all));
     }
 
     fn signal(&self, index: usize) -> Option<&Signal> {

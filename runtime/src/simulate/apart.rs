@@ -8,9 +8,9 @@ use std::time::Instant;
 use super::{Settings, Start, finish, start};
 use crate::cause::Cause;
 use crate::error::Error;
-use crate::march::March;
+use crate::march::{Halt, March};
 use crate::mechanism::{Method, OfPart, System};
-use crate::run::{Failure, Recorder, Run, Together, put_together};
+use crate::run::{Failure, PartRun, Recorder, Run, Together, put_together};
 
 /// A part with its settings.
 pub(super) type Part = (OfPart, Settings);
@@ -66,25 +66,30 @@ pub(super) fn simulate(
         }
         ways.push(Way { part, march, recorder });
     }
+    // Where an event of a part ends the run, the others come to.
+    let mut until = settings.until;
     while ended.is_none() {
         let steps: u64 = ways.iter().map(|way| way.march.work().steps).sum();
         let least = ways.iter_mut().min_by(|a, b| a.march.time().total_cmp(&b.march.time()));
-        let Some(Way { part, march, recorder }) = least.filter(|way| way.march.time() < settings.until) else { break };
+        let Some(Way { part, march, recorder }) = least.filter(|way| way.march.time() < until) else { break };
         if steps >= settings.max_steps {
             ended = Some(Cause::TooManySteps { limit: settings.max_steps });
             break;
         }
         let from = march.time();
-        let outcome = march.one(part, settings.until, recorder);
+        let outcome = march.one(part, until, recorder);
         let goes_on = progress(from);
-        ended = match outcome {
-            Err(cause) => Some(recorder.explain(part, *cause)),
+        ended = match &outcome {
+            Err(cause) => Some(recorder.explain(part, (**cause).clone())),
             Ok(_) => goes_on.is_break().then_some(Cause::Interrupted),
         };
+        if outcome == Ok(Halt::Event) {
+            until = march.time();
+        }
     }
     let runs = ways.into_iter().map(|Way { part, march, recorder }| {
-        let coordinates = part.coordinates().to_vec();
-        (coordinates, finish(&part, &march, recorder, clock))
+        let (coordinates, events) = (part.coordinates().to_vec(), part.events().to_vec());
+        PartRun { coordinates, events, run: finish(&part, &march, recorder, clock) }
     });
     let how = Together {
         until: settings.until,

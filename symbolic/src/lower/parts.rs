@@ -22,6 +22,8 @@ pub struct Part {
     pub time_dependent: bool,
     /// Places, among the arguments that a run follows, of those inside its equations, and of those of time alone.
     pub arguments: Vec<usize>,
+    /// Places of the events that read it alone, or time alone.
+    pub events: Vec<usize>,
     /// Operations of its accelerations.
     pub operations: usize,
 }
@@ -73,8 +75,8 @@ pub(super) fn parts(
     (0..n).filter(|k| part[*k] == *k).map(of).collect()
 }
 
-/// The parts that can be computed by themselves; none where there are fewer than two or too many of them, where constraints,
-/// discontinuities or events act, where accelerations are not written out, or where a term of the energies belongs to several.
+/// The parts that can be computed by themselves; none where there are fewer than two or too many of them, where constraints or
+/// discontinuities act, where accelerations are not written out, or where a term of the energies or an event belongs to several.
 pub(super) fn computed_apart(program: &mut Program) -> Vec<Part> {
     let parts = std::mem::take(&mut program.structure.parts);
     let found = apart(program, &parts);
@@ -84,12 +86,13 @@ pub(super) fn computed_apart(program: &mut Program) -> Vec<Part> {
 
 fn apart(program: &mut Program, parts: &[Vec<usize>]) -> Option<Vec<Part>> {
     let Program { model, switches, constraints, residual, arguments, .. } = program;
-    let tied = !(switches.is_empty() && constraints.is_empty() && model.events.is_empty());
+    let tied = !(switches.is_empty() && constraints.is_empty());
     let Accelerations::Unrolled { values, pivots } = &program.accelerations else { return None };
     if tied || !(2..=MOST_PARTS).contains(&parts.len()) {
         return None;
     }
     let graph = &mut model.graph;
+    let readers = readers(graph, &model.events, parts)?;
     let [kinetic, potential, jacobi, power, _] = program.energy;
     let mut shares = |energy: Id| shares(graph, energy, parts);
     let energies = [shares(kinetic)?, shares(potential)?, shares(jacobi)?, shares(power)?];
@@ -107,12 +110,14 @@ fn apart(program: &mut Program, parts: &[Vec<usize>]) -> Option<Vec<Part>> {
             return None;
         }
         let forces = coordinates.iter().map(|i| residual[*i]);
+        let events: Vec<usize> = (0..readers.len()).filter(|event| readers[*event] == k).collect();
         found.push(Part {
             coordinates: coordinates.clone(),
             energy: [kinetic, potential, jacobi, power, graph.add(sizes[0], sizes[1])],
             linear: slopes.iter().all(|list| !list.iter().any(|entry| own(&entry.0) && varies[entry.2.index()])),
             time_dependent: graph.symbols(forces).iter().any(|s| matches!(s, Symbol::Time | Symbol::Input(..))),
-            arguments: arguments_of(graph, arguments, own),
+            arguments: arguments_of(graph, arguments, (&events, own)),
+            events,
             operations: operations(graph, &roots),
         });
     }
@@ -161,12 +166,30 @@ fn share(graph: &mut Graph, energy: Id, part: &[usize]) -> Option<Id> {
     known.get(&energy).copied().flatten()
 }
 
-/// The places of arguments that contain coordinates of one part, or none, and stand in others of that part.
-fn arguments_of(graph: &Graph, arguments: &[Argument], own: impl Fn(&usize) -> bool) -> Vec<usize> {
+/// The part that each event reads, the first where it reads time alone; `None` where one reads several.
+fn readers(graph: &Graph, events: &[Event], parts: &[Vec<usize>]) -> Option<Vec<usize>> {
+    let reader = |event: &Event| {
+        let read: Vec<Id> = std::iter::once(event.when).chain(event.condition).collect();
+        let felt = felt(graph, &read, (&[], &[]));
+        parts.iter().position(|part| felt.iter().all(|i| part.contains(i)))
+    };
+    events.iter().map(reader).collect()
+}
+
+/// The places of arguments that contain coordinates of one part, or none, and stand in its equations, its events, or others of these.
+fn arguments_of(
+    graph: &Graph,
+    arguments: &[Argument],
+    (events, own): (&[usize], impl Fn(&usize) -> bool),
+) -> Vec<usize> {
     let mut found: Vec<usize> = Vec::new();
     for (place, argument) in arguments.iter().enumerate() {
         // What an argument stands in comes before it.
-        let within = if let Watched::Argument(outer) = argument.of { found.contains(&outer) } else { true };
+        let within = match argument.of {
+            Watched::Argument(outer) => found.contains(&outer),
+            Watched::Event(event) => events.contains(&event),
+            Watched::Motion | Watched::Switch(_) => true,
+        };
         if within && felt(graph, &[argument.value], (&[], &[])).iter().all(&own) {
             found.push(place);
         }

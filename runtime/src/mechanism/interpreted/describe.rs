@@ -160,6 +160,7 @@ pub(super) fn describe(program: &Program, source: &str) -> Description {
                 time_dependent: part.time_dependent,
                 conservative: part.is_conservative(),
                 arguments: part.arguments.iter().map(|k| *k as u32).collect(),
+                events: part.events.iter().map(|k| *k as u32).collect(),
                 accelerations: part.operations as u32,
             })
             .collect(),
