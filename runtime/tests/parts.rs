@@ -273,7 +273,7 @@ fn without_dense_output_the_end_is_the_same() {
 #[test]
 fn parts_have_scales_of_their_own() {
     let alike = |scale: f64| {
-        let sized = Sized { scale, ..Default::default() };
+        let sized = Sized { scale };
         let run = sized.simulate().starting("y", scale).run().unwrap();
         assert_eq!(run.parts.len(), 2);
         (of(&run, "x"), of(&run, "y") / scale)
