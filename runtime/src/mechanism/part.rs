@@ -14,14 +14,15 @@ pub(crate) struct OfPart {
     coordinates: Vec<usize>,
     /// Its events among those of the whole.
     events: Vec<usize>,
-    /// Where all coordinates are held.
-    place: Vec<f64>,
+    /// How many coordinates the whole has.
+    size: usize,
     description: Description,
     places: Places,
     room: Mutex<Room>,
 }
 
 /// Where the part's entries are among those of the whole.
+#[derive(Clone)]
 struct Places {
     mass: Vec<usize>,
     stiffness: Vec<usize>,
@@ -34,6 +35,7 @@ struct Places {
 }
 
 /// A state of the whole, and what is computed of it.
+#[derive(Clone)]
 struct Room {
     q: Vec<f64>,
     v: Vec<f64>,
@@ -107,7 +109,7 @@ impl OfPart {
             whole: system.boxed_clone(),
             index,
             coordinates,
-            place: place.to_vec(),
+            size: n,
             description,
             room: Mutex::new(Room {
                 q: place.to_vec(),
@@ -128,12 +130,18 @@ impl OfPart {
         &self.events
     }
 
+    fn room(&self) -> MutexGuard<'_, Room> {
+        self.room.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// The room, with this state in it.
     fn at(&self, at: At<'_>) -> MutexGuard<'_, Room> {
-        let mut room = self.room.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut room = self.room();
         let Room { q, v, a, .. } = &mut *room;
         for (numbers, whole) in [(at.q, q), (at.v, v), (at.a, a)] {
-            self.coordinates.iter().zip(numbers).for_each(|(i, number)| whole[*i] = *number);
+            for (k, i) in self.coordinates.iter().enumerate() {
+                whole[*i] = numbers.get(k).copied().unwrap_or(0.0);
+            }
         }
         room
     }
@@ -183,11 +191,11 @@ impl System for OfPart {
     }
 
     fn bias(&self, at: At<'_>, h: &mut [f64]) {
-        self.pick(at, (self.place.len(), &self.coordinates), h, |whole, at, all| whole.bias(at, all));
+        self.pick(at, (self.size, &self.coordinates), h, |whole, at, all| whole.bias(at, all));
     }
 
     fn residual(&self, at: At<'_>, f: &mut [f64]) {
-        self.pick(at, (self.place.len(), &self.coordinates), f, |whole, at, all| whole.residual(at, all));
+        self.pick(at, (self.size, &self.coordinates), f, |whole, at, all| whole.residual(at, all));
     }
 
     fn jacobians(&self, at: At<'_>, dq: &mut [f64], dv: &mut [f64]) {
@@ -217,7 +225,7 @@ impl System for OfPart {
     }
 
     fn magnitudes(&self, at: At<'_>, sums: &mut [f64]) {
-        self.pick(at, (self.place.len(), &self.coordinates), sums, |whole, at, all| whole.magnitudes(at, all));
+        self.pick(at, (self.size, &self.coordinates), sums, |whole, at, all| whole.magnitudes(at, all));
     }
 
     fn energy(&self, at: At<'_>) -> Energy {
@@ -255,9 +263,15 @@ impl System for OfPart {
     }
 
     fn boxed_clone(&self) -> Box<dyn System> {
-        match OfPart::new(&*self.whole, self.index, &self.place) {
-            Some(part) => Box::new(part),
-            None => self.whole.boxed_clone(),
-        }
+        Box::new(OfPart {
+            whole: self.whole.boxed_clone(),
+            index: self.index,
+            coordinates: self.coordinates.clone(),
+            events: self.events.clone(),
+            size: self.size,
+            description: self.description.clone(),
+            places: self.places.clone(),
+            room: Mutex::new(self.room().clone()),
+        })
     }
 }

@@ -77,14 +77,13 @@ pub(super) fn simulate(
             break;
         }
         let from = march.time();
-        let outcome = march.one(part, until, recorder);
-        let goes_on = progress(from);
-        ended = match &outcome {
-            Err(cause) => Some(recorder.explain(part, (**cause).clone())),
-            Ok(_) => goes_on.is_break().then_some(Cause::Interrupted),
-        };
-        if outcome == Ok(Halt::Event) {
-            until = march.time();
+        match march.one(part, until, recorder) {
+            Err(cause) => ended = Some(recorder.explain(part, *cause)),
+            Ok(Halt::Event) => until = march.time(),
+            Ok(Halt::Arrived) => {}
+        }
+        if progress(from).is_break() {
+            ended.get_or_insert(Cause::Interrupted);
         }
     }
     let runs = ways.into_iter().map(|Way { part, march, recorder }| {
