@@ -39,6 +39,22 @@ fn a_motion_that_leaves_its_symmetry_is_warned_of() {
 }
 
 #[test]
+fn symmetries_are_listed_with_the_subspace_of_each_start() {
+    let path = format!("{}/../models/three_masses.yaml", env!("CARGO_MANIFEST_DIR"));
+    let mut out = Vec::new();
+    dalembert::cli::run(&[], ["dalembert", "check", &path, "--symmetries"], &mut out).unwrap();
+    let text = String::from_utf8(out).unwrap();
+    for line in [
+        "symmetries of `second_mode`: x[1] <-> x[3]; x[1] -> -x[1], x[2] -> -x[2], x[3] -> -x[3]",
+        "its start has x[1] <-> -x[3], x[2] -> -x[2]: the motion stays in x[1] = -x[3], x[2] = 0",
+        "its start has x[1] <-> x[3]: the motion stays in x[1] = x[3]",
+        "its start has none of them",
+    ] {
+        assert!(text.contains(line), "{line}\n{text}");
+    }
+}
+
+#[test]
 fn a_motion_that_keeps_its_symmetry_is_not() {
     let text = simulated("+", &[]);
     assert!(

@@ -207,7 +207,7 @@ fn report(
     if options.get_flag("json") {
         let mut object = as_json(loaded, settings, run);
         if asked {
-            object["symmetries"] = symmetries::as_json(watched.as_deref());
+            object["symmetries"] = symmetries::as_json(watched.as_ref());
         }
         super::json::write(&object, out)?;
         return Ok(());
@@ -261,7 +261,7 @@ fn report(
         writeln!(out, "digits         not estimated: {why}")?;
     }
     if asked {
-        symmetries::write(watched.as_deref(), out)?;
+        symmetries::write(watched.as_ref(), out)?;
     }
     writeln!(out)?;
     Ok(())

@@ -48,18 +48,29 @@ pub fn of_scenes(loaded: &Loaded, program: &Program, out: &mut dyn Write) -> Res
             writeln!(out, "  symmetries are not looked for where constraints, discontinuities or phases act")?;
             return Ok(());
         };
-        writeln!(out, "  symmetries of `{name}`: {}{}", listed(&found.generators), rest(&found))?;
+        writeln!(out, "  symmetries of `{name}`: {}{}", listed(&found.generators), rest(found.complete))?;
         let scene = system.scene(k);
         let own = found.of_start(&*system, &scene.q, &scene.v);
-        if !own.is_empty() {
-            writeln!(out, "  its start has {}: the motion stays in {}", listed(&own), subspace(&own, &*system))?;
+        match own.is_empty() {
+            true => writeln!(out, "  its start has none of them")?,
+            false => {
+                writeln!(out, "  its start has {}: the motion stays in {}", listed(&own), subspace(&own, &*system))?
+            }
         }
     }
     Ok(())
 }
 
-/// The symmetries that the start of a run has, watched along it: each with how far the motion departed from it.
-pub fn watch(loaded: &Loaded, run: &mut Run) -> Result<Option<Vec<(Symmetry, f64)>>, Problem> {
+/// What a run's start has.
+pub struct Watched {
+    /// Its symmetries, each with how far the motion departed from it.
+    kept: Vec<(Symmetry, f64)>,
+    /// Whether all maps were tried.
+    complete: bool,
+}
+
+/// The symmetries that the start of a run has, watched along it; `None` where nothing is asked.
+pub fn watch(loaded: &Loaded, run: &mut Run) -> Result<Option<Watched>, Problem> {
     let program = loaded.program()?;
     let Some(found) = Found::of(&program, &*loaded.system) else { return Ok(None) };
     let start = run.first();
@@ -68,42 +79,39 @@ pub fn watch(loaded: &Loaded, run: &mut Run) -> Result<Option<Vec<(Symmetry, f64
         let departure = run.watch_symmetry(&symmetry);
         (symmetry, departure)
     });
-    Ok(Some(watched.collect()))
+    Ok(Some(Watched { kept: watched.collect(), complete: found.complete }))
 }
 
 /// The lines of `simulate`.
-pub fn write(watched: Option<&[(Symmetry, f64)]>, out: &mut dyn Write) -> Result<(), Problem> {
-    match watched {
-        None => writeln!(out, "symmetry       not looked for where constraints, discontinuities or phases act")?,
-        Some([]) => writeln!(out, "symmetry       the start has none")?,
-        Some(watched) => {
-            for (symmetry, departure) in watched {
-                writeln!(
-                    out,
-                    "symmetry       {}: the motion departs from it by {departure:.1e} at most",
-                    symmetry.name
-                )?;
-            }
-        }
+pub fn write(watched: Option<&Watched>, out: &mut dyn Write) -> Result<(), Problem> {
+    let Some(Watched { kept, complete }) = watched else {
+        writeln!(out, "symmetry       not looked for where constraints, discontinuities or phases act")?;
+        return Ok(());
+    };
+    if kept.is_empty() {
+        writeln!(out, "symmetry       none of the start was found{}", rest(*complete))?;
+    }
+    for (symmetry, departure) in kept {
+        writeln!(out, "symmetry       {}: the motion departs from it by {departure:.1e} at most", symmetry.name)?;
     }
     Ok(())
 }
 
 /// The same as data; `null` where nothing is asked.
-pub fn as_json(watched: Option<&[(Symmetry, f64)]>) -> Value {
+pub fn as_json(watched: Option<&Watched>) -> Value {
     let one = |(symmetry, departure): &(Symmetry, f64)| {
         object([("symmetry", symmetry.name.clone().into()), ("departure", number(*departure))])
     };
-    watched.map_or(Value::Null, |watched| watched.iter().map(one).collect())
+    watched.map_or(Value::Null, |watched| watched.kept.iter().map(one).collect())
 }
 
-fn rest(found: &Found) -> &'static str {
-    if found.complete { "" } else { "; there were too many to try all" }
+fn rest(complete: bool) -> &'static str {
+    if complete { "" } else { "; there are too many maps of this kind to try all" }
 }
 
 fn listed(symmetries: &[Symmetry]) -> String {
     let names: Vec<&str> = symmetries.iter().map(|symmetry| symmetry.name.as_str()).collect();
-    if names.is_empty() { "none".to_owned() } else { names.join("; ") }
+    if names.is_empty() { "none found".to_owned() } else { names.join("; ") }
 }
 
 /// What holds as long as symmetries are kept: `theta = 0, a = -b`.

@@ -222,8 +222,7 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let outputs = model.outputs.iter().flat_map(|o| o.value.iter().copied()).collect();
     let drawing = model.draw.iter().flat_map(drawn).collect();
 
-    let forces = ([&chosen.residual[..], &chosen.bias], &chosen.mass[..], &constraints.matrix[..]);
-    let parts = parts::parts(graph, n, forces, &switches, &model.events);
+    let parts = parts::parts(graph, n, (&chosen.residual, &constraints.matrix), &switches, &model.events);
     let structure =
         structure::recognise(graph, n, &chosen, (&stiffness, &damping), (power, energies.jacobi), &switches, &cyclic);
     let structure = Structure { directions, parts, ..structure };

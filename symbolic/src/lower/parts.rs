@@ -38,13 +38,13 @@ impl Part {
 /// Code for more parts than these would be longer than what their own steps are worth.
 const MOST_PARTS: usize = 16;
 
-/// Sets of coordinates whose equations of motion contain nothing of the others', in the order of their first ones: by what F, h, M,
-/// the rows of the constraints (their entries of J) and the arguments of discontinuities contain.  Where events change the phase
-/// all is one part.
+/// Sets of coordinates whose equations of motion contain nothing of the others', in the order of their first ones: by what F, the
+/// rows of the constraints (their entries of J) and the arguments of discontinuities contain.  Where events change the phase all
+/// is one part.
 pub(super) fn parts(
     graph: &Graph,
     n: usize,
-    (forces, mass, rows): ([&[Id]; 2], &[Entry], &[Entry]),
+    (residual, rows): (&[Id], &[Entry]),
     switches: &[Switch],
     events: &[Event],
 ) -> Vec<Vec<usize>> {
@@ -58,14 +58,9 @@ pub(super) fn parts(
         let joined: Vec<usize> = members.iter().map(|member| part[*member]).collect();
         part.iter_mut().filter(|own| joined.contains(own)).for_each(|own| *own = least.unwrap_or(*own));
     };
-    for (row, force) in forces.iter().flat_map(|list| list.iter().enumerate()) {
+    for (row, force) in residual.iter().enumerate() {
         let mut members = felt(graph, &[*force], (rows, switches));
         members.push(row);
-        join(&members);
-    }
-    for &(row, column, value) in mass {
-        let mut members = felt(graph, &[value], (rows, switches));
-        members.extend([row, column]);
         join(&members);
     }
     for &(row, ..) in rows {
