@@ -45,6 +45,6 @@ pub use constrain::Residuals;
 pub use dalembert_macros::model;
 pub use error::{Error, Inseparable, Nonlinear};
 pub use mechanism::{Enforcement, Method, ParseMethodError, Stabilisation};
-pub use run::{Digits, Failure, Impulse, Occurrence, Run, State, Trust, Work};
+pub use run::{Digits, Failure, Impulse, Occurrence, Run, RunPart, State, Symmetry, Trust, Work};
 pub use simulate::{Settings, Simulate, Simulation, StateMut, Stepping, simulate, simulate_with};
 pub use trust::{Loss, Warning};

@@ -261,3 +261,34 @@ fn large_mass_matrices_need_no_stack() {
     assert!(!printed(&file(40, "s[i]")).contains("packed"));
     assert!(printed(&file(40, "s[i]*cos(x[1]/L)")).contains("let mut packed = ["));
 }
+
+/// What may be shifted in the motion of three masses on a line with this potential and these forces.
+fn shifts(potential: &str, forces: &str) -> Vec<Vec<(usize, i64)>> {
+    let file = format!(
+        "name: Line\nparameters: {{m: 1 kg, k: 1e6 N/m, e: 1e-6 N/m, c: 0.1 N*s/m, l: 1 m}}\ncoordinates: {{x: m, y: m, z: m}}\n\
+         kinetic_energy: m*(x'^2 + 2*y'^2 + 3*z'^2)/2\npotential_energy: {potential}\n\
+         generalized_forces: {{{forces}}}\nscene: {{start: {{x: 1, y: 2, z: 4}}, until: 3}}\n"
+    );
+    let program = compile(&file, &[]).unwrap_or_else(|problems| panic!("{problems:?}"));
+    program.structure.directions.iter().map(|direction| direction.shift.clone()).collect()
+}
+
+#[test]
+fn directions_along_which_nothing_changes_are_found() {
+    let all = vec![vec![(0, 1), (1, 1), (2, 1)]];
+    assert_eq!(shifts("k*((x - y)^2 + (y - z)^2)/2", ""), all);
+    // Dampers between them.
+    assert_eq!(shifts("k*((x - y)^2 + (y - z)^2)/2", "x: \"-c*(x' - y')\", y: \"-c*(y' - x')\""), all);
+    // Beside a cyclic coordinate, and in other ratios than 1 : 1.
+    assert_eq!(shifts("k*(x - y)^2/2", ""), [vec![(0, 1), (1, 1)]]);
+    assert_eq!(shifts("k*((2*x - 3*y)^2 + e/k*(2*x - z)^2)/2", ""), [vec![(0, 3), (1, 2), (2, 6)]]);
+    assert_eq!(shifts("k*(x - y)^2/2 + e*(x + y - 2*z)^4/l^2", ""), all);
+}
+
+#[test]
+fn directions_along_which_little_changes_are_not_ignorable() {
+    assert!(shifts("k*((x - y)^2 + (y - z)^2)/2 + 1e-7*e*z^2", "").is_empty());
+    assert!(shifts("k*((x - y)^2 + (y - z)^2)/2", "z: \"-1e-12*c*z'\"").is_empty());
+    assert!(shifts("k*((x - y)^2 + (y - (1 + 1e-15)*z)^2)/2", "").is_empty());
+    assert!(shifts("k*((x - y)^2 + (y - z)^2)/2", "x: \"-c*(x' - y')\", y: \"-(1 + 1e-14)*c*(y' - x')\"").is_empty());
+}

@@ -29,6 +29,7 @@ pub fn command() -> Command {
                 .about("Reads and derives a model, and says what was tested")
                 .arg(model())
                 .args(sizes())
+                .arg(flag("symmetries", "Exchanges and reflections of coordinates that leave the equations as they are, and which of them each scene's start has").conflicts_with("json"))
                 .arg(flag("json", "Print one JSON object; of a file with mistakes these, with their places")),
         )
         .subcommand(simulate())
@@ -82,6 +83,8 @@ fn simulate() -> Command {
         .args(scene())
         .arg(value("method", "METHOD", "auto [default], dop853, rkn8, dopri5, rk4, midpoint, euler; verlet (or rattle), srkn4, suzuki4, kahanli8, gauss2, gauss4, gauss6; radau5, rodas5p; exact"))
         .arg(value("step", "TIME", "A fixed step"))
+        .arg(flag("symmetries", "Tell which exchanges and reflections of coordinates the start has that leave the equations as they are, and watch that the motion keeps them"))
+        .arg(flag("together", "Run parts that do not feel each other with the same steps, not each with its own"))
         .arg(value("constraints", "WAY", "multipliers, nullspace or springs [default: multipliers]"))
         .arg(value("stiffness", "K", "Of springs in the place of constraints, SI [default: 1e6]"))
         .arg(value("damping", "D", "Of dampers beside them, SI [default: 0]"))

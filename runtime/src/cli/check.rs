@@ -11,7 +11,7 @@ use serde_json::Value;
 
 use super::json::{number, object, write};
 use super::load::{Loaded, ModelFile, folder};
-use super::{Entry, Problem, freedoms};
+use super::{Entry, Problem, freedoms, symmetries};
 use crate::mechanism::{At, Balances, Interpreted, System};
 
 /// Derives the model anew and prints the report.
@@ -46,7 +46,8 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         writeln!(out, "  {}", nature(force))?;
     }
     write!(out, "{}", file::render(&loaded.path, &loaded.source, &program.model.warnings))?;
-    structure(&program, out)
+    structure(&program, out)?;
+    if options.get_flag("symmetries") { symmetries::of_scenes(&loaded, &program, out) } else { Ok(()) }
 }
 
 /// The report as one object; of a file with mistakes these, each with its place, before the command fails.
@@ -259,11 +260,20 @@ pub fn recognised(program: &Program) -> Vec<String> {
     if s.parts.len() > 1 {
         let names = |part: &Vec<usize>| part.iter().map(|i| name(*i)).collect::<Vec<_>>().join(", ");
         let parts: Vec<String> = s.parts.iter().map(names).collect();
-        words.push(format!("{} parts that do not feel each other: {}", parts.len(), parts.join("; ")));
+        let run = if program.parts.is_empty() { "run together" } else { "run apart" };
+        words.push(format!("{} parts that do not feel each other, {run}: {}", parts.len(), parts.join("; ")));
     }
     for (i, momentum) in &s.cyclic {
         let momentum = dalembert_symbolic::model::text(&program.model, *momentum);
         words.push(format!("{} is cyclic, its momentum {momentum} is conserved", name(*i)));
+    }
+    for direction in &s.directions {
+        let names: Vec<&str> = direction.shift.iter().map(|(i, _)| name(*i)).collect();
+        let ratio: Vec<String> = direction.shift.iter().map(|(_, multiple)| multiple.to_string()).collect();
+        let alike = ratio.iter().all(|multiple| *multiple == ratio[0]);
+        let how = if alike { "together".to_owned() } else { format!("in the ratio {}", ratio.join(" : ")) };
+        let momentum = dalembert_symbolic::model::text(&program.model, direction.momentum);
+        words.push(format!("{} may be shifted {how}, the momentum {momentum} is conserved", names.join(", ")));
     }
     words
 }

@@ -28,6 +28,8 @@ pub fn run(loaded: &mut Loaded, settings: &Settings, options: &ArgMatches, out: 
         return Err(Problem::Usage(format!("error: `--by all` compares; for --{name} choose one derivation")));
     }
     let systems = loaded.system.description().balances.len();
+    // Balances know no parts: with the same steps the difference is that of the equations.
+    let settings = &Settings { apart: false, ..settings.clone() };
     let mut lines: Vec<Line> = Vec::new();
     for system in std::iter::once(None).chain((0..systems).map(Some)) {
         loaded.system.set_derivation(system);

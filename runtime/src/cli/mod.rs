@@ -32,6 +32,7 @@ mod show;
 mod simulate;
 mod stability;
 mod sweep;
+mod symmetries;
 mod value_files;
 
 use std::process::ExitCode;

@@ -15,9 +15,10 @@ use super::json::{number, object};
 use super::load::Loaded;
 use super::plotted::Shown;
 use super::set_up::{set_up, set_up_scene};
-use super::{Entry, Problem, compare, enforcement, outputs, value_files};
+use super::{Entry, Problem, compare, enforcement, outputs, symmetries, value_files};
 use crate::mechanism::{Description, Enforcement, Stabilisation};
 use crate::numbers::short;
+use crate::run::{RunPart, Work};
 use crate::show::Animation;
 use crate::simulate::{LAGRANGE, judge_digits};
 use crate::{Error, Impulse, Run, Settings};
@@ -54,20 +55,21 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     });
     progress.clear();
     match outcome {
-        Ok(run) => report((&loaded, &settings), (&run, false), (&shown, &others), options, out),
-        Err(Error::Run(failure)) => {
-            report((&loaded, &settings), (&failure.run, true), (&shown, &others), options, out)?;
+        Ok(mut run) => report((&loaded, &settings), (&mut run, false), (&shown, &others), options, out),
+        Err(Error::Run(mut failure)) => {
+            report((&loaded, &settings), (&mut failure.run, true), (&shown, &others), options, out)?;
             Err(Problem::Run(failure.to_string()))
         }
         Err(error) => Err(Problem::Usage(format!("error: {error}"))),
     }
 }
 
-/// With `--method` and what is said of constraints.
+/// With `--method`, `--together` and what is said of constraints.
 fn by_options(mut settings: Settings, options: &ArgMatches) -> Result<Settings, Problem> {
     if let Some(method) = options.get_one::<String>("method") {
         settings.method = method.parse().map_err(|e| Problem::Usage(format!("error: {e}")))?;
     }
+    settings.apart &= !options.get_flag("together");
     enforcement::choose(options, &mut settings)?;
     Ok(settings)
 }
@@ -172,11 +174,14 @@ impl Progress {
 
 fn report(
     (loaded, settings): (&Loaded, &Settings),
-    (run, failed): (&Run, bool),
+    (run, failed): (&mut Run, bool),
     (shown, others): (&Shown, &[(String, Run)]),
     options: &ArgMatches,
     out: &mut dyn Write,
 ) -> Result<(), Problem> {
+    let asked = options.get_flag("symmetries");
+    let watched = if asked { symmetries::watch(loaded, run)? } else { None };
+    let run = &*run;
     let file = |name: &str| options.get_one::<String>(name);
     let unwritten = |error: Error| Problem::File(error.to_string());
     if let Some(path) = file("csv") {
@@ -200,7 +205,11 @@ fn report(
         }
     }
     if options.get_flag("json") {
-        super::json::write(&as_json(loaded, settings, run), out)?;
+        let mut object = as_json(loaded, settings, run);
+        if asked {
+            object["symmetries"] = symmetries::as_json(watched.as_ref());
+        }
+        super::json::write(&object, out)?;
         return Ok(());
     }
     let last = run.last();
@@ -208,7 +217,7 @@ fn report(
         unit if unit.is_empty() => unit,
         unit => format!(" {unit}"),
     };
-    writeln!(out, "{} at t = {}, by {}", loaded.name, run.written_end(&last), run.method)?;
+    writeln!(out, "{} at t = {}, by {}", loaded.name, run.written_end(&last), run.by())?;
     for (name, value) in last.entries() {
         writeln!(out, "  {name} = {}{}", run.written(&name, value), unit(&name))?;
     }
@@ -251,6 +260,9 @@ fn report(
         };
         writeln!(out, "digits         not estimated: {why}")?;
     }
+    if asked {
+        symmetries::write(watched.as_ref(), out)?;
+    }
     writeln!(out)?;
     Ok(())
 }
@@ -268,8 +280,9 @@ fn as_json(loaded: &Loaded, settings: &Settings, run: &Run) -> Value {
     object([
         ("model", json!(loaded.name)),
         ("source", json!(format!("{:016x}", fnv1a(&loaded.source)))),
-        ("method", json!(run.method.to_string())),
+        ("method", json!(run.by())),
         ("method_chosen", json!(run.why)),
+        ("parts", parts(run)),
         ("constraints", json!(settings.enforcement.name())),
         ("constraint_drift", json!(settings.stabilisation.name())),
         ("derivation", json!(run.balances.as_ref().map_or(LAGRANGE, |b| b.system.as_str()))),
@@ -290,24 +303,38 @@ fn as_json(loaded: &Loaded, settings: &Settings, run: &Run) -> Value {
                 .into(),
         ),
         ("impulses", impulses(description, run)),
-        (
-            "work",
-            json!({
-                "steps": run.work.steps,
-                "rejected": run.work.rejected,
-                "evaluations": run.work.evaluations,
-                "jacobians": run.work.jacobians,
-                "factorizations": run.work.factorizations,
-                "retries": run.work.retries,
-                "samples": run.work.samples,
-            }),
-        ),
+        ("work", work(&run.work)),
         ("digits", digits(run)),
         ("digits_until", run.digits_until().map_or(Value::Null, number)),
         ("errors", errors(run)),
         ("seconds", number(run.seconds)),
         ("warnings", json!(warnings.collect::<Vec<String>>())),
     ])
+}
+
+fn work(work: &Work) -> Value {
+    json!({
+        "steps": work.steps,
+        "rejected": work.rejected,
+        "evaluations": work.evaluations,
+        "jacobians": work.jacobians,
+        "factorizations": work.factorizations,
+        "retries": work.retries,
+        "samples": work.samples,
+    })
+}
+
+/// The parts that were run apart.
+fn parts(run: &Run) -> Value {
+    let one = |part: &RunPart| {
+        object([
+            ("coordinates", json!(part.coordinates)),
+            ("method", json!(part.method.to_string())),
+            ("method_chosen", json!(part.why)),
+            ("work", work(&part.work)),
+        ])
+    };
+    run.parts.iter().map(one).collect::<Vec<_>>().into()
 }
 
 /// Significant digits that hold at the end, column by column; `null` where they were not estimated.

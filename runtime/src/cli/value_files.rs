@@ -90,7 +90,7 @@ pub fn state(run: &Run) -> String {
     let phases = &run.description.phases;
     let phase = run.phases.last().and_then(|(_, phase)| phases.get(*phase)).map_or("", |phase| phase.name.as_ref());
     let last = run.last();
-    let mut text = format!("# {} by {}, SI units\nt: {}\n", run.description.name, run.method, last.t);
+    let mut text = format!("# {} by {}, SI units\nt: {}\n", run.description.name, run.by(), last.t);
     if !phase.is_empty() {
         let _ = writeln!(text, "phase: {phase}");
     }

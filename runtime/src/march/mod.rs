@@ -260,7 +260,7 @@ impl March {
     }
 
     /// Takes one step, or what an event or a discontinuity leaves of it.
-    fn one(&mut self, system: &mut dyn System, until: f64, recorder: &mut Recorder) -> Result<Halt, Box<Cause>> {
+    pub fn one(&mut self, system: &mut dyn System, until: f64, recorder: &mut Recorder) -> Result<Halt, Box<Cause>> {
         let stop = self.watch.as_ref().map_or(until, |watch| watch.next_stop(until));
         let mut most = f64::INFINITY;
         loop {

@@ -83,6 +83,8 @@ pub struct Description {
     pub balances: List<BalanceSystem>,
     /// What the deriver recognised.
     pub structure: Structure,
+    /// Parts that do not feel each other and are computed by themselves; none where runs cannot take them apart.
+    pub parts: List<Part>,
     /// Operations of the generated functions.
     pub counts: Counts,
 }
@@ -354,6 +356,25 @@ pub struct Structure {
     pub time_dependent: bool,
     /// Indices of cyclic (ignorable) coordinates, whose momenta are conserved.
     pub cyclic: List<u32>,
+}
+
+/// A part of a mechanism whose equations of motion contain nothing of the others.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Part {
+    /// Indices of its coordinates.
+    pub coordinates: List<u32>,
+    /// Its equations of motion are linear with constant coefficients.
+    pub linear: bool,
+    /// They depend on time explicitly.
+    pub time_dependent: bool,
+    /// No force on it lacks a potential and no explicit time.
+    pub conservative: bool,
+    /// Indices of the arguments that a run of it follows.
+    pub arguments: List<u32>,
+    /// Indices of the events that read it alone.
+    pub events: List<u32>,
+    /// Operations of its accelerations.
+    pub accelerations: u32,
 }
 
 /// Operations (additions, multiplications, divisions, roots and functions) of the generated functions.

@@ -128,6 +128,17 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
         self.free(t, array(q), array(v), array_mut(a))
     }
 
+    fn part_accelerations(&self, part: usize, at: At<'_>, a: &mut [f64]) -> Result<(), Singular> {
+        let u = self.input_block(at.t);
+        let (q, v) = (array(at.q), array(at.v));
+        Ok(M::part_accelerations(&self.constants, part, at.t, u.as_ref(), q, v, array_mut(a))?)
+    }
+
+    fn part_energy(&self, part: usize, at: At<'_>) -> Energy {
+        let u = self.input_block(at.t);
+        Energy::from_array(M::part_energy(&self.constants, part, at.t, u.as_ref(), array(at.q), array(at.v)))
+    }
+
     fn motion(&self, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> Result<(), Singular> {
         lambda.fill(0.0);
         if !self.active_rows().is_empty() {

@@ -58,6 +58,28 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
         v: &[S; N],
         a: &mut [S; N],
     ) -> Result<(), SingularMass>;
+    /// The accelerations of the coordinates of one of `description().parts`, of whose state alone they are computed.
+    ///
+    /// # Errors
+    /// As [`Mechanism::accelerations`].
+    fn part_accelerations<S: Real>(
+        c: &Self::Constants<S>,
+        index: usize,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &mut [S; N],
+    ) -> Result<(), SingularMass> {
+        let _ = index;
+        Self::accelerations(c, t, u, q, v, a)
+    }
+    /// What the same part has of T, V, the Jacobi function, the power and the scale.
+    fn part_energy<S: Real>(c: &Self::Constants<S>, index: usize, t: S, u: &[S], q: &[S; N], v: &[S; N]) -> [S; 5] {
+        let _ = index;
+        let zero = S::ratio(0.0, 1.0);
+        Self::energy(c, t, u, q, v, &[zero; N], &[zero; C])
+    }
     /// A, row by row, and b of a system of balances; nothing where there is no such system.
     fn balances<S: Real>(
         c: &Self::Constants<S>,

@@ -12,6 +12,7 @@ mod generated;
 #[cfg(feature = "interpret")]
 mod interpreted;
 mod method;
+mod part;
 mod phased;
 mod real;
 mod singular;
@@ -24,7 +25,7 @@ pub use at::At;
 pub use balances::Balances;
 pub use description::{
     Action, Argument, Balance, BalanceSystem, Coordinate, Counts, Description, Direction, Event, InputJump, List,
-    Parameter, Phase, Quantity, Rated, Role, Row, Shape, Structure, Switch, SwitchKind, Text, Watched,
+    Parameter, Part, Phase, Quantity, Rated, Role, Row, Shape, Structure, Switch, SwitchKind, Text, Watched,
 };
 pub use enforcement::{Enforcement, Stabilisation};
 pub use erased::Erased;
@@ -33,6 +34,7 @@ pub use generated::{Mechanism, Values};
 #[cfg(feature = "interpret")]
 pub use interpreted::Interpreted;
 pub use method::{Method, ParseMethodError};
+pub(crate) use part::OfPart;
 pub use phased::RowHistory;
 pub use real::Real;
 pub use singular::{Singular, SingularMass};

@@ -37,6 +37,22 @@ pub trait System: Send + Sync {
         self.accelerations(At::packed(t, y, y.len() / 2), accelerations)
     }
 
+    /// The accelerations of the coordinates of one of `description().parts`, computed of their own state alone; what else `a` holds
+    /// means nothing.
+    ///
+    /// # Errors
+    /// As [`System::accelerations`].
+    fn part_accelerations(&self, part: usize, at: At<'_>, a: &mut [f64]) -> Result<(), Singular> {
+        let _ = part;
+        self.accelerations(at, a)
+    }
+
+    /// What the same part has of the energies.
+    fn part_energy(&self, part: usize, at: At<'_>) -> Energy {
+        let _ = part;
+        self.energy(at)
+    }
+
     /// The accelerations, and the multipliers λ of all rows of the constraints (0 for those that are not active):
     /// M a + h = (Jᵀ + B) λ and J a + γ = 0.
     ///

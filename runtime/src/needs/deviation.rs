@@ -65,7 +65,6 @@ impl Motion {
         let run = simulate(&mut *system, &settings).map_err(|error| error.to_string())?;
         let column = |name: &String| run.column(name).ok_or_else(|| format!("it has no `{name}`"));
         let values = columns.iter().map(column).collect::<Result<Vec<_>, String>>()?;
-        let units = WorkUnits::of(&*system, run.method);
         let states: Vec<Vec<f64>> =
             run.column_names().iter().take(2 * system.len()).map(|name| run.column(name).unwrap_or_default()).collect();
         Ok(Motion {
@@ -74,7 +73,7 @@ impl Motion {
             units: columns.iter().map(|name| run.unit(name)).collect(),
             events: run.events.iter().map(|event| (event.name.clone(), event.state.t)).collect(),
             guards: guards(&*system, &run),
-            operations: units.operations * units.total(&run.work),
+            operations: WorkUnits::of(&*system, run.method).operations * WorkUnits::of_run(&*system, &run),
             steps: run.work.steps,
             ranges: states.iter().map(|values| spread(values).0).collect(),
             visited: [1, 2].map(|third| states.iter().map(|values| values[third * (values.len() - 1) / 3]).collect()),

@@ -94,13 +94,13 @@ impl Point {
         if error.is_nan() || error > LOST {
             return coded(if unstable { "unstable" } else { "lost" });
         }
-        let (work, seconds) = match plain(system, &settings, repetitions) {
+        let (plain, seconds) = match plain(system, &settings, repetitions) {
             Ok(measured) => measured,
             Err(Error::Run(failure)) => return coded(failure.cause.code()),
             Err(error) => return Err(error),
         };
         let residual = run.residuals.map(|rows| rows.position.max(rows.velocity));
-        let cost = WorkUnits::of(system, run.method).total(&work);
+        let (cost, work) = (WorkUnits::of_run(system, &plain), plain.work);
         let (method, drift) = (run.method, run.energy_balance);
         let found = Measured { method, error, growth, cost, work, seconds, drift, residual };
         Ok(Some(Point { pace, outcome: Ok(found) }))
@@ -117,19 +117,18 @@ fn paced(settings: &Settings, pace: Pace, reference: &Reference) -> Settings {
 }
 
 /// What the motion alone costs: nothing is reported but the end, and nothing watched.
-fn plain(system: &mut dyn System, settings: &Settings, repetitions: usize) -> Result<(Work, f64), Error> {
+fn plain(system: &mut dyn System, settings: &Settings, repetitions: usize) -> Result<(Run, f64), Error> {
     let every = Some((settings.until - settings.from).max(f64::MIN_POSITIVE));
     let plain = Settings { every, watch: false, ..settings.clone() };
     let clock = Instant::now();
-    let mut least = f64::INFINITY;
-    let mut work = Work::default();
-    for _ in 0..repetitions.max(1) {
-        let run: Run = simulate(system, &plain)?;
-        least = least.min(run.seconds);
-        work = run.work;
+    let mut run = simulate(system, &plain)?;
+    let mut least = run.seconds;
+    for _ in 1..repetitions {
         if clock.elapsed().as_secs_f64() > ENOUGH_TIME {
             break;
         }
+        run = simulate(system, &plain)?;
+        least = least.min(run.seconds);
     }
-    Ok((work, least))
+    Ok((run, least))
 }

@@ -1,8 +1,8 @@
 //! What work is counted in.
 
 use crate::integrate::operations_of_exact;
-use crate::mechanism::{Method, System};
-use crate::run::Work;
+use crate::mechanism::{Method, OfPart, System};
+use crate::run::{Run, Work};
 
 /// What Jacobians and factorizations cost in evaluations of the accelerations, by counting operations.
 ///
@@ -49,6 +49,17 @@ impl WorkUnits {
         };
         let [jacobian, factorization, step] = [jacobian, factorization, step].map(|cost| cost / operations);
         WorkUnits { operations, jacobian, factorization, step }
+    }
+
+    /// What a run cost in evaluations of the accelerations of the whole: where its parts were run apart, the sum of theirs.
+    pub(crate) fn of_run(system: &dyn System, run: &Run) -> f64 {
+        let whole = WorkUnits::of(system, run.method);
+        let place = run.first().q;
+        let operations = run.parts.iter().enumerate().filter_map(|(index, part)| {
+            let units = WorkUnits::of(&OfPart::new(system, index, &place)?, part.method);
+            Some(units.operations * units.total(&part.work))
+        });
+        if run.parts.is_empty() { whole.total(&run.work) } else { operations.sum::<f64>() / whole.operations }
     }
 
     /// n_f + c_J n_J + c_LU n_LU + c_h n_h.

@@ -5,8 +5,10 @@ mod digits;
 mod failure;
 mod frames;
 mod hermite;
+mod parts;
 mod record;
 mod state;
+mod symmetry;
 mod trajectory;
 mod trust;
 
@@ -17,6 +19,8 @@ use crate::constrain::Residuals;
 pub use digits::Digits;
 pub use failure::Failure;
 pub(crate) use frames::Scenery;
+pub use parts::RunPart;
+pub(crate) use parts::{PartRun, Together, put_together};
 #[cfg(feature = "ensemble")]
 pub(crate) use record::usual_drift;
 pub(crate) use record::{Plan, Recorder, evaluate_outputs};
@@ -24,6 +28,7 @@ pub(crate) use state::Names;
 pub use state::State;
 #[cfg(feature = "interpret")]
 pub(crate) use state::plain;
+pub use symmetry::Symmetry;
 pub(crate) use trajectory::Trajectory;
 pub use trust::Trust;
 
@@ -35,7 +40,7 @@ use crate::trust::{Conditioning, Drift, Warning};
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Run {
-    /// The method that was used; never [`Method::Auto`].
+    /// The method that was used; never [`Method::Auto`].  Where [`Run::parts`] were run apart, that of the one with most evaluations.
     pub method: Method,
     /// Why `auto` chose it; `None` where the user did.
     pub why: Option<&'static str>,
@@ -62,6 +67,8 @@ pub struct Run {
     pub energy_balance: Option<f64>,
     /// What the user should know.
     pub warnings: Vec<Warning>,
+    /// Parts of the mechanism that do not feel each other, where each was run by itself with its own method and steps; else none.
+    pub parts: Vec<RunPart>,
     /// How many digits of its numbers hold; `None` if the run was not told to estimate them, or could not.
     pub digits: Option<Digits>,
     /// Time it took, s.
@@ -111,6 +118,21 @@ pub struct Work {
     pub samples: u64,
 }
 
+impl Work {
+    /// The work of two runs.
+    pub(crate) fn plus(&self, other: &Work) -> Work {
+        Work {
+            steps: self.steps + other.steps,
+            rejected: self.rejected + other.rejected,
+            evaluations: self.evaluations + other.evaluations,
+            jacobians: self.jacobians + other.jacobians,
+            factorizations: self.factorizations + other.factorizations,
+            retries: self.retries + other.retries,
+            samples: self.samples + other.samples,
+        }
+    }
+}
+
 impl Run {
     /// The reported times, s.
     pub fn times(&self) -> &[f64] {
@@ -142,6 +164,14 @@ impl Run {
             outputs: self.outputs[m * index..][..m].to_vec(),
             names: self.names.clone(),
         }
+    }
+
+    /// By which methods: one, or those of the parts that were run apart.
+    pub fn by(&self) -> String {
+        let mut names: Vec<&str> = self.parts.iter().map(|part| part.method.name()).collect();
+        names.sort_unstable();
+        names.dedup();
+        if names.is_empty() { self.method.to_string() } else { names.join(" and ") }
     }
 
     /// All reported states.
@@ -201,6 +231,16 @@ impl Run {
     /// What the model draws at up to some thousands of times, evaluated now.
     pub(crate) fn frames(&self) -> Vec<(f64, Vec<f64>)> {
         self.scenery.frames(&self.trajectory)
+    }
+
+    /// Warns of what the file says is conserved, where it drifts by more than usual.
+    fn warn_of_drift(&mut self, limit: f64) {
+        for drift in &self.drift {
+            if let Some(value) = drift.value.filter(|value| *value > limit) {
+                let invariant = drift.name.clone();
+                self.warnings.push(Warning::InvariantDrifts { invariant, drift: value, limit });
+            }
+        }
     }
 
     /// The event that ended the run, if one did.

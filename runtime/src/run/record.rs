@@ -99,6 +99,7 @@ impl Recorder {
             energy_balance: None,
             warnings: Vec::new(),
             digits: None,
+            parts: Vec::new(),
             seconds: 0.0,
             ended_by: None,
             times: Vec::new(),
@@ -368,12 +369,7 @@ impl Recorder {
             if let Some(drift) = self.run.energy_balance.filter(|drift| *drift > limit) {
                 self.run.warnings.push(Warning::EnergyBudgetExceeded { drift, limit });
             }
-            for drift in &self.run.drift {
-                if let Some(value) = drift.value.filter(|value| *value > limit) {
-                    let invariant = drift.name.clone();
-                    self.run.warnings.push(Warning::InvariantDrifts { invariant, drift: value, limit });
-                }
-            }
+            self.run.warn_of_drift(limit);
         }
         self.run.balances = self.condition.map(ConditionMonitor::found);
         self.run.work = work;

@@ -1,6 +1,7 @@
 //! Dense output of a whole run.
 
 use super::hermite::{Knot, hermite};
+use super::parts::scatter;
 use crate::integrate::Segment;
 
 /// More numbers of dense output than this (400 MB) are not kept.
@@ -24,6 +25,8 @@ pub(crate) struct Trajectory {
     /// (place of the step's end in `times`, where its pieces begin, its start, its length).
     own: Vec<Own>,
     pieces: Vec<f64>,
+    /// Parts of the mechanism with their coordinates, each of which has its own; then nothing stands here but where it starts and ends.
+    parts: Vec<(Vec<usize>, Trajectory)>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -38,6 +41,13 @@ impl Trajectory {
     /// An empty one, for n coordinates.
     pub fn new(n: usize) -> Self {
         Trajectory { n, ..Trajectory::default() }
+    }
+
+    /// That of a mechanism whose parts have their own, as far as until t.
+    pub fn of_parts(n: usize, parts: Vec<(Vec<usize>, Trajectory)>, t: f64) -> Self {
+        let start = parts.first().and_then(|(_, own)| own.start());
+        let times = start.map_or_else(Vec::new, |start| vec![start, t]);
+        Trajectory { n, times, parts, ..Trajectory::default() }
     }
 
     /// True when it has grown beyond what is kept.
@@ -103,6 +113,9 @@ impl Trajectory {
             return false;
         }
         let t = t.clamp(first, last);
+        if !self.parts.is_empty() {
+            return self.gather(t, y);
+        }
         let end = self.times.partition_point(|time| *time < t);
         if self.times[end] == t {
             y.copy_from_slice(&self.knots[3 * self.n * end..][..2 * self.n]);
@@ -118,6 +131,15 @@ impl Trajectory {
             Err(_) => self.interpolate(t, end, y),
         }
         true
+    }
+
+    fn gather(&self, t: f64, y: &mut [f64]) -> bool {
+        self.parts.iter().all(|(coordinates, own)| {
+            let mut state = vec![0.0; 2 * coordinates.len()];
+            let known = own.evaluate(t, &mut state);
+            scatter(coordinates, &state, y);
+            known
+        })
     }
 
     /// By the polynomial through the ends of the step with this end, and one on each side or two on one.

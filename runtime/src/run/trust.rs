@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::Run;
+use super::{Run, RunPart};
 
 /// How far a run can be trusted; made by [`Run::trust`], printed with `{}`.
 #[derive(Clone, Copy, Debug)]
@@ -11,9 +11,16 @@ pub struct Trust<'a>(pub(crate) &'a Run);
 impl fmt::Display for Trust<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let run = self.0;
-        write!(f, "method         {}", run.method)?;
-        if let Some(why) = run.why {
-            write!(f, " ({why})")?;
+        write!(f, "method         ")?;
+        if run.parts.is_empty() {
+            write!(f, "{}", run.method)?;
+            if let Some(why) = run.why {
+                write!(f, " ({why})")?;
+            }
+        } else {
+            let part = |part: &RunPart| format!("{} ({})", part.coordinates.join(", "), part.method);
+            let parts: Vec<String> = run.parts.iter().map(part).collect();
+            write!(f, "parts run apart: {}", parts.join("; "))?;
         }
         match (run.tolerance, run.step) {
             (None, Some(step)) => writeln!(f, ", step {step} s")?,

@@ -168,6 +168,12 @@ impl<S: System> Simulation<S> {
         self
     }
 
+    /// Runs parts of the mechanism that do not feel each other with the same steps: see [`Settings::apart`].
+    pub fn together(mut self) -> Self {
+        self.settings.apart = false;
+        self
+    }
+
     /// How many steps a run may take.
     pub fn max_steps(mut self, steps: u64) -> Self {
         self.settings.max_steps = steps;

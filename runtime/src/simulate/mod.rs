@@ -4,8 +4,10 @@
 //! 2. [`simulate`] runs any [`System`], in one call; [`simulate_with`] says how far it is.
 //! 3. [`Simulation`] is the same, word by word: look in `builder.rs`; [`Simulate`] gives it to every mechanism
 //!    that `model!` makes: look in `typed.rs`.
-//! 4. [`Stepping`] goes step by step, for control loops: look in `by_hand.rs`.
+//! 4. Parts that do not feel each other are run each by itself: look in `apart.rs`.
+//! 5. [`Stepping`] goes step by step, for control loops: look in `by_hand.rs`.
 
+mod apart;
 mod auto;
 mod builder;
 mod by_hand;
@@ -53,17 +55,29 @@ pub fn simulate_with(
     settings: &Settings,
     progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Run, Error> {
+    let parts = apart::parts(system, settings)?;
+    let mut run = if parts.is_empty() {
+        together(system, settings, progress)?
+    } else {
+        apart::simulate(system, parts, settings, progress)?
+    };
+    if settings.digits {
+        judge_digits(system, settings, &mut run, progress);
+    }
+    Ok(run)
+}
+
+/// Runs all coordinates with the same steps.
+fn together(
+    system: &mut dyn System,
+    settings: &Settings,
+    progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Result<Run, Error> {
     let clock = Instant::now();
     let Start { mut march, mut recorder, outcome } = start(system, settings, settings.spacing())?;
     let outcome = outcome.and_then(|()| march.advance(system, settings.until, &mut recorder, progress));
     match outcome {
-        Ok(_) => {
-            let mut run = finish(system, &march, recorder, clock);
-            if settings.digits {
-                judge_digits(system, settings, &mut run, progress);
-            }
-            Ok(run)
-        }
+        Ok(_) => Ok(finish(system, &march, recorder, clock)),
         Err(cause) => Err(fail(*cause, system, &march, recorder, clock)),
     }
 }

@@ -60,6 +60,9 @@ pub struct Settings {
     /// [`Digits`](crate::run::Digits).  It costs about three quarters of the run again, twice where discontinuities or
     /// narrow features cut its steps, or where few digits hold.
     pub digits: bool,
+    /// Whether parts of the mechanism that do not feel each other are run apart, each with the method and the steps that suit it, where
+    /// the method is `auto` and no step is given (on unless said otherwise); see [`Run::parts`](crate::Run::parts).
+    pub apart: bool,
     /// How constraints are enforced.
     pub enforcement: Enforcement,
     /// What is done about errors by which the motion leaves its constraints; nothing where springs stand for them.
@@ -92,6 +95,7 @@ impl Settings {
             dense: true,
             watch: true,
             digits: false,
+            apart: true,
             enforcement: Enforcement::default(),
             stabilisation: Stabilisation::default(),
             unlike: false,

@@ -42,6 +42,15 @@ pub enum Warning {
         /// What it would be.
         there: f64,
     },
+    /// The motion began symmetric, which its equations keep, and left the symmetry: what rounding does to it grows.
+    LeavesSymmetry {
+        /// From when on it is seen, s.
+        t: f64,
+        /// The exchange or reflection.
+        symmetry: String,
+        /// The largest departure, in parts of the largest values.
+        by: f64,
+    },
     /// The motion passed a place where its constraints depend on each other; it kept the branch that continues its speeds.
     SingularPassed {
         /// When, s.
@@ -238,6 +247,12 @@ impl fmt::Display for Warning {
                  {}: a `guess` chooses",
                 short(*there),
                 short(*here)
+            ),
+            Warning::LeavesSymmetry { t, symmetry, by } => write!(
+                f,
+                "the motion leaves its symmetry {symmetry} from t = {} s on, by {by:.1e} at most, though its equations keep it: \
+                 rounding grows, the symmetric motion is unstable",
+                short(*t)
             ),
             Warning::SingularPassed { t } => write!(
                 f,

@@ -27,6 +27,7 @@ mod closure;
 mod cyclic;
 mod dense;
 mod dependent;
+mod directions;
 mod draw;
 mod effects;
 mod freedoms;
@@ -56,6 +57,8 @@ use crate::expr::Id;
 use crate::model::{Load, Model, Work};
 use crate::number::DoubleDouble;
 
+pub use directions::Direction;
+pub(crate) use directions::mixed;
 pub use effects::{UnitPush, unit_push};
 pub use freedoms::{Freedoms, Integrability};
 pub use potential::{Conservative, Nature};
@@ -77,6 +80,8 @@ pub struct Judged {
     pub derivation: Derivation,
     /// Cyclic coordinates and their momenta.
     pub cyclic: Vec<(usize, Id)>,
+    /// Directions of other coordinates that are ignorable, too.
+    pub directions: Vec<Direction>,
     /// What was tested, and how well it held.
     pub report: Report,
 }
@@ -119,7 +124,9 @@ impl Gate {
         let constrained = !derivation.rows.is_empty();
         let Derivation { model, momenta, .. } = &mut derivation;
         let cyclic = if constrained { Vec::new() } else { cyclic::cyclic(model, &report.states, momenta) };
-        Ok(Judged { derivation, cyclic, report })
+        let directions =
+            if constrained { Vec::new() } else { directions::directions(model, &report.states, momenta, &cyclic) };
+        Ok(Judged { derivation, cyclic, directions, report })
     }
 
     /// Runs every test and collects every failure.

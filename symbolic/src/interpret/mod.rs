@@ -1,7 +1,7 @@
 //! Evaluating a program without compiling it: some 25 times slower than the generated code, and tested against it.
 
 use crate::expr::{Id, Scalar, Symbol, Tape};
-use crate::lower::{Accelerations, Entry, Program};
+use crate::lower::{Accelerations, Entry, Part, Program};
 
 /// A program with values for its parameters, inputs and modes.
 #[derive(Clone, Debug)]
@@ -54,10 +54,19 @@ const FUNCTIONS: usize = Function::Inputs as usize + 1;
 #[derive(Clone, Debug)]
 struct Tapes {
     functions: Vec<Tape>,
-    accelerations: Tape,
-    pivots: Vec<usize>,
+    accelerations: Solved,
+    /// The accelerations and the energies of each part.
+    parts: Vec<(Solved, Tape)>,
     /// A's non-zeros, then b, of each system of balances.
     balances: Vec<Tape>,
+}
+
+/// Accelerations of some coordinates, then a pivot of M and what it must not be negligible against, for each of these.
+#[derive(Clone, Debug)]
+struct Solved {
+    tape: Tape,
+    coordinates: Vec<usize>,
+    pivots: Vec<usize>,
 }
 
 /// A state, in the order of the model's coordinates; slices may be empty where nothing reads them.
@@ -115,16 +124,12 @@ impl Interpreter {
         set(Function::Arguments, &pairs);
         let signals: Vec<Id> = program.signals.iter().flatten().copied().collect();
         set(Function::Inputs, &signals);
-        let (roots, pivots) = match &program.accelerations {
-            Accelerations::Unrolled { values, pivots } => {
-                let checks = pivots.iter().flat_map(|p| [p.1, p.2]);
-                (values.iter().copied().chain(checks).collect(), pivots.iter().map(|p| p.0).collect())
-            }
-            Accelerations::Loop => (Vec::new(), Vec::new()),
-        };
-        let accelerations = Tape::new(graph, &roots);
+        let all: Vec<usize> = (0..program.model.coordinates.len()).collect();
+        let accelerations = Solved::of(&program, &all);
+        let part = |part: &Part| (Solved::of(&program, &part.coordinates), Tape::new(graph, &part.energy));
+        let parts = program.parts.iter().map(part).collect();
         let balances = program.momentum.iter().map(|s| Tape::new(graph, &[&entries(&s.matrix)[..], &s.right].concat()));
-        let tapes = Tapes { functions, accelerations, pivots, balances: balances.collect() };
+        let tapes = Tapes { functions, accelerations, parts, balances: balances.collect() };
         let parameters = program.model.parameters.iter().map(|p| p.default).collect();
         let modes = vec![1.0; program.switches.len()];
         let phases = (0..program.model.phases.len()).map(|k| if k == 0 { 1.0 } else { 0.0 }).collect();
@@ -152,19 +157,40 @@ impl Interpreter {
     /// # Errors
     /// The place of a coordinate without a pivot.
     pub fn accelerations(&self, at: At<'_>, a: &mut [f64]) -> Result<(), usize> {
-        let n = a.len();
         if matches!(self.program.accelerations, Accelerations::Loop) {
             return self.solve(at, a);
         }
-        let mut values = vec![0.0; self.tapes.accelerations.len()];
-        self.run(&self.tapes.accelerations, at, &mut values);
-        for (k, pair) in self.tapes.pivots.iter().zip(values[n..].chunks_exact(2)) {
+        self.solved(&self.tapes.accelerations, at, a)
+    }
+
+    /// The accelerations of the coordinates of one of [`Program::parts`].
+    ///
+    /// # Errors
+    /// The place of a coordinate without a pivot.
+    pub fn part_accelerations(&self, part: usize, at: At<'_>, a: &mut [f64]) -> Result<(), usize> {
+        self.tapes.parts.get(part).map_or(Ok(()), |(accelerations, _)| self.solved(accelerations, at, a))
+    }
+
+    /// The energies of one of [`Program::parts`].
+    pub fn part_energy(&self, part: usize, at: At<'_>) -> [f64; 5] {
+        let mut energy = [0.0; 5];
+        if let Some((_, tape)) = self.tapes.parts.get(part) {
+            self.run(tape, at, &mut energy);
+        }
+        energy
+    }
+
+    fn solved(&self, solved: &Solved, at: At<'_>, a: &mut [f64]) -> Result<(), usize> {
+        let mut values = vec![0.0; solved.tape.len()];
+        self.run(&solved.tape, at, &mut values);
+        let (accelerations, pairs) = values.split_at(solved.coordinates.len());
+        for (k, pair) in solved.pivots.iter().zip(pairs.chunks_exact(2)) {
             let negligible = 4.0 * f64::EPSILON * pair[1].abs();
             if pair[0].is_nan() || pair[0].abs() <= negligible {
                 return Err(*k);
             }
         }
-        a.copy_from_slice(&values[..n]);
+        solved.coordinates.iter().zip(accelerations).for_each(|(i, value)| a[*i] = *value);
         Ok(())
     }
 
@@ -223,6 +249,22 @@ impl Interpreter {
             Symbol::Phase(k) => get(&self.phases, k),
             Symbol::Reaction(_) | Symbol::Dummy(_) => f64::NAN,
         }
+    }
+}
+
+impl Solved {
+    /// Nothing where accelerations are not written out.
+    fn of(program: &Program, coordinates: &[usize]) -> Solved {
+        let (roots, pivots) = match &program.accelerations {
+            Accelerations::Unrolled { values, pivots } => {
+                let pivots = pivots.iter().filter(|pivot| coordinates.contains(&pivot.0));
+                let tested = pivots.clone().flat_map(|pivot| [pivot.1, pivot.2]);
+                let roots: Vec<Id> = coordinates.iter().map(|i| values[*i]).chain(tested).collect();
+                (roots, pivots.map(|pivot| pivot.0).collect())
+            }
+            Accelerations::Loop => (Vec::new(), Vec::new()),
+        };
+        Solved { tape: Tape::new(&program.model.graph, &roots), coordinates: coordinates.to_vec(), pivots }
     }
 }
 

@@ -12,6 +12,7 @@ mod momentum;
 mod parts;
 mod rounding;
 mod structure;
+mod symmetry;
 mod time;
 
 use std::path::Path;
@@ -27,7 +28,9 @@ pub use constraints::Constraints;
 pub use count::operations;
 pub use factor::Accelerations;
 pub use momentum::MomentumSystem;
+pub use parts::Part;
 pub use structure::Structure;
+pub use symmetry::{Symmetries, Symmetry, generators, symmetries};
 
 /// An entry of a sparse matrix: row, column, value.
 pub type Entry = (usize, usize, Id);
@@ -89,6 +92,8 @@ pub struct Program {
     pub momentum: Vec<MomentumSystem>,
     /// What was recognised.
     pub structure: Structure,
+    /// Parts of the mechanism that can be computed by themselves.
+    pub parts: Vec<Part>,
     /// Operations of the generated functions.
     pub counts: Counts,
     /// Which candidates were chosen, in words.
@@ -169,7 +174,7 @@ pub fn compile_in(folder: Option<&Path>, text: &str, sizes: &[(String, i64)]) ->
 /// # Errors
 /// The model is too large.
 pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
-    let Judged { derivation, cyclic, report } = judged;
+    let Judged { derivation, cyclic, directions, report } = judged;
     let Derivation { mut model, equations, rows, momentum, named_reactions, energies, signals, switches, .. } =
         derivation;
     let n = model.coordinates.len();
@@ -220,7 +225,7 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let parts = parts::parts(graph, n, (&chosen.residual, &constraints.matrix), &switches, &model.events);
     let structure =
         structure::recognise(graph, n, &chosen, (&stiffness, &damping), (power, energies.jacobi), &switches, &cyclic);
-    let structure = Structure { parts, ..structure };
+    let structure = Structure { directions, parts, ..structure };
     let count = |roots: Vec<Id>| operations(graph, &roots);
     let values = |entries: &[Entry]| entries.iter().map(|e| e.2).collect::<Vec<_>>();
     let counts = Counts {
@@ -232,10 +237,7 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
         jacobians: count([values(&stiffness), values(&damping), chosen.residual.clone()].concat()),
     };
     let momentum = momentum::systems(&mut model, momentum, &named_reactions);
-    if model.graph.overflowed() {
-        return Err(vec![crate::derive::too_large()]);
-    }
-    Ok(Program {
+    let mut program = Program {
         report,
         switches,
         signals,
@@ -262,10 +264,16 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
         drawing,
         momentum,
         structure,
+        parts: Vec::new(),
         counts,
         choice: chosen.words,
         model,
-    })
+    };
+    program.parts = parts::computed_apart(&mut program);
+    if program.model.graph.overflowed() {
+        return Err(vec![crate::derive::too_large()]);
+    }
+    Ok(program)
 }
 
 impl Program {
@@ -279,7 +287,7 @@ impl Program {
             return vec![true; n];
         }
         let within = (self.constraints.matrix.as_slice(), self.switches.as_slice());
-        let own: Vec<usize> = wanted.iter().flat_map(|id| parts::felt(graph, *id, within)).collect();
+        let own = parts::felt(graph, wanted, within);
         let part_of = |k: usize| self.structure.parts.iter().find(|part| part.contains(&k));
         (0..n).map(|k| part_of(k).is_none_or(|part| own.iter().any(|own| part.contains(own)))).collect()
     }
@@ -315,6 +323,7 @@ impl Program {
             drawing: Vec::new(),
             momentum: Vec::new(),
             structure: Structure::default(),
+            parts: Vec::new(),
             counts: Counts::default(),
             choice: String::new(),
         }

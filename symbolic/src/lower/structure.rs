@@ -5,6 +5,7 @@ use super::candidates::Chosen;
 use super::count::varying;
 use crate::derive::Switch;
 use crate::expr::{Graph, Id, Symbol};
+use crate::gate::Direction;
 
 /// What was recognised.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -27,6 +28,8 @@ pub struct Structure {
     pub time_dependent: bool,
     /// Cyclic coordinates and their momenta.
     pub cyclic: Vec<(usize, Id)>,
+    /// Directions of other coordinates that are ignorable, too, with their momenta.
+    pub directions: Vec<Direction>,
     /// Sets of coordinates that do not feel each other.
     pub parts: Vec<Vec<usize>>,
 }
@@ -61,6 +64,7 @@ pub(super) fn recognise(
         conservative: power == Id::ZERO && !graph.symbols([jacobi]).into_iter().any(by_time),
         time_dependent: graph.symbols(chosen.residual.iter().copied()).into_iter().any(time),
         cyclic: cyclic.to_vec(),
+        directions: Vec::new(),
         parts: Vec::new(),
     }
 }

@@ -71,6 +71,8 @@ pub const METHODS: &[&str] = &[
     "outputs",
     "parameter_mut",
     "parameters",
+    "part_accelerations",
+    "part_energy",
     "residual",
     "residual_at",
     "restitutions",

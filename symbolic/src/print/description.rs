@@ -192,6 +192,22 @@ pub(super) fn description(program: &Program, source: &str) -> String {
             list(s.cyclic.iter().map(|c| c.0.to_string())),
         ),
     );
+    field(
+        "parts",
+        list(program.parts.iter().map(|part| {
+            let places = |list: &[usize]| self::list(list.iter().map(ToString::to_string));
+            format!(
+                "mechanism::Part {{ coordinates: {}, linear: {}, time_dependent: {}, conservative: {}, arguments: {}, events: {}, accelerations: {} }}",
+                places(&part.coordinates),
+                part.linear,
+                part.time_dependent,
+                part.is_conservative(),
+                places(&part.arguments),
+                places(&part.events),
+                part.operations,
+            )
+        })),
+    );
     let c = program.counts;
     field(
         "counts",

@@ -8,7 +8,7 @@ use super::function::{Function, Target, argument, stores};
 use super::parameters::field;
 use super::rust::UNJUDGED;
 use super::words::comment;
-use super::{momentum, scenes};
+use super::{momentum, parts, scenes};
 use crate::expr::Id;
 use crate::lower::{Accelerations, Entry, Program};
 use crate::model::text;
@@ -59,6 +59,7 @@ impl Mechanism<'_> {
             out += &function.text(&self.bodies, "    ");
         }
         out += &self.accelerations(n).text(&self.bodies, "    ");
+        out += &parts::parts(program, &self.bodies);
         out += &momentum::balances(program, &self.bodies, self.block);
         out += &self.parameters();
         out += &scenes::scenes(program, &self.unhoisted);

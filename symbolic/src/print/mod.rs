@@ -10,6 +10,7 @@ mod mechanism;
 mod momentum;
 mod numpy;
 mod parameters;
+mod parts;
 mod reading;
 mod resting;
 mod rust;

@@ -121,6 +121,7 @@ impl Program {
         roots.extend(lists.into_iter().flatten());
         roots.extend(self.energy);
         roots.extend(self.also());
+        roots.extend(self.parts.iter().flat_map(|part| part.energy));
         roots.extend(self.signals.iter().flatten());
         roots.extend(self.event_rates.iter().map(|rate| rate.value()));
         roots.extend(self.arguments.iter().flat_map(|a| [a.value, a.rate]));

@@ -7,7 +7,7 @@ use dalembert_symbolic::{expr, print};
 
 use crate::mechanism::{
     Action, Argument, Balance, BalanceSystem, Coordinate, Counts, Description, Direction, Event, InputJump, List,
-    Parameter, Phase, Quantity, Rated, Role, Row, Shape, Structure, Switch, SwitchKind, Table, Text, Watched,
+    Parameter, Part, Phase, Quantity, Rated, Role, Row, Shape, Structure, Switch, SwitchKind, Table, Text, Watched,
 };
 
 /// Describes a program lowered from the model file with the text `source`.
@@ -151,6 +151,19 @@ pub(super) fn describe(program: &Program, source: &str) -> Description {
             time_dependent: s.time_dependent,
             cyclic: s.cyclic.iter().map(|c| c.0 as u32).collect(),
         },
+        parts: program
+            .parts
+            .iter()
+            .map(|part| Part {
+                coordinates: part.coordinates.iter().map(|i| *i as u32).collect(),
+                linear: part.linear,
+                time_dependent: part.time_dependent,
+                conservative: part.is_conservative(),
+                arguments: part.arguments.iter().map(|k| *k as u32).collect(),
+                events: part.events.iter().map(|k| *k as u32).collect(),
+                accelerations: part.operations as u32,
+            })
+            .collect(),
         counts: Counts {
             mass: c.mass as u32,
             bias: c.bias as u32,

@@ -98,6 +98,17 @@ impl System for Interpreted {
         self.interpreter.accelerations(with_inputs(at, &u), a).map_err(|coordinate| SingularMass { coordinate }.into())
     }
 
+    fn part_accelerations(&self, part: usize, at: At<'_>, a: &mut [f64]) -> Result<(), Singular> {
+        let u = self.input_values(at.t);
+        let computed = self.interpreter.part_accelerations(part, with_inputs(at, &u), a);
+        computed.map_err(|coordinate| SingularMass { coordinate }.into())
+    }
+
+    fn part_energy(&self, part: usize, at: At<'_>) -> Energy {
+        let u = self.input_values(at.t);
+        Energy::from_array(self.interpreter.part_energy(part, with_inputs(at, &u)))
+    }
+
     fn motion(&self, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> Result<(), Singular> {
         lambda.fill(0.0);
         if !self.active_rows().is_empty() {
