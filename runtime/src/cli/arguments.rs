@@ -175,7 +175,7 @@ fn chart() -> Command {
 fn needs() -> Command {
     let [scene, set, params, start, ..] = scene();
     Command::new("needs")
-        .about("Tells what a scene can do without: tries every force, body and coordinate, prints what each changes and saves, and writes the smaller model")
+        .about("Tells what a scene can do without: tries every force, body, mass, input and coordinate, prints what each changes and saves, and writes the smaller model")
         .arg(model())
         .args(sizes())
         .args([scene, set, params, start])

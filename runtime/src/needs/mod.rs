@@ -1,8 +1,8 @@
 //! No more than a scene needs: which parts of a model its outputs feel, by how much, and what leaving out the rest saves.
 //!
 //! 1. What is wanted, and the motion that answers it in full: look in `full.rs`.
-//! 2. Every ingredient of the file, and the file without it: look in `rung.rs`; edits of the text: in `edit.rs`; families of
-//!    coordinates by their modes: in `modal.rs`.
+//! 2. Every ingredient of the file: look in `candidate.rs`; the file without it: in `rung.rs`; edits of the text: in `edit.rs`;
+//!    families of coordinates by their modes: in `modal.rs`.
 //! 3. How far two runs are apart: look in `deviation.rs`; how far they would be by a first approximation: in `prediction.rs`.
 //! 4. What goes together, tried as a whole: look in `choice.rs`.
 //! 5. The table, and the smaller file: look in `report.rs`; the picture: in `picture.rs`; the test that comes with the file:
@@ -11,6 +11,7 @@
 //! Every candidate is a file of its own that compiles by itself, with all that it claims proved again, and is run; nothing is
 //! left out by a prediction alone.
 
+mod candidate;
 mod choice;
 mod comparison;
 mod deviation;
@@ -178,7 +179,7 @@ impl Needs {
         let full = Full::run(question, question.need()?)?;
         let mut rungs: Vec<Rung> = Vec::new();
         if full.promised_until.is_none() {
-            for proposal in rung::proposals(&full) {
+            for proposal in candidate::candidates(&full) {
                 if rung::is_climbed(&rungs, &proposal) {
                     continue;
                 }
