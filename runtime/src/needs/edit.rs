@@ -87,6 +87,13 @@ pub(super) fn with_start(text: &str, scene: Option<&str>, name: &str, value: &st
     }
 }
 
+/// The file with another end of a scene; `None` where the scene is not in lines or brackets.
+pub(super) fn with_until(text: &str, scene: Option<&str>, value: &str) -> Option<String> {
+    let scene = scene_path(scene);
+    let own = [scene.as_slice(), &[key("until")]].concat();
+    if source(text, &own).is_some() { replaced(text, &own, value) } else { with_at(text, &scene, "until", value) }
+}
+
 fn key(name: &str) -> Step {
     Step::Key(name.to_owned())
 }

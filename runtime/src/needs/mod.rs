@@ -39,6 +39,8 @@ use dalembert_symbolic::model;
 
 use full::Full;
 
+use crate::precision::Verified;
+
 /// What is wanted of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Need {
@@ -110,6 +112,12 @@ pub struct Needs {
     pub operations: f64,
     /// The same at the tolerance at which rungs are compared, to which their savings refer.
     pub exact_operations: f64,
+    /// That tolerance.
+    pub exact_tolerance: f64,
+    /// Operations of one evaluation of the full model's accelerations.
+    pub evaluation: f64,
+    /// The full model at ever tighter tolerances.
+    pub full: Vec<Verified>,
     /// Every ingredient and what becomes of it, those that save most first.
     pub rungs: Vec<Rung>,
     /// What may go together; `None` where the full model is the cheapest that serves.
@@ -153,6 +161,20 @@ impl Question {
         Ok(self)
     }
 
+    /// The same question of a scene that ends at another time, as the file would have it (`3 s`).
+    ///
+    /// # Errors
+    /// The names of scenes, where the file has none in lines or brackets that is asked for.
+    pub fn ending(mut self, until: &str) -> Result<Question, Unanswered> {
+        let edited = edit::with_until(&self.source, self.scene.as_deref(), until);
+        self.source = edited.ok_or_else(|| Unanswered::UnknownName {
+            kind: "scene",
+            name: self.scene.clone().unwrap_or_else(|| "scene".to_owned()),
+            known: keys(&self.source, &[Step::Key("scenes".to_owned())]),
+        })?;
+        Ok(self)
+    }
+
     /// What is wanted, by its own words or the file's.
     ///
     /// # Errors
@@ -161,11 +183,18 @@ impl Question {
         if let Some(need) = &self.need {
             return Ok(need.clone());
         }
+        Ok(self.said()?.unwrap_or(Need { outputs: Vec::new(), within: WITHIN }))
+    }
+
+    /// What the file says that the scene is run for; `None` where it says nothing.
+    ///
+    /// # Errors
+    /// A file with mistakes.
+    pub fn said(&self) -> Result<Option<Need>, Unanswered> {
         let model = model::load_in(self.folder.as_deref(), &self.source, &self.sizes)
             .map_err(|problems| Unanswered::Model { problems })?;
         let said = model.need(self.scene.as_deref().unwrap_or("scene"));
-        let said = said.map(|(outputs, within)| Need { outputs, within });
-        Ok(said.unwrap_or(Need { outputs: Vec::new(), within: WITHIN }))
+        Ok(said.map(|(outputs, within)| Need { outputs, within }))
     }
 }
 
@@ -205,6 +234,9 @@ impl Needs {
             promised_until: full.promised_until,
             operations: full.operations,
             exact_operations: full.motion.operations,
+            exact_tolerance: full.tolerance,
+            evaluation: full.evaluation(),
+            full: full.by_tolerance(),
             rungs,
             choice,
             sizes: full.sizes.clone(),

@@ -290,6 +290,48 @@ fn the_command_writes_a_file_that_runs() {
 }
 
 #[test]
+fn a_chart_has_a_point_for_every_rung() {
+    let folder = std::env::temp_dir().join(format!("dalembert-rungs-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let path = |name: &str| folder.join(name).to_str().expect("a path").to_owned();
+    let (file, svg, csv) = (path("pendulum.yaml"), path("chart.svg"), path("chart.csv"));
+    std::fs::write(&file, SPRING_PENDULUM).expect("a file");
+    let chart = |more: &[&str]| {
+        let arguments = ["chart", &file, "--until", "3", "--methods", "dop853", "--plot", &svg, "--csv", &csv];
+        told(&[arguments.as_slice(), more].concat())
+    };
+    let said = chart(&["--needs", "angle,side", "--within", "2e-3"]).expect("an answer");
+    assert!(
+        said.contains("what the scene can do without:\nit does without forces.drag and with coordinates.r held at"),
+        "{said}"
+    );
+    let drawn = std::fs::read_to_string(&svg).expect("a picture");
+    let table = std::fs::read_to_string(&csv).expect("a table");
+    let places = |name: &str| -> Vec<[f64; 2]> {
+        let rows =
+            table.lines().filter_map(|line| line.strip_prefix(&format!("SpringPendulum: what is left out,{name},")));
+        rows.map(|row| [3, 4].map(|cell| row.split(',').nth(cell).expect("a cell").parse().expect("a number")))
+            .collect()
+    };
+    for name in ["r held", "forces.drag", "springs.cord", "what may go together"] {
+        assert!(drawn.contains(name) && places(name).len() == 1, "{name} in\n{table}");
+    }
+    // The full model: ever more work for ever smaller errors; of one rung its own.
+    let full = places("the full model");
+    assert!(
+        full.len() >= 4 && full.windows(2).all(|pair| pair[1][0] < pair[0][0] && pair[1][1] > pair[0][1]),
+        "{full:?}"
+    );
+    let [error, work] = places("r held")[0];
+    assert!((1e-4..2e-3).contains(&error) && work < 0.05 * full[full.len() - 1][1], "{error} {work}");
+    // By itself it has what the scene needs; a file that says nothing is not asked.
+    assert!(chart(&[]).expect("an answer").contains("off by"));
+    std::fs::write(&file, SPRING_PENDULUM.replace("  needs: {outputs: [angle], within: 1e-3}", "")).expect("a file");
+    assert!(!chart(&[]).expect("an answer").contains("what the scene can do without"));
+    assert!(chart(&["--needs", "angel"]).expect_err("a refusal").contains("`angel`"));
+}
+
+#[test]
 fn questions_without_meaning_are_refused() {
     let need = |output: &str, within: f64| Some(Need { outputs: vec![output.to_owned()], within });
     let refused = |question: Question| asked(&question).expect_err("a refusal");
