@@ -3,7 +3,8 @@
 //! 1. What is wanted, and the motion that answers it in full: look in `full.rs`.
 //! 2. Every ingredient of the file: look in `candidate.rs`; the file without it: in `rung.rs`; edits of the text: in `edit.rs`;
 //!    families of coordinates by their modes: in `modal.rs`.
-//! 3. How far two runs are apart: look in `deviation.rs`; how far they would be by a first approximation: in `prediction.rs`.
+//! 3. How far two runs are apart: look in `deviation.rs`; how far they would be by a first approximation, along the full motion: in
+//!    `prediction.rs`; along the smaller model's, where a stiff coordinate is held: in `below.rs`.
 //! 4. What goes together, tried as a whole: look in `choice.rs`.
 //! 5. The table, and the smaller file: look in `report.rs`; the picture: in `picture.rs`; the test that comes with the file:
 //!    in `comparison.rs`.
@@ -11,11 +12,14 @@
 //! Every candidate is a file of its own that compiles by itself, with all that it claims proved again, and is run; nothing is
 //! left out by a prediction alone.
 
+mod below;
 mod candidate;
+mod channel;
 mod choice;
 mod comparison;
 mod deviation;
 mod edit;
+mod explicit;
 mod full;
 mod modal;
 mod picture;
@@ -26,7 +30,7 @@ mod unanswered;
 
 pub use choice::Choice;
 pub use deviation::Deviation;
-pub use prediction::Prediction;
+pub use prediction::{Law, Prediction};
 pub use rung::{Proposal, Rung, Verdict};
 pub use unanswered::Unanswered;
 

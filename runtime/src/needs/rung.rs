@@ -7,7 +7,8 @@ use super::candidate::Candidate;
 use super::deviation::{Deviation, Motion, between};
 use super::edit::{Edit, edited, without_vain_claims};
 use super::full::{Full, set};
-use super::prediction::{Prediction, predicted};
+use super::prediction::Prediction;
+use super::{below, prediction};
 use crate::mechanism::System;
 
 /// What becomes of an ingredient.
@@ -174,13 +175,26 @@ pub(super) fn are_alternatives(one: &Rung, other: &Rung) -> bool {
     one.ingredient == other.ingredient && is_held(one) && is_held(other)
 }
 
+/// The coordinate that is held, and where, if that is a number; that follows the others, `None`.
+fn held(rung: &Rung) -> Option<(&str, Option<f64>)> {
+    let coordinate = rung.ingredient.strip_prefix("coordinates.")?;
+    match &rung.proposal {
+        Proposal::Held { at } => Some((coordinate, at.split(' ').next()?.parse().ok())),
+        Proposal::Slaved { .. } => Some((coordinate, None)),
+        Proposal::LeftOut | Proposal::Modes { .. } => None,
+    }
+}
+
 fn measure(full: &Full, rung: &mut Rung) -> Result<(), Verdict> {
     let refused = |why: String| Verdict::Refused { why };
     let answer = answer(full, &rung.edits).map_err(refused)?;
     rung.gone.clone_from(&answer.gone);
     let motion = Motion::of(&*answer.system, &answer.settings, full.tolerance, &full.need.outputs).map_err(refused)?;
     rung.saving = full.motion.operations / motion.operations;
-    rung.predicted = predicted(full, &*answer.system, &answer.settings);
+    rung.predicted = match held(rung) {
+        Some(held) => below::predicted(full, (&*answer.system, &answer.settings, &motion), held),
+        None => prediction::predicted(full, &*answer.system, &answer.settings),
+    };
     let compared = between(&full.motion, &motion, full.measure());
     let (deviation, differences) = compared.map_err(|what| Verdict::HappensOtherwise { what })?;
     let serves = deviation.largest <= full.need.within;

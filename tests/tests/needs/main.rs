@@ -2,6 +2,7 @@
 
 mod adversaries;
 mod masses;
+mod stiff;
 
 use std::ops::ControlFlow;
 
