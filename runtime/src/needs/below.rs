@@ -58,6 +58,10 @@ pub(super) fn predicted(
         ..settings.clone()
     };
     let run = simulate(&mut *slow, &exact).ok()?;
+    let alike = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-3 * every;
+    if run.times().len() != motion.times.len() || !run.times().iter().zip(&motion.times).all(alike) {
+        return None;
+    }
     let split = Split { system: full.system.boxed_clone(), z, others };
     let mut states = Vec::with_capacity(run.times().len());
     for state in run.states() {
@@ -128,8 +132,7 @@ impl Split {
     fn fastest(&self, at: At<'_>, moves: &DMatrix<f64>) -> Option<f64> {
         let [stiffness, _] = force_slopes(&*self.system, at);
         let mass = (moves.tr_mul(&mass_matrix(&*self.system, at)) * moves).cholesky()?;
-        let values = mass.solve(&(moves.tr_mul(&stiffness) * moves)).complex_eigenvalues();
-        Some(values.iter().fold(0.0_f64, |most, value| most.max(value.norm())).sqrt())
+        largest_eigenvalue(mass.solve(&(moves.tr_mul(&stiffness) * moves))).map(f64::sqrt)
     }
 
     /// By which part a vibration of z changes the square root of SᵀMS: a quarter of the largest eigenvalue of M⁻¹ (M₊ − M₋).
@@ -140,8 +143,8 @@ impl Split {
             q[self.z] += w;
             moves.tr_mul(&mass_matrix(&*self.system, At::new(t, &q, &still))) * moves
         });
-        let values = (0.5 * (&after + &before)).cholesky()?.solve(&(after - before)).complex_eigenvalues();
-        Some(0.25 * values.iter().fold(0.0_f64, |most, value| most.max(value.norm())))
+        let mean = (0.5 * (&after + &before)).cholesky()?;
+        largest_eigenvalue(mean.solve(&(after - before))).map(|largest| 0.25 * largest)
     }
 
     /// ∂F_z/∂z, where it is positive.
@@ -303,12 +306,16 @@ impl Response {
                 });
                 let found = wanted(&*full.system, state.t, &moved.concat(), &columns);
                 for ((found, known), scale) in found.iter().zip(&motion.values).zip(&full.scales) {
-                    change = change.max((found - known.get(row)?).abs() / scale);
+                    let off = (found - known.get(row)?).abs() / scale;
+                    if !off.is_finite() {
+                        return None;
+                    }
+                    change = change.max(off);
                 }
             }
         }
         let law = Law::Stiff { gap: response.gap, vibration: response.vibration };
-        let is_fast = change.is_finite() && response.gap >= 1.0 && response.vibration.is_finite();
+        let is_fast = response.gap >= 1.0 && response.vibration.is_finite();
         is_fast.then_some(Prediction { change, law })
     }
 }
@@ -337,6 +344,12 @@ impl Mode {
         let shape = shape.iter().copied().collect();
         (omega > 0.0 && omega.is_finite()).then_some(Mode { shape, mass, damping: damping.max(0.0), omega })
     }
+}
+
+/// The size of the largest eigenvalue; `None` where an entry is no number, of which there is none.
+fn largest_eigenvalue(matrix: DMatrix<f64>) -> Option<f64> {
+    let finite = matrix.iter().all(|entry| entry.is_finite());
+    finite.then(|| matrix.complex_eigenvalues().iter().fold(0.0, |most, value| value.norm().max(most)))
 }
 
 /// How fast a quantity goes back and forth: √(max |f''| / half its range).
