@@ -346,7 +346,7 @@ pub struct Structure {
     pub mass_blocks: List<u32>,
     /// M is constant, and h depends on no speed, not by way of a discontinuity either: kicks and drifts can be done in turn.
     pub separable: bool,
-    /// The equations of motion are linear with constant coefficients.
+    /// The equations of motion are linear with constant coefficients; time may drive them, and switch what drives them.
     pub linear: bool,
     /// No force lacks a potential and no explicit time: the energy balance needs no work.
     pub conservative: bool,
