@@ -164,30 +164,37 @@ fn modes() -> Command {
 
 fn chart() -> Command {
     Command::new("chart")
-        .about("Charts speed against accuracy: what every method that suits, and every way of treating constraints, costs for its error")
+        .about("Charts speed against accuracy: what every method that suits, and every way of treating constraints, costs for its error; and, of a scene with `needs`, every model that leaves something out")
         .arg(model())
         .args(sizes())
         .args(scene().into_iter().filter(|arg| arg.get_id() != "tolerance"))
         .arg(value("methods", "A,B", "Only these methods [default: all that suit]"))
         .arg(value("compare", "NAME,NAME", "What errors are taken of: coordinates, rates, outputs [default: the coordinates]"))
         .arg(value("twin", "NAME", "Another file of the same mechanism, in minimal coordinates say, at its scene of the same name or its first; compared by outputs of the same names"))
+        .args(wanted("the scene's `needs`; without either, what can be left out is not asked", "the scene's `needs`, or 1e-3"))
         .arg(picture("plot", "Where the charts go [default: NAME-chart.svg]"))
         .arg(value("csv", "FILE.csv", "Where all points go [default: NAME-chart.csv]"))
 }
 
 fn needs() -> Command {
-    let [scene, set, params, start, ..] = scene();
+    let [scene, set, params, start, _, until, _] = scene();
     Command::new("needs")
-        .about("Tells what a scene can do without: tries every force, body and coordinate, prints what each changes and saves, and writes the smaller model")
+        .about("Tells what a scene can do without: tries every force, body, mass, input and coordinate, prints what each changes and saves, and writes the smaller model")
         .arg(model())
         .args(sizes())
-        .args([scene, set, params, start])
-        .arg(value("needs", "A,B", "What is wanted: coordinates, rates, outputs [default: the scene's `needs`, or all coordinates and outputs]"))
-        .arg(value("within", "PART", "How exactly, in parts of the range of each [default: the scene's `needs`, or 1e-3]"))
+        .args([scene, set, params, start, until])
+        .args(wanted("the scene's `needs`, or all coordinates and outputs", "the scene's `needs`, or 1e-3"))
         .arg(flag("all", "Leave out too what saves less than a twentieth of the work"))
         .arg(value("write", "FILE.yaml", "Write the smaller model: the file's text without what goes, and what was found in comments; beside it, as FILE_test.rs, a test that compares both"))
         .arg(picture("plot", "Draw what each omission changes against the work that is left"))
         .arg(flag("json", "Print one JSON object"))
+}
+
+/// What a scene is run for.
+fn wanted(outputs: &str, within: &str) -> [Arg; 2] {
+    let outputs = format!("What is wanted: coordinates, rates, outputs [default: {outputs}]");
+    let within = format!("How exactly, in parts of the range of each [default: {within}]");
+    [value("needs", "A,B", "").help(outputs), value("within", "PART", "").help(within)]
 }
 
 /// A model's name or path.

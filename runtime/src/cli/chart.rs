@@ -7,9 +7,10 @@ use clap::ArgMatches;
 
 use super::load::Loaded;
 use super::set_up::set_up;
-use super::{Entry, Problem, outputs};
+use super::{Entry, Problem, needs, outputs};
 use crate::mechanism::{Description, Method, System};
-use crate::precision::{Candidate, Plan, WorkPrecision};
+use crate::needs::Needs;
+use crate::precision::{Candidate, Fidelity, Plan, WorkPrecision};
 use crate::{Error, Settings};
 
 /// Measures every method that suits, and every way of treating constraints; prints a table and what follows from it, and
@@ -20,6 +21,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         options.get_one::<String>(option).cloned().unwrap_or_else(|| format!("{}-chart.{ending}", loaded.name))
     });
     outputs::check_paths(["plot", "csv"].into_iter().zip(files.iter().map(String::as_str)), &loaded.path)?;
+    let reduced = reduced(&mut loaded, options)?;
     let settings = set_up(&mut loaded, options)?;
     for warning in &loaded.warnings {
         eprintln!("warning: {warning}");
@@ -52,7 +54,32 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     for found in &measured {
         report(found, out)?;
     }
-    write_files(&measured, &files, out)
+    if let Some(found) = &reduced {
+        let sentence = found.as_ref().map_or_else(|why| format!("not known: {why}\n"), Needs::sentence);
+        writeln!(out, "what the scene can do without:\n{sentence}")?;
+    }
+    let fidelity = reduced.and_then(Result::ok).map(|found| found.fidelity());
+    write_files(&measured, fidelity.as_ref(), &files, out)
+}
+
+/// What the scene can do without, or why that is not known; `None` where neither the options nor the file say what it is run for.
+fn reduced(loaded: &mut Loaded, options: &ArgMatches) -> Result<Option<Result<Needs, String>>, Problem> {
+    let asked = ["needs", "within"].iter().any(|option| options.contains_id(option));
+    if !asked && !needs::is_said(loaded, options) {
+        return Ok(None);
+    }
+    let found = match options.contains_id("input") {
+        true => Err(Problem::Usage(
+            "error: what can be left out is found with the inputs of the file; write the input there, or leave --input out".into(),
+        )),
+        false => needs::question(loaded, options).and_then(|question| needs::find(&question, loaded)),
+    };
+    match found {
+        Ok(found) => Ok(Some(Ok(found))),
+        Err(Problem::Run(why)) => Ok(Some(Err(why))),
+        Err(problem) if asked => Err(problem),
+        Err(problem) => Ok(Some(Err(problem.to_string().trim_start_matches("error: ").to_owned()))),
+    }
 }
 
 /// Coordinates and outputs to compare.
@@ -149,11 +176,16 @@ fn report(found: &WorkPrecision, out: &mut dyn Write) -> Result<(), Problem> {
 }
 
 /// Writes the charts and the points.
-fn write_files(measured: &[WorkPrecision], [plot, csv]: &[String; 2], out: &mut dyn Write) -> Result<(), Problem> {
-    let charts = measured.iter().flat_map(|found| found.figure().charts).collect::<Vec<_>>();
+fn write_files(
+    measured: &[WorkPrecision],
+    fidelity: Option<&Fidelity>,
+    [plot, csv]: &[String; 2],
+    out: &mut dyn Write,
+) -> Result<(), Problem> {
+    let mut charts = measured.iter().flat_map(|found| found.figure().charts).collect::<Vec<_>>();
+    charts.extend(fidelity.map(Fidelity::chart));
     let mut table = String::new();
-    for found in measured {
-        let text = found.to_csv();
+    for text in measured.iter().map(WorkPrecision::to_csv).chain(fidelity.map(Fidelity::to_csv)) {
         let rows = if table.is_empty() { text.as_str() } else { text.split_once('\n').map_or("", |(_, rows)| rows) };
         table += rows;
     }

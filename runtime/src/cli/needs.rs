@@ -14,6 +14,7 @@ use super::load::{Loaded, folder, pairs};
 use super::set_up::{Reader, parameter_index};
 use super::{Entry, Problem, outputs, value_files};
 use crate::needs::{Deviation, Need, Needs, Proposal, Question, Rung, Unanswered, Verdict};
+use crate::precision::Verified;
 use crate::run::plain;
 
 /// Tries every ingredient of a model, prints what a scene does without, and writes the smaller file.
@@ -28,21 +29,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     let files = files.into_iter().filter_map(|(option, path)| Some((option, path?.as_str())));
     outputs::check_paths(files, &loaded.path)?;
     let question = question(&mut loaded, options)?;
-    let shown = std::io::stderr().is_terminal();
-    let found = Needs::find(&question, &mut |name| {
-        if shown {
-            eprint!("\r{name}\x1b[K");
-        }
-        ControlFlow::Continue(())
-    });
-    if shown {
-        eprint!("\r\x1b[K");
-    }
-    let found = found.map_err(|unanswered| match unanswered {
-        Unanswered::Model { problems } => Problem::Model(file::render(&loaded.path, &loaded.source, &problems)),
-        Unanswered::Fails { .. } | Unanswered::NotKnown { .. } => Problem::Run(unanswered.to_string()),
-        other => Problem::Usage(format!("error: {other}")),
-    })?;
+    let found = find(&question, &loaded)?;
     let said = options.get_flag("json");
     if said {
         json::write(&as_json(&found), out)?;
@@ -74,7 +61,31 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     Ok(())
 }
 
-/// The question with `--params`, `--set` and `--start` written into the file.
+/// Tries every ingredient, and names each on a terminal.
+pub fn find(question: &Question, loaded: &Loaded) -> Result<Needs, Problem> {
+    let shown = std::io::stderr().is_terminal();
+    let found = Needs::find(question, &mut |name| {
+        if shown {
+            eprint!("\r{name}\x1b[K");
+        }
+        ControlFlow::Continue(())
+    });
+    if shown {
+        eprint!("\r\x1b[K");
+    }
+    found.map_err(|unanswered| match unanswered {
+        Unanswered::Model { problems } => Problem::Model(file::render(&loaded.path, &loaded.source, &problems)),
+        Unanswered::Fails { .. } | Unanswered::NotKnown { .. } => Problem::Run(unanswered.to_string()),
+        other => Problem::Usage(format!("error: {other}")),
+    })
+}
+
+/// Whether the file says what the scene is run for.
+pub fn is_said(loaded: &Loaded, options: &ArgMatches) -> bool {
+    asked(loaded, options).said().is_ok_and(|said| said.is_some())
+}
+
+/// The question with `--params`, `--set`, `--start` and `--until` written into the file.
 fn changed(loaded: &mut Loaded, options: &ArgMatches, mut question: Question) -> Result<Question, Problem> {
     let usage = |unanswered: Unanswered| Problem::Usage(format!("error: {unanswered}"));
     let mut reader = Reader::new(loaded);
@@ -99,6 +110,10 @@ fn changed(loaded: &mut Loaded, options: &ArgMatches, mut question: Question) ->
             }
         }
     }
+    if let Some(text) = options.get_one::<String>("until") {
+        let until = reader.value(loaded, "until", Sets::Time, text)?;
+        question = question.ending(&plain(until)).map_err(usage)?;
+    }
     Ok(question)
 }
 
@@ -120,7 +135,8 @@ fn as_json(found: &Needs) -> Value {
             ("ingredient", json!(rung.ingredient)),
             ("proposed", json!(rung.proposal.to_string())),
             ("predicted", rung.predicted.map_or(Value::Null, |predicted| number(predicted.change))),
-            ("second", rung.predicted.map_or(Value::Null, |predicted| number(predicted.second))),
+            ("holds", rung.predicted.map_or(Value::Null, |predicted| json!(predicted.holds()))),
+            ("law", rung.predicted.map_or(Value::Null, |predicted| json!(predicted.law.to_string()))),
             ("change", of(|deviation| deviation.largest)),
             ("of", deviation.map_or(Value::Null, |deviation| json!(deviation.of))),
             ("clock", of(|deviation| deviation.clock)),
@@ -153,6 +169,14 @@ fn as_json(found: &Needs) -> Value {
             ("gone", gone(&choice.gone)),
         ])
     });
+    let full = |run: &Verified| {
+        let operations = run.work * found.evaluation;
+        object([
+            ("tolerance", number(run.tolerance)),
+            ("change", number(run.error)),
+            ("operations", number(operations)),
+        ])
+    };
     object([
         ("model", json!(found.name)),
         ("scene", json!(found.scene)),
@@ -163,22 +187,17 @@ fn as_json(found: &Needs) -> Value {
         ("growth", number(found.growth)),
         ("promised_until", found.promised_until.map_or(Value::Null, number)),
         ("operations", number(found.operations)),
+        ("full", found.full.iter().map(full).collect()),
         ("rungs", found.rungs.iter().map(rung).collect()),
         ("choice", choice),
     ])
 }
 
 /// What the options ask of the file; what they leave out the scene says.
-fn question(loaded: &mut Loaded, options: &ArgMatches) -> Result<Question, Problem> {
+pub fn question(loaded: &mut Loaded, options: &ArgMatches) -> Result<Question, Problem> {
     let own = |option: &str| options.get_one::<String>(option).cloned();
-    let mut question = Question {
-        sizes: loaded.sizes.clone(),
-        folder: folder(&loaded.path).map(Path::to_owned),
-        scene: own("scene"),
-        all: options.get_flag("all"),
-        ..Question::new(loaded.source.as_str())
-    };
-    question = changed(loaded, options, question)?;
+    let question = asked(loaded, options);
+    let mut question = changed(loaded, options, question)?;
     let (names, within) = (own("needs"), own("within"));
     if names.is_none() && within.is_none() {
         return Ok(question);
@@ -195,4 +214,15 @@ fn question(loaded: &mut Loaded, options: &ArgMatches) -> Result<Question, Probl
     };
     question.need = Some(Need { outputs, within });
     Ok(question)
+}
+
+/// The question of the file as it is.
+fn asked(loaded: &Loaded, options: &ArgMatches) -> Question {
+    Question {
+        sizes: loaded.sizes.clone(),
+        folder: folder(&loaded.path).map(Path::to_owned),
+        scene: options.get_one::<String>("scene").cloned(),
+        all: options.try_get_one("all").ok().flatten().copied().unwrap_or(false),
+        ..Question::new(loaded.source.as_str())
+    }
 }

@@ -108,7 +108,7 @@ fn greedy<'a>(full: &Full, rungs: &'a [Rung], all: bool) -> Vec<&'a Rung> {
     let mut chosen: Vec<&Rung> = Vec::new();
     for rung in candidates {
         // Of one ladder only one rung.
-        if chosen.iter().any(|other| other.ingredient == rung.ingredient) {
+        if chosen.iter().any(|other| other.excludes(rung)) {
             continue;
         }
         // What acts on a coordinate that is held goes with it, if it is idle then.
@@ -187,7 +187,7 @@ fn held<'a>(members: &[&'a Rung]) -> Vec<&'a str> {
 fn speaks_of(full: &Full, rung: &Rung, coordinate: &str) -> bool {
     rung.edits.iter().any(|edit| match edit {
         Edit::Remove(path) => word(&source_of(full, path), coordinate).is_some(),
-        Edit::Hold { .. } | Edit::Slave { .. } | Edit::ByModes(_) => false,
+        Edit::Replace { .. } | Edit::Hold { .. } | Edit::Slave { .. } | Edit::ByModes(_) => false,
     })
 }
 

@@ -100,7 +100,7 @@ impl Motion {
 }
 
 /// The range of values and their largest size; what is no number is left aside.
-fn spread(values: &[f64]) -> (f64, f64) {
+pub(super) fn spread(values: &[f64]) -> (f64, f64) {
     let finite = || values.iter().copied().filter(|value| value.is_finite());
     let (low, high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
     ((high - low).max(0.0), low.abs().max(high.abs()))

@@ -11,6 +11,8 @@ use super::modal::{Modes, by_modes};
 pub(super) enum Edit {
     /// What stands at this path goes.
     Remove(Vec<Step>),
+    /// What stands at this path is a value instead.
+    Replace { path: Vec<Step>, value: String },
     /// A coordinate becomes a definition that keeps a value.
     Hold { coordinate: String, value: String },
     /// A coordinate becomes a definition; `moves` says whether anything in its place moves.
@@ -45,6 +47,7 @@ pub(super) fn shown(path: &[Step]) -> String {
 pub(super) fn edited(text: &str, edits: &[Edit]) -> Option<String> {
     edits.iter().try_fold(text.to_owned(), |text, edit| match edit {
         Edit::Remove(path) => without(&text, path),
+        Edit::Replace { path, value } => replaced(&text, path, value),
         Edit::Hold { coordinate, value } => hold(&text, coordinate, value),
         Edit::Slave { coordinate, place, moves } => slave(&text, coordinate, place, *moves),
         Edit::ByModes(modes) => by_modes(&text, modes),
@@ -82,6 +85,13 @@ pub(super) fn with_start(text: &str, scene: Option<&str>, name: &str, value: &st
         Some(_) => with_at(text, &start, name, value),
         None => with_at(text, &scene, "start", &format!("{{{name}: {value}}}")),
     }
+}
+
+/// The file with another end of a scene; `None` where the scene is not in lines or brackets.
+pub(super) fn with_until(text: &str, scene: Option<&str>, value: &str) -> Option<String> {
+    let scene = scene_path(scene);
+    let own = [scene.as_slice(), &[key("until")]].concat();
+    if source(text, &own).is_some() { replaced(text, &own, value) } else { with_at(text, &scene, "until", value) }
 }
 
 fn key(name: &str) -> Step {

@@ -9,6 +9,7 @@ use super::deviation::{Deviation, Motion, between, largest};
 use super::edit::with_sizes;
 use super::{Need, Question, Unanswered};
 use crate::mechanism::{Interpreted, System};
+use crate::precision::{Verified, WorkUnits};
 use crate::simulate::Settings;
 
 /// The full model's answer.
@@ -43,6 +44,8 @@ const BELOW: f64 = 1e-3;
 const TIGHT: f64 = 1e-9;
 /// Errors must be known to this part of the need.
 const KNOWN: f64 = 0.05;
+/// Tolerances at which the full model is run beside, in parts of the need.
+const LOOSER: [f64; 3] = [1.0, 1e-1, 1e-2];
 /// Pushes of the start, in parts of ranges, by which growth is measured.
 const PUSH: f64 = 1e-7;
 /// Scenes in which a small change grows more than this are not reduced.
@@ -133,6 +136,26 @@ impl Full {
     /// What is wanted, and by which ranges it is measured.
     pub fn measure(&self) -> (&[String], &[f64]) {
         (&self.need.outputs, &self.scales)
+    }
+
+    /// Operations of one evaluation of its accelerations.
+    pub fn evaluation(&self) -> f64 {
+        WorkUnits::of(&*self.system, self.settings.method).operations
+    }
+
+    /// It at loose tolerances, at its scene's, and at that at which rungs are compared; what fails at one is left aside.
+    pub fn by_tolerance(&self) -> Vec<Verified> {
+        let mut tolerances: Vec<f64> = LOOSER.map(|part| part * self.need.within).into();
+        tolerances.extend([self.settings.tolerance, self.tolerance]);
+        tolerances.sort_by(|a, b| b.total_cmp(a));
+        tolerances.dedup();
+        let verified = |tolerance: f64| {
+            let motion = Motion::of(&*self.system, &self.settings, tolerance, &self.need.outputs).ok()?;
+            let error = self.deviation(&motion).ok()?.largest;
+            let work = motion.operations / self.evaluation();
+            Some(Verified { name: self.name().to_owned(), tolerance, error, work })
+        };
+        tolerances.into_iter().filter_map(verified).collect()
     }
 
     /// How far a run is from the exact one.

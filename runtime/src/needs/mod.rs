@@ -1,9 +1,10 @@
 //! No more than a scene needs: which parts of a model its outputs feel, by how much, and what leaving out the rest saves.
 //!
 //! 1. What is wanted, and the motion that answers it in full: look in `full.rs`.
-//! 2. Every ingredient of the file, and the file without it: look in `rung.rs`; edits of the text: in `edit.rs`; families of
-//!    coordinates by their modes: in `modal.rs`.
-//! 3. How far two runs are apart: look in `deviation.rs`; how far they would be by a first approximation: in `prediction.rs`.
+//! 2. Every ingredient of the file: look in `candidate.rs`; the file without it: in `rung.rs`; edits of the text: in `edit.rs`;
+//!    families of coordinates by their modes: in `modal.rs`.
+//! 3. How far two runs are apart: look in `deviation.rs`; how far they would be by a first approximation, along the full motion: in
+//!    `prediction.rs`; along the smaller model's, where a stiff coordinate is held: in `below.rs`.
 //! 4. What goes together, tried as a whole: look in `choice.rs`.
 //! 5. The table, and the smaller file: look in `report.rs`; the picture: in `picture.rs`; the test that comes with the file:
 //!    in `comparison.rs`.
@@ -11,10 +12,14 @@
 //! Every candidate is a file of its own that compiles by itself, with all that it claims proved again, and is run; nothing is
 //! left out by a prediction alone.
 
+mod below;
+mod candidate;
+mod channel;
 mod choice;
 mod comparison;
 mod deviation;
 mod edit;
+mod explicit;
 mod full;
 mod modal;
 mod picture;
@@ -25,7 +30,7 @@ mod unanswered;
 
 pub use choice::Choice;
 pub use deviation::Deviation;
-pub use prediction::Prediction;
+pub use prediction::{Law, Prediction};
 pub use rung::{Proposal, Rung, Verdict};
 pub use unanswered::Unanswered;
 
@@ -37,6 +42,8 @@ use dalembert_symbolic::file::edit::keys;
 use dalembert_symbolic::model;
 
 use full::Full;
+
+use crate::precision::Verified;
 
 /// What is wanted of a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -109,6 +116,12 @@ pub struct Needs {
     pub operations: f64,
     /// The same at the tolerance at which rungs are compared, to which their savings refer.
     pub exact_operations: f64,
+    /// That tolerance.
+    pub exact_tolerance: f64,
+    /// Operations of one evaluation of the full model's accelerations.
+    pub evaluation: f64,
+    /// The full model at ever tighter tolerances.
+    pub full: Vec<Verified>,
     /// Every ingredient and what becomes of it, those that save most first.
     pub rungs: Vec<Rung>,
     /// What may go together; `None` where the full model is the cheapest that serves.
@@ -152,6 +165,20 @@ impl Question {
         Ok(self)
     }
 
+    /// The same question of a scene that ends at another time, as the file would have it (`3 s`).
+    ///
+    /// # Errors
+    /// The names of scenes, where the file has none in lines or brackets that is asked for.
+    pub fn ending(mut self, until: &str) -> Result<Question, Unanswered> {
+        let edited = edit::with_until(&self.source, self.scene.as_deref(), until);
+        self.source = edited.ok_or_else(|| Unanswered::UnknownName {
+            kind: "scene",
+            name: self.scene.clone().unwrap_or_else(|| "scene".to_owned()),
+            known: keys(&self.source, &[Step::Key("scenes".to_owned())]),
+        })?;
+        Ok(self)
+    }
+
     /// What is wanted, by its own words or the file's.
     ///
     /// # Errors
@@ -160,11 +187,18 @@ impl Question {
         if let Some(need) = &self.need {
             return Ok(need.clone());
         }
+        Ok(self.said()?.unwrap_or(Need { outputs: Vec::new(), within: WITHIN }))
+    }
+
+    /// What the file says that the scene is run for; `None` where it says nothing.
+    ///
+    /// # Errors
+    /// A file with mistakes.
+    pub fn said(&self) -> Result<Option<Need>, Unanswered> {
         let model = model::load_in(self.folder.as_deref(), &self.source, &self.sizes)
             .map_err(|problems| Unanswered::Model { problems })?;
         let said = model.need(self.scene.as_deref().unwrap_or("scene"));
-        let said = said.map(|(outputs, within)| Need { outputs, within });
-        Ok(said.unwrap_or(Need { outputs: Vec::new(), within: WITHIN }))
+        Ok(said.map(|(outputs, within)| Need { outputs, within }))
     }
 }
 
@@ -178,7 +212,7 @@ impl Needs {
         let full = Full::run(question, question.need()?)?;
         let mut rungs: Vec<Rung> = Vec::new();
         if full.promised_until.is_none() {
-            for proposal in rung::proposals(&full) {
+            for proposal in candidate::candidates(&full) {
                 if rung::is_climbed(&rungs, &proposal) {
                     continue;
                 }
@@ -204,6 +238,9 @@ impl Needs {
             promised_until: full.promised_until,
             operations: full.operations,
             exact_operations: full.motion.operations,
+            exact_tolerance: full.tolerance,
+            evaluation: full.evaluation(),
+            full: full.by_tolerance(),
             rungs,
             choice,
             sizes: full.sizes.clone(),

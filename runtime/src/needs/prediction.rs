@@ -8,13 +8,12 @@
 //! wanted that δ makes; the law holds where z makes one that differs by less than half of that.  It says why a run changes as it does, and whether
 //! twice as much would change it twice as much; what is left out is decided by runs.
 
-use std::sync::Arc;
-
 use nalgebra::DVector;
 
+use super::explicit::Explicit;
 use super::full::Full;
 use crate::mechanism::dense::{force_slopes, mass_matrix};
-use crate::mechanism::{At, Coordinate, Description, Energy, Method, Scene, Singular, SingularMass, Structure, System};
+use crate::mechanism::{At, Coordinate, Method, Singular, SingularMass, System};
 use crate::run::{Names, evaluate_outputs};
 use crate::simulate::{Settings, simulate};
 
@@ -24,46 +23,67 @@ use crate::simulate::{Settings, simulate};
 pub struct Prediction {
     /// The largest change of what is wanted, in parts of ranges.
     pub change: f64,
-    /// What the second approximation adds, in parts of the first.
-    pub second: f64,
+    /// By which law.
+    pub law: Law,
+}
+
+/// Why a change is as large as it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Law {
+    /// It is proportional to what is left out, along the full motion.
+    Proportional {
+        /// What the second approximation adds, in parts of the first.
+        second: f64,
+    },
+    /// A stiff coordinate gives way as the force that would hold it over its stiffness, along the motion of the smaller model.
+    Stiff {
+        /// How many times faster it is than all else.
+        gap: f64,
+        /// What its own vibration, left over from the start, changes besides until the end, roughly.
+        vibration: f64,
+    },
 }
 
 impl Prediction {
-    /// Whether the change is proportional to what is left out.
+    /// Whether its law holds.
     pub fn holds(&self) -> bool {
-        self.second < SMALL
+        match self.law {
+            Law::Proportional { second } => second < SMALL,
+            Law::Stiff { gap, vibration } => gap >= STIFF && vibration < VIBRATES * self.change,
+        }
     }
 }
 
 /// The law holds where the second approximation adds less than this part of the first.
 const SMALL: f64 = 0.5;
+/// And for a coordinate that is so many times faster than all else: what changes at that rate makes it give way by 1/gap² more.
+const STIFF: f64 = 2.5;
+/// And whose own vibration adds less than this part.
+const VIBRATES: f64 = 0.25;
 /// Its steps are equal, half as long on the average as those of the full motion: what begins as rounding is no error to them.
 const SHORTER: f64 = 0.5;
 /// They serve where they give the full motion to this part of ranges.
 const SERVES: f64 = 1e-3;
 /// Larger models are not worth it.
-const MOST_COORDINATES: usize = 12;
+pub(super) const MOST_COORDINATES: usize = 12;
 /// Motions of more steps are left alone.
-const MOST_STEPS: u64 = 100_000;
+pub(super) const MOST_STEPS: u64 = 100_000;
 
 /// The change that a model without an ingredient makes to first order; `None` where it has other coordinates, constraints, events,
 /// discontinuities or anything that takes time apart.
 pub(super) fn predicted(full: &Full, without: &dyn System, settings: &Settings) -> Option<Prediction> {
     let n = full.system.len();
-    let smooth = |system: &dyn System| {
-        let description = system.description();
-        description.events.is_empty() && description.switches.is_empty() && description.rows.is_empty()
-    };
     let names = |system: &dyn System| Names::of(system.description()).coordinates;
     if n > MOST_COORDINATES
         || full.motion.steps > MOST_STEPS
-        || !smooth(&*full.system)
-        || !smooth(without)
+        || !is_smooth(&*full.system)
+        || !is_smooth(without)
         || names(&*full.system) != names(without)
     {
         return None;
     }
-    let mut variation = Variation::new(full, without);
+    let mut variation = variation(&*full.system, without);
     let both = |own: &[f64], other: &[f64]| -> Vec<f64> {
         let apart: Vec<f64> = own.iter().zip(other).map(|(own, other)| other - own).collect();
         [own, &apart, &apart].concat()
@@ -105,11 +125,18 @@ pub(super) fn predicted(full: &Full, without: &dyn System, settings: &Settings) 
         }
     }
     let finite = first.is_finite() && second.is_finite();
-    finite.then(|| Prediction { change: first, second: if first > 0.0 { second / first } else { 0.0 } })
+    let law = Law::Proportional { second: if first > 0.0 { second / first } else { 0.0 } };
+    finite.then_some(Prediction { change: first, law })
+}
+
+/// Whether nothing takes time apart.
+pub(super) fn is_smooth(system: &dyn System) -> bool {
+    let description = system.description();
+    description.events.is_empty() && description.switches.is_empty() && description.rows.is_empty()
 }
 
 /// What is wanted at a state.
-fn wanted(system: &dyn System, t: f64, y: &[f64], columns: &[usize]) -> Vec<f64> {
+pub(super) fn wanted(system: &dyn System, t: f64, y: &[f64], columns: &[usize]) -> Vec<f64> {
     let mut outputs = vec![f64::NAN; system.description().output_len()];
     evaluate_outputs(system, t, y, &mut vec![0.0; system.len()], &mut outputs);
     let all = [y, &outputs].concat();
@@ -117,100 +144,46 @@ fn wanted(system: &dyn System, t: f64, y: &[f64], columns: &[usize]) -> Vec<f64>
 }
 
 /// The full motion with the two approximations of its change: coordinates (q, δ, z).
-#[derive(Clone)]
-struct Variation {
-    full: Arc<dyn System>,
-    without: Arc<dyn System>,
-    description: Description,
-}
-
-impl Variation {
-    fn new(full: &Full, without: &dyn System) -> Self {
-        let coordinates = &full.system.description().coordinates;
-        let tripled = ["", " first", " second"].into_iter().flat_map(|suffix| {
-            let named =
-                move |c: &Coordinate| Coordinate { name: format!("{}{suffix}", c.name).into(), unit: c.unit.clone() };
-            coordinates.iter().map(named)
-        });
-        Variation {
-            full: full.system.boxed_clone().into(),
-            without: without.boxed_clone().into(),
-            description: Description {
-                name: "Variation".into(),
-                coordinates: tripled.collect(),
-                scenes: vec!["scene".into()].into(),
-                structure: Structure { dimension: 2, time_dependent: true, ..Structure::default() },
-                ..Description::default()
-            },
-        }
-    }
-
-    /// ∂a/∂q d + ∂a/∂v d' for directions d at a state with its accelerations: −M⁻¹ (∂F/∂q d + ∂F/∂v d').
-    fn along(&self, at: At<'_>, directions: [&[f64]; 2]) -> Option<[Vec<f64>; 2]> {
-        let n = self.full.len();
-        let [dq, dv] = force_slopes(&*self.full, at);
-        let factor = mass_matrix(&*self.full, at).cholesky()?;
-        Some(directions.map(|d| {
-            let (place, speed) = (DVector::from_column_slice(&d[..n]), DVector::from_column_slice(&d[n..]));
-            (-factor.solve(&(&dq * place + &dv * speed))).iter().copied().collect()
-        }))
-    }
-}
-
-fn accelerations(system: &dyn System, t: f64, y: &[f64]) -> Result<Vec<f64>, Singular> {
-    let mut a = vec![0.0; system.len()];
-    system.accelerations(At::packed(t, y, system.len()), &mut a)?;
-    Ok(a)
-}
-
-impl System for Variation {
-    fn description(&self) -> &Description {
-        &self.description
-    }
-
-    fn accelerations(&self, at: At<'_>, a: &mut [f64]) -> Result<(), Singular> {
-        let n = self.full.len();
+fn variation(full: &dyn System, without: &dyn System) -> Explicit {
+    let coordinates = &full.description().coordinates;
+    let tripled = ["", " first", " second"].into_iter().flat_map(|suffix| {
+        let named =
+            move |c: &Coordinate| Coordinate { name: format!("{}{suffix}", c.name).into(), unit: c.unit.clone() };
+        coordinates.iter().map(named)
+    });
+    let (n, full, without) = (full.len(), full.boxed_clone(), without.boxed_clone());
+    let law = move |at: At<'_>, a: &mut [f64]| {
         let part = |k: usize| [&at.q[k * n..][..n], &at.v[k * n..][..n]].concat();
         let [y, delta, z] = [0, 1, 2].map(part);
         let moved: Vec<f64> = y.iter().zip(&delta).map(|(y, delta)| y + delta).collect();
-        let own = accelerations(&*self.full, at.t, &y)?;
-        let [here, there] = [&y, &moved].map(|y| accelerations(&*self.without, at.t, y));
+        let own = accelerations(&*full, at.t, &y)?;
+        let [here, there] = [&y, &moved].map(|y| accelerations(&*without, at.t, y));
         let (here, there) = (here?, there?);
         let here_at = At::packed(at.t, &y, n).accelerated(&own);
-        let [first, second] = self.along(here_at, [&delta, &z]).ok_or(SingularMass { coordinate: 0 })?;
+        let [first, second] = along(&*full, here_at, [&delta, &z]).ok_or(SingularMass { coordinate: 0 })?;
         for i in 0..n {
             a[i] = own[i];
             a[n + i] = first[i] + (here[i] - own[i]);
             a[2 * n + i] = second[i] + (there[i] - own[i] - first[i]);
         }
         Ok(())
-    }
+    };
+    Explicit::new(tripled.collect(), law)
+}
 
-    fn mass_matrix(&self, _: At<'_>, _: &mut [f64]) {}
+/// ∂a/∂q d + ∂a/∂v d' for directions d at a state with its accelerations: −M⁻¹ (∂F/∂q d + ∂F/∂v d').
+fn along(system: &dyn System, at: At<'_>, directions: [&[f64]; 2]) -> Option<[Vec<f64>; 2]> {
+    let n = system.len();
+    let [dq, dv] = force_slopes(system, at);
+    let factor = mass_matrix(system, at).cholesky()?;
+    Some(directions.map(|d| {
+        let (place, speed) = (DVector::from_column_slice(&d[..n]), DVector::from_column_slice(&d[n..]));
+        (-factor.solve(&(&dq * place + &dv * speed))).iter().copied().collect()
+    }))
+}
 
-    fn bias(&self, at: At<'_>, h: &mut [f64]) {
-        match self.accelerations(at, h) {
-            Ok(()) => h.iter_mut().for_each(|h| *h = -*h),
-            Err(_) => h.fill(f64::NAN),
-        }
-    }
-
-    fn residual(&self, at: At<'_>, f: &mut [f64]) {
-        self.bias(at, f);
-        f.iter_mut().zip(at.a).for_each(|(f, a)| *f += a);
-    }
-
-    fn jacobians(&self, _: At<'_>, _: &mut [f64], _: &mut [f64]) {}
-
-    fn energy(&self, _: At<'_>) -> Energy {
-        Energy::from_array([0.0; 5])
-    }
-
-    fn scene(&self, _: usize) -> Scene {
-        Scene::default()
-    }
-
-    fn boxed_clone(&self) -> Box<dyn System> {
-        Box::new(self.clone())
-    }
+fn accelerations(system: &dyn System, t: f64, y: &[f64]) -> Result<Vec<f64>, Singular> {
+    let mut a = vec![0.0; system.len()];
+    system.accelerations(At::packed(t, y, system.len()), &mut a)?;
+    Ok(a)
 }

@@ -5,7 +5,7 @@ use std::fmt::{self, Write};
 use dalembert_symbolic::diagnose::Step;
 use dalembert_symbolic::file::edit::{replaced, value, with, with_at};
 
-use super::{Choice, Needs, Prediction, Proposal, Rung, Verdict};
+use super::{Choice, Law, Needs, Prediction, Proposal, Rung, Verdict};
 
 impl Needs {
     /// Every ingredient with what leaving it out changes and saves, and what follows.
@@ -172,7 +172,11 @@ fn row(rung: &Rung) -> [String; 7] {
         _ if rung.unfelt && rung.verdict == Verdict::Serves => "nothing wanted feels it".to_owned(),
         _ => rung.verdict.to_string(),
     };
-    // Of what is not proportional to the ingredient nothing is predicted.
+    let found = match rung.predicted.filter(|predicted| !predicted.holds()) {
+        Some(Prediction { law: law @ Law::Stiff { .. }, .. }) => format!("{found}; no law: {law}"),
+        _ => found,
+    };
+    // Where its law does not hold nothing is predicted.
     let predicted = rung.predicted.filter(Prediction::holds).map_or_else(dash, |predicted| part(predicted.change));
     [rung.ingredient.clone(), rung.proposal.to_string(), predicted, change, of, saving, found]
 }
@@ -199,6 +203,21 @@ impl fmt::Display for Verdict {
             Verdict::HappensOtherwise { what } => write!(f, "acts: {what}"),
             Verdict::Near { guard, margin } => write!(f, "stays: {guard} is missed by {} of its range", part(*margin)),
             Verdict::Refused { why } => write!(f, "stays: without it, {why}"),
+        }
+    }
+}
+
+/// What changes less is rounding.
+const LEAST: f64 = 1e-12;
+
+impl fmt::Display for Law {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Law::Proportional { second } => write!(f, "the second approximation adds {} of the first", part(*second)),
+            Law::Stiff { gap, vibration } if *vibration > LEAST => {
+                write!(f, "{} times faster than the rest, its vibration changes {}", times(*gap), part(*vibration))
+            }
+            Law::Stiff { gap, .. } => write!(f, "{} times faster than the rest", times(*gap)),
         }
     }
 }

@@ -1,17 +1,15 @@
-//! Every ingredient of the file, and the file without it.
+//! The file without an ingredient, and what is found of it.
 
-use dalembert_symbolic::diagnose::Step;
-use dalembert_symbolic::file::edit::keys;
 use dalembert_symbolic::lower::compile_in;
 
 use super::Unanswered;
+use super::candidate::Candidate;
 use super::deviation::{Deviation, Motion, between};
-use super::edit::{Edit, edited, entry, shown, unit_of, without_vain_claims, word};
-use super::full::{Full, MOST_COORDINATES, set};
-use super::modal::ladders;
-use super::prediction::{Prediction, predicted};
-use crate::mechanism::{At, System};
-use crate::run::plain;
+use super::edit::{Edit, edited, without_vain_claims};
+use super::full::{Full, set};
+use super::prediction::Prediction;
+use super::{below, prediction};
+use crate::mechanism::System;
 
 /// What becomes of an ingredient.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,8 +17,8 @@ use crate::run::plain;
 pub enum Proposal {
     /// It is not there.
     LeftOut,
-    /// The coordinate keeps the place at which the forces on it vanish where the scene starts, or where it is on the average,
-    /// whichever changes less.
+    /// The coordinate keeps the place at which the forces on it vanish where the scene starts, the input its value there; or where
+    /// it is on the average, whichever changes less.
     Held {
         /// The place with its unit, as the file would say.
         at: String,
@@ -70,7 +68,7 @@ pub enum Verdict {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Rung {
-    /// `springs.tyre`, `coordinates.rope`.
+    /// `springs.tyre`, `bodies.hook.inertia`, `coordinates.rope`.
     pub ingredient: String,
     /// What becomes of it.
     pub proposal: Proposal,
@@ -91,121 +89,12 @@ pub struct Rung {
     pub(super) differences: Vec<Vec<f64>>,
 }
 
-/// Sections whose entries may go one by one, and those that may as a whole.
-const ENTRIES: [&str; 6] = ["springs", "dampers", "forces", "torques", "generalized_forces", "bodies"];
-const WHOLE: [&str; 2] = ["gravity", "dissipation"];
 /// What stays this near to zero, in parts of its range, is not left to chance.
 const NEAR: f64 = 0.05;
 /// Changes that differ by less are the same.
 const ALIKE: f64 = 1.01;
 /// A guard may move by this part of how far it is from zero.
 const MOVES: f64 = 0.5;
-/// A place this small beside the range of its coordinate is 0.
-const ROUNDING: f64 = 1e-9;
-
-pub(super) struct Candidate {
-    pub ingredient: String,
-    proposal: Proposal,
-    edits: Vec<Edit>,
-}
-
-/// All that is tried, in the file's order.
-pub(super) fn proposals(full: &Full) -> Vec<Candidate> {
-    let text = &full.source;
-    let mut found = Vec::new();
-    let mut leave = |path: Vec<Step>| {
-        let edits = vec![Edit::Remove(path.clone())];
-        found.push(Candidate { ingredient: shown(&path), proposal: Proposal::LeftOut, edits });
-    };
-    for section in ENTRIES {
-        for name in keys(text, &[Step::Key(section.to_owned())]) {
-            leave(entry(section, &name));
-        }
-    }
-    for section in WHOLE.iter().filter(|section| keys(text, &[]).iter().any(|key| key == *section)) {
-        leave(vec![Step::Key((*section).to_owned())]);
-    }
-    let coordinates = &full.system.description().coordinates;
-    if coordinates.len() > 1 && coordinates.len() <= MOST_COORDINATES {
-        let own = keys(text, &[Step::Key("coordinates".to_owned())]);
-        for (index, coordinate) in
-            coordinates.iter().enumerate().filter(|(_, c)| own.iter().any(|name| c.name == *name))
-        {
-            let name = coordinate.name.to_string();
-            let ingredient = format!("coordinates.{name}");
-            let slaved = full.places[index].as_ref().filter(|place| is_plain(place)).map(|place| {
-                let moves = coordinates.iter().any(|other| word(place, &other.name).is_some()) || timed(full, place);
-                let proposal = match moves {
-                    true => Proposal::Slaved { to: place.clone() },
-                    false => Proposal::Held { at: place.clone() },
-                };
-                let edits = vec![Edit::Slave { coordinate: name.clone(), place: place.clone(), moves }];
-                Candidate { ingredient: ingredient.clone(), proposal, edits }
-            });
-            let places = [resting(full, index).unwrap_or(full.settings.q[index]), full.motion.means[index]];
-            for value in places.map(|value| rounded(value, full.motion.ranges[index])) {
-                // All units of coordinates are those of SI.
-                let at = format!("{} {}", plain(value), unit_of(text, &name)).trim_end().to_owned();
-                let edits = vec![Edit::Hold { coordinate: name.clone(), value: at.clone() }];
-                found.push(Candidate { ingredient: ingredient.clone(), proposal: Proposal::Held { at }, edits });
-            }
-            found.extend(slaved);
-        }
-    }
-    found.extend(ladders(full).into_iter().map(|modes| {
-        let (kept, of) = modes.count();
-        let ingredient = format!("coordinates.{}", modes.key);
-        Candidate { ingredient, proposal: Proposal::Modes { kept, of }, edits: vec![Edit::ByModes(modes)] }
-    }));
-    found
-}
-
-/// Whether a formula has no number in it that only a machine writes.
-fn is_plain(formula: &str) -> bool {
-    const DIGITS: usize = 5;
-    formula.split(|c: char| !c.is_ascii_digit()).all(|digits| digits.len() <= DIGITS)
-}
-
-/// Whether a place moves with time or an input.
-fn timed(full: &Full, place: &str) -> bool {
-    let mut inputs = full.system.description().inputs.iter();
-    word(place, "t").is_some() || inputs.any(|input| word(place, input).is_some())
-}
-
-/// A place to nine digits; 0 where it is that beside the range of its coordinate.
-fn rounded(value: f64, range: f64) -> f64 {
-    if value.abs() <= ROUNDING * range { 0.0 } else { format!("{value:.8e}").parse().unwrap_or(value) }
-}
-
-/// Where the force on a coordinate vanishes, the others standing where the scene starts, by secants.
-fn resting(full: &Full, index: usize) -> Option<f64> {
-    const ROUNDS: u32 = 60;
-    const SMALL: f64 = 1e-9;
-    let (system, n) = (&*full.system, full.system.len());
-    let (start, zero) = (full.settings.q[index], vec![0.0; n]);
-    let force = |z: f64| {
-        let (mut q, mut f) = (full.settings.q.clone(), vec![0.0; n]);
-        q[index] = z;
-        system.residual(At::new(full.settings.from, &q, &zero).accelerated(&zero), &mut f);
-        f[index]
-    };
-    let reach = full.motion.ranges[index].max(1e-6 * start.abs()).max(1e-9);
-    let (mut a, mut b) = (start, start + 0.1 * reach);
-    let (mut low, mut high) = (force(a), force(b));
-    let size = low.abs().max(high.abs());
-    for _ in 0..ROUNDS {
-        let next = b - high * (b - a) / (high - low);
-        if high.abs() <= SMALL * size || !next.is_finite() {
-            break;
-        }
-        (a, low) = (b, high);
-        (b, high) = (next, force(next));
-    }
-    // A place far from where it goes is none of this motion.
-    let found = high.abs() <= 1e-3 * SMALL.sqrt() * size && (b - start).abs() <= 10.0 * reach;
-    found.then_some(b)
-}
-
 /// An edited file and its answer.
 pub(super) struct Answer {
     pub text: String,
@@ -233,6 +122,15 @@ pub(super) fn answer(full: &Full, edits: &[Edit]) -> Result<Answer, String> {
 
 fn said(unanswered: &Unanswered) -> String {
     unanswered.to_string()
+}
+
+impl Rung {
+    /// Whether the file can have only one of two: what stands in a part of the other, and proposals for the same.
+    pub(super) fn excludes(&self, other: &Rung) -> bool {
+        let stands_in = |one: &str, other: &str| one.strip_prefix(other).is_some_and(|rest| rest.starts_with('.'));
+        let (one, other) = (&self.ingredient, &other.ingredient);
+        one == other || stands_in(one, other) || stands_in(other, one)
+    }
 }
 
 /// Runs a candidate.
@@ -271,10 +169,20 @@ pub(super) fn is_climbed(rungs: &[Rung], candidate: &Candidate) -> bool {
     by_modes(&candidate.proposal) && rungs.iter().any(serves)
 }
 
-/// Whether two rungs are the same coordinate held, each elsewhere.
+/// Whether two rungs are the same coordinate or input held, each elsewhere.
 pub(super) fn are_alternatives(one: &Rung, other: &Rung) -> bool {
     let is_held = |rung: &Rung| matches!(rung.proposal, Proposal::Held { .. });
     one.ingredient == other.ingredient && is_held(one) && is_held(other)
+}
+
+/// The coordinate that is held, and where, if that is a number; that follows the others, `None`.
+fn held(rung: &Rung) -> Option<(&str, Option<f64>)> {
+    let coordinate = rung.ingredient.strip_prefix("coordinates.")?;
+    match &rung.proposal {
+        Proposal::Held { at } => Some((coordinate, at.split(' ').next()?.parse().ok())),
+        Proposal::Slaved { .. } => Some((coordinate, None)),
+        Proposal::LeftOut | Proposal::Modes { .. } => None,
+    }
 }
 
 fn measure(full: &Full, rung: &mut Rung) -> Result<(), Verdict> {
@@ -283,9 +191,10 @@ fn measure(full: &Full, rung: &mut Rung) -> Result<(), Verdict> {
     rung.gone.clone_from(&answer.gone);
     let motion = Motion::of(&*answer.system, &answer.settings, full.tolerance, &full.need.outputs).map_err(refused)?;
     rung.saving = full.motion.operations / motion.operations;
-    if rung.proposal == Proposal::LeftOut {
-        rung.predicted = predicted(full, &*answer.system, &answer.settings);
-    }
+    rung.predicted = match held(rung) {
+        Some(held) => below::predicted(full, (&*answer.system, &answer.settings, &motion), held),
+        None => prediction::predicted(full, &*answer.system, &answer.settings),
+    };
     let compared = between(&full.motion, &motion, full.measure());
     let (deviation, differences) = compared.map_err(|what| Verdict::HappensOtherwise { what })?;
     let serves = deviation.largest <= full.need.within;

@@ -5,10 +5,12 @@
 //! 3. One run's error, cost and failure: look in `point.rs`; a whole curve: in `curve.rs`; what work is counted in: in `work.rs`.
 //! 4. What follows from it, in a sentence: look in `verdict.rs`; over many scenes: in `profile.rs`.
 //! 5. The charts and the table: look in `picture.rs`.
-//! 6. Where each method is stable: look in `map.rs`.
+//! 6. What a scene can do without, on the same axes: look in `fidelity.rs`.
+//! 7. Where each method is stable: look in `map.rs`.
 
 mod candidate;
 mod curve;
+mod fidelity;
 mod map;
 mod picture;
 mod point;
@@ -21,6 +23,7 @@ mod work;
 
 pub use candidate::Candidate;
 pub use curve::Curve;
+pub use fidelity::{Fidelity, Verified};
 pub use map::{Limit, StabilityMap};
 pub use point::{Measured, Pace, Point};
 pub use profile::Profile;

@@ -7,6 +7,26 @@ use crate::show::{Axis, Chart, Failure, Figure, Series};
 /// Errors over time are shown of runs whose work is within this factor of what the best takes for 1e-6.
 const ALIKE: f64 = 2.0;
 
+/// What is written of a point.
+pub(super) const COLUMNS: [&str; 16] = [
+    "scene",
+    "candidate",
+    "method",
+    "tolerance",
+    "step_s",
+    "error",
+    "work",
+    "cpu_s",
+    "evaluations",
+    "jacobians",
+    "factorizations",
+    "steps",
+    "rejected",
+    "energy_drift",
+    "residual",
+    "failure",
+];
+
 impl WorkPrecision {
     /// Work over error, time over error, and error over time of runs of about the same work.
     pub fn figure(&self) -> Figure {
@@ -88,29 +108,8 @@ impl WorkPrecision {
 
     /// All points: a line each, with the names of what is in the columns above.
     pub fn to_csv(&self) -> String {
-        let mut table = csv::Writer::from_writer(Vec::new());
-        let into_memory = "a vector in memory takes all that is written";
-        let names = [
-            "scene",
-            "candidate",
-            "method",
-            "tolerance",
-            "step_s",
-            "error",
-            "work",
-            "cpu_s",
-            "evaluations",
-            "jacobians",
-            "factorizations",
-            "steps",
-            "rejected",
-            "energy_drift",
-            "residual",
-            "failure",
-        ];
-        table.write_record(names).expect(into_memory);
-        for (curve, point) in self.curves.iter().flat_map(|curve| curve.points.iter().map(move |point| (curve, point)))
-        {
+        let points = self.curves.iter().flat_map(|curve| curve.points.iter().map(move |point| (curve, point)));
+        record(points.map(|(curve, point)| {
             let number = |value: f64| format!("{value:e}");
             let (tolerance, step) = match point.pace {
                 Pace::Tolerance(tolerance) => (number(tolerance), String::new()),
@@ -128,14 +127,22 @@ impl WorkPrecision {
                     cells.push(String::new());
                 }
                 Err(code) => {
-                    cells.resize(names.len() - 1, String::new());
+                    cells.resize(COLUMNS.len() - 1, String::new());
                     cells.push((*code).to_owned());
                 }
             }
-            table.write_record(cells).expect(into_memory);
-        }
-        String::from_utf8(table.into_inner().expect(into_memory)).expect("names and numbers are text")
+            cells
+        }))
     }
+}
+
+/// A table with these columns.
+pub(super) fn record(rows: impl Iterator<Item = Vec<String>>) -> String {
+    let mut table = csv::Writer::from_writer(Vec::new());
+    let into_memory = "a vector in memory takes all that is written";
+    table.write_record(COLUMNS).expect(into_memory);
+    rows.for_each(|cells| table.write_record(cells).expect(into_memory));
+    String::from_utf8(table.into_inner().expect(into_memory)).expect("names and numbers are text")
 }
 
 /// Crosses at the top of a chart: at the tolerance, or at the left where there is none.

@@ -1,14 +1,18 @@
 //! No more than a scene needs: what goes, what stays, and by which figures.
 
+mod adversaries;
+mod masses;
+mod stiff;
+
 use std::ops::ControlFlow;
 
 use dalembert::needs::{Choice, Need, Needs, Proposal, Question, Rung, Unanswered, Verdict};
 
-const CRANE: &str = include_str!("../needs/crane.yaml");
-const SPRING_PENDULUM: &str = include_str!("../needs/spring_pendulum.yaml");
-const QUARTER_CAR: &str = include_str!("../needs/quarter_car.yaml");
-const GEARED_ROTOR: &str = include_str!("../needs/geared_rotor.yaml");
-const HANGING_CHAIN: &str = include_str!("../needs/hanging_chain.yaml");
+const CRANE: &str = include_str!("../../needs/crane.yaml");
+const SPRING_PENDULUM: &str = include_str!("../../needs/spring_pendulum.yaml");
+const QUARTER_CAR: &str = include_str!("../../needs/quarter_car.yaml");
+const GEARED_ROTOR: &str = include_str!("../../needs/geared_rotor.yaml");
+const HANGING_CHAIN: &str = include_str!("../../needs/hanging_chain.yaml");
 
 fn asked(question: &Question) -> Result<Needs, Unanswered> {
     Needs::find(question, &mut |_| ControlFlow::Continue(()))
@@ -241,100 +245,6 @@ fn a_tolerance_is_written_where_the_file_has_none() {
     assert!(text.contains("scene: {tolerance: 1e-5, start: {x: 1}, until: 20}"), "{text}");
 }
 
-#[test]
-fn what_acts_late_or_at_resonance_stays() {
-    let late = oscillator(
-        "forces: {late: {on: b, force: \"[0.2*F*exp(-((t - 36*T)/(0.2*T))^2), 0]\"}}
-scene: {start: {x: 1}, until: 40, tolerance: 1e-8}",
-    );
-    assert_eq!(rung(&found(&late, "x"), "forces.late").verdict, Verdict::Acts);
-    let narrow = late.replace("0.2*T", "0.002*T");
-    let change = change(&found(&narrow, "x"), "forces.late");
-    assert!((2e-4..5e-4).contains(&change), "{change}");
-    let resonant = oscillator(
-        "forces: {hum: {on: b, force: \"[2e-3*F*cos(t/T), 0]\"}, push: {on: b, force: \"[0.5*F*cos(0.2*t/T), 0]\"}}
-scene: {start: {x: 0}, until: 60, tolerance: 1e-8}",
-    );
-    let needs = found(&resonant, "x");
-    assert_eq!(rung(&needs, "forces.hum").verdict, Verdict::Acts, "{}", needs.table());
-}
-
-#[test]
-fn a_bumper_that_is_nearly_touched_stays_and_one_far_away_goes() {
-    let bumper = |gap: f64| {
-        oscillator(&format!(
-            "forces: {{bumper: {{on: b, force: \"[-50*k*max(0, x - {gap}*A), 0]\"}}}}
-scene: {{start: {{x: 1}}, until: 20, tolerance: 1e-8}}"
-        ))
-    };
-    let near = found(&bumper(1.02), "x");
-    assert!(matches!(rung(&near, "forces.bumper").verdict, Verdict::Near { .. }), "{}", near.table());
-    let far = found(&bumper(3.0), "x");
-    assert_eq!(rung(&far, "forces.bumper").verdict, Verdict::Serves, "{}", far.table());
-    assert_eq!(rung(&found(&bumper(0.5), "x"), "forces.bumper").verdict, Verdict::Acts);
-}
-
-#[test]
-fn what_acts_only_through_an_event_stays() {
-    // A ball clears a wall's top by a hair, thanks to a drag that changes its path by less than that is asked to.
-    let wall = "name: Thrown
-parameters: {m: 1 kg, c: 1e-5 N*s/m, g: 10 m/s^2, top: 5 m}
-coordinates: {x: m, y: m}
-bodies: {ball: {mass: m, position: \"[x, y]\"}}
-gravity: [0, -g]
-forces: {drag: {on: ball, force: \"-c*velocity(ball)\"}}
-events: {above: {when: y - top, then: record}}
-scene: {start: {x': 1, y': 10.00001667}, until: 1.9, tolerance: 1e-10}
-";
-    let needs = found(wall, "x");
-    let verdict = &rung(&needs, "forces.drag").verdict;
-    assert!(matches!(verdict, Verdict::HappensOtherwise { .. } | Verdict::Near { .. }), "{}", needs.table());
-    let higher = found(&wall.replace("top: 5 m", "top: 4 m"), "x");
-    assert_eq!(rung(&higher, "forces.drag").verdict, Verdict::Serves, "{}", higher.table());
-}
-
-#[test]
-fn supports_that_stand_in_for_each_other_do_not_go_together() {
-    // The base moves, so that the block cannot be held instead; and no formula says where it follows.
-    let supported = "name: Held
-parameters: {m: 1 kg, k: 1e5 N/m, g: 10 m/s^2, L: 1 m, A: 0.3 m, w: 2 1/s}
-coordinates: {theta: rad, x: m}
-inputs: {u: A*(1 - cos(w*t))}
-bodies:
-  block: {mass: m, position: \"[x, 0]\"}
-  bob: {mass: 0.1*m, position: \"[x + L*sin(theta), -L*cos(theta)]\"}
-gravity: [0, -g]
-springs:
-  one: {stretch: x - u + (x - u)^3/L^2, stiffness: k, along: \"[1, 0]\", on: block}
-  other: {stretch: x - u + (x - u)^3/L^2, stiffness: k, along: \"[1, 0]\", on: block}
-outputs: {swing: theta}
-scene: {start: {theta: 0.2}, until: 5, tolerance: 1e-8}
-";
-    let needs = found(supported, "swing");
-    for ingredient in ["springs.one", "springs.other"] {
-        let alone = change(&needs, ingredient);
-        assert!(alone < 3e-4, "{ingredient}: {alone}");
-    }
-    let choice = chosen(&needs);
-    let both = ["springs.one", "springs.other"].map(|name| choice.members.contains(&name.to_owned()));
-    assert!(both[0] != both[1], "{}", needs.table());
-    assert!(choice.verified <= 1e-3, "{}", needs.table());
-    holds(supported, &needs);
-}
-
-#[test]
-fn a_scene_that_forgets_its_start_is_not_reduced() {
-    let text = include_str!("../../models/double_pendulum.yaml");
-    let wild = Question { need: Some(Need { outputs: Vec::new(), within: 1e-3 }), ..Question::new(text) };
-    match asked(&wild) {
-        Ok(needs) => {
-            assert!(needs.rungs.is_empty() && needs.promised_until.is_some(), "{}", needs.table());
-            assert!(needs.choice.is_none_or(|choice| choice.members.is_empty()));
-        }
-        Err(unanswered) => assert!(matches!(unanswered, Unanswered::NotKnown { .. }), "{unanswered}"),
-    }
-}
-
 /// What the program prints, or what it says is wrong.
 fn told(arguments: &[&str]) -> Result<String, String> {
     let mut out = Vec::new();
@@ -378,6 +288,48 @@ fn the_command_writes_a_file_that_runs() {
     // A scene that is minimal already: only its tolerance is more than is asked for.
     let minimal = told(&["needs", "cart_pendulum", "--write", &path("none.yaml")]).expect("an answer");
     assert!(minimal.contains("the model stays as it is, at a tolerance of 1e-5"), "{minimal}");
+}
+
+#[test]
+fn a_chart_has_a_point_for_every_rung() {
+    let folder = std::env::temp_dir().join(format!("dalembert-rungs-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let path = |name: &str| folder.join(name).to_str().expect("a path").to_owned();
+    let (file, svg, csv) = (path("pendulum.yaml"), path("chart.svg"), path("chart.csv"));
+    std::fs::write(&file, SPRING_PENDULUM).expect("a file");
+    let chart = |more: &[&str]| {
+        let arguments = ["chart", &file, "--until", "3", "--methods", "dop853", "--plot", &svg, "--csv", &csv];
+        told(&[arguments.as_slice(), more].concat())
+    };
+    let said = chart(&["--needs", "angle,side", "--within", "2e-3"]).expect("an answer");
+    assert!(
+        said.contains("what the scene can do without:\nit does without forces.drag and with coordinates.r held at"),
+        "{said}"
+    );
+    let drawn = std::fs::read_to_string(&svg).expect("a picture");
+    let table = std::fs::read_to_string(&csv).expect("a table");
+    let places = |name: &str| -> Vec<[f64; 2]> {
+        let rows =
+            table.lines().filter_map(|line| line.strip_prefix(&format!("SpringPendulum: what is left out,{name},")));
+        rows.map(|row| [3, 4].map(|cell| row.split(',').nth(cell).expect("a cell").parse().expect("a number")))
+            .collect()
+    };
+    for name in ["r held", "forces.drag", "springs.cord", "what may go together"] {
+        assert!(drawn.contains(name) && places(name).len() == 1, "{name} in\n{table}");
+    }
+    // The full model: ever more work for ever smaller errors; of one rung its own.
+    let full = places("the full model");
+    assert!(
+        full.len() >= 4 && full.windows(2).all(|pair| pair[1][0] < pair[0][0] && pair[1][1] > pair[0][1]),
+        "{full:?}"
+    );
+    let [error, work] = places("r held")[0];
+    assert!((1e-4..2e-3).contains(&error) && work < 0.05 * full[full.len() - 1][1], "{error} {work}");
+    // By itself it has what the scene needs; a file that says nothing is not asked.
+    assert!(chart(&[]).expect("an answer").contains("off by"));
+    std::fs::write(&file, SPRING_PENDULUM.replace("  needs: {outputs: [angle], within: 1e-3}", "")).expect("a file");
+    assert!(!chart(&[]).expect("an answer").contains("what the scene can do without"));
+    assert!(chart(&["--needs", "angel"]).expect_err("a refusal").contains("`angel`"));
 }
 
 #[test]
