@@ -145,6 +145,18 @@ fn longer_runs_of_linear_systems_allocate_no_more() {
     assert!(long <= short + 60, "allocations: {short} of {few} steps, {long} of {many}");
 }
 
+#[test]
+fn longer_runs_of_driven_linear_systems_allocate_no_more() {
+    let mut toy = Toy::new(&["x"], (&[0.0], &[0.0]), 1.0, |t, q, _, _, a| a[0] = t.sin() - q[0]);
+    toy.jacobian = std::sync::Arc::new(|_, _, _, dq, dv| (dq[0], dv[0]) = (1.0, 0.0));
+    (toy.description.structure.linear, toy.description.structure.time_dependent) = (true, true);
+    let set = |settings: &mut Settings| (settings.method, settings.dense) = (Method::Exact, false);
+    let ((short, few), (long, many)) = (count(&toy, 200.0, set), count(&toy, 2000.0, set));
+    assert!(many > 8 * few, "{few} and {many} steps");
+    // Matrices are made for each new length, of which the way to one's steps has a few.
+    assert!(long <= short + 400, "allocations: {short} of {few} steps, {long} of {many}");
+}
+
 /// With constraints the Jacobians of the whole system are solved for in room that is there, and so are the multipliers of
 /// RATTLE.  `rodas5p` evaluates Jacobians in every step: not with a [`Toy`], whose own mass matrix is a list that it makes anew.
 #[test]

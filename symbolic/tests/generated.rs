@@ -73,6 +73,8 @@ struct Judge {
     faults: Vec<String>,
     /// Every name that is bound in a function.
     bound: BTreeSet<String>,
+    /// Those that are numbers of the block of constants: `let m = c[0]`, `let (m, g) = (c[0], c[2])`.
+    constants: BTreeSet<String>,
     /// How many functions are around.
     depth: usize,
     /// Functions inside functions.
@@ -119,6 +121,18 @@ impl<'ast> Visit<'ast> for Judge {
     fn visit_local(&mut self, node: &'ast syn::Local) {
         if matches!(node.pat, syn::Pat::Wild(_)) {
             self.faults.push("`let _ =`".to_owned());
+        }
+        let of_block = |value: &syn::Expr| matches!(value, syn::Expr::Index(index) if matches!(&*index.expr, syn::Expr::Path(path) if path.path.is_ident("c")));
+        let named = |name: &syn::Pat| match name {
+            syn::Pat::Ident(name) => Some(name.ident.to_string()),
+            _ => None,
+        };
+        match (&node.pat, node.init.as_ref().map(|init| &*init.expr)) {
+            (name, Some(value)) if of_block(value) => self.constants.extend(named(name)),
+            (syn::Pat::Tuple(names), Some(syn::Expr::Tuple(values))) if values.elems.iter().all(of_block) => {
+                self.constants.extend(names.elems.iter().filter_map(named));
+            }
+            _ => {}
         }
         visit::visit_local(self, node);
     }
@@ -205,7 +219,13 @@ fn judge(program: &Program) -> BTreeSet<String> {
     let meant = FUNCTIONS.iter().filter(|name| !of_parts(name) || !program.parts.is_empty());
     assert_eq!((of.as_str(), functions), ("Mechanism", meant.map(|s| (*s).to_owned()).collect()));
     assert_eq!(blocks.next(), None);
-    judge.bound
+    let mut bound = judge.bound;
+    // And their sines and cosines.
+    let angle =
+        |name: &str| name.trim_start_matches("sin_").trim_start_matches("cos_").trim_end_matches('_').to_owned();
+    let angles: BTreeSet<String> = judge.constants.iter().map(|name| name.trim_end_matches('_').to_owned()).collect();
+    bound.retain(|name| !judge.constants.contains(name) && !angles.contains(&angle(name)));
+    bound
 }
 
 fn models() -> Vec<(String, String)> {

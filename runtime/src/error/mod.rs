@@ -114,8 +114,6 @@ pub enum Nonlinear {
     Constraints,
     /// The equations of motion are not linear, or their coefficients change.
     Coefficients,
-    /// The equations of motion depend on time.
-    Time,
 }
 
 impl fmt::Display for Nonlinear {
@@ -123,7 +121,6 @@ impl fmt::Display for Nonlinear {
         f.write_str(match self {
             Nonlinear::Constraints => "it has constraints",
             Nonlinear::Coefficients => "its equations of motion are not linear with constant coefficients",
-            Nonlinear::Time => "its equations of motion depend on time",
         })
     }
 }

@@ -12,8 +12,8 @@ use crate::mechanism::{Argument, At, Role, System, Watched};
 /// The arguments of the equations of motion.
 #[derive(Clone, Debug)]
 pub(crate) struct Monitors {
-    /// Those that depend on the state; of a power's also by which factor it may change.
-    of_state: Vec<(usize, f64)>,
+    /// Those that depend on the state: place and role; of a power's also by which factor it may change.
+    of_state: Vec<(usize, Role, f64)>,
     /// Those that depend on time alone, and are known before a step.
     of_time: Vec<usize>,
     /// Squared distances along which forces act, with the largest they had.
@@ -80,7 +80,10 @@ impl Monitors {
         let distances = system.description().arguments.iter().enumerate();
         let distances = distances.filter(|(_, argument)| argument.role == Role::Distance);
         Monitors {
-            of_state: places(of_state).into_iter().map(|place| (place, ratio(arguments[place].role, part))).collect(),
+            of_state: of_state
+                .into_iter()
+                .map(|(place, argument)| (place, argument.role, ratio(argument.role, part)))
+                .collect(),
             of_time: places(of_time),
             distances: distances.map(|(place, _)| (place, 0.0)).collect(),
             unfollowed: 0,
@@ -109,7 +112,7 @@ impl Monitors {
         if self.of_state.is_empty() && self.distances.is_empty() {
             return true;
         }
-        let n = system.len();
+        let n = start.y.len() / 2;
         let pairs = |t: f64, state: Reached<'_>, pairs: &mut [f64]| {
             system.arguments(At::packed(t, state.y, n).accelerated(&state.rate[n..]), pairs);
         };
@@ -124,13 +127,11 @@ impl Monitors {
             return false;
         }
         let h = next - t;
-        let arguments = &system.description().arguments;
         let ends = |index: usize| {
             let pair = |pairs: &[f64]| (pairs[2 * index], pairs[2 * index + 1]);
             (pair(&self.start), pair(&self.end))
         };
-        let still =
-            |(index, ratio): &(usize, f64)| keeps_clear(arguments[*index].role, *ratio, self.part, h, ends(*index));
+        let still = |(index, role, ratio): &(usize, Role, f64)| keeps_clear(*role, *ratio, self.part, h, ends(*index));
         let far = |(index, _): &(usize, f64)| keeps_clear(Role::Distance, 0.0, self.part, h, ends(*index));
         let calm = self.of_state.iter().all(still) && self.distances.iter().all(far);
         for (index, largest) in &mut self.distances {
@@ -196,7 +197,7 @@ impl Monitors {
 
     /// Where in a step that was tried it has to be cut; `None`: nowhere.
     pub fn cut<S: System + ?Sized>(&self, arguments: &mut Arguments, system: &S, course: &Course<'_>) -> Option<f64> {
-        first((self.of_state.iter().map(|(place, _)| *place), self.part), arguments, system, course)
+        first((self.of_state.iter().map(|(place, ..)| *place), self.part), arguments, system, course)
     }
 }
 

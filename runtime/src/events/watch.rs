@@ -158,6 +158,11 @@ impl Watch {
         self.stops.next().min(until)
     }
 
+    /// The times at which steps must end, as far as they are known yet.
+    pub fn stop_times(&self) -> Vec<f64> {
+        self.stops.list.iter().rev().map(|stop| stop.t).collect()
+    }
+
     /// The longest step from t, at most h seconds, that meets no feature of time alone.
     pub fn ahead<S: System + ?Sized>(&mut self, system: &S, t: f64, h: f64) -> f64 {
         self.monitors.ahead(&mut self.arguments, system, t, h).map_or(h, |theta| theta * h)

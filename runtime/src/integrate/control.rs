@@ -59,12 +59,12 @@ impl StepControl {
     pub fn accepted(&mut self, h: f64, error: f64) -> f64 {
         let Control { shrink, grow, .. } = self.constants;
         let (own, (before, step)) = (self.power(error), self.previous);
-        let grew = if step > 0.0 { (own * step / (before * h)).max(1.0) } else { 1.0 };
-        let factor = (own * grew / Self::SAFETY).clamp(1.0 / grow, 1.0 / shrink);
-        let limit = if self.rejected { 1.0 } else { f64::INFINITY };
+        let grew = if step > 0.0 { (own * (step / (before * h))).max(1.0) } else { 1.0 };
+        let least = if self.rejected { 1.0 } else { 1.0 / grow };
+        let factor = (own * grew * (1.0 / Self::SAFETY)).clamp(least, 1.0 / shrink);
         self.previous = (own.max(self.least), h);
         (self.rejected, self.first) = (false, false);
-        h * (1.0 / factor).min(limit)
+        h / factor
     }
 
     /// The step to try after one of h was rejected with this error (more than 1, or not finite).

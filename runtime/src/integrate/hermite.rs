@@ -11,7 +11,7 @@ pub(crate) const BY_MIDDLE: usize = 9;
 ///
 /// Its error is O(h⁶) in q and O(h⁵) in q', and costs no evaluation.
 pub(crate) fn write_by_ends(h: f64, ends: [Reached<'_>; 2], pieces: &mut [f64]) {
-    write(h, ends, pieces, |_, _| ());
+    write(h, ends, differ(ends), pieces, |_, _| ());
 }
 
 /// q is the polynomial of degree 8 through (q, q', q'') at both ends of a step of h and in its middle, q' its
@@ -21,19 +21,37 @@ pub(crate) fn write_by_ends(h: f64, ends: [Reached<'_>; 2], pieces: &mut [f64]) 
 pub(crate) fn write_by_middle(h: f64, ends: [Reached<'_>; 2], middle: (&[f64], &[f64]), pieces: &mut [f64]) {
     let n = ends[0].y.len() / 2;
     let (y, rate) = middle;
-    write(h, ends, pieces, |i, nested| correct(nested, [y[i], h * y[n + i], h * h * rate[n + i]]));
+    write(h, ends, differ(ends), pieces, |i, nested| correct(nested, [y[i], h * y[n + i], h * h * rate[n + i]]));
 }
 
 /// q is the polynomial of degree 8 through (q, q', q'') at both ends of a step of h that has these q'' at points (θ, q'')
 /// between them, 1/2 − s, 1/2 and 1/2 + s; q' is its derivative.
 ///
-/// Its error is O(h⁹) in q and O(h⁸) in q' where those of q'' are O(h⁷).
-pub(crate) fn write_by_bends(h: f64, ends: [Reached<'_>; 2], bends: [(f64, &[f64]); 3], pieces: &mut [f64]) {
-    write(h, ends, pieces, |i, nested| bend(nested, bends.map(|(theta, q2)| (theta, h * h * q2[i]))));
+/// Its error is O(h⁹) in q and O(h⁸) in q' where those of q'' are O(h⁷).  `change` is what the step adds to each coordinate: between ends
+/// that are rounded it is known to ε|q| only, of which the derivative would be ε|q|/h, the more the shorter the step.
+pub(crate) fn write_by_bends(
+    h: f64,
+    ends: [Reached<'_>; 2],
+    change: impl Fn(usize) -> f64,
+    bends: [(f64, &[f64]); 3],
+    pieces: &mut [f64],
+) {
+    write(h, ends, change, pieces, |i, nested| bend(nested, bends.map(|(theta, q2)| (theta, h * h * q2[i]))));
+}
+
+/// The change of each coordinate between two ends as they are.
+fn differ(ends: [Reached<'_>; 2]) -> impl Fn(usize) -> f64 {
+    move |i| ends[1].y[i] - ends[0].y[i]
 }
 
 /// What is known between the ends completes the polynomial of each coordinate.
-fn write(h: f64, ends: [Reached<'_>; 2], pieces: &mut [f64], complete: impl Fn(usize, &mut [f64; BY_MIDDLE])) {
+fn write(
+    h: f64,
+    ends: [Reached<'_>; 2],
+    change: impl Fn(usize) -> f64,
+    pieces: &mut [f64],
+    complete: impl Fn(usize, &mut [f64; BY_MIDDLE]),
+) {
     let width = ends[0].y.len();
     let n = width / 2;
     let count = pieces.len().checked_div(width).unwrap_or(0);
@@ -42,13 +60,14 @@ fn write(h: f64, ends: [Reached<'_>; 2], pieces: &mut [f64], complete: impl Fn(u
         let knot = |y: &[f64], rate: &[f64]| [y[i], h * y[n + i], h * h * rate[n + i]];
         let [start, end] = ends.map(|end| knot(end.y, end.rate));
         let mut nested = [0.0; BY_MIDDLE];
-        nested[..BY_ENDS].copy_from_slice(&quintic(start, end));
+        nested[..BY_ENDS].copy_from_slice(&quintic(start, change(i), end));
         complete(i, &mut nested);
         let mut slope = derivative(&nested);
         slope.iter_mut().for_each(|r| *r /= h);
         // The ends are met to the last digit.
         slope[0] = ends[0].y[n + i];
         slope[1] = ends[1].y[n + i] - ends[0].y[n + i];
+        nested[1] = end[0] - start[0];
         for (k, (place, speed)) in nested.iter().zip(slope).take(count).enumerate() {
             pieces[k * width + i] = *place;
             pieces[k * width + n + i] = speed;
@@ -56,9 +75,8 @@ fn write(h: f64, ends: [Reached<'_>; 2], pieces: &mut [f64], complete: impl Fn(u
     }
 }
 
-/// r₀ … r₅ from values, slopes and second derivatives at θ = 0 and 1.
-fn quintic(start: [f64; 3], end: [f64; 3]) -> [f64; BY_ENDS] {
-    let change = end[0] - start[0];
+/// r₀ … r₅ from values, slopes and second derivatives at θ = 0 and 1, between which the values change by so much.
+fn quintic(start: [f64; 3], change: f64, end: [f64; 3]) -> [f64; BY_ENDS] {
     let (r2, r3) = (start[1] - change, 2.0 * change - start[1] - end[1]);
     let r4 = 0.5 * start[2] + r2 - r3;
     [start[0], change, r2, r3, r4, 0.5 * end[2] + r2 + 2.0 * r3 - r4]
@@ -181,7 +199,13 @@ mod tests {
             let ends = [&start, &end].map(|(y, rate)| Reached { y, rate, work: 0.0 });
             let points = [0.3, 0.5, 0.7].map(|theta| (theta, [a(1.0 + theta * h)]));
             let mut pieces = [0.0; 2 * BY_MIDDLE];
-            write_by_bends(h, ends, [0, 1, 2].map(|k| (points[k].0, points[k].1.as_slice())), &mut pieces);
+            write_by_bends(
+                h,
+                ends,
+                differ(ends),
+                [0, 1, 2].map(|k| (points[k].0, points[k].1.as_slice())),
+                &mut pieces,
+            );
             let mut out = [0.0; 2];
             Segment { t: 1.0, h, width: 2, pieces: &pieces }.evaluate(0.4, &mut out);
             let (place, speed) = ((out[0] - q(1.2)).abs(), (out[1] - v(1.2)).abs());

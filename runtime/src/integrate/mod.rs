@@ -35,7 +35,7 @@ pub(crate) use block::Block;
 pub(crate) use choose::{order, stability, stepper};
 
 pub(crate) use clock::Clock;
-pub(crate) use exact::{fastest_rate, longest_step, operations as operations_of_exact};
+pub(crate) use exact::{LENGTHS as LENGTHS_OF_EXACT, fastest_rate, longest_step, operations as operations_of_exact};
 
 pub(crate) use control::{Control, NO_CONTROL, StepControl, first_step};
 #[cfg(feature = "ensemble")]
@@ -87,6 +87,12 @@ pub(crate) trait OneStep: Send {
     /// The estimated errors of all components of the step that was tried with a tolerance.
     fn errors(&self) -> &[f64];
 
+    /// The longest step that the method takes with the tolerance of the last trial, s, where each length of a step costs something: steps
+    /// are then this one, halved so and so often.
+    fn longest(&self) -> f64 {
+        f64::INFINITY
+    }
+
     /// Takes the step that was tried; adds what rounding took from it to the next one if `compensated`.
     fn accept(&mut self, compensated: bool);
 
@@ -95,8 +101,9 @@ pub(crate) trait OneStep: Send {
         false
     }
 
-    /// h‖Δf‖/‖Δy‖ near the end of the step, an estimate of h|λ| of the stiffest mode; after the rate at the end.
-    fn stiffness(&self, h: f64) -> f64;
+    /// h‖Δf‖/‖Δy‖ near the end of the step, an estimate of h|λ| of the stiffest mode, or 0 where that is less than `least`;
+    /// after the rate at the end.
+    fn stiffness(&self, h: f64, least: f64) -> f64;
 
     /// Overwrites a defect of the dense output, [q; q'], with what it does to a state: where equations are stiff, less.
     fn damp(&self, defect: &mut [f64]) {

@@ -16,6 +16,11 @@ impl StiffnessDetector {
         StiffnessDetector { limit, near: 0, away: 0 }
     }
 
+    /// What h|λ| says something from: the dense output of such steps is poor.
+    pub fn least(&self) -> f64 {
+        0.25 * self.limit
+    }
+
     /// Notes a step; true once fifteen were near the limit, with fewer than six others in a row between them.
     pub fn observe(&mut self, step_times_rate: f64) -> bool {
         if step_times_rate > self.limit {

@@ -50,6 +50,7 @@ impl March {
     ///
     /// In this order, since each reads what the one before has cleared: the error test; the defect of the dense output,
     /// which halves; features that arguments of local functions reveal, which cut.
+    #[inline]
     pub(super) fn sound(
         &mut self,
         system: &dyn System,
@@ -57,8 +58,13 @@ impl March {
         watch: &mut Option<Box<Watch>>,
         recorder: &Recorder,
     ) -> Result<(Step, bool), Box<Cause>> {
-        for _ in 0..RETRIES {
+        let mut retries = 0;
+        loop {
             let step = self.attempt(system, stop, most, watch)?;
+            if retries == RETRIES {
+                self.dense(system, step)?;
+                return Ok((step, true));
+            }
             if most.is_finite() {
                 // Shorter steps that follow one cut before a feature say nothing about the acceleration.
                 self.jumps.restart();
@@ -86,11 +92,9 @@ impl March {
                 self.meets(system, step, watch)?;
                 return Ok((step, true));
             }
+            retries += 1;
             self.work.retries += 1;
         }
-        let step = self.attempt(system, stop, most, watch)?;
-        self.dense(system, step)?;
-        Ok((step, true))
     }
 
     /// How long a step is to be instead, s, that jumps over a feature; what times cannot resolve cuts none.
@@ -136,7 +140,7 @@ impl March {
     /// True where the dense output of the step that was tried is far from fulfilling the equations.
     fn lies(&mut self, system: &dyn System, step: Step) -> Result<bool, Box<Cause>> {
         // Where stability limits the step, dense output is poor and says nothing.
-        if self.step_times_rate > 0.25 * self.stepper.control().stiff {
+        if self.step_times_rate > self.stiffness.least() {
             return Ok(false);
         }
         // An evaluation more is dear to a method whose steps have few: its long steps only.

@@ -347,6 +347,7 @@ impl March {
     /// Tries steps until one is good.
     ///
     /// None is longer than `most` seconds; one that would be is taken of just that length.
+    #[inline]
     fn attempt(
         &mut self,
         system: &dyn System,
@@ -394,7 +395,7 @@ impl March {
                     let error = *outcome.as_ref().unwrap_or(&f64::NAN);
                     if error <= 1.0 {
                         // Dense output makes other stages in the place of these.
-                        self.step_times_rate = self.stepper.stiffness(h);
+                        self.step_times_rate = self.stepper.stiffness(h, self.stiffness.least());
                         self.look_for_jumps(system, step)?;
                         let proposal = self.control.accepted(h, error);
                         // A step cut short by a stop says nothing against the longer one before it.
@@ -439,15 +440,21 @@ impl March {
                 }
             }
             Pace::Adaptive { longest, .. } => {
-                let h = self.h.min(*longest);
+                let longest = longest.min(self.stepper.longest());
+                let h = self.h.min(longest);
                 if left <= 1.01 * h && !self.divides() {
                     return Step { h: left, next: stop, lands: true };
                 }
                 let part = if self.unlike { UNEVEN } else { 0.5 };
-                let h = if left < 2.0 * h { part * left } else { h };
+                let h = if left < 2.0 * h { part * left } else { self.halved(longest, h) };
                 Step { h, next: self.clock.after(h), lands: false }
             }
         }
+    }
+
+    /// The length of a step that may be h: where lengths cost something the longest one halved until it is no longer than that.
+    fn halved(&self, longest: f64, h: f64) -> f64 {
+        if self.stepper.longest().is_finite() { longest * (-(longest / h).log2().ceil()).exp2() } else { h }
     }
 
     /// Whether the way to the next stop is still to be divided, however short it is.

@@ -348,7 +348,7 @@ pub struct Structure {
     pub mass_blocks: List<u32>,
     /// M is constant, and h depends on no speed, not by way of a discontinuity either: kicks and drifts can be done in turn.
     pub separable: bool,
-    /// The equations of motion are linear with constant coefficients.
+    /// The equations of motion are linear with constant coefficients; time may drive them, and switch what drives them.
     pub linear: bool,
     /// No force lacks a potential and no explicit time: the energy balance needs no work.
     pub conservative: bool,
@@ -365,7 +365,9 @@ pub struct Part {
     pub coordinates: List<u32>,
     /// Its equations of motion are linear with constant coefficients.
     pub linear: bool,
-    /// They depend on time explicitly.
+    /// Its part of M is constant, and its forces depend on no speed.
+    pub separable: bool,
+    /// Its equations depend on time explicitly.
     pub time_dependent: bool,
     /// No force on it lacks a potential and no explicit time.
     pub conservative: bool,

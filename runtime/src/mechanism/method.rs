@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use super::Structure;
+
 /// A method of integration.
 ///
 /// | name | order | for | step | evaluations a step | vibrations are stable |
@@ -20,9 +22,10 @@ use std::str::FromStr;
 /// | `gauss2`, `gauss4`, `gauss6` | 2, 4, 6 | all, symplectic | fixed | by iteration | always |
 /// | `radau5` | 5 | stiff motions | by the tolerance | by iteration | always, damped |
 /// | `rodas5p` | 5 | stiff motions | by the tolerance | 8 | always, damped |
-/// | `exact` | - | linear systems with constant coefficients | fixed | 0 | as the motion is |
+/// | `exact` | - | linear systems with constant coefficients | fixed; driven: by the tolerance | 0; driven: 8 | as the motion is |
 ///
-/// `exact` multiplies by e^{Ah}; its step is as long as a polynomial between its ends is exact to the tolerance.  A system is separable where M is constant and forces do not depend on speeds, nor switch with them.
+/// `exact` multiplies by e^{Ah}; its step is as long as a polynomial between its ends is exact to the tolerance, and as one of degree 8
+/// follows what drives the system.  A system is separable where M is constant and forces do not depend on speeds, nor switch with them.
 /// Where constraints contain no speeds, `verlet` is RATTLE (`rattle` is another name of it), and `suzuki4` and `kahanli8` are its
 /// compositions of order 4 and 8: places and speeds keep the constraints to rounding, and nothing is projected.
 /// Symplectic methods keep the energy of a conservative motion within a band, however long it is, as long as their step does
@@ -65,11 +68,13 @@ pub enum Method {
     Radau5,
     /// Steinebach's Rosenbrock method, order 5, for stiff motions, with error control; a fixed step if one is given.
     Rodas5P,
-    /// The exponential of a linear system with constant coefficients, exact to rounding; a fixed step.
+    /// The exponential of a linear system with constant coefficients, exact to rounding at a fixed step; with error control where it
+    /// is driven, a fixed step if one is given.
     Exact,
     /// The one that suits: [`Method::Rk4`] where a step is given; [`Method::Exact`] for linear systems with constant
-    /// coefficients, for long enough; [`Method::Rodas5P`] where what decays at the start is much faster than what vibrates; else
-    /// [`Method::Dop853`], or [`Method::Dopri5`] for tolerances above 10⁻⁴.
+    /// coefficients, for long enough; [`Method::Rodas5P`] where what decays at the start is much faster than what vibrates;
+    /// [`Method::Rkn8`] for separable systems without constraints; else [`Method::Dop853`], or [`Method::Dopri5`] for tolerances
+    /// above 10⁻⁴.
     #[default]
     Auto,
 }
@@ -139,7 +144,8 @@ impl Method {
         self.splits() || matches!(self, Method::Gauss2 | Method::Gauss4 | Method::Gauss6)
     }
 
-    /// True when the method keeps one step, and finds it from the tolerance where none is given.
+    /// True when the method keeps one step, and finds it from the tolerance where none is given; `exact` only where nothing drives
+    /// the mechanism.
     pub fn finds_step(self) -> bool {
         self.is_symplectic() || self == Method::Exact
     }
@@ -147,6 +153,11 @@ impl Method {
     /// True when the method chooses its steps itself.
     pub fn is_adaptive(self) -> bool {
         matches!(self, Method::Dopri5 | Method::Dop853 | Method::Rkn8 | Method::Radau5 | Method::Rodas5P | Method::Auto)
+    }
+
+    /// True when the method chooses its steps itself for a mechanism of this structure.
+    pub(crate) fn adapts_to(self, structure: &Structure) -> bool {
+        self.is_adaptive() || self == Method::Exact && structure.time_dependent
     }
 }
 

@@ -35,8 +35,8 @@ impl Curve {
         let method = candidate.settings.method;
         let springs = matches!(candidate.settings.enforcement, Enforcement::Springs { .. });
         let mut curve = Curve { name: candidate.name.clone(), method, points: Vec::new() };
-        let mut pace =
-            if method.is_adaptive() { Pace::Tolerance(LOOSEST) } else { Pace::Step(reference.longest_step()) };
+        let adapts = method.adapts_to(&system.description().structure);
+        let mut pace = if adapts { Pace::Tolerance(LOOSEST) } else { Pace::Step(reference.longest_step()) };
         for _ in 0..MOST {
             let Some(point) = Point::measure(&mut *system, candidate, pace, reference, repetitions)? else { break };
             let at_floor = point.outcome.as_ref().is_ok_and(|found| found.error <= reference.floor());

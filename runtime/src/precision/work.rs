@@ -41,7 +41,7 @@ impl WorkUnits {
         };
         let elimination = complex * 2.0 * n.powi(3) / 3.0;
         let (factorization, step) = match method {
-            Method::Exact => operations_of_exact(system.len()),
+            Method::Exact => operations_of_exact(system.len(), description.structure.time_dependent),
             method if method.is_of_verlet_steps() => {
                 (2.0 * m.powi(3) / 3.0 + 2.0 * n * m * (n + m) + 2.0 * solution, 0.0)
             }

@@ -31,7 +31,7 @@ impl Names {
 fn components(name: &str, count: u32) -> Vec<String> {
     match count {
         1 => vec![name.to_owned()],
-        _ => ["x", "y", "z"].iter().take(count as usize).map(|axis| format!("{name}.{axis}")).collect(),
+        _ => ["x", "y", "z"].iter().take(count as usize).map(|axis| [name, ".", axis].concat()).collect(),
     }
 }
 

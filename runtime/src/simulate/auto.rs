@@ -1,7 +1,8 @@
 //! What `auto` stands for.
 
 use super::Settings;
-use crate::integrate::{fastest_rate, operations_of_exact};
+use crate::events::Watch;
+use crate::integrate::{LENGTHS_OF_EXACT, fastest_rate, longest_step, operations_of_exact};
 use crate::mechanism::{AccelerationSlopes, At, Method, System};
 use crate::trust::rates;
 
@@ -27,6 +28,15 @@ const RESOLVED: f64 = 1.0;
 const A_RADIAN: f64 = 2.7;
 const GAIN: f64 = 0.115;
 
+/// `exact` evaluates a force so often a step; it makes matrices of so many lengths before it has found one, and so many for each
+/// length of time between two breaks, which are alike to that part of themselves; an explicit method takes so many evaluations more
+/// for each.
+const EVALUATIONS_A_STEP: f64 = 9.0;
+const FIRST_LENGTHS: f64 = 4.0;
+const LENGTHS_A_BREAK: f64 = 2.0;
+const ALIKE: f64 = 1e-9;
+const AT_A_BREAK: f64 = 12.0;
+
 /// The method of the settings, or the one that suits the system, the tolerance and how long it runs from y.
 pub(super) fn choose(settings: &Settings, system: &dyn System, y: &[f64]) -> Choice {
     let because = |method, why| Choice { method, why: Some(why) };
@@ -36,17 +46,20 @@ pub(super) fn choose(settings: &Settings, system: &dyn System, y: &[f64]) -> Cho
         Method::Auto if settings.step.is_some() => because(Method::Rk4, "a step is given"),
         Method::Auto
             if structure.linear
-                && !structure.time_dependent
                 && description.rows.is_empty()
-                && description.switches.is_empty()
                 && system.derivation().is_none()
                 && system.len() <= LARGEST
                 && exact_pays(settings, system, y) =>
         {
-            because(Method::Exact, "linear with constant coefficients, for long enough")
+            let driven = "linear with constant coefficients, driven by time alone, for long enough";
+            let free = "linear with constant coefficients, for long enough";
+            because(Method::Exact, if structure.time_dependent { driven } else { free })
         }
         Method::Auto if is_stiff(settings, system, y) => {
             because(Method::Rodas5P, "what decays at the start is much faster than what vibrates")
+        }
+        Method::Auto if structure.separable && description.rows.is_empty() => {
+            because(Method::Rkn8, "M is constant and no force depends on speeds")
         }
         Method::Auto if settings.tolerance > LOOSE => because(Method::Dopri5, "the tolerance is loose"),
         Method::Auto => because(Method::Dop853, "nothing is stiff, and the tolerance is not loose"),
@@ -58,11 +71,43 @@ pub(super) fn choose(settings: &Settings, system: &dyn System, y: &[f64]) -> Cho
 fn exact_pays(settings: &Settings, system: &dyn System, y: &[f64]) -> bool {
     let (n, span) = (system.len(), settings.until - settings.from);
     let Ok(rate) = fastest_rate(system, settings.from, y) else { return false };
-    let counted = f64::from(system.description().counts.accelerations);
+    let description = system.description();
+    let counted = f64::from(description.counts.accelerations);
     let evaluation = if counted > 0.0 { counted } else { 10.0 * n as f64 };
-    let (exponential, step) = operations_of_exact(n);
-    let exact = (exponential + step * span * rate / RESOLVED) / evaluation;
-    exact < span * rate * A_RADIAN * settings.tolerance.powf(-GAIN)
+    let driven = description.structure.time_dependent;
+    let (exponential, step) = operations_of_exact(n, driven);
+    let explicit = span * rate * A_RADIAN * settings.tolerance.powf(-GAIN);
+    if !driven {
+        return (exponential + step * span * rate / RESOLVED) / evaluation < explicit;
+    }
+    let (Some(Breaks { times, lengths }), Ok(longest)) =
+        (breaks(settings, system, y), longest_step(system, settings.from, y, settings.tolerance))
+    else {
+        return false;
+    };
+    let steps = span / longest + times;
+    let matrices = FIRST_LENGTHS + LENGTHS_A_BREAK * lengths;
+    steps * EVALUATIONS_A_STEP + (exponential * matrices + step * steps) / evaluation < explicit + AT_A_BREAK * times
+}
+
+/// At how many times steps must end, and how many different lengths of time lie between them.
+struct Breaks {
+    times: f64,
+    lengths: f64,
+}
+
+/// `None` where they are too many to be listed.
+fn breaks(settings: &Settings, system: &dyn System, y: &[f64]) -> Option<Breaks> {
+    let mut copy = system.boxed_clone();
+    let watch = Watch::new(&mut *copy, (settings.from, settings.until), y, false).ok()?;
+    let stops = watch.map_or_else(Vec::new, |watch| watch.stop_times());
+    let mut between: Vec<f64> = stops.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    between.sort_by(f64::total_cmp);
+    between.dedup_by(|a, b| *a - *b <= ALIKE * *b);
+    // More than are kept are made again each time.
+    let kept = between.len() <= LENGTHS_OF_EXACT / 2;
+    let lengths = if kept { between.len().min(stops.len()) } else { stops.len() };
+    Some(Breaks { times: stops.len() as f64, lengths: lengths as f64 })
 }
 
 /// Whether something decays so fast that steps would have to follow it long after it is gone.
@@ -110,19 +155,20 @@ mod tests {
     #[test]
     fn the_method_follows_from_the_system_and_the_tolerance() {
         let pendulum = Toy::pendulum(9.81, 1.0, 10.0);
-        assert_eq!(chosen(&pendulum, |_| ()), Method::Dop853);
-        assert_eq!(chosen(&pendulum, |settings| settings.tolerance = 1e-3), Method::Dopri5);
+        assert_eq!(chosen(&pendulum, |_| ()), Method::Rkn8);
         assert_eq!(chosen(&pendulum, |settings| settings.step = Some(0.1)), Method::Rk4);
         assert_eq!(chosen(&pendulum, |settings| settings.method = Method::Radau5), Method::Radau5);
     }
 
     #[test]
-    fn linear_systems_are_propagated_exactly_unless_time_drives_them() {
+    fn linear_systems_are_propagated_exactly_for_long_enough() {
         let mut toy = damped(0.1, 10.0);
         toy.description.structure.linear = true;
         assert_eq!(chosen(&toy, |_| ()), Method::Exact);
+        assert_eq!(chosen(&toy, |settings| settings.until = 0.1), Method::Dop853);
         toy.description.structure.time_dependent = true;
-        assert_eq!(chosen(&toy, |_| ()), Method::Dop853);
+        assert_eq!(chosen(&toy, |_| ()), Method::Exact);
+        assert_eq!(chosen(&toy, |settings| settings.until = 0.5), Method::Dop853);
     }
 
     #[test]

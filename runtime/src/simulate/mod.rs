@@ -110,7 +110,8 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     let tolerance = settings.tolerance.max(Settings::TIGHTEST);
     let units = Box::new(Tolerance::new(tolerance, system.description(), &y));
     let longest = settings.longest_step.unwrap_or(f64::INFINITY);
-    let finds_step = settings.step.is_none() && method.finds_step();
+    let adapts = method.adapts_to(&system.description().structure);
+    let finds_step = settings.step.is_none() && method.finds_step() && !adapts;
     let pace = match settings.step {
         Some(step) => Pace::Fixed(step),
         // Until it is found.

@@ -259,9 +259,7 @@ impl Settings {
 fn nonlinear(mechanism: &Description) -> Option<Nonlinear> {
     if !mechanism.rows.is_empty() {
         Some(Nonlinear::Constraints)
-    } else if !mechanism.structure.linear {
-        Some(Nonlinear::Coefficients)
     } else {
-        mechanism.structure.time_dependent.then_some(Nonlinear::Time)
+        (!mechanism.structure.linear).then_some(Nonlinear::Coefficients)
     }
 }

@@ -20,7 +20,7 @@ pub struct Structure {
     pub mass_blocks: Vec<usize>,
     /// M does not change, and nothing in the forces depends on speeds, nor switches with them.
     pub separable: bool,
-    /// Linear equations with constant coefficients (forced, perhaps).
+    /// Linear equations with constant coefficients (forced, perhaps, by what time switches too).
     pub linear: bool,
     /// Nothing does work but what has a potential, and T and V do not contain time.
     pub conservative: bool,
@@ -48,7 +48,7 @@ pub(super) fn recognise(
     let time = |s: Symbol| matches!(s, Symbol::Time | Symbol::Input(..));
     let constant_mass = constant(&chosen.mass);
     let constant_inertias = chosen.mass.iter().filter(|e| e.0 == e.1).all(|e| !varying[e.2.index()]);
-    let modes = |s: Symbol| matches!(s, Symbol::Mode(_) | Symbol::Phase(_) | Symbol::Multiplier(_));
+    let moves = |s: Symbol| matches!(s, Symbol::Mode(_) | Symbol::Phase(_) | Symbol::Multiplier(_));
     let by_time = |s: Symbol| matches!(s, Symbol::Mode(k) if switches.get(k as usize).is_some_and(|s| s.time_only));
     Structure {
         constant_mass,
@@ -59,7 +59,7 @@ pub(super) fn recognise(
         linear: constant_mass
             && constant(stiffness)
             && constant(damping)
-            && !graph.symbols(chosen.residual.iter().copied()).into_iter().any(modes),
+            && !graph.symbols(chosen.residual.iter().copied()).into_iter().any(|s| moves(s) && !by_time(s)),
         // A potential that time switches changes the energy at once.
         conservative: power == Id::ZERO && !graph.symbols([jacobi]).into_iter().any(by_time),
         time_dependent: graph.symbols(chosen.residual.iter().copied()).into_iter().any(time),

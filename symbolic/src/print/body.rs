@@ -4,7 +4,7 @@
 //! order of their creation; each result is stored right where it is computed, because stores collected at
 //! the end of a function send LLVM's SLP vectoriser off for minutes.
 
-use rustc_hash::FxHashMap as HashMap;
+use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
 use std::fmt::Write;
 
 use super::scope::{Names, Scope, joined};
@@ -68,6 +68,8 @@ struct Piece {
     text: String,
     level: Level,
     depth: u8,
+    /// What it reads of the block of constants.
+    constants: Vec<usize>,
 }
 
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
@@ -85,6 +87,9 @@ struct Writer<'a> {
     indent: &'a str,
     lines: String,
     pieces: HashMap<Id, Piece>,
+    /// Constants that have their variable: each gets it right before its first use, since all at once would take registers
+    /// that the first statements need (2 % of a chain's accelerations).
+    bound: HashSet<usize>,
     /// The sine and the cosine that are wanted of each argument.
     turns: HashMap<Id, [Option<Id>; 2]>,
 }
@@ -102,7 +107,7 @@ impl Bodies<'_> {
         }
         let (lines, reads) = self.bindings(&needed, indent);
         let (scope, pieces, turns) = (self.names.scope.inside(), HashMap::default(), self.turns(&needed));
-        let mut writer = Writer { of: self, scope, indent, lines, pieces, turns };
+        let mut writer = Writer { of: self, scope, indent, lines, pieces, bound: HashSet::default(), turns };
         for i in (0..needed.len()).filter(|&i| needed[i]) {
             let id = self.graph.id_at(i);
             let uses = due.get(&i).map_or(&[][..], Vec::as_slice);
@@ -164,6 +169,16 @@ impl Bodies<'_> {
         turns
     }
 
+    /// Where a symbol stands in the block of constants.
+    fn place(&self, symbol: Symbol) -> Option<usize> {
+        match symbol {
+            Symbol::Parameter(i) => Some(i as usize),
+            Symbol::Mode(k) => Some(self.first_mode + k as usize),
+            Symbol::Phase(k) => Some(self.first_phase + k as usize),
+            _ => None,
+        }
+    }
+
     /// `let &[theta1, theta2] = q;` and the like, for what is used; and all that is read.
     fn bindings(&self, needed: &[bool], indent: &str) -> (String, Reads) {
         let n = self.names.coordinates.len();
@@ -217,11 +232,9 @@ impl Bodies<'_> {
             Symbol::Speed(i) => coordinate(i, 1),
             Symbol::Acceleration(i) => coordinate(i, 2),
             Symbol::Input(k, order) => format!("u[{}]", 3 * k + u32::from(order)),
-            Symbol::Parameter(i) => format!("c[{i}]"),
             Symbol::Multiplier(k) => self.names.multipliers[k as usize].clone(),
-            Symbol::Mode(k) => format!("c[{}]", self.first_mode + k as usize),
-            Symbol::Phase(k) => format!("c[{}]", self.first_phase + k as usize),
-            Symbol::Reaction(_) | Symbol::Dummy(_) => "S::ratio(0.0, 1.0)".to_owned(),
+            // Derivations leave neither reactions nor dummies in what is printed.
+            _ => "S::ratio(0.0, 1.0)".to_owned(),
         }
     }
 }
@@ -237,14 +250,29 @@ impl Writer<'_> {
             piece
         } else {
             let name = self.scope.temporary();
+            self.bind(&piece.constants);
             let _ = writeln!(self.lines, "{}let {name} = {};", self.indent, piece.text);
             atom(name)
         };
         self.pieces.insert(id, piece);
     }
 
+    /// `let (m, g) = (c[0], c[2]);`, for those that have no variable yet.
+    fn bind(&mut self, constants: &[usize]) {
+        let new: Vec<usize> = constants.iter().copied().filter(|place| self.bound.insert(*place)).collect();
+        let names: Vec<&str> = new.iter().map(|place| self.of.names.constants[*place].as_str()).collect();
+        let values: Vec<String> = new.iter().map(|place| format!("c[{place}]")).collect();
+        let _ = match (names.as_slice(), values.as_slice()) {
+            ([], _) => Ok(()),
+            ([name], [value]) => writeln!(self.lines, "{}let {name} = {value};", self.indent),
+            _ => writeln!(self.lines, "{}let ({}) = ({});", self.indent, names.join(", "), values.join(", ")),
+        };
+    }
+
     fn use_up(&mut self, item: &Use) {
         let indent = self.indent;
+        let constants: Vec<usize> = item.values().iter().flat_map(|id| self.pieces[id].constants.clone()).collect();
+        self.bind(&constants);
         let _ = match item {
             Use::Store(target, id) => writeln!(self.lines, "{indent}{target} = {};", self.pieces[id].text),
             Use::Pivot(coordinate, pivot, diagonal) => writeln!(
@@ -256,17 +284,24 @@ impl Writer<'_> {
         };
     }
 
+    fn constant(&self, place: usize) -> Piece {
+        Piece { constants: vec![place], ..atom(self.of.names.constants[place].clone()) }
+    }
+
     fn piece(&mut self, id: Id) -> Piece {
         if let Some(place) = self.of.hoisted.get(&id) {
-            return atom(format!("c[{place}]"));
+            return self.constant(*place);
         }
         match self.of.graph.node(id) {
             Node::Number(place) => literal(self.of.graph.number_at(place)),
-            Node::Symbol(s) => atom(self.of.symbol(s)),
+            Node::Symbol(s) => match self.of.place(s) {
+                Some(place) => self.constant(place),
+                None => atom(self.of.symbol(s)),
+            },
             Node::Unary(Unary::Sin | Unary::Cos, x) => self.sine_and_cosine(id, x),
             Node::Unary(Unary::Neg, x) => {
                 let inner = &self.pieces[&x];
-                Piece { text: format!("-{}", at_least(inner, Level::Atom)), level: Level::Sign, depth: inner.depth + 1 }
+                over(inner, format!("-{}", at_least(inner, Level::Atom)), Level::Sign)
             }
             Node::Unary(Unary::Table(table), x) => {
                 let inner = &self.pieces[&x];
@@ -274,12 +309,11 @@ impl Writer<'_> {
                 let receiver = at_least(inner, Level::Atom);
                 let text =
                     format!("{receiver}.table(&{}::description().tables[{place}], {})", self.of.owner, table.order());
-                Piece { text, level: Level::Atom, depth: inner.depth + 1 }
+                over(inner, text, Level::Atom)
             }
             Node::Unary(f, x) => {
                 let inner = &self.pieces[&x];
-                let text = format!("{}.{}()", at_least(inner, Level::Atom), f.name());
-                Piece { text, level: Level::Atom, depth: inner.depth + 1 }
+                over(inner, format!("{}.{}()", at_least(inner, Level::Atom), f.name()), Level::Atom)
             }
             Node::Binary(operation, x, y) => binary(operation, &self.pieces[&x], &self.pieces[&y]),
         }
@@ -287,8 +321,9 @@ impl Writer<'_> {
 
     /// Sine and cosine of one argument come from one call.
     fn sine_and_cosine(&mut self, id: Id, argument: Id) -> Piece {
-        let angle = &self.pieces[&argument];
-        let receiver = at_least(angle, Level::Atom);
+        let angle = self.pieces[&argument].clone();
+        self.bind(&angle.constants);
+        let receiver = at_least(&angle, Level::Atom);
         let plain = angle.text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
         let name = if plain { angle.text.clone() } else { self.scope.temporary() };
         let (sine, cosine) = (joined("sin", &name), joined("cos", &name));
@@ -311,12 +346,11 @@ impl Writer<'_> {
 }
 
 fn binary(operation: Binary, a: &Piece, b: &Piece) -> Piece {
-    let depth = a.depth.max(b.depth) + 1;
-    let call = |name: &str| Piece {
-        text: format!("{}.{name}({})", at_least(a, Level::Atom), b.text),
-        level: Level::Atom,
-        depth,
+    let made = |text: String, level: Level| {
+        let constants = a.constants.iter().chain(&b.constants).copied().collect();
+        Piece { text, level, depth: a.depth.max(b.depth) + 1, constants }
     };
+    let call = |name: &str| made(format!("{}.{name}({})", at_least(a, Level::Atom), b.text), Level::Atom);
     let (sign, level, right) = match operation {
         Binary::Add => (" + ", Level::Sum, Level::Product),
         Binary::Sub => (" - ", Level::Sum, Level::Product),
@@ -327,11 +361,16 @@ fn binary(operation: Binary, a: &Piece, b: &Piece) -> Piece {
         Binary::Min => return call("min"),
         Binary::Max => return call("max"),
     };
-    Piece { text: format!("{}{sign}{}", at_least(a, level), at_least(b, right)), level, depth }
+    made(format!("{}{sign}{}", at_least(a, level), at_least(b, right)), level)
+}
+
+/// A piece around another one.
+fn over(inner: &Piece, text: String, level: Level) -> Piece {
+    Piece { text, level, depth: inner.depth + 1, constants: inner.constants.clone() }
 }
 
 fn atom(text: String) -> Piece {
-    Piece { text, level: Level::Atom, depth: 0 }
+    Piece { text, level: Level::Atom, depth: 0, constants: Vec::new() }
 }
 
 fn at_least(piece: &Piece, level: Level) -> String {

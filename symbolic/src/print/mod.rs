@@ -1,6 +1,7 @@
 //! Programs to Rust, to Python, and to formulas for people.
 
 mod body;
+mod constants;
 mod description;
 mod documentation;
 mod formula;

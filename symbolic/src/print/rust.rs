@@ -3,6 +3,7 @@
 use rustc_hash::FxHashMap as HashMap;
 
 use super::body::Bodies;
+use super::constants::name_constants;
 use super::mechanism::Mechanism;
 use super::parameters::parameters;
 use super::scope::Names;
@@ -15,8 +16,9 @@ use crate::model::EventAction;
 /// `source` is the model file's text, `name` the type's name.  Every path is absolute, and every name inside
 /// functions comes from one scope (`scope.rs`), so that nothing in the file or around the expansion changes a meaning.
 pub fn rust(program: &Program, source: &str, name: &str) -> String {
-    let names = Names::of(&program.model);
+    let mut names = Names::of(&program.model);
     let constants = hoist(program);
+    name_constants(&mut names, program, &constants);
     let free = program.model.parameters.len();
     let first_mode = free + constants.len();
     let first_phase = first_mode + program.switches.len();

@@ -84,6 +84,8 @@ pub(super) struct Names {
     pub multipliers: Vec<String>,
     /// The function that writes each system of balances.
     pub balances: Vec<String>,
+    /// Each number of the block of constants.
+    pub constants: Vec<String>,
 }
 
 impl Names {
@@ -107,7 +109,7 @@ impl Names {
             multipliers.map(|name| scope.fresh(&joined("lambda", &local_name(&name)))).collect();
         let function = |system: &str| joined("balances", &local_name(system));
         let balances = model.balances.iter().map(|system| scope.fresh(&function(&system.name))).collect();
-        Names { scope, coordinates, multipliers, balances }
+        Names { scope, coordinates, multipliers, balances, constants: Vec::new() }
     }
 }
 

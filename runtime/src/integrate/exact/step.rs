@@ -1,80 +1,137 @@
-//! y(t + h) = e^{Ah} y(t) for y = [q; q'/s; 1].
+//! y(t + h) = e^{Ah} y(t) + Σ Wₖ cₖ for y = [q; q'/s].
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::integrate::ends::Ends;
-use crate::integrate::{Control, Counters, NO_CONTROL, OneStep, Reached, Segment, Setback, Trial};
+use crate::integrate::{Control, Counters, OneStep, Reached, Segment, Setback, Tolerance, Trial, larger};
 use crate::mechanism::{AccelerationSlopes, At, System};
 
 use super::dense::{DERIVATIVES, LOBATTO, resolved};
+use super::force::{Force, TERMS};
+use super::propagator::Propagator;
 
-/// The propagator of a linear system q'' = K q + D q' + c.
+/// The propagator of a linear system q'' = K q + D q' + f(t).
 ///
-/// With speeds in units of a rate s of the system the blocks of A = [0 s 0; K/s D c/s; 0 0 0] are alike in size, without which
+/// With speeds in units of a rate s of the system the blocks of A = [0 s; K/s D] are alike in size, without which
 /// squaring e^{Ah/2ᵏ} k times would lose digits to the unit of time.
 ///
-/// Source: Moler and Van Loan, *Nineteen dubious ways to compute the exponential of a matrix, twenty-five years later*, SIAM
-/// Rev. 45 (2003) 3, method 3; the constant term as in section 10 there.
+/// A force that changes is a polynomial over each step, through as many times as tell how well it follows: so steps are as long as
+/// the tolerance lets them be.  Their lengths are the longest one that the polynomial between the ends allows, halved so and so
+/// often, since each length has its matrices.
 pub(crate) struct Exact {
     pub(super) ends: Ends,
     slopes: AccelerationSlopes,
+    pub(super) force: Force,
     /// s, 1/s.
     pub(super) rate: f64,
     pub(super) field: DMatrix<f64>,
-    over: DMatrix<f64>,
-    /// The step that `over` is for, s; 0: none.
-    over_step: f64,
+    /// B = [0; 1/s].
+    input: DMatrix<f64>,
+    /// Those of the last lengths, the last one last.
+    propagators: Vec<Propagator>,
+    /// The longest step that the tolerance of the last trial allows, s.
+    longest: f64,
     state: DVector<f64>,
     /// Room for a product and a state.
     product: DVector<f64>,
     room: Vec<f64>,
+    /// Of the step that was tried.
+    errors: Vec<f64>,
     /// hᵏ y⁽ᵏ⁾/k! at both ends, one state after the other.
     pub(super) taylor: [Vec<f64>; 2],
     pub(super) pieces: Vec<f64>,
     counters: Counters,
 }
 
+/// Of a force that changes.  A trial that is too long costs little, for it is refused before there are matrices.
+const CONTROL: Control = Control { exponent: 1.0 / TERMS as f64, shrink: 1e-3, grow: 1e3, stiff: f64::INFINITY };
+/// Matrices of so many lengths are kept.
+pub(crate) const LENGTHS: usize = 8;
+/// Lengths that differ by so many roundings of the time, and by no more than this part of themselves, are one.
+const ROUNDINGS: f64 = 8.0;
+const ALIKE: f64 = 1e-8;
+
 impl Exact {
     /// Makes room for n coordinates.
     pub fn new(n: usize, work: bool) -> Self {
-        let size = 2 * n + 1;
+        let size = 2 * n;
         Exact {
             ends: Ends::new(n, work),
             slopes: AccelerationSlopes::new(n),
+            force: Force::new(n),
             rate: 1.0,
             field: DMatrix::zeros(size, size),
-            over: DMatrix::identity(size, size),
-            over_step: 0.0,
+            input: DMatrix::zeros(size, n),
+            propagators: Vec::with_capacity(LENGTHS),
+            longest: f64::INFINITY,
             state: DVector::zeros(size),
             product: DVector::zeros(size),
-            room: vec![0.0; 2 * n],
-            taylor: [vec![0.0; 2 * n * DERIVATIVES], vec![0.0; 2 * n * DERIVATIVES]],
-            pieces: vec![0.0; 2 * n * 2 * DERIVATIVES],
+            room: vec![0.0; size],
+            errors: vec![0.0; size],
+            taylor: [vec![0.0; size * DERIVATIVES], vec![0.0; size * DERIVATIVES]],
+            pieces: vec![0.0; size * 2 * DERIVATIVES],
             counters: Counters::default(),
         }
     }
 
-    /// A, from the slopes of the accelerations and what is left of them.
+    /// A and B, from the slopes of the accelerations; matrices of steps hold as long as A does.
     fn linearise(&mut self, system: &dyn System, t: f64) -> Result<(), Setback> {
         let n = self.ends.n;
-        let at = At::packed(t, &self.ends.y, n);
-        self.slopes.evaluate(system, at)?;
+        self.slopes.evaluate(system, At::packed(t, &self.ends.y, n))?;
         self.counters.jacobians += 1;
         self.rate = rate(&self.slopes, n).max(f64::MIN_POSITIVE.sqrt());
         let (place, speed) = (self.slopes.by_place(), self.slopes.by_speed());
-        self.field.fill(0.0);
+        let mut field = DMatrix::zeros(2 * n, 2 * n);
         for i in 0..n {
-            self.field[(i, n + i)] = self.rate;
-            let mut rest = self.ends.rate[n + i];
+            field[(i, n + i)] = self.rate;
+            self.input[(n + i, i)] = 1.0 / self.rate;
             for j in 0..n {
-                self.field[(n + i, j)] = place[i * n + j] / self.rate;
-                self.field[(n + i, n + j)] = speed[i * n + j];
-                rest -= place[i * n + j] * at.q[j] + speed[i * n + j] * at.v[j];
+                field[(n + i, j)] = place[i * n + j] / self.rate;
+                field[(n + i, n + j)] = speed[i * n + j];
             }
-            self.field[(n + i, 2 * n)] = rest / self.rate;
         }
-        self.over_step = 0.0;
+        let terms = self.force.terms();
+        self.force.begin(system, t)?;
+        if field != self.field || terms != self.force.terms() {
+            self.propagators.clear();
+            self.field = field;
+        }
         Ok(())
+    }
+
+    /// The place of the propagator of a step of h from t.
+    fn prepare(&mut self, t: f64, h: f64) -> usize {
+        let close = (ROUNDINGS * f64::EPSILON * (t.abs() + h)).min(ALIKE * h);
+        match self.propagators.iter().position(|known| (known.h - h).abs() <= close) {
+            Some(place) => self.propagators[place..].rotate_left(1),
+            None => {
+                if self.propagators.len() == LENGTHS {
+                    self.propagators.remove(0);
+                }
+                self.propagators.push(Propagator::new(&self.field, &self.input, h, self.force.terms()));
+                self.counters.factorizations += 1;
+            }
+        }
+        self.propagators.len() - 1
+    }
+
+    /// The error of what a force that changes does over a step of h, in units of the tolerance: what the polynomial through its values
+    /// misses swings about zero, so that less of it is left after each integration.
+    fn error(&mut self, h: f64, tolerance: &Tolerance) -> f64 {
+        // Of P₉ less is left, 1/17; but what is not resolved yet looks like polynomials of low degree, too.
+        const LEFT: f64 = 0.25;
+        let n = self.ends.n;
+        let mut squares = 0.0;
+        for i in 0..n {
+            let (missed, size) = self.force.missed(i);
+            let speed = larger((h * self.ends.rate[n + i]).abs(), h * size);
+            let place = larger((h * self.ends.y[n + i]).abs(), h * speed);
+            let units = tolerance.units_by_change(i, h, [place, speed]);
+            self.errors[n + i] = LEFT * h * missed;
+            self.errors[i] = LEFT * h * self.errors[n + i];
+            squares += (self.errors[i] / units[0]).powi(2) + (self.errors[n + i] / units[1]).powi(2);
+        }
+        (squares / (2 * n).max(1) as f64).sqrt()
     }
 
     /// [q'; q''] at the end of the step.
@@ -84,18 +141,23 @@ impl Exact {
         self.product.gemv(1.0, &self.field, &self.state, 0.0);
         for i in 0..n {
             self.ends.end_rate[i] = self.ends.end[n + i];
-            self.ends.end_rate[n + i] = self.rate * self.product[n + i];
+            self.ends.end_rate[n + i] = self.rate * self.product[n + i] + self.force.end[i];
         }
     }
 
     /// hᵏ y⁽ᵏ⁾/k! of [q; q'] at both ends.
     pub(super) fn write_derivatives(&mut self, h: f64) {
         let n = self.ends.n;
-        for (y, taylor) in [&self.ends.y, &self.ends.end].into_iter().zip(&mut self.taylor) {
+        let ends = [(&self.ends.y, false), (&self.ends.end, true)];
+        for ((y, at_end), taylor) in ends.into_iter().zip(&mut self.taylor) {
             pack(y, self.rate, &mut self.state);
-            for (k, found) in taylor.chunks_exact_mut(2 * n).enumerate() {
+            for (k, found) in taylor.chunks_exact_mut((2 * n).max(1)).enumerate() {
                 if k > 0 {
                     self.product.gemv(h / k as f64, &self.field, &self.state, 0.0);
+                    for i in 0..n {
+                        let force = self.force.derivative(i, k - 1, at_end);
+                        self.product[n + i] += h / k as f64 * force / self.rate;
+                    }
                     std::mem::swap(&mut self.product, &mut self.state);
                 }
                 for i in 0..n {
@@ -120,11 +182,12 @@ impl Exact {
 
 impl OneStep for Exact {
     fn control(&self) -> Control {
-        NO_CONTROL
+        CONTROL
     }
 
     fn counters(&self) -> Counters {
-        Counters { evaluations: self.ends.evaluations + self.counters.evaluations, ..self.counters }
+        let evaluations = self.ends.evaluations + self.force.evaluations + self.counters.evaluations;
+        Counters { evaluations, ..self.counters }
     }
 
     fn start(&self) -> Reached<'_> {
@@ -153,25 +216,45 @@ impl OneStep for Exact {
         Ok(system.rate(t, y, rate)?)
     }
 
-    fn attempt(&mut self, system: &dyn System, Trial { t, h, .. }: Trial<'_>) -> Result<f64, Setback> {
+    fn attempt(&mut self, system: &dyn System, Trial { t, h, tolerance }: Trial<'_>) -> Result<f64, Setback> {
         let n = self.ends.n;
-        if self.over_step != h {
-            self.over = (&self.field * h).exp();
-            self.counters.factorizations += 1;
-            self.over_step = h;
+        let mut error = 0.0;
+        if self.force.changes {
+            if let Some(tolerance) = tolerance {
+                self.longest = resolved(tolerance.relative) / self.rate;
+                if h > (1.0 + ALIKE) * self.longest {
+                    self.errors.fill(f64::INFINITY);
+                    return Ok((h / self.longest).powi(TERMS as i32));
+                }
+            }
+            self.force.follow(system, t, h)?;
+            if let Some(tolerance) = tolerance {
+                error = self.error(h, tolerance);
+                if error.is_nan() || error > 1.0 {
+                    self.ends.end.copy_from_slice(&self.ends.y);
+                    return Ok(error);
+                }
+            }
         }
+        let place = self.prepare(t, h);
+        let propagator = &self.propagators[place];
         pack(&self.ends.y, self.rate, &mut self.state);
-        self.product.gemv(1.0, &self.over, &self.state, 0.0);
+        propagator.apply(&self.state, &self.force.coefficients, &mut self.product);
         for i in 0..2 * n {
             let unit = if i < n { 1.0 } else { self.rate };
             self.ends.increment[i] = unit * self.product[i] - self.ends.y[i] + self.ends.carry[i];
         }
         self.ends.add_up();
         self.rate_at_end();
+        let left = h - self.propagators[place].h;
+        if left != 0.0 {
+            self.ends.increment.iter_mut().zip(&self.ends.end_rate).for_each(|(step, rate)| *step += left * rate);
+            self.ends.add_up();
+        }
         if self.ends.works() {
             self.weigh(system, t, h);
         }
-        Ok(0.0)
+        Ok(error)
     }
 
     fn conclude(&mut self, _: &dyn System, _: f64, moved: bool) -> Result<bool, Setback> {
@@ -182,14 +265,21 @@ impl OneStep for Exact {
     }
 
     fn errors(&self) -> &[f64] {
-        &[]
+        &self.errors
+    }
+
+    fn longest(&self) -> f64 {
+        self.longest
     }
 
     fn accept(&mut self, compensated: bool) {
         self.ends.accept(compensated);
+        if self.force.changes {
+            self.force.accept();
+        }
     }
 
-    fn stiffness(&self, _: f64) -> f64 {
+    fn stiffness(&self, _: f64, _: f64) -> f64 {
         0.0
     }
 
@@ -207,21 +297,21 @@ impl OneStep for Exact {
     }
 }
 
-/// Operations of the exponential, with the squares and products of a matrix of size 2n + 1, about, and of a step, a product with a
-/// vector.
-pub(crate) fn operations(n: usize) -> (f64, f64) {
-    const PRODUCTS: f64 = 12.0;
+/// Operations of the matrices of a step, about, and of a step, products with vectors: of forces that change, `driven`, more.
+pub(crate) fn operations(n: usize, driven: bool) -> (f64, f64) {
+    // Those of e^{Ah}, and the terms and doublings of the integrals, which are half as wide.
+    let products = if driven { 12.0 + 9.0 + TERMS as f64 } else { 12.0 };
     let n = n as f64;
-    (PRODUCTS * 2.0 * (2.0 * n + 1.0).powi(3), 2.0 * (2.0 * n).powi(2))
+    let step = 2.0 * (2.0 * n).powi(2) * if driven { 1.0 + 0.5 * TERMS as f64 } else { 1.0 };
+    (products * 2.0 * (2.0 * n).powi(3), step)
 }
 
-/// [q; q'/s; 1].
+/// [q; q'/s].
 fn pack(y: &[f64], rate: f64, state: &mut DVector<f64>) {
     let n = y.len() / 2;
     for i in 0..n {
         (state[i], state[n + i]) = (y[i], y[n + i] / rate);
     }
-    state[2 * n] = 1.0;
 }
 
 /// A bound of the rates of the system, |λ| ≤ ‖D‖/2 + √(‖D‖²/4 + ‖K‖), 1/s.

@@ -115,7 +115,4 @@ fn what_is_not_linear_is_refused_with_the_reason() {
     fixed(Method::Exact, 0.1)(&mut settings);
     let error = simulate(&mut toy, &settings).unwrap_err();
     assert!(matches!(error, Error::NotLinear { reason: Nonlinear::Coefficients }), "{error}");
-    (toy.description.structure.linear, toy.description.structure.time_dependent) = (true, true);
-    let error = simulate(&mut toy, &settings).unwrap_err();
-    assert!(matches!(error, Error::NotLinear { reason: Nonlinear::Time }), "{error}");
 }

@@ -1,6 +1,6 @@
 //! Dense output of an explicit Runge–Kutta method.
 
-use super::sums::pair;
+use super::sums::sum;
 use super::tableau::Tableau;
 use crate::integrate::Block;
 
@@ -25,7 +25,7 @@ pub(super) fn write_dense<Y: Block>(tableau: &Tableau, h: f64, y: &Y, end: &Y, s
     }
     for (terms, piece) in tableau.dense.iter().zip(pieces[4 * width..].chunks_exact_mut(width)) {
         for (k, out) in piece.chunks_exact_mut(2).enumerate() {
-            out.copy_from_slice(&pair(h, terms, stages, 2 * k));
+            out.copy_from_slice(&sum(terms, stages, 2 * k).map(|sum| h * sum));
         }
     }
 }

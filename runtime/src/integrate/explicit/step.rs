@@ -3,7 +3,7 @@
 use std::marker::PhantomData;
 
 use super::dense::write_dense;
-use super::sums::{argument, pair, sum};
+use super::sums::{argument, sum};
 use super::tableau::{Estimate, Scheme, Stage, stages};
 use crate::integrate::tolerance::larger;
 use crate::integrate::{Block, Control, Counters, OneStep, Reached, Segment, Setback, Tolerance, Trial};
@@ -19,8 +19,8 @@ pub(crate) struct ExplicitRungeKutta<T, Y> {
     end: Y,
     /// What the step that was tried adds to y, what was left over from the step before included.
     increment: Y,
-    /// The two estimates of the error; the second per step.
-    estimates: [Y; 2],
+    /// The estimate of the error.
+    errors: Y,
     /// Rates of all stages; the first is that of y.
     stages: [Y; STAGES],
     /// The arguments of the last two stages, even ones first.
@@ -55,7 +55,7 @@ impl<T: Scheme, Y: Block> ExplicitRungeKutta<T, Y> {
             carry: zeros(),
             end: zeros(),
             increment: zeros(),
-            estimates: [zeros(), zeros()],
+            errors: zeros(),
             stages: std::array::from_fn(|_| zeros()),
             arguments: [zeros(), zeros()],
             work: work.then(Quadrature::default),
@@ -97,10 +97,10 @@ impl<T: Scheme, Y: Block> ExplicitRungeKutta<T, Y> {
         let (y, carry, increment) = (self.y.all(), self.carry.all(), self.increment.all_mut());
         let end = self.end.all_mut();
         for k in 0..y.len() / 2 {
-            let sum = pair(h, T::TABLEAU.weights, &self.stages, 2 * k);
+            let sum = sum(T::TABLEAU.weights, &self.stages, 2 * k);
             for (lane, sum) in sum.iter().enumerate() {
                 let i = 2 * k + lane;
-                increment[i] = sum + carry[i];
+                increment[i] = h * sum + carry[i];
                 end[i] = y[i] + increment[i];
             }
         }
@@ -114,22 +114,20 @@ impl<T: Scheme, Y: Block> ExplicitRungeKutta<T, Y> {
     #[inline(always)]
     fn error(&mut self, h: f64, tolerance: &Tolerance) -> f64 {
         let (higher, lower) = T::TABLEAU.estimate.terms();
-        for (terms, estimate) in [higher, lower].into_iter().zip(&mut self.estimates) {
-            for (k, out) in estimate.all_mut().chunks_exact_mut(2).enumerate() {
-                out.copy_from_slice(&sum(terms, &self.stages, 2 * k));
+        let (increment, rate) = (self.increment.all(), self.stages[0].all());
+        let (mut five, mut three) = (0.0, 0.0);
+        for (k, errors) in self.errors.all_mut().chunks_exact_mut(2).enumerate() {
+            let (higher, lower) = (sum(higher, &self.stages, 2 * k), sum(lower, &self.stages, 2 * k));
+            for (lane, error) in errors.iter_mut().enumerate() {
+                let i = 2 * k + lane;
+                let change = larger(increment[i].abs(), (h * rate[i]).abs());
+                let steps = h / tolerance.unit(i, h, change);
+                five += (higher[lane] * steps).powi(2);
+                three += (lower[lane] * steps).powi(2);
+                *error = h * higher[lane];
             }
         }
-        let (start, end, rate) = (self.y.all(), self.end.all(), self.stages[0].all());
-        let [higher, lower] = &mut self.estimates;
-        let (mut five, mut three) = (0.0, 0.0);
-        for (i, (higher, lower)) in higher.all_mut().iter_mut().zip(lower.all()).enumerate() {
-            let change = larger((end[i] - start[i]).abs(), (h * rate[i]).abs());
-            let steps = h / tolerance.unit(i, h, change);
-            five += (*higher * steps).powi(2);
-            three += (lower * steps).powi(2);
-            *higher *= h;
-        }
-        let mean = 1.0 / end.len().max(1) as f64;
+        let mean = 1.0 / increment.len().max(1) as f64;
         match T::TABLEAU.estimate {
             Estimate::None => 0.0,
             Estimate::Single(_) => (five * mean).sqrt(),
@@ -198,7 +196,7 @@ impl<T: Scheme, Y: Block> OneStep for ExplicitRungeKutta<T, Y> {
     }
 
     fn errors(&self) -> &[f64] {
-        self.estimates[0].all()
+        self.errors.all()
     }
 
     fn accept(&mut self, compensated: bool) {
@@ -214,7 +212,7 @@ impl<T: Scheme, Y: Block> OneStep for ExplicitRungeKutta<T, Y> {
         }
     }
 
-    fn stiffness(&self, h: f64) -> f64 {
+    fn stiffness(&self, h: f64, least: f64) -> f64 {
         let Some(before) = Self::END.checked_sub(1).filter(|before| *before > 0) else { return 0.0 };
         let (last, rates) = (self.stages[Self::END].all(), self.stages[before].all());
         let (end, argument) = (self.end.all(), self.arguments[before % 2].all());
@@ -224,7 +222,8 @@ impl<T: Scheme, Y: Block> OneStep for ExplicitRungeKutta<T, Y> {
             above += (last[i] - rates[i]).powi(2);
             below += (end[i] - argument[i]).powi(2);
         }
-        if below > 0.0 { h.abs() * (above / below).sqrt() } else { 0.0 }
+        let noticed = below > 0.0 && above * (h * h) > below * (least * least);
+        if noticed { h.abs() * (above / below).sqrt() } else { 0.0 }
     }
 
     fn dense_is_free(&self) -> bool {

@@ -3,19 +3,6 @@
 use super::tableau::Term;
 use crate::integrate::Block;
 
-/// h Σ aⱼkⱼ of one pair of components, h folded into the coefficients.
-#[inline(always)]
-pub(super) fn pair<Y: Block>(h: f64, terms: &[Term], stages: &[Y], place: usize) -> [f64; 2] {
-    let mut sum = [0.0; 2];
-    for term in terms {
-        let rates = &stages[term.stage].all()[place..place + 2];
-        let factor = h * term.value;
-        sum[0] += factor * rates[0];
-        sum[1] += factor * rates[1];
-    }
-    sum
-}
-
 /// Σ aⱼkⱼ of one pair of components.
 #[inline(always)]
 pub(super) fn sum<Y: Block>(terms: &[Term], stages: &[Y], place: usize) -> [f64; 2] {
@@ -34,8 +21,8 @@ pub(super) fn argument<Y: Block>(out: &mut Y, y: &Y, h: f64, terms: &[Term], sta
     let [earlier @ .., last] = terms else { return };
     let (y, latest, factor) = (y.all(), stages[last.stage].all(), h * last.value);
     for (k, out) in out.all_mut().chunks_exact_mut(2).enumerate() {
-        let sum = pair(h, earlier, stages, 2 * k);
-        out[0] = (y[2 * k] + sum[0]) + factor * latest[2 * k];
-        out[1] = (y[2 * k + 1] + sum[1]) + factor * latest[2 * k + 1];
+        let sum = sum(earlier, stages, 2 * k);
+        out[0] = (y[2 * k] + h * sum[0]) + factor * latest[2 * k];
+        out[1] = (y[2 * k + 1] + h * sum[1]) + factor * latest[2 * k + 1];
     }
 }

@@ -169,7 +169,7 @@ impl OneStep for Collocation {
         self.previous_step = self.newton.step();
     }
 
-    fn stiffness(&self, _: f64) -> f64 {
+    fn stiffness(&self, _: f64, _: f64) -> f64 {
         0.0
     }
 

@@ -12,7 +12,8 @@ impl<Y: Block> Nystrom<Y> {
     pub(super) fn write_dense(&mut self, h: f64) {
         let mut pieces = std::mem::take(&mut self.pieces);
         let bends = [0, 1, 2].map(|k| (RKN8.dense_rows[k].0, &self.stages[END + 1 + k].all()[self.n..]));
-        write_by_bends(h, [self.start(), self.end()], bends, &mut pieces);
+        let change = |i: usize| self.increment.all()[i] - self.carry.all()[i];
+        write_by_bends(h, [self.start(), self.end()], change, bends, &mut pieces);
         self.pieces = pieces;
     }
 }

@@ -13,10 +13,10 @@ pub(crate) struct Nystrom<Y> {
     pub(super) n: usize,
     y: Y,
     /// What rounding took from y in the last step.
-    carry: Y,
+    pub(super) carry: Y,
     end: Y,
     /// What the step that was tried adds to y, what was left over from the step before included.
-    increment: Y,
+    pub(super) increment: Y,
     /// The estimate of the error per step.
     estimate: Y,
     /// Rates [q'; q''] of all stages, the first that of y; of those between the ends of the step only q'' is read.
@@ -254,7 +254,7 @@ impl<Y: Block> OneStep for Nystrom<Y> {
         }
     }
 
-    fn stiffness(&self, h: f64) -> f64 {
+    fn stiffness(&self, h: f64, least: f64) -> f64 {
         // λ² by the two last stages, both of which lie at the end.
         let n = self.n;
         let (last, before) = (self.stages[END].all(), self.stages[END - 1].all());
@@ -264,7 +264,8 @@ impl<Y: Block> OneStep for Nystrom<Y> {
             above += (last[n + i] - before[n + i]).powi(2);
             below += (end[i] - argument[i]).powi(2);
         }
-        if below > 0.0 { h.abs() * (above / below).sqrt().sqrt() } else { 0.0 }
+        let noticed = below > 0.0 && above * h.powi(4) > below * least.powi(4);
+        if noticed { h.abs() * (above / below).sqrt().sqrt() } else { 0.0 }
     }
 
     fn dense_is_free(&self) -> bool {

@@ -263,6 +263,19 @@ fn between_the_ends_of_steps_errors_are_those_at_the_ends() {
 }
 
 #[test]
+fn rates_between_the_ends_of_short_steps_know_nothing_of_the_origin() {
+    // x = 10⁶ + sin t, where x is rounded to 10⁻¹⁰: a hundred times what changes in a step.
+    let toy = Toy::new(&["x"], (&[1e6], &[1.0]), 1e-10, |_, q, _, _, a| a[0] = 1e6 - q[0]).separable();
+    let mut settings = Settings { watch: false, ..Settings::new(&toy.scene) };
+    (settings.method, settings.step) = (Method::Rkn8, Some(1e-12));
+    let run = simulate(&mut toy.clone(), &settings).unwrap();
+    // Five reports a step.
+    for state in run.states() {
+        assert!((state.v[0] - 1.0).abs() < 1e-9 && (state.q[0] - 1e6).abs() < 1e-9, "{state:?}");
+    }
+}
+
+#[test]
 fn what_is_not_separable_is_refused_with_the_reason() {
     let reason = |mut toy: Toy| {
         let settings = Settings { method: Method::Rkn8, ..Settings::new(&toy.scene) };

@@ -177,7 +177,7 @@ impl OneStep for Rosenbrock {
         self.known = None;
     }
 
-    fn stiffness(&self, _: f64) -> f64 {
+    fn stiffness(&self, _: f64, _: f64) -> f64 {
         0.0
     }
 

@@ -257,7 +257,7 @@ impl<Y: Block> OneStep for Symplectic<Y> {
         true
     }
 
-    fn stiffness(&self, _: f64) -> f64 {
+    fn stiffness(&self, _: f64, _: f64) -> f64 {
         0.0
     }
 
