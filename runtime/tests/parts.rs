@@ -140,9 +140,9 @@ fn a_part_is_computed_of_its_own_state_alone() {
 fn each_part_has_its_own_method_and_steps() {
     let apart = ThreeParts::default().simulate().run().unwrap();
     let methods: Vec<_> = apart.parts.iter().map(|part| (part.coordinates.concat(), part.method)).collect();
-    let expected = [("x", Method::Exact), ("theta", Method::Dop853), ("y", Method::Rodas5P)];
+    let expected = [("x", Method::Exact), ("theta", Method::Rkn8), ("y", Method::Rodas5P)];
     assert_eq!(methods, expected.map(|(name, method)| (name.to_owned(), method)));
-    assert!(apart.trust().to_string().contains("parts run apart: x (exact); theta (dop853); y (rodas5p)"));
+    assert!(apart.trust().to_string().contains("parts run apart: x (exact); theta (rkn8); y (rodas5p)"));
     let together = ThreeParts::default().simulate().together().run().unwrap();
     assert!(together.parts.is_empty());
     let reference = ThreeParts::default().simulate().method(Method::Radau5).tolerance(1e-12).run().unwrap();

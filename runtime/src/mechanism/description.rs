@@ -365,7 +365,9 @@ pub struct Part {
     pub coordinates: List<u32>,
     /// Its equations of motion are linear with constant coefficients.
     pub linear: bool,
-    /// They depend on time explicitly.
+    /// Its part of M is constant, and its forces depend on no speed.
+    pub separable: bool,
+    /// Its equations depend on time explicitly.
     pub time_dependent: bool,
     /// No force on it lacks a potential and no explicit time.
     pub conservative: bool,

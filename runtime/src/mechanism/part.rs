@@ -84,6 +84,8 @@ impl OfPart {
             balances: List::default(),
             structure: Structure {
                 mass_blocks: List::default(),
+                constant_mass: whole.structure.constant_mass || part.separable,
+                separable: part.separable,
                 linear: part.linear,
                 conservative: part.conservative,
                 time_dependent: part.time_dependent,

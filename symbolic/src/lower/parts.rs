@@ -18,6 +18,8 @@ pub struct Part {
     pub energy: [Id; 5],
     /// Its equations are linear with constant coefficients (forced, perhaps).
     pub linear: bool,
+    /// Its part of M does not change, and its forces contain no speeds.
+    pub separable: bool,
     /// Its equations contain time or inputs.
     pub time_dependent: bool,
     /// Places, among the arguments that a run follows, of those inside its equations, and of those of time alone.
@@ -106,7 +108,10 @@ fn apart(program: &mut Program, parts: &[Vec<usize>]) -> Option<Vec<Part>> {
         }
         let forces = coordinates.iter().map(|i| residual[*i]);
         let events: Vec<usize> = (0..readers.len()).filter(|event| readers[*event] == k).collect();
+        let steady = !program.mass.iter().any(|entry| own(&entry.0) && varies[entry.2.index()]);
+        let bias = graph.symbols(coordinates.iter().map(|i| program.bias[*i]));
         found.push(Part {
+            separable: steady && !bias.iter().any(|s| matches!(s, Symbol::Speed(_))),
             coordinates: coordinates.clone(),
             energy: [kinetic, potential, jacobi, power, graph.add(sizes[0], sizes[1])],
             linear: slopes.iter().all(|list| !list.iter().any(|entry| own(&entry.0) && varies[entry.2.index()])),

@@ -197,9 +197,10 @@ pub(super) fn description(program: &Program, source: &str) -> String {
         list(program.parts.iter().map(|part| {
             let places = |list: &[usize]| self::list(list.iter().map(ToString::to_string));
             format!(
-                "mechanism::Part {{ coordinates: {}, linear: {}, time_dependent: {}, conservative: {}, arguments: {}, events: {}, accelerations: {} }}",
+                "mechanism::Part {{ coordinates: {}, linear: {}, separable: {}, time_dependent: {}, conservative: {}, arguments: {}, events: {}, accelerations: {} }}",
                 places(&part.coordinates),
                 part.linear,
+                part.separable,
                 part.time_dependent,
                 part.is_conservative(),
                 places(&part.arguments),

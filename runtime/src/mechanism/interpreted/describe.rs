@@ -157,6 +157,7 @@ pub(super) fn describe(program: &Program, source: &str) -> Description {
             .map(|part| Part {
                 coordinates: part.coordinates.iter().map(|i| *i as u32).collect(),
                 linear: part.linear,
+                separable: part.separable,
                 time_dependent: part.time_dependent,
                 conservative: part.is_conservative(),
                 arguments: part.arguments.iter().map(|k| *k as u32).collect(),
