@@ -24,7 +24,7 @@ const FASTER: f64 = 1e3;
 
 /// Steps of the exponential are so long, in radians.
 const RESOLVED: f64 = 1.0;
-/// An oscillator takes `dop853` so many evaluations a radian, times this power of 1/tolerance.
+/// An oscillator takes `dop853` so many evaluations a radian, times this power of 1/tolerance; `rkn8` half as many.
 const A_RADIAN: f64 = 2.7;
 const GAIN: f64 = 0.115;
 
@@ -76,7 +76,8 @@ fn exact_pays(settings: &Settings, system: &dyn System, y: &[f64]) -> bool {
     let evaluation = if counted > 0.0 { counted } else { 10.0 * n as f64 };
     let driven = description.structure.time_dependent;
     let (exponential, step) = operations_of_exact(n, driven);
-    let explicit = span * rate * A_RADIAN * settings.tolerance.powf(-GAIN);
+    let a_radian = if description.structure.separable { 0.5 * A_RADIAN } else { A_RADIAN };
+    let explicit = span * rate * a_radian * settings.tolerance.powf(-GAIN);
     if !driven {
         return (exponential + step * span * rate / RESOLVED) / evaluation < explicit;
     }
