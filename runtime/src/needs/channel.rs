@@ -101,7 +101,8 @@ mod tests {
         for t in [1.0_f64, 1.013, 2.5, 3.949, 3.95] {
             let exact = [t.sin(), t.cos(), -t.sin()];
             for (found, exact) in channel.at(t).iter().zip(exact) {
-                assert!((found - exact).abs() < 5e-5, "{t}: {found} {exact}");
+                // At the ends f'' is of third order: 5/6 h³.
+                assert!((found - exact).abs() < 1e-4, "{t}: {found} {exact}");
             }
         }
         let rough: Vec<f64> = (0..60).map(|k| (3.0 * f64::from(k)).sin()).collect();
