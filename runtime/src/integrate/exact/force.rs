@@ -5,6 +5,8 @@ use crate::mechanism::{At, System};
 
 /// So many polynomials stand for a force that changes.
 pub(super) const TERMS: usize = 9;
+/// A coefficient is a sum of values, each at a time of its own; their rounding adds up to so many roundings of one.
+const ROUNDINGS: f64 = 4.0;
 
 /// f(t) = a(t, q = 0, q' = 0) over a step, Σ cₖ Pₖ(τ) with τ from −1 to 1, through Lobatto's points: the convolution with e^{As} then
 /// has errors of order 16, what lies between the ends of a step has those of the interpolation.
@@ -85,17 +87,22 @@ impl Force {
         Ok(())
     }
 
-    /// What the polynomials miss of fᵢ, and how large fᵢ is.
+    /// What the polynomials miss of fᵢ over a step of h from t, and how large fᵢ is.
     ///
     /// Coefficients of a smooth function fall like a geometric series, those of even and of odd degree for themselves: what is
-    /// left out is as much smaller than the last two as these are smaller than the two before.
-    pub fn missed(&self, i: usize) -> (f64, f64) {
+    /// left out is as much smaller than the last two as these are smaller than the two before.  What rounding of f and of the time, u|t||f'|,
+    /// makes of them no shorter step would mend: it does not count.
+    pub fn missed(&self, i: usize, (t, h): (f64, f64)) -> (f64, f64) {
         let n = self.rest.len();
         let size = |k: usize| self.coefficients[k * n + i].abs();
-        let last = size(TERMS - 1).max(size(TERMS - 2));
+        let whole: f64 = (0..TERMS).map(size).sum();
+        // |Pₖ'| ≤ k(k + 1)/2.
+        let slope: f64 = (0..TERMS).map(|k| (k * (k + 1)) as f64 * size(k) / h.abs()).sum();
+        let rounding = ROUNDINGS * f64::EPSILON * (whole + (t.abs() + h.abs()) * slope);
+        let last = (size(TERMS - 1).max(size(TERMS - 2)) - rounding).max(0.0);
         let before = size(TERMS - 3).max(size(TERMS - 4));
         let falls = if last < before { last / before } else { 1.0 };
-        (last * falls, (0..TERMS).map(size).sum())
+        (last * falls, whole)
     }
 
     /// The derivative of this order over its factorial, by the part θ of the step, of fᵢ at its start or its end.

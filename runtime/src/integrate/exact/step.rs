@@ -117,13 +117,13 @@ impl Exact {
 
     /// The error of what a force that changes does over a step of h, in units of the tolerance: what the polynomial through its values
     /// misses swings about zero, so that less of it is left after each integration.
-    fn error(&mut self, h: f64, tolerance: &Tolerance) -> f64 {
+    fn error(&mut self, (t, h): (f64, f64), tolerance: &Tolerance) -> f64 {
         // Of P₉ less is left, 1/17; but what is not resolved yet looks like polynomials of low degree, too.
         const LEFT: f64 = 0.25;
         let n = self.ends.n;
         let mut squares = 0.0;
         for i in 0..n {
-            let (missed, size) = self.force.missed(i);
+            let (missed, size) = self.force.missed(i, (t, h));
             let speed = larger((h * self.ends.rate[n + i]).abs(), h * size);
             let place = larger((h * self.ends.y[n + i]).abs(), h * speed);
             let units = tolerance.units_by_change(i, h, [place, speed]);
@@ -229,7 +229,7 @@ impl OneStep for Exact {
             }
             self.force.follow(system, t, h)?;
             if let Some(tolerance) = tolerance {
-                error = self.error(h, tolerance);
+                error = self.error((t, h), tolerance);
                 if error.is_nan() || error > 1.0 {
                     self.ends.end.copy_from_slice(&self.ends.y);
                     return Ok(error);
