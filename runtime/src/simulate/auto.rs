@@ -44,6 +44,10 @@ pub(super) fn choose(settings: &Settings, system: &dyn System, y: &[f64]) -> Cho
     let structure = &description.structure;
     match settings.method {
         Method::Auto if settings.step.is_some() => because(Method::Rk4, "a step is given"),
+        // The exponential's steps are no longer than what decays fastest, long after it is gone.
+        Method::Auto if is_stiff(settings, system, y) => {
+            because(Method::Rodas5P, "what decays at the start is much faster than what vibrates")
+        }
         Method::Auto
             if structure.linear
                 && description.rows.is_empty()
@@ -54,9 +58,6 @@ pub(super) fn choose(settings: &Settings, system: &dyn System, y: &[f64]) -> Cho
             let driven = "linear with constant coefficients, driven by time alone, for long enough";
             let free = "linear with constant coefficients, for long enough";
             because(Method::Exact, if structure.time_dependent { driven } else { free })
-        }
-        Method::Auto if is_stiff(settings, system, y) => {
-            because(Method::Rodas5P, "what decays at the start is much faster than what vibrates")
         }
         Method::Auto if structure.separable && description.rows.is_empty() => {
             because(Method::Rkn8, "M is constant and no force depends on speeds")
@@ -176,6 +177,10 @@ mod tests {
     fn what_decays_fast_is_stiff_only_where_the_run_is_long_beside_it() {
         assert_eq!(chosen(&damped(1e5, 10.0), |_| ()), Method::Rodas5P);
         assert_eq!(chosen(&damped(1e5, 1e-3), |_| ()), Method::Dop853);
+        let mut linear = damped(1e5, 10.0);
+        linear.description.structure.linear = true;
+        assert_eq!(chosen(&linear, |_| ()), Method::Rodas5P);
+        assert_eq!(chosen(&linear, |settings| settings.until = 0.01), Method::Exact);
         assert_eq!(chosen(&damped(10.0, 10.0), |_| ()), Method::Dop853);
     }
 }
