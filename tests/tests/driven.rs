@@ -77,7 +77,7 @@ fn coefficients_that_change_with_time_are_refused() {
     let refused = |stiffness: &str, damping: &str| {
         let mut case = Case::written(&driven(stiffness, damping, "sin(t)", ""));
         case.settings.method = Method::Exact;
-        let error = case.try_run().err().expect("no linear system with constant coefficients");
+        let error = case.try_run().expect_err("no linear system with constant coefficients");
         assert!(matches!(error, Error::NotLinear { reason: Nonlinear::Coefficients }), "{error}");
     };
     refused("k*(1 + cos(4*t)/10)", "c");
