@@ -56,8 +56,7 @@ fn report(program: &Program, reduced: &Reduced) -> String {
     }
     out += "    and by quadrature\n";
     for c in ignored {
-        let times = c.shift.iter().find(|(i, _)| *i == c.coordinate).map_or(1, |(_, times)| *times);
-        let left = if times == 1 { String::new() } else { format!("/{times}") };
+        let left = if c.own() == 1 { String::new() } else { format!("/{}", c.own()) };
         let _ = writeln!(out, "      {}'{left} = {}", name(c.coordinate), text(model, c.rate));
     }
     let full = program.counts.accelerations;
@@ -73,8 +72,7 @@ fn report(program: &Program, reduced: &Reduced) -> String {
 /// `b counted from a`, with multiples where they are not alike.
 fn counted(program: &Program, c: &Ignored) -> String {
     let name = |i: usize| &program.model.coordinates[i].name;
-    let own = c.shift.iter().find(|(i, _)| *i == c.coordinate).map_or(1, |(_, own)| *own);
-    let from = |times: i64| match (times, own) {
+    let from = |times: i64| match (times, c.own()) {
         (times, own) if times == own => name(c.coordinate).clone(),
         (times, 1) => format!("{times}*{}", name(c.coordinate)),
         (times, own) => format!("{times}*{}/{own}", name(c.coordinate)),

@@ -60,6 +60,13 @@ pub struct Ignored {
     pub rate: Id,
 }
 
+impl Ignored {
+    /// By how much it is itself shifted.
+    pub fn own(&self) -> i64 {
+        self.shift.iter().find(|(i, _)| *i == self.coordinate).map_or(1, |(_, times)| *times)
+    }
+}
+
 /// Why equations are not reduced.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NotReduced {
@@ -282,16 +289,12 @@ fn compared(
     let free = program.model.parameters.len();
     // What is left of a quantity of all coordinates, and what goes.
     let split = |x: &[DoubleDouble]| -> Vec<DoubleDouble> {
-        let from = |i: usize| {
-            ignored.iter().flat_map(|c| c.shift.iter().map(move |shift| (c, shift))).filter(|(_, (j, _))| *j == i).fold(
-                x[i],
-                |left, (c, (_, times))| {
-                    let own = c.shift.iter().find(|(j, _)| *j == c.coordinate).map_or(1, |(_, own)| *own);
-                    left - x[c.coordinate] * *times as f64 / DoubleDouble::from(own as f64)
-                },
-            )
-        };
-        (0..x.len()).map(from).collect()
+        let mut left = x.to_vec();
+        for c in ignored {
+            let each = x[c.coordinate] / DoubleDouble::from(c.own() as f64);
+            c.shift.iter().for_each(|(i, times)| left[*i] = left[*i] - each * *times as f64);
+        }
+        left
     };
     let (mut random, mut worst, mut count) = (Random::new(), 0.0_f64, 0);
     for _ in 0..8 * STATES {
@@ -312,10 +315,7 @@ fn compared(
             continue;
         }
         let own = split(&measured.iter().map(|a| a.value).collect::<Vec<_>>());
-        let speed = |c: &Ignored| {
-            let times = c.shift.iter().find(|(j, _)| *j == c.coordinate).map_or(1, |(_, own)| *own);
-            state.v[c.coordinate] / DoubleDouble::from(times as f64)
-        };
+        let speed = |c: &Ignored| state.v[c.coordinate] / DoubleDouble::from(c.own() as f64);
         let expected = kept.iter().map(|i| own[*i]).chain(ignored.iter().map(speed));
         let largest = measured.iter().fold(0.0_f64, |most, a| most.max(a.magnitude));
         for (place, (found, expected)) in found.iter().zip(expected).enumerate() {
