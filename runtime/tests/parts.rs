@@ -310,7 +310,7 @@ fn events_that_stop_two_parts_at_one_instant_are_both_recorded_in_the_files_orde
     assert!(apart.parts.len() == 2 && together.parts.is_empty());
     for run in [&apart, &together] {
         assert_eq!(names(run), ["middle", "low", "high"]);
-        assert_eq!(run.ended_by().map(|event| event.name.as_str()), Some("low"));
+        assert_eq!(run.ended_by().map(|event| event.name.as_str()), Some("high"));
         assert!((run.last().t - 0.6_f64.sqrt()).abs() < 1e-9, "{}", run.last().t);
     }
     // A micrometre higher it is later by d/v, and has not happened.

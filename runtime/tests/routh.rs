@@ -52,7 +52,8 @@ potential_energy: k*(b - a)^2/2
         "parameters: {m: 1 kg, L: 1 m}
 coordinates: {a: rad, b: rad, c: rad}
 points: {P: \"L*[cos(a), sin(a)]\", Q: \"P + L*[cos(b), sin(b)]\", R: \"Q + L*[cos(c), sin(c)]\"}
-bodies: {p: {mass: m, position: P}, q: {mass: m, position: Q}, r: {mass: m, position: R}}
+bodies: {p: {mass: m, position: P}, q: {mass: m, position: Q}, r: {mass: 2*m, position: R}}
+scene: {start: {a: 0.3, b: 1, a': 1}, until: 1}
 ",
     );
     let (many, all) = counted(&links);
@@ -61,13 +62,13 @@ bodies: {p: {mass: m, position: P}, q: {mass: m, position: Q}, r: {mass: m, posi
 
 #[test]
 fn what_is_not_reduced_says_why() {
-    let all = "parameters: {m: 1 kg, k: 2 N/m}
+    let all = "parameters: {m: 1 kg, k: 2 N/m, l: 1 m}
 coordinates: {x: m, y: m}
 kinetic_energy: m*(x'^2 + y'^2)/2
 ";
     let held = checked("Held", &format!("{all}potential_energy: k*(x^2 + y^2)/2\n"));
     assert!(held.contains("every coordinate and every direction matters"), "{held}");
     assert!(checked("Free", all).contains("nothing is left to integrate"));
-    let rubbed = checked("Rubbed", &format!("{all}generalized_forces: {{x: -k*0.1*sign(x')}}\n"));
+    let rubbed = checked("Rubbed", &format!("{all}generalized_forces: {{x: -0.1*k*l*sign(x')}}\n"));
     assert!(rubbed.contains("nothing is reduced where"), "{rubbed}");
 }

@@ -168,7 +168,8 @@ fn occurrences(
         }
     }
     found.sort_by(|(a, _), (b, _)| a.state.t.total_cmp(&b.state.t).then(a.event.cmp(&b.event)));
-    let ended_by = found.iter().position(|(_, ends)| *ends);
+    // As of events within one step, the last of several that stop.
+    let ended_by = found.iter().rposition(|(_, ends)| *ends);
     (found.into_iter().map(|(event, _)| event).collect(), ended_by)
 }
 

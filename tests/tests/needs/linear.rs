@@ -46,7 +46,7 @@ fn a_pendulum_made_linear_is_faster_by_theta2_over_16() {
         assert!((power - 2.0).abs() < 0.01, "{power}");
         let clock = rung.deviation.as_ref().expect("compared").clock;
         assert!((clock / (amplitude * amplitude / 16.0) - 1.0).abs() < 0.01, "{amplitude}: {clock}");
-        assert_eq!(rung.verdict == Verdict::Serves, amplitude < 0.02, "{}", needs.table());
+        assert_eq!(rung.verdict == Verdict::Serves, amplitude < 0.05, "{}", needs.table());
     }
     let small = found(&pendulum(0.01, "1", "1"), "theta");
     let choice = chosen(&small);
@@ -90,7 +90,8 @@ fn a_progressive_strut_is_a_spring_where_it_moves_little() {
         assert!(holds && (0.8..1.25).contains(&(predicted / change)), "{predicted} {change}");
         // It hangs in its weight, about which a cube is a square first.
         assert!((0.7..1.2).contains(&power) && rung.verdict == Verdict::Serves, "{}", needs.table());
-        assert_eq!(needs.rungs.iter().filter(|rung| rung.proposal == Proposal::Linear).count(), 2, "{}", needs.table());
+        // What is between two points has a kink where they meet, and so have the equations with it.
+        assert_eq!(linear(&needs, "equations").is_some(), ingredient == "forces.progress", "{}", needs.table());
     }
     // A hundred times as much is no small part.
     let hard = asked(&Question::new(by_force("2e5"))).unwrap_or_else(|unanswered| panic!("{unanswered}"));
