@@ -45,7 +45,7 @@ fn e2_a_ball_that_came_to_rest_does_not_fall_through_the_floor() {
 /// Flights that one step covers begin and end on the floor: that it is met there is judged by how high they were.
 #[test]
 fn e2_long_steps_come_to_rest_too() {
-    for method in [Method::Gauss2, Method::Gauss6, Method::Verlet, Method::Kahanli8, Method::Radau5] {
+    for method in [Method::Gauss2, Method::Gauss6, Method::Verlet, Method::KahanLi8, Method::Radau5] {
         let mut case = Case::new("bouncing_ball");
         (case.settings.method, case.settings.tolerance) = (method, 1e-6);
         let last = case.run().last();
