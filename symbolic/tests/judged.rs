@@ -285,6 +285,23 @@ fn directions_along_which_nothing_changes_are_found() {
     assert_eq!(shifts("k*(x - y)^2/2 + e*(x + y - 2*z)^4/l^2", ""), all);
 }
 
+/// Three links turn about a pin: at a state in which only the first one does, what the rows leave is rounding.
+#[test]
+fn what_turns_as_a_whole_is_found_without_a_scene() {
+    let links = |last: &str| {
+        let file = format!(
+            "name: Links\nparameters: {{m: 1 kg, L: 1 m}}\ncoordinates: {{a: rad, b: rad, c: rad}}\n\
+             points: {{q: \"L*[cos(a), sin(a)]\", r: \"q + L*[cos(b), sin(b)]\", s: \"r + L*[cos(c), sin(c)]\"}}\n\
+             bodies: {{B: {{mass: m, position: q}}, C: {{mass: m, position: r}}, E: {{mass: {last}, position: s}}}}\n"
+        );
+        let program = compile(&file, &[]).unwrap_or_else(|problems| panic!("{problems:?}"));
+        program.structure.directions.iter().map(|direction| direction.shift.clone()).collect::<Vec<_>>()
+    };
+    for last in ["m", "2*m", "1e-9*m", "1e9*m"] {
+        assert_eq!(links(last), [[(0, 1), (1, 1), (2, 1)]], "{last}");
+    }
+}
+
 #[test]
 fn directions_along_which_little_changes_are_not_ignorable() {
     assert!(shifts("k*((x - y)^2 + (y - z)^2)/2 + 1e-7*e*z^2", "").is_empty());

@@ -53,7 +53,9 @@ pub(super) fn directions(
     while idle < PROOF && rows.pivots.len() < columns.len() && undefined < UNDEFINED {
         let row = at(&mixed(states, &mut random));
         if row.iter().all(|entry| entry.magnitude.is_finite() && entry.value.is_finite()) {
-            let scaled = row.iter().zip(&scales).map(|(entry, scale)| entry.value * *scale).collect();
+            // Where one link alone turns what is left of nothing is rounding.
+            let value = |e: &Measured| if e.vanishes(super::ROUNDINGS) { DoubleDouble::ZERO } else { e.value };
+            let scaled = row.iter().zip(&scales).map(|(entry, scale)| value(entry) * *scale).collect();
             idle = if rows.add(scaled) { 0 } else { idle + 1 };
             undefined = 0;
         } else {
