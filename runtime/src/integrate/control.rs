@@ -13,6 +13,11 @@ pub(crate) struct Control {
     pub stiff: f64,
 }
 
+impl Control {
+    /// A first step may grow by so many times the largest factor.
+    pub const AT_FIRST: f64 = 6.0;
+}
+
 /// For methods that have no error estimate.
 pub(crate) const NO_CONTROL: Control = Control { exponent: 0.0, shrink: 1.0, grow: 1.0, stiff: f64::INFINITY };
 
@@ -58,6 +63,8 @@ impl StepControl {
     /// The next step after one of h was accepted with this error (at most 1).
     pub fn accepted(&mut self, h: f64, error: f64) -> f64 {
         let Control { shrink, grow, .. } = self.constants;
+        // As a first step may be too long by orders of magnitude, it may be too short.
+        let grow = if self.first { Control::AT_FIRST * grow } else { grow };
         let (own, (before, step)) = (self.power(error), self.previous);
         let grew = if step > 0.0 { (own * (step / (before * h))).max(1.0) } else { 1.0 };
         let least = if self.rejected { 1.0 } else { 1.0 / grow };
@@ -88,6 +95,14 @@ impl StepControl {
 pub(crate) fn first_step(control: &Control, tolerance: f64, way: f64) -> f64 {
     FIRST * (tolerance / USUAL).powf(control.exponent) * way
 }
+
+/// How many radians of a vibration a step may be long at a tolerance, about.
+pub(crate) fn radians(control: &Control, tolerance: f64) -> f64 {
+    RADIANS * tolerance.powf(control.exponent)
+}
+
+/// Those of a step at a tolerance of 1.
+const RADIANS: f64 = 3.0;
 
 /// The first step is tried at this part of the way, at the usual tolerance.
 const FIRST: f64 = 1e-3;

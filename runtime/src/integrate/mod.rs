@@ -37,7 +37,7 @@ pub(crate) use choose::{order, stability, stepper};
 pub(crate) use clock::Clock;
 pub(crate) use exact::{LENGTHS as LENGTHS_OF_EXACT, fastest_rate, longest_step, operations as operations_of_exact};
 
-pub(crate) use control::{Control, NO_CONTROL, StepControl, first_step};
+pub(crate) use control::{Control, NO_CONTROL, StepControl, first_step, radians};
 #[cfg(feature = "ensemble")]
 pub(crate) use explicit::{DOP853, Dop853, Stage, Term, stages};
 pub(crate) use segment::Segment;

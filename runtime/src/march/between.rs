@@ -215,7 +215,7 @@ impl March {
         let now = self.clock.now();
         self.stepper.begin(system, now).ok()?;
         if self.h == 0.0 {
-            self.h = self.first(self.until - now);
+            self.h = self.first(system, self.until - now);
         }
         for _ in 0..ROUNDS {
             let h = self.h.min(self.until - now);

@@ -3,11 +3,12 @@
 //! A step is tried until its error is small enough; its dense output is made where anything reads it; what is watched
 //! may end it early: look in `interrupt.rs`; it is written down and taken.  Jumps of the acceleration that
 //! nobody declared: look in `jump.rs`; what is asked of a step between its ends: in `between.rs`; rounding that looks like
-//! errors: in `noise.rs`; constraints at the ends of steps: in `constraints.rs`; phases and impacts: in `phase.rs`; a fixed step
-//! that suits a tolerance: in `trial.rs`.
+//! errors: in `noise.rs`; constraints at the ends of steps: in `constraints.rs`; phases and impacts: in `phase.rs`; the first
+//! step: in `first.rs`; a fixed step that suits a tolerance: in `trial.rs`.
 
 mod between;
 mod constraints;
+mod first;
 mod interrupt;
 mod jump;
 mod noise;
@@ -26,8 +27,7 @@ use crate::cause::Cause;
 use crate::constrain::Projection;
 use crate::events::Watch;
 use crate::integrate::{
-    Clock, Control, OneStep, Reached, Segment, Setback, StepControl, StiffnessDetector, Tolerance, Trial, first_step,
-    stepper,
+    Clock, Control, OneStep, Reached, Segment, Setback, StepControl, StiffnessDetector, Tolerance, Trial, stepper,
 };
 use crate::mechanism::{Method, System};
 use crate::run::{Recorder, Work};
@@ -360,7 +360,7 @@ impl March {
         }
         let now = self.clock.now();
         if self.h == 0.0 {
-            self.h = self.first(stop - now);
+            self.h = self.first(system, stop - now);
         }
         self.rejected.clear();
         let mut steady = Steady::default();
@@ -522,19 +522,6 @@ impl March {
         match &self.pace {
             Pace::Fixed(_) => Vec::new(),
             Pace::Adaptive { tolerance, .. } => tolerance.swept(),
-        }
-    }
-
-    /// The first step: a thousandth of the way or so, which the error test shortens.
-    ///
-    /// It follows the tolerance as other steps do, so that runs at two tolerances have no step in common, even where the
-    /// growth of steps is all that limits them.
-    fn first(&self, left: f64) -> f64 {
-        match &self.pace {
-            Pace::Fixed(h) => *h,
-            Pace::Adaptive { longest, tolerance } => {
-                longest.min(first_step(&self.stepper.control(), tolerance.relative, left))
-            }
         }
     }
 }
