@@ -82,6 +82,12 @@ impl StepControl {
         if error.is_finite() { h / (self.power(error) / Self::SAFETY).min(1.0 / shrink) } else { h * shrink }
     }
 
+    /// The step to try after an iteration in one of h did not converge.
+    pub fn stalled(&mut self, h: f64) -> f64 {
+        self.rejected = true;
+        if self.first { h * FIRST_SHRINK } else { 0.5 * h }
+    }
+
     /// errᵖ; by roots where p is 1/8.
     fn power(&self, error: f64) -> f64 {
         match self.constants.exponent {

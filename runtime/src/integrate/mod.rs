@@ -93,6 +93,11 @@ pub(crate) trait OneStep: Send {
         f64::INFINITY
     }
 
+    /// The longest step, s, that an iteration may be expected to solve after the one that was tried.
+    fn convergent(&self) -> f64 {
+        f64::INFINITY
+    }
+
     /// Takes the step that was tried; adds what rounding took from it to the next one if `compensated`.
     fn accept(&mut self, compensated: bool);
 

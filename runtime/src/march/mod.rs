@@ -397,7 +397,7 @@ impl March {
                         // Dense output makes other stages in the place of these.
                         self.step_times_rate = self.stepper.stiffness(h, self.stiffness.least());
                         self.look_for_jumps(system, step)?;
-                        let proposal = self.control.accepted(h, error);
+                        let proposal = self.control.accepted(h, error).min(self.stepper.convergent());
                         // A step cut short by a stop says nothing against the longer one before it.
                         self.h = if lands { proposal.max(self.h) } else { proposal };
                         return Ok(step);
@@ -408,7 +408,10 @@ impl March {
                         self.look_for_noise(system, step);
                         self.look_for_onset(&mut steady, (error, h));
                     }
-                    self.h = self.control.rejected(h, error);
+                    self.h = match outcome {
+                        Err(Setback::Stalled { .. }) => self.control.stalled(h),
+                        _ => self.control.rejected(h, error),
+                    };
                     if self.h < 16.0 * f64::EPSILON * now.abs() || self.h < f64::MIN_POSITIVE / f64::EPSILON {
                         outcome.map_err(|setback| setback.cause(system.description()))?;
                         self.all_finite(system, error)?;

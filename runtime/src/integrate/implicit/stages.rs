@@ -43,6 +43,8 @@ pub(super) struct Newton {
     factored: f64,
     /// How many iterations there were when the Jacobians were new; 0: they are to be.
     usual: u32,
+    /// How much of a correction the next one was at the most in the last step, if its Jacobians were new.
+    contraction: f64,
     pub evaluations: u64,
     pub jacobians: u64,
     pub factorizations: u64,
@@ -57,12 +59,23 @@ const MOST: u32 = 60;
 const MOST_LOOSE: u32 = 10;
 const LEFT: f64 = 0.03;
 /// Corrections that fall more slowly call for new Jacobians.
-const SLOW: f64 = 0.02;
+const SLOW: f64 = 0.005;
+/// What a correction may leave where the iteration converges well.
+const WELL: f64 = 0.2;
 
 impl Stages {
     pub fn new(stages: usize, n: usize) -> Self {
         let zeros = || vec![0.0; stages * n];
         Stages { accelerations: zeros(), places: zeros(), speeds: zeros(), left: zeros(), guess: zeros() }
+    }
+
+    /// The state at a node.
+    fn state(&self, i: usize, y: &[f64], at: &mut [f64]) {
+        let n = y.len() / 2;
+        for j in 0..n {
+            at[j] = y[j] + self.places[i * n + j];
+            at[n + j] = y[n + j] + self.speeds[i * n + j];
+        }
     }
 
     /// Changes of places and speeds that go with the accelerations.
@@ -91,6 +104,7 @@ impl Newton {
             room: vec![Complex::new(0.0, 0.0); n],
             factored: 0.0,
             usual: 0,
+            contraction: 0.0,
             evaluations: 0,
             jacobians: 0,
             factorizations: 0,
@@ -100,6 +114,14 @@ impl Newton {
     /// The step that it solved last, s.
     pub fn step(&self) -> f64 {
         self.factored
+    }
+
+    /// The longest step in which the iteration may be expected to converge well, s: what a correction leaves is taken to grow in
+    /// proportion.
+    ///
+    /// Source: Gustafsson, ACM TOMS 20 (1994) 496, section 4.
+    pub fn longest(&self) -> f64 {
+        if self.contraction > 0.0 { self.factored * WELL / self.contraction } else { f64::INFINITY }
     }
 
     /// The Jacobians say nothing any more.
@@ -118,12 +140,14 @@ impl Newton {
     ) -> Result<(), Setback> {
         stages.guess.copy_from_slice(&stages.accelerations);
         let known = self.usual > 0;
-        self.prepare(system, from)?;
+        stages.follow(self.tableau, from);
+        self.prepare(system, from, stages, at)?;
         match self.iterate(system, from, stages, tolerance, at) {
             Err(Setback::Stalled { .. }) if known => {
                 // Once more, with new Jacobians.
                 stages.accelerations.copy_from_slice(&stages.guess);
-                self.prepare(system, from)?;
+                stages.follow(self.tableau, from);
+                self.prepare(system, from, stages, at)?;
                 self.iterate(system, from, stages, tolerance, at)
             }
             outcome => outcome,
@@ -131,9 +155,12 @@ impl Newton {
     }
 
     /// Jacobians where they are to be new, and the pencils of this step.
-    fn prepare(&mut self, system: &dyn System, from: From<'_>) -> Result<(), Setback> {
+    fn prepare(&mut self, system: &dyn System, from: From<'_>, stages: &Stages, at: &mut [f64]) -> Result<(), Setback> {
         if self.usual == 0 {
-            self.slopes.evaluate(system, At::packed(from.t, from.y, self.n))?;
+            let middle = self.tableau.stages() / 2;
+            stages.state(middle, from.y, at);
+            let t = from.t + self.tableau.nodes[middle].value() * from.h;
+            self.slopes.evaluate(system, At::packed(t, at, self.n))?;
             self.jacobians += 1;
             self.factored = 0.0;
         }
@@ -159,8 +186,9 @@ impl Newton {
         at: &mut [f64],
     ) -> Result<(), Setback> {
         let mut before = f64::INFINITY;
+        let fresh = self.usual == 0;
+        self.contraction = 0.0;
         let most = if tolerance.is_some() { MOST_LOOSE } else { MOST };
-        stages.follow(self.tableau, from);
         for iteration in 1..=most {
             self.left(system, from, stages, at)?;
             self.correct(stages);
@@ -177,6 +205,10 @@ impl Newton {
                 None => self.relative(from, stages),
             };
             let slow = size / before;
+            // Old ones will be new in the next step.
+            if fresh {
+                self.contraction = self.contraction.max(slow);
+            }
             let done = same
                 || match tolerance {
                     Some(_) if iteration == 1 => size <= 1e-3 * LEFT,
@@ -221,10 +253,7 @@ impl Newton {
     ) -> Result<(), Setback> {
         let n = self.n;
         for i in 0..self.tableau.stages() {
-            for j in 0..n {
-                at[j] = from.y[j] + stages.places[i * n + j];
-                at[n + j] = from.y[n + j] + stages.speeds[i * n + j];
-            }
+            stages.state(i, from.y, at);
             let left = &mut stages.left[i * n..][..n];
             let t = from.t + self.tableau.nodes[i].value() * from.h;
             self.evaluations += 1;
