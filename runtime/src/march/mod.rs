@@ -106,6 +106,8 @@ pub(crate) struct March {
     rejected_step: f64,
     /// How many steps were cut because a watched function oscillated within them.
     cuts: u32,
+    /// Whether the fixed step is no more than the longest: a shorter one is as exact, and breaks no structure.
+    any_step: bool,
 }
 
 impl March {
@@ -139,6 +141,7 @@ impl March {
             rejected: Vec::with_capacity(y.len()),
             rejected_step: 0.0,
             cuts: 0,
+            any_step: false,
             defect: Defect::new(y.len()),
             until: t,
         }
@@ -296,7 +299,7 @@ impl March {
     }
 
     fn may_cut(&self) -> bool {
-        self.cuts < MOST_CUTS && matches!(self.pace, Pace::Adaptive { .. })
+        self.cuts < MOST_CUTS && (self.any_step || matches!(self.pace, Pace::Adaptive { .. }))
     }
 
     /// Writes down and takes a step that nothing can interrupt.
@@ -375,6 +378,8 @@ impl March {
                 if h < step.h {
                     step = Step { h, next: self.clock.after(h), lands: false };
                 }
+            } else if most < step.h {
+                step = Step { h: most, next: self.clock.after(most), lands: false };
             }
             let Step { h, next, lands } = step;
             if next <= now {
