@@ -9,17 +9,15 @@ pub(crate) struct Control {
     pub shrink: f64,
     /// The largest factor.
     pub grow: f64,
+    /// By how many times more the first step may grow, and be longer than usual where accelerations change little.
+    pub at_first: f64,
     /// h|λ| above this is near the stability limit.
     pub stiff: f64,
 }
 
-impl Control {
-    /// A first step may grow by so many times the largest factor.
-    pub const AT_FIRST: f64 = 6.0;
-}
-
 /// For methods that have no error estimate.
-pub(crate) const NO_CONTROL: Control = Control { exponent: 0.0, shrink: 1.0, grow: 1.0, stiff: f64::INFINITY };
+pub(crate) const NO_CONTROL: Control =
+    Control { exponent: 0.0, shrink: 1.0, grow: 1.0, at_first: 1.0, stiff: f64::INFINITY };
 
 /// The step a method proposes next, from the errors of the last steps.
 ///
@@ -62,9 +60,9 @@ impl StepControl {
 
     /// The next step after one of h was accepted with this error (at most 1).
     pub fn accepted(&mut self, h: f64, error: f64) -> f64 {
-        let Control { shrink, grow, .. } = self.constants;
+        let Control { shrink, grow, at_first, .. } = self.constants;
         // As a first step may be too long by orders of magnitude, it may be too short.
-        let grow = if self.first { Control::AT_FIRST * grow } else { grow };
+        let grow = if self.first { at_first * grow } else { grow };
         let (own, (before, step)) = (self.power(error), self.previous);
         let grew = if step > 0.0 { (own * (step / (before * h))).max(1.0) } else { 1.0 };
         let least = if self.rejected { 1.0 } else { 1.0 / grow };
@@ -108,7 +106,7 @@ pub(crate) fn radians(control: &Control, tolerance: f64) -> f64 {
 }
 
 /// Those of a step at a tolerance of 1.
-const RADIANS: f64 = 3.0;
+const RADIANS: f64 = 2.0;
 
 /// The first step is tried at this part of the way, at the usual tolerance.
 const FIRST: f64 = 1e-3;

@@ -1,13 +1,13 @@
 //! The first step.
 
 use super::{March, Pace};
-use crate::integrate::{Control, first_step, radians};
+use crate::integrate::{first_step, radians};
 use crate::mechanism::System;
 
 impl March {
     /// The first step: a thousandth of the way or so, which the error test shortens.
     ///
-    /// It is longer where the accelerations at its end, reached by a parabola, differ so little from those at its start that it is short
+    /// Where the method lets it, it is longer where the accelerations at its end, reached by a parabola, differ so little from those at its start that it is short
     /// beside what the method resolves of a vibration; by no more than a step may grow at first, since other times are not looked at.
     ///
     /// It follows the tolerance as other steps do, so that runs at two tolerances have no step in common, even where the
@@ -19,8 +19,11 @@ impl March {
         };
         let control = self.stepper.control();
         let h = longest.min(first_step(&control, relative, left));
+        if control.at_first <= 1.0 {
+            return h;
+        }
         let slow = self.rate_of_change(system, h).map_or(0.0, |rate| radians(&control, relative) / rate);
-        if slow > h { longest.min(slow.min(Control::AT_FIRST * control.grow * h)) } else { h }
+        if slow > h { longest.min(slow.min(control.at_first * control.grow * h)) } else { h }
     }
 
     /// ω with which accelerations change over a parabola of h seconds, 1/s; `None` where there are none at its end.

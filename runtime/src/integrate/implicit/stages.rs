@@ -30,6 +30,17 @@ pub(super) struct From<'a> {
     pub carry: &'a [f64],
 }
 
+/// Where Jacobians are from, in the order in which they are tried.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Jacobians {
+    /// An earlier step.
+    Known,
+    /// A node in the middle of this one, as the last step's polynomial has it: on the way to either end they change by half as much.
+    Middle,
+    /// Its start, which is on the motion.
+    Start,
+}
+
 /// Simplified Newton's method for the stages, with the Jacobians of an earlier state as long as they serve.
 #[derive(Clone, Debug)]
 pub(super) struct Newton {
@@ -121,7 +132,7 @@ impl Newton {
     /// The longest step in which the iteration may be expected to converge well, s: what a correction leaves is taken to grow in
     /// proportion.
     ///
-    /// Source: Gustafsson, ACM TOMS 20 (1994) 496, section 4.
+    /// Source: Gustafsson and Söderlind, SIAM J. Sci. Comput. 18 (1997) 23.
     pub fn longest(&self) -> f64 {
         if self.contraction > 0.0 { self.factored * WELL / self.contraction } else { f64::INFINITY }
     }
@@ -141,27 +152,40 @@ impl Newton {
         at: &mut [f64],
     ) -> Result<(), Setback> {
         stages.guess.copy_from_slice(&stages.accelerations);
-        let known = self.usual > 0;
-        stages.follow(self.tableau, from);
-        self.prepare(system, from, stages, at)?;
-        match self.iterate(system, from, stages, tolerance, at) {
-            Err(Setback::Stalled { .. }) if known => {
-                // Once more, with new Jacobians.
-                stages.accelerations.copy_from_slice(&stages.guess);
-                stages.follow(self.tableau, from);
-                self.prepare(system, from, stages, at)?;
-                self.iterate(system, from, stages, tolerance, at)
+        let known = [(self.usual > 0).then_some(Jacobians::Known), Some(Jacobians::Middle), Some(Jacobians::Start)];
+        let mut outcome = Err(Setback::Stalled { h: from.h });
+        for jacobians in known.into_iter().flatten() {
+            stages.accelerations.copy_from_slice(&stages.guess);
+            stages.follow(self.tableau, from);
+            outcome = self.prepare(system, from, jacobians, stages, at);
+            if outcome.is_ok() {
+                outcome = self.iterate(system, from, stages, tolerance, at);
+                if !matches!(outcome, Err(Setback::Stalled { .. })) {
+                    return outcome;
+                }
             }
-            outcome => outcome,
         }
+        outcome
     }
 
-    /// Jacobians where they are to be new, and the pencils of this step.
-    fn prepare(&mut self, system: &dyn System, from: From<'_>, stages: &Stages, at: &mut [f64]) -> Result<(), Setback> {
-        if self.usual == 0 {
+    /// Takes Jacobians that are to be new, and the pencils of this step.
+    fn prepare(
+        &mut self,
+        system: &dyn System,
+        from: From<'_>,
+        jacobians: Jacobians,
+        stages: &Stages,
+        at: &mut [f64],
+    ) -> Result<(), Setback> {
+        if jacobians != Jacobians::Known {
             let middle = self.tableau.stages() / 2;
-            stages.state(middle, from.y, at);
-            let t = from.t + self.tableau.nodes[middle].value() * from.h;
+            let mut t = from.t;
+            at.copy_from_slice(from.y);
+            if jacobians == Jacobians::Middle {
+                t += self.tableau.nodes[middle].value() * from.h;
+                stages.state(middle, from.y, at);
+            }
+            self.usual = 0;
             self.slopes.evaluate(system, At::packed(t, at, self.n))?;
             self.jacobians += 1;
             self.factored = 0.0;
