@@ -7,8 +7,9 @@ use crate::mechanism::System;
 impl March {
     /// The first step: a thousandth of the way or so, which the error test shortens.
     ///
-    /// Where the method lets it, it is longer where the accelerations at its end, reached by a parabola, differ so little from those at its start that it is short
-    /// beside what the method resolves of a vibration; by no more than a step may grow at first, since other times are not looked at.
+    /// Where the method lets it, it is longer if the accelerations at its end, reached by a parabola, differ so little from those at its
+    /// start that it is short beside what the method resolves of a vibration; by no more than a step may grow at first, since
+    /// other times are not looked at.
     ///
     /// It follows the tolerance as other steps do, so that runs at two tolerances have no step in common, even where the
     /// growth of steps is all that limits them.
