@@ -255,6 +255,7 @@ pub fn recognised(program: &Program) -> Vec<String> {
         (s.diagonal_mass, "diagonal mass matrix"),
         (s.conservative, "conservative"),
         (s.time_dependent, "depends on time"),
+        (s.uniformly_accelerated, "constant accelerations"),
     ];
     let mut words: Vec<String> = flags.iter().filter(|(is, _)| *is).map(|(_, word)| (*word).to_owned()).collect();
     if s.mass_blocks.len() > 1 && !s.diagonal_mass {

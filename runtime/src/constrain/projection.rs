@@ -87,6 +87,8 @@ impl Projection {
     /// Coordinates to which neither M nor a constraint gives any inertia.
     pub fn project<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &mut [f64]) -> Result<bool, Singular> {
         if system.active_rows().is_empty() {
+            // How large their terms are is asked where a phase has them.
+            self.observe(system, t, y);
             return Ok(false);
         }
         if !self.corrects {
@@ -137,6 +139,8 @@ impl Projection {
     /// As [`Projection::project`].
     pub fn look<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &mut [f64]) -> Result<bool, Singular> {
         if system.active_rows().is_empty() {
+            // How large their terms are is asked where a phase has them.
+            self.observe(system, t, y);
             return Ok(false);
         }
         self.observe(system, t, y);

@@ -138,9 +138,11 @@ impl Watch {
         self.sampler.samples + self.arguments.samples
     }
 
-    /// True where every step needs dense output, whatever the recorder says.
-    pub fn wants_dense(&self) -> bool {
-        self.sampler.len() > 0
+    /// True where every step needs dense output, whatever the recorder says: where anything but time, whose stops are known, may
+    /// cross zero in it, or leave zero.
+    pub fn wants_dense<S: System + ?Sized>(&self, system: &S) -> bool {
+        let timed = |switch: usize| self.time_only[switch] && modes::side(system, switch) != 0.0;
+        (0..self.sampler.len()).any(|function| !self.sampler.switch(function).is_some_and(timed))
     }
 
     /// Whether the ends of a step show that nothing hides between them in the equations of motion.

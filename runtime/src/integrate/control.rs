@@ -9,12 +9,15 @@ pub(crate) struct Control {
     pub shrink: f64,
     /// The largest factor.
     pub grow: f64,
+    /// By how many times more the first step may grow, and be longer than usual where accelerations change little.
+    pub at_first: f64,
     /// h|λ| above this is near the stability limit.
     pub stiff: f64,
 }
 
 /// For methods that have no error estimate.
-pub(crate) const NO_CONTROL: Control = Control { exponent: 0.0, shrink: 1.0, grow: 1.0, stiff: f64::INFINITY };
+pub(crate) const NO_CONTROL: Control =
+    Control { exponent: 0.0, shrink: 1.0, grow: 1.0, at_first: 1.0, stiff: f64::INFINITY };
 
 /// The step a method proposes next, from the errors of the last steps.
 ///
@@ -57,7 +60,9 @@ impl StepControl {
 
     /// The next step after one of h was accepted with this error (at most 1).
     pub fn accepted(&mut self, h: f64, error: f64) -> f64 {
-        let Control { shrink, grow, .. } = self.constants;
+        let Control { shrink, grow, at_first, .. } = self.constants;
+        // As a first step may be too long by orders of magnitude, it may be too short.
+        let grow = if self.first { at_first * grow } else { grow };
         let (own, (before, step)) = (self.power(error), self.previous);
         let grew = if step > 0.0 { (own * (step / (before * h))).max(1.0) } else { 1.0 };
         let least = if self.rejected { 1.0 } else { 1.0 / grow };
@@ -75,6 +80,12 @@ impl StepControl {
         if error.is_finite() { h / (self.power(error) / Self::SAFETY).min(1.0 / shrink) } else { h * shrink }
     }
 
+    /// The step to try after an iteration in one of h did not converge.
+    pub fn stalled(&mut self, h: f64) -> f64 {
+        self.rejected = true;
+        if self.first { h * FIRST_SHRINK } else { 0.5 * h }
+    }
+
     /// errᵖ; by roots where p is 1/8.
     fn power(&self, error: f64) -> f64 {
         match self.constants.exponent {
@@ -88,6 +99,14 @@ impl StepControl {
 pub(crate) fn first_step(control: &Control, tolerance: f64, way: f64) -> f64 {
     FIRST * (tolerance / USUAL).powf(control.exponent) * way
 }
+
+/// How many radians of a vibration a step may be long at a tolerance, about.
+pub(crate) fn radians(control: &Control, tolerance: f64) -> f64 {
+    RADIANS * tolerance.powf(control.exponent)
+}
+
+/// Those of a step at a tolerance of 1.
+const RADIANS: f64 = 2.0;
 
 /// The first step is tried at this part of the way, at the usual tolerance.
 const FIRST: f64 = 1e-3;

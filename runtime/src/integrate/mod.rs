@@ -37,7 +37,7 @@ pub(crate) use choose::{order, stability, stepper};
 pub(crate) use clock::Clock;
 pub(crate) use exact::{LENGTHS as LENGTHS_OF_EXACT, fastest_rate, longest_step, operations as operations_of_exact};
 
-pub(crate) use control::{Control, NO_CONTROL, StepControl, first_step};
+pub(crate) use control::{Control, NO_CONTROL, StepControl, first_step, radians};
 #[cfg(feature = "ensemble")]
 pub(crate) use explicit::{DOP853, Dop853, Stage, Term, stages};
 pub(crate) use segment::Segment;
@@ -90,6 +90,11 @@ pub(crate) trait OneStep: Send {
     /// The longest step that the method takes with the tolerance of the last trial, s, where each length of a step costs something: steps
     /// are then this one, halved so and so often.
     fn longest(&self) -> f64 {
+        f64::INFINITY
+    }
+
+    /// The longest step, s, that an iteration may be expected to solve after the one that was tried.
+    fn convergent(&self) -> f64 {
         f64::INFINITY
     }
 

@@ -107,6 +107,17 @@ impl Tolerance {
         })
     }
 
+    /// ω with which accelerations change by `felt` while places move by `way`: ω² = max |Δa|/|Δq|, Δq the largest of what has the same
+    /// unit; ∞ where no place moves, and 0 where no acceleration changes.
+    pub fn rate_of_change(&self, way: &[f64], felt: &[f64]) -> f64 {
+        let squares = (0..self.n).map(|i| {
+            let alike = (0..self.n).filter(|j| self.group[*j] == self.group[i]);
+            let way = alike.map(|j| way[j].abs()).fold(0.0, f64::max);
+            if felt[i] == 0.0 { 0.0 } else { felt[i].abs() / way }
+        });
+        squares.fold(0.0_f64, |most, square| if square > most || square.is_nan() { square } else { most }).sqrt()
+    }
+
     /// Takes note of what rounding of the constraints makes of [q; q'] at the present state; `None`: nothing to speak of.
     pub fn blur(&mut self, noise: Option<&[f64]>) {
         match noise {

@@ -72,7 +72,7 @@ impl March {
             let calm = watch.as_mut().is_none_or(|watch| {
                 watch.calm(system, (self.clock.now(), step.next), (self.stepper.start(), self.stepper.end()))
             });
-            let watched = watch.as_ref().is_some_and(|watch| watch.wants_dense());
+            let watched = watch.as_ref().is_some_and(|watch| watch.wants_dense(system));
             if calm && !watched && !recorder.wants_dense(step.next) {
                 return Ok((step, false));
             }
@@ -215,7 +215,7 @@ impl March {
         let now = self.clock.now();
         self.stepper.begin(system, now).ok()?;
         if self.h == 0.0 {
-            self.h = self.first(self.until - now);
+            self.h = self.first(system, self.until - now);
         }
         for _ in 0..ROUNDS {
             let h = self.h.min(self.until - now);

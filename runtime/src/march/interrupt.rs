@@ -16,9 +16,9 @@ impl March {
         watch: &mut Watch,
         recorder: &mut Recorder,
     ) -> Result<Halt, Box<Cause>> {
-        let interruption = if watch.wants_dense() { watch.scan(system, &self.segment(step))? } else { None };
+        let interruption = if watch.wants_dense(system) { watch.scan(system, &self.segment(step))? } else { None };
         let Some(interruption) = interruption else {
-            if watch.wants_dense() {
+            if watch.wants_dense(system) {
                 let segment = self.segment(step);
                 recorder.accept(system, Some(&segment), step.next, self.stepper.end())?;
                 watch.pass(system, &segment, recorder);

@@ -3,11 +3,12 @@
 //! A step is tried until its error is small enough; its dense output is made where anything reads it; what is watched
 //! may end it early: look in `interrupt.rs`; it is written down and taken.  Jumps of the acceleration that
 //! nobody declared: look in `jump.rs`; what is asked of a step between its ends: in `between.rs`; rounding that looks like
-//! errors: in `noise.rs`; constraints at the ends of steps: in `constraints.rs`; phases and impacts: in `phase.rs`; a fixed step
-//! that suits a tolerance: in `trial.rs`.
+//! errors: in `noise.rs`; constraints at the ends of steps: in `constraints.rs`; phases and impacts: in `phase.rs`; the first
+//! step: in `first.rs`; a fixed step that suits a tolerance: in `trial.rs`.
 
 mod between;
 mod constraints;
+mod first;
 mod interrupt;
 mod jump;
 mod noise;
@@ -26,8 +27,7 @@ use crate::cause::Cause;
 use crate::constrain::Projection;
 use crate::events::Watch;
 use crate::integrate::{
-    Clock, Control, OneStep, Reached, Segment, Setback, StepControl, StiffnessDetector, Tolerance, Trial, first_step,
-    stepper,
+    Clock, Control, OneStep, Reached, Segment, Setback, StepControl, StiffnessDetector, Tolerance, Trial, stepper,
 };
 use crate::mechanism::{Method, System};
 use crate::run::{Recorder, Work};
@@ -106,6 +106,8 @@ pub(crate) struct March {
     rejected_step: f64,
     /// How many steps were cut because a watched function oscillated within them.
     cuts: u32,
+    /// Whether the fixed step is no more than the longest: a shorter one is as exact, and breaks no structure.
+    any_step: bool,
 }
 
 impl March {
@@ -139,6 +141,7 @@ impl March {
             rejected: Vec::with_capacity(y.len()),
             rejected_step: 0.0,
             cuts: 0,
+            any_step: false,
             defect: Defect::new(y.len()),
             until: t,
         }
@@ -296,7 +299,7 @@ impl March {
     }
 
     fn may_cut(&self) -> bool {
-        self.cuts < MOST_CUTS && matches!(self.pace, Pace::Adaptive { .. })
+        self.cuts < MOST_CUTS && (self.any_step || matches!(self.pace, Pace::Adaptive { .. }))
     }
 
     /// Writes down and takes a step that nothing can interrupt.
@@ -360,7 +363,7 @@ impl March {
         }
         let now = self.clock.now();
         if self.h == 0.0 {
-            self.h = self.first(stop - now);
+            self.h = self.first(system, stop - now);
         }
         self.rejected.clear();
         let mut steady = Steady::default();
@@ -375,6 +378,8 @@ impl March {
                 if h < step.h {
                     step = Step { h, next: self.clock.after(h), lands: false };
                 }
+            } else if most < step.h {
+                step = Step { h: most, next: self.clock.after(most), lands: false };
             }
             let Step { h, next, lands } = step;
             if next <= now {
@@ -397,7 +402,7 @@ impl March {
                         // Dense output makes other stages in the place of these.
                         self.step_times_rate = self.stepper.stiffness(h, self.stiffness.least());
                         self.look_for_jumps(system, step)?;
-                        let proposal = self.control.accepted(h, error);
+                        let proposal = self.control.accepted(h, error).min(self.stepper.convergent());
                         // A step cut short by a stop says nothing against the longer one before it.
                         self.h = if lands { proposal.max(self.h) } else { proposal };
                         if self.unlike {
@@ -411,7 +416,10 @@ impl March {
                         self.look_for_noise(system, step);
                         self.look_for_onset(&mut steady, (error, h));
                     }
-                    self.h = self.control.rejected(h, error);
+                    self.h = match outcome {
+                        Err(Setback::Stalled { .. }) => self.control.stalled(h),
+                        _ => self.control.rejected(h, error),
+                    };
                     if self.h < 16.0 * f64::EPSILON * now.abs() || self.h < f64::MIN_POSITIVE / f64::EPSILON {
                         outcome.map_err(|setback| setback.cause(system.description()))?;
                         self.all_finite(system, error)?;
@@ -525,19 +533,6 @@ impl March {
         match &self.pace {
             Pace::Fixed(_) => Vec::new(),
             Pace::Adaptive { tolerance, .. } => tolerance.swept(),
-        }
-    }
-
-    /// The first step: a thousandth of the way or so, which the error test shortens.
-    ///
-    /// It follows the tolerance as other steps do, so that runs at two tolerances have no step in common, even where the
-    /// growth of steps is all that limits them.
-    fn first(&self, left: f64) -> f64 {
-        match &self.pace {
-            Pace::Fixed(h) => *h,
-            Pace::Adaptive { longest, tolerance } => {
-                longest.min(first_step(&self.stepper.control(), tolerance.relative, left))
-            }
         }
     }
 }

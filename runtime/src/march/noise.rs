@@ -14,9 +14,9 @@ pub(super) struct Steady {
 
 impl Steady {
     /// It is small beside the change of the step: an explicit step beyond its stability has errors of the size of that.
-    const SMALL: f64 = 0.05;
-    /// Steps are much shorter by this.
-    const SHORTER: f64 = 0.5;
+    const SMALL: f64 = 0.5;
+    /// Steps are shorter by this: a controller shortens what it rejects by a fifth at least.
+    const SHORTER: f64 = 0.9;
     /// What shorter steps did not mend so often, they never will.
     const NEVER: u32 = 3;
 

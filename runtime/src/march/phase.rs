@@ -257,15 +257,19 @@ impl March {
         end: f64,
         recorder: &mut Recorder,
     ) -> Result<(), Box<Cause>> {
-        let rows: Vec<u32> = with(system, along).into_iter().map(|row| row as u32).collect();
+        let rows = with(system, along);
         let phases = &system.description().phases;
-        let Some(phase) = phases.iter().position(|phase| *phase.rows == *rows) else {
+        let same = |known: &[u32]| known.iter().map(|row| *row as usize).eq(rows.iter().copied());
+        let Some(phase) = phases.iter().position(|phase| same(&phase.rows)) else {
             let event = system.description().events[event].name.to_string();
             return Err(Cause::ImpactsAccumulate { event, t: end }.into());
         };
         let (left, n) = (end - self.clock.now(), system.len());
+        // The last hops lead along the constraint, on which the contact rests.
+        let taken = blow(system, (self.clock.now(), self.stepper.start().y), &rows, |_| 0.0);
+        let Blow { jump, .. } = taken.map_err(|fault| fault.cause(system.description()))?;
         let (q, v) = self.stepper.state_mut().split_at_mut(n);
-        q.iter_mut().zip(v.iter()).for_each(|(q, v)| *q += left * v);
+        q.iter_mut().zip(v.iter().zip(&jump)).for_each(|(q, (v, jump))| *q += left * (v + jump));
         self.clock.set(end);
         self.impacts.forget(event);
         if left > 0.0 {

@@ -28,6 +28,12 @@ impl March {
     /// small, the step is the one below which they do not fall.
     pub fn find_step(&mut self, system: &dyn System, method: Method, tolerance: &Tolerance, longest: f64) -> f64 {
         let (from, left) = (self.clock.now(), longest.min(self.until - self.clock.now()));
+        self.any_step = method == Method::Exact;
+        if system.description().structure.uniformly_accelerated {
+            // Each method follows a parabola, whatever the step.
+            self.any_step = true;
+            return self.keep_step(left);
+        }
         if method == Method::Exact {
             let resolved = longest_step(system, from, self.stepper.start().y, tolerance.relative);
             return self.keep_step(resolved.map_or(left, |resolved| resolved.min(left)));

@@ -354,6 +354,9 @@ pub struct Structure {
     pub conservative: bool,
     /// The equations of motion depend on time explicitly.
     pub time_dependent: bool,
+    /// M is constant, and so are all accelerations between discontinuities, in every phase: constraints have constant coefficients, and
+    /// none moves but uniformly.
+    pub uniformly_accelerated: bool,
     /// Indices of cyclic (ignorable) coordinates, whose momenta are conserved.
     pub cyclic: List<u32>,
 }

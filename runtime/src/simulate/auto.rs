@@ -3,7 +3,7 @@
 use super::Settings;
 use crate::events::Watch;
 use crate::integrate::{LENGTHS_OF_EXACT, fastest_rate, longest_step, operations_of_exact};
-use crate::mechanism::{AccelerationSlopes, At, Method, System};
+use crate::mechanism::{AccelerationSlopes, At, Description, Enforcement, Method, System};
 use crate::trust::rates;
 
 /// A method, and why it was chosen; nothing where the user chose it.
@@ -44,6 +44,9 @@ pub(super) fn choose(settings: &Settings, system: &dyn System, y: &[f64]) -> Cho
     let structure = &description.structure;
     match settings.method {
         Method::Auto if settings.step.is_some() => because(Method::Rk4, "a step is given"),
+        Method::Auto if is_on_parabolas(settings, description) => {
+            because(Method::Verlet, "accelerations are constant, so that its parabolas are exact")
+        }
         // The exponential's steps are no longer than what decays fastest, long after it is gone.
         Method::Auto if is_stiff(settings, system, y) => {
             because(Method::Rodas5P, "what decays at the start is much faster than what vibrates")
@@ -66,6 +69,13 @@ pub(super) fn choose(settings: &Settings, system: &dyn System, y: &[f64]) -> Cho
         Method::Auto => because(Method::Dop853, "nothing is stiff, and the tolerance is not loose"),
         method => Choice { method, why: None },
     }
+}
+
+/// Whether every motion between two events is a parabola: constraints act as they are written, and not by springs.
+fn is_on_parabolas(settings: &Settings, description: &Description) -> bool {
+    let keeps = description.rows.is_empty() || settings.enforcement == Enforcement::Multipliers;
+    let verlet = Settings { method: Method::Verlet, ..settings.clone() };
+    description.structure.uniformly_accelerated && keeps && verlet.inseparable(description).is_none()
 }
 
 /// Whether the exponential of a matrix and its products cost less than the evaluations of an explicit method.
@@ -160,6 +170,19 @@ mod tests {
         assert_eq!(chosen(&pendulum, |_| ()), Method::Rkn8);
         assert_eq!(chosen(&pendulum, |settings| settings.step = Some(0.1)), Method::Rk4);
         assert_eq!(chosen(&pendulum, |settings| settings.method = Method::Radau5), Method::Radau5);
+    }
+
+    #[test]
+    fn constant_accelerations_are_parabolas_unless_springs_stand_for_constraints() {
+        let mut ball = Toy::new(&["y"], (&[1.0], &[0.0]), 1.0, |_, _, _, _, a| a[0] = -9.81).separable();
+        assert_eq!(chosen(&ball, |_| ()), Method::Rkn8);
+        ball.description.structure.uniformly_accelerated = true;
+        assert_eq!(chosen(&ball, |_| ()), Method::Verlet);
+        assert_eq!(chosen(&ball, |settings| settings.step = Some(0.1)), Method::Rk4);
+        ball.description.rows = vec![crate::mechanism::Row { holonomic: true, ..Default::default() }].into();
+        assert_eq!(chosen(&ball, |_| ()), Method::Verlet);
+        let springs = Enforcement::Springs { stiffness: 1e6, damping: 0.0 };
+        assert_eq!(chosen(&ball, |settings| settings.enforcement = springs), Method::Dop853);
     }
 
     #[test]

@@ -182,7 +182,7 @@ impl Settings {
     }
 
     /// What keeps the places and speeds of a mechanism from being moved in turn.
-    fn inseparable(&self, mechanism: &Description) -> Option<Inseparable> {
+    pub(super) fn inseparable(&self, mechanism: &Description) -> Option<Inseparable> {
         if !mechanism.structure.constant_mass {
             Some(Inseparable::MassMatrix)
         } else if !mechanism.structure.separable {

@@ -7,6 +7,7 @@ mod catalogue;
 mod functions;
 mod nested;
 mod onset;
+mod parabolas;
 mod poles;
 mod time;
 mod trust;

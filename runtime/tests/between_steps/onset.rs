@@ -65,3 +65,37 @@ fn rounding_at_the_onset_is_no_error() {
         }
     }
 }
+
+#[test]
+fn what_a_resonant_force_reaches_by_way_of_others_takes_no_step_beyond_counting() {
+    // At rest at first: the second mass goes like t⁴, the third like t⁶, with errors of the size of that in any step.
+    let mut case = file(
+        "name: Chain
+parameters: {m: 1, k: 1, F: 1, w: sqrt(2)}
+coordinates: {\"x[i in 1..3]\": 1}
+inputs: {push: F*cos(w*t)}
+bodies: {\"b[i in 1..3]\": {mass: m, position: \"[x[i], 0]\"}}
+springs:
+  left: {stretch: \"x[1]\", stiffness: k, along: ground.x, on: \"b[1]\"}
+  \"s[i in 1..2]\": {stretch: \"x[i+1] - x[i]\", stiffness: k, along: ground.x, on: \"b[i+1]\", from: \"b[i]\"}
+  right: {stretch: \"x[3]\", stiffness: k, along: ground.x, on: \"b[3]\"}
+forces: {f: {on: \"b[1]\", force: \"[push, 0]\"}}
+scene: {until: 20, tolerance: 1e-9}",
+    );
+    case.settings.method = Method::Dop853;
+    let expected = case.run().last()["x[1]"];
+    for (method, tolerance, most) in [
+        (Method::Dop853, 1e-2, 20),
+        (Method::Dop853, 3.2e-4, 40),
+        (Method::Dop853, 3.2e-5, 60),
+        (Method::Dopri5, 1e-2, 50),
+        (Method::Dopri5, 1e-4, 100),
+    ] {
+        (case.settings.method, case.settings.tolerance) = (method, tolerance);
+        let run = case.run();
+        let tried = run.work.steps + run.work.rejected;
+        assert!(tried < most, "{method} at {tolerance:e}: {tried} steps");
+        let error = (run.last()["x[1]"] - expected).abs();
+        assert!(error < 30.0 * tolerance, "{method} at {tolerance:e}: {error:e}");
+    }
+}

@@ -225,8 +225,15 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let drawing = model.draw.iter().flat_map(drawn).collect();
 
     let parts = parts::parts(graph, n, (&chosen.residual, &constraints.matrix), &switches, &model.events);
-    let structure =
-        structure::recognise(graph, n, &chosen, (&stiffness, &damping), (power, energies.jacobi), &switches, &cyclic);
+    let structure = structure::recognise(
+        graph,
+        n,
+        (&chosen, &constraints),
+        (&stiffness, &damping),
+        (power, energies.jacobi),
+        &switches,
+        &cyclic,
+    );
     let structure = Structure { directions, parts, ..structure };
     let count = |roots: Vec<Id>| operations(graph, &roots);
     let values = |entries: &[Entry]| entries.iter().map(|e| e.2).collect::<Vec<_>>();

@@ -2,6 +2,7 @@
 
 use super::Entry;
 use super::candidates::Chosen;
+use super::constraints::Constraints;
 use super::count::varying;
 use crate::derive::Switch;
 use crate::expr::{Graph, Id, Symbol};
@@ -26,6 +27,8 @@ pub struct Structure {
     pub conservative: bool,
     /// The equations contain time or inputs.
     pub time_dependent: bool,
+    /// Accelerations are constant between discontinuities, in every phase.
+    pub uniformly_accelerated: bool,
     /// Cyclic coordinates and their momenta.
     pub cyclic: Vec<(usize, Id)>,
     /// Directions of other coordinates that are ignorable, too, with their momenta.
@@ -37,7 +40,7 @@ pub struct Structure {
 pub(super) fn recognise(
     graph: &Graph,
     n: usize,
-    chosen: &Chosen,
+    (chosen, rows): (&Chosen, &Constraints),
     (stiffness, damping): (&[Entry], &[Entry]),
     (power, jacobi): (Id, Id),
     switches: &[Switch],
@@ -50,19 +53,28 @@ pub(super) fn recognise(
     let constant_inertias = chosen.mass.iter().filter(|e| e.0 == e.1).all(|e| !varying[e.2.index()]);
     let moves = |s: Symbol| matches!(s, Symbol::Mode(_) | Symbol::Phase(_) | Symbol::Multiplier(_));
     let by_time = |s: Symbol| matches!(s, Symbol::Mode(k) if switches.get(k as usize).is_some_and(|s| s.time_only));
+    let separable = constant_mass && !depends_on_speeds(graph, &chosen.bias, switches);
+    let time_dependent = graph.symbols(chosen.residual.iter().copied()).into_iter().any(time);
+    let along_rows = rows.matrix.iter().map(|e| e.2).chain(rows.bias.iter().copied());
+    let driven_rows = graph.symbols(along_rows).into_iter().any(time);
+    let slopes = [stiffness, damping, &rows.stiffness, &rows.damping, &rows.friction];
     Structure {
         constant_mass,
         constant_inertias,
         diagonal_mass: chosen.mass.iter().all(|e| e.0 == e.1),
         mass_blocks: blocks(n, &chosen.mass),
-        separable: constant_mass && !depends_on_speeds(graph, &chosen.bias, switches),
+        separable,
         linear: constant_mass
             && constant(stiffness)
             && constant(damping)
             && !graph.symbols(chosen.residual.iter().copied()).into_iter().any(|s| moves(s) && !by_time(s)),
         // A potential that time switches changes the energy at once.
         conservative: power == Id::ZERO && !graph.symbols([jacobi]).into_iter().any(by_time),
-        time_dependent: graph.symbols(chosen.residual.iter().copied()).into_iter().any(time),
+        time_dependent,
+        uniformly_accelerated: separable
+            && !time_dependent
+            && !driven_rows
+            && slopes.iter().all(|entries| entries.is_empty()),
         cyclic: cyclic.to_vec(),
         directions: Vec::new(),
         parts: Vec::new(),

@@ -179,7 +179,7 @@ pub(super) fn description(program: &Program, source: &str) -> String {
     field(
         "structure",
         format!(
-            "mechanism::Structure {{ dimension: {}, constant_mass: {}, constant_inertias: {}, diagonal_mass: {}, mass_blocks: {}, separable: {}, linear: {}, conservative: {}, time_dependent: {}, cyclic: {} }}",
+            "mechanism::Structure {{ dimension: {}, constant_mass: {}, constant_inertias: {}, diagonal_mass: {}, mass_blocks: {}, separable: {}, linear: {}, conservative: {}, time_dependent: {}, uniformly_accelerated: {}, cyclic: {} }}",
             model.dimension,
             s.constant_mass,
             s.constant_inertias,
@@ -189,6 +189,7 @@ pub(super) fn description(program: &Program, source: &str) -> String {
             s.linear,
             s.conservative,
             s.time_dependent,
+            s.uniformly_accelerated,
             list(s.cyclic.iter().map(|c| c.0.to_string())),
         ),
     );

@@ -30,6 +30,17 @@ pub(super) struct From<'a> {
     pub carry: &'a [f64],
 }
 
+/// Where Jacobians are from, in the order in which they are tried.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Jacobians {
+    /// An earlier step.
+    Known,
+    /// A node in the middle of this one, as the last step's polynomial has it: on the way to either end they change by half as much.
+    Middle,
+    /// Its start, which is on the motion.
+    Start,
+}
+
 /// Simplified Newton's method for the stages, with the Jacobians of an earlier state as long as they serve.
 #[derive(Clone, Debug)]
 pub(super) struct Newton {
@@ -43,6 +54,8 @@ pub(super) struct Newton {
     factored: f64,
     /// How many iterations there were when the Jacobians were new; 0: they are to be.
     usual: u32,
+    /// How much of a correction the next one was at the most in the last step, if its Jacobians were new.
+    contraction: f64,
     pub evaluations: u64,
     pub jacobians: u64,
     pub factorizations: u64,
@@ -59,12 +72,23 @@ const MOST: u32 = 60;
 const MOST_LOOSE: u32 = 10;
 const LEFT: f64 = 0.03;
 /// Corrections that fall more slowly call for new Jacobians.
-const SLOW: f64 = 0.02;
+const SLOW: f64 = 0.005;
+/// What a correction may leave where the iteration converges well.
+const WELL: f64 = 0.2;
 
 impl Stages {
     pub fn new(stages: usize, n: usize) -> Self {
         let zeros = || vec![0.0; stages * n];
         Stages { accelerations: zeros(), places: zeros(), speeds: zeros(), left: zeros(), guess: zeros() }
+    }
+
+    /// The state at a node.
+    fn state(&self, i: usize, y: &[f64], at: &mut [f64]) {
+        let n = y.len() / 2;
+        for j in 0..n {
+            at[j] = y[j] + self.places[i * n + j];
+            at[n + j] = y[n + j] + self.speeds[i * n + j];
+        }
     }
 
     /// Changes of places and speeds that go with the accelerations.
@@ -93,6 +117,7 @@ impl Newton {
             room: vec![Complex::new(0.0, 0.0); n],
             factored: 0.0,
             usual: 0,
+            contraction: 0.0,
             evaluations: 0,
             jacobians: 0,
             factorizations: 0,
@@ -102,6 +127,14 @@ impl Newton {
     /// The step that it solved last, s.
     pub fn step(&self) -> f64 {
         self.factored
+    }
+
+    /// The longest step in which the iteration may be expected to converge well, s: what a correction leaves is taken to grow in
+    /// proportion.
+    ///
+    /// Source: Gustafsson and Söderlind, SIAM J. Sci. Comput. 18 (1997) 23.
+    pub fn longest(&self) -> f64 {
+        if self.contraction > 0.0 { self.factored * WELL / self.contraction } else { f64::INFINITY }
     }
 
     /// The Jacobians say nothing any more.
@@ -119,23 +152,41 @@ impl Newton {
         at: &mut [f64],
     ) -> Result<(), Setback> {
         stages.guess.copy_from_slice(&stages.accelerations);
-        let known = self.usual > 0;
-        self.prepare(system, from)?;
-        match self.iterate(system, from, stages, tolerance, at) {
-            Err(Setback::Stalled { .. }) if known => {
-                // Once more, with new Jacobians.
-                stages.accelerations.copy_from_slice(&stages.guess);
-                self.prepare(system, from)?;
-                self.iterate(system, from, stages, tolerance, at)
+        let known = [(self.usual > 0).then_some(Jacobians::Known), Some(Jacobians::Middle), Some(Jacobians::Start)];
+        let mut outcome = Err(Setback::Stalled { h: from.h });
+        for jacobians in known.into_iter().flatten() {
+            stages.accelerations.copy_from_slice(&stages.guess);
+            stages.follow(self.tableau, from);
+            outcome = self.prepare(system, from, jacobians, stages, at);
+            if outcome.is_ok() {
+                outcome = self.iterate(system, from, stages, tolerance, at);
+                if !matches!(outcome, Err(Setback::Stalled { .. })) {
+                    return outcome;
+                }
             }
-            outcome => outcome,
         }
+        outcome
     }
 
-    /// Jacobians where they are to be new, and the pencils of this step.
-    fn prepare(&mut self, system: &dyn System, from: From<'_>) -> Result<(), Setback> {
-        if self.usual == 0 {
-            self.slopes.evaluate(system, At::packed(from.t, from.y, self.n))?;
+    /// Takes Jacobians that are to be new, and the pencils of this step.
+    fn prepare(
+        &mut self,
+        system: &dyn System,
+        from: From<'_>,
+        jacobians: Jacobians,
+        stages: &Stages,
+        at: &mut [f64],
+    ) -> Result<(), Setback> {
+        if jacobians != Jacobians::Known {
+            let middle = self.tableau.stages() / 2;
+            let mut t = from.t;
+            at.copy_from_slice(from.y);
+            if jacobians == Jacobians::Middle {
+                t += self.tableau.nodes[middle].value() * from.h;
+                stages.state(middle, from.y, at);
+            }
+            self.usual = 0;
+            self.slopes.evaluate(system, At::packed(t, at, self.n))?;
             self.jacobians += 1;
             self.factored = 0.0;
         }
@@ -161,8 +212,9 @@ impl Newton {
         at: &mut [f64],
     ) -> Result<(), Setback> {
         let mut before = f64::INFINITY;
+        let fresh = self.usual == 0;
+        self.contraction = 0.0;
         let most = if tolerance.is_some() { MOST_LOOSE } else { MOST };
-        stages.follow(self.tableau, from);
         for iteration in 1..=most {
             self.left(system, from, stages, at)?;
             self.correct(stages);
@@ -179,6 +231,10 @@ impl Newton {
                 None => self.relative(from, stages),
             };
             let slow = size / before;
+            // Old ones will be new in the next step.
+            if fresh {
+                self.contraction = self.contraction.max(slow);
+            }
             let done = same
                 || match tolerance {
                     Some(_) if iteration == 1 => size <= 1e-3 * LEFT,
@@ -223,10 +279,7 @@ impl Newton {
     ) -> Result<(), Setback> {
         let n = self.n;
         for i in 0..self.tableau.stages() {
-            for j in 0..n {
-                at[j] = from.y[j] + stages.places[i * n + j];
-                at[n + j] = from.y[n + j] + stages.speeds[i * n + j];
-            }
+            stages.state(i, from.y, at);
             let left = &mut stages.left[i * n..][..n];
             let t = from.t + self.tableau.nodes[i].value() * from.h;
             self.evaluations += 1;

@@ -163,6 +163,10 @@ impl OneStep for Collocation {
         &self.errors
     }
 
+    fn convergent(&self) -> f64 {
+        self.newton.longest()
+    }
+
     fn accept(&mut self, compensated: bool) {
         self.ends.accept(compensated);
         std::mem::swap(&mut self.previous, &mut self.stages.accelerations);

@@ -235,3 +235,13 @@ fn radau_damps_a_vibration_little_at_a_tolerance_a7() {
     let lost = 1.0 - last["x"].powi(2) - last["x'"].powi(2);
     assert!(lost > 0.0 && lost < 2e-4, "{lost:e}");
 }
+
+#[test]
+fn steps_of_radau_are_as_long_as_newton_converges_in() {
+    // The direction of the spring turns: at a loose tolerance nothing else limits them.
+    for tolerance in [1e-2, 1e-3, 1e-4, 1e-5] {
+        let toy = spring_pendulum(1e6, 0.25 * TAU, 0.0, 2.0);
+        let work = run(toy, |settings| (settings.method, settings.tolerance) = (Method::Radau5, tolerance)).work;
+        assert!(work.steps < 320 && 8 * work.rejected < work.steps, "{tolerance:e}: {work:?}");
+    }
+}

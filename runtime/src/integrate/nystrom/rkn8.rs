@@ -22,7 +22,7 @@ pub(crate) const RKN8: Tableau = Tableau {
     counts: 0.2,
     dense_rows: &DENSE_ROWS,
     speed_rows: &SPEED_ROWS,
-    control: Control { exponent: 1.0 / 7.0, shrink: 1.0 / 3.0, grow: 6.0, stiff: 3.2 },
+    control: Control { exponent: 1.0 / 7.0, shrink: 1.0 / 3.0, grow: 6.0, at_first: 6.0, stiff: 3.2 },
 };
 
 const ROWS: [(f64, &[Term]); 8] = [

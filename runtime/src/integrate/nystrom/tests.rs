@@ -232,7 +232,7 @@ fn errors_are_proportional_to_the_tolerance() {
     for (name, toy) in [("kepler", kepler(0.6, 20.0)), ("pendulum", Toy::pendulum(1.0, 1.0, 20.0).separable())] {
         let (slope, points) = proportionality(&toy, Method::Rkn8, 4..=11);
         assert!((0.8..1.25).contains(&slope), "{name}: {slope}, {points:?}");
-        assert!(points.iter().all(|[tolerance, error]| *error < 200.0 * tolerance), "{name}: {points:?}");
+        assert!(points.iter().all(|[tolerance, error]| *error < 250.0 * tolerance), "{name}: {points:?}");
     }
 }
 

@@ -129,5 +129,5 @@ pub(crate) const RODAS5P: &Tableau = &Tableau {
             4.07064747100534e-06,
         ],
     },
-    control: Control { exponent: 0.2, shrink: 0.2, grow: 6.0, stiff: f64::INFINITY },
+    control: Control { exponent: 0.2, shrink: 0.2, grow: 6.0, at_first: 1.0, stiff: f64::INFINITY },
 };

@@ -149,6 +149,7 @@ pub(super) fn describe(program: &Program, source: &str) -> Description {
             linear: s.linear,
             conservative: s.conservative,
             time_dependent: s.time_dependent,
+            uniformly_accelerated: s.uniformly_accelerated,
             cyclic: s.cyclic.iter().map(|c| c.0 as u32).collect(),
         },
         parts: program
