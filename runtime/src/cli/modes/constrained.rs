@@ -8,15 +8,29 @@ use clap::parser::ValueSource;
 use serde_json::json;
 
 use super::super::load::Loaded;
+use super::super::set_up::Reader;
 use super::super::{Problem, json};
+use super::drive::{Driven, Model};
+#[cfg(feature = "modal")]
+use super::tangent;
 use super::{failed, pictures, report};
 use crate::linear::{Guess, LinearError, linearise_constrained};
+#[cfg(feature = "modal")]
+use crate::linear::{linearise_driven, linearise_tangent};
 
 /// Options that need the equations in all coordinates.
-const OTHERS: [&str; 8] = ["motion", "drive", "omega", "bode", "response", "range", "vary", "locus"];
+const OTHERS: [&str; 3] = ["motion", "vary", "locus"];
+/// Options that ask what a drive does.
+const DRIVES: [&str; 5] = ["drive", "omega", "bode", "response", "range"];
 
 /// Linearises at rest and prints the modes.
-pub fn run(loaded: &Loaded, options: &ArgMatches, guess: &Guess, out: &mut dyn Write) -> Result<(), Problem> {
+pub fn run(
+    loaded: &Loaded,
+    options: &ArgMatches,
+    reader: &mut Reader,
+    guess: &Guess,
+    out: &mut dyn Write,
+) -> Result<(), Problem> {
     let given = |option: &&&str| options.value_source(option) == Some(ValueSource::CommandLine);
     if let Some(option) = OTHERS.iter().find(given) {
         let words = format!("error: --{option} is not there for a mechanism with constraints; use minimal coordinates");
@@ -26,21 +40,27 @@ pub fn run(loaded: &Loaded, options: &ArgMatches, guess: &Guess, out: &mut dyn W
     let rows = system.active_rows().iter().map(|row| &system.description().rows[*row as usize]);
     let names: Vec<String> = rows.map(|row| row.name.to_string()).collect();
     if guess.v.iter().any(|v| *v != 0.0) {
-        return by_departures(loaded, options, guess, &names, out);
+        return by_departures(loaded, options, reader, guess, &names, out);
     }
     let found = match linearise_constrained(system, guess, options.get_flag("here")) {
         // Friction made of reactions belongs to no K: it follows what the constraints carry.
         Err(LinearError::VelocityConstraint { .. } | LinearError::FrictionOfReactions) => {
-            return by_departures(loaded, options, guess, &names, out);
+            return by_departures(loaded, options, reader, guess, &names, out);
         }
         found => found.map_err(failed)?,
     };
     let modes = found.in_all_coordinates(&found.linear.modes().map_err(failed)?);
+    let model = Model::Held(&found);
+    let driven = Driven::new(loaded, options, reader, model)?;
+    for note in driven.iter().flat_map(Driven::notes) {
+        eprintln!("warning: {note}");
+    }
     pictures(loaded, options, &found.linear, &modes)?;
     let reactions: Vec<(String, f64)> = names.into_iter().zip(found.multipliers.iter().copied()).collect();
     if options.get_flag("json") {
         let reactions = reactions.into_iter().map(|(name, value)| (name, json::number(value)));
-        let more = vec![("shape_coordinates", json!(found.coordinates)), ("reactions", json::object(reactions))];
+        let mut more = vec![("shape_coordinates", json!(found.coordinates)), ("reactions", json::object(reactions))];
+        more.extend(driven.iter().flat_map(Driven::as_json));
         json::write(&report::as_json(&loaded.name, &found.linear, &modes, more), out)?;
         return Ok(());
     }
@@ -48,13 +68,14 @@ pub fn run(loaded: &Loaded, options: &ArgMatches, guess: &Guess, out: &mut dyn W
     for (name, value) in reactions {
         writeln!(out, "reaction({name}) at rest = {}", crate::linear::short(value))?;
     }
-    Ok(())
+    driven.map_or(Ok(()), |driven| driven.table(model, out))
 }
 
 #[cfg(feature = "modal")]
 fn by_departures(
     loaded: &Loaded,
     options: &ArgMatches,
+    reader: &mut Reader,
     guess: &Guess,
     names: &[String],
     out: &mut dyn Write,
@@ -63,10 +84,40 @@ fn by_departures(
         let words = format!("error: --{option} draws modes of oscillation; here there are eigenvalues only");
         return Err(Problem::Usage(words));
     }
-    super::tangent::run(loaded, (options.get_flag("here"), options.get_flag("json")), guess, names, out)
+    let system = &*loaded.system;
+    let found = linearise_tangent(system, guess, options.get_flag("here")).map_err(failed)?;
+    let asked = DRIVES.iter().find(|option| options.value_source(option) == Some(ValueSource::CommandLine));
+    let at = match asked {
+        None => None,
+        Some(option) if found.equilibrium.v.iter().any(|v| *v != 0.0) => {
+            let words = format!(
+                "error: --{option}: with constraints, what drives is there for motions about rest, and this one goes on steadily"
+            );
+            return Err(Problem::Usage(words));
+        }
+        Some(_) => Some(linearise_driven(system, &found.equilibrium.guess()).map_err(failed)?),
+    };
+    let model = at.as_ref().map(Model::Held);
+    let driven = model.map_or(Ok(None), |model| Driven::new(loaded, options, reader, model))?;
+    for note in driven.iter().flat_map(Driven::notes) {
+        eprintln!("warning: {note}");
+    }
+    if options.get_flag("json") {
+        let more = driven.iter().flat_map(Driven::as_json);
+        return Ok(json::write(&tangent::as_json(&loaded.name, &found, names, more), out)?);
+    }
+    tangent::table(&loaded.name, &found, names, out)?;
+    driven.zip(model).map_or(Ok(()), |(driven, model)| driven.table(model, out))
 }
 
 #[cfg(not(feature = "modal"))]
-fn by_departures(_: &Loaded, _: &ArgMatches, _: &Guess, _: &[String], _: &mut dyn Write) -> Result<(), Problem> {
-    Err(failed(crate::linear::LinearError::NeedsFeature { feature: "modal" }))
+fn by_departures(
+    _: &Loaded,
+    _: &ArgMatches,
+    _: &mut Reader,
+    _: &Guess,
+    _: &[String],
+    _: &mut dyn Write,
+) -> Result<(), Problem> {
+    Err(failed(LinearError::NeedsFeature { feature: "modal" }))
 }

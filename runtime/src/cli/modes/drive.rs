@@ -15,15 +15,70 @@ use super::super::set_up::Reader;
 use super::super::{Problem, outputs};
 use super::failed;
 use super::shaken::{Shaken, named};
-use crate::linear::{Linearised, Observed, Response, Steady, observe, short, short_beside};
+use crate::linear::{
+    Constrained, Drive, LinearError, Linearised, Observed, Response, Source, Steady, observe, short, short_beside,
+};
 
 /// Below this part of its static stiffness a coordinate by itself is near resonance.
 const NEAR_RESONANCE: f64 = 0.3;
+
+/// A linear model that can be driven.
+#[derive(Clone, Copy)]
+pub enum Model<'a> {
+    /// In all coordinates of the file.
+    Free(&'a Linearised),
+    /// With constraints, which leave fewer independent.
+    Held(&'a Constrained),
+}
+
+impl Model<'_> {
+    pub fn linear(&self) -> &Linearised {
+        match self {
+            Model::Free(linear) => linear,
+            Model::Held(constrained) => &constrained.linear,
+        }
+    }
+
+    fn observe(&self, loaded: &Loaded, names: &[&str]) -> Result<Observed, LinearError> {
+        match self {
+            Model::Free(linear) => observe(&*loaded.system, linear, names),
+            Model::Held(constrained) => constrained.observe(&*loaded.system, names),
+        }
+    }
+
+    fn steady(&self, drive: &Drive, omega: f64) -> Result<Steady, LinearError> {
+        match self {
+            Model::Free(linear) => linear.steady(drive, omega),
+            Model::Held(constrained) => constrained.steady(drive, omega),
+        }
+    }
+
+    /// Whether a drive does anything.  Constraints can carry what moves nothing.
+    fn feels(&self, loaded: &Loaded, drive: &Drive) -> Result<bool, LinearError> {
+        if let Model::Held(constrained) = self {
+            let pattern = &loaded.system.description().input_pattern;
+            let acts = |(source, amplitude): &(Source, f64)| match source {
+                Source::Force(_) => *amplitude != 0.0,
+                Source::Input(k) => {
+                    let pushes = pattern.iter().any(|place| place.1 as usize / 3 == *k);
+                    *amplitude != 0.0 && (pushes || constrained.carried.column(*k).amax() > 0.0)
+                }
+            };
+            return Ok(drive.parts.iter().any(acts));
+        }
+        [0.7, 1.9].iter().try_fold(false, |acts, omega| {
+            let force = self.linear().driving_force(drive, *omega)?;
+            Ok(acts || force.iter().any(|f| f.norm() > 0.0))
+        })
+    }
+}
 
 /// What was asked of a drive, and its answers.
 pub struct Driven {
     /// What drives, in words: `push1`, or `1*C + 1*D`.
     label: String,
+    /// The file's coordinates, and their units.
+    axes: Axes,
     steady: Option<Steady>,
     response: Option<Response>,
 }
@@ -34,7 +89,7 @@ impl Driven {
         loaded: &Loaded,
         options: &ArgMatches,
         reader: &mut Reader,
-        linear: &Linearised,
+        model: Model<'_>,
     ) -> Result<Option<Driven>, Problem> {
         let option = |name: &str| options.get_one::<String>(name);
         let (omega, bode_file, range) = (option("omega"), option("bode"), option("range"));
@@ -46,26 +101,26 @@ impl Driven {
                 false => Ok(None),
             };
         }
-        let Shaken { drive, label, per } = drive(loaded, options, reader, linear)?;
-        let mut driven = Driven { label, steady: None, response: None };
+        let Shaken { drive, label, per } = drive(loaded, options, reader, model)?;
+        let coordinates = &loaded.system.description().coordinates;
+        let axes = coordinates.iter().map(|axis| (axis.name.to_string(), axis.unit.to_string())).collect();
+        let mut driven = Driven { label, axes, steady: None, response: None };
         if let Some(text) = omega {
             let omega = reader.value(loaded, "omega", Sets::Frequency, text)?;
             if omega < 0.0 {
                 return Err(Problem::Usage(format!("error: --omega is `{text}`; a frequency is 0 or more")));
             }
-            driven.steady = Some(linear.steady(&drive, omega).map_err(failed)?);
+            driven.steady = Some(model.steady(&drive, omega).map_err(failed)?);
         }
         if responds {
             let range = range.map(|text| frequencies(loaded, reader, text)).transpose()?;
-            let seen = match answers {
-                None => Observed::coordinates(linear),
-                Some(text) => {
-                    let names = listed(loaded.system.description(), text)?;
-                    let names: Vec<&str> = names.iter().map(String::as_str).collect();
-                    observe(&*loaded.system, linear, &names).map_err(failed)?
-                }
+            let names = match answers {
+                None => driven.axes.iter().map(|axis| axis.0.clone()).collect(),
+                Some(text) => listed(loaded.system.description(), text)?,
             };
-            let response = linear.response(&drive, &seen, range).map_err(failed)?.to(&driven.label, per);
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            let seen = model.observe(loaded, &names).map_err(failed)?;
+            let response = model.linear().response(&drive, &seen, range).map_err(failed)?.to(&driven.label, per);
             if let Some(path) = bode_file {
                 let figure = if options.get_flag("hertz") { response.figure_in_hertz() } else { response.figure() };
                 outputs::draw(path, figure)?;
@@ -87,10 +142,10 @@ impl Driven {
     }
 
     /// The keys `steady` and `response`, where they were asked for.
-    pub fn as_json(&self, linear: &Linearised) -> Vec<(&'static str, Value)> {
+    pub fn as_json(&self) -> Vec<(&'static str, Value)> {
         let pair = |x: &Complex<f64>| json!([number(x.re), number(x.im)]);
         let by_name =
-            |x: &[Complex<f64>]| object(linear.coordinates.iter().zip(x).map(|(name, x)| (name.clone(), pair(x))));
+            |x: &[Complex<f64>]| object(self.axes.iter().zip(x).map(|(axis, x)| (axis.0.clone(), pair(x))));
         let mut entries = Vec::new();
         if let Some(steady) = &self.steady {
             let mode = |(omega, part): (&f64, &Vec<Complex<f64>>)| {
@@ -130,18 +185,20 @@ impl Driven {
     }
 
     /// For people.
-    pub fn table(&self, linear: &Linearised, out: &mut dyn Write) -> Result<(), Problem> {
+    pub fn table(&self, model: Model<'_>, out: &mut dyn Write) -> Result<(), Problem> {
         if let Some(steady) = &self.steady {
             let hertz = short(steady.omega / TAU);
             writeln!(out, "steady state, if {} goes as cos({} t), {hertz} Hz:", self.label, short(steady.omega))?;
-            parts(linear, steady, out)?;
-            if steady.growth.is_some() {
-                growth(linear, steady, out)?;
-            } else {
-                forces(linear, steady, &self.label, out)?;
-            }
-            for sentence in resting(linear, steady) {
-                writeln!(out, "  {sentence}")?;
+            parts(&self.axes, steady, out)?;
+            growth(&self.axes, steady, out)?;
+            // With constraints no coordinate has a stiffness by itself.
+            if let Model::Free(linear) = model {
+                if steady.growth.is_none() {
+                    forces(linear, steady, &self.label, out)?;
+                }
+                for sentence in resting(linear, steady) {
+                    writeln!(out, "  {sentence}")?;
+                }
             }
         }
         if let Some(response) = &self.response {
@@ -166,8 +223,11 @@ impl Driven {
     }
 }
 
+/// Coordinates by name, each with its unit.
+type Axes = Vec<(String, String)>;
+
 /// Each coordinate's amplitude, and what each mode contributes to it.
-fn parts(linear: &Linearised, steady: &Steady, out: &mut dyn Write) -> Result<(), Problem> {
+fn parts(axes: &Axes, steady: &Steady, out: &mut dyn Write) -> Result<(), Problem> {
     let scale = largest(&steady.total).max(steady.growth.as_deref().map_or(0.0, largest));
     let polar = |x: &Complex<f64>| {
         if x.norm() <= 1e-12 * scale { "0".to_owned() } else { format!("{}<{:.0}", short4(x.norm()), degrees(x)) }
@@ -175,12 +235,14 @@ fn parts(linear: &Linearised, steady: &Steady, out: &mut dyn Write) -> Result<()
     let mut rows = vec![["".to_owned(), "amplitude".to_owned(), "phase".to_owned()].to_vec()];
     rows[0].extend((1..=steady.modes.len()).map(|k| format!("mode {k}")));
     rows[0].truncate(3 + super::MOST_PRINTED);
-    for (index, name) in linear.coordinates.iter().enumerate() {
+    rows[0].extend(steady.carried.iter().map(|_| "carried along".to_owned()));
+    for (index, (name, unit)) in axes.iter().enumerate() {
         let x = steady.total[index];
         let phase = if x.norm() <= 1e-12 * scale { "-".to_owned() } else { format!("{:.1} deg", degrees(&x)) };
-        let amplitude = format!("{}{}", short_beside(x.norm(), scale), unit(linear, index));
+        let amplitude = format!("{}{}", short_beside(x.norm(), scale), spaced(unit));
         let mut row = vec![name.clone(), amplitude, phase];
         row.extend(steady.modes.iter().take(super::MOST_PRINTED).map(|mode| polar(&mode[index])));
+        row.extend(steady.carried.iter().map(|carried| polar(&carried[index])));
         rows.push(row);
     }
     super::report::columns(&rows, out)?;
@@ -189,12 +251,12 @@ fn parts(linear: &Linearised, steady: &Steady, out: &mut dyn Write) -> Result<()
 }
 
 /// What grows where the force meets undamped modes.
-fn growth(linear: &Linearised, steady: &Steady, out: &mut dyn Write) -> Result<(), Problem> {
+fn growth(axes: &Axes, steady: &Steady, out: &mut dyn Write) -> Result<(), Problem> {
     let Some(growth) = &steady.growth else { return Ok(()) };
     let scale = largest(growth);
-    let each = linear.coordinates.iter().zip(growth).enumerate().filter(|(_, (_, g))| g.norm() > 1e-12 * scale);
+    let each = axes.iter().zip(growth).filter(|(_, g)| g.norm() > 1e-12 * scale);
     let list: Vec<String> =
-        each.map(|(i, (name, g))| format!("{name} by {}{}", short(g.norm()), unit(linear, i))).collect();
+        each.map(|((name, unit), g)| format!("{name} by {}{}", short(g.norm()), spaced(unit))).collect();
     writeln!(out, "  resonance: there is no steady state; every second the amplitude grows: {}", list.join(", "))?;
     writeln!(out, "  (the table holds what stays bounded)")?;
     Ok(())
@@ -267,7 +329,7 @@ fn resting(linear: &Linearised, steady: &Steady) -> Vec<String> {
             linear.coordinates[i],
             leading + 1,
             short(steady.total[i].norm()),
-            unit(linear, i),
+            spaced(&linear.units[i]),
             others.join(", ")
         )
     };
@@ -294,19 +356,20 @@ fn short4(x: f64) -> String {
 }
 
 /// ` m`, or nothing.
-fn unit(linear: &Linearised, index: usize) -> String {
-    match linear.units.get(index).map_or("", String::as_str) {
+fn spaced(unit: &str) -> String {
+    match unit {
         "" | "1" => String::new(),
         unit => format!(" {unit}"),
     }
 }
 
 /// What `--drive` names: the first input if it is absent.
-fn drive(loaded: &Loaded, options: &ArgMatches, reader: &mut Reader, linear: &Linearised) -> Result<Shaken, Problem> {
+fn drive(loaded: &Loaded, options: &ArgMatches, reader: &mut Reader, model: Model<'_>) -> Result<Shaken, Problem> {
+    let linear = model.linear();
     let mut given: Vec<String> = options.get_many::<String>("drive").into_iter().flatten().cloned().collect();
     if given.is_empty() {
         let Some(input) = linear.inputs.first() else {
-            let example = linear.coordinates.first().map_or("", String::as_str);
+            let example = linear.equilibrium.coordinates.first().map_or("", String::as_str);
             return Err(Problem::Usage(format!(
                 "error: `{}` has no inputs; name a coordinate that a force acts on: --drive {example}",
                 loaded.name
@@ -326,11 +389,7 @@ fn drive(loaded: &Loaded, options: &ArgMatches, reader: &mut Reader, linear: &Li
         all.per = if alone && size == 1.0 { per } else { String::new() };
         all.drive.parts.extend(drive.parts.into_iter().map(|(source, part)| (source, part * size)));
     }
-    let acts = [0.7, 1.9].iter().try_fold(false, |acts, omega| {
-        let force = linear.driving_force(&all.drive, *omega).map_err(failed)?;
-        Ok::<bool, Problem>(acts || force.iter().any(|f| f.norm() > 0.0))
-    })?;
-    match acts {
+    match model.feels(loaded, &all.drive).map_err(failed)? {
         true => Ok(all),
         false => Err(Problem::Run(format!("{} does not act on small motions here", all.label))),
     }

@@ -26,7 +26,7 @@ use crate::show::{is_picture, is_png};
 use clap::ArgMatches;
 use dalembert_symbolic::model::Sets;
 use damping::Damping;
-use drive::Driven;
+use drive::{Driven, Model};
 use locus::Locus;
 use motion::Compared;
 
@@ -53,7 +53,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         eprintln!("warning: {warning}");
     }
     if !loaded.system.active_rows().is_empty() {
-        return constrained::run(&loaded, options, &guess, out);
+        return constrained::run(&loaded, options, &mut reader, &guess, out);
     }
     let system = &*loaded.system;
     let found =
@@ -61,7 +61,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     let linear = linearise(system, &found.map_err(failed)?).map_err(failed)?;
     let mut modes = linear.modes().map_err(failed)?;
     bodies::name_free(&loaded, &linear, &mut modes)?;
-    let driven = Driven::new(&loaded, options, &mut reader, &linear)?;
+    let driven = Driven::new(&loaded, options, &mut reader, Model::Free(&linear))?;
     let locus = Locus::new(&loaded, options, &mut reader, &linear.equilibrium)?;
     let damping = Damping::new(&linear, &modes);
     let motion = Compared::new(&loaded, options, scene, &linear, damping.as_ref())?;
@@ -73,7 +73,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     if options.get_flag("json") {
         let mut more: Vec<_> = damping.iter().map(Damping::as_json).collect();
         more.extend(motion.iter().map(Compared::as_json));
-        more.extend(driven.iter().flat_map(|driven| driven.as_json(&linear)));
+        more.extend(driven.iter().flat_map(Driven::as_json));
         more.extend(locus.map(|locus| locus.as_json()));
         super::json::write(&report::as_json(&loaded.name, &linear, &modes, more), out)?;
         return Ok(());
@@ -87,7 +87,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         motion.table(out)?;
     }
     if let Some(driven) = driven {
-        driven.table(&linear, out)?;
+        driven.table(Model::Free(&linear), out)?;
     }
     if let Some(locus) = locus {
         locus.table(out)?;

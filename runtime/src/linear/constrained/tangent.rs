@@ -65,7 +65,8 @@ pub fn linearise_tangent<S: System + ?Sized>(system: &S, guess: &Guess, here: bo
             });
         }
         held.is_steady(&state)?;
-        let found = held.small_departures(&state, iterations)?;
+        let mut found = held.small_departures(&state, iterations)?;
+        found.equilibrium.inputs.clone_from(&guess.inputs);
         Ok((found, Guess { q: state.q, v: state.v, inputs: guess.inputs.clone() }))
     })
 }

@@ -32,6 +32,8 @@ pub struct Linearised {
     pub stiffness: SparseMatrix,
     /// B, n × 3m: a column for each of u, u' and u'' of every input.
     pub input: SparseMatrix,
+    /// What generalized forces on the model's coordinates do to these: the identity, but where constraints leave fewer.
+    pub forces: SparseMatrix,
 }
 
 /// Linearises a mechanism at an equilibrium.
@@ -96,6 +98,7 @@ fn linearised_with<S: System + ?Sized>(
         inputs: system.description().inputs.iter().map(ToString::to_string).collect(),
         equilibrium: Equilibrium::at(probe, state),
         input: probe.input(&state.q),
+        forces: SparseMatrix::identity(probe.n),
         mass,
         damping,
         stiffness,

@@ -1,0 +1,218 @@
+//! What drives a mechanism with constraints at rest, and what answers.
+//!
+//! All coordinates depart by x, M x'' + C x' + K x − Jᵀ δλ = B (u, u', u'') + f, and the constraints by J x + b u = 0, where
+//! b = ∂c'/∂u' of those that move with inputs.  With J Z = 0, and J P = −b with P = 0 in the independent coordinates, x =
+//! Z y + P u and
+//!
+//! M_z y'' + C_z y' + K_z y = Zᵀ (B (u, u', u'') − K P u − C P u' − M P u'' + f).
+//!
+//! The first equation then gives what the constraints carry, δλ.
+
+use nalgebra::{Complex, DMatrix, DVector};
+
+use super::held::{Held, State};
+use super::rest::Constrained;
+use crate::linear::equilibrium::Probe;
+use crate::linear::forced::slopes_of;
+use crate::linear::{Drive, LinearError, Observed, Source, SparseMatrix, Steady};
+use crate::matrix::solve_least;
+use crate::mechanism::dense::{constraint_rates_by_inputs, force_slopes, input_matrix};
+use crate::mechanism::{Solutions, System};
+
+/// Rows that inputs move may be missed by this part of their terms.
+const MISSED: f64 = 1e-9;
+/// Reactions that are not unique are asked for by more than this part of what asks for them.
+const ROUNDING: f64 = 1e-9;
+
+/// The linear model in all coordinates, and how these follow independent ones and inputs.
+pub(super) struct Whole {
+    mass: DMatrix<f64>,
+    damping: DMatrix<f64>,
+    stiffness: DMatrix<f64>,
+    /// B, n × 3m.
+    input: DMatrix<f64>,
+    /// J.
+    jacobian: DMatrix<f64>,
+    /// Z.
+    pub motions: DMatrix<f64>,
+    /// P.
+    pub carried: DMatrix<f64>,
+    /// The coordinates that are independent.
+    pub independent: Vec<usize>,
+}
+
+impl Whole {
+    /// At a state of rest.
+    ///
+    /// # Errors
+    /// [`LinearError::MovedBySpeed`], [`LinearError::MovesContradict`].
+    pub fn of<S: System + ?Sized>(held: &Held<'_, S>, state: &State) -> Result<Whole, LinearError> {
+        let [stiffness, damping] = force_slopes(held.system, state.at());
+        let jacobian = held.jacobian(state);
+        let Solutions { basis: motions, independent, .. } = Solutions::of(&jacobian, &[]);
+        let carried = held.carried(state, &jacobian)?;
+        let input = -input_matrix(held.system, state.at());
+        Ok(Whole { mass: held.mass(state), damping, stiffness, input, jacobian, motions, carried, independent })
+    }
+
+    /// Zᵀ A Z.
+    fn reduced(&self, matrix: &DMatrix<f64>) -> SparseMatrix {
+        SparseMatrix::from_dense(&(self.motions.transpose() * matrix * &self.motions))
+    }
+
+    /// M_z, C_z and K_z.
+    pub fn matrices(&self) -> [SparseMatrix; 3] {
+        [&self.mass, &self.damping, &self.stiffness].map(|matrix| self.reduced(matrix))
+    }
+
+    /// B (u, u', u'') − K P u − C P u' − M P u'', in all coordinates.
+    fn pushed(&self) -> DMatrix<f64> {
+        let mut pushed = self.input.clone();
+        for (order, matrix) in [&self.stiffness, &self.damping, &self.mass].into_iter().enumerate() {
+            let back = matrix * &self.carried;
+            for (k, column) in back.column_iter().enumerate() {
+                let mut place = pushed.column_mut(3 * k + order);
+                place -= column;
+            }
+        }
+        pushed
+    }
+
+    /// What inputs do to the independent coordinates.
+    pub fn input(&self) -> SparseMatrix {
+        SparseMatrix::from_dense(&(self.motions.transpose() * self.pushed()))
+    }
+
+    /// Zᵀ: what generalized forces do to them.
+    pub fn forces(&self) -> SparseMatrix {
+        SparseMatrix::from_dense(&self.motions.transpose())
+    }
+}
+
+impl<S: System + ?Sized> Held<'_, S> {
+    /// P: how coordinates follow inputs where the independent ones rest.
+    fn carried(&self, state: &State, jacobian: &DMatrix<f64>) -> Result<DMatrix<f64>, LinearError> {
+        let description = self.system.description();
+        let mut carried = DMatrix::zeros(self.n, description.inputs.len());
+        let Some([by_value, by_rate]) = constraint_rates_by_inputs(self.system, state.at(), &self.rows) else {
+            return Ok(carried);
+        };
+        let input = |k: usize| description.inputs[k].to_string();
+        let constraint = |k: usize| description.rows[self.rows[k]].name.to_string();
+        if let Some(k) = (0..by_rate.ncols()).find(|k| by_rate.column(*k).iter().any(|b| !b.is_finite())) {
+            return Err(LinearError::NonFinite { what: format!("how constraints move with `{}`", input(k)) });
+        }
+        for (k, column) in by_value.column_iter().enumerate() {
+            if let Some(row) = column.iter().position(|b| *b != 0.0) {
+                return Err(LinearError::MovedBySpeed { constraint: constraint(row), input: input(k) });
+            }
+        }
+        for (k, column) in by_rate.column_iter().enumerate().filter(|(_, column)| column.amax() > 0.0) {
+            let right: Vec<f64> = column.iter().map(|b| -b).collect();
+            let Solutions { particular, .. } = Solutions::of(jacobian, &right);
+            let (left, terms) = (jacobian * &particular + column, jacobian.abs() * particular.abs() + column.abs());
+            let missed = |row: &usize| !(left[*row].abs() <= MISSED * terms[*row]);
+            if let Some(row) = (0..left.len()).find(missed) {
+                return Err(LinearError::MovesContradict { constraint: constraint(row), input: input(k) });
+            }
+            carried.set_column(k, &particular);
+        }
+        Ok(carried)
+    }
+}
+
+impl Constrained {
+    /// The slopes of coordinates (`x`), rates (`x'`) and outputs, reactions in them too, by the independent coordinates, by
+    /// inputs and by forces; the name of a vector stands for its components.
+    ///
+    /// # Errors
+    /// As [`observe`](crate::linear::observe); [`LinearError::ReactionNotUnique`] for a reaction that depends on how constraints
+    /// that say the same share a load.
+    pub fn observe<S: System + ?Sized>(&self, system: &S, names: &[&str]) -> Result<Observed, LinearError> {
+        let at = &self.linear.equilibrium;
+        let probe = Probe::new(system, &at.guess());
+        probe.sides_at(&at.q);
+        let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+        let (whole, lambda) = {
+            let system = probe.system.borrow();
+            let held = Held::new(&**system, &rows, &at.q);
+            let state = held.state(&at.q, &at.v);
+            (Whole::of(&held, &state)?, state.lambda)
+        };
+        let (seen, by_multipliers) = slopes_of(system.description(), &probe, &at.q, &lambda, names)?;
+        whole.answers(seen, &by_multipliers.select_columns(&rows))
+    }
+
+    /// As [`observe`](Constrained::observe), of all coordinates.
+    ///
+    /// # Errors
+    /// As [`observe`](Constrained::observe).
+    pub fn observe_coordinates<S: System + ?Sized>(&self, system: &S) -> Result<Observed, LinearError> {
+        let names: Vec<&str> = self.coordinates.iter().map(String::as_str).collect();
+        self.observe(system, &names)
+    }
+
+    /// The steady state at a frequency Ω, rad/s, in all coordinates; what inputs move along through constraints stands
+    /// beside the modes.
+    ///
+    /// # Errors
+    /// As [`Linearised::steady`](crate::linear::Linearised::steady).
+    pub fn steady(&self, drive: &Drive, omega: f64) -> Result<Steady, LinearError> {
+        let reduced = self.linear.steady(drive, omega)?;
+        let whole = |y: &Vec<Complex<f64>>| -> Vec<Complex<f64>> {
+            let row = |i: usize| y.iter().enumerate().map(|(k, y)| y * self.motions[(i, k)]).sum();
+            (0..self.motions.nrows()).map(row).collect()
+        };
+        let mut carried = DVector::zeros(self.motions.nrows());
+        for (source, amplitude) in &drive.parts {
+            if let Source::Input(k) = source {
+                carried += self.carried.column(*k) * *amplitude;
+            }
+        }
+        let total = whole(&reduced.total).iter().zip(carried.iter()).map(|(x, p)| x + *p).collect();
+        Ok(Steady {
+            total,
+            carried: carried.iter().any(|x| *x != 0.0).then(|| carried.iter().map(|x| Complex::from(*x)).collect()),
+            modes: reduced.modes.iter().map(whole).collect(),
+            growth: reduced.growth.as_ref().map(whole),
+            ..reduced
+        })
+    }
+}
+
+impl Whole {
+    /// Answers by all coordinates, inputs and multipliers as answers by independent coordinates, inputs and forces.
+    fn answers(&self, seen: Observed, by_multipliers: &DMatrix<f64>) -> Result<Observed, LinearError> {
+        let n = self.mass.nrows();
+        // What the constraints carry: δλ = L (M x'' + C x' + K x − B (u, u', u'') − f), of which the least is one.
+        let effects = self.jacobian.transpose();
+        let inverse = solve_least(&effects, &DMatrix::identity(n, n))
+            .ok_or(LinearError::NoConvergence { what: "the reactions of small motions" })?;
+        let left = by_multipliers - by_multipliers * &inverse * &effects;
+        for (row, name) in seen.names.iter().enumerate() {
+            if !(left.row(row).amax() <= ROUNDING * by_multipliers.row(row).amax()) {
+                return Err(LinearError::ReactionNotUnique { answer: name.clone() });
+            }
+        }
+        let force = -(by_multipliers * inverse);
+        let place = &seen.place - &force * &self.stiffness;
+        let rate = &seen.rate - &force * &self.damping;
+        let acceleration = &seen.acceleration - &force * &self.mass;
+        let mut input = &seen.input + &force * &self.input;
+        for (order, slopes) in [&place, &rate, &acceleration].into_iter().enumerate() {
+            let moved = slopes * &self.carried;
+            for (k, column) in moved.column_iter().enumerate() {
+                let mut place = input.column_mut(3 * k + order);
+                place += column;
+            }
+        }
+        Ok(Observed {
+            place: place * &self.motions,
+            rate: rate * &self.motions,
+            acceleration: acceleration * &self.motions,
+            input,
+            force,
+            ..seen
+        })
+    }
+}
