@@ -54,6 +54,12 @@ pub enum LinearError {
         /// The input.
         input: String,
     },
+    /// Constraints depend on each other here, but not beside this place, or not when inputs move: their slopes do not tell
+    /// what motions they allow.
+    DependentHere {
+        /// One of them.
+        constraint: String,
+    },
     /// A reaction that is not unique: several constraints say the same, and share the load in any way.
     ReactionNotUnique {
         /// The output that contains it.
@@ -181,6 +187,11 @@ impl fmt::Display for LinearError {
                 f,
                 "`{input}` cannot move: the constraint `{constraint}` and others, which depend on each other, want different \
                  motions of it"
+            ),
+            LinearError::DependentHere { constraint } => write!(
+                f,
+                "`{constraint}` and other constraints depend on each other here, but not near by: their slopes do not tell what \
+                 small motions they allow; leave out those that are not needed, or move inputs of all of them together"
             ),
             LinearError::ReactionNotUnique { answer } => write!(
                 f,

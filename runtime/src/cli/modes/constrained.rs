@@ -13,7 +13,7 @@ use super::super::{Problem, json};
 use super::drive::{Driven, Model};
 #[cfg(feature = "modal")]
 use super::tangent;
-use super::{failed, pictures, report};
+use super::{failed, notes, pictures, report};
 use crate::linear::{Guess, LinearError, linearise_constrained};
 #[cfg(feature = "modal")]
 use crate::linear::{linearise_driven, linearise_tangent};
@@ -52,10 +52,10 @@ pub fn run(
     let modes = found.in_all_coordinates(&found.linear.modes().map_err(failed)?);
     let model = Model::Held(&found);
     let driven = Driven::new(loaded, options, reader, model)?;
-    for note in driven.iter().flat_map(Driven::notes) {
+    for note in notes(&found.linear, &modes).into_iter().chain(driven.iter().flat_map(Driven::notes)) {
         eprintln!("warning: {note}");
     }
-    pictures(loaded, options, &found.linear, &modes)?;
+    pictures(loaded, options, &found.linear, &modes, out)?;
     let reactions: Vec<(String, f64)> = names.into_iter().zip(found.multipliers.iter().copied()).collect();
     if options.get_flag("json") {
         let reactions = reactions.into_iter().map(|(name, value)| (name, json::number(value)));
@@ -95,7 +95,15 @@ fn by_departures(
             );
             return Err(Problem::Usage(words));
         }
-        Some(_) => Some(linearise_driven(system, &found.equilibrium.guess()).map_err(failed)?),
+        Some(option) => match linearise_driven(system, &found.equilibrium.guess()) {
+            Err(LinearError::FrictionOfReactions) => {
+                let words = format!(
+                    "error: --{option} is not there where forces are made of reactions, as friction is: they follow what the constraints carry"
+                );
+                return Err(Problem::Usage(words));
+            }
+            found => Some(found.map_err(failed)?),
+        },
     };
     let model = at.as_ref().map(Model::Held);
     let driven = model.map_or(Ok(None), |model| Driven::new(loaded, options, reader, model))?;

@@ -144,8 +144,7 @@ impl Driven {
     /// The keys `steady` and `response`, where they were asked for.
     pub fn as_json(&self) -> Vec<(&'static str, Value)> {
         let pair = |x: &Complex<f64>| json!([number(x.re), number(x.im)]);
-        let by_name =
-            |x: &[Complex<f64>]| object(self.axes.iter().zip(x).map(|(axis, x)| (axis.0.clone(), pair(x))));
+        let by_name = |x: &[Complex<f64>]| object(self.axes.iter().zip(x).map(|(axis, x)| (axis.0.clone(), pair(x))));
         let mut entries = Vec::new();
         if let Some(steady) = &self.steady {
             let mode = |(omega, part): (&f64, &Vec<Complex<f64>>)| {

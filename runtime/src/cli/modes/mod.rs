@@ -69,7 +69,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     for note in notes(&linear, &modes).into_iter().chain(more) {
         eprintln!("warning: {note}");
     }
-    pictures(&loaded, options, &linear, &modes)?;
+    pictures(&loaded, options, &linear, &modes, out)?;
     if options.get_flag("json") {
         let mut more: Vec<_> = damping.iter().map(Damping::as_json).collect();
         more.extend(motion.iter().map(Compared::as_json));
@@ -193,8 +193,14 @@ fn held_inputs(loaded: &Loaded, options: &ArgMatches) -> Result<Vec<f64>, Proble
     Ok(names.iter().zip(values.chunks_exact(3)).map(value).collect())
 }
 
-/// Writes `--plot` and `--animate`.
-fn pictures(loaded: &Loaded, options: &ArgMatches, linear: &Linearised, modes: &[Mode]) -> Result<(), Problem> {
+/// Writes `--plot`, `--matrices` and `--animate`; of an animated picture it tells people how it plays.
+fn pictures(
+    loaded: &Loaded,
+    options: &ArgMatches,
+    linear: &Linearised,
+    modes: &[Mode],
+    out: &mut dyn Write,
+) -> Result<(), Problem> {
     let system = &*loaded.system;
     let file = |name: &str| options.get_one::<String>(name);
     if let Some(path) = file("plot") {
@@ -213,7 +219,10 @@ fn pictures(loaded: &Loaded, options: &ArgMatches, linear: &Linearised, modes: &
         },
     };
     if let (Some(path), Some(mode)) = (file("animate"), modes.get(number)) {
-        outputs::animate(path, &animate_mode(system, linear, mode))?;
+        let pace = outputs::animate(path, &animate_mode(system, linear, mode))?;
+        if let Some(pace) = pace.filter(|_| !options.get_flag("json")) {
+            writeln!(out, "{path}: mode {}, {pace}", number + 1)?;
+        }
     }
     Ok(())
 }

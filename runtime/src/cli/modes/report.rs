@@ -78,7 +78,14 @@ pub fn table(
         1 => writeln!(out, "  one of a family of equilibria: 1 direction is free")?,
         n => writeln!(out, "  one of a family of equilibria: {n} directions are free")?,
     }
+    if linear.is_empty() {
+        writeln!(out, "  the constraints leave no coordinate independent: nothing moves by itself")?;
+        return Ok(());
+    }
     if linear.len() <= MOST_PRINTED {
+        if linear.len() < at.coordinates.len() {
+            writeln!(out, "  in {}, which the constraints leave independent:", linear.coordinates.join(", "))?;
+        }
         matrices(linear, out)?;
     }
     writeln!(out, "modes, each scaled to unit modal mass:")?;

@@ -7,8 +7,8 @@ use std::io::Write;
 use nalgebra::Complex;
 use serde_json::{Value, json};
 
-use super::super::json::{number, object};
 use super::super::Problem;
+use super::super::json::{number, object};
 use crate::linear::{Stability, Tangent, short, short_beside};
 
 /// A real part below this part of its eigenvalue.

@@ -52,12 +52,52 @@ impl Whole {
         let Solutions { basis: motions, independent, .. } = Solutions::of(&jacobian, &[]);
         let carried = held.carried(state, &jacobian)?;
         let input = -input_matrix(held.system, state.at());
-        Ok(Whole { mass: held.mass(state), damping, stiffness, input, jacobian, motions, carried, independent })
+        let whole =
+            Whole { mass: held.mass(state), damping, stiffness, input, jacobian, motions, carried, independent };
+        whole.check_shares(held, state)?;
+        Ok(whole)
     }
 
-    /// Zᵀ A Z.
+    /// Refuses rows that depend on each other at this state only: how they share a load, which nothing tells, would make a
+    /// difference to small motions.
+    fn check_shares<S: System + ?Sized>(&self, held: &Held<'_, S>, state: &State) -> Result<(), LinearError> {
+        let size = state.lambda.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let size = if size > 0.0 { size } else { 1.0 };
+        let Solutions { basis: shares, .. } = Solutions::of(&self.jacobian.transpose(), &[]);
+        // Forces by independent coordinates and by inputs, and the sums of their terms.
+        let forces = |k: &DMatrix<f64>, b: &DMatrix<f64>, z: &DMatrix<f64>, p: &DMatrix<f64>| {
+            let (by_places, by_inputs) = (k * z, k * p);
+            DMatrix::from_fn(z.nrows(), z.ncols() + p.ncols(), |i, j| match j.checked_sub(z.ncols()) {
+                None => by_places[(i, j)],
+                Some(j) => b[(i, 3 * j)] - by_inputs[(i, j)],
+            })
+        };
+        let both = |k: &DMatrix<f64>, b: &DMatrix<f64>| {
+            let (z, p) = (&self.motions, &self.carried);
+            (z.transpose() * forces(k, b, z, p), z.abs().transpose() * forces(&k.abs(), &b.abs(), &z.abs(), &-p.abs()))
+        };
+        let (now, terms) = both(&self.stiffness, &self.input);
+        for share in shares.column_iter() {
+            let mut other = state.clone();
+            held.rows.iter().zip(share.iter()).for_each(|(row, x)| other.lambda[*row] += size / share.amax() * x);
+            let [stiffness, _] = force_slopes(held.system, other.at());
+            let (then, terms_then) = both(&stiffness, &-input_matrix(held.system, other.at()));
+            let (change, terms) = (then - &now, &terms + terms_then);
+            if change.iter().zip(terms.iter()).any(|(change, terms)| change.abs() > MISSED * terms) {
+                let row = held.rows[share.iamax()];
+                let constraint = held.system.description().rows[row].name.to_string();
+                return Err(LinearError::DependentHere { constraint });
+            }
+        }
+        Ok(())
+    }
+
+    /// Zᵀ A Z, its symmetric part from that of A and its skew part from that of A, so that rounding makes nothing of one
+    /// into the other.
     fn reduced(&self, matrix: &DMatrix<f64>) -> SparseMatrix {
-        SparseMatrix::from_dense(&(self.motions.transpose() * matrix * &self.motions))
+        let (even, odd) = SparseMatrix::from_dense(matrix).split();
+        let [even, odd] = [even, odd].map(|part| self.motions.transpose() * part.to_dense() * &self.motions);
+        SparseMatrix::from_dense(&((&even + even.transpose()) * 0.5 + (&odd - odd.transpose()) * 0.5))
     }
 
     /// M_z, C_z and K_z.

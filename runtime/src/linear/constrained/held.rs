@@ -16,6 +16,8 @@ const BALANCED: f64 = 1e-9;
 const NOTHING: f64 = 1e-120;
 /// So many roundings of the state are nothing.
 const ROUNDINGS: f64 = 16.0;
+/// Coordinates that have shrunk to this part of what they were are tried at 0.
+const GONE: f64 = 1e-9;
 /// Times at which a state of rest is looked at again, s.
 const TIMES: [f64; 4] = [0.37, 1.9, 53.0, 1234.5];
 /// What changes by less than this part of itself is the same.
@@ -190,6 +192,20 @@ impl<'a, S: System + ?Sized> Held<'a, S> {
         };
         let rows = (0..self.rows.len()).find(|k| !at_ease(*k)).map(|k| self.n + k);
         (0..self.n).find(|i| !balanced(*i)).or(rows)
+    }
+
+    /// A state that a search from another place found, with coordinates at 0 that are nothing beside those with their unit, or
+    /// beside what they were, if it stays so.
+    pub fn settled(&self, state: State, from: &[f64]) -> State {
+        let sizes = sizes_alike(self.system.description(), &state.q);
+        let mut tried = state.clone();
+        for (i, q) in tried.q.iter_mut().enumerate() {
+            if q.abs() <= (ROUNDINGS * f64::EPSILON * sizes[i]).max(GONE * from[i].abs()) {
+                *q = 0.0;
+            }
+        }
+        let tried = State { t: state.t, ..self.state(&tried.q, &tried.v) };
+        if tried.q != state.q && self.stays(&tried) { tried } else { state }
     }
 
     /// Refuses equations and constraints that change with time though inputs are held.

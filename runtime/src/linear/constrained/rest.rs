@@ -66,12 +66,10 @@ pub fn linearise_constrained<S: System + ?Sized>(
             return Err(LinearError::VelocityConstraint { constraint: description.rows[*row].name.to_string() });
         }
         let mut held = Held::new(system, &rows, &guess.q);
-        let mut state = held.state(&guess.q, &zero);
-        held.without_friction(&state)?;
-        if !here {
-            state = held.rest(&guess.q)?;
-        }
-        held.in_independent_coordinates(&state, &guess.inputs)
+        let start = held.state(&guess.q, &zero);
+        held.without_friction(&start)?;
+        let (state, iterations) = if here { (start, 0) } else { held.rest(&guess.q)? };
+        held.in_independent_coordinates(&state, iterations, &guess.inputs)
     })
 }
 
@@ -86,7 +84,7 @@ pub fn linearise_driven<S: System + ?Sized>(system: &S, guess: &Guess) -> Result
     let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
     on_its_sides(system, guess, |system, guess| {
         let held = Held::new(system, &rows, &guess.q);
-        held.in_independent_coordinates(&held.state(&guess.q, &vec![0.0; held.n]), &guess.inputs)
+        held.in_independent_coordinates(&held.state(&guess.q, &vec![0.0; held.n]), 0, &guess.inputs)
     })
 }
 
@@ -104,14 +102,15 @@ impl Constrained {
 
 impl<S: System + ?Sized> Held<'_, S> {
     /// From the place nearest to the guess that meets the constraints; where that leads nowhere, from where the motion
-    /// would go from there.
-    fn rest(&mut self, guess: &[f64]) -> Result<State, LinearError> {
+    /// would go from there; and how many iterations of Newton's method it took.
+    fn rest(&mut self, guess: &[f64]) -> Result<(State, usize), LinearError> {
         let (start, zero) = ([guess, &vec![0.0; self.n]].concat(), vec![0.0; self.n]);
         let held = vec![false; 2 * self.n];
         let closed = consistent(self.system, &Start { t: 0.0, y: &start, held: &held, also: 0..0 });
         let q = closed.map(|y| y[..self.n].to_vec()).map_err(|_| self.nowhere(&self.state(guess, &zero), 0))?;
         self.hold(&q);
-        self.newton(&q).or_else(|nowhere| self.newton(&self.fallen(q).ok_or(nowhere)?))
+        let (state, iterations) = self.newton(&q).or_else(|nowhere| self.newton(&self.fallen(q).ok_or(nowhere)?))?;
+        Ok((self.settled(state, guess), iterations))
     }
 
     /// Follows the accelerations from rest, without speeds, until little is left of them: down the potential in the metric
@@ -152,7 +151,7 @@ impl<S: System + ?Sized> Held<'_, S> {
     }
 
     /// Newton's method on F = 0, c = 0 in q and λ, halved until both decrease.
-    fn newton(&self, from: &[f64]) -> Result<State, LinearError> {
+    fn newton(&self, from: &[f64]) -> Result<(State, usize), LinearError> {
         let (n, m) = (self.n, self.rows.len());
         let missed = |state: &State| DVector::from_iterator(m, self.triples(state).iter().map(|triple| triple[0]));
         let mut state = self.state(from, &vec![0.0; n]);
@@ -180,11 +179,11 @@ impl<S: System + ?Sized> Held<'_, S> {
             match better {
                 Some(next) => state = next,
                 // As good as rounding lets it be, or nowhere.
-                None if self.stays(&state) => return Ok(state),
+                None if self.stays(&state) => return Ok((state, iteration)),
                 None => return Err(self.nowhere(&state, iteration)),
             }
         }
-        if self.stays(&state) { Ok(state) } else { Err(self.nowhere(&state, ITERATIONS)) }
+        if self.stays(&state) { Ok((state, ITERATIONS)) } else { Err(self.nowhere(&state, ITERATIONS)) }
     }
 
     /// Refuses forces made of reactions: independent coordinates do not know what the constraints carry.
@@ -195,7 +194,12 @@ impl<S: System + ?Sized> Held<'_, S> {
         }
     }
 
-    fn in_independent_coordinates(&self, state: &State, inputs: &[f64]) -> Result<(Constrained, Guess), LinearError> {
+    fn in_independent_coordinates(
+        &self,
+        state: &State,
+        iterations: usize,
+        inputs: &[f64],
+    ) -> Result<(Constrained, Guess), LinearError> {
         self.without_friction(state)?;
         if !self.stays(state) {
             return Err(LinearError::NotAnEquilibrium { residual: self.left(state) });
@@ -215,7 +219,7 @@ impl<S: System + ?Sized> Held<'_, S> {
                 inputs: inputs.to_vec(),
                 friction: Vec::new(),
                 residual: self.force(state).iter().copied().collect(),
-                iterations: 0,
+                iterations,
                 slow: None,
                 freedom: Freedom::default(),
             },

@@ -58,6 +58,9 @@ pub fn linearise_tangent<S: System + ?Sized>(system: &S, guess: &Guess, here: bo
         let held = Held::new(system, &rows, &guess.q);
         let mut state = held.state(&guess.q, &guess.v);
         let iterations = if here { 0 } else { held.steady(guess, &mut state)? };
+        if !here {
+            state = held.settled(state, &guess.q);
+        }
         if !held.stays(&state) {
             return Err(match here {
                 true => LinearError::NotAnEquilibrium { residual: held.left(&state) },

@@ -26,6 +26,9 @@ impl Linearised {
     /// [`LinearError::Resonance`] where the matrix is singular to rounding; a wrong size.
     pub fn steady_state(&self, force: &[Complex<f64>], omega: f64) -> Result<Vec<Complex<f64>>, LinearError> {
         self.expect("the force", force.len(), self.len())?;
+        if self.is_empty() {
+            return Ok(Vec::new());
+        }
         let lu = self.dynamic_stiffness(omega).lu();
         let pivots = lu.u().diagonal().map(|pivot| pivot.norm());
         let scale = self.largest(omega);
