@@ -281,9 +281,7 @@ impl fmt::Display for Forces<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (index, Residual { coordinate, force, unit }) in self.0.iter().enumerate() {
             let (comma, space) = (if index == 0 { "" } else { ", " }, if unit.is_empty() { "" } else { " " });
-            // Twelve digits; what comes after them is rounding.
-            let force = format!("{force:.11e}").parse().unwrap_or(*force);
-            write!(f, "{comma}{coordinate}: {force}{space}{unit}")?;
+            write!(f, "{comma}{coordinate}: {}{space}{unit}", short(*force))?;
         }
         Ok(())
     }

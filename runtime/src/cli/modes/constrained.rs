@@ -10,18 +10,53 @@ use serde_json::json;
 use super::super::load::Loaded;
 use super::super::set_up::Reader;
 use super::super::{Problem, json};
-use super::drive::{Driven, Model};
+use super::drive::Driven;
+use super::model::Model;
 #[cfg(feature = "modal")]
 use super::tangent;
-use super::{failed, notes, pictures, report};
-use crate::linear::{Guess, LinearError, linearise_constrained};
+use super::{bodies, failed, notes, pictures, report};
+use crate::linear::{Guess, LinearError, linearise_constrained, short};
 #[cfg(feature = "modal")]
 use crate::linear::{linearise_driven, linearise_tangent};
+use crate::mechanism::Row;
 
 /// Options that need the equations in all coordinates.
 const OTHERS: [&str; 3] = ["motion", "vary", "locus"];
 /// Options that ask what a drive does.
 const DRIVES: [&str; 5] = ["drive", "omega", "bode", "response", "range"];
+
+/// The reaction of a row that is in force.
+pub struct Reaction {
+    /// `pin.x`.
+    pub row: String,
+    /// In SI; empty for a pure number and where it is not known.
+    unit: String,
+}
+
+impl Reaction {
+    /// `reaction(pin).x at rest = 3 N`.
+    pub fn told(&self, when: &str, value: f64) -> String {
+        let name = match self.row.rsplit_once('.') {
+            Some((constraint, axis)) => format!("reaction({constraint}).{axis}"),
+            None => format!("reaction({})", self.row),
+        };
+        let space = if self.unit.is_empty() { "" } else { " " };
+        format!("{name} {when} = {}{space}{}", short(value), self.unit)
+    }
+}
+
+/// The reactions of the rows in force.
+fn reactions(loaded: &Loaded, reader: &mut Reader) -> Result<Vec<Reaction>, Problem> {
+    let description = loaded.system.description();
+    let rows = loaded.system.active_rows().iter().map(|row| &description.rows[*row as usize]);
+    let reaction = |row: &Row| {
+        let constraint = row.name.rsplit_once('.').map_or(&*row.name, |(constraint, _)| constraint);
+        let unit = reader.model(loaded)?.unit_of(&format!("reaction({constraint})"));
+        let unit = unit.map(|unit| dalembert_symbolic::print::si_unit(&unit)).unwrap_or_default();
+        Ok(Reaction { row: row.name.to_string(), unit })
+    };
+    rows.map(reaction).collect()
+}
 
 /// Linearises at rest and prints the modes.
 pub fn run(
@@ -37,8 +72,7 @@ pub fn run(
         return Err(Problem::Usage(words));
     }
     let system = &*loaded.system;
-    let rows = system.active_rows().iter().map(|row| &system.description().rows[*row as usize]);
-    let names: Vec<String> = rows.map(|row| row.name.to_string()).collect();
+    let names = reactions(loaded, reader)?;
     if guess.v.iter().any(|v| *v != 0.0) {
         return by_departures(loaded, options, reader, guess, &names, out);
     }
@@ -49,24 +83,27 @@ pub fn run(
         }
         found => found.map_err(failed)?,
     };
-    let modes = found.in_all_coordinates(&found.linear.modes().map_err(failed)?);
+    let mut modes = found.linear.modes().map_err(failed)?;
+    bodies::name_free(loaded, &found.linear, Some(&found.motions), &mut modes)?;
+    let modes = found.in_all_coordinates(&modes);
     let model = Model::Held(&found);
     let driven = Driven::new(loaded, options, reader, model)?;
     for note in notes(&found.linear, &modes).into_iter().chain(driven.iter().flat_map(Driven::notes)) {
         eprintln!("warning: {note}");
     }
     pictures(loaded, options, &found.linear, &modes, out)?;
-    let reactions: Vec<(String, f64)> = names.into_iter().zip(found.multipliers.iter().copied()).collect();
     if options.get_flag("json") {
-        let reactions = reactions.into_iter().map(|(name, value)| (name, json::number(value)));
+        let reactions =
+            names.iter().zip(&found.multipliers).map(|(row, value)| (row.row.clone(), json::number(*value)));
         let mut more = vec![("shape_coordinates", json!(found.coordinates)), ("reactions", json::object(reactions))];
         more.extend(driven.iter().flat_map(Driven::as_json));
         json::write(&report::as_json(&loaded.name, &found.linear, &modes, more), out)?;
         return Ok(());
     }
-    report::table(&loaded.name, &found.linear, &modes, &[], out)?;
-    for (name, value) in reactions {
-        writeln!(out, "reaction({name}) at rest = {}", crate::linear::short(value))?;
+    let bodies = bodies::shares(loaded, &found.linear, &modes)?;
+    report::table(&loaded.name, &found.linear, &modes, &bodies, out)?;
+    for (row, value) in names.iter().zip(&found.multipliers) {
+        writeln!(out, "{}", row.told("at rest", *value))?;
     }
     driven.map_or(Ok(()), |driven| driven.table(model, out))
 }
@@ -77,7 +114,7 @@ fn by_departures(
     options: &ArgMatches,
     reader: &mut Reader,
     guess: &Guess,
-    names: &[String],
+    names: &[Reaction],
     out: &mut dyn Write,
 ) -> Result<(), Problem> {
     if let Some(option) = ["plot", "animate", "mode"].iter().find(|option| options.contains_id(option)) {
@@ -124,7 +161,7 @@ fn by_departures(
     _: &ArgMatches,
     _: &mut Reader,
     _: &Guess,
-    _: &[String],
+    _: &[Reaction],
     _: &mut dyn Write,
 ) -> Result<(), Problem> {
     Err(failed(LinearError::NeedsFeature { feature: "modal" }))

@@ -6,6 +6,7 @@ mod damping;
 mod drive;
 mod locus;
 mod matrices;
+mod model;
 mod motion;
 mod report;
 mod shaken;
@@ -26,8 +27,9 @@ use crate::show::{is_picture, is_png};
 use clap::ArgMatches;
 use dalembert_symbolic::model::Sets;
 use damping::Damping;
-use drive::{Driven, Model};
+use drive::Driven;
 use locus::Locus;
+use model::Model;
 use motion::Compared;
 
 /// Options that draw.
@@ -60,7 +62,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         if options.get_flag("here") { equilibrium_here(system, &guess) } else { equilibrium_near(system, &guess) };
     let linear = linearise(system, &found.map_err(failed)?).map_err(failed)?;
     let mut modes = linear.modes().map_err(failed)?;
-    bodies::name_free(&loaded, &linear, &mut modes)?;
+    bodies::name_free(&loaded, &linear, None, &mut modes)?;
     let driven = Driven::new(&loaded, options, &mut reader, Model::Free(&linear))?;
     let locus = Locus::new(&loaded, options, &mut reader, &linear.equilibrium)?;
     let damping = Damping::new(&linear, &modes);

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::super::Problem;
 use super::super::json::{number, object};
 use super::MOST_PRINTED;
-use crate::linear::{Kind, Linearised, Mode, short_beside};
+use crate::linear::{Equilibrium, Kind, Linearised, Mode, short_beside};
 
 /// With more coordinates that are all 0 it is enough to say so.
 const MANY: usize = 4;
@@ -72,7 +72,7 @@ pub fn table(
         1 => "1 iteration".to_owned(),
         n => format!("{n} iterations"),
     };
-    writeln!(out, "  residual {:.1e}, {iterations}", at.largest_residual())?;
+    writeln!(out, "  {}, {iterations}", residual(at))?;
     match at.freedom.family {
         0 => {}
         1 => writeln!(out, "  one of a family of equilibria: 1 direction is free")?,
@@ -105,6 +105,14 @@ pub fn table(
         writeln!(out, "  (of the {rigid} rigid modes any combination is one)")?;
     }
     Ok(())
+}
+
+/// `residual 2.3e-16`, `residual 0`.
+pub fn residual(at: &Equilibrium) -> String {
+    match at.largest_residual() {
+        0.0 => "residual 0".to_owned(),
+        left => format!("residual {left:.1e}"),
+    }
 }
 
 /// M, C and K; C in its two parts, and what K has without a potential.

@@ -9,17 +9,18 @@ use serde_json::{Value, json};
 
 use super::super::Problem;
 use super::super::json::{number, object};
+use super::constrained::Reaction;
 use crate::linear::{Stability, Tangent, short, short_beside};
 
 /// A real part below this part of its eigenvalue.
 const ROUNDING: f64 = 1e-13;
 
 /// What becomes of departures, for people.
-pub fn table(name: &str, found: &Tangent, reactions: &[String], out: &mut dyn Write) -> Result<(), Problem> {
+pub fn table(name: &str, found: &Tangent, reactions: &[Reaction], out: &mut dyn Write) -> Result<(), Problem> {
     let at = &found.equilibrium;
     let steady = if at.v.iter().any(|v| *v != 0.0) { "steady motion" } else { "equilibrium" };
     writeln!(out, "{name}: {steady} at {at}")?;
-    writeln!(out, "  residual {:.1e}", at.largest_residual())?;
+    writeln!(out, "  {}", super::report::residual(at))?;
     let (free, analysis) = (found.matrix.nrows(), &found.analysis);
     writeln!(out, "departures that the constraints allow: {free}")?;
     match (analysis.zeros, analysis.neutral.len()) {
@@ -36,8 +37,8 @@ pub fn table(name: &str, found: &Tangent, reactions: &[String], out: &mut dyn Wr
         writeln!(out, "     {}", departures(found, &shape).join(", "))?;
     }
     writeln!(out, "stability: {}", verdict(analysis.stability))?;
-    for (name, value) in reactions.iter().zip(&found.multipliers) {
-        writeln!(out, "reaction({name}) there = {}", short(*value))?;
+    for (row, value) in reactions.iter().zip(&found.multipliers) {
+        writeln!(out, "{}", row.told("there", *value))?;
     }
     Ok(())
 }
@@ -95,7 +96,7 @@ fn departures(found: &Tangent, shape: &[Complex<f64>]) -> Vec<String> {
 pub fn as_json(
     name: &str,
     found: &Tangent,
-    reactions: &[String],
+    reactions: &[Reaction],
     more: impl Iterator<Item = (&'static str, Value)>,
 ) -> Value {
     let at = &found.equilibrium;
@@ -106,7 +107,7 @@ pub fn as_json(
     let pair = |x: &Complex<f64>| Value::Array(vec![number(x.re), number(x.im)]);
     let shapes: Vec<Vec<Value>> = found.shapes().iter().map(|shape| shape.iter().map(pair).collect()).collect();
     let rows = found.matrix.row_iter().map(|row| row.iter().map(|x| number(*x)).collect::<Vec<_>>());
-    let reactions = reactions.iter().cloned().zip(found.multipliers.iter().map(|value| number(*value)));
+    let reactions = reactions.iter().zip(&found.multipliers).map(|(row, value)| (row.row.clone(), number(*value)));
     let entries = [
         ("model", json!(name)),
         ("equilibrium", named(&at.q)),

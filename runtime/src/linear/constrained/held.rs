@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::linear::equilibrium::force_unit;
 use crate::linear::{LinearError, Residual};
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{
@@ -237,14 +238,19 @@ impl<'a, S: System + ?Sized> Held<'a, S> {
     /// What is left of the forces.
     pub fn left(&self, state: &State) -> Vec<Residual> {
         let force = self.force(state);
-        let left = self.names().into_iter().zip(force.iter());
-        left.map(|(coordinate, force)| Residual { coordinate, force: *force, unit: String::new() }).collect()
+        let left = self.names().into_iter().zip(self.units()).zip(force.iter());
+        left.map(|((coordinate, unit), force)| Residual { coordinate, force: *force, unit: force_unit(&unit) })
+            .collect()
     }
 
     /// That a search ended here.
     pub fn nowhere(&self, state: &State, iterations: usize) -> LinearError {
         let point = self.names().into_iter().zip(state.q.iter().copied()).collect();
         LinearError::NoEquilibrium { iterations, point, residual: self.left(state) }
+    }
+
+    pub fn units(&self) -> Vec<String> {
+        self.system.description().coordinates.iter().map(|coordinate| coordinate.unit.to_string()).collect()
     }
 
     pub fn names(&self) -> Vec<String> {

@@ -206,14 +206,15 @@ impl<S: System + ?Sized> Held<'_, S> {
         }
         self.check_time(state)?;
         let whole = Whole::of(self, state)?;
-        let (description, names) = (self.system.description(), self.names());
+        let (units, names) = (self.units(), self.names());
         let [mass, damping, stiffness] = whole.matrices();
         let linear = Linearised {
             coordinates: whole.independent.iter().map(|i| names[*i].clone()).collect(),
-            units: whole.independent.iter().map(|i| description.coordinates[*i].unit.to_string()).collect(),
-            inputs: description.inputs.iter().map(ToString::to_string).collect(),
+            units: whole.independent.iter().map(|i| units[*i].clone()).collect(),
+            inputs: self.system.description().inputs.iter().map(ToString::to_string).collect(),
             equilibrium: Equilibrium {
                 coordinates: names.clone(),
+                units,
                 q: state.q.clone(),
                 v: state.v.clone(),
                 inputs: inputs.to_vec(),

@@ -224,6 +224,7 @@ impl<S: System + ?Sized> Held<'_, S> {
         let departures = DMatrix::from_fn(2 * n, basis.ncols(), |i, k| basis[(i, k)] * units[i]);
         let equilibrium = Equilibrium {
             coordinates: self.names(),
+            units: self.units(),
             q: state.q.clone(),
             v: state.v.clone(),
             inputs: Vec::new(),

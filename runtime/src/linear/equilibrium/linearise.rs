@@ -94,7 +94,7 @@ fn linearised_with<S: System + ?Sized>(
     }
     Ok(Linearised {
         coordinates: probe.names(),
-        units: system.description().coordinates.iter().map(|c| c.unit.to_string()).collect(),
+        units: probe.units(),
         inputs: system.description().inputs.iter().map(ToString::to_string).collect(),
         equilibrium: Equilibrium::at(probe, state),
         input: probe.input(&state.q),

@@ -46,6 +46,11 @@ impl Probe {
         self.system.borrow().description().coordinates.iter().map(|c| c.name.to_string()).collect()
     }
 
+    /// Units of the coordinates.
+    pub fn units(&self) -> Vec<String> {
+        self.system.borrow().description().coordinates.iter().map(|c| c.unit.to_string()).collect()
+    }
+
     /// (coordinate, force) of every coordinate.
     pub fn named(&self, values: &[f64]) -> Vec<(String, f64)> {
         self.names().into_iter().zip(values.iter().copied()).collect()
