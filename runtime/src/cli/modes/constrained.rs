@@ -18,11 +18,13 @@ use super::{bodies, failed, notes, pictures, report};
 use crate::linear::{Guess, LinearError, linearise_constrained, short};
 #[cfg(feature = "modal")]
 use crate::linear::{linearise_driven, linearise_tangent};
-use crate::mechanism::Row;
+use crate::mechanism::dense::mass_matrix;
+use crate::mechanism::{At, Row};
 
 /// Options that need the equations in all coordinates.
 const OTHERS: [&str; 3] = ["motion", "vary", "locus"];
 /// Options that ask what a drive does.
+#[cfg(feature = "modal")]
 const DRIVES: [&str; 5] = ["drive", "omega", "bode", "response", "range"];
 
 /// The reaction of a row that is in force.
@@ -101,7 +103,8 @@ pub fn run(
         return Ok(());
     }
     let bodies = bodies::shares(loaded, &found.linear, &modes)?;
-    report::table(&loaded.name, &found.linear, &modes, &bodies, out)?;
+    let masses = mass_matrix(system, At::place(0.0, &found.linear.equilibrium.q)).diagonal();
+    report::table(&loaded.name, (&found.linear, masses.as_slice()), &modes, &bodies, out)?;
     for (row, value) in names.iter().zip(&found.multipliers) {
         writeln!(out, "{}", row.told("at rest", *value))?;
     }

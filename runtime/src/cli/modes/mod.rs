@@ -81,7 +81,8 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         return Ok(());
     }
     let bodies = bodies::shares(&loaded, &linear, &modes)?;
-    report::table(&loaded.name, &linear, &modes, &bodies, out)?;
+    let masses = linear.m().diagonal();
+    report::table(&loaded.name, (&linear, masses.as_slice()), &modes, &bodies, out)?;
     if let Some(damping) = damping {
         damping.table(out)?;
     }
