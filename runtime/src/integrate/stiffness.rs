@@ -21,6 +21,15 @@ impl StiffnessDetector {
         0.25 * self.limit
     }
 
+    /// How long a step may be, s, within which the dense output is good too, after one of `h` with this h|λ|.
+    ///
+    /// A run to compare with takes such: where the motion settles, steps grow until stability limits them, and between their
+    /// ends they are off by some hundred times what they are at them.
+    pub fn between_ends(&self, h: f64, step_times_rate: f64) -> f64 {
+        let most = 2.0 * self.least();
+        if step_times_rate > most { h * most / step_times_rate } else { f64::INFINITY }
+    }
+
     /// Notes a step; true once fifteen were near the limit, with fewer than six others in a row between them.
     pub fn observe(&mut self, step_times_rate: f64) -> bool {
         if step_times_rate > self.limit {

@@ -400,6 +400,9 @@ impl March {
                         let proposal = self.control.accepted(h, error);
                         // A step cut short by a stop says nothing against the longer one before it.
                         self.h = if lands { proposal.max(self.h) } else { proposal };
+                        if self.unlike {
+                            self.h = self.h.min(self.stiffness.between_ends(h, self.step_times_rate));
+                        }
                         return Ok(step);
                     }
                     self.work.rejected += 1;

@@ -36,6 +36,33 @@ fn chaos_is_named_with_the_time_until_which_digits_hold() {
     assert_eq!(lost(&mut double_pendulum("0.5", "40")), None);
 }
 
+/// Where the motion settles steps grow until stability limits them, and are poor between their ends: who judges the digits
+/// keeps shorter ones.
+#[test]
+fn what_has_settled_keeps_the_digits_of_its_tolerance() {
+    for (start, tolerance) in [("-0.1", 1e-6), ("-1e-3", 1e-6), ("0", 1e-6), ("0", 1e-8), ("-3", 1e-10)] {
+        let mut case = file(&format!(
+            "name: Drag
+parameters: {{m: 1 kg, c: 0.5 kg/m, g: 9.81 m/s^2}}
+coordinates: {{y: m}}
+kinetic_energy: m*y'^2/2
+potential_energy: m*g*y
+generalized_forces: {{y: \"-c*y'*abs(y')\"}}
+scene: {{start: {{y: 0, y': {start}}}, until: 10, tolerance: {tolerance:e}}}"
+        ));
+        (case.settings.digits, case.settings.method) = (true, Method::Dop853);
+        let run = case.run();
+        case.settings.tolerance = 1e-13;
+        let exact = case.run().last();
+        for name in ["y", "y'"] {
+            let (promised, error) =
+                (*run.errors(name).unwrap().last().unwrap(), (run.last()[name] - exact[name]).abs());
+            assert!(error <= 3.0 * promised, "{start}, {tolerance:e}: {name} off by {error:e}, not {promised:e}");
+            assert!(promised < 300.0 * tolerance * exact[name].abs(), "{start}, {tolerance:e}: {name} {promised:e}");
+        }
+    }
+}
+
 #[test]
 fn a_start_that_only_rounding_moves_is_named() {
     let pendulum = |theta: &str| {

@@ -131,10 +131,20 @@ impl Coefficient {
 
     /// The term that all terms have in common, and what is left: with its first term positive, and of a single term 1.
     fn content(&self) -> (Coefficient, Coefficient) {
-        let Some((first, leading)) = self.0.iter().next() else { return (Coefficient::one(), self.clone()) };
+        let content = Coefficient::shared(std::iter::once(self));
+        let Some((common, number)) = content.0.iter().next() else { return (Coefficient::one(), self.clone()) };
+        let inverse: Factors = common.iter().map(|(id, n)| (*id, -n)).collect();
+        let rest = self.0.iter().map(|(factors, c)| (joined(factors, &inverse), c.times(number.recip()))).collect();
+        (content, Coefficient(rest))
+    }
+
+    /// The term that all terms of several have in common, with the sign of the first; 1 of none.
+    pub fn shared<'a>(coefficients: impl Iterator<Item = &'a Coefficient> + Clone) -> Coefficient {
+        let terms = coefficients.flat_map(|coefficient| &coefficient.0);
+        let Some((first, leading)) = terms.clone().next() else { return Coefficient::one() };
         let exponent = |factors: &Factors, id: Id| factors.iter().find(|f| f.0 == id).map_or(0, |f| f.1);
         let mut common: BTreeMap<Id, i32> = first.iter().copied().collect();
-        for factors in self.0.keys() {
+        for (factors, _) in terms.clone() {
             for (id, n) in &mut common {
                 *n = (*n).min(exponent(factors, *id));
             }
@@ -144,16 +154,13 @@ impl Coefficient {
             }
         }
         let size = leading.abs().to_f64();
-        let equal = self.0.values().all(|number| number.abs().to_f64() == size);
+        let equal = terms.clone().all(|(_, number)| number.abs().to_f64() == size);
         let number = match (equal, leading.to_f64() < 0.0) {
             (true, _) => *leading,
             (false, true) => Number::ONE.negated(),
             (false, false) => Number::ONE,
         };
-        let common: Factors = common.into_iter().filter(|f| f.1 != 0).collect();
-        let inverse: Factors = common.iter().map(|(id, n)| (*id, -n)).collect();
-        let rest = self.0.iter().map(|(factors, c)| (joined(factors, &inverse), c.times(number.recip()))).collect();
-        (Coefficient::zero().with(common, number), Coefficient(rest))
+        Coefficient::zero().with(common.into_iter().filter(|f| f.1 != 0).collect(), number)
     }
 
     /// As an expression.

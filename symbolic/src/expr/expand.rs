@@ -7,7 +7,7 @@
 //!
 //! What cancels stays as it is: arguments of functions, denominators and bases that are not linear (of √((x − a)² + …) the
 //! expanded square has lost its digits, and may be negative, where the distance is small), and differences of places and
-//! times in products, which are atoms there: (x − c)², (t − t₀)².
+//! times in products, which are atoms there, without what their terms share: (x − c)², (t − t₀)², m (L + R φ)².
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -39,30 +39,50 @@ const HIGHEST: u32 = 1 << 20;
 /// More terms than this in all polynomials together: stop looking.
 const TOTAL_LIMIT: usize = 60_000;
 
+/// What becomes of a sum of places and times that is multiplied by a single term.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Sums {
+    /// Each of its terms is: a spring's k (x − y) meets its neighbour's.
+    MultipliedOut,
+    /// It stays one factor: (L + R φ) (g sin φ + R φ'²).
+    Whole,
+}
+
 /// The expressions in the form above, or `None` where it grows too large.  `constant` is true of symbols
 /// that may stand in coefficients.
 pub fn expand(graph: &mut Graph, roots: &[Id], constant: impl Fn(Symbol) -> bool, angles: Angles) -> Option<Vec<Id>> {
-    let varying = graph.contains(|s| !constant(s));
-    let mut expansion = Expansion { known: HashMap::default(), angles };
-    let mut total = 0;
-    for id in graph.needed(roots.iter().copied()) {
-        let polynomial =
-            if varying[id.index()] { expansion.polynomial(graph, id)? } else { only(expansion.coefficient(graph, id)) };
-        total += polynomial.len();
-        if polynomial.len() > TERM_LIMIT || total > TOTAL_LIMIT {
-            return None;
-        }
-        expansion.known.insert(id, Rc::new(polynomial));
-    }
-    Some(roots.iter().map(|root| lowered(graph, &expansion.known[root])).collect())
+    let expansion = Expansion { known: HashMap::default(), angles, sums: Sums::MultipliedOut };
+    expansion.of(graph, roots, constant)
+}
+
+/// The same but that sums of places and times stay factors wherever they are.
+pub fn expand_around_sums(graph: &mut Graph, roots: &[Id], constant: impl Fn(Symbol) -> bool) -> Option<Vec<Id>> {
+    let expansion = Expansion { known: HashMap::default(), angles: Angles::Shorter, sums: Sums::Whole };
+    expansion.of(graph, roots, constant)
 }
 
 struct Expansion {
     known: HashMap<Id, Rc<Polynomial>>,
     angles: Angles,
+    sums: Sums,
 }
 
 impl Expansion {
+    fn of(mut self, graph: &mut Graph, roots: &[Id], constant: impl Fn(Symbol) -> bool) -> Option<Vec<Id>> {
+        let varying = graph.contains(|s| !constant(s));
+        let mut total = 0;
+        for id in graph.needed(roots.iter().copied()) {
+            let polynomial =
+                if varying[id.index()] { self.polynomial(graph, id)? } else { only(self.coefficient(graph, id)) };
+            total += polynomial.len();
+            if polynomial.len() > TERM_LIMIT || total > TOTAL_LIMIT {
+                return None;
+            }
+            self.known.insert(id, Rc::new(polynomial));
+        }
+        Some(roots.iter().map(|root| lowered(graph, &self.known[root])).collect())
+    }
+
     /// A node that does not change; its operands are known.
     fn coefficient(&self, graph: &mut Graph, id: Id) -> Coefficient {
         let of = |x: Id| self.known[&x].get(&Vec::new()).cloned().unwrap_or_else(Coefficient::zero);
@@ -106,7 +126,10 @@ impl Expansion {
             }
             Node::Binary(Binary::Mul, x, y) => {
                 let (p, q) = (self.known[&x].clone(), self.known[&y].clone());
-                let (p, q) = if p.len() > 1 && q.len() > 1 { (whole(graph, &p), whole(graph, &q)) } else { (p, q) };
+                let both = p.len() > 1 && q.len() > 1;
+                let stays = |p: &Polynomial| p.len() > 1 && (both || self.sums == Sums::Whole);
+                let p = if stays(&p) { whole(graph, &p) } else { p };
+                let q = if stays(&q) { whole(graph, &q) } else { q };
                 if p.len() * q.len() > 4 * TERM_LIMIT {
                     return None;
                 }
@@ -182,16 +205,19 @@ fn atom(graph: &Graph, id: Id) -> Polynomial {
     }
 }
 
-/// A factor with several terms: an atom if these are places and times, whose difference may vanish.
+/// A factor with several terms: if these are places and times, whose difference may vanish, what they share times an atom.
 fn whole(graph: &mut Graph, p: &Rc<Polynomial>) -> Rc<Polynomial> {
     let place = |graph: &Graph, atom: Id| {
         matches!(graph.node(atom), Node::Symbol(Symbol::Coordinate(_) | Symbol::Time | Symbol::Input(_, 0)))
     };
-    if p.keys().all(|monomial| monomial.iter().all(|(atom, _)| place(graph, *atom))) {
-        let sum = lowered(graph, p);
-        return Rc::new(atom(graph, sum));
+    if !p.keys().all(|monomial| monomial.iter().all(|(atom, _)| place(graph, *atom))) {
+        return p.clone();
     }
-    p.clone()
+    let content = Coefficient::shared(p.values());
+    let inverse = content.recip(graph);
+    let rest = p.iter().map(|(monomial, c)| (monomial.clone(), c.times(&inverse, graph))).collect();
+    let sum = lowered(graph, &rest);
+    Rc::new(atom(graph, sum).into_iter().map(|(monomial, c)| (monomial, c.times(&content, graph))).collect())
 }
 
 fn joined(a: &Monomial, b: &Monomial) -> Monomial {

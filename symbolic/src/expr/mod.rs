@@ -18,7 +18,7 @@ mod table;
 
 pub use differentiate::{Forward, gradients, jacobian, partial, reverse};
 pub use evaluate::Tape;
-pub use expand::{Angles, expand};
+pub use expand::{Angles, expand, expand_around_sums};
 pub use graph::{Binary, Graph, Id, NODE_LIMIT, Node, Unary};
 pub use measured::Measured;
 pub use products::{canonical_products, factors};

@@ -3,21 +3,28 @@
 use super::count::work;
 use super::gather::gather;
 use super::rounding::rounds_alike;
-use crate::expr::{Angles, Binary, Graph, Id, NODE_LIMIT, Node, Symbol, canonical_products, expand};
+use crate::expr::{
+    Angles, Binary, Graph, Id, NODE_LIMIT, Node, Symbol, canonical_products, expand, expand_around_sums,
+};
 use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
 
 /// A form has so many nodes for each of the derived one's at most, as a rule.
 const SPREAD: usize = 2;
 
-/// The roots expanded over the state and factored again, with sines and cosines of as few or of all differences of angles;
-/// forms that grow too large, or lose digits, are left out.
+/// The roots expanded over the state and factored again, with sines and cosines of as few or of all differences of angles,
+/// and with sums of places multiplied out or not; forms that grow too large, or lose digits, are left out.
 pub(super) fn expanded(graph: &mut Graph, roots: &[Id]) -> Vec<(&'static str, Vec<Id>)> {
     let mut forms: Vec<(&'static str, Vec<Id>)> = Vec::new();
     if is_large(graph, roots) {
         return forms;
     }
-    for (words, angles) in [("expanded", Angles::Shorter), ("expanded, angles joined", Angles::All)] {
-        let Some(form) = expand(graph, roots, is_parameter, angles) else { break };
+    for words in ["expanded", "expanded, angles joined", "expanded around sums"] {
+        let form = match words {
+            "expanded" => expand(graph, roots, is_parameter, Angles::Shorter),
+            "expanded, angles joined" => expand(graph, roots, is_parameter, Angles::All),
+            _ => expand_around_sums(graph, roots, is_parameter),
+        };
+        let Some(form) = form else { continue };
         let new = forms.iter().all(|(_, known)| *known != form);
         if new && (form == roots || rounds_alike(graph, roots, &form)) {
             forms.push((words, form));

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::formula::{Formulas, Latex, Notation, Text};
 use crate::derive::without_modes;
-use crate::expr::{Angles, Graph, Id, Node, Symbol, Unary, expand};
+use crate::expr::{Angles, Graph, Id, Node, Symbol, Unary, expand, expand_around_sums};
 use crate::lower::Program;
 use crate::model::Model;
 
@@ -29,7 +29,8 @@ enum Entry {
 }
 
 impl Reading {
-    /// M and h with angles joined, or as they are computed: whichever is shorter; constraints likewise.
+    /// M and h with angles joined, with sums of places as factors, or as they are computed: whichever is shortest; constraints
+    /// likewise.
     pub fn of(program: &Program) -> Reading {
         let mut graph = program.model.graph.clone();
         let rows = &program.constraints;
@@ -43,14 +44,17 @@ impl Reading {
         let (entries, roots): (Vec<Entry>, Vec<Id>) = entries.into_iter().unzip();
         let roots = without_modes(&mut graph, &roots, &program.switches);
         let joined: Vec<Id> = roots.iter().map(|root| joined(&mut graph, *root)).collect();
-        let [plain, joined] = [roots, joined].map(|roots| Formulas::new(&graph, &roots));
+        let factors: Vec<Id> = roots.iter().map(|root| with_sums(&mut graph, *root)).collect();
+        let forms = [joined, roots, factors].map(|roots| Formulas::new(&graph, &roots));
         let length = |formulas: &Formulas| {
             let text = Text { model: &program.model };
             let parts = formulas.parts.iter().map(|part| text.signed(false, part).len()).sum::<usize>();
             parts + formulas.roots.iter().map(|(sign, root)| text.signed(*sign, root).len()).sum::<usize>()
         };
-        let formulas = if length(&joined) <= length(&plain) { joined } else { plain };
-        Reading { formulas, entries }
+        let [first, others @ ..] = forms;
+        let shortest =
+            others.into_iter().fold(first, |best, form| if length(&form) < length(&best) { form } else { best });
+        Reading { formulas: shortest, entries }
     }
 
     /// One equation a line, in the model language; nothing is left out.
@@ -136,6 +140,14 @@ fn joined(graph: &mut Graph, root: Id) -> Id {
     if !graph.needed([root]).iter().any(turns) {
         return root;
     }
-    let form = expand(graph, &[root], |s| matches!(s, Symbol::Parameter(_)), Angles::All);
-    form.map_or(root, |form| form[0])
+    expand(graph, &[root], is_parameter, Angles::All).map_or(root, |form| form[0])
+}
+
+/// An expression with sums of places as its factors, unless it grows too large.
+fn with_sums(graph: &mut Graph, root: Id) -> Id {
+    expand_around_sums(graph, &[root], is_parameter).map_or(root, |form| form[0])
+}
+
+fn is_parameter(symbol: Symbol) -> bool {
+    matches!(symbol, Symbol::Parameter(_))
 }

@@ -3,6 +3,7 @@
 mod table;
 
 use dalembert_symbolic::interpret::{At, Interpreter};
+use dalembert_symbolic::print::Reading;
 
 #[test]
 fn counts_are_those_of_the_table() {
@@ -50,6 +51,34 @@ potential_energy: g*((m1/2 + m2)*L1*sin(q1) + m2*L2/2*sin(q1 + q2))
 "#;
     for text in [ARM, by_hand] {
         assert_eq!(table::counts(text, &[]).mass_and_bias, 22, "{text}");
+    }
+}
+
+/// A pendulum whose string winds up on a cylinder.
+const WOUND: &str = r#"
+name: Wound
+parameters: {m: 1 kg, L: 2 m, R: 0.2 m, g: 9.81 m/s^2}
+coordinates: {phi: rad}
+kinetic_energy: m*(L + R*phi)^2*phi'^2/2
+potential_energy: m*g*(R*sin(phi) - (L + R*phi)*cos(phi))
+"#;
+
+#[test]
+fn what_stays_a_length_is_a_factor_of_all_that_it_multiplies() {
+    let (_, head) = WOUND.split_once("name").unwrap();
+    let (head, _) = head.split_once("kinetic").unwrap();
+    let bodies = format!(
+        "name{head}bodies: {{bob: {{mass: m, position: [R*cos(phi) + (L + R*phi)*sin(phi), R*sin(phi) - (L + R*phi)*cos(phi)]}}}}\n\
+         gravity: [0, -g]\n"
+    );
+    for text in [WOUND, &bodies] {
+        let program = dalembert_symbolic::lower::compile(text, &[]).unwrap();
+        let equations = Reading::of(&program).text(&program.model);
+        for line in ["M[phi, phi] = m*(L + R*phi)^2", "h[phi] = (L + R*phi)*(m*g*sin(phi) + m*R*phi'^2)"] {
+            assert!(equations.contains(line), "{equations}");
+        }
+        // L + R φ, its square times m; φ'² m R, m g sin φ, their sum, the product.
+        assert_eq!(table::counts(text, &[]).mass_and_bias, 2 + 2 + 2 + 2 + 1 + 1, "{text}");
     }
 }
 

@@ -50,6 +50,8 @@ pub(super) struct Newton {
 
 /// Newton's corrections relative to the state below which they may be rounding.
 const NOISE: f64 = 1e-7;
+/// Newton's corrections relative to the state that no digit of it shows, nor of what rounding took from it.
+const NOTHING: f64 = f64::EPSILON * f64::EPSILON;
 const TINY: f64 = 1e-290;
 /// Without a tolerance: iterations at most.
 const MOST: u32 = 60;
@@ -181,8 +183,8 @@ impl Newton {
                 || match tolerance {
                     Some(_) if iteration == 1 => size <= 1e-3 * LEFT,
                     Some(_) => slow < 1.0 && size * slow / (1.0 - slow) <= LEFT,
-                    // Corrections that no longer fall are rounding.
-                    None => size >= before && before < NOISE,
+                    // Corrections that no longer fall are rounding; where accelerations vanish they fall for ever.
+                    None => (size >= before && before < NOISE) || size < NOTHING,
                 };
             if done {
                 if self.usual == 0 {

@@ -165,6 +165,23 @@ fn radau_steps_over_what_a_stiff_spring_does_not_do_a5() {
     assert!(6 * stiff.steps < stiff_explicit.steps, "{stiff:?}, {stiff_explicit:?}");
 }
 
+#[test]
+fn what_falls_at_its_terminal_speed_is_solved_though_accelerations_vanish() {
+    for (c, drag) in [(0.5, 1), (0.5, 2), (40.0, 1)] {
+        let mut toy = Toy::new(&["y"], (&[1.0], &[0.0]), 100.0, move |_, _, v, _, a| {
+            a[0] = -9.81 - c * v[0] * v[0].abs().powi(drag - 1);
+        });
+        toy.jacobian = std::sync::Arc::new(move |_, v, _, dq, dv| {
+            (dq[0], dv[0]) = (0.0, c * f64::from(drag) * v[0].abs().powi(drag - 1));
+        });
+        let terminal = -(9.81 / c).powf(1.0 / f64::from(drag));
+        for method in [Method::Gauss2, Method::Gauss4, Method::Gauss6] {
+            let last = run(toy.clone(), fixed(method, 0.01)).last();
+            assert!((last["y'"] / terminal - 1.0).abs() < 1e-14, "{method}, {c}, {drag}: {last:?}");
+        }
+    }
+}
+
 fn run_exact(toy: &Toy) -> [f64; 2] {
     let last = run(toy.clone(), |settings| settings.tolerance = 1e-12).last();
     [last["x"], last["y"]]
