@@ -371,6 +371,8 @@ fn free_motions_with_constraints_are_named() {
                 "reaction(rod) at rest = 0 N/m",
             ],
         );
+        let driven = table("driven", &text, &["--drive", "z", "--range", "1e-3..2e-3", "--response", "z,x1"]);
+        contains(&driven, &["  z: ", "  x1: 0 at all frequencies\n"]);
     }
 }
 

@@ -281,7 +281,11 @@ impl fmt::Display for Forces<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (index, Residual { coordinate, force, unit }) in self.0.iter().enumerate() {
             let (comma, space) = (if index == 0 { "" } else { ", " }, if unit.is_empty() { "" } else { " " });
-            write!(f, "{comma}{coordinate}: {}{space}{unit}", short(*force))?;
+            // Twelve digits; what comes after them is rounding.
+            let force: f64 = format!("{force:.11e}").parse().unwrap_or(*force);
+            let usual = force == 0.0 || (1e-4..1e7).contains(&force.abs());
+            let force = if usual { force.to_string() } else { format!("{force:e}") };
+            write!(f, "{comma}{coordinate}: {force}{space}{unit}")?;
         }
         Ok(())
     }

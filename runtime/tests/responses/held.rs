@@ -166,6 +166,9 @@ fn redundant_rods_share_a_load_in_any_way() {
     let apart = TWICE.replace("3*((x - base)", "3*((x - other)");
     let refused = run(&apart, &["--drive", "base", "--response", "x", "--range", "1..4"]).unwrap_err();
     assert!(refused.contains("depend on each other here, but not near by"), "{refused}");
+    // Forces drive it all the same, and it has its mode.
+    let found = run(&apart, &["--drive", "x", "--response", "x", "--range", "1..4"]).unwrap();
+    equals(&found, "x", 1e-13, |w| C::from(1.0 / (50.0 - 2.0 * w * w)));
     // Off the vertical the two rods' slopes contradict each other at once.
     let sideways = "name: A\nparameters: {k: 3 1}\ncoordinates: {x: 1, y: 1}\ninputs: {u: 0, v: 0}\n\
         kinetic_energy: (x'^2 + y'^2)/2\npotential_energy: k*(x^2 + y^2)/2\n\
@@ -197,6 +200,8 @@ fn a_wheel_on_a_belt_is_driven_by_the_belt() {
     let speed = text.replace("belt: 0 m", "belt: 0 m/s").replace("belt'", "belt");
     let refused = run(&speed, &["--drive", "belt", "--range", "0.1..1"]).unwrap_err();
     assert!(refused.contains("let the input be the place of what moves, and write its rate `belt'`"), "{refused}");
+    let found = run(&speed, &["--drive", "x", "--response", "x", "--range", "0.1..1.9"]).unwrap();
+    equals(&found, "x", 1e-13, |w| C::from(1.0 / (12.0 - 3.0 * w * w)));
 }
 
 /// Two directions that a gyroscope couples, one of them of a wheel that rolls: a couple on the wheel is 1/R of force.

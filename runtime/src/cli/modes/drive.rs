@@ -157,7 +157,9 @@ impl Driven {
                     .filter_map(|(omega, answer)| Some((*omega, answer.as_ref()?[index].norm())))
                     .max_by(|a, b| a.1.total_cmp(&b.1));
                 let Some((omega, size)) = peak else { continue };
-                if let Some(mode) = response.poles.iter().find(|mode| (omega - **mode).abs() < 1e-3 * omega) {
+                if size == 0.0 {
+                    writeln!(out, "  {name}: 0 at all frequencies")?;
+                } else if let Some(mode) = response.poles.iter().find(|mode| (omega - **mode).abs() < 1e-3 * omega) {
                     writeln!(out, "  {name}: without bound at {} rad/s", short(*mode))?;
                 } else {
                     let (size, unit, hertz) = (short(size), response.unit(index), short(omega / TAU));
@@ -315,19 +317,20 @@ fn drive(loaded: &Loaded, options: &ArgMatches, reader: &mut Reader, model: Mode
     let linear = model.linear();
     let mut given: Vec<String> = options.get_many::<String>("drive").into_iter().flatten().cloned().collect();
     if given.is_empty() {
-        let Some(input) = linear.inputs.first() else {
+        let Some(input) = loaded.system.description().inputs.first() else {
             let example = linear.equilibrium.coordinates.first().map_or("", String::as_str);
             return Err(Problem::Usage(format!(
                 "error: `{}` has no inputs; name a coordinate that a force acts on: --drive {example}",
                 loaded.name
             )));
         };
-        given.push(input.clone());
+        given.push(input.to_string());
     }
     let mut all = Shaken::default();
     let alone = given.len() == 1;
     for text in given {
         let (name, amplitude) = text.split_once('=').map_or((text.trim(), "1"), |(name, value)| (name.trim(), value));
+        model.can_move(name).map_err(failed)?;
         let Shaken { drive, label, per } = named(loaded, reader, linear, name)?;
         let size = reader.value(loaded, "drive", Sets::Any, amplitude)?;
         let times = if size == 1.0 { String::new() } else { format!("{} times ", short(size)) };

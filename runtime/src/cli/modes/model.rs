@@ -37,16 +37,24 @@ impl Model<'_> {
         }
     }
 
+    /// Refuses an input that constraints do not let move.
+    pub fn can_move(&self, name: &str) -> Result<(), LinearError> {
+        let Model::Held(constrained) = self else { return Ok(()) };
+        let found = constrained.immovable.iter().find(|(input, _)| input == name);
+        found.map_or(Ok(()), |(_, why)| Err(why.clone()))
+    }
+
     /// Whether a drive does anything.  Constraints can carry what moves nothing.
     pub fn feels(&self, loaded: &Loaded, drive: &Drive) -> Result<bool, LinearError> {
         if let Model::Held(constrained) = self {
-            let pattern = &loaded.system.description().input_pattern;
+            let description = loaded.system.description();
+            let pushes = |k: usize| {
+                let place = description.inputs.iter().position(|input| *input == constrained.linear.inputs[k]);
+                description.input_pattern.iter().any(|entry| Some(entry.1 as usize / 3) == place)
+            };
             let acts = |(source, amplitude): &(Source, f64)| match source {
                 Source::Force(_) => *amplitude != 0.0,
-                Source::Input(k) => {
-                    let pushes = pattern.iter().any(|place| place.1 as usize / 3 == *k);
-                    *amplitude != 0.0 && (pushes || constrained.carried.column(*k).amax() > 0.0)
-                }
+                Source::Input(k) => *amplitude != 0.0 && (pushes(*k) || constrained.carried.column(*k).amax() > 0.0),
             };
             return Ok(drive.parts.iter().any(acts));
         }

@@ -39,35 +39,70 @@ pub(super) struct Whole {
     pub carried: DMatrix<f64>,
     /// The coordinates that are independent.
     pub independent: Vec<usize>,
+    /// The inputs that can move.
+    pub moving: Vec<usize>,
+    /// All others, by name, and why they cannot.
+    pub immovable: Vec<(String, LinearError)>,
 }
 
 impl Whole {
     /// At a state of rest.
     ///
     /// # Errors
-    /// [`LinearError::MovedBySpeed`], [`LinearError::MovesContradict`].
+    /// [`LinearError::DependentHere`].
     pub fn of<S: System + ?Sized>(held: &Held<'_, S>, state: &State) -> Result<Whole, LinearError> {
         let [stiffness, damping] = force_slopes(held.system, state.at());
         let jacobian = held.jacobian(state);
         let Solutions { basis: motions, independent, .. } = Solutions::of(&jacobian, &[]);
-        let carried = held.carried(state, &jacobian)?;
-        let input = -input_matrix(held.system, state.at());
-        let whole =
-            Whole { mass: held.mass(state), damping, stiffness, input, jacobian, motions, carried, independent };
-        whole.check_shares(held, state)?;
+        let inputs = &held.system.description().inputs;
+        let mut whole = Whole {
+            mass: held.mass(state),
+            damping,
+            stiffness,
+            input: -input_matrix(held.system, state.at()),
+            jacobian,
+            motions,
+            carried: DMatrix::zeros(held.n, inputs.len()),
+            independent,
+            moving: Vec::new(),
+            immovable: Vec::new(),
+        };
+        let rates = constraint_rates_by_inputs(held.system, state.at(), &held.rows);
+        for (k, name) in inputs.iter().enumerate() {
+            match held.carried(&whole.jacobian, rates.as_ref(), k) {
+                Ok(column) => {
+                    whole.carried.set_column(k, &column);
+                    whole.moving.push(k);
+                }
+                Err(why) => whole.immovable.push((name.to_string(), why)),
+            }
+        }
+        if let Some((constraint, inputs)) = whole.undecided(held, state) {
+            let why = LinearError::DependentHere { constraint };
+            // Inputs alone may be what rows disagree about.
+            if inputs.is_empty() {
+                return Err(why);
+            }
+            whole.moving.retain(|k| !inputs.contains(k));
+            let description = held.system.description();
+            whole.immovable.extend(inputs.iter().map(|k| (description.inputs[*k].to_string(), why.clone())));
+        }
+        whole.carried = whole.carried.select_columns(&whole.moving);
+        whole.input = whole.input.select_columns(&triples(&whole.moving));
         Ok(whole)
     }
 
-    /// Refuses rows that depend on each other at this state only: how they share a load, which nothing tells, would make a
-    /// difference to small motions.
-    fn check_shares<S: System + ?Sized>(&self, held: &Held<'_, S>, state: &State) -> Result<(), LinearError> {
+    /// A row that depends on others at this state only: how they share a load, which nothing tells, makes a difference to small
+    /// motions; with the inputs for which it does, none where it does without.
+    fn undecided<S: System + ?Sized>(&self, held: &Held<'_, S>, state: &State) -> Option<(String, Vec<usize>)> {
         let size = state.lambda.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let size = if size > 0.0 { size } else { 1.0 };
         let Solutions { basis: shares, .. } = Solutions::of(&self.jacobian.transpose(), &[]);
         // Forces by independent coordinates and by inputs, and the sums of their terms.
+        let free = self.motions.ncols();
         let forces = |k: &DMatrix<f64>, b: &DMatrix<f64>, z: &DMatrix<f64>, p: &DMatrix<f64>| {
             let (by_places, by_inputs) = (k * z, k * p);
-            DMatrix::from_fn(z.nrows(), z.ncols() + p.ncols(), |i, j| match j.checked_sub(z.ncols()) {
+            DMatrix::from_fn(z.nrows(), free + p.ncols(), |i, j| match j.checked_sub(free) {
                 None => by_places[(i, j)],
                 Some(j) => b[(i, 3 * j)] - by_inputs[(i, j)],
             })
@@ -77,19 +112,27 @@ impl Whole {
             (z.transpose() * forces(k, b, z, p), z.abs().transpose() * forces(&k.abs(), &b.abs(), &z.abs(), &-p.abs()))
         };
         let (now, terms) = both(&self.stiffness, &self.input);
+        let mut found: Option<(String, Vec<usize>)> = None;
         for share in shares.column_iter() {
             let mut other = state.clone();
             held.rows.iter().zip(share.iter()).for_each(|(row, x)| other.lambda[*row] += size / share.amax() * x);
             let [stiffness, _] = force_slopes(held.system, other.at());
             let (then, terms_then) = both(&stiffness, &-input_matrix(held.system, other.at()));
-            let (change, terms) = (then - &now, &terms + terms_then);
-            if change.iter().zip(terms.iter()).any(|(change, terms)| change.abs() > MISSED * terms) {
-                let row = held.rows[share.iamax()];
-                let constraint = held.system.description().rows[row].name.to_string();
-                return Err(LinearError::DependentHere { constraint });
+            let (change, terms) = ((then - &now).abs(), (&terms + terms_then) * MISSED);
+            let differs = |j: usize| change.column(j).iter().zip(terms.column(j).iter()).any(|(x, most)| x > most);
+            let name = || held.system.description().rows[held.rows[share.iamax()]].name.to_string();
+            if (0..free).any(differs) {
+                return Some((name(), Vec::new()));
+            }
+            let inputs = (0..self.carried.ncols()).filter(|k| differs(free + k));
+            for k in inputs {
+                let (_, inputs) = found.get_or_insert_with(|| (name(), Vec::new()));
+                if !inputs.contains(&k) {
+                    inputs.push(k);
+                }
             }
         }
-        Ok(())
+        found
     }
 
     /// Zᵀ A Z, its symmetric part from that of A and its skew part from that of A, so that rounding makes nothing of one
@@ -129,35 +172,40 @@ impl Whole {
     }
 }
 
+/// The columns of u, u' and u'' of some inputs.
+fn triples(inputs: &[usize]) -> Vec<usize> {
+    inputs.iter().flat_map(|k| 3 * k..3 * k + 3).collect()
+}
+
 impl<S: System + ?Sized> Held<'_, S> {
-    /// P: how coordinates follow inputs where the independent ones rest.
-    fn carried(&self, state: &State, jacobian: &DMatrix<f64>) -> Result<DMatrix<f64>, LinearError> {
+    /// A column of P: how coordinates follow an input where the independent ones rest; `rates` are ∂c'/∂u and ∂c'/∂u'.
+    ///
+    /// # Errors
+    /// [`LinearError::MovedBySpeed`], [`LinearError::MovesContradict`], numbers that are not finite.
+    fn carried(
+        &self,
+        jacobian: &DMatrix<f64>,
+        rates: Option<&[DMatrix<f64>; 2]>,
+        k: usize,
+    ) -> Result<DVector<f64>, LinearError> {
+        let Some([by_value, by_rate]) = rates else { return Ok(DVector::zeros(self.n)) };
         let description = self.system.description();
-        let mut carried = DMatrix::zeros(self.n, description.inputs.len());
-        let Some([by_value, by_rate]) = constraint_rates_by_inputs(self.system, state.at(), &self.rows) else {
-            return Ok(carried);
-        };
-        let input = |k: usize| description.inputs[k].to_string();
-        let constraint = |k: usize| description.rows[self.rows[k]].name.to_string();
-        if let Some(k) = (0..by_rate.ncols()).find(|k| by_rate.column(*k).iter().any(|b| !b.is_finite())) {
-            return Err(LinearError::NonFinite { what: format!("how constraints move with `{}`", input(k)) });
+        let input = description.inputs[k].to_string();
+        let constraint = |row: usize| description.rows[self.rows[row]].name.to_string();
+        let moved = by_rate.column(k);
+        if moved.iter().chain(by_value.column(k).iter()).any(|b| !b.is_finite()) {
+            return Err(LinearError::NonFinite { what: format!("how constraints move with `{input}`") });
         }
-        for (k, column) in by_value.column_iter().enumerate() {
-            if let Some(row) = column.iter().position(|b| *b != 0.0) {
-                return Err(LinearError::MovedBySpeed { constraint: constraint(row), input: input(k) });
-            }
+        if let Some(row) = by_value.column(k).iter().position(|b| *b != 0.0) {
+            return Err(LinearError::MovedBySpeed { constraint: constraint(row), input });
         }
-        for (k, column) in by_rate.column_iter().enumerate().filter(|(_, column)| column.amax() > 0.0) {
-            let right: Vec<f64> = column.iter().map(|b| -b).collect();
-            let Solutions { particular, .. } = Solutions::of(jacobian, &right);
-            let (left, terms) = (jacobian * &particular + column, jacobian.abs() * particular.abs() + column.abs());
-            let missed = |row: &usize| !(left[*row].abs() <= MISSED * terms[*row]);
-            if let Some(row) = (0..left.len()).find(missed) {
-                return Err(LinearError::MovesContradict { constraint: constraint(row), input: input(k) });
-            }
-            carried.set_column(k, &particular);
+        let right: Vec<f64> = moved.iter().map(|b| -b).collect();
+        let Solutions { particular, .. } = Solutions::of(jacobian, &right);
+        let (left, terms) = (jacobian * &particular + moved, jacobian.abs() * particular.abs() + moved.abs());
+        match (0..left.len()).find(|row| left[*row].abs() > MISSED * terms[*row]) {
+            Some(row) => Err(LinearError::MovesContradict { constraint: constraint(row), input }),
+            None => Ok(particular),
         }
-        Ok(carried)
     }
 }
 
@@ -179,7 +227,8 @@ impl Constrained {
             let state = held.state(&at.q, &at.v);
             (Whole::of(&held, &state)?, state.lambda)
         };
-        let (seen, by_multipliers) = slopes_of(system.description(), &probe, &at.q, &lambda, names)?;
+        let (mut seen, by_multipliers) = slopes_of(system.description(), &probe, &at.q, &lambda, names)?;
+        seen.input = seen.input.select_columns(&triples(&whole.moving));
         whole.answers(seen, &by_multipliers.select_columns(&rows))
     }
 

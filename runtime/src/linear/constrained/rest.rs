@@ -19,7 +19,7 @@ use crate::mechanism::{At, System};
 /// M, C and K of a constrained mechanism in independent coordinates, and how all others follow.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Constrained {
-    /// The model in independent coordinates.
+    /// The model in independent coordinates, with the inputs that can move.
     pub linear: Linearised,
     /// Names of all coordinates.
     pub coordinates: Vec<String>,
@@ -30,6 +30,9 @@ pub struct Constrained {
     pub carried: DMatrix<f64>,
     /// The multipliers at rest, of the rows that are active.
     pub multipliers: Vec<f64>,
+    /// Inputs that cannot move by themselves, and why: constraints would contradict each other, or follow an input and not its
+    /// rate.
+    pub immovable: Vec<(String, LinearError)>,
 }
 
 /// Newton's method gives up after so many iterations.
@@ -48,7 +51,7 @@ const STILL: f64 = 1e-8;
 /// [`LinearError::NoEquilibrium`], [`LinearError::NotAnEquilibrium`], [`LinearError::DependsOnTime`];
 /// [`LinearError::VelocityConstraint`]: a constraint that contains speeds and has no known integral, or moves by itself, leaves
 /// no M, C and K in independent coordinates; [`LinearError::FrictionOfReactions`]: nor do forces made of reactions;
-/// [`LinearError::MovesContradict`] for inputs that cannot move; numbers that are not finite.
+/// [`LinearError::DependentHere`]; numbers that are not finite.
 pub fn linearise_constrained<S: System + ?Sized>(
     system: &S,
     guess: &Guess,
@@ -79,7 +82,7 @@ pub fn linearise_constrained<S: System + ?Sized>(
 /// Departures that such constraints let stand as they are have no part in its modes.
 ///
 /// # Errors
-/// As [`linearise_constrained`]; [`LinearError::MovedBySpeed`] where a constraint follows an input and not its rate.
+/// As [`linearise_constrained`].
 pub fn linearise_driven<S: System + ?Sized>(system: &S, guess: &Guess) -> Result<Constrained, LinearError> {
     let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
     on_its_sides(system, guess, |system, guess| {
@@ -211,7 +214,7 @@ impl<S: System + ?Sized> Held<'_, S> {
         let linear = Linearised {
             coordinates: whole.independent.iter().map(|i| names[*i].clone()).collect(),
             units: whole.independent.iter().map(|i| units[*i].clone()).collect(),
-            inputs: self.system.description().inputs.iter().map(ToString::to_string).collect(),
+            inputs: whole.moving.iter().map(|k| self.system.description().inputs[*k].to_string()).collect(),
             equilibrium: Equilibrium {
                 coordinates: names.clone(),
                 units,
@@ -231,7 +234,7 @@ impl<S: System + ?Sized> Held<'_, S> {
             forces: whole.forces(),
         };
         let multipliers = self.rows.iter().map(|row| state.lambda[*row]).collect();
-        let (Whole { motions, carried, .. }, there) = (whole, linear.equilibrium.guess());
-        Ok((Constrained { linear, coordinates: names, motions, carried, multipliers }, there))
+        let (Whole { motions, carried, immovable, .. }, there) = (whole, linear.equilibrium.guess());
+        Ok((Constrained { linear, coordinates: names, motions, carried, multipliers, immovable }, there))
     }
 }
