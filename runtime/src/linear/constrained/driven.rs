@@ -279,7 +279,7 @@ impl Whole {
             .ok_or(LinearError::NoConvergence { what: "the reactions of small motions" })?;
         let left = by_multipliers - by_multipliers * &inverse * &effects;
         for (row, name) in seen.names.iter().enumerate() {
-            if !(left.row(row).amax() <= ROUNDING * by_multipliers.row(row).amax()) {
+            if left.row(row).amax() > ROUNDING * by_multipliers.row(row).amax() {
                 return Err(LinearError::ReactionNotUnique { answer: name.clone() });
             }
         }

@@ -221,7 +221,7 @@ impl<'a, S: System + ?Sized> Held<'a, S> {
             let (slopes_then, jacobian_then) = all(&later);
             let changed = |now: &DMatrix<f64>, then: &DMatrix<f64>, i: usize| {
                 let size = now.row(i).amax().max(then.row(i).amax());
-                !((now.row(i) - then.row(i)).amax() <= SAME * size)
+                (now.row(i) - then.row(i)).amax() > SAME * size
             };
             let n = self.n;
             let differs =
