@@ -110,6 +110,9 @@ const NEAR: f64 = 0.3;
 const UNEXPLAINED: u32 = 6;
 /// From here on an inconsistent piece that stays away from zero is left alone.
 const AWAY: u32 = 8;
+/// The same where every extremum is wanted: slopes that are not the function's, as along a step of Euler's method, agree with
+/// its values nowhere near one.
+const FAR_AWAY: u32 = 12;
 /// A value larger than those beside it by this is at a pole.
 const POLE: f64 = 1e8;
 /// Pieces are not halved more often.
@@ -217,7 +220,8 @@ impl Certifier {
         let one_side = (a.value > 0.0) == (m.value > 0.0) && (m.value > 0.0) == (b.value > 0.0);
         let blind = ![a, m, b].iter().any(|sample| sample.slope.is_finite());
         let unexplained = blind || depth >= UNEXPLAINED && r > 4.0 * length * steepest;
-        if unexplained || depth >= AWAY && one_side && least > 4.0 * r && !self.extrema {
+        let away = if self.extrema { FAR_AWAY } else { AWAY };
+        if unexplained || depth >= away && one_side && least > 4.0 * r {
             self.points.extend([m, b]);
             return;
         }

@@ -164,6 +164,21 @@ fn too_fast_an_oscillation_is_said() {
     assert!(certifier.certify(&mut f, &grid).is_err());
 }
 
+/// Slopes that are a little off, as those of a step whose speeds are not the rates of its places: near an extremum no piece
+/// agrees with them, however short.
+#[test]
+fn slopes_that_are_not_the_functions_do_not_keep_it_from_ending() {
+    for off in [1e-2, 1e-4, 1e-7] {
+        let f = |x: f64| (18.0 + 1e-3 * (x - 0.4).powi(2), 2e-3 * (x - 0.4) + 1e-3 * off);
+        let ends = [0.0, 1.0].map(|x| Sample { x, value: f(x).0, slope: f(x).1 });
+        let mut certifier = Certifier::default();
+        certifier.extrema = true;
+        certifier.certify(&mut |x| f(x), &ends).unwrap();
+        assert!(certifier.samples < 2000 && certifier.marks.is_empty(), "{off}: {}", certifier.samples);
+        assert!(certifier.points().iter().any(|point| (point.x - 0.4).abs() < 0.02), "{off}");
+    }
+}
+
 /// −(sin((x − p)² − e)/w)²: at rest at p, between two tops at p ± √e as narrow as w.
 #[test]
 fn of_tops_beside_a_turning_point_none_is_lost() {

@@ -53,6 +53,7 @@ impl March {
                 recorder.accept(system, Some(&segment), shorter.next, end)?;
                 watch.record_before(system, &segment, recorder, &together)?;
                 let fired = watch.fire(system, &together, (shorter.next, end.y), recorder);
+                self.observe(system, shorter);
                 self.commit(shorter);
                 fired
             }
@@ -71,6 +72,19 @@ impl March {
             self.restart(system, recorder)?;
         }
         Ok(Halt::Arrived)
+    }
+
+    /// Lets constraints that a phase may bring know how large they are on the way to it: a flight in one step begins and ends
+    /// on the floor.
+    fn observe(&mut self, system: &dyn System, step: Step) {
+        let Some(mut projection) = self.projection.take() else { return };
+        let segment = self.segment(step);
+        let mut y = vec![0.0; segment.width];
+        for theta in [0.0, 0.5] {
+            segment.evaluate(theta, &mut y);
+            projection.observe(system, segment.t + theta * segment.h, &y);
+        }
+        self.projection = Some(projection);
     }
 
     /// Takes only a part of the way to a crossing; false where that is nothing.

@@ -91,10 +91,11 @@ impl Look<'_> {
                 }
             }
         }
-        // Two crossings with nothing but an error between them.
+        // Two crossings with nothing but an error between them; of one direction there is one of the other between.
         let crossings = self.crossings();
-        let between = crossings.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
-        between.into_iter().find(|t| self.is_zero_at(*t))
+        let mut pairs = crossings.windows(2);
+        let grazed = pairs.find(|pair| between(pair[0], pair[1]).all(|t| self.is_zero_at(t)));
+        grazed.map(|pair| 0.5 * (pair[0] + pair[1]))
     }
 
     fn is_zero_at(&self, t: f64) -> bool {
@@ -113,7 +114,7 @@ impl Look<'_> {
         let crossings = self.crossings();
         let mut times = self.run.times.clone();
         for pair in crossings.windows(2).take(MOST_LOOKS / LOOKS) {
-            times.extend((1..LOOKS).map(|k| pair[0] + (pair[1] - pair[0]) * k as f64 / LOOKS as f64));
+            times.extend(between(pair[0], pair[1]));
         }
         times.sort_by(f64::total_cmp);
         times.dedup();
@@ -130,4 +131,9 @@ impl Look<'_> {
         }
         0.5 * (from + until)
     }
+}
+
+/// Times between two others at which a function is looked at.
+fn between(from: f64, until: f64) -> impl Iterator<Item = f64> {
+    (1..LOOKS).map(move |k| from + (until - from) * k as f64 / LOOKS as f64)
 }

@@ -298,6 +298,24 @@ fn an_event_that_turns_back_nearer_to_zero_than_the_error_is_told() {
     }
 }
 
+/// Between two crossings of one direction there is one of the other.
+#[test]
+fn crossings_of_one_direction_do_not_graze() {
+    for direction in ["rising", "falling", "both"] {
+        let mut case = file(&format!(
+            "name: S
+coordinates: {{x: 1}}
+kinetic_energy: x'^2/2
+potential_energy: x^2/2
+events: {{zero: {{when: x, direction: {direction}, then: record}}}}
+scene: {{start: {{x: 1}}, until: 40, tolerance: 1e-6}}"
+        ));
+        (case.settings.digits, case.settings.method) = (true, Method::Dop853);
+        let run = case.run();
+        assert!(run.events.len() >= 6 && run.warnings.is_empty(), "{direction}: {:?}", run.warnings);
+    }
+}
+
 /// A block hangs at rest, held by a stiff spring, until it is pushed: rounding moves it to and fro through v = 0, where the drag
 /// v |v| has a corner, and nothing pushes back from both sides.
 #[test]

@@ -42,6 +42,19 @@ fn e2_a_ball_that_came_to_rest_does_not_fall_through_the_floor() {
     near(last["normal"], 9.81, 1e-12);
 }
 
+/// Flights that one step covers begin and end on the floor: that it is met there is judged by how high they were.
+#[test]
+fn e2_long_steps_come_to_rest_too() {
+    for method in [Method::Gauss2, Method::Gauss6, Method::Verlet, Method::KahanLi8, Method::Radau5] {
+        let mut case = Case::new("bouncing_ball");
+        (case.settings.method, case.settings.tolerance) = (method, 1e-6);
+        let last = case.run().last();
+        near(last["y"], 0.0, 1e-11);
+        near(last["x"], 0.9, 1e-10);
+        assert_eq!(last["y'"], 0.0, "{method}");
+    }
+}
+
 #[test]
 fn a_ball_without_restitution_stays_where_it_falls() {
     let run = Case::new("bouncing_ball").scene("plastic").run();
