@@ -110,9 +110,9 @@ const NEAR: f64 = 0.3;
 const UNEXPLAINED: u32 = 6;
 /// From here on an inconsistent piece that stays away from zero is left alone.
 const AWAY: u32 = 8;
-/// The same where every extremum is wanted: slopes that are not the function's, as along a step of Euler's method, agree with
-/// its values nowhere near one.
-const FAR_AWAY: u32 = 12;
+/// From here on a flat piece is left alone whose values agree but whose slopes do not: those of a step of order 1, whose speeds
+/// are not the rates of its places, agree with no extremum however short the piece.
+const FLAT: u32 = 4;
 /// A value larger than those beside it by this is at a pole.
 const POLE: f64 = 1e8;
 /// Pieces are not halved more often.
@@ -211,7 +211,8 @@ impl Certifier {
         let near = |off: f64, noise: f64| off.abs() <= CONSISTENT * r + noise;
         let least = a.value.abs().min(b.value.abs()).min(m.value.abs());
         let coarse = r > self.fine && least <= NEAR * r;
-        if !coarse && near(m.value - value, noise) && near(0.25 * length * (m.slope - slope), 4.0 * noise) {
+        let agrees = near(m.value - value, noise);
+        if !coarse && agrees && near(0.25 * length * (m.slope - slope), 4.0 * noise) {
             self.half(f, a, m, (r, noise));
             self.half(f, m, b, (r, noise));
             return;
@@ -220,8 +221,9 @@ impl Certifier {
         let one_side = (a.value > 0.0) == (m.value > 0.0) && (m.value > 0.0) == (b.value > 0.0);
         let blind = ![a, m, b].iter().any(|sample| sample.slope.is_finite());
         let unexplained = blind || depth >= UNEXPLAINED && r > 4.0 * length * steepest;
-        let away = if self.extrema { FAR_AWAY } else { AWAY };
-        if unexplained || depth >= away && one_side && least > 4.0 * r {
+        let far = one_side && least > 4.0 * r;
+        let flat = depth >= FLAT && agrees && length * steepest < 0.01 * least;
+        if unexplained || far && (flat || depth >= AWAY && !self.extrema) {
             self.points.extend([m, b]);
             return;
         }

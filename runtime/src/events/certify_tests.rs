@@ -174,8 +174,8 @@ fn slopes_that_are_not_the_functions_do_not_keep_it_from_ending() {
         let mut certifier = Certifier::default();
         certifier.extrema = true;
         certifier.certify(&mut |x| f(x), &ends).unwrap();
-        assert!(certifier.samples < 2000 && certifier.marks.is_empty(), "{off}: {}", certifier.samples);
-        assert!(certifier.points().iter().any(|point| (point.x - 0.4).abs() < 0.02), "{off}");
+        assert!(certifier.samples < 200 && certifier.marks.is_empty(), "{off}: {}", certifier.samples);
+        assert!(certifier.points().iter().any(|point| (point.x - 0.4).abs() < 0.05), "{off}");
     }
 }
 
