@@ -90,6 +90,21 @@ scene: {start: {x: 1, y: 2}, until: 1}
 "#
 );
 
+dalembert::model!(
+    yaml = r#"
+name: TwoFalls
+parameters: {m: 1 kg, g: 10 m/s^2, h: 3 m, d: 0 m}
+coordinates: {x: m, y: m}
+kinetic_energy: m*(x'^2 + y'^2)/2
+potential_energy: m*g*(x + y/3)
+events:
+  low: {when: y, direction: falling, then: stop}
+  middle: {when: x - h/2, direction: falling, then: record}
+  high: {when: x, direction: falling, then: stop}
+scene: {start: {x: h, y: h/3 + d}, until: 5, tolerance: 1e-9}
+"#
+);
+
 fn of(run: &Run, name: &str) -> f64 {
     run.last().get(name).unwrap_or_else(|| panic!("no {name}"))
 }
@@ -285,4 +300,22 @@ fn parts_have_scales_of_their_own() {
     // What rests stays.
     let rests = Sized::default().simulate().starting("y", 0.0).run().unwrap();
     assert_eq!((of(&rests, "y"), of(&rests, "y'")), (0.0, 0.0));
+}
+
+#[test]
+fn events_that_stop_two_parts_at_one_instant_are_both_recorded_in_the_files_order() {
+    let names = |run: &Run| run.events.iter().map(|event| event.name.clone()).collect::<Vec<_>>();
+    let apart = TwoFalls::default().simulate().run().expect("a run");
+    let together = TwoFalls::default().simulate().together().run().expect("a run");
+    assert!(apart.parts.len() == 2 && together.parts.is_empty());
+    for run in [&apart, &together] {
+        assert_eq!(names(run), ["middle", "low", "high"]);
+        assert_eq!(run.ended_by().map(|event| event.name.as_str()), Some("high"));
+        assert!((run.last().t - 0.6_f64.sqrt()).abs() < 1e-9, "{}", run.last().t);
+    }
+    // A micrometre higher it is later by d/v, and has not happened.
+    let later = TwoFalls { d: 1e-6, ..TwoFalls::default() };
+    for run in [later.simulate(), later.simulate().together()] {
+        assert_eq!(names(&run.run().expect("a run")), ["middle", "high"]);
+    }
 }

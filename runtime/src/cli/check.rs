@@ -11,7 +11,7 @@ use serde_json::Value;
 
 use super::json::{number, object, write};
 use super::load::{Loaded, ModelFile, folder};
-use super::{Entry, Problem, freedoms, symmetries};
+use super::{Entry, Problem, freedoms, routh, symmetries};
 use crate::mechanism::{At, Balances, Interpreted, System};
 
 /// Derives the model anew and prints the report.
@@ -47,6 +47,9 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     }
     write!(out, "{}", file::render(&loaded.path, &loaded.source, &program.model.warnings))?;
     structure(&program, out)?;
+    if options.get_flag("routh") {
+        write!(out, "{}", routh::lines(&program))?;
+    }
     if options.get_flag("symmetries") { symmetries::of_scenes(&loaded, &program, out) } else { Ok(()) }
 }
 

@@ -26,6 +26,7 @@ mod new;
 mod outputs;
 mod plotted;
 mod problem;
+mod routh;
 mod schema;
 mod set_up;
 mod show;

@@ -31,7 +31,7 @@ mod watch;
 pub use impulse::Impulse;
 pub(crate) use modes::OwnedSegment;
 #[cfg(feature = "interpret")]
-pub(crate) use modes::text as switch_text;
+pub(crate) use modes::{mode as switch_mode, text as switch_text};
 #[cfg(feature = "ensemble")]
 pub(crate) use monitor::{keeps_clear, ratio as calm_ratio};
 pub(crate) use scan::Crossing;

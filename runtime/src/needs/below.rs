@@ -18,7 +18,7 @@ use super::channel::Channel;
 use super::deviation::Motion;
 use super::explicit::Explicit;
 use super::full::Full;
-use super::prediction::{Law, MOST_COORDINATES, MOST_STEPS, Prediction, is_smooth, wanted};
+use super::prediction::{Law, MOST_COORDINATES, MOST_STEPS, Prediction, undisturbed, wanted};
 use crate::mechanism::dense::{force_slopes, mass_matrix};
 use crate::mechanism::{At, Method, Singular, SingularMass, System};
 use crate::run::Names;
@@ -32,7 +32,7 @@ const COMPARED: usize = 20;
 const ROUNDS: u32 = 4;
 
 /// The change that a coordinate makes which is held at a place, or follows the others where the forces on it vanish (`None`); `None` where
-/// it is not the stiffest, or there are events, discontinuities or constraints.
+/// it is not the stiffest, or there are constraints, or either motion meets a discontinuity or an event that is not only recorded.
 pub(super) fn predicted(
     full: &Full,
     (reduced, settings, motion): (&dyn System, &Settings, &Motion),
@@ -42,10 +42,10 @@ pub(super) fn predicted(
     let own = Names::of(reduced.description()).coordinates;
     let z = names.iter().position(|name| name == held)?;
     let others = own.iter().map(|name| names.iter().position(|known| known == name)).collect::<Option<Vec<usize>>>()?;
-    let suits = is_smooth(&*full.system) && is_smooth(reduced) && others.len() + 1 == names.len();
-    if !suits || names.len() > MOST_COORDINATES || motion.steps > MOST_STEPS {
+    if others.len() + 1 != names.len() || names.len() > MOST_COORDINATES || motion.steps > MOST_STEPS {
         return None;
     }
+    let (system, reduced) = (undisturbed(&*full.system, &full.motion)?, &*undisturbed(reduced, motion)?);
     let mut slow = reduced.boxed_clone();
     let every = (settings.until - settings.from) / (motion.times.len() - 1) as f64;
     let exact = Settings {
@@ -62,7 +62,7 @@ pub(super) fn predicted(
     if run.times().len() != motion.times.len() || !run.times().iter().zip(&motion.times).all(alike) {
         return None;
     }
-    let split = Split { system: full.system.boxed_clone(), z, others };
+    let split = Split { system, z, others };
     let mut states = Vec::with_capacity(run.times().len());
     for state in run.states() {
         let mut a = vec![0.0; own.len()];
@@ -304,7 +304,7 @@ impl Response {
                 let moved = [(&q, w), (&v, dw)].map(|(all, w)| {
                     all.iter().zip(&mode.shape).map(|(all, part)| all + w * part).collect::<Vec<f64>>()
                 });
-                let found = wanted(&*full.system, state.t, &moved.concat(), &columns);
+                let found = wanted(&*response.split.system, state.t, &moved.concat(), &columns);
                 for ((found, known), scale) in found.iter().zip(&motion.values).zip(&full.scales) {
                     let off = (found - known.get(row)?).abs() / scale;
                     if !off.is_finite() {

@@ -6,6 +6,7 @@ use dalembert_symbolic::file::edit::{keys, value};
 use super::deviation::spread;
 use super::edit::{Edit, entry, shown, unit_of, word};
 use super::full::{Full, MOST_COORDINATES};
+use super::linear::linear;
 use super::modal::{Modes, ladders};
 use super::rung::Proposal;
 use crate::mechanism::At;
@@ -26,7 +27,10 @@ pub(super) struct Candidate {
 
 /// All that is tried, in the file's order.
 pub(super) fn candidates(full: &Full) -> Vec<Candidate> {
-    [entries(full), masses(full), inputs(full), coordinates(full), families(full)].into_iter().flatten().collect()
+    [entries(full), masses(full), inputs(full), coordinates(full), families(full), linear(full)]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 /// Entries of sections, and what is one entry.
@@ -76,7 +80,8 @@ fn inputs(full: &Full) -> Vec<Candidate> {
         let (range, _) = spread(&signal);
         let mean = signal.iter().sum::<f64>() / signal.len() as f64;
         for value in [signal.first().copied().unwrap_or(0.0), mean].into_iter().filter(|_| range > 0.0) {
-            let at = plain(rounded(value, range));
+            let unit = full.program.model.clone().unit_of(name).unwrap_or_default();
+            let at = format!("{} {unit}", plain(rounded(value, range))).trim_end().to_owned();
             let edits = vec![Edit::Replace { path: entry("inputs", name), value: at.clone() }];
             found.push(Candidate { ingredient: format!("inputs.{name}"), proposal: Proposal::Held { at }, edits });
         }
@@ -140,7 +145,7 @@ fn timed(full: &Full, place: &str) -> bool {
 }
 
 /// A place to nine digits; 0 where it is that beside the range of its coordinate.
-fn rounded(value: f64, range: f64) -> f64 {
+pub(super) fn rounded(value: f64, range: f64) -> f64 {
     if value.abs() <= ROUNDING * range { 0.0 } else { format!("{value:.8e}").parse().unwrap_or(value) }
 }
 

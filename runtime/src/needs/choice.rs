@@ -187,7 +187,8 @@ fn held<'a>(members: &[&'a Rung]) -> Vec<&'a str> {
 fn speaks_of(full: &Full, rung: &Rung, coordinate: &str) -> bool {
     rung.edits.iter().any(|edit| match edit {
         Edit::Remove(path) => word(&source_of(full, path), coordinate).is_some(),
-        Edit::Replace { .. } | Edit::Hold { .. } | Edit::Slave { .. } | Edit::ByModes(_) => false,
+        Edit::Replace { .. } | Edit::Hold { .. } | Edit::Slave { .. } => false,
+        Edit::ByModes(_) | Edit::Parameter { .. } | Edit::Linear(_) => false,
     })
 }
 

@@ -3,7 +3,9 @@
 use dalembert_symbolic::diagnose::{Problem, Step};
 use dalembert_symbolic::file::edit::{keys, replaced, rewritten, source, value, with, with_at, without};
 use dalembert_symbolic::lower::Program;
+use dalembert_symbolic::print::LinearEnergies;
 
+use super::linear::by_energies;
 use super::modal::{Modes, by_modes};
 
 /// A change of a model file.
@@ -19,6 +21,26 @@ pub(super) enum Edit {
     Slave { coordinate: String, place: String, moves: bool },
     /// A family of coordinates becomes a definition by modes.
     ByModes(Modes),
+    /// A parameter more, if it is not there yet.
+    Parameter { name: String, value: String },
+    /// All equations of motion become those of these energies.
+    Linear(LinearEnergies),
+}
+
+impl Edit {
+    /// Whether a name stands in the formulas that it writes.
+    pub fn reads(&self, name: &str) -> bool {
+        let reads = |formula: &String| word(formula, name).is_some();
+        match self {
+            Edit::Replace { value, .. } | Edit::Hold { value, .. } => reads(value),
+            Edit::Slave { place, .. } => reads(place),
+            Edit::Linear(LinearEnergies { kinetic, potential, dissipation, forces }) => {
+                let energies = [Some(kinetic), potential.as_ref(), dissipation.as_ref()];
+                energies.into_iter().flatten().chain(forces.iter().map(|(_, force)| force)).any(reads)
+            }
+            Edit::Remove(_) | Edit::ByModes(_) | Edit::Parameter { .. } => false,
+        }
+    }
 }
 
 /// What goes with an ingredient, and why.
@@ -51,6 +73,9 @@ pub(super) fn edited(text: &str, edits: &[Edit]) -> Option<String> {
         Edit::Hold { coordinate, value } => hold(&text, coordinate, value),
         Edit::Slave { coordinate, place, moves } => slave(&text, coordinate, place, *moves),
         Edit::ByModes(modes) => by_modes(&text, modes),
+        Edit::Parameter { name, .. } if source(&text, &entry("parameters", name)).is_some() => Some(text),
+        Edit::Parameter { name, value } => with(&text, "parameters", "name", name, value),
+        Edit::Linear(energies) => by_energies(&text, energies),
     })
 }
 

@@ -7,6 +7,7 @@ use dalembert_symbolic::print::resting_place;
 
 use super::deviation::{Deviation, Motion, between, largest};
 use super::edit::with_sizes;
+use super::linear::resting;
 use super::{Need, Question, Unanswered};
 use crate::mechanism::{Interpreted, System};
 use crate::precision::{Verified, WorkUnits};
@@ -18,6 +19,7 @@ pub(super) struct Full {
     pub sizes: Vec<(String, i64)>,
     pub folder: Option<PathBuf>,
     pub scene: Option<String>,
+    pub program: Program,
     pub system: Box<dyn System>,
     /// Where each coordinate would rest, as formulas; none where there are constraints.
     pub places: Vec<Option<String>>,
@@ -35,6 +37,8 @@ pub(super) struct Full {
     pub known: f64,
     pub growth: f64,
     pub promised_until: Option<f64>,
+    /// Where it rests near its motion, if it does.
+    pub rest: Option<Vec<f64>>,
     /// What the scene takes at its own tolerance.
     pub operations: f64,
 }
@@ -65,7 +69,7 @@ impl Full {
         let program = compiled.map_err(|problems| Unanswered::Model { problems })?;
         let places = places(&program);
         let unfelt = unfelt(&program, &need.outputs);
-        let (system, settings) = set(program, source, scene.as_deref())?;
+        let (system, settings) = set(program.clone(), source, scene.as_deref())?;
         let everything = need.outputs.is_empty();
         let mut need = Need { outputs: columns(&*system, &need.outputs)?, ..need };
         let tolerance = (BELOW * need.within).min(TIGHT);
@@ -95,6 +99,7 @@ impl Full {
             sizes: sizes.clone(),
             folder: folder.clone(),
             scene: scene.clone(),
+            program,
             system,
             places,
             unfelt,
@@ -107,6 +112,7 @@ impl Full {
             known: 0.0,
             growth: 0.0,
             promised_until: None,
+            rest: None,
             operations: own.operations,
         };
         let known = between(&full.exact, &full.motion, full.measure());
@@ -117,6 +123,7 @@ impl Full {
             return Err(Unanswered::NotKnown { known: full.known, within: full.need.within });
         }
         full.grow();
+        full.rest = resting(&full);
         Ok(full)
     }
 

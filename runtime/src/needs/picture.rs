@@ -41,6 +41,7 @@ fn short(rung: &Rung) -> String {
         Proposal::LeftOut => name.to_owned(),
         Proposal::Held { .. } => format!("{name} held"),
         Proposal::Slaved { .. } => format!("{name} following"),
+        Proposal::Linear => format!("{name} linear"),
         Proposal::Modes { kept, .. } => format!("{} in {kept} modes", name.split('[').next().unwrap_or(name)),
     }
 }

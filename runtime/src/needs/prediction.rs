@@ -10,10 +10,12 @@
 
 use nalgebra::DVector;
 
+use super::deviation::Motion;
 use super::explicit::Explicit;
 use super::full::Full;
+use crate::events::switch_mode;
 use crate::mechanism::dense::{force_slopes, mass_matrix};
-use crate::mechanism::{At, Coordinate, Method, Singular, SingularMass, System};
+use crate::mechanism::{Action, At, Coordinate, Event, Method, Singular, SingularMass, System};
 use crate::run::{Names, evaluate_outputs};
 use crate::simulate::{Settings, simulate};
 
@@ -36,6 +38,13 @@ pub enum Law {
         /// What the second approximation adds, in parts of the first.
         second: f64,
     },
+    /// It is proportional to what is not linear about the place of rest, along the full motion.
+    Linear {
+        /// With which power of the amplitude the relative change grows: 2 where what is left out is of third order, 1 of second.
+        power: f64,
+        /// What the second approximation adds, in parts of the first.
+        second: f64,
+    },
     /// A stiff coordinate gives way as the force that would hold it over its stiffness, along the motion of the smaller model.
     Stiff {
         /// How many times faster it is than all else.
@@ -49,7 +58,7 @@ impl Prediction {
     /// Whether its law holds.
     pub fn holds(&self) -> bool {
         match self.law {
-            Law::Proportional { second } => second < SMALL,
+            Law::Proportional { second } | Law::Linear { second, .. } => second < SMALL,
             Law::Stiff { gap, vibration } => gap >= STIFF && vibration < VIBRATES * self.change,
         }
     }
@@ -70,20 +79,20 @@ pub(super) const MOST_COORDINATES: usize = 12;
 /// Motions of more steps are left alone.
 pub(super) const MOST_STEPS: u64 = 100_000;
 
-/// The change that a model without an ingredient makes to first order; `None` where it has other coordinates, constraints, events,
-/// discontinuities or anything that takes time apart.
-pub(super) fn predicted(full: &Full, without: &dyn System, settings: &Settings) -> Option<Prediction> {
+/// The change that a model without an ingredient makes to first order; `None` where it has other coordinates or
+/// constraints, or either motion meets a discontinuity or an event that is not only recorded.  One that is linear is so about a place of rest.
+pub(super) fn predicted(
+    full: &Full,
+    (without, settings, motion): (&dyn System, &Settings, &Motion),
+    about: Option<&[f64]>,
+) -> Option<Prediction> {
     let n = full.system.len();
     let names = |system: &dyn System| Names::of(system.description()).coordinates;
-    if n > MOST_COORDINATES
-        || full.motion.steps > MOST_STEPS
-        || !is_smooth(&*full.system)
-        || !is_smooth(without)
-        || names(&*full.system) != names(without)
-    {
+    if n > MOST_COORDINATES || full.motion.steps > MOST_STEPS || names(&*full.system) != names(without) {
         return None;
     }
-    let mut variation = variation(&*full.system, without);
+    let (whole, without) = (&*undisturbed(&*full.system, &full.motion)?, &*undisturbed(without, motion)?);
+    let mut variation = variation(whole, without);
     let both = |own: &[f64], other: &[f64]| -> Vec<f64> {
         let apart: Vec<f64> = own.iter().zip(other).map(|(own, other)| other - own).collect();
         [own, &apart, &apart].concat()
@@ -106,13 +115,19 @@ pub(super) fn predicted(full: &Full, without: &dyn System, settings: &Settings) 
         let all = Names::of(system.description()).columns();
         full.need.outputs.iter().map(|name| all.iter().position(|known| known == name)).collect()
     };
-    let (own, other) = (columns(&*full.system)?, columns(without)?);
+    let (own, other) = (columns(whole)?, columns(without)?);
     let (mut first, mut second) = (0.0_f64, 0.0_f64);
+    let mut defects = [0.0_f64; 2];
     for (row, state) in run.states().enumerate() {
         let part = |k: usize| [&state.q[k * n..][..n], &state.v[k * n..][..n]].concat();
         let [y, delta, z] = [0, 1, 2].map(part);
         let [moved, twice] = [delta, z].map(|by| y.iter().zip(by).map(|(y, by)| y + by).collect::<Vec<f64>>());
-        let before = wanted(&*full.system, state.t, &y, &own);
+        for (defect, part) in defects.iter_mut().zip([1.0, 0.5]).filter(|_| about.is_some()) {
+            let from = about.into_iter().flatten().copied().chain(std::iter::repeat(0.0));
+            let nearer: Vec<f64> = y.iter().zip(from).map(|(y, from)| from + part * (y - from)).collect();
+            *defect = defect.max(apart(whole, without, state.t, &nearer)?);
+        }
+        let before = wanted(whole, state.t, &y, &own);
         let [once, twice] = [moved, twice].map(|y| wanted(without, state.t, &y, &other));
         for (k, scale) in full.scales.iter().enumerate() {
             let reached =
@@ -125,14 +140,44 @@ pub(super) fn predicted(full: &Full, without: &dyn System, settings: &Settings) 
         }
     }
     let finite = first.is_finite() && second.is_finite();
-    let law = Law::Proportional { second: if first > 0.0 { second / first } else { 0.0 } };
-    finite.then_some(Prediction { change: first, law })
+    let second = if first > 0.0 { second / first } else { 0.0 };
+    // A law of degree k + 1 beyond its linear part is a relative change like the k-th power of the amplitude.
+    let law = match about {
+        Some(_) => Law::Linear { power: (defects[0] / defects[1]).log2() - 1.0, second },
+        None => Law::Proportional { second },
+    };
+    let known = !matches!(law, Law::Linear { power, .. } if !power.is_finite());
+    (finite && known).then_some(Prediction { change: first, law })
 }
 
-/// Whether nothing takes time apart.
-pub(super) fn is_smooth(system: &dyn System) -> bool {
+/// The size of what two models' accelerations differ by, √(DᵀMD).
+fn apart(full: &dyn System, without: &dyn System, t: f64, y: &[f64]) -> Option<f64> {
+    let (own, other) = (accelerations(full, t, y).ok()?, accelerations(without, t, y).ok()?);
+    let defect = DVector::from_iterator(own.len(), own.iter().zip(&other).map(|(own, other)| other - own));
+    let mass = mass_matrix(full, At::packed(t, y, full.len()));
+    Some((mass * &defect).dot(&defect).max(0.0).sqrt())
+}
+
+/// A system with its discontinuities on the sides on which a motion stays, where nothing takes time apart: `None` where there are
+/// constraints, where the motion meets a discontinuity, and where an event happens that is not only recorded.
+pub(super) fn undisturbed(system: &dyn System, motion: &Motion) -> Option<Box<dyn System>> {
     let description = system.description();
-    description.events.is_empty() && description.switches.is_empty() && description.rows.is_empty()
+    let happens = |name: &str| motion.events.iter().any(|(known, _)| known == name);
+    let acts = |event: &Event| event.actions.iter().any(|action| *action != Action::Record);
+    let cut = description.events.iter().any(|event| acts(event) && happens(&event.name));
+    if cut || !description.rows.is_empty() || description.phases.len() > 1 {
+        return None;
+    }
+    let mut system = system.boxed_clone();
+    let side = |values: &Vec<f64>| {
+        let side = values.first()?.signum();
+        values.iter().all(|value| value * side > 0.0).then_some(side)
+    };
+    let switches = motion.guards.iter().skip(description.events.len());
+    let sides = switches.map(|(_, values)| side(values)).collect::<Option<Vec<f64>>>()?;
+    let modes: Vec<f64> = sides.iter().enumerate().map(|(k, side)| switch_mode(&*system, k, *side)).collect();
+    system.set_modes(&modes);
+    Some(system)
 }
 
 /// What is wanted at a state.

@@ -173,7 +173,9 @@ fn row(rung: &Rung) -> [String; 7] {
         _ => rung.verdict.to_string(),
     };
     let found = match rung.predicted.filter(|predicted| !predicted.holds()) {
-        Some(Prediction { law: law @ Law::Stiff { .. }, .. }) => format!("{found}; no law: {law}"),
+        Some(Prediction { law: law @ (Law::Stiff { .. } | Law::Linear { .. }), .. }) => {
+            format!("{found}; no law: {law}")
+        }
         _ => found,
     };
     // Where its law does not hold nothing is predicted.
@@ -217,6 +219,11 @@ impl fmt::Display for Law {
             Law::Stiff { gap, vibration } if *vibration > LEAST => {
                 write!(f, "{} times faster than the rest, its vibration changes {}", times(*gap), part(*vibration))
             }
+            Law::Linear { power, second } => write!(
+                f,
+                "it grows with the amplitude to the power {power:.1}, and the second approximation adds {} of the first",
+                part(*second)
+            ),
             Law::Stiff { gap, .. } => write!(f, "{} times faster than the rest", times(*gap)),
         }
     }
@@ -232,6 +239,7 @@ impl fmt::Display for Proposal {
             Proposal::LeftOut => f.write_str("left out"),
             Proposal::Held { at } => write!(f, "held at {at}"),
             Proposal::Slaved { to } => write!(f, "following {to}"),
+            Proposal::Linear => f.write_str("linear"),
             Proposal::Modes { kept, of } => write!(f, "in {kept} of its {of} modes"),
         }
     }

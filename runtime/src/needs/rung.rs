@@ -1,5 +1,7 @@
 //! The file without an ingredient, and what is found of it.
 
+use dalembert_symbolic::diagnose::Step;
+use dalembert_symbolic::file::edit::source;
 use dalembert_symbolic::lower::compile_in;
 
 use super::Unanswered;
@@ -7,6 +9,7 @@ use super::candidate::Candidate;
 use super::deviation::{Deviation, Motion, between};
 use super::edit::{Edit, edited, without_vain_claims};
 use super::full::{Full, set};
+use super::linear::EQUATIONS;
 use super::prediction::Prediction;
 use super::{below, prediction};
 use crate::mechanism::System;
@@ -35,6 +38,8 @@ pub enum Proposal {
         /// Of how many.
         of: usize,
     },
+    /// It is linear about the place at which all rests: a law in what it is written in, all equations of motion in coordinates and speeds.
+    Linear,
 }
 
 /// What is found of a proposal.
@@ -115,7 +120,11 @@ pub(super) fn answer(full: &Full, edits: &[Edit]) -> Result<Answer, String> {
         full.need.outputs.iter().any(of)
     };
     let compile = |text: &str| compile_in(full.folder.as_deref(), text, &full.sizes);
-    let (text, program, gone) = without_vain_claims(text, is_wanted, compile)?;
+    let (text, program, mut gone) = without_vain_claims(text, is_wanted, compile)?;
+    let linear = edits.iter().any(|edit| matches!(edit, Edit::Linear(_)));
+    if linear && source(&full.source, &[Step::Key("balances".to_owned())]).is_some() {
+        gone.push(("balances".to_owned(), "no forces and masses are left for them, only energies".to_owned()));
+    }
     let (system, settings) = set(program, &text, full.scene.as_deref()).map_err(|e| said(&e))?;
     Ok(Answer { text, gone, system, settings })
 }
@@ -129,7 +138,8 @@ impl Rung {
     pub(super) fn excludes(&self, other: &Rung) -> bool {
         let stands_in = |one: &str, other: &str| one.strip_prefix(other).is_some_and(|rest| rest.starts_with('.'));
         let (one, other) = (&self.ingredient, &other.ingredient);
-        one == other || stands_in(one, other) || stands_in(other, one)
+        let everything = [one, other].into_iter().any(|ingredient| ingredient == EQUATIONS);
+        everything || one == other || stands_in(one, other) || stands_in(other, one)
     }
 }
 
@@ -181,7 +191,7 @@ fn held(rung: &Rung) -> Option<(&str, Option<f64>)> {
     match &rung.proposal {
         Proposal::Held { at } => Some((coordinate, at.split(' ').next()?.parse().ok())),
         Proposal::Slaved { .. } => Some((coordinate, None)),
-        Proposal::LeftOut | Proposal::Modes { .. } => None,
+        Proposal::LeftOut | Proposal::Modes { .. } | Proposal::Linear => None,
     }
 }
 
@@ -193,7 +203,10 @@ fn measure(full: &Full, rung: &mut Rung) -> Result<(), Verdict> {
     rung.saving = full.motion.operations / motion.operations;
     rung.predicted = match held(rung) {
         Some(held) => below::predicted(full, (&*answer.system, &answer.settings, &motion), held),
-        None => prediction::predicted(full, &*answer.system, &answer.settings),
+        None => {
+            let about = full.rest.as_deref().filter(|_| rung.proposal == Proposal::Linear);
+            prediction::predicted(full, (&*answer.system, &answer.settings, &motion), about)
+        }
     };
     let compared = between(&full.motion, &motion, full.measure());
     let (deviation, differences) = compared.map_err(|what| Verdict::HappensOtherwise { what })?;

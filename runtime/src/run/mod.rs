@@ -20,7 +20,7 @@ pub use digits::Digits;
 pub use failure::Failure;
 pub(crate) use frames::Scenery;
 pub use parts::RunPart;
-pub(crate) use parts::{PartRun, Together, put_together};
+pub(crate) use parts::{PartRun, Together, instant, put_together};
 #[cfg(feature = "ensemble")]
 pub(crate) use record::usual_drift;
 pub(crate) use record::{Plan, Recorder, evaluate_outputs};

@@ -46,6 +46,13 @@ pub(crate) struct Together {
     pub seconds: f64,
 }
 
+/// Within what time events of parts happen at one instant, s: 1e-11 of the run, as within a step of the whole.
+pub(crate) fn instant(from: f64, until: f64) -> f64 {
+    const PART: f64 = 1e-11;
+    // A step may end a rounding after the time to which it brings the clock.
+    PART * (until - from).abs() + 4.0 * f64::EPSILON * until.abs()
+}
+
 /// Puts the runs of all parts together, as far as the one that came least far.
 ///
 /// Where the others go farther their states at its end come from their dense output.  What the file says is conserved is looked at in
@@ -85,7 +92,7 @@ pub(crate) fn put_together(system: &dyn System, parts: Vec<PartRun>, how: &Toget
         }
     }
     let work = runs().fold(Work::default(), |sum, run| sum.plus(&run.work));
-    let (events, ended_by) = occurrences(system, &parts, (t, &mut recorder));
+    let (events, ended_by) = occurrences(system, &parts, (t, instant(from, how.until)), &mut recorder);
     let mut run = recorder.finish(system, t, Reached { y: &y, rate: &[], work: 0.0 }, work, how.seconds);
     (run.events, run.ended_by) = (events, ended_by);
     if let Some(monitor) = monitor {
@@ -137,30 +144,32 @@ fn beside(coordinates: &[usize], run: &Run, t: f64, y: &mut [f64]) -> Option<()>
     run.trajectory.evaluate(t, &mut own).then(|| scatter(coordinates, &own, y))
 }
 
-/// The events of all parts until t, in order, with the states of the whole, and the place of the one that ended it.
+/// The events of all parts until t, in order, with the states of the whole, and the place of the one that ended it; those at the
+/// instant at which the run ends are in the file's order.
 fn occurrences(
     system: &dyn System,
     parts: &[PartRun],
-    (until, recorder): (f64, &mut Recorder),
+    (until, instant): (f64, f64),
+    recorder: &mut Recorder,
 ) -> (Vec<Occurrence>, Option<usize>) {
     let mut found = Vec::new();
-    // A step may end a rounding after the time to which it brings the clock.
-    let until = until + 4.0 * f64::EPSILON * until.abs();
     for (k, PartRun { coordinates, events, run }) in parts.iter().enumerate() {
-        for (place, event) in run.events.iter().enumerate().filter(|(_, event)| event.state.t <= until) {
+        for (place, event) in run.events.iter().enumerate().filter(|(_, event)| event.state.t <= until + instant) {
+            let t = if event.state.t < until - instant { event.state.t } else { until };
             let mut y = vec![0.0; 2 * system.len()];
             scatter(coordinates, &[event.state.q.as_slice(), &event.state.v].concat(), &mut y);
             let others = parts.iter().enumerate().filter(|(other, _)| *other != k);
-            let reached = others.map(|(_, other)| beside(&other.coordinates, &other.run, event.state.t, &mut y));
+            let reached = others.map(|(_, other)| beside(&other.coordinates, &other.run, t, &mut y));
             if reached.collect::<Option<()>>().is_some() {
-                let state = recorder.state_with_outputs(system, event.state.t, &y);
+                let state = recorder.state_with_outputs(system, t, &y);
                 let ends = run.ended_by == Some(place);
                 found.push((Occurrence { name: event.name.clone(), event: events[event.event], state }, ends));
             }
         }
     }
-    found.sort_by(|(a, _), (b, _)| a.state.t.total_cmp(&b.state.t));
-    let ended_by = found.iter().position(|(_, ends)| *ends);
+    found.sort_by(|(a, _), (b, _)| a.state.t.total_cmp(&b.state.t).then(a.event.cmp(&b.event)));
+    // As of events within one step, the last of several that stop.
+    let ended_by = found.iter().rposition(|(_, ends)| *ends);
     (found.into_iter().map(|(event, _)| event).collect(), ended_by)
 }
 

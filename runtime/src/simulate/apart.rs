@@ -10,7 +10,7 @@ use crate::cause::Cause;
 use crate::error::Error;
 use crate::march::{Halt, March};
 use crate::mechanism::{Method, OfPart, System};
-use crate::run::{Failure, PartRun, Recorder, Run, Together, put_together};
+use crate::run::{Failure, PartRun, Recorder, Run, Together, instant, put_together};
 
 /// A part with its settings.
 pub(super) type Part = (OfPart, Settings);
@@ -44,6 +44,8 @@ struct Way {
     part: OfPart,
     march: March,
     recorder: Recorder,
+    /// Whether an event of it has ended the run.
+    stopped: bool,
 }
 
 /// Runs parts of a mechanism, and puts them together.
@@ -64,14 +66,15 @@ pub(super) fn simulate(
         if let (Err(cause), None) = (outcome, &ended) {
             ended = Some(recorder.explain(&part, *cause));
         }
-        ways.push(Way { part, march, recorder });
+        ways.push(Way { part, march, recorder, stopped: false });
     }
-    // Where an event of a part ends the run, the others come to.
-    let mut until = settings.until;
+    // Where an event of a part ends the run, the others come to, and to events of theirs at the same instant.
+    let (mut until, instant) = (settings.until, instant(settings.from, settings.until));
     while ended.is_none() {
         let steps: u64 = ways.iter().map(|way| way.march.work().steps).sum();
-        let least = ways.iter_mut().min_by(|a, b| a.march.time().total_cmp(&b.march.time()));
-        let Some(Way { part, march, recorder }) = least.filter(|way| way.march.time() < until) else { break };
+        let going = ways.iter_mut().filter(|way| !way.stopped);
+        let least = going.min_by(|a, b| a.march.time().total_cmp(&b.march.time()));
+        let Some(Way { part, march, recorder, stopped }) = least.filter(|way| way.march.time() < until) else { break };
         if steps >= settings.max_steps {
             ended = Some(Cause::TooManySteps { limit: settings.max_steps });
             break;
@@ -79,14 +82,17 @@ pub(super) fn simulate(
         let from = march.time();
         match march.one(part, until, recorder) {
             Err(cause) => ended = Some(recorder.explain(part, *cause)),
-            Ok(Halt::Event) => until = march.time(),
+            Ok(Halt::Event) => {
+                *stopped = true;
+                until = until.min(march.time() + instant);
+            }
             Ok(Halt::Arrived) => {}
         }
         if progress(from).is_break() {
             ended.get_or_insert(Cause::Interrupted);
         }
     }
-    let runs = ways.into_iter().map(|Way { part, march, recorder }| {
+    let runs = ways.into_iter().map(|Way { part, march, recorder, .. }| {
         let (coordinates, events) = (part.coordinates().to_vec(), part.events().to_vec());
         PartRun { coordinates, events, run: finish(&part, &march, recorder, clock) }
     });

@@ -75,14 +75,25 @@ pub fn with(text: &str, section: &str, behind: &str, key: &str, value: &str) -> 
     if flows(text, &root) {
         return None;
     }
-    let Some(node) = at(&root, &[Step::Key(section.to_owned())]) else {
-        let after = at(&root, &[Step::Key(behind.to_owned())]).map(|node| end(text, node));
-        let newline = |from: usize| text[from..].find('\n').map_or(text.len(), |newline| from + newline + 1);
-        let (before, rest) = text.split_at(after.map_or(text.len(), newline));
-        let gap = if before.is_empty() || before.ends_with('\n') { "" } else { "\n" };
-        return Some(format!("{before}{gap}{section}: {{{key}: {value}}}\n{rest}"));
-    };
-    entered(text, node, key, value)
+    match at(&root, &[Step::Key(section.to_owned())]) {
+        Some(node) => entered(text, node, key, value),
+        None => Some(lined(text, &root, behind, &format!("{section}: {{{key}: {value}}}"))),
+    }
+}
+
+/// The file with a section more that is one scalar, after `behind` or at the end.  `None` where the root is not written in lines.
+pub fn with_scalar(text: &str, behind: &str, section: &str, value: &str) -> Option<String> {
+    let root = outline(text).0?;
+    (!flows(text, &root)).then(|| lined(text, &root, behind, &format!("{section}: {value}")))
+}
+
+/// The file with a line more of its own, after a section or at the end.
+fn lined(text: &str, root: &Outline, behind: &str, line: &str) -> String {
+    let after = at(root, &[Step::Key(behind.to_owned())]).map(|node| end(text, node));
+    let newline = |from: usize| text[from..].find('\n').map_or(text.len(), |newline| from + newline + 1);
+    let (before, rest) = text.split_at(after.map_or(text.len(), newline));
+    let gap = if before.is_empty() || before.ends_with('\n') { "" } else { "\n" };
+    format!("{before}{gap}{line}\n{rest}")
 }
 
 /// The file with an entry more in the mapping at a path, first in it.  `None` where there is none, or none that has entries in lines.

@@ -11,6 +11,7 @@ mod magnitude;
 mod momentum;
 mod parts;
 mod rounding;
+mod routh;
 mod structure;
 mod symmetry;
 mod time;
@@ -29,6 +30,7 @@ pub use count::operations;
 pub use factor::Accelerations;
 pub use momentum::MomentumSystem;
 pub use parts::Part;
+pub use routh::{Ignored, NotReduced, Reduced, routh};
 pub use structure::Structure;
 pub use symmetry::{Symmetries, Symmetry, generators, symmetries};
 

@@ -5,9 +5,11 @@ use std::rc::Rc;
 
 use super::expression::bench::Bench;
 use super::expression::dimension::{Dimension, Measure};
+use super::expression::lower::Local;
 use super::expression::rules::Rules;
 use super::expression::value::Value;
 use super::resolved::Model;
+use super::section::springs::LENGTH;
 use crate::diagnose::catalogue::names;
 use crate::diagnose::{Place, Problem};
 use crate::expr::{Binary, Graph, Id, Node, Symbol, Tape, Unary};
@@ -40,15 +42,28 @@ impl Model {
     /// # Errors
     /// What is wrong with it; places are spans of `text`.
     pub fn expression(&mut self, text: &str) -> Result<Vec<Id>, Vec<Problem>> {
+        self.components(text, &[])
+    }
+
+    fn components(&mut self, text: &str, locals: &[(String, Local)]) -> Result<Vec<Id>, Vec<Problem>> {
         let text = read(text)?;
         let mut bench = self.bench();
-        let value = bench.value(&self.scope, &text, Rules::anything("an expression").numbers_fit(), &[]);
+        let value = bench.value(&self.scope, &text, Rules::anything("an expression").numbers_fit(), locals);
         self.take_back(bench)?;
         match value {
             Value::Scalar(x) => Ok(vec![x]),
             Value::Vector(v) => Ok(v),
             Value::Nothing | Value::Poison => Ok(vec![Id::ZERO]),
         }
+    }
+
+    /// The components of a law of a force or an energy, in which a spring's `length` may stand.
+    ///
+    /// # Errors
+    /// What is wrong with it; places are spans of `text`.
+    pub fn law(&mut self, text: &str) -> Result<Vec<Id>, Vec<Problem>> {
+        let length = Local::Symbol(LENGTH, self.scope.units.of(Dimension::LENGTH));
+        self.components(text, &[("length".to_owned(), length)])
     }
 
     /// The unit in SI of an expression that may stand in `outputs`; `None` where it is a pure number, not known, or wrong.

@@ -17,5 +17,6 @@ pub use resolved::{
     Family, GeneralizedForce, Input, Load, Model, Need, Output, Parameter, Part, Phase, Push, Reaction, Rotation,
     Sample, Scene, Shape, SharedEnd, Vector, Work,
 };
+pub(crate) use section::springs::LENGTH;
 pub(crate) use text::text_in;
 pub use text::{number_text, symbol_text, text};

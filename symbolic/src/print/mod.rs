@@ -6,6 +6,7 @@ mod description;
 mod documentation;
 mod formula;
 mod function;
+mod linear;
 mod mechanism;
 mod momentum;
 mod numpy;
@@ -21,6 +22,7 @@ mod words;
 
 pub use crate::model::{field_name, type_name};
 pub use description::{fnv1a, switch_text};
+pub use linear::{About, Degree, LinearEnergies, linear_energies, linear_law};
 pub use numpy::python;
 pub use reading::Reading;
 pub use resting::resting_place;

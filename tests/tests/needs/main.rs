@@ -1,6 +1,7 @@
 //! No more than a scene needs: what goes, what stays, and by which figures.
 
 mod adversaries;
+mod linear;
 mod masses;
 mod stiff;
 

@@ -95,3 +95,22 @@ fn the_table_says_where_the_law_breaks() {
     let needs = answered(Question::new(SPRING_PENDULUM).setting("k", "100 N/m").expect("a parameter"));
     assert!(needs.table().contains("; no law: 1.66 times faster than the rest\n"), "{}", needs.table());
 }
+
+#[test]
+fn a_bumper_that_is_not_met_and_an_event_that_is_recorded_leave_predictions_as_they_are() {
+    let crane = |bumper: &str| {
+        let buffer = format!("max(0, x - {bumper}*l0)");
+        let buffer =
+            format!("springs:\n  buffer: {{stretch: \"{buffer}\", stiffness: k, along: \"[1, 0]\", on: cart}}\n");
+        let file = CRANE.replace("springs:\n", &buffer);
+        let events = "events:\n  out: {when: th - 0.02, then: record}\n  far: {when: x - 5*l0, then: stop}\n";
+        answered(Question::new(format!("{file}{events}")))
+    };
+    let (plain, change) = held(&answered(Question::new(CRANE)), "coordinates.l");
+    let (beside, same) = held(&crane("3"), "coordinates.l");
+    assert!(beside.holds() && (beside.change / plain.change - 1.0).abs() < 0.01 && (same / change - 1.0).abs() < 0.01);
+    // Met, it has a say.
+    let met = crane("0.3");
+    let rungs = met.rungs.iter().filter(|rung| rung.ingredient == "coordinates.l");
+    assert!(rungs.into_iter().all(|rung| rung.predicted.is_none()), "{}", met.table());
+}

@@ -392,7 +392,7 @@ impl Resolver<'_> {
 }
 
 /// The bound variable `length`.
-const LENGTH: Symbol = Symbol::Dummy(u32::MAX);
+pub const LENGTH: Symbol = Symbol::Dummy(u32::MAX);
 
 /// A tension along a line of this length.
 fn along(graph: &mut crate::expr::Graph, tension: Id, line: &[Id], length: Id) -> Vec<Id> {
