@@ -293,8 +293,86 @@ fn people_get_a_table() {
     let mut out = Vec::new();
     dalembert::cli::run(&[], ["dalembert", "modes", &path], &mut out).unwrap();
     let text = String::from_utf8(out).unwrap();
-    for part in ["equilibrium at theta1 = 0, theta2 = 0", "K =", "1: oscillating, omega = 2.420", "carried by"] {
+    for part in ["equilibrium at theta1 = 0 rad, theta2 = 0 rad", "K =", "1: oscillating, omega = 2.420", "carried by"]
+    {
         assert!(text.contains(part), "{part} is not in\n{text}");
+    }
+}
+
+/// The table for a file's text.
+fn table(name: &str, text: &str, options: &[&str]) -> String {
+    let path = std::env::temp_dir().join(format!("dalembert-table-{}-{name}.yaml", std::process::id()));
+    std::fs::write(&path, text).unwrap();
+    let mut arguments = vec!["dalembert", "modes", path.to_str().unwrap()];
+    arguments.extend(options);
+    let mut out = Vec::new();
+    let found = dalembert::cli::run(&[], arguments, &mut out);
+    std::fs::remove_file(&path).unwrap();
+    found.map_err(|problem| panic!("{problem}")).unwrap();
+    String::from_utf8(out).unwrap()
+}
+
+/// A stiffness of 1e-3 N/m stands beside one of 1e12, an angle beside a place of 7e12 m, and a place of 1e-9 m beside an angle
+/// in the shape; what is rounding in its own row is 0.
+#[test]
+fn what_is_small_beside_other_units_is_printed() {
+    let of = |k: &str, y0: &str, e: &str| {
+        format!(
+            "name: A\nparameters: {{k1: 1e12 N/m, k2: {k}, y0: {y0}, c: 3 N*m, e: {e}, I: 1e-20 kg*m^2, m: 2 kg, a0: 0.3 rad}}\n\
+             coordinates: {{x: m, y: m, a: rad}}\nkinetic_energy: (m*(x'^2 + y'^2) + I*a'^2)/2\n\
+             potential_energy: (k1*x^2 + k2*(y - y0)^2 + c*(a - a0)^2)/2 + e*(y - y0)*(a - a0)\n"
+        )
+    };
+    let text = table("units", &of("1e-3 N/m", "7e12 m", "0 N"), &[]);
+    contains(&text, &["x = 0 m, y = 7e12 m, a = 0.3 rad", "  1e12      0  0\n     0  0.001  0\n     0      0  3\n"]);
+    // y goes with a by e/(m ω²) = 10/6e20, which is more than rounding of its own part of the energy; by less it is 0.
+    let text = table("shape", &of("1e3 N/m", "0 m", "10 N"), &[]);
+    contains(&text, &["x 0, y 1.66667e-10, a 1e10"]);
+    let text = table("rounding", &of("1e3 N/m", "0 m", "1e-3 N"), &[]);
+    contains(&text, &["x 0, y 0, a 1e10"]);
+}
+
+/// A hertz is a cycle a second where a frequency is wanted: m x'' + k x with k/m = 1 at 1 Hz, 1/(k − m 4π²).
+#[test]
+fn hertz_are_cycles() {
+    let size = |omega: &str| {
+        let found = run("vibration_isolation", &["--drive", "x", "--omega", omega]).unwrap();
+        let pair = numbers(&found["steady"]["amplitude"]["x"]);
+        (found["steady"]["omega"].as_f64().unwrap(), pair[0].hypot(pair[1]))
+    };
+    let tau = std::f64::consts::TAU;
+    assert_eq!((size("1 Hz"), size("60 rpm").0, size("2 rad/s").0), (size("2*pi"), tau, 2.0));
+    let found = run("vibration_isolation", &["--drive", "x", "--range", "1 Hz..2 Hz"]).unwrap();
+    let omegas = numbers(&found["response"]["omega"]);
+    close(&[omegas[0], *omegas.last().unwrap()], &[tau, 2.0 * tau]);
+}
+
+/// Two bodies on a rod that float: translations and a rotation, named as without constraints, and what the rod carries has
+/// its unit; at other scales too.
+#[test]
+fn free_motions_with_constraints_are_named() {
+    for (m, l) in [(2.0, 0.5), (2e-12, 5e-13), (2e12, 5e12)] {
+        let text = format!(
+            "name: A\nparameters: {{m: {m:e} kg, l: {l:e} m, k: 3 N/m}}\ncoordinates: {{x1: m, y1: m, x2: m, y2: m, z: m}}\n\
+             bodies: {{a: {{mass: m, position: \"[x1, y1]\"}}, b: {{mass: m, position: \"[x2, y2]\"}}}}\n\
+             kinetic_energy: m*z'^2/2\npotential_energy: k*z^2/2\nconstraints: {{rod: (x1 - x2)^2 + (y1 - y2)^2 - l^2}}\n\
+             scene: {{start: {{x1: 0, y1: 0, x2: l}}, until: 1}}\n"
+        );
+        let found = table("floating", &text, &[]);
+        contains(
+            &found,
+            &[
+                "1: rigid, no stiffness: translation along x",
+                "2: rigid, no stiffness: translation along y",
+                "3: rigid, no stiffness: rotation about the centre of mass",
+                "4: oscillating",
+                "bodies: a 50 %, b 50 %",
+                "in x1, y1, y2, z, which the constraints leave independent",
+                "reaction(rod) at rest = 0 N/m",
+            ],
+        );
+        let driven = table("driven", &text, &["--drive", "z", "--range", "1e-3..2e-3", "--response", "z,x1"]);
+        contains(&driven, &["  z: ", "  x1: 0 at all frequencies\n"]);
     }
 }
 

@@ -40,6 +40,31 @@ pub enum LinearError {
         /// The constraint.
         constraint: String,
     },
+    /// A constraint gives speeds that follow an input, not its rate: places follow the input's integral.
+    MovedBySpeed {
+        /// The constraint.
+        constraint: String,
+        /// The input.
+        input: String,
+    },
+    /// An input would move constraints that depend on each other in ways that contradict each other.
+    MovesContradict {
+        /// A constraint that is not met.
+        constraint: String,
+        /// The input.
+        input: String,
+    },
+    /// Constraints depend on each other here, but not beside this place, or not when inputs move: their slopes do not tell
+    /// what motions they allow.
+    DependentHere {
+        /// One of them.
+        constraint: String,
+    },
+    /// A reaction that is not unique: several constraints say the same, and share the load in any way.
+    ReactionNotUnique {
+        /// The output that contains it.
+        answer: String,
+    },
     /// Forces are made of reactions, as friction is: what the constraints carry is no part of M, C and K.
     FrictionOfReactions,
     /// Forces jump here, as dry friction does at rest: the equilibria are a whole set, and there is no linear model.
@@ -63,7 +88,7 @@ pub enum LinearError {
     },
     /// The equations change with time, beyond the inputs.
     DependsOnTime {
-        /// A coordinate whose equation changes.
+        /// A coordinate whose equation changes, or a constraint that does.
         coordinate: String,
     },
     /// M is not positive definite.
@@ -153,6 +178,26 @@ impl fmt::Display for LinearError {
                 "the constraint `{constraint}` contains speeds, without a known integral: there are no independent coordinates to \
                  write M, C and K in; where it can be integrated, write it without speeds"
             ),
+            LinearError::MovedBySpeed { constraint, input } => write!(
+                f,
+                "the constraint `{constraint}` gives speeds by `{input}`, so that places follow its integral, and there is no \
+                 rest to move about; let the input be the place of what moves, and write its rate `{input}'` in the constraint"
+            ),
+            LinearError::MovesContradict { constraint, input } => write!(
+                f,
+                "`{input}` cannot move: the constraint `{constraint}` and others, which depend on each other, want different \
+                 motions of it"
+            ),
+            LinearError::DependentHere { constraint } => write!(
+                f,
+                "`{constraint}` and other constraints depend on each other here, but not near by: their slopes do not tell what \
+                 small motions they allow; leave out those that are not needed, or move inputs of all of them together"
+            ),
+            LinearError::ReactionNotUnique { answer } => write!(
+                f,
+                "`{answer}` contains a reaction that is not unique: several constraints say the same and share the load in any \
+                 way; leave out those that are not needed, or ask for the sum that they carry"
+            ),
             LinearError::FrictionOfReactions => write!(
                 f,
                 "forces are made of reactions, which M, C and K in independent coordinates leave out; look at departures \
@@ -237,7 +282,9 @@ impl fmt::Display for Forces<'_> {
         for (index, Residual { coordinate, force, unit }) in self.0.iter().enumerate() {
             let (comma, space) = (if index == 0 { "" } else { ", " }, if unit.is_empty() { "" } else { " " });
             // Twelve digits; what comes after them is rounding.
-            let force = format!("{force:.11e}").parse().unwrap_or(*force);
+            let force: f64 = format!("{force:.11e}").parse().unwrap_or(*force);
+            let usual = force == 0.0 || (1e-4..1e7).contains(&force.abs());
+            let force = if usual { force.to_string() } else { format!("{force:e}") };
             write!(f, "{comma}{coordinate}: {force}{space}{unit}")?;
         }
         Ok(())

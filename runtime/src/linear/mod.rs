@@ -9,8 +9,9 @@
 //! 4. A branch of equilibria as a parameter changes, its folds and thresholds ([`follow`]): look in `branch/`.
 //! 5. Motions of the linear model: from given states, by the matrix exponential [`expm`], forced, steady, measured:
 //!    look in `forced/`.
-//! 6. With constraints: at rest in independent coordinates ([`linearise_constrained`]), otherwise on the states that
-//!    the constraints leave (`linearise_tangent`): look in `constrained/`.
+//! 6. With constraints: at rest in independent coordinates ([`linearise_constrained`]), with what drives and answers
+//!    ([`Constrained::observe`]), otherwise on the states that the constraints leave (`linearise_tangent`): look in
+//!    `constrained/`.
 //! 7. Decompositions, scaling and ranks: look in `matrices/`.
 //!
 //! Matrices stay sparse until an eigenproblem or a factorization needs them dense, on the heap.
@@ -36,7 +37,7 @@ mod typed;
 pub use crate::error::{LinearError, Residual};
 pub use crate::numbers::{short, short_beside};
 pub use branch::{Branch, BranchPoint, Change, Threshold, ThresholdKind, follow};
-pub use constrained::{Constrained, linearise_constrained};
+pub use constrained::{Constrained, linearise_constrained, linearise_driven};
 #[cfg(feature = "modal")]
 pub use constrained::{Tangent, linearise_tangent};
 #[cfg(feature = "cli")]

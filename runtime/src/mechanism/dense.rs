@@ -57,6 +57,27 @@ pub(crate) fn multiplier_effects<S: System + ?Sized>(system: &S, at: At<'_>, row
     constraint_matrix(system, at, rows).transpose() + friction.select_columns(rows)
 }
 
+/// ∂F/∂(u, u', u'').
+pub(crate) fn input_matrix<S: System + ?Sized>(system: &S, at: At<'_>) -> DMatrix<f64> {
+    let description = system.description();
+    let mut values = vec![0.0; description.input_pattern.len()];
+    system.input_jacobian(at, &mut values);
+    scatter((system.len(), 3 * description.inputs.len()), &description.input_pattern, &values)
+}
+
+/// ∂c'/∂u and ∂c'/∂u' of these rows; `None` where they are not known.
+pub(crate) fn constraint_rates_by_inputs<S: System + ?Sized>(
+    system: &S,
+    at: At<'_>,
+    rows: &[usize],
+) -> Option<[DMatrix<f64>; 2]> {
+    let (count, inputs) = (system.description().rows.len(), system.description().inputs.len());
+    let mut columns = DMatrix::zeros(count, 2 * inputs);
+    let known = system.constraint_rates_by_inputs(at, columns.as_mut_slice());
+    let every_second = |first: usize| -> Vec<usize> { (0..inputs).map(|k| 2 * k + first).collect() };
+    known.then(|| [0, 1].map(|first| columns.select_columns(&every_second(first)).select_rows(rows)))
+}
+
 /// (c, c', Σ |terms| of c) of all rows.
 pub(crate) fn constraint_triples<S: System + ?Sized>(system: &S, at: At<'_>) -> Vec<[f64; 3]> {
     let mut triples = vec![0.0; 3 * system.description().rows.len()];

@@ -181,6 +181,25 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
         M::constraint_tilt(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), values);
     }
 
+    fn constraint_rates_by_inputs(&self, at: At<'_>, columns: &mut [f64]) -> bool {
+        let zero = Dual::constant(0.0);
+        let mut c = M::Constants::<Dual>::filled(zero);
+        still(self.constants.as_ref(), c.as_mut());
+        let (mut u, mut q, mut v) = (M::Inputs::<Dual>::filled(zero), [zero; N], [zero; N]);
+        still(self.input_block(at.t).as_ref(), u.as_mut());
+        still(at.q, &mut q);
+        still(at.v, &mut v);
+        let mut triples = vec![zero; 3 * C];
+        for (k, column) in columns.chunks_exact_mut(C.max(1)).enumerate() {
+            let place = 3 * (k / 2) + k % 2;
+            u.as_mut()[place].slope = 1.0;
+            M::constraints(&c, Dual::constant(at.t), u.as_ref(), &q, &v, &mut triples);
+            u.as_mut()[place].slope = 0.0;
+            column.iter_mut().zip(triples.chunks_exact(3)).for_each(|(slope, triple)| *slope = triple[1].slope);
+        }
+        true
+    }
+
     fn held_rates(&self, at: At<'_>, values: &mut [f64]) {
         let (u, lambda) = (self.input_block(at.t), array_or_zero(at.lambda));
         let (q, v, a) = (array(at.q), array(at.v), array(at.a));

@@ -102,6 +102,12 @@ pub trait System: Send + Sync {
         let _ = (at, values);
     }
 
+    /// ∂c'/∂(u, u') of all rows: a column for each of u and u' of every input.  False where none are known.
+    fn constraint_rates_by_inputs(&self, at: At<'_>, columns: &mut [f64]) -> bool {
+        let _ = (at, columns);
+        false
+    }
+
     /// Total time derivatives of F and of J a + γ, with a and λ held: n numbers, then one for each row.
     fn held_rates(&self, at: At<'_>, values: &mut [f64]) {
         let _ = (at, values);

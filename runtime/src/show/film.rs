@@ -281,6 +281,20 @@ mod tests {
         assert!(still.to_png().len() < moving.to_png().len() / 2);
     }
 
+    /// Some 4 and 9 kB a frame; with every frame whole it would be 1.3 MB a frame before compression.
+    #[test]
+    fn a_pendulum_of_three_seconds_takes_a_fraction_of_a_megabyte() {
+        let frames = (0..=300).map(|i| f64::from(i) / 100.0).map(|t| {
+            let angle = (4.47 * t).cos();
+            let bob = [angle.sin(), -angle.cos()];
+            (t, [&[0.0, 0.0], &bob[..], &bob, &[0.05]].concat())
+        });
+        let pendulum = Animation::new("Pendulum", 2, vec![Shape::Line(2), Shape::Circle]).with_frames(frames);
+        assert_eq!(pendulum.pace().frames, 76);
+        let (gif, png) = (pendulum.to_gif().len(), pendulum.to_png().len());
+        assert!(gif < 400_000 && png < 800_000, "{gif} and {png} bytes");
+    }
+
     #[test]
     fn a_period_has_no_frame_twice() {
         let seen = Seen::of_gif(&Animation { repeat: true, ..circling() }.to_gif());

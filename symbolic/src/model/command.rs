@@ -1,5 +1,6 @@
 //! Expressions from the command line: in the names of a resolved model.
 
+use std::f64::consts::TAU;
 use std::rc::Rc;
 
 use super::expression::bench::Bench;
@@ -23,7 +24,7 @@ pub enum Sets {
     Any,
     /// A time.
     Time,
-    /// An angular frequency.
+    /// An angular frequency; in Hz, kHz and so on a number of cycles a second.
     Frequency,
     /// A pure number.
     Number,
@@ -98,7 +99,10 @@ impl Model {
         let value = bench.setting(&self.scope, &quantity, rules, &[]);
         self.take_back(bench)?;
         let undefined = || vec![names::undefined_value(Place::default(), text)];
-        value.and_then(|id| evaluate(&self.graph, id, parameters)).ok_or_else(undefined)
+        let value = value.and_then(|id| evaluate(&self.graph, id, parameters)).ok_or_else(undefined)?;
+        let in_hertz = |unit: &str| unit.ends_with("Hz") && unit.chars().all(char::is_alphabetic);
+        let cycles = sets == Sets::Frequency && quantity.unit.is_some_and(|(unit, _)| in_hertz(unit.trim()));
+        Ok(if cycles { TAU * value } else { value })
     }
 
     /// The value of a function of time and its first and second derivative, to take an input's place.

@@ -191,6 +191,15 @@ fn the_command_line() {
     );
     assert_eq!(value("3 m", Sets::Time).unwrap_err(), "`3 m` is a length (m), but a time is in s");
     assert_eq!(value("1 kg", Sets::Coordinate(3)), Ok(1.0));
+    // Where an angular frequency is wanted a hertz is a cycle a second, and nowhere else.
+    let tau = std::f64::consts::TAU;
+    let cases = [("2 Hz", 2.0 * tau), ("3 kHz", 3000.0 * tau), ("90 rpm", 1.5 * tau), ("2 rad/s", 2.0), ("2 1/s", 2.0)];
+    for (text, omega) in cases {
+        let found = value(text, Sets::Frequency).unwrap();
+        assert!((found - omega).abs() <= 1e-15 * omega, "{text}: {found}");
+    }
+    assert_eq!(value("2 Hz", Sets::Speed(2)), Ok(2.0));
+    assert_eq!(value("2 Hz", Sets::Any), Ok(2.0));
 }
 
 #[test]

@@ -16,7 +16,7 @@ const LEAST: f64 = 0.01;
 /// model with one body or none.
 pub fn shares(loaded: &Loaded, linear: &Linearised, modes: &[Mode]) -> Result<Vec<Vec<(String, f64)>>, Problem> {
     let mut model = loaded.model()?;
-    if model.bodies.len() < 2 || linear.len() > 10 * super::MOST_PRINTED {
+    if model.bodies.len() < 2 || linear.equilibrium.q.len() > 10 * super::MOST_PRINTED {
         return Ok(vec![Vec::new(); modes.len()]);
     }
     let parameters = loaded.system.parameters();
@@ -34,9 +34,16 @@ pub fn shares(loaded: &Loaded, linear: &Linearised, modes: &[Mode]) -> Result<Ve
     Ok(modes.iter().map(of_mode).collect())
 }
 
-/// Tells rigid motions of all bodies together from mechanisms, and names them.
-pub fn name_free(loaded: &Loaded, linear: &Linearised, modes: &mut [Mode]) -> Result<(), Problem> {
-    if linear.len() > 10 * super::MOST_PRINTED || modes.iter().all(|mode| mode.kind != Kind::Rigid) {
+/// Tells rigid motions of all bodies together from mechanisms, and names them; with constraints `motions` says how all
+/// coordinates follow those of the model.
+pub fn name_free(
+    loaded: &Loaded,
+    linear: &Linearised,
+    motions: Option<&DMatrix<f64>>,
+    modes: &mut [Mode],
+) -> Result<(), Problem> {
+    let n = linear.equilibrium.q.len();
+    if n > 10 * super::MOST_PRINTED || modes.iter().all(|mode| mode.kind != Kind::Rigid) {
         return Ok(());
     }
     let mut model = loaded.model()?;
@@ -49,13 +56,14 @@ pub fn name_free(loaded: &Loaded, linear: &Linearised, modes: &mut [Mode]) -> Re
         let (d, r) = (position.len(), turning.len());
         let tape = Tape::new(&model.graph, &[&[body.mass], &position[..], &velocity, &turning].concat());
         let still = evaluate(&tape, linear, &parameters, None);
-        let mut rows = DMatrix::zeros(d + r, linear.len());
-        for j in 0..linear.len() {
+        let mut rows = DMatrix::zeros(d + r, n);
+        for j in 0..n {
             let moving = evaluate(&tape, linear, &parameters, Some(j));
             for i in 0..d + r {
                 rows[(i, j)] = moving[1 + d + i] - still[1 + d + i];
             }
         }
+        let rows = motions.map_or(rows.clone(), |motions| rows * motions);
         parts.push(Part {
             mass: still[0],
             position: still[1..=d].to_vec(),

@@ -8,65 +8,164 @@ use clap::parser::ValueSource;
 use serde_json::json;
 
 use super::super::load::Loaded;
+use super::super::set_up::Reader;
 use super::super::{Problem, json};
-use super::{failed, pictures, report};
-use crate::linear::{Guess, LinearError, linearise_constrained};
+use super::drive::Driven;
+use super::model::Model;
+#[cfg(feature = "modal")]
+use super::tangent;
+use super::{bodies, failed, notes, pictures, report};
+use crate::linear::{Guess, LinearError, linearise_constrained, short};
+#[cfg(feature = "modal")]
+use crate::linear::{linearise_driven, linearise_tangent};
+use crate::mechanism::dense::mass_matrix;
+use crate::mechanism::{At, Row};
 
 /// Options that need the equations in all coordinates.
-const OTHERS: [&str; 8] = ["motion", "drive", "omega", "bode", "response", "range", "vary", "locus"];
+const OTHERS: [&str; 3] = ["motion", "vary", "locus"];
+/// Options that ask what a drive does.
+#[cfg(feature = "modal")]
+const DRIVES: [&str; 5] = ["drive", "omega", "bode", "response", "range"];
+
+/// The reaction of a row that is in force.
+pub struct Reaction {
+    /// `pin.x`.
+    pub row: String,
+    /// In SI; empty for a pure number and where it is not known.
+    unit: String,
+}
+
+impl Reaction {
+    /// `reaction(pin).x at rest = 3 N`.
+    pub fn told(&self, when: &str, value: f64) -> String {
+        let name = match self.row.rsplit_once('.') {
+            Some((constraint, axis)) => format!("reaction({constraint}).{axis}"),
+            None => format!("reaction({})", self.row),
+        };
+        let space = if self.unit.is_empty() { "" } else { " " };
+        format!("{name} {when} = {}{space}{}", short(value), self.unit)
+    }
+}
+
+/// The reactions of the rows in force.
+fn reactions(loaded: &Loaded, reader: &mut Reader) -> Result<Vec<Reaction>, Problem> {
+    let description = loaded.system.description();
+    let rows = loaded.system.active_rows().iter().map(|row| &description.rows[*row as usize]);
+    let reaction = |row: &Row| {
+        let constraint = row.name.rsplit_once('.').map_or(&*row.name, |(constraint, _)| constraint);
+        let unit = reader.model(loaded)?.unit_of(&format!("reaction({constraint})"));
+        let unit = unit.map(|unit| dalembert_symbolic::print::si_unit(&unit)).unwrap_or_default();
+        Ok(Reaction { row: row.name.to_string(), unit })
+    };
+    rows.map(reaction).collect()
+}
 
 /// Linearises at rest and prints the modes.
-pub fn run(loaded: &Loaded, options: &ArgMatches, guess: &Guess, out: &mut dyn Write) -> Result<(), Problem> {
+pub fn run(
+    loaded: &Loaded,
+    options: &ArgMatches,
+    reader: &mut Reader,
+    guess: &Guess,
+    out: &mut dyn Write,
+) -> Result<(), Problem> {
     let given = |option: &&&str| options.value_source(option) == Some(ValueSource::CommandLine);
     if let Some(option) = OTHERS.iter().find(given) {
         let words = format!("error: --{option} is not there for a mechanism with constraints; use minimal coordinates");
         return Err(Problem::Usage(words));
     }
     let system = &*loaded.system;
-    let rows = system.active_rows().iter().map(|row| &system.description().rows[*row as usize]);
-    let names: Vec<String> = rows.map(|row| row.name.to_string()).collect();
+    let names = reactions(loaded, reader)?;
     if guess.v.iter().any(|v| *v != 0.0) {
-        return by_departures(loaded, options, guess, &names, out);
+        return by_departures(loaded, options, reader, guess, &names, out);
     }
     let found = match linearise_constrained(system, guess, options.get_flag("here")) {
         // Friction made of reactions belongs to no K: it follows what the constraints carry.
         Err(LinearError::VelocityConstraint { .. } | LinearError::FrictionOfReactions) => {
-            return by_departures(loaded, options, guess, &names, out);
+            return by_departures(loaded, options, reader, guess, &names, out);
         }
         found => found.map_err(failed)?,
     };
-    let modes = found.in_all_coordinates(&found.linear.modes().map_err(failed)?);
-    pictures(loaded, options, &found.linear, &modes)?;
-    let reactions: Vec<(String, f64)> = names.into_iter().zip(found.multipliers.iter().copied()).collect();
+    let mut modes = found.linear.modes().map_err(failed)?;
+    bodies::name_free(loaded, &found.linear, Some(&found.motions), &mut modes)?;
+    let modes = found.in_all_coordinates(&modes);
+    let model = Model::Held(&found);
+    let driven = Driven::new(loaded, options, reader, model)?;
+    for note in notes(&found.linear, &modes).into_iter().chain(driven.iter().flat_map(Driven::notes)) {
+        eprintln!("warning: {note}");
+    }
+    pictures(loaded, options, &found.linear, &modes, out)?;
     if options.get_flag("json") {
-        let reactions = reactions.into_iter().map(|(name, value)| (name, json::number(value)));
-        let more = vec![("shape_coordinates", json!(found.coordinates)), ("reactions", json::object(reactions))];
+        let reactions =
+            names.iter().zip(&found.multipliers).map(|(row, value)| (row.row.clone(), json::number(*value)));
+        let mut more = vec![("shape_coordinates", json!(found.coordinates)), ("reactions", json::object(reactions))];
+        more.extend(driven.iter().flat_map(Driven::as_json));
         json::write(&report::as_json(&loaded.name, &found.linear, &modes, more), out)?;
         return Ok(());
     }
-    report::table(&loaded.name, &found.linear, &modes, &[], out)?;
-    for (name, value) in reactions {
-        writeln!(out, "reaction({name}) at rest = {}", crate::linear::short(value))?;
+    let bodies = bodies::shares(loaded, &found.linear, &modes)?;
+    let masses = mass_matrix(system, At::place(0.0, &found.linear.equilibrium.q)).diagonal();
+    report::table(&loaded.name, (&found.linear, masses.as_slice()), &modes, &bodies, out)?;
+    for (row, value) in names.iter().zip(&found.multipliers) {
+        writeln!(out, "{}", row.told("at rest", *value))?;
     }
-    Ok(())
+    driven.map_or(Ok(()), |driven| driven.table(model, out))
 }
 
 #[cfg(feature = "modal")]
 fn by_departures(
     loaded: &Loaded,
     options: &ArgMatches,
+    reader: &mut Reader,
     guess: &Guess,
-    names: &[String],
+    names: &[Reaction],
     out: &mut dyn Write,
 ) -> Result<(), Problem> {
     if let Some(option) = ["plot", "animate", "mode"].iter().find(|option| options.contains_id(option)) {
         let words = format!("error: --{option} draws modes of oscillation; here there are eigenvalues only");
         return Err(Problem::Usage(words));
     }
-    super::tangent::run(loaded, (options.get_flag("here"), options.get_flag("json")), guess, names, out)
+    let system = &*loaded.system;
+    let found = linearise_tangent(system, guess, options.get_flag("here")).map_err(failed)?;
+    let asked = DRIVES.iter().find(|option| options.value_source(option) == Some(ValueSource::CommandLine));
+    let at = match asked {
+        None => None,
+        Some(option) if found.equilibrium.v.iter().any(|v| *v != 0.0) => {
+            let words = format!(
+                "error: --{option}: with constraints, what drives is there for motions about rest, and this one goes on steadily"
+            );
+            return Err(Problem::Usage(words));
+        }
+        Some(option) => match linearise_driven(system, &found.equilibrium.guess()) {
+            Err(LinearError::FrictionOfReactions) => {
+                let words = format!(
+                    "error: --{option} is not there where forces are made of reactions, as friction is: they follow what the constraints carry"
+                );
+                return Err(Problem::Usage(words));
+            }
+            found => Some(found.map_err(failed)?),
+        },
+    };
+    let model = at.as_ref().map(Model::Held);
+    let driven = model.map_or(Ok(None), |model| Driven::new(loaded, options, reader, model))?;
+    for note in driven.iter().flat_map(Driven::notes) {
+        eprintln!("warning: {note}");
+    }
+    if options.get_flag("json") {
+        let more = driven.iter().flat_map(Driven::as_json);
+        return Ok(json::write(&tangent::as_json(&loaded.name, &found, names, more), out)?);
+    }
+    tangent::table(&loaded.name, &found, names, out)?;
+    driven.zip(model).map_or(Ok(()), |(driven, model)| driven.table(model, out))
 }
 
 #[cfg(not(feature = "modal"))]
-fn by_departures(_: &Loaded, _: &ArgMatches, _: &Guess, _: &[String], _: &mut dyn Write) -> Result<(), Problem> {
-    Err(failed(crate::linear::LinearError::NeedsFeature { feature: "modal" }))
+fn by_departures(
+    _: &Loaded,
+    _: &ArgMatches,
+    _: &mut Reader,
+    _: &Guess,
+    _: &[Reaction],
+    _: &mut dyn Write,
+) -> Result<(), Problem> {
+    Err(failed(LinearError::NeedsFeature { feature: "modal" }))
 }

@@ -14,8 +14,9 @@ use super::super::plotted::listed;
 use super::super::set_up::Reader;
 use super::super::{Problem, outputs};
 use super::failed;
+use super::model::Model;
 use super::shaken::{Shaken, named};
-use crate::linear::{Linearised, Observed, Response, Steady, observe, short, short_beside};
+use crate::linear::{Linearised, Response, Steady, short, short_beside};
 
 /// Below this part of its static stiffness a coordinate by itself is near resonance.
 const NEAR_RESONANCE: f64 = 0.3;
@@ -24,6 +25,8 @@ const NEAR_RESONANCE: f64 = 0.3;
 pub struct Driven {
     /// What drives, in words: `push1`, or `1*C + 1*D`.
     label: String,
+    /// The file's coordinates, and their units.
+    axes: Axes,
     steady: Option<Steady>,
     response: Option<Response>,
 }
@@ -34,7 +37,7 @@ impl Driven {
         loaded: &Loaded,
         options: &ArgMatches,
         reader: &mut Reader,
-        linear: &Linearised,
+        model: Model<'_>,
     ) -> Result<Option<Driven>, Problem> {
         let option = |name: &str| options.get_one::<String>(name);
         let (omega, bode_file, range) = (option("omega"), option("bode"), option("range"));
@@ -46,26 +49,26 @@ impl Driven {
                 false => Ok(None),
             };
         }
-        let Shaken { drive, label, per } = drive(loaded, options, reader, linear)?;
-        let mut driven = Driven { label, steady: None, response: None };
+        let Shaken { drive, label, per } = drive(loaded, options, reader, model)?;
+        let coordinates = &loaded.system.description().coordinates;
+        let axes = coordinates.iter().map(|axis| (axis.name.to_string(), axis.unit.to_string())).collect();
+        let mut driven = Driven { label, axes, steady: None, response: None };
         if let Some(text) = omega {
             let omega = reader.value(loaded, "omega", Sets::Frequency, text)?;
             if omega < 0.0 {
                 return Err(Problem::Usage(format!("error: --omega is `{text}`; a frequency is 0 or more")));
             }
-            driven.steady = Some(linear.steady(&drive, omega).map_err(failed)?);
+            driven.steady = Some(model.steady(&drive, omega).map_err(failed)?);
         }
         if responds {
             let range = range.map(|text| frequencies(loaded, reader, text)).transpose()?;
-            let seen = match answers {
-                None => Observed::coordinates(linear),
-                Some(text) => {
-                    let names = listed(loaded.system.description(), text)?;
-                    let names: Vec<&str> = names.iter().map(String::as_str).collect();
-                    observe(&*loaded.system, linear, &names).map_err(failed)?
-                }
+            let names = match answers {
+                None => driven.axes.iter().map(|axis| axis.0.clone()).collect(),
+                Some(text) => listed(loaded.system.description(), text)?,
             };
-            let response = linear.response(&drive, &seen, range).map_err(failed)?.to(&driven.label, per);
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            let seen = model.observe(loaded, &names).map_err(failed)?;
+            let response = model.linear().response(&drive, &seen, range).map_err(failed)?.to(&driven.label, per);
             if let Some(path) = bode_file {
                 let figure = if options.get_flag("hertz") { response.figure_in_hertz() } else { response.figure() };
                 outputs::draw(path, figure)?;
@@ -87,10 +90,9 @@ impl Driven {
     }
 
     /// The keys `steady` and `response`, where they were asked for.
-    pub fn as_json(&self, linear: &Linearised) -> Vec<(&'static str, Value)> {
+    pub fn as_json(&self) -> Vec<(&'static str, Value)> {
         let pair = |x: &Complex<f64>| json!([number(x.re), number(x.im)]);
-        let by_name =
-            |x: &[Complex<f64>]| object(linear.coordinates.iter().zip(x).map(|(name, x)| (name.clone(), pair(x))));
+        let by_name = |x: &[Complex<f64>]| object(self.axes.iter().zip(x).map(|(axis, x)| (axis.0.clone(), pair(x))));
         let mut entries = Vec::new();
         if let Some(steady) = &self.steady {
             let mode = |(omega, part): (&f64, &Vec<Complex<f64>>)| {
@@ -130,18 +132,20 @@ impl Driven {
     }
 
     /// For people.
-    pub fn table(&self, linear: &Linearised, out: &mut dyn Write) -> Result<(), Problem> {
+    pub fn table(&self, model: Model<'_>, out: &mut dyn Write) -> Result<(), Problem> {
         if let Some(steady) = &self.steady {
             let hertz = short(steady.omega / TAU);
             writeln!(out, "steady state, if {} goes as cos({} t), {hertz} Hz:", self.label, short(steady.omega))?;
-            parts(linear, steady, out)?;
-            if steady.growth.is_some() {
-                growth(linear, steady, out)?;
-            } else {
-                forces(linear, steady, &self.label, out)?;
-            }
-            for sentence in resting(linear, steady) {
-                writeln!(out, "  {sentence}")?;
+            parts(&self.axes, steady, out)?;
+            growth(&self.axes, steady, out)?;
+            // With constraints no coordinate has a stiffness by itself.
+            if let Model::Free(linear) = model {
+                if steady.growth.is_none() {
+                    forces(linear, steady, &self.label, out)?;
+                }
+                for sentence in resting(linear, steady) {
+                    writeln!(out, "  {sentence}")?;
+                }
             }
         }
         if let Some(response) = &self.response {
@@ -153,7 +157,9 @@ impl Driven {
                     .filter_map(|(omega, answer)| Some((*omega, answer.as_ref()?[index].norm())))
                     .max_by(|a, b| a.1.total_cmp(&b.1));
                 let Some((omega, size)) = peak else { continue };
-                if let Some(mode) = response.poles.iter().find(|mode| (omega - **mode).abs() < 1e-3 * omega) {
+                if size == 0.0 {
+                    writeln!(out, "  {name}: 0 at all frequencies")?;
+                } else if let Some(mode) = response.poles.iter().find(|mode| (omega - **mode).abs() < 1e-3 * omega) {
                     writeln!(out, "  {name}: without bound at {} rad/s", short(*mode))?;
                 } else {
                     let (size, unit, hertz) = (short(size), response.unit(index), short(omega / TAU));
@@ -166,8 +172,11 @@ impl Driven {
     }
 }
 
+/// Coordinates by name, each with its unit.
+type Axes = Vec<(String, String)>;
+
 /// Each coordinate's amplitude, and what each mode contributes to it.
-fn parts(linear: &Linearised, steady: &Steady, out: &mut dyn Write) -> Result<(), Problem> {
+fn parts(axes: &Axes, steady: &Steady, out: &mut dyn Write) -> Result<(), Problem> {
     let scale = largest(&steady.total).max(steady.growth.as_deref().map_or(0.0, largest));
     let polar = |x: &Complex<f64>| {
         if x.norm() <= 1e-12 * scale { "0".to_owned() } else { format!("{}<{:.0}", short4(x.norm()), degrees(x)) }
@@ -175,12 +184,14 @@ fn parts(linear: &Linearised, steady: &Steady, out: &mut dyn Write) -> Result<()
     let mut rows = vec![["".to_owned(), "amplitude".to_owned(), "phase".to_owned()].to_vec()];
     rows[0].extend((1..=steady.modes.len()).map(|k| format!("mode {k}")));
     rows[0].truncate(3 + super::MOST_PRINTED);
-    for (index, name) in linear.coordinates.iter().enumerate() {
+    rows[0].extend(steady.carried.iter().map(|_| "carried along".to_owned()));
+    for (index, (name, unit)) in axes.iter().enumerate() {
         let x = steady.total[index];
         let phase = if x.norm() <= 1e-12 * scale { "-".to_owned() } else { format!("{:.1} deg", degrees(&x)) };
-        let amplitude = format!("{}{}", short_beside(x.norm(), scale), unit(linear, index));
+        let amplitude = format!("{}{}", short_beside(x.norm(), scale), spaced(unit));
         let mut row = vec![name.clone(), amplitude, phase];
         row.extend(steady.modes.iter().take(super::MOST_PRINTED).map(|mode| polar(&mode[index])));
+        row.extend(steady.carried.iter().map(|carried| polar(&carried[index])));
         rows.push(row);
     }
     super::report::columns(&rows, out)?;
@@ -189,12 +200,12 @@ fn parts(linear: &Linearised, steady: &Steady, out: &mut dyn Write) -> Result<()
 }
 
 /// What grows where the force meets undamped modes.
-fn growth(linear: &Linearised, steady: &Steady, out: &mut dyn Write) -> Result<(), Problem> {
+fn growth(axes: &Axes, steady: &Steady, out: &mut dyn Write) -> Result<(), Problem> {
     let Some(growth) = &steady.growth else { return Ok(()) };
     let scale = largest(growth);
-    let each = linear.coordinates.iter().zip(growth).enumerate().filter(|(_, (_, g))| g.norm() > 1e-12 * scale);
+    let each = axes.iter().zip(growth).filter(|(_, g)| g.norm() > 1e-12 * scale);
     let list: Vec<String> =
-        each.map(|(i, (name, g))| format!("{name} by {}{}", short(g.norm()), unit(linear, i))).collect();
+        each.map(|((name, unit), g)| format!("{name} by {}{}", short(g.norm()), spaced(unit))).collect();
     writeln!(out, "  resonance: there is no steady state; every second the amplitude grows: {}", list.join(", "))?;
     writeln!(out, "  (the table holds what stays bounded)")?;
     Ok(())
@@ -267,7 +278,7 @@ fn resting(linear: &Linearised, steady: &Steady) -> Vec<String> {
             linear.coordinates[i],
             leading + 1,
             short(steady.total[i].norm()),
-            unit(linear, i),
+            spaced(&linear.units[i]),
             others.join(", ")
         )
     };
@@ -294,30 +305,32 @@ fn short4(x: f64) -> String {
 }
 
 /// ` m`, or nothing.
-fn unit(linear: &Linearised, index: usize) -> String {
-    match linear.units.get(index).map_or("", String::as_str) {
+fn spaced(unit: &str) -> String {
+    match unit {
         "" | "1" => String::new(),
         unit => format!(" {unit}"),
     }
 }
 
 /// What `--drive` names: the first input if it is absent.
-fn drive(loaded: &Loaded, options: &ArgMatches, reader: &mut Reader, linear: &Linearised) -> Result<Shaken, Problem> {
+fn drive(loaded: &Loaded, options: &ArgMatches, reader: &mut Reader, model: Model<'_>) -> Result<Shaken, Problem> {
+    let linear = model.linear();
     let mut given: Vec<String> = options.get_many::<String>("drive").into_iter().flatten().cloned().collect();
     if given.is_empty() {
-        let Some(input) = linear.inputs.first() else {
-            let example = linear.coordinates.first().map_or("", String::as_str);
+        let Some(input) = loaded.system.description().inputs.first() else {
+            let example = linear.equilibrium.coordinates.first().map_or("", String::as_str);
             return Err(Problem::Usage(format!(
                 "error: `{}` has no inputs; name a coordinate that a force acts on: --drive {example}",
                 loaded.name
             )));
         };
-        given.push(input.clone());
+        given.push(input.to_string());
     }
     let mut all = Shaken::default();
     let alone = given.len() == 1;
     for text in given {
         let (name, amplitude) = text.split_once('=').map_or((text.trim(), "1"), |(name, value)| (name.trim(), value));
+        model.can_move(name).map_err(failed)?;
         let Shaken { drive, label, per } = named(loaded, reader, linear, name)?;
         let size = reader.value(loaded, "drive", Sets::Any, amplitude)?;
         let times = if size == 1.0 { String::new() } else { format!("{} times ", short(size)) };
@@ -326,11 +339,7 @@ fn drive(loaded: &Loaded, options: &ArgMatches, reader: &mut Reader, linear: &Li
         all.per = if alone && size == 1.0 { per } else { String::new() };
         all.drive.parts.extend(drive.parts.into_iter().map(|(source, part)| (source, part * size)));
     }
-    let acts = [0.7, 1.9].iter().try_fold(false, |acts, omega| {
-        let force = linear.driving_force(&all.drive, *omega).map_err(failed)?;
-        Ok::<bool, Problem>(acts || force.iter().any(|f| f.norm() > 0.0))
-    })?;
-    match acts {
+    match model.feels(loaded, &all.drive).map_err(failed)? {
         true => Ok(all),
         false => Err(Problem::Run(format!("{} does not act on small motions here", all.label))),
     }

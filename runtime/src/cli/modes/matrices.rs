@@ -41,7 +41,7 @@ fn meaning(name: &str, linear: &Linearised) -> String {
     match name {
         "A" => format!("z' = A z for z = (x, x'), x = ({coordinates}), SI"),
         "B" => format!(
-            "M x'' + C x' + K x + B (u, u', u'') = 0 for x = ({coordinates}) and a triple for each of {}, SI",
+            "M x'' + C x' + K x = B (u, u', u'') for x = ({coordinates}) and a triple for each of {}, SI",
             linear.inputs.join(", ")
         ),
         _ => format!("M x'' + C x' + K x = 0 for x = ({coordinates}), SI"),

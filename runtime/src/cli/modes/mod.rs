@@ -6,6 +6,7 @@ mod damping;
 mod drive;
 mod locus;
 mod matrices;
+mod model;
 mod motion;
 mod report;
 mod shaken;
@@ -28,6 +29,7 @@ use dalembert_symbolic::model::Sets;
 use damping::Damping;
 use drive::Driven;
 use locus::Locus;
+use model::Model;
 use motion::Compared;
 
 /// Options that draw.
@@ -53,15 +55,15 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         eprintln!("warning: {warning}");
     }
     if !loaded.system.active_rows().is_empty() {
-        return constrained::run(&loaded, options, &guess, out);
+        return constrained::run(&loaded, options, &mut reader, &guess, out);
     }
     let system = &*loaded.system;
     let found =
         if options.get_flag("here") { equilibrium_here(system, &guess) } else { equilibrium_near(system, &guess) };
     let linear = linearise(system, &found.map_err(failed)?).map_err(failed)?;
     let mut modes = linear.modes().map_err(failed)?;
-    bodies::name_free(&loaded, &linear, &mut modes)?;
-    let driven = Driven::new(&loaded, options, &mut reader, &linear)?;
+    bodies::name_free(&loaded, &linear, None, &mut modes)?;
+    let driven = Driven::new(&loaded, options, &mut reader, Model::Free(&linear))?;
     let locus = Locus::new(&loaded, options, &mut reader, &linear.equilibrium)?;
     let damping = Damping::new(&linear, &modes);
     let motion = Compared::new(&loaded, options, scene, &linear, damping.as_ref())?;
@@ -69,17 +71,18 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     for note in notes(&linear, &modes).into_iter().chain(more) {
         eprintln!("warning: {note}");
     }
-    pictures(&loaded, options, &linear, &modes)?;
+    pictures(&loaded, options, &linear, &modes, out)?;
     if options.get_flag("json") {
         let mut more: Vec<_> = damping.iter().map(Damping::as_json).collect();
         more.extend(motion.iter().map(Compared::as_json));
-        more.extend(driven.iter().flat_map(|driven| driven.as_json(&linear)));
+        more.extend(driven.iter().flat_map(Driven::as_json));
         more.extend(locus.map(|locus| locus.as_json()));
         super::json::write(&report::as_json(&loaded.name, &linear, &modes, more), out)?;
         return Ok(());
     }
     let bodies = bodies::shares(&loaded, &linear, &modes)?;
-    report::table(&loaded.name, &linear, &modes, &bodies, out)?;
+    let masses = linear.m().diagonal();
+    report::table(&loaded.name, (&linear, masses.as_slice()), &modes, &bodies, out)?;
     if let Some(damping) = damping {
         damping.table(out)?;
     }
@@ -87,7 +90,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         motion.table(out)?;
     }
     if let Some(driven) = driven {
-        driven.table(&linear, out)?;
+        driven.table(Model::Free(&linear), out)?;
     }
     if let Some(locus) = locus {
         locus.table(out)?;
@@ -193,8 +196,14 @@ fn held_inputs(loaded: &Loaded, options: &ArgMatches) -> Result<Vec<f64>, Proble
     Ok(names.iter().zip(values.chunks_exact(3)).map(value).collect())
 }
 
-/// Writes `--plot` and `--animate`.
-fn pictures(loaded: &Loaded, options: &ArgMatches, linear: &Linearised, modes: &[Mode]) -> Result<(), Problem> {
+/// Writes `--plot`, `--matrices` and `--animate`; of an animated picture it tells people how it plays.
+fn pictures(
+    loaded: &Loaded,
+    options: &ArgMatches,
+    linear: &Linearised,
+    modes: &[Mode],
+    out: &mut dyn Write,
+) -> Result<(), Problem> {
     let system = &*loaded.system;
     let file = |name: &str| options.get_one::<String>(name);
     if let Some(path) = file("plot") {
@@ -213,7 +222,10 @@ fn pictures(loaded: &Loaded, options: &ArgMatches, linear: &Linearised, modes: &
         },
     };
     if let (Some(path), Some(mode)) = (file("animate"), modes.get(number)) {
-        outputs::animate(path, &animate_mode(system, linear, mode))?;
+        let pace = outputs::animate(path, &animate_mode(system, linear, mode))?;
+        if let Some(pace) = pace.filter(|_| !options.get_flag("json")) {
+            writeln!(out, "{path}: mode {}, {pace}", number + 1)?;
+        }
     }
     Ok(())
 }

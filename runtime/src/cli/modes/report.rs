@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::super::Problem;
 use super::super::json::{number, object};
 use super::MOST_PRINTED;
-use crate::linear::{Kind, Linearised, Mode, short_beside};
+use crate::linear::{Equilibrium, Kind, Linearised, Mode, short_beside};
 
 /// With more coordinates that are all 0 it is enough to say so.
 const MANY: usize = 4;
@@ -53,10 +53,10 @@ pub fn as_json(name: &str, linear: &Linearised, modes: &[Mode], more: Vec<(&'sta
 
 /// Equilibrium, matrices and modes for people.
 ///
-/// `bodies` holds, for each mode, the names of bodies and their parts of its kinetic energy.
+/// `masses` are those of all the file's coordinates, by which shapes are measured; `bodies` holds, for each mode, the names of bodies and their parts of its kinetic energy.
 pub fn table(
     name: &str,
-    linear: &Linearised,
+    (linear, masses): (&Linearised, &[f64]),
     modes: &[Mode],
     bodies: &[Vec<(String, f64)>],
     out: &mut dyn Write,
@@ -72,13 +72,20 @@ pub fn table(
         1 => "1 iteration".to_owned(),
         n => format!("{n} iterations"),
     };
-    writeln!(out, "  residual {:.1e}, {iterations}", at.largest_residual())?;
+    writeln!(out, "  {}, {iterations}", residual(at))?;
     match at.freedom.family {
         0 => {}
         1 => writeln!(out, "  one of a family of equilibria: 1 direction is free")?,
         n => writeln!(out, "  one of a family of equilibria: {n} directions are free")?,
     }
+    if linear.is_empty() {
+        writeln!(out, "  the constraints leave no coordinate independent: nothing moves by itself")?;
+        return Ok(());
+    }
     if linear.len() <= MOST_PRINTED {
+        if linear.len() < at.coordinates.len() {
+            writeln!(out, "  in {}, which the constraints leave independent:", linear.coordinates.join(", "))?;
+        }
         matrices(linear, out)?;
     }
     writeln!(out, "modes, each scaled to unit modal mass:")?;
@@ -90,7 +97,7 @@ pub fn table(
             writeln!(out, "     bodies: {}", list.join(", "))?;
         }
         if linear.len() <= MOST_PRINTED {
-            writeln!(out, "     {}", shape(linear, mode).join(", "))?;
+            writeln!(out, "     {}", shape(linear, masses, mode).join(", "))?;
         }
     }
     let rigid = modes.iter().filter(|mode| mode.kind == Kind::Rigid && mode.name.is_none()).count();
@@ -98,6 +105,14 @@ pub fn table(
         writeln!(out, "  (of the {rigid} rigid modes any combination is one)")?;
     }
     Ok(())
+}
+
+/// `residual 2.3e-16`, `residual 0`.
+pub fn residual(at: &Equilibrium) -> String {
+    match at.largest_residual() {
+        0.0 => "residual 0".to_owned(),
+        left => format!("residual {left:.1e}"),
+    }
 }
 
 /// M, C and K; C in its two parts, and what K has without a potential.
@@ -120,8 +135,10 @@ fn matrices(linear: &Linearised, out: &mut dyn Write) -> Result<(), Problem> {
     }
     for (symbol, matrix) in parts {
         writeln!(out, "{symbol} =")?;
-        let scale = matrix.amax();
-        let row = |row: usize| matrix.row(row).iter().map(|x| short_beside(*x, scale)).collect::<Vec<String>>();
+        // What is rounding is so beside its own row and column: coordinates may have any units.
+        let scale = |i: usize, j: usize| (matrix.row(i).amax() * matrix.column(j).amax()).sqrt();
+        let cell = |(i, j): (usize, usize)| short_beside(matrix[(i, j)], scale(i, j));
+        let row = |i: usize| (0..matrix.ncols()).map(|j| cell((i, j))).collect::<Vec<String>>();
         let rows: Vec<Vec<String>> = (0..matrix.nrows()).map(row).collect();
         columns(&rows, out)?;
         if symbol == "M" && linear.damping.is_zero() {
@@ -143,10 +160,13 @@ pub fn columns(rows: &[Vec<String>], out: &mut dyn Write) -> Result<(), Problem>
     Ok(())
 }
 
-/// `theta1 0.5`, or `theta1 0.5+0.1i` for complex shapes.
-fn shape(linear: &Linearised, mode: &Mode) -> Vec<String> {
-    let scale = mode.shape.iter().fold(0.0_f64, |most, x| most.max(x.norm()));
-    let element = |(name, x): (&String, &nalgebra::Complex<f64>)| {
+/// `theta1 0.5`, or `theta1 0.5+0.1i` for complex shapes.  What has next to no part in the energy is rounding.
+fn shape(linear: &Linearised, masses: &[f64], mode: &Mode) -> Vec<String> {
+    let energy = mode.shape.iter().zip(masses).fold(0.0_f64, |most, (x, mass)| most.max(x.norm() * mass.sqrt()));
+    let largest = mode.shape.iter().fold(0.0_f64, |most, x| most.max(x.norm()));
+    let scale = |mass: f64| if mass > 0.0 && energy > 0.0 { energy / mass.sqrt() } else { largest };
+    let element = |((name, x), mass): ((&String, &nalgebra::Complex<f64>), &f64)| {
+        let scale = scale(*mass);
         let re = short_beside(x.re, scale);
         if x.im.abs() <= 1e-12 * scale {
             return format!("{name} {re}");
@@ -154,5 +174,5 @@ fn shape(linear: &Linearised, mode: &Mode) -> Vec<String> {
         let sign = if x.im < 0.0 { '-' } else { '+' };
         format!("{name} {re}{sign}{}i", short_beside(x.im.abs(), scale))
     };
-    linear.equilibrium.coordinates.iter().zip(&mode.shape).map(element).collect()
+    linear.equilibrium.coordinates.iter().zip(&mode.shape).zip(masses).map(element).collect()
 }

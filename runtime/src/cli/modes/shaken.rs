@@ -28,7 +28,8 @@ pub fn named(loaded: &Loaded, reader: &mut Reader, linear: &Linearised, name: &s
             Ok(Shaken { drive: source.into(), label: name.to_owned(), per: unit.unwrap_or_default() })
         }
         Some(source @ Source::Force(coordinate)) => {
-            let (label, per) = (format!("a force on {name}"), force_unit(&linear.units[coordinate]));
+            let unit = &loaded.system.description().coordinates[coordinate].unit;
+            let (label, per) = (format!("a force on {name}"), force_unit(unit));
             Ok(Shaken { drive: source.into(), label, per })
         }
         None => load(loaded, reader, linear, name),
@@ -44,7 +45,7 @@ fn load(loaded: &Loaded, reader: &mut Reader, linear: &Linearised, name: &str) -
         return Err(unknown(
             "input, force or coordinate",
             name,
-            known.chain(linear.coordinates.iter().map(String::as_str)),
+            known.chain(linear.equilibrium.coordinates.iter().map(String::as_str)),
         ));
     };
     let size = push.given.len();
@@ -55,7 +56,7 @@ fn load(loaded: &Loaded, reader: &mut Reader, linear: &Linearised, name: &str) -
             "`{name}` vanishes at the equilibrium, where its direction is not known; put an input into it, and drive by that"
         )));
     };
-    let n = linear.len();
+    let n = linear.equilibrium.q.len();
     let parts = (0..n).map(|i| (0..size).map(|k| direction[k] * along[k * n + i]).sum::<f64>());
     let parts = parts.enumerate().filter(|(_, q)| *q != 0.0).map(|(i, q)| (Source::Force(i), q)).collect();
     let units = has_units(loaded.system.description());

@@ -7,32 +7,20 @@ use std::io::Write;
 use nalgebra::Complex;
 use serde_json::{Value, json};
 
+use super::super::Problem;
 use super::super::json::{number, object};
-use super::super::load::Loaded;
-use super::super::{Problem, json};
-use super::failed;
-use crate::linear::{Guess, Stability, Tangent, linearise_tangent, short, short_beside};
+use super::constrained::Reaction;
+use crate::linear::{Stability, Tangent, short, short_beside};
 
 /// A real part below this part of its eigenvalue.
 const ROUNDING: f64 = 1e-13;
 
-/// Linearises about a steady motion and prints what becomes of departures.
-pub fn run(
-    loaded: &Loaded,
-    (here, as_json): (bool, bool),
-    guess: &Guess,
-    reactions: &[String],
-    out: &mut dyn Write,
-) -> Result<(), Problem> {
-    let found = linearise_tangent(&*loaded.system, guess, here).map_err(failed)?;
-    if as_json {
-        json::write(&object_of(&loaded.name, &found, reactions), out)?;
-        return Ok(());
-    }
+/// What becomes of departures, for people.
+pub fn table(name: &str, found: &Tangent, reactions: &[Reaction], out: &mut dyn Write) -> Result<(), Problem> {
     let at = &found.equilibrium;
     let steady = if at.v.iter().any(|v| *v != 0.0) { "steady motion" } else { "equilibrium" };
-    writeln!(out, "{}: {steady} at {at}", loaded.name)?;
-    writeln!(out, "  residual {:.1e}", at.largest_residual())?;
+    writeln!(out, "{name}: {steady} at {at}")?;
+    writeln!(out, "  {}", super::report::residual(at))?;
     let (free, analysis) = (found.matrix.nrows(), &found.analysis);
     writeln!(out, "departures that the constraints allow: {free}")?;
     match (analysis.zeros, analysis.neutral.len()) {
@@ -44,13 +32,13 @@ pub fn run(
             if neutral == 1 { "" } else { "s" },
         )?,
     }
-    for (number, value, shape) in listed(&found) {
+    for (number, value, shape) in listed(found) {
         writeln!(out, "  {number}: {}", told(value))?;
-        writeln!(out, "     {}", departures(&found, &shape).join(", "))?;
+        writeln!(out, "     {}", departures(found, &shape).join(", "))?;
     }
     writeln!(out, "stability: {}", verdict(analysis.stability))?;
-    for (name, value) in reactions.iter().zip(&found.multipliers) {
-        writeln!(out, "reaction({name}) there = {}", short(*value))?;
+    for (row, value) in reactions.iter().zip(&found.multipliers) {
+        writeln!(out, "{}", row.told("there", *value))?;
     }
     Ok(())
 }
@@ -104,7 +92,13 @@ fn departures(found: &Tangent, shape: &[Complex<f64>]) -> Vec<String> {
     names.iter().zip(part).map(element).collect()
 }
 
-fn object_of(name: &str, found: &Tangent, reactions: &[String]) -> Value {
+/// One object; `more` stands at its end.
+pub fn as_json(
+    name: &str,
+    found: &Tangent,
+    reactions: &[Reaction],
+    more: impl Iterator<Item = (&'static str, Value)>,
+) -> Value {
     let at = &found.equilibrium;
     let named = |numbers: &[f64]| {
         let pairs = at.coordinates.iter().cloned().zip(numbers.iter().copied());
@@ -113,8 +107,8 @@ fn object_of(name: &str, found: &Tangent, reactions: &[String]) -> Value {
     let pair = |x: &Complex<f64>| Value::Array(vec![number(x.re), number(x.im)]);
     let shapes: Vec<Vec<Value>> = found.shapes().iter().map(|shape| shape.iter().map(pair).collect()).collect();
     let rows = found.matrix.row_iter().map(|row| row.iter().map(|x| number(*x)).collect::<Vec<_>>());
-    let reactions = reactions.iter().cloned().zip(found.multipliers.iter().map(|value| number(*value)));
-    object([
+    let reactions = reactions.iter().zip(&found.multipliers).map(|(row, value)| (row.row.clone(), number(*value)));
+    let entries = [
         ("model", json!(name)),
         ("equilibrium", named(&at.q)),
         ("speeds", named(&at.v)),
@@ -126,5 +120,6 @@ fn object_of(name: &str, found: &Tangent, reactions: &[String]) -> Value {
         ("shapes", shapes.into()),
         ("stability", json!(verdict(found.analysis.stability))),
         ("reactions", object(reactions)),
-    ])
+    ];
+    object(entries.into_iter().chain(more))
 }

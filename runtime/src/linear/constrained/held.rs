@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::linear::equilibrium::force_unit;
 use crate::linear::{LinearError, Residual};
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{
@@ -16,6 +17,12 @@ const BALANCED: f64 = 1e-9;
 const NOTHING: f64 = 1e-120;
 /// So many roundings of the state are nothing.
 const ROUNDINGS: f64 = 16.0;
+/// Coordinates that have shrunk to this part of what they were are tried at 0.
+const GONE: f64 = 1e-9;
+/// Times at which a state of rest is looked at again, s.
+const TIMES: [f64; 4] = [0.37, 1.9, 53.0, 1234.5];
+/// What changes by less than this part of itself is the same.
+const SAME: f64 = 1e-12;
 
 /// A mechanism and its rows of constraints in force.
 pub(super) struct Held<'a, S: System + ?Sized> {
@@ -155,6 +162,11 @@ impl<'a, S: System + ?Sized> Held<'a, S> {
     /// Whether nothing accelerates in this state and no constraint is missed, but for rounding of its terms, its place and
     /// its multipliers: the terms of a weight's moment vanish with it.
     pub fn stays(&self, state: &State) -> bool {
+        self.unbalanced(state).is_none()
+    }
+
+    /// The first equation that a state does not satisfy: a coordinate's, or behind those a row's.
+    fn unbalanced(&self, state: &State) -> Option<usize> {
         let mut sums = vec![0.0; self.n];
         self.system.magnitudes(state.at(), &mut sums);
         let description = self.system.description();
@@ -164,37 +176,81 @@ impl<'a, S: System + ?Sized> Held<'a, S> {
         let carried = state.lambda.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let effects = self.effects(state);
         let force = self.force(state);
-        let balanced = (0..self.n).all(|i| {
+        let balanced = |i: usize| {
             let rounding = ROUNDINGS * f64::EPSILON * (by_state[i] + carried * effects.row(i).lp_norm(1));
             force[i].abs() <= (BALANCED * sums[i]).max(rounding).max(NOTHING)
-        });
+        };
         let (place, speed) = (self.tilt(state).abs() * sizes.rows(0, self.n), self.jacobian(state).abs());
         let speed = place + speed * sizes.rows(self.n, self.n);
+        let by_place = self.jacobian(state).abs() * sizes.rows(0, self.n);
         let (triples, bias) = (self.triples(state), self.bias(state));
+        let closed: Vec<usize> = self.closed().collect();
         let at_ease = |k: usize| {
             triples[k][1].abs() <= (BALANCED * speed[k]).max(NOTHING)
                 && bias[k].abs() <= (BALANCED * by_state[self.n + k]).max(NOTHING)
+                && (!closed.contains(&k)
+                    || triples[k][0].abs() <= (BALANCED * triples[k][2].max(by_place[k])).max(NOTHING))
         };
-        balanced && (0..self.rows.len()).all(at_ease) && self.is_closed(state, &triples)
+        let rows = (0..self.rows.len()).find(|k| !at_ease(*k)).map(|k| self.n + k);
+        (0..self.n).find(|i| !balanced(*i)).or(rows)
     }
 
-    fn is_closed(&self, state: &State, triples: &[[f64; 3]]) -> bool {
-        let sizes = DVector::from_vec(sizes_alike(self.system.description(), &state.q));
-        let by_place = self.jacobian(state).abs() * sizes;
-        self.closed().all(|k| triples[k][0].abs() <= (BALANCED * triples[k][2].max(by_place[k])).max(NOTHING))
+    /// A state that a search from another place found, with coordinates at 0 that are nothing beside those with their unit, or
+    /// beside what they were, if it stays so.
+    pub fn settled(&self, state: State, from: &[f64]) -> State {
+        let sizes = sizes_alike(self.system.description(), &state.q);
+        let mut tried = state.clone();
+        for (i, q) in tried.q.iter_mut().enumerate() {
+            if q.abs() <= (ROUNDINGS * f64::EPSILON * sizes[i]).max(GONE * from[i].abs()) {
+                *q = 0.0;
+            }
+        }
+        let tried = State { t: state.t, ..self.state(&tried.q, &tried.v) };
+        if tried.q != state.q && self.stays(&tried) { tried } else { state }
+    }
+
+    /// Refuses equations and constraints that change with time though inputs are held.
+    ///
+    /// # Errors
+    /// [`LinearError::DependsOnTime`] with the coordinate or the constraint.
+    pub fn check_time(&self, state: &State) -> Result<(), LinearError> {
+        let all = |state: &State| (self.slopes(state), self.jacobian(state));
+        let (slopes, jacobian) = all(state);
+        for t in TIMES {
+            let later = State { t, ..state.clone() };
+            let (slopes_then, jacobian_then) = all(&later);
+            let changed = |now: &DMatrix<f64>, then: &DMatrix<f64>, i: usize| {
+                let size = now.row(i).amax().max(then.row(i).amax());
+                (now.row(i) - then.row(i)).amax() > SAME * size
+            };
+            let n = self.n;
+            let differs =
+                |i: &usize| changed(&slopes, &slopes_then, *i) || *i >= n && changed(&jacobian, &jacobian_then, i - n);
+            if let Some(i) = self.unbalanced(&later).or_else(|| (0..slopes.nrows()).find(differs)) {
+                let row = |k: usize| self.system.description().rows[self.rows[k]].name.to_string();
+                let name = if i < n { self.names().swap_remove(i) } else { row(i - n) };
+                return Err(LinearError::DependsOnTime { coordinate: name });
+            }
+        }
+        Ok(())
     }
 
     /// What is left of the forces.
     pub fn left(&self, state: &State) -> Vec<Residual> {
         let force = self.force(state);
-        let left = self.names().into_iter().zip(force.iter());
-        left.map(|(coordinate, force)| Residual { coordinate, force: *force, unit: String::new() }).collect()
+        let left = self.names().into_iter().zip(self.units()).zip(force.iter());
+        left.map(|((coordinate, unit), force)| Residual { coordinate, force: *force, unit: force_unit(&unit) })
+            .collect()
     }
 
     /// That a search ended here.
     pub fn nowhere(&self, state: &State, iterations: usize) -> LinearError {
         let point = self.names().into_iter().zip(state.q.iter().copied()).collect();
         LinearError::NoEquilibrium { iterations, point, residual: self.left(state) }
+    }
+
+    pub fn units(&self) -> Vec<String> {
+        self.system.description().coordinates.iter().map(|coordinate| coordinate.unit.to_string()).collect()
     }
 
     pub fn names(&self) -> Vec<String> {

@@ -5,8 +5,11 @@
 //! 2. About steady motions, and with other constraints that contain speeds, a system of first order on the states that the
 //!    constraints leave: look in `tangent.rs`.
 //!
+//! What drives those at rest, and what answers, reactions too: look in `driven.rs`.
+//!
 //! The matrices of both at a state, and whether it stays: `held.rs`.
 
+mod driven;
 mod held;
 mod rest;
 #[cfg(feature = "modal")]
@@ -16,7 +19,7 @@ use super::equilibrium::Probe;
 use super::{Guess, LinearError};
 use crate::mechanism::System;
 
-pub use rest::{Constrained, linearise_constrained};
+pub use rest::{Constrained, linearise_constrained, linearise_driven};
 #[cfg(feature = "modal")]
 pub use tangent::{Tangent, linearise_tangent};
 
@@ -26,7 +29,7 @@ const SIDES: usize = 8;
 /// Does `find` with inputs and clock standing still and every discontinuity on the side where the state is that it finds.
 ///
 /// # Errors
-/// Those of `find`; [`LinearError::NotSmooth`] for a state at a discontinuity.
+/// Those of `find`; [`LinearError::NotSmooth`] for a state at a discontinuity; [`LinearError::DependsOnTime`].
 fn on_its_sides<S: System + ?Sized, T>(
     system: &S,
     guess: &Guess,
@@ -43,6 +46,7 @@ fn on_its_sides<S: System + ?Sized, T>(
             return Err(LinearError::NotSmooth { switch: probe.switch(*switch).0 });
         }
         if probe.sides_at(&there.q) == before {
+            probe.check_time(&there.q)?;
             return Ok(found);
         }
         from = there;

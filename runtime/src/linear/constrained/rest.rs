@@ -7,25 +7,32 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
+use super::driven::Whole;
 use super::held::{Held, State};
 use super::on_its_sides;
 use crate::constrain::{Projection, Start, consistent};
-use crate::linear::{Equilibrium, Freedom, Guess, LinearError, Linearised, Mode, SparseMatrix};
+use crate::linear::{Equilibrium, Freedom, Guess, LinearError, Linearised, Mode};
 use crate::matrix::solve_least;
-use crate::mechanism::dense::{constraint_triples, force_slopes, mass_matrix};
-use crate::mechanism::{At, Solutions, System};
+use crate::mechanism::dense::{constraint_triples, mass_matrix};
+use crate::mechanism::{At, System};
 
 /// M, C and K of a constrained mechanism in independent coordinates, and how all others follow.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Constrained {
-    /// The model in independent coordinates.
+    /// The model in independent coordinates, with the inputs that can move.
     pub linear: Linearised,
     /// Names of all coordinates.
     pub coordinates: Vec<String>,
     /// Z: how all coordinates follow the independent ones.
     pub motions: DMatrix<f64>,
+    /// P, a column for each input: how all coordinates follow inputs with which constraints move, beside the independent
+    /// ones.
+    pub carried: DMatrix<f64>,
     /// The multipliers at rest, of the rows that are active.
     pub multipliers: Vec<f64>,
+    /// Inputs that cannot move by themselves, and why: constraints would contradict each other, or follow an input and not its
+    /// rate.
+    pub immovable: Vec<(String, LinearError)>,
 }
 
 /// Newton's method gives up after so many iterations.
@@ -41,31 +48,46 @@ const STILL: f64 = 1e-8;
 /// nearest to it that closes.
 ///
 /// # Errors
-/// [`LinearError::NoEquilibrium`], [`LinearError::NotAnEquilibrium`]; [`LinearError::VelocityConstraint`]: a constraint
-/// that contains speeds and has no known integral, or moves by itself, leaves no M, C and K in independent coordinates; [`LinearError::FrictionOfReactions`]: nor do forces
-/// made of reactions; numbers that are not finite.
+/// [`LinearError::NoEquilibrium`], [`LinearError::NotAnEquilibrium`], [`LinearError::DependsOnTime`];
+/// [`LinearError::VelocityConstraint`]: a constraint that contains speeds and has no known integral, or moves by itself, leaves
+/// no M, C and K in independent coordinates; [`LinearError::FrictionOfReactions`]: nor do forces made of reactions;
+/// [`LinearError::DependentHere`]; numbers that are not finite.
 pub fn linearise_constrained<S: System + ?Sized>(
     system: &S,
     guess: &Guess,
     here: bool,
 ) -> Result<Constrained, LinearError> {
     let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
-    let description = system.description();
-    if !description.friction_pattern.is_empty() {
-        return Err(LinearError::FrictionOfReactions);
-    }
-    // A constraint that moves by itself has no rest.
-    let rates = constraint_triples(system, At::new(0.0, &guess.q, &vec![0.0; system.len()]));
-    let open = |row: &&usize| {
-        !(description.rows[**row].integral && rates[**row][1] == 0.0 || description.rows[**row].holonomic)
-    };
-    if let Some(row) = rows.iter().find(open) {
-        return Err(LinearError::VelocityConstraint { constraint: description.rows[*row].name.to_string() });
-    }
     on_its_sides(system, guess, |system, guess| {
+        let (description, zero) = (system.description(), vec![0.0; system.len()]);
+        // A constraint that moves by itself has no rest.
+        let rates = constraint_triples(system, At::new(0.0, &guess.q, &zero));
+        let open = |row: &&usize| {
+            !(description.rows[**row].integral && rates[**row][1] == 0.0 || description.rows[**row].holonomic)
+        };
+        if let Some(row) = rows.iter().find(open) {
+            return Err(LinearError::VelocityConstraint { constraint: description.rows[*row].name.to_string() });
+        }
         let mut held = Held::new(system, &rows, &guess.q);
-        let state = if here { held.state(&guess.q, &vec![0.0; held.n]) } else { held.rest(&guess.q)? };
-        held.in_independent_coordinates(&state).map(|found| (found, Guess::at(&state.q)))
+        let start = held.state(&guess.q, &zero);
+        held.without_friction(&start)?;
+        let (state, iterations) = if here { (start, 0) } else { held.rest(&guess.q)? };
+        held.in_independent_coordinates(&state, iterations, &guess.inputs)
+    })
+}
+
+/// As [`linearise_constrained`] at the guess itself, for motions that begin there at rest when something drives: constraints
+/// that contain speeds then hold J x = 0 from the beginning on, integrals or not.
+///
+/// Departures that such constraints let stand as they are have no part in its modes.
+///
+/// # Errors
+/// As [`linearise_constrained`].
+pub fn linearise_driven<S: System + ?Sized>(system: &S, guess: &Guess) -> Result<Constrained, LinearError> {
+    let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    on_its_sides(system, guess, |system, guess| {
+        let held = Held::new(system, &rows, &guess.q);
+        held.in_independent_coordinates(&held.state(&guess.q, &vec![0.0; held.n]), 0, &guess.inputs)
     })
 }
 
@@ -83,14 +105,15 @@ impl Constrained {
 
 impl<S: System + ?Sized> Held<'_, S> {
     /// From the place nearest to the guess that meets the constraints; where that leads nowhere, from where the motion
-    /// would go from there.
-    fn rest(&mut self, guess: &[f64]) -> Result<State, LinearError> {
+    /// would go from there; and how many iterations of Newton's method it took.
+    fn rest(&mut self, guess: &[f64]) -> Result<(State, usize), LinearError> {
         let (start, zero) = ([guess, &vec![0.0; self.n]].concat(), vec![0.0; self.n]);
         let held = vec![false; 2 * self.n];
         let closed = consistent(self.system, &Start { t: 0.0, y: &start, held: &held, also: 0..0 });
         let q = closed.map(|y| y[..self.n].to_vec()).map_err(|_| self.nowhere(&self.state(guess, &zero), 0))?;
         self.hold(&q);
-        self.newton(&q).or_else(|nowhere| self.newton(&self.fallen(q).ok_or(nowhere)?))
+        let (state, iterations) = self.newton(&q).or_else(|nowhere| self.newton(&self.fallen(q).ok_or(nowhere)?))?;
+        Ok((self.settled(state, guess), iterations))
     }
 
     /// Follows the accelerations from rest, without speeds, until little is left of them: down the potential in the metric
@@ -131,7 +154,7 @@ impl<S: System + ?Sized> Held<'_, S> {
     }
 
     /// Newton's method on F = 0, c = 0 in q and λ, halved until both decrease.
-    fn newton(&self, from: &[f64]) -> Result<State, LinearError> {
+    fn newton(&self, from: &[f64]) -> Result<(State, usize), LinearError> {
         let (n, m) = (self.n, self.rows.len());
         let missed = |state: &State| DVector::from_iterator(m, self.triples(state).iter().map(|triple| triple[0]));
         let mut state = self.state(from, &vec![0.0; n]);
@@ -159,42 +182,59 @@ impl<S: System + ?Sized> Held<'_, S> {
             match better {
                 Some(next) => state = next,
                 // As good as rounding lets it be, or nowhere.
-                None if self.stays(&state) => return Ok(state),
+                None if self.stays(&state) => return Ok((state, iteration)),
                 None => return Err(self.nowhere(&state, iteration)),
             }
         }
-        if self.stays(&state) { Ok(state) } else { Err(self.nowhere(&state, ITERATIONS)) }
+        if self.stays(&state) { Ok((state, ITERATIONS)) } else { Err(self.nowhere(&state, ITERATIONS)) }
     }
 
-    fn in_independent_coordinates(&self, state: &State) -> Result<Constrained, LinearError> {
+    /// Refuses forces made of reactions: independent coordinates do not know what the constraints carry.
+    fn without_friction(&self, state: &State) -> Result<(), LinearError> {
+        match self.effects(state) == self.jacobian(state).transpose() {
+            true => Ok(()),
+            false => Err(LinearError::FrictionOfReactions),
+        }
+    }
+
+    fn in_independent_coordinates(
+        &self,
+        state: &State,
+        iterations: usize,
+        inputs: &[f64],
+    ) -> Result<(Constrained, Guess), LinearError> {
+        self.without_friction(state)?;
         if !self.stays(state) {
             return Err(LinearError::NotAnEquilibrium { residual: self.left(state) });
         }
-        let Solutions { basis: z, independent: chosen, .. } = Solutions::of(&self.jacobian(state), &[]);
-        let [stiffness, damping] = force_slopes(self.system, state.at());
-        let (description, names) = (self.system.description(), self.names());
-        let reduced = |matrix: &DMatrix<f64>| SparseMatrix::from_dense(&(z.transpose() * matrix * &z));
+        self.check_time(state)?;
+        let whole = Whole::of(self, state)?;
+        let (units, names) = (self.units(), self.names());
+        let [mass, damping, stiffness] = whole.matrices();
         let linear = Linearised {
-            coordinates: chosen.iter().map(|i| names[*i].clone()).collect(),
-            units: chosen.iter().map(|i| description.coordinates[*i].unit.to_string()).collect(),
-            inputs: Vec::new(),
+            coordinates: whole.independent.iter().map(|i| names[*i].clone()).collect(),
+            units: whole.independent.iter().map(|i| units[*i].clone()).collect(),
+            inputs: whole.moving.iter().map(|k| self.system.description().inputs[*k].to_string()).collect(),
             equilibrium: Equilibrium {
                 coordinates: names.clone(),
+                units,
                 q: state.q.clone(),
                 v: state.v.clone(),
-                inputs: Vec::new(),
+                inputs: inputs.to_vec(),
                 friction: Vec::new(),
                 residual: self.force(state).iter().copied().collect(),
-                iterations: 0,
+                iterations,
                 slow: None,
                 freedom: Freedom::default(),
             },
-            mass: reduced(&self.mass(state)),
-            damping: reduced(&damping),
-            stiffness: reduced(&stiffness),
-            input: SparseMatrix::new(z.ncols(), 0, &[], &[]),
+            mass,
+            damping,
+            stiffness,
+            input: whole.input(),
+            forces: whole.forces(),
         };
         let multipliers = self.rows.iter().map(|row| state.lambda[*row]).collect();
-        Ok(Constrained { linear, coordinates: names, motions: z, multipliers })
+        let (Whole { motions, carried, immovable, .. }, there) = (whole, linear.equilibrium.guess());
+        Ok((Constrained { linear, coordinates: names, motions, carried, multipliers, immovable }, there))
     }
 }

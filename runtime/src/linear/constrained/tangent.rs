@@ -58,6 +58,9 @@ pub fn linearise_tangent<S: System + ?Sized>(system: &S, guess: &Guess, here: bo
         let held = Held::new(system, &rows, &guess.q);
         let mut state = held.state(&guess.q, &guess.v);
         let iterations = if here { 0 } else { held.steady(guess, &mut state)? };
+        if !here {
+            state = held.settled(state, &guess.q);
+        }
         if !held.stays(&state) {
             return Err(match here {
                 true => LinearError::NotAnEquilibrium { residual: held.left(&state) },
@@ -65,7 +68,8 @@ pub fn linearise_tangent<S: System + ?Sized>(system: &S, guess: &Guess, here: bo
             });
         }
         held.is_steady(&state)?;
-        let found = held.small_departures(&state, iterations)?;
+        let mut found = held.small_departures(&state, iterations)?;
+        found.equilibrium.inputs.clone_from(&guess.inputs);
         Ok((found, Guess { q: state.q, v: state.v, inputs: guess.inputs.clone() }))
     })
 }
@@ -220,6 +224,7 @@ impl<S: System + ?Sized> Held<'_, S> {
         let departures = DMatrix::from_fn(2 * n, basis.ncols(), |i, k| basis[(i, k)] * units[i]);
         let equilibrium = Equilibrium {
             coordinates: self.names(),
+            units: self.units(),
             q: state.q.clone(),
             v: state.v.clone(),
             inputs: Vec::new(),

@@ -32,6 +32,8 @@ pub struct Linearised {
     pub stiffness: SparseMatrix,
     /// B, n × 3m: a column for each of u, u' and u'' of every input.
     pub input: SparseMatrix,
+    /// What generalized forces on the model's coordinates do to these: the identity, but where constraints leave fewer.
+    pub forces: SparseMatrix,
 }
 
 /// Linearises a mechanism at an equilibrium.
@@ -92,10 +94,11 @@ fn linearised_with<S: System + ?Sized>(
     }
     Ok(Linearised {
         coordinates: probe.names(),
-        units: system.description().coordinates.iter().map(|c| c.unit.to_string()).collect(),
+        units: probe.units(),
         inputs: system.description().inputs.iter().map(ToString::to_string).collect(),
         equilibrium: Equilibrium::at(probe, state),
         input: probe.input(&state.q),
+        forces: SparseMatrix::identity(probe.n),
         mass,
         damping,
         stiffness,

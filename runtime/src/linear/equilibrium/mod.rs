@@ -15,6 +15,5 @@ pub use family::Freedom;
 pub(super) use linearise::linearised_at;
 pub use linearise::{Linearised, linearise, state_matrix};
 pub(super) use probe::Probe;
-#[cfg(feature = "cli")]
 pub(crate) use probe::force_unit;
 pub use search::{Equilibrium, Guess, equilibria, equilibrium_here, equilibrium_near};

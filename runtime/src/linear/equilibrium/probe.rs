@@ -46,6 +46,11 @@ impl Probe {
         self.system.borrow().description().coordinates.iter().map(|c| c.name.to_string()).collect()
     }
 
+    /// Units of the coordinates.
+    pub fn units(&self) -> Vec<String> {
+        self.system.borrow().description().coordinates.iter().map(|c| c.unit.to_string()).collect()
+    }
+
     /// (coordinate, force) of every coordinate.
     pub fn named(&self, values: &[f64]) -> Vec<(String, f64)> {
         self.names().into_iter().zip(values.iter().copied()).collect()
@@ -264,15 +269,15 @@ impl Probe {
         SparseMatrix::new(self.n, 3 * description.inputs.len(), &description.input_pattern, &values)
     }
 
-    /// The columns of [`System::output_slopes`] at rest, or in steady motion; `None` where they are not known.
-    pub fn output_slopes(&self, t: f64, q: &[f64]) -> Option<DMatrix<f64>> {
+    /// The columns of [`System::output_slopes`] at rest, or in steady motion, with these multipliers; `None` where they are
+    /// not known.
+    pub fn output_slopes(&self, t: f64, q: &[f64], lambda: &[f64]) -> Option<DMatrix<f64>> {
         self.settle(t, q, &self.v);
         let system = self.system.borrow();
         let description = system.description();
         let columns = 3 * self.n + description.rows.len() + 3 * description.inputs.len() + 1;
-        let lambda = vec![0.0; description.rows.len()];
         let mut slopes = DMatrix::zeros(description.output_len(), columns);
-        let at = At::new(t, q, &self.v).accelerated(&self.zero).constrained(&lambda);
+        let at = At::new(t, q, &self.v).accelerated(&self.zero).constrained(lambda);
         system.output_slopes(at, slopes.as_mut_slice()).then_some(slopes)
     }
 

@@ -49,6 +49,8 @@ impl Guess {
 pub struct Equilibrium {
     /// Names of the coordinates.
     pub coordinates: Vec<String>,
+    /// Their units, SI; empty where the model file has none.
+    pub units: Vec<String>,
     /// Generalized coordinates, SI.
     pub q: Vec<f64>,
     /// Their speeds, SI: 0 except for cyclic coordinates in a steady motion.
@@ -72,6 +74,7 @@ impl Equilibrium {
     pub(super) fn at(probe: &Probe, state: &Guess) -> Equilibrium {
         Equilibrium {
             coordinates: probe.names(),
+            units: probe.units(),
             q: state.q.clone(),
             v: state.v.clone(),
             inputs: state.inputs.clone(),
@@ -188,6 +191,7 @@ fn finish<S: System + ?Sized>(
     let freedom = Freedom::of(probe, &found.q, system.description().structure.linear)?;
     Ok(Equilibrium {
         coordinates: probe.names(),
+        units: probe.units(),
         residual: probe.force(&found.q),
         v: probe.v.clone(),
         inputs: guess.inputs.clone(),
@@ -365,15 +369,32 @@ fn crosses_a_pole(probe: &Probe, from: &[f64], to: &[f64]) -> bool {
 }
 
 impl fmt::Display for Equilibrium {
-    /// `x = 0, theta = 3.14159`.
+    /// `x = 0 m, theta = 3.14159 rad`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let scale = self.q.iter().fold(1e-3_f64, |most, q| most.max(q.abs()));
-        for (index, (name, value)) in self.coordinates.iter().zip(&self.q).enumerate() {
-            write!(f, "{}{name} = {}", if index == 0 { "" } else { ", " }, short_beside(*value, scale))?;
+        let unit = |i: usize| self.units.get(i).map_or("", String::as_str);
+        // What is rounding beside those with the same unit is 0; angles and pure numbers are measured by themselves.
+        let scale = |numbers: &[f64], i: usize| {
+            let alike = numbers.iter().enumerate().filter(|(j, _)| unit(*j) == unit(i));
+            let least = if matches!(unit(i), "" | "1" | "rad") { 1e-3 } else { 0.0 };
+            alike.fold(least, |most, (_, x)| x.abs().max(most))
+        };
+        for (i, name) in self.coordinates.iter().enumerate() {
+            let value = short_beside(self.q[i], scale(&self.q, i));
+            write!(f, "{}{name} = {value}{}", if i == 0 { "" } else { ", " }, spaced(unit(i)))?;
         }
-        for (name, value) in self.coordinates.iter().zip(&self.v).filter(|(_, v)| **v != 0.0) {
-            write!(f, ", {name}' = {}", short(*value))?;
+        for (i, name) in self.coordinates.iter().enumerate().filter(|(i, _)| self.v[*i] != 0.0) {
+            let per = match unit(i) {
+                "" => String::new(),
+                "1" => " 1/s".to_owned(),
+                unit => format!(" {unit}/s"),
+            };
+            write!(f, ", {name}' = {}{per}", short(self.v[i]))?;
         }
         Ok(())
     }
+}
+
+/// ` m`, or nothing for a pure number and where there is no unit.
+fn spaced(unit: &str) -> String {
+    if matches!(unit, "" | "1") { String::new() } else { format!(" {unit}") }
 }

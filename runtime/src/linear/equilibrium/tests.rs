@@ -142,6 +142,25 @@ fn a_force_that_nothing_balances_has_no_equilibrium() {
     assert_eq!((residual.len(), residual[0].coordinate.as_str(), residual[0].force), (1, "y", 10.0));
 }
 
+/// Twelve digits, and no row of zeros before them.
+#[test]
+fn forces_that_are_left_are_readable() {
+    let told = |force: f64| {
+        let residual = vec![Residual { coordinate: "x".to_owned(), force, unit: "N".to_owned() }];
+        LinearError::NotAnEquilibrium { residual }.to_string()
+    };
+    let cases = [
+        (10.0 / SQRT_2, "x: 7.07106781187 N"),
+        (-3.228011545670001e-11, "x: -3.22801154567e-11 N"),
+        (2.5e12, "x: 2.5e12 N"),
+        (-0.001, "x: -0.001 N"),
+        (0.0, "x: 0 N"),
+    ];
+    for (force, text) in cases {
+        assert!(told(force).ends_with(text), "{}", told(force));
+    }
+}
+
 #[test]
 fn speed_in_a_coordinate_that_matters_is_not_steady() {
     let guess = Guess { v: vec![1.0], ..Guess::at(&[0.0]) };

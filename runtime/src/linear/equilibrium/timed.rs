@@ -12,7 +12,7 @@ const DEPARTURES: [f64; 4] = [0.0, 0.013, -0.31, 0.9];
 impl Probe {
     /// Refuses equations that depend on time, at this state or near it, by the exact ∂F/∂t; and switches that time
     /// alone throws.
-    pub(super) fn check_time(&self, q: &[f64]) -> Result<(), LinearError> {
+    pub(in crate::linear) fn check_time(&self, q: &[f64]) -> Result<(), LinearError> {
         let (rows, switches) = {
             let system = self.system.borrow();
             let description = system.description();

@@ -17,7 +17,7 @@ pub struct Drive {
 pub enum Source {
     /// An input of the model, by index; its derivatives act too.
     Input(usize),
-    /// A generalized force on a coordinate, by index.
+    /// A generalized force on a coordinate of the model, by index.
     Force(usize),
 }
 
@@ -37,8 +37,10 @@ pub struct Steady {
     /// X; what grows without bound is left out of it.
     pub total: Vec<Complex<f64>>,
     /// Normal modes: what each contributes to X, φ φᵀM X, in rising order of ω²; they add up to X exactly, whatever
-    /// the damping.
+    /// the damping, with what is `carried`.
     pub modes: Vec<Vec<Complex<f64>>>,
+    /// What inputs carry along through constraints that move with them.
+    pub carried: Option<Vec<Complex<f64>>>,
     /// ω of these modes, rad/s (0 where ω² is not positive).
     pub omegas: Vec<f64>,
     /// x grows as Re(G t e^(iΩt)): G, where Ω meets undamped modes that the force reaches.
@@ -49,7 +51,7 @@ impl Linearised {
     /// The input or coordinate of this name; an input first.
     pub fn source(&self, name: &str) -> Option<Source> {
         let at = |names: &[String]| names.iter().position(|known| known == name);
-        at(&self.inputs).map(Source::Input).or_else(|| at(&self.coordinates).map(Source::Force))
+        at(&self.inputs).map(Source::Input).or_else(|| at(&self.equilibrium.coordinates).map(Source::Force))
     }
 
     /// The complex generalized forces of a drive at a frequency Ω, rad/s: Σ a (B₀ + iΩ B₁ − Ω² B₂).
@@ -61,13 +63,17 @@ impl Linearised {
         for (source, amplitude) in &drive.parts {
             let (what, given, expected) = match source {
                 Source::Input(input) => ("the input's index", *input, self.inputs.len()),
-                Source::Force(coordinate) => ("the coordinate's index", *coordinate, self.len()),
+                Source::Force(coordinate) => ("the coordinate's index", *coordinate, self.forces.columns),
             };
             if given >= expected {
                 return Err(LinearError::WrongSize { what, given, expected });
             }
             match source {
-                Source::Force(coordinate) => force[*coordinate] += *amplitude,
+                Source::Force(coordinate) => {
+                    for (row, _, value) in self.forces.entries.iter().filter(|e| e.1 as usize == *coordinate) {
+                        force[*row as usize] += *amplitude * *value;
+                    }
+                }
                 Source::Input(input) => {
                     for (row, column, value) in &self.input.entries {
                         if *column as usize / 3 == *input {
@@ -119,7 +125,7 @@ impl Linearised {
                 let weights = shapes.transpose() * self.m();
                 let modes =
                     (0..n).map(|k| spread(k, weights.row(k).iter().zip(&total).map(|(weight, x)| x * *weight).sum()));
-                Ok(Steady { omega, force, modes: modes.collect(), total, omegas, growth: None })
+                Ok(Steady { omega, force, modes: modes.collect(), carried: None, total, omegas, growth: None })
             }
             // Only then do the modes not know of each other.
             Err(LinearError::Resonance { .. })
@@ -142,7 +148,7 @@ impl Linearised {
                     .collect();
                 let total = (0..n).map(|i| modes.iter().map(|mode| mode[i]).sum()).collect();
                 let growth = (growth.iter().any(|g: &Complex<f64>| g.norm() > 0.0)).then(|| growth.as_slice().to_vec());
-                Ok(Steady { omega, force, total, modes, omegas, growth })
+                Ok(Steady { omega, force, total, modes, carried: None, omegas, growth })
             }
             Err(other) => Err(other),
         }

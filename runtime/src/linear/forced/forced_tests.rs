@@ -18,6 +18,24 @@ fn cosine(omega: f64, mass: usize) -> Harmonic {
     Harmonic { omega, cosine: on(mass).iter().map(|x| x.re).collect(), sine: vec![0.0; 3] }
 }
 
+/// 1e-3 N/m, and a mass without a spring, beside 1e15 N/m: what is soft has its steady state, at any frequency but its own.
+#[test]
+fn what_is_soft_beside_what_is_stiff_is_no_resonance() {
+    let springs = dmatrix![1e15, 1.0, 0.0; 1.0, 1e-3, 0.0; 0.0, 0.0, 0.0];
+    let beside = undamped(dmatrix![2.0, 0.0, 0.0; 0.0, 3.0, 0.0; 0.0, 0.0, 1e-12], springs);
+    for omega in [1e-4, 0.01, 0.018, 0.0183, 0.04, 1e3] {
+        let found = beside.steady_state(&on(1), omega).unwrap();
+        let exact = 1.0 / (1e-3 - 3.0 * omega * omega - 1.0 / (1e15 - 2.0 * omega * omega));
+        assert!((found[1] - exact).norm() < 1e-12 * exact.abs(), "{omega}: {} {exact}", found[1]);
+        let found = beside.steady_state(&on(2), omega).unwrap();
+        close(found[2].re, -1e12 / (omega * omega), 1e-14);
+    }
+    let own = undamped(dmatrix![1.0, 0.0; 0.0, 1.0], dmatrix![1e15, 0.0; 0.0, 0.25]);
+    let force = vec![Complex::new(0.0, 0.0), Complex::new(1.0, 0.0)];
+    assert_eq!(own.steady_state(&force, 0.5), Err(LinearError::Resonance { omega: 0.5 }));
+    assert!(own.steady_state(&force, 0.5 + 1e-9).is_ok());
+}
+
 /// B18, `forced_on_mass_1_from_rest` and `forced_on_middle_mass_from_rest`: exact, resonance included.
 #[test]
 fn b18_forced_from_rest() {

@@ -26,19 +26,31 @@ impl Linearised {
     /// [`LinearError::Resonance`] where the matrix is singular to rounding; a wrong size.
     pub fn steady_state(&self, force: &[Complex<f64>], omega: f64) -> Result<Vec<Complex<f64>>, LinearError> {
         self.expect("the force", force.len(), self.len())?;
-        let lu = self.dynamic_stiffness(omega).lu();
-        let pivots = lu.u().diagonal().map(|pivot| pivot.norm());
-        let scale = self.largest(omega);
-        let floor = 16.0 * self.len() as f64 * f64::EPSILON * scale;
-        let resonance = LinearError::Resonance { omega };
-        if !scale.is_finite() || pivots.iter().any(|pivot| pivot.is_nan()) {
+        if self.is_empty() {
+            return Ok(Vec::new());
+        }
+        let (n, terms) = (self.len(), self.terms(omega));
+        if terms.iter().any(|size| !size.is_finite()) {
             return Err(LinearError::NonFinite { what: format!("the dynamic stiffness at {} rad/s", short(omega)) });
         }
+        // What is soft counts beside its own terms, not beside what is stiff; powers of two round nothing.
+        let unit = |i: usize| {
+            let size = if terms[(i, i)] > 0.0 { terms[(i, i)] } else { terms.row(i).amax() };
+            if size > 0.0 { (-0.5 * size.log2()).round().exp2() } else { 1.0 }
+        };
+        let units: Vec<f64> = (0..n).map(unit).collect();
+        let stiffness = self.dynamic_stiffness(omega);
+        let lu = DMatrix::from_fn(n, n, |i, j| stiffness[(i, j)] * units[i] * units[j]).lu();
+        let scale = DMatrix::from_fn(n, n, |i, j| terms[(i, j)] * units[i] * units[j]).amax();
+        let floor = 16.0 * n as f64 * f64::EPSILON * scale;
+        let resonance = LinearError::Resonance { omega };
+        let pivots = lu.u().diagonal().map(|pivot| pivot.norm());
         if pivots.iter().any(|pivot| *pivot <= floor) {
             return Err(resonance);
         }
-        let solution = lu.solve(&DVector::from_column_slice(force)).ok_or(resonance)?;
-        Ok(solution.iter().copied().collect())
+        let right = DVector::from_fn(n, |i, _| force[i] * units[i]);
+        let solution = lu.solve(&right).ok_or(resonance)?;
+        Ok(solution.iter().zip(&units).map(|(x, unit)| x * *unit).collect())
     }
 
     /// The steady state as a sum over normal modes, X = Σ φᵢ φᵢᵀF/(ωᵢ² − Ω² + iΩ φᵢᵀCφᵢ).
@@ -202,11 +214,16 @@ impl Linearised {
         if given == expected { Ok(()) } else { Err(LinearError::WrongSize { what, given, expected }) }
     }
 
-    /// The largest element of K, ΩC and Ω²M.
-    fn largest(&self, omega: f64) -> f64 {
-        let most =
-            |matrix: &crate::linear::SparseMatrix| matrix.entries.iter().fold(0.0_f64, |most, e| most.max(e.2.abs()));
-        most(&self.stiffness).max(omega.abs() * most(&self.damping)).max(omega * omega * most(&self.mass))
+    /// |K| + Ω |C| + Ω² |M|, element by element.
+    fn terms(&self, omega: f64) -> DMatrix<f64> {
+        let mut terms = DMatrix::zeros(self.len(), self.len());
+        let parts = [(&self.stiffness, 1.0), (&self.damping, omega.abs()), (&self.mass, omega * omega)];
+        for (matrix, factor) in parts {
+            for (row, column, value) in &matrix.entries {
+                terms[(*row as usize, *column as usize)] += factor * value.abs();
+            }
+        }
+        terms
     }
 }
 

@@ -19,5 +19,6 @@ pub use drive::{Drive, Source, Steady};
 pub use harmonic::{Harmonic, beat};
 pub use initial_value::{Motion, solvemode, solvenorm, solvenum};
 pub use measured::{Measured, measure};
+pub(in crate::linear) use observed::slopes_of;
 pub use observed::{Observed, observe};
 pub use response::Response;

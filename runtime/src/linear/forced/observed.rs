@@ -1,15 +1,15 @@
 //! What outputs do in small motions: their exact slopes at an equilibrium.
 
-use nalgebra::{Complex, DMatrix};
+use nalgebra::{Complex, DMatrix, RowDVector};
 
 use super::{Drive, Source};
 use crate::linear::equilibrium::Probe;
 use crate::linear::{LinearError, Linearised};
-use crate::mechanism::System;
+use crate::mechanism::{Description, System};
 use crate::run::Names;
 use crate::show::unit;
 
-/// Answers y of small motions: y − y₀ = `place` x + `rate` x' + `acceleration` x'' + `input` (u, u', u'').
+/// Answers y of small motions: y − y₀ = `place` x + `rate` x' + `acceleration` x'' + `input` (u, u', u'') + `force` f.
 ///
 /// With p answers, n coordinates and m inputs; exact derivatives of the model's outputs, never differences.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,6 +26,9 @@ pub struct Observed {
     pub acceleration: DMatrix<f64>,
     /// ∂y/∂(u, u', u''), p × 3m.
     pub input: DMatrix<f64>,
+    /// ∂y/∂f of generalized forces f on the model's coordinates, p × N: 0 but for reactions of constraints, which carry
+    /// them.
+    pub force: DMatrix<f64>,
     /// Which answers contain named reactions, whose balances know the file's own loads only.
     pub of_reactions: Vec<bool>,
 }
@@ -64,14 +67,26 @@ pub struct Observed {
 /// # Ok::<(), dalembert::linear::LinearError>(())
 /// ```
 pub fn observe<S: System + ?Sized>(system: &S, linear: &Linearised, names: &[&str]) -> Result<Observed, LinearError> {
-    let description = system.description();
-    let known = Names::of(description);
     let probe = Probe::new(system, &linear.equilibrium.guess());
-    let (n, m) = (linear.len(), linear.inputs.len());
+    let rows = vec![0.0; system.description().rows.len()];
+    slopes_of(system.description(), &probe, &linear.equilibrium.q, &rows, names).map(|(seen, _)| seen)
+}
+
+/// The slopes of answers by the model's own coordinates and inputs, and by the multipliers of all rows of constraints, at a
+/// state of a probe with its multipliers.
+pub(in crate::linear) fn slopes_of(
+    description: &Description,
+    probe: &Probe,
+    q: &[f64],
+    lambda: &[f64],
+    names: &[&str],
+) -> Result<(Observed, DMatrix<f64>), LinearError> {
+    let known = Names::of(description);
     let chosen = names.iter().map(|name| chosen(&known, name)).collect::<Result<Vec<_>, _>>()?.concat();
-    let mut seen = Observed::empty(chosen.len(), n, m);
+    let mut seen = Observed::empty(chosen.len(), probe.n, description.inputs.len());
+    let mut by_multipliers = DMatrix::zeros(chosen.len(), lambda.len());
     let slopes = match chosen.iter().any(|answer| matches!(answer, Answer::Output(_))) {
-        true => Some(Slopes::new(&probe, &linear.equilibrium.q)?),
+        true => Some(Slopes::new(probe, q, lambda)?),
         false => None,
     };
     let owners: Vec<usize> =
@@ -88,7 +103,8 @@ pub fn observe<S: System + ?Sized>(system: &S, linear: &Linearised, names: &[&st
             }
             Answer::Output(k) => {
                 if let Some(slopes) = &slopes {
-                    slopes.put(k, row, &known.outputs[k], &mut seen)?;
+                    let carried = slopes.put(k, row, &known.outputs[k], &mut seen)?;
+                    by_multipliers.row_mut(row).copy_from(&carried);
                 }
                 seen.of_reactions[row] = description.outputs_of_reactions.contains(&(owners[k] as u32));
                 known.outputs[k].clone()
@@ -97,7 +113,7 @@ pub fn observe<S: System + ?Sized>(system: &S, linear: &Linearised, names: &[&st
         seen.units.push(unit(description, &name));
         seen.names.push(name);
     }
-    Ok(seen)
+    Ok((seen, by_multipliers))
 }
 
 impl Observed {
@@ -110,6 +126,7 @@ impl Observed {
             rate: matrix(),
             acceleration: matrix(),
             input: DMatrix::zeros(p, 3 * m),
+            force: matrix(),
             of_reactions: vec![false; p],
         }
     }
@@ -134,7 +151,7 @@ impl Observed {
         }
     }
 
-    /// Y = (`place` + iΩ `rate` − Ω² `acceleration`) X + `input` (U, iΩ U, −Ω² U).
+    /// Y = (`place` + iΩ `rate` − Ω² `acceleration`) X + `input` (U, iΩ U, −Ω² U) + `force` F.
     pub(super) fn of(&self, x: &[Complex<f64>], drive: &Drive, omega: f64) -> Vec<Complex<f64>> {
         let turn = |order: u32| Complex::new(0.0, omega).powu(order);
         let answer = |row: usize| {
@@ -147,8 +164,11 @@ impl Observed {
                 })
                 .sum();
             let put_in = |(source, amplitude): &(Source, f64)| match source {
-                Source::Input(k) => (0..3).map(|order| turn(order as u32) * self.input[(row, 3 * k + order)]).sum(),
-                Source::Force(_) => Complex::new(0.0, 0.0),
+                Source::Input(k) => {
+                    let input = |order: usize| self.input[(row, 3 * k + order)];
+                    turn(1) * input(1) + turn(2) * input(2) + input(0)
+                }
+                Source::Force(k) => Complex::from(self.force[(row, *k)]),
             } * *amplitude;
             moved + drive.parts.iter().map(put_in).sum::<Complex<f64>>()
         };
@@ -196,17 +216,23 @@ const LATER: [f64; 2] = [0.31, 2.3];
 const SAME: f64 = 1e-9;
 
 impl Slopes {
-    fn new(probe: &Probe, q: &[f64]) -> Result<Slopes, LinearError> {
+    fn new(probe: &Probe, q: &[f64], lambda: &[f64]) -> Result<Slopes, LinearError> {
         let at = |t: f64, q: &[f64]| {
-            probe.output_slopes(t, q).ok_or_else(|| LinearError::NoSlope { answer: "outputs".to_owned() })
+            probe.output_slopes(t, q, lambda).ok_or_else(|| LinearError::NoSlope { answer: "outputs".to_owned() })
         };
         let moved = |far: f64| q.iter().zip(&probe.v).map(move |(q, v)| if *v == 0.0 { *q } else { q + far });
         let later = LATER.iter().map(|t| at(*t, &moved(*t).collect::<Vec<f64>>())).collect::<Result<_, _>>()?;
         Ok(Slopes { here: at(0.0, q)?, later })
     }
 
-    /// Puts the slopes of one component into a row.
-    fn put(&self, component: usize, row: usize, name: &str, seen: &mut Observed) -> Result<(), LinearError> {
+    /// Puts the slopes of one component into a row, but for those by multipliers, which are returned.
+    fn put(
+        &self,
+        component: usize,
+        row: usize,
+        name: &str,
+        seen: &mut Observed,
+    ) -> Result<RowDVector<f64>, LinearError> {
         let slopes = self.here.row(component);
         let changed = |later: &DMatrix<f64>| {
             let difference = (later.row(component) - slopes).amax();
@@ -226,6 +252,6 @@ impl Slopes {
             seen.acceleration[(row, i)] = slopes[2 * n + i];
         }
         (0..inputs).for_each(|k| seen.input[(row, k)] = slopes[clock - inputs + k]);
-        Ok(())
+        Ok(slopes.columns(3 * n, clock - inputs - 3 * n).into_owned())
     }
 }

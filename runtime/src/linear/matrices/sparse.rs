@@ -28,6 +28,11 @@ impl SparseMatrix {
         matrix
     }
 
+    /// The identity.
+    pub fn identity(n: usize) -> Self {
+        SparseMatrix { rows: n, columns: n, entries: (0..n as u32).map(|i| (i, i, 1.0)).collect() }
+    }
+
     /// The non-zeros of a dense matrix.
     pub fn from_dense(dense: &DMatrix<f64>) -> Self {
         let (rows, columns) = dense.shape();

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use nalgebra::Complex;
 
 use super::{Kind, Mode};
+use crate::linear::equilibrium::Probe;
 use crate::linear::{Linearised, short};
 use crate::mechanism::{At, Shape, System};
 use crate::show::{Animation, Axis, Chart, Figure, Series, Style};
@@ -22,17 +23,20 @@ const CORNERS: u32 = 60;
 /// Frames of one period.
 const FRAMES: u32 = 60;
 
-/// One period of a mode as an animation that repeats: q = q₀ + a Re(φ e^(iωt)), without its growth or decay.
+/// One period of a mode as an animation that repeats: q = q₀ + a Re(φ e^(iωt)), without its growth or decay; inputs are held
+/// where the equilibrium has them.
 ///
 /// The amplitude is chosen for the eye.  Rigid and overdamped modes go to and fro in 2 s.
 pub fn animate_mode<S: System + ?Sized>(system: &S, linear: &Linearised, mode: &Mode) -> Animation {
-    let amplitude = amplitude(system, linear, mode);
+    let held = Probe::new(system, &linear.equilibrium.guess());
+    let still = held.system.borrow();
+    let amplitude = amplitude(&**still, linear, mode);
     let omega = if mode.eigenvalue.im > 0.0 { mode.eigenvalue.im } else { 0.5 * TAU };
     let frames = (0..=FRAMES).map(|i| {
         let phase = TAU * f64::from(i) / f64::from(FRAMES);
         // The last frame is the first, to the last digit.
         let phase = if i == FRAMES { 0.0 } else { phase };
-        (TAU * f64::from(i) / f64::from(FRAMES) / omega, drawing(system, linear, mode, amplitude, phase))
+        (TAU * f64::from(i) / f64::from(FRAMES) / omega, drawing(&**still, linear, mode, amplitude, phase))
     });
     let animation = Animation::of(system.description()).with_frames(frames);
     Animation { about: mode.to_string(), repeat: true, ..animation }
@@ -42,6 +46,9 @@ pub fn animate_mode<S: System + ?Sized>(system: &S, linear: &Linearised, mode: &
 /// by coordinate.  Several stand side by side.
 pub fn draw_modes<S: System + ?Sized>(system: &S, linear: &Linearised, modes: &[Mode]) -> Figure {
     let description = system.description();
+    let held = Probe::new(system, &linear.equilibrium.guess());
+    let still = held.system.borrow();
+    let system = &**still;
     let flat = description.structure.dimension == 2 && description.drawing_len() > 0;
     let chart = |(index, mode): (usize, &Mode)| {
         let title = title(index, mode);

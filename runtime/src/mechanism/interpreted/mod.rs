@@ -147,6 +147,12 @@ impl System for Interpreted {
         self.evaluate(Function::ConstraintTilt, at, values);
     }
 
+    fn constraint_rates_by_inputs(&self, at: At<'_>, columns: &mut [f64]) -> bool {
+        let u = self.input_values(at.t);
+        slopes::constraint_rates_by_inputs(&self.interpreter, with_inputs(at, &u), columns);
+        true
+    }
+
     fn held_rates(&self, at: At<'_>, values: &mut [f64]) {
         self.evaluate(Function::HeldRates, at, values);
     }

@@ -31,6 +31,22 @@ pub(super) fn output_slopes(interpreter: &Interpreter, at: interpret::At<'_>, si
     }
 }
 
+/// Fills the columns of
+/// [`System::constraint_rates_by_inputs`](crate::mechanism::System::constraint_rates_by_inputs).
+pub(super) fn constraint_rates_by_inputs(interpreter: &Interpreter, at: interpret::At<'_>, columns: &mut [f64]) {
+    let rows = interpreter.program().constraints.len();
+    let mut triples = vec![Dual::constant(0.0); 3 * rows];
+    for (k, column) in columns.chunks_exact_mut(rows.max(1)).enumerate() {
+        let seeded = Symbol::Input((k / 2) as u32, (k % 2) as u8);
+        let value = |symbol: Symbol| {
+            let slope = f64::from(u8::from(symbol == seeded));
+            Dual { value: interpreter.value(symbol, at), slope }
+        };
+        interpreter.evaluate_in(Function::Constraints, value, &mut triples);
+        column.iter_mut().zip(triples.chunks_exact(3)).for_each(|(slope, triple)| *slope = triple[1].slope);
+    }
+}
+
 impl Scalar for Dual {
     fn constant(value: DoubleDouble) -> Dual {
         Dual::constant(value.to_f64())
