@@ -115,6 +115,8 @@ const AWAY: u32 = 8;
 const FLAT: u32 = 4;
 /// A value larger than those beside it by this is at a pole.
 const POLE: f64 = 1e8;
+/// Room for the points of an ordinary search.
+const ROOM: usize = 256;
 /// Pieces are not halved more often.
 const DEEPEST: u32 = 50;
 
@@ -145,6 +147,7 @@ impl Certifier {
         self.size = 0.0;
         self.marks.clear();
         self.points.clear();
+        self.points.reserve(ROOM);
         self.points.push(*first);
         let pieces = if self.patient { 20 * grid.len() as u64 } else { 0 };
         let limit = self.samples + MOST_SAMPLES + pieces;

@@ -50,24 +50,31 @@ pub(crate) const JITTER: f64 = 4.0 * f64::EPSILON;
 /// Errors are explained by up to so many times the measured noise.
 const EXPLAINED: f64 = 8.0;
 
+/// For each coordinate the first that has its unit.
+pub(super) fn alike(mechanism: &Description) -> Vec<usize> {
+    let coordinates = &mechanism.coordinates;
+    let first = |unit: &str| coordinates.iter().position(|other| other.unit == unit).unwrap_or(0);
+    coordinates.iter().map(|coordinate| first(&coordinate.unit)).collect()
+}
+
 impl Tolerance {
     /// For a motion from this state.
     pub fn new(relative: f64, mechanism: &Description, start: &[f64]) -> Self {
-        let units: Vec<&str> = mechanism.coordinates.iter().map(|coordinate| coordinate.unit.as_ref()).collect();
-        let first = |unit: &&str| units.iter().position(|known| known == unit).unwrap_or(0);
+        let group = alike(mechanism);
+        let n = group.len();
         let mut tolerance = Tolerance {
             relative,
-            n: units.len(),
+            n,
             low: start.to_vec(),
             high: start.to_vec(),
             widest: widest(mechanism),
-            raised: vec![0.0; units.len()],
-            noise: vec![0.0; units.len()],
+            raised: vec![0.0; n],
+            noise: vec![0.0; n],
             floors: vec![0.0; start.len()],
             onset: vec![0.0; start.len()],
             blurred: vec![0.0; start.len()],
             is_clear: true,
-            group: units.iter().map(first).collect(),
+            group,
         };
         tolerance.floors = (0..start.len()).map(|k| tolerance.floor(k)).collect();
         tolerance

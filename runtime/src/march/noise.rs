@@ -101,7 +101,7 @@ impl March {
 /// |M⁻¹ u m| for magnitudes of equal and of alternating signs, the larger of both; `None` where M has no inverse.
 ///
 /// What an input is made of is not known: it counts as made of terms as large as it is at any time from here to `until`.
-fn by_terms(system: &dyn System, at: At<'_>, until: f64) -> Option<Vec<f64>> {
+pub(super) fn by_terms(system: &dyn System, at: At<'_>, until: f64) -> Option<Vec<f64>> {
     let n = system.len();
     let pattern = &system.description().mass_pattern;
     let (mut values, mut sums) = (vec![0.0; pattern.len()], vec![0.0; n]);

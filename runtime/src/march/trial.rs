@@ -1,10 +1,10 @@
 //! A fixed step that suits a tolerance, found by trial steps over the start.
 
-use super::noise::Steady;
+use super::noise::{Steady, by_terms};
 use super::{March, Pace};
 use crate::constrain::Projection;
 use crate::integrate::{OneStep, Setback, StepControl, Tolerance, Trial, longest_step, order, stepper};
-use crate::mechanism::{Method, System};
+use crate::mechanism::{At, Method, System};
 
 /// The start is as much of the motion as the method of order 8 does in so many steps at this tolerance.
 const SCOUTED: usize = 200;
@@ -119,6 +119,7 @@ fn scout(
             if steady.remains(error, h, SCOUT) {
                 known.set_off(stepper.errors());
             }
+            note_rounding(system, (t, until), stepper.as_ref(), h, [&mut known, tolerance]);
             h = control.rejected(h, if error <= 1.0 { f64::NAN } else { error });
             continue;
         }
@@ -132,6 +133,25 @@ fn scout(
         states.push((t, y.to_vec()));
     }
     states
+}
+
+/// What of the errors of a rejected step of h from t is rounding of the equations' terms, these tolerances take note of.
+fn note_rounding(
+    system: &dyn System,
+    (t, until): (f64, f64),
+    stepper: &dyn OneStep,
+    h: f64,
+    tolerances: [&mut Tolerance; 2],
+) {
+    let (n, start, errors) = (system.len(), stepper.start(), stepper.errors());
+    let at = At::packed(t, start.y, n).accelerated(&start.rate[n..]);
+    let Some(noise) = by_terms(system, at, until) else { return };
+    for tolerance in tolerances {
+        for (i, noise) in noise.iter().enumerate() {
+            tolerance.noise(i, *noise, h, [errors[i].abs(), errors[n + i].abs()]);
+        }
+        tolerance.spread_noise(errors, h);
+    }
 }
 
 /// One step beside two of half its length.
@@ -151,10 +171,11 @@ impl TrialSteps {
             return f64::INFINITY;
         }
         let (n, end) = (y.len() / 2, self.stepper.start().y);
+        let change = |k: usize| (end[k] - y[k]).abs();
         let sum: f64 = (0..n)
             .map(|j| {
-                let changes = [end[j] - y[j], end[n + j] - y[n + j]];
-                let [place, speed] = tolerance.units_by_change(j, h, changes);
+                // What stays where it is moves by rounding, to which no step is short enough.
+                let [place, speed] = tolerance.units_by_change(j, h, tolerance.carried(j, change));
                 ((end[j] - self.whole[j]) / place).powi(2) + ((end[n + j] - self.whole[n + j]) / speed).powi(2)
             })
             .sum();

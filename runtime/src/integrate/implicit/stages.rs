@@ -4,6 +4,7 @@ use nalgebra::Complex;
 
 use super::tableau::{STAGES, Tableau, sum};
 use crate::integrate::linear::Pencil;
+use crate::integrate::tolerance::alike;
 use crate::integrate::{Setback, Tolerance};
 use crate::mechanism::{AccelerationSlopes, At, System};
 
@@ -50,6 +51,9 @@ pub(super) struct Newton {
     pub real: Pencil<f64>,
     complex: Pencil<Complex<f64>>,
     room: Vec<Complex<f64>>,
+    /// For each coordinate the first that has its unit, and the largest size of a place over the step there.
+    alike: Vec<usize>,
+    largest: Vec<f64>,
     /// The step that the pencils are factored for; 0: none.
     factored: f64,
     /// How many iterations there were when the Jacobians were new; 0: they are to be.
@@ -66,6 +70,8 @@ const NOISE: f64 = 1e-7;
 /// Newton's corrections relative to the state that no digit of it shows, nor of what rounding took from it.
 const NOTHING: f64 = f64::EPSILON * f64::EPSILON;
 const TINY: f64 = 1e-290;
+/// What is smaller than what has its unit, by this, may be rounding of that.
+const SMALL: f64 = 1e-8;
 /// Without a tolerance: iterations at most.
 const MOST: u32 = 60;
 /// With a tolerance: iterations at most, and what the last correction may leave, in its units.
@@ -115,6 +121,8 @@ impl Newton {
             real: Pencil::new(n),
             complex: Pencil::new(n),
             room: vec![Complex::new(0.0, 0.0); n],
+            alike: Vec::new(),
+            largest: vec![0.0; n],
             factored: 0.0,
             usual: 0,
             contraction: 0.0,
@@ -177,6 +185,9 @@ impl Newton {
         stages: &Stages,
         at: &mut [f64],
     ) -> Result<(), Setback> {
+        if self.alike.is_empty() {
+            self.alike = alike(system.description());
+        }
         if jacobians != Jacobians::Known {
             let middle = self.tableau.stages() / 2;
             let mut t = from.t;
@@ -325,16 +336,23 @@ impl Newton {
         first.iter_mut().for_each(|x| *x *= right[0]);
     }
 
-    /// The largest correction of a place, beside the sizes of places, speeds and accelerations over the step.
-    fn relative(&self, From { h, y, .. }: From<'_>, stages: &Stages) -> f64 {
+    /// The largest correction of a place, beside the sizes of places, speeds and accelerations over the step: its own, or a small part
+    /// of those of what has its unit.
+    fn relative(&mut self, From { h, y, .. }: From<'_>, stages: &Stages) -> f64 {
         let n = self.n;
+        let size = |j: usize, k: f64| y[j].abs() + (h * y[n + j]).abs() + h * h * k.abs();
+        self.largest.fill(0.0);
+        for (i, k) in stages.accelerations.iter().enumerate() {
+            let largest = &mut self.largest[self.alike[i % n]];
+            *largest = largest.max(size(i % n, *k));
+        }
         let mut most = 0.0_f64;
         for (i, (correction, k)) in stages.left.iter().zip(&stages.accelerations).enumerate() {
             let j = i % n;
-            let size = y[j].abs() + (h * y[n + j]).abs() + h * h * k.abs();
             let change = h * h * correction.abs();
             // Numbers that have hardly any digits cannot agree to many.
-            most = most.max(if change <= TINY { 0.0 } else { change / size });
+            let beside = size(j, *k).max(SMALL * self.largest[self.alike[j]]);
+            most = most.max(if change <= TINY { 0.0 } else { change / beside });
         }
         most
     }
