@@ -32,6 +32,8 @@ pub use erased::Erased;
 pub(crate) use form::{Form, Solutions};
 pub use generated::{Mechanism, Values};
 #[cfg(feature = "interpret")]
+pub(crate) use interpreted::ExtendedAt;
+#[cfg(feature = "interpret")]
 pub use interpreted::Interpreted;
 pub use method::{Method, ParseMethodError};
 pub(crate) use part::OfPart;

@@ -8,8 +8,15 @@
 //! 6. What a scene can do without, on the same axes: look in `fidelity.rs`.
 //! 7. Where each method is stable: look in `map.rs`.
 
+mod arithmetic;
 mod candidate;
 mod curve;
+#[cfg(feature = "interpret")]
+mod extended;
+#[cfg(all(test, feature = "interpret"))]
+mod extended_tests;
+#[cfg(feature = "interpret")]
+mod extrapolation;
 mod fidelity;
 mod map;
 mod picture;
@@ -21,6 +28,7 @@ mod tests;
 mod verdict;
 mod work;
 
+pub use arithmetic::{Arithmetic, DoubleOnly};
 pub use candidate::Candidate;
 pub use curve::Curve;
 pub use fidelity::{Fidelity, Verified};
@@ -34,6 +42,8 @@ pub use work::WorkUnits;
 use std::ops::ControlFlow;
 
 use crate::error::Error;
+#[cfg(feature = "interpret")]
+use crate::mechanism::Interpreted;
 
 /// Speed against accuracy of one scene: a curve for each candidate.
 ///
@@ -96,13 +106,37 @@ impl WorkPrecision {
         plan: &Plan,
         progress: &mut dyn FnMut(&str) -> ControlFlow<()>,
     ) -> Result<WorkPrecision, Error> {
+        WorkPrecision::against(candidates, plan, |_, reference| reference, progress)
+    }
+
+    /// The same with errors from a motion in double-double wherever [`Arithmetic`] lets it be: `model` is the first candidate's, to
+    /// be interpreted.  Curves then reach down to the methods' own rounding.
+    ///
+    /// # Errors
+    /// Those of [`WorkPrecision::measure`].
+    #[cfg(feature = "interpret")]
+    pub fn measure_extended(
+        candidates: &[Candidate],
+        plan: &Plan,
+        model: &Interpreted,
+        progress: &mut dyn FnMut(&str) -> ControlFlow<()>,
+    ) -> Result<WorkPrecision, Error> {
+        WorkPrecision::against(candidates, plan, |first, reference| reference.extended(first, model), progress)
+    }
+
+    /// The same with errors from what becomes of the first candidate's reference.
+    pub(crate) fn against(
+        candidates: &[Candidate],
+        plan: &Plan,
+        refined: impl FnOnce(&Candidate, Reference) -> Reference,
+        progress: &mut dyn FnMut(&str) -> ControlFlow<()>,
+    ) -> Result<WorkPrecision, Error> {
         let Some(first) = candidates.first() else {
             return Err(Error::NoReference { why: "there is no candidate".into() });
         };
-        let reference = Reference::find(first, &plan.columns)?;
         let mut found = WorkPrecision {
             title: first.system.description().name.to_string(),
-            reference,
+            reference: refined(first, Reference::find(first, &plan.columns)?),
             curves: Vec::new(),
             refused: Vec::new(),
         };

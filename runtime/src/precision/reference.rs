@@ -1,27 +1,36 @@
 //! What errors are measured from.
 
-use super::Candidate;
+use super::{Arithmetic, Candidate, DoubleOnly};
 use crate::error::Error;
 use crate::mechanism::Method;
 use crate::run::Run;
 use crate::simulate::{Settings, simulate};
 
 /// A motion that two different methods agree on, by multipliers and projection where there are constraints.
+///
+/// Where a model can be interpreted and its motion is smooth, [`WorkPrecision::measure_extended`](super::WorkPrecision) computes it in double-double: errors then reach
+/// down to the methods' own rounding.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Reference {
-    /// The method whose values they are, and the one that agrees.
+    /// Two methods in `f64` that agree on it.
     pub methods: [Method; 2],
     /// The largest difference of the two, in parts of ranges.
     pub agreement: f64,
+    /// What its values were computed in.
+    pub arithmetic: Arithmetic,
     /// True where the scene goes on, and two methods agree on fewer than eight digits of it.
     pub is_cut: bool,
     /// What is compared.
     pub columns: Vec<String>,
-    times: Vec<f64>,
-    /// One list for each column, and what errors of it are measured by.
-    values: Vec<Vec<f64>>,
-    ranges: Vec<f64>,
+    pub(super) times: Vec<f64>,
+    /// One list for each column, what these numbers leave out, and what errors of it are measured by.
+    pub(super) values: Vec<Vec<f64>>,
+    pub(super) rests: Vec<Vec<f64>>,
+    pub(super) ranges: Vec<f64>,
+    /// [q; q'] where the motion starts, and the largest range of anything that has a component's unit.
+    pub(super) start: Vec<f64>,
+    pub(super) sizes: Vec<f64>,
     /// When an event ends the motion, s.
     end: Option<f64>,
     evaluations: u64,
@@ -41,6 +50,8 @@ const METHODS: [(Method, f64); 4] =
 const MOST_STEPS: u64 = 1_000_000;
 /// What is known to fewer digits than this times their agreement is no error of a method.
 const CERTAIN: f64 = 3.0;
+/// Two runs in double-double that agree have rounded alike: 2⁻¹⁰⁴ at the least.
+const ROUNDING: f64 = 4.9e-32;
 /// A method may take so many evaluations for each one of the reference, and so many more; where these are many, twice as
 /// many and so many more.
 const DEARER: u64 = 40;
@@ -72,11 +83,18 @@ impl Reference {
         let columns = if columns.is_empty() { coordinates } else { columns.to_vec() };
         let values = columns.iter().map(|name| column(first, name)).collect::<Result<Vec<_>, Error>>()?;
         let end = |run: &Run| run.ended_by().map(|event| event.state.t);
+        let start = first.first();
+        let components: Vec<String> = start.entries().map(|(name, _)| name).collect();
+        let states = components.iter().map(|name| column(first, name)).collect::<Result<Vec<_>, Error>>()?;
         let mut found = Reference {
             methods: [first.method, second.method],
             agreement: 0.0,
             is_cut: false,
-            ranges: ranges(first, &columns, &values),
+            arithmetic: Arithmetic::Double { why: DoubleOnly::NoModel },
+            ranges: ranges(first, &columns, &values, SMALL),
+            rests: values.iter().map(|values| vec![0.0; values.len()]).collect(),
+            start: [start.q, start.v].concat(),
+            sizes: ranges(first, &components, &states, 1.0),
             columns,
             times: first.times.clone(),
             values,
@@ -105,14 +123,14 @@ impl Reference {
         let mut growth = vec![0.0_f64; self.times.len()];
         // An event ends each run in its own time: what is compared is when.
         let shared = self.times.len() - usize::from(self.end.is_some());
-        for ((name, values), range) in self.columns.iter().zip(&self.values).zip(&self.ranges) {
+        for (((name, values), rests), range) in self.columns.iter().zip(&self.values).zip(&self.rests).zip(&self.ranges) {
             let theirs = column(run, name).unwrap_or_default();
             for (row, error) in growth.iter_mut().enumerate().take(shared) {
                 let there = run.times.get(row) == Some(&self.times[row]);
                 let value = theirs.get(row).filter(|_| there).copied();
                 let difference = match value {
                     Some(value) if value.is_nan() && values[row].is_nan() => 0.0,
-                    Some(value) => (value - values[row]).abs() / range,
+                    Some(value) => (value - values[row] - rests[row]).abs() / range,
                     None => f64::INFINITY,
                 };
                 *error = if difference.is_nan() { f64::INFINITY } else { error.max(difference) };
@@ -135,7 +153,30 @@ impl Reference {
 
     /// Errors below this one are not known.
     pub fn floor(&self) -> f64 {
-        CERTAIN * self.agreement.max(f64::EPSILON)
+        // No number is nearer to its value than half a unit of its last place.
+        self.certainty().max(0.5 * f64::EPSILON)
+    }
+
+    /// How many decimal digits of it are certain, counted from the largest of what is compared.
+    pub fn digits(&self) -> u32 {
+        -self.certainty().log10().min(0.0) as u32
+    }
+
+    /// By what it may be wrong, in parts of ranges.
+    fn certainty(&self) -> f64 {
+        CERTAIN
+            * match self.arithmetic {
+                Arithmetic::Double { .. } => self.agreement.max(f64::EPSILON),
+                Arithmetic::DoubleDouble { agreement, .. } => agreement.max(ROUNDING),
+            }
+    }
+
+    /// What its values were computed by, in short: `double-double` or the method.
+    pub fn by(&self) -> &'static str {
+        match self.arithmetic {
+            Arithmetic::Double { .. } => self.methods[0].name(),
+            Arithmetic::DoubleDouble { .. } => "double-double",
+        }
     }
 
     /// The settings of a run that is compared with it.
@@ -178,8 +219,8 @@ fn column(run: &Run, name: &str) -> Result<Vec<f64>, Error> {
     })
 }
 
-/// How far values are apart, beside what else has their unit; what does not move is measured by its size.
-fn ranges(run: &Run, columns: &[String], values: &[Vec<f64>]) -> Vec<f64> {
+/// How far values are apart, `least` of the largest that has their unit at the least; what does not move is measured by its size.
+fn ranges(run: &Run, columns: &[String], values: &[Vec<f64>], least: f64) -> Vec<f64> {
     let spans = values.iter().map(|values| {
         let finite = || values.iter().copied().filter(|value| value.is_finite());
         let (low, high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
@@ -199,7 +240,7 @@ fn ranges(run: &Run, columns: &[String], values: &[Vec<f64>]) -> Vec<f64> {
         alike.fold(0.0, f64::max)
     };
     let of = |(span, unit): (&f64, &String)| {
-        let range = span.max(SMALL * largest(unit));
+        let range = span.max(least * largest(unit));
         if range > 0.0 { range } else { 1.0 }
     };
     spans.iter().zip(&units).map(of).collect()

@@ -1,12 +1,14 @@
 //! A model file that nobody compiled, as a [`System`].
 
 mod describe;
+mod extended;
 mod slopes;
 
 use dalembert_symbolic::interpret::{self, Function, Interpreter};
 use dalembert_symbolic::lower::Program;
 
 use describe::describe;
+pub(crate) use extended::ExtendedAt;
 
 use super::balances::{belongs, put_reactions};
 use super::phased::{Phased, RowHistory, indicate, sprung};

@@ -1,0 +1,141 @@
+//! References in double-double.
+
+use dalembert_symbolic::expr::DoubleDouble;
+
+use super::extrapolation::Extrapolation;
+use super::{Arithmetic, Candidate, DoubleOnly, Reference};
+use crate::mechanism::{Action, ExtendedAt, Interpreted, System};
+use crate::run::Names;
+
+/// The run whose values are taken, and the one that it is compared with, which has no evaluation but the first in common: rows, the
+/// rise from row to row, and the tolerance.
+const RUNS: [(usize, usize, f64); 2] = [(15, 2, 1e-27), (12, 4, 1e-25)];
+/// A run interprets no more instructions than this, about.
+const MOST_OPERATIONS: u64 = 300_000_000;
+/// No run takes more evaluations.
+const MOST_EVALUATIONS: u64 = 3_000_000;
+
+impl Reference {
+    /// The same reference with values in double-double, by the candidate's model interpreted, where it has neither constraints nor
+    /// discontinuities, tables or events; [`Reference::arithmetic`] says whether, and why not.
+    ///
+    /// Start and parameters are the candidate's; what is written out in the file is taken to all its digits.
+    pub(crate) fn extended(mut self, candidate: &Candidate, model: &Interpreted) -> Reference {
+        self.arithmetic = match self.computed(candidate, model) {
+            Ok((columns, arithmetic)) => {
+                for (index, column) in columns.iter().enumerate() {
+                    self.values[index] = column.iter().map(|value| value.to_f64()).collect();
+                    self.rests[index] = column.iter().map(|value| value.rest()).collect();
+                }
+                arithmetic
+            }
+            Err(why) => Arithmetic::Double { why },
+        };
+        self
+    }
+
+    fn computed(
+        &self,
+        candidate: &Candidate,
+        model: &Interpreted,
+    ) -> Result<(Vec<Vec<DoubleDouble>>, Arithmetic), DoubleOnly> {
+        let model = prepared(candidate, model)?;
+        let values = self.columns_of(&model, RUNS[0])?;
+        let others = self.columns_of(&model, RUNS[1])?;
+        let agreement = self.difference(&values, |column, row| others[column][row]);
+        let from_double = self.difference(&values, |column, row| self.values[column][row].into());
+        if from_double > self.floor() || agreement > self.floor() {
+            return Err(DoubleOnly::Differs { from: self.methods[0], by: from_double.max(agreement) });
+        }
+        Ok((values, Arithmetic::DoubleDouble { agreement, from_double }))
+    }
+
+    /// What is compared, by one of these runs.
+    fn columns_of(
+        &self,
+        model: &Interpreted,
+        (rows, rise, tolerance): (usize, usize, f64),
+    ) -> Result<Vec<Vec<DoubleDouble>>, DoubleOnly> {
+        let description = model.description();
+        let n = description.coordinates.len();
+        let accelerations = |t: DoubleDouble, y: &[DoubleDouble], a: &mut [DoubleDouble]| {
+            let at = ExtendedAt { t, q: &y[..n], v: &y[n..], a: &[] };
+            model.extended_accelerations(at, a).map_err(|_| DoubleOnly::Singular)
+        };
+        let rates = |t: DoubleDouble, y: &[DoubleDouble], rates: &mut [DoubleDouble]| {
+            let (q, v) = rates.split_at_mut(n);
+            q.copy_from_slice(&y[n..]);
+            accelerations(t, y, v)
+        };
+        let method = Extrapolation { rates: &rates, scales: &self.sizes, tolerance, rows, rise, most: most(model) };
+        let start = self.start.iter().map(|value| (*value).into()).collect();
+        let states = method.through(start, &self.times)?;
+        // As runs name them: coordinates, rates, outputs; then time.
+        let mut names = Names::of(description).columns();
+        names.push("t".to_owned());
+        let place = |name: &String| names.iter().position(|known| known == name).ok_or(DoubleOnly::OtherModel);
+        let places = self.columns.iter().map(place).collect::<Result<Vec<usize>, DoubleOnly>>()?;
+        let mut columns = vec![Vec::new(); places.len()];
+        let (mut a, mut outputs) = (vec![DoubleDouble::ZERO; n], vec![DoubleDouble::ZERO; description.output_len()]);
+        for (t, y) in self.times.iter().zip(states) {
+            let t = DoubleDouble::from(*t);
+            if description.outputs_use_accelerations {
+                accelerations(t, &y, &mut a)?;
+            }
+            model.extended_outputs(ExtendedAt { t, q: &y[..n], v: &y[n..], a: &a }, &mut outputs);
+            let row = [&y[..], &outputs, &[t]].concat();
+            columns.iter_mut().zip(&places).for_each(|(column, place)| column.push(row[*place]));
+        }
+        Ok(columns)
+    }
+
+    /// The largest difference of values from others, in parts of ranges; what is in neither of them is no difference.
+    fn difference(&self, values: &[Vec<DoubleDouble>], others: impl Fn(usize, usize) -> DoubleDouble) -> f64 {
+        let mut largest = 0.0_f64;
+        for (column, (values, range)) in values.iter().zip(&self.ranges).enumerate() {
+            for (row, value) in values.iter().enumerate() {
+                let other = others(column, row);
+                let difference = match (value.is_nan(), other.is_nan()) {
+                    (true, true) => 0.0,
+                    (false, false) => (*value - other).abs().to_f64() / range,
+                    _ => f64::INFINITY,
+                };
+                largest = largest.max(if difference.is_nan() { f64::INFINITY } else { difference });
+            }
+        }
+        largest
+    }
+}
+
+/// The model with the candidate's parameters, if its motion is smooth.
+fn prepared(candidate: &Candidate, model: &Interpreted) -> Result<Interpreted, DoubleOnly> {
+    let (description, own) = (candidate.system.description(), model.description());
+    let parameters = candidate.system.parameters();
+    let same = description.source_hash == own.source_hash
+        && description.coordinates == own.coordinates
+        && parameters.len() == own.parameters.len();
+    if !same {
+        return Err(DoubleOnly::OtherModel);
+    }
+    let acts = |action: &Action| !matches!(action, Action::Record);
+    let inputs = description.inputs.len();
+    let why = [
+        (!description.rows.is_empty(), DoubleOnly::Constraints),
+        (!description.switches.is_empty() || !description.tables.is_empty(), DoubleOnly::Switches),
+        (description.events.iter().any(|event| event.actions.iter().any(acts)), DoubleOnly::Events),
+        ((0..inputs).any(|index| candidate.system.signal(index).is_some()), DoubleOnly::Inputs),
+    ];
+    if let Some((_, why)) = why.into_iter().find(|(holds, _)| *holds) {
+        return Err(why);
+    }
+    let mut model = model.clone();
+    parameters.into_iter().enumerate().for_each(|(index, value)| model.set_parameter(index, value));
+    model.set_phase(candidate.settings.phase);
+    Ok(model)
+}
+
+/// How many evaluations are as many operations as a run may take.
+fn most(model: &Interpreted) -> u64 {
+    let operations = u64::from(model.description().counts.mass_and_bias.max(1));
+    (MOST_OPERATIONS / operations).min(MOST_EVALUATIONS)
+}
