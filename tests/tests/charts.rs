@@ -30,7 +30,7 @@ fn a_chart_has_a_curve_for_every_method_that_suits() {
     let (svg, csv) = (file("pendulum.svg"), file("pendulum.csv"));
     let printed = told(&["double_pendulum", "--until", "1", "--plot", text(&svg), "--csv", text(&csv)]).unwrap();
     for expected in [
-        "measured from dop853, with which dopri5 agrees",
+        "measured from extrapolation in double-double, of which two runs agree to",
         "not separable, since its mass matrix changes",
         "An error of 1e-6 costs",
     ] {
@@ -41,7 +41,27 @@ fn a_chart_has_a_curve_for_every_method_that_suits() {
         assert!(points.contains(&format!("DoublePendulum,{method},")), "{method}");
     }
     assert!(!points.contains("verlet"));
-    assert!(fs::read_to_string(svg).unwrap().starts_with("<svg"));
+    let digits = |row: &str| -> u32 { row.rsplit_once(",double-double,").unwrap().1.parse().unwrap() };
+    assert!(points.lines().skip(1).all(|row| digits(row) >= 22), "{points}");
+    let picture = fs::read_to_string(svg).unwrap();
+    assert!(picture.starts_with("<svg") && picture.contains("DoublePendulum, measured from double-double ("));
+}
+
+#[test]
+fn a_reference_in_double_precision_says_why_it_is_no_better() {
+    let (svg, csv) = (file("double.svg"), file("double.csv"));
+    let paths = ["--methods", "rk4", "--plot", text(&svg), "--csv", text(&csv)];
+    for (arguments, why) in [
+        (vec!["slider_crank", "--until", "1"], "there are constraints"),
+        (vec!["cannon_ball"], "there are events"),
+        (vec!["shaken_pendulum", "--until", "1", "--input", "base=0.1*sin(t)"], "an input is not the file's"),
+    ] {
+        let arguments: Vec<&str> = arguments.into_iter().chain(paths).collect();
+        let printed = told(&arguments).unwrap();
+        assert!(printed.contains("measured from dop853, with which dopri5 agrees to"), "{printed}");
+        assert!(printed.contains(&format!("(no more by double-double: {why})")), "{why}: {printed}");
+        assert!(fs::read_to_string(&csv).unwrap().lines().nth(1).unwrap().contains(",dop853,1"));
+    }
 }
 
 #[test]

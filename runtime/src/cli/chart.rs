@@ -8,9 +8,9 @@ use clap::ArgMatches;
 use super::load::Loaded;
 use super::set_up::set_up;
 use super::{Entry, Problem, needs, outputs};
-use crate::mechanism::{Description, Method, System};
+use crate::mechanism::{Description, Interpreted, Method, System};
 use crate::needs::Needs;
-use crate::precision::{Candidate, Fidelity, Plan, WorkPrecision};
+use crate::precision::{Candidate, DoubleOnly, Fidelity, Plan, Reference, WorkPrecision};
 use crate::{Error, Settings};
 
 /// Measures every method that suits, and every way of treating constraints; prints a table and what follows from it, and
@@ -45,9 +45,15 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         ));
     }
     let plan = Plan { columns, ..Plan::default() };
-    let mut measured = vec![measure(&methods, &plan)?];
+    let model = match options.contains_id("input") {
+        true => Err(DoubleOnly::Inputs),
+        false => {
+            loaded.program().map_or(Err(DoubleOnly::NoModel), |program| Ok(Interpreted::new(program, &loaded.source)))
+        }
+    };
+    let mut measured = vec![measure(&methods, &plan, &model)?];
     if !ways.is_empty() {
-        let mut found = measure(&ways, &plan)?;
+        let mut found = measure(&ways, &plan, &model)?;
         found.title = format!("{}: formulations, by dop853", found.title);
         measured.push(found);
     }
@@ -136,9 +142,14 @@ fn components(description: &Description) -> Vec<String> {
     description.outputs.iter().flat_map(of).collect()
 }
 
-fn measure(candidates: &[Candidate], plan: &Plan) -> Result<WorkPrecision, Problem> {
+fn measure(
+    candidates: &[Candidate],
+    plan: &Plan,
+    model: &Result<Interpreted, DoubleOnly>,
+) -> Result<WorkPrecision, Problem> {
     let shown = std::io::stderr().is_terminal();
-    let found = WorkPrecision::measure(candidates, plan, &mut |name| {
+    let extended = |first: &Candidate, found: Reference| found.extended(first, model.as_ref().map_err(|why| *why));
+    let found = WorkPrecision::against(candidates, plan, extended, &mut |name| {
         if shown {
             eprint!("\r{name}\x1b[K");
         }
@@ -156,10 +167,9 @@ fn measure(candidates: &[Candidate], plan: &Plan) -> Result<WorkPrecision, Probl
 fn report(found: &WorkPrecision, out: &mut dyn Write) -> Result<(), Problem> {
     let reference = &found.reference;
     let times = reference.times();
-    let [first, second] = reference.methods;
     writeln!(out, "{} until t = {}", found.title, times[times.len() - 1])?;
     writeln!(out, "errors of {}, the largest, in parts of their ranges", reference.columns.join(", "))?;
-    writeln!(out, "measured from {first}, with which {second} agrees to {:.0e}", reference.agreement)?;
+    writeln!(out, "{}", reference.sentence())?;
     if reference.is_cut {
         writeln!(out, "the scene goes on, but beyond that time they agree on fewer than eight digits")?;
     }

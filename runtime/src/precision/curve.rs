@@ -4,6 +4,7 @@ use super::point::{Pace, Point};
 use super::{Candidate, Measured, Reference};
 use crate::error::Error;
 use crate::mechanism::{Enforcement, Method};
+use crate::simulate::Settings;
 
 /// What a candidate costs at each error.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,11 +21,12 @@ pub struct Curve {
 /// Two paces a decade of the tolerance, two a factor of two of the step.
 const FINER: f64 = 0.316_227_766_016_837_94;
 const SHORTER: f64 = std::f64::consts::FRAC_1_SQRT_2;
-/// The loosest tolerance, and the tightest.
+/// The loosest tolerance.
 const LOOSEST: f64 = 1e-2;
-const TIGHTEST: f64 = 1e-13;
-/// Springs in the place of constraints are not what the reference has: a curve may stand still for so many points.
+/// A curve may stand still for so many points: springs in the place of constraints are not what the reference has, and below this
+/// error there may be nothing but rounding.
 const STANDSTILL: usize = 4;
+const NEARLY_ROUNDED: f64 = 1e-9;
 /// A curve has no more points.
 const MOST: usize = 60;
 
@@ -44,11 +46,11 @@ impl Curve {
             if at_floor {
                 break;
             }
-            if springs && curve.stands_still() {
+            if springs && curve.stands_still() || curve.is_rounding() {
                 break;
             }
             pace = match pace {
-                Pace::Tolerance(tolerance) if tolerance < 1.5 * TIGHTEST => break,
+                Pace::Tolerance(tolerance) if tolerance < 1.5 * Settings::TIGHTEST => break,
                 Pace::Tolerance(tolerance) => Pace::Tolerance(tolerance * FINER),
                 Pace::Step(step) => Pace::Step(step * SHORTER),
             };
@@ -100,5 +102,14 @@ impl Curve {
         let found: Vec<&Measured> = self.measured().collect();
         let Some(before) = found.len().checked_sub(STANDSTILL) else { return false };
         found[before..].windows(2).all(|pair| (pair[1].error / pair[0].error - 1.0).abs() < 0.01)
+    }
+
+    /// True where errors are small, and more work has not halved them for a while.
+    fn is_rounding(&self) -> bool {
+        let errors: Vec<f64> = self.measured().map(|point| point.error).collect();
+        let Some(before) = errors.len().checked_sub(STANDSTILL) else { return false };
+        let least = |errors: &[f64]| errors.iter().copied().fold(f64::INFINITY, f64::min);
+        let reached = least(&errors[..before]);
+        reached < NEARLY_ROUNDED && least(&errors[before..]) > 0.5 * reached
     }
 }

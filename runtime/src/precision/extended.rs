@@ -7,21 +7,22 @@ use super::{Arithmetic, Candidate, DoubleOnly, Reference};
 use crate::mechanism::{Action, ExtendedAt, Interpreted, System};
 use crate::run::Names;
 
-/// The run whose values are taken, and the one that it is compared with, which has no evaluation but the first in common: rows, the
-/// rise from row to row, and the tolerance.
-const RUNS: [(usize, usize, f64); 2] = [(15, 2, 1e-27), (12, 4, 1e-25)];
+/// Rows, the rise from row to row, and the tolerance.
+pub(super) type Run = (usize, usize, f64);
+/// The run whose values are taken, and the one that they are compared with.
+pub(super) const RUNS: [Run; 2] = [(13, 2, 1e-27), (11, 4, 1e-26)];
 /// A run interprets no more instructions than this, about.
-const MOST_OPERATIONS: u64 = 300_000_000;
+const MOST_OPERATIONS: u64 = 200_000_000;
 /// No run takes more evaluations.
-const MOST_EVALUATIONS: u64 = 3_000_000;
+const MOST_EVALUATIONS: u64 = 2_000_000;
 
 impl Reference {
     /// The same reference with values in double-double, by the candidate's model interpreted, where it has neither constraints nor
-    /// discontinuities, tables or events; [`Reference::arithmetic`] says whether, and why not.
+    /// discontinuities, tables or events; [`Reference::arithmetic`] says whether, and why not.  There may be a reason for no model.
     ///
     /// Start and parameters are the candidate's; what is written out in the file is taken to all its digits.
-    pub(crate) fn extended(mut self, candidate: &Candidate, model: &Interpreted) -> Reference {
-        self.arithmetic = match self.computed(candidate, model) {
+    pub(crate) fn extended(mut self, candidate: &Candidate, model: Result<&Interpreted, DoubleOnly>) -> Reference {
+        self.arithmetic = match model.and_then(|model| self.computed(candidate, model)) {
             Ok((columns, arithmetic)) => {
                 for (index, column) in columns.iter().enumerate() {
                     self.values[index] = column.iter().map(|value| value.to_f64()).collect();
@@ -51,25 +52,11 @@ impl Reference {
     }
 
     /// What is compared, by one of these runs.
-    fn columns_of(
-        &self,
-        model: &Interpreted,
-        (rows, rise, tolerance): (usize, usize, f64),
-    ) -> Result<Vec<Vec<DoubleDouble>>, DoubleOnly> {
+    fn columns_of(&self, model: &Interpreted, run: Run) -> Result<Vec<Vec<DoubleDouble>>, DoubleOnly> {
         let description = model.description();
         let n = description.coordinates.len();
-        let accelerations = |t: DoubleDouble, y: &[DoubleDouble], a: &mut [DoubleDouble]| {
-            let at = ExtendedAt { t, q: &y[..n], v: &y[n..], a: &[] };
-            model.extended_accelerations(at, a).map_err(|_| DoubleOnly::Singular)
-        };
-        let rates = |t: DoubleDouble, y: &[DoubleDouble], rates: &mut [DoubleDouble]| {
-            let (q, v) = rates.split_at_mut(n);
-            q.copy_from_slice(&y[n..]);
-            accelerations(t, y, v)
-        };
-        let method = Extrapolation { rates: &rates, scales: &self.sizes, tolerance, rows, rise, most: most(model) };
         let start = self.start.iter().map(|value| (*value).into()).collect();
-        let states = method.through(start, &self.times)?;
+        let states = motion(model, start, &self.times, &self.sizes, run)?;
         // As runs name them: coordinates, rates, outputs; then time.
         let mut names = Names::of(description).columns();
         names.push("t".to_owned());
@@ -80,7 +67,7 @@ impl Reference {
         for (t, y) in self.times.iter().zip(states) {
             let t = DoubleDouble::from(*t);
             if description.outputs_use_accelerations {
-                accelerations(t, &y, &mut a)?;
+                accelerations(model, t, &y, &mut a)?;
             }
             model.extended_outputs(ExtendedAt { t, q: &y[..n], v: &y[n..], a: &a }, &mut outputs);
             let row = [&y[..], &outputs, &[t]].concat();
@@ -134,8 +121,31 @@ fn prepared(candidate: &Candidate, model: &Interpreted) -> Result<Interpreted, D
     Ok(model)
 }
 
-/// How many evaluations are as many operations as a run may take.
-fn most(model: &Interpreted) -> u64 {
+/// [q; q'] at these times from its value at the first one on; `sizes` is what errors of it are measured by.
+pub(super) fn motion(
+    model: &Interpreted,
+    start: Vec<DoubleDouble>,
+    times: &[f64],
+    sizes: &[f64],
+    (rows, rise, tolerance): Run,
+) -> Result<Vec<Vec<DoubleDouble>>, DoubleOnly> {
+    let n = model.len();
+    let rates = |t: DoubleDouble, y: &[DoubleDouble], rates: &mut [DoubleDouble]| {
+        let (q, v) = rates.split_at_mut(n);
+        q.copy_from_slice(&y[n..]);
+        accelerations(model, t, y, v)
+    };
     let operations = u64::from(model.description().counts.mass_and_bias.max(1));
-    (MOST_OPERATIONS / operations).min(MOST_EVALUATIONS)
+    let most = (MOST_OPERATIONS / operations).min(MOST_EVALUATIONS);
+    Extrapolation { rates: &rates, scales: sizes, tolerance, rows, rise, most }.through(start, times)
+}
+
+fn accelerations(
+    model: &Interpreted,
+    t: DoubleDouble,
+    y: &[DoubleDouble],
+    a: &mut [DoubleDouble],
+) -> Result<(), DoubleOnly> {
+    let (q, v) = y.split_at(a.len());
+    model.extended_accelerations(ExtendedAt { t, q, v, a: &[] }, a).map_err(|_| DoubleOnly::Singular)
 }

@@ -5,8 +5,7 @@ use dalembert_symbolic::expr::DoubleDouble;
 use super::DoubleOnly;
 
 /// f of y' = f(t, y), written into the last argument.
-pub(super) type Rates<'a> =
-    &'a dyn Fn(DoubleDouble, &[DoubleDouble], &mut [DoubleDouble]) -> Result<(), DoubleOnly>;
+pub(super) type Rates<'a> = &'a dyn Fn(DoubleDouble, &[DoubleDouble], &mut [DoubleDouble]) -> Result<(), DoubleOnly>;
 
 /// y' = f(t, y) by the method of Gragg, Bulirsch and Stoer.
 ///

@@ -1,7 +1,8 @@
 //! Speed against accuracy: what each method costs for the error that it leaves, on one scene.
 //!
 //! 1. Who takes part, and how each is told to be more accurate: look in `candidate.rs`.
-//! 2. What errors are measured from: two different methods that agree: look in `reference.rs`.
+//! 2. What errors are measured from: two different methods that agree: look in `reference.rs`; in double-double where they agree with
+//!    that too: in `extended.rs`, by the method in `extrapolation.rs`.
 //! 3. One run's error, cost and failure: look in `point.rs`; a whole curve: in `curve.rs`; what work is counted in: in `work.rs`.
 //! 4. What follows from it, in a sentence: look in `verdict.rs`; over many scenes: in `profile.rs`.
 //! 5. The charts and the table: look in `picture.rs`.
@@ -121,7 +122,7 @@ impl WorkPrecision {
         model: &Interpreted,
         progress: &mut dyn FnMut(&str) -> ControlFlow<()>,
     ) -> Result<WorkPrecision, Error> {
-        WorkPrecision::against(candidates, plan, |first, reference| reference.extended(first, model), progress)
+        WorkPrecision::against(candidates, plan, |first, reference| reference.extended(first, Ok(model)), progress)
     }
 
     /// The same with errors from what becomes of the first candidate's reference.

@@ -8,7 +8,7 @@ use crate::show::{Axis, Chart, Failure, Figure, Series};
 const ALIKE: f64 = 2.0;
 
 /// What is written of a point.
-pub(super) const COLUMNS: [&str; 16] = [
+pub(super) const COLUMNS: [&str; 18] = [
     "scene",
     "candidate",
     "method",
@@ -25,7 +25,11 @@ pub(super) const COLUMNS: [&str; 16] = [
     "energy_drift",
     "residual",
     "failure",
+    "reference",
+    "reference_digits",
 ];
+/// Where those of the reference begin.
+const OF_REFERENCE: usize = COLUMNS.len() - 2;
 
 impl WorkPrecision {
     /// Work over error, time over error, and error over time of runs of about the same work.
@@ -35,7 +39,8 @@ impl WorkPrecision {
         let time = self.chart("time (ns per simulated second)", |point| point.seconds * 1e9 / span);
         let mut charts = vec![work, time];
         charts.extend(self.growth());
-        charts[0].title = self.title.clone();
+        let reference = &self.reference;
+        charts[0].title = format!("{}, measured from {} ({} digits)", self.title, reference.by(), reference.digits());
         Figure::from(charts)
     }
 
@@ -127,10 +132,11 @@ impl WorkPrecision {
                     cells.push(String::new());
                 }
                 Err(code) => {
-                    cells.resize(COLUMNS.len() - 1, String::new());
+                    cells.resize(OF_REFERENCE - 1, String::new());
                     cells.push((*code).to_owned());
                 }
             }
+            cells.extend([self.reference.by().to_owned(), self.reference.digits().to_string()]);
             cells
         }))
     }

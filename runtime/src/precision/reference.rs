@@ -123,7 +123,8 @@ impl Reference {
         let mut growth = vec![0.0_f64; self.times.len()];
         // An event ends each run in its own time: what is compared is when.
         let shared = self.times.len() - usize::from(self.end.is_some());
-        for (((name, values), rests), range) in self.columns.iter().zip(&self.values).zip(&self.rests).zip(&self.ranges) {
+        for (((name, values), rests), range) in self.columns.iter().zip(&self.values).zip(&self.rests).zip(&self.ranges)
+        {
             let theirs = column(run, name).unwrap_or_default();
             for (row, error) in growth.iter_mut().enumerate().take(shared) {
                 let there = run.times.get(row) == Some(&self.times[row]);
@@ -163,7 +164,7 @@ impl Reference {
     }
 
     /// By what it may be wrong, in parts of ranges.
-    fn certainty(&self) -> f64 {
+    pub(super) fn certainty(&self) -> f64 {
         CERTAIN
             * match self.arithmetic {
                 Arithmetic::Double { .. } => self.agreement.max(f64::EPSILON),
@@ -176,6 +177,21 @@ impl Reference {
         match self.arithmetic {
             Arithmetic::Double { .. } => self.methods[0].name(),
             Arithmetic::DoubleDouble { .. } => "double-double",
+        }
+    }
+
+    /// What errors are measured from, and what agrees with it.
+    pub fn sentence(&self) -> String {
+        let ([first, second], digits) = (self.methods, self.digits());
+        match self.arithmetic {
+            Arithmetic::Double { why } => format!(
+                "measured from {first}, with which {second} agrees to {:.0e}: {digits} digits (no more by double-double: {why})",
+                self.agreement
+            ),
+            Arithmetic::DoubleDouble { agreement, from_double } => format!(
+                "measured from extrapolation in double-double, of which two runs agree to {agreement:.0e}, {first} to \
+                 {from_double:.0e}: {digits} digits"
+            ),
         }
     }
 

@@ -17,8 +17,9 @@ pub struct Band {
 
 /// A candidate that is that much dearer than the best is as good: bands do not change for less.
 const AS_GOOD: f64 = 1.2;
-/// Errors that bands begin with, and of which a decade has so many.
+/// Errors that bands begin and end with, and of which a decade has so many; what is finer is decided by rounding.
 const COARSEST: f64 = 1e-1;
+const FINEST: f64 = 1e-14;
 const PER_DECADE: i32 = 2;
 /// The errors of the table.
 pub(super) const TARGETS: [f64; 3] = [1e-3, 1e-6, 1e-9];
@@ -41,7 +42,8 @@ impl WorkPrecision {
         let mut bands: Vec<Band> = Vec::new();
         for k in 0.. {
             let error = COARSEST * 10f64.powf(-f64::from(k) / f64::from(PER_DECADE));
-            let Some((best, least)) = self.best(error, cost).filter(|_| error >= self.reference.floor()) else { break };
+            let is_known = error >= self.reference.floor().max(FINEST);
+            let Some((best, least)) = self.best(error, cost).filter(|_| is_known) else { break };
             if let Some(band) = bands.last_mut() {
                 let still = self.curve(&band.best).and_then(|curve| curve.at(error, cost));
                 if still.is_some_and(|cost| cost <= AS_GOOD * least) {
