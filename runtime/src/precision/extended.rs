@@ -147,5 +147,6 @@ fn accelerations(
     a: &mut [DoubleDouble],
 ) -> Result<(), DoubleOnly> {
     let (q, v) = y.split_at(a.len());
-    model.extended_accelerations(ExtendedAt { t, q, v, a: &[] }, a).map_err(|_| DoubleOnly::Singular)
+    let solved = model.extended_accelerations(ExtendedAt { t, q, v, a: &[] }, a).is_ok();
+    if solved && a.iter().all(|a| a.is_finite()) { Ok(()) } else { Err(DoubleOnly::Singular) }
 }
