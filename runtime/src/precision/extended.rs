@@ -2,15 +2,14 @@
 
 use dalembert_symbolic::expr::DoubleDouble;
 
-use super::extrapolation::Extrapolation;
+use super::extrapolation::{Extrapolation, Scheme};
 use super::{Arithmetic, Candidate, DoubleOnly, Reference};
 use crate::mechanism::{Action, ExtendedAt, Interpreted, System};
 use crate::run::Names;
 
-/// Rows, the rise from row to row, and the tolerance.
-pub(super) type Run = (usize, usize, f64);
 /// The run whose values are taken, and the one that they are compared with.
-pub(super) const RUNS: [Run; 2] = [(13, 2, 1e-27), (11, 4, 1e-26)];
+pub(super) const SCHEMES: [Scheme; 2] =
+    [Scheme { rows: 13, rise: 2, tolerance: 1e-27 }, Scheme { rows: 11, rise: 4, tolerance: 1e-26 }];
 /// A run interprets no more instructions than this, about.
 const MOST_OPERATIONS: u64 = 200_000_000;
 /// No run takes more evaluations.
@@ -41,8 +40,8 @@ impl Reference {
         model: &Interpreted,
     ) -> Result<(Vec<Vec<DoubleDouble>>, Arithmetic), DoubleOnly> {
         let model = prepared(candidate, model)?;
-        let values = self.columns_of(&model, RUNS[0])?;
-        let others = self.columns_of(&model, RUNS[1])?;
+        let values = self.columns_of(&model, SCHEMES[0])?;
+        let others = self.columns_of(&model, SCHEMES[1])?;
         let agreement = self.difference(&values, |column, row| others[column][row]);
         let from_double = self.difference(&values, |column, row| self.values[column][row].into());
         if from_double > self.floor() || agreement > self.floor() {
@@ -51,12 +50,12 @@ impl Reference {
         Ok((values, Arithmetic::DoubleDouble { agreement, from_double }))
     }
 
-    /// What is compared, by one of these runs.
-    fn columns_of(&self, model: &Interpreted, run: Run) -> Result<Vec<Vec<DoubleDouble>>, DoubleOnly> {
+    /// What is compared, by one of these schemes.
+    fn columns_of(&self, model: &Interpreted, scheme: Scheme) -> Result<Vec<Vec<DoubleDouble>>, DoubleOnly> {
         let description = model.description();
         let n = description.coordinates.len();
         let start = self.start.iter().map(|value| (*value).into()).collect();
-        let states = motion(model, start, &self.times, &self.sizes, run)?;
+        let states = motion(model, start, &self.times, &self.sizes, scheme)?;
         // As runs name them: coordinates, rates, outputs; then time.
         let mut names = Names::of(description).columns();
         names.push("t".to_owned());
@@ -127,7 +126,7 @@ pub(super) fn motion(
     start: Vec<DoubleDouble>,
     times: &[f64],
     sizes: &[f64],
-    (rows, rise, tolerance): Run,
+    scheme: Scheme,
 ) -> Result<Vec<Vec<DoubleDouble>>, DoubleOnly> {
     let n = model.len();
     let rates = |t: DoubleDouble, y: &[DoubleDouble], rates: &mut [DoubleDouble]| {
@@ -135,9 +134,10 @@ pub(super) fn motion(
         q.copy_from_slice(&y[n..]);
         accelerations(model, t, y, v)
     };
-    let operations = u64::from(model.description().counts.mass_and_bias.max(1));
-    let most = (MOST_OPERATIONS / operations).min(MOST_EVALUATIONS);
-    Extrapolation { rates: &rates, scales: sizes, tolerance, rows, rise, most }.through(start, times)
+    let elimination = (n as u64).pow(3) / 3;
+    let operations = u64::from(model.description().counts.mass_and_bias) + elimination;
+    let most = (MOST_OPERATIONS / operations.max(1)).min(MOST_EVALUATIONS);
+    Extrapolation { rates: &rates, scales: sizes, scheme, most }.through(start, times)
 }
 
 fn accelerations(

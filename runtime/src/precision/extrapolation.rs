@@ -20,14 +20,21 @@ pub(super) struct Extrapolation<'a> {
     pub rates: Rates<'a>,
     /// What errors of each component are measured by.
     pub scales: &'a [f64],
-    /// The largest error of a step.
-    pub tolerance: f64,
+    /// Its steps.
+    pub scheme: Scheme,
+    /// The most evaluations of f.
+    pub most: u64,
+}
+
+/// What an extrapolation does in a step.
+#[derive(Clone, Copy)]
+pub(super) struct Scheme {
     /// The most rows; the order is twice as many.
     pub rows: usize,
     /// By how much n rises from row to row, an even number.
     pub rise: usize,
-    /// The most evaluations of f.
-    pub most: u64,
+    /// The largest error of a step.
+    pub tolerance: f64,
 }
 
 /// Fewer rows may agree by chance.
@@ -48,7 +55,7 @@ impl Extrapolation<'_> {
                 let count = ((end - t).to_f64() / longest).ceil().max(1.0);
                 let h = (end - t) / count.into();
                 let done = self.step(t, h, &y, &mut evaluations)?;
-                let growth = match done.as_ref().map(|(_, rows)| self.rows - rows) {
+                let growth = match done.as_ref().map(|(_, rows)| self.scheme.rows - rows) {
                     None => 0.5,
                     Some(0) => 0.8,
                     Some(1) => 1.0,
@@ -77,8 +84,8 @@ impl Extrapolation<'_> {
         let mut first = vec![DoubleDouble::ZERO; y.len()];
         (self.rates)(t, y, &mut first)?;
         let mut above: Vec<Vec<DoubleDouble>> = Vec::new();
-        for j in 1..=self.rows {
-            let n = |row: usize| 2 + self.rise * (row - 1);
+        for j in 1..=self.scheme.rows {
+            let n = |row: usize| 2 + self.scheme.rise * (row - 1);
             *evaluations += n(j) as u64;
             if *evaluations > self.most {
                 return Err(DoubleOnly::TooLong { evaluations: self.most });
@@ -121,6 +128,6 @@ impl Extrapolation<'_> {
 
     fn agree(&self, one: &[DoubleDouble], other: &[DoubleDouble]) -> bool {
         let differences = one.iter().zip(other).map(|(one, other)| (*one - *other).to_f64().abs());
-        differences.zip(self.scales).all(|(difference, scale)| difference <= self.tolerance * scale)
+        differences.zip(self.scales).all(|(difference, scale)| difference <= self.scheme.tolerance * scale)
     }
 }
