@@ -11,9 +11,9 @@ use crate::run::Names;
 pub(super) const SCHEMES: [Scheme; 2] =
     [Scheme { rows: 13, rise: 2, tolerance: 1e-27 }, Scheme { rows: 11, rise: 4, tolerance: 1e-26 }];
 /// A run interprets no more instructions than this, about.
-const MOST_OPERATIONS: u64 = 200_000_000;
+const MOST_OPERATIONS: u64 = 400_000_000;
 /// No run takes more evaluations.
-const MOST_EVALUATIONS: u64 = 2_000_000;
+const MOST_EVALUATIONS: u64 = 4_000_000;
 
 impl Reference {
     /// The same reference with values in double-double, by the candidate's model interpreted, where it has neither constraints nor

@@ -229,7 +229,7 @@ fn another_model_is_not_taken_for_the_candidates() {
 }
 
 #[test]
-fn parameters_and_phases_of_the_candidate_are_those_of_the_reference() {
+fn parameters_of_the_candidate_are_those_of_the_reference() {
     let text = OSCILLATOR.replace("coordinates", "parameters: {k: 1}\ncoordinates").replace("x^2/2\n", "k*x^2/2\n");
     let (model, mut changed) = (interpreted(&text), interpreted(&text));
     changed.set_parameter(0, 4.0);
