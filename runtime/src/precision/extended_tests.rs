@@ -281,3 +281,17 @@ fn curves_reach_down_to_the_methods_own_rounding() {
     assert!(rows.lines().skip(1).all(|row| row.ends_with(&format!(",double-double,{digits}"))), "{rows}");
     assert!(found.figure().to_svg().contains(&format!("measured from double-double ({digits} digits)")));
 }
+
+/// In its second mode the mass in the middle of three rests: what rounding does to it is measured by what the others do.
+#[test]
+fn what_rests_is_not_measured_by_its_rounding() {
+    let model = library("three_masses");
+    let scene = model.description().scenes.iter().position(|name| name == "second_mode").unwrap();
+    let settings = Settings { method: Method::Exact, ..Settings::new(&model.scene(scene)) };
+    let candidates = [Candidate::new("exact", &model, settings)];
+    let plan = Plan { repetitions: 1, ..Plan::default() };
+    let found =
+        WorkPrecision::measure_extended(&candidates, &plan, &model, &mut |_| ControlFlow::Continue(())).unwrap();
+    let least = found.curves[0].measured().map(|point| point.error).fold(f64::INFINITY, f64::min);
+    assert!(least < 1e-13, "{least:e}");
+}

@@ -41,8 +41,9 @@ pub struct Reference {
 const TIMES: f64 = 200.0;
 /// So many digits must hold until the end of a scene.
 const AGREED: f64 = 1e-8;
-/// What moves less beside the most that has its unit is measured by that.
+/// What moves less beside the most that has its unit is measured by so much of that, or by all of it where that is rounding.
 const SMALL: f64 = 1e-6;
+const ROUNDED: f64 = 1e-12;
 /// Two of these that agree, in this order.
 const METHODS: [(Method, f64); 4] =
     [(Method::Dop853, 1e-14), (Method::Dopri5, 1e-13), (Method::Radau5, 1e-12), (Method::Rodas5P, 1e-11)];
@@ -256,7 +257,8 @@ fn ranges(run: &Run, columns: &[String], values: &[Vec<f64>], least: f64) -> Vec
         alike.fold(0.0, f64::max)
     };
     let of = |(span, unit): (&f64, &String)| {
-        let range = span.max(least * largest(unit));
+        let largest = largest(unit);
+        let range = if *span > ROUNDED * largest { span.max(least * largest) } else { largest };
         if range > 0.0 { range } else { 1.0 }
     };
     spans.iter().zip(&units).map(of).collect()
