@@ -110,8 +110,8 @@ impl WorkPrecision {
         WorkPrecision::against(candidates, plan, |_, reference| reference, progress)
     }
 
-    /// The same with errors from a motion in double-double wherever [`Arithmetic`] lets it be: `model` is the first candidate's, to
-    /// be interpreted.  Curves then reach down to the methods' own rounding.
+    /// The same with errors from a motion in double-double, where nothing that [`DoubleOnly`] names is in its way: `model` is the first
+    /// candidate's, to be interpreted.  Curves then reach down to the methods' own rounding.
     ///
     /// # Errors
     /// Those of [`WorkPrecision::measure`].
