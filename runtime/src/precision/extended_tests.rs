@@ -82,7 +82,7 @@ fn an_oscillator_keeps_its_phase_to_25_digits_over_16_periods() {
     let laws: [fn(DoubleDouble) -> DoubleDouble; 4] = [|t| t.cos(), |t| -t.sin(), |t| -t.cos(), |t| -t.cos()];
     for (column, law) in laws.into_iter().enumerate() {
         let error = error(&found, column, law);
-        assert!(error < 1e-25 && error < 2.0 * found.certainty(), "{column}: {error:e} {:e}", found.certainty());
+        assert!(error < 1e-25 && error < 2.0 * found.uncertainty(), "{column}: {error:e} {:e}", found.uncertainty());
     }
     assert!(found.digits() >= 24, "{}", found.digits());
 }
@@ -108,7 +108,7 @@ fn keplers_equation_holds_to_22_digits_over_ten_periods() {
         error(&found, 1, |t| a * (DoubleDouble::ONE - e * e).sqrt() * anomaly(t).sin()),
     ];
     let worst = errors[0].max(errors[1]);
-    assert!(worst < 1e-22 && worst < 4.0 * found.certainty(), "{errors:?} {:e}", found.certainty());
+    assert!(worst < 1e-22 && worst < 4.0 * found.uncertainty(), "{errors:?} {:e}", found.uncertainty());
     assert!(found.digits() >= 22, "{}", found.digits());
 }
 
@@ -170,7 +170,7 @@ scene: {start: {x: 1}, until: 150}
         error(&found, 0, |t| swing(t)[0] * (turn * t).cos() + swing(t)[1] * (turn * t).sin()),
         error(&found, 1, |t| swing(t)[1] * (turn * t).cos() - swing(t)[0] * (turn * t).sin()),
     ];
-    assert!(errors.iter().all(|error| *error < 1e-24 && *error < 2.0 * found.certainty()), "{errors:?}");
+    assert!(errors.iter().all(|error| *error < 1e-24 && *error < 2.0 * found.uncertainty()), "{errors:?}");
     assert!(found.digits() >= 23, "{}", found.digits());
 }
 
@@ -229,7 +229,7 @@ fn chaos_is_followed_further_than_methods_in_double_precision_agree() {
     let (cut, floor) = (found.is_cut, found.floor());
     let found = found.extended(&candidate, Ok(&model));
     let Arithmetic::DoubleDouble { from_double, .. } = found.arithmetic else { panic!("{:?}", found.arithmetic) };
-    assert!(cut && from_double > 0.1 * floor && found.certainty() < 1e-6 * floor, "{}", found.sentence());
+    assert!(cut && from_double > 0.1 * floor && found.uncertainty() < 1e-6 * floor, "{}", found.sentence());
 }
 
 #[test]

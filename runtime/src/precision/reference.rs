@@ -156,16 +156,16 @@ impl Reference {
     /// Errors below this one are not known.
     pub fn floor(&self) -> f64 {
         // No number is nearer to its value than half a unit of its last place.
-        self.certainty().max(0.5 * f64::EPSILON)
+        self.uncertainty().max(0.5 * f64::EPSILON)
     }
 
-    /// How many decimal digits of it are certain, counted from the largest of what is compared.
+    /// How many decimal digits of it are certain, in parts of ranges.
     pub fn digits(&self) -> u32 {
-        -self.certainty().log10().min(0.0) as u32
+        -self.uncertainty().log10().min(0.0) as u32
     }
 
     /// By what it may be wrong, in parts of ranges.
-    pub(super) fn certainty(&self) -> f64 {
+    pub(super) fn uncertainty(&self) -> f64 {
         CERTAIN
             * match self.arithmetic {
                 Arithmetic::Double { .. } => self.agreement.max(f64::EPSILON),
