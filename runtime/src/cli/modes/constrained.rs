@@ -11,6 +11,7 @@ use super::super::load::Loaded;
 use super::super::set_up::Reader;
 use super::super::{Problem, json};
 use super::drive::Driven;
+use super::locus::Locus;
 use super::model::Model;
 #[cfg(feature = "modal")]
 use super::tangent;
@@ -22,7 +23,7 @@ use crate::mechanism::dense::mass_matrix;
 use crate::mechanism::{At, Row};
 
 /// Options that need the equations in all coordinates.
-const OTHERS: [&str; 3] = ["motion", "vary", "locus"];
+const OTHERS: [&str; 1] = ["motion"];
 /// Options that ask what a drive does.
 #[cfg(feature = "modal")]
 const DRIVES: [&str; 5] = ["drive", "omega", "bode", "response", "range"];
@@ -90,7 +91,9 @@ pub fn run(
     let modes = found.in_all_coordinates(&modes);
     let model = Model::Held(&found);
     let driven = Driven::new(loaded, options, reader, model)?;
-    for note in notes(&found.linear, &modes).into_iter().chain(driven.iter().flat_map(Driven::notes)) {
+    let locus = Locus::new(loaded, options, reader, &found.linear.equilibrium)?;
+    let more = driven.iter().flat_map(Driven::notes).chain(locus.iter().flat_map(Locus::notes));
+    for note in notes(&found.linear, &modes).into_iter().chain(more) {
         eprintln!("warning: {note}");
     }
     pictures(loaded, options, &found.linear, &modes, out)?;
@@ -99,6 +102,7 @@ pub fn run(
             names.iter().zip(&found.multipliers).map(|(row, value)| (row.row.clone(), json::number(*value)));
         let mut more = vec![("shape_coordinates", json!(found.coordinates)), ("reactions", json::object(reactions))];
         more.extend(driven.iter().flat_map(Driven::as_json));
+        more.extend(locus.map(|locus| locus.as_json()));
         json::write(&report::as_json(&loaded.name, &found.linear, &modes, more), out)?;
         return Ok(());
     }
@@ -108,7 +112,8 @@ pub fn run(
     for (row, value) in names.iter().zip(&found.multipliers) {
         writeln!(out, "{}", row.told("at rest", *value))?;
     }
-    driven.map_or(Ok(()), |driven| driven.table(model, out))
+    driven.map_or(Ok(()), |driven| driven.table(model, out))?;
+    locus.map_or(Ok(()), |locus| locus.table(out))
 }
 
 #[cfg(feature = "modal")]

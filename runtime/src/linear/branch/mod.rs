@@ -1,10 +1,12 @@
 //! Equilibria as a parameter changes: one branch is followed, round its folds too, and every threshold on it is found.
 //!
-//! 1. Pseudo-arclength continuation: look in `walk.rs`.
-//! 2. Eigenvalues along it, and between which two states of it stability changes: look in `threshold.rs`.
-//! 3. What of the range is left where the branch turns back: below.
-//! 4. States between, for paths that are drawn: look in `smooth.rs`.
+//! 1. The equations of its states: look in `balance.rs`, and with constraints in `../constrained/balance.rs`.
+//! 2. Pseudo-arclength continuation: look in `walk.rs`.
+//! 3. Eigenvalues along it, and between which two states of it stability changes: look in `threshold.rs`.
+//! 4. What of the range is left where the branch turns back: below.
+//! 5. States between, for paths that are drawn: look in `smooth.rs`.
 
+mod balance;
 mod smooth;
 mod spectrum;
 mod threshold;
@@ -15,11 +17,15 @@ mod tests;
 
 use nalgebra::Complex;
 
-use super::LinearError;
-use super::equilibrium::{Guess, equilibrium_near};
+use super::equilibrium::Guess;
+use super::{LinearError, constrained};
 use crate::mechanism::System;
+use balance::Free;
 use threshold::thresholds;
 use walk::{End, Path, Walker};
+
+pub(super) use balance::Balance;
+pub(super) use spectrum::Spectrum;
 
 /// A state of the branch.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +34,8 @@ pub struct BranchPoint {
     pub value: f64,
     /// Generalized coordinates, SI.
     pub q: Vec<f64>,
+    /// Their speeds, SI: 0 but in steady motions.
+    pub v: Vec<f64>,
     /// All eigenvalues λ of small motions e^(λt), 1/s.
     pub eigenvalues: Vec<Complex<f64>>,
     /// How many modes grow.
@@ -118,14 +126,15 @@ pub fn follow<S: System + ?Sized>(
     guess: &Guess,
 ) -> Result<Branch, LinearError> {
     let range = (from.min(to), from.max(to));
-    let present = system.parameters().get(parameter).copied().unwrap_or(f64::NAN);
-    let walker = Walker::new(system, parameter, range, guess)?;
-    let found = equilibrium_near(system, guess)?;
+    let walker = Walker::new(balance(system, parameter, guess)?, range)?;
+    let present = system.parameters()[parameter];
+    let found = walker.search(present, &walker.state(present, &guess.q, &guess.v).y)?;
     let mut branch = Branch::default();
     let first = present.clamp(range.0, range.1);
-    let start = walker.towards(present, first, found.q, &mut branch.changes)?;
+    let (start, left) = walker.towards(present, first, found)?;
+    branch.changes.extend(left.map(|[from, to]| walker.change(&from, &to.y)));
     for direction in [-1.0, 1.0] {
-        collect(&walker, (first, start.clone()), direction, &mut branch)?;
+        collect(&walker, State { y: start.clone(), value: first }, direction, &mut branch)?;
     }
     let rising = from <= to;
     branch.points.sort_by(|a, b| {
@@ -140,21 +149,28 @@ pub fn follow<S: System + ?Sized>(
     }
 }
 
+/// The equations of a mechanism's states, with its constraints.
+fn balance<S: System + ?Sized>(system: &S, parameter: usize, guess: &Guess) -> Result<Box<dyn Balance>, LinearError> {
+    let count = system.parameters().len();
+    if parameter >= count {
+        return Err(LinearError::WrongSize { what: "the parameter's index", given: parameter, expected: count });
+    }
+    match system.active_rows().is_empty() {
+        true => Ok(Box::new(Free::new(system, parameter, guess))),
+        false => constrained::balance(system, parameter, guess),
+    }
+}
+
 /// Follows in one direction to the end of the range, from branch to branch.
-fn collect(
-    walker: &Walker<'_>,
-    (mut value, mut q): (f64, Vec<f64>),
-    direction: f64,
-    branch: &mut Branch,
-) -> Result<(), LinearError> {
+fn collect(walker: &Walker, mut start: State, direction: f64, branch: &mut Branch) -> Result<(), LinearError> {
     let (low, high) = walker.range;
     let bound = if direction > 0.0 { high } else { low };
     // A branch that ends is left for another one; more than a few are a sign of something else.
     for _ in 0..8 {
-        if value == bound && !branch.points.is_empty() {
+        if start.value == bound && !branch.points.is_empty() {
             return Ok(());
         }
-        let Path { points, turns, end } = walker.walk(value, &q, direction)?;
+        let Path { points, turns, end } = walker.walk(&start, direction);
         thresholds(walker, &points, &turns, branch);
         let last = match (turns.first(), end) {
             (None, End::Range) => return Ok(()),
@@ -163,9 +179,9 @@ fn collect(
         };
         let rest = if direction > 0.0 { (last.value, high) } else { (low, last.value) };
         match walker.another(&last, direction) {
-            Ok((next_value, next)) => {
-                branch.changes.push(Change { value: last.value, from: last.q.clone(), to: next.clone() });
-                (value, q) = (next_value, next);
+            Ok(next) => {
+                branch.changes.push(walker.change(&last, &next.y));
+                start = next;
             }
             Err(error) => {
                 branch.missing = branch.missing.take().or(Some((rest, error)));
@@ -176,10 +192,10 @@ fn collect(
     Ok(())
 }
 
-/// A state (q, p) of the branch.
+/// A state of the branch: the unknowns of its equations, and the parameter.
 #[derive(Clone, Debug)]
 struct State {
-    q: Vec<f64>,
+    y: Vec<f64>,
     value: f64,
 }
 

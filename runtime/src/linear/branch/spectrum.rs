@@ -13,7 +13,7 @@ const ROUNDING: f64 = 1e-12;
 
 /// λ, or where no force depends on speed κ = −λ², the eigenvalues of M⁻¹K: these do not turn back where two meet.
 #[derive(Clone, Debug)]
-pub(super) struct Spectrum {
+pub(in crate::linear) struct Spectrum {
     /// Sorted; those that are 0 by rank are left out.
     pub values: Vec<Complex<f64>>,
     squares: bool,

@@ -4,7 +4,7 @@ use std::cell::Cell;
 
 use super::spectrum::Spectrum;
 use super::walk::Walker;
-use super::{Branch, BranchPoint, State, Threshold, ThresholdKind, Turn};
+use super::{Branch, State, Threshold, ThresholdKind, Turn};
 use crate::linear::LinearError;
 
 /// Halvings of the distance of two states of the walk.
@@ -21,7 +21,7 @@ struct Sample {
 }
 
 /// Samples a path until nothing can hide between two samples; adds its states and thresholds to the branch.
-pub(super) fn thresholds(walker: &Walker<'_>, points: &[State], turns: &[Turn], branch: &mut Branch) {
+pub(super) fn thresholds(walker: &Walker, points: &[State], turns: &[Turn], branch: &mut Branch) {
     let mut fault: Option<(f64, LinearError)> = None;
     let mut samples: Vec<Option<Sample>> = Vec::new();
     for (index, state) in points.iter().enumerate() {
@@ -66,25 +66,19 @@ pub(super) fn thresholds(walker: &Walker<'_>, points: &[State], turns: &[Turn], 
         search.between(a, b, 0, &mut found, &mut branch.thresholds);
     }
     let all = samples.into_iter().flatten().chain(found);
-    branch.points.extend(all.map(|sample| BranchPoint {
-        value: sample.state.value,
-        q: sample.state.q,
-        growing: sample.spectrum.growing(),
-        eigenvalues: sample.spectrum.eigenvalues,
-        folded: sample.folded,
-    }));
+    branch.points.extend(all.map(|sample| walker.point(&sample.state, sample.spectrum, sample.folded)));
     if let Some((value, error)) = fault {
         branch.missing = branch.missing.take().or(Some(((value, value), error)));
     }
 }
 
-fn sample(walker: &Walker<'_>, state: State, folded: bool) -> Result<Sample, LinearError> {
-    let spectrum = Spectrum::of(&walker.linearise(&state)?)?;
+fn sample(walker: &Walker, state: State, folded: bool) -> Result<Sample, LinearError> {
+    let spectrum = walker.spectrum(&state)?;
     Ok(Sample { state, spectrum, folded })
 }
 
 struct Search<'a> {
-    walker: &'a Walker<'a>,
+    walker: &'a Walker,
     /// Evaluations that are left.
     left: Cell<usize>,
 }

@@ -30,7 +30,21 @@ pub(super) struct Held<'a, S: System + ?Sized> {
     pub n: usize,
     pub rows: Vec<usize>,
     /// The values at which integrals of constraints that contain speeds are held; 0 of all other rows.
-    levels: Vec<f64>,
+    pub levels: Vec<f64>,
+}
+
+/// What equations of a state are judged by: sums of their terms, and what the sizes of the state's numbers make of slopes.
+pub(super) struct Terms {
+    /// Σ |terms| of forces.
+    pub forces: DVector<f64>,
+    /// Of places, speeds and multipliers, through the slopes of forces.
+    pub by_state: DVector<f64>,
+    /// Of c.
+    pub places: DVector<f64>,
+    /// Of c'.
+    pub rates: DVector<f64>,
+    /// Of γ.
+    pub biases: DVector<f64>,
 }
 
 /// A state without accelerations, and the multipliers (of all rows) that leave it so.
@@ -64,6 +78,11 @@ impl<'a, S: System + ?Sized> Held<'a, S> {
         let mut held = Held { system, n: system.len(), rows: rows.to_vec(), levels: vec![0.0; rows.len()] };
         held.hold(q);
         held
+    }
+
+    /// As [`Held::new`], known integrals held at these values.
+    pub fn at_levels(system: &'a S, rows: &[usize], levels: &[f64]) -> Self {
+        Held { system, n: system.len(), rows: rows.to_vec(), levels: levels.to_vec() }
     }
 
     /// From here on known integrals have the values that they have at this place.
@@ -165,31 +184,43 @@ impl<'a, S: System + ?Sized> Held<'a, S> {
         self.unbalanced(state).is_none()
     }
 
-    /// The first equation that a state does not satisfy: a coordinate's, or behind those a row's.
-    fn unbalanced(&self, state: &State) -> Option<usize> {
-        let mut sums = vec![0.0; self.n];
-        self.system.magnitudes(state.at(), &mut sums);
+    /// What the equations of a state are judged by.
+    pub fn terms(&self, state: &State) -> Terms {
+        let (n, m) = (self.n, self.rows.len());
+        let mut forces = DVector::zeros(n);
+        self.system.magnitudes(state.at(), forces.as_mut_slice());
         let description = self.system.description();
         let sizes =
             DVector::from_vec([sizes_alike(description, &state.q), sizes_alike(description, &state.v)].concat());
         let by_state = self.slopes(state).abs() * &sizes;
         let carried = state.lambda.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let effects = self.effects(state);
+        let jacobian = self.jacobian(state).abs();
+        let triples = self.triples(state);
+        let by_place = &jacobian * sizes.rows(0, n);
+        Terms {
+            forces,
+            by_state: DVector::from_fn(n, |i, _| by_state[i] + carried * effects.row(i).lp_norm(1)),
+            places: DVector::from_fn(m, |k, _| triples[k][2].max(by_place[k])),
+            rates: self.tilt(state).abs() * sizes.rows(0, n) + jacobian * sizes.rows(n, n),
+            biases: by_state.rows(n, m).into_owned(),
+        }
+    }
+
+    /// The first equation that a state does not satisfy: a coordinate's, or behind those a row's.
+    fn unbalanced(&self, state: &State) -> Option<usize> {
+        let terms = self.terms(state);
         let force = self.force(state);
         let balanced = |i: usize| {
-            let rounding = ROUNDINGS * f64::EPSILON * (by_state[i] + carried * effects.row(i).lp_norm(1));
-            force[i].abs() <= (BALANCED * sums[i]).max(rounding).max(NOTHING)
+            let rounding = ROUNDINGS * f64::EPSILON * terms.by_state[i];
+            force[i].abs() <= (BALANCED * terms.forces[i]).max(rounding).max(NOTHING)
         };
-        let (place, speed) = (self.tilt(state).abs() * sizes.rows(0, self.n), self.jacobian(state).abs());
-        let speed = place + speed * sizes.rows(self.n, self.n);
-        let by_place = self.jacobian(state).abs() * sizes.rows(0, self.n);
         let (triples, bias) = (self.triples(state), self.bias(state));
         let closed: Vec<usize> = self.closed().collect();
         let at_ease = |k: usize| {
-            triples[k][1].abs() <= (BALANCED * speed[k]).max(NOTHING)
-                && bias[k].abs() <= (BALANCED * by_state[self.n + k]).max(NOTHING)
-                && (!closed.contains(&k)
-                    || triples[k][0].abs() <= (BALANCED * triples[k][2].max(by_place[k])).max(NOTHING))
+            triples[k][1].abs() <= (BALANCED * terms.rates[k]).max(NOTHING)
+                && bias[k].abs() <= (BALANCED * terms.biases[k]).max(NOTHING)
+                && (!closed.contains(&k) || triples[k][0].abs() <= (BALANCED * terms.places[k]).max(NOTHING))
         };
         let rows = (0..self.rows.len()).find(|k| !at_ease(*k)).map(|k| self.n + k);
         (0..self.n).find(|i| !balanced(*i)).or(rows)

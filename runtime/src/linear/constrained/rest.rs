@@ -59,21 +59,34 @@ pub fn linearise_constrained<S: System + ?Sized>(
 ) -> Result<Constrained, LinearError> {
     let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
     on_its_sides(system, guess, |system, guess| {
-        let (description, zero) = (system.description(), vec![0.0; system.len()]);
-        // A constraint that moves by itself has no rest.
-        let rates = constraint_triples(system, At::new(0.0, &guess.q, &zero));
-        let open = |row: &&usize| {
-            !(description.rows[**row].integral && rates[**row][1] == 0.0 || description.rows[**row].holonomic)
-        };
-        if let Some(row) = rows.iter().find(open) {
-            return Err(LinearError::VelocityConstraint { constraint: description.rows[*row].name.to_string() });
-        }
-        let mut held = Held::new(system, &rows, &guess.q);
-        let start = held.state(&guess.q, &zero);
-        held.without_friction(&start)?;
+        let mut held = at_rest(system, &rows, guess)?;
+        let start = held.state(&guess.q, &vec![0.0; held.n]);
         let (state, iterations) = if here { (start, 0) } else { held.rest(&guess.q)? };
         held.in_independent_coordinates(&state, iterations, &guess.inputs)
     })
+}
+
+/// A mechanism whose rows leave independent coordinates at rest.
+///
+/// # Errors
+/// [`LinearError::VelocityConstraint`], [`LinearError::FrictionOfReactions`].
+pub(super) fn at_rest<'a, S: System + ?Sized>(
+    system: &'a S,
+    rows: &[usize],
+    guess: &Guess,
+) -> Result<Held<'a, S>, LinearError> {
+    let (description, zero) = (system.description(), vec![0.0; system.len()]);
+    // A constraint that moves by itself has no rest.
+    let rates = constraint_triples(system, At::new(0.0, &guess.q, &zero));
+    let open = |row: &&usize| {
+        !(description.rows[**row].integral && rates[**row][1] == 0.0 || description.rows[**row].holonomic)
+    };
+    if let Some(row) = rows.iter().find(open) {
+        return Err(LinearError::VelocityConstraint { constraint: description.rows[*row].name.to_string() });
+    }
+    let held = Held::new(system, rows, &guess.q);
+    held.without_friction(&held.state(&guess.q, &zero))?;
+    Ok(held)
 }
 
 /// As [`linearise_constrained`] at the guess itself, for motions that begin there at rest when something drives: constraints
@@ -159,11 +172,8 @@ impl<S: System + ?Sized> Held<'_, S> {
         let missed = |state: &State| DVector::from_iterator(m, self.triples(state).iter().map(|triple| triple[0]));
         let mut state = self.state(from, &vec![0.0; n]);
         for iteration in 0..ITERATIONS {
-            let (force, c, jacobian) = (self.force(&state), missed(&state), self.jacobian(&state));
-            let mut k = DMatrix::zeros(n + m, n + m);
-            k.view_mut((0, 0), (n, n)).copy_from(&self.slopes(&state).view((0, 0), (n, n)));
-            k.view_mut((0, n), (n, m)).copy_from(&(-jacobian.transpose()));
-            k.view_mut((n, 0), (m, n)).copy_from(&jacobian);
+            let (force, c) = (self.force(&state), missed(&state));
+            let k = self.at_rest_slopes(&state);
             let right = DMatrix::from_iterator(n + m, 1, force.iter().chain(c.iter()).map(|x| -x));
             let lost = state.q.iter().any(|q| q.abs() > FAR);
             if lost || k.iter().chain(right.iter()).any(|x| !x.is_finite()) {
@@ -187,6 +197,16 @@ impl<S: System + ?Sized> Held<'_, S> {
             }
         }
         if self.stays(&state) { Ok((state, ITERATIONS)) } else { Err(self.nowhere(&state, ITERATIONS)) }
+    }
+
+    /// [∂F/∂q −Jᵀ; J 0]: slopes of F and c by q and λ.
+    pub fn at_rest_slopes(&self, state: &State) -> DMatrix<f64> {
+        let (n, m, jacobian) = (self.n, self.rows.len(), self.jacobian(state));
+        let mut slopes = DMatrix::zeros(n + m, n + m);
+        slopes.view_mut((0, 0), (n, n)).copy_from(&self.slopes(state).view((0, 0), (n, n)));
+        slopes.view_mut((0, n), (n, m)).copy_from(&(-jacobian.transpose()));
+        slopes.view_mut((n, 0), (m, n)).copy_from(&jacobian);
+        slopes
     }
 
     /// Refuses forces made of reactions: independent coordinates do not know what the constraints carry.

@@ -1,0 +1,105 @@
+//! The equations that states of a branch satisfy.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::spectrum::Spectrum;
+use crate::linear::LinearError;
+use crate::linear::equilibrium::{Guess, Probe, equilibrium_near, linearised_at};
+use crate::mechanism::System;
+
+/// Equations in unknowns y at a value of one parameter, and the small motions about their solutions.
+pub(in crate::linear) trait Balance {
+    /// Another value of the parameter.
+    fn set_parameter(&mut self, value: f64);
+
+    /// Units of the unknowns: those with the same unit are measured by the largest of them.
+    fn units(&self) -> Vec<String>;
+
+    /// What is left of every equation, and what it is judged by.
+    fn left(&self, y: &[f64]) -> [DVector<f64>; 2];
+
+    /// The equations' slopes, by the unknowns and behind them by what else follows from the equations.
+    fn slopes(&self, y: &[f64]) -> DMatrix<f64>;
+
+    /// Small motions about a solution.
+    ///
+    /// # Errors
+    /// Those of linearising there.
+    fn spectrum(&self, y: &[f64]) -> Result<Spectrum, LinearError>;
+
+    /// The solution that a search from here finds, near or not.
+    ///
+    /// # Errors
+    /// That there is none.
+    fn search(&self, y: &[f64]) -> Result<Vec<f64>, LinearError>;
+
+    /// Generalized coordinates and speeds.
+    fn state(&self, y: &[f64]) -> [Vec<f64>; 2];
+
+    /// The unknowns of such a state.
+    fn unknowns(&self, q: &[f64], v: &[f64]) -> Vec<f64>;
+
+    /// How well independent rows of constraints are so: singular values of their matrix, equilibrated, from the largest on, and
+    /// the name of the row that is nearest to depending on others.
+    fn independence(&self, _: &[f64]) -> Option<(Vec<f64>, String)> {
+        None
+    }
+}
+
+/// F(q) = 0 of a mechanism without constraints.
+pub(super) struct Free {
+    probe: Probe,
+    system: Box<dyn System>,
+    guess: Guess,
+    parameter: usize,
+    value: f64,
+}
+
+impl Free {
+    pub fn new<S: System + ?Sized>(system: &S, parameter: usize, guess: &Guess) -> Free {
+        let value = system.parameters()[parameter];
+        Free { probe: Probe::new(system, guess), system: system.boxed_clone(), guess: guess.clone(), parameter, value }
+    }
+
+    fn at(&self, q: &[f64]) -> Guess {
+        Guess { q: q.to_vec(), ..self.guess.clone() }
+    }
+}
+
+impl Balance for Free {
+    fn set_parameter(&mut self, value: f64) {
+        self.probe.set_parameter(self.parameter, value);
+        self.value = value;
+    }
+
+    fn units(&self) -> Vec<String> {
+        self.probe.units()
+    }
+
+    fn left(&self, q: &[f64]) -> [DVector<f64>; 2] {
+        [self.probe.force(q), self.probe.measure(q)].map(DVector::from_vec)
+    }
+
+    fn slopes(&self, q: &[f64]) -> DMatrix<f64> {
+        self.probe.stiffness(q)
+    }
+
+    fn spectrum(&self, q: &[f64]) -> Result<Spectrum, LinearError> {
+        self.probe.check(q)?;
+        Spectrum::of(&linearised_at(&*self.system, &self.probe, &self.at(q))?)
+    }
+
+    fn search(&self, q: &[f64]) -> Result<Vec<f64>, LinearError> {
+        let mut system = self.system.boxed_clone();
+        system.set_parameter(self.parameter, self.value);
+        Ok(equilibrium_near(&*system, &self.at(q))?.q)
+    }
+
+    fn state(&self, q: &[f64]) -> [Vec<f64>; 2] {
+        [q.to_vec(), self.guess.v.clone()]
+    }
+
+    fn unknowns(&self, q: &[f64], _: &[f64]) -> Vec<f64> {
+        q.to_vec()
+    }
+}
