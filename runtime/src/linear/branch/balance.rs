@@ -39,9 +39,13 @@ pub(in crate::linear) trait Balance {
     /// The unknowns of such a state.
     fn unknowns(&self, q: &[f64], v: &[f64]) -> Vec<f64>;
 
-    /// How well independent rows of constraints are so: singular values of their matrix, equilibrated, from the largest on, and
-    /// the name of the row that is nearest to depending on others.
-    fn independence(&self, _: &[f64]) -> Option<(Vec<f64>, String)> {
+    /// J, the slopes of constraints by coordinates; `None` without any.
+    fn jacobian(&self, _: &[f64]) -> Option<DMatrix<f64>> {
+        None
+    }
+
+    /// The name of a row of it.
+    fn row(&self, _: usize) -> Option<String> {
         None
     }
 }

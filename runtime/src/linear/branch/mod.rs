@@ -3,10 +3,12 @@
 //! 1. The equations of its states: look in `balance.rs`, and with constraints in `../constrained/balance.rs`.
 //! 2. Pseudo-arclength continuation: look in `walk.rs`.
 //! 3. Eigenvalues along it, and between which two states of it stability changes: look in `threshold.rs`.
-//! 4. What of the range is left where the branch turns back: below.
-//! 5. States between, for paths that are drawn: look in `smooth.rs`.
+//! 4. Where constraints lose their rank: look in `dependence.rs`.
+//! 5. What of the range is left where the branch turns back: below.
+//! 6. States between, for paths that are drawn: look in `smooth.rs`.
 
 mod balance;
+mod dependence;
 mod smooth;
 mod spectrum;
 mod threshold;
@@ -55,6 +57,8 @@ pub enum ThresholdKind {
     Fold,
     /// The branch turns back where it meets another, its mirror image.
     Bifurcation,
+    /// Constraints that are independent near by depend on each other: branches of other shapes of the mechanism may pass.
+    Dependence,
 }
 
 impl ThresholdKind {
@@ -65,12 +69,13 @@ impl ThresholdKind {
             ThresholdKind::Divergence => "divergence",
             ThresholdKind::Fold => "fold",
             ThresholdKind::Bifurcation => "bifurcation",
+            ThresholdKind::Dependence => "dependence",
         }
     }
 }
 
 /// A value at which something changes.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Threshold {
     /// The parameter's value, SI.
     pub value: f64,
@@ -82,6 +87,8 @@ pub struct Threshold {
     pub omega: f64,
     /// True behind a fold.
     pub folded: bool,
+    /// A row of the constraints that depends on others here; at a fold, that beyond it they cannot be met.
+    pub constraint: Option<String>,
 }
 
 /// Where one branch ends and another had to be taken.

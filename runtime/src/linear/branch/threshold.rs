@@ -1,7 +1,9 @@
 //! Where stability changes along a branch.
 
 use std::cell::Cell;
+use std::ops::Range;
 
+use super::dependence::{Dependence, dependences};
 use super::spectrum::Spectrum;
 use super::walk::Walker;
 use super::{Branch, State, Threshold, ThresholdKind, Turn};
@@ -34,16 +36,32 @@ pub(super) fn thresholds(walker: &Walker, points: &[State], turns: &[Turn], bran
             }
         }
     }
+    let grows = |sample: Option<&Option<Sample>>| {
+        sample.and_then(Option::as_ref).map_or(0, |sample| sample.spectrum.growing())
+    };
+    let dependences = dependences(walker, points);
+    let folds = |found: &Dependence, turn: &Turn| found.between.start < turn.index && turn.index <= found.between.end;
     for turn in turns {
-        let grows = |sample: Option<&Option<Sample>>| {
-            sample.and_then(Option::as_ref).map_or(0, |sample| sample.spectrum.growing())
-        };
+        let dependence = dependences.iter().find(|found| folds(found, turn));
         branch.thresholds.push(Threshold {
             value: turn.at.value,
             kind: if turn.mirrored { ThresholdKind::Bifurcation } else { ThresholdKind::Fold },
             growing: [grows(samples.get(turn.index - 1)), grows(samples.get(turn.index))],
             omega: 0.0,
             folded: false,
+            constraint: dependence.and_then(|found| walker.row(found.row)),
+        });
+    }
+    for found in dependences.iter().filter(|found| !turns.iter().any(|turn| folds(found, turn))) {
+        let Range { start, end } = found.between;
+        let [low, high] = if points[start].value <= points[end].value { [start, end] } else { [end, start] };
+        branch.thresholds.push(Threshold {
+            value: found.at.value,
+            kind: ThresholdKind::Dependence,
+            growing: [grows(samples.get(low)), grows(samples.get(high))],
+            omega: 0.0,
+            folded: turns.first().is_some_and(|turn| start >= turn.index),
+            constraint: walker.row(found.row),
         });
     }
     let size = walker.size();
@@ -147,5 +165,6 @@ fn threshold(a: &Sample, b: &Sample, growing: [usize; 2]) -> Threshold {
         growing: if a.state.value <= b.state.value { growing } else { [growing[1], growing[0]] },
         omega,
         folded: a.folded,
+        constraint: None,
     }
 }

@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 use super::balance::Balance;
 use super::spectrum::Spectrum;
@@ -80,9 +80,14 @@ impl Walker {
         self.ask(state.value, |balance| balance.spectrum(&state.y))
     }
 
-    /// As [`Balance::independence`].
-    pub fn independence(&self, state: &State) -> Option<(Vec<f64>, String)> {
-        self.ask(state.value, |balance| balance.independence(&state.y))
+    /// As [`Balance::jacobian`].
+    pub fn jacobian(&self, state: &State) -> Option<DMatrix<f64>> {
+        self.ask(state.value, |balance| balance.jacobian(&state.y))
+    }
+
+    /// As [`Balance::row`].
+    pub fn row(&self, index: usize) -> Option<String> {
+        self.balance.borrow().row(index)
     }
 
     /// Generalized coordinates and speeds of a state.
@@ -216,7 +221,7 @@ impl Walker {
     }
 
     /// How far unknowns go at first: what is rounding beside all others is measured by these.
-    fn reach(&self, y: &[f64]) -> Vec<f64> {
+    pub fn reach(&self, y: &[f64]) -> Vec<f64> {
         let largest = y.iter().fold(0.0_f64, |most, y| most.max(y.abs()));
         let whole = if largest > 0.0 { largest } else { 1.0 };
         let each = |(y, alike): (&f64, f64)| if alike > ROUNDING * whole { y.abs() } else { whole };
@@ -224,7 +229,7 @@ impl Walker {
     }
 
     /// What each unknown, and the parameter, is measured in.
-    fn units(&self, reach: &[f64]) -> Vec<f64> {
+    pub fn units(&self, reach: &[f64]) -> Vec<f64> {
         let each = |(reach, whole): (&f64, f64)| if *reach > 1e-6 * whole { *reach } else { whole };
         reach.iter().zip(self.largest_alike(reach)).map(each).chain([self.width()]).collect()
     }
@@ -257,12 +262,13 @@ impl Walker {
         let mut state = guess.clone();
         let mut before = f64::INFINITY;
         for _ in 0..CORRECTIONS {
-            let [left, measure] = self.ask(state.value, |balance| balance.left(&state.y));
-            if left.iter().any(|x| !x.is_finite()) {
+            if let Some(clean) = self.without_rounding(&state) {
+                return Some(clean);
+            }
+            let (left, largest) = self.left(&state);
+            if !largest.is_finite() {
                 return None;
             }
-            let parts = left.iter().zip(measure.iter()).map(|(x, m)| if *x == 0.0 { 0.0 } else { x.abs() / m });
-            let largest = parts.fold(0.0, f64::max);
             // To rounding, as far as steps still help.
             if largest == 0.0 || (largest <= BALANCED && largest > 0.25 * before) {
                 return Some(state);
@@ -274,6 +280,27 @@ impl Walker {
             state.value += change[n];
         }
         (before <= BALANCED).then_some(state)
+    }
+
+    /// What is left of the equations, and the largest part of it in its own row's measure.
+    fn left(&self, state: &State) -> (DVector<f64>, f64) {
+        let [left, measure] = self.ask(state.value, |balance| balance.left(&state.y));
+        let parts = left.iter().zip(measure.iter()).map(|(x, m)| if *x == 0.0 { 0.0 } else { x.abs() / m });
+        let largest = parts.fold(0.0, |most, part| if part <= most { most } else { part });
+        (left, largest)
+    }
+
+    /// The state with all unknowns at 0 that are rounding beside those with their unit, or beside all where these are, if the
+    /// equations hold there too.
+    fn without_rounding(&self, state: &State) -> Option<State> {
+        let scales = self.largest_alike(&self.reach(&state.y));
+        let gone = |y: f64, scale: f64| y != 0.0 && y.abs() <= ROUNDING * scale;
+        if !state.y.iter().zip(&scales).any(|(y, scale)| gone(*y, *scale)) {
+            return None;
+        }
+        let y = state.y.iter().zip(&scales).map(|(y, scale)| if gone(*y, *scale) { 0.0 } else { *y }).collect();
+        let clean = State { y, value: state.value };
+        (self.left(&clean).1 <= BALANCED).then_some(clean)
     }
 
     /// The direction of the branch, of unit length, that goes on from another one.
@@ -322,11 +349,9 @@ impl Walker {
         let mix = |a: f64, b: f64| a + part * (b - a);
         let guess = State { y: a.y.iter().zip(&b.y).map(|(a, b)| mix(*a, *b)).collect(), value: mix(a.value, b.value) };
         let chord: Vec<f64> = a.y.iter().zip(&b.y).map(|(a, b)| b - a).chain([b.value - a.value]).collect();
-        let unit = |x: f64, of: f64| if of > 0.0 { x / (of * of) } else { 0.0 };
-        let extent = |a: f64, b: f64| a.abs().max(b.abs());
-        let mut across: Vec<f64> =
-            a.y.iter().zip(&b.y).zip(&chord).map(|((a, b), c)| unit(*c, extent(*a, *b))).collect();
-        across.push(unit(b.value - a.value, self.width()));
+        let extent: Vec<f64> = a.y.iter().zip(&b.y).map(|(a, b)| a.abs().max(b.abs())).collect();
+        let units = self.units(&self.reach(&extent));
+        let across: Vec<f64> = chord.iter().zip(units).map(|(chord, unit)| chord / (unit * unit)).collect();
         if across.iter().all(|x| *x == 0.0) {
             return None;
         }

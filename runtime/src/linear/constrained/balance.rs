@@ -10,7 +10,6 @@ use super::rest::{at_rest, linearise_constrained};
 use crate::linear::branch::{Balance, Spectrum};
 use crate::linear::equilibrium::Probe;
 use crate::linear::{Guess, LinearError};
-use crate::matrix::equilibrated;
 use crate::mechanism::System;
 
 /// The equations of a mechanism with constraints while a parameter changes.
@@ -95,21 +94,12 @@ impl Balance for AtRest {
         q.to_vec()
     }
 
-    fn independence(&self, q: &[f64]) -> Option<(Vec<f64>, String)> {
-        self.look(q, |held, state| held.independence(state))
+    fn jacobian(&self, q: &[f64]) -> Option<DMatrix<f64>> {
+        Some(self.look(q, |held, state| held.jacobian(state)))
     }
-}
 
-impl<S: System + ?Sized> Held<'_, S> {
-    /// Singular values of J, rows and columns of one size, from the largest on; and the name of the row that has most of the
-    /// combination that is nearest to none.
-    pub fn independence(&self, state: &State) -> Option<(Vec<f64>, String)> {
-        let (scaled, _, _) = equilibrated(&self.jacobian(state));
-        let svd = scaled.try_svd(true, false, f64::EPSILON, 0)?;
-        let (u, values) = (svd.u?, svd.singular_values);
-        let row = u.column(values.imin()).iamax();
-        let mut values = values.as_slice().to_vec();
-        values.sort_by(|a, b| b.total_cmp(a));
-        Some((values, self.system.description().rows[self.rows[row]].name.to_string()))
+    fn row(&self, index: usize) -> Option<String> {
+        let row = *self.rows.get(index)?;
+        Some(self.probe.system.borrow().description().rows[row].name.to_string())
     }
 }
