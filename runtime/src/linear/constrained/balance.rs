@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::held::{Held, State};
-use super::rest::{at_rest, linearise_constrained};
+use super::rest::{at_rest, linearise_constrained, linearised_at};
 use crate::linear::branch::{Balance, Spectrum};
 use crate::linear::equilibrium::Probe;
 use crate::linear::{Guess, LinearError};
@@ -78,7 +78,7 @@ impl Balance for AtRest {
 
     fn spectrum(&self, q: &[f64]) -> Result<Spectrum, LinearError> {
         let system = self.probe.system.borrow().boxed_clone();
-        Spectrum::of(&linearise_constrained(&*system, &self.guess(q), true)?.linear)
+        Spectrum::of(&linearised_at(&*system, &self.guess(q))?)
     }
 
     fn search(&self, q: &[f64]) -> Result<Vec<f64>, LinearError> {

@@ -19,6 +19,8 @@ const NOTHING: f64 = 1e-120;
 const ROUNDINGS: f64 = 16.0;
 /// Coordinates that have shrunk to this part of what they were are tried at 0.
 const GONE: f64 = 1e-9;
+/// Steps of differences of terms, as parts of a coordinate's size.
+const BESIDE: f64 = 1e-7;
 /// Times at which a state of rest is looked at again, s.
 const TIMES: [f64; 4] = [0.37, 1.9, 53.0, 1234.5];
 /// What changes by less than this part of itself is the same.
@@ -142,6 +144,27 @@ impl<'a, S: System + ?Sized> Held<'a, S> {
             slopes.view_mut((n, k * n), (m, n)).copy_from(block);
         }
         slopes
+    }
+
+    /// How fast the terms of F grow with q and with q': what rounding of ∂F/∂q and ∂F/∂q' is judged by.
+    pub fn slopes_of_terms(&self, state: &State) -> [DMatrix<f64>; 2] {
+        let magnitudes = |state: &State| {
+            let mut sums = DVector::zeros(self.n);
+            self.system.magnitudes(state.at(), sums.as_mut_slice());
+            sums
+        };
+        let here = magnitudes(state);
+        [false, true].map(|of_speed| {
+            let sizes = sizes_alike(self.system.description(), if of_speed { &state.v } else { &state.q });
+            let mut slopes = DMatrix::zeros(self.n, self.n);
+            for (j, size) in sizes.iter().enumerate() {
+                let mut beside = state.clone();
+                let step = BESIDE * if *size > 0.0 { *size } else { 1.0 };
+                (if of_speed { &mut beside.v } else { &mut beside.q })[j] += step;
+                slopes.set_column(j, &((magnitudes(&beside) - &here).abs() / step));
+            }
+            slopes
+        })
     }
 
     /// (c, c', Σ |terms| of c) of each row, c of one that contains speeds being the change of its integral.
