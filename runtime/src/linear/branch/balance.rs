@@ -18,8 +18,8 @@ pub(in crate::linear) trait Balance {
     /// What is left of every equation, and what it is judged by.
     fn left(&self, y: &[f64]) -> [DVector<f64>; 2];
 
-    /// The equations' slopes, by the unknowns and behind them by what else follows from the equations.
-    fn slopes(&self, y: &[f64]) -> DMatrix<f64>;
+    /// The equations' slopes.
+    fn slopes(&self, y: &[f64]) -> Slopes;
 
     /// Small motions about a solution.
     ///
@@ -48,6 +48,14 @@ pub(in crate::linear) trait Balance {
     fn row(&self, _: usize) -> Option<String> {
         None
     }
+}
+
+/// Slopes of equations, by the unknowns and behind them by what else follows from the equations, in any unit.
+pub(in crate::linear) struct Slopes {
+    /// Each row multiplied by its factor.
+    pub matrix: DMatrix<f64>,
+    /// The factors.
+    pub rows: DVector<f64>,
 }
 
 /// F(q) = 0 of a mechanism without constraints.
@@ -84,8 +92,8 @@ impl Balance for Free {
         [self.probe.force(q), self.probe.measure(q)].map(DVector::from_vec)
     }
 
-    fn slopes(&self, q: &[f64]) -> DMatrix<f64> {
-        self.probe.stiffness(q)
+    fn slopes(&self, q: &[f64]) -> Slopes {
+        Slopes { matrix: self.probe.stiffness(q), rows: DVector::from_element(q.len(), 1.0) }
     }
 
     fn spectrum(&self, q: &[f64]) -> Result<Spectrum, LinearError> {

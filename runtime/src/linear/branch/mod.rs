@@ -26,7 +26,7 @@ use balance::Free;
 use threshold::thresholds;
 use walk::{End, Path, Walker};
 
-pub(super) use balance::Balance;
+pub(super) use balance::{Balance, Slopes};
 pub(super) use spectrum::Spectrum;
 
 /// A state of the branch.

@@ -36,9 +36,8 @@ pub(super) fn thresholds(walker: &Walker, points: &[State], turns: &[Turn], bran
             }
         }
     }
-    let grows = |sample: Option<&Option<Sample>>| {
-        sample.and_then(Option::as_ref).map_or(0, |sample| sample.spectrum.growing())
-    };
+    let grows =
+        |sample: Option<&Option<Sample>>| sample.and_then(Option::as_ref).map_or(0, |sample| sample.spectrum.growing());
     let dependences = dependences(walker, points);
     let folds = |found: &Dependence, turn: &Turn| found.between.start < turn.index && turn.index <= found.between.end;
     for turn in turns {

@@ -4,11 +4,11 @@ use std::cell::RefCell;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::balance::Balance;
+use super::balance::{Balance, Slopes};
 use super::spectrum::Spectrum;
 use super::{BranchPoint, Change, State, Turn};
 use crate::linear::LinearError;
-use crate::linear::matrices::{Scaled, Singular};
+use crate::linear::matrices::{Scaled, Singular, natural_sizes};
 use crate::matrix::equilibrated;
 
 /// The longest step, as a part of the range (and of the coordinates' extents).
@@ -24,14 +24,14 @@ const TURN: f64 = 0.97;
 /// What is left of the equations at a state of the branch, as parts of their own row's terms.
 const BALANCED: f64 = 1e-11;
 
-/// Unknowns below this part of the others are rounding.
+/// Unknowns below this part of their natural size are rounding.
 const ROUNDING: f64 = 1e-15;
 
 /// Follows solutions of equations while one parameter changes.
 pub(super) struct Walker {
     balance: RefCell<Box<dyn Balance>>,
-    /// Unknowns with the same unit have the same number.
-    alike: Vec<usize>,
+    /// Units of the unknowns.
+    names: Vec<String>,
     pub range: (f64, f64),
 }
 
@@ -55,13 +55,12 @@ impl Walker {
         if !(range.0.is_finite() && range.1.is_finite() && range.0 < range.1) {
             return Err(LinearError::NonFinite { what: "the range of the parameter".to_owned() });
         }
-        let units = balance.units();
-        let alike = units.iter().map(|unit| units.iter().take_while(|other| *other != unit).count()).collect();
-        Ok(Walker { balance: RefCell::new(balance), alike, range })
+        let names = balance.units();
+        Ok(Walker { balance: RefCell::new(balance), names, range })
     }
 
     pub fn size(&self) -> usize {
-        self.alike.len()
+        self.names.len()
     }
 
     pub fn width(&self) -> f64 {
@@ -143,7 +142,9 @@ impl Walker {
 
     /// The solution at a value that a search from a state finds, near or not.
     pub fn search(&self, value: f64, y: &[f64]) -> Result<Vec<f64>, LinearError> {
-        self.ask(value, |balance| balance.search(y))
+        let found = self.ask(value, |balance| balance.search(y))?;
+        // As exact as the states that follow, what is 0 exactly so.
+        Ok(self.at(value, &found).unwrap_or(found))
     }
 
     /// Another branch, a little beyond the end of one.
@@ -156,7 +157,7 @@ impl Walker {
     /// Follows the branch from a state until it leaves the range.
     pub fn walk(&self, start: &State, direction: f64) -> Path {
         let n = start.y.len();
-        let mut reach = self.reach(&start.y);
+        let mut reach: Vec<f64> = start.y.iter().map(|y| y.abs()).collect();
         let mut along = vec![0.0; n + 1];
         along[n] = direction;
         let mut tangent = self.tangent(start, &along, &self.units(&reach)).unwrap_or(along);
@@ -211,27 +212,10 @@ impl Walker {
         path
     }
 
-    /// The largest size among unknowns with the same unit, for each of them.
-    fn largest_alike(&self, y: &[f64]) -> Vec<f64> {
-        let largest = |alike: &usize| {
-            let others = y.iter().zip(&self.alike).filter(|(_, other)| *other == alike);
-            others.fold(0.0_f64, |most, (y, _)| most.max(y.abs()))
-        };
-        self.alike.iter().map(largest).collect()
-    }
-
-    /// How far unknowns go at first: what is rounding beside all others is measured by these.
-    pub fn reach(&self, y: &[f64]) -> Vec<f64> {
-        let largest = y.iter().fold(0.0_f64, |most, y| most.max(y.abs()));
-        let whole = if largest > 0.0 { largest } else { 1.0 };
-        let each = |(y, alike): (&f64, f64)| if alike > ROUNDING * whole { y.abs() } else { whole };
-        y.iter().zip(self.largest_alike(y)).map(each).collect()
-    }
-
     /// What each unknown, and the parameter, is measured in.
     pub fn units(&self, reach: &[f64]) -> Vec<f64> {
         let each = |(reach, whole): (&f64, f64)| if *reach > 1e-6 * whole { *reach } else { whole };
-        reach.iter().zip(self.largest_alike(reach)).map(each).chain([self.width()]).collect()
+        reach.iter().zip(natural_sizes(&self.names, reach)).map(each).chain([self.width()]).collect()
     }
 
     fn step(&self, here: &State, tangent: &[f64], units: &[f64], step: f64) -> Option<(State, Vec<f64>)> {
@@ -293,7 +277,7 @@ impl Walker {
     /// The state with all unknowns at 0 that are rounding beside those with their unit, or beside all where these are, if the
     /// equations hold there too.
     fn without_rounding(&self, state: &State) -> Option<State> {
-        let scales = self.largest_alike(&self.reach(&state.y));
+        let scales = natural_sizes(&self.names, &state.y);
         let gone = |y: f64, scale: f64| y != 0.0 && y.abs() <= ROUNDING * scale;
         if !state.y.iter().zip(&scales).any(|(y, scale)| gone(*y, *scale)) {
             return None;
@@ -315,18 +299,19 @@ impl Walker {
     /// The shortest (y, p) of [slopes, ∂/∂p; across] (y, …, p) = (wanted, along).
     fn solve(&self, state: &State, across: &[f64], wanted: &DVector<f64>, along: f64) -> Option<Vec<f64>> {
         let n = state.y.len();
-        let slopes = self.ask(state.value, |balance| balance.slopes(&state.y));
-        let (rows, columns) = slopes.shape();
+        let Slopes { matrix, rows: factors } = self.ask(state.value, |balance| balance.slopes(&state.y));
+        let (rows, columns) = matrix.shape();
         let size = rows.max(columns) + 1;
-        let mut matrix = slopes.resize(size, size, 0.0);
-        matrix.view_mut((0, columns), (rows, 1)).copy_from(&self.slope(state));
+        let mut matrix = matrix.resize(size, size, 0.0);
+        matrix.view_mut((0, columns), (rows, 1)).copy_from(&self.slope(state).component_mul(&factors));
         matrix.view_mut((rows, 0), (1, n)).copy_from_slice(&across[..n]);
         matrix[(rows, columns)] = across[n];
-        let mut right = wanted.clone().resize_vertically(size, 0.0);
+        let mut right = wanted.component_mul(&factors).resize_vertically(size, 0.0);
         right[rows] = along;
         let (scaled, by_row, by_column) = equilibrated(&matrix);
         let singular = Singular::of(&scaled)?;
-        let least = singular.least_squares(&right.component_mul(&by_row), Scaled::threshold(size, singular.values.max()));
+        let least =
+            singular.least_squares(&right.component_mul(&by_row), Scaled::threshold(size, singular.values.max()));
         let found = least.component_mul(&by_column);
         let all = found.iter().take(n).chain([&found[columns]]).copied().collect::<Vec<f64>>();
         all.iter().all(|x| x.is_finite()).then_some(all)
@@ -350,7 +335,7 @@ impl Walker {
         let guess = State { y: a.y.iter().zip(&b.y).map(|(a, b)| mix(*a, *b)).collect(), value: mix(a.value, b.value) };
         let chord: Vec<f64> = a.y.iter().zip(&b.y).map(|(a, b)| b - a).chain([b.value - a.value]).collect();
         let extent: Vec<f64> = a.y.iter().zip(&b.y).map(|(a, b)| a.abs().max(b.abs())).collect();
-        let units = self.units(&self.reach(&extent));
+        let units = self.units(&extent);
         let across: Vec<f64> = chord.iter().zip(units).map(|(chord, unit)| chord / (unit * unit)).collect();
         if across.iter().all(|x| *x == 0.0) {
             return None;

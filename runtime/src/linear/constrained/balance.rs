@@ -6,8 +6,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::held::{Held, State};
-use super::rest::{at_rest, linearise_constrained, linearised_at};
-use crate::linear::branch::{Balance, Spectrum};
+use super::rest::{Bordered, at_rest, linearise_constrained, linearised_at};
+use crate::linear::branch::{Balance, Slopes, Spectrum};
 use crate::linear::equilibrium::Probe;
 use crate::linear::{Guess, LinearError};
 use crate::mechanism::System;
@@ -68,12 +68,16 @@ impl Balance for AtRest {
             let (terms, triples) = (held.terms(state), held.triples(state));
             let left = held.force(state).iter().copied().chain(triples.iter().map(|triple| triple[0])).collect();
             let forces = &terms.forces + &terms.by_state;
-            [DVector::from_vec(left), DVector::from_iterator(state.q.len() + triples.len(), forces.iter().chain(&terms.places).copied())]
+            [
+                DVector::from_vec(left),
+                DVector::from_iterator(state.q.len() + triples.len(), forces.iter().chain(&terms.places).copied()),
+            ]
         })
     }
 
-    fn slopes(&self, q: &[f64]) -> DMatrix<f64> {
-        self.look(q, |held, state| held.at_rest_slopes(state))
+    fn slopes(&self, q: &[f64]) -> Slopes {
+        let Bordered { matrix, rows, .. } = self.look(q, |held, state| held.at_rest_slopes(state));
+        Slopes { matrix, rows }
     }
 
     fn spectrum(&self, q: &[f64]) -> Result<Spectrum, LinearError> {

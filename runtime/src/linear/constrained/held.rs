@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::linear::equilibrium::force_unit;
+use crate::linear::matrices::natural_sizes;
 use crate::linear::{LinearError, Residual};
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{
@@ -99,9 +100,12 @@ impl<'a, S: System + ?Sized> Held<'a, S> {
     pub fn state(&self, q: &[f64], v: &[f64]) -> State {
         let lambda = vec![0.0; self.system.description().rows.len()];
         let mut state = State { t: 0.0, q: q.to_vec(), v: v.to_vec(), zero: vec![0.0; self.n], lambda };
-        let force = DMatrix::from_column_slice(self.n, 1, self.force(&state).as_slice());
-        if let Some(lambda) = solve_least(&self.effects(&state), &force) {
-            self.rows.iter().zip(lambda.iter()).for_each(|(row, x)| state.lambda[*row] = *x);
+        let effects = self.effects(&state);
+        // What rounding leaves of the first is as small as its terms only after a second time.
+        for _ in 0..2 {
+            let force = DMatrix::from_column_slice(self.n, 1, self.force(&state).as_slice());
+            let Some(lambda) = solve_least(&effects, &force) else { break };
+            self.rows.iter().zip(lambda.iter()).for_each(|(row, x)| state.lambda[*row] += x);
         }
         state
     }
@@ -155,11 +159,11 @@ impl<'a, S: System + ?Sized> Held<'a, S> {
         };
         let here = magnitudes(state);
         [false, true].map(|of_speed| {
-            let sizes = sizes_alike(self.system.description(), if of_speed { &state.v } else { &state.q });
+            let sizes = natural_sizes(&self.units(), if of_speed { &state.v } else { &state.q });
             let mut slopes = DMatrix::zeros(self.n, self.n);
             for (j, size) in sizes.iter().enumerate() {
                 let mut beside = state.clone();
-                let step = BESIDE * if *size > 0.0 { *size } else { 1.0 };
+                let step = BESIDE * size;
                 (if of_speed { &mut beside.v } else { &mut beside.q })[j] += step;
                 slopes.set_column(j, &((magnitudes(&beside) - &here).abs() / step));
             }
@@ -252,7 +256,7 @@ impl<'a, S: System + ?Sized> Held<'a, S> {
     /// A state that a search from another place found, with coordinates at 0 that are nothing beside those with their unit, or
     /// beside what they were, if it stays so.
     pub fn settled(&self, state: State, from: &[f64]) -> State {
-        let sizes = sizes_alike(self.system.description(), &state.q);
+        let sizes = natural_sizes(&self.units(), &state.q);
         let mut tried = state.clone();
         for (i, q) in tried.q.iter_mut().enumerate() {
             if q.abs() <= (ROUNDINGS * f64::EPSILON * sizes[i]).max(GONE * from[i].abs()) {

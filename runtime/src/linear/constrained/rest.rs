@@ -12,9 +12,10 @@ use super::held::{Held, State};
 use super::on_its_sides;
 use crate::constrain::{Projection, Start, consistent};
 use crate::linear::equilibrium::{Pace, RELAXATIONS, beside};
+use crate::linear::matrices::natural_sizes;
 use crate::linear::{Equilibrium, Freedom, Guess, LinearError, Linearised, Mode};
 use crate::matrix::solve_least;
-use crate::mechanism::dense::{constraint_triples, mass_matrix, sizes_alike};
+use crate::mechanism::dense::{constraint_triples, mass_matrix};
 use crate::mechanism::{At, System};
 
 /// M, C and K of a constrained mechanism in independent coordinates, and how all others follow.
@@ -79,6 +80,15 @@ pub(super) fn linearised_at(system: &dyn System, guess: &Guess) -> Result<Linear
         let (small, there) = held.in_independent_coordinates(&state, 0, &guess.inputs)?;
         Ok((small.linear, there))
     })
+}
+
+/// R [∂F/∂q −Jᵀ; J 0] C with diagonals R, and 1 and then S in C, such that no block is small beside the others.
+pub(super) struct Bordered {
+    pub matrix: DMatrix<f64>,
+    /// R.
+    pub rows: DVector<f64>,
+    /// S: multipliers in units of what is solved for.
+    pub multipliers: DVector<f64>,
 }
 
 /// What a search ends with.
@@ -208,13 +218,12 @@ impl<S: System + ?Sized> Held<'_, S> {
                 (part, next)
             };
             let halves = std::iter::successors(Some(1.0), |part| Some(0.5 * part)).take_while(|part| *part > 1e-6);
-            let better =
-                halves.map(moved).find(|(_, next)| self.force(next).norm().hypot(missed(next).norm()) < size);
+            let better = halves.map(moved).find(|(_, next)| self.force(next).norm().hypot(missed(next).norm()) < size);
             match better {
                 Some((part, next)) => {
-                    let sizes = sizes_alike(self.system.description(), &next.q);
-                    let parts = step.iter().zip(&sizes).filter(|(step, _)| **step != 0.0);
-                    let largest = parts.fold(0.0_f64, |most, (step, size)| most.max(step.abs() / size));
+                    let sizes = natural_sizes(&self.units(), &next.q);
+                    let largest =
+                        step.iter().zip(&sizes).fold(0.0_f64, |most, (step, size)| most.max(step.abs() / size));
                     pace.note(largest, part, largest);
                     state = next;
                 }
@@ -231,14 +240,16 @@ impl<S: System + ?Sized> Held<'_, S> {
 
     /// Newton's step of q and λ towards F = 0 and c = 0, the least where directions are free; `None` where there is none.
     fn step(&self, state: &State) -> Option<DMatrix<f64>> {
-        let slopes = self.at_rest_slopes(state);
+        let Bordered { matrix, rows, multipliers } = self.at_rest_slopes(state);
         let force = self.force(state);
         let left = force.iter().copied().chain(self.triples(state).into_iter().map(|triple| triple[0]));
-        let right = DMatrix::from_iterator(slopes.nrows(), 1, left.map(|x| -x));
-        if slopes.iter().chain(right.iter()).any(|x| !x.is_finite()) {
+        let right = DMatrix::from_iterator(rows.len(), 1, left.zip(&rows).map(|(x, factor)| -x * factor));
+        if matrix.iter().chain(right.iter()).any(|x| !x.is_finite()) {
             return None;
         }
-        solve_least(&slopes, &right)
+        let mut step = solve_least(&matrix, &right)?;
+        step.rows_mut(self.n, multipliers.len()).component_mul_assign(&multipliers);
+        Some(step)
     }
 
     /// What becomes of the directions without stiffness.
@@ -259,14 +270,26 @@ impl<S: System + ?Sized> Held<'_, S> {
         })
     }
 
-    /// [∂F/∂q −Jᵀ; J 0]: slopes of F and c by q and λ.
-    pub fn at_rest_slopes(&self, state: &State) -> DMatrix<f64> {
+    /// Slopes of F and c by q and λ.
+    pub fn at_rest_slopes(&self, state: &State) -> Bordered {
         let (n, m, jacobian) = (self.n, self.rows.len(), self.jacobian(state));
-        let mut slopes = DMatrix::zeros(n + m, n + m);
-        slopes.view_mut((0, 0), (n, n)).copy_from(&self.slopes(state).view((0, 0), (n, n)));
-        slopes.view_mut((0, n), (n, m)).copy_from(&(-jacobian.transpose()));
-        slopes.view_mut((n, 0), (m, n)).copy_from(&jacobian);
-        slopes
+        let stiffness = self.slopes(state).view((0, 0), (n, n)).into_owned();
+        // Without common units what is soft would be rounding beside the constraints.
+        let units = DVector::from_vec(natural_sizes(&self.units(), &state.q));
+        let or_one = |x: f64| if x > 0.0 && x.is_finite() { x.log2().round().exp2() } else { 1.0 };
+        let energy = DMatrix::from_fn(n, n, |i, j| stiffness[(i, j)] * units[i] * units[j]);
+        let energy = or_one(energy.amax());
+        let reaches: Vec<f64> =
+            (0..m).map(|k| or_one(jacobian.row(k).transpose().component_mul(&units).amax())).collect();
+        let forces = units.map(|unit| or_one(unit) / energy);
+        let rows = DVector::from_iterator(n + m, forces.iter().copied().chain(reaches.iter().map(|reach| 1.0 / reach)));
+        let multipliers = DVector::from_iterator(m, reaches.iter().map(|reach| energy / reach));
+        let mut matrix = DMatrix::zeros(n + m, n + m);
+        matrix.view_mut((0, 0), (n, n)).copy_from(&stiffness);
+        matrix.view_mut((0, n), (n, m)).copy_from(&(-jacobian.transpose() * DMatrix::from_diagonal(&multipliers)));
+        matrix.view_mut((n, 0), (m, n)).copy_from(&jacobian);
+        matrix.row_iter_mut().zip(&rows).for_each(|(mut row, factor)| row *= *factor);
+        Bordered { matrix, rows, multipliers }
     }
 
     /// Refuses forces made of reactions: independent coordinates do not know what the constraints carry.

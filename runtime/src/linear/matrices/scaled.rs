@@ -8,6 +8,33 @@ use crate::matrix::equilibrated;
 /// A matrix of which the rank must be known fast where it is full.
 const LARGE: usize = 60;
 
+/// Numbers below this part of others are rounding.
+const ROUNDING: f64 = 1e-15;
+/// Angles and pure numbers below this are.
+const NO_ANGLE: f64 = 1e-12;
+
+/// What each number is large beside: the largest of those with its unit; where all of these are rounding, 1 for angles and pure
+/// numbers and the largest of all for others.
+pub fn natural_sizes<U: AsRef<str>>(units: &[U], numbers: &[f64]) -> Vec<f64> {
+    let all = numbers.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let size = |unit: &U| {
+        let alike = units.iter().zip(numbers).filter(|(other, _)| other.as_ref() == unit.as_ref());
+        match alike.fold(0.0_f64, |most, (_, x)| most.max(x.abs())) {
+            largest if matches!(unit.as_ref(), "1" | "rad") => {
+                if largest > NO_ANGLE {
+                    largest
+                } else {
+                    1.0
+                }
+            }
+            largest if largest > ROUNDING * all => largest,
+            _ if all > 0.0 => all,
+            _ => 1.0,
+        }
+    };
+    units.iter().map(size).collect()
+}
+
 /// An orthonormal basis of the null space of a square matrix, by the singular values of the equilibrated one.
 pub fn null_space(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let n = matrix.nrows();
