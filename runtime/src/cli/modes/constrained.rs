@@ -22,8 +22,6 @@ use crate::linear::{linearise_driven, linearise_tangent};
 use crate::mechanism::dense::mass_matrix;
 use crate::mechanism::{At, Row};
 
-/// Options that need the equations in all coordinates.
-const OTHERS: [&str; 1] = ["motion"];
 /// Options that ask what a drive does.
 #[cfg(feature = "modal")]
 const DRIVES: [&str; 5] = ["drive", "omega", "bode", "response", "range"];
@@ -69,9 +67,8 @@ pub fn run(
     guess: &Guess,
     out: &mut dyn Write,
 ) -> Result<(), Problem> {
-    let given = |option: &&&str| options.value_source(option) == Some(ValueSource::CommandLine);
-    if let Some(option) = OTHERS.iter().find(given) {
-        let words = format!("error: --{option} is not there for a mechanism with constraints; use minimal coordinates");
+    if options.contains_id("motion") {
+        let words = "error: --motion is not there for a mechanism with constraints; use minimal coordinates".to_owned();
         return Err(Problem::Usage(words));
     }
     let system = &*loaded.system;
@@ -131,6 +128,7 @@ fn by_departures(
     }
     let system = &*loaded.system;
     let found = linearise_tangent(system, guess, options.get_flag("here")).map_err(failed)?;
+    let locus = Locus::new(loaded, options, reader, &found.equilibrium)?;
     let asked = DRIVES.iter().find(|option| options.value_source(option) == Some(ValueSource::CommandLine));
     let at = match asked {
         None => None,
@@ -152,15 +150,16 @@ fn by_departures(
     };
     let model = at.as_ref().map(Model::Held);
     let driven = model.map_or(Ok(None), |model| Driven::new(loaded, options, reader, model))?;
-    for note in driven.iter().flat_map(Driven::notes) {
+    for note in driven.iter().flat_map(Driven::notes).chain(locus.iter().flat_map(Locus::notes)) {
         eprintln!("warning: {note}");
     }
     if options.get_flag("json") {
-        let more = driven.iter().flat_map(Driven::as_json);
+        let more = driven.iter().flat_map(Driven::as_json).chain(locus.iter().map(Locus::as_json));
         return Ok(json::write(&tangent::as_json(&loaded.name, &found, names, more), out)?);
     }
     tangent::table(&loaded.name, &found, names, out)?;
-    driven.zip(model).map_or(Ok(()), |(driven, model)| driven.table(model, out))
+    driven.zip(model).map_or(Ok(()), |(driven, model)| driven.table(model, out))?;
+    locus.map_or(Ok(()), |locus| locus.table(out))
 }
 
 #[cfg(not(feature = "modal"))]

@@ -123,9 +123,13 @@ pub struct Branch {
 /// or states are put between them, so that narrow windows of instability are found; thresholds are right to some 1e-12
 /// of the range.
 ///
+/// With constraints the branch consists of rests that meet them, in all coordinates of the file; eigenvalues are those of
+/// independent ones, and where rows lose their rank is a threshold with the name of one of them.
+///
 /// # Errors
-/// As [`equilibrium_near`] and [`linearise`](super::linearise), where no part of the range has an equilibrium with
-/// a linear model.
+/// As [`equilibrium_near`](super::equilibrium_near) and [`linearise`](super::linearise), with constraints as
+/// [`linearise_constrained`](super::linearise_constrained), where no part of the range has an equilibrium with a linear model;
+/// [`LinearError::MovingBranch`].
 pub fn follow<S: System + ?Sized>(
     system: &S,
     parameter: usize,

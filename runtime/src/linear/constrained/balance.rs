@@ -15,13 +15,16 @@ use crate::mechanism::System;
 /// The equations of a mechanism with constraints while a parameter changes.
 ///
 /// # Errors
-/// As [`linearise_constrained`]: constraints that contain speeds and have no known integrals, forces made of reactions.
+/// [`LinearError::MovingBranch`]; as [`linearise_constrained`]: constraints that contain speeds and have no known integrals, forces made of reactions.
 pub(in crate::linear) fn balance<S: System + ?Sized>(
     system: &S,
     parameter: usize,
     guess: &Guess,
 ) -> Result<Box<dyn Balance>, LinearError> {
     let probe = Probe::new(system, guess);
+    if let Some(moving) = guess.v.iter().position(|v| *v != 0.0) {
+        return Err(LinearError::MovingBranch { coordinate: probe.names().swap_remove(moving) });
+    }
     let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
     let levels = {
         let system = probe.system.borrow();

@@ -19,17 +19,12 @@ pub fn natural_sizes<U: AsRef<str>>(units: &[U], numbers: &[f64]) -> Vec<f64> {
     let all = numbers.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     let size = |unit: &U| {
         let alike = units.iter().zip(numbers).filter(|(other, _)| other.as_ref() == unit.as_ref());
-        match alike.fold(0.0_f64, |most, (_, x)| most.max(x.abs())) {
-            largest if matches!(unit.as_ref(), "1" | "rad") => {
-                if largest > NO_ANGLE {
-                    largest
-                } else {
-                    1.0
-                }
-            }
-            largest if largest > ROUNDING * all => largest,
-            _ if all > 0.0 => all,
-            _ => 1.0,
+        let largest = alike.fold(0.0_f64, |most, (_, x)| most.max(x.abs()));
+        let angle = matches!(unit.as_ref(), "1" | "rad");
+        match if angle { NO_ANGLE } else { ROUNDING * all } {
+            rounding if largest > rounding => largest,
+            _ if angle || all == 0.0 => 1.0,
+            _ => all,
         }
     };
     units.iter().map(size).collect()
