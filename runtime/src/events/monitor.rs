@@ -302,10 +302,17 @@ fn along<S: System + ?Sized>(
     if rises(role) && edge {
         return None;
     }
-    let leaps = |slope: f64| (path[0].1 - path[path.len() - 1].1) > LEAP * slope.abs();
-    let from_the_top = role == Role::Exponential && top == path[0].0 && start > end + feature;
-    // Where it begins at the top its factors may vanish, and nothing is seen of what it falls off.
-    let from_the_top = from_the_top && leaps(arguments.sample(system, course, index, top).1);
+    // Where it begins at the top its factors may vanish, and nothing is seen of what it falls off, however often it rises again.
+    let valley =
+        path.iter().take_while(|(_, a)| natural(*a) <= start).min_by(|a, b| natural(a.1).total_cmp(&natural(b.1)))?;
+    let from_the_top = rises(role) && start > natural(valley.1) + feature && {
+        let (a, slope) = arguments.sample(system, course, index, path[0].0);
+        let (fall, slope) = match role {
+            Role::Power(p) => (start - natural(valley.1), p * slope / a),
+            _ => (a - valley.1, slope),
+        };
+        fall > LEAP * valley.0 * slope.abs()
+    };
     let mut at = |x: f64| natural(arguments.sample(system, course, index, x).0);
     if rises(role) && !from_the_top {
         if most <= start.max(end) + feature {

@@ -58,6 +58,33 @@ scene: {{start: {{x: 0}}, until: {}, tolerance: 1e-9}}",
     }
 }
 
+/// x'' = u' begins at the top of a pulse, where u' vanishes, and one step reaches the top of the next: x' = u(t) - u(0).
+#[test]
+fn a_pulse_that_is_fallen_off_is_met_though_others_follow() {
+    for (pulse, of) in [("exp(-P^2)", f64::exp as fn(f64) -> f64), ("1/(1 + P^2)", |square| 1.0 / (1.0 - square))] {
+        for (rate, width, begun) in
+            [(20.0, 2e-4, 0.0), (20.0, 2e-4, 0.3), (8.0, 1e-2, 0.0), (11.4, 1e-7, 0.0), (15.0, 2e-4, -1.5)]
+        {
+            let phase = begun * width;
+            let u = |t: f64| of(-(((rate * t + phase).sin() / width).powi(2)));
+            let input = pulse.replace('P', &format!("(sin({rate:?}*t + {phase:e})/{width:e})"));
+            for method in [Method::Auto, Method::Rkn8, Method::Dop853, Method::Dopri5, Method::Radau5] {
+                let mut falls = file(&format!(
+                    "name: Falls
+coordinates: {{x: 1}}
+inputs: {{u: \"{input}\"}}
+bodies: {{b: {{mass: 1, position: \"[x, 0]\"}}}}
+generalized_forces: {{x: \"u'\"}}
+scene: {{start: {{x: 0, x': 0.5}}, until: 1.9, tolerance: 1e-7}}"
+                ));
+                falls.settings.method = method;
+                let (run, expected) = (falls.run(), 0.5 + u(1.9) - u(0.0));
+                assert!((run.last()["x'"] - expected).abs() < 1e-3, "{input}, {method}: {} {expected}", run.last());
+            }
+        }
+    }
+}
+
 #[test]
 fn a_gaussian_zone_is_met_whatever_its_width() {
     for width in [1.0, 0.1, 1e-2, 1e-4, 1e-6] {

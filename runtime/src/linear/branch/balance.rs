@@ -7,37 +7,31 @@ use crate::linear::LinearError;
 use crate::linear::equilibrium::{Guess, Probe, equilibrium_near, linearised_at};
 use crate::mechanism::System;
 
-/// Equations in unknowns y at a value of one parameter, and the small motions about their solutions.
+/// Equations in the coordinates q at a value of one parameter, and the small motions about their solutions.
 pub(in crate::linear) trait Balance {
     /// Another value of the parameter.
     fn set_parameter(&mut self, value: f64);
 
-    /// Units of the unknowns: those with the same unit are measured by the largest of them.
+    /// Units of the coordinates: those with the same unit are measured by the largest of them.
     fn units(&self) -> Vec<String>;
 
     /// What is left of every equation, and what it is judged by.
-    fn left(&self, y: &[f64]) -> [DVector<f64>; 2];
+    fn left(&self, q: &[f64]) -> [DVector<f64>; 2];
 
     /// The equations' slopes.
-    fn slopes(&self, y: &[f64]) -> Slopes;
+    fn slopes(&self, q: &[f64]) -> Slopes;
 
     /// Small motions about a solution.
     ///
     /// # Errors
     /// Those of linearising there.
-    fn spectrum(&self, y: &[f64]) -> Result<Spectrum, LinearError>;
+    fn spectrum(&self, q: &[f64]) -> Result<Spectrum, LinearError>;
 
     /// The solution that a search from here finds, near or not.
     ///
     /// # Errors
     /// That there is none.
-    fn search(&self, y: &[f64]) -> Result<Vec<f64>, LinearError>;
-
-    /// Generalized coordinates and speeds.
-    fn state(&self, y: &[f64]) -> [Vec<f64>; 2];
-
-    /// The unknowns of such a state.
-    fn unknowns(&self, q: &[f64], v: &[f64]) -> Vec<f64>;
+    fn search(&self, q: &[f64]) -> Result<Vec<f64>, LinearError>;
 
     /// J, the slopes of constraints by coordinates; `None` without any.
     fn jacobian(&self, _: &[f64]) -> Option<DMatrix<f64>> {
@@ -50,7 +44,7 @@ pub(in crate::linear) trait Balance {
     }
 }
 
-/// Slopes of equations, by the unknowns and behind them by what else follows from the equations, in any unit.
+/// Slopes of equations, by the coordinates and behind them by multipliers in any unit.
 pub(in crate::linear) struct Slopes {
     /// Each row multiplied by its factor.
     pub matrix: DMatrix<f64>,
@@ -105,13 +99,5 @@ impl Balance for Free {
         let mut system = self.system.boxed_clone();
         system.set_parameter(self.parameter, self.value);
         Ok(equilibrium_near(&*system, &self.at(q))?.q)
-    }
-
-    fn state(&self, q: &[f64]) -> [Vec<f64>; 2] {
-        [q.to_vec(), self.guess.v.clone()]
-    }
-
-    fn unknowns(&self, q: &[f64], _: &[f64]) -> Vec<f64> {
-        q.to_vec()
     }
 }

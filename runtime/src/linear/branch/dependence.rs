@@ -58,8 +58,8 @@ impl<'a> Rows<'a> {
     /// `None` without constraints.
     fn along(walker: &'a Walker, points: &[State]) -> Option<Self> {
         let first = walker.jacobian(points.first()?)?;
-        let farthest = |i: usize| points.iter().fold(0.0_f64, |most, state| most.max(state.y[i].abs()));
-        let units = walker.units(&(0..points[0].y.len()).map(farthest).collect::<Vec<f64>>());
+        let farthest = |i: usize| points.iter().fold(0.0_f64, |most, state| most.max(state.q[i].abs()));
+        let units = walker.units(&(0..points[0].q.len()).map(farthest).collect::<Vec<f64>>());
         let mut rows = Rows { walker, sizes: vec![1.0; first.nrows()], units, rank: 0 };
         let all: Vec<DMatrix<f64>> = points.iter().filter_map(|state| rows.scaled(state)).collect();
         let largest = |k: usize| all.iter().fold(0.0_f64, |most, jacobian| most.max(jacobian.row(k).norm()));

@@ -36,8 +36,6 @@ pub struct BranchPoint {
     pub value: f64,
     /// Generalized coordinates, SI.
     pub q: Vec<f64>,
-    /// Their speeds, SI: 0 but in steady motions.
-    pub v: Vec<f64>,
     /// All eigenvalues λ of small motions e^(λt), 1/s.
     pub eigenvalues: Vec<Complex<f64>>,
     /// How many modes grow.
@@ -139,13 +137,13 @@ pub fn follow<S: System + ?Sized>(
     let range = (from.min(to), from.max(to));
     let walker = Walker::new(balance(system, parameter, guess)?, range)?;
     let present = system.parameters()[parameter];
-    let found = walker.search(present, &walker.state(present, &guess.q, &guess.v).y)?;
+    let found = walker.search(present, &guess.q)?;
     let mut branch = Branch::default();
     let first = present.clamp(range.0, range.1);
     let (start, left) = walker.towards(present, first, found)?;
-    branch.changes.extend(left.map(|[from, to]| walker.change(&from, &to.y)));
+    branch.changes.extend(left.map(|left| Change { value: left.value, from: left.q, to: start.clone() }));
     for direction in [-1.0, 1.0] {
-        collect(&walker, State { y: start.clone(), value: first }, direction, &mut branch)?;
+        collect(&walker, State { q: start.clone(), value: first }, direction, &mut branch)?;
     }
     let rising = from <= to;
     branch.points.sort_by(|a, b| {
@@ -191,7 +189,7 @@ fn collect(walker: &Walker, mut start: State, direction: f64, branch: &mut Branc
         let rest = if direction > 0.0 { (last.value, high) } else { (low, last.value) };
         match walker.another(&last, direction) {
             Ok(next) => {
-                branch.changes.push(walker.change(&last, &next.y));
+                branch.changes.push(Change { value: last.value, from: last.q, to: next.q.clone() });
                 start = next;
             }
             Err(error) => {
@@ -203,10 +201,10 @@ fn collect(walker: &Walker, mut start: State, direction: f64, branch: &mut Branc
     Ok(())
 }
 
-/// A state of the branch: the unknowns of its equations, and the parameter.
+/// A state (q, p) of the branch.
 #[derive(Clone, Debug)]
 struct State {
-    y: Vec<f64>,
+    q: Vec<f64>,
     value: f64,
 }
 

@@ -3,7 +3,7 @@
 use nalgebra::Complex;
 
 use super::walk::Walker;
-use super::{Branch, BranchPoint, balance};
+use super::{Branch, BranchPoint, State, balance};
 use crate::linear::LinearError;
 use crate::linear::equilibrium::Guess;
 use crate::linear::modes::matched;
@@ -120,13 +120,13 @@ impl Between {
 
     fn middle(&mut self, a: &BranchPoint, b: &BranchPoint) -> Option<BranchPoint> {
         self.left -= 1;
-        let state = |point: &BranchPoint| self.walker.state(point.value, &point.q, &point.v);
+        let state = |point: &BranchPoint| State { q: point.q.clone(), value: point.value };
         let middle = self.walker.between(&state(a), &state(b), 0.5)?;
         if middle.value == a.value || middle.value == b.value {
             return None;
         }
         let spectrum = self.walker.spectrum(&middle).ok()?;
-        Some(self.walker.point(&middle, spectrum, false))
+        Some(spectrum.point(middle, false))
     }
 
     /// Whether no eigenvalue moves by more than a pixel.

@@ -2,6 +2,7 @@
 
 use nalgebra::{Complex, DMatrix};
 
+use super::{BranchPoint, State};
 use crate::linear::matrices::{Scaled, cholesky, null_space, symmetric_eigen};
 use crate::linear::{LinearError, Linearised};
 use crate::matrix::is_symmetric;
@@ -63,6 +64,11 @@ impl Spectrum {
         }
         let floor = if squares { SPLIT } else { floor * norm };
         Ok(Spectrum { values, squares, symmetric, floor, eigenvalues })
+    }
+
+    /// The state of a branch that it belongs to.
+    pub(super) fn point(self, State { q, value }: State, folded: bool) -> BranchPoint {
+        BranchPoint { value, q, growing: self.growing(), eigenvalues: self.eigenvalues, folded }
     }
 
     /// How many modes grow.

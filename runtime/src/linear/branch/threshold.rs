@@ -83,7 +83,7 @@ pub(super) fn thresholds(walker: &Walker, points: &[State], turns: &[Turn], bran
         search.between(a, b, 0, &mut found, &mut branch.thresholds);
     }
     let all = samples.into_iter().flatten().chain(found);
-    branch.points.extend(all.map(|sample| walker.point(&sample.state, sample.spectrum, sample.folded)));
+    branch.points.extend(all.map(|sample| sample.spectrum.point(sample.state, sample.folded)));
     if let Some((value, error)) = fault {
         branch.missing = branch.missing.take().or(Some(((value, value), error)));
     }

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::balance::{Balance, Slopes};
 use super::spectrum::Spectrum;
-use super::{BranchPoint, Change, State, Turn};
+use super::{State, Turn};
 use crate::linear::LinearError;
 use crate::linear::matrices::{Scaled, Singular, natural_sizes};
 use crate::matrix::equilibrated;
@@ -24,13 +24,13 @@ const TURN: f64 = 0.97;
 /// What is left of the equations at a state of the branch, as parts of their own row's terms.
 const BALANCED: f64 = 1e-11;
 
-/// Unknowns below this part of their natural size are rounding.
+/// Coordinates below this part of their natural size are rounding.
 const ROUNDING: f64 = 1e-15;
 
 /// Follows solutions of equations while one parameter changes.
 pub(super) struct Walker {
     balance: RefCell<Box<dyn Balance>>,
-    /// Units of the unknowns.
+    /// Units of the coordinates.
     names: Vec<String>,
     pub range: (f64, f64),
 }
@@ -76,12 +76,12 @@ impl Walker {
 
     /// Small motions about a state.
     pub fn spectrum(&self, state: &State) -> Result<Spectrum, LinearError> {
-        self.ask(state.value, |balance| balance.spectrum(&state.y))
+        self.ask(state.value, |balance| balance.spectrum(&state.q))
     }
 
     /// As [`Balance::jacobian`].
     pub fn jacobian(&self, state: &State) -> Option<DMatrix<f64>> {
-        self.ask(state.value, |balance| balance.jacobian(&state.y))
+        self.ask(state.value, |balance| balance.jacobian(&state.q))
     }
 
     /// As [`Balance::row`].
@@ -89,60 +89,36 @@ impl Walker {
         self.balance.borrow().row(index)
     }
 
-    /// Generalized coordinates and speeds of a state.
-    pub fn coordinates(&self, y: &[f64]) -> [Vec<f64>; 2] {
-        self.balance.borrow().state(y)
-    }
-
-    /// The state of a place and its speeds.
-    pub fn state(&self, value: f64, q: &[f64], v: &[f64]) -> State {
-        State { y: self.balance.borrow().unknowns(q, v), value }
-    }
-
-    /// A branch left at one state for another.
-    pub fn change(&self, from: &State, to: &[f64]) -> Change {
-        let [[from_q, _], [to_q, _]] = [&from.y[..], to].map(|y| self.coordinates(y));
-        Change { value: from.value, from: from_q, to: to_q }
-    }
-
-    /// A state as users see it.
-    pub fn point(&self, state: &State, spectrum: Spectrum, folded: bool) -> BranchPoint {
-        let [q, v] = self.coordinates(&state.y);
-        let growing = spectrum.growing();
-        BranchPoint { value: state.value, q, v, growing, eigenvalues: spectrum.eigenvalues, folded }
-    }
-
     /// From one value to another, outside of the range, by solutions that belong together; and where the branch ends on the
-    /// way, from where to where it had to be left.
-    pub fn towards(&self, from: f64, to: f64, mut y: Vec<f64>) -> Result<(Vec<f64>, Option<[State; 2]>), LinearError> {
+    /// way, from where it had to be left.
+    pub fn towards(&self, from: f64, to: f64, mut q: Vec<f64>) -> Result<(Vec<f64>, Option<State>), LinearError> {
         let mut value = from;
         let mut step = (to - from) / 20.0;
         while value != to {
             let next = if (to - value).abs() <= step.abs() { to } else { value + step };
-            match self.at(next, &y) {
-                Some(found) => (value, y) = (next, found),
+            match self.at(next, &q) {
+                Some(found) => (value, q) = (next, found),
                 None if step.abs() > 1e-6 * (to - from).abs() => step *= 0.5,
                 None => {
-                    let found = self.search(to, &y)?;
-                    let ends = [State { y, value }, State { y: found.clone(), value: to }];
-                    return Ok((found, Some(ends)));
+                    let found = self.search(to, &q)?;
+                    return Ok((found, Some(State { q, value })));
                 }
             }
         }
-        Ok((y, None))
+        Ok((q, None))
     }
 
     /// The solution at a value that belongs to a state near by: by Newton steps that stay near.
-    fn at(&self, value: f64, y: &[f64]) -> Option<Vec<f64>> {
-        let mut direction = vec![0.0; y.len() + 1];
-        direction[y.len()] = 1.0;
-        let state = State { y: y.to_vec(), value };
-        self.correct(&state, &direction).map(|found| found.y)
+    fn at(&self, value: f64, q: &[f64]) -> Option<Vec<f64>> {
+        let mut direction = vec![0.0; q.len() + 1];
+        direction[q.len()] = 1.0;
+        let state = State { q: q.to_vec(), value };
+        self.correct(&state, &direction).map(|found| found.q)
     }
 
     /// The solution at a value that a search from a state finds, near or not.
-    pub fn search(&self, value: f64, y: &[f64]) -> Result<Vec<f64>, LinearError> {
-        let found = self.ask(value, |balance| balance.search(y))?;
+    pub fn search(&self, value: f64, q: &[f64]) -> Result<Vec<f64>, LinearError> {
+        let found = self.ask(value, |balance| balance.search(q))?;
         // As exact as the states that follow, what is 0 exactly so.
         Ok(self.at(value, &found).unwrap_or(found))
     }
@@ -151,13 +127,13 @@ impl Walker {
     pub fn another(&self, end: &State, direction: f64) -> Result<State, LinearError> {
         let (low, high) = self.range;
         let value = (end.value + 1e-6 * direction * self.width()).clamp(low, high);
-        Ok(State { y: self.search(value, &end.y)?, value })
+        Ok(State { q: self.search(value, &end.q)?, value })
     }
 
     /// Follows the branch from a state until it leaves the range.
     pub fn walk(&self, start: &State, direction: f64) -> Path {
-        let n = start.y.len();
-        let mut reach: Vec<f64> = start.y.iter().map(|y| y.abs()).collect();
+        let n = start.q.len();
+        let mut reach: Vec<f64> = start.q.iter().map(|q| q.abs()).collect();
         let mut along = vec![0.0; n + 1];
         along[n] = direction;
         let mut tangent = self.tangent(start, &along, &self.units(&reach)).unwrap_or(along);
@@ -184,15 +160,15 @@ impl Walker {
                 let bound = if next.value > self.range.1 { self.range.1 } else { self.range.0 };
                 let part =
                     if next.value == here.value { 0.0 } else { (bound - here.value) / (next.value - here.value) };
-                let guess: Vec<f64> = here.y.iter().zip(&next.y).map(|(a, b)| a + part * (b - a)).collect();
-                let Some(y) = self.at(bound, &guess) else {
+                let guess: Vec<f64> = here.q.iter().zip(&next.q).map(|(a, b)| a + part * (b - a)).collect();
+                let Some(q) = self.at(bound, &guess) else {
                     step *= 0.5;
                     if step < SHORTEST {
                         return path;
                     }
                     continue;
                 };
-                path.points.push(State { y, value: bound });
+                path.points.push(State { q, value: bound });
                 path.end = End::Range;
                 return path;
             }
@@ -202,7 +178,7 @@ impl Walker {
                 let mirrored = self.is_bifurcation(&at, tangent[n], &units);
                 path.turns.push(Turn { at, index: path.points.len(), mirrored });
             }
-            reach.iter_mut().zip(&next.y).for_each(|(reach, y)| *reach = reach.max(y.abs()));
+            reach.iter_mut().zip(&next.q).for_each(|(reach, q)| *reach = reach.max(q.abs()));
             units = self.units(&reach);
             path.points.push(next);
             let last = &path.points[path.points.len() - 1];
@@ -212,24 +188,24 @@ impl Walker {
         path
     }
 
-    /// What each unknown, and the parameter, is measured in.
+    /// What each coordinate, and the parameter, is measured in.
     pub fn units(&self, reach: &[f64]) -> Vec<f64> {
         let each = |(reach, whole): (&f64, f64)| if *reach > 1e-6 * whole { *reach } else { whole };
         reach.iter().zip(natural_sizes(&self.names, reach)).map(each).chain([self.width()]).collect()
     }
 
     fn step(&self, here: &State, tangent: &[f64], units: &[f64], step: f64) -> Option<(State, Vec<f64>)> {
-        let n = here.y.len();
+        let n = here.q.len();
         let guess = State {
-            y: here.y.iter().zip(tangent).map(|(y, t)| y + step * t).collect(),
+            q: here.q.iter().zip(tangent).map(|(q, t)| q + step * t).collect(),
             value: here.value + step * tangent[n],
         };
         let across: Vec<f64> = tangent.iter().zip(units).map(|(t, unit)| t / (unit * unit)).collect();
         let next = self.correct(&guess, &across)?;
         // A correction as long as the step leads to another branch.
         let apart = |a: &State, b: &State| -> f64 {
-            let y = a.y.iter().zip(&b.y).zip(units).map(|((a, b), unit)| ((a - b) / unit).powi(2)).sum::<f64>();
-            (y + ((a.value - b.value) / units[n]).powi(2)).sqrt()
+            let q = a.q.iter().zip(&b.q).zip(units).map(|((a, b), unit)| ((a - b) / unit).powi(2)).sum::<f64>();
+            (q + ((a.value - b.value) / units[n]).powi(2)).sqrt()
         };
         if apart(&guess, &next) > 0.3 * step {
             return None;
@@ -242,7 +218,7 @@ impl Walker {
 
     /// Newton's method for the equations on the plane through a guess, across a direction.
     fn correct(&self, guess: &State, across: &[f64]) -> Option<State> {
-        let n = guess.y.len();
+        let n = guess.q.len();
         let mut state = guess.clone();
         let mut before = f64::INFINITY;
         for _ in 0..CORRECTIONS {
@@ -258,9 +234,9 @@ impl Walker {
                 return Some(state);
             }
             before = largest;
-            let gone: f64 = across[..n].iter().zip(state.y.iter().zip(&guess.y)).map(|(a, (y, g))| a * (y - g)).sum();
+            let gone: f64 = across[..n].iter().zip(state.q.iter().zip(&guess.q)).map(|(a, (q, g))| a * (q - g)).sum();
             let change = self.solve(&state, across, &-left, -gone - across[n] * (state.value - guess.value))?;
-            state.y.iter_mut().zip(&change).for_each(|(y, change)| *y += change);
+            state.q.iter_mut().zip(&change).for_each(|(q, change)| *q += change);
             state.value += change[n];
         }
         (before <= BALANCED).then_some(state)
@@ -268,53 +244,52 @@ impl Walker {
 
     /// What is left of the equations, and the largest part of it in its own row's measure.
     fn left(&self, state: &State) -> (DVector<f64>, f64) {
-        let [left, measure] = self.ask(state.value, |balance| balance.left(&state.y));
+        let [left, measure] = self.ask(state.value, |balance| balance.left(&state.q));
         let parts = left.iter().zip(measure.iter()).map(|(x, m)| if *x == 0.0 { 0.0 } else { x.abs() / m });
         let largest = parts.fold(0.0, |most, part| if part <= most { most } else { part });
         (left, largest)
     }
 
-    /// The state with all unknowns at 0 that are rounding beside those with their unit, or beside all where these are, if the
+    /// The state with all coordinates at 0 that are rounding beside those with their unit, or beside all where these are, if the
     /// equations hold there too.
     fn without_rounding(&self, state: &State) -> Option<State> {
-        let scales = natural_sizes(&self.names, &state.y);
-        let gone = |y: f64, scale: f64| y != 0.0 && y.abs() <= ROUNDING * scale;
-        if !state.y.iter().zip(&scales).any(|(y, scale)| gone(*y, *scale)) {
+        let scales = natural_sizes(&self.names, &state.q);
+        let gone = |q: f64, scale: f64| q != 0.0 && q.abs() <= ROUNDING * scale;
+        if !state.q.iter().zip(&scales).any(|(q, scale)| gone(*q, *scale)) {
             return None;
         }
-        let y = state.y.iter().zip(&scales).map(|(y, scale)| if gone(*y, *scale) { 0.0 } else { *y }).collect();
-        let clean = State { y, value: state.value };
+        let q = state.q.iter().zip(&scales).map(|(q, scale)| if gone(*q, *scale) { 0.0 } else { *q }).collect();
+        let clean = State { q, value: state.value };
         (self.left(&clean).1 <= BALANCED).then_some(clean)
     }
 
     /// The direction of the branch, of unit length, that goes on from another one.
     fn tangent(&self, state: &State, along: &[f64], units: &[f64]) -> Option<Vec<f64>> {
         let across: Vec<f64> = along.iter().zip(units).map(|(t, unit)| t / (unit * unit)).collect();
-        let level = self.ask(state.value, |balance| balance.left(&state.y)[0].map(|_| 0.0));
+        let level = self.ask(state.value, |balance| balance.left(&state.q)[0].map(|_| 0.0));
         let tangent = self.solve(state, &across, &level, 1.0)?;
         let length = tangent.iter().zip(units).map(|(t, unit)| (t / unit).powi(2)).sum::<f64>().sqrt();
         (length > 0.0 && length.is_finite()).then(|| tangent.iter().map(|t| t / length).collect())
     }
 
-    /// The shortest (y, p) of [slopes, ∂/∂p; across] (y, …, p) = (wanted, along).
+    /// The shortest (q, p) of [slopes, ∂/∂p; across] (q, …, p) = (wanted, along).
     fn solve(&self, state: &State, across: &[f64], wanted: &DVector<f64>, along: f64) -> Option<Vec<f64>> {
-        let n = state.y.len();
-        let Slopes { matrix, rows: factors } = self.ask(state.value, |balance| balance.slopes(&state.y));
-        let (rows, columns) = matrix.shape();
-        let size = rows.max(columns) + 1;
-        let mut matrix = matrix.resize(size, size, 0.0);
-        matrix.view_mut((0, columns), (rows, 1)).copy_from(&self.slope(state).component_mul(&factors));
-        matrix.view_mut((rows, 0), (1, n)).copy_from_slice(&across[..n]);
-        matrix[(rows, columns)] = across[n];
-        let mut right = wanted.component_mul(&factors).resize_vertically(size, 0.0);
-        right[rows] = along;
+        let n = state.q.len();
+        let Slopes { matrix, rows: factors } = self.ask(state.value, |balance| balance.slopes(&state.q));
+        let all = factors.len();
+        let mut matrix = matrix.resize(all + 1, all + 1, 0.0);
+        matrix.view_mut((0, all), (all, 1)).copy_from(&self.slope(state).component_mul(&factors));
+        matrix.view_mut((all, 0), (1, n)).copy_from_slice(&across[..n]);
+        matrix[(all, all)] = across[n];
+        let mut right = wanted.component_mul(&factors).resize_vertically(all + 1, 0.0);
+        right[all] = along;
         let (scaled, by_row, by_column) = equilibrated(&matrix);
         let singular = Singular::of(&scaled)?;
         let least =
-            singular.least_squares(&right.component_mul(&by_row), Scaled::threshold(size, singular.values.max()));
+            singular.least_squares(&right.component_mul(&by_row), Scaled::threshold(all + 1, singular.values.max()));
         let found = least.component_mul(&by_column);
-        let all = found.iter().take(n).chain([&found[columns]]).copied().collect::<Vec<f64>>();
-        all.iter().all(|x| x.is_finite()).then_some(all)
+        let whole = found.iter().take(n).chain([&found[all]]).copied().collect::<Vec<f64>>();
+        whole.iter().all(|x| x.is_finite()).then_some(whole)
     }
 
     /// ∂/∂p of the equations by a central difference: it steers, and no result depends on it.
@@ -322,7 +297,7 @@ impl Walker {
         let step = 1e-6 * state.value.abs().max(1e-3 * self.width());
         let [high, low] = [step, -step].map(|step| {
             self.ask(state.value + step, |balance| {
-                let [left, _] = balance.left(&state.y);
+                let [left, _] = balance.left(&state.q);
                 left
             })
         });
@@ -332,9 +307,9 @@ impl Walker {
     /// The state of the branch between two of its states, at a part of the way.
     pub fn between(&self, a: &State, b: &State, part: f64) -> Option<State> {
         let mix = |a: f64, b: f64| a + part * (b - a);
-        let guess = State { y: a.y.iter().zip(&b.y).map(|(a, b)| mix(*a, *b)).collect(), value: mix(a.value, b.value) };
-        let chord: Vec<f64> = a.y.iter().zip(&b.y).map(|(a, b)| b - a).chain([b.value - a.value]).collect();
-        let extent: Vec<f64> = a.y.iter().zip(&b.y).map(|(a, b)| a.abs().max(b.abs())).collect();
+        let guess = State { q: a.q.iter().zip(&b.q).map(|(a, b)| mix(*a, *b)).collect(), value: mix(a.value, b.value) };
+        let chord: Vec<f64> = a.q.iter().zip(&b.q).map(|(a, b)| b - a).chain([b.value - a.value]).collect();
+        let extent: Vec<f64> = a.q.iter().zip(&b.q).map(|(a, b)| a.abs().max(b.abs())).collect();
         let units = self.units(&extent);
         let across: Vec<f64> = chord.iter().zip(units).map(|(chord, unit)| chord / (unit * unit)).collect();
         if across.iter().all(|x| *x == 0.0) {
@@ -345,8 +320,8 @@ impl Walker {
 
     /// The state where the parameter stands still between two states.
     fn fold(&self, a: &State, b: &State, sign: f64, units: &[f64]) -> Option<State> {
-        let n = a.y.len();
-        let chord: Vec<f64> = a.y.iter().zip(&b.y).map(|(a, b)| b - a).chain([b.value - a.value]).collect();
+        let n = a.q.len();
+        let chord: Vec<f64> = a.q.iter().zip(&b.q).map(|(a, b)| b - a).chain([b.value - a.value]).collect();
         let (mut low, mut high) = (0.0, 1.0);
         let mut at = None;
         for _ in 0..48 {
@@ -367,7 +342,7 @@ impl Walker {
     /// True where a little beyond the fold there is an equilibrium near by: another branch passes through it.
     fn is_bifurcation(&self, at: &State, direction: f64, units: &[f64]) -> bool {
         let beyond = at.value + 1e-4 * direction.signum() * self.width();
-        let Ok(found) = self.search(beyond, &at.y) else { return false };
-        found.iter().zip(&at.y).zip(units).all(|((a, b), unit)| (a - b).abs() <= 0.01 * unit)
+        let Ok(found) = self.search(beyond, &at.q) else { return false };
+        found.iter().zip(&at.q).zip(units).all(|((a, b), unit)| (a - b).abs() <= 0.01 * unit)
     }
 }

@@ -93,14 +93,6 @@ impl Balance for AtRest {
         Ok(linearise_constrained(&*system, &self.guess(q), false)?.linear.equilibrium.q)
     }
 
-    fn state(&self, q: &[f64]) -> [Vec<f64>; 2] {
-        [q.to_vec(), vec![0.0; q.len()]]
-    }
-
-    fn unknowns(&self, q: &[f64], _: &[f64]) -> Vec<f64> {
-        q.to_vec()
-    }
-
     fn jacobian(&self, q: &[f64]) -> Option<DMatrix<f64>> {
         Some(self.look(q, |held, state| held.jacobian(state)))
     }
