@@ -25,24 +25,26 @@ fn main() {
         "| tolerance | runs | values | most that a promise is broken by | too modest: median | nine of ten below |"
     );
     println!("| --- | --- | --- | --- | --- | --- |");
-    for (name, tolerance) in [
-        ("the scene's", None),
-        ("1e-6", Some(1e-6)),
-        ("1e-8", Some(1e-8)),
-        ("1e-10", Some(1e-10)),
-        ("1e-12", Some(1e-12)),
-    ] {
-        let found = promises(&[tolerance]);
-        let mut modesty: Vec<f64> = found.iter().flat_map(Promise::modesty).collect();
-        modesty.sort_by(f64::total_cmp);
-        let at = |part: f64| modesty.get((part * modesty.len() as f64) as usize).copied().unwrap_or(f64::NAN);
-        let broken = found.iter().map(Promise::broken).fold(0.0, f64::max);
-        println!(
-            "| {name} | {} | {} | {broken:.2} digits | {:.1} digits | {:.1} digits |",
-            found.len(),
-            modesty.len(),
-            at(0.5),
-            at(0.9)
-        );
+    let tolerances = [None, Some(1e-6), Some(1e-8), Some(1e-10), Some(1e-12)];
+    let names = ["the scene's", "1e-6", "1e-8", "1e-10", "1e-12"];
+    let found = tolerances.map(|tolerance| promises(&[tolerance]));
+    for (name, found) in names.into_iter().zip(&found) {
+        row(name, &found.iter().collect::<Vec<_>>());
     }
+    row("all", &found.iter().flatten().collect::<Vec<_>>());
+}
+
+/// One row of the table.
+fn row(name: &str, found: &[&Promise]) {
+    let mut modesty: Vec<f64> = found.iter().flat_map(|promise| promise.modesty()).collect();
+    modesty.sort_by(f64::total_cmp);
+    let at = |part: f64| modesty.get((part * modesty.len() as f64) as usize).copied().unwrap_or(f64::NAN);
+    let broken = found.iter().map(|promise| promise.broken()).fold(0.0, f64::max);
+    println!(
+        "| {name} | {} | {} | {broken:.2} digits | {:.1} digits | {:.1} digits |",
+        found.len(),
+        modesty.len(),
+        at(0.5),
+        at(0.9)
+    );
 }

@@ -27,6 +27,10 @@ const RESOLVED: f64 = 1.0;
 /// An oscillator takes `dop853` so many evaluations a radian, times this power of 1/tolerance; `rkn8` half as many.
 const A_RADIAN: f64 = 2.7;
 const GAIN: f64 = 0.115;
+/// Stability lets explicit methods take no fewer a radian of what has died away.
+const A_RADIAN_AT_REST: f64 = 2.0;
+/// Forces that change are looked at so often to see how often they turn.
+const LOOKS: usize = 64;
 
 /// `exact` evaluates a force so often a step; it makes matrices of so many lengths before it has found one, and so many for each
 /// length of time between two breaks, which are alike to that part of themselves; an explicit method takes so many evaluations more
@@ -87,8 +91,7 @@ fn exact_pays(settings: &Settings, system: &dyn System, y: &[f64]) -> bool {
     let evaluation = if counted > 0.0 { counted } else { 10.0 * n as f64 };
     let driven = description.structure.time_dependent;
     let (exponential, step) = operations_of_exact(n, driven);
-    let a_radian = if description.structure.separable { 0.5 * A_RADIAN } else { A_RADIAN };
-    let explicit = span * rate * a_radian * settings.tolerance.powf(-GAIN);
+    let explicit = explicit_evaluations(settings, system, y, rate);
     if !driven {
         return (exponential + step * span * rate / RESOLVED) / evaluation < explicit;
     }
@@ -100,6 +103,44 @@ fn exact_pays(settings: &Settings, system: &dyn System, y: &[f64]) -> bool {
     let steps = span / longest + times;
     let matrices = FIRST_LENGTHS + LENGTHS_A_BREAK * lengths;
     steps * EVALUATIONS_A_STEP + (exponential * matrices + step * steps) / evaluation < explicit + AT_A_BREAK * times
+}
+
+/// Evaluations that an explicit method takes of a linear system whose rates are `fastest` at the most: those of the mode, or of the force,
+/// that turns most often while it is there; a mode that decays is there until nothing of it is left to the tolerance.
+fn explicit_evaluations(settings: &Settings, system: &dyn System, y: &[f64], fastest: f64) -> f64 {
+    let (n, span) = (system.len(), settings.until - settings.from);
+    let structure = &system.description().structure;
+    let a_radian = if structure.separable { 0.5 * A_RADIAN } else { A_RADIAN };
+    let lasts = |decay: f64| span.min((1.0 / settings.tolerance).ln().max(0.0) / decay.max(0.0));
+    let modes = rates(system, settings.from, &y[..n], &y[n..]);
+    let ring = modes.map_or(span * fastest, |modes| {
+        modes.iter().fold(0.0_f64, |most, rate| most.max(rate.norm() * lasts(-rate.re)))
+    });
+    let drive = if structure.time_dependent { turns(settings, system, y) } else { 0.0 };
+    (ring.max(drive) * a_radian * settings.tolerance.powf(-GAIN)).max(A_RADIAN_AT_REST * span * fastest)
+}
+
+/// How far what drives a system turns in all, rad: π from each least value of an acceleration at a fixed state to the next
+/// largest one, as of a sine.
+fn turns(settings: &Settings, system: &dyn System, y: &[f64]) -> f64 {
+    let (n, span) = (system.len(), settings.until - settings.from);
+    let mut accelerations = vec![0.0; n];
+    let (mut low, mut high) = (vec![f64::INFINITY; n], vec![f64::NEG_INFINITY; n]);
+    let (mut last, mut way) = (Vec::<f64>::new(), vec![0.0; n]);
+    for k in 0..=LOOKS {
+        let t = settings.from + span * k as f64 / LOOKS as f64;
+        if system.accelerations(At::packed(t, y, n), &mut accelerations).is_err() {
+            continue;
+        }
+        for (i, a) in accelerations.iter().enumerate() {
+            way[i] += last.get(i).map_or(0.0, |last| (a - last).abs());
+            (low[i], high[i]) = (low[i].min(*a), high[i].max(*a));
+        }
+        last.clone_from(&accelerations);
+    }
+    let changes = |i: usize| high[i] - low[i] > 1e-12 * high[i].abs().max(low[i].abs());
+    let of = |i: usize| if changes(i) { std::f64::consts::PI * way[i] / (high[i] - low[i]) } else { 0.0 };
+    (0..n).map(of).fold(0.0, f64::max)
 }
 
 /// At how many times steps must end, and how many different lengths of time lie between them.
@@ -194,6 +235,28 @@ mod tests {
         toy.description.structure.time_dependent = true;
         assert_eq!(chosen(&toy, |_| ()), Method::Exact);
         assert_eq!(chosen(&toy, |settings| settings.until = 0.5), Method::Dop853);
+    }
+
+    /// What decays is followed to the tolerance no longer than it is there.
+    #[test]
+    fn what_dies_away_early_does_not_make_the_exponential_pay() {
+        // Ten coordinates, of which the exponential costs eight evaluations a radian.
+        let chain = |decay: f64| {
+            let n = 10;
+            let names = ["a", "b", "c", "d", "e", "f", "g", "h", "i", "j"];
+            let mut toy = Toy::new(&names, (&vec![1.0; n], &vec![0.0; n]), 1000.0, move |_, q, v, _, a| {
+                a.iter_mut().zip(q.iter().zip(v)).for_each(|(a, (q, v))| *a = -decay * v - q);
+            });
+            toy.jacobian = std::sync::Arc::new(move |_, _, _, dq, dv| {
+                for i in 0..n {
+                    (dq[i * n + i], dv[i * n + i]) = (1.0, decay);
+                }
+            });
+            toy.description.structure.linear = true;
+            toy
+        };
+        assert_eq!(chosen(&chain(1e-3), |_| ()), Method::Exact);
+        assert_eq!(chosen(&chain(0.5), |_| ()), Method::Dop853);
     }
 
     #[test]
