@@ -86,6 +86,11 @@ pub enum LinearError {
         /// The coordinate.
         coordinate: String,
     },
+    /// A branch was asked for from a state that moves along constraints: only rests are followed on these.
+    MovingBranch {
+        /// A coordinate with a speed.
+        coordinate: String,
+    },
     /// The equations change with time, beyond the inputs.
     DependsOnTime {
         /// A coordinate whose equation changes, or a constraint that does.
@@ -220,6 +225,11 @@ impl fmt::Display for LinearError {
                 f,
                 "not a steady motion: `{coordinate}` has a speed, but the equations depend on its value; only cyclic \
                  coordinates can turn or travel steadily"
+            ),
+            LinearError::MovingBranch { coordinate } => write!(
+                f,
+                "`{coordinate}` has a speed: with constraints, branches of rests are followed, not of steady motions; put what \
+                 turns steadily into the points, as an angle `W*t` with a parameter `W`"
             ),
             LinearError::DependsOnTime { coordinate } => write!(
                 f,

@@ -11,6 +11,7 @@ use super::super::load::Loaded;
 use super::super::set_up::Reader;
 use super::super::{Problem, json};
 use super::drive::Driven;
+use super::locus::Locus;
 use super::model::Model;
 #[cfg(feature = "modal")]
 use super::tangent;
@@ -21,8 +22,6 @@ use crate::linear::{linearise_driven, linearise_tangent};
 use crate::mechanism::dense::mass_matrix;
 use crate::mechanism::{At, Row};
 
-/// Options that need the equations in all coordinates.
-const OTHERS: [&str; 3] = ["motion", "vary", "locus"];
 /// Options that ask what a drive does.
 #[cfg(feature = "modal")]
 const DRIVES: [&str; 5] = ["drive", "omega", "bode", "response", "range"];
@@ -68,9 +67,8 @@ pub fn run(
     guess: &Guess,
     out: &mut dyn Write,
 ) -> Result<(), Problem> {
-    let given = |option: &&&str| options.value_source(option) == Some(ValueSource::CommandLine);
-    if let Some(option) = OTHERS.iter().find(given) {
-        let words = format!("error: --{option} is not there for a mechanism with constraints; use minimal coordinates");
+    if options.contains_id("motion") {
+        let words = "error: --motion is not there for a mechanism with constraints; use minimal coordinates".to_owned();
         return Err(Problem::Usage(words));
     }
     let system = &*loaded.system;
@@ -90,7 +88,9 @@ pub fn run(
     let modes = found.in_all_coordinates(&modes);
     let model = Model::Held(&found);
     let driven = Driven::new(loaded, options, reader, model)?;
-    for note in notes(&found.linear, &modes).into_iter().chain(driven.iter().flat_map(Driven::notes)) {
+    let locus = Locus::new(loaded, options, reader, &found.linear.equilibrium)?;
+    let more = driven.iter().flat_map(Driven::notes).chain(locus.iter().flat_map(Locus::notes));
+    for note in notes(&found.linear, &modes).into_iter().chain(more) {
         eprintln!("warning: {note}");
     }
     pictures(loaded, options, &found.linear, &modes, out)?;
@@ -99,6 +99,7 @@ pub fn run(
             names.iter().zip(&found.multipliers).map(|(row, value)| (row.row.clone(), json::number(*value)));
         let mut more = vec![("shape_coordinates", json!(found.coordinates)), ("reactions", json::object(reactions))];
         more.extend(driven.iter().flat_map(Driven::as_json));
+        more.extend(locus.map(|locus| locus.as_json()));
         json::write(&report::as_json(&loaded.name, &found.linear, &modes, more), out)?;
         return Ok(());
     }
@@ -108,7 +109,8 @@ pub fn run(
     for (row, value) in names.iter().zip(&found.multipliers) {
         writeln!(out, "{}", row.told("at rest", *value))?;
     }
-    driven.map_or(Ok(()), |driven| driven.table(model, out))
+    driven.map_or(Ok(()), |driven| driven.table(model, out))?;
+    locus.map_or(Ok(()), |locus| locus.table(out))
 }
 
 #[cfg(feature = "modal")]
@@ -126,6 +128,7 @@ fn by_departures(
     }
     let system = &*loaded.system;
     let found = linearise_tangent(system, guess, options.get_flag("here")).map_err(failed)?;
+    let locus = Locus::new(loaded, options, reader, &found.equilibrium)?;
     let asked = DRIVES.iter().find(|option| options.value_source(option) == Some(ValueSource::CommandLine));
     let at = match asked {
         None => None,
@@ -147,15 +150,16 @@ fn by_departures(
     };
     let model = at.as_ref().map(Model::Held);
     let driven = model.map_or(Ok(None), |model| Driven::new(loaded, options, reader, model))?;
-    for note in driven.iter().flat_map(Driven::notes) {
+    for note in driven.iter().flat_map(Driven::notes).chain(locus.iter().flat_map(Locus::notes)) {
         eprintln!("warning: {note}");
     }
     if options.get_flag("json") {
-        let more = driven.iter().flat_map(Driven::as_json);
+        let more = driven.iter().flat_map(Driven::as_json).chain(locus.iter().map(Locus::as_json));
         return Ok(json::write(&tangent::as_json(&loaded.name, &found, names, more), out)?);
     }
     tangent::table(&loaded.name, &found, names, out)?;
-    driven.zip(model).map_or(Ok(()), |(driven, model)| driven.table(model, out))
+    driven.zip(model).map_or(Ok(()), |(driven, model)| driven.table(model, out))?;
+    locus.map_or(Ok(()), |locus| locus.table(out))
 }
 
 #[cfg(not(feature = "modal"))]

@@ -102,6 +102,7 @@ impl Locus {
                 ("growing", json!(threshold.growing)),
                 ("stable_above", json!(threshold.growing[1] == 0)),
                 ("behind_a_fold", json!(threshold.folded)),
+                ("constraint", json!(threshold.constraint)),
             ])
         };
         let change = |change: &crate::linear::Change| {
@@ -163,8 +164,15 @@ impl Locus {
 /// What happens at a threshold, on the way through the range.
 fn told(threshold: &Threshold, rising: bool) -> String {
     let Threshold { kind, growing: [below, above], omega, .. } = *threshold;
+    let row = threshold.constraint.as_deref().unwrap_or_default();
     let (before, after) = if rising { (below, above) } else { (above, below) };
     let what = match kind {
+        ThresholdKind::Dependence => {
+            return format!("the constraint `{row}` depends on others here: the mechanism may go on in another shape");
+        }
+        ThresholdKind::Fold if threshold.constraint.is_some() => {
+            return format!("the branch folds back: beyond, `{row}` and other constraints cannot be met");
+        }
         ThresholdKind::Fold => return "the branch folds back".to_owned(),
         ThresholdKind::Bifurcation => return "the branch meets another and turns back (bifurcation)".to_owned(),
         ThresholdKind::Divergence => "divergence".to_owned(),

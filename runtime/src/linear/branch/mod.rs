@@ -1,10 +1,14 @@
 //! Equilibria as a parameter changes: one branch is followed, round its folds too, and every threshold on it is found.
 //!
-//! 1. Pseudo-arclength continuation: look in `walk.rs`.
-//! 2. Eigenvalues along it, and between which two states of it stability changes: look in `threshold.rs`.
-//! 3. What of the range is left where the branch turns back: below.
-//! 4. States between, for paths that are drawn: look in `smooth.rs`.
+//! 1. The equations of its states: look in `balance.rs`, and with constraints in `../constrained/balance.rs`.
+//! 2. Pseudo-arclength continuation: look in `walk.rs`.
+//! 3. Eigenvalues along it, and between which two states of it stability changes: look in `threshold.rs`.
+//! 4. Where constraints lose their rank: look in `dependence.rs`.
+//! 5. What of the range is left where the branch turns back: below.
+//! 6. States between, for paths that are drawn: look in `smooth.rs`.
 
+mod balance;
+mod dependence;
 mod smooth;
 mod spectrum;
 mod threshold;
@@ -15,11 +19,15 @@ mod tests;
 
 use nalgebra::Complex;
 
-use super::LinearError;
-use super::equilibrium::{Guess, equilibrium_near};
+use super::equilibrium::Guess;
+use super::{LinearError, constrained};
 use crate::mechanism::System;
+use balance::Free;
 use threshold::thresholds;
 use walk::{End, Path, Walker};
+
+pub(super) use balance::{Balance, Slopes};
+pub(super) use spectrum::Spectrum;
 
 /// A state of the branch.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,6 +55,8 @@ pub enum ThresholdKind {
     Fold,
     /// The branch turns back where it meets another, its mirror image.
     Bifurcation,
+    /// Constraints that are independent near by depend on each other: branches of other shapes of the mechanism may pass.
+    Dependence,
 }
 
 impl ThresholdKind {
@@ -57,12 +67,13 @@ impl ThresholdKind {
             ThresholdKind::Divergence => "divergence",
             ThresholdKind::Fold => "fold",
             ThresholdKind::Bifurcation => "bifurcation",
+            ThresholdKind::Dependence => "dependence",
         }
     }
 }
 
 /// A value at which something changes.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Threshold {
     /// The parameter's value, SI.
     pub value: f64,
@@ -74,6 +85,8 @@ pub struct Threshold {
     pub omega: f64,
     /// True behind a fold.
     pub folded: bool,
+    /// A row of the constraints that depends on others here; at a fold, that beyond it they cannot be met.
+    pub constraint: Option<String>,
 }
 
 /// Where one branch ends and another had to be taken.
@@ -108,9 +121,13 @@ pub struct Branch {
 /// or states are put between them, so that narrow windows of instability are found; thresholds are right to some 1e-12
 /// of the range.
 ///
+/// With constraints the branch consists of rests that meet them, in all coordinates of the file; eigenvalues are those of
+/// independent ones, and where rows lose their rank is a threshold with the name of one of them.
+///
 /// # Errors
-/// As [`equilibrium_near`] and [`linearise`](super::linearise), where no part of the range has an equilibrium with
-/// a linear model.
+/// As [`equilibrium_near`](super::equilibrium_near) and [`linearise`](super::linearise), with constraints as
+/// [`linearise_constrained`](super::linearise_constrained), where no part of the range has an equilibrium with a linear model;
+/// [`LinearError::MovingBranch`].
 pub fn follow<S: System + ?Sized>(
     system: &S,
     parameter: usize,
@@ -118,14 +135,15 @@ pub fn follow<S: System + ?Sized>(
     guess: &Guess,
 ) -> Result<Branch, LinearError> {
     let range = (from.min(to), from.max(to));
-    let present = system.parameters().get(parameter).copied().unwrap_or(f64::NAN);
-    let walker = Walker::new(system, parameter, range, guess)?;
-    let found = equilibrium_near(system, guess)?;
+    let walker = Walker::new(balance(system, parameter, guess)?, range)?;
+    let present = system.parameters()[parameter];
+    let found = walker.search(present, &guess.q)?;
     let mut branch = Branch::default();
     let first = present.clamp(range.0, range.1);
-    let start = walker.towards(present, first, found.q, &mut branch.changes)?;
+    let (start, left) = walker.towards(present, first, found)?;
+    branch.changes.extend(left.map(|left| Change { value: left.value, from: left.q, to: start.clone() }));
     for direction in [-1.0, 1.0] {
-        collect(&walker, (first, start.clone()), direction, &mut branch)?;
+        collect(&walker, State { q: start.clone(), value: first }, direction, &mut branch)?;
     }
     let rising = from <= to;
     branch.points.sort_by(|a, b| {
@@ -140,21 +158,28 @@ pub fn follow<S: System + ?Sized>(
     }
 }
 
+/// The equations of a mechanism's states, with its constraints.
+fn balance<S: System + ?Sized>(system: &S, parameter: usize, guess: &Guess) -> Result<Box<dyn Balance>, LinearError> {
+    let count = system.parameters().len();
+    if parameter >= count {
+        return Err(LinearError::WrongSize { what: "the parameter's index", given: parameter, expected: count });
+    }
+    match system.active_rows().is_empty() {
+        true => Ok(Box::new(Free::new(system, parameter, guess))),
+        false => constrained::balance(system, parameter, guess),
+    }
+}
+
 /// Follows in one direction to the end of the range, from branch to branch.
-fn collect(
-    walker: &Walker<'_>,
-    (mut value, mut q): (f64, Vec<f64>),
-    direction: f64,
-    branch: &mut Branch,
-) -> Result<(), LinearError> {
+fn collect(walker: &Walker, mut start: State, direction: f64, branch: &mut Branch) -> Result<(), LinearError> {
     let (low, high) = walker.range;
     let bound = if direction > 0.0 { high } else { low };
     // A branch that ends is left for another one; more than a few are a sign of something else.
     for _ in 0..8 {
-        if value == bound && !branch.points.is_empty() {
+        if start.value == bound && !branch.points.is_empty() {
             return Ok(());
         }
-        let Path { points, turns, end } = walker.walk(value, &q, direction)?;
+        let Path { points, turns, end } = walker.walk(&start, direction);
         thresholds(walker, &points, &turns, branch);
         let last = match (turns.first(), end) {
             (None, End::Range) => return Ok(()),
@@ -163,9 +188,9 @@ fn collect(
         };
         let rest = if direction > 0.0 { (last.value, high) } else { (low, last.value) };
         match walker.another(&last, direction) {
-            Ok((next_value, next)) => {
-                branch.changes.push(Change { value: last.value, from: last.q.clone(), to: next.clone() });
-                (value, q) = (next_value, next);
+            Ok(next) => {
+                branch.changes.push(Change { value: last.value, from: last.q, to: next.q.clone() });
+                start = next;
             }
             Err(error) => {
                 branch.missing = branch.missing.take().or(Some((rest, error)));

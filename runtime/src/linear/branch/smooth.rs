@@ -2,9 +2,8 @@
 
 use nalgebra::Complex;
 
-use super::spectrum::Spectrum;
 use super::walk::Walker;
-use super::{Branch, BranchPoint, State};
+use super::{Branch, BranchPoint, State, balance};
 use crate::linear::LinearError;
 use crate::linear::equilibrium::Guess;
 use crate::linear::modes::matched;
@@ -69,7 +68,7 @@ impl Branch {
             return Ok(known.into_iter().cloned().collect());
         }
         let range = (first.value.min(last.value), first.value.max(last.value));
-        let walker = Walker::new(system, parameter, range, guess)?;
+        let walker = Walker::new(balance(system, parameter, guess)?, range)?;
         let size = walker.size();
         let mut between = Between { walker, pixel: pixel(&known), left: 100_000 / (1 + size * size / 20) };
         let mut points = vec![(*first).clone()];
@@ -97,14 +96,14 @@ fn pixel(points: &[&BranchPoint]) -> [f64; 2] {
     [size(ends(|x| x.re), PICTURE[0]), size(ends(|x| x.im), PICTURE[1])]
 }
 
-struct Between<'a> {
-    walker: Walker<'a>,
+struct Between {
+    walker: Walker,
     pixel: [f64; 2],
     /// States that may still be computed.
     left: usize,
 }
 
-impl Between<'_> {
+impl Between {
     /// Adds what is needed between two states.
     fn put(&mut self, a: &BranchPoint, b: &BranchPoint, depth: u32, points: &mut Vec<BranchPoint>) {
         if depth >= DEEPEST || self.left == 0 || self.is_short(a, b) {
@@ -122,13 +121,12 @@ impl Between<'_> {
     fn middle(&mut self, a: &BranchPoint, b: &BranchPoint) -> Option<BranchPoint> {
         self.left -= 1;
         let state = |point: &BranchPoint| State { q: point.q.clone(), value: point.value };
-        let State { q, value } = self.walker.between(&state(a), &state(b), 0.5)?;
-        if value == a.value || value == b.value {
+        let middle = self.walker.between(&state(a), &state(b), 0.5)?;
+        if middle.value == a.value || middle.value == b.value {
             return None;
         }
-        let spectrum = Spectrum::of(&self.walker.linearise(&State { q: q.clone(), value }).ok()?).ok()?;
-        let growing = spectrum.growing();
-        Some(BranchPoint { value, q, growing, eigenvalues: spectrum.eigenvalues, folded: false })
+        let spectrum = self.walker.spectrum(&middle).ok()?;
+        Some(spectrum.point(middle, false))
     }
 
     /// Whether no eigenvalue moves by more than a pixel.

@@ -2,6 +2,7 @@
 
 use nalgebra::{Complex, DMatrix};
 
+use super::{BranchPoint, State};
 use crate::linear::matrices::{Scaled, cholesky, null_space, symmetric_eigen};
 use crate::linear::{LinearError, Linearised};
 use crate::matrix::is_symmetric;
@@ -13,7 +14,7 @@ const ROUNDING: f64 = 1e-12;
 
 /// λ, or where no force depends on speed κ = −λ², the eigenvalues of M⁻¹K: these do not turn back where two meet.
 #[derive(Clone, Debug)]
-pub(super) struct Spectrum {
+pub(in crate::linear) struct Spectrum {
     /// Sorted; those that are 0 by rank are left out.
     pub values: Vec<Complex<f64>>,
     squares: bool,
@@ -63,6 +64,11 @@ impl Spectrum {
         }
         let floor = if squares { SPLIT } else { floor * norm };
         Ok(Spectrum { values, squares, symmetric, floor, eigenvalues })
+    }
+
+    /// The state of a branch that it belongs to.
+    pub(super) fn point(self, State { q, value }: State, folded: bool) -> BranchPoint {
+        BranchPoint { value, q, growing: self.growing(), eigenvalues: self.eigenvalues, folded }
     }
 
     /// How many modes grow.

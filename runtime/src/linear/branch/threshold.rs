@@ -1,10 +1,12 @@
 //! Where stability changes along a branch.
 
 use std::cell::Cell;
+use std::ops::Range;
 
+use super::dependence::{Dependence, dependences};
 use super::spectrum::Spectrum;
 use super::walk::Walker;
-use super::{Branch, BranchPoint, State, Threshold, ThresholdKind, Turn};
+use super::{Branch, State, Threshold, ThresholdKind, Turn};
 use crate::linear::LinearError;
 
 /// Halvings of the distance of two states of the walk.
@@ -21,7 +23,7 @@ struct Sample {
 }
 
 /// Samples a path until nothing can hide between two samples; adds its states and thresholds to the branch.
-pub(super) fn thresholds(walker: &Walker<'_>, points: &[State], turns: &[Turn], branch: &mut Branch) {
+pub(super) fn thresholds(walker: &Walker, points: &[State], turns: &[Turn], branch: &mut Branch) {
     let mut fault: Option<(f64, LinearError)> = None;
     let mut samples: Vec<Option<Sample>> = Vec::new();
     for (index, state) in points.iter().enumerate() {
@@ -34,16 +36,31 @@ pub(super) fn thresholds(walker: &Walker<'_>, points: &[State], turns: &[Turn], 
             }
         }
     }
+    let grows =
+        |sample: Option<&Option<Sample>>| sample.and_then(Option::as_ref).map_or(0, |sample| sample.spectrum.growing());
+    let dependences = dependences(walker, points);
+    let folds = |found: &Dependence, turn: &Turn| found.between.start < turn.index && turn.index <= found.between.end;
     for turn in turns {
-        let grows = |sample: Option<&Option<Sample>>| {
-            sample.and_then(Option::as_ref).map_or(0, |sample| sample.spectrum.growing())
-        };
+        let dependence = dependences.iter().find(|found| folds(found, turn));
         branch.thresholds.push(Threshold {
             value: turn.at.value,
             kind: if turn.mirrored { ThresholdKind::Bifurcation } else { ThresholdKind::Fold },
             growing: [grows(samples.get(turn.index - 1)), grows(samples.get(turn.index))],
             omega: 0.0,
             folded: false,
+            constraint: dependence.and_then(|found| walker.row(found.row)),
+        });
+    }
+    for found in dependences.iter().filter(|found| !turns.iter().any(|turn| folds(found, turn))) {
+        let Range { start, end } = found.between;
+        let [low, high] = if points[start].value <= points[end].value { [start, end] } else { [end, start] };
+        branch.thresholds.push(Threshold {
+            value: found.at.value,
+            kind: ThresholdKind::Dependence,
+            growing: [grows(samples.get(low)), grows(samples.get(high))],
+            omega: 0.0,
+            folded: turns.first().is_some_and(|turn| start >= turn.index),
+            constraint: walker.row(found.row),
         });
     }
     let size = walker.size();
@@ -66,25 +83,19 @@ pub(super) fn thresholds(walker: &Walker<'_>, points: &[State], turns: &[Turn], 
         search.between(a, b, 0, &mut found, &mut branch.thresholds);
     }
     let all = samples.into_iter().flatten().chain(found);
-    branch.points.extend(all.map(|sample| BranchPoint {
-        value: sample.state.value,
-        q: sample.state.q,
-        growing: sample.spectrum.growing(),
-        eigenvalues: sample.spectrum.eigenvalues,
-        folded: sample.folded,
-    }));
+    branch.points.extend(all.map(|sample| sample.spectrum.point(sample.state, sample.folded)));
     if let Some((value, error)) = fault {
         branch.missing = branch.missing.take().or(Some(((value, value), error)));
     }
 }
 
-fn sample(walker: &Walker<'_>, state: State, folded: bool) -> Result<Sample, LinearError> {
-    let spectrum = Spectrum::of(&walker.linearise(&state)?)?;
+fn sample(walker: &Walker, state: State, folded: bool) -> Result<Sample, LinearError> {
+    let spectrum = walker.spectrum(&state)?;
     Ok(Sample { state, spectrum, folded })
 }
 
 struct Search<'a> {
-    walker: &'a Walker<'a>,
+    walker: &'a Walker,
     /// Evaluations that are left.
     left: Cell<usize>,
 }
@@ -153,5 +164,6 @@ fn threshold(a: &Sample, b: &Sample, growing: [usize; 2]) -> Threshold {
         growing: if a.state.value <= b.state.value { growing } else { [growing[1], growing[0]] },
         omega,
         folded: a.folded,
+        constraint: None,
     }
 }

@@ -1,13 +1,15 @@
 //! Pseudo-arclength continuation (Keller 1977): predict along the tangent, correct across it.
 
+use std::cell::RefCell;
+
 use nalgebra::{DMatrix, DVector};
 
-use super::{Change, State, Turn};
-use crate::linear::equilibrium::{Guess, Probe, equilibrium_near, linearised_at};
-use crate::linear::matrices::{Scaled, Singular};
-use crate::linear::{LinearError, Linearised};
+use super::balance::{Balance, Slopes};
+use super::spectrum::Spectrum;
+use super::{State, Turn};
+use crate::linear::LinearError;
+use crate::linear::matrices::{Scaled, Singular, natural_sizes};
 use crate::matrix::equilibrated;
-use crate::mechanism::System;
 
 /// The longest step, as a part of the range (and of the coordinates' extents).
 const LONGEST: f64 = 1.0 / 64.0;
@@ -19,15 +21,17 @@ const CORRECTIONS: usize = 12;
 const MOST_STATES: usize = 3000;
 /// The greatest change of the tangent in one step (the cosine of it).
 const TURN: f64 = 0.97;
-/// Residual forces of a state of the branch, as parts of their own row's terms.
+/// What is left of the equations at a state of the branch, as parts of their own row's terms.
 const BALANCED: f64 = 1e-11;
 
-/// Follows equilibria of one system while one parameter changes.
-pub(super) struct Walker<'a> {
-    probe: Probe,
-    system: Box<dyn System>,
-    guess: &'a Guess,
-    parameter: usize,
+/// Coordinates below this part of their natural size are rounding.
+const ROUNDING: f64 = 1e-15;
+
+/// Follows solutions of equations while one parameter changes.
+pub(super) struct Walker {
+    balance: RefCell<Box<dyn Balance>>,
+    /// Units of the coordinates.
+    names: Vec<String>,
     pub range: (f64, f64),
 }
 
@@ -46,46 +50,48 @@ pub(super) struct Path {
     pub end: End,
 }
 
-impl<'a> Walker<'a> {
-    pub fn new<S: System + ?Sized>(
-        system: &S,
-        parameter: usize,
-        range: (f64, f64),
-        guess: &'a Guess,
-    ) -> Result<Self, LinearError> {
-        let count = system.parameters().len();
-        if parameter >= count {
-            return Err(LinearError::WrongSize { what: "the parameter's index", given: parameter, expected: count });
-        }
+impl Walker {
+    pub fn new(balance: Box<dyn Balance>, range: (f64, f64)) -> Result<Self, LinearError> {
         if !(range.0.is_finite() && range.1.is_finite() && range.0 < range.1) {
             return Err(LinearError::NonFinite { what: "the range of the parameter".to_owned() });
         }
-        Ok(Walker { probe: Probe::new(system, guess), system: system.boxed_clone(), guess, parameter, range })
+        let names = balance.units();
+        Ok(Walker { balance: RefCell::new(balance), names, range })
     }
 
     pub fn size(&self) -> usize {
-        self.probe.n
+        self.names.len()
     }
 
     pub fn width(&self) -> f64 {
         self.range.1 - self.range.0
     }
 
-    /// M, C and K at a state.
-    pub fn linearise(&self, state: &State) -> Result<Linearised, LinearError> {
-        self.probe.set_parameter(self.parameter, state.value);
-        self.probe.check(&state.q)?;
-        linearised_at(&*self.system, &self.probe, &Guess { q: state.q.clone(), ..self.guess.clone() })
+    /// Asks the equations at a value of the parameter.
+    fn ask<T>(&self, value: f64, question: impl FnOnce(&dyn Balance) -> T) -> T {
+        let mut balance = self.balance.borrow_mut();
+        balance.set_parameter(value);
+        question(&**balance)
     }
 
-    /// From one value to another, outside of the range, by equilibria that belong together.
-    pub fn towards(
-        &self,
-        from: f64,
-        to: f64,
-        mut q: Vec<f64>,
-        changes: &mut Vec<Change>,
-    ) -> Result<Vec<f64>, LinearError> {
+    /// Small motions about a state.
+    pub fn spectrum(&self, state: &State) -> Result<Spectrum, LinearError> {
+        self.ask(state.value, |balance| balance.spectrum(&state.q))
+    }
+
+    /// As [`Balance::jacobian`].
+    pub fn jacobian(&self, state: &State) -> Option<DMatrix<f64>> {
+        self.ask(state.value, |balance| balance.jacobian(&state.q))
+    }
+
+    /// As [`Balance::row`].
+    pub fn row(&self, index: usize) -> Option<String> {
+        self.balance.borrow().row(index)
+    }
+
+    /// From one value to another, outside of the range, by solutions that belong together; and where the branch ends on the
+    /// way, from where it had to be left.
+    pub fn towards(&self, from: f64, to: f64, mut q: Vec<f64>) -> Result<(Vec<f64>, Option<State>), LinearError> {
         let mut value = from;
         let mut step = (to - from) / 20.0;
         while value != to {
@@ -94,17 +100,15 @@ impl<'a> Walker<'a> {
                 Some(found) => (value, q) = (next, found),
                 None if step.abs() > 1e-6 * (to - from).abs() => step *= 0.5,
                 None => {
-                    // The branch ends on the way.
                     let found = self.search(to, &q)?;
-                    changes.push(Change { value, from: q, to: found.clone() });
-                    return Ok(found);
+                    return Ok((found, Some(State { q, value })));
                 }
             }
         }
-        Ok(q)
+        Ok((q, None))
     }
 
-    /// The equilibrium at a value that belongs to a state near by: by Newton steps that stay near.
+    /// The solution at a value that belongs to a state near by: by Newton steps that stay near.
     fn at(&self, value: f64, q: &[f64]) -> Option<Vec<f64>> {
         let mut direction = vec![0.0; q.len() + 1];
         direction[q.len()] = 1.0;
@@ -112,35 +116,35 @@ impl<'a> Walker<'a> {
         self.correct(&state, &direction).map(|found| found.q)
     }
 
-    fn search(&self, value: f64, q: &[f64]) -> Result<Vec<f64>, LinearError> {
-        let mut system = self.system.boxed_clone();
-        system.set_parameter(self.parameter, value);
-        Ok(equilibrium_near(&*system, &Guess { q: q.to_vec(), ..self.guess.clone() })?.q)
+    /// The solution at a value that a search from a state finds, near or not.
+    pub fn search(&self, value: f64, q: &[f64]) -> Result<Vec<f64>, LinearError> {
+        let found = self.ask(value, |balance| balance.search(q))?;
+        // As exact as the states that follow, what is 0 exactly so.
+        Ok(self.at(value, &found).unwrap_or(found))
     }
 
     /// Another branch, a little beyond the end of one.
-    pub fn another(&self, end: &State, direction: f64) -> Result<(f64, Vec<f64>), LinearError> {
+    pub fn another(&self, end: &State, direction: f64) -> Result<State, LinearError> {
         let (low, high) = self.range;
         let value = (end.value + 1e-6 * direction * self.width()).clamp(low, high);
-        Ok((value, self.search(value, &end.q)?))
+        Ok(State { q: self.search(value, &end.q)?, value })
     }
 
     /// Follows the branch from a state until it leaves the range.
-    pub fn walk(&self, value: f64, q: &[f64], direction: f64) -> Result<Path, LinearError> {
-        let n = q.len();
-        let start = State { q: q.to_vec(), value };
-        let mut reach: Vec<f64> = q.iter().map(|q| q.abs()).collect();
+    pub fn walk(&self, start: &State, direction: f64) -> Path {
+        let n = start.q.len();
+        let mut reach: Vec<f64> = start.q.iter().map(|q| q.abs()).collect();
         let mut along = vec![0.0; n + 1];
         along[n] = direction;
-        let mut tangent = self.tangent(&start, &along, &self.units(&reach)).unwrap_or(along);
+        let mut tangent = self.tangent(start, &along, &self.units(&reach)).unwrap_or(along);
         for (reach, slope) in reach.iter_mut().zip(&tangent) {
             // What the coordinate is going to do belongs to its size.
             let whole = slope.abs() / tangent[n].abs().max(1e-9) * self.width();
             *reach = reach.max(whole.min(1e3 * *reach + whole));
         }
         let mut units = self.units(&reach);
-        tangent = self.tangent(&start, &tangent, &units).unwrap_or(tangent);
-        let mut path = Path { points: vec![start], turns: Vec::new(), end: End::Lost };
+        tangent = self.tangent(start, &tangent, &units).unwrap_or(tangent);
+        let mut path = Path { points: vec![start.clone()], turns: Vec::new(), end: End::Lost };
         let mut step = LONGEST;
         while path.points.len() < MOST_STATES && path.turns.len() < 8 {
             let here = &path.points[path.points.len() - 1];
@@ -148,7 +152,7 @@ impl<'a> Walker<'a> {
             let Some((next, next_tangent)) = tried else {
                 step *= 0.5;
                 if step < SHORTEST {
-                    return Ok(path);
+                    return path;
                 }
                 continue;
             };
@@ -160,13 +164,13 @@ impl<'a> Walker<'a> {
                 let Some(q) = self.at(bound, &guess) else {
                     step *= 0.5;
                     if step < SHORTEST {
-                        return Ok(path);
+                        return path;
                     }
                     continue;
                 };
                 path.points.push(State { q, value: bound });
                 path.end = End::Range;
-                return Ok(path);
+                return path;
             }
             if tangent[n] * next_tangent[n] < 0.0
                 && let Some(at) = self.fold(here, &next, tangent[n], &units)
@@ -181,15 +185,13 @@ impl<'a> Walker<'a> {
             tangent = self.tangent(last, &next_tangent, &units).unwrap_or(next_tangent);
             step = (1.5 * step).min(LONGEST);
         }
-        Ok(path)
+        path
     }
 
     /// What each coordinate, and the parameter, is measured in.
-    fn units(&self, reach: &[f64]) -> Vec<f64> {
-        let largest = reach.iter().fold(0.0_f64, |most, reach| most.max(*reach));
-        let whole = if largest > 0.0 { largest } else { 1.0 };
-        let each = |reach: &f64| if *reach > 1e-6 * whole { *reach } else { whole };
-        reach.iter().map(each).chain([self.width()]).collect()
+    pub fn units(&self, reach: &[f64]) -> Vec<f64> {
+        let each = |(reach, whole): (&f64, f64)| if *reach > 1e-6 * whole { *reach } else { whole };
+        reach.iter().zip(natural_sizes(&self.names, reach)).map(each).chain([self.width()]).collect()
     }
 
     fn step(&self, here: &State, tangent: &[f64], units: &[f64], step: f64) -> Option<(State, Vec<f64>)> {
@@ -214,74 +216,92 @@ impl<'a> Walker<'a> {
         (cosine > TURN).then_some((next, next_tangent))
     }
 
-    /// Newton's method for F(q, p) = 0 on the plane through a guess, across a direction.
+    /// Newton's method for the equations on the plane through a guess, across a direction.
     fn correct(&self, guess: &State, across: &[f64]) -> Option<State> {
         let n = guess.q.len();
         let mut state = guess.clone();
         let mut before = f64::INFINITY;
         for _ in 0..CORRECTIONS {
-            self.probe.set_parameter(self.parameter, state.value);
-            let force = self.probe.force(&state.q);
-            if force.iter().any(|f| !f.is_finite()) {
+            if let Some(clean) = self.without_rounding(&state) {
+                return Some(clean);
+            }
+            let (left, largest) = self.left(&state);
+            if !largest.is_finite() {
                 return None;
             }
-            let measure = self.probe.measure(&state.q);
-            let left = force.iter().zip(&measure).map(|(f, m)| if *f == 0.0 { 0.0 } else { f.abs() / m });
-            let left = left.fold(0.0, f64::max);
             // To rounding, as far as steps still help.
-            if left == 0.0 || (left <= BALANCED && left > 0.25 * before) {
+            if largest == 0.0 || (largest <= BALANCED && largest > 0.25 * before) {
                 return Some(state);
             }
-            before = left;
-            let mut wanted: Vec<f64> = force.iter().map(|f| -f).collect();
+            before = largest;
             let gone: f64 = across[..n].iter().zip(state.q.iter().zip(&guess.q)).map(|(a, (q, g))| a * (q - g)).sum();
-            wanted.push(-gone - across[n] * (state.value - guess.value));
-            let change = self.solve(&state, across, &wanted)?;
+            let change = self.solve(&state, across, &-left, -gone - across[n] * (state.value - guess.value))?;
             state.q.iter_mut().zip(&change).for_each(|(q, change)| *q += change);
             state.value += change[n];
         }
         (before <= BALANCED).then_some(state)
     }
 
+    /// What is left of the equations, and the largest part of it in its own row's measure.
+    fn left(&self, state: &State) -> (DVector<f64>, f64) {
+        let [left, measure] = self.ask(state.value, |balance| balance.left(&state.q));
+        let parts = left.iter().zip(measure.iter()).map(|(x, m)| if *x == 0.0 { 0.0 } else { x.abs() / m });
+        let largest = parts.fold(0.0, |most, part| if part <= most { most } else { part });
+        (left, largest)
+    }
+
+    /// The state with all coordinates at 0 that are rounding beside those with their unit, or beside all where these are, if the
+    /// equations hold there too.
+    fn without_rounding(&self, state: &State) -> Option<State> {
+        let scales = natural_sizes(&self.names, &state.q);
+        let gone = |q: f64, scale: f64| q != 0.0 && q.abs() <= ROUNDING * scale;
+        if !state.q.iter().zip(&scales).any(|(q, scale)| gone(*q, *scale)) {
+            return None;
+        }
+        let q = state.q.iter().zip(&scales).map(|(q, scale)| if gone(*q, *scale) { 0.0 } else { *q }).collect();
+        let clean = State { q, value: state.value };
+        (self.left(&clean).1 <= BALANCED).then_some(clean)
+    }
+
     /// The direction of the branch, of unit length, that goes on from another one.
     fn tangent(&self, state: &State, along: &[f64], units: &[f64]) -> Option<Vec<f64>> {
-        let n = state.q.len();
         let across: Vec<f64> = along.iter().zip(units).map(|(t, unit)| t / (unit * unit)).collect();
-        let mut wanted = vec![0.0; n + 1];
-        wanted[n] = 1.0;
-        let tangent = self.solve(state, &across, &wanted)?;
+        let level = self.ask(state.value, |balance| balance.left(&state.q)[0].map(|_| 0.0));
+        let tangent = self.solve(state, &across, &level, 1.0)?;
         let length = tangent.iter().zip(units).map(|(t, unit)| (t / unit).powi(2)).sum::<f64>().sqrt();
         (length > 0.0 && length.is_finite()).then(|| tangent.iter().map(|t| t / length).collect())
     }
 
-    /// x of [K, ∂F/∂p; across] x = wanted, the shortest where directions are free.
-    fn solve(&self, state: &State, across: &[f64], wanted: &[f64]) -> Option<Vec<f64>> {
+    /// The shortest (q, p) of [slopes, ∂/∂p; across] (q, …, p) = (wanted, along).
+    fn solve(&self, state: &State, across: &[f64], wanted: &DVector<f64>, along: f64) -> Option<Vec<f64>> {
         let n = state.q.len();
-        let slope = self.slope(state);
-        self.probe.set_parameter(self.parameter, state.value);
-        let stiffness = self.probe.stiffness(&state.q);
-        let matrix = DMatrix::from_fn(n + 1, n + 1, |i, j| match (i < n, j < n) {
-            (true, true) => stiffness[(i, j)],
-            (true, false) => slope[i],
-            (false, _) => across[j],
-        });
-        let (scaled, rows, columns) = equilibrated(&matrix);
-        let right = DVector::from_column_slice(wanted).component_mul(&rows);
+        let Slopes { matrix, rows: factors } = self.ask(state.value, |balance| balance.slopes(&state.q));
+        let all = factors.len();
+        let mut matrix = matrix.resize(all + 1, all + 1, 0.0);
+        matrix.view_mut((0, all), (all, 1)).copy_from(&self.slope(state).component_mul(&factors));
+        matrix.view_mut((all, 0), (1, n)).copy_from_slice(&across[..n]);
+        matrix[(all, all)] = across[n];
+        let mut right = wanted.component_mul(&factors).resize_vertically(all + 1, 0.0);
+        right[all] = along;
+        let (scaled, by_row, by_column) = equilibrated(&matrix);
         let singular = Singular::of(&scaled)?;
-        let found = singular.least_squares(&right, Scaled::threshold(n + 1, singular.values.max()));
-        let found = found.component_mul(&columns);
-        found.iter().all(|x| x.is_finite()).then(|| found.as_slice().to_vec())
+        let least =
+            singular.least_squares(&right.component_mul(&by_row), Scaled::threshold(all + 1, singular.values.max()));
+        let found = least.component_mul(&by_column);
+        let whole = found.iter().take(n).chain([&found[all]]).copied().collect::<Vec<f64>>();
+        whole.iter().all(|x| x.is_finite()).then_some(whole)
     }
 
-    /// ∂F/∂p by a central difference: it steers, and no result depends on it.
-    fn slope(&self, state: &State) -> Vec<f64> {
+    /// ∂/∂p of the equations by a central difference: it steers, and no result depends on it.
+    fn slope(&self, state: &State) -> DVector<f64> {
         let step = 1e-6 * state.value.abs().max(1e-3 * self.width());
-        let force = |value: f64| {
-            self.probe.set_parameter(self.parameter, value);
-            self.probe.force(&state.q)
-        };
-        let (high, low) = (force(state.value + step), force(state.value - step));
-        high.iter().zip(&low).map(|(a, b)| 0.5 * (a - b) / step).map(|x| if x.is_finite() { x } else { 0.0 }).collect()
+        let [high, low] = [step, -step].map(|step| {
+            self.ask(state.value + step, |balance| {
+                let [left, _] = balance.left(&state.q);
+                left
+            })
+        });
+        ((high - low) * (0.5 / step)).map(|x| if x.is_finite() { x } else { 0.0 })
     }
 
     /// The state of the branch between two of its states, at a part of the way.
@@ -289,11 +309,9 @@ impl<'a> Walker<'a> {
         let mix = |a: f64, b: f64| a + part * (b - a);
         let guess = State { q: a.q.iter().zip(&b.q).map(|(a, b)| mix(*a, *b)).collect(), value: mix(a.value, b.value) };
         let chord: Vec<f64> = a.q.iter().zip(&b.q).map(|(a, b)| b - a).chain([b.value - a.value]).collect();
-        let unit = |x: f64, of: f64| if of > 0.0 { x / (of * of) } else { 0.0 };
-        let extent = |a: f64, b: f64| a.abs().max(b.abs());
-        let mut across: Vec<f64> =
-            a.q.iter().zip(&b.q).zip(&chord).map(|((a, b), c)| unit(*c, extent(*a, *b))).collect();
-        across.push(unit(b.value - a.value, self.width()));
+        let extent: Vec<f64> = a.q.iter().zip(&b.q).map(|(a, b)| a.abs().max(b.abs())).collect();
+        let units = self.units(&extent);
+        let across: Vec<f64> = chord.iter().zip(units).map(|(chord, unit)| chord / (unit * unit)).collect();
         if across.iter().all(|x| *x == 0.0) {
             return None;
         }

@@ -24,11 +24,16 @@ const MISSED: f64 = 1e-9;
 /// Reactions that are not unique are asked for by more than this part of what asks for them.
 const ROUNDING: f64 = 1e-9;
 
+/// Elements below this part of the terms that they are the difference of are 0.
+const CANCELLED: f64 = 64.0 * f64::EPSILON;
+
 /// The linear model in all coordinates, and how these follow independent ones and inputs.
 pub(super) struct Whole {
     mass: DMatrix<f64>,
     damping: DMatrix<f64>,
     stiffness: DMatrix<f64>,
+    /// How fast the terms of F grow with q and q'.
+    terms: [DMatrix<f64>; 2],
     /// B, n × 3m.
     input: DMatrix<f64>,
     /// J.
@@ -59,6 +64,7 @@ impl Whole {
             mass: held.mass(state),
             damping,
             stiffness,
+            terms: held.slopes_of_terms(state),
             input: -input_matrix(held.system, state.at()),
             jacobian,
             motions,
@@ -143,9 +149,18 @@ impl Whole {
         SparseMatrix::from_dense(&((&even + even.transpose()) * 0.5 + (&odd - odd.transpose()) * 0.5))
     }
 
-    /// M_z, C_z and K_z.
+    /// M_z, C_z and K_z, without what is rounding of the terms that they are the difference of.
     pub fn matrices(&self) -> [SparseMatrix; 3] {
-        [&self.mass, &self.damping, &self.stiffness].map(|matrix| self.reduced(matrix))
+        let size = self.motions.abs();
+        let cleaned = |matrix: &DMatrix<f64>, terms: &DMatrix<f64>| {
+            let largest = size.transpose() * (terms + matrix.abs()) * &size;
+            let mut reduced = self.reduced(matrix);
+            let matters = |(i, j, x): &(u32, u32, f64)| x.abs() > CANCELLED * largest[(*i as usize, *j as usize)];
+            reduced.entries.retain(matters);
+            reduced
+        };
+        let [by_place, by_speed] = &self.terms;
+        [self.reduced(&self.mass), cleaned(&self.damping, by_speed), cleaned(&self.stiffness, by_place)]
     }
 
     /// B (u, u', u'') − K P u − C P u' − M P u'', in all coordinates.

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::linear::equilibrium::force_unit;
+use crate::linear::matrices::natural_sizes;
 use crate::linear::{LinearError, Residual};
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{
@@ -19,6 +20,8 @@ const NOTHING: f64 = 1e-120;
 const ROUNDINGS: f64 = 16.0;
 /// Coordinates that have shrunk to this part of what they were are tried at 0.
 const GONE: f64 = 1e-9;
+/// Steps of differences of terms, as parts of a coordinate's size.
+const BESIDE: f64 = 1e-7;
 /// Times at which a state of rest is looked at again, s.
 const TIMES: [f64; 4] = [0.37, 1.9, 53.0, 1234.5];
 /// What changes by less than this part of itself is the same.
@@ -30,7 +33,21 @@ pub(super) struct Held<'a, S: System + ?Sized> {
     pub n: usize,
     pub rows: Vec<usize>,
     /// The values at which integrals of constraints that contain speeds are held; 0 of all other rows.
-    levels: Vec<f64>,
+    pub levels: Vec<f64>,
+}
+
+/// What equations of a state are judged by: sums of their terms, and what the sizes of the state's numbers make of slopes.
+pub(super) struct Terms {
+    /// Σ |terms| of forces.
+    pub forces: DVector<f64>,
+    /// Of places, speeds and multipliers, through the slopes of forces.
+    pub by_state: DVector<f64>,
+    /// Of c.
+    pub places: DVector<f64>,
+    /// Of c'.
+    pub rates: DVector<f64>,
+    /// Of γ.
+    pub biases: DVector<f64>,
 }
 
 /// A state without accelerations, and the multipliers (of all rows) that leave it so.
@@ -66,6 +83,11 @@ impl<'a, S: System + ?Sized> Held<'a, S> {
         held
     }
 
+    /// As [`Held::new`], known integrals held at these values.
+    pub fn at_levels(system: &'a S, rows: &[usize], levels: &[f64]) -> Self {
+        Held { system, n: system.len(), rows: rows.to_vec(), levels: levels.to_vec() }
+    }
+
     /// From here on known integrals have the values that they have at this place.
     pub fn hold(&mut self, q: &[f64]) {
         let all = constraint_triples(self.system, At::new(0.0, q, &vec![0.0; self.n]));
@@ -78,9 +100,12 @@ impl<'a, S: System + ?Sized> Held<'a, S> {
     pub fn state(&self, q: &[f64], v: &[f64]) -> State {
         let lambda = vec![0.0; self.system.description().rows.len()];
         let mut state = State { t: 0.0, q: q.to_vec(), v: v.to_vec(), zero: vec![0.0; self.n], lambda };
-        let force = DMatrix::from_column_slice(self.n, 1, self.force(&state).as_slice());
-        if let Some(lambda) = solve_least(&self.effects(&state), &force) {
-            self.rows.iter().zip(lambda.iter()).for_each(|(row, x)| state.lambda[*row] = *x);
+        let effects = self.effects(&state);
+        // What rounding leaves of the first is as small as its terms only after a second time.
+        for _ in 0..2 {
+            let force = DMatrix::from_column_slice(self.n, 1, self.force(&state).as_slice());
+            let Some(lambda) = solve_least(&effects, &force) else { break };
+            self.rows.iter().zip(lambda.iter()).for_each(|(row, x)| state.lambda[*row] += x);
         }
         state
     }
@@ -125,6 +150,27 @@ impl<'a, S: System + ?Sized> Held<'a, S> {
         slopes
     }
 
+    /// How fast the terms of F grow with q and with q': what rounding of ∂F/∂q and ∂F/∂q' is judged by.
+    pub fn slopes_of_terms(&self, state: &State) -> [DMatrix<f64>; 2] {
+        let magnitudes = |state: &State| {
+            let mut sums = DVector::zeros(self.n);
+            self.system.magnitudes(state.at(), sums.as_mut_slice());
+            sums
+        };
+        let here = magnitudes(state);
+        [false, true].map(|of_speed| {
+            let sizes = natural_sizes(&self.units(), if of_speed { &state.v } else { &state.q });
+            let mut slopes = DMatrix::zeros(self.n, self.n);
+            for (j, size) in sizes.iter().enumerate() {
+                let mut beside = state.clone();
+                let step = BESIDE * size;
+                (if of_speed { &mut beside.v } else { &mut beside.q })[j] += step;
+                slopes.set_column(j, &((magnitudes(&beside) - &here).abs() / step));
+            }
+            slopes
+        })
+    }
+
     /// (c, c', Σ |terms| of c) of each row, c of one that contains speeds being the change of its integral.
     pub fn triples(&self, state: &State) -> Vec<[f64; 3]> {
         let all = constraint_triples(self.system, state.at());
@@ -165,31 +211,43 @@ impl<'a, S: System + ?Sized> Held<'a, S> {
         self.unbalanced(state).is_none()
     }
 
-    /// The first equation that a state does not satisfy: a coordinate's, or behind those a row's.
-    fn unbalanced(&self, state: &State) -> Option<usize> {
-        let mut sums = vec![0.0; self.n];
-        self.system.magnitudes(state.at(), &mut sums);
+    /// What the equations of a state are judged by.
+    pub fn terms(&self, state: &State) -> Terms {
+        let (n, m) = (self.n, self.rows.len());
+        let mut forces = DVector::zeros(n);
+        self.system.magnitudes(state.at(), forces.as_mut_slice());
         let description = self.system.description();
         let sizes =
             DVector::from_vec([sizes_alike(description, &state.q), sizes_alike(description, &state.v)].concat());
         let by_state = self.slopes(state).abs() * &sizes;
         let carried = state.lambda.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let effects = self.effects(state);
+        let jacobian = self.jacobian(state).abs();
+        let triples = self.triples(state);
+        let by_place = &jacobian * sizes.rows(0, n);
+        Terms {
+            forces,
+            by_state: DVector::from_fn(n, |i, _| by_state[i] + carried * effects.row(i).lp_norm(1)),
+            places: DVector::from_fn(m, |k, _| triples[k][2].max(by_place[k])),
+            rates: self.tilt(state).abs() * sizes.rows(0, n) + jacobian * sizes.rows(n, n),
+            biases: by_state.rows(n, m).into_owned(),
+        }
+    }
+
+    /// The first equation that a state does not satisfy: a coordinate's, or behind those a row's.
+    fn unbalanced(&self, state: &State) -> Option<usize> {
+        let terms = self.terms(state);
         let force = self.force(state);
         let balanced = |i: usize| {
-            let rounding = ROUNDINGS * f64::EPSILON * (by_state[i] + carried * effects.row(i).lp_norm(1));
-            force[i].abs() <= (BALANCED * sums[i]).max(rounding).max(NOTHING)
+            let rounding = ROUNDINGS * f64::EPSILON * terms.by_state[i];
+            force[i].abs() <= (BALANCED * terms.forces[i]).max(rounding).max(NOTHING)
         };
-        let (place, speed) = (self.tilt(state).abs() * sizes.rows(0, self.n), self.jacobian(state).abs());
-        let speed = place + speed * sizes.rows(self.n, self.n);
-        let by_place = self.jacobian(state).abs() * sizes.rows(0, self.n);
         let (triples, bias) = (self.triples(state), self.bias(state));
         let closed: Vec<usize> = self.closed().collect();
         let at_ease = |k: usize| {
-            triples[k][1].abs() <= (BALANCED * speed[k]).max(NOTHING)
-                && bias[k].abs() <= (BALANCED * by_state[self.n + k]).max(NOTHING)
-                && (!closed.contains(&k)
-                    || triples[k][0].abs() <= (BALANCED * triples[k][2].max(by_place[k])).max(NOTHING))
+            triples[k][1].abs() <= (BALANCED * terms.rates[k]).max(NOTHING)
+                && bias[k].abs() <= (BALANCED * terms.biases[k]).max(NOTHING)
+                && (!closed.contains(&k) || triples[k][0].abs() <= (BALANCED * terms.places[k]).max(NOTHING))
         };
         let rows = (0..self.rows.len()).find(|k| !at_ease(*k)).map(|k| self.n + k);
         (0..self.n).find(|i| !balanced(*i)).or(rows)
@@ -198,7 +256,7 @@ impl<'a, S: System + ?Sized> Held<'a, S> {
     /// A state that a search from another place found, with coordinates at 0 that are nothing beside those with their unit, or
     /// beside what they were, if it stays so.
     pub fn settled(&self, state: State, from: &[f64]) -> State {
-        let sizes = sizes_alike(self.system.description(), &state.q);
+        let sizes = natural_sizes(&self.units(), &state.q);
         let mut tried = state.clone();
         for (i, q) in tried.q.iter_mut().enumerate() {
             if q.abs() <= (ROUNDINGS * f64::EPSILON * sizes[i]).max(GONE * from[i].abs()) {

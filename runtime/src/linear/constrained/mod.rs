@@ -7,8 +7,9 @@
 //!
 //! What drives those at rest, and what answers, reactions too: look in `driven.rs`.
 //!
-//! The matrices of both at a state, and whether it stays: `held.rs`.
+//! While a parameter changes: `balance.rs`.  The matrices of all at a state, and whether it stays: `held.rs`.
 
+mod balance;
 mod driven;
 mod held;
 mod rest;
@@ -19,6 +20,7 @@ use super::equilibrium::Probe;
 use super::{Guess, LinearError};
 use crate::mechanism::System;
 
+pub(super) use balance::balance;
 pub use rest::{Constrained, linearise_constrained, linearise_driven};
 #[cfg(feature = "modal")]
 pub use tangent::{Tangent, linearise_tangent};

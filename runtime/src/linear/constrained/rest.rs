@@ -11,6 +11,8 @@ use super::driven::Whole;
 use super::held::{Held, State};
 use super::on_its_sides;
 use crate::constrain::{Projection, Start, consistent};
+use crate::linear::equilibrium::{Pace, RELAXATIONS, beside};
+use crate::linear::matrices::natural_sizes;
 use crate::linear::{Equilibrium, Freedom, Guess, LinearError, Linearised, Mode};
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_triples, mass_matrix};
@@ -59,21 +61,65 @@ pub fn linearise_constrained<S: System + ?Sized>(
 ) -> Result<Constrained, LinearError> {
     let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
     on_its_sides(system, guess, |system, guess| {
-        let (description, zero) = (system.description(), vec![0.0; system.len()]);
-        // A constraint that moves by itself has no rest.
-        let rates = constraint_triples(system, At::new(0.0, &guess.q, &zero));
-        let open = |row: &&usize| {
-            !(description.rows[**row].integral && rates[**row][1] == 0.0 || description.rows[**row].holonomic)
-        };
-        if let Some(row) = rows.iter().find(open) {
-            return Err(LinearError::VelocityConstraint { constraint: description.rows[*row].name.to_string() });
-        }
-        let mut held = Held::new(system, &rows, &guess.q);
-        let start = held.state(&guess.q, &zero);
-        held.without_friction(&start)?;
-        let (state, iterations) = if here { (start, 0) } else { held.rest(&guess.q)? };
-        held.in_independent_coordinates(&state, iterations, &guess.inputs)
+        let mut held = at_rest(system, &rows, guess)?;
+        let start = held.state(&guess.q, &vec![0.0; held.n]);
+        let found = if here { Found { state: start, iterations: 0, slow: None } } else { held.rest(&guess.q)? };
+        let (mut small, there) = held.in_independent_coordinates(&found.state, found.iterations, &guess.inputs)?;
+        small.linear.equilibrium.freedom = held.freedom(&found.state, &small)?;
+        small.linear.equilibrium.slow = found.slow;
+        Ok((small, there))
     })
+}
+
+/// As [`linearise_constrained`] at a state that is known to be an equilibrium, whose freedom nobody asks for.
+pub(super) fn linearised_at(system: &dyn System, guess: &Guess) -> Result<Linearised, LinearError> {
+    let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    on_its_sides(system, guess, |system, guess| {
+        let held = at_rest(system, &rows, guess)?;
+        let state = held.state(&guess.q, &vec![0.0; held.n]);
+        let (small, there) = held.in_independent_coordinates(&state, 0, &guess.inputs)?;
+        Ok((small.linear, there))
+    })
+}
+
+/// R [∂F/∂q −Jᵀ; J 0] C with diagonals R, and 1 and then S in C, such that no block is small beside the others.
+pub(super) struct Bordered {
+    pub matrix: DMatrix<f64>,
+    /// R.
+    pub rows: DVector<f64>,
+    /// S: multipliers in units of what is solved for.
+    pub multipliers: DVector<f64>,
+}
+
+/// What a search ends with.
+struct Found {
+    state: State,
+    iterations: usize,
+    /// As [`Equilibrium::slow`].
+    slow: Option<f64>,
+}
+
+/// A mechanism whose rows leave independent coordinates at rest.
+///
+/// # Errors
+/// [`LinearError::VelocityConstraint`], [`LinearError::FrictionOfReactions`].
+pub(super) fn at_rest<'a, S: System + ?Sized>(
+    system: &'a S,
+    rows: &[usize],
+    guess: &Guess,
+) -> Result<Held<'a, S>, LinearError> {
+    let (description, zero) = (system.description(), vec![0.0; system.len()]);
+    // A constraint that moves by itself has no rest.
+    let rates = constraint_triples(system, At::new(0.0, &guess.q, &zero));
+    let open = |row: &&usize| {
+        !(description.rows[**row].integral && rates[**row][1] == 0.0 || description.rows[**row].holonomic)
+    };
+    if let Some(row) = rows.iter().find(open) {
+        return Err(LinearError::VelocityConstraint { constraint: description.rows[*row].name.to_string() });
+    }
+    let held = Held::new(system, rows, &guess.q);
+    held.without_friction(&held.state(&guess.q, &zero))?;
+    Ok(held)
 }
 
 /// As [`linearise_constrained`] at the guess itself, for motions that begin there at rest when something drives: constraints
@@ -105,15 +151,15 @@ impl Constrained {
 
 impl<S: System + ?Sized> Held<'_, S> {
     /// From the place nearest to the guess that meets the constraints; where that leads nowhere, from where the motion
-    /// would go from there; and how many iterations of Newton's method it took.
-    fn rest(&mut self, guess: &[f64]) -> Result<(State, usize), LinearError> {
+    /// would go from there.
+    fn rest(&mut self, guess: &[f64]) -> Result<Found, LinearError> {
         let (start, zero) = ([guess, &vec![0.0; self.n]].concat(), vec![0.0; self.n]);
         let held = vec![false; 2 * self.n];
         let closed = consistent(self.system, &Start { t: 0.0, y: &start, held: &held, also: 0..0 });
         let q = closed.map(|y| y[..self.n].to_vec()).map_err(|_| self.nowhere(&self.state(guess, &zero), 0))?;
         self.hold(&q);
-        let (state, iterations) = self.newton(&q).or_else(|nowhere| self.newton(&self.fallen(q).ok_or(nowhere)?))?;
-        Ok((self.settled(state, guess), iterations))
+        let found = self.newton(&q).or_else(|nowhere| self.newton(&self.fallen(q).ok_or(nowhere)?))?;
+        Ok(Found { state: self.settled(found.state, guess), ..found })
     }
 
     /// Follows the accelerations from rest, without speeds, until little is left of them: down the potential in the metric
@@ -154,39 +200,96 @@ impl<S: System + ?Sized> Held<'_, S> {
     }
 
     /// Newton's method on F = 0, c = 0 in q and λ, halved until both decrease.
-    fn newton(&self, from: &[f64]) -> Result<(State, usize), LinearError> {
+    fn newton(&self, from: &[f64]) -> Result<Found, LinearError> {
         let (n, m) = (self.n, self.rows.len());
         let missed = |state: &State| DVector::from_iterator(m, self.triples(state).iter().map(|triple| triple[0]));
         let mut state = self.state(from, &vec![0.0; n]);
-        for iteration in 0..ITERATIONS {
-            let (force, c, jacobian) = (self.force(&state), missed(&state), self.jacobian(&state));
-            let mut k = DMatrix::zeros(n + m, n + m);
-            k.view_mut((0, 0), (n, n)).copy_from(&self.slopes(&state).view((0, 0), (n, n)));
-            k.view_mut((0, n), (n, m)).copy_from(&(-jacobian.transpose()));
-            k.view_mut((n, 0), (m, n)).copy_from(&jacobian);
-            let right = DMatrix::from_iterator(n + m, 1, force.iter().chain(c.iter()).map(|x| -x));
+        let mut pace = Pace::default();
+        for iterations in 0..ITERATIONS {
             let lost = state.q.iter().any(|q| q.abs() > FAR);
-            if lost || k.iter().chain(right.iter()).any(|x| !x.is_finite()) {
-                return Err(self.nowhere(&state, iteration));
-            }
-            let Some(step) = solve_least(&k, &right) else { return Err(self.nowhere(&state, iteration)) };
-            let size = right.norm();
+            let Some(step) = (if lost { None } else { self.step(&state) }) else {
+                return Err(self.nowhere(&state, iterations));
+            };
+            let size = self.force(&state).norm().hypot(missed(&state).norm());
             let moved = |part: f64| {
                 let mut next = state.clone();
                 next.q.iter_mut().zip(step.iter()).for_each(|(q, step)| *q += part * step);
                 self.rows.iter().enumerate().for_each(|(k, row)| next.lambda[*row] += part * step[n + k]);
-                next
+                (part, next)
             };
             let halves = std::iter::successors(Some(1.0), |part| Some(0.5 * part)).take_while(|part| *part > 1e-6);
-            let better = halves.map(moved).find(|next| self.force(next).norm().hypot(missed(next).norm()) < size);
+            let better = halves.map(moved).find(|(_, next)| self.force(next).norm().hypot(missed(next).norm()) < size);
             match better {
-                Some(next) => state = next,
+                Some((part, next)) => {
+                    let sizes = natural_sizes(&self.units(), &next.q);
+                    let largest =
+                        step.iter().zip(&sizes).fold(0.0_f64, |most, (step, size)| most.max(step.abs() / size));
+                    pace.note(largest, part, largest);
+                    state = next;
+                }
                 // As good as rounding lets it be, or nowhere.
-                None if self.stays(&state) => return Ok((state, iteration)),
-                None => return Err(self.nowhere(&state, iteration)),
+                None if self.stays(&state) => return Ok(Found { state, iterations, slow: pace.slow }),
+                None => return Err(self.nowhere(&state, iterations)),
             }
         }
-        if self.stays(&state) { Ok((state, ITERATIONS)) } else { Err(self.nowhere(&state, ITERATIONS)) }
+        match self.stays(&state) {
+            true => Ok(Found { state, iterations: ITERATIONS, slow: pace.slow }),
+            false => Err(self.nowhere(&state, ITERATIONS)),
+        }
+    }
+
+    /// Newton's step of q and λ towards F = 0 and c = 0, the least where directions are free; `None` where there is none.
+    fn step(&self, state: &State) -> Option<DMatrix<f64>> {
+        let Bordered { matrix, rows, multipliers } = self.at_rest_slopes(state);
+        let force = self.force(state);
+        let left = force.iter().copied().chain(self.triples(state).into_iter().map(|triple| triple[0]));
+        let right = DMatrix::from_iterator(rows.len(), 1, left.zip(&rows).map(|(x, factor)| -x * factor));
+        if matrix.iter().chain(right.iter()).any(|x| !x.is_finite()) {
+            return None;
+        }
+        let mut step = solve_least(&matrix, &right)?;
+        step.rows_mut(self.n, multipliers.len()).component_mul_assign(&multipliers);
+        Some(step)
+    }
+
+    /// What becomes of the directions without stiffness.
+    fn freedom(&self, state: &State, small: &Constrained) -> Result<Freedom, LinearError> {
+        Freedom::along(&small.linear.mass, &small.linear.stiffness, |direction| {
+            let whole = &small.motions * DVector::from_column_slice(direction);
+            let (mut q, length) = beside(&state.q, whole.as_slice());
+            for _ in 0..RELAXATIONS {
+                let Some(step) = self.step(&self.state(&q, &state.v)) else { break };
+                q.iter_mut().zip(step.iter()).for_each(|(q, step)| *q += step);
+                if step.rows(0, self.n).amax() <= 1e-12 * length * whole.amax() {
+                    break;
+                }
+            }
+            let moved = DMatrix::from_fn(self.n, 1, |i, _| (q[i] - state.q[i]) / length);
+            let failed = LinearError::NoConvergence { what: "the departures of a family" };
+            Ok(solve_least(&small.motions, &moved).ok_or(failed)?.as_slice().to_vec())
+        })
+    }
+
+    /// Slopes of F and c by q and λ.
+    pub fn at_rest_slopes(&self, state: &State) -> Bordered {
+        let (n, m, jacobian) = (self.n, self.rows.len(), self.jacobian(state));
+        let stiffness = self.slopes(state).view((0, 0), (n, n)).into_owned();
+        // Without common units what is soft would be rounding beside the constraints.
+        let units = DVector::from_vec(natural_sizes(&self.units(), &state.q));
+        let or_one = |x: f64| if x > 0.0 && x.is_finite() { x.log2().round().exp2() } else { 1.0 };
+        let energy = DMatrix::from_fn(n, n, |i, j| stiffness[(i, j)] * units[i] * units[j]);
+        let energy = or_one(energy.amax());
+        let reaches: Vec<f64> =
+            (0..m).map(|k| or_one(jacobian.row(k).transpose().component_mul(&units).amax())).collect();
+        let forces = units.map(|unit| or_one(unit) / energy);
+        let rows = DVector::from_iterator(n + m, forces.iter().copied().chain(reaches.iter().map(|reach| 1.0 / reach)));
+        let multipliers = DVector::from_iterator(m, reaches.iter().map(|reach| energy / reach));
+        let mut matrix = DMatrix::zeros(n + m, n + m);
+        matrix.view_mut((0, 0), (n, n)).copy_from(&stiffness);
+        matrix.view_mut((0, n), (n, m)).copy_from(&(-jacobian.transpose() * DMatrix::from_diagonal(&multipliers)));
+        matrix.view_mut((n, 0), (m, n)).copy_from(&jacobian);
+        matrix.row_iter_mut().zip(&rows).for_each(|(mut row, factor)| row *= *factor);
+        Bordered { matrix, rows, multipliers }
     }
 
     /// Refuses forces made of reactions: independent coordinates do not know what the constraints carry.

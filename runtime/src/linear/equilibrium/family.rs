@@ -1,11 +1,14 @@
 //! Directions without stiffness: families of equilibria and degenerate equilibria.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 use super::probe::Probe;
 use super::search::least_step;
 use crate::linear::matrices::{Scaled, null_space};
 use crate::linear::{LinearError, SparseMatrix};
+
+/// Newton steps after which what still moves falls back.
+pub(in crate::linear) const RELAXATIONS: usize = 40;
 
 /// What becomes of the directions in which the stiffness K vanishes.
 ///
@@ -25,17 +28,33 @@ pub struct Freedom {
 impl Freedom {
     pub(super) fn of(probe: &Probe, q: &[f64], linear: bool) -> Result<Freedom, LinearError> {
         let [mass, _, stiffness] = probe.cleaned(q);
-        let scaled = Scaled::new(&mass);
+        // In a linear mechanism every such direction leads to equilibria.
+        Freedom::along(&mass, &stiffness, |direction| match linear {
+            true => Ok(direction.to_vec()),
+            false => relax(probe, &mass, q, direction),
+        })
+    }
+
+    /// From M and K, and where the state relaxes to after a step along a direction, as a departure in units of the step.
+    ///
+    /// # Errors
+    /// Those of relaxing; decompositions that do not converge.
+    pub(in crate::linear) fn along(
+        mass: &SparseMatrix,
+        stiffness: &SparseMatrix,
+        relax: impl Fn(&[f64]) -> Result<Vec<f64>, LinearError>,
+    ) -> Result<Freedom, LinearError> {
+        let scaled = Scaled::new(mass);
         let failed = LinearError::NoConvergence { what: "the singular value decomposition of K" };
         let null = null_space(&scaled.stiffness(&stiffness.to_dense())).ok_or(failed)?;
-        let (rank, free) = (probe.n - null.ncols(), null.ncols());
-        if free == 0 || linear {
-            return Ok(Freedom { rank, family: free, degenerate: Vec::new() });
+        let (rank, free) = (mass.rows - null.ncols(), null.ncols());
+        if free == 0 {
+            return Ok(Freedom { rank, family: 0, degenerate: Vec::new() });
         }
         let mut reached = DMatrix::zeros(free, free);
         for k in 0..free {
-            let direction = scaled.step(&null.column(k).into_owned());
-            let moved = relax(probe, &mass, q, &direction)?;
+            let moved = scaled.coordinates(&relax(&scaled.step(&null.column(k).into_owned()))?);
+            let moved = moved.map(|x| if x.is_finite() { x.clamp(-2.0, 2.0) } else { 0.0 });
             reached.set_column(k, &(null.transpose() * moved));
         }
         let svd = reached.try_svd(false, true, f64::EPSILON, 0);
@@ -47,14 +66,19 @@ impl Freedom {
     }
 }
 
-/// Where a step along a direction relaxes to, in the metric of M's diagonal and in units of the step.
-fn relax(probe: &Probe, mass: &SparseMatrix, q: &[f64], direction: &[f64]) -> Result<DVector<f64>, LinearError> {
-    let scaled = Scaled::new(mass);
+/// A step along a direction that is a part of the state's extent, and its length as a part of the direction.
+pub(in crate::linear) fn beside(q: &[f64], direction: &[f64]) -> (Vec<f64>, f64) {
     let largest = |x: &[f64]| x.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     let extent = if largest(q) > 0.0 { largest(q) } else { 1.0 };
     let length = 0.1 * extent / largest(direction).max(f64::MIN_POSITIVE);
-    let mut point: Vec<f64> = q.iter().zip(direction).map(|(q, d)| q + length * d).collect();
-    for _ in 0..40 {
+    (q.iter().zip(direction).map(|(q, d)| q + length * d).collect(), length)
+}
+
+/// Where a step along a direction relaxes to.
+fn relax(probe: &Probe, mass: &SparseMatrix, q: &[f64], direction: &[f64]) -> Result<Vec<f64>, LinearError> {
+    let scaled = Scaled::new(mass);
+    let (mut point, length) = beside(q, direction);
+    for _ in 0..RELAXATIONS {
         let force = probe.force(&point);
         if force.iter().any(|f| !f.is_finite()) {
             break;
@@ -67,6 +91,5 @@ fn relax(probe: &Probe, mass: &SparseMatrix, q: &[f64], direction: &[f64]) -> Re
             break;
         }
     }
-    let moved: Vec<f64> = point.iter().zip(q).map(|(x, q)| (x - q) / length).collect();
-    Ok(scaled.coordinates(&moved).map(|x| if x.is_finite() { x.clamp(-2.0, 2.0) } else { 0.0 }))
+    Ok(point.iter().zip(q).map(|(x, q)| (x - q) / length).collect())
 }

@@ -256,18 +256,18 @@ fn without_rounding(probe: &Probe, q: &[f64], reach: &[f64]) -> Option<Vec<f64>>
 
 /// How the lengths of steps follow each other.
 #[derive(Default)]
-struct Pace {
+pub(in crate::linear) struct Pace {
     earlier: Option<f64>,
     /// Steps in a row that shrank slowly, and steps since that shrank fast.
     slowly: u32,
     fast: u32,
     /// The ratio of slowly shrinking steps, if the search has not become fast since.
-    slow: Option<f64>,
+    pub slow: Option<f64>,
 }
 
 impl Pace {
     /// Notes a step's length, the factor by which it was shortened, and its largest part relative to its coordinate.
-    fn note(&mut self, length: f64, factor: f64, largest: f64) {
+    pub fn note(&mut self, length: f64, factor: f64, largest: f64) {
         let ratio = self.earlier.filter(|before| *before > 0.0 && factor == 1.0).map(|before| length / before);
         self.earlier = Some(length);
         // Steps at the level of rounding tell nothing.

@@ -16,7 +16,7 @@ pub(super) use cholesky::{cholesky, first_order};
 pub(super) use eigen::{Eigen, condition};
 pub use expm::expm;
 pub use mechanism::LinearMechanism;
-pub(super) use scaled::{Scaled, null_space};
+pub(super) use scaled::{Scaled, natural_sizes, null_space};
 pub(super) use singular::Singular;
 pub use sparse::SparseMatrix;
 pub(super) use symmetric::symmetric_eigen;

@@ -8,6 +8,31 @@ use crate::matrix::equilibrated;
 /// A matrix of which the rank must be known fast where it is full.
 const LARGE: usize = 60;
 
+/// Numbers below this part of others are rounding.
+const ROUNDING: f64 = 1e-15;
+/// Angles and pure numbers below this are.
+const NO_ANGLE: f64 = 1e-12;
+
+/// What each number is large beside: the largest of those with its unit; where all of these are rounding, 1 for angles and pure
+/// numbers, and for others the largest of all, 1 of an angle among them.
+pub fn natural_sizes<U: AsRef<str>>(units: &[U], numbers: &[f64]) -> Vec<f64> {
+    let is_angle = |unit: &U| matches!(unit.as_ref(), "1" | "rad");
+    let all = units.iter().zip(numbers).fold(0.0_f64, |most, (unit, x)| {
+        let least = if is_angle(unit) { 1.0 } else { 0.0 };
+        x.abs().max(least).max(most)
+    });
+    let size = |unit: &U| {
+        let alike = units.iter().zip(numbers).filter(|(other, _)| other.as_ref() == unit.as_ref());
+        let largest = alike.fold(0.0_f64, |most, (_, x)| most.max(x.abs()));
+        match if is_angle(unit) { NO_ANGLE } else { ROUNDING * all } {
+            rounding if largest > rounding => largest,
+            _ if is_angle(unit) || all == 0.0 => 1.0,
+            _ => all,
+        }
+    };
+    units.iter().map(size).collect()
+}
+
 /// An orthonormal basis of the null space of a square matrix, by the singular values of the equilibrated one.
 pub fn null_space(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let n = matrix.nrows();
@@ -74,5 +99,21 @@ impl Scaled {
 
     pub fn norm(&self, given: &[f64]) -> f64 {
         self.coordinates(given).norm()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rounding of angles beside lengths, and of lengths beside angles, is no size.
+    #[test]
+    fn numbers_are_measured_by_those_with_their_unit() {
+        let units = ["m", "m", "rad"];
+        assert_eq!(natural_sizes(&units, &[1e12, 0.0, 1e-15]), [1e12, 1e12, 1.0]);
+        assert_eq!(natural_sizes(&units, &[1e-12, 3e-13, 0.2]), [1e-12, 1e-12, 0.2]);
+        assert_eq!(natural_sizes(&units, &[1e-19, 0.0, 1e-20]), [1.0; 3]);
+        assert_eq!(natural_sizes(&units[..2], &[1e-19, 0.0]), [1e-19; 2]);
+        assert_eq!(natural_sizes(&units[..2], &[0.0; 2]), [1.0; 2]);
     }
 }
