@@ -29,8 +29,8 @@ const A_RADIAN: f64 = 2.7;
 const GAIN: f64 = 0.115;
 /// Stability lets explicit methods take no fewer a radian of what has died away.
 const A_RADIAN_AT_REST: f64 = 2.0;
-/// Forces that change are looked at so often to see how often they turn.
-const LOOKS: usize = 64;
+/// Forces that change are looked at at so many times.
+const LOOKS: usize = 40;
 
 /// `exact` evaluates a force so often a step; it makes matrices of so many lengths before it has found one, and so many for each
 /// length of time between two breaks, which are alike to that part of themselves; an explicit method takes so many evaluations more
@@ -91,8 +91,8 @@ fn exact_pays(settings: &Settings, system: &dyn System, y: &[f64]) -> bool {
     let evaluation = if counted > 0.0 { counted } else { 10.0 * n as f64 };
     let driven = description.structure.time_dependent;
     let (exponential, step) = operations_of_exact(n, driven);
-    let explicit = explicit_evaluations(settings, system, y, rate);
     if !driven {
+        let explicit = explicit_evaluations(settings, system, y, (rate, 0.0));
         return (exponential + step * span * rate / RESOLVED) / evaluation < explicit;
     }
     let (Some(Breaks { times, lengths }), Ok(longest)) =
@@ -102,45 +102,48 @@ fn exact_pays(settings: &Settings, system: &dyn System, y: &[f64]) -> bool {
     };
     let steps = span / longest + times;
     let matrices = FIRST_LENGTHS + LENGTHS_A_BREAK * lengths;
-    steps * EVALUATIONS_A_STEP + (exponential * matrices + step * steps) / evaluation < explicit + AT_A_BREAK * times
+    let explicit = explicit_evaluations(settings, system, y, (rate, times)) + AT_A_BREAK * times;
+    steps * EVALUATIONS_A_STEP + (exponential * matrices + step * steps) / evaluation < explicit
 }
 
-/// Evaluations that an explicit method takes of a linear system whose rates are `fastest` at the most: those of the mode, or of the force,
-/// that turns most often while it is there; a mode that decays is there until nothing of it is left to the tolerance.
-fn explicit_evaluations(settings: &Settings, system: &dyn System, y: &[f64], fastest: f64) -> f64 {
+/// Evaluations that an explicit method takes of a linear system whose rates are `fastest` at the most: those of the mode that turns
+/// most often while it is there.  A mode is there as long as forces bend, and after the start and each of so many breaks until
+/// it has decayed to the tolerance.
+fn explicit_evaluations(settings: &Settings, system: &dyn System, y: &[f64], (fastest, breaks): (f64, f64)) -> f64 {
     let (n, span) = (system.len(), settings.until - settings.from);
     let structure = &system.description().structure;
     let a_radian = if structure.separable { 0.5 * A_RADIAN } else { A_RADIAN };
-    let lasts = |decay: f64| span.min((1.0 / settings.tolerance).ln().max(0.0) / decay.max(0.0));
+    let driven = if structure.time_dependent { span * driven_part(settings, system, y) } else { 0.0 };
+    let decays = (1.0 + breaks) * (1.0 / settings.tolerance).ln().max(0.0);
+    let lasts = |decay: f64| span.min(driven + decays / decay.max(0.0));
     let modes = rates(system, settings.from, &y[..n], &y[n..]);
     let ring = modes.map_or(span * fastest, |modes| {
         modes.iter().fold(0.0_f64, |most, rate| most.max(rate.norm() * lasts(-rate.re)))
     });
-    let drive = if structure.time_dependent { turns(settings, system, y) } else { 0.0 };
-    (ring.max(drive) * a_radian * settings.tolerance.powf(-GAIN)).max(A_RADIAN_AT_REST * span * fastest)
+    (ring * a_radian * settings.tolerance.powf(-GAIN)).max(A_RADIAN_AT_REST * span * fastest)
 }
 
-/// How far what drives a system turns in all, rad: π from each least value of an acceleration at a fixed state to the next
-/// largest one, as of a sine.
-fn turns(settings: &Settings, system: &dyn System, y: &[f64]) -> f64 {
+/// During which part of the time what drives a system bends: the mean over the largest second derivative of an acceleration at a fixed
+/// state, which of a sine is 2/π, at times that keep step with nothing.
+fn driven_part(settings: &Settings, system: &dyn System, y: &[f64]) -> f64 {
+    const GOLDEN: f64 = 0.618_033_988_749_894_8;
     let (n, span) = (system.len(), settings.until - settings.from);
-    let mut accelerations = vec![0.0; n];
-    let (mut low, mut high) = (vec![f64::INFINITY; n], vec![f64::NEG_INFINITY; n]);
-    let (mut last, mut way) = (Vec::<f64>::new(), vec![0.0; n]);
-    for k in 0..=LOOKS {
-        let t = settings.from + span * k as f64 / LOOKS as f64;
-        if system.accelerations(At::packed(t, y, n), &mut accelerations).is_err() {
-            continue;
+    let tick = 1e-3 * span / LOOKS as f64;
+    let mut a = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
+    let (mut sum, mut most, mut size) = (vec![0.0; n], vec![0.0_f64; n], vec![0.0_f64; n]);
+    for k in 0..LOOKS {
+        let t = settings.from + (span - 2.0 * tick) * (k as f64 * GOLDEN).fract();
+        let times = [t, t + tick, t + 2.0 * tick];
+        let known = a.iter_mut().zip(times).all(|(a, t)| system.accelerations(At::packed(t, y, n), a).is_ok());
+        for i in (0..n).filter(|_| known) {
+            let bend = (a[0][i] - 2.0 * a[1][i] + a[2][i]).abs();
+            sum[i] += bend;
+            (most[i], size[i]) = (most[i].max(bend), size[i].max(a[1][i].abs()));
         }
-        for (i, a) in accelerations.iter().enumerate() {
-            way[i] += last.get(i).map_or(0.0, |last| (a - last).abs());
-            (low[i], high[i]) = (low[i].min(*a), high[i].max(*a));
-        }
-        last.clone_from(&accelerations);
     }
-    let changes = |i: usize| high[i] - low[i] > 1e-12 * high[i].abs().max(low[i].abs());
-    let of = |i: usize| if changes(i) { std::f64::consts::PI * way[i] / (high[i] - low[i]) } else { 0.0 };
-    (0..n).map(of).fold(0.0, f64::max)
+    let bends = |i: usize| most[i] > 1e-12 * size[i];
+    let of = |i: usize| if bends(i) { 0.5 * std::f64::consts::PI * sum[i] / (LOOKS as f64 * most[i]) } else { 0.0 };
+    (0..n).map(of).fold(0.0, f64::max).min(1.0)
 }
 
 /// At how many times steps must end, and how many different lengths of time lie between them.
