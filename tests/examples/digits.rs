@@ -10,7 +10,7 @@ fn main() {
         "A run that estimates its digits runs a second time, at ten times the tolerance and from a start moved by"
     );
     println!(
-        "rounding, and bounds the error of each value by twice the difference (`runtime/src/run/digits.rs`); a third time at"
+        "rounding, and bounds the error of each value by 7/4 of the difference (`runtime/src/run/digits.rs`); a third time at"
     );
     println!(
         "a hundred times the tolerance where few digits hold, or discontinuities and narrow features cut its steps. Here all"
