@@ -7,7 +7,7 @@ use super::{Settings, simulate_with};
 use crate::cause::Cause;
 use crate::constrain::Projection;
 use crate::error::Error;
-use crate::mechanism::{Action, At, System, Watched};
+use crate::mechanism::{Action, Argument, At, Role, System, Watched};
 use crate::run::{Digits, Run, evaluate_outputs};
 use crate::trust::{Loss, Warning};
 
@@ -24,7 +24,9 @@ const DOUBTFUL: f64 = 1e-6;
 /// Where so many of the steps were rejected two runs may agree by chance too.
 const BUMPY: f64 = 0.1;
 /// Where runs may agree by chance, bounds are so many times what they differ by elsewhere.
-const BY_CHANCE: f64 = 3.0;
+const BY_CHANCE: f64 = 3.5;
+/// So many times where functions of the motion happen locally, whose errors come in single steps.
+const LOCALLY: f64 = 1.15;
 /// Not more numbers than these are compared.
 const MOST_NUMBERS: usize = 20_000_000;
 
@@ -52,6 +54,8 @@ pub(crate) fn judge_digits(
     }
     if by_chance {
         digits.widen(BY_CHANCE);
+    } else if is_local(system) {
+        digits.widen(LOCALLY);
     }
     if let Some(tolerance) = run.tolerance.filter(|_| cut) {
         digits.raise(run, tolerance);
@@ -94,6 +98,12 @@ fn is_cut(system: &dyn System, run: &Run) -> bool {
     let acts = description.events.iter().any(|event| event.actions.iter().any(|action| *action != Action::Record));
     let timed = description.arguments.iter().any(|argument| argument.of == Watched::Motion && argument.time_only);
     !description.switches.is_empty() || acts || timed || run.work.retries > 0
+}
+
+/// True where functions of the motion may happen within a small part of it.
+fn is_local(system: &dyn System) -> bool {
+    let local = |argument: &Argument| argument.of == Watched::Motion && argument.role != Role::Distance;
+    system.description().arguments.iter().any(local)
 }
 
 /// True where steps were often too long: what limits them comes and goes faster than they can follow, and errors do not
