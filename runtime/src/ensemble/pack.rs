@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{Ending, Lanes};
 use crate::events::{calm_ratio, keeps_clear};
-use crate::integrate::{Clock, DOP853, Dop853, ROUNDING, Stage, StepControl, Term, first_step, stages, widest};
+use crate::integrate::{Clock, DOP853, Dop853, LEAST, ROUNDING, Stage, StepControl, Term, first_step, stages, widest};
 use crate::mechanism::{Erased, Mechanism, Role, SingularMass};
 use crate::run::{Names, State, Work, evaluate_outputs, usual_drift};
 use crate::trust::Monitor;
@@ -227,7 +227,7 @@ impl<'a, M: Mechanism<N, C> + 'static, S: Lanes, const N: usize, const C: usize>
                 let range = if half == 0 { (high - low).min(number(self.widest[i])) } else { high - low };
                 let rounding = number(ROUNDING) * low.abs().max(high.abs());
                 let change = (self.end[half][i] - y).abs().max((h * self.stages[0][half][i]).abs());
-                let unit = (self.relative * range.max(change)).max(rounding).max(number(f64::MIN_POSITIVE));
+                let unit = (self.relative * range.max(change)).max(rounding).max(number(LEAST));
                 let steps = h / unit;
                 let (higher, lower) = (steps * self.sum(higher, half, i), steps * self.sum(lower, half, i));
                 five = five + higher * higher;

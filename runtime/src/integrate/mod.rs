@@ -45,7 +45,7 @@ pub(crate) use stability::{Rational, Stability};
 pub(crate) use stiffness::StiffnessDetector;
 pub(crate) use tolerance::{JITTER, Tolerance, larger};
 #[cfg(feature = "ensemble")]
-pub(crate) use tolerance::{ROUNDING, widest};
+pub(crate) use tolerance::{LEAST, ROUNDING, widest};
 
 use crate::cause::Cause;
 use crate::mechanism::{Description, Singular, System};
@@ -87,9 +87,9 @@ pub(crate) trait OneStep: Send {
     /// The estimated errors of all components of the step that was tried with a tolerance.
     fn errors(&self) -> &[f64];
 
-    /// The longest step that the method takes with the tolerance of the last trial, s, where each length of a step costs something: steps
-    /// are then this one, halved so and so often.
-    fn longest(&self) -> f64 {
+    /// The longest step that the method takes with a tolerance, s, where each length of a step costs something: the way to a stop is then
+    /// divided into equal parts, which are halved so and so often.
+    fn longest(&self, _relative: f64) -> f64 {
         f64::INFINITY
     }
 

@@ -47,6 +47,8 @@ pub(crate) struct Tolerance {
 pub(crate) const ROUNDING: f64 = 100.0 * f64::EPSILON;
 /// By what part of themselves coordinates and the time are moved to see what their rounding does.
 pub(crate) const JITTER: f64 = 4.0 * f64::EPSILON;
+/// The least unit, by which a step can be divided.
+pub(crate) const LEAST: f64 = 1e-280;
 /// Errors are explained by up to so many times the measured noise.
 const EXPLAINED: f64 = 8.0;
 
@@ -155,7 +157,7 @@ impl Tolerance {
         let rounding = larger(ROUNDING * larger(high.abs(), low.abs()), raised);
         let range = if high - low > widest { widest } else { high - low };
         // Where all of it is zero an error of zero must count as none.
-        larger(larger(self.relative * range, rounding), larger(self.onset[k], f64::MIN_POSITIVE))
+        larger(larger(self.relative * range, rounding), larger(self.onset[k], LEAST))
     }
 
     /// True if the errors of coordinate i, too large still after they fell from `before` to `after` when the step was cut

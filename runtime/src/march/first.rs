@@ -7,9 +7,9 @@ use crate::mechanism::System;
 impl March {
     /// The first step: a thousandth of the way or so, which the error test shortens.
     ///
-    /// Where the method lets it, it is longer if the accelerations at its end, reached by a parabola, differ so little from those at its
-    /// start that it is short beside what the method resolves of a vibration; by no more than a step may grow at first, since
-    /// other times are not looked at.
+    /// Where each length of a step costs something it is the longest one.  Where the method lets it, it is longer if the accelerations
+    /// at its end, reached by a parabola, differ so little from those at its start that it is short beside what the method resolves of a
+    /// vibration; by no more than a step may grow at first, since other times are not looked at.
     ///
     /// It follows the tolerance as other steps do, so that runs at two tolerances have no step in common, even where the
     /// growth of steps is all that limits them.
@@ -18,6 +18,10 @@ impl March {
             Pace::Fixed(h) => return *h,
             Pace::Adaptive { longest, tolerance } => (*longest, tolerance.relative),
         };
+        let of_method = self.stepper.longest(relative);
+        if of_method.is_finite() {
+            return longest.min(of_method);
+        }
         let control = self.stepper.control();
         let h = longest.min(first_step(&control, relative, left));
         if control.at_first <= 1.0 {

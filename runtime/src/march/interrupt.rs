@@ -1,6 +1,7 @@
 //! Steps that events and discontinuities may end early.
 
-use super::{Halt, March, Step, UNEVEN, finite};
+use super::plan::UNEVEN;
+use super::{Halt, March, Step, finite};
 use crate::cause::Cause;
 use crate::events::{Crossing, Interruption, Switched, Watch};
 use crate::mechanism::{Action, System};

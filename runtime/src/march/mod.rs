@@ -4,7 +4,7 @@
 //! may end it early: look in `interrupt.rs`; it is written down and taken.  Jumps of the acceleration that
 //! nobody declared: look in `jump.rs`; what is asked of a step between its ends: in `between.rs`; rounding that looks like
 //! errors: in `noise.rs`; constraints at the ends of steps: in `constraints.rs`; phases and impacts: in `phase.rs`; the first
-//! step: in `first.rs`; a fixed step that suits a tolerance: in `trial.rs`.
+//! step: in `first.rs`; how the way to a stop is divided: in `plan.rs`; a fixed step that suits a tolerance: in `trial.rs`.
 
 mod between;
 mod constraints;
@@ -13,6 +13,7 @@ mod interrupt;
 mod jump;
 mod noise;
 mod phase;
+mod plan;
 mod trial;
 
 use std::ops::ControlFlow;
@@ -81,6 +82,8 @@ pub(crate) struct March {
     /// Whether steps are chosen otherwise than usual; and how many were taken since the last stop.
     unlike: bool,
     since_stop: u32,
+    /// Where each length of a step costs something, the one that divides the way to the next stop.
+    even: f64,
     watch: Option<Box<Watch>>,
     /// Where there are constraints.
     projection: Option<Box<Projection>>,
@@ -130,6 +133,7 @@ impl March {
             compensated: true,
             unlike: false,
             since_stop: 0,
+            even: 0.0,
             watch: None,
             projection: None,
             projects: true,
@@ -437,42 +441,6 @@ impl March {
         if error.is_nan() { finite(system, end.rate, 1) } else { Ok(()) }
     }
 
-    /// The next step to try.
-    fn plan(&self, stop: f64) -> Step {
-        let now = self.clock.now();
-        let left = stop - now;
-        match &self.pace {
-            Pace::Fixed(h) => {
-                let next = self.clock.after_equal_step(*h);
-                if next >= stop - 1e-9 * h {
-                    Step { h: left, next: stop, lands: true }
-                } else {
-                    Step { h: *h, next, lands: false }
-                }
-            }
-            Pace::Adaptive { longest, .. } => {
-                let longest = longest.min(self.stepper.longest());
-                let h = self.h.min(longest);
-                if left <= 1.01 * h && !self.divides() {
-                    return Step { h: left, next: stop, lands: true };
-                }
-                let part = if self.unlike { UNEVEN } else { 0.5 };
-                let h = if left < 2.0 * h { part * left } else { self.halved(longest, h) };
-                Step { h, next: self.clock.after(h), lands: false }
-            }
-        }
-    }
-
-    /// The length of a step that may be h: where lengths cost something the longest one halved until it is no longer than that.
-    fn halved(&self, longest: f64, h: f64) -> f64 {
-        if self.stepper.longest().is_finite() { longest * (-(longest / h).log2().ceil()).exp2() } else { h }
-    }
-
-    /// Whether the way to the next stop is still to be divided, however short it is.
-    fn divides(&self) -> bool {
-        self.unlike && self.since_stop < DIVISIONS
-    }
-
     /// Tries a step, and returns its error (NaN where the rate at its end is not finite).  If it is good, or `whatever` its
     /// error, its end is brought to the constraints where the method does not end there, and has its rate.
     fn try_step(&mut self, system: &dyn System, step: Step, whatever: bool) -> Result<f64, Setback> {
@@ -537,10 +505,6 @@ impl March {
     }
 }
 
-/// The part of the way to a stop or a crossing that a run unlike others takes first, and of what is left; never more than
-/// the step that was allowed.  The longest of its steps is shorter than that of any two another run may take.
-const UNEVEN: f64 = 0.4;
-const DIVISIONS: u32 = 2;
 /// So many times in a run a step is cut because a watched function oscillates within it.
 const MOST_CUTS: u32 = 100;
 

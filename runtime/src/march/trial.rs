@@ -36,7 +36,8 @@ impl March {
         }
         if method == Method::Exact {
             let resolved = longest_step(system, from, self.stepper.start().y, tolerance.relative);
-            return self.keep_step(resolved.map_or(left, |resolved| resolved.min(left)));
+            // Equal parts of the way, since each length has its matrices.
+            return self.keep_step(resolved.map_or(left, |resolved| left / (left / resolved).ceil().max(1.0)));
         }
         let mut tolerance = tolerance.clone();
         let states = scout(system, self.projects, (from, self.until), self.stepper.start().y, &mut tolerance);

@@ -32,12 +32,12 @@ const A_RADIAN_AT_REST: f64 = 2.0;
 /// Forces that change are looked at at so many times.
 const LOOKS: usize = 40;
 
-/// `exact` evaluates a force so often a step; it makes matrices of so many lengths before it has found one, and so many for each
+/// `exact` evaluates a force so often a step; it makes matrices of so many lengths before the first break, and so many for each
 /// length of time between two breaks, which are alike to that part of themselves; an explicit method takes so many evaluations more
 /// for each.
 const EVALUATIONS_A_STEP: f64 = 9.0;
-const FIRST_LENGTHS: f64 = 4.0;
-const LENGTHS_A_BREAK: f64 = 2.0;
+const FIRST_LENGTHS: f64 = 1.5;
+const LENGTHS_A_BREAK: f64 = 1.5;
 const ALIKE: f64 = 1e-9;
 const AT_A_BREAK: f64 = 12.0;
 

@@ -471,3 +471,15 @@ fn a_close_encounter_is_no_lost_direction() {
         assert!(run.is_ok(), "{method} at {tolerance}: {:?}", run.err());
     }
 }
+
+/// What does not move at all bounds no step, however long.
+#[test]
+fn a_coordinate_at_rest_rejects_no_step() {
+    let toy = Toy::new(&["x", "y"], (&[0.0, 0.0], &[1.0, 0.0]), 1e6, |_, _, _, _, a| a.fill(0.0)).separable();
+    for method in [Method::Dopri5, Method::Dop853, Method::Rkn8, Method::Radau5, Method::Rodas5P] {
+        let mut settings = Settings::new(&toy.scene);
+        settings.method = method;
+        let run = simulate(&mut toy.clone(), &settings).unwrap_or_else(|error| panic!("{method}: {error}"));
+        assert_eq!(run.work.rejected, 0, "{method}");
+    }
+}

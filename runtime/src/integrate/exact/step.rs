@@ -16,8 +16,8 @@ use super::propagator::Propagator;
 /// squaring e^{Ah/2ᵏ} k times would lose digits to the unit of time.
 ///
 /// A force that changes is a polynomial over each step, through as many times as tell how well it follows: so steps are as long as
-/// the tolerance lets them be.  Their lengths are the longest one that the polynomial between the ends allows, halved so and so
-/// often, since each length has its matrices.
+/// the tolerance lets them be.  Their lengths are equal parts of the way, no longer than the polynomial between the ends allows, halved so
+/// and so often, since each length has its matrices.
 pub(crate) struct Exact {
     pub(super) ends: Ends,
     slopes: AccelerationSlopes,
@@ -29,8 +29,6 @@ pub(crate) struct Exact {
     input: DMatrix<f64>,
     /// Those of the last lengths, the last one last.
     propagators: Vec<Propagator>,
-    /// The longest step that the tolerance of the last trial allows, s.
-    longest: f64,
     state: DVector<f64>,
     /// Room for a product and a state.
     product: DVector<f64>,
@@ -64,7 +62,6 @@ impl Exact {
             field: DMatrix::zeros(size, size),
             input: DMatrix::zeros(size, n),
             propagators: Vec::with_capacity(LENGTHS),
-            longest: f64::INFINITY,
             state: DVector::zeros(size),
             product: DVector::zeros(size),
             room: vec![0.0; size],
@@ -125,8 +122,10 @@ impl Exact {
         let mut squares = 0.0;
         for i in 0..n {
             let (missed, size) = self.force.missed(i, (t, h));
-            let speed = larger((h * self.ends.rate[n + i]).abs(), h * size);
-            let place = larger((h * self.ends.y[n + i]).abs(), h * speed);
+            // In longer times than that what a force did turns round.
+            let acts = h.min(1.0 / self.rate);
+            let speed = acts * larger(self.ends.rate[n + i].abs(), size);
+            let place = larger((h * self.ends.y[n + i]).abs(), acts * speed);
             let units = tolerance.units_by_change(i, h, [place, speed]);
             self.errors[n + i] = LEFT * h * missed;
             self.errors[i] = LEFT * h * self.errors[n + i];
@@ -221,13 +220,6 @@ impl OneStep for Exact {
         let n = self.ends.n;
         let mut error = 0.0;
         if self.force.changes {
-            if let Some(tolerance) = tolerance {
-                self.longest = resolved(tolerance.relative) / self.rate;
-                if h > (1.0 + ALIKE) * self.longest {
-                    self.errors.fill(f64::INFINITY);
-                    return Ok((h / self.longest).powi(TERMS as i32));
-                }
-            }
             self.force.follow(system, t, h)?;
             if let Some(tolerance) = tolerance {
                 error = self.error((t, h), tolerance);
@@ -269,8 +261,8 @@ impl OneStep for Exact {
         &self.errors
     }
 
-    fn longest(&self) -> f64 {
-        self.longest
+    fn longest(&self, relative: f64) -> f64 {
+        if self.force.changes { resolved(relative) / self.rate } else { f64::INFINITY }
     }
 
     fn accept(&mut self, compensated: bool) {
