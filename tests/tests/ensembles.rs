@@ -107,6 +107,27 @@ fn a_driven_mechanism_goes_into_lanes() {
     }
 }
 
+/// A third fewer evaluations a step than by `dop853`, and longer steps.
+#[test]
+fn separable_mechanisms_go_into_lanes_by_the_method_that_a_run_chooses() {
+    let one = |k: u32| {
+        let mut simulation = FigureEight::default().simulate().until(5.0 + f64::from(k)).tolerance(1e-9);
+        if k % 3 > 0 {
+            simulation = simulation.method(if k % 3 == 1 { Method::Rkn8 } else { Method::Dop853 });
+        }
+        simulation
+    };
+    let ensemble: Ensemble<_> = (0..20).map(one).collect();
+    let (ends, runs) = (all(ensemble.ends::<f64x8>()), ensemble.run());
+    for (k, (end, run)) in ends.iter().zip(runs).enumerate() {
+        let run = run.expect("a run");
+        assert!(apart(&end.state, &run.last()) < 1e-7, "{k}: {} and {}", end.state, run.last());
+        let (own, usual) = (end.work.evaluations as f64, run.work.evaluations as f64);
+        assert!((0.9 * usual..1.05 * usual).contains(&own), "{k}: {own} evaluations where {usual} are usual");
+    }
+    assert!(2 * ends[0].work.evaluations < ends[2].work.evaluations, "{:?} and {:?}", ends[0].work, ends[2].work);
+}
+
 #[test]
 fn what_needs_a_closer_look_gets_it() {
     // Through the hinge, where the direction of the cord is lost; beside it; and nowhere near.

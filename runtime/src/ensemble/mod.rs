@@ -9,7 +9,8 @@
 //!
 //! Results are in the order of the list, and the same to the last bit whatever the number of threads.
 //!
-//! What goes into lanes is integrated by `dop853` with the same error norm and control as any run, and nothing is hidden.
+//! What goes into lanes is integrated by `rkn8` where the mass matrix is constant and forces contain no speeds, elsewhere by `dop853`,
+//! with the same error norm and control as any run, and nothing is hidden.
 //! A run that must be looked at more closely is run again by itself, with its warnings and errors: one that starts where the
 //! equations have no meaning, whose mass matrix is singular, whose steps are rejected again and again, in which a function
 //! that is local (`exp`, `tanh`, a power) changes much within a step or points come close to each other, whose energy or
@@ -39,6 +40,7 @@
 //! assert!((end.state["theta"] - run.last()["theta"]).abs() < 1e-8);
 //! ```
 
+mod attempt;
 mod lanes;
 mod pack;
 mod sine;
@@ -48,10 +50,12 @@ use std::sync::Arc;
 use rayon::prelude::*;
 pub use wide::{f64x4, f64x8};
 
+use attempt::Rkn8;
 pub use lanes::Lanes;
 use pack::Task;
 
 use crate::error::Error;
+use crate::integrate::Dop853;
 use crate::mechanism::{At, Erased, Mechanism, Method, System, Watched};
 use crate::run::{Names, Run, State, Work};
 use crate::simulate::{Settings, Simulation};
@@ -147,12 +151,15 @@ where
     M: Mechanism<N, C> + 'static,
     L: Lanes,
 {
-    let tasks: Vec<Option<Task<'_, M>>> = members.iter().map(task).collect();
-    let (places, tasks): (Vec<usize>, Vec<Task<'_, M>>) =
-        tasks.into_iter().enumerate().filter_map(|(place, task)| Some((place, task?))).unzip();
     let mut endings: Vec<Option<Ending>> = members.iter().map(|_| None).collect();
-    for (place, ending) in places.into_iter().zip(pack::run::<M, L, N, C>(&tasks, names)) {
-        endings[place] = ending;
+    let tasks = members.iter().enumerate().filter_map(|(place, member)| Some((place, task(member)?)));
+    let (nystrom, others): (Vec<_>, Vec<_>) = tasks.partition(|(_, task)| task.method == Method::Rkn8);
+    for (tasks, run) in [
+        (nystrom, pack::run::<M, L, Rkn8, N, C> as fn(&[Task<'_, M>], &Arc<Names>) -> Vec<Option<Ending>>),
+        (others, pack::run::<M, L, Dop853, N, C>),
+    ] {
+        let (places, tasks): (Vec<usize>, Vec<Task<'_, M>>) = tasks.into_iter().unzip();
+        places.into_iter().zip(run(&tasks, names)).for_each(|(place, ending)| endings[place] = ending);
     }
     let endings = members.iter().zip(endings);
     endings.map(|(member, ending)| ending.map_or_else(|| alone(member), Ok)).collect()
@@ -182,7 +189,11 @@ where
         d.events.is_empty() && d.switches.is_empty() && d.timed_switches.is_empty() && d.input_jumps.is_empty();
     let usual =
         settings.step.is_none() && settings.longest_step.is_none() && !settings.digits && settings.also.is_empty();
-    let method = matches!(settings.method, Method::Auto | Method::Dop853);
+    let method = match settings.method {
+        Method::Auto | Method::Rkn8 if d.structure.separable => Method::Rkn8,
+        Method::Auto | Method::Dop853 => Method::Dop853,
+        _ => return None,
+    };
     let fits = C == 0 && M::MODES == 0 && M::PHASES == 0 && system.is_plain() && told && tame && steady;
     let start = [settings.q.as_slice(), settings.v.as_slice()].concat();
     let sound = || {
@@ -191,11 +202,12 @@ where
             && positive_inertia(system, at.t, &start).is_ok()
             && settings.attainable().is_ok()
     };
-    if !(fits && usual && method && settings.check(d).is_ok() && sound()) {
+    if !(fits && usual && settings.check(d).is_ok() && sound()) {
         return None;
     }
     Some(Task {
         mechanism: system.mechanism(),
+        method,
         span: (settings.from, settings.until),
         start: (&settings.q, &settings.v),
         tolerance: settings.tolerance.max(Settings::TIGHTEST),

@@ -40,6 +40,8 @@ pub(crate) use exact::{LENGTHS as LENGTHS_OF_EXACT, fastest_rate, longest_step, 
 pub(crate) use control::{Control, NO_CONTROL, StepControl, first_step, radians};
 #[cfg(feature = "ensemble")]
 pub(crate) use explicit::{DOP853, Dop853, Stage, Term, stages};
+#[cfg(feature = "ensemble")]
+pub(crate) use nystrom::{RKN8, Stage as NystromStage};
 pub(crate) use segment::Segment;
 pub(crate) use stability::{Rational, Stability};
 pub(crate) use stiffness::StiffnessDetector;

@@ -68,10 +68,10 @@ impl<T: Scheme, const I: usize> Stage<T, I> {
     pub const WEIGHS: bool = T::TABLEAU.weighs(I);
 }
 
-/// Calls `stage` for these stages, as far as the method has them.
+/// Calls a method for these stages, as far as the method has them.
 macro_rules! stages {
-    ($self:ident.stage $arguments:tt for $($i:literal)* below $end:expr, from $first:expr) => {
-        $(if const { $i > $first - 1 && $i < $end } { $self.stage::<$i> $arguments?; })*
+    ($self:ident.$stage:ident $arguments:tt for $($i:literal)* below $end:expr, from $first:expr) => {
+        $(if const { $i > $first - 1 && $i < $end } { $self.$stage::<$i> $arguments?; })*
     };
 }
 

@@ -13,4 +13,6 @@ mod tests;
 
 pub(crate) use rkn8::RKN8;
 pub(crate) use step::Nystrom;
+#[cfg(feature = "ensemble")]
+pub(crate) use step::Stage;
 pub(crate) use tableau::Tableau;

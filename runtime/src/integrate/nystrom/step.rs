@@ -38,11 +38,11 @@ struct Quadrature<Y> {
 }
 
 /// Node and row of a stage, those for dense output after the end, as constants.
-struct Stage<const I: usize>;
+pub(crate) struct Stage<const I: usize>;
 
 impl<const I: usize> Stage<I> {
-    const NODE: f64 = Self::OF.0;
-    const ROW: &'static [Term] = Self::OF.1;
+    pub const NODE: f64 = Self::OF.0;
+    pub const ROW: &'static [Term] = Self::OF.1;
     const OF: (f64, &'static [Term]) = if I < END { RKN8.rows[I] } else { RKN8.dense_rows[I - END - 1] };
 }
 
