@@ -110,10 +110,12 @@ impl Tolerance {
     /// change in any step, however short.
     pub fn carried(&self, i: usize, change: impl Fn(usize) -> f64) -> [f64; 2] {
         const CARRIED: f64 = 1e-6;
-        [0, self.n].map(|of| {
-            let alike = (0..self.n).filter(|j| self.group[*j] == self.group[i]);
-            alike.map(|j| CARRIED * change(of + j)).fold(change(of + i), f64::max)
-        })
+        let mut most = [change(i), change(self.n + i)];
+        for j in (0..self.n).filter(|j| self.group[*j] == self.group[i]) {
+            most[0] = larger(most[0], CARRIED * change(j));
+            most[1] = larger(most[1], CARRIED * change(self.n + j));
+        }
+        most
     }
 
     /// ω with which accelerations change by `felt` while places move by `way`: ω² = max |Δa|/|Δq|, Δq the largest of what has the same

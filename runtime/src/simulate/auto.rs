@@ -3,8 +3,8 @@
 use super::Settings;
 use crate::events::Watch;
 use crate::integrate::{LENGTHS_OF_EXACT, fastest_rate, longest_step, operations_of_exact};
-use crate::mechanism::{AccelerationSlopes, At, Description, Enforcement, Method, System};
-use crate::trust::rates;
+use crate::mechanism::{AccelerationSlopes, Action, At, Description, Enforcement, Method, System};
+use crate::trust::{all_rates, rates};
 
 /// A method, and why it was chosen; nothing where the user chose it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,8 +15,10 @@ pub(super) struct Choice {
 
 /// More coordinates than these make the exponential dearer than steps.
 const LARGEST: usize = 40;
-/// Looser tolerances than this are met with less work at order 5: the median over the library (`docs/charts.md`).
-const LOOSE: f64 = 1.5e-4;
+/// Looser tolerances than this are met with less work at order 5, by the curves of the library (`docs/charts.md`): where steps end as
+/// the tolerance lets them, and where events and discontinuities end them.
+const LOOSE: f64 = 4e-4;
+const LOOSE_WHERE_CUT: f64 = 1.5e-5;
 /// A rate of decay is looked at where it would hold an explicit method to so many steps.
 const MANY_STEPS: f64 = 1e4;
 /// It is stiff where it is so much faster than all that vibrates.
@@ -70,6 +72,9 @@ pub(super) fn choose(settings: &Settings, system: &dyn System, y: &[f64]) -> Cho
             because(Method::Rkn8, "M is constant and no force depends on speeds")
         }
         Method::Auto if settings.tolerance > LOOSE => because(Method::Dopri5, "the tolerance is loose"),
+        Method::Auto if settings.tolerance > LOOSE_WHERE_CUT && is_cut(description) => {
+            because(Method::Dopri5, "the tolerance is not tight, and events or discontinuities end steps")
+        }
         Method::Auto => because(Method::Dop853, "nothing is stiff, and the tolerance is not loose"),
         method => Choice { method, why: None },
     }
@@ -80,6 +85,13 @@ fn is_on_parabolas(settings: &Settings, description: &Description) -> bool {
     let keeps = description.rows.is_empty() || settings.enforcement == Enforcement::Multipliers;
     let verlet = Settings { method: Method::Verlet, ..settings.clone() };
     description.structure.uniformly_accelerated && keeps && verlet.inseparable(description).is_none()
+}
+
+/// Whether events and discontinuities that the state meets divide the motion.
+fn is_cut(description: &Description) -> bool {
+    let divides = |action: &Action| matches!(action, Action::Phase(_) | Action::Impact { .. });
+    description.events.iter().any(|event| event.actions.iter().any(divides))
+        || description.switches.iter().any(|switch| !switch.time_only)
 }
 
 /// Whether the exponential of a matrix and its products cost less than the evaluations of an explicit method.
@@ -181,7 +193,7 @@ fn is_stiff(settings: &Settings, system: &dyn System, y: &[f64]) -> bool {
     if fastest * span < MANY_STEPS {
         return false;
     }
-    let Some(rates) = rates(system, settings.from, at.q, at.v) else { return false };
+    let Some(rates) = all_rates(system, settings.from, at.q, at.v) else { return false };
     let decay = rates.iter().fold(0.0_f64, |most, rate| most.max(-rate.re));
     let vibration = rates.iter().fold(1.0 / span, |most: f64, rate| most.max(rate.im.abs()).max(rate.re));
     decay * span > MANY_STEPS && decay > FASTER * vibration
@@ -190,6 +202,7 @@ fn is_stiff(settings: &Settings, system: &dyn System, y: &[f64]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mechanism::{Direction, Event, Rated};
     use crate::testing::Toy;
 
     fn chosen(toy: &Toy, change: impl Fn(&mut Settings)) -> Method {
@@ -227,6 +240,28 @@ mod tests {
         assert_eq!(chosen(&ball, |_| ()), Method::Verlet);
         let springs = Enforcement::Springs { stiffness: 1e6, damping: 0.0 };
         assert_eq!(chosen(&ball, |settings| settings.enforcement = springs), Method::Dop853);
+    }
+
+    #[test]
+    fn order_five_serves_loose_tolerances_and_less_loose_ones_where_phases_follow_each_other() {
+        let mut toy = damped(0.1, 10.0);
+        let at = |toy: &Toy, tolerance| chosen(toy, |settings| settings.tolerance = tolerance);
+        assert_eq!(
+            [1e-3, 2e-4, 1e-6].map(|tolerance| at(&toy, tolerance)),
+            [Method::Dopri5, Method::Dop853, Method::Dop853]
+        );
+        let event = |action| Event {
+            name: "event".into(),
+            direction: Direction::Both,
+            conditional: false,
+            phases: None,
+            actions: vec![action].into(),
+            rated: Rated::Unknown,
+        };
+        toy.description.events = vec![event(Action::Stop)].into();
+        assert_eq!(at(&toy, 1e-4), Method::Dop853);
+        toy.description.events = vec![event(Action::Phase(0))].into();
+        assert_eq!([1e-4, 1e-6].map(|tolerance| at(&toy, tolerance)), [Method::Dopri5, Method::Dop853]);
     }
 
     #[test]

@@ -13,5 +13,5 @@ pub use conditioning::Conditioning;
 pub use drift::Drift;
 pub(crate) use drift::Monitor;
 pub(crate) use inertia::{InertiaGuard, positive_inertia};
-pub(crate) use stability::{Watchman, check_step, rates};
+pub(crate) use stability::{Watchman, all_rates, check_step, rates};
 pub use warning::{Loss, Warning};

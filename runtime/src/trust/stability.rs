@@ -76,8 +76,14 @@ impl Watchman {
 }
 
 /// By how much faster a mode grows than it should, 1/s: ln|R(hλ)|/h − max(Re λ, 0).
+///
+/// A step of a splitting or of Nyström's method multiplies λ and −λ together, of which one grows.
 fn excess(stability: &Stability, rate: Complex<f64>, step: f64) -> f64 {
-    stability.amplification(rate * step).ln() / step - rate.re.max(0.0)
+    let own = match stability {
+        Stability::Splitting(_) | Stability::Nystrom(_) => rate.re.abs(),
+        _ => rate.re.max(0.0),
+    };
+    stability.amplification(rate * step).ln() / step - own
 }
 
 /// The largest step below `step` up to which the mode does not grow faster than it should.
@@ -100,10 +106,15 @@ fn limit(stability: &Stability, rate: Complex<f64>, step: f64) -> f64 {
 
 /// The eigenvalues of the system linearised at a state, 1/s; `None` where they cannot be had.
 pub(crate) fn rates(system: &dyn System, t: f64, q: &[f64], v: &[f64]) -> Option<Vec<Complex<f64>>> {
-    let n = system.len();
-    // With constraints these are not the motions that remain; springs in their place are forces like others.
+    // With constraints not all are of motions that remain; springs in their place are forces like others.
     let springs = matches!(system.enforcement(), Enforcement::Springs { .. });
-    if n == 0 || n > LARGEST || !system.active_rows().is_empty() && !springs {
+    if !system.active_rows().is_empty() && !springs { None } else { all_rates(system, t, q, v) }
+}
+
+/// The same with constraints: to those of the motions that remain come zeros, of what the constraints do not let move.
+pub(crate) fn all_rates(system: &dyn System, t: f64, q: &[f64], v: &[f64]) -> Option<Vec<Complex<f64>>> {
+    let n = system.len();
+    if n == 0 || n > LARGEST {
         return None;
     }
     let mut slopes = AccelerationSlopes::new(n);

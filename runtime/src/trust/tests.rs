@@ -126,6 +126,19 @@ fn stability_is_checked_along_the_motion() {
     assert!(!exceeds(&warnings(toy, Method::Rk4, 0.01)));
 }
 
+/// Of λ and −λ, which a step of a splitting multiplies together, one grows: that is the motion.
+#[test]
+fn what_grows_by_itself_is_not_the_fault_of_a_splitting() {
+    let mut toy = Toy::pendulum(G, 3.0, 3.0).separable();
+    toy.jacobian = std::sync::Arc::new(|q, _, _, dq, _| dq[0] = G * q[0].cos());
+    for method in [Method::Verlet, Method::Srkn4, Method::KahanLi8, Method::Rkn8] {
+        let found = warnings(toy.clone(), method, 0.01);
+        assert!(!found.iter().any(|w| matches!(w, Warning::StepExceedsStability { .. })), "{method}: {found:?}");
+    }
+    let found = warnings(Toy::oscillator(1.0, 100.0).separable(), Method::Verlet, 2.05);
+    assert!(found.iter().any(|w| matches!(w, Warning::StepExceedsStability { .. })), "{found:?}");
+}
+
 #[test]
 fn the_amplitude_grows_as_predicted_a1_a2() {
     for (method, growth) in [(Method::Euler, 1.01_f64.powf(500.0)), (Method::Midpoint, 1.012_578_29)] {

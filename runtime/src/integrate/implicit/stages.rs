@@ -4,7 +4,7 @@ use nalgebra::Complex;
 
 use super::tableau::{STAGES, Tableau, sum};
 use crate::integrate::linear::Pencil;
-use crate::integrate::tolerance::alike;
+use crate::integrate::tolerance::{alike, larger};
 use crate::integrate::{Setback, Tolerance};
 use crate::mechanism::{AccelerationSlopes, At, System};
 
@@ -98,15 +98,16 @@ impl Stages {
     }
 
     /// Changes of places and speeds that go with the accelerations.
-    fn follow(&mut self, tableau: &Tableau, From { h, y, carry, .. }: From<'_>) {
-        let (n, s) = (y.len() / 2, tableau.stages());
-        for i in 0..s {
-            let (speeds, places) = (&tableau.speeds[i * s..][..s], &tableau.places[i * s..][..s]);
-            for j in 0..n {
-                let k = |stage: usize| self.accelerations[stage * n + j];
-                self.speeds[i * n + j] = carry[n + j] + h * sum(speeds, k);
-                let drift = sum(&tableau.nodes[i..=i], |_| y[n + j]);
-                self.places[i * n + j] = carry[j] + h * (drift + h * sum(places, k));
+    fn follow<const S: usize>(&mut self, tableau: &Tableau, From { h, y, carry, .. }: From<'_>) {
+        let n = y.len() / 2;
+        let ((speeds, _), (places, _)) = (tableau.speeds.as_chunks::<S>(), tableau.places.as_chunks::<S>());
+        for j in 0..n {
+            let k: [f64; S] = std::array::from_fn(|i| self.accelerations[i * n + j]);
+            let (v, left) = (y[n + j], [carry[j], carry[n + j]]);
+            for i in 0..S {
+                let drift = sum(&tableau.nodes[i..=i], |_| v);
+                self.speeds[i * n + j] = left[1] + h * sum(&speeds[i], |l| k[l]);
+                self.places[i * n + j] = left[0] + h * (drift + h * sum(&places[i], |l| k[l]));
             }
         }
     }
@@ -159,15 +160,31 @@ impl Newton {
         tolerance: Option<&Tolerance>,
         at: &mut [f64],
     ) -> Result<(), Setback> {
+        match self.tableau.stages() {
+            1 => self.solve_by::<1>(system, from, stages, tolerance, at),
+            2 => self.solve_by::<2>(system, from, stages, tolerance, at),
+            _ => self.solve_by::<STAGES>(system, from, stages, tolerance, at),
+        }
+    }
+
+    /// The same, the number of stages being known to the compiler.
+    fn solve_by<const S: usize>(
+        &mut self,
+        system: &dyn System,
+        from: From<'_>,
+        stages: &mut Stages,
+        tolerance: Option<&Tolerance>,
+        at: &mut [f64],
+    ) -> Result<(), Setback> {
         stages.guess.copy_from_slice(&stages.accelerations);
         let known = [(self.usual > 0).then_some(Jacobians::Known), Some(Jacobians::Middle), Some(Jacobians::Start)];
         let mut outcome = Err(Setback::Stalled { h: from.h });
         for jacobians in known.into_iter().flatten() {
             stages.accelerations.copy_from_slice(&stages.guess);
-            stages.follow(self.tableau, from);
+            stages.follow::<S>(self.tableau, from);
             outcome = self.prepare(system, from, jacobians, stages, at);
             if outcome.is_ok() {
-                outcome = self.iterate(system, from, stages, tolerance, at);
+                outcome = self.iterate::<S>(system, from, stages, tolerance, at);
                 if !matches!(outcome, Err(Setback::Stalled { .. })) {
                     return outcome;
                 }
@@ -214,7 +231,7 @@ impl Newton {
         Ok(())
     }
 
-    fn iterate(
+    fn iterate<const S: usize>(
         &mut self,
         system: &dyn System,
         from: From<'_>,
@@ -227,8 +244,8 @@ impl Newton {
         self.contraction = 0.0;
         let most = if tolerance.is_some() { MOST_LOOSE } else { MOST };
         for iteration in 1..=most {
-            self.left(system, from, stages, at)?;
-            self.correct(stages);
+            self.left::<S>(system, from, stages, at)?;
+            self.correct::<S>(stages);
             let mut same = true;
             for (k, correction) in stages.accelerations.iter_mut().zip(&stages.left) {
                 let next = *k + correction;
@@ -236,9 +253,9 @@ impl Newton {
                 *k = next;
             }
             // What begins at rest has no size before its first correction.
-            stages.follow(self.tableau, from);
+            stages.follow::<S>(self.tableau, from);
             let size = match tolerance {
-                Some(tolerance) => self.in_units(from, stages, tolerance),
+                Some(tolerance) => self.in_units::<S>(from, stages, tolerance),
                 None => self.relative(from, stages),
             };
             let slow = size / before;
@@ -281,7 +298,7 @@ impl Newton {
     }
 
     /// a(t, Q, V) − k of all stages.
-    fn left(
+    fn left<const S: usize>(
         &mut self,
         system: &dyn System,
         from: From<'_>,
@@ -289,7 +306,7 @@ impl Newton {
         at: &mut [f64],
     ) -> Result<(), Setback> {
         let n = self.n;
-        for i in 0..self.tableau.stages() {
+        for i in 0..S {
             stages.state(i, from.y, at);
             let left = &mut stages.left[i * n..][..n];
             let t = from.t + self.tableau.nodes[i].value() * from.h;
@@ -300,40 +317,34 @@ impl Newton {
         Ok(())
     }
 
-    /// What is left becomes Newton's correction.
-    fn correct(&mut self, stages: &mut Stages) {
-        let (n, s) = (self.n, self.tableau.stages());
-        let left = &mut stages.left;
-        // Left eigenvectors take what is left apart, right ones put the corrections together.
+    /// What is left becomes Newton's correction: left eigenvectors take it apart, right ones put the corrections together.
+    fn correct<const S: usize>(&mut self, stages: &mut Stages) {
+        let (n, left) = (self.n, &mut stages.left[..S * self.n]);
+        let of = |left: &[f64], j: usize| -> [f64; S] { std::array::from_fn(|i| left[i * n + j]) };
         if let Some((_, _, dual)) = &self.tableau.complex {
             for (j, room) in self.room.iter_mut().enumerate() {
-                *room = (0..s).map(|i| dual[i] * left[i * n + j]).sum();
+                *room = of(left, j).iter().zip(dual).map(|(left, dual)| dual * left).sum();
             }
             self.complex.solve(&mut self.room);
         }
         match &self.tableau.real {
-            Some((_, right, dual)) => self.by_real(s, right, dual, left),
+            Some((_, right, dual)) => {
+                for j in 0..n {
+                    left[j] = of(left, j).iter().zip(dual).map(|(left, dual)| dual * left).sum();
+                }
+                self.real.solve(&mut left[..n]);
+                for j in 0..n {
+                    let part = left[j];
+                    (0..S).for_each(|i| left[i * n + j] = right[i] * part);
+                }
+            }
             None => left.fill(0.0),
         }
         if let Some((_, right, _)) = &self.tableau.complex {
             for (j, room) in self.room.iter().enumerate() {
-                (0..s).for_each(|i| left[i * n + j] += 2.0 * (right[i] * room).re);
+                (0..S).for_each(|i| left[i * n + j] += 2.0 * (right[i] * room).re);
             }
         }
-    }
-
-    /// The part of the correction along the real eigenvector.
-    fn by_real(&self, s: usize, right: &[f64; STAGES], dual: &[f64; STAGES], left: &mut [f64]) {
-        let n = self.n;
-        for j in 0..n {
-            left[j] = (0..s).map(|i| dual[i] * left[i * n + j]).sum();
-        }
-        let (first, others) = left.split_at_mut(n);
-        self.real.solve(first);
-        for (i, line) in others.chunks_exact_mut(n.max(1)).enumerate() {
-            line.iter_mut().zip(first.iter()).for_each(|(x, y)| *x = right[i + 1] * y);
-        }
-        first.iter_mut().for_each(|x| *x *= right[0]);
     }
 
     /// The largest correction of a place, beside the sizes of places, speeds and accelerations over the step: its own, or a small part
@@ -358,12 +369,12 @@ impl Newton {
     }
 
     /// The root mean square of what a correction does to the state, in units of the tolerance.
-    fn in_units(&self, From { h, .. }: From<'_>, stages: &Stages, tolerance: &Tolerance) -> f64 {
-        let (n, s) = (self.n, self.tableau.stages());
-        let last = (s - 1) * n;
+    fn in_units<const S: usize>(&self, From { h, .. }: From<'_>, stages: &Stages, tolerance: &Tolerance) -> f64 {
+        let n = self.n;
+        let last = (S - 1) * n;
         let mut sum = 0.0;
         for j in 0..n {
-            let correction = (0..s).fold(0.0_f64, |most, i| most.max(stages.left[i * n + j].abs()));
+            let correction = (0..S).fold(0.0, |most, i| larger(most, stages.left[i * n + j].abs()));
             let change = |k: usize| if k < n { stages.places[last + k] } else { stages.speeds[last + k - n] };
             let changes = tolerance.carried(j, |k| change(k).abs());
             let [place, speed] = tolerance.units_by_change(j, h, changes);

@@ -22,6 +22,7 @@ impl Split {
 }
 
 /// Σ cⱼ xⱼ.
+#[inline(always)]
 pub(super) fn sum(row: &[Split], x: impl Fn(usize) -> f64) -> f64 {
     let (mut high, mut low) = (0.0, 0.0);
     for (j, c) in row.iter().enumerate() {
