@@ -47,6 +47,21 @@ fn codes(text: &str) -> Vec<&'static str> {
     load(text, &[]).err().unwrap_or_default().iter().map(|problem| problem.code).collect()
 }
 
+/// A step that passes a narrow wall sees nothing of it, and what its end leaves of the step is no better.
+#[test]
+fn a_wall_that_a_table_makes_is_not_stepped_over() {
+    let file = |smooth: u32| {
+        format!(
+            "name: Wall\ntables: {{wall: {{points: [[0, 0], [7, 0], [7.01, 3], [7.02, 0], [20, 0]], smooth: {smooth}}}}}\n\
+             coordinates: {{x: }}\nkinetic_energy: x'^2/2\npotential_energy: wall(x)\n\
+             scene: {{start: {{x: 6, x': 1}}, until: 3}}\n"
+        )
+    };
+    // In with v = 1 as far as 3 (3 s² − 2 s³) = 1/2, s = (x − 7)/0.01, and out again: 2 ∫ dx/√(1 − 2V) = 0.00838875502.
+    let state = end(&file(1));
+    assert!((state["x"] - 5.008_388_755_02).abs() < 1e-9 && (state["x'"] + 1.0).abs() < 1e-9, "{state}");
+}
+
 #[test]
 fn a_straight_table_is_the_line() {
     let line = "{points: [[0, 0], [1, 2], [5, 10]]}";

@@ -1,11 +1,19 @@
 //! Steps that events and discontinuities may end early.
 
 use super::plan::UNEVEN;
-use super::{Halt, March, Step, finite};
+use super::{Halt, March, Pace, Step, finite};
 use crate::cause::Cause;
 use crate::events::{Crossing, Interruption, Switched, Watch};
 use crate::mechanism::{Action, System};
 use crate::run::Recorder;
+
+/// What became of a step that is watched.
+pub(super) enum Watched {
+    /// It is taken, or what an event leaves of it.
+    Kept(Halt),
+    /// It fell short of what lies before a crossing: nothing is taken, and the next one is no longer than this, s.
+    Blind(f64),
+}
 
 impl March {
     /// Writes down and takes a step, whose dense output is made if that is wanted or watched, as far as the first event that stops or the first
@@ -16,7 +24,7 @@ impl March {
         (step, dense): (Step, bool),
         watch: &mut Watch,
         recorder: &mut Recorder,
-    ) -> Result<Halt, Box<Cause>> {
+    ) -> Result<Watched, Box<Cause>> {
         let interruption = if watch.wants_dense(system) { watch.scan(system, &self.segment(step))? } else { None };
         let Some(interruption) = interruption else {
             if watch.wants_dense(system) {
@@ -32,7 +40,7 @@ impl March {
                 recorder.leave(system, step.next, self.stepper.start());
                 self.switch(system, watch, recorder)?;
             }
-            return Ok(Halt::Arrived);
+            return Ok(Watched::Kept(Halt::Arrived));
         };
         let crossing = match interruption {
             Interruption::At(crossing) => crossing,
@@ -41,15 +49,18 @@ impl March {
                 let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
                 watch.leave(system, (switch, side), (now, &y), &mut |system| self.trial(system))?;
                 self.restart(system, recorder)?;
-                return Ok(Halt::Arrived);
+                return Ok(Watched::Kept(Halt::Arrived));
             }
         };
         if self.divides() && self.part(system, step.h * crossing.theta, watch, recorder)? {
-            return Ok(Halt::Arrived);
+            return Ok(Watched::Kept(Halt::Arrived));
         }
         let together = watch.simultaneous(crossing, &self.segment(step));
         let fired = match self.shorten(system, step, crossing, watch)? {
-            Some(shorter) => {
+            Some((shorter, error)) if self.is_blind(error) => {
+                return Ok(Watched::Blind(self.control.rejected(shorter.h, error)));
+            }
+            Some((shorter, _)) => {
                 let (segment, end) = (self.segment(shorter), self.stepper.end());
                 recorder.accept(system, Some(&segment), shorter.next, end)?;
                 watch.record_before(system, &segment, recorder, &together)?;
@@ -62,17 +73,22 @@ impl March {
         };
         let first = fired.iter().flat_map(|fired| &fired.actions).find(|action| **action != Action::Record);
         if first == Some(&Action::Stop) {
-            return Ok(Halt::Event);
+            return Ok(Watched::Kept(Halt::Event));
         }
         recorder.leave(system, self.clock.now(), self.stepper.start());
         if !fired.is_empty() {
-            return self.act(system, fired, watch, recorder);
+            return self.act(system, fired, watch, recorder).map(Watched::Kept);
         }
         // A stop time may coincide with the crossing.
         if !self.switch(system, watch, recorder)? {
             self.restart(system, recorder)?;
         }
-        Ok(Halt::Arrived)
+        Ok(Watched::Kept(Halt::Arrived))
+    }
+
+    /// Whether a step that a crossing made shorter is much worse than the longer one, which passed what lies there by.
+    fn is_blind(&self, error: f64) -> bool {
+        matches!(self.pace, Pace::Adaptive { .. }) && error > BLIND
     }
 
     /// Lets constraints that a phase may bring know how large they are on the way to it: a flight in one step begins and ends
@@ -140,8 +156,8 @@ impl March {
         Ok(true)
     }
 
-    /// Steps again, as far as the zero of a watched function at about θ of the step that was tried; `None` if
-    /// that is where the step began.
+    /// Steps again, as far as the zero of a watched function at about θ of the step that was tried, and tells the error;
+    /// `None` if that is where the step began.
     ///
     /// The dense output finds the zero; the method's own step to it, corrected by Newton's method, is more
     /// accurate (catalogue E7).
@@ -151,22 +167,24 @@ impl March {
         step: Step,
         Crossing { function, theta, jumps, .. }: Crossing,
         watch: &mut Watch,
-    ) -> Result<Option<Step>, Box<Cause>> {
+    ) -> Result<Option<(Step, f64)>, Box<Cause>> {
         let now = self.clock.now();
         let resolution = f64::EPSILON * now.abs().max(step.h);
         let mut h = theta * step.h;
         let mut shorter = None;
         // By how much a step that ends before a jump is made longer.
         let mut reach = 1e-12 * step.h;
+        let mut before = f64::INFINITY;
         for _ in 0..8 {
             if h <= resolution {
                 return Ok(shorter);
             }
             let trial = Step { h, next: now + h, lands: false };
-            self.try_step(system, trial, true).map_err(|setback| setback.cause(system.description()))?;
+            let tried = self.try_step(system, trial, true);
+            let error = tried.map_err(|setback| setback.cause(system.description()))?;
             finite(system, self.stepper.end().y, 0)?;
             self.dense(system, trial)?;
-            shorter = Some(trial);
+            shorter = Some((trial, error));
             if jumps {
                 match watch.beyond(system, function, &self.segment(trial))? {
                     // The state there is one that a shorter step reaches, too.
@@ -186,8 +204,18 @@ impl March {
             if !(correction.abs() > resolution && correction.abs() < 0.6 * h) {
                 break;
             }
+            // Small corrections that no longer fall are what rounding makes of the function.
+            if correction.abs() > 0.1 * before && correction.abs() < ROUNDING * h {
+                break;
+            }
+            before = correction.abs();
             h += correction;
         }
         Ok(shorter)
     }
 }
+
+/// A shorter step has a smaller error than a longer one, unless the longer one did not see what is there.
+const BLIND: f64 = 4.0;
+/// Corrections of the time of a crossing that are smaller than this part of a step may be rounding.
+const ROUNDING: f64 = 1e-12;

@@ -124,6 +124,7 @@ impl Reference {
         let mut growth = vec![0.0_f64; self.times.len()];
         // An event ends each run in its own time: what is compared is when.
         let shared = self.times.len() - usize::from(self.end.is_some());
+        let ended = self.end.and(run.ended_by()).map_or(f64::INFINITY, |event| event.state.t);
         for (((name, values), rests), range) in self.columns.iter().zip(&self.values).zip(&self.rests).zip(&self.ranges)
         {
             let theirs = column(run, name).unwrap_or_default();
@@ -133,6 +134,7 @@ impl Reference {
                 let difference = match value {
                     Some(value) if value.is_nan() && values[row].is_nan() => 0.0,
                     Some(value) => (value - values[row] - rests[row]).abs() / range,
+                    None if ended <= self.times[row] => 0.0,
                     None => f64::INFINITY,
                 };
                 *error = if difference.is_nan() { f64::INFINITY } else { error.max(difference) };
