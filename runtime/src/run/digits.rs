@@ -24,6 +24,8 @@ pub struct Digits {
     pub(crate) lost: Option<(f64, usize)>,
     /// The tolerance of the second run, or its fixed step in s.
     pub companion: f64,
+    /// Which of both it is.
+    pub(crate) by_step: bool,
     /// Evaluations of the accelerations that the second run took.
     pub evaluations: u64,
     /// What moves by no more than this part of itself does not move.
@@ -49,13 +51,23 @@ impl Digits {
     /// `tolerance` is what errors of the second may be beside the values, where it is known.
     pub(crate) fn compare(run: &Run, other: &Run, companion: f64, tolerance: Option<f64>) -> Self {
         let time_of = |run: &Run| run.times.last().copied().unwrap_or(0.0);
-        let events = run.events.iter().zip(&other.events).map(|(a, b)| MARGIN * (a.state.t - b.state.t).abs());
+        // The other may have more events or fewer: each is compared with the nearest of its kind.
+        let kinds = other.events.iter().map(|event| event.event + 1).max().unwrap_or(0);
+        let mut times = vec![Vec::new(); kinds];
+        other.events.iter().for_each(|event| times[event.event].push(event.state.t));
+        let events = run.events.iter().map(|event| {
+            let alike = times.get(event.event).map_or(&[][..], Vec::as_slice);
+            let next = alike.partition_point(|t| *t < event.state.t);
+            let around = alike[next.saturating_sub(1)..].iter().take(2);
+            around.map(|t| MARGIN * (t - event.state.t).abs()).fold(f64::INFINITY, f64::min)
+        });
         let mut digits = Digits {
             rows: Vec::new(),
             end: MARGIN * (time_of(run) - time_of(other)).abs(),
             events: events.collect(),
             lost: None,
             companion,
+            by_step: tolerance.is_none(),
             evaluations: other.work.evaluations,
             still: STILL.max(tolerance.unwrap_or(0.0)),
         };

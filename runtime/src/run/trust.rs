@@ -43,7 +43,7 @@ impl fmt::Display for Trust<'_> {
         }
         write_drift(f, "energy balance", run.energy_balance)?;
         if let (Some(digits), Some(worst)) = (&run.digits, worst(run)) {
-            let kind = if run.tolerance.is_none() { "step" } else { "tolerance" };
+            let kind = if digits.by_step { "step" } else { "tolerance" };
             writeln!(f, "digits         {worst}; by a second run at {kind} {:.0e}", digits.companion)?;
         }
         for warning in &run.warnings {

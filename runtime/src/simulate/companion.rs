@@ -7,7 +7,7 @@ use super::{Settings, simulate_with};
 use crate::cause::Cause;
 use crate::constrain::Projection;
 use crate::error::Error;
-use crate::mechanism::{Action, Argument, At, Role, System, Watched};
+use crate::mechanism::{Action, Argument, At, Method, Role, System, Watched};
 use crate::run::{Digits, Run, evaluate_outputs};
 use crate::trust::{Loss, Warning};
 
@@ -27,10 +27,14 @@ const BUMPY: f64 = 0.1;
 const BY_CHANCE: f64 = 3.5;
 /// So many times where functions of the motion happen locally, whose errors come in single steps.
 const LOCALLY: f64 = 1.15;
+/// A second run with more than this part of the steps of the first has the same ones, but for some.
+const SHARED: f64 = 0.75;
+/// Where its steps are shorter, bounds are so many times what they differ by elsewhere: the error of a method of order 1 is twice that.
+const FINER: f64 = 1.5;
 /// Not more numbers than these are compared.
 const MOST_NUMBERS: usize = 20_000_000;
 
-/// Runs again at ten times the tolerance, or twice the fixed step, from a start moved by rounding, and compares.
+/// Runs again at ten times the tolerance, or twice the fixed step (or half of it), from a start moved by rounding, and compares.
 ///
 /// Source: the pair of tolerances is Shampine and Watts, *Global error estimation for ordinary differential equations*,
 /// ACM TOMS 2 (1976) 172, section 2; the moved start sees what both runs would otherwise share.
@@ -44,13 +48,20 @@ pub(crate) fn judge_digits(
         return;
     }
     let mut goes_on = |_: f64| progress(settings.until);
-    let Some((companion, other)) = companion(system, settings, run, LOOSER, &mut goes_on) else { return };
-    let mut digits = Digits::compare(run, &other, companion, settings.step.is_none().then_some(companion));
+    let Some(Companion { pace, finer, run: other }) = companion(system, settings, run, LOOSER, &mut goes_on) else {
+        return;
+    };
+    let tolerance = settings.step.is_none() && !finer;
+    let mut digits = Digits::compare(run, &other, pace, tolerance.then_some(pace));
     let cut = is_cut(system, run);
     let by_chance = cut || is_bumpy(run);
     if digits.worst(run) > DOUBTFUL || by_chance {
-        let Some((_, another)) = self::companion(system, settings, run, LOOSER * LOOSER, &mut goes_on) else { return };
+        let another = self::companion(system, settings, run, LOOSER * LOOSER, &mut goes_on);
+        let Some(Companion { run: another, .. }) = another else { return };
         digits.doubt(run, &another, 1.0 / LOOSER);
+    }
+    if finer {
+        digits.widen(FINER);
     }
     if by_chance {
         digits.widen(BY_CHANCE);
@@ -112,27 +123,50 @@ fn is_bumpy(run: &Run) -> bool {
     run.work.rejected as f64 > BUMPY * run.work.steps as f64
 }
 
-/// A run at a tolerance, or a fixed step, that is larger by about this factor, and what it is; `None` if it was
-/// interrupted.
+/// A second run.
+struct Companion {
+    /// Its tolerance, or its fixed step in s.
+    pace: f64,
+    /// Whether its steps are shorter than those of the first one.
+    finer: bool,
+    run: Run,
+}
+
+/// A run at a tolerance, or a fixed step, that is larger by about this factor; where stops divide the way into the same steps all
+/// the same, at a step that is shorter.  `None` if it was interrupted.
 fn companion(
     system: &mut dyn System,
     settings: &Settings,
     run: &Run,
     looser: f64,
     progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
-) -> Option<(f64, Run)> {
+) -> Option<Companion> {
     let mut other = alike(system, settings, run);
-    let companion = match settings.step {
-        Some(step) => *other.step.insert(step * if looser > LOOSER { 3.0 } else { 2.0 }),
+    let times = if looser > LOOSER { 3.0 } else { 2.0 };
+    let pace = match settings.step {
+        Some(step) => *other.step.insert(step * times),
         None => {
             other.tolerance = (looser * settings.tolerance.max(Settings::TIGHTEST)).min(LOOSEST);
             other.tolerance
         }
     };
-    match simulate_with(system, &other, progress) {
-        Ok(other) => Some((companion, other)),
+    let coarser = ran(system, &other, progress)?;
+    let fixed = settings.step.is_some() || !run.method.adapts_to(&system.description().structure);
+    let shared = coarser.work.steps as f64 > SHARED * run.work.steps as f64;
+    if !(fixed && shared) || run.method == Method::Exact {
+        return Some(Companion { pace, finer: false, run: coarser });
+    }
+    let even = (settings.until - settings.from) / run.work.steps as f64;
+    let pace = *other.step.insert(settings.step.map_or(even, |step| step.min(even)) / times);
+    Some(Companion { pace, finer: true, run: ran(system, &other, progress)? })
+}
+
+/// The run, or what there is of it; `None` if it was interrupted.
+fn ran(system: &mut dyn System, settings: &Settings, progress: &mut dyn FnMut(f64) -> ControlFlow<()>) -> Option<Run> {
+    match simulate_with(system, settings, progress) {
+        Ok(run) => Some(run),
         Err(Error::Run(failure)) if failure.cause == Cause::Interrupted => None,
-        Err(Error::Run(failure)) => Some((companion, failure.run)),
+        Err(Error::Run(failure)) => Some(failure.run),
         Err(_) => None,
     }
 }

@@ -58,7 +58,7 @@ scene: {{start: {{y: 0, y': {start}}}, until: 10, tolerance: {tolerance:e}}}"
             let (promised, error) =
                 (*run.errors(name).unwrap().last().unwrap(), (run.last()[name] - exact[name]).abs());
             assert!(error <= 3.0 * promised, "{start}, {tolerance:e}: {name} off by {error:e}, not {promised:e}");
-            assert!(promised < 300.0 * tolerance * exact[name].abs(), "{start}, {tolerance:e}: {name} {promised:e}");
+            assert!(promised < 400.0 * tolerance * exact[name].abs(), "{start}, {tolerance:e}: {name} {promised:e}");
         }
     }
 }
@@ -132,6 +132,30 @@ scene: {start: {x: 0, x': 1}, until: 0.9}";
         let error = (found.last()["x"] - exact.last()["x"]).abs();
         let promised = found.errors("x").unwrap()[found.len() - 1];
         assert!(error <= 3.2 * promised, "{tolerance:e}: {error:e} {promised:e}");
+    }
+}
+
+/// Stops that cut a fixed step cut that of the second run to the same length, and so does the end.
+#[test]
+fn fixed_steps_that_stops_cut_promise_no_more_than_holds() {
+    let pushed = "forces: {f: {on: b, force: \"[F*(step(t - 1) - step(t - 2) + step(t - 3)), 0]\"}}
+scene: {start: {x: 1}, until: 4}";
+    let exact = sprung(pushed).tolerance(1e-13).run().last()["x"];
+    for (method, steps) in [
+        (Method::Gauss4, [1.0, 20.0, 0.05]),
+        (Method::Gauss2, [1.0, 3.0, 0.05]),
+        (Method::Rk4, [1.0, 1.5, 0.05]),
+        (Method::Euler, [1.0, 7.0, 0.01]),
+        (Method::Radau5, [1.0, 4.0, 0.05]),
+    ] {
+        for step in steps {
+            let mut case = sprung(pushed);
+            (case.settings.digits, case.settings.method, case.settings.step) = (true, method, Some(step));
+            let found = case.run();
+            let (error, promised) = ((found.last()["x"] - exact).abs(), found.errors("x").unwrap()[found.len() - 1]);
+            assert!(error <= promised, "{method} {step}: {error:e} {promised:e}");
+            assert!(step > 0.1 || method == Method::Euler || promised < 1e-3, "{method} {step}: {promised:e}");
+        }
     }
 }
 
