@@ -251,3 +251,45 @@ fn n8_a_rattleback_turns_round() {
         assert!(drift < 1e-8, "{drift:e}");
     }
 }
+
+/// A ball of which the centre of mass lies beside the middle, spun about the line through both, on a plane that drags what slides on it.
+fn tippe_top(spin: f64) -> Run {
+    let text = format!(
+        "
+name: TippeTop
+parameters: {{m: 0.02, R: 0.02, e: 0.006, g: 9.81, A: 131/350*m*R^2, C: 2/5*m*R^2, c: 0.05}}
+coordinates: {{x: , y: , phi: , theta: , psi: }}
+define:
+  w3: psi' + phi'*cos(theta)
+  axis: \"[sin(theta)*sin(phi), -sin(theta)*cos(phi), cos(theta)]\"
+  across: \"[-cos(theta)*sin(phi), cos(theta)*cos(phi), sin(theta)]\"
+  turn: \"theta'*[cos(phi), sin(phi), 0] + phi'*sin(theta)*across + w3*axis\"
+  slip: velocity(centre) + cross(turn, e*axis - R*[0, 0, 1])
+points: {{centre: \"[x, y, R - e*cos(theta)]\"}}
+kinetic_energy: m*dot(velocity(centre), velocity(centre))/2 + (A*(theta'^2 + (phi'*sin(theta))^2) + C*w3^2)/2
+potential_energy: m*g*(R - e*cos(theta))
+dissipation: c*dot(slip, slip)/2
+conserved: {{jellett: R*(A*phi'*sin(theta)^2 + C*w3*cos(theta)) - e*C*w3}}
+events: {{head: {{when: theta - 3.1, then: stop}}}}
+outputs: {{spin: phi' + psi'*cos(theta)}}
+scene: {{start: {{theta: 0.1, psi': {spin}}}, until: 20, tolerance: 1e-10}}
+"
+    );
+    run(&text, Method::Auto, 1e-10)
+}
+
+/// N8: a tippe-top that spins fast turns over, by friction, and stands on its head; a slow one comes to stand upright.  Whatever the
+/// friction, Jellett's constant R L·k − e L·s is kept (Routh, Advanced Part of a Treatise on the Dynamics of a System of Rigid Bodies,
+/// 1905, art. 243), so that the spin falls by (R − e)/(R + e).
+#[test]
+fn n8_a_tippe_top_stands_on_its_head() {
+    let (fast, slow) = (tippe_top(155.0), tippe_top(20.0));
+    for run in [&fast, &slow] {
+        let drift = run.drift[0].value.expect("a constant");
+        assert!(drift < 1e-9, "{drift:e}");
+    }
+    let (head, upright) = (fast.last(), slow.last());
+    assert!(fast.events.len() == 1 && (head["theta"] - 3.1).abs() < 1e-9, "{head}");
+    assert!((head["spin"] / (155.0 * 0.014 / 0.026) - 1.0).abs() < 0.01, "{head}");
+    assert!(upright["theta"].abs() < 1e-3 && (upright["spin"] - 20.0).abs() < 0.2, "{upright}");
+}

@@ -46,7 +46,8 @@ fn a_grid_holds_what_single_runs_give() {
         let value = |name: &str| row[place(name)].parse::<f64>().expect("a number");
         assert_eq!(value("run"), index as f64);
         let (l, speed) = ([0.5, 0.75, 1.0][index / 2], [0.0, 1.0][index % 2]);
-        assert_eq!((value("l"), value("theta1'")), (l, speed));
+        assert_eq!((value("l"), value("theta1' at the start")), (l, speed));
+        assert!((value("theta1'") - speed).abs() > 0.1, "the end is no start");
         let model = DoublePendulum { l, ..DoublePendulum::default() };
         let run = model.simulate().starting("theta1'", speed).until(1.0).tolerance(1e-9).run().expect("a run");
         let column = run.column("tip.y").expect("an output");
@@ -55,6 +56,20 @@ fn a_grid_holds_what_single_runs_give() {
         assert!((value("theta2") - run.last()["theta2"]).abs() < 1e-8);
         assert!((value("min tip.y") - extremes[0]).abs() < 1e-8 && (value("max tip.y") - extremes[1]).abs() < 1e-8);
         assert_eq!((value("t"), value("warnings"), &row[place("error")]), (1.0, 0.0, ""));
+    }
+}
+
+/// Bare numbers take the unit that stands at the last.
+#[test]
+fn a_unit_that_stands_once_is_that_of_all() {
+    let path = folder("units").join("all.csv");
+    for values in ["20..40 deg:3", "20, 30, 40 deg", "20 deg, 30 deg, 2*pi/9"] {
+        let vary = format!("theta1={values}");
+        let table = swept(&path, &["double_pendulum", "--vary", &vary, "--until", "0.01"]);
+        let rows = csv::Reader::from_reader(table.as_bytes()).into_records().map(|row| row.expect("a row")[1].parse());
+        let found: Vec<f64> = rows.map(|value| value.expect("a number")).collect();
+        let expected = [20.0_f64, 30.0, 40.0].map(f64::to_radians);
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-15), "{values}: {found:?}");
     }
 }
 

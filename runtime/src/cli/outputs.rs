@@ -32,8 +32,8 @@ pub fn check_paths<'a>(paths: impl Iterator<Item = (&'a str, &'a str)>, model: &
         let option = format!("--{name}");
         let asked = Path::new(path);
         match name {
-            "plot" => drawable(path, is_png)?,
-            "animate" => drawable(path, is_picture)?,
+            "plot" => drawable(path)?,
+            "animate" => playable(path)?,
             _ => (),
         }
         if same_file(asked, Path::new(model)) {
@@ -83,15 +83,36 @@ pub fn animate(path: &str, animation: &Animation) -> Result<Option<Pace>, Proble
     Ok(is_picture(Path::new(path)).then(|| animation.pace()))
 }
 
-/// Refuses a picture in a format that the program was built without.
+/// Refuses a chart in a format that it is not drawn in, or that the program was built without.
 ///
 /// # Errors
 /// [`Problem::Usage`].
-pub fn drawable(path: &str, has_pixels: fn(&Path) -> bool) -> Result<(), Problem> {
+pub fn drawable(path: &str) -> Result<(), Problem> {
+    has_format(path, is_png, &["svg", "png"])
+}
+
+/// The same for an animation.
+///
+/// # Errors
+/// [`Problem::Usage`].
+pub fn playable(path: &str) -> Result<(), Problem> {
+    has_format(path, is_picture, &["html", "htm", "png", "gif"])
+}
+
+fn has_format(path: &str, has_pixels: fn(&Path) -> bool, known: &[&str]) -> Result<(), Problem> {
     let path = PathBuf::from(path);
-    match has_pixels(&path) && !cfg!(feature = "png") {
-        true => Err(Problem::Usage(format!("error: {}", Error::NeedsPng { path }))),
-        false => Ok(()),
+    if has_pixels(&path) && !cfg!(feature = "png") {
+        return Err(Problem::Usage(format!("error: {}", Error::NeedsPng { path })));
+    }
+    match path.extension() {
+        Some(own) if !known.iter().any(|known| own.eq_ignore_ascii_case(known)) => {
+            let names = known.iter().map(|name| format!("`.{name}`")).collect::<Vec<_>>().join(", ");
+            let path = path.display();
+            Err(Problem::Usage(format!(
+                "error: {path}: nothing is drawn in that format; end the name in one of {names}"
+            )))
+        }
+        _ => Ok(()),
     }
 }
 

@@ -16,7 +16,7 @@ use crate::{Run, Settings};
 /// It cannot be read, or a line is none of these.
 pub fn read(path: &str) -> Result<Vec<(String, String)>, Problem> {
     let text = fs::read_to_string(path).map_err(|problem| Problem::File(format!("cannot read {path}: {problem}")))?;
-    let mut entries = Vec::new();
+    let mut entries: Vec<(String, String)> = Vec::new();
     for (index, line) in text.lines().enumerate() {
         let line = line.split(" #").next().unwrap_or("").trim();
         if line.is_empty() || line.starts_with('#') {
@@ -31,7 +31,11 @@ pub fn read(path: &str) -> Result<Vec<(String, String)>, Problem> {
         if name.trim().is_empty() || value.is_empty() {
             return Err(wrong());
         }
-        entries.push((name.trim().to_owned(), value.to_owned()));
+        let name = name.trim();
+        if entries.iter().any(|(known, _)| known == name) {
+            return Err(Problem::Usage(format!("error: {path}:{}: `{name}` is given twice", index + 1)));
+        }
+        entries.push((name.to_owned(), value.to_owned()));
     }
     Ok(entries)
 }

@@ -126,7 +126,7 @@ impl Locus {
             let scale = point.eigenvalues.iter().fold(0.0_f64, |most, x| most.max(x.norm()));
             let mut upper: Vec<&Complex<f64>> = point.eigenvalues.iter().filter(|x| x.im >= -1e-12 * scale).collect();
             upper.sort_by(|a, b| a.im.total_cmp(&b.im).then(a.re.total_cmp(&b.re)));
-            let list: Vec<String> = upper.iter().take(super::MOST_PRINTED).map(|x| complex(x, scale)).collect();
+            let list = counted(upper.into_iter().map(|x| complex(x, scale)));
             let grows = if point.growing > 0 { "unstable" } else { "nothing grows" };
             writeln!(out, "  {}: {grows}; {}", self.value(point.value), list.join(", "))?;
         }
@@ -185,6 +185,21 @@ fn told(threshold: &Threshold, rising: bool) -> String {
         _ => "one motion ceases to grow",
     };
     format!("{begins} ({what})")
+}
+
+/// What follows itself once, with how often it does; no more than are printed, and how many there are besides.
+fn counted(texts: impl Iterator<Item = String>) -> Vec<String> {
+    let mut list: Vec<(String, usize)> = Vec::new();
+    for text in texts {
+        match list.last_mut() {
+            Some((last, times)) if *last == text => *times += 1,
+            _ => list.push((text, 1)),
+        }
+    }
+    let more: usize = list.iter().skip(super::MOST_PRINTED).map(|(_, times)| times).sum();
+    let shown = list.into_iter().take(super::MOST_PRINTED);
+    let told = shown.map(|(text, times)| if times == 1 { text } else { format!("{text} ({times} times)") });
+    told.chain((more > 0).then(|| format!("and {more} more"))).collect()
 }
 
 /// `-0.1`, `-0.1 +- 2i`.

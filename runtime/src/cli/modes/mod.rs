@@ -16,14 +16,13 @@ mod tangent;
 use std::io::Write;
 
 use super::load::{Loaded, pairs};
-use super::set_up::{Reader, choose};
+use super::set_up::{Reader, choose, with_unit_of};
 use super::{Entry, Problem, outputs};
 use crate::linear::{
     Guess, Kind, LinearError, Linearised, Mode, animate_mode, draw_modes, equilibrium_here, equilibrium_near,
     linearise, linearise_constrained,
 };
 use crate::mechanism::System;
-use crate::show::{is_picture, is_png};
 use clap::ArgMatches;
 use dalembert_symbolic::model::Sets;
 use damping::Damping;
@@ -40,8 +39,8 @@ const MOST_PRINTED: usize = 12;
 /// Searches from `--at` or the file's guess (or takes it as it is), linearises, and prints the modes.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let mut drawn = PICTURES.iter().filter_map(|name| options.get_one::<String>(name));
-    drawn.try_for_each(|path| outputs::drawable(path, is_png))?;
-    options.get_one::<String>("animate").map_or(Ok(()), |path| outputs::drawable(path, is_picture))?;
+    drawn.try_for_each(|path| outputs::drawable(path))?;
+    options.get_one::<String>("animate").map_or(Ok(()), |path| outputs::playable(path))?;
     let mut loaded = Loaded::find(models, options)?;
     let (scene, mut reader) = choose(&mut loaded, options)?;
     enter_phase(&mut loaded, scene, options)?;
@@ -179,7 +178,8 @@ fn range(loaded: &Loaded, reader: &mut Reader, option: &str, sets: Sets, text: &
     let Some((from, to)) = text.split_once("..") else {
         return Err(Problem::Usage(format!("error: --{option} wants a range A..B, not `{text}`")));
     };
-    let (from, to) = (reader.value(loaded, option, sets, from)?, reader.value(loaded, option, sets, to)?);
+    let from = with_unit_of(from, to);
+    let (from, to) = (reader.value(loaded, option, sets, &from)?, reader.value(loaded, option, sets, to)?);
     if from == to {
         return Err(Problem::Usage(format!("error: --{option}: the range `{text}` has no width")));
     }

@@ -147,7 +147,7 @@ fn compute(loaded: &mut Loaded, options: &ArgMatches, columns: &[String], modes:
     if rows.len() < runs.len() {
         eprintln!("warning: interrupted; {} of {} runs are in the table", rows.len(), runs.len());
     }
-    let varied = points.varied.iter().map(|Varied { name, .. }| name.clone());
+    let varied = points.varied.iter().map(Varied::column);
     let names = std::iter::once("run".to_owned()).chain(varied).chain(results(columns, description, modes));
     Ok(Table { names: names.chain(["error".to_owned()]).collect(), rows })
 }
@@ -227,9 +227,10 @@ fn draw(loaded: &Loaded, table: &Table, varied: usize, shown: &[String]) -> Figu
     Figure::from(shown.iter().map(chart).collect::<Vec<_>>())
 }
 
-/// The unit of a parameter, a coordinate, a rate or an output, `min` and `max` left aside.
+/// The unit of a parameter, a coordinate, a rate or an output, `min`, `max` and `at the start` left aside.
 fn unit_of(description: &Description, name: &str) -> String {
     let name = name.strip_prefix("min ").or_else(|| name.strip_prefix("max ")).unwrap_or(name);
+    let name = name.strip_suffix(" at the start").unwrap_or(name);
     if let Some(parameter) = description.parameters.iter().find(|parameter| parameter.name == name) {
         return parameter.unit.to_string();
     }

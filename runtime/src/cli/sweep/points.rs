@@ -8,7 +8,7 @@ use dalembert_symbolic::model::Sets;
 use crate::Settings;
 use crate::cli::Problem;
 use crate::cli::load::{Loaded, pairs};
-use crate::cli::set_up::{Reader, coordinate_index, parameter_index, start_at, unknown};
+use crate::cli::set_up::{Reader, coordinate_index, parameter_index, start_at, unknown, with_unit_of};
 use crate::mechanism::System;
 
 /// More runs than this are refused: their table would not fit into memory.
@@ -155,6 +155,14 @@ impl Varied {
         ))
     }
 
+    /// What its column is called: a coordinate at the start is another thing than at the end.
+    pub fn column(&self) -> String {
+        match self.target {
+            Target::Parameter(_) => self.name.clone(),
+            Target::Start(_) => format!("{} at the start", self.name),
+        }
+    }
+
     /// Sets a parameter; before the scene is asked, which may depend on it.
     pub fn set(&self, system: &mut dyn System, value: f64) {
         if let Target::Parameter(index) = self.target {
@@ -175,7 +183,8 @@ fn values(loaded: &Loaded, reader: &mut Reader, sets: Sets, text: &str) -> Resul
     let wrong = || usage(format!("--vary wants NAME=A..B:COUNT, NAME=A..B:COUNT:log or NAME=A,B,C, not `{text}`"));
     let mut value = |text: &str| reader.value(loaded, "vary", sets, text);
     let Some((from, rest)) = text.split_once("..") else {
-        return text.split(',').map(|one| value(one.trim())).collect();
+        let last = text.rsplit(',').next().unwrap_or_default();
+        return text.split(',').map(|one| value(&with_unit_of(one, last))).collect();
     };
     let mut rest = rest.split(':');
     let to = rest.next().ok_or_else(wrong)?;
@@ -185,7 +194,7 @@ fn values(loaded: &Loaded, reader: &mut Reader, sets: Sets, text: &str) -> Resul
         Some("log") => true,
         Some(_) => return Err(wrong()),
     };
-    let (from, to) = (value(from.trim())?, value(to.trim())?);
+    let (from, to) = (value(&with_unit_of(from, to))?, value(to.trim())?);
     if count == 0 || count > MOST || rest.next().is_some() {
         return Err(wrong());
     }
