@@ -93,6 +93,11 @@ pub enum LinearError {
         /// A constraint that these speeds do not meet; `None` where coordinates go on together only.
         constraint: Option<String>,
     },
+    /// A constraint moves with time by itself, so that the coordinates that it leaves do not know where they are.
+    MovingConstraint {
+        /// The constraint.
+        constraint: String,
+    },
     /// The equations change with time, beyond the inputs.
     DependsOnTime {
         /// A coordinate whose equation changes, or a constraint that does.
@@ -237,6 +242,11 @@ impl fmt::Display for LinearError {
                 f,
                 "not a steady motion: `{coordinate}` goes on only together with other coordinates, and the speeds that are kept \
                  do not fit each other; give them so that they do, or 0 to those that are to follow"
+            ),
+            LinearError::MovingConstraint { constraint } => write!(
+                f,
+                "the constraint `{constraint}` moves with time by itself, so that M, C and K in independent coordinates do not \
+                 follow it; leave it out, and keep the speed that it gives"
             ),
             LinearError::DependsOnTime { coordinate } => write!(
                 f,

@@ -75,7 +75,11 @@ pub fn run(
     let names = reactions(loaded, reader)?;
     let found = match linearise_constrained(system, guess, options.get_flag("here")) {
         // Friction made of reactions belongs to no K: it follows what the constraints carry.
-        Err(why @ (LinearError::VelocityConstraint { .. } | LinearError::FrictionOfReactions)) => {
+        Err(
+            why @ (LinearError::VelocityConstraint { .. }
+            | LinearError::MovingConstraint { .. }
+            | LinearError::FrictionOfReactions),
+        ) => {
             if options.contains_id("motion") {
                 let words = format!("error: --motion: {why}; `simulate` computes the motion itself");
                 return Err(Problem::Usage(words));

@@ -38,12 +38,12 @@ impl Locus {
         let mut given = pairs(options, "vary")?.into_iter();
         let Some((parameter, text)) = given.next() else {
             return match options.contains_id("locus") {
-                true => Err(Problem::Usage("error: --locus wants --vary PARAMETER=A..B beside it".to_owned())),
+                true => Err(Problem::Usage("error: --locus wants --vary NAME=A..B beside it".to_owned())),
                 false => Ok(None),
             };
         };
         if given.next().is_some() {
-            return Err(Problem::Usage("error: --vary takes one parameter".to_owned()));
+            return Err(Problem::Usage("error: --vary takes one parameter or speed".to_owned()));
         }
         let (varied, unit, sets) = speeds.varied(loaded, reader, &parameter)?;
         let range = super::range(loaded, reader, "vary", sets, &text)?;

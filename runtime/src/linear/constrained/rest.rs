@@ -53,7 +53,8 @@ const STILL: f64 = 1e-8;
 /// the constraints want it, and all else rests.
 ///
 /// # Errors
-/// [`LinearError::NotSteady`] where a value matters that would change, [`LinearError::SpeedsContradict`];
+/// [`LinearError::NotSteady`] where a value matters that would change, [`LinearError::SpeedsContradict`],
+/// [`LinearError::MovingConstraint`];
 /// [`LinearError::NoEquilibrium`], [`LinearError::NotAnEquilibrium`], [`LinearError::DependsOnTime`];
 /// [`LinearError::VelocityConstraint`]: a constraint that contains speeds and has no known integral, or moves by itself, leaves
 /// no M, C and K in independent coordinates; [`LinearError::FrictionOfReactions`]: nor do forces made of reactions;
@@ -111,7 +112,8 @@ struct Found {
 /// A mechanism whose rows leave independent coordinates.
 ///
 /// # Errors
-/// [`LinearError::VelocityConstraint`], [`LinearError::FrictionOfReactions`].
+/// [`LinearError::VelocityConstraint`], [`LinearError::MovingConstraint`] in a steady motion,
+/// [`LinearError::FrictionOfReactions`].
 pub(super) fn at_rest<'a, S: System + ?Sized>(
     system: &'a S,
     rows: &[usize],
@@ -125,6 +127,10 @@ pub(super) fn at_rest<'a, S: System + ?Sized>(
     };
     if let Some(row) = rows.iter().find(open) {
         return Err(LinearError::VelocityConstraint { constraint: description.rows[*row].name.to_string() });
+    }
+    let moves = guess.v.iter().any(|v| *v != 0.0);
+    if let Some(row) = rows.iter().find(|row| moves && rates[**row][1] != 0.0) {
+        return Err(LinearError::MovingConstraint { constraint: description.rows[*row].name.to_string() });
     }
     let held = Held::new(system, rows, &guess.q);
     held.without_friction(&held.state(&guess.q, &zero))?;
