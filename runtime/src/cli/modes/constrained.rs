@@ -4,6 +4,7 @@
 use std::io::Write;
 
 use clap::ArgMatches;
+#[cfg(feature = "modal")]
 use clap::parser::ValueSource;
 use serde_json::json;
 
