@@ -17,7 +17,7 @@ fn a_double_pendulum_reads_as_in_a_textbook() {
   M[theta1, theta1] = 4/3*m*l^2
   M[theta2, theta1] = 1/2*m*l^2*cos(theta1 - theta2)
   M[theta2, theta2] = 1/3*m*l^2
-  h[theta1] = 3/2*m*l*g*sin(theta1) + 1/2*m*l^2*theta2'^2*sin(theta1 - theta2)
+  h[theta1] = 1/2*m*l^2*theta2'^2*sin(theta1 - theta2) + 3/2*m*l*g*sin(theta1)
   h[theta2] = 1/2*m*l*g*sin(theta2) - 1/2*m*l^2*theta1'^2*sin(theta1 - theta2)
 ";
     assert!(text.contains(equations), "{text}");

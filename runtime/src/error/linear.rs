@@ -86,10 +86,17 @@ pub enum LinearError {
         /// The coordinate.
         coordinate: String,
     },
-    /// A branch was asked for from a state that moves along constraints: only rests are followed on these.
-    MovingBranch {
-        /// A coordinate with a speed.
+    /// Speeds that are kept in a steady motion do not go with each other, or with a constraint.
+    SpeedsContradict {
+        /// A coordinate whose speed is kept.
         coordinate: String,
+        /// A constraint that these speeds do not meet; `None` where coordinates go on together only.
+        constraint: Option<String>,
+    },
+    /// A constraint moves with time by itself, so that the coordinates that it leaves do not know where they are.
+    MovingConstraint {
+        /// The constraint.
+        constraint: String,
     },
     /// The equations change with time, beyond the inputs.
     DependsOnTime {
@@ -226,10 +233,20 @@ impl fmt::Display for LinearError {
                 "not a steady motion: `{coordinate}` has a speed, but the equations depend on its value; only cyclic \
                  coordinates can turn or travel steadily"
             ),
-            LinearError::MovingBranch { coordinate } => write!(
+            LinearError::SpeedsContradict { coordinate, constraint: Some(constraint) } => write!(
                 f,
-                "`{coordinate}` has a speed: with constraints, branches of rests are followed, not of steady motions; put what \
-                 turns steadily into the points, as an angle `W*t` with a parameter `W`"
+                "not a steady motion: the constraint `{constraint}` does not allow the speeds that are kept, `{coordinate}'` among \
+                 them; give speeds that meet it, or 0 to those that are to follow"
+            ),
+            LinearError::SpeedsContradict { coordinate, constraint: None } => write!(
+                f,
+                "not a steady motion: `{coordinate}` goes on only together with other coordinates, and the speeds that are kept \
+                 do not fit each other; give them so that they do, or 0 to those that are to follow"
+            ),
+            LinearError::MovingConstraint { constraint } => write!(
+                f,
+                "the constraint `{constraint}` moves with time by itself, so that M, C and K in independent coordinates do not \
+                 follow it; leave it out, and keep the speed that it gives"
             ),
             LinearError::DependsOnTime { coordinate } => write!(
                 f,

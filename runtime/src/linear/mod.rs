@@ -6,10 +6,10 @@
 //! 2. Modes: normal ([`normal_modes`]), damped, gyroscopic and circulatory ([`Linearised::modes`], `complex_modes`),
 //!    of systems z' = A z, secular pairs, proportional damping, pictures: look in `modes/`.
 //! 3. Rigid motions told apart from mechanisms ([`name_free_modes`]): look in `rigid.rs`.
-//! 4. A branch of equilibria as a parameter changes, its folds and thresholds ([`follow`]): look in `branch/`.
+//! 4. A branch of equilibria or steady motions as a parameter or speed changes, its folds and thresholds ([`follow`]): look in `branch/`.
 //! 5. Motions of the linear model: from given states, by the matrix exponential [`expm`], forced, steady, measured:
 //!    look in `forced/`.
-//! 6. With constraints: at rest in independent coordinates ([`linearise_constrained`]), with what drives and answers
+//! 6. With constraints: at rest and in steady motion in independent coordinates ([`linearise_constrained`]), with what drives and answers
 //!    ([`Constrained::observe`]), otherwise on the states that the constraints leave (`linearise_tangent`): look in
 //!    `constrained/`.
 //! 7. Decompositions, scaling and ranks: look in `matrices/`.
@@ -36,8 +36,8 @@ mod typed;
 
 pub use crate::error::{LinearError, Residual};
 pub use crate::numbers::{short, short_beside};
-pub use branch::{Branch, BranchPoint, Change, Threshold, ThresholdKind, follow};
-pub use constrained::{Constrained, linearise_constrained, linearise_driven};
+pub use branch::{Branch, BranchPoint, Change, Threshold, ThresholdKind, Varied, follow};
+pub use constrained::{Constrained, linearise_constrained, linearise_driven, steady_coordinates};
 #[cfg(feature = "modal")]
 pub use constrained::{Tangent, linearise_tangent};
 #[cfg(feature = "cli")]

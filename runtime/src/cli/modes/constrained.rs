@@ -1,5 +1,5 @@
-//! `modes` of a mechanism with constraints: at rest in independent coordinates, shapes in all of the file's; about
-//! steady motions, and where constraints contain speeds without known integrals, by eigenvalues (`tangent.rs`).
+//! `modes` of a mechanism with constraints: at rest and in steady motion in independent coordinates, shapes in all of the
+//! file's; where constraints contain speeds without known integrals, by eigenvalues (`tangent.rs`).
 
 use std::io::Write;
 
@@ -11,9 +11,12 @@ use serde_json::json;
 use super::super::load::Loaded;
 use super::super::set_up::Reader;
 use super::super::{Problem, json};
+use super::damping::Damping;
 use super::drive::Driven;
 use super::locus::Locus;
 use super::model::Model;
+use super::motion::Compared;
+use super::steady::Speeds;
 #[cfg(feature = "modal")]
 use super::tangent;
 use super::{bodies, failed, notes, pictures, report};
@@ -60,36 +63,40 @@ fn reactions(loaded: &Loaded, reader: &mut Reader) -> Result<Vec<Reaction>, Prob
     rows.map(reaction).collect()
 }
 
-/// Linearises at rest and prints the modes.
+/// Linearises at rest, or in steady motion with these speeds, and prints the modes.
 pub fn run(
     loaded: &Loaded,
     options: &ArgMatches,
     reader: &mut Reader,
+    (scene, speeds): (usize, &Speeds),
     guess: &Guess,
     out: &mut dyn Write,
 ) -> Result<(), Problem> {
-    if options.contains_id("motion") {
-        let words = "error: --motion is not there for a mechanism with constraints; use minimal coordinates".to_owned();
-        return Err(Problem::Usage(words));
-    }
     let system = &*loaded.system;
     let names = reactions(loaded, reader)?;
-    if guess.v.iter().any(|v| *v != 0.0) {
-        return by_departures(loaded, options, reader, guess, &names, out);
-    }
     let found = match linearise_constrained(system, guess, options.get_flag("here")) {
         // Friction made of reactions belongs to no K: it follows what the constraints carry.
-        Err(LinearError::VelocityConstraint { .. } | LinearError::FrictionOfReactions) => {
-            return by_departures(loaded, options, reader, guess, &names, out);
+        Err(
+            why @ (LinearError::VelocityConstraint { .. }
+            | LinearError::MovingConstraint { .. }
+            | LinearError::FrictionOfReactions),
+        ) => {
+            if options.contains_id("motion") {
+                let words = format!("error: --motion: {why}; `simulate` computes the motion itself");
+                return Err(Problem::Usage(words));
+            }
+            return by_departures(loaded, options, reader, speeds, guess, &names, out);
         }
         found => found.map_err(failed)?,
     };
     let mut modes = found.linear.modes().map_err(failed)?;
     bodies::name_free(loaded, &found.linear, Some(&found.motions), &mut modes)?;
+    let damping = Damping::new(&found.linear, &modes);
     let modes = found.in_all_coordinates(&modes);
     let model = Model::Held(&found);
     let driven = Driven::new(loaded, options, reader, model)?;
-    let locus = Locus::new(loaded, options, reader, &found.linear.equilibrium)?;
+    let locus = Locus::new(loaded, options, reader, &found.linear.equilibrium, speeds)?;
+    let motion = Compared::new(loaded, options, scene, model, damping.as_ref())?;
     let more = driven.iter().flat_map(Driven::notes).chain(locus.iter().flat_map(Locus::notes));
     for note in notes(&found.linear, &modes).into_iter().chain(more) {
         eprintln!("warning: {note}");
@@ -99,6 +106,8 @@ pub fn run(
         let reactions =
             names.iter().zip(&found.multipliers).map(|(row, value)| (row.row.clone(), json::number(*value)));
         let mut more = vec![("shape_coordinates", json!(found.coordinates)), ("reactions", json::object(reactions))];
+        more.extend(damping.iter().map(Damping::as_json));
+        more.extend(motion.iter().map(Compared::as_json));
         more.extend(driven.iter().flat_map(Driven::as_json));
         more.extend(locus.map(|locus| locus.as_json()));
         json::write(&report::as_json(&loaded.name, &found.linear, &modes, more), out)?;
@@ -107,9 +116,12 @@ pub fn run(
     let bodies = bodies::shares(loaded, &found.linear, &modes)?;
     let masses = mass_matrix(system, At::place(0.0, &found.linear.equilibrium.q)).diagonal();
     report::table(&loaded.name, (&found.linear, masses.as_slice()), &modes, &bodies, out)?;
+    let rests = found.linear.equilibrium.v.iter().all(|v| *v == 0.0);
     for (row, value) in names.iter().zip(&found.multipliers) {
-        writeln!(out, "{}", row.told("at rest", *value))?;
+        writeln!(out, "{}", row.told(if rests { "at rest" } else { "there" }, *value))?;
     }
+    damping.map_or(Ok(()), |damping| damping.table(out))?;
+    motion.map_or(Ok(()), |motion| motion.table(out))?;
     driven.map_or(Ok(()), |driven| driven.table(model, out))?;
     locus.map_or(Ok(()), |locus| locus.table(out))
 }
@@ -119,6 +131,7 @@ fn by_departures(
     loaded: &Loaded,
     options: &ArgMatches,
     reader: &mut Reader,
+    speeds: &Speeds,
     guess: &Guess,
     names: &[Reaction],
     out: &mut dyn Write,
@@ -129,13 +142,14 @@ fn by_departures(
     }
     let system = &*loaded.system;
     let found = linearise_tangent(system, guess, options.get_flag("here")).map_err(failed)?;
-    let locus = Locus::new(loaded, options, reader, &found.equilibrium)?;
+    let locus = Locus::new(loaded, options, reader, &found.equilibrium, speeds)?;
     let asked = DRIVES.iter().find(|option| options.value_source(option) == Some(ValueSource::CommandLine));
     let at = match asked {
         None => None,
         Some(option) if found.equilibrium.v.iter().any(|v| *v != 0.0) => {
             let words = format!(
-                "error: --{option}: with constraints, what drives is there for motions about rest, and this one goes on steadily"
+                "error: --{option}: where constraints contain speeds without known integrals, what drives is there for motions about rest, and \
+                 this one goes on steadily"
             );
             return Err(Problem::Usage(words));
         }
@@ -168,6 +182,7 @@ fn by_departures(
     _: &Loaded,
     _: &ArgMatches,
     _: &mut Reader,
+    _: &Speeds,
     _: &Guess,
     _: &[Reaction],
     _: &mut dyn Write,

@@ -1,22 +1,22 @@
-//! `--vary` and `--locus`: eigenvalues as a parameter changes.
+//! `--vary` and `--locus`: eigenvalues as a parameter or a speed changes.
 
 use std::io::Write;
 
 use clap::ArgMatches;
-use dalembert_symbolic::model::Sets;
 use nalgebra::Complex;
 use serde_json::{Value, json};
 
 use super::super::json::{number, object};
 use super::super::load::{Loaded, pairs};
-use super::super::set_up::{Reader, parameter_index};
+use super::super::set_up::Reader;
 use super::super::{Problem, outputs};
 use super::failed;
+use super::steady::Speeds;
 use crate::linear::{
-    Branch, BranchPoint, Equilibrium, Threshold, ThresholdKind, follow, root_locus, short, short_beside,
+    Branch, BranchPoint, Equilibrium, Guess, Threshold, ThresholdKind, follow, root_locus, short, short_beside,
 };
 
-/// Eigenvalues as a parameter goes from one value to another.
+/// Eigenvalues as a parameter or speed goes from one value to another.
 pub struct Locus {
     parameter: String,
     unit: String,
@@ -26,29 +26,32 @@ pub struct Locus {
 }
 
 impl Locus {
-    /// Follows the equilibrium while the parameter changes, and draws; `None` if that is not asked for.
+    /// Follows the equilibrium, or the steady motion with these speeds, while the parameter changes, and draws; `None` if that
+    /// is not asked for.
     pub fn new(
         loaded: &Loaded,
         options: &ArgMatches,
         reader: &mut Reader,
         start: &Equilibrium,
+        speeds: &Speeds,
     ) -> Result<Option<Locus>, Problem> {
         let mut given = pairs(options, "vary")?.into_iter();
         let Some((parameter, text)) = given.next() else {
             return match options.contains_id("locus") {
-                true => Err(Problem::Usage("error: --locus wants --vary PARAMETER=A..B beside it".to_owned())),
+                true => Err(Problem::Usage("error: --locus wants --vary NAME=A..B beside it".to_owned())),
                 false => Ok(None),
             };
         };
         if given.next().is_some() {
-            return Err(Problem::Usage("error: --vary takes one parameter".to_owned()));
+            return Err(Problem::Usage("error: --vary takes one parameter or speed".to_owned()));
         }
-        let index = parameter_index(loaded, &parameter)?;
-        let range = super::range(loaded, reader, "vary", Sets::Parameter(index), &text)?;
-        let unit = loaded.system.description().parameters[index].unit.to_string();
-        let branch = follow(&*loaded.system, index, range, &start.guess()).map_err(failed)?;
+        let (varied, unit, sets) = speeds.varied(loaded, reader, &parameter)?;
+        let range = super::range(loaded, reader, "vary", sets, &text)?;
+        // Speeds that follow from others go on following.
+        let guess = Guess { v: speeds.v.clone(), ..start.guess() };
+        let branch = follow(&*loaded.system, &varied, range, &guess).map_err(failed)?;
         if let Some(path) = options.get_one::<String>("locus") {
-            let points = branch.smooth(&*loaded.system, index, &start.guess()).map_err(failed)?;
+            let points = branch.smooth(&*loaded.system, &varied, &guess).map_err(failed)?;
             let steps: Vec<_> = points.into_iter().map(|point| (point.value, point.eigenvalues)).collect();
             outputs::draw(path, root_locus(&parameter, &unit, &steps))?;
         }

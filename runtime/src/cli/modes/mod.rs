@@ -10,6 +10,7 @@ mod model;
 mod motion;
 mod report;
 mod shaken;
+mod steady;
 #[cfg(feature = "modal")]
 mod tangent;
 
@@ -30,6 +31,7 @@ use drive::Driven;
 use locus::Locus;
 use model::Model;
 use motion::Compared;
+use steady::Speeds;
 
 /// Options that draw.
 const PICTURES: [&str; 4] = ["plot", "motion", "bode", "locus"];
@@ -44,17 +46,19 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     let mut loaded = Loaded::find(models, options)?;
     let (scene, mut reader) = choose(&mut loaded, options)?;
     enter_phase(&mut loaded, scene, options)?;
-    let mut guess = match options.get_flag("steady") {
-        true => steady(&loaded, scene)?,
-        false => Guess::at(&resting(&*loaded.system, scene)),
+    let inputs = held_inputs(&loaded, options)?;
+    let mut speeds = Speeds::new(&loaded, options, scene, &inputs)?;
+    let mut q = match options.get_flag("steady") {
+        true => loaded.system.scene(scene).q,
+        false => resting(&*loaded.system, scene),
     };
-    reader.states(&loaded, options, "at", &mut guess.q, &mut guess.v)?;
-    guess.inputs = held_inputs(&loaded, options)?;
+    reader.states(&loaded, options, "at", &mut q, &mut speeds.v)?;
+    let guess = Guess { q, v: speeds.v.clone(), inputs };
     for warning in &loaded.warnings {
         eprintln!("warning: {warning}");
     }
     if !loaded.system.active_rows().is_empty() {
-        return constrained::run(&loaded, options, &mut reader, &guess, out);
+        return constrained::run(&loaded, options, &mut reader, (scene, &speeds), &guess, out);
     }
     let system = &*loaded.system;
     let found =
@@ -63,9 +67,9 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     let mut modes = linear.modes().map_err(failed)?;
     bodies::name_free(&loaded, &linear, None, &mut modes)?;
     let driven = Driven::new(&loaded, options, &mut reader, Model::Free(&linear))?;
-    let locus = Locus::new(&loaded, options, &mut reader, &linear.equilibrium)?;
+    let locus = Locus::new(&loaded, options, &mut reader, &linear.equilibrium, &speeds)?;
     let damping = Damping::new(&linear, &modes);
-    let motion = Compared::new(&loaded, options, scene, &linear, damping.as_ref())?;
+    let motion = Compared::new(&loaded, options, scene, Model::Free(&linear), damping.as_ref())?;
     let more = driven.iter().flat_map(Driven::notes).chain(locus.iter().flat_map(Locus::notes));
     for note in notes(&linear, &modes).into_iter().chain(more) {
         eprintln!("warning: {note}");
@@ -135,28 +139,6 @@ fn enter_phase(loaded: &mut Loaded, scene: usize, options: &ArgMatches) -> Resul
         }
     }
     Ok(())
-}
-
-/// The scene's state with the speeds of cyclic coordinates only.
-fn steady(loaded: &Loaded, scene: usize) -> Result<Guess, Problem> {
-    let description = loaded.system.description();
-    let start = loaded.system.scene(scene);
-    let mut guess = Guess::at(&start.q);
-    let cyclic = &description.structure.cyclic;
-    if !loaded.system.active_rows().is_empty() {
-        // With constraints that contain speeds other coordinates can go on steadily too.
-        guess.v.copy_from_slice(&start.v);
-        return Ok(guess);
-    }
-    cyclic.iter().for_each(|index| guess.v[*index as usize] = start.v[*index as usize]);
-    let names: Vec<&str> = cyclic.iter().map(|index| description.coordinates[*index as usize].name.as_ref()).collect();
-    if names.is_empty() {
-        return Err(Problem::Usage(format!(
-            "error: --steady: `{}` has no cyclic coordinate; describe what turns by an angle on which nothing depends",
-            loaded.name
-        )));
-    }
-    Ok(guess)
 }
 
 fn failed(error: LinearError) -> Problem {

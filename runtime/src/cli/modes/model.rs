@@ -1,7 +1,7 @@
 //! Linear models with and without constraints, as drives find them.
 
 use super::super::load::Loaded;
-use crate::linear::{Constrained, Drive, LinearError, Linearised, Observed, Source, Steady, observe};
+use crate::linear::{Constrained, Drive, LinearError, Linearised, Motion, Observed, Source, Steady, observe};
 
 /// A linear model that can be driven.
 #[derive(Clone, Copy)]
@@ -18,6 +18,25 @@ impl Model<'_> {
         match self {
             Model::Free(linear) => linear,
             Model::Held(constrained) => &constrained.linear,
+        }
+    }
+
+    /// Places and rates at the beginning of a motion, of the independent coordinates.
+    pub fn departures(&self, motion: &Motion) -> [Vec<f64>; 2] {
+        let all = &self.linear().equilibrium.coordinates;
+        let places = self.linear().coordinates.iter().filter_map(|name| all.iter().position(|other| other == name));
+        let places: Vec<usize> = places.collect();
+        [&motion.x, &motion.v].map(|all| places.iter().map(|i| all[(0, *i)]).collect())
+    }
+
+    /// A motion of the independent coordinates as one of all.
+    pub fn in_all_coordinates(&self, motion: Motion) -> Motion {
+        match self {
+            Model::Free(_) => motion,
+            Model::Held(constrained) => {
+                let all = constrained.motions.transpose();
+                Motion { x: motion.x * &all, v: motion.v * &all }
+            }
         }
     }
 

@@ -11,7 +11,10 @@ use super::super::load::Loaded;
 use super::super::outputs;
 use super::damping::Damping;
 use super::failed;
+use super::model::Model;
 use crate::linear::{Linearised, Motion, SparseMatrix, short};
+use crate::mechanism::At;
+use crate::mechanism::dense::constraint_triples;
 use crate::show::{Axis, Chart, Figure, Series, Style};
 use crate::{Settings, simulate};
 
@@ -19,6 +22,8 @@ use crate::{Settings, simulate};
 const POINTS: u32 = 400;
 /// The exponential of more coordinates takes too long.
 const MOST_COORDINATES: usize = 40;
+/// Integrals that differ by less than this part of their terms are the same.
+const INTEGRAL: f64 = 1e-9;
 /// Coordinates that are drawn.
 const MOST_DRAWN: usize = 6;
 
@@ -35,29 +40,37 @@ impl Compared {
         loaded: &Loaded,
         options: &ArgMatches,
         scene: usize,
-        linear: &Linearised,
+        model: Model<'_>,
         damping: Option<&Damping>,
     ) -> Result<Option<Compared>, Problem> {
         let Some(path) = options.get_one::<String>("motion") else { return Ok(None) };
+        let linear = model.linear();
         if linear.len() > MOST_COORDINATES {
             let text = format!("--motion is for up to {MOST_COORDINATES} coordinates; here are {}", linear.len());
             return Err(Problem::Usage(format!("error: {text}")));
         }
-        let at = &linear.equilibrium;
         let start = loaded.system.scene(scene);
-        let less = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<f64>>();
-        let (x0, v0) = (less(&start.q, &at.q), less(&start.v, &at.v));
+        if let Some(phase) = options.get_one::<String>("phase")
+            && loaded.system.description().phases.get(start.phase).is_some_and(|own| own.name != *phase)
+        {
+            let words = format!("error: --motion: the scene does not start in the phase `{phase}`; leave out --phase");
+            return Err(Problem::Usage(words));
+        }
+        let times: Vec<f64> = (0..=POINTS).map(|i| start.until * f64::from(i) / f64::from(POINTS)).collect();
+        let integrated = integrated(loaded, scene, linear, &times)?;
+        same_integrals(loaded, linear, &integrated)?;
+        let [x0, v0] = model.departures(&integrated);
         if x0.iter().chain(&v0).all(|x| *x == 0.0) {
             return Err(Problem::Usage("error: --motion: the scene starts at rest in the equilibrium".to_owned()));
         }
-        let times: Vec<f64> = (0..=POINTS).map(|i| start.until * f64::from(i) / f64::from(POINTS)).collect();
-        let exact = linear.free_motion(&x0, &v0, &times).map_err(failed)?;
-        let mut ways: Vec<(&'static str, Motion)> = Vec::new();
-        ways.push(("the full equations, integrated", integrated(loaded, scene, linear, &times)?));
+        let free = |linear: &Linearised| {
+            linear.free_motion(&x0, &v0, &times).map(|motion| model.in_all_coordinates(motion)).map_err(failed)
+        };
+        let exact = free(linear)?;
+        let mut ways: Vec<(&'static str, Motion)> = vec![("the full equations, integrated", integrated)];
         if let Some(damping) = damping {
             let with = |c: nalgebra::DMatrix<f64>| {
-                let other = Linearised { damping: SparseMatrix::from_dense(&c), ..linear.clone() };
-                other.free_motion(&x0, &v0, &times).map_err(failed)
+                free(&Linearised { damping: SparseMatrix::from_dense(&c), ..linear.clone() })
             };
             ways.push(("damping treated as diagonal", with(damping.diagonal.matrix.clone())?));
             if let Some((alpha, beta)) = damping.fitted {
@@ -91,16 +104,35 @@ impl Compared {
     }
 }
 
+/// Refuses a start at which integrals of constraints have other values than at the equilibrium: it cannot get there.
+fn same_integrals(loaded: &Loaded, linear: &Linearised, motion: &Motion) -> Result<(), Problem> {
+    let (at, description) = (&linear.equilibrium, loaded.system.description());
+    let start: Vec<f64> = at.q.iter().zip(motion.x.row(0).iter()).map(|(q, x)| q + x).collect();
+    let zero = vec![0.0; start.len()];
+    let [there, here] = [&start, &at.q].map(|q| constraint_triples(&*loaded.system, At::new(0.0, q, &zero)));
+    let rows =
+        loaded.system.active_rows().iter().map(|row| *row as usize).filter(|row| description.rows[*row].integral);
+    let terms = |row: usize| there[row][2].max(here[row][2]);
+    match rows.into_iter().find(|row| (there[*row][0] - here[*row][0]).abs() > INTEGRAL * terms(*row)) {
+        None => Ok(()),
+        Some(row) => Err(Problem::Usage(format!(
+            "error: --motion: the scene starts with another value of the integral of `{}` than the equilibrium has, which the motion \
+             keeps; let --at, or `equilibrium` in the file, begin where the scene starts",
+            description.rows[row].name
+        ))),
+    }
+}
+
 /// The model's own equations from the scene's start, inputs held; as departures.
 fn integrated(loaded: &Loaded, scene: usize, linear: &Linearised, times: &[f64]) -> Result<Motion, Problem> {
     let (mut system, at) = (loaded.system.boxed_clone(), &linear.equilibrium);
-    for index in 0..linear.inputs.len() {
+    for index in 0..system.description().inputs.len() {
         let value = at.inputs.get(index).copied().unwrap_or(0.0);
         system.set_input(index, std::sync::Arc::new(move |_| [value, 0.0, 0.0]));
     }
     let run = simulate(&mut *system, &Settings::new(&loaded.system.scene(scene)));
     let run = run.map_err(|error| Problem::Run(error.to_string()))?;
-    let n = linear.len();
+    let n = at.q.len();
     let zero = || nalgebra::DMatrix::zeros(times.len(), n);
     let mut motion = Motion { x: zero(), v: zero() };
     for (row, t) in times.iter().enumerate() {
@@ -119,15 +151,16 @@ fn integrated(loaded: &Loaded, scene: usize, linear: &Linearised, times: &[f64])
 }
 
 fn figure(linear: &Linearised, times: &[f64], exact: &Motion, ways: &[(&'static str, Motion)]) -> Figure {
+    let at = &linear.equilibrium;
     let chart = |i: usize| {
-        let unit = linear.units.get(i).map_or("", String::as_str);
+        let unit = at.units.get(i).map_or("", String::as_str);
         let line = |name: &str, motion: &Motion| {
             Series::line(name, times.iter().enumerate().map(|(row, t)| Some((*t, motion.x[(row, i)]))))
         };
-        let axis = Axis::new(linear.coordinates[i].clone(), if unit == "1" { "" } else { unit });
+        let axis = Axis::new(at.coordinates[i].clone(), if unit == "1" { "" } else { unit });
         let chart = Chart::new("", Axis::new("time", "s"), axis).with(line("exp(A t)", exact));
         ways.iter()
             .fold(chart, |chart, (name, motion)| chart.with(Series { style: Style::Dashed, ..line(name, motion) }))
     };
-    Figure::from((0..linear.len().min(MOST_DRAWN)).map(chart).collect::<Vec<_>>())
+    Figure::from((0..at.q.len().min(MOST_DRAWN)).map(chart).collect::<Vec<_>>())
 }

@@ -38,9 +38,12 @@ pub fn as_json(name: &str, linear: &Linearised, modes: &[Mode], more: Vec<(&'sta
         ];
         object(entries.into_iter().chain(name).chain(secular))
     };
+    let moves = at.v.iter().any(|v| *v != 0.0);
+    let named = |v: &[f64]| object(at.coordinates.iter().cloned().zip(v.iter().map(|v| number(*v))));
+    let speeds = moves.then(|| ("speeds", named(&at.v)));
     let entries = [
         ("model", json!(name)),
-        ("equilibrium", object(at.coordinates.iter().zip(&at.q).map(|(name, q)| (name.clone(), number(*q))))),
+        ("equilibrium", named(&at.q)),
         ("residual", number(at.largest_residual())),
         ("coordinates", json!(linear.coordinates)),
         ("M", matrix(linear.m())),
@@ -48,7 +51,7 @@ pub fn as_json(name: &str, linear: &Linearised, modes: &[Mode], more: Vec<(&'sta
         ("K", matrix(linear.k())),
         ("modes", modes.iter().map(mode).collect::<Vec<_>>().into()),
     ];
-    object(entries.into_iter().chain(more))
+    object(entries.into_iter().chain(speeds).chain(more))
 }
 
 /// Equilibrium, matrices and modes for people.

@@ -3,14 +3,15 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::spectrum::Spectrum;
+use super::varied::Varied;
 use crate::linear::LinearError;
 use crate::linear::equilibrium::{Guess, Probe, equilibrium_near, linearised_at};
 use crate::mechanism::System;
 
-/// Equations in the coordinates q at a value of one parameter, and the small motions about their solutions.
+/// Equations in the coordinates q at a value of one parameter or speed, and the small motions about their solutions.
 pub(in crate::linear) trait Balance {
-    /// Another value of the parameter.
-    fn set_parameter(&mut self, value: f64);
+    /// Another value of what changes.
+    fn set(&mut self, value: f64);
 
     /// Units of the coordinates: those with the same unit are measured by the largest of them.
     fn units(&self) -> Vec<String>;
@@ -52,29 +53,32 @@ pub(in crate::linear) struct Slopes {
     pub rows: DVector<f64>,
 }
 
-/// F(q) = 0 of a mechanism without constraints.
+/// F(q, v, 0) = 0 of a mechanism without constraints.
 pub(super) struct Free {
     probe: Probe,
     system: Box<dyn System>,
     guess: Guess,
-    parameter: usize,
+    varied: Varied,
     value: f64,
 }
 
 impl Free {
-    pub fn new<S: System + ?Sized>(system: &S, parameter: usize, guess: &Guess) -> Free {
-        let value = system.parameters()[parameter];
-        Free { probe: Probe::new(system, guess), system: system.boxed_clone(), guess: guess.clone(), parameter, value }
+    pub fn new<S: System + ?Sized>(system: &S, varied: &Varied, value: f64, guess: &Guess) -> Free {
+        let (probe, system) = (Probe::new(system, guess), system.boxed_clone());
+        Free { probe, system, guess: guess.clone(), varied: varied.clone(), value }
     }
 
     fn at(&self, q: &[f64]) -> Guess {
-        Guess { q: q.to_vec(), ..self.guess.clone() }
+        Guess { q: q.to_vec(), v: self.probe.v.clone(), inputs: self.guess.inputs.clone() }
     }
 }
 
 impl Balance for Free {
-    fn set_parameter(&mut self, value: f64) {
-        self.probe.set_parameter(self.parameter, value);
+    fn set(&mut self, value: f64) {
+        if let Some(index) = self.varied.parameter() {
+            self.probe.set_parameter(index, value);
+        }
+        self.probe.v = self.varied.speeds(value, &self.guess);
         self.value = value;
     }
 
@@ -97,7 +101,9 @@ impl Balance for Free {
 
     fn search(&self, q: &[f64]) -> Result<Vec<f64>, LinearError> {
         let mut system = self.system.boxed_clone();
-        system.set_parameter(self.parameter, self.value);
+        if let Some(index) = self.varied.parameter() {
+            system.set_parameter(index, self.value);
+        }
         Ok(equilibrium_near(&*system, &self.at(q))?.q)
     }
 }

@@ -1,6 +1,7 @@
-//! Equilibria as a parameter changes: one branch is followed, round its folds too, and every threshold on it is found.
+//! Equilibria and steady motions as a parameter or a speed changes: one branch is followed, round its folds too, and every
+//! threshold on it is found.
 //!
-//! 1. The equations of its states: look in `balance.rs`, and with constraints in `../constrained/balance.rs`.
+//! 1. What changes: look in `varied.rs`; the equations of its states: look in `balance.rs`, and with constraints in `../constrained/balance.rs`.
 //! 2. Pseudo-arclength continuation: look in `walk.rs`.
 //! 3. Eigenvalues along it, and between which two states of it stability changes: look in `threshold.rs`.
 //! 4. Where constraints lose their rank: look in `dependence.rs`.
@@ -12,6 +13,7 @@ mod dependence;
 mod smooth;
 mod spectrum;
 mod threshold;
+mod varied;
 mod walk;
 
 #[cfg(all(test, feature = "modal"))]
@@ -28,11 +30,12 @@ use walk::{End, Path, Walker};
 
 pub(super) use balance::{Balance, Slopes};
 pub(super) use spectrum::Spectrum;
+pub use varied::Varied;
 
 /// A state of the branch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BranchPoint {
-    /// The parameter's value, SI.
+    /// The value of the parameter or speed, SI.
     pub value: f64,
     /// Generalized coordinates, SI.
     pub q: Vec<f64>,
@@ -75,7 +78,7 @@ impl ThresholdKind {
 /// A value at which something changes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Threshold {
-    /// The parameter's value, SI.
+    /// The value of the parameter or speed, SI.
     pub value: f64,
     /// What happens.
     pub kind: ThresholdKind,
@@ -100,7 +103,7 @@ pub struct Change {
     pub to: Vec<f64>,
 }
 
-/// An equilibrium as a parameter goes through a range.
+/// An equilibrium, or a steady motion, as a parameter or speed goes through a range.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Branch {
     /// States, in the direction of the range; those behind folds at the end.
@@ -113,30 +116,29 @@ pub struct Branch {
     pub missing: Option<((f64, f64), LinearError)>,
 }
 
-/// Follows the equilibrium that a guess leads to at the system's present parameters, while one parameter goes through
-/// a range.
+/// Follows the equilibrium, or the steady motion, that a guess leads to at the system's present parameters, while one
+/// parameter or speed goes through a range.
 ///
 /// From the present value (or the end of the range that is nearest to it) the branch is followed to both ends.  Between
 /// two states no eigenvalue moves by more than a part of its distance from others and from the border of stability,
 /// or states are put between them, so that narrow windows of instability are found; thresholds are right to some 1e-12
 /// of the range.
 ///
-/// With constraints the branch consists of rests that meet them, in all coordinates of the file; eigenvalues are those of
+/// With constraints the branch consists of states that meet them, in all coordinates of the file; eigenvalues are those of
 /// independent ones, and where rows lose their rank is a threshold with the name of one of them.
 ///
 /// # Errors
 /// As [`equilibrium_near`](super::equilibrium_near) and [`linearise`](super::linearise), with constraints as
-/// [`linearise_constrained`](super::linearise_constrained), where no part of the range has an equilibrium with a linear model;
-/// [`LinearError::MovingBranch`].
+/// [`linearise_constrained`](super::linearise_constrained), where no part of the range has an equilibrium with a linear model.
 pub fn follow<S: System + ?Sized>(
     system: &S,
-    parameter: usize,
+    varied: &Varied,
     (from, to): (f64, f64),
     guess: &Guess,
 ) -> Result<Branch, LinearError> {
     let range = (from.min(to), from.max(to));
-    let walker = Walker::new(balance(system, parameter, guess)?, range)?;
-    let present = system.parameters()[parameter];
+    let present = varied.present(system, guess)?;
+    let walker = Walker::new(balance(system, varied, guess)?, range)?;
     let found = walker.search(present, &guess.q)?;
     let mut branch = Branch::default();
     let first = present.clamp(range.0, range.1);
@@ -159,14 +161,11 @@ pub fn follow<S: System + ?Sized>(
 }
 
 /// The equations of a mechanism's states, with its constraints.
-fn balance<S: System + ?Sized>(system: &S, parameter: usize, guess: &Guess) -> Result<Box<dyn Balance>, LinearError> {
-    let count = system.parameters().len();
-    if parameter >= count {
-        return Err(LinearError::WrongSize { what: "the parameter's index", given: parameter, expected: count });
-    }
+fn balance<S: System + ?Sized>(system: &S, varied: &Varied, guess: &Guess) -> Result<Box<dyn Balance>, LinearError> {
+    let present = varied.present(system, guess)?;
     match system.active_rows().is_empty() {
-        true => Ok(Box::new(Free::new(system, parameter, guess))),
-        false => constrained::balance(system, parameter, guess),
+        true => Ok(Box::new(Free::new(system, varied, present, guess))),
+        false => constrained::balance(system, varied, present, guess),
     }
 }
 

@@ -3,7 +3,7 @@
 use nalgebra::Complex;
 
 use super::walk::Walker;
-use super::{Branch, BranchPoint, State, balance};
+use super::{Branch, BranchPoint, State, Varied, balance};
 use crate::linear::LinearError;
 use crate::linear::equilibrium::Guess;
 use crate::linear::modes::matched;
@@ -32,7 +32,7 @@ impl Branch {
     /// # Example
     /// The eigenvalues of x'' + c x' + x = 0 go along the unit circle, meet at −1 and part along the axis:
     /// ```
-    /// use dalembert::linear::{Guess, follow};
+    /// use dalembert::linear::{Guess, Varied, follow};
     /// use dalembert::mechanism::Erased;
     /// # mod example {
     /// dalembert::model!(yaml = r#"
@@ -48,8 +48,9 @@ impl Branch {
     /// # fn main() -> Result<(), dalembert::linear::LinearError> {
     /// # #[cfg(feature = "modal")] {
     /// let (system, guess) = (Erased::new(Damped::default()), Guess::at(&[0.0]));
-    /// let branch = follow(&system, 0, (0.0, 3.0), &guess)?;
-    /// let points = branch.smooth(&system, 0, &guess)?;
+    /// let c = Varied::Parameter(0);
+    /// let branch = follow(&system, &c, (0.0, 3.0), &guess)?;
+    /// let points = branch.smooth(&system, &c, &guess)?;
     /// let nearest = |point: &dalembert::linear::BranchPoint| (point.eigenvalues[0] + 1.0).norm();
     /// assert!(points.iter().map(nearest).fold(1.0, f64::min) < 0.005);
     /// # }
@@ -59,7 +60,7 @@ impl Branch {
     pub fn smooth<S: System + ?Sized>(
         &self,
         system: &S,
-        parameter: usize,
+        varied: &Varied,
         guess: &Guess,
     ) -> Result<Vec<BranchPoint>, LinearError> {
         let known: Vec<&BranchPoint> = self.points.iter().filter(|point| !point.folded).collect();
@@ -68,7 +69,7 @@ impl Branch {
             return Ok(known.into_iter().cloned().collect());
         }
         let range = (first.value.min(last.value), first.value.max(last.value));
-        let walker = Walker::new(balance(system, parameter, guess)?, range)?;
+        let walker = Walker::new(balance(system, varied, guess)?, range)?;
         let size = walker.size();
         let mut between = Between { walker, pixel: pixel(&known), left: 100_000 / (1 + size * size / 20) };
         let mut points = vec![(*first).clone()];

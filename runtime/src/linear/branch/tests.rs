@@ -93,7 +93,7 @@ impl System for Tuned {
 
 /// Values and kinds of all thresholds in a range.
 fn found(system: &Tuned, range: (f64, f64)) -> Vec<(f64, ThresholdKind, [usize; 2])> {
-    let branch = follow(system, 0, range, &Guess::at(&vec![0.0; system.len()])).unwrap();
+    let branch = follow(system, &Varied::Parameter(0), range, &Guess::at(&vec![0.0; system.len()])).unwrap();
     assert!(branch.changes.is_empty() && branch.missing.is_none(), "{branch:?}");
     branch.thresholds.iter().map(|t| (t.value, t.kind, t.growing)).collect()
 }
@@ -327,8 +327,8 @@ fn paths_of_eigenvalues_are_drawn_smoothly() {
     let mut rough = 0.0_f64;
     for (case, tuned) in cases.iter().enumerate() {
         let guess = Guess::at(&vec![0.0; tuned.len()]);
-        let branch = follow(tuned, 0, (-0.9, 2.7), &guess).unwrap();
-        let points = branch.smooth(tuned, 0, &guess).unwrap();
+        let branch = follow(tuned, &Varied::Parameter(0), (-0.9, 2.7), &guess).unwrap();
+        let points = branch.smooth(tuned, &Varied::Parameter(0), &guess).unwrap();
         let found = roughness(&points);
         assert!(found < 3.5, "{case}: bends by {found} degrees");
         assert!(points.len() < 1000, "{case}: {} points", points.len());

@@ -70,7 +70,7 @@ impl Walker {
     /// Asks the equations at a value of the parameter.
     fn ask<T>(&self, value: f64, question: impl FnOnce(&dyn Balance) -> T) -> T {
         let mut balance = self.balance.borrow_mut();
-        balance.set_parameter(value);
+        balance.set(value);
         question(&**balance)
     }
 

@@ -1,65 +1,93 @@
-//! A mechanism with constraints as a parameter changes: the equations that the states of a branch satisfy.
+//! A mechanism with constraints as a parameter or speed changes: the equations that the states of a branch satisfy.
 //!
-//! At rest F(q, 0, 0, λ) = 0 and c(q) = 0, with the multipliers λ that leave the least of F at every place; Newton's steps
-//! have the slopes [∂F/∂q −Jᵀ; J 0], so that they converge as if λ were unknowns.
+//! At rest F(q, 0, 0, λ) = 0 and c(q) = 0, in steady motions F(q, v, 0, λ) = 0, with the multipliers λ that leave the least of F
+//! at every place; Newton's steps have the slopes [∂F/∂q −Jᵀ; J 0], so that they converge as if λ were unknowns.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::held::{Held, State};
 use super::rest::{Bordered, at_rest, linearise_constrained, linearised_at};
-use crate::linear::branch::{Balance, Slopes, Spectrum};
+use super::steady::Shifts;
+use crate::linear::branch::{Balance, Slopes, Spectrum, Varied};
 use crate::linear::equilibrium::Probe;
 use crate::linear::{Guess, LinearError};
 use crate::mechanism::System;
 
-/// The equations of a mechanism with constraints while a parameter changes.
+/// The equations of a mechanism with constraints while something changes, which has this value at present.
 ///
 /// # Errors
-/// [`LinearError::MovingBranch`]; as [`linearise_constrained`]: constraints that contain speeds and have no known integrals, forces made of reactions.
+/// As [`linearise_constrained`]: constraints that contain speeds and have no known integrals, forces made of reactions.
 pub(in crate::linear) fn balance<S: System + ?Sized>(
     system: &S,
-    parameter: usize,
+    varied: &Varied,
+    present: f64,
     guess: &Guess,
 ) -> Result<Box<dyn Balance>, LinearError> {
     let probe = Probe::new(system, guess);
-    if let Some(moving) = guess.v.iter().position(|v| *v != 0.0) {
-        return Err(LinearError::MovingBranch { coordinate: probe.names().swap_remove(moving) });
-    }
+    probe.sides_at(&guess.q);
     let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
-    let levels = {
+    let moves = !matches!(varied, Varied::Parameter(_)) || guess.v.iter().any(|v| *v != 0.0);
+    let (levels, shifts) = {
         let system = probe.system.borrow();
-        at_rest(&**system, &rows, guess)?.levels
+        let held = at_rest(&**system, &rows, guess)?;
+        let shifts = if moves { Some(held.shifts(&guess.q)?) } else { None };
+        (held.levels, shifts)
     };
-    Ok(Box::new(AtRest { probe, rows, levels, parameter, inputs: guess.inputs.clone() }))
+    let (given, varied, guess) = (varied.speeds(present, guess), varied.clone(), guess.clone());
+    Ok(Box::new(Kept { probe, rows, levels, shifts, given, varied, guess }))
 }
 
-/// F = 0 and c = 0 at rest.
-struct AtRest {
+/// F = 0 and c = 0 at rest or in steady motion.
+struct Kept {
     probe: Probe,
     rows: Vec<usize>,
     /// The values at which known integrals are held.
     levels: Vec<f64>,
-    parameter: usize,
-    inputs: Vec<f64>,
+    /// What can go on steadily; `None` where nothing is to.
+    shifts: Option<Shifts>,
+    /// Speeds that are kept.
+    given: Vec<f64>,
+    varied: Varied,
+    guess: Guess,
 }
 
-impl AtRest {
+impl Kept {
     /// Looks at a place, discontinuities on its sides.
-    fn look<T>(&self, q: &[f64], question: impl FnOnce(&Held<'_, dyn System>, &State) -> T) -> T {
+    ///
+    /// # Errors
+    /// Those of [`Held::speeds`].
+    fn try_look<T>(
+        &self,
+        q: &[f64],
+        question: impl FnOnce(&Held<'_, dyn System>, &State) -> T,
+    ) -> Result<T, LinearError> {
         self.probe.sides_at(q);
         let system = self.probe.system.borrow();
         let held = Held::at_levels(&**system, &self.rows, &self.levels);
-        question(&held, &held.state(q, &vec![0.0; held.n]))
+        let v = match &self.shifts {
+            Some(shifts) => held.speeds(shifts, q, &self.given)?,
+            None => vec![0.0; held.n],
+        };
+        Ok(question(&held, &held.state(q, &v)))
     }
 
-    fn guess(&self, q: &[f64]) -> Guess {
-        Guess { inputs: self.inputs.clone(), ..Guess::at(q) }
+    fn at(&self, q: &[f64], v: &[f64]) -> Guess {
+        Guess { q: q.to_vec(), v: v.to_vec(), inputs: self.guess.inputs.clone() }
+    }
+
+    /// As many numbers as there are equations, none of which is known where there are no speeds.
+    fn unknown(&self, q: &[f64]) -> DVector<f64> {
+        DVector::from_element(q.len() + self.rows.len(), f64::NAN)
     }
 }
 
-impl Balance for AtRest {
-    fn set_parameter(&mut self, value: f64) {
-        self.probe.set_parameter(self.parameter, value);
+impl Balance for Kept {
+    fn set(&mut self, value: f64) {
+        if let Some(index) = self.varied.parameter() {
+            self.probe.set_parameter(index, value);
+        }
+        self.given = self.varied.speeds(value, &self.guess);
+        self.probe.v.clone_from(&self.given);
     }
 
     fn units(&self) -> Vec<String> {
@@ -67,7 +95,7 @@ impl Balance for AtRest {
     }
 
     fn left(&self, q: &[f64]) -> [DVector<f64>; 2] {
-        self.look(q, |held, state| {
+        let found = self.try_look(q, |held, state| {
             let (terms, triples) = (held.terms(state), held.triples(state));
             let left = held.force(state).iter().copied().chain(triples.iter().map(|triple| triple[0])).collect();
             let forces = &terms.forces + &terms.by_state;
@@ -75,26 +103,30 @@ impl Balance for AtRest {
                 DVector::from_vec(left),
                 DVector::from_iterator(state.q.len() + triples.len(), forces.iter().chain(&terms.places).copied()),
             ]
-        })
+        });
+        found.unwrap_or_else(|_| [self.unknown(q), self.unknown(q)])
     }
 
     fn slopes(&self, q: &[f64]) -> Slopes {
-        let Bordered { matrix, rows, .. } = self.look(q, |held, state| held.at_rest_slopes(state));
-        Slopes { matrix, rows }
+        match self.try_look(q, |held, state| held.at_rest_slopes(state)) {
+            Ok(Bordered { matrix, rows, .. }) => Slopes { matrix, rows },
+            Err(_) => Slopes { matrix: DMatrix::from_diagonal(&self.unknown(q)), rows: self.unknown(q) },
+        }
     }
 
     fn spectrum(&self, q: &[f64]) -> Result<Spectrum, LinearError> {
+        let v = self.try_look(q, |_, state| state.v.clone())?;
         let system = self.probe.system.borrow().boxed_clone();
-        Spectrum::of(&linearised_at(&*system, &self.guess(q))?)
+        Spectrum::of(&linearised_at(&*system, &self.at(q, &v))?)
     }
 
     fn search(&self, q: &[f64]) -> Result<Vec<f64>, LinearError> {
         let system = self.probe.system.borrow().boxed_clone();
-        Ok(linearise_constrained(&*system, &self.guess(q), false)?.linear.equilibrium.q)
+        Ok(linearise_constrained(&*system, &self.at(q, &self.given), false)?.linear.equilibrium.q)
     }
 
     fn jacobian(&self, q: &[f64]) -> Option<DMatrix<f64>> {
-        Some(self.look(q, |held, state| held.jacobian(state)))
+        self.try_look(q, |held, state| held.jacobian(state)).ok()
     }
 
     fn row(&self, index: usize) -> Option<String> {

@@ -62,7 +62,6 @@ pub(super) struct State {
 
 impl State {
     /// The state later on, of one coordinate or of all.
-    #[cfg(feature = "modal")]
     pub fn later(&self, time: f64, only: Option<usize>) -> Self {
         let moves = |i: usize| only.is_none_or(|k| k == i);
         let q = (0..self.q.len()).map(|i| if moves(i) { self.q[i] + time * self.v[i] } else { self.q[i] });

@@ -1,11 +1,11 @@
 //! Small motions of mechanisms with constraints.
 //!
-//! 1. At rest with holonomic constraints, or such as have known integrals, M, C and K in independent coordinates: look in
-//!    `rest.rs`.
-//! 2. About steady motions, and with other constraints that contain speeds, a system of first order on the states that the
-//!    constraints leave: look in `tangent.rs`.
+//! 1. At rest, and in steady motions, with holonomic constraints, or such as have known integrals, M, C and K in independent
+//!    coordinates: look in `rest.rs`; what can go on steadily, and how fast: in `steady.rs`.
+//! 2. With other constraints that contain speeds, and with friction made of reactions, a system of first order on the states
+//!    that the constraints leave: look in `tangent.rs`.
 //!
-//! What drives those at rest, and what answers, reactions too: look in `driven.rs`.
+//! What drives the first, and what answers, reactions too: look in `driven.rs`.
 //!
 //! While a parameter changes: `balance.rs`.  The matrices of all at a state, and whether it stays: `held.rs`.
 
@@ -13,6 +13,7 @@ mod balance;
 mod driven;
 mod held;
 mod rest;
+mod steady;
 #[cfg(feature = "modal")]
 mod tangent;
 
@@ -22,6 +23,7 @@ use crate::mechanism::System;
 
 pub(super) use balance::balance;
 pub use rest::{Constrained, linearise_constrained, linearise_driven};
+pub use steady::steady_coordinates;
 #[cfg(feature = "modal")]
 pub use tangent::{Tangent, linearise_tangent};
 

@@ -1,7 +1,7 @@
 //! Small motions of mechanisms with holonomic constraints, in coordinates that the constraints leave independent.  One
 //! that contains speeds counts as holonomic where its integral is known and held.
 //!
-//! At rest F(q, 0, 0, λ) = 0 and c(q) = 0.  With Z a basis of the motions that the constraints allow, J Z = 0,
+//! At rest F(q, 0, 0, λ) = 0 and c(q) = 0, in steady motions F(q, v, 0, λ) = 0 (`steady.rs`).  With Z a basis of the motions that the constraints allow, J Z = 0,
 //! M_z = Zᵀ M Z, C_z = Zᵀ (∂F/∂q') Z and K_z = Zᵀ (∂F/∂q) Z at these λ, so that Σ λ_k ∇²c_k, the geometric stiffness of the
 //! constraints, is in it.
 
@@ -49,7 +49,12 @@ const STILL: f64 = 1e-8;
 /// set.  Known integrals of constraints that contain speeds keep the values that they have at the guess, or at the place
 /// nearest to it that closes.
 ///
+/// Speeds of the guess that are not 0 are kept: it is then a steady motion, in which others that can go on steadily follow as
+/// the constraints want it, and all else rests.
+///
 /// # Errors
+/// [`LinearError::NotSteady`] where a value matters that would change, [`LinearError::SpeedsContradict`],
+/// [`LinearError::MovingConstraint`];
 /// [`LinearError::NoEquilibrium`], [`LinearError::NotAnEquilibrium`], [`LinearError::DependsOnTime`];
 /// [`LinearError::VelocityConstraint`]: a constraint that contains speeds and has no known integral, or moves by itself, leaves
 /// no M, C and K in independent coordinates; [`LinearError::FrictionOfReactions`]: nor do forces made of reactions;
@@ -62,8 +67,13 @@ pub fn linearise_constrained<S: System + ?Sized>(
     let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
     on_its_sides(system, guess, |system, guess| {
         let mut held = at_rest(system, &rows, guess)?;
-        let start = held.state(&guess.q, &vec![0.0; held.n]);
-        let found = if here { Found { state: start, iterations: 0, slow: None } } else { held.rest(&guess.q)? };
+        let found = match here {
+            true => {
+                let v = held.moving(&guess.q, &guess.v)?;
+                Found { state: held.state(&guess.q, &v), iterations: 0, slow: None }
+            }
+            false => held.rest(guess)?,
+        };
         let (mut small, there) = held.in_independent_coordinates(&found.state, found.iterations, &guess.inputs)?;
         small.linear.equilibrium.freedom = held.freedom(&found.state, &small)?;
         small.linear.equilibrium.slow = found.slow;
@@ -76,7 +86,7 @@ pub(super) fn linearised_at(system: &dyn System, guess: &Guess) -> Result<Linear
     let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
     on_its_sides(system, guess, |system, guess| {
         let held = at_rest(system, &rows, guess)?;
-        let state = held.state(&guess.q, &vec![0.0; held.n]);
+        let state = held.state(&guess.q, &guess.v);
         let (small, there) = held.in_independent_coordinates(&state, 0, &guess.inputs)?;
         Ok((small.linear, there))
     })
@@ -99,10 +109,11 @@ struct Found {
     slow: Option<f64>,
 }
 
-/// A mechanism whose rows leave independent coordinates at rest.
+/// A mechanism whose rows leave independent coordinates.
 ///
 /// # Errors
-/// [`LinearError::VelocityConstraint`], [`LinearError::FrictionOfReactions`].
+/// [`LinearError::VelocityConstraint`], [`LinearError::MovingConstraint`] in a steady motion,
+/// [`LinearError::FrictionOfReactions`].
 pub(super) fn at_rest<'a, S: System + ?Sized>(
     system: &'a S,
     rows: &[usize],
@@ -116,6 +127,10 @@ pub(super) fn at_rest<'a, S: System + ?Sized>(
     };
     if let Some(row) = rows.iter().find(open) {
         return Err(LinearError::VelocityConstraint { constraint: description.rows[*row].name.to_string() });
+    }
+    let moves = guess.v.iter().any(|v| *v != 0.0);
+    if let Some(row) = rows.iter().find(|row| moves && rates[**row][1] != 0.0) {
+        return Err(LinearError::MovingConstraint { constraint: description.rows[*row].name.to_string() });
     }
     let held = Held::new(system, rows, &guess.q);
     held.without_friction(&held.state(&guess.q, &zero))?;
@@ -150,15 +165,28 @@ impl Constrained {
 }
 
 impl<S: System + ?Sized> Held<'_, S> {
-    /// From the place nearest to the guess that meets the constraints; where that leads nowhere, from where the motion
-    /// would go from there.
-    fn rest(&mut self, guess: &[f64]) -> Result<Found, LinearError> {
+    /// The speeds of a steady motion at a place, of which some are given; none of a rest.
+    fn moving(&self, q: &[f64], given: &[f64]) -> Result<Vec<f64>, LinearError> {
+        match given.iter().all(|v| *v == 0.0) {
+            true => Ok(vec![0.0; self.n]),
+            false => self.speeds(&self.shifts(q)?, q, given),
+        }
+    }
+
+    /// From the place nearest to the guess that meets the constraints; where that leads nowhere, from where a motion from
+    /// rest would go from there.
+    fn rest(&mut self, guess: &Guess) -> Result<Found, LinearError> {
+        let (guess, given) = (guess.q.as_slice(), guess.v.as_slice());
         let (start, zero) = ([guess, &vec![0.0; self.n]].concat(), vec![0.0; self.n]);
         let held = vec![false; 2 * self.n];
         let closed = consistent(self.system, &Start { t: 0.0, y: &start, held: &held, also: 0..0 });
         let q = closed.map(|y| y[..self.n].to_vec()).map_err(|_| self.nowhere(&self.state(guess, &zero), 0))?;
         self.hold(&q);
-        let found = self.newton(&q).or_else(|nowhere| self.newton(&self.fallen(q).ok_or(nowhere)?))?;
+        let v = self.moving(&q, given)?;
+        let found = self.newton(&q, &v).or_else(|nowhere| match v.iter().all(|v| *v == 0.0) {
+            true => self.newton(&self.fallen(q).ok_or(nowhere)?, &v),
+            false => Err(nowhere),
+        })?;
         Ok(Found { state: self.settled(found.state, guess), ..found })
     }
 
@@ -199,18 +227,18 @@ impl<S: System + ?Sized> Held<'_, S> {
         Some(y)
     }
 
-    /// Newton's method on F = 0, c = 0 in q and λ, halved until both decrease.
-    fn newton(&self, from: &[f64]) -> Result<Found, LinearError> {
-        let (n, m) = (self.n, self.rows.len());
-        let missed = |state: &State| DVector::from_iterator(m, self.triples(state).iter().map(|triple| triple[0]));
-        let mut state = self.state(from, &vec![0.0; n]);
+    /// Newton's method on F = 0, c = 0 in q and λ at these speeds, halved until both decrease.
+    fn newton(&self, from: &[f64], v: &[f64]) -> Result<Found, LinearError> {
+        let n = self.n;
+        let mut state = self.state(from, v);
         let mut pace = Pace::default();
         for iterations in 0..ITERATIONS {
             let lost = state.q.iter().any(|q| q.abs() > FAR);
-            let Some(step) = (if lost { None } else { self.step(&state) }) else {
+            let Some((step, rows)) = (if lost { None } else { self.step(&state) }) else {
                 return Err(self.nowhere(&state, iterations));
             };
-            let size = self.force(&state).norm().hypot(missed(&state).norm());
+            let size = |state: &State| self.left_at_rest(state).component_mul(&rows).norm();
+            let before = size(&state);
             let moved = |part: f64| {
                 let mut next = state.clone();
                 next.q.iter_mut().zip(step.iter()).for_each(|(q, step)| *q += part * step);
@@ -218,7 +246,7 @@ impl<S: System + ?Sized> Held<'_, S> {
                 (part, next)
             };
             let halves = std::iter::successors(Some(1.0), |part| Some(0.5 * part)).take_while(|part| *part > 1e-6);
-            let better = halves.map(moved).find(|(_, next)| self.force(next).norm().hypot(missed(next).norm()) < size);
+            let better = halves.map(moved).find(|(_, next)| size(next) < before);
             match better {
                 Some((part, next)) => {
                     let sizes = natural_sizes(&self.units(), &next.q);
@@ -238,18 +266,25 @@ impl<S: System + ?Sized> Held<'_, S> {
         }
     }
 
-    /// Newton's step of q and λ towards F = 0 and c = 0, the least where directions are free; `None` where there is none.
-    fn step(&self, state: &State) -> Option<DMatrix<f64>> {
+    /// F and c.
+    fn left_at_rest(&self, state: &State) -> DVector<f64> {
+        let (force, triples) = (self.force(state), self.triples(state));
+        let left = force.iter().copied().chain(triples.iter().map(|triple| triple[0]));
+        DVector::from_iterator(force.len() + triples.len(), left)
+    }
+
+    /// Newton's step of q and λ towards F = 0 and c = 0, the least where directions are free, and the factors that make these equations
+    /// comparable; `None` where there is none.
+    fn step(&self, state: &State) -> Option<(DMatrix<f64>, DVector<f64>)> {
         let Bordered { matrix, rows, multipliers } = self.at_rest_slopes(state);
-        let force = self.force(state);
-        let left = force.iter().copied().chain(self.triples(state).into_iter().map(|triple| triple[0]));
-        let right = DMatrix::from_iterator(rows.len(), 1, left.zip(&rows).map(|(x, factor)| -x * factor));
+        let right = -self.left_at_rest(state).component_mul(&rows);
+        let right = DMatrix::from_column_slice(rows.len(), 1, right.as_slice());
         if matrix.iter().chain(right.iter()).any(|x| !x.is_finite()) {
             return None;
         }
         let mut step = solve_least(&matrix, &right)?;
         step.rows_mut(self.n, multipliers.len()).component_mul_assign(&multipliers);
-        Some(step)
+        Some((step, rows))
     }
 
     /// What becomes of the directions without stiffness.
@@ -258,7 +293,7 @@ impl<S: System + ?Sized> Held<'_, S> {
             let whole = &small.motions * DVector::from_column_slice(direction);
             let (mut q, length) = beside(&state.q, whole.as_slice());
             for _ in 0..RELAXATIONS {
-                let Some(step) = self.step(&self.state(&q, &state.v)) else { break };
+                let Some((step, _)) = self.step(&self.state(&q, &state.v)) else { break };
                 q.iter_mut().zip(step.iter()).for_each(|(q, step)| *q += step);
                 if step.rows(0, self.n).amax() <= 1e-12 * length * whole.amax() {
                     break;
@@ -311,6 +346,7 @@ impl<S: System + ?Sized> Held<'_, S> {
             return Err(LinearError::NotAnEquilibrium { residual: self.left(state) });
         }
         self.check_time(state)?;
+        self.goes_on(state)?;
         let whole = Whole::of(self, state)?;
         let (units, names) = (self.units(), self.names());
         let [mass, damping, stiffness] = whole.matrices();

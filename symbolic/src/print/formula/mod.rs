@@ -114,6 +114,39 @@ struct Written {
     formula: Rc<Formula>,
     leaves: usize,
     depth: usize,
+    motion: Motion,
+}
+
+/// What a term contains of the motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Motion {
+    /// Second rates.
+    Second,
+    /// Rates.
+    First,
+    /// Coordinates, inputs, what acts or not.
+    Place,
+    /// Time alone.
+    Time,
+    /// Parameters and numbers.
+    Constant,
+}
+
+impl Motion {
+    fn of(symbol: Symbol) -> Motion {
+        match symbol {
+            Symbol::Acceleration(_) | Symbol::Input(_, 2..) => Motion::Second,
+            Symbol::Speed(_) | Symbol::Input(_, 1) => Motion::First,
+            Symbol::Parameter(_) => Motion::Constant,
+            Symbol::Time => Motion::Time,
+            _ => Motion::Place,
+        }
+    }
+
+    /// In sums second rates come first, then rates, and time alone last; constants and places stand as they are met, L + R φ.
+    fn place_in_sums(self) -> Motion {
+        if self == Motion::Constant { Motion::Place } else { self }
+    }
 }
 
 impl Written {
@@ -147,6 +180,10 @@ impl Writing {
         let inner: Vec<&Written> = parts(graph, id).iter().map(|part| &self.known[part]).collect();
         let leaves = inner.iter().map(|part| part.leaves).sum::<usize>().max(1);
         let depth = inner.iter().map(|part| part.depth + 1).max().unwrap_or(0);
+        let motion = match graph.node(id) {
+            Node::Symbol(symbol) => Motion::of(symbol),
+            _ => inner.iter().map(|part| part.motion).min().unwrap_or(Motion::Constant),
+        };
         let (negative, formula) = match graph.node(id) {
             Node::Number(place) => {
                 let number = graph.number_at(place);
@@ -168,7 +205,7 @@ impl Writing {
                 (false, Formula::Call(name, vec![self.whole(x), self.whole(y)]))
             }
         };
-        Written { negative, formula: Rc::new(formula), leaves, depth }
+        Written { negative, formula: Rc::new(formula), leaves, depth, motion }
     }
 
     /// With its sign inside.
@@ -180,7 +217,11 @@ impl Writing {
     fn sum(&self, graph: &Graph, id: Id) -> Written {
         let (mut leaves, mut depth) = (0, 0);
         let mut list: Vec<(bool, Rc<Formula>)> = Vec::new();
-        for (term, coefficient) in terms(graph, id) {
+        // As a person writes them, c x' + k x.
+        let mut terms = terms(graph, id);
+        terms.sort_by_key(|(term, _)| self.known[term].motion.place_in_sums());
+        let motion = terms.iter().map(|(term, _)| self.known[term].motion).min().unwrap_or(Motion::Constant);
+        for (term, coefficient) in terms {
             let part = &self.known[&term];
             leaves += part.leaves;
             depth = depth.max(part.depth + 1);
@@ -196,7 +237,7 @@ impl Writing {
             list.iter_mut().for_each(|(negative, _)| *negative = false);
         }
         let formula = if list.len() == 1 { list.remove(0).1 } else { Rc::new(Formula::Sum(list)) };
-        Written { negative: all_negative, formula, leaves, depth }
+        Written { negative: all_negative, formula, leaves, depth, motion }
     }
 
     fn product(&self, graph: &Graph, id: Id) -> (bool, Formula) {

@@ -1,0 +1,106 @@
+//! `--steady` and speeds of `--at`: what goes on at a constant rate, and how fast as something else changes.
+
+use std::cell::RefCell;
+
+use clap::ArgMatches;
+use dalembert_symbolic::model::Sets;
+
+use super::super::Problem;
+use super::super::load::{Loaded, pairs};
+use super::super::set_up::{Reader, coordinate_index, parameter_index};
+use super::failed;
+use crate::linear::{Guess, Varied, steady_coordinates};
+
+/// The speeds that are kept.
+pub struct Speeds {
+    scene: usize,
+    /// Coordinates whose speeds are those of the scene's start.
+    of_scene: Vec<usize>,
+    /// Coordinates whose speeds are given by hand.
+    given: Vec<(usize, String)>,
+    /// All, with the present parameters; 0 of what rests or follows.
+    pub v: Vec<f64>,
+}
+
+impl Speeds {
+    /// As the options say, from a scene's start, with inputs held.
+    pub fn new(loaded: &Loaded, options: &ArgMatches, scene: usize, inputs: &[f64]) -> Result<Speeds, Problem> {
+        let start = loaded.system.scene(scene);
+        let of_scene = match options.get_flag("steady") {
+            false => Vec::new(),
+            true => going(loaded, &Guess { inputs: inputs.to_vec(), ..Guess::at(&start.q) })?,
+        };
+        let mut v = vec![0.0; start.v.len()];
+        of_scene.iter().for_each(|i| v[*i] = start.v[*i]);
+        let mut given = Vec::new();
+        for (name, text) in pairs(options, "at")? {
+            if let Some(name) = name.strip_suffix('\'') {
+                given.push((coordinate_index(loaded, name)?, text));
+            }
+        }
+        Ok(Speeds { scene, of_scene, given, v })
+    }
+
+    /// What `--vary` names, and the unit and the kind of its values.
+    pub fn varied(&self, loaded: &Loaded, reader: &mut Reader, name: &str) -> Result<(Varied, String, Sets), Problem> {
+        if let Some(name) = name.strip_suffix('\'') {
+            let index = coordinate_index(loaded, name)?;
+            let unit = match &*loaded.system.description().coordinates[index].unit {
+                "" => String::new(),
+                unit => format!("{unit}/s"),
+            };
+            return Ok((Varied::Speed(index), unit, Sets::Speed(index)));
+        }
+        let index = parameter_index(loaded, name)?;
+        let unit = loaded.system.description().parameters[index].unit.to_string();
+        let varied = match self.of_scene.is_empty() && self.given.is_empty() {
+            true => Varied::Parameter(index),
+            false => self.depending(loaded, reader, index)?,
+        };
+        Ok((varied, unit, Sets::Parameter(index)))
+    }
+
+    /// The speeds as functions of a parameter, which the scene's start, and values given by hand, may contain.
+    fn depending(&self, loaded: &Loaded, reader: &mut Reader, parameter: usize) -> Result<Varied, Problem> {
+        let world = RefCell::new((loaded.system.boxed_clone(), reader.model(loaded)?.clone()));
+        let (scene, of_scene, given) = (self.scene, self.of_scene.clone(), self.given.clone());
+        Ok(Varied::with_speeds(parameter, move |value| {
+            let (system, model) = &mut *world.borrow_mut();
+            system.set_parameter(parameter, value);
+            let start = system.scene(scene).v;
+            let mut v = vec![0.0; start.len()];
+            of_scene.iter().for_each(|i| v[*i] = start[*i]);
+            for (i, text) in &given {
+                let plain = text.trim().parse::<f64>().ok().filter(|number| number.is_finite());
+                let mut read = || model.constant(text, Sets::Speed(*i), &system.parameters());
+                v[*i] = plain.unwrap_or_else(|| read().unwrap_or(f64::NAN));
+            }
+            v
+        }))
+    }
+}
+
+/// The coordinates that can go on steadily.
+fn going(loaded: &Loaded, guess: &Guess) -> Result<Vec<usize>, Problem> {
+    let description = loaded.system.description();
+    if loaded.system.active_rows().is_empty() {
+        let cyclic: Vec<usize> = description.structure.cyclic.iter().map(|index| *index as usize).collect();
+        return match cyclic.is_empty() {
+            false => Ok(cyclic),
+            true => Err(Problem::Usage(format!(
+                "error: --steady: `{}` has no cyclic coordinate; describe what turns by an angle on which nothing depends",
+                loaded.name
+            ))),
+        };
+    }
+    let going = steady_coordinates(&*loaded.system, guess).map_err(failed)?;
+    match going.is_empty() {
+        false => Ok(going),
+        true => Err(Problem::Usage(format!(
+            "error: --steady: in `{}` the equations or the constraints depend on the value of every coordinate, so that none can go \
+             on at a constant rate; describe what turns by an angle on which nothing depends, as in `[r*cos(phi), r*sin(phi)]` with \
+             the constraint `r - l`, not by its x and y",
+            loaded.name
+        ))),
+    }
+}
