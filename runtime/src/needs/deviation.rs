@@ -107,9 +107,9 @@ impl Motion {
         (A_STEP * self.steps as usize).div_ceil(TIMES).saturating_mul(TIMES).clamp(TIMES, MOST_TIMES)
     }
 
-    /// The same at [`TIMES`] times, which differences between neighbours do not make rough.
-    pub fn coarse(&self) -> Motion {
-        let stride = (self.times.len() / TIMES).max(1);
+    /// The same at [`TIMES`] times of so many, between which differences are not rough.
+    pub fn coarse(&self, times: usize) -> Motion {
+        let stride = (times / TIMES).max(1);
         let thinned = |values: &Vec<f64>| values.iter().step_by(stride).copied().collect();
         Motion { times: thinned(&self.times), values: self.values.iter().map(thinned).collect(), ..self.clone() }
     }

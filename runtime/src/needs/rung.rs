@@ -258,7 +258,9 @@ fn measure(full: &Full, rung: &mut Rung) -> Result<(), Verdict> {
     rung.saving = full.motion.operations / motion.operations;
     rung.predicted = match (held(rung), rung.edits.as_slice()) {
         (_, [Edit::Rigid(rigid)]) => rigid::predicted(full, rigid, &answer),
-        (Some(held), _) => below::predicted(full, (&*answer.system, &answer.settings, &motion.coarse()), held),
+        (Some(held), _) => {
+            below::predicted(full, (&*answer.system, &answer.settings, &motion.coarse(full.times)), held)
+        }
         (None, _) => {
             let about = full.rest.as_deref().filter(|_| rung.proposal == Proposal::Linear);
             prediction::predicted(full, (&*answer.system, &answer.settings, &motion), about)
