@@ -3,8 +3,7 @@
 //! 1. What is wanted, and the motion that answers it in full: look in `full.rs`.
 //! 2. Every ingredient of the file: look in `candidate.rs`; the file without it: in `rung.rs`; edits of the text: in `edit.rs`;
 //!    families of coordinates by their modes: in `modal.rs`; laws and models made linear: in `linear.rs`; what is stiff as a
-//!    constraint: in `rigid.rs`, its
-//!    text in `constrained.rs`.
+//!    constraint: in `rigid.rs`, its text in `constrained.rs`.
 //! 3. How far two runs are apart: look in `deviation.rs`; how far they would be by a first approximation, along the full motion: in
 //!    `prediction.rs`; along the smaller model's, where a stiff coordinate is held: in `below.rs`.
 //! 4. What goes together, tried as a whole: look in `choice.rs`.

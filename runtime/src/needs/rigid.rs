@@ -60,15 +60,20 @@ const STEADY: f64 = 0.1;
 /// What is proportional is so to this part.
 const ALIKE: f64 = 1e-9;
 
-/// Every spring between two points as a constraint.
+/// Every spring between two points as a constraint, and all together, since one that is left keeps the model stiff.
 pub(super) fn springs(full: &Full) -> Vec<Candidate> {
     let Some(coordinates) = single(full) else { return Vec::new() };
     let own = keys(&full.source, &[key("springs")]);
-    own.iter()
-        .filter(|name| !name.contains('['))
-        .filter_map(|name| spring(full, &coordinates, name))
-        .flatten()
-        .collect()
+    let own = own.iter().filter(|name| !name.contains('['));
+    let each: Vec<Vec<Candidate>> = own.filter_map(|name| spring(full, &coordinates, name)).collect();
+    let settled: Vec<&Candidate> = each.iter().filter_map(|lengths| lengths.last()).collect();
+    let lengths: Vec<&str> = settled.iter().filter_map(|one| one.proposal.place()).collect();
+    let all = (settled.len() > 1).then(|| Candidate {
+        ingredient: "springs".to_owned(),
+        proposal: Proposal::Rigid { at: lengths.join(", ") },
+        edits: settled.iter().flat_map(|one| one.edits.clone()).collect(),
+    });
+    each.into_iter().flatten().chain(all).collect()
 }
 
 /// The coordinates, where a constraint more leaves the start what it is: without phases and families.

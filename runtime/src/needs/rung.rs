@@ -54,6 +54,16 @@ pub enum Proposal {
     Linear,
 }
 
+impl Proposal {
+    /// The place or length that is kept, with its unit.
+    pub(super) fn place(&self) -> Option<&str> {
+        match self {
+            Proposal::Held { at } | Proposal::Rigid { at } => Some(at),
+            _ => None,
+        }
+    }
+}
+
 /// What is found of a proposal.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]

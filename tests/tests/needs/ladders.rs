@@ -57,6 +57,27 @@ fn a_stiff_cord_is_a_rod_of_its_rest_length_or_better_of_its_length_under_load()
 }
 
 #[test]
+fn cords_that_are_stiff_only_together_become_rods_together() {
+    let chain = "name: Chain
+parameters: {m: 0.5 kg, L: 0.4 m, k: 3e5 N/m, g: 9.81 m/s^2, d1: L + 2*m*g/k m, d2: L + m*g/k m}
+coordinates: {x1: m, y1: m, x2: m, y2: m}
+points: {O: [0, 0]}
+bodies: {a: {mass: m, position: \"[x1, y1]\"}, b: {mass: m, position: \"[x2, y2]\"}}
+gravity: [0, -g]
+springs: {s1: {between: [O, a], stiffness: k, rest: L}, s2: {between: [a, b], stiffness: k, rest: L}}
+forces: {push: {on: b, force: \"[0.3*m*g*(1 - cos(sqrt(g/L)*t/3)), 0]\"}}
+outputs: {tip: x2}
+scene: {start: {y1: -d1, y2: -d1 - d2}, until: 3, tolerance: 1e-7}
+";
+    let needs = found(chain, "tip");
+    let [together] = rigid(&needs, "springs")[..] else { panic!("{}", needs.table()) };
+    assert!(rigid(&needs, "springs.s1").iter().all(|rung| rung.saving < 0.5 * together.saving), "{}", needs.table());
+    let choice = chosen(&needs);
+    assert!(choice.members == ["springs"] && choice.verified <= 1e-3, "{}", needs.table());
+    assert!(choice.moved.is_some_and(|moved| moved < 1.5e-3), "{}", needs.table());
+}
+
+#[test]
 fn the_tension_of_a_cord_that_is_a_rod_is_its_reaction() {
     let file = on_a_cord("1e5");
     let need = Need::of(&["angle", "pull"], 1e-3);

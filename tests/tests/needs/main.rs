@@ -6,6 +6,7 @@ mod linear;
 mod masses;
 mod stiff;
 mod traps;
+mod written;
 
 use std::ops::ControlFlow;
 
