@@ -43,7 +43,7 @@ fn main() {
         for scene in &names.scenes {
             let question = Question {
                 scene: Some(scene.name.clone()),
-                need: Some(Need { outputs: Vec::new(), within: 1e-3 }),
+                need: Some(Need::default()),
                 ..Question::new(model.source)
             };
             println!("| {} | {} | {} |", model.name, scene.name, row(&question));

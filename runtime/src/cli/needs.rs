@@ -145,6 +145,8 @@ fn as_json(found: &Needs) -> Value {
             ("needed", json!(rung.verdict != Verdict::Serves)),
             ("unfelt", json!(rung.unfelt)),
             ("found", json!(rung.verdict.to_string())),
+            ("missed", rung.margin.as_ref().map_or(Value::Null, |(guard, _)| json!(guard))),
+            ("margin", rung.margin.as_ref().map_or(Value::Null, |(_, margin)| number(*margin))),
             ("gone", gone(&rung.gone)),
         ])
     };
@@ -162,6 +164,8 @@ fn as_json(found: &Needs) -> Value {
             ("change", number(choice.change)),
             ("verified", number(choice.verified)),
             ("of", json!(choice.of)),
+            ("clock", choice.parts.map_or(Value::Null, |(clock, _)| number(clock))),
+            ("shape", choice.parts.map_or(Value::Null, |(_, shape)| number(shape))),
             ("moved", choice.moved.map_or(Value::Null, number)),
             ("operations", number(choice.operations)),
             ("saving", number(choice.saving)),
@@ -182,6 +186,15 @@ fn as_json(found: &Needs) -> Value {
         ("scene", json!(found.scene)),
         ("outputs", strings(&found.need.outputs)),
         ("within", number(found.need.within)),
+        (
+            "absolute",
+            found
+                .need
+                .absolute
+                .iter()
+                .map(|(name, amount)| object([("of", json!(name)), ("within", number(*amount))]))
+                .collect(),
+        ),
         ("until", number(found.until)),
         ("known", number(found.known)),
         ("growth", number(found.growth)),
@@ -203,17 +216,43 @@ pub fn question(loaded: &mut Loaded, options: &ArgMatches) -> Result<Question, P
         return Ok(question);
     }
     let said = question.need().map_err(|unanswered| Problem::Usage(format!("error: {unanswered}")))?;
-    let outputs = names.map_or(said.outputs, |names| {
-        names.split(',').map(|name| name.trim().to_owned()).filter(|name| !name.is_empty()).collect()
-    });
+    let (outputs, absolute) = match names {
+        None => (said.outputs, said.absolute),
+        Some(names) => named(loaded, &names)?,
+    };
     let within = match within {
         None => said.within,
         Some(text) => text.trim().parse().map_err(|_| {
             Problem::Usage(format!("error: --within wants a part of the range of each, such as 1e-3, not `{text}`"))
         })?,
     };
-    question.need = Some(Need { outputs, within });
+    question.need = Some(Need { outputs, within, absolute });
     Ok(question)
+}
+
+/// Names, and amounts by which others may be off.
+type Named = (Vec<String>, Vec<(String, f64)>);
+
+/// Names with the amounts by which some may be off: `tip,gap=0.1 mm`.
+fn named(loaded: &mut Loaded, names: &str) -> Result<Named, Problem> {
+    let mut reader = Reader::new(loaded);
+    let (mut outputs, mut absolute) = (Vec::new(), Vec::new());
+    for name in names.split(',').map(str::trim).filter(|name| !name.is_empty()) {
+        match name.split_once('=') {
+            None => outputs.push(name.to_owned()),
+            Some((name, amount)) => {
+                let name = name.trim();
+                let place = |name: &str| loaded.system.description().coordinates.iter().position(|c| *c.name == *name);
+                let sets = match (place(name), name.strip_suffix('\'').and_then(place)) {
+                    (Some(k), _) => Sets::Coordinate(k),
+                    (None, Some(k)) => Sets::Speed(k),
+                    (None, None) => Sets::Any,
+                };
+                absolute.push((name.to_owned(), reader.value(loaded, "needs", sets, amount.trim())?));
+            }
+        }
+    }
+    Ok((outputs, absolute))
 }
 
 /// The question of the file as it is.

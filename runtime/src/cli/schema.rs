@@ -151,7 +151,11 @@ const OBJECTS: &[(&str, &[Key])] = &[
     ),
     (
         "need",
-        &[("outputs", "value", "Coordinates, rates, outputs"), ("within", "expression", "In parts of their ranges")],
+        &[
+            ("outputs", "value", "Coordinates, rates, outputs"),
+            ("within", "expression", "In parts of their ranges"),
+            ("absolute", "value*", "Amounts by which some may be off instead"),
+        ],
     ),
 ];
 

@@ -353,7 +353,7 @@ fn largest_eigenvalue(matrix: DMatrix<f64>) -> Option<f64> {
 }
 
 /// How fast a quantity goes back and forth: √(max |f''| / half its range).
-fn rate_of(channel: &Channel) -> f64 {
+pub(super) fn rate_of(channel: &Channel) -> f64 {
     let nodes = channel.nodes();
     let (low, high) =
         nodes.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), node| (l.min(node[0]), h.max(node[0])));

@@ -8,6 +8,7 @@ use super::edit::{Edit, entry, shown, unit_of, word};
 use super::full::{Full, MOST_COORDINATES};
 use super::linear::linear;
 use super::modal::{Modes, ladders};
+use super::rigid;
 use super::rung::Proposal;
 use crate::mechanism::At;
 use crate::run::plain;
@@ -27,7 +28,8 @@ pub(super) struct Candidate {
 
 /// All that is tried, in the file's order.
 pub(super) fn candidates(full: &Full) -> Vec<Candidate> {
-    [entries(full), masses(full), inputs(full), coordinates(full), families(full), linear(full)]
+    let [springs, read] = [rigid::springs(full), rigid::coordinates(full)];
+    [entries(full), masses(full), inputs(full), coordinates(full), read, springs, families(full), linear(full)]
         .into_iter()
         .flatten()
         .collect()
@@ -150,7 +152,7 @@ pub(super) fn rounded(value: f64, range: f64) -> f64 {
 }
 
 /// Where the force on a coordinate vanishes, the others standing where the scene starts, by secants.
-fn resting(full: &Full, index: usize) -> Option<f64> {
+pub(super) fn resting(full: &Full, index: usize) -> Option<f64> {
     const ROUNDS: u32 = 60;
     const SMALL: f64 = 1e-9;
     let (system, n) = (&*full.system, full.system.len());

@@ -8,7 +8,7 @@ use dalembert_symbolic::file::edit::{keys, source};
 use super::Unanswered;
 use super::deviation::{Motion, between, largest};
 use super::edit::{Edit, entry, shown, word};
-use super::full::{Full, columns};
+use super::full::{Full, columns, on_constraints, started};
 use super::rung::{Answer, Proposal, Rung, Verdict, answer, near};
 use crate::mechanism::System;
 use crate::simulate::Settings;
@@ -31,6 +31,8 @@ pub struct Choice {
     pub verified: f64,
     /// Of what.
     pub of: String,
+    /// What of it is clock and what is shape, as in [`Deviation`](super::Deviation); `None` where it is too large to say.
+    pub parts: Option<(f64, f64)>,
     /// The same from starts moved by a hundredth of the way to where the motion goes, and away from it; `None` where they could not be compared.
     pub moved: Option<f64>,
     /// What the scene takes now, as [`Needs::operations`](super::Needs::operations).
@@ -55,13 +57,21 @@ impl Choice {
     }
 }
 
+/// The looser tolerance that serves, as an ingredient that saves work of the full model by itself.
+pub(super) fn looser(full: &Full) -> Option<Rung> {
+    let own = full.settings.tolerance;
+    full.tolerances().find_map(|tolerance| {
+        let run = full.motion_of(&*full.system, &full.settings, tolerance).ok()?;
+        let deviation = full.deviation(&run).ok().filter(|deviation| deviation.largest <= full.need.within)?;
+        Some(Rung::of_tolerance((tolerance, own), deviation, full.operations / run.operations))
+    })
+}
+
 /// What saves less stays: a file without it is less general for no gain.
 const WORTH: f64 = 1.05;
 /// Sums of changes may take this part of the need, and their sizes twice the need: none fits only by cancelling another.
 const FILLED: f64 = 0.95;
 const CANCELLED: f64 = 2.0;
-/// The tolerance is this part of the need at the loosest.
-const LOOSE: f64 = 1e-2;
 /// A set that fails as a whole is tried again with one member less, so often.
 const RETRIES: usize = 3;
 /// Starts are moved by this part of the way to states that the motion goes through.
@@ -149,8 +159,7 @@ fn verified(full: &Full, members: &[&Rung]) -> Option<Choice> {
     let idle = idle(full, members, &mut edits, (&mut found, &reference));
     let within = full.need.within;
     let own = full.settings.tolerance;
-    let loose = [LOOSE, 0.1 * LOOSE].map(|part| part * within).into_iter().filter(|tolerance| *tolerance > own);
-    let (tolerance, run, deviation) = loose.chain([own]).find_map(|tolerance| {
+    let (tolerance, run, deviation) = full.tolerances().chain([own]).find_map(|tolerance| {
         let run = motion(full, &found, tolerance)?;
         let deviation = full.deviation(&run).ok()?;
         (deviation.largest <= within).then_some((tolerance, run, deviation))
@@ -163,8 +172,9 @@ fn verified(full: &Full, members: &[&Rung]) -> Option<Choice> {
         predicted: (!members.is_empty()).then(|| predicted(members)),
         change: change.largest,
         verified: deviation.largest,
+        parts: deviation.parts(),
         of: deviation.of,
-        moved: from_moved_starts(full, &edits, (&found, tolerance)),
+        moved: from_moved_starts(full, &edits, (&found, tolerance, &run)),
         operations: run.operations,
         saving: full.operations / run.operations,
         not_promised: not_promised(full, &found),
@@ -174,7 +184,7 @@ fn verified(full: &Full, members: &[&Rung]) -> Option<Choice> {
 }
 
 fn motion(full: &Full, answer: &Answer, tolerance: f64) -> Option<Motion> {
-    Motion::of(&*answer.system, &answer.settings, tolerance, &full.need.outputs).ok()
+    full.motion_of(&*answer.system, &answer.settings, tolerance).ok()
 }
 
 /// The coordinates that are held.
@@ -188,7 +198,7 @@ fn speaks_of(full: &Full, rung: &Rung, coordinate: &str) -> bool {
     rung.edits.iter().any(|edit| match edit {
         Edit::Remove(path) => word(&source_of(full, path), coordinate).is_some(),
         Edit::Replace { .. } | Edit::Hold { .. } | Edit::Slave { .. } => false,
-        Edit::ByModes(_) | Edit::Parameter { .. } | Edit::Linear(_) => false,
+        Edit::ByModes(_) | Edit::Rigid(_) | Edit::Parameter { .. } | Edit::Linear(_) => false,
     })
 }
 
@@ -228,13 +238,15 @@ fn not_promised(full: &Full, found: &Answer) -> Vec<(String, f64)> {
     let others: Vec<String> = columns(&*full.system, &[]).unwrap_or_default();
     let others: Vec<String> =
         others.into_iter().filter(|name| own.contains(name) && !full.need.outputs.contains(name)).collect();
-    let of = |system: &dyn System, settings: &Settings| Motion::of(system, settings, full.tolerance, &others).ok();
+    let of = |system: &dyn System, settings: &Settings| {
+        Motion::of((system, settings), (full.tolerance, full.times), &others).ok()
+    };
     let (Some(whole), Some(small)) = (of(&*full.system, &full.settings), of(&*found.system, &found.settings)) else {
         return Vec::new();
     };
     let off = |(place, name): (usize, &String)| {
         let one = |motion: &Motion| Motion { values: vec![motion.values[place].clone()], ..motion.clone() };
-        let scale = whole.scales()[place].unwrap_or(f64::MIN_POSITIVE);
+        let scale = whole.scales(&whole)[place].unwrap_or(f64::MIN_POSITIVE);
         let compared = between(&one(&whole), &one(&small), (std::slice::from_ref(name), &[scale]));
         let size = compared.map_or(f64::INFINITY, |(deviation, _)| deviation.largest);
         (size > full.need.within).then(|| (name.clone(), size))
@@ -269,25 +281,31 @@ fn change_of(edits: &[Edit], name: &str, all: &[String], changes: &[f64]) -> Opt
 }
 
 /// The largest deviation from two other starts, each moved alike for both models.
-fn from_moved_starts(full: &Full, edits: &[Edit], (found, tolerance): (&Answer, f64)) -> Option<f64> {
+fn from_moved_starts(full: &Full, edits: &[Edit], (found, tolerance, run): (&Answer, f64, &Motion)) -> Option<f64> {
     let names = |system: &dyn System| -> Vec<String> {
         system.description().coordinates.iter().map(|c| c.name.to_string()).collect()
     };
     let (all, own) = (names(&*full.system), names(&*found.system));
+    let from = started(&*full.system, &full.settings, &full.motion.first);
+    let smaller = started(&*found.system, &found.settings, &run.first);
+    let rigid = edits.iter().any(|edit| matches!(edit, Edit::Rigid(_)));
     let mut worst = 0.0_f64;
     for (part, visited) in [MOVED, -MOVED].into_iter().zip(&full.motion.visited) {
-        let there = towards(&full.settings, visited, part);
-        let mut here = found.settings.clone();
-        for (start, there, before) in
-            [(&mut here.q, &there.q, &full.settings.q), (&mut here.v, &there.v, &full.settings.v)]
-        {
+        let mut there = on_constraints(&*full.system, towards(&from, visited, part));
+        let mut here = smaller.clone();
+        for (start, there, before) in [(&mut here.q, &there.q, &from.q), (&mut here.v, &there.v, &from.v)] {
             let changes: Vec<f64> = there.iter().zip(before).map(|(there, before)| there - before).collect();
             for (name, start) in own.iter().zip(start) {
                 *start += change_of(edits, name, &all, &changes)?;
             }
         }
-        let whole = Motion::of(&*full.system, &there, full.tolerance, &full.need.outputs).ok()?;
-        let small = Motion::of(&*found.system, &here, tolerance, &full.need.outputs).ok()?;
+        here = on_constraints(&*found.system, here);
+        // What is stiff is not stretched by being moved.
+        if rigid && own == all {
+            (there.q, there.v) = (here.q.clone(), here.v.clone());
+        }
+        let whole = full.motion_of(&*full.system, &there, full.tolerance).ok()?;
+        let small = full.motion_of(&*found.system, &here, tolerance).ok()?;
         let (deviation, _) = between(&whole, &small, full.measure()).ok()?;
         worst = worst.max(deviation.largest);
     }

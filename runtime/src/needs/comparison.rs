@@ -10,13 +10,35 @@ impl Needs {
     /// compared.
     pub fn comparison(&self, full: &str, small: &str) -> Option<String> {
         let choice = self.choice.as_ref()?;
-        let columns = self.need.outputs.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ");
+        let absolute = |name: &String| self.need.absolute.iter().any(|(own, _)| own == name);
+        let relative = self.need.outputs.iter().filter(|name| !absolute(name));
+        let columns = relative.map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ");
+        let relative = match columns.is_empty() {
+            true => String::new(),
+            false => format!(
+                "    for name in [{columns}] {{
+        let off = full.deviation(&small, name).expect(\"a column of both\");
+        assert!(off <= {:e}, \"{{name}} is off by {{off:e}} of its range\");
+    }}
+",
+                self.need.within
+            ),
+        };
+        let amounts = self.need.absolute.iter().map(|(name, amount)| {
+            format!(
+                "    let [one, other] = [&full, &small].map(|run| run.column({name:?}).expect(\"a column of both\"));
+    let off = one.iter().zip(&other).fold(0.0_f64, |most, (one, other)| most.max((one - other).abs()));
+    assert!(off <= {amount:e}, \"{name} is off by {{off:e}}\");
+"
+            )
+        });
+        let compared = amounts.fold(relative, |text, amount| text + &amount);
         let scene = self.scene.as_ref().map_or_else(String::new, |name| format!(".scene({name:?})"));
-        let (within, until) = (self.need.within, self.until);
+        let until = self.until;
         let sizes: String = self.sizes.iter().map(|(name, size)| format!(", {name} = {size}")).collect();
-        let exact = 1e-3 * within.min(1e-6);
+        let exact = 1e-3 * self.need.within.min(1e-6);
         Some(format!(
-            r#"//! `{small}` does what `{full}` does: {wanted} within {within:e} of the range of each until
+            r#"//! `{small}` does what `{full}` does: {wanted} until
 //! t = {until} s. `dalembert needs` wrote it; {found:.1e} was found then.
 
 use dalembert::prelude::*;
@@ -26,18 +48,15 @@ dalembert::model!({small:?}{sizes}, name = Smaller);
 
 #[test]
 fn the_smaller_model_does_what_the_full_one_does() {{
-    let every = {until:?} / 1000.0;
+    let every = {until:?} / {times}.0;
     let full = Full::default().simulate(){scene}.every(every);
     let full = full.tolerance({exact:e}).run().expect("the full model runs");
     let small = Smaller::default().simulate(){scene}.every(every);
     let small = small.tolerance({tolerance:e}).run().expect("the smaller model runs");
-    for name in [{columns}] {{
-        let off = full.deviation(&small, name).expect("a column of both");
-        assert!(off <= {within:e}, "{{name}} is off by {{off:e}} of its range");
-    }}
-}}
+{compared}}}
 "#,
-            wanted = self.need.outputs.join(", "),
+            times = self.times,
+            wanted = self.need.words(),
             found = choice.verified,
             tolerance = choice.tolerance,
         ))

@@ -13,9 +13,9 @@ pub struct Deviation {
     pub largest: f64,
     /// Of which quantity or event.
     pub of: String,
-    /// Of that, what is clock: the same motion, by this part faster or slower.
+    /// Of that, what is clock: the same motion, by this part faster (or, negative, slower).
     pub clock: f64,
-    /// What is left of the deviation when the clock is set right.
+    /// What is left of the deviation when the clock is set right, in parts of the range.
     pub shape: f64,
 }
 
@@ -29,7 +29,7 @@ pub(super) struct Motion {
     pub units: Vec<String>,
     /// Names and times of events.
     pub events: Vec<(String, f64)>,
-    /// Functions of events and discontinuities, by name; nothing with constraints or phases.
+    /// Functions of events and discontinuities, by name; nothing with phases.
     pub guards: Vec<(String, Vec<f64>)>,
     /// Evaluations of the accelerations, and all else in their terms, times operations.
     pub operations: f64,
@@ -39,27 +39,47 @@ pub(super) struct Motion {
     pub ranges: Vec<f64>,
     /// Where each is on the average.
     pub means: Vec<f64>,
+    /// Where each is at first, when the start has met its constraints.
+    pub first: Vec<f64>,
     /// Where each is at a third of the run, and at two thirds.
     pub visited: [Vec<f64>; 2],
 }
 
-/// The runs are compared at so many times.
-const TIMES: f64 = 1000.0;
+/// The runs are compared at so many times, or at so many for each step of the full model's, of which its fastest vibration takes some
+/// three a period; and never at more.
+pub(super) const TIMES: usize = 1000;
+const A_STEP: usize = 3;
+const MOST_TIMES: usize = 8000;
 /// No rung takes so many steps.
 const MOST_STEPS: u64 = 400_000;
 /// Beside an event is what is this part of the scene from it.
 const INSTANT: f64 = 1e-9;
 /// What moves less beside its size stands still.
 const STILL: f64 = 1e-9;
+/// And what moves less than so many times by which two runs differ.
+const SURE: f64 = 10.0;
+/// The clock of a larger deviation is not one of first order.
+const CLOCKED: f64 = 0.2;
+
+impl Deviation {
+    /// The parts that are clock and shape; `None` where the deviation is too large to say.
+    pub fn parts(&self) -> Option<(f64, f64)> {
+        (self.largest <= CLOCKED && self.clock.abs() <= CLOCKED).then_some((self.clock, self.shape))
+    }
+}
 
 impl Motion {
     /// A run that reports what is wanted.
     ///
     /// # Errors
     /// What it is that failed, in words.
-    pub fn of(system: &dyn System, settings: &Settings, tolerance: f64, columns: &[String]) -> Result<Motion, String> {
+    pub fn of(
+        (system, settings): (&dyn System, &Settings),
+        (tolerance, times): (f64, usize),
+        columns: &[String],
+    ) -> Result<Motion, String> {
         let mut system = system.boxed_clone();
-        let every = Some((settings.until - settings.from) / TIMES);
+        let every = Some((settings.until - settings.from) / times as f64);
         let settings =
             Settings { every, tolerance, max_steps: MOST_STEPS, dense: false, watch: false, ..settings.clone() };
         let run = simulate(&mut *system, &settings).map_err(|error| error.to_string())?;
@@ -76,19 +96,34 @@ impl Motion {
             operations: WorkUnits::of(&*system, run.method).operations * WorkUnits::of_run(&*system, &run),
             steps: run.work.steps,
             ranges: states.iter().map(|values| spread(values).0).collect(),
+            first: states.iter().filter_map(|values| values.first().copied()).collect(),
             visited: [1, 2].map(|third| states.iter().map(|values| values[third * (values.len() - 1) / 3]).collect()),
             means: states.iter().map(|values| values.iter().sum::<f64>() / values.len() as f64).collect(),
         })
     }
 
-    /// The range of each wanted quantity, by which its deviations are measured, and its size where that stands still; `None` for
-    /// what does not move beside others of its unit, but by rounding.
-    pub fn scales(&self) -> Vec<Option<f64>> {
-        let of = |values: &Vec<f64>| {
+    /// At how many times runs that are compared with this one show what vibrates as fast.
+    pub fn dense_enough(&self) -> usize {
+        (A_STEP * self.steps as usize).div_ceil(TIMES).saturating_mul(TIMES).clamp(TIMES, MOST_TIMES)
+    }
+
+    /// The same at [`TIMES`] times of so many, between which differences are not rough.
+    pub fn coarse(&self, times: usize) -> Motion {
+        let stride = (times / TIMES).max(1);
+        let thinned = |values: &Vec<f64>| values.iter().step_by(stride).copied().collect();
+        Motion { times: thinned(&self.times), values: self.values.iter().map(thinned).collect(), ..self.clone() }
+    }
+
+    /// The range of each wanted quantity, by which its deviations are measured, and its size where that stands still, or moves by
+    /// less than another run of the same model is sure of; `None` for what does not move beside others of its unit, but by rounding.
+    pub fn scales(&self, again: &Motion) -> Vec<Option<f64>> {
+        let of = |(values, others): (&Vec<f64>, &Vec<f64>)| {
             let (range, size) = spread(values);
-            if range > STILL * size { range } else { size }
+            let apart = values.iter().zip(others).map(|(a, b)| (a - b).abs()).filter(|apart| apart.is_finite());
+            let unsure = apart.fold(0.0_f64, f64::max);
+            if range > STILL * size && range > SURE * unsure { range } else { size }
         };
-        let scales: Vec<f64> = self.values.iter().map(of).collect();
+        let scales: Vec<f64> = self.values.iter().zip(&again.values).map(of).collect();
         let alike = |unit: &String| {
             let list = scales.iter().zip(&self.units).filter(|(_, other)| *other == unit);
             list.fold(0.0_f64, |most, (scale, _)| most.max(*scale))
@@ -109,9 +144,11 @@ pub(super) fn spread(values: &[f64]) -> (f64, f64) {
 /// Functions of events and discontinuities along a run.
 fn guards(system: &dyn System, run: &Run) -> Vec<(String, Vec<f64>)> {
     let description = system.description();
-    if !description.rows.is_empty() || description.phases.len() > 1 {
+    if description.phases.len() > 1 {
         return Vec::new();
     }
+    // With constraints only those are told that read neither accelerations nor reactions.
+    let (free, unknown) = (description.rows.is_empty(), vec![f64::NAN; description.rows.len()]);
     let (events, switches) = (description.events.len(), description.switches.len());
     let switch = |index: usize| format!("`{}` = 0", crate::events::switch_text(system, index));
     let names = description.events.iter().map(|event| event.name.to_string()).chain((0..switches).map(switch));
@@ -119,8 +156,8 @@ fn guards(system: &dyn System, run: &Run) -> Vec<(String, Vec<f64>)> {
     let (mut pairs, mut switched) = (vec![0.0; 2 * events], vec![0.0; 2 * switches]);
     let mut a = vec![0.0; system.len()];
     for state in run.states() {
-        let at = At::new(state.t, &state.q, &state.v);
-        if system.accelerations(at, &mut a).is_err() {
+        let at = At { lambda: &unknown, ..At::new(state.t, &state.q, &state.v) };
+        if !free || system.accelerations(at, &mut a).is_err() {
             a.fill(f64::NAN);
         }
         system.events(at.accelerated(&a), &mut pairs);
@@ -159,8 +196,9 @@ pub(super) fn between(
     for (((name, scale), mine), theirs) in columns.iter().zip(scales).zip(&full.values).zip(&other.values) {
         let difference = |row: usize| match (mine[row], theirs[row]) {
             _ if beside(full.times[row]) => 0.0,
-            (a, b) if a.is_nan() && b.is_nan() => 0.0,
-            (a, b) if a.is_nan() != b.is_nan() => f64::INFINITY,
+            // What is nowhere, as a reaction in flight, is no difference where both are.
+            (a, b) if !a.is_finite() && !b.is_finite() => 0.0,
+            (a, b) if !a.is_finite() || !b.is_finite() => f64::INFINITY,
             (a, b) => (b - a) / scale,
         };
         let signed: Vec<f64> = (0..shared).map(difference).collect();

@@ -5,8 +5,10 @@ use dalembert_symbolic::file::edit::{keys, replaced, rewritten, source, value, w
 use dalembert_symbolic::lower::Program;
 use dalembert_symbolic::print::LinearEnergies;
 
+use super::constrained::constrained;
 use super::linear::by_energies;
 use super::modal::{Modes, by_modes};
+use super::rigid::Rigid;
 
 /// A change of a model file.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,6 +25,8 @@ pub(super) enum Edit {
     ByModes(Modes),
     /// A parameter more, if it is not there yet.
     Parameter { name: String, value: String },
+    /// What is stiff becomes a constraint.
+    Rigid(Rigid),
     /// All equations of motion become those of these energies.
     Linear(LinearEnergies),
 }
@@ -38,7 +42,7 @@ impl Edit {
                 let energies = [Some(kinetic), potential.as_ref(), dissipation.as_ref()];
                 energies.into_iter().flatten().chain(forces.iter().map(|(_, force)| force)).any(reads)
             }
-            Edit::Remove(_) | Edit::ByModes(_) | Edit::Parameter { .. } => false,
+            Edit::Remove(_) | Edit::ByModes(_) | Edit::Rigid(_) | Edit::Parameter { .. } => false,
         }
     }
 }
@@ -73,6 +77,7 @@ pub(super) fn edited(text: &str, edits: &[Edit]) -> Option<String> {
         Edit::Hold { coordinate, value } => hold(&text, coordinate, value),
         Edit::Slave { coordinate, place, moves } => slave(&text, coordinate, place, *moves),
         Edit::ByModes(modes) => by_modes(&text, modes),
+        Edit::Rigid(rigid) => constrained(&text, rigid),
         Edit::Parameter { name, .. } if source(&text, &entry("parameters", name)).is_some() => Some(text),
         Edit::Parameter { name, value } => with(&text, "parameters", "name", name, value),
         Edit::Linear(energies) => by_energies(&text, energies),
@@ -119,18 +124,30 @@ pub(super) fn with_until(text: &str, scene: Option<&str>, value: &str) -> Option
     if source(text, &own).is_some() { replaced(text, &own, value) } else { with_at(text, &scene, "until", value) }
 }
 
-fn key(name: &str) -> Step {
+pub(super) fn key(name: &str) -> Step {
     Step::Key(name.to_owned())
+}
+
+/// A name that the file does not have yet.
+pub(super) fn unused(text: &str, name: &str) -> String {
+    let mut name = name.to_owned();
+    while text.contains(&name) {
+        name.push('_');
+    }
+    name
+}
+
+/// A formula as a scalar of YAML, wherever it stands.
+pub(super) fn scalar(formula: &str) -> String {
+    let plain = !formula.contains(['[', ']', '{', '}', ',', '#', ':', '"']) && !formula.starts_with(['-', '*', '&']);
+    if plain { formula.to_owned() } else { format!("\"{formula}\"") }
 }
 
 /// z leaves `coordinates`, every start and guess, and what acts on it alone; `define: {z: z_held}` takes its place, with `z_held` a
 /// parameter, and 0 that of z' and z''.
 fn hold(text: &str, coordinate: &str, value: &str) -> Option<String> {
     let text = without(text, &entry("generalized_forces", coordinate)).unwrap_or_else(|| text.to_owned());
-    let mut name = format!("{coordinate}_held");
-    while text.contains(&name) {
-        name.push('_');
-    }
+    let name = unused(&text, &format!("{coordinate}_held"));
     let text = defined(&text, coordinate, &name, |_| "0".to_owned())?;
     with(&text, "parameters", "name", &name, value)
 }
@@ -201,6 +218,29 @@ pub(super) fn claim(text: &str, problem: &Problem) -> Option<(Vec<Step>, String)
     Some((path, problem.message.clone()))
 }
 
+/// The code of balances that are not as many as unknowns.
+const UNEQUAL: &str = "E414";
+/// Systems of more equations go as a whole.
+const MOST_EQUATIONS: usize = 8;
+
+/// The file less one equation of a system of balances, the first without which it compiles.
+fn with_one_less(
+    text: &str,
+    system: &[Step],
+    compile: &mut impl FnMut(&str) -> Result<Program, Vec<Problem>>,
+) -> Option<(Vec<Step>, Program, String)> {
+    let equation = |index: usize| [system, &[key("equations"), Step::Index(index)]].concat();
+    let paths = (0..MOST_EQUATIONS).map(equation).take_while(|path| source(text, path).is_some());
+    if source(text, &equation(MOST_EQUATIONS)).is_some() {
+        return None;
+    }
+    let tried = |path: Vec<Step>| {
+        let less = without(text, &path)?;
+        compile(&less).ok().map(|program| (path, program, less))
+    };
+    paths.collect::<Vec<_>>().into_iter().find_map(tried)
+}
+
 /// The file less what it claims in vain, given what compiles, and as a program; with what went, and why.
 ///
 /// # Errors
@@ -235,6 +275,12 @@ pub(super) fn without_vain_claims(
             && is_wanted(output)
         {
             return Err(format!("`{output}` is wanted and reads it: {why}"));
+        }
+        // Of balances that are too many one goes, if the others still determine the motion.
+        let uneven = problems.iter().any(|problem| problem.code == UNEQUAL && problem.place.path.starts_with(&path));
+        if let Some((path, program, less)) = uneven.then(|| with_one_less(&text, &path, &mut compile)).flatten() {
+            gone.push((shown(&path), why));
+            return Ok((less, program, gone));
         }
         text = without(&text, &path).ok_or_else(said)?;
         gone.push((shown(&path), why));

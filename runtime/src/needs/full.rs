@@ -5,10 +5,11 @@ use std::path::PathBuf;
 use dalembert_symbolic::lower::{Program, compile_in};
 use dalembert_symbolic::print::resting_place;
 
-use super::deviation::{Deviation, Motion, between, largest};
+use super::deviation::{Deviation, Motion, TIMES, between, largest};
 use super::edit::with_sizes;
 use super::linear::resting;
 use super::{Need, Question, Unanswered};
+use crate::constrain::Projection;
 use crate::mechanism::{Interpreted, System};
 use crate::precision::{Verified, WorkUnits};
 use crate::simulate::Settings;
@@ -34,6 +35,8 @@ pub(super) struct Full {
     pub motion: Motion,
     pub exact: Motion,
     pub tolerance: f64,
+    /// At how many times runs are compared.
+    pub times: usize,
     pub known: f64,
     pub growth: f64,
     pub promised_until: Option<f64>,
@@ -50,8 +53,12 @@ const TIGHT: f64 = 1e-9;
 const KNOWN: f64 = 0.05;
 /// Tolerances at which the full model is run beside, in parts of the need.
 const LOOSER: [f64; 3] = [1.0, 1e-1, 1e-2];
+/// The tolerance is this part of the need at the loosest.
+const LOOSE: f64 = 1e-2;
 /// Pushes of the start, in parts of ranges, by which growth is measured.
 const PUSH: f64 = 1e-7;
+/// Growth is measured from the first of so many parts of the scene on.
+const INSTANTS: usize = 100;
 /// Scenes in which a small change grows more than this are not reduced.
 pub(super) const MOST_GROWTH: f64 = 1e4;
 /// Coordinates beyond this many are not tried.
@@ -59,6 +66,10 @@ pub(super) const MOST_COORDINATES: usize = 24;
 
 impl Full {
     pub fn run(question: &Question, need: Need) -> Result<Full, Unanswered> {
+        let amount = need.absolute.iter().find(|(_, amount)| !(*amount > 0.0 && amount.is_finite()));
+        if let Some((_, within)) = amount {
+            return Err(Unanswered::BadNeed { within: *within });
+        }
         if !(1e-9..=0.5).contains(&need.within) {
             return Err(Unanswered::BadNeed { within: need.within });
         }
@@ -68,17 +79,31 @@ impl Full {
         let compiled = compile_in(folder.as_deref(), source, sizes);
         let program = compiled.map_err(|problems| Unanswered::Model { problems })?;
         let places = places(&program);
+        let mut need = need;
+        let everything = need.outputs.is_empty() && need.absolute.is_empty();
+        let named = need.absolute.iter().map(|(name, _)| name.clone()).filter(|name| !need.outputs.contains(name));
+        let named: Vec<String> = named.collect();
+        need.outputs.extend(named);
         let unfelt = unfelt(&program, &need.outputs);
         let (system, settings) = set(program.clone(), source, scene.as_deref())?;
-        let everything = need.outputs.is_empty();
-        let mut need = Need { outputs: columns(&*system, &need.outputs)?, ..need };
+        need.absolute = amounts(&*system, &need.absolute)?;
+        need.outputs = columns(&*system, &need.outputs)?;
         let tolerance = (BELOW * need.within).min(TIGHT);
         let wanted = need.outputs.clone();
-        let run = |tolerance: f64| {
-            Motion::of(&*system, &settings, tolerance, &wanted).map_err(|why| Unanswered::Fails { why })
+        let run = |tolerance: f64, times: usize| {
+            Motion::of((&*system, &settings), (tolerance, times), &wanted).map_err(|why| Unanswered::Fails { why })
         };
-        let (mut motion, mut exact, own) = (run(tolerance)?, run(0.1 * tolerance)?, run(settings.tolerance)?);
-        let mut scales = exact.scales();
+        let (mut motion, own) = (run(tolerance, TIMES)?, run(settings.tolerance, TIMES)?);
+        let times = motion.dense_enough();
+        if times > TIMES {
+            motion = run(tolerance, times)?;
+        }
+        let mut exact = run(0.1 * tolerance, times)?;
+        let mut scales = exact.scales(&motion);
+        for (name, amount) in &need.absolute {
+            let places = need.outputs.iter().zip(&mut scales).filter(|(wanted, _)| *wanted == name);
+            places.for_each(|(_, scale)| *scale = Some(amount / need.within));
+        }
         if everything {
             // Where everything is wanted nothing is to be lost of what stands still.
             let moves: Vec<bool> = scales.iter().map(Option::is_some).collect();
@@ -109,6 +134,7 @@ impl Full {
             motion,
             exact,
             tolerance,
+            times,
             known: 0.0,
             growth: 0.0,
             promised_until: None,
@@ -150,6 +176,12 @@ impl Full {
         WorkUnits::of(&*self.system, self.settings.method).operations
     }
 
+    /// Tolerances that may serve, looser than the scene's, the loosest first.
+    pub fn tolerances(&self) -> impl Iterator<Item = f64> {
+        let (within, own) = (self.need.within, self.settings.tolerance);
+        [LOOSE, 0.1 * LOOSE].map(|part| part * within).into_iter().filter(move |tolerance| *tolerance > own)
+    }
+
     /// It at loose tolerances, at its scene's, and at that at which rungs are compared; what fails at one is left aside.
     pub fn by_tolerance(&self) -> Vec<Verified> {
         let mut tolerances: Vec<f64> = LOOSER.map(|part| part * self.need.within).into();
@@ -157,12 +189,17 @@ impl Full {
         tolerances.sort_by(|a, b| b.total_cmp(a));
         tolerances.dedup();
         let verified = |tolerance: f64| {
-            let motion = Motion::of(&*self.system, &self.settings, tolerance, &self.need.outputs).ok()?;
+            let motion = self.motion_of(&*self.system, &self.settings, tolerance).ok()?;
             let error = self.deviation(&motion).ok()?.largest;
             let work = motion.operations / self.evaluation();
             Some(Verified { name: self.name().to_owned(), tolerance, error, work })
         };
         tolerances.into_iter().filter_map(verified).collect()
+    }
+
+    /// What is wanted of a model, at the times at which runs are compared.
+    pub fn motion_of(&self, system: &dyn System, settings: &Settings, tolerance: f64) -> Result<Motion, String> {
+        Motion::of((system, settings), (tolerance, self.times), &self.need.outputs)
     }
 
     /// How far a run is from the exact one.
@@ -173,13 +210,16 @@ impl Full {
     /// Measures how a small push of the start grows, and until when the scene can be promised.
     fn grow(&mut self) {
         let mut grown = vec![0.0_f64; self.motion.times.len()];
+        let start = started(&*self.system, &self.settings, &self.motion.first);
+        let mut compared = false;
         for push in [PUSH, -PUSH] {
-            let pushed = moved(&self.settings, &self.motion.ranges, push);
-            let Ok(motion) = Motion::of(&*self.system, &pushed, self.tolerance, &self.need.outputs) else { continue };
+            let pushed = on_constraints(&*self.system, moved(&start, &self.motion.ranges, push));
+            let Ok(motion) = self.motion_of(&*self.system, &pushed, self.tolerance) else { continue };
+            compared = true;
             // An event more or less, as where a motion begins at a turning point, is no growth.
             let quiet = |motion: &Motion| Motion { events: Vec::new(), ..motion.clone() };
-            let compared = between(&self.motion, &motion, self.measure());
-            match compared.or_else(|_| between(&quiet(&self.motion), &quiet(&motion), self.measure())) {
+            let known = between(&self.motion, &motion, self.measure());
+            match known.or_else(|_| between(&quiet(&self.motion), &quiet(&motion), self.measure())) {
                 Ok((_, differences)) => {
                     for (row, grown) in grown.iter_mut().enumerate() {
                         let here: Vec<f64> = differences.iter().filter_map(|d| d.get(row).copied()).collect();
@@ -189,6 +229,16 @@ impl Full {
                 Err(_) => grown.fill(f64::INFINITY),
             }
         }
+        if !compared {
+            self.growth = f64::NAN;
+            return;
+        }
+        // What an output reads a thousand times enlarged from the first instant on has not grown.
+        let first = grown.len().div_ceil(INSTANTS);
+        let enlarged = largest(&grown[..first]).max(1.0);
+        if enlarged.is_finite() {
+            grown.iter_mut().for_each(|grown| *grown /= enlarged);
+        }
         self.growth = largest(&grown);
         let most = (KNOWN * self.need.within / self.tolerance).min(MOST_GROWTH);
         if self.growth > most {
@@ -196,6 +246,32 @@ impl Full {
             self.promised_until = Some(self.motion.times[row.saturating_sub(1)]);
         }
     }
+}
+
+/// A start as it meets its constraints.
+pub(super) fn started(system: &dyn System, settings: &Settings, first: &[f64]) -> Settings {
+    let mut settings = settings.clone();
+    if !system.description().rows.is_empty() && first.len() == 2 * system.len() {
+        let (q, v) = first.split_at(system.len());
+        (settings.q, settings.v) = (q.to_vec(), v.to_vec());
+        (settings.held_q, settings.held_v, settings.also) = (Vec::new(), Vec::new(), 0..0);
+    }
+    settings
+}
+
+/// A start brought back to the constraints that act there.
+pub(super) fn on_constraints(system: &dyn System, mut settings: Settings) -> Settings {
+    let mut system = system.boxed_clone();
+    system.set_phase(settings.phase);
+    if let Some(mut projection) = Projection::new(&*system) {
+        let n = system.len();
+        let mut y = [settings.q.as_slice(), &settings.v].concat();
+        // Where that cannot be done the run says so.
+        if projection.project(&*system, settings.from, &mut y).is_ok() {
+            (settings.q, settings.v) = (y[..n].to_vec(), y[n..].to_vec());
+        }
+    }
+    settings
 }
 
 /// A start moved by a part of the range that each coordinate and rate goes through, to one side and the other in turn; of what is
@@ -265,6 +341,15 @@ pub(super) fn set(
     }
     let settings = Settings::new(&system.scene(place));
     Ok((Box::new(system), settings))
+}
+
+/// Amounts of vectors as those of their components.
+fn amounts(system: &dyn System, given: &[(String, f64)]) -> Result<Vec<(String, f64)>, Unanswered> {
+    let mut found = Vec::new();
+    for (name, amount) in given {
+        found.extend(columns(system, std::slice::from_ref(name))?.into_iter().map(|column| (column, *amount)));
+    }
+    Ok(found)
 }
 
 /// What is wanted as columns of a run; all coordinates and outputs where nothing is named.

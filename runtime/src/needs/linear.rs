@@ -11,7 +11,7 @@ use dalembert_symbolic::file::edit::{keys, replaced, source, value, with, with_s
 use dalembert_symbolic::print::{About, Degree, LinearEnergies, linear_energies, linear_law};
 
 use super::candidate::{Candidate, rounded};
-use super::edit::{Edit, entry, shown, unit_of, word};
+use super::edit::{Edit, entry, scalar, shown, unit_of, unused, word};
 use super::full::{Full, MOST_COORDINATES};
 use super::rung::Proposal;
 use crate::linear::{Guess, equilibrium_near};
@@ -105,15 +105,6 @@ fn parameter(name: &str, value: f64, unit: &str) -> Edit {
     Edit::Parameter { name: name.to_owned(), value }
 }
 
-/// A name that the file does not have yet.
-fn unused(text: &str, name: &str) -> String {
-    let mut name = name.to_owned();
-    while text.contains(&name) {
-        name.push('_');
-    }
-    name
-}
-
 /// How far the ends of a spring are from each other at rest.
 fn distance(full: &Full, spring: &[Step], rest: &[f64]) -> Option<f64> {
     let end =
@@ -176,10 +167,4 @@ fn without_mass(text: &str, body: &str) -> Option<String> {
     }
     let text = replaced(text, &key("mass"), "0")?;
     if source(&text, &key("inertia")).is_some() { replaced(&text, &key("inertia"), "0") } else { Some(text) }
-}
-
-/// A formula as a scalar of YAML, wherever it stands.
-fn scalar(formula: &str) -> String {
-    let plain = !formula.contains(['[', ']', '{', '}', ',', '#', ':', '"']) && !formula.starts_with(['-', '*', '&']);
-    if plain { formula.to_owned() } else { format!("\"{formula}\"") }
 }

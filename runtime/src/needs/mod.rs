@@ -2,7 +2,8 @@
 //!
 //! 1. What is wanted, and the motion that answers it in full: look in `full.rs`.
 //! 2. Every ingredient of the file: look in `candidate.rs`; the file without it: in `rung.rs`; edits of the text: in `edit.rs`;
-//!    families of coordinates by their modes: in `modal.rs`; laws and models made linear: in `linear.rs`.
+//!    families of coordinates by their modes: in `modal.rs`; laws and models made linear: in `linear.rs`; what is stiff as a
+//!    constraint: in `rigid.rs`, its text in `constrained.rs`.
 //! 3. How far two runs are apart: look in `deviation.rs`; how far they would be by a first approximation, along the full motion: in
 //!    `prediction.rs`; along the smaller model's, where a stiff coordinate is held: in `below.rs`.
 //! 4. What goes together, tried as a whole: look in `choice.rs`.
@@ -17,6 +18,7 @@ mod candidate;
 mod channel;
 mod choice;
 mod comparison;
+mod constrained;
 mod deviation;
 mod edit;
 mod explicit;
@@ -26,6 +28,7 @@ mod modal;
 mod picture;
 mod prediction;
 mod report;
+mod rigid;
 mod rung;
 mod unanswered;
 
@@ -53,6 +56,32 @@ pub struct Need {
     pub outputs: Vec<String>,
     /// The largest deviation over the scene, in parts of the range that each goes through.
     pub within: f64,
+    /// What is wanted to an amount of its own instead, SI, as where it hardly moves.
+    pub absolute: Vec<(String, f64)>,
+}
+
+impl Default for Need {
+    /// All coordinates and outputs to a thousandth of the range of each.
+    fn default() -> Need {
+        Need { outputs: Vec::new(), within: WITHIN, absolute: Vec::new() }
+    }
+}
+
+impl Need {
+    /// These, in parts of the range of each.
+    pub fn of(outputs: &[&str], within: f64) -> Need {
+        Need { outputs: outputs.iter().map(|name| (*name).to_owned()).collect(), within, ..Need::default() }
+    }
+
+    /// All that is wanted, and how exactly, in words.
+    pub(crate) fn words(&self) -> String {
+        let is_absolute = |name: &&String| self.absolute.iter().any(|(own, _)| own == *name);
+        let relative: Vec<&str> = self.outputs.iter().filter(|name| !is_absolute(name)).map(String::as_str).collect();
+        let parts = (!relative.is_empty())
+            .then(|| format!("{} within {:.1e} of the range of each", relative.join(", "), self.within));
+        let amounts = self.absolute.iter().map(|(name, amount)| format!("{name} within {amount:.1e}"));
+        parts.into_iter().chain(amounts).collect::<Vec<_>>().join(", ")
+    }
 }
 
 /// What a file is asked.
@@ -87,7 +116,7 @@ pub struct Question {
 /// springs: {cord: {between: [O, bob], stiffness: k, rest: L}}
 /// scene: {start: {r: L + m*g/k, theta: 0.3}, until: 5, tolerance: 1e-6}
 /// ";
-/// let need = Need { outputs: vec!["theta".into()], within: 2e-3 };
+/// let need = Need::of(&["theta"], 2e-3);
 /// let question = Question { need: Some(need), ..Question::new(source) };
 /// let found = Needs::find(&question, &mut |_| std::ops::ControlFlow::Continue(()))?;
 /// let choice = found.choice.as_ref().unwrap();
@@ -109,6 +138,7 @@ pub struct Needs {
     /// How far two runs of the full model are apart, that is how well errors are known.
     pub known: f64,
     /// By how much a small change of the start grows in what is wanted, both in parts of ranges.
+    /// Not a number where no other start could be run.
     pub growth: f64,
     /// Until when the scene can be promised, s, where that is not until its end.
     pub promised_until: Option<f64>,
@@ -129,6 +159,8 @@ pub struct Needs {
     pub choice: Option<Choice>,
     /// Sizes other than the file's.
     sizes: Vec<(String, i64)>,
+    /// At how many times runs were compared.
+    times: usize,
 }
 
 /// Where a file says nothing else.
@@ -188,7 +220,7 @@ impl Question {
         if let Some(need) = &self.need {
             return Ok(need.clone());
         }
-        Ok(self.said()?.unwrap_or(Need { outputs: Vec::new(), within: WITHIN }))
+        Ok(self.said()?.unwrap_or_default())
     }
 
     /// What the file says that the scene is run for; `None` where it says nothing.
@@ -199,7 +231,7 @@ impl Question {
         let model = model::load_in(self.folder.as_deref(), &self.source, &self.sizes)
             .map_err(|problems| Unanswered::Model { problems })?;
         let said = model.need(self.scene.as_deref().unwrap_or("scene"));
-        Ok(said.map(|(outputs, within)| Need { outputs, within }))
+        Ok(said.map(|said| Need { outputs: said.outputs, within: said.within, absolute: said.absolute }))
     }
 }
 
@@ -228,7 +260,11 @@ impl Needs {
                 }
             }
         }
+        rung::predict_by_ladders(&mut rungs);
         let choice = choice::choose(&full, &rungs, question.all, progress)?;
+        if full.promised_until.is_none() {
+            rungs.extend(choice::looser(&full));
+        }
         let mut found = Needs {
             name: full.name().to_owned(),
             scene: full.scene.clone(),
@@ -245,6 +281,7 @@ impl Needs {
             rungs,
             choice,
             sizes: full.sizes.clone(),
+            times: full.times,
         };
         found.rungs.sort_by(|a, b| b.saving.total_cmp(&a.saving));
         Ok(found)

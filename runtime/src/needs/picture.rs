@@ -9,6 +9,10 @@ impl Needs {
     /// full model at several.
     pub fn fidelity(&self) -> Fidelity {
         let rung = |rung: &Rung| {
+            // The full model's own points have it.
+            if matches!(rung.proposal, Proposal::Looser { .. }) {
+                return None;
+            }
             let error = rung.deviation.as_ref()?.largest;
             let work = self.exact_operations / rung.saving / self.evaluation;
             Some(Verified { name: short(rung), tolerance: self.exact_tolerance, error, work })
@@ -42,6 +46,8 @@ fn short(rung: &Rung) -> String {
         Proposal::Held { .. } => format!("{name} held"),
         Proposal::Slaved { .. } => format!("{name} following"),
         Proposal::Linear => format!("{name} linear"),
+        Proposal::Rigid { .. } => format!("{name} rigid"),
+        Proposal::Looser { .. } => name.to_owned(),
         Proposal::Modes { kept, .. } => format!("{} in {kept} modes", name.split('[').next().unwrap_or(name)),
     }
 }

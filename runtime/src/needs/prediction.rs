@@ -45,6 +45,11 @@ pub enum Law {
         /// What the second approximation adds, in parts of the first.
         second: f64,
     },
+    /// It is what the next rung of the ladder, with more modes, changes beside this one.
+    Richer {
+        /// How many modes that has.
+        kept: usize,
+    },
     /// A stiff coordinate gives way as the force that would hold it over its stiffness, along the motion of the smaller model.
     Stiff {
         /// How many times faster it is than all else.
@@ -59,15 +64,20 @@ impl Prediction {
     pub fn holds(&self) -> bool {
         match self.law {
             Law::Proportional { second } | Law::Linear { second, .. } => second < SMALL,
-            Law::Stiff { gap, vibration } => gap >= STIFF && vibration < VIBRATES * self.change,
+            Law::Richer { .. } => self.change < FEW,
+            Law::Stiff { gap, vibration } => gap >= STIFF && vibration < VIBRATES * self.change && self.change <= WHOLE,
         }
     }
 }
 
 /// The law holds where the second approximation adds less than this part of the first.
 const SMALL: f64 = 0.5;
+/// And where the next rung is no other motion.
+const FEW: f64 = 0.1;
 /// And for a coordinate that is so many times faster than all else: what changes at that rate makes it give way by 1/gap² more.
 const STIFF: f64 = 2.5;
+/// And that changes no more than half of what is wanted.
+pub(super) const WHOLE: f64 = 0.5;
 /// And whose own vibration adds less than this part.
 const VIBRATES: f64 = 0.25;
 /// Its steps are equal, half as long on the average as those of the full motion: what begins as rounding is no error to them.
@@ -102,7 +112,7 @@ pub(super) fn predicted(
         v: both(&full.settings.v, &settings.v),
         held_q: Vec::new(),
         held_v: Vec::new(),
-        every: Some((settings.until - settings.from) / 1000.0),
+        every: Some((settings.until - settings.from) / full.times as f64),
         step: Some(SHORTER * (settings.until - settings.from) / full.motion.steps as f64),
         method: Method::Dop853,
         dense: false,

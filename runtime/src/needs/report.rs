@@ -5,23 +5,21 @@ use std::fmt::{self, Write};
 use dalembert_symbolic::diagnose::Step;
 use dalembert_symbolic::file::edit::{replaced, value, with, with_at};
 
-use super::{Choice, Law, Needs, Prediction, Proposal, Rung, Verdict};
+use super::prediction::WHOLE;
+use super::{Choice, Deviation, Law, Needs, Prediction, Proposal, Rung, Verdict};
 
 impl Needs {
     /// Every ingredient with what leaving it out changes and saves, and what follows.
     pub fn table(&self) -> String {
-        let mut text = format!(
-            "{}: {} within {} of the range of each, until t = {} s\n",
-            self.name,
-            self.need.outputs.join(", "),
-            part(self.need.within),
-            self.until
-        );
+        let mut text = format!("{}: {}, until t = {} s\n", self.name, self.need.words(), self.until);
         let _ = writeln!(
             text,
-            "two runs of the full model agree to {}; a small change of the start grows {} times",
+            "two runs of the full model agree to {}; {}",
             part(self.known),
-            times(self.growth)
+            match self.growth.is_nan() {
+                true => "how a small change of the start grows is not known".to_owned(),
+                false => format!("a small change of the start grows {} times", times(self.growth)),
+            }
         );
         if let Some(t) = self.promised_until {
             let _ = writeln!(
@@ -39,10 +37,11 @@ impl Needs {
     }
 
     fn rows(&self) -> String {
-        let head = ["ingredient", "proposed", "predicted", "change", "of", "less work", "found"].map(str::to_owned);
-        let rows: Vec<[String; 7]> = std::iter::once(head).chain(self.rungs.iter().map(row)).collect();
+        let head = ["ingredient", "proposed", "predicted", "change", "of", "clock", "shape", "less work", "found"]
+            .map(str::to_owned);
+        let rows: Vec<[String; COLUMNS]> = std::iter::once(head).chain(self.rungs.iter().map(row)).collect();
         let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
-        let widths: Vec<usize> = (0..7).map(width).collect();
+        let widths: Vec<usize> = (0..COLUMNS).map(width).collect();
         let mut text = String::new();
         for row in rows {
             let cells: Vec<String> = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:width$}")).collect();
@@ -106,13 +105,7 @@ impl Needs {
     /// there is none.
     pub fn smaller_file(&self) -> Option<String> {
         let choice = self.choice.as_ref()?;
-        let mut head = format!(
-            "# Smaller than {}: for {} within {} of the range of each until t = {} s.\n",
-            self.name,
-            self.need.outputs.join(", "),
-            part(self.need.within),
-            self.until
-        );
+        let mut head = format!("# Smaller than {}: for {} until t = {} s.\n", self.name, self.need.words(), self.until);
         for rung in self.rungs.iter().filter(|rung| choice.includes(rung)) {
             let own = match &rung.deviation {
                 _ if rung.unfelt => "; nothing wanted feels it".to_owned(),
@@ -157,7 +150,10 @@ impl Needs {
     }
 }
 
-fn row(rung: &Rung) -> [String; 7] {
+/// Of the table.
+const COLUMNS: usize = 9;
+
+fn row(rung: &Rung) -> [String; COLUMNS] {
     let dash = || "–".to_owned();
     let (change, of) = match &rung.deviation {
         Some(deviation) => (part(deviation.largest), deviation.of.clone()),
@@ -166,13 +162,22 @@ fn row(rung: &Rung) -> [String; 7] {
     let saving = if rung.saving > 0.0 { times(rung.saving) } else { dash() };
     let found = match &rung.deviation {
         // One that runs ahead by a constant part is late, not otherwise.
-        Some(d) if rung.verdict == Verdict::Acts && d.shape < 0.2 * d.largest => {
+        Some(d) if rung.verdict == Verdict::Acts && d.parts().is_some() && d.shape < 0.2 * d.largest => {
             format!("acts: the same, {} {}", part(d.clock.abs()), pace(d.clock))
         }
         _ if rung.unfelt && rung.verdict == Verdict::Serves => "nothing wanted feels it".to_owned(),
         _ => rung.verdict.to_string(),
     };
+    let found = match &rung.margin {
+        Some((guard, margin)) if rung.verdict == Verdict::Serves => {
+            format!("{found}; {guard} is missed by {} of its range", times(*margin))
+        }
+        _ => found,
+    };
     let found = match rung.predicted.filter(|predicted| !predicted.holds()) {
+        Some(Prediction { law: Law::Stiff { .. }, change }) if change > WHOLE => {
+            format!("{found}; no law: it would be no small change")
+        }
         Some(Prediction { law: law @ (Law::Stiff { .. } | Law::Linear { .. }), .. }) => {
             format!("{found}; no law: {law}")
         }
@@ -180,7 +185,9 @@ fn row(rung: &Rung) -> [String; 7] {
     };
     // Where its law does not hold nothing is predicted.
     let predicted = rung.predicted.filter(Prediction::holds).map_or_else(dash, |predicted| part(predicted.change));
-    [rung.ingredient.clone(), rung.proposal.to_string(), predicted, change, of, saving, found]
+    let parts = rung.deviation.as_ref().and_then(Deviation::parts);
+    let [clock, shape] = parts.map_or_else(|| [dash(), dash()], |(clock, shape)| [clock, shape].map(part));
+    [rung.ingredient.clone(), rung.proposal.to_string(), predicted, change, of, clock, shape, saving, found]
 }
 
 /// `it does without forces.drag and with coordinates.l held at 10 m`.
@@ -216,6 +223,7 @@ impl fmt::Display for Law {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Law::Proportional { second } => write!(f, "the second approximation adds {} of the first", part(*second)),
+            Law::Richer { kept } => write!(f, "beside {kept} modes"),
             Law::Stiff { gap, vibration } if *vibration > LEAST => {
                 write!(f, "{} times faster than the rest, its vibration changes {}", times(*gap), part(*vibration))
             }
@@ -240,6 +248,8 @@ impl fmt::Display for Proposal {
             Proposal::Held { at } => write!(f, "held at {at}"),
             Proposal::Slaved { to } => write!(f, "following {to}"),
             Proposal::Linear => f.write_str("linear"),
+            Proposal::Rigid { at } => write!(f, "rigid at {at}"),
+            Proposal::Looser { tolerance, own } => write!(f, "{tolerance:e} instead of {own:e}"),
             Proposal::Modes { kept, of } => write!(f, "in {kept} of its {of} modes"),
         }
     }
@@ -248,11 +258,13 @@ impl fmt::Display for Proposal {
 /// `predicted 4.1e-4, found 4.2e-4; off by 4.3e-4 of swing, integration included`.
 fn changes(choice: &Choice) -> String {
     let of_model = |predicted| format!("predicted {}, found {}; ", part(predicted), part(choice.change));
+    let of_parts = |(clock, shape)| format!(" (clock {}, shape {})", part(clock), part(shape));
     format!(
-        "{}off by {} of {}, integration included",
+        "{}off by {} of {}{}, integration included",
         choice.predicted.map_or_else(String::new, of_model),
         part(choice.verified),
-        choice.of
+        choice.of,
+        choice.parts.map_or_else(String::new, of_parts)
     )
 }
 

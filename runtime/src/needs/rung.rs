@@ -6,12 +6,12 @@ use dalembert_symbolic::lower::compile_in;
 
 use super::Unanswered;
 use super::candidate::Candidate;
-use super::deviation::{Deviation, Motion, between};
+use super::deviation::{Deviation, Motion, between, largest};
 use super::edit::{Edit, edited, without_vain_claims};
 use super::full::{Full, set};
 use super::linear::EQUATIONS;
-use super::prediction::Prediction;
-use super::{below, prediction};
+use super::prediction::{Law, Prediction};
+use super::{below, prediction, rigid};
 use crate::mechanism::System;
 
 /// What becomes of an ingredient.
@@ -38,8 +38,30 @@ pub enum Proposal {
         /// Of how many.
         of: usize,
     },
+    /// It is a constraint: a spring keeps its length; a coordinate its place, and outputs read it where the reaction moves it.
+    Rigid {
+        /// The length or place with its unit.
+        at: String,
+    },
+    /// The run is as exact as this instead of what the file says.
+    Looser {
+        /// The tolerance that serves.
+        tolerance: f64,
+        /// The file's.
+        own: f64,
+    },
     /// It is linear about the place at which all rests: a law in what it is written in, all equations of motion in coordinates and speeds.
     Linear,
+}
+
+impl Proposal {
+    /// The place or length that is kept, with its unit.
+    pub(super) fn place(&self) -> Option<&str> {
+        match self {
+            Proposal::Held { at } | Proposal::Rigid { at } => Some(at),
+            _ => None,
+        }
+    }
 }
 
 /// What is found of a proposal.
@@ -87,6 +109,9 @@ pub struct Rung {
     pub verdict: Verdict,
     /// Whether this is a coordinate in a part of the mechanism that nothing wanted feels, by the equations themselves.
     pub unfelt: bool,
+    /// An event or discontinuity that does not happen, and goes with it or is moved by it: its name, and how far it stays from zero, in
+    /// parts of the range that it goes through.
+    pub margin: Option<(String, f64)>,
     /// Claims of the file that go with it, and why.
     pub gone: Vec<(String, String)>,
     pub(super) edits: Vec<Edit>,
@@ -98,6 +123,8 @@ pub struct Rung {
 const NEAR: f64 = 0.05;
 /// Changes that differ by less are the same.
 const ALIKE: f64 = 1.01;
+/// What moves a guard by this part of how far it is from zero is told of.
+const FELT: f64 = 0.1;
 /// A guard may move by this part of how far it is from zero.
 const MOVES: f64 = 0.5;
 /// An edited file and its answer.
@@ -134,6 +161,23 @@ fn said(unanswered: &Unanswered) -> String {
 }
 
 impl Rung {
+    /// A looser tolerance, instead of the scene's own, and what it saves.
+    pub(super) fn of_tolerance((tolerance, own): (f64, f64), deviation: Deviation, saving: f64) -> Rung {
+        Rung {
+            ingredient: "tolerance".to_owned(),
+            proposal: Proposal::Looser { tolerance, own },
+            deviation: Some(deviation),
+            predicted: None,
+            saving,
+            verdict: Verdict::Serves,
+            unfelt: false,
+            margin: None,
+            gone: Vec::new(),
+            edits: Vec::new(),
+            differences: Vec::new(),
+        }
+    }
+
     /// Whether the file can have only one of two: what stands in a part of the other, and proposals for the same.
     pub(super) fn excludes(&self, other: &Rung) -> bool {
         let stands_in = |one: &str, other: &str| one.strip_prefix(other).is_some_and(|rest| rest.starts_with('.'));
@@ -154,6 +198,7 @@ pub(super) fn tried(full: &Full, candidate: Candidate) -> Rung {
         predicted: None,
         saving: 0.0,
         verdict: Verdict::Acts,
+        margin: None,
         gone: Vec::new(),
         edits,
         differences: Vec::new(),
@@ -170,13 +215,32 @@ pub(super) fn better(one: Rung, other: Rung) -> Rung {
     if change(&other) <= ALIKE * change(&one) { other } else { one }
 }
 
-/// Whether a ladder of modes is climbed high enough before this candidate.
+/// Predicts what a few modes change by the next rungs of their ladders.
+pub(super) fn predict_by_ladders(rungs: &mut [Rung]) {
+    let of = |rung: &Rung| match rung.proposal {
+        Proposal::Modes { kept, .. } if !rung.differences.is_empty() => Some(kept),
+        _ => None,
+    };
+    for place in 0..rungs.len() {
+        let Some(own) = of(&rungs[place]) else { continue };
+        let richer = rungs.iter().filter(|rung| rung.ingredient == rungs[place].ingredient);
+        let richer = richer.filter_map(|rung| Some((of(rung)?, rung))).filter(|(kept, _)| *kept > own);
+        let Some((kept, next)) = richer.min_by_key(|(kept, _)| *kept) else { continue };
+        let columns = rungs[place].differences.iter().zip(&next.differences);
+        let change = columns
+            .map(|(own, next)| largest(&own.iter().zip(next).map(|(own, next)| own - next).collect::<Vec<f64>>()));
+        let change = change.fold(0.0, f64::max);
+        rungs[place].predicted = Some(Prediction { change, law: Law::Richer { kept } });
+    }
+}
+
+/// Whether a ladder of modes is climbed high enough before this candidate: one rung above the first that serves, by which that is predicted.
 pub(super) fn is_climbed(rungs: &[Rung], candidate: &Candidate) -> bool {
     let by_modes = |proposal: &Proposal| matches!(proposal, Proposal::Modes { .. });
     let serves = |rung: &Rung| {
         rung.ingredient == candidate.ingredient && by_modes(&rung.proposal) && rung.verdict == Verdict::Serves
     };
-    by_modes(&candidate.proposal) && rungs.iter().any(serves)
+    by_modes(&candidate.proposal) && rungs.iter().filter(|rung| serves(rung)).count() > 1
 }
 
 /// Whether two rungs are the same coordinate or input held, each elsewhere.
@@ -191,7 +255,8 @@ fn held(rung: &Rung) -> Option<(&str, Option<f64>)> {
     match &rung.proposal {
         Proposal::Held { at } => Some((coordinate, at.split(' ').next()?.parse().ok())),
         Proposal::Slaved { .. } => Some((coordinate, None)),
-        Proposal::LeftOut | Proposal::Modes { .. } | Proposal::Linear => None,
+        Proposal::LeftOut | Proposal::Modes { .. } | Proposal::Rigid { .. } => None,
+        Proposal::Linear | Proposal::Looser { .. } => None,
     }
 }
 
@@ -199,11 +264,14 @@ fn measure(full: &Full, rung: &mut Rung) -> Result<(), Verdict> {
     let refused = |why: String| Verdict::Refused { why };
     let answer = answer(full, &rung.edits).map_err(refused)?;
     rung.gone.clone_from(&answer.gone);
-    let motion = Motion::of(&*answer.system, &answer.settings, full.tolerance, &full.need.outputs).map_err(refused)?;
+    let motion = full.motion_of(&*answer.system, &answer.settings, full.tolerance).map_err(refused)?;
     rung.saving = full.motion.operations / motion.operations;
-    rung.predicted = match held(rung) {
-        Some(held) => below::predicted(full, (&*answer.system, &answer.settings, &motion), held),
-        None => {
+    rung.predicted = match (held(rung), rung.edits.as_slice()) {
+        (_, [Edit::Rigid(rigid)]) => rigid::predicted(full, rigid, &answer),
+        (Some(held), _) => {
+            below::predicted(full, (&*answer.system, &answer.settings, &motion.coarse(full.times)), held)
+        }
+        (None, _) => {
             let about = full.rest.as_deref().filter(|_| rung.proposal == Proposal::Linear);
             prediction::predicted(full, (&*answer.system, &answer.settings, &motion), about)
         }
@@ -211,6 +279,7 @@ fn measure(full: &Full, rung: &mut Rung) -> Result<(), Verdict> {
     let compared = between(&full.motion, &motion, full.measure());
     let (deviation, differences) = compared.map_err(|what| Verdict::HappensOtherwise { what })?;
     let serves = deviation.largest <= full.need.within;
+    rung.margin = margin(&full.motion, &motion);
     (rung.deviation, rung.differences) = (Some(deviation), differences);
     if !serves {
         return Ok(());
@@ -225,21 +294,43 @@ fn measure(full: &Full, rung: &mut Rung) -> Result<(), Verdict> {
 /// The first event or discontinuity that never happens and that a change decides: gone, and too near for that; or moved by
 /// more than half of how far it stays away.
 pub(super) fn near(full: &Motion, other: &Motion) -> Option<(String, f64)> {
-    full.guards.iter().find_map(|(name, values)| {
+    let decided = missed(full, other).find(|guard| match guard.moves {
+        None => guard.parts < NEAR,
+        Some(part) => part > MOVES,
+    });
+    decided.map(|guard| (guard.name.clone(), guard.parts))
+}
+
+/// The event or discontinuity nearest to happening of those that go with what is left out, or are moved by it.
+fn margin(full: &Motion, other: &Motion) -> Option<(String, f64)> {
+    let concerned = missed(full, other).filter(|guard| guard.moves.is_none_or(|part| part > FELT));
+    let nearest = concerned.min_by(|one, another| one.parts.total_cmp(&another.parts));
+    nearest.map(|guard| (guard.name.clone(), guard.parts))
+}
+
+/// An event or discontinuity that does not happen.
+struct Missed<'a> {
+    name: &'a String,
+    /// How far it stays from zero, in parts of its range.
+    parts: f64,
+    /// By which part of that a change moves it; `None` where it goes.
+    moves: Option<f64>,
+}
+
+fn missed<'a>(full: &'a Motion, other: &'a Motion) -> impl Iterator<Item = Missed<'a>> {
+    full.guards.iter().filter_map(|(name, values)| {
         let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
-        // One that crosses zero is compared by its events or by what it does.
-        if low <= 0.0 && high >= 0.0 || !low.is_finite() || !high.is_finite() {
+        // One that happens, or crosses zero, is compared by its events or by what it does.
+        let happens = full.events.iter().any(|(event, _)| event == name);
+        if happens || low <= 0.0 && high >= 0.0 || !low.is_finite() || !high.is_finite() {
             return None;
         }
         let margin = low.abs().min(high.abs());
         let parts = margin / (high - low).max(f64::MIN_POSITIVE);
-        let too_near = match other.guards.iter().find(|(known, _)| known == name) {
-            None => parts < NEAR,
-            Some((_, others)) => {
-                let least = others.iter().fold(f64::INFINITY, |least, v| least.min(v.abs()));
-                (least - margin).abs() > MOVES * margin
-            }
-        };
-        too_near.then(|| (name.clone(), parts))
+        let moves = other.guards.iter().find(|(known, _)| known == name).map(|(_, others)| {
+            let least = others.iter().fold(f64::INFINITY, |least, v| least.min(v.abs()));
+            (least - margin).abs() / margin
+        });
+        Some(Missed { name, parts, moves })
     })
 }

@@ -59,11 +59,14 @@ impl fmt::Display for Unanswered {
                 write!(f, "no {kind} is called `{name}`; there are {}", known.join(", "))
             }
             Unanswered::BadNeed { within } => {
-                write!(f, "an accuracy of {within:e} has no meaning here: between 1e-9 and 0.5 of a quantity's range")
+                write!(
+                    f,
+                    "an accuracy of {within:e} has no meaning here: between 1e-9 and 0.5 of a quantity's range, or a positive amount"
+                )
             }
             Unanswered::Still { name } => write!(
                 f,
-                "`{name}` is 0 all along, so that a deviation has no range to be measured by; ask for something that moves"
+                "`{name}` is 0 all along, so that a deviation has no range to be measured by; ask for something that moves, or say by which amount it may be off (`absolute`)"
             ),
             Unanswered::Fails { why } => write!(f, "the full model's run fails: {why}"),
             Unanswered::NotKnown { known, within } => write!(

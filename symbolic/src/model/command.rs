@@ -36,6 +36,17 @@ pub enum Sets {
     Speed(usize),
 }
 
+/// What a scene is run for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wanted {
+    /// Coordinates, rates (with a prime) and outputs; none: all coordinates and outputs.
+    pub outputs: Vec<String>,
+    /// How exactly, in parts of the range that each goes through.
+    pub within: f64,
+    /// What is wanted to an amount of its own, SI.
+    pub absolute: Vec<(String, f64)>,
+}
+
 impl Model {
     /// The components of an expression that may stand in `outputs`.
     ///
@@ -120,8 +131,8 @@ impl Model {
         Ok([value, rate, second])
     }
 
-    /// What a scene is run for by its `needs`: names, and how exactly; `None` where it has none, or there is no such scene.
-    pub fn need(&self, scene: &str) -> Option<(Vec<String>, f64)> {
+    /// What a scene is run for by its `needs`; `None` where it has none, or there is no such scene.
+    pub fn need(&self, scene: &str) -> Option<Wanted> {
         let scene = self.scenes.iter().find(|known| known.name == scene)?;
         let need = scene.need.as_ref()?;
         let mut parameters: Vec<f64> = self.parameters.iter().map(|parameter| parameter.default).collect();
@@ -129,8 +140,10 @@ impl Model {
         for ((place, _), value) in scene.set.iter().zip(evaluate_all(&self.graph, &set, &parameters.clone())) {
             parameters[*place] = value;
         }
-        let names = need.outputs.iter().map(|(name, _)| name.clone()).collect();
-        Some((names, evaluate(&self.graph, need.within, &parameters)?))
+        let outputs = need.outputs.iter().map(|(name, _)| name.clone()).collect();
+        let amount = |id: Id| evaluate(&self.graph, id, &parameters);
+        let absolute = need.absolute.iter().map(|own| Some((own.name.clone(), amount(own.value)?)));
+        Some(Wanted { outputs, within: amount(need.within)?, absolute: absolute.collect::<Option<_>>()? })
     }
 
     /// True where expressions contain discontinuities, or functions that are local through their argument: `exp`,

@@ -482,6 +482,21 @@ pub struct Need {
     pub outputs: Vec<(String, Place)>,
     /// How exactly, in parts of the range that each goes through.
     pub within: Id,
+    /// What is wanted to an amount of its own instead.
+    pub absolute: Vec<Amount>,
+}
+
+/// By how much something that is wanted may be off.
+#[derive(Clone, Debug)]
+pub struct Amount {
+    /// A coordinate, rate or output.
+    pub name: String,
+    /// Where it is named.
+    pub place: Place,
+    /// The amount, SI.
+    pub value: Id,
+    /// Its unit in SI; absent: a pure number.
+    pub unit: Option<String>,
 }
 
 /// An unknown force or couple.

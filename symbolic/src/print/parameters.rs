@@ -45,7 +45,7 @@ fn derived(program: &Program, name: &str, bodies: &Bodies<'_>) -> String {
     if scalar.is_empty() {
         return String::new();
     }
-    let n = model.coordinates.len();
+    let (n, rows) = (model.coordinates.len(), program.constraints.len());
     let names: Vec<String> = scalar.iter().map(|d| method_name(&d.name)).collect();
     let mut out = format!("{UNJUDGED}{}impl {name} {{\n", attributes(names.iter().map(String::as_str)));
     for (derived, name) in scalar.iter().zip(&names) {
@@ -53,7 +53,7 @@ fn derived(program: &Program, name: &str, bodies: &Bodies<'_>) -> String {
         let unit = unit.map_or_else(|| "unit from what it is computed from".to_owned(), si_unit);
         let words = format!("`{} = {}`, {unit}.", derived.name, text(model, derived.value));
         let function = of_constants(bodies, "value", &[derived.value], "        ");
-        let parameters = format!("<Self as ::dalembert::mechanism::Mechanism<{n}, 0>>::parameters(self)");
+        let parameters = format!("<Self as ::dalembert::mechanism::Mechanism<{n}, {rows}>>::parameters(self)");
         let _ = write!(
             out,
             "{}    #[must_use]\n    pub fn {name}(&self) -> f64 {{\n{function}        let [x] = value(&{parameters});\n        x\n    }}\n",

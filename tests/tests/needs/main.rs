@@ -1,9 +1,12 @@
 //! No more than a scene needs: what goes, what stays, and by which figures.
 
 mod adversaries;
+mod ladders;
 mod linear;
 mod masses;
 mod stiff;
+mod traps;
+mod written;
 
 use std::ops::ControlFlow;
 
@@ -21,7 +24,7 @@ fn asked(question: &Question) -> Result<Needs, Unanswered> {
 
 /// What a file needs to a thousandth in this output.
 fn found(source: &str, output: &str) -> Needs {
-    let need = Need { outputs: vec![output.to_owned()], within: 1e-3 };
+    let need = Need::of(&[output], 1e-3);
     let question = Question { need: Some(need), all: true, ..Question::new(source) };
     asked(&question).unwrap_or_else(|unanswered| panic!("{unanswered}"))
 }
@@ -82,7 +85,7 @@ fn a_crane_on_a_steel_rope_needs_no_stretch() {
     assert!(choice.idle.contains(&"springs.rope".to_owned()), "{:?}", choice.idle);
     // What is left of the rope's pull is a constant.
     assert!(choice.not_promised.iter().any(|(name, size)| name == "pull" && *size > 0.1));
-    assert!(choice.gone.iter().any(|(claim, _)| claim == "balances"));
+    assert!(choice.gone.iter().any(|(claim, _)| claim.starts_with("balances")));
     assert_eq!(rung(&needs, "dampers.wheels").verdict, Verdict::Acts);
     holds(CRANE, &needs);
 }
@@ -145,11 +148,18 @@ fn a_hanging_chain_moves_in_its_slow_modes() {
         found
     };
     let ladder = modes(&needs);
-    assert_eq!(ladder.iter().map(|(kept, _)| *kept).collect::<Vec<_>>(), [1, 2, 3, 4, 6], "{}", needs.table());
+    assert_eq!(ladder.iter().map(|(kept, _)| *kept).collect::<Vec<_>>(), [1, 2, 3, 4, 6, 8], "{}", needs.table());
     assert!(ladder.windows(2).all(|pair| pair[1].1 < pair[0].1), "{ladder:?}");
     // The study's for forty links, whatever the amplitude: 4.1e-3, 1.7e-3 and 5.6e-4 with 3, 4 and 6 modes.
     for ((_, found), study) in ladder[2..].iter().zip([4.1e-3, 1.7e-3, 5.6e-4]) {
         assert!((0.5..2.0).contains(&(found / study)), "{found} {study}");
+    }
+    // Each is predicted by the next one; the study's of chains: 0.67 to 1.43 of the change.
+    let predicted =
+        |rung: &Rung| rung.predicted.filter(|predicted| predicted.holds()).map(|predicted| predicted.change);
+    for rung in needs.rungs.iter().filter(|rung| matches!(rung.proposal, Proposal::Modes { kept: ..=6, .. })) {
+        let (predicted, change) = (predicted(rung).expect("a prediction"), rung.deviation.as_ref().unwrap().largest);
+        assert!((0.5..2.0).contains(&(predicted / change)), "{predicted} {change}\n{}", needs.table());
     }
     let choice = chosen(&needs);
     assert!(choice.saving > 3.0 && choice.moved.is_some_and(|moved| moved < 1e-3), "{}", needs.table());
@@ -285,6 +295,9 @@ fn the_command_writes_a_file_that_runs() {
     assert!(over.contains("overwrite"), "{over}");
     let unknown = told(&["needs", &full, "--needs", "swin"]).expect_err("a refusal");
     assert!(unknown.contains("`swin`") && unknown.contains("swing"), "{unknown}");
+    let amounts = told(&["needs", &full, "--needs", "swing, x=1 m", "--within", "2e-3"]).expect("an answer");
+    assert!(amounts.contains("swing within 2.0e-3 of the range of each, x within 1.0e0"), "{amounts}");
+    assert!(told(&["needs", &full, "--needs", "x=1 s"]).is_err());
     assert!(told(&["needs", &full, "--within", "much"]).expect_err("a refusal").contains("--within wants"));
     // A scene that is minimal already: only its tolerance is more than is asked for.
     let minimal = told(&["needs", "cart_pendulum", "--write", &path("none.yaml")]).expect("an answer");
@@ -335,7 +348,7 @@ fn a_chart_has_a_point_for_every_rung() {
 
 #[test]
 fn questions_without_meaning_are_refused() {
-    let need = |output: &str, within: f64| Some(Need { outputs: vec![output.to_owned()], within });
+    let need = |output: &str, within: f64| Some(Need::of(&[output], within));
     let refused = |question: Question| asked(&question).expect_err("a refusal");
     let unknown = refused(Question { need: need("hook", 1e-3), ..Question::new(CRANE) });
     assert!(matches!(&unknown, Unanswered::UnknownName { name, .. } if name == "hook"), "{unknown}");

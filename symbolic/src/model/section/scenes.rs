@@ -5,14 +5,14 @@ use std::collections::BTreeMap;
 use super::parameters::flat;
 use super::watched::Watched;
 use crate::diagnose::Place;
-use crate::diagnose::catalogue::{mechanics, names, sections};
+use crate::diagnose::catalogue::{mechanics, names, sections, units};
 use crate::expr::{Id, Rational};
 use crate::file::{Node, Quantity, Spot};
 use crate::model::expression::dimension::Dimension;
 use crate::model::expression::facts::Depends;
 use crate::model::expression::families::{self, Expanded, Family, Locals};
 use crate::model::expression::rules::Rules;
-use crate::model::resolved::{Need, Scene};
+use crate::model::resolved::{Amount, Need, Scene};
 use crate::model::resolver::Resolver;
 
 const SCENE_KEYS: [&str; 9] = ["start", "until", "tolerance", "every", "phase", "set", "guess", "also", "needs"];
@@ -20,6 +20,7 @@ const SCENE_KEYS: [&str; 9] = ["start", "until", "tolerance", "every", "phase", 
 const END: Rules = Rules::constant("the end of a run").si(Dimension::TIME);
 const SPACING: Rules = Rules::constant("a spacing").si(Dimension::TIME);
 const TOLERANCE: Rules = Rules::constant("a tolerance").si(Dimension::ONE);
+const AMOUNT: Rules = Rules::constant("an accuracy");
 const ACCURACY: Rules = Rules::constant("an accuracy").si(Dimension::ONE);
 
 /// An entry of `also`, to be looked up among what is watched.
@@ -117,7 +118,7 @@ impl Resolver<'_> {
 
     /// `needs`: what a scene is run for, and how exactly.
     fn need(&mut self, spot: &Spot<'_>, scene: &Scene) -> Option<Need> {
-        if !spot.only(&["outputs", "within"], "`needs`", &mut self.bench.problems) {
+        if !spot.only(&["outputs", "within", "absolute"], "`needs`", &mut self.bench.problems) {
             return None;
         }
         let mut outputs = Vec::new();
@@ -127,7 +128,29 @@ impl Resolver<'_> {
             }
         }
         let within = spot.need("within", "`needs`", &mut self.bench.problems)?;
-        Some(Need { outputs, within: self.positive(&within, ACCURACY, scene)? })
+        let mut absolute = Vec::new();
+        if let Some(given) = spot.get("absolute") {
+            for (name, entry) in given.entries(&mut self.bench.problems) {
+                let Some(value) = self.positive(&entry, AMOUNT, scene) else { continue };
+                let dimension = self.bench.measured.dimension().filter(|dimension| *dimension != Dimension::ONE);
+                let unit = dimension.map(|dimension| dimension.to_string());
+                absolute.push(Amount { name: name.to_owned(), place: entry.place.of_key(), value, unit });
+            }
+        }
+        Some(Need { outputs, within: self.positive(&within, ACCURACY, scene)?, absolute })
+    }
+
+    /// The unit of a coordinate, rate or output, where it is known and not 1.
+    fn unit_of_wanted(&self, name: &str) -> Option<String> {
+        let place = |name: &str| self.model.coordinates.iter().position(|c| c.name == name);
+        let units = &self.scope.units;
+        let of = |k: usize| units.coordinates.get(k).copied().unwrap_or_default();
+        let measure = match (place(name), name.strip_suffix('\'').and_then(place)) {
+            (Some(k), _) => of(k),
+            (None, Some(k)) => units.rate(of(k)),
+            (None, None) => return self.model.outputs.iter().find(|output| output.name == name)?.unit.clone(),
+        };
+        measure.dimension().filter(|dimension| *dimension != Dimension::ONE).map(|dimension| dimension.to_string())
     }
 
     /// Looks up what scenes need, now that outputs are known.
@@ -136,8 +159,24 @@ impl Resolver<'_> {
         let known: Vec<String> =
             coordinates.chain(self.model.outputs.iter().map(|output| output.name.clone())).collect();
         let mut seen: Vec<Place> = Vec::new();
+        let amounts = self.model.scenes.iter().filter_map(|scene| scene.need.as_ref());
+        for amount in amounts.flat_map(|need| &need.absolute) {
+            let wanted = self.unit_of_wanted(&amount.name);
+            if let (Some(unit), Some(wanted)) = (&amount.unit, wanted)
+                && *unit != wanted
+                && !seen.contains(&amount.place)
+            {
+                let found = format!("in {unit}");
+                let wanted = format!("is in {wanted}");
+                let of = format!("`{}`", amount.name);
+                self.bench.problems.push(units::wrong_unit(amount.place.clone(), "this amount", found, of, wanted, ""));
+                seen.push(amount.place.clone());
+            }
+        }
         for need in self.model.scenes.iter().filter_map(|scene| scene.need.as_ref()) {
-            for (name, place) in need.outputs.iter().filter(|(name, _)| !known.contains(name)) {
+            let amounts = need.absolute.iter().map(|amount| (&amount.name, &amount.place));
+            let named = need.outputs.iter().map(|(name, place)| (name, place)).chain(amounts);
+            for (name, place) in named.filter(|(name, _)| !known.contains(name)) {
                 // A scene that inherits it is not told again.
                 if !seen.contains(place) {
                     let known: Vec<&str> = known.iter().map(String::as_str).collect();
