@@ -239,6 +239,34 @@ fn a_parallelogram_loses_a_row_where_it_is_flat() {
 
 /// Along a branch of the library's four-bar every state's eigenvalues are those of `modes` at that value, and the picture of
 /// their paths is drawn.
+/// Free turns and shifts leave a family of rests at every length: the branch keeps where it can, and loses nothing of the range.
+#[test]
+fn rests_that_are_families_are_followed_through_the_whole_range() {
+    for size in [1e-6, 1.0, 1e6] {
+        let dumbbell = "name: Dumbbell
+parameters: {m: 1 kg, k: 100 N/m, l: 1 m}
+coordinates: {x: m, y: m, u: m, v: m}
+bodies: {a: {mass: m, position: \"[x, y]\"}, b: {mass: 2*m, position: \"[u, v]\"}}
+springs: {s: {between: [a, b], stiffness: k, rest: l}}
+equilibrium: {u: 0.8*l, v: 0.6*l}
+";
+        let found = vary(dumbbell, &[("l", size)], ("l", 0.5 * size, 2.0 * size));
+        expect(&found, &[]);
+        let steps = found["locus"]["steps"].as_array().unwrap();
+        let ends = [&steps[0], &steps[steps.len() - 1]].map(|step| step["value"].as_f64().unwrap());
+        assert!(
+            (ends[0] / (0.5 * size) - 1.0).abs() < 1e-12 && (ends[1] / (2.0 * size) - 1.0).abs() < 1e-12,
+            "{ends:?}"
+        );
+        // ω² = k/μ whatever the length.
+        for step in steps {
+            let largest =
+                step["eigenvalues"].as_array().unwrap().iter().map(|x| x[1].as_f64().unwrap()).fold(0.0, f64::max);
+            assert!((largest / 150.0_f64.sqrt() - 1.0).abs() < 1e-9, "{step}");
+        }
+    }
+}
+
 #[test]
 fn eigenvalues_along_a_branch_are_those_of_its_states() {
     let model = format!("{}/../models/four_bar.yaml", env!("CARGO_MANIFEST_DIR"));

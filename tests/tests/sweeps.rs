@@ -71,6 +71,8 @@ fn a_unit_that_stands_once_is_that_of_all() {
         let expected = [20.0_f64, 30.0, 40.0].map(f64::to_radians);
         assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-15), "{values}: {found:?}");
     }
+    let table = swept(&path, &["double_pendulum", "--vary", "l=5..15:2", "--until", "0.01"]);
+    assert_eq!(table.lines().skip(1).map(|line| line.split(',').nth(1)).collect::<Vec<_>>(), [Some("5"), Some("15")]);
 }
 
 #[test]

@@ -160,8 +160,9 @@ impl Reader {
 /// A bare number with the unit that stands once for several: in `20..40 deg` and `10, 20, 30 deg` at the last.
 pub fn with_unit_of(text: &str, last: &str) -> String {
     let (text, last) = (text.trim(), last.trim());
-    let ends = last.char_indices().map(|(end, _)| end).skip(1).filter(|end| last[..*end].parse::<f64>().is_ok());
-    let unit = ends.last().map_or("", |end| last[end..].trim_start());
+    let ends = last.char_indices().map(|(end, _)| end).chain([last.len()]);
+    let number = ends.filter(|end| last[..*end].parse::<f64>().is_ok()).last();
+    let unit = number.map_or("", |end| last[end..].trim_start());
     // No operator: what follows the number is its unit.
     let is_unit = unit.starts_with(|c: char| c.is_alphabetic() || c.is_ascii_digit());
     if is_unit && text.parse::<f64>().is_ok() { format!("{text} {unit}") } else { text.to_owned() }

@@ -27,12 +27,25 @@ const BALANCED: f64 = 1e-11;
 /// Coordinates below this part of their natural size are rounding.
 const ROUNDING: f64 = 1e-15;
 
+/// Singular values below this part of the largest are those of directions in which all states are solutions.
+const FREE: f64 = 1e-9;
+
 /// Follows solutions of equations while one parameter changes.
 pub(super) struct Walker {
     balance: RefCell<Box<dyn Balance>>,
+    family: RefCell<Option<Family>>,
     /// Units of the coordinates.
     names: Vec<String>,
     pub range: (f64, f64),
+}
+
+/// Solutions that come in families, as those of what may turn freely: a walk goes across the directions in which nothing changes,
+/// though near a solution there is some stiffness in them, which the forces left over make.
+struct Family {
+    /// How many directions there are.
+    count: usize,
+    /// What coordinates and multipliers, and the parameter, are measured in.
+    sizes: DVector<f64>,
 }
 
 /// What a walk ends with.
@@ -56,7 +69,7 @@ impl Walker {
             return Err(LinearError::NonFinite { what: "the range of the parameter".to_owned() });
         }
         let names = balance.units();
-        Ok(Walker { balance: RefCell::new(balance), names, range })
+        Ok(Walker { balance: RefCell::new(balance), family: RefCell::new(None), names, range })
     }
 
     pub fn size(&self) -> usize {
@@ -132,6 +145,34 @@ impl Walker {
 
     /// Follows the branch from a state until it leaves the range.
     pub fn walk(&self, start: &State, direction: f64) -> Path {
+        let family = self.family_of(start);
+        let is_one = family.is_some();
+        self.family.replace(family);
+        let path = self.walk_on(start, direction);
+        self.family.replace(None);
+        // A start where branches cross is none of a family.
+        if is_one && path.points.len() == 1 { self.walk_on(start, direction) } else { path }
+    }
+
+    /// The family of solutions that a state belongs to.
+    fn family_of(&self, state: &State) -> Option<Family> {
+        let n = state.q.len();
+        let units = self.units(&state.q.iter().map(|q| q.abs()).collect::<Vec<_>>());
+        let Slopes { matrix, .. } = self.ask(state.value, |balance| balance.slopes(&state.q));
+        let (scaled, _, by_column) = equilibrated(&matrix);
+        let values = Singular::of(&scaled)?.values;
+        let least = FREE * values.max();
+        let count = values.iter().filter(|value| **value <= least).count();
+        let all = matrix.ncols();
+        let size = |k: usize| match k {
+            _ if k < n => units[k],
+            _ if k < all => by_column[k],
+            _ => self.width(),
+        };
+        (count > 0).then(|| Family { count, sizes: DVector::from_fn(all + 1, |k, _| size(k)) })
+    }
+
+    fn walk_on(&self, start: &State, direction: f64) -> Path {
         let n = start.q.len();
         let mut reach: Vec<f64> = start.q.iter().map(|q| q.abs()).collect();
         let mut along = vec![0.0; n + 1];
@@ -283,11 +324,15 @@ impl Walker {
         matrix[(all, all)] = across[n];
         let mut right = wanted.component_mul(&factors).resize_vertically(all + 1, 0.0);
         right[all] = along;
-        let (scaled, by_row, by_column) = equilibrated(&matrix);
-        let singular = Singular::of(&scaled)?;
-        let least =
-            singular.least_squares(&right.component_mul(&by_row), Scaled::threshold(all + 1, singular.values.max()));
-        let found = least.component_mul(&by_column);
+        let found = match &*self.family.borrow() {
+            Some(family) => family.across(matrix, right)?,
+            None => {
+                let (scaled, by_row, by_column) = equilibrated(&matrix);
+                let singular = Singular::of(&scaled)?;
+                let threshold = Scaled::threshold(all + 1, singular.values.max());
+                singular.least_squares(&right.component_mul(&by_row), threshold).component_mul(&by_column)
+            }
+        };
         let whole = found.iter().take(n).chain([&found[all]]).copied().collect::<Vec<f64>>();
         whole.iter().all(|x| x.is_finite()).then_some(whole)
     }
@@ -344,5 +389,34 @@ impl Walker {
         let beyond = at.value + 1e-4 * direction.signum() * self.width();
         let Ok(found) = self.search(beyond, &at.q) else { return false };
         found.iter().zip(&at.q).zip(units).all(|((a, b), unit)| (a - b).abs() <= 0.01 * unit)
+    }
+}
+
+impl Family {
+    /// The shortest x of A x = b, in these sizes, across the directions in which the equations but the last do not change.
+    fn across(&self, mut matrix: DMatrix<f64>, mut right: DVector<f64>) -> Option<DVector<f64>> {
+        let all = self.sizes.len() - 1;
+        matrix.column_iter_mut().zip(self.sizes.iter()).for_each(|(mut column, size)| column *= *size);
+        for (mut row, right) in matrix.row_iter_mut().zip(right.iter_mut()) {
+            let largest = row.amax();
+            if largest > 0.0 {
+                row /= largest;
+                *right /= largest;
+            }
+        }
+        let slopes = Singular::of(&matrix.view((0, 0), (all, all)).into_owned())?;
+        let mut order: Vec<usize> = (0..all).collect();
+        order.sort_by(|a, b| slopes.values[*a].total_cmp(&slopes.values[*b]));
+        for k in order.into_iter().take(self.count) {
+            let free = slopes.v.column(k).resize_vertically(all + 1, 0.0);
+            let part = &matrix * &free;
+            matrix -= part * free.transpose();
+        }
+        let singular = Singular::of(&matrix)?;
+        let mut values: Vec<f64> = singular.values.iter().copied().collect();
+        values.sort_by(f64::total_cmp);
+        let rounding = Scaled::threshold(all + 1, singular.values.max());
+        let threshold = rounding.max(values[(self.count - 1).min(all)]);
+        Some(singular.least_squares(&right, threshold).component_mul(&self.sizes))
     }
 }
