@@ -145,13 +145,14 @@ impl Walker {
 
     /// Follows the branch from a state until it leaves the range.
     pub fn walk(&self, start: &State, direction: f64) -> Path {
-        let family = self.family_of(start);
-        let is_one = family.is_some();
-        self.family.replace(family);
         let path = self.walk_on(start, direction);
+        let Some(family) = self.family_of(start).filter(|_| matches!(path.end, End::Lost)) else { return path };
+        self.family.replace(Some(family));
+        let across = self.walk_on(start, direction);
         self.family.replace(None);
         // A start where branches cross is none of a family.
-        if is_one && path.points.len() == 1 { self.walk_on(start, direction) } else { path }
+        let way = |path: &Path| path.points.last().map_or(0.0, |last| (last.value - start.value).abs());
+        if way(&across) > way(&path) { across } else { path }
     }
 
     /// The family of solutions that a state belongs to.
