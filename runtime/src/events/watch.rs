@@ -555,7 +555,8 @@ impl Watch {
         Ok(())
     }
 
-    /// Hands the events that only record, but for those in `but`, to the recorder.
+    /// Hands the events that only record, but for those in `but`, to the recorder: what does more ends its step, and rounding
+    /// about its zero there is no other event.
     fn record<S: System + ?Sized>(
         &mut self,
         system: &S,
@@ -570,7 +571,8 @@ impl Watch {
             let last = || crossings[index + 1..].iter().all(|later| later.function != crossing.function);
             let same = |other: &Crossing| other.function == crossing.function && other.rising == crossing.rising;
             let taken = crossing.theta > 0.5 && but.iter().any(same) && last();
-            if taken || !counts(event.direction, crossing.rising) {
+            let acts = event.actions.iter().any(|action| *action != Action::Record);
+            if acts || taken || !counts(event.direction, crossing.rising) {
                 continue;
             }
             self.sampler.along(system, segment, crossing.theta);
