@@ -171,3 +171,23 @@ scene: {{start: {{th': 1, x': 0}}, until: 0.1}}"
     assert!(sprung("x'*sin(th) - y'*cos(th)", 10.0).is_ok());
     assert!(sprung("x - y", 0.0).is_ok());
 }
+
+/// Two blocks that two rows hold at 0, beside one that falls.
+#[test]
+fn rows_that_a_scene_makes_independent_hold_what_rests_at_zero() {
+    let text = |a: f64| {
+        format!(
+            "name: Held
+parameters: {{m: 1 kg, a: {a} 1, g: 9.81 m/s^2}}
+coordinates: {{x: m, y: m, z: m}}
+bodies: {{b: {{mass: m, position: \"[x, y]\"}}, c: {{mass: m, position: \"[z, 0]\"}}}}
+gravity: [g, g]
+constraints: {{c1: x - y, c2: x - a*y}}
+scene: {{start: {{z: 0}}, until: 1}}"
+        )
+    };
+    for (a, x) in [(2.0, 0.0), (1.0, 4.905)] {
+        let run = run_until(&text(a), 1.0);
+        assert!((run.last()["z"] - 4.905).abs() + (run.last()["x"] - x).abs() < 1e-9, "{a}: {:?}", run.last());
+    }
+}

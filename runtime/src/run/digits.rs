@@ -36,6 +36,8 @@ const MARGIN: f64 = 1.75;
 const LOST: f64 = 0.2;
 /// What moves by no more than this part of what else has its unit does not move.
 const STILL: f64 = 1e-10;
+/// Less than this part of a range is rounding of rounding, in which two runs may agree and both be wrong.
+const NOTHING: f64 = 1e-20;
 /// Angles and other pure numbers below this are rounding of what has the size 1.
 const ROUNDED: f64 = 1e3 * f64::EPSILON;
 /// The part of the time until then over which differences are looked at.
@@ -143,8 +145,9 @@ impl Digits {
         self.lost = None;
         for row in 0..run.len() {
             let bounds = &mut self.rows[columns * row..][..columns];
-            for (bound, value) in bounds.iter_mut().zip(row_of(run, row)) {
-                *bound = bound.max(2.0 * f64::EPSILON * value.abs());
+            for ((bound, value), range) in bounds.iter_mut().zip(row_of(run, row)).zip(&ranges) {
+                let rounded = if value.abs() <= NOTHING * range { 1.0 } else { 2.0 * f64::EPSILON };
+                *bound = bound.max(rounded * value.abs());
             }
             let lost = (0..2 * n).find(|column| bounds[*column] > LOST * ranges[*column]);
             self.lost = self.lost.or(lost.map(|column| (run.times[row], column)));
