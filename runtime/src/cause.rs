@@ -156,7 +156,8 @@ pub enum Cause {
         /// The event's name, or the argument as the model file has it.
         function: String,
     },
-    /// The ends of a spring, damper or force meet, so that the line along which it acts has no direction.
+    /// The ends of a spring or damper meet, so that the line along which it acts has no direction; or a norm or a root in a force
+    /// becomes zero.
     EndsMeet {
         /// Its name in the model file.
         load: String,
@@ -316,8 +317,8 @@ impl fmt::Display for Cause {
             ),
             Cause::EndsMeet { load, t } => write!(
                 f,
-                "direction lost: the ends of `{load}` meet at t = {t} s, where it has no direction; stop before it by an \
-                 event on their distance",
+                "direction lost: a distance, norm or root in `{load}` becomes zero at t = {t} s, where ends that meet have no direction, \
+                 and roots no slope; stop before it by an event on what becomes zero",
                 t = short(*t)
             ),
             Cause::OscillatesTooFast { function } => write!(

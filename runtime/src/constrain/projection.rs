@@ -275,15 +275,16 @@ impl Projection {
         if self.corrects { (self.form.rank(), self.form.weakest()) } else { (usize::MAX, 1.0) }
     }
 
-    /// The active row that the last state misses by far more than rounding, and by how much; none where nothing brings
-    /// states back.
-    pub fn lost<S: System + ?Sized>(&self, system: &S) -> Option<(usize, f64)> {
+    /// The active row that the last state misses by far more than rounding and what its rate makes of `late` seconds, and by how
+    /// much; none where nothing brings states back.
+    pub fn lost<S: System + ?Sized>(&self, system: &S, late: f64) -> Option<(usize, f64)> {
         if !self.corrects {
             return None;
         }
         let mut active = system.active_rows().iter().map(|row| *row as usize);
         active.find_map(|row| {
-            let missed = self.misses(row).filter(|_| system.description().rows[row].holonomic);
+            let moved = 2.0 * late * self.triples[3 * row + 1].abs();
+            let missed = self.misses(row).filter(|c| system.description().rows[row].holonomic && !(c.abs() <= moved));
             missed.map(|c| (row, c))
         })
     }

@@ -44,6 +44,11 @@ pub enum Error {
     },
     /// Forces are made of reactions, which only multipliers give together with the accelerations.
     NeedsMultipliers,
+    /// Springs stand for constraints without dampers, which alone hold one that contains speeds.
+    NeedsDamping {
+        /// It.
+        constraint: String,
+    },
     /// A list has the wrong length.
     WrongLength {
         /// Which one: `start`.
@@ -177,6 +182,12 @@ impl fmt::Display for Error {
             }
             Error::NeedsMultipliers => {
                 write!(f, "a force is made of reactions, as friction is: take `multipliers`, which find both together")
+            }
+            Error::NeedsDamping { constraint } => {
+                write!(
+                    f,
+                    "no spring holds the constraint `{constraint}`, which contains speeds, only a damper: give `--damping`"
+                )
             }
             Error::WrongLength { setting, given, expected } => {
                 write!(f, "`{setting}` has {given} numbers; the mechanism has {expected} coordinates")

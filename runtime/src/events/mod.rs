@@ -6,8 +6,8 @@
 //! 3. Steps that jumped over a feature of the equations are cut: look in `monitor.rs`.
 //! 4. At a discontinuity the modes are chosen anew: look in `modes.rs`; what inputs that turn sharply do to the speeds:
 //!    in `impulse.rs`.
-//! 5. Discontinuities of time are known beforehand: look in `stops.rs`; those of inputs that are closures are scanned
-//!    for: in `signals.rs`.
+//! 5. Discontinuities of time are known beforehand: look in `stops.rs`; on which sides of them a motion begins: in
+//!    `sides.rs`; those of inputs that are closures are scanned for: in `signals.rs`.
 
 use crate::mechanism::System;
 
@@ -22,6 +22,7 @@ mod monitor;
 mod root;
 mod sample;
 mod scan;
+mod sides;
 mod signals;
 mod stops;
 #[cfg(test)]
@@ -35,6 +36,7 @@ pub(crate) use modes::{mode as switch_mode, text as switch_text};
 #[cfg(feature = "ensemble")]
 pub(crate) use monitor::{keeps_clear, ratio as calm_ratio};
 pub(crate) use scan::Crossing;
+pub(crate) use sides::begin_at;
 pub(crate) use signals::WIDTH as CLOSURE_WIDTH;
 pub(crate) use watch::{Fired, Interruption, Switched, Watch};
 

@@ -4,6 +4,7 @@ use super::arguments::{Arguments, Course};
 use super::certify::{Certifier, Deed, Sample};
 use super::modes;
 use super::sample::Sampler;
+use super::sides::SAME;
 use super::signals::{Break, breaks};
 use crate::cause::Cause;
 use crate::mechanism::{System, Watched};
@@ -13,6 +14,9 @@ use crate::mechanism::{System, Watched};
 pub(crate) struct Stop {
     /// s.
     pub t: f64,
+    /// When the motion goes on, s: somewhat later where an input turns that is on either side what it is at that time, as tables
+    /// are.
+    pub after: f64,
     /// Which, and on which side each is from then on.
     pub switches: Vec<(usize, f64)>,
     /// Inputs that are closures and jump or turn just after it.
@@ -35,9 +39,16 @@ pub(crate) struct Stops {
 const MOST_STOPS: usize = 200_000;
 /// Stretches are not shortened further.
 const SHORTEST: f64 = 1e-6;
+/// So far beyond their end, in parts of them, zeros are looked for: one at the end is none that may be missed.
+const BEYOND: f64 = 1e-9;
+/// On either side of the points of a table, in parts of their time, its argument is on that side too.
+const ASIDE: f64 = 8.0 * f64::EPSILON;
+/// Inputs of which u or u' differ by this part of themselves beside a time turn there.
+const TURNS: f64 = 1e-11;
 
 impl Stops {
-    /// The stop times after `from`.
+    /// The stop times after `from`, `until` among them: what happens where a run ends belongs to it, and not to the one
+    /// that begins there.
     ///
     /// # Errors
     /// [`Cause::OscillatesTooFast`] names a switch with more zeros than can be listed.
@@ -50,6 +61,16 @@ impl Stops {
         let mut stops = Stops { list: Vec::new(), horizon: from, until, stretch: until - from };
         stops.extend(system, samplers, y)?;
         Ok(stops)
+    }
+
+    /// Takes the next stop off the list if it has come.
+    pub fn pop(&mut self, t: f64) -> Option<Stop> {
+        if self.is_due(t) { self.list.pop() } else { None }
+    }
+
+    /// Whether the next stop has come.
+    pub fn is_due(&self, t: f64) -> bool {
+        self.list.last().is_some_and(|stop| stop.t <= t + SAME * t.abs())
     }
 
     /// The next time at which a step must end.
@@ -79,7 +100,7 @@ impl Stops {
         for input in 0..system.description().inputs.len() {
             let Some(signal) = system.signal(input) else { continue };
             for one in breaks(signal, (self.horizon, end)).into_iter().filter(|one| one.after < self.until) {
-                list.push(Stop { t: one.before, switches: Vec::new(), breaks: vec![(input, one)] });
+                list.push(Stop { t: one.before, after: one.after, switches: Vec::new(), breaks: vec![(input, one)] });
             }
         }
         list.sort_by(|a, b| a.t.total_cmp(&b.t));
@@ -97,9 +118,10 @@ impl Stops {
 fn stop_times<S: System + ?Sized>(
     system: &mut S,
     (sampler, arguments): (&mut Sampler, &mut Arguments),
-    (from, until): (f64, f64),
+    (from, end): (f64, f64),
     y: &[f64],
 ) -> Result<Vec<Stop>, usize> {
+    let until = end + BEYOND * (end - from);
     let count = system.description().switches.len();
     let mut stops: Vec<Stop> = Vec::new();
     // The modes between two stops; one more than there are stops.
@@ -112,7 +134,10 @@ fn stop_times<S: System + ?Sized>(
             let low = if interval == 0 { from } else { stops[interval - 1].t };
             let high = stops.get(interval).map_or(until, |stop| stop.t);
             system.set_modes(&modes[interval]);
-            let found = zeros(system, (&mut *sampler, &mut *arguments), switch, (low, high), y).ok_or(switch)?;
+            let found = zeros(system, (&mut *sampler, &mut *arguments), switch, (low, high), y);
+            let found =
+                found.or_else(|| zeros(system, (&mut *sampler, &mut *arguments), switch, (low, high.min(end)), y));
+            let found = found.ok_or(switch)?;
             if interval > 0 && side * found.first < 0.0 {
                 flips.push(low);
             }
@@ -122,13 +147,13 @@ fn stop_times<S: System + ?Sized>(
                 return Err(switch);
             }
         }
-        for t in flips.into_iter().filter(|t| *t > from && *t < until) {
-            let near = 4.0 * f64::EPSILON * t.abs();
+        for t in flips.into_iter().filter(|t| *t > from + SAME * from.abs() && *t < until) {
+            let near = SAME * t.abs();
             let place = stops.partition_point(|stop| stop.t < t - near);
             match stops.get_mut(place) {
                 Some(stop) if stop.t <= t + near => stop.switches.push((switch, 0.0)),
                 _ => {
-                    stops.insert(place, Stop { t, switches: vec![(switch, 0.0)], breaks: Vec::new() });
+                    stops.insert(place, Stop { t, after: t, switches: vec![(switch, 0.0)], breaks: Vec::new() });
                     modes.insert(place, modes[place].clone());
                 }
             }
@@ -147,7 +172,35 @@ fn stop_times<S: System + ?Sized>(
             *side = modes::side_of(system, *switch, after[*switch]);
         }
     }
+    let within = stops.partition_point(|stop| stop.t <= end + SAME * end.abs());
+    stops.truncate(within);
+    for (stop, before) in stops.iter_mut().zip(&modes) {
+        stop.t = stop.t.min(end);
+        system.set_modes(before);
+        let aside = (ASIDE * stop.t.abs()).max(f64::MIN_POSITIVE);
+        let (early, late) = (stop.t - aside, stop.t + aside);
+        if early > from && turns(system, (early, late)) {
+            (stop.t, stop.after) = (early, late.min(end));
+        } else {
+            stop.after = stop.t;
+        }
+    }
     Ok(stops)
+}
+
+/// Whether an input jumps or turns between two neighbouring times although no mode changes.
+fn turns<S: System + ?Sized>(system: &S, times: (f64, f64)) -> bool {
+    let count = 3 * system.description().inputs.len();
+    let [before, after] = [times.0, times.1].map(|t| {
+        let mut values = vec![0.0; count];
+        system.inputs(t, &mut values);
+        values
+    });
+    let differs = |k: usize| {
+        let grown = 2.0 * (times.1 - times.0) * before[k + 1].abs().max(after[k + 1].abs());
+        (after[k] - before[k]).abs() > TURNS * before[k].abs().max(after[k].abs()) + grown
+    };
+    (0..count).any(|k| k % 3 < 2 && differs(k))
 }
 
 /// Where the argument of a switch changes its sign between two times.

@@ -7,11 +7,12 @@ use super::modes::{self, Known, Trial};
 use super::monitor::Monitors;
 use super::sample::Sampler;
 use super::scan::{Crossing, Scanner, watched_name};
+use super::sides;
 use super::stops::Stops;
 use super::{Log, Remark, Remarkable};
 use crate::cause::Cause;
 use crate::integrate::{Reached, Segment};
-use crate::mechanism::{Action, Direction, SwitchKind, System};
+use crate::mechanism::{Action, Direction, System};
 
 /// Watches events and switches along a motion.
 #[derive(Clone, Debug)]
@@ -115,10 +116,10 @@ impl Watch {
         trial: Trial<'_, S>,
     ) -> Result<(), Box<Cause>> {
         self.forget_surfaces();
-        let kinds = system.description().switches.iter().map(|switch| switch.kind);
-        let neutral: Vec<f64> = kinds.map(|kind| if kind == SwitchKind::Sign { 0.0 } else { 1.0 }).collect();
-        system.set_modes(&neutral);
+        let sides = sides::of_time(system, &mut self.sampler, t, y);
+        self.beyond = sides.into_iter().map(|side| side.filter(|side| *side != 0.0)).collect();
         self.choose(system, (t, y), None, trial)?;
+        self.forget_surfaces();
         self.sampler.at_state(system, t, y);
         for function in 0..self.sampler.len() {
             if self.sampler.switch(function).is_none() {
@@ -158,6 +159,11 @@ impl Watch {
     /// The next time at which a step must end, at most `until`.
     pub fn next_stop(&self, until: f64) -> f64 {
         self.stops.next().min(until)
+    }
+
+    /// Whether a time at which a step must end has come.
+    pub fn is_due(&self, t: f64) -> bool {
+        self.stops.is_due(t)
     }
 
     /// The times at which steps must end, as far as they are known yet.
@@ -474,8 +480,9 @@ impl Watch {
     ) -> Result<Switched, Box<Cause>> {
         let (mut timed, mut resume) = (false, t);
         let mut breaks = Vec::new();
-        while let Some(stop) = self.stops.list.pop_if(|stop| stop.t <= t) {
+        while let Some(stop) = self.stops.pop(t) {
             timed = true;
+            resume = resume.max(stop.after);
             for (switch, side) in stop.switches {
                 self.beyond[switch] = Some(side);
             }
@@ -548,7 +555,8 @@ impl Watch {
         Ok(())
     }
 
-    /// Hands the events that only record, but for those in `but`, to the recorder.
+    /// Hands the events that only record, but for those in `but`, to the recorder: what does more ends its step, and rounding
+    /// about its zero there is no other event.
     fn record<S: System + ?Sized>(
         &mut self,
         system: &S,
@@ -563,7 +571,8 @@ impl Watch {
             let last = || crossings[index + 1..].iter().all(|later| later.function != crossing.function);
             let same = |other: &Crossing| other.function == crossing.function && other.rising == crossing.rising;
             let taken = crossing.theta > 0.5 && but.iter().any(same) && last();
-            if taken || !counts(event.direction, crossing.rising) {
+            let acts = event.actions.iter().any(|action| *action != Action::Record);
+            if acts || taken || !counts(event.direction, crossing.rising) {
                 continue;
             }
             self.sampler.along(system, segment, crossing.theta);

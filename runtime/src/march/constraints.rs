@@ -96,7 +96,7 @@ impl March {
         if projection.passed(system, At::place(now, &y[..system.len()]), usual) {
             recorder.warn(Warning::SingularPassed { t: now });
         }
-        match projection.lost(system) {
+        match projection.lost(system, 0.0) {
             Some((row, residual)) => {
                 let constraint = system.description().rows[row].name.to_string();
                 Err(Cause::ConstraintLost { constraint, residual }.into())

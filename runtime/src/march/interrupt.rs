@@ -73,6 +73,11 @@ impl March {
         };
         let first = fired.iter().flat_map(|fired| &fired.actions).find(|action| **action != Action::Record);
         if first == Some(&Action::Stop) {
+            // What jumps where an event ends the run belongs to it.
+            if watch.is_due(self.clock.now()) {
+                recorder.leave(system, self.clock.now(), self.stepper.start());
+                self.switch(system, watch, recorder)?;
+            }
             return Ok(Watched::Kept(Halt::Event));
         }
         recorder.leave(system, self.clock.now(), self.stepper.start());
@@ -151,7 +156,13 @@ impl March {
             }
             recorder.impulse(impulse);
         }
-        self.jolt(system, recorder)?;
+        let late = resume - now;
+        self.jolt(system, late, recorder)?;
+        let (q, v) = self.stepper.state_mut().split_at_mut(n);
+        q.iter_mut().zip(v.iter().zip(&y[n..])).for_each(|(q, (after, before))| *q += 0.5 * late * (before + after));
+        if let Some(projection) = &mut self.projection {
+            projection.observe(system, resume, self.stepper.start().y);
+        }
         self.restart(system, recorder)?;
         Ok(true)
     }

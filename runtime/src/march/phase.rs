@@ -137,15 +137,20 @@ impl March {
         self.firings.count > AT_AN_INSTANT
     }
 
-    /// Brings the speeds to constraints that a sharp turn of time or of an input moves.
+    /// Brings the speeds to constraints that a sharp turn of time or of an input moves, `late` seconds after the state was reached.
     ///
     /// # Errors
     /// A constraint that jumps, which no finite force could follow.
-    pub(super) fn jolt(&mut self, system: &mut dyn System, recorder: &mut Recorder) -> Result<(), Box<Cause>> {
+    pub(super) fn jolt(
+        &mut self,
+        system: &mut dyn System,
+        late: f64,
+        recorder: &mut Recorder,
+    ) -> Result<(), Box<Cause>> {
         let Some(projection) = self.projection.as_mut().filter(|_| !is_sprung(system)) else { return Ok(()) };
         let now = self.clock.now();
         projection.observe(system, now, self.stepper.start().y);
-        if let Some((row, residual)) = projection.lost(system) {
+        if let Some((row, residual)) = projection.lost(system, late) {
             let constraint = system.description().rows[row].name.to_string();
             return Err(Cause::ConstraintLost { constraint, residual }.into());
         }

@@ -38,6 +38,10 @@ const MARGIN: f64 = 1.75;
 const LOST: f64 = 0.2;
 /// What moves by no more than this part of what else has its unit does not move.
 const STILL: f64 = 1e-10;
+/// Less than this part of a range is rounding of rounding, in which two runs may agree and both be wrong.
+const NOTHING: f64 = 1e-20;
+/// Angles and other pure numbers below this are rounding of what has the size 1.
+const ROUNDED: f64 = 1e3 * f64::EPSILON;
 /// The part of the time until then over which differences are looked at.
 const WINDOW: f64 = 0.1;
 /// A state is moved in so many ways.
@@ -153,8 +157,9 @@ impl Digits {
         self.lost = None;
         for row in 0..run.len() {
             let bounds = &mut self.rows[columns * row..][..columns];
-            for (bound, value) in bounds.iter_mut().zip(row_of(run, row)) {
-                *bound = bound.max(2.0 * f64::EPSILON * value.abs());
+            for ((bound, value), range) in bounds.iter_mut().zip(row_of(run, row)).zip(&ranges) {
+                let rounded = if value.abs() <= NOTHING * range { 1.0 } else { 2.0 * f64::EPSILON };
+                *bound = bound.max(rounded * value.abs());
             }
             let lost = (0..2 * n).find(|column| bounds[*column] > LOST * ranges[*column]);
             self.lost = self.lost.or(lost.map(|column| (run.times[row], column)));
@@ -322,7 +327,18 @@ fn ranges(run: &Run, still: f64) -> Vec<f64> {
         let (range, size) = (ranges[column], low.abs().max(high.abs()));
         (if range > still * size { range } else { size }).max(STILL * largest(&units[column]))
     };
-    (0..names.len()).map(of).collect()
+    let mut ranges: Vec<f64> = (0..names.len()).map(of).collect();
+    // Where all rests, rates are what rounding makes of the places in all that time, and an angle is one beside 1 rad.
+    let span = run.times.last().zip(run.times.first()).map_or(0.0, |(last, first)| last - first);
+    for i in 0..states / 2 {
+        if matches!(&*units[i], "" | "1" | "rad") {
+            ranges[i] = ranges[i].max(ROUNDED);
+        }
+        if span > 0.0 {
+            ranges[states / 2 + i] = ranges[states / 2 + i].max(STILL * ranges[i] / span);
+        }
+    }
+    ranges
 }
 
 /// Raises the difference of a coordinate to that of its rate in the same part of its range, and the other way round.

@@ -201,10 +201,14 @@ impl Recorder {
     }
 
     /// Takes note of new equations in force: dense output does not reach across, and what they do to the energy is no
-    /// error of the integration.
+    /// error of the integration.  A state that was reported at this instant is the one after it.
     pub fn restart(&mut self, system: &dyn System, t: f64, start: Reached<'_>) {
         if let Some(monitor) = &mut self.monitor {
             monitor.restart(system, t, start.y);
+        }
+        if self.run.times.last() == Some(&t) {
+            self.take_back_row();
+            self.write_row(system, t, start.y);
         }
         self.begin_piece(system, t, start);
     }
@@ -380,6 +384,12 @@ impl Recorder {
     fn row_written(&mut self) {
         self.next += 1;
         self.next_time = self.start + self.every * self.next as f64;
+    }
+
+    fn take_back_row(&mut self) {
+        self.run.times.pop();
+        self.run.rows.truncate(self.run.rows.len() - 2 * self.n);
+        self.run.outputs.truncate(self.run.outputs.len() - self.run.names.outputs.len());
     }
 
     fn write_row<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {

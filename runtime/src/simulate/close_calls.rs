@@ -35,7 +35,9 @@ impl Look<'_> {
     /// The event's function at a state, where it counts.
     fn value(&self, t: f64, y: &[f64]) -> Option<f64> {
         let mut pairs = vec![f64::NAN; 2 * self.system.description().events.len()];
-        self.system.events(At::packed(t, y, self.system.len()), &mut pairs);
+        let (at, mut a) = (At::packed(t, y, self.system.len()), vec![0.0; self.system.len()]);
+        self.system.accelerations(at, &mut a).ok()?;
+        self.system.events(at.accelerated(&a), &mut pairs);
         let counts = self.counts_in(self.phase(t)) && pairs[2 * self.event + 1] > 0.0;
         Some(pairs[2 * self.event]).filter(|value| counts && value.is_finite())
     }
@@ -80,11 +82,13 @@ impl Look<'_> {
 
     /// When it first turns back nearer to zero than it is known.
     fn grazes(&self) -> Option<f64> {
-        let times = self.times();
+        let (times, crossings) = (self.times(), self.crossings());
         let values: Vec<Option<f64>> = times.iter().map(|t| self.on_motion(*t)).collect();
         for (times, values) in times.windows(3).zip(values.windows(3)) {
             let [Some(a), Some(b), Some(c)] = *values else { continue };
-            if a * b > 0.0 && b * c > 0.0 && b.abs() < a.abs() && b.abs() < c.abs() {
+            // What is struck at its zero turns back there, and was counted.
+            let struck = || crossings.iter().any(|t| (times[0]..=times[2]).contains(t));
+            if a * b > 0.0 && b * c > 0.0 && b.abs() < a.abs() && b.abs() < c.abs() && !struck() {
                 let t = self.turn(times[0], times[2]);
                 if self.is_zero_at(t) {
                     return Some(t);
@@ -92,7 +96,6 @@ impl Look<'_> {
             }
         }
         // Two crossings with nothing but an error between them; of one direction there is one of the other between.
-        let crossings = self.crossings();
         let mut pairs = crossings.windows(2);
         let grazed = pairs.find(|pair| between(pair[0], pair[1]).all(|t| self.is_zero_at(t)));
         grazed.map(|pair| 0.5 * (pair[0] + pair[1]))

@@ -7,6 +7,8 @@ use super::{Settings, simulate_with};
 use crate::cause::Cause;
 use crate::constrain::Projection;
 use crate::error::Error;
+use crate::events::begin_at;
+use crate::mechanism::dense::sizes_alike;
 use crate::mechanism::{Action, Argument, At, Method, Role, System, Watched};
 use crate::run::{Digits, Run, evaluate_outputs};
 use crate::trust::{Loss, Warning};
@@ -17,6 +19,8 @@ const LOOSER: f64 = 10.0;
 const LOOSEST: f64 = 0.3;
 /// The companion's start is moved by so many unit round-offs of the largest value that a coordinate or rate has.
 const MOVED: f64 = 20.0;
+/// What the constraints leave of a move is rounding below this part of it.
+const RESIDUE: f64 = 1e-6;
 /// More growth than this of a difference at the start is an instability.
 const GROWS: f64 = 1e4;
 /// Where errors may be larger than this part of a range, two runs may agree by chance: a third one is asked.
@@ -180,28 +184,35 @@ fn alike(system: &mut dyn System, settings: &Settings, run: &Run) -> Settings {
     if let Some(start) = run.rows.get(..2 * n) {
         (other.q, other.v) = (start[..n].to_vec(), start[n..].to_vec());
     }
-    let largest =
-        |column: usize| run.rows.iter().skip(column).step_by(2 * n).fold(0.0_f64, |most, y| most.max(y.abs()));
-    let unit = 0.5 * f64::EPSILON * MOVED;
+    // A kick at the very end says nothing of the way there.
+    let kicked = run.len() > 1 && run.impulses.last().is_some_and(|impulse| run.times.last() == Some(&impulse.t));
+    let rows = &run.rows[..2 * n * (run.len() - usize::from(kicked))];
+    let largest = |column: usize| rows.iter().skip(column).step_by(2 * n).fold(0.0_f64, |most, y| most.max(y.abs()));
+    let moves: Vec<f64> = (0..2 * n).map(|column| 0.5 * f64::EPSILON * MOVED * largest(column)).collect();
     for i in 0..n {
         // Moved in one sense they might only be shifted.
         let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
-        other.q[i] += sign * unit * largest(i);
-        other.v[i] += sign * unit * largest(n + i);
+        other.q[i] += sign * moves[i];
+        other.v[i] += sign * moves[n + i];
     }
-    project(system, &mut other);
+    project(system, &mut other, &moves);
     other
 }
 
-/// Brings a moved start to the constraints: values that are held would miss what they met.
-fn project(system: &mut dyn System, settings: &mut Settings) {
+/// Brings a start that was moved by so much to the constraints: values that are held would miss what they met.
+fn project(system: &mut dyn System, settings: &mut Settings, moves: &[f64]) {
     system.set_phase(settings.phase);
     system.enforce(settings.enforcement, settings.alpha());
     let Some(mut projection) = Projection::new(system) else { return };
     let mut y = [settings.q.as_slice(), settings.v.as_slice()].concat();
+    begin_at(system, settings.from, &y);
     // Where that cannot be, the start is left as it is.
     if projection.project(system, settings.from, &mut y).is_ok() {
         let n = settings.q.len();
+        // Where the constraints let nothing move as it was moved, what is left is rounding of that, and meets no constraint.
+        let description = system.description();
+        let moved = [sizes_alike(description, &moves[..n]), sizes_alike(description, &moves[n..])].concat();
+        y.iter_mut().zip(moved).filter(|(y, moved)| y.abs() <= RESIDUE * moved).for_each(|(y, _)| *y = 0.0);
         (settings.q, settings.v) = (y[..n].to_vec(), y[n..].to_vec());
         (settings.held_q, settings.held_v, settings.also) = (Vec::new(), Vec::new(), 0..0);
     }

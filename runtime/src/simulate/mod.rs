@@ -32,6 +32,7 @@ pub use typed::Simulate;
 use crate::cause::Cause;
 use crate::constrain::{self, Elsewhere, consistent, other_branch};
 use crate::error::Error;
+use crate::events::begin_at;
 use crate::integrate::Tolerance;
 use crate::march::{March, Pace};
 use crate::mechanism::{Enforcement, RowHistory, Stabilisation, System};
@@ -101,6 +102,7 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     }
     system.enforce(settings.enforcement, settings.alpha());
     let held = settings.held();
+    begin_at(system, settings.from, &guess);
     let start = constrain::Start { t: settings.from, y: &guess, held: &held, also: settings.also.clone() };
     let met = consistent(system, &start);
     let alone = settings.guessed || !settings.watch;

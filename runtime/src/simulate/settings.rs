@@ -222,6 +222,11 @@ impl Settings {
             Enforcement::Springs { damping, .. } if !(damping >= 0.0 && damping.is_finite()) => {
                 return bad("damping", damping, "a number that is not negative");
             }
+            Enforcement::Springs { damping: 0.0, .. } => {
+                if let Some(row) = mechanism.rows.iter().find(|row| !row.holonomic) {
+                    return Err(Error::NeedsDamping { constraint: row.name.to_string() });
+                }
+            }
             Enforcement::NullSpace if !mechanism.friction_pattern.is_empty() => {
                 return Err(Error::NeedsMultipliers);
             }

@@ -105,7 +105,10 @@ impl Monitor {
 
     /// Notes J and the invariants before the equations, or the state, change at a restart.
     pub fn leave<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
-        self.before = system.energy(At::packed(t, y, self.n)).jacobi;
+        let energy = system.energy(At::packed(t, y, self.n));
+        self.before = energy.jacobi;
+        // Not every step is looked at, but what an impulse makes of the motion counts among its energies.
+        self.balance.scale = self.balance.scale.max(energy.scale);
         system.invariants(At::packed(t, y, self.n), &mut self.pairs);
         for (watched, pair) in self.invariants.iter_mut().zip(self.pairs.chunks_exact(2)) {
             watched.before = pair[0];
@@ -114,7 +117,9 @@ impl Monitor {
 
     /// Counts what a restart did to J since [`Monitor::leave`] as work, and takes what it did to invariants as meant.
     pub fn restart<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
-        let change = system.energy(At::packed(t, y, self.n)).jacobi - self.before;
+        let energy = system.energy(At::packed(t, y, self.n));
+        self.balance.scale = self.balance.scale.max(energy.scale);
+        let change = energy.jacobi - self.before;
         if change.is_finite() {
             self.switched += change;
         }

@@ -25,6 +25,8 @@ pub(super) struct Rattle {
     triples: Vec<f64>,
     /// The largest Σ |terms| that each row has had at the ends of parts: where it vanishes its terms may too.
     scales: Vec<f64>,
+    /// How far, at the most, each row's c would go in the present part without the constraints.
+    way: Vec<f64>,
     delta: Vec<f64>,
     right: Vec<f64>,
     lambda: Vec<f64>,
@@ -81,6 +83,7 @@ impl Rattle {
         let rows = system.description().rows.len();
         self.triples.resize(3 * rows, 0.0);
         self.scales.resize(rows, 0.0);
+        self.way.resize(rows, 0.0);
         self.lambda.resize(rows, 0.0);
         self.delta.resize(system.len(), 0.0);
     }
@@ -137,6 +140,9 @@ impl Rattle {
     ) -> bool {
         let n = y.len() / 2;
         let (mut before, mut fresh) = (f64::INFINITY, false);
+        // What the constraints keep where it is is as exact as the way on which it would go without them.
+        self.form.held(&self.lambda, &mut self.way);
+        self.way.iter_mut().for_each(|way| *way *= 0.5 * h * h);
         for _ in 0..ITERATIONS {
             let missed = self.missed(system, At::packed(t, end, n));
             let left = missed / before;
@@ -175,7 +181,7 @@ impl Rattle {
         system.constraints(at, &mut self.triples);
         self.form.kept().fold(0.0_f64, |most, row| {
             let (c, terms) = (self.triples[3 * row], self.triples[3 * row + 2]);
-            let share = if c == 0.0 { 0.0 } else { c.abs() / terms.max(self.scales[row]) };
+            let share = if c == 0.0 { 0.0 } else { c.abs() / terms.max(self.scales[row]).max(self.way[row]) };
             most.max(if share.is_nan() { f64::INFINITY } else { share })
         })
     }

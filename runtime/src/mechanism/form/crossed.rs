@@ -30,6 +30,13 @@ impl Form {
         factor_lu(&mut self.crossed, &mut self.pivots)
     }
 
+    /// By how much multipliers change c'' of their active rows, at the most: Σ |J M⁻¹ Jᵀ| |λ|; both are of rows of the mechanism.
+    pub fn held(&self, lambda: &[f64], changes: &mut [f64]) {
+        let rows = || self.active.iter().zip(&self.norms);
+        let sum: f64 = rows().map(|(row, norm)| norm * lambda[*row].abs()).sum();
+        rows().for_each(|(row, norm)| changes[*row] = norm * sum);
+    }
+
     /// Overwrites δ with M⁻¹ J₀ᵀ μ such that J₁ δ = g in the rows that are kept, after [`Form::cross`]; g is of rows of the
     /// mechanism.
     pub fn steer(&mut self, g: impl Fn(usize) -> f64, delta: &mut [f64]) {

@@ -1,0 +1,46 @@
+//! Sides of the switches of time alone at an instant, which nothing but the instant decides.
+
+use super::modes;
+use super::sample::Sampler;
+use crate::mechanism::{SwitchKind, System};
+
+/// Two times are one instant that differ by this part of themselves.
+pub(super) const SAME: f64 = 4.0 * f64::EPSILON;
+
+/// Forgets on which sides the switches were, and puts those of time alone where they are at t: at their zero, where they
+/// are just after it, since `step(0)` is 1.
+///
+/// What a motion begins with, places that inputs ask for and masses, is then that of its first instant.
+pub(crate) fn begin_at<S: System + ?Sized>(system: &mut S, t: f64, y: &[f64]) {
+    if !system.description().switches.is_empty() {
+        let mut sampler = Sampler::new(system);
+        of_time(system, &mut sampler, t, y);
+    }
+}
+
+/// As [`begin_at`]; the sides, 0 where neither value nor rate tells, `None` for the switches of the state.
+pub(super) fn of_time<S: System + ?Sized>(
+    system: &mut S,
+    sampler: &mut Sampler,
+    t: f64,
+    y: &[f64],
+) -> Vec<Option<f64>> {
+    let known = system.description().switches.iter();
+    let (timed, mut modes): (Vec<bool>, Vec<f64>) =
+        known.map(|known| (known.time_only, if known.kind == SwitchKind::Sign { 0.0 } else { 1.0 })).unzip();
+    system.set_modes(&modes);
+    let mut sides = vec![None; timed.len()];
+    // An argument contains modes of earlier switches only.
+    for switch in (0..timed.len()).filter(|switch| timed[*switch]) {
+        sampler.at_time(system, t, y);
+        let (value, rate) = (sampler.value(sampler.function_of(switch)), sampler.rate(switch));
+        let seen = if value.abs() <= SAME * t.abs() * rate.abs() { rate } else { value };
+        let side = if seen == 0.0 || seen.is_nan() { 0.0 } else { seen.signum() };
+        sides[switch] = Some(side);
+        if side != 0.0 {
+            modes[switch] = modes::mode(system, switch, side);
+            system.set_modes(&modes);
+        }
+    }
+    sides
+}
