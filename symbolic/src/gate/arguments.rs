@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use super::motion::Motion;
 use super::state::State;
+use crate::derive::branches;
 use crate::expr::{Binary, Id, Node, Symbol, Tape, Unary};
 use crate::model::{Model, Work, text_in};
 use crate::number::DoubleDouble;
@@ -58,17 +59,20 @@ pub(super) fn arguments(model: &Model) -> (Vec<Argument>, usize) {
     let mut seen = BTreeSet::new();
     let mut found = Vec::new();
     for i in (0..needed.len()).filter(|&i| needed[i]) {
-        let (value, switches) = match graph.node(graph.id_at(i)) {
+        let node = graph.node(graph.id_at(i));
+        let (value, switches) = match node {
             Node::Unary(Unary::Abs | Unary::Sign | Unary::Step, x) => (x, true),
             Node::Binary(Binary::Min | Binary::Max, x, y) => (graph.sub(x, y), true),
-            Node::Unary(
-                Unary::Exp | Unary::Tanh | Unary::Atan | Unary::Sinh | Unary::Cosh | Unary::Sqrt | Unary::Ln,
-                x,
-            ) => (x, false),
-            Node::Binary(Binary::Pow, x, _) | Node::Binary(Binary::Div, _, x) => (x, false),
-            _ => continue,
+            node => match (branches::argument(&mut graph, node), node) {
+                (Some(x), _) => (x, true),
+                (_, Node::Unary(f, x)) if is_local(f) => (x, false),
+                (_, Node::Binary(Binary::Pow, x, _) | Node::Binary(Binary::Div, _, x)) => (x, false),
+                _ => continue,
+            },
         };
-        let moves = moving.get(value.index()).copied().unwrap_or(true);
+        let is_moving = |s: &Symbol| !matches!(s, Symbol::Parameter(_) | Symbol::Dummy(_));
+        let moves = moving.get(value.index()).copied();
+        let moves = moves.unwrap_or_else(|| graph.symbols([value]).iter().any(is_moving));
         let plain = matches!(graph.node(value), Node::Symbol(_)) && !switches;
         if moves && !plain && seen.insert((value, switches)) {
             found.push((value, switches));
@@ -96,6 +100,12 @@ pub(super) fn arguments(model: &Model) -> (Vec<Argument>, usize) {
     };
     let more = found.len().saturating_sub(ARGUMENTS);
     (found.into_iter().take(ARGUMENTS).map(argument).collect(), more)
+}
+
+/// Functions that say something where their argument is of order one.
+fn is_local(function: Unary) -> bool {
+    use Unary::{Atan, Cosh, Exp, Ln, Sinh, Sqrt, Tanh};
+    matches!(function, Exp | Tanh | Atan | Sinh | Cosh | Sqrt | Ln)
 }
 
 /// All expressions that are judged.
