@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::motion::Motion;
 use super::state::State;
 use crate::derive::branches;
-use crate::expr::{Binary, Id, Node, Symbol, Tape, Unary};
+use crate::expr::{Binary, Graph, Id, Node, Symbol, Table, Tape, Unary};
 use crate::model::{Model, Work, text_in};
 use crate::number::DoubleDouble;
 
@@ -46,6 +46,12 @@ impl Argument {
     }
 }
 
+/// A table, and the argument of it.
+pub(super) struct Points {
+    pub table: Table,
+    pub argument: Argument,
+}
+
 /// So many arguments are followed.
 pub(super) const ARGUMENTS: usize = 48;
 
@@ -80,26 +86,36 @@ pub(super) fn arguments(model: &Model) -> (Vec<Argument>, usize) {
     }
     // Switches first: there are things that act only beyond them.
     found.sort_by_key(|(_, switches)| !switches);
-    let argument = |(value, switches): (Id, bool)| {
-        let symbols = graph.symbols([value]);
-        let of_motion = symbols.iter().any(|s| matches!(s, Symbol::Acceleration(_) | Symbol::Multiplier(_)));
-        let own = |s: &Symbol| matches!(s, Symbol::Time | Symbol::Input(..) | Symbol::Coordinate(_) | Symbol::Speed(_));
-        let mut symbols: Vec<Symbol> = symbols.into_iter().filter(own).collect();
-        if of_motion {
-            let all = (0..model.coordinates.len() as u32).flat_map(|i| [Symbol::Coordinate(i), Symbol::Speed(i)]);
-            let more: Vec<Symbol> = all.filter(|s| !symbols.contains(s)).collect();
-            symbols.extend(more);
-        }
-        Argument {
-            words: text_in(&graph, model, value),
-            tape: Tape::new(&graph, &[value]),
-            switches,
-            symbols,
-            of_motion,
-        }
-    };
     let more = found.len().saturating_sub(ARGUMENTS);
+    let argument = |(value, switches)| argument(&graph, model, value, switches);
     (found.into_iter().take(ARGUMENTS).map(argument).collect(), more)
+}
+
+/// The tables that move, in everything that is judged, each of each argument once.
+pub(super) fn tables(model: &Model) -> Vec<Points> {
+    let graph = &model.graph;
+    let needed = graph.reachable(roots(model));
+    let moving = graph.contains(|s| !matches!(s, Symbol::Parameter(_) | Symbol::Dummy(_)));
+    let table = |i: usize| match graph.node(graph.id_at(i)) {
+        Node::Unary(Unary::Table(table), x) if moving[x.index()] => Some((x, table.whole())),
+        _ => None,
+    };
+    let found: BTreeSet<(Id, Table)> = (0..needed.len()).filter(|i| needed[*i]).filter_map(table).collect();
+    let points = |(x, table)| Points { table, argument: argument(graph, model, x, false) };
+    found.into_iter().take(ARGUMENTS).map(points).collect()
+}
+
+fn argument(graph: &Graph, model: &Model, value: Id, switches: bool) -> Argument {
+    let symbols = graph.symbols([value]);
+    let of_motion = symbols.iter().any(|s| matches!(s, Symbol::Acceleration(_) | Symbol::Multiplier(_)));
+    let own = |s: &Symbol| matches!(s, Symbol::Time | Symbol::Input(..) | Symbol::Coordinate(_) | Symbol::Speed(_));
+    let mut symbols: Vec<Symbol> = symbols.into_iter().filter(own).collect();
+    if of_motion {
+        let all = (0..model.coordinates.len() as u32).flat_map(|i| [Symbol::Coordinate(i), Symbol::Speed(i)]);
+        let more: Vec<Symbol> = all.filter(|s| !symbols.contains(s)).collect();
+        symbols.extend(more);
+    }
+    Argument { words: text_in(graph, model, value), tape: Tape::new(graph, &[value]), switches, symbols, of_motion }
 }
 
 /// Functions that say something where their argument is of order one.
