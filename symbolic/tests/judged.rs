@@ -375,3 +375,16 @@ fn what_underflows_does_not_differ_by_nothing() {
     let file = narrow(0, "1", "checks: {c: \"{} = 0\"}");
     refused(&file, "sin(x/L)^4*cos(3*x/L)^4", "`c` does not hold", "(sin(x/L)^64)^64*(cos(3*x/L)^64)^64");
 }
+
+#[test]
+fn a_reaction_on_a_particle_acts_at_the_particle() {
+    let file = narrow(
+        0,
+        "1",
+        "constraints: {floor: y}\n\
+         balances: {equations: [{force: {of: [b]}}], reactions: {N: {on: b, at: \"{}\", along: \"[0, 1]\"}}}",
+    );
+    let file = file.replace("y': 1", "x': 1");
+    refused(&file, "[7*L, 0]", "the particle `b` takes forces at its own position only", "[x, y]");
+    refused(&file, "[2*x, y]", "the particle `b` takes forces at its own position only", "[2*x - x, y]");
+}
