@@ -16,6 +16,8 @@ pub(super) struct Argument {
     pub tape: Tape,
     /// True where the function changes at zero; false where it is local through its argument.
     pub switches: bool,
+    /// Whether a function of it vanishes, or ceases to change, away from where it is of order one: `exp`, `tanh`.
+    pub fades: bool,
     /// What it depends on; where it contains accelerations or reactions, what these depend on.
     pub symbols: Vec<Symbol>,
     /// Whether it contains accelerations or reactions.
@@ -87,7 +89,15 @@ pub(super) fn arguments(model: &Model) -> (Vec<Argument>, usize) {
     // Switches first: there are things that act only beyond them.
     found.sort_by_key(|(_, switches)| !switches);
     let more = found.len().saturating_sub(ARGUMENTS);
-    let argument = |(value, switches)| argument(&graph, model, value, switches);
+    let fading = |i: usize| match graph.node(graph.id_at(i)) {
+        Node::Unary(Unary::Exp | Unary::Tanh, x) => Some(x),
+        _ => None,
+    };
+    let fading: BTreeSet<Id> = (0..needed.len()).filter(|&i| needed[i]).filter_map(fading).collect();
+    let argument = |(value, switches): (Id, bool)| {
+        let fades = !switches && fading.contains(&value);
+        Argument { fades, ..argument(&graph, model, value, switches) }
+    };
     (found.into_iter().take(ARGUMENTS).map(argument).collect(), more)
 }
 
@@ -115,7 +125,8 @@ fn argument(graph: &Graph, model: &Model, value: Id, switches: bool) -> Argument
         let more: Vec<Symbol> = all.filter(|s| !symbols.contains(s)).collect();
         symbols.extend(more);
     }
-    Argument { words: text_in(graph, model, value), tape: Tape::new(graph, &[value]), switches, symbols, of_motion }
+    let (words, tape) = (text_in(graph, model, value), Tape::new(graph, &[value]));
+    Argument { words, tape, switches, fades: false, symbols, of_motion }
 }
 
 /// Functions that say something where their argument is of order one.

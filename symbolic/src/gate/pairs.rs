@@ -1,4 +1,5 @@
-//! States at which two functions say something at once: a product of narrow ones is silent wherever only one of them speaks.
+//! States at which two functions say something at once: a product of narrow ones (`exp`, `tanh`, tables) is silent wherever
+//! only one of them speaks.
 
 use super::arguments::{Argument, Points};
 use super::lines::{Line, Reach, moved};
@@ -12,6 +13,10 @@ use crate::number::DoubleDouble;
 /// So many states are added at the most, and so many for each two functions.
 const PAIRS: usize = 64;
 const OF_TWO: usize = 2;
+/// Operations that the search may cost, with so many looks along each line, and what it takes to make a state.
+const WORK: usize = 2_000_000;
+const LOOKS: usize = 200;
+const STATE: usize = 20;
 /// So many of the steepest pieces of a table are places where it says something.
 const STEEPEST: usize = 3;
 
@@ -27,7 +32,7 @@ pub(super) fn pairs(
         let at = argument.at(motion, state);
         targets.iter().any(|(value, near)| (at - value).abs() <= *near)
     };
-    let local = arguments.iter().filter(|argument| !argument.switches);
+    let local = arguments.iter().filter(|argument| argument.fades);
     let local = local.map(|argument| (argument, vec![(0.0, ORDER_ONE)]));
     let of_tables = tables.iter().map(|Points { table, argument }| {
         let mut places = pieces(*table).0;
@@ -37,7 +42,7 @@ pub(super) fn pairs(
         (argument, places)
     });
     let speakers: Vec<(&Argument, Vec<(f64, f64)>)> = local.chain(of_tables).collect();
-    let mut kept = 0;
+    let (mut kept, mut left) = (0, WORK);
     for (k, (first, of_first)) in speakers.iter().enumerate() {
         let Some(base) = found.states.iter().find(|state| spoken(first, state, of_first)).cloned() else { continue };
         for (second, of_second) in speakers.iter().enumerate().filter(|(other, _)| *other != k).map(|(_, other)| other)
@@ -48,14 +53,13 @@ pub(super) fn pairs(
             let free: Vec<_> = second.symbols.iter().filter(|s| !first.symbols.contains(s)).copied().collect();
             let mut of_two = 0;
             for line in reach.lines(&free) {
+                if kept >= PAIRS || left == 0 {
+                    found.unreached.push(format!("some of {} functions were not looked at two by two", speakers.len()));
+                    return;
+                }
+                left = left.saturating_sub(LOOKS * (second.operations(motion) + STATE));
                 let at = |z: f64| second.at(motion, &moved(motion, &base, &line, DoubleDouble::from(z)));
                 for z in places(&base, &line, &at, of_second) {
-                    if kept >= PAIRS {
-                        found
-                            .unreached
-                            .push(format!("some of {} functions were not looked at two by two", speakers.len()));
-                        return;
-                    }
                     let state = moved(motion, &base, &line, DoubleDouble::from(z));
                     if of_two < OF_TWO && spoken(first, &state, of_first) && spoken(second, &state, of_second) {
                         (of_two, kept) = (of_two + 1, kept + 1);
