@@ -9,6 +9,7 @@ mod nested;
 mod onset;
 mod parabolas;
 mod poles;
+mod tables;
 mod time;
 mod trust;
 
