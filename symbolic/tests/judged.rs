@@ -309,3 +309,82 @@ fn directions_along_which_little_changes_are_not_ignorable() {
     assert!(shifts("k*((x - y)^2 + (y - (1 + 1e-15)*z)^2)/2", "").is_empty());
     assert!(shifts("k*((x - y)^2 + (y - z)^2)/2", "x: \"-c*(x' - y')\", y: \"-(1 + 1e-14)*c*(y' - x')\"").is_empty());
 }
+
+/// A mass in the plane with this table, which says something on a narrow piece only, and these lines.
+fn narrow(smooth: u8, unit: &str, lines: &str) -> String {
+    format!(
+        "name: Narrow
+tables: {{p: {{points: [[0, 0], [7, 0], [7.01, 3], [7.02, 0], [20, 0]], units: [m, {unit}], smooth: {smooth}}}}}
+parameters: {{m: 1 kg, k: 1 N/m, L: 1 m}}
+coordinates: {{x: m, y: m}}
+bodies: {{b: {{mass: m, position: \"[x, y]\"}}}}
+{lines}
+scene: {{start: {{x: 1, y': 1}}, until: 3}}
+"
+    )
+}
+
+#[test]
+fn claims_are_tested_between_the_points_of_tables() {
+    let file = narrow(0, "N", "forces: {f: {on: b, force: \"[p(x), 0]\"}}\nconserved: {momentum: m*{}}");
+    refused(&file, "x'", "`momentum`", "y'");
+    let file = narrow(0, "N*s/m", "forces: {f: {on: b, force: \"[-p(x)*x', 0]\"}}\nconserved: {{}}");
+    refused(&file, "energy: energy", "`energy`", "momentum: m*y'");
+    let file = narrow(0, "1", "checks: {c: \"{} = 0\"}");
+    refused(&file, "p(x)", "`c` does not hold", "p(x)*(x - x)");
+    let file = narrow(
+        0,
+        "N",
+        "forces: {f: {on: b, force: \"[p(x), 0]\"}}\nbalances: {equations: [{equation: \"{}\"}, {equation: \"m*y'' = 0\"}]}",
+    );
+    refused(&file, "m*x'' = -p(x)", "E5", "m*x'' = p(x)");
+}
+
+#[test]
+fn a_potential_by_a_table_is_not_cyclic() {
+    let cyclic = |lines: &str| {
+        let program = compile(&narrow(1, "J", lines), &[]).expect("a good file");
+        program.structure.cyclic.iter().map(|(i, _)| *i).collect::<Vec<_>>()
+    };
+    assert_eq!(cyclic("potential_energy: p(x)"), [1]);
+    assert_eq!(cyclic("potential_energy: p(y)"), [0]);
+}
+
+#[test]
+fn two_narrow_functions_at_once() {
+    let file = narrow(0, "1", "checks: {c: \"exp(-1e3*(x/L - 50)^2)*{} = 0\"}");
+    refused(&file, "exp(-1e3*(y/L - 30)^2)", "`c` does not hold", "(x - x)");
+    refused(&file, "p(y)", "`c` does not hold", "(p(y) - p(y))");
+}
+
+#[test]
+fn wedges_between_slanted_discontinuities() {
+    let file = narrow(0, "1", "checks: {c: \"step(x/L - 2)*step(y/L - 2)*step(x/L - y/L - 5)*step({}) = 0\"}");
+    refused(&file, "3*y/L - x/L", "`c` does not hold", "y/L - x/L");
+}
+
+#[test]
+fn a_cosine_undone_is_no_absolute_value() {
+    let file = narrow(0, "1", "checks: {c: \"{}\"}");
+    refused(&file, "acos(cos(x/L)) = abs(x/L)", "`c` does not hold", "cos(acos(cos(x/L))) = cos(x/L)");
+    refused(&file, "atan(tan(x/L)) = x/L", "`c` does not hold", "tan(atan(x/L)) = x/L");
+}
+
+#[test]
+fn what_underflows_does_not_differ_by_nothing() {
+    let file = narrow(0, "1", "checks: {c: \"{} = 0\"}");
+    refused(&file, "sin(x/L)^4*cos(3*x/L)^4", "`c` does not hold", "(sin(x/L)^64)^64*(cos(3*x/L)^64)^64");
+}
+
+#[test]
+fn a_reaction_on_a_particle_acts_at_the_particle() {
+    let file = narrow(
+        0,
+        "1",
+        "constraints: {floor: y}\n\
+         balances: {equations: [{force: {of: [b]}}], reactions: {N: {on: b, at: \"{}\", along: \"[0, 1]\"}}}",
+    );
+    let file = file.replace("y': 1", "x': 1");
+    refused(&file, "[7*L, 0]", "the particle `b` takes forces at its own position only", "[x, y]");
+    refused(&file, "[2*x, y]", "the particle `b` takes forces at its own position only", "[2*x - x, y]");
+}

@@ -253,6 +253,8 @@ fn report(
     if run.digits.is_none() && !options.get_flag("no-digits") {
         let why = if failed {
             "the run ended early"
+        } else if run.has_untried_integrals() {
+            "an integral is beyond where its rule was tried"
         } else if run.seconds < PATIENCE {
             "there is too much to compare, or it was interrupted"
         } else {

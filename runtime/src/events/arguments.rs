@@ -151,7 +151,7 @@ impl Arguments {
             list.filter(|(_, a)| a.of == of && role(a.role)).map(|(index, _)| index).collect()
         };
         let phases = inside(|role| role == Role::Phase);
-        let mut places = self.turns(system, course, &phases)?;
+        let mut places = vec![0.0, 1.0];
         for landmark in inside(|role| role == Role::Landmark) {
             if !self.follow(system, course, landmark) {
                 return None;
@@ -160,7 +160,7 @@ impl Arguments {
         }
         places.sort_by(f64::total_cmp);
         places.dedup_by(|a, b| *a - *b <= 4.0 * f64::EPSILON);
-        Some(places)
+        self.turns(system, course, (&phases, &places))
     }
 
     /// Follows an argument: [`Arguments::path`] holds its zeros and extrema, the ends of the course, and points on the
@@ -172,7 +172,7 @@ impl Arguments {
         if system.description().arguments.iter().any(own) {
             let list = system.description().arguments.iter().enumerate();
             let phases: Vec<usize> = list.filter(|(_, a)| own(a)).map(|(index, _)| index).collect();
-            let Some(places) = self.turns(system, course, &phases) else { return false };
+            let Some(places) = self.turns(system, course, (&phases, &[0.0, 1.0])) else { return false };
             for x in places {
                 let (value, slope) = self.sample(system, course, index, x);
                 grid.push(Sample { x, value, slope });
@@ -204,10 +204,15 @@ impl Arguments {
         outcome.is_ok()
     }
 
-    /// Places from 0 to 1 between which none of the phases turns by more than [`PHASE`].
-    fn turns<S: System + ?Sized>(&mut self, system: &S, course: &Course<'_>, phases: &[usize]) -> Option<Vec<f64>> {
+    /// These places from 0 to 1, and more where any of the phases turns by more than [`PHASE`] between two of them.
+    fn turns<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        course: &Course<'_>,
+        (phases, given): (&[usize], &[f64]),
+    ) -> Option<Vec<f64>> {
         if phases.is_empty() {
-            return Some(vec![0.0, 1.0]);
+            return Some(given.to_vec());
         }
         let mut at = |theta: f64| -> Vec<(f64, f64)> {
             let h = self.evaluate(system, course, theta);
@@ -220,7 +225,9 @@ impl Arguments {
             a.iter().zip(b).map(turn).filter(|turn| turn.is_finite()).fold(0.0, f64::max)
         };
         let mut places = vec![0.0];
-        let mut stack = vec![(0.0, at(0.0), 1.0, at(1.0), 0)];
+        let ends: Vec<(f64, Vec<(f64, f64)>)> = given.iter().rev().map(|x| (*x, at(*x))).collect();
+        let pairs = ends.windows(2).map(|pair| (pair[1].0, pair[1].1.clone(), pair[0].0, pair[0].1.clone(), 0));
+        let mut stack: Vec<_> = pairs.collect();
         while let Some((a, at_a, b, at_b, depth)) = stack.pop() {
             let need = turned(&at_a, &at_b, b - a);
             if need <= 1.05 || depth > 30 {

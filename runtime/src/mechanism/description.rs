@@ -26,6 +26,8 @@ pub struct Description {
     pub parameters: List<Parameter>,
     /// Functions that the file gives by points, and those that count their points.
     pub tables: List<Table>,
+    /// Integrals by rules of quadrature, and where these were tried.
+    pub integrals: List<Integral>,
     /// Names of derived parameters (they cannot be set).
     pub derived: List<Text>,
     /// Inputs, functions of time.
@@ -137,6 +139,28 @@ pub struct Parameter {
     pub unit: Text,
     /// The file's value, in SI.
     pub default: f64,
+}
+
+/// An integral by a rule of quadrature that was found to be right for some values of what it contains.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Integral {
+    /// As written.
+    pub text: Text,
+    /// What it contains, and between which values that was tried, SI.
+    pub ranges: List<(Tried, [f64; 2])>,
+}
+
+/// What an integral contains.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tried {
+    /// A free parameter, by its index.
+    Parameter(u32),
+    /// A coordinate, by its index.
+    Coordinate(u32),
+    /// The rate of a coordinate.
+    Speed(u32),
+    /// Time.
+    Time,
 }
 
 /// A named scalar or vector computed along a run.

@@ -74,6 +74,8 @@ impl OfPart {
             damping_pattern,
             input_pattern,
             time_pattern,
+            // Of which the whole is asked.
+            integrals: List::default(),
             outputs: List::default(),
             outputs_use_accelerations: false,
             outputs_of_reactions: List::default(),

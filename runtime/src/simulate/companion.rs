@@ -48,7 +48,8 @@ pub(crate) fn judge_digits(
     run: &mut Run,
     progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) {
-    if run.rows.len() + run.outputs.len() > MOST_NUMBERS {
+    // Both runs would share the error of an integral.
+    if run.rows.len() + run.outputs.len() > MOST_NUMBERS || run.has_untried_integrals() {
         return;
     }
     let mut goes_on = |_: f64| progress(settings.until);

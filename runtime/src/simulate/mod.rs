@@ -62,6 +62,7 @@ pub fn simulate_with(
     } else {
         apart::simulate(system, parts, settings, progress)?
     };
+    run.warn_of_integrals(system);
     if settings.digits {
         judge_digits(system, settings, &mut run, progress);
     }

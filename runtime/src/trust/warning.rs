@@ -42,6 +42,17 @@ pub enum Warning {
         /// What it would be.
         there: f64,
     },
+    /// A rule of quadrature that stands for an integral was tried for other values of something in it.
+    IntegralUntried {
+        /// The integral, as the file writes it.
+        integral: String,
+        /// The parameter, coordinate or rate, or `t`.
+        of: String,
+        /// What it is, or comes to along the motion, SI.
+        value: f64,
+        /// Between which values it was tried.
+        range: [f64; 2],
+    },
     /// The motion began symmetric, which its equations keep, and left the symmetry: what rounding does to it grows.
     LeavesSymmetry {
         /// From when on it is seen, s.
@@ -211,17 +222,18 @@ impl fmt::Display for Loss {
 }
 
 impl Warning {
-    /// True when the other warning says the same, with other numbers; of events, of the same one.
+    /// True when the other warning says the same, with other numbers; of events and integrals, of the same one.
     pub fn same_kind(&self, other: &Warning) -> bool {
         mem::discriminant(self) == mem::discriminant(other) && self.event() == other.event()
     }
 
-    /// The event of which it speaks.
+    /// The event, or the integral, of which it speaks.
     fn event(&self) -> Option<&str> {
         match self {
             Warning::Touch { event, .. } | Warning::NoCrossing { event, .. } | Warning::Undefined { event, .. } => {
                 Some(event)
             }
+            Warning::IntegralUntried { integral, .. } => Some(integral),
             _ => None,
         }
     }
@@ -247,6 +259,14 @@ impl fmt::Display for Warning {
                  {}: a `guess` chooses",
                 short(*there),
                 short(*here)
+            ),
+            Warning::IntegralUntried { integral, of, value, range: [low, high] } => write!(
+                f,
+                "`{integral}` is computed by a rule that was tried for `{of}` from {} to {}; at {} nothing is known of its error, and \
+                 no digits are promised: a scene of the file that sets or starts from such a value has the rule tried there",
+                short(*low),
+                short(*high),
+                short(*value)
             ),
             Warning::LeavesSymmetry { t, symmetry, by } => write!(
                 f,

@@ -10,6 +10,7 @@ mod onset;
 mod parabolas;
 mod poles;
 mod struck;
+mod tables;
 mod time;
 mod trust;
 

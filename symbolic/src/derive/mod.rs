@@ -11,6 +11,7 @@
 //!
 //! Every derivation gives the same [`Equations`]; `gate` compares them, `lower` picks the cheapest.
 
+pub(crate) mod branches;
 mod combined;
 mod constraints;
 mod integrals;

@@ -2,10 +2,12 @@
 //!
 //! `sign`, `abs`, `step`, `min` and `max` of what changes along a motion become constants for the time
 //! between two crossings: sign(x) = s, |x| = s x, step(x) = e, min(a, b) = b + e (a − b) with e = step(b − a).
-//! The equations that are integrated are then smooth, and the runtime locates the crossings.
+//! The equations that are integrated are then smooth, and the runtime locates the crossings.  Other functions that jump
+//! are found in `branches`.
 
 use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
 
+use super::branches;
 use crate::expr::{
     Binary, DoubleDouble, Graph, Id, Node, Number, Rational, Symbol, Table, Unary, canonical_sums, rewrite,
 };
@@ -47,6 +49,14 @@ pub(crate) fn introduce(graph: &mut Graph, roots: &[Id], signals: usize) -> (Vec
         if let Node::Unary(Unary::Table(table), x) = node {
             found.points(graph, table, x);
             return None;
+        }
+        if let Some(argument) = branches::argument(graph, node) {
+            if found.switches.len() > SWITCH_LIMIT || !found.contents(graph, argument).moves {
+                return None;
+            }
+            let mode = found.mode(graph, SwitchKind::Step, argument);
+            let side = value_of_mode(graph, mode, (SwitchKind::Step, SwitchKind::Sign), true);
+            return branches::continued(graph, node, side);
         }
         let (function, argument) = match node {
             Node::Unary(f @ (Unary::Abs | Unary::Sign | Unary::Step), x) => (Some(f), x),
@@ -290,6 +300,12 @@ pub(crate) fn recall(graph: &mut Graph, roots: &[Id], known: &[Switch]) -> Vec<I
     }
     let mut forms = Forms::of(graph, known);
     rewrite(graph, roots, |graph, node| {
+        if let Some(argument) = branches::argument(graph, node) {
+            let (k, forward) = forms.find(graph, argument)?;
+            let mode = graph.symbol(Symbol::Mode(k as u32));
+            let side = value_of_mode(graph, mode, (known[k].kind, SwitchKind::Sign), forward);
+            return branches::continued(graph, node, side);
+        }
         let (wanted, argument) = match node {
             Node::Unary(Unary::Abs | Unary::Sign, x) => (SwitchKind::Sign, x),
             Node::Unary(Unary::Step, x) => (SwitchKind::Step, x),

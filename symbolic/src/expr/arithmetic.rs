@@ -316,11 +316,30 @@ impl Graph {
                         _ => b,
                     };
                 }
+                if operation == Binary::Atan2
+                    && let Some(half_turns) = self.half_turns(a, b)
+                {
+                    return half_turns;
+                }
                 let ordered = operation != Binary::Atan2 && b < a;
                 let (a, b) = if ordered { (b, a) } else { (a, b) };
                 self.intern(Node::Binary(operation, a, b))
             }
         }
+    }
+
+    /// atan2(y, x) on an axis: π (1 − step(x)) for y = 0, π/2 sign(y) for x = 0.
+    fn half_turns(&mut self, y: Id, x: Id) -> Option<Id> {
+        let pi = self.constant(Number::Float(DoubleDouble::PI));
+        if y == Id::ZERO {
+            let step = self.unary(Unary::Step, x);
+            let rest = self.sub(Id::ONE, step);
+            return Some(self.mul(pi, rest));
+        }
+        let two = self.integer(2);
+        let quarter = self.div(pi, two);
+        let sign = self.unary(Unary::Sign, y);
+        (x == Id::ZERO).then(|| self.mul(quarter, sign))
     }
 
     /// The same operation on what has become of its operands.

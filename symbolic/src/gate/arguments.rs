@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 
 use super::motion::Motion;
 use super::state::State;
-use crate::expr::{Binary, Id, Node, Symbol, Tape, Unary};
+use crate::derive::branches;
+use crate::expr::{Binary, Graph, Id, Node, Symbol, Table, Tape, Unary};
 use crate::model::{Model, Work, text_in};
 use crate::number::DoubleDouble;
 
@@ -15,6 +16,8 @@ pub(super) struct Argument {
     pub tape: Tape,
     /// True where the function changes at zero; false where it is local through its argument.
     pub switches: bool,
+    /// Whether a function of it vanishes, or ceases to change, away from where it is of order one: `exp`, `tanh`.
+    pub fades: bool,
     /// What it depends on; where it contains accelerations or reactions, what these depend on.
     pub symbols: Vec<Symbol>,
     /// Whether it contains accelerations or reactions.
@@ -45,6 +48,12 @@ impl Argument {
     }
 }
 
+/// A table, and the argument of it.
+pub(super) struct Points {
+    pub table: Table,
+    pub argument: Argument,
+}
+
 /// So many arguments are followed.
 pub(super) const ARGUMENTS: usize = 48;
 
@@ -58,17 +67,20 @@ pub(super) fn arguments(model: &Model) -> (Vec<Argument>, usize) {
     let mut seen = BTreeSet::new();
     let mut found = Vec::new();
     for i in (0..needed.len()).filter(|&i| needed[i]) {
-        let (value, switches) = match graph.node(graph.id_at(i)) {
+        let node = graph.node(graph.id_at(i));
+        let (value, switches) = match node {
             Node::Unary(Unary::Abs | Unary::Sign | Unary::Step, x) => (x, true),
             Node::Binary(Binary::Min | Binary::Max, x, y) => (graph.sub(x, y), true),
-            Node::Unary(
-                Unary::Exp | Unary::Tanh | Unary::Atan | Unary::Sinh | Unary::Cosh | Unary::Sqrt | Unary::Ln,
-                x,
-            ) => (x, false),
-            Node::Binary(Binary::Pow, x, _) | Node::Binary(Binary::Div, _, x) => (x, false),
-            _ => continue,
+            node => match (branches::argument(&mut graph, node), node) {
+                (Some(x), _) => (x, true),
+                (_, Node::Unary(f, x)) if is_local(f) => (x, false),
+                (_, Node::Binary(Binary::Pow, x, _) | Node::Binary(Binary::Div, _, x)) => (x, false),
+                _ => continue,
+            },
         };
-        let moves = moving.get(value.index()).copied().unwrap_or(true);
+        let is_moving = |s: &Symbol| !matches!(s, Symbol::Parameter(_) | Symbol::Dummy(_));
+        let moves = moving.get(value.index()).copied();
+        let moves = moves.unwrap_or_else(|| graph.symbols([value]).iter().any(is_moving));
         let plain = matches!(graph.node(value), Node::Symbol(_)) && !switches;
         if moves && !plain && seen.insert((value, switches)) {
             found.push((value, switches));
@@ -76,26 +88,51 @@ pub(super) fn arguments(model: &Model) -> (Vec<Argument>, usize) {
     }
     // Switches first: there are things that act only beyond them.
     found.sort_by_key(|(_, switches)| !switches);
-    let argument = |(value, switches): (Id, bool)| {
-        let symbols = graph.symbols([value]);
-        let of_motion = symbols.iter().any(|s| matches!(s, Symbol::Acceleration(_) | Symbol::Multiplier(_)));
-        let own = |s: &Symbol| matches!(s, Symbol::Time | Symbol::Input(..) | Symbol::Coordinate(_) | Symbol::Speed(_));
-        let mut symbols: Vec<Symbol> = symbols.into_iter().filter(own).collect();
-        if of_motion {
-            let all = (0..model.coordinates.len() as u32).flat_map(|i| [Symbol::Coordinate(i), Symbol::Speed(i)]);
-            let more: Vec<Symbol> = all.filter(|s| !symbols.contains(s)).collect();
-            symbols.extend(more);
-        }
-        Argument {
-            words: text_in(&graph, model, value),
-            tape: Tape::new(&graph, &[value]),
-            switches,
-            symbols,
-            of_motion,
-        }
-    };
     let more = found.len().saturating_sub(ARGUMENTS);
+    let fading = |i: usize| match graph.node(graph.id_at(i)) {
+        Node::Unary(Unary::Exp | Unary::Tanh, x) => Some(x),
+        _ => None,
+    };
+    let fading: BTreeSet<Id> = (0..needed.len()).filter(|&i| needed[i]).filter_map(fading).collect();
+    let argument = |(value, switches): (Id, bool)| {
+        let fades = !switches && fading.contains(&value);
+        Argument { fades, ..argument(&graph, model, value, switches) }
+    };
     (found.into_iter().take(ARGUMENTS).map(argument).collect(), more)
+}
+
+/// The tables that move, in everything that is judged, each of each argument once.
+pub(super) fn tables(model: &Model) -> Vec<Points> {
+    let graph = &model.graph;
+    let needed = graph.reachable(roots(model));
+    let moving = graph.contains(|s| !matches!(s, Symbol::Parameter(_) | Symbol::Dummy(_)));
+    let table = |i: usize| match graph.node(graph.id_at(i)) {
+        Node::Unary(Unary::Table(table), x) if moving[x.index()] => Some((x, table.whole())),
+        _ => None,
+    };
+    let found: BTreeSet<(Id, Table)> = (0..needed.len()).filter(|i| needed[*i]).filter_map(table).collect();
+    let points = |(x, table)| Points { table, argument: argument(graph, model, x, false) };
+    found.into_iter().take(ARGUMENTS).map(points).collect()
+}
+
+fn argument(graph: &Graph, model: &Model, value: Id, switches: bool) -> Argument {
+    let symbols = graph.symbols([value]);
+    let of_motion = symbols.iter().any(|s| matches!(s, Symbol::Acceleration(_) | Symbol::Multiplier(_)));
+    let own = |s: &Symbol| matches!(s, Symbol::Time | Symbol::Input(..) | Symbol::Coordinate(_) | Symbol::Speed(_));
+    let mut symbols: Vec<Symbol> = symbols.into_iter().filter(own).collect();
+    if of_motion {
+        let all = (0..model.coordinates.len() as u32).flat_map(|i| [Symbol::Coordinate(i), Symbol::Speed(i)]);
+        let more: Vec<Symbol> = all.filter(|s| !symbols.contains(s)).collect();
+        symbols.extend(more);
+    }
+    let (words, tape) = (text_in(graph, model, value), Tape::new(graph, &[value]));
+    Argument { words, tape, switches, fades: false, symbols, of_motion }
+}
+
+/// Functions that say something where their argument is of order one.
+fn is_local(function: Unary) -> bool {
+    use Unary::{Atan, Cosh, Exp, Ln, Sinh, Sqrt, Tanh};
+    matches!(function, Exp | Tanh | Atan | Sinh | Cosh | Sqrt | Ln)
 }
 
 /// All expressions that are judged.

@@ -2,7 +2,8 @@
 //!
 //! What acts within a strip of one coordinate and of another, or within a strip and for a while, is beyond several
 //! arguments at once.  From a state whose sides are known one number at a time is changed: between any two places where
-//! some argument changes its sign along such a line lies a cell, from which the search goes on, breadth first.
+//! some argument changes its sign along such a line lies a cell, from which the search goes on, breadth first.  What several
+//! numbers must change together for is looked for by scattered states.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -12,9 +13,10 @@ use super::motion::Motion;
 use super::passage::signs;
 use super::search::bisect;
 use super::sides::Sides;
-use super::state::State;
+use super::state::{Origin, State};
 use crate::expr::Symbol;
 use crate::number::DoubleDouble;
+use crate::random::Random;
 
 /// So many combinations are kept at the most.
 const CELLS: usize = 96;
@@ -22,6 +24,11 @@ const CELLS: usize = 96;
 const WORK: usize = 1_000_000;
 /// Operations, in their time, that it takes to make one state.
 const STATE: usize = 20;
+/// So many states are scattered, of which so many are kept.
+const SCATTERED: usize = 500;
+const KEPT: usize = 32;
+/// From this part of what a number goes through to so many times that, evenly in powers of ten.
+const SIZES: (f64, f64) = (-1.5, 1.5);
 
 /// Keeps a state of every combination that lines through the bases, and through what they meet, lead to.
 pub(super) fn cells(
@@ -71,6 +78,48 @@ pub(super) fn cells(
                     known.insert(*symbol, places);
                 }
             }
+        }
+    }
+}
+
+/// Keeps states of combinations that no line leads to, because several numbers must change together: wedges between slanted
+/// discontinuities.  Numbers of all sizes and of both signs are put in the places of those on which the arguments depend.
+pub(super) fn scattered(
+    motion: &Motion,
+    switches: &[&Argument],
+    bases: &[State],
+    reach: &Reach<'_>,
+    seen: &mut BTreeSet<Vec<bool>>,
+    found: &mut Sides,
+) {
+    // Constraints would bring them all back to where they are.
+    let free = |base: &&State| motion.constraints.active(base.phase).is_empty();
+    let bases: Vec<&State> = bases.iter().filter(free).collect();
+    let several = |argument: &&&Argument| argument.symbols.len() > 1;
+    if bases.is_empty() || switches.len() < 2 || switches.iter().filter(several).count() == 0 {
+        return;
+    }
+    let symbols: BTreeSet<Symbol> = switches.iter().flat_map(|argument| argument.symbols.iter().copied()).collect();
+    let symbols: Vec<Symbol> = symbols.into_iter().collect();
+    let cost: usize = switches.iter().map(|argument| argument.operations(motion)).sum();
+    let (mut random, mut kept) = (Random::new(), 0);
+    for k in 0..SCATTERED.min(WORK / (cost + STATE)) {
+        let mut state = bases[k % bases.len()].clone();
+        for line in symbols.iter().flat_map(|symbol| reach.lines(&[*symbol])) {
+            let size = 10_f64.powf(random.between(SIZES.0, SIZES.1));
+            let number = DoubleDouble::from(line.scale() * size.copysign(random.between(-1.0, 1.0)));
+            match line {
+                Line::Time(until) => state.t = DoubleDouble::from(random.between(0.0, until)),
+                Line::Coordinate(i, _) => state.q[i] = number,
+                Line::Speed(i, _) => state.v[i] = number,
+                Line::Between(_) | Line::Step(_) | Line::Path(_) => {}
+            }
+        }
+        motion.signals(&mut state);
+        state.origin = Origin::Side;
+        if kept < KEPT && seen.insert(signs(motion, switches, &state)) {
+            kept += 1;
+            found.states.push(state);
         }
     }
 }

@@ -262,7 +262,7 @@ fn pick(random: &mut Random, scales: &[f64]) -> f64 {
     scales.get(k).copied().unwrap_or(1.0)
 }
 
-/// Exponents of kg, m, s of a unit as written.
+/// Exponents of kg, m, s of a unit as written, in halves.
 fn dimension(unit: Option<&str>) -> Option<[i8; 3]> {
     Some(parse_unit(unit?).ok()?.dimension)
 }
@@ -276,7 +276,7 @@ impl Scales {
         let mut scales = Scales { q: Vec::with_capacity(n), v: Vec::with_capacity(n) };
         for (i, coordinate) in model.coordinates.iter().enumerate() {
             let unit = dimension(coordinate.unit.as_deref());
-            let rate = unit.map(|[kg, m, s]| [kg, m, s.wrapping_sub(1)]);
+            let rate = unit.map(|[kg, m, s]| [kg, m, s.wrapping_sub(2)]);
             let alike = |unit: Option<[i8; 3]>| {
                 let same = parameters.iter().filter(move |p| unit.is_some() && unit != Some([0; 3]) && p.0 == unit);
                 same.map(|p| p.1)

@@ -35,7 +35,9 @@ mod impulses;
 mod lines;
 mod motion;
 mod named;
+mod pairs;
 mod passage;
+mod points;
 mod potential;
 mod report;
 mod rows;
@@ -110,7 +112,8 @@ impl Gate {
     /// Whether a difference is none, in a row whose terms have the magnitude `own`, among rows of at most `largest`.
     fn agrees(self, difference: f64, own: f64, largest: f64) -> bool {
         let tolerance = if self.digits { 1e-20 } else { 1e-9 };
-        difference <= tolerance * if self.rows { own } else { largest }
+        // What underflows has no magnitude, and is equal all the same.
+        difference == 0.0 || difference <= tolerance * if self.rows { own } else { largest }
     }
 
     /// Compares derivations and tests claims.

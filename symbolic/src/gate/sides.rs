@@ -3,15 +3,17 @@
 //! `step`, `sign`, `abs`, `min` and `max` change at the zero of an argument; `exp`, `tanh`, `atan` and their like, roots
 //! and powers say something only where theirs is of order one, which may be a narrow band that no random state meets.
 //! Arguments are followed along lines (time, one coordinate, one speed, the way between two states, a whole motion) and
-//! solved for; where several meet is found in `passage` and `cells`.
+//! solved for; where several meet is found in `passage`, `cells` and `pairs`, and between the points of tables in `points`.
 
 use std::collections::BTreeSet;
 
-use super::arguments::{ARGUMENTS, Argument, arguments};
-use super::cells::cells;
+use super::arguments::{ARGUMENTS, Argument, arguments, tables};
+use super::cells::{cells, scattered};
 use super::lines::{Line, Reach, grid, moved};
 use super::motion::Motion;
+use super::pairs::pairs;
 use super::passage::{passages, signs};
+use super::points::points;
 use super::search::{bisect, extrema, least, local_targets, polished};
 use super::state::State;
 use crate::model::Model;
@@ -22,7 +24,7 @@ const LINES: usize = 8;
 /// So many states are kept for each.
 const KEPT: usize = 8;
 /// Where the argument of a function that is local through it is no larger, the function says something.
-const ORDER_ONE: f64 = 2.0;
+pub(super) const ORDER_ONE: f64 = 2.0;
 
 /// What was found.
 pub(super) struct Sides {
@@ -48,6 +50,7 @@ pub(super) fn sides(
     let mut combinations = BTreeSet::new();
     paths.iter().for_each(|path| passages(motion, &switches, path, &mut combinations, &mut found));
     cells(motion, &switches, bases, reach, &mut combinations, &mut found);
+    scattered(motion, &switches, bases, reach, &mut combinations, &mut found);
     for argument in &arguments {
         let before = found.states.len();
         let search = Search { motion, argument, switches: &switches };
@@ -92,6 +95,9 @@ pub(super) fn sides(
             found.unreached.push(format!("no state was found at which `{words}` is zero or of order one"));
         }
     }
+    let tables = tables(model);
+    points(motion, &tables, (bases, paths), reach, &mut found);
+    pairs(motion, (&arguments, &tables), reach, &mut found);
     if more > 0 {
         found.unreached.push(format!("{more} more arguments of functions were not looked at"));
     }
@@ -187,7 +193,7 @@ impl Search<'_> {
 }
 
 /// Finite values along a line, in order, extrema among them; of a whole motion, of which there are many steps, the least.
-fn sampled(base: &State, line: &Line<'_>, at: &dyn Fn(f64) -> f64) -> Vec<(f64, f64)> {
+pub(super) fn sampled(base: &State, line: &Line<'_>, at: &dyn Fn(f64) -> f64) -> Vec<(f64, f64)> {
     let mut samples: Vec<(f64, f64)> = grid(base, line).into_iter().map(|z| (z, at(z))).collect();
     samples.retain(|s| s.1.is_finite());
     if is_constant(&samples) {

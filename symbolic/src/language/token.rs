@@ -114,6 +114,10 @@ fn one(rest: &str, first: char) -> (usize, Result<Kind, &'static str>) {
     (1, Ok(kind))
 }
 
+/// What to write in the place of a comparison.
+const COMPARED: &str =
+    "write the difference: `when: a - b` tells where a and b are equal, `if: a - b` and `step(a - b)` where a > b";
+
 /// What people write in other languages, and what to write here; longer ones first.
 const FOREIGN: &[(&str, &str)] = &[
     ("**", "write `^` for a power"),
@@ -121,10 +125,10 @@ const FOREIGN: &[(&str, &str)] = &[
     ("&&", "conditions are written with `step`, `if:` or `when:`"),
     ("||", "conditions are written with `step`, `if:` or `when:`"),
     ("!=", "conditions are written with `step`, `if:` or `when:`"),
-    ("<=", "conditions are written with `step`, `if:` or `when:`"),
-    (">=", "conditions are written with `step`, `if:` or `when:`"),
-    ("<", "conditions are written with `step`, `if:` or `when:`"),
-    (">", "conditions are written with `step`, `if:` or `when:`"),
+    ("<=", COMPARED),
+    (">=", COMPARED),
+    ("<", COMPARED),
+    (">", COMPARED),
     ("%", "write `mod(a, b)` for a remainder"),
     ("·", "write `*`, or `dot(a, b)`"),
     ("⋅", "write `*`, or `dot(a, b)`"),

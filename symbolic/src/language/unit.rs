@@ -13,7 +13,7 @@ pub struct Unit {
     pub scale: Rational,
     /// Power of π.
     pub pi: i8,
-    /// Exponents of kg, m, s.
+    /// Exponents of kg, m, s, in halves: N/m^1.5 is a unit too.
     pub dimension: [i8; 3],
 }
 
@@ -41,9 +41,20 @@ impl Unit {
         Some(Unit { scale, pi: self.pi.checked_neg()?, dimension: self.dimension.map(i8::wrapping_neg) })
     }
 
-    fn power(self, exponent: i8) -> Option<Unit> {
-        let base = if exponent < 0 { self.inverse()? } else { self };
-        (0..exponent.unsigned_abs()).try_fold(Unit::ONE, |product, _| product.multiply(base))
+    /// A power whose exponent is told in halves.
+    fn power(self, halves: i8) -> Option<Unit> {
+        let base = if halves < 0 { self.inverse()? } else { self };
+        let times = |count: u8| (0..count).try_fold(Unit::ONE, |product, _| product.multiply(base));
+        let halves = halves.unsigned_abs();
+        if halves.is_multiple_of(2) { times(halves / 2) } else { times(halves)?.root() }
+    }
+
+    /// The square root, where it is exact.
+    fn root(self) -> Option<Unit> {
+        let exact = |n: i128| n.checked_isqrt().filter(|root| root * root == n);
+        let scale = Rational::new(exact(self.scale.numerator())?, exact(self.scale.denominator())?)?;
+        let even = self.pi % 2 == 0 && self.dimension.iter().all(|exponent| exponent % 2 == 0);
+        even.then_some(Unit { scale, pi: self.pi / 2, dimension: self.dimension.map(|exponent| exponent / 2) })
     }
 }
 
@@ -116,7 +127,7 @@ impl<'a> Reader<'a> {
         base.power(exponent).ok_or_else(|| too_large(sign))
     }
 
-    /// `2`, `-1`, `(-1)`.
+    /// `2`, `-1`, `1.5`, `(-1)`, `(3/2)`, in halves.
     fn exponent(&mut self) -> Result<i8, Vec<Problem>> {
         let open = self.peek().kind == Kind::Open;
         if open {
@@ -127,11 +138,21 @@ impl<'a> Reader<'a> {
             self.next();
         }
         let number = self.peek();
-        let value = number.text.parse::<i8>().ok().filter(|value| *value <= 9 && number.kind == Kind::Number);
-        let Some(value) = value else {
+        let halves = number.text.parse::<f64>().ok().map(|value| 2.0 * value);
+        let halves = halves.filter(|halves| *halves <= 18.0 && halves.fract() == 0.0 && number.kind == Kind::Number);
+        let Some(mut value) = halves.map(|halves| halves as i8) else {
             return Err(vec![syntax::unit_power(number.span.place(), shorten(number.text))]);
         };
         self.next();
+        if open && self.peek().kind == Kind::Slash {
+            self.next();
+            let divisor = self.peek();
+            if divisor.text != "2" || value % 2 != 0 {
+                return Err(vec![syntax::unit_power(divisor.span.place(), shorten(divisor.text))]);
+            }
+            self.next();
+            value /= 2;
+        }
         if open {
             self.close()?;
         }
@@ -225,13 +246,13 @@ const PREFIXES: &[(&str, i32)] = &[
 fn named(name: &str) -> Option<Unit> {
     let row = |symbol: &str| UNITS.iter().find(|row| row.0 == symbol);
     if let Some(&(_, n, d, pi, dimension, _)) = row(name) {
-        return Some(Unit { scale: Rational::new(n, d)?, pi, dimension });
+        return Some(Unit { scale: Rational::new(n, d)?, pi, dimension: dimension.map(|exponent| 2 * exponent) });
     }
     PREFIXES.iter().find_map(|(prefix, power)| {
         let &(_, n, d, pi, dimension, prefixed) = row(name.strip_prefix(prefix)?)?;
         let ten = 10_i128.checked_pow(power.unsigned_abs())?;
         let scale = if *power > 0 { Rational::new(n * ten, d)? } else { Rational::new(n, d * ten)? };
-        prefixed.then_some(Unit { scale, pi, dimension })
+        prefixed.then_some(Unit { scale, pi, dimension: dimension.map(|exponent| 2 * exponent) })
     })
 }
 
@@ -289,7 +310,11 @@ mod tests {
 
     fn unit(text: &str, n: i128, d: i128, dimension: [i8; 3]) {
         let found = parse_unit(text).unwrap_or_else(|problems| panic!("{text}: {problems:?}"));
-        assert_eq!(found, Unit { scale: Rational::new(n, d).unwrap(), pi: 0, dimension }, "{text}");
+        assert_eq!(
+            found,
+            Unit { scale: Rational::new(n, d).unwrap(), pi: 0, dimension: dimension.map(|exponent| 2 * exponent) },
+            "{text}"
+        );
     }
 
     #[test]
@@ -331,10 +356,21 @@ mod tests {
     }
 
     #[test]
+    fn exponents_may_be_halves() {
+        for text in ["N/m^1.5", "N/m^(3/2)", "N*m^-1.5", "N*m^(-3/2)"] {
+            let found = parse_unit(text).unwrap_or_else(|problems| panic!("{text}: {problems:?}"));
+            assert_eq!((found.scale, found.dimension), (Rational::ONE, [2, -1, -4]), "{text}");
+        }
+        assert_eq!(parse_unit("kN/m^(4/2)"), parse_unit("kN/m^2"));
+        assert_eq!(parse_unit("(km*m)^0.5").unwrap_err()[0].code, "E120");
+        assert_eq!(parse_unit("(km/mm)^0.5").unwrap().scale, Rational::new(1000, 1).unwrap());
+    }
+
+    #[test]
     fn degrees_carry_pi() {
         let degrees = parse_unit("deg").unwrap();
         assert_eq!((degrees.pi, degrees.scale), (1, Rational::new(1, 180).unwrap()));
-        assert_eq!(parse_unit("deg/s").unwrap().dimension, [0, 0, -1]);
+        assert_eq!(parse_unit("deg/s").unwrap().dimension, [0, 0, -2]);
         assert!((parse_unit("1/deg").unwrap().factor().to_f64() - 57.295_779_513_082_32).abs() < 1e-13);
     }
 
@@ -345,7 +381,9 @@ mod tests {
             ("furlong", "E119"),
             ("kkg", "E119"),
             ("N m", "E120"),
-            ("m^0.5", "E121"),
+            ("m^0.3", "E121"),
+            ("m^(3/4)", "E121"),
+            ("mm^1.5", "E120"),
             ("m^n", "E121"),
             ("m^99", "E121"),
             ("2", "E120"),

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
 
 use crate::derive::rates;
-use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary};
+use crate::expr::{Binary, DoubleDouble, Graph, Id, Node, Number, Symbol, Unary};
 
 /// An argument of a function inside something that is watched.
 #[derive(Clone, Debug, PartialEq)]
@@ -112,8 +112,20 @@ fn add(graph: &mut Graph, list: &mut List, of: Watched, roots: &[Id]) {
             (Watched::Motion, Role::Phase | Role::Landmark) => {}
             (Watched::Motion, role) => push(graph, list, (of, role, value), ""),
             (_, Role::Phase) => push(graph, list, (of, role, value), ""),
+            (_, Role::Points) => points(graph, list, of, value),
             _ => push(graph, list, (of, Role::Landmark, value), ""),
         }
+    }
+}
+
+/// The points of a table divide a step as half turns of a phase do; between the places where its own argument turns back they
+/// are passed one after the other.
+fn points(graph: &mut Graph, list: &mut List, of: Watched, counter: Id) {
+    let pi = graph.constant(Number::Float(DoubleDouble::PI));
+    let phase = graph.mul(pi, counter);
+    push(graph, list, (of, Role::Phase, phase), "");
+    if let Node::Unary(Unary::Table(_), x) = graph.node(counter) {
+        push(graph, list, (of, Role::Landmark, x), "");
     }
 }
 
@@ -180,7 +192,7 @@ fn inside(graph: &mut Graph, roots: &[Id]) -> Vec<(Role, Id)> {
             Node::Unary(Unary::Tanh | Unary::Sinh | Unary::Cosh, x) => note(Role::Bounded, x),
             Node::Unary(Unary::Atan, x) => note(Role::Arctangent, x),
             Node::Unary(Unary::Abs | Unary::Sign | Unary::Step, x) => note(Role::Landmark, x),
-            Node::Unary(Unary::Table(table), x) if moving.contains(&x) => {
+            Node::Unary(Unary::Table(table), x) if moving.contains(&x) && !table.is_counter() => {
                 found.push((Role::Points, graph.unary(Unary::Table(table.counter()), x)));
             }
             Node::Unary(Unary::Sqrt, x) => factors(graph, x, 0.5, &mut bases),

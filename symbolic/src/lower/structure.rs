@@ -5,7 +5,7 @@ use super::candidates::Chosen;
 use super::constraints::Constraints;
 use super::count::varying;
 use crate::derive::Switch;
-use crate::expr::{Graph, Id, Symbol};
+use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary};
 use crate::gate::Direction;
 
 /// What was recognised.
@@ -57,6 +57,7 @@ pub(super) fn recognise(
     let time_dependent = graph.symbols(chosen.residual.iter().copied()).into_iter().any(time);
     let along_rows = rows.matrix.iter().map(|e| e.2).chain(rows.bias.iter().copied());
     let driven_rows = graph.symbols(along_rows).into_iter().any(time);
+    let whole = !breaks(graph, &chosen.residual);
     let slopes = [stiffness, damping, &rows.stiffness, &rows.damping, &rows.friction];
     Structure {
         constant_mass,
@@ -65,6 +66,7 @@ pub(super) fn recognise(
         mass_blocks: blocks(n, &chosen.mass),
         separable,
         linear: constant_mass
+            && whole
             && constant(stiffness)
             && constant(damping)
             && !graph.symbols(chosen.residual.iter().copied()).into_iter().any(|s| moves(s) && !by_time(s)),
@@ -72,6 +74,7 @@ pub(super) fn recognise(
         conservative: power == Id::ZERO && !graph.symbols([jacobi]).into_iter().any(by_time),
         time_dependent,
         uniformly_accelerated: separable
+            && whole
             && !time_dependent
             && !driven_rows
             && slopes.iter().all(|entries| entries.is_empty()),
@@ -97,6 +100,19 @@ fn depends_on_speeds(graph: &Graph, expressions: &[Id], switches: &[Switch]) -> 
     graph.symbols(expressions.iter().copied()).into_iter().any(|symbol| moves(&switched, symbol))
 }
 
+/// Whether the state enters a function that jumps or has a pole somewhere: a slope that is the same everywhere between
+/// does not make it linear, nor constant where it is 0.
+fn breaks(graph: &Graph, roots: &[Id]) -> bool {
+    let moves = graph.contains(|s| matches!(s, Symbol::Coordinate(_) | Symbol::Speed(_)));
+    let moves = |x: Id| moves.get(x.index()).copied().unwrap_or(true);
+    graph.needed(roots.iter().copied()).into_iter().any(|id| match graph.node(id) {
+        Node::Unary(Unary::Tan | Unary::Asin | Unary::Acos | Unary::Sqrt | Unary::Ln, x) => moves(x),
+        Node::Binary(Binary::Atan2, y, x) => moves(y) || moves(x),
+        Node::Binary(Binary::Div, _, x) | Node::Binary(Binary::Pow, x, _) => moves(x),
+        _ => false,
+    })
+}
+
 /// Sizes of the sets of coordinates that M couples.
 fn blocks(n: usize, mass: &[Entry]) -> Vec<usize> {
     let mut block: Vec<usize> = (0..n).collect();
@@ -107,4 +123,46 @@ fn blocks(n: usize, mass: &[Entry]) -> Vec<usize> {
         }
     }
     (0..n).map(|k| block.iter().filter(|&&b| b == k).count()).filter(|&size| size > 0).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::lower::{Structure, compile};
+
+    fn of(force: &str, more: &str) -> Structure {
+        let text = format!(
+            "name: Block
+parameters: {{m: 1 kg, F: 1 N, L: 1 m}}
+coordinates: {{x: m}}
+bodies: {{b: {{mass: m, position: \"[x, 0]\"}}}}
+forces: {{f: {{on: b, force: \"[{force}, 0]\"}}}}
+{more}
+scene: {{start: {{x: 1}}}}
+"
+        );
+        compile(&text, &[]).expect("a good file").structure
+    }
+
+    /// The slope of what jumps vanishes on both sides.
+    #[test]
+    fn what_jumps_is_not_called_linear() {
+        for force in ["-F*atan(tan(x/L))", "-F*asin(sin(x/L))", "-F*acos(cos(x/L))", "-F*atan2(0, x/L)", "-F*atan(L/x)"]
+        {
+            let structure = of(force, "");
+            assert!(!structure.linear, "{force}");
+        }
+        for force in ["-F*x/L", "-F*atan(tan(1))*x/L", "-F*atan2(2, 1)*x/L"] {
+            assert!(of(force, "").linear, "{force}");
+        }
+    }
+
+    /// Constant between the jumps is all that accelerations are, which are located.
+    #[test]
+    fn jumps_between_constants_are_discontinuities() {
+        for force in ["-F*cos(atan2(0, x/L))", "-F*atan2(0, x/L)", "-F*atan2(x/L, 0)"] {
+            let structure = of(force, "");
+            assert!(structure.uniformly_accelerated && !structure.linear, "{force}");
+        }
+        assert!(!of("-F*cos(atan2(1, x/L))", "").uniformly_accelerated);
+    }
 }

@@ -15,7 +15,7 @@ pub use resolve::{load, load_in, read_through, read_through_in, resolve};
 pub use resolved::{
     Balance, BalanceSystem, Body, Change, Check, Conserved, Constraint, Coordinate, Derived, Event, EventAction,
     Family, GeneralizedForce, Input, Load, Model, Need, Output, Parameter, Part, Phase, Push, Reaction, Rotation,
-    Sample, Scene, Shape, SharedEnd, Vector, Work,
+    Sample, Scene, Shape, SharedEnd, Tried, Vector, Work,
 };
 pub(crate) use section::springs::LENGTH;
 pub(crate) use text::text_in;

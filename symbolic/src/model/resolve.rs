@@ -88,6 +88,7 @@ fn resolve_through(root: &Node, sizes: &[(String, i64)], folder: Option<&Path>) 
     }
     resolver.refused_names();
     resolver.check_index_names();
+    resolver.bench.settings = resolver.settings();
     // 2. Values of what has names, in whatever order they need each other; look in `settle.rs`.
     let items = std::mem::take(&mut resolver.items);
     settle(&mut resolver.bench, &mut resolver.scope, &items);
@@ -217,6 +218,7 @@ impl Resolver<'_> {
             return (None, problems);
         }
         self.model.dimension = self.scope.dimension;
+        self.model.integrals = self.bench.integrals;
         self.model.graph = self.bench.graph;
         self.model.scope = self.scope;
         (Some(self.model), problems)

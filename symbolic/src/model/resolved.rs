@@ -2,10 +2,19 @@
 
 use super::expression::scope::Scope;
 use crate::diagnose::{Place, Problem};
-use crate::expr::{Graph, Id};
+use crate::expr::{Graph, Id, Symbol};
 
 /// A vector in ground axes: two or three components, as many as the model has dimensions.
 pub type Vector = Vec<Id>;
+
+/// An integral by a rule of quadrature, and for which values that was tried.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tried {
+    /// As written.
+    pub words: String,
+    /// Parameters, coordinates, speeds and time in it, each between these values, SI.
+    pub ranges: Vec<(Symbol, [f64; 2])>,
+}
 
 /// What a model file says, ready to derive from.
 ///
@@ -19,6 +28,8 @@ pub struct Model {
     pub name: String,
     /// One paragraph.
     pub about: String,
+    /// Integrals by rules of quadrature, and where these were tried.
+    pub integrals: Vec<Tried>,
     /// Files beside the model's that its tables come from.
     pub files: Vec<std::path::PathBuf>,
     /// The sizes in force.

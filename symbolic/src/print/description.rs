@@ -55,6 +55,20 @@ pub(super) fn description(program: &Program, source: &str) -> String {
         )
     });
     field("tables", list(tables));
+    let integrals = model.integrals.iter().map(|tried| {
+        let ranges = tried.ranges.iter().filter_map(|(symbol, [low, high])| {
+            let of = match symbol {
+                Symbol::Parameter(k) => format!("Parameter({k})"),
+                Symbol::Coordinate(k) => format!("Coordinate({k})"),
+                Symbol::Speed(k) => format!("Speed({k})"),
+                Symbol::Time => "Time".to_owned(),
+                _ => return None,
+            };
+            Some(format!("(mechanism::Tried::{of}, [{}, {}])", float(*low), float(*high)))
+        });
+        format!("mechanism::Integral {{ text: {}, ranges: {} }}", string(&tried.words), list(ranges))
+    });
+    field("integrals", list(integrals));
     field("derived", list(model.derived.iter().map(|d| string(&d.name))));
     field("inputs", list(model.inputs.iter().map(|u| string(&u.name))));
     field("mass_pattern", pattern(&program.mass));

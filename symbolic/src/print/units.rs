@@ -54,9 +54,9 @@ fn without_prefix(name: &str) -> String {
 fn by_dimension(dimension: [i8; 3]) -> String {
     let side = |sign: i8| {
         let powers = ["kg", "m", "s"].into_iter().zip(dimension).filter(move |(_, exponent)| exponent * sign > 0);
-        powers.map(|(name, exponent)| match exponent.abs() {
-            1 => name.to_owned(),
-            n => format!("{name}^{n}"),
+        powers.map(|(name, halves)| match halves.abs() {
+            2 => name.to_owned(),
+            n => format!("{name}^{}", 0.5 * f64::from(n)),
         })
     };
     let above: Vec<String> = side(1).collect();
@@ -90,6 +90,7 @@ mod tests {
             ("rpm", "rad/s"),
             ("1/rpm", "s"),
             ("N/ft^2", "N/m^2"),
+            ("kN/m^1.5", "N/m^1.5"),
         ];
         for (written, si) in cases {
             assert_eq!(si_unit(written), si, "{written}");

@@ -134,3 +134,30 @@ fn the_frequency_of_every_mode_of_a_string_is_right() {
         }
     }
 }
+
+/// ∫ 1/(1 + (p x)²)² dx winds up at the end: a rule for p about 1 says nothing of p = 100.
+#[test]
+fn rules_are_tried_where_scenes_are() {
+    let found = |scenes: &str| {
+        let text = format!(
+            "name: I\nparameters: {{p: 1}}\ncoordinates: {{q: }}\n\
+             define: {{d: \"integral(1/(1 + (p*x)^2)^2, x in 0..1)\"}}\nkinetic_energy: q'^2/2\n{scenes}\n"
+        );
+        let mut model = load(&text, &[]).unwrap_or_else(|p| panic!("{scenes}: {p:?}"));
+        let id = model.expression("d").unwrap();
+        let value = Tape::new(&model.graph, &id).evaluate(|_| 100.0)[0];
+        let exact = 0.5 / (1.0 + 1e4) + 100.0_f64.atan() / 200.0;
+        let range = model.integrals.iter().flat_map(|tried| &tried.ranges).map(|(_, range)| *range).next();
+        ((value - exact).abs() / exact, range)
+    };
+    let (error, range) = found("");
+    assert!(error > 1e-9 && range == Some([0.5, 2.0]), "{error} {range:?}");
+    for scenes in [
+        "scene: {set: {p: 100}}",
+        "scenes: {big: {set: {p: 100}}}",
+        "scenes: {low: {set: {p: -3}}, big: {set: {p: 1e2 1}}}",
+    ] {
+        let (error, range) = found(scenes);
+        assert!(error < 1e-14 && range.is_some_and(|range| range[1] == 100.0), "{scenes}: {error} {range:?}");
+    }
+}

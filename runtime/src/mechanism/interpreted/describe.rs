@@ -6,9 +6,25 @@ use dalembert_symbolic::model::{EventAction, Shape as SymbolicShape};
 use dalembert_symbolic::{expr, print};
 
 use crate::mechanism::{
-    Action, Argument, Balance, BalanceSystem, Coordinate, Counts, Description, Direction, Event, InputJump, List,
-    Parameter, Part, Phase, Quantity, Rated, Role, Row, Shape, Structure, Switch, SwitchKind, Table, Text, Watched,
+    Action, Argument, Balance, BalanceSystem, Coordinate, Counts, Description, Direction, Event, InputJump, Integral,
+    List, Parameter, Part, Phase, Quantity, Rated, Role, Row, Shape, Structure, Switch, SwitchKind, Table, Text, Tried,
+    Watched,
 };
+
+/// Where an integral was tried.
+fn integral(tried: &dalembert_symbolic::model::Tried) -> Integral {
+    let range = |(symbol, range): &(expr::Symbol, [f64; 2])| {
+        let of = match *symbol {
+            expr::Symbol::Parameter(k) => Tried::Parameter(k),
+            expr::Symbol::Coordinate(k) => Tried::Coordinate(k),
+            expr::Symbol::Speed(k) => Tried::Speed(k),
+            expr::Symbol::Time => Tried::Time,
+            _ => return None,
+        };
+        Some((of, *range))
+    };
+    Integral { text: Text::Owned(tried.words.clone()), ranges: tried.ranges.iter().filter_map(range).collect() }
+}
 
 /// Describes a program lowered from the model file with the text `source`.
 pub(super) fn describe(program: &Program, source: &str) -> Description {
@@ -36,6 +52,7 @@ pub(super) fn describe(program: &Program, source: &str) -> Description {
             .map(|p| Parameter { name: text(&p.name), unit: unit(&p.unit), default: p.default })
             .collect(),
         tables: program.tables().into_iter().map(table).collect(),
+        integrals: model.integrals.iter().map(integral).collect(),
         derived: model.derived.iter().map(|d| text(&d.name)).collect(),
         inputs: model.inputs.iter().map(|u| text(&u.name)).collect(),
         mass_pattern: pattern(&program.mass),

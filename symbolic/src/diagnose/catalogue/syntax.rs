@@ -61,9 +61,9 @@ super::entries! {
     E120 bad_unit(text, expected) "a unit that cannot be read"
         "`{text}` is not a unit: expected {expected}" "" "units look like `kg*m^2/s^2`, `1/m`, `m^-1` or `1`"
         "Units are read from left to right: `N/m*s` is `N s/m`.";
-    E121 unit_power(text) "a power of a unit that is not a small integer"
-        "`{text}` is not a power that a unit may have" "expected a small integer" ""
-        "Exponents of units are integers from -9 to 9.";
+    E121 unit_power(text) "a power of a unit that is neither a small integer nor half of one"
+        "`{text}` is not a power that a unit may have" "expected a small integer, or half of one" ""
+        "Exponents of units are integers from -9 to 9, or halves of integers: `N/m^1.5`, `N/m^(3/2)`.";
     E122 expression_too_long(limit) "an expression too long"
         "the expression is longer than {limit} bytes" "" "give parts of it names in `define`"
         "The limit keeps a hostile file from exhausting memory.";

@@ -15,6 +15,7 @@ use crate::diagnose::{Place, Problem};
 use crate::expr::{Forward, Graph, Id, Symbol};
 use crate::file::{Text, Written};
 use crate::language::Ast;
+use crate::model::resolved::Tried;
 
 type Rate = fn(&mut Graph, Symbol) -> Id;
 type Partial = Box<dyn Fn(&mut Graph, Symbol) -> Id>;
@@ -36,6 +37,10 @@ pub struct Bench {
     pub measured: Measure,
     /// The defaults of the free parameters.
     pub defaults: Vec<f64>,
+    /// What each scene gives parameters and coordinates.
+    pub settings: Vec<Vec<(Symbol, f64)>>,
+    /// Integrals by rules of quadrature, and where these were tried.
+    pub integrals: Vec<Tried>,
     work: u64,
     exhausted: bool,
     /// Texts that raised problems, by the place of their trees, which are kept so that the places stay theirs.
@@ -56,6 +61,8 @@ impl Bench {
             needs: Vec::new(),
             measured: Measure::Unknown,
             defaults: Vec::new(),
+            settings: Vec::new(),
+            integrals: Vec::new(),
             work: 0,
             exhausted: false,
             failed: HashMap::new(),

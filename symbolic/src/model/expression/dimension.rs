@@ -45,7 +45,7 @@ impl Dimension {
 
     /// Of a unit of the language.
     pub fn of(unit: &Unit) -> Dimension {
-        Dimension(unit.dimension.map(|exponent| i32::from(exponent) * PARTS))
+        Dimension(unit.dimension.map(|halves| i32::from(halves) * (PARTS / 2)))
     }
 
     /// The product; `None` beyond what exponents can hold.

@@ -15,6 +15,7 @@ use super::trial::{Piece, Trial};
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::names;
 use crate::expr::{Binary, DoubleDouble, Graph, Id, Node, Rational, Symbol, Unary};
+use crate::model::resolved::Tried;
 
 /// The variable of integration and its limits.
 #[derive(Clone, Copy, Debug)]
@@ -49,7 +50,7 @@ pub fn integral(bench: &mut Bench, e: Id, over: Over, words: &str, place: &Place
     let terms = multiplied_out(bench, e, over.symbol).unwrap_or_else(|| vec![(Id::ONE, e)]);
     let mut total = Id::ZERO;
     for (factor, part) in terms {
-        let Some(value) = integral_of_term(bench, part, over, place) else {
+        let Some(value) = integral_of_term(bench, part, over, (words, place)) else {
             bench.problems.push(names::integral_not_resolved(place.clone(), words));
             return Id::ZERO;
         };
@@ -60,7 +61,7 @@ pub fn integral(bench: &mut Bench, e: Id, over: Over, words: &str, place: &Place
 }
 
 /// ∫ φ dx; `None` where nothing holds.
-fn integral_of_term(bench: &mut Bench, e: Id, over: Over, place: &Place) -> Option<Id> {
+fn integral_of_term(bench: &mut Bench, e: Id, over: Over, (words, place): (&str, &Place)) -> Option<Id> {
     if let Some(points) = polynomial_points(bench, e, over.symbol) {
         return Some(gauss(bench, e, over, points, place));
     }
@@ -81,6 +82,10 @@ fn integral_of_term(bench: &mut Bench, e: Id, over: Over, place: &Place) -> Opti
     let trial = trial.surveyed(bench, &split)?;
     let value = closed(bench, e, &trial).or_else(|| {
         let (pieces, nodes) = cheapest(bench, &trial, &whole, &split, size)?;
+        let tried = Tried { words: words.to_owned(), ranges: trial.ranges(bench) };
+        if !tried.ranges.is_empty() && !bench.integrals.contains(&tried) {
+            bench.integrals.push(tried);
+        }
         Some(by_rule(bench, pieces, &nodes, place))
     })?;
     Some(if trial.reversed { bench.graph.neg(value) } else { value })

@@ -49,6 +49,8 @@ pub struct Trial {
 /// Values of the symbols at one trial.
 type Values = Vec<(Symbol, f64)>;
 
+/// Within ± this are numbers that have no default.
+const WITHIN: f64 = 3.0;
 /// How many trials there are, of which the last two go beyond the factors 0.8..1.25 of section 8.
 const TRIALS: usize = 6;
 /// What the survey, which finds peaks and poles that a rule may miss, is right to.
@@ -67,6 +69,7 @@ impl Trial {
         let trials = if free.is_empty() { 1 } else { TRIALS };
         let values: Vec<Values> = (0..trials)
             .map(|k| free.iter().map(|s| (*s, drawn(&bench.defaults, *s, k, &mut random))).collect())
+            .chain(bench.settings.iter().filter_map(|setting| set(bench, &free, setting)))
             .collect();
         let mut trial = Trial { over, reversed: false, ordered: false, values, survey: Vec::new() };
         let widths: Vec<f64> = {
@@ -107,6 +110,17 @@ impl Trial {
         }
         (self.values, self.survey) = kept.into_iter().unzip();
         Some(self)
+    }
+
+    /// Between which values of parameters, coordinates and so on the integral was tried.
+    pub fn ranges(&self, bench: &Bench) -> Vec<(Symbol, [f64; 2])> {
+        let symbols = self.values.first().map_or(&[][..], Vec::as_slice).iter().map(|(symbol, _)| *symbol);
+        let own = symbols.filter(|symbol| !matches!(symbol, Symbol::Dummy(_)));
+        let range = |symbol: Symbol| {
+            let tried = self.values.iter().map(|values| value(values, symbol));
+            tried.fold(usual(&bench.defaults, symbol), |[low, high], x| [low.min(x), high.max(x)])
+        };
+        own.map(|symbol| (symbol, range(symbol))).collect()
     }
 
     /// What a rule gives at each trial.
@@ -165,13 +179,38 @@ fn value(values: &Values, symbol: Symbol) -> f64 {
     values.iter().find(|(known, _)| *known == symbol).map_or(0.0, |(_, value)| *value)
 }
 
+/// What a scene gives to these symbols, defaults and 0 to others; `None` where that is among what is tried anyway.
+fn set(bench: &Bench, free: &[Symbol], setting: &[(Symbol, f64)]) -> Option<Values> {
+    let given = |symbol: Symbol| setting.iter().find(|(known, _)| *known == symbol).map(|(_, x)| *x);
+    let beyond = |symbol: &Symbol| {
+        let [low, high] = usual(&bench.defaults, *symbol);
+        given(*symbol).is_some_and(|x| x < low || x > high)
+    };
+    let or_default = |symbol: Symbol| given(symbol).unwrap_or_else(|| default(&bench.defaults, symbol));
+    free.iter().any(beyond).then(|| free.iter().map(|symbol| (*symbol, or_default(*symbol))).collect())
+}
+
+/// 0 for what is no parameter.
+fn default(defaults: &[f64], symbol: Symbol) -> f64 {
+    match symbol {
+        Symbol::Parameter(k) => defaults.get(k as usize).copied().unwrap_or(0.0),
+        _ => 0.0,
+    }
+}
+
+/// Between which values something is drawn.
+fn usual(defaults: &[f64], symbol: Symbol) -> [f64; 2] {
+    match default(defaults, symbol) {
+        0.0 => [-WITHIN, WITHIN],
+        default if default < 0.0 => [2.0 * default, 0.5 * default],
+        default => [0.5 * default, 2.0 * default],
+    }
+}
+
 /// A parameter's default times a factor; a default of 0 becomes 0 and numbers of either sign; anything else a number
 /// within ±3, 0 and small ones among them.
 fn drawn(defaults: &[f64], symbol: Symbol, trial: usize, random: &mut Random) -> f64 {
-    let default = match symbol {
-        Symbol::Parameter(k) => defaults.get(k as usize).copied().unwrap_or(0.0),
-        _ => 0.0,
-    };
+    let default = default(defaults, symbol);
     let beyond = trial + 2 >= TRIALS;
     if default != 0.0 {
         let factor = if beyond { random.between(0.5, 2.0) } else { random.between(0.8, 1.25) };
@@ -180,7 +219,7 @@ fn drawn(defaults: &[f64], symbol: Symbol, trial: usize, random: &mut Random) ->
     match trial {
         0 => 0.0,
         1 => random.between(-0.01, 0.01),
-        _ => random.between(-3.0, 3.0),
+        _ => random.between(-WITHIN, WITHIN),
     }
 }
 

@@ -133,24 +133,20 @@ impl Resolver<'_> {
         !family.members.is_empty()
     }
 
-    /// Finds who carries the wanted points and finishes the loads.
-    fn place_loads(&mut self, drafts: Drafts) {
-        let points: Vec<Vec<Id>> = drafts.wanted.iter().map(|wanted| wanted.point.clone()).collect();
-        let found = if points.is_empty() {
-            Vec::new()
-        } else {
-            let model = std::mem::take(&mut self.model);
-            let found = carriers(&mut self.bench, &model, &points);
-            self.model = model;
-            match found {
-                Some(found) => found.bodies,
-                None => {
-                    self.bench.problems.push(names::too_many_names(Place::default(), MEMBER_LIMIT));
-                    return;
-                }
-            }
+    /// The bodies that carry each of these points; says where there is none that should.  `None`: too many to compare (reported).
+    pub fn carried(&mut self, wanted: &[Wanted]) -> Option<Vec<Vec<usize>>> {
+        if wanted.is_empty() {
+            return Some(Vec::new());
+        }
+        let points: Vec<Vec<Id>> = wanted.iter().map(|wanted| wanted.point.clone()).collect();
+        let model = std::mem::take(&mut self.model);
+        let found = carriers(&mut self.bench, &model, &points);
+        self.model = model;
+        let Some(found) = found else {
+            self.bench.problems.push(names::too_many_names(Place::default(), MEMBER_LIMIT));
+            return None;
         };
-        for (wanted, bodies) in drafts.wanted.iter().zip(&found) {
+        for (wanted, bodies) in wanted.iter().zip(&found.bodies) {
             match wanted.particle {
                 Some(particle) if !bodies.contains(&particle) => {
                     let name = &self.model.bodies[particle].name;
@@ -162,6 +158,12 @@ impl Resolver<'_> {
                 _ => {}
             }
         }
+        Some(found.bodies)
+    }
+
+    /// Finds who carries the wanted points and finishes the loads.
+    fn place_loads(&mut self, drafts: Drafts) {
+        let Some(found) = self.carried(&drafts.wanted) else { return };
         for draft in drafts.loads {
             let mut pushes = Vec::new();
             for push in draft.pushes {

@@ -15,6 +15,7 @@ pub mod parameters;
 pub mod phases;
 pub mod reactions;
 pub mod scenes;
+pub mod settings;
 pub mod settle;
 pub mod shared;
 pub mod springs;

@@ -55,7 +55,7 @@ impl<'a> Resolver<'a> {
 
     /// A system's reactions as pushes of their symbols.
     pub fn unknowns(&mut self, system: &Spot<'a>) -> Vec<Unknown> {
-        let mut unknowns = Vec::new();
+        let (mut unknowns, mut drafts) = (Vec::new(), Drafts::default());
         let Some(list) = system.get("reactions") else { return unknowns };
         for (key, spot) in list.entries(&mut self.bench.problems) {
             if !spot.only(&["on", "at", "along", "from", "couple"], "a reaction", &mut self.bench.problems) {
@@ -63,13 +63,14 @@ impl<'a> Resolver<'a> {
             }
             let Some(family) = self.expand(key, &spot) else { continue };
             for member in &family.members {
-                unknowns.extend(self.unknown(&spot, &member.name(), &member.locals));
+                unknowns.extend(self.unknown(&spot, &member.name(), &member.locals, &mut drafts));
             }
         }
+        self.carried(&drafts.wanted);
         unknowns
     }
 
-    fn unknown(&mut self, spot: &Spot<'_>, name: &str, locals: &Locals) -> Option<Unknown> {
+    fn unknown(&mut self, spot: &Spot<'_>, name: &str, locals: &Locals, drafts: &mut Drafts) -> Option<Unknown> {
         let reaction = self.scope.reactions.iter().find(|r| r.name == name)?.clone();
         let problems = &mut self.bench.problems;
         let on = spot.need("on", "a reaction", problems)?.text(problems)?;
@@ -86,8 +87,7 @@ impl<'a> Resolver<'a> {
             .map(|k| self.bench.graph.symbol(Symbol::Reaction(reaction.first + k)))
             .collect();
         let couple = spot.get("couple").is_some();
-        let mut drafts = Drafts::default();
-        let end = self.placed(&on, at.as_ref(), locals, &mut drafts)?;
+        let end = self.placed(&on, at.as_ref(), locals, drafts)?;
         let opposite = match &from {
             Some(from) => Some(self.opposite(from, &end.at, locals)?),
             None => None,
