@@ -284,7 +284,9 @@ impl Projection {
         let mut active = system.active_rows().iter().map(|row| *row as usize);
         active.find_map(|row| {
             let moved = 2.0 * late * self.triples[3 * row + 1].abs();
-            let missed = self.misses(row).filter(|c| system.description().rows[row].holonomic && !(c.abs() <= moved));
+            let missed = self
+                .misses(row)
+                .filter(|c| system.description().rows[row].holonomic && (c.is_nan() || c.abs() > moved));
             missed.map(|c| (row, c))
         })
     }

@@ -363,7 +363,7 @@ impl Certifier {
 
     fn around(&self) -> Around {
         let ends = [self.points.first(), self.points.last()].map(|point| point.map_or(0.0, |point| point.x));
-        Around { domain: (ends[0], ends[1]), rounding: self.rounding }
+        Around { domain: (ends[0], ends[1]), rounding: self.rounding, resolution: self.resolution }
     }
 
     /// What lies between two points of opposite signs.

@@ -21,12 +21,14 @@ pub(crate) struct Around {
     pub domain: (f64, f64),
     /// What rounding may change of its values: less is zero, and no jump.
     pub rounding: f64,
+    /// Places this close to each other are the same for it.
+    pub resolution: f64,
 }
 
 impl Around {
     /// Nothing but the bracket itself.
     pub fn bracket(a: f64, b: f64) -> Around {
-        Around { domain: (a.min(b), a.max(b)), rounding: 0.0 }
+        Around { domain: (a.min(b), a.max(b)), rounding: 0.0, resolution: 0.0 }
     }
 }
 
@@ -45,17 +47,17 @@ pub(crate) fn locate(
     mut f: impl FnMut(f64) -> f64,
     from: (f64, f64),
     to: (f64, f64),
-    Around { domain: (low, high), rounding }: Around,
+    Around { domain: (low, high), rounding, resolution }: Around,
 ) -> (f64, Nature) {
     let largest = from.1.abs().max(to.1.abs());
-    let Some([a, b]) = narrow(&mut f, from, to) else {
+    let Some([a, b]) = narrow(&mut f, from, to, resolution) else {
         return (0.5 * (from.0 + to.0), Nature::Undefined);
     };
     let best = if a.1.abs() <= b.1.abs() { a } else { b };
     if best.1.abs() <= (ZERO * ROUND_OFF * largest).max(rounding) {
         return (best.0, Nature::Root);
     }
-    let width = (b.0 - a.0).abs();
+    let width = (b.0 - a.0).abs().max(resolution);
     let mut change = |factor: f64| {
         let [left, right] = [best.0 - 0.5 * factor * width, best.0 + 0.5 * factor * width];
         (f(right.clamp(low, high)) - f(left.clamp(low, high))).abs()
@@ -80,10 +82,10 @@ pub(crate) fn nature_of_zero(
     x: f64,
     low: (f64, f64),
     high: (f64, f64),
-    Around { domain, rounding }: Around,
+    Around { domain, rounding, resolution }: Around,
 ) -> Nature {
     let largest = low.1.abs().max(high.1.abs());
-    let width = f64::EPSILON * x.abs().max(high.0 - low.0);
+    let width = (f64::EPSILON * x.abs().max(high.0 - low.0)).max(resolution);
     let mut change = |factor: f64| {
         let (left, right) = ((x - factor * width).max(domain.0), (x + factor * width).min(domain.1));
         (f(right) - f(left)).abs()
@@ -101,9 +103,9 @@ pub(crate) fn nature_of_zero(
 }
 
 /// A bracket of adjacent numbers (or a zero, twice) around a change of sign; `None` where f is not a number.
-fn narrow(f: &mut impl FnMut(f64) -> f64, a: (f64, f64), b: (f64, f64)) -> Option<[(f64, f64); 2]> {
+fn narrow(f: &mut impl FnMut(f64) -> f64, a: (f64, f64), b: (f64, f64), least: f64) -> Option<[(f64, f64); 2]> {
     // Near the start of a step its own numbers are finer than the state there: they are adjacent for what is looked at.
-    let finest = 0.5 * f64::EPSILON * (b.0 - a.0).abs();
+    let finest = (0.5 * f64::EPSILON * (b.0 - a.0).abs()).max(least);
     let (mut a, mut b) = (a, b);
     let mut fraction = 0.5;
     for round in 0..300 {
@@ -236,7 +238,7 @@ mod tests {
         let step = |x: f64| if x < place { 1.0 } else { -1.0 };
         for half in [4e-16, 1e-14, 1e-12] {
             let (a, b) = (place - half, place + half);
-            let around = Around { domain: (0.0, 1.0), rounding: 0.0 };
+            let around = Around { domain: (0.0, 1.0), rounding: 0.0, resolution: 0.0 };
             assert_eq!(nature_of_zero(line, place, (a, line(a)), (b, line(b)), around), Nature::Root, "{half}");
             assert_eq!(nature_of_zero(step, place, (a, 1.0), (b, -1.0), around), Nature::Jump, "{half}");
         }

@@ -229,11 +229,12 @@ impl Scanner {
             }
             sampler.sample(system, segment, function, theta)
         };
-        certifier.rounding = 0.0;
+        (certifier.rounding, certifier.resolution) = (0.0, 0.0);
         let mut outcome = certifier.certify(&mut sample, &grid);
         // Within a very short step the rounding of the state, or of the time, looks like a jump or an oscillation.
         if outcome.is_err() || certifier.marks.iter().any(|mark| matches!(mark.deed, Deed::Jumps | Deed::Pole)) {
             certifier.rounding = sampler.rounding(system, segment, function);
+            certifier.resolution = f64::EPSILON * segment.t.abs() / segment.h;
             let mut sample = |theta: f64| sampler.sample(system, segment, function, theta);
             outcome = certifier.certify(&mut sample, &grid);
         }

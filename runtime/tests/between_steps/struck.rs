@@ -54,3 +54,27 @@ fn events_on_accelerations_and_impacts_do_not_graze() {
     let warnings = near.run().warnings;
     assert!(warnings.iter().any(|w| matches!(w, Warning::EventGrazes { .. } | Warning::Touch { .. })), "{warnings:?}");
 }
+
+/// A pulse so narrow, so late, that times are rounded to a good part of it is continuous all the same; a jump is none.
+#[test]
+fn a_narrow_input_crosses_and_does_not_jump() {
+    let text = |input: &str, when: &str| {
+        format!(
+            "parameters: {{m: 1 kg, F: 1 N, T: 1 s, k: 0.1 N/m}}
+name: Narrow
+coordinates: {{x: m}}
+inputs: {{u: {input}}}
+bodies: {{b: {{mass: m, position: \"[x, 0]\"}}}}
+springs: {{s: {{stretch: x, stiffness: k, on: b, along: \"[1, 0]\"}}}}
+events: {{a: {{when: {when}, then: record}}}}
+scene: {{start: {{x: 1}}, until: 30}}"
+        )
+    };
+    let run = file(&text("\"F*exp(-((t - 20*T)/T*1e6)^2)\"", "u - F/2")).run();
+    let times: Vec<f64> = run.events.iter().map(|event| 1e6 * (event.state.t - 20.0)).collect();
+    let half = std::f64::consts::LN_2.sqrt();
+    assert!(times.len() == 2 && (times[0] + half).abs() + (times[1] - half).abs() < 1e-6, "{times:?}");
+    assert!(run.warnings.is_empty(), "{:?}", run.warnings);
+    let jumps = file(&text("\"F*t/T\"", "\"atan(T/(t - 20.3*T)) - 1/2\"")).run();
+    assert!(jumps.events.len() == 1 && jumps.warnings.iter().any(|w| matches!(w, Warning::NoCrossing { .. })));
+}
