@@ -123,7 +123,8 @@ fn separable_mechanisms_go_into_lanes_by_the_method_that_a_run_chooses() {
         let run = run.expect("a run");
         assert!(apart(&end.state, &run.last()) < 1e-7, "{k}: {} and {}", end.state, run.last());
         let (own, usual) = (end.work.evaluations as f64, run.work.evaluations as f64);
-        assert!((0.9 * usual..1.05 * usual).contains(&own), "{k}: {own} evaluations where {usual} are usual");
+        // A run that reports evaluates between the ends of its steps as well.
+        assert!((0.6 * usual..1.05 * usual).contains(&own), "{k}: {own} evaluations where {usual} are usual");
     }
     assert!(2 * ends[0].work.evaluations < ends[2].work.evaluations, "{:?} and {:?}", ends[0].work, ends[2].work);
 }

@@ -31,13 +31,13 @@ pub fn check_paths<'a>(paths: impl Iterator<Item = (&'a str, &'a str)>, model: &
     for (name, path) in paths {
         let option = format!("--{name}");
         let asked = Path::new(path);
+        if same_file(asked, Path::new(model)) {
+            return Err(Problem::File(format!("{option} {path} would overwrite the model file")));
+        }
         match name {
             "plot" => drawable(path)?,
             "animate" => playable(path)?,
             _ => (),
-        }
-        if same_file(asked, Path::new(model)) {
-            return Err(Problem::File(format!("{option} {path} would overwrite the model file")));
         }
         if !asked.exists() {
             created.0.push(asked.to_owned());

@@ -8,7 +8,7 @@ use crate::mechanism::{Action, System};
 use crate::run::Recorder;
 
 /// What became of a step that is watched.
-pub(super) enum Watched {
+pub(super) enum Outcome {
     /// It is taken, or what an event leaves of it.
     Kept(Halt),
     /// It fell short of what lies before a crossing: nothing is taken, and the next one is no longer than this, s.
@@ -24,7 +24,7 @@ impl March {
         (step, dense): (Step, bool),
         watch: &mut Watch,
         recorder: &mut Recorder,
-    ) -> Result<Watched, Box<Cause>> {
+    ) -> Result<Outcome, Box<Cause>> {
         let interruption = if watch.wants_dense(system) { watch.scan(system, &self.segment(step))? } else { None };
         let Some(interruption) = interruption else {
             if watch.wants_dense(system) {
@@ -40,7 +40,7 @@ impl March {
                 recorder.leave(system, step.next, self.stepper.start());
                 self.switch(system, watch, recorder)?;
             }
-            return Ok(Watched::Kept(Halt::Arrived));
+            return Ok(Outcome::Kept(Halt::Arrived));
         };
         let crossing = match interruption {
             Interruption::At(crossing) => crossing,
@@ -49,16 +49,16 @@ impl March {
                 let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
                 watch.leave(system, (switch, side), (now, &y), &mut |system| self.trial(system))?;
                 self.restart(system, recorder)?;
-                return Ok(Watched::Kept(Halt::Arrived));
+                return Ok(Outcome::Kept(Halt::Arrived));
             }
         };
         if self.divides() && self.part(system, step.h * crossing.theta, watch, recorder)? {
-            return Ok(Watched::Kept(Halt::Arrived));
+            return Ok(Outcome::Kept(Halt::Arrived));
         }
         let together = watch.simultaneous(crossing, &self.segment(step));
         let fired = match self.shorten(system, step, crossing, watch)? {
             Some((shorter, error)) if self.is_blind(error) => {
-                return Ok(Watched::Blind(self.control.rejected(shorter.h, error)));
+                return Ok(Outcome::Blind(self.control.rejected(shorter.h, error)));
             }
             Some((shorter, _)) => {
                 let (segment, end) = (self.segment(shorter), self.stepper.end());
@@ -78,17 +78,17 @@ impl March {
                 recorder.leave(system, self.clock.now(), self.stepper.start());
                 self.switch(system, watch, recorder)?;
             }
-            return Ok(Watched::Kept(Halt::Event));
+            return Ok(Outcome::Kept(Halt::Event));
         }
         recorder.leave(system, self.clock.now(), self.stepper.start());
         if !fired.is_empty() {
-            return self.act(system, fired, watch, recorder).map(Watched::Kept);
+            return self.act(system, fired, watch, recorder).map(Outcome::Kept);
         }
         // A stop time may coincide with the crossing.
         if !self.switch(system, watch, recorder)? {
             self.restart(system, recorder)?;
         }
-        Ok(Watched::Kept(Halt::Arrived))
+        Ok(Outcome::Kept(Halt::Arrived))
     }
 
     /// Whether a step that a crossing made shorter is much worse than the longer one, which passed what lies there by.

@@ -20,7 +20,7 @@ use std::ops::ControlFlow;
 
 use between::Defect;
 use constraints::Dwelling;
-use interrupt::Watched;
+use interrupt::Outcome;
 use jump::JumpDetector;
 use noise::Steady;
 use phase::{Firings, Impacts};
@@ -278,7 +278,7 @@ impl March {
             self.watch = watch;
             let (step, dense) = tried?;
             let outcome = match self.watch.take() {
-                None => self.keep(system, step, dense, recorder).map(|()| Watched::Kept(Halt::Arrived)),
+                None => self.keep(system, step, dense, recorder).map(|()| Outcome::Kept(Halt::Arrived)),
                 Some(mut watch) => {
                     let outcome = self.watched(system, (step, dense), &mut watch, recorder);
                     self.watch = Some(watch);
@@ -292,13 +292,13 @@ impl March {
                     self.work.retries += 1;
                     most = 0.01 * step.h;
                 }
-                Ok(Watched::Blind(shorter)) => {
+                Ok(Outcome::Blind(shorter)) => {
                     self.work.rejected += 1;
                     most = shorter;
                 }
                 outcome => {
                     self.look_for_stiffness(step, recorder);
-                    let Watched::Kept(halt) = outcome? else { continue };
+                    let Outcome::Kept(halt) = outcome? else { continue };
                     self.look_at_constraints(system, recorder)?;
                     self.choose_gain(system);
                     return Ok(halt);

@@ -154,7 +154,7 @@ scene: {start: {x: 1}, until: 4}";
             let found = case.run();
             let (error, promised) = ((found.last()["x"] - exact).abs(), found.errors("x").unwrap()[found.len() - 1]);
             assert!(error <= promised, "{method} {step}: {error:e} {promised:e}");
-            assert!(step > 0.1 || method == Method::Euler || promised < 1e-3, "{method} {step}: {promised:e}");
+            assert!(step > 0.1 || method == Method::Euler || promised < 0.02, "{method} {step}: {promised:e}");
         }
     }
 }
