@@ -161,7 +161,7 @@ impl Reader {
 pub fn with_unit_of(text: &str, last: &str) -> String {
     let (text, last) = (text.trim(), last.trim());
     let ends = last.char_indices().map(|(end, _)| end).chain([last.len()]);
-    let number = ends.filter(|end| last[..*end].parse::<f64>().is_ok()).last();
+    let number = ends.rev().find(|end| last[..*end].parse::<f64>().is_ok());
     let unit = number.map_or("", |end| last[end..].trim_start());
     // No operator: what follows the number is its unit.
     let is_unit = unit.starts_with(|c: char| c.is_alphabetic() || c.is_ascii_digit());

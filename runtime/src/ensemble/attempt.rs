@@ -99,9 +99,8 @@ impl<S: Lanes, const N: usize> Attempt<S, N> {
     fn nystrom_stage<const I: usize>(&mut self, (t, h): (S, S), rate: &impl Rate<S, N>) -> Result<(), SingularMass> {
         let mut argument = self.y;
         let node = S::from_f64(NystromStage::<I>::NODE) * h;
-        for i in 0..N {
-            let way = node * self.y[1][i] + h * h * self.sum(NystromStage::<I>::ROW, 1, i);
-            argument[0][i] = argument[0][i] + way;
+        for (i, place) in argument[0].iter_mut().enumerate() {
+            *place = *place + (node * self.y[1][i] + h * h * self.sum(NystromStage::<I>::ROW, 1, i));
         }
         rate(t + node, &argument, &mut self.stages[I])
     }
