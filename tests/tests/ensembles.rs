@@ -107,7 +107,7 @@ fn a_driven_mechanism_goes_into_lanes() {
     }
 }
 
-/// A third fewer evaluations a step than by `dop853`, and longer steps.
+/// Fewer evaluations than by `dop853` at one tolerance, for an error that is much smaller.
 #[test]
 fn separable_mechanisms_go_into_lanes_by_the_method_that_a_run_chooses() {
     let one = |k: u32| {
@@ -123,7 +123,8 @@ fn separable_mechanisms_go_into_lanes_by_the_method_that_a_run_chooses() {
         // A run that reports evaluates between the ends of its steps as well.
         assert!((0.6 * usual..1.05 * usual).contains(&own), "{k}: {own} evaluations where {usual} are usual");
     }
-    assert!(2 * ends[0].work.evaluations < ends[2].work.evaluations, "{:?} and {:?}", ends[0].work, ends[2].work);
+    let [nystrom, other] = [(&ends[0], 5), (&ends[2], 7)].map(|(end, until)| end.work.evaluations / until);
+    assert!(nystrom < other, "{nystrom} and {other} evaluations a second");
 }
 
 #[test]
