@@ -454,6 +454,24 @@ fn problem_37_main_question() {
     assert!(parts[1]["amplitude"]["x[2]"][0].as_f64().unwrap().abs() < 1e-14);
 }
 
+/// The table of the steady state has the outputs that are asked for, as sums of the coordinates' own amplitudes.
+#[cfg(feature = "modal")]
+#[test]
+fn outputs_stand_in_the_steady_state() {
+    let options = ["--omega", "w", "--response", "x[1],mode_2,x[3]'"];
+    let found = run("forced_chain", &options).unwrap();
+    let pair = |value: &Value| numbers(value)[..2].try_into().unwrap();
+    let [one, three]: [[f64; 2]; 2] = ["x[1]", "x[3]"].map(|name| pair(&found["steady"]["amplitude"][name]));
+    let [half, rate]: [[f64; 2]; 2] = ["mode_2", "x[3]'"].map(|name| pair(&found["steady"]["answers"][name]));
+    let omega = found["steady"]["omega"].as_f64().unwrap();
+    close(&half, &[0.5 * (one[0] - three[0]), 0.5 * (one[1] - three[1])]);
+    close(&rate, &[-omega * three[1], omega * three[0]]);
+    assert!(found["steady"]["answers"]["x[1]"].is_null());
+    contains(&text("forced_chain", &options), &["  mode_2: ", "  x[3]': ", " m/s, "]);
+    let undamped = text("forced_chain", &["--scene", "resonance", "--omega", "w", "--response", "mode_2"]);
+    contains(&undamped, &["  mode_2: without bound"]);
+}
+
 /// B21 from the command line: transmissibilities, and the four excitations of problem 21 a as drives.
 #[cfg(feature = "modal")]
 #[test]

@@ -30,19 +30,22 @@ const TOLERANCE: f64 = 1e-9;
 
 fn main() {
     println!(
-        "| scene | one by one, µs | f64x4 | f64x8 | f64x8/one by one | ode_solvers, µs | f64x8: runs/s | error | ode_solvers: error |"
+        "| scene, method | one by one, µs | f64x4 | f64x8 | f64x8/one by one | ode_solvers, µs | f64x8: runs/s | error | ode_solvers: error |"
     );
     println!("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |");
-    compare("double pendulum", DoublePendulum::default(), 3.0, double_pendulum);
-    compare("Kepler", Kepler::default(), 62.8, kepler);
-    compare("figure eight", FigureEight::default(), 10.0, figure_eight);
-    compare("chain of ten", Chain::default(), 5.0, rods::<10, 20>);
+    compare("double pendulum", DoublePendulum::default(), 3.0, Method::Dop853, double_pendulum);
+    compare("Kepler", Kepler::default(), 62.8, Method::Dop853, kepler);
+    compare("Kepler", Kepler::default(), 62.8, Method::Rkn8, kepler);
+    compare("figure eight", FigureEight::default(), 10.0, Method::Dop853, figure_eight);
+    compare("figure eight", FigureEight::default(), 10.0, Method::Rkn8, figure_eight);
+    compare("chain of ten", Chain::default(), 5.0, Method::Dop853, rods::<10, 20>);
 }
 
 fn compare<M, const N: usize, const C: usize, const D: usize>(
     name: &str,
     model: M,
     until: f64,
+    method: Method,
     f: fn(&SVector<f64, D>, &mut SVector<f64, D>),
 ) where
     M: Simulate<N, C>,
@@ -55,7 +58,7 @@ fn compare<M, const N: usize, const C: usize, const D: usize>(
     };
     let one = |k: usize| {
         let simulation = model.simulate().start(&moved(k), &first.v).until(until).tolerance(TOLERANCE);
-        simulation.method(Method::Dop853)
+        simulation.method(method)
     };
     let ensemble: Ensemble<Erased<M, N, C>> = (0..MEMBERS).map(one).collect::<Ensemble<_>>().threads(1);
     let plain = |k: usize| {
@@ -103,7 +106,8 @@ fn compare<M, const N: usize, const C: usize, const D: usize>(
     let own = error(&lanes::<M, f64x8, N, C>(&ensemble).1[last]);
     let other = error(&loops(last));
     println!(
-        "| {name} | {single:.1} | {four:.1} | {eight:.1} | {:.2} | {theirs:.1} | {:.0} | {own:.0e} | {other:.0e} |",
+        "| {name}, `{}` | {single:.1} | {four:.1} | {eight:.1} | {:.2} | {theirs:.1} | {:.0} | {own:.0e} | {other:.0e} |",
+        method.name(),
         eight / single,
         1e6 / eight
     );

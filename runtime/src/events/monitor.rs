@@ -7,7 +7,7 @@
 use super::arguments::{Arguments, Course};
 use super::root::{Around, locate};
 use crate::integrate::Reached;
-use crate::mechanism::{Argument, At, Role, System, Watched};
+use crate::mechanism::{At, Role, System, Watched};
 
 /// The arguments of the equations of motion.
 #[derive(Clone, Debug)]
@@ -67,9 +67,12 @@ impl Monitors {
     /// cuts them at others: `unlike`.
     pub fn new<S: System + ?Sized>(system: &S, unlike: bool) -> Self {
         let part = if unlike { FINER } else { 1.0 };
-        let list = system.description().arguments.iter().enumerate();
-        let followed = |argument: &Argument| argument.of == Watched::Motion && argument.role != Role::Distance;
-        let motion = list.filter(|(_, argument)| followed(argument));
+        let parameters = system.parameters();
+        let felt = || {
+            let list = system.description().arguments.iter().enumerate();
+            list.filter(|(_, argument)| argument.of == Watched::Motion && argument.is_felt(&parameters))
+        };
+        let motion = felt().filter(|(_, argument)| argument.role != Role::Distance);
         let (of_time, of_state): (Vec<_>, Vec<_>) = motion.partition(|(_, argument)| argument.time_only);
         let places = |list: Vec<(usize, _)>| list.into_iter().map(|(place, _)| place).collect::<Vec<usize>>();
         let arguments = &system.description().arguments;
@@ -77,8 +80,7 @@ impl Monitors {
             Watched::Argument(outer) => argument.role == Role::Phase && !arguments[outer as usize].time_only,
             _ => false,
         });
-        let distances = system.description().arguments.iter().enumerate();
-        let distances = distances.filter(|(_, argument)| argument.role == Role::Distance);
+        let distances = felt().filter(|(_, argument)| argument.role == Role::Distance);
         Monitors {
             of_state: of_state
                 .into_iter()

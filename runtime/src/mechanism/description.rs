@@ -258,6 +258,16 @@ pub struct Argument {
     pub time_only: bool,
     /// The spring, damper or force whose direction it tells; else empty.
     pub load: Text,
+    /// Parameters, by their places, that multiply all that it does to the equations of motion: where one of them is 0, as the
+    /// stiffness of a spring that is left out, it does nothing.
+    pub gates: List<u32>,
+}
+
+impl Argument {
+    /// Whether the equations of motion feel it with these parameters.
+    pub fn is_felt(&self, parameters: &[f64]) -> bool {
+        !self.gates.iter().any(|gate| parameters.get(*gate as usize) == Some(&0.0))
+    }
 }
 
 /// What a run watches.

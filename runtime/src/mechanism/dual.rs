@@ -1,28 +1,54 @@
-//! Numbers with a slope: exact derivatives of whatever is computed with them.
+//! Numbers with a slope, and with what rounding did to them: exact derivatives of whatever is computed with them, and bounds of its
+//! errors.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::{Real, Table};
 
 /// x + x' ε with ε² = 0: a value and its derivative in one direction (Griewank and Walther, Evaluating Derivatives,
-/// 2008, 3.1).
+/// 2008, 3.1), with a running bound of its rounding error (Higham, Accuracy and Stability of Numerical Algorithms, 2002, 3.3).
 ///
 /// Where a function has no derivative, at a kink or a jump that the direction leads across, the slope is NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Dual {
     pub value: f64,
     pub slope: f64,
+    /// What rounding has made of the value, in units u = 2⁻⁵³: m(x ± y) = m(x) + m(y) + |x ± y|, m(x y) = m(x) |y| + |x| m(y) + |x y|,
+    /// m(f(x)) = |f'(x)| m(x) + |f(x)|.
+    pub rounding: f64,
 }
+
+/// u.
+const UNIT: f64 = 0.5 * f64::EPSILON;
 
 impl Dual {
     /// A number that does not change.
     pub fn constant(value: f64) -> Dual {
-        Dual { value, slope: 0.0 }
+        Dual { value, slope: 0.0, rounding: 0.0 }
+    }
+
+    /// What rounding has made of the value at the most.
+    pub fn error(self) -> f64 {
+        UNIT * self.rounding
     }
 
     /// f(x) with the derivative f'(x); what does not change needs none.
-    fn mapped(self, value: f64, derivative: f64) -> Dual {
-        Dual { value, slope: times(self.slope, derivative) }
+    pub fn mapped(self, value: f64, derivative: f64) -> Dual {
+        self.bent(value, derivative, f64::INFINITY)
+    }
+
+    /// f(x), which its argument's error changes by no more than `most` where f'(x) is not finite.
+    fn bent(self, value: f64, derivative: f64, most: f64) -> Dual {
+        let spread = times(self.rounding, derivative.abs()).min(most);
+        Dual { value, slope: times(self.slope, derivative), rounding: spread + value.abs() }
+    }
+
+    /// A value of two arguments, by its derivatives by each.
+    fn joined(value: f64, parts: [(Dual, f64); 2]) -> Dual {
+        let [slope, spread] = parts.iter().fold([0.0; 2], |[slope, spread], (x, derivative)| {
+            [slope + times(x.slope, *derivative), spread + times(x.rounding, derivative.abs())]
+        });
+        Dual { value, slope, rounding: spread + value.abs() }
     }
 }
 
@@ -35,7 +61,7 @@ impl Add for Dual {
     type Output = Dual;
 
     fn add(self, other: Dual) -> Dual {
-        Dual { value: self.value + other.value, slope: self.slope + other.slope }
+        Dual::joined(self.value + other.value, [(self, 1.0), (other, 1.0)])
     }
 }
 
@@ -43,7 +69,7 @@ impl Sub for Dual {
     type Output = Dual;
 
     fn sub(self, other: Dual) -> Dual {
-        Dual { value: self.value - other.value, slope: self.slope - other.slope }
+        Dual::joined(self.value - other.value, [(self, 1.0), (other, -1.0)])
     }
 }
 
@@ -51,8 +77,7 @@ impl Mul for Dual {
     type Output = Dual;
 
     fn mul(self, other: Dual) -> Dual {
-        let slope = times(self.slope, other.value) + times(other.slope, self.value);
-        Dual { value: self.value * other.value, slope }
+        Dual::joined(self.value * other.value, [(self, other.value), (other, self.value)])
     }
 }
 
@@ -61,7 +86,7 @@ impl Div for Dual {
 
     fn div(self, other: Dual) -> Dual {
         let value = self.value / other.value;
-        Dual { value, slope: times(self.slope, 1.0 / other.value) - times(other.slope, value / other.value) }
+        Dual::joined(value, [(self, 1.0 / other.value), (other, -value / other.value)])
     }
 }
 
@@ -69,7 +94,7 @@ impl Neg for Dual {
     type Output = Dual;
 
     fn neg(self) -> Dual {
-        Dual { value: -self.value, slope: -self.slope }
+        Dual { value: -self.value, slope: -self.slope, rounding: self.rounding }
     }
 }
 
@@ -90,7 +115,7 @@ impl Real for Dual {
 
     fn sqrt(self) -> Dual {
         let root = self.value.sqrt();
-        self.mapped(root, 0.5 / root)
+        self.bent(root, 0.5 / root, (self.rounding / UNIT).sqrt())
     }
 
     fn sin_cos(self) -> (Dual, Dual) {
@@ -104,11 +129,11 @@ impl Real for Dual {
     }
 
     fn asin(self) -> Dual {
-        self.mapped(self.value.asin(), 1.0 / (1.0 - self.value * self.value).sqrt())
+        self.bent(self.value.asin(), 1.0 / (1.0 - self.value * self.value).sqrt(), (2.0 * self.rounding / UNIT).sqrt())
     }
 
     fn acos(self) -> Dual {
-        self.mapped(self.value.acos(), -1.0 / (1.0 - self.value * self.value).sqrt())
+        self.bent(self.value.acos(), -1.0 / (1.0 - self.value * self.value).sqrt(), (2.0 * self.rounding / UNIT).sqrt())
     }
 
     fn atan(self) -> Dual {
@@ -117,8 +142,7 @@ impl Real for Dual {
 
     fn atan2(self, x: Dual) -> Dual {
         let square = self.value * self.value + x.value * x.value;
-        let slope = times(self.slope, x.value / square) - times(x.slope, self.value / square);
-        Dual { value: self.value.atan2(x.value), slope }
+        Dual::joined(self.value.atan2(x.value), [(self, x.value / square), (x, -self.value / square)])
     }
 
     fn sinh(self) -> Dual {
@@ -145,14 +169,14 @@ impl Real for Dual {
 
     fn powf(self, y: Dual) -> Dual {
         let value = self.value.powf(y.value);
-        let by_base = times(self.slope, y.value * self.value.powf(y.value - 1.0));
-        Dual { value, slope: by_base + times(y.slope, value * self.value.ln()) }
+        Dual::joined(value, [(self, y.value * self.value.powf(y.value - 1.0)), (y, value * self.value.ln())])
     }
 
     fn select_nonnegative(self, yes: Dual, no: Dual) -> Dual {
         let chosen = if self.value >= 0.0 { yes } else { no };
         let at_the_edge = self.value == 0.0 && self.slope != 0.0;
-        if at_the_edge && yes != no { Dual { slope: f64::NAN, ..chosen } } else { chosen }
+        let differ = (yes.value, yes.slope) != (no.value, no.slope);
+        if at_the_edge && differ { Dual { slope: f64::NAN, ..chosen } } else { chosen }
     }
 
     fn exceeds(self, floor: Dual) -> bool {
@@ -187,7 +211,7 @@ mod tests {
     /// Every derivative beside that of the inverse or of an identity, to rounding.
     #[test]
     fn slopes_are_derivatives() {
-        let x = |value: f64| Dual { value, slope: 1.0 };
+        let x = |value: f64| Dual { slope: 1.0, ..Dual::constant(value) };
         let close = |found: Dual, value: f64, slope: f64| {
             let off = (found.value - value).abs().max((found.slope - slope).abs());
             assert!(off < 1e-14, "{found:?} is not {value} + {slope} ε");
@@ -209,7 +233,7 @@ mod tests {
 
     #[test]
     fn kinks_have_no_slope() {
-        let zero = Dual { value: 0.0, slope: 1.0 };
+        let zero = Dual { slope: 1.0, ..Dual::constant(0.0) };
         assert!(zero.abs().slope.is_nan() && zero.step().slope.is_nan() && zero.max(-zero).slope.is_nan());
         // Where nothing moves nothing has to be differentiable.
         let still = Dual::constant(0.0);
@@ -217,11 +241,27 @@ mod tests {
         assert_eq!((zero - Dual::constant(1.0)).abs().slope, -1.0);
     }
 
+    /// Each formula beside one that loses nothing.
+    #[test]
+    fn what_cancels_knows_what_is_left() {
+        let one = Dual::constant(1.0);
+        for angle in [1e-2, 1e-4, 1e-6, 1e-8] {
+            let half = (0.5 * angle).sin();
+            let found = one - Dual::constant(angle).sin_cos().1;
+            let off = (found.value - 2.0 * half * half).abs();
+            assert!(off <= found.error() && found.error() < 4.0 * f64::EPSILON, "{angle}: {off:e} {:e}", found.error());
+        }
+        let root = (Dual::constant(3.0) - Dual::constant(1.1) - Dual::constant(1.9)).sqrt();
+        assert!(root.value <= root.error() && root.error() < 1e-7, "{root:?}");
+        let exact = Dual::constant(0.5) * Dual::constant(0.25) + one;
+        assert!((1.0..3.0).contains(&(exact.error() / UNIT)), "{exact:?}");
+    }
+
     #[test]
     fn tables_have_their_own_slopes() {
         let pieces = vec![[1.0, -1.0, 0.0, 0.0], [1.0, -1.0, 0.5, 2.0], [17.0, 25.0, 0.0, 0.0]];
         let table = Table { knots: vec![0.0, 2.0].into(), pieces: pieces.into(), ..Table::default() };
-        let found = Dual { value: 1.0, slope: 2.0 }.table(&table, 0);
+        let found = Dual { slope: 2.0, ..Dual::constant(1.0) }.table(&table, 0);
         assert_eq!((found.value, found.slope), (2.5, 12.0));
     }
 }

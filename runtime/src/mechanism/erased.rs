@@ -103,6 +103,42 @@ fn array_or_zero<const N: usize>(slice: &[f64]) -> [f64; N] {
     if slice.is_empty() { [0.0; N] } else { *array(slice) }
 }
 
+/// A state and all constants as [`Dual`] numbers, none of which changes yet.
+struct DualState<M: Mechanism<N, C>, const N: usize, const C: usize> {
+    constants: M::Constants<Dual>,
+    inputs: M::Inputs<Dual>,
+    /// q, q', q''.
+    motion: [[Dual; N]; 3],
+    multipliers: [Dual; C],
+    time: Dual,
+}
+
+impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> DualState<M, N, C> {
+    fn new(system: &Erased<M, N, C>, at: At<'_>) -> Self {
+        let zero = Dual::constant(0.0);
+        let (mut constants, mut inputs) = (M::Constants::<Dual>::filled(zero), M::Inputs::<Dual>::filled(zero));
+        still(system.constants.as_ref(), constants.as_mut());
+        still(system.input_block(at.t).as_ref(), inputs.as_mut());
+        let (mut motion, mut multipliers) = ([[zero; N]; 3], [zero; C]);
+        for (from, to) in [at.q, at.v, at.a].into_iter().zip(motion.iter_mut()) {
+            still(from, to);
+        }
+        still(at.lambda, &mut multipliers);
+        DualState { constants, inputs, motion, multipliers, time: Dual::constant(at.t) }
+    }
+
+    /// What outputs depend on, in the order of the columns of [`System::output_slopes`].
+    fn lists(&mut self) -> [&mut [Dual]; 6] {
+        let [q, v, a] = &mut self.motion;
+        [q, v, a, &mut self.multipliers, self.inputs.as_mut(), std::slice::from_mut(&mut self.time)]
+    }
+
+    fn outputs(&self, values: &mut [Dual]) {
+        let [q, v, a] = &self.motion;
+        M::outputs(&self.constants, self.time, self.inputs.as_ref(), q, v, a, &self.multipliers, values);
+    }
+}
+
 impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Erased<M, N, C> {
     fn description(&self) -> &Description {
         M::description()
@@ -369,30 +405,21 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
     }
 
     fn output_slopes(&self, at: At<'_>, columns: &mut [f64]) -> bool {
-        let zero = Dual::constant(0.0);
-        let mut c = M::Constants::<Dual>::filled(zero);
-        still(self.constants.as_ref(), c.as_mut());
-        let (mut u, mut l) = (M::Inputs::<Dual>::filled(zero), [zero; C]);
-        let (mut q, mut v, mut a) = ([zero; N], [zero; N], [zero; N]);
-        still(self.input_block(at.t).as_ref(), u.as_mut());
-        for (from, to) in [(at.q, &mut q), (at.v, &mut v), (at.a, &mut a)] {
-            still(from, to);
-        }
-        still(at.lambda, &mut l);
-        let mut t = Dual::constant(at.t);
-        let size = M::description().output_len();
-        let mut values = vec![zero; size];
-        for (k, column) in columns.chunks_exact_mut(size.max(1)).enumerate() {
-            let mut lines: [&mut [Dual]; 6] =
-                [&mut q, &mut v, &mut a, &mut l, u.as_mut(), std::slice::from_mut(&mut t)];
-            seed(&mut lines, k, 1.0);
-            M::outputs(&c, t, u.as_ref(), &q, &v, &a, &l, &mut values);
-            let mut lines: [&mut [Dual]; 6] =
-                [&mut q, &mut v, &mut a, &mut l, u.as_mut(), std::slice::from_mut(&mut t)];
-            seed(&mut lines, k, 0.0);
+        let mut state = DualState::<M, N, C>::new(self, at);
+        let mut values = vec![Dual::constant(0.0); M::description().output_len()];
+        for (k, column) in columns.chunks_exact_mut(values.len().max(1)).enumerate() {
+            seed(&mut state.lists(), k, 1.0);
+            state.outputs(&mut values);
+            seed(&mut state.lists(), k, 0.0);
             column.iter_mut().zip(&values).for_each(|(slope, value)| *slope = value.slope);
         }
         true
+    }
+
+    fn output_errors(&self, at: At<'_>, errors: &mut [f64]) {
+        let mut values = vec![Dual::constant(0.0); errors.len()];
+        DualState::<M, N, C>::new(self, at).outputs(&mut values);
+        errors.iter_mut().zip(values).for_each(|(error, value)| *error = value.error());
     }
 
     fn events(&self, at: At<'_>, pairs: &mut [f64]) {

@@ -228,6 +228,13 @@ pub trait System: Send + Sync {
         false
     }
 
+    /// What rounding may have made of each component of the outputs at a state with its own accelerations and multipliers, which are
+    /// taken for exact: where an output is a small difference of large terms it is much beside it.  0 where it is not known.
+    fn output_errors(&self, at: At<'_>, errors: &mut [f64]) {
+        let _ = at;
+        errors.fill(0.0);
+    }
+
     /// Pairs (value, condition) for each event; it counts only where its condition is > 0
     /// (1 where the file gives none).
     fn events(&self, at: At<'_>, pairs: &mut [f64]) {

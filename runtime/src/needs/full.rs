@@ -24,7 +24,7 @@ pub(super) struct Full {
     pub system: Box<dyn System>,
     /// Where each coordinate would rest, as formulas; none where there are constraints.
     pub places: Vec<Option<String>>,
-    /// Coordinates in parts of the mechanism that nothing wanted feels.
+    /// Coordinates that nothing wanted feels.
     unfelt: Vec<String>,
     pub settings: Settings,
     /// With vectors by components.
@@ -289,7 +289,7 @@ fn moved(settings: &Settings, ranges: &[f64], part: f64) -> Settings {
     settings
 }
 
-/// The coordinates of parts that nothing of what is wanted feels; none where all is wanted.
+/// The coordinates that nothing of what is wanted feels; none where all is wanted.
 fn unfelt(program: &Program, wanted: &[String]) -> Vec<String> {
     if wanted.is_empty() {
         return Vec::new();
@@ -301,13 +301,11 @@ fn unfelt(program: &Program, wanted: &[String]) -> Vec<String> {
         is_wanted(name) || wanted.iter().any(component)
     };
     let outputs = model.outputs.iter().filter(|output| of_output(&output.name)).flat_map(|output| &output.value);
-    let felt = program.feels(&outputs.copied().collect::<Vec<_>>());
-    let parts = &program.structure.parts;
-    let with_wanted = |k: usize| {
-        let own = parts.iter().find(|part| part.contains(&k));
-        own.is_none_or(|part| part.iter().any(|k| is_wanted(&model.coordinates[*k].name)))
-    };
-    let unfelt = (0..model.coordinates.len()).filter(|k| !felt[*k] && !with_wanted(*k));
+    let outputs: Vec<_> = outputs.copied().collect();
+    let coordinates: Vec<usize> =
+        (0..model.coordinates.len()).filter(|k| is_wanted(&model.coordinates[*k].name)).collect();
+    let felt = program.feels(&outputs, &coordinates);
+    let unfelt = (0..model.coordinates.len()).filter(|k| !felt[*k]);
     unfelt.map(|k| model.coordinates[k].name.clone()).collect()
 }
 

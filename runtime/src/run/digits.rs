@@ -142,6 +142,14 @@ impl Digits {
         }
     }
 
+    /// Raises the bounds of the last outputs to what rounding may have made of them: both runs lose the same digits where an output
+    /// is a small difference of large terms.
+    pub(crate) fn cancel(&mut self, errors: &[f64]) {
+        let first = self.rows.len() - errors.len();
+        // Errors that are no numbers are those of outputs that are none.
+        self.rows[first..].iter_mut().zip(errors).for_each(|(bound, error)| *bound = bound.max(*error));
+    }
+
     /// The largest bound of a coordinate or rate, in parts of its range.
     pub(crate) fn worst(&self, run: &Run) -> f64 {
         let n = run.names.coordinates.len();

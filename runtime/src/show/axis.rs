@@ -29,6 +29,8 @@ pub struct Axis {
     pub step: Option<f64>,
     /// Values fall to the right, or upwards: errors that become digits.
     pub reversed: bool,
+    /// What is written at 1, 2, 3 … instead of numbers; as many as there is room for.
+    pub names: Vec<String>,
 }
 
 impl Axis {
@@ -52,6 +54,11 @@ impl Axis {
         Axis { step: Some(step), ..self }
     }
 
+    /// The same axis with these names at 1, 2, 3 … instead of numbers.
+    pub fn named(self, names: impl IntoIterator<Item = impl Into<String>>) -> Axis {
+        Axis { names: names.into_iter().map(Into::into).collect(), ..self }
+    }
+
     /// `time (s)`.
     pub(super) fn text(&self) -> String {
         if self.unit.is_empty() { self.label.clone() } else { format!("{} ({})", self.label, self.unit) }
@@ -73,6 +80,7 @@ pub(super) struct Extent {
     flat: bool,
     step: Option<f64>,
     reversed: bool,
+    names: Vec<String>,
     ticks: Ticks,
 }
 
@@ -85,7 +93,8 @@ impl Extent {
         let given = axis.range.filter(|(low, high)| axis.has(*low) && axis.has(*high) && low < high);
         let (low, high) = given.unwrap_or_else(|| padded(axis.scale, found, pad));
         let flat = given.is_none() && found.is_none_or(|(low, high)| low == high);
-        Extent { scale: axis.scale, low, high, flat, step: axis.step, reversed: axis.reversed, ticks: Ticks::default() }
+        let Axis { scale, step, reversed, .. } = *axis;
+        Extent { scale, low, high, flat, step, reversed, names: axis.names.clone(), ticks: Ticks::default() }
     }
 
     /// Gives an axis whose values are all the same a fifth of the other's range.
@@ -99,9 +108,10 @@ impl Extent {
         (flat.low, flat.high) = (centre - 0.1 * other, centre + 0.1 * other);
     }
 
-    /// The same axis with about this many marks.
-    pub fn with_ticks(mut self, count: usize) -> Extent {
+    /// The same axis with about this many marks, or with names in this room, in parts of their size.
+    pub fn with_ticks(mut self, count: usize, room: f64) -> Extent {
         self.ticks = match self.scale {
+            _ if !self.names.is_empty() => Ticks::named(&self.names, room),
             Scale::Linear => Ticks::linear(self.low, self.high, count, self.step),
             Scale::Log => Ticks::log(self.low, self.high, count),
         };

@@ -5,6 +5,7 @@
 
 use super::axis::Extent;
 use super::legend;
+use super::lettering;
 use super::marks::{Pen, crosses, slope};
 use super::{Chart, Style};
 use crate::error::Error;
@@ -36,6 +37,8 @@ const MARGIN: i32 = 16;
 const TITLE: i32 = 34;
 const LEFT: i32 = 90;
 const BELOW: i32 = 56;
+/// The size of what stands at marks.
+const TICK: i32 = 12;
 /// Charts with more series are as tall as those with slopes.
 const CROWD: usize = 7;
 /// Height of a row of crosses.
@@ -218,7 +221,7 @@ fn draw_chart<B: DrawingBackend>(chart: &Chart, canvas: &Canvas<B>, cell: Cell, 
         .set_all_tick_mark_size(5 * FINE)
         .x_label_formatter(&|value| x.label(*value))
         .y_label_formatter(&|value| y.label(*value))
-        .label_style(text(12).color(&INK))
+        .label_style(text(TICK).color(&INK))
         .draw()?;
 
     let place = |x: f64, y: f64| context.backend_coord(&(x, y));
@@ -253,10 +256,12 @@ fn draw_chart<B: DrawingBackend>(chart: &Chart, canvas: &Canvas<B>, cell: Cell, 
         legend::draw(canvas, chart, (right + 14 - MARGIN, top + title + 4, inner_height))?;
     }
     let (middle, bottom) = (left + LEFT + width / 2, top + height);
-    write(canvas, &chart.title, (middle, top + TITLE / 2), text(16))?;
-    write(canvas, &chart.x.text(), (middle, bottom - 18), text(14))?;
-    let turned = text(14).transform(FontTransform::Rotate270);
-    write(canvas, &chart.y.text(), (left + 18, top + title + inner_height / 2), turned)
+    let about = |middle: i32, far: i32| f64::from(2 * middle.min(far - middle));
+    let room = about(middle - left, cell.width.max(names.unwrap_or(0)));
+    write(canvas, (&chart.title, room), (middle, top + TITLE / 2), &[16, 14, 12], FontTransform::None)?;
+    write(canvas, (&chart.x.text(), room), (middle, bottom - 18), &[14, 12], FontTransform::None)?;
+    let (middle, room) = (top + title + inner_height / 2, about(title + inner_height / 2, height));
+    write(canvas, (&chart.y.text(), room), (left + 11, middle), &[14, 12], FontTransform::Rotate270)
 }
 
 /// A line in fractions of both axes without what is outside of the frame, cut where it crosses that.
@@ -303,10 +308,18 @@ fn cut(a: (f64, f64), b: (f64, f64)) -> Option<((f64, f64), (f64, f64))> {
     (from < to).then(|| (at(from), at(to)))
 }
 
-/// Writes text about a middle, px.
-fn write<B: DrawingBackend>(canvas: &Canvas<B>, line: &str, (x, y): (i32, i32), style: TextStyle<'_>) -> Outcome<B> {
-    let style = style.color(&INK).pos(Pos::new(HPos::Center, VPos::Center));
-    canvas.draw(&Text::new(line.to_owned(), (x * FINE, y * FINE), style))
+/// Writes text about a middle, in the first of these sizes for which there is room, px; in the last, what there is room for.
+fn write<B: DrawingBackend>(
+    canvas: &Canvas<B>,
+    (line, room): (&str, f64),
+    (x, y): (i32, i32),
+    sizes: &[i32],
+    turned: FontTransform,
+) -> Outcome<B> {
+    let fits = |size: &&i32| lettering::width(line) * f64::from(**size) <= room;
+    let size = *sizes.iter().find(fits).or(sizes.last()).unwrap_or(&1);
+    let style = text(size).color(&INK).pos(Pos::new(HPos::Center, VPos::Center)).transform(turned);
+    canvas.draw(&Text::new(lettering::fitted(line, room / f64::from(size)), (x * FINE, y * FINE), style))
 }
 
 /// A size of the figure's font, px.
@@ -322,7 +335,8 @@ fn extents(chart: &Chart, width: i32, height: i32) -> (Extent, Extent) {
     if chart.is_equal() {
         Extent::make_equal(&mut x, &mut y, f64::from(width), f64::from(height));
     }
-    (x.with_ticks(width as usize / 80), y.with_ticks(height as usize / 45))
+    let names = |room: i32| f64::from(room) / f64::from(TICK);
+    (x.with_ticks(width as usize / 80, names(width)), y.with_ticks(height as usize / 45, names(height)))
 }
 
 /// Ends of both axes, fitted to the points that have a place on both.

@@ -13,6 +13,7 @@ mod figure;
 #[cfg(feature = "png")]
 mod film;
 mod legend;
+mod lettering;
 mod marks;
 mod pace;
 #[cfg(feature = "png")]

@@ -48,6 +48,41 @@ fn names_units_and_ticks_are_written() {
 }
 
 #[test]
+fn names_that_are_too_long_are_shortened_and_stay_on_the_page() {
+    let long = |what: &str| {
+        format!("{what}_of_the_front_left_wheel_of_the_second_carriage_from_behind_and_what_belongs_to_it")
+    };
+    let line = |name: String| Series::line(name, (0..=10).map(|i| Some((f64::from(i), f64::from(i)))));
+    let chart = Chart::new(long("title"), Axis::new(long("time"), "s"), Axis::new(long("height"), "m"));
+    let svg = chart.with(line(long("one"))).with(line("other".to_owned())).to_svg();
+    let document = Document::parse(&svg).unwrap();
+    let view = numbers(document.root_element().attribute("viewBox").unwrap());
+    let mut shortened = 0;
+    for node in document.descendants().filter(|node| node.has_tag_name("text")) {
+        let (words, number) = (node.text().unwrap().trim(), |name: &str| numbers(node.attribute(name).unwrap())[0]);
+        let width = number("font-size") / figure::PLOTTERS_SHRINKS * lettering::width(words);
+        let before = if node.attribute("text-anchor") == Some("middle") { 0.5 * width } else { 0.0 };
+        let turned = node.attribute("transform").is_some();
+        let (place, end) = if turned { (number("y"), view[3]) } else { (number("x"), view[2]) };
+        let inside = (-1.0..=end + 1.0).contains(&(place - before)) && place - before + width <= end + 1.0;
+        assert!(inside || node.attribute("text-anchor") == Some("end"), "{words}: {place} {width}");
+        shortened += usize::from(words.contains('…'));
+    }
+    assert_eq!(shortened, 4, "{svg}");
+}
+
+#[test]
+fn names_stand_in_the_place_of_numbers() {
+    let marks = Series::marks("", (1..=3).map(|i| Some((f64::from(i), 0.5))));
+    let svg =
+        Chart::new("", Axis::new("coordinate", "").named(["x", "phi[2]", "z"]), Axis::new("shape", "")).with(marks);
+    let (svg, names) = (svg.to_svg(), ["x", "phi[2]", "z"]);
+    let document = Document::parse(&svg).unwrap();
+    let found = texts(&document);
+    assert!(names.iter().all(|name| found.contains(name)) && !found.contains(&"2"), "{found:?}");
+}
+
+#[test]
 fn an_absent_value_leaves_a_gap() {
     let points = (0..=20).map(|i| (f64::from(i), f64::from(i) * 0.1)).map(|p| (p.0 != 10.0).then_some(p));
     let svg = Chart::new("", time_axis(), Axis::new("x", "")).with(Series::line("x", points)).to_svg();

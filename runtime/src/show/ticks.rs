@@ -1,5 +1,11 @@
 //! Where the marks of an axis stand, and what is written beside them.
 
+use super::lettering;
+
+/// Names are shortened to this before one is left out, and stand so far apart, in parts of their size.
+const LONGEST: f64 = 6.0;
+const APART: f64 = 0.8;
+
 /// Positions of the labelled marks and of the lines between them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Ticks {
@@ -22,6 +28,19 @@ impl Ticks {
         let largest = major.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
         let labels = major.iter().map(|x| linear_label(*x, step, largest)).collect();
         Ticks { major, minor: Vec::new(), labels }
+    }
+
+    /// These names at 1, 2, 3 …, thinned and shortened so that they fit into this room, in parts of their size.
+    pub fn named(names: &[String], room: f64) -> Ticks {
+        let own = room / names.len().max(1) as f64;
+        let longest = names.iter().map(|name| lettering::width(name)).fold(0.0, f64::max);
+        let stride = ((longest.min(LONGEST) + APART) / own).ceil().max(1.0) as usize;
+        let places = (0..names.len()).step_by(stride);
+        Ticks {
+            major: places.clone().map(|place| place as f64 + 1.0).collect(),
+            minor: Vec::new(),
+            labels: places.map(|place| lettering::fitted(&names[place], own * stride as f64 - APART)).collect(),
+        }
     }
 
     /// Powers of ten in `low..=high`, thinned to about `count`; over less than two decades also 2 and 5 times them.
@@ -130,6 +149,20 @@ mod tests {
         assert_eq!(ticks.major, [1e-4, 1e-3, 1e-2, 1e-1, 1.0]);
         assert_eq!(labels(&ticks), ["10⁻⁴", "10⁻³", "10⁻²", "10⁻¹", "1"]);
         assert!(ticks.minor.contains(&4e-5) && ticks.minor.contains(&2.0));
+    }
+
+    #[test]
+    fn names_stand_at_their_numbers() {
+        let names = |count: usize| (1..=count).map(|i| format!("x[{i}]")).collect::<Vec<_>>();
+        let ticks = Ticks::named(&names(3), 60.0);
+        assert_eq!(
+            (ticks.major.as_slice(), labels(&ticks)),
+            ([1.0, 2.0, 3.0].as_slice(), vec!["x[1]", "x[2]", "x[3]"])
+        );
+        assert_eq!(labels(&Ticks::named(&names(10), 12.0)), ["x[1]", "x[4]", "x[7]", "x[10]"]);
+        let long = Ticks::named(&["the_angle_of_the_front_wheel".to_owned(), "x".to_owned()], 15.0);
+        assert!(labels(&long)[0].ends_with("eel") && labels(&long)[1] == "x", "{long:?}");
+        assert!(Ticks::named(&names(0), 8.0).major.is_empty());
     }
 
     #[test]

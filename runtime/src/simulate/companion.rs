@@ -103,8 +103,22 @@ fn look_around_end(system: &dyn System, run: &Run, digits: &mut Digits) {
         evaluate_outputs(system, run.times[row], y, &mut room, &mut outputs);
         outputs
     };
-    let states = digits.around(run, row, &run.rows[2 * n * row..][..2 * n]);
+    let end = &run.rows[2 * n * row..][..2 * n];
+    let states = digits.around(run, row, end);
     digits.shake(&states.iter().map(outputs).collect::<Vec<_>>());
+    digits.cancel(&roundings(system, At::packed(run.times[row], end, n)));
+}
+
+/// What rounding may have made of the outputs at a state, however exact that is.
+fn roundings(system: &dyn System, at: At<'_>) -> Vec<f64> {
+    let description = system.description();
+    let (mut a, mut lambda) = (vec![0.0; at.q.len()], vec![0.0; description.rows.len()]);
+    let mut errors = vec![0.0; description.output_len()];
+    // Outputs of accelerations that there are not are absent.
+    if !description.outputs_use_accelerations || system.motion(at, &mut a, &mut lambda).is_ok() {
+        system.output_errors(at.accelerated(&a).constrained(&lambda), &mut errors);
+    }
+    errors
 }
 
 /// True where more than the tolerance decides how a run is divided into steps: discontinuities, events that change

@@ -7,6 +7,7 @@ use std::collections::BTreeSet;
 
 use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
 
+use super::gates::gates;
 use crate::derive::rates;
 use crate::expr::{Binary, DoubleDouble, Graph, Id, Node, Number, Symbol, Unary};
 
@@ -25,6 +26,8 @@ pub struct Argument {
     pub time_only: bool,
     /// The spring, damper or force whose direction it tells; else empty.
     pub load: String,
+    /// Free parameters, by their places, that multiply all that it does to the equations of motion.
+    pub gates: Vec<u32>,
 }
 
 /// What is watched.
@@ -94,6 +97,10 @@ pub(super) fn arguments(
             }
         }
     }
+    let gates = gates(graph, motion);
+    for argument in list.all.iter_mut().filter(|argument| argument.of == Watched::Motion) {
+        argument.gates = gates.get(&argument.value).into_iter().flatten().copied().collect();
+    }
     list.all
 }
 
@@ -155,7 +162,7 @@ fn push(graph: &mut Graph, list: &mut List, (of, role, value): (Watched, Role, I
     }
     let of_time = |s: &Symbol| matches!(s, Symbol::Time | Symbol::Parameter(_));
     let time_only = symbols.iter().all(of_time);
-    let argument = Argument { of, role, value, rate, time_only, load: load.to_owned() };
+    let argument = Argument { of, role, value, rate, time_only, load: load.to_owned(), gates: Vec::new() };
     let known = list.of.entry(value).or_default();
     if !known.iter().any(|place| list.all[*place] == argument) {
         known.push(list.all.len());

@@ -6,6 +6,7 @@ mod constraints;
 mod count;
 mod factor;
 mod forms;
+mod gates;
 mod gather;
 mod magnitude;
 mod momentum;
@@ -224,7 +225,8 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let outputs = model.outputs.iter().flat_map(|o| o.value.iter().copied()).collect();
     let drawing = model.draw.iter().flat_map(drawn).collect();
 
-    let parts = parts::parts(graph, n, (&chosen.residual, &constraints.matrix), &switches, &model.events);
+    let reads = parts::reads(graph, &chosen.residual, &constraints, &switches, &model.events);
+    let parts = parts::parts(n, reads.as_deref());
     let structure = structure::recognise(
         graph,
         n,
@@ -286,19 +288,20 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
 }
 
 impl Program {
-    /// Whether anything of each coordinate is in what is wanted, or in the motion of what is, by the parts of the mechanism
-    /// ([`Structure::parts`]); reactions by momentum balances feel all.
-    pub fn feels(&self, wanted: &[Id]) -> Vec<bool> {
-        let graph = &self.model.graph;
-        let n = self.model.coordinates.len();
+    /// Whether anything of each coordinate is in what is wanted (expressions and coordinates), or in the motion of what is: what the
+    /// equations of motion contain, and those of what they contain.  Reactions by momentum balances, and motions whose events
+    /// change the phase, feel all.
+    pub fn feels(&self, wanted: &[Id], coordinates: &[usize]) -> Vec<bool> {
+        let Program { model: Model { graph, events, .. }, residual, constraints, switches, .. } = self;
         let by_balances = |symbol: Symbol| matches!(symbol, Symbol::Reaction(_));
-        if graph.symbols(wanted.iter().copied()).into_iter().any(by_balances) {
-            return vec![true; n];
+        let balanced = graph.symbols(wanted.iter().copied()).into_iter().any(by_balances);
+        match parts::reads(graph, residual, constraints, switches, events).filter(|_| !balanced) {
+            None => vec![true; self.model.coordinates.len()],
+            Some(reads) => {
+                let own = parts::felt(graph, wanted, (&parts::rows(graph, constraints), switches));
+                parts::closure(&reads, own.into_iter().chain(coordinates.iter().copied()))
+            }
         }
-        let within = (self.constraints.matrix.as_slice(), self.switches.as_slice());
-        let own = parts::felt(graph, wanted, within);
-        let part_of = |k: usize| self.structure.parts.iter().find(|part| part.contains(&k));
-        (0..n).map(|k| part_of(k).is_none_or(|part| own.iter().any(|own| part.contains(own)))).collect()
     }
 
     /// A program without coordinates, in the place of one that could not be derived.

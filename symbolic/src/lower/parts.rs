@@ -2,9 +2,10 @@
 
 use rustc_hash::FxHashMap as HashMap;
 
+use super::constraints::Constraints;
 use super::count::{operations, varying};
 use super::magnitude::Magnitudes;
-use super::{Accelerations, Argument, Entry, Program, Watched};
+use super::{Accelerations, Argument, Program, Watched};
 use crate::derive::Switch;
 use crate::expr::{Angles, Binary, Graph, Id, Node, Symbol, Unary, expand};
 use crate::model::{Event, EventAction};
@@ -40,36 +41,60 @@ impl Part {
 /// Code for more parts than these would be longer than what their own steps are worth.
 const MOST_PARTS: usize = 16;
 
-/// Sets of coordinates whose equations of motion contain nothing of the others', in the order of their first ones: by what F, the
-/// rows of the constraints (their entries of J) and the arguments of discontinuities contain.  Where events change the phase all
-/// is one part.
-pub(super) fn parts(
+/// The coordinates that the equation of motion of each contains: by what F, the rows of the constraints that act on it and the
+/// arguments of discontinuities contain.  `None` where events change the phase, so that each may feel all.
+pub(super) fn reads(
     graph: &Graph,
-    n: usize,
-    (residual, rows): (&[Id], &[Entry]),
+    residual: &[Id],
+    constraints: &Constraints,
     switches: &[Switch],
     events: &[Event],
-) -> Vec<Vec<usize>> {
+) -> Option<Vec<Vec<usize>>> {
     let changes = |action: &EventAction| matches!(action, EventAction::Phase(_) | EventAction::Impact { .. });
     if events.iter().any(|event| event.actions.iter().any(changes)) {
-        return if n == 0 { Vec::new() } else { vec![(0..n).collect()] };
+        return None;
     }
+    let rows = rows(graph, constraints);
+    let mut reads: Vec<Vec<usize>> = residual.iter().map(|force| felt(graph, &[*force], (&rows, switches))).collect();
+    for (row, coordinate, _) in &constraints.matrix {
+        reads[*coordinate].extend(&rows[*row]);
+    }
+    Some(reads)
+}
+
+/// Sets of coordinates whose equations of motion contain nothing of the others', in the order of their first ones.
+pub(super) fn parts(n: usize, reads: Option<&[Vec<usize>]>) -> Vec<Vec<usize>> {
+    let Some(reads) = reads else { return if n == 0 { Vec::new() } else { vec![(0..n).collect()] } };
     let mut part: Vec<usize> = (0..n).collect();
-    let mut join = |members: &[usize]| {
-        let least = members.iter().map(|member| part[*member]).min();
-        let joined: Vec<usize> = members.iter().map(|member| part[*member]).collect();
+    for (row, read) in reads.iter().enumerate() {
+        let joined: Vec<usize> = read.iter().chain([&row]).map(|member| part[*member]).collect();
+        let least = joined.iter().min().copied();
         part.iter_mut().filter(|own| joined.contains(own)).for_each(|own| *own = least.unwrap_or(*own));
-    };
-    for (row, force) in residual.iter().enumerate() {
-        let mut members = felt(graph, &[*force], (rows, switches));
-        members.push(row);
-        join(&members);
-    }
-    for &(row, ..) in rows {
-        join(&of_row(row, rows));
     }
     let of = |first: usize| (0..n).filter(|k| part[*k] == first).collect();
     (0..n).filter(|k| part[*k] == *k).map(of).collect()
+}
+
+/// These coordinates, and all that their motion feels by way of others too.
+pub(super) fn closure(reads: &[Vec<usize>], from: impl IntoIterator<Item = usize>) -> Vec<bool> {
+    let mut reached = vec![false; reads.len()];
+    let mut left: Vec<usize> = from.into_iter().collect();
+    while let Some(k) = left.pop() {
+        if !std::mem::replace(&mut reached[k], true) {
+            left.extend(&reads[k]);
+        }
+    }
+    reached
+}
+
+/// The coordinates that each row contains.
+pub(super) fn rows(graph: &Graph, constraints: &Constraints) -> Vec<Vec<usize>> {
+    let mut rows: Vec<Vec<usize>> = constraints.bias.iter().map(|bias| felt(graph, &[*bias], (&[], &[]))).collect();
+    for (row, coordinate, slope) in &constraints.matrix {
+        rows[*row].push(*coordinate);
+        rows[*row].extend(felt(graph, &[*slope], (&[], &[])));
+    }
+    rows
 }
 
 /// The parts that can be computed by themselves; none where there are fewer than two or too many of them, where constraints or
@@ -198,12 +223,12 @@ fn arguments_of(
 }
 
 /// The coordinates of which expressions contain anything, by way of multipliers and discontinuities too.
-pub(super) fn felt(graph: &Graph, expressions: &[Id], (rows, switches): (&[Entry], &[Switch])) -> Vec<usize> {
+pub(super) fn felt(graph: &Graph, expressions: &[Id], (rows, switches): (&[Vec<usize>], &[Switch])) -> Vec<usize> {
     let mut found = Vec::new();
     for symbol in graph.symbols(expressions.iter().copied()) {
         match symbol {
             Symbol::Coordinate(i) | Symbol::Speed(i) | Symbol::Acceleration(i) => found.push(i as usize),
-            Symbol::Multiplier(row) => found.extend(of_row(row as usize, rows)),
+            Symbol::Multiplier(row) => found.extend(rows.get(row as usize).into_iter().flatten()),
             // A switch's argument contains modes of earlier switches only.
             Symbol::Mode(k) => {
                 let earlier = switches.get(..k as usize).unwrap_or_default();
@@ -215,8 +240,4 @@ pub(super) fn felt(graph: &Graph, expressions: &[Id], (rows, switches): (&[Entry
         }
     }
     found
-}
-
-fn of_row(row: usize, rows: &[Entry]) -> Vec<usize> {
-    rows.iter().filter(|entry| entry.0 == row).map(|entry| entry.1).collect()
 }

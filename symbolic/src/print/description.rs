@@ -264,9 +264,10 @@ fn argument(argument: &Argument) -> String {
         role => format!("mechanism::Role::{role:?}"),
     };
     format!(
-        "mechanism::Argument {{ of: {of}, role: {role}, time_only: {}, load: {} }}",
+        "mechanism::Argument {{ of: {of}, role: {role}, time_only: {}, load: {}, gates: {} }}",
         argument.time_only,
-        string(&argument.load)
+        string(&argument.load),
+        list(argument.gates.iter().map(ToString::to_string))
     )
 }
 

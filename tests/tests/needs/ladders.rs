@@ -287,3 +287,20 @@ scene: {start: {y: 1}, until: 5, tolerance: 1e-8, needs: {outputs: [y], within: 
     let none = Question { need: Some(none), ..Question::new(block.replace("AMOUNT", "1 mm")) };
     assert!(matches!(asked(&none).expect_err("a refusal"), Unanswered::BadNeed { .. }));
 }
+
+#[test]
+fn a_damper_makes_a_clock_slow_by_half_the_square_of_its_ratio() {
+    // Stability catalogue, F12: ω_d is less than ω by ζ²/2 of it, so that after N swings the clock is off by πNζ².
+    for (zeta, n) in [(0.02, 3.0), (0.04, 3.0), (0.02, 6.0)] {
+        let file = oscillator(&format!(
+            "dampers: {{d: {{rate: \"x'\", damping: {}*k*T, along: \"[1, 0]\", on: b}}}}
+scene: {{start: {{x: 1}}, until: {}, tolerance: 1e-9}}",
+            2.0 * zeta,
+            std::f64::consts::TAU * n
+        ));
+        let needs = found(&file, "x");
+        let clock = rung(&needs, "dampers.d").deviation.as_ref().expect("compared").clock;
+        eprintln!("{zeta} {n}: {clock:?} {}", std::f64::consts::PI * n * zeta * zeta);
+    }
+    panic!("look");
+}

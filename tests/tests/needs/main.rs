@@ -402,3 +402,15 @@ fn what_nothing_wanted_feels_is_not_run() {
     let needs = found(&tied, "theta");
     assert!(!rung(&needs, "coordinates.x").unfelt, "{}", needs.table());
 }
+
+#[test]
+fn what_is_driven_and_drives_nothing_wanted_is_not_run() {
+    // The block feels the pendulum, and the pendulum does not feel the block.
+    let driven = TWO_PARTS.replace("scene:", "generalized_forces: {x: m*g*sin(theta)}\nscene:");
+    let needs = found(&driven, "theta");
+    assert!(rung(&needs, "coordinates.x").unfelt && !rung(&needs, "coordinates.theta").unfelt, "{}", needs.table());
+    assert!(chosen(&needs).saving > 10.0 && chosen(&needs).verified < 1e-3, "{}", needs.table());
+    holds(&driven, &needs);
+    let needs = found(&driven, "x");
+    assert!(needs.rungs.iter().all(|rung| !rung.unfelt), "{}", needs.table());
+}

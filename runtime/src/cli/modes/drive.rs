@@ -28,7 +28,16 @@ pub struct Driven {
     /// The file's coordinates, and their units.
     axes: Axes,
     steady: Option<Steady>,
+    /// What else than coordinates was asked for, at the frequency of the steady state.
+    answers: Vec<Answer>,
     response: Option<Response>,
+}
+
+/// A rate's or an output's amplitude; `None` where an undamped mode makes it infinite.
+struct Answer {
+    name: String,
+    unit: String,
+    amplitude: Option<Complex<f64>>,
 }
 
 impl Driven {
@@ -52,20 +61,34 @@ impl Driven {
         let Shaken { drive, label, per } = drive(loaded, options, reader, model)?;
         let coordinates = &loaded.system.description().coordinates;
         let axes = coordinates.iter().map(|axis| (axis.name.to_string(), axis.unit.to_string())).collect();
-        let mut driven = Driven { label, axes, steady: None, response: None };
+        let mut driven = Driven { label, axes, steady: None, answers: Vec::new(), response: None };
+        let names = match answers {
+            None => driven.axes.iter().map(|axis| axis.0.clone()).collect(),
+            Some(text) => listed(loaded.system.description(), text)?,
+        };
         if let Some(text) = omega {
             let omega = reader.value(loaded, "omega", Sets::Frequency, text)?;
             if omega < 0.0 {
                 return Err(Problem::Usage(format!("error: --omega is `{text}`; a frequency is 0 or more")));
             }
             driven.steady = Some(model.steady(&drive, omega).map_err(failed)?);
+            let is_coordinate = |name: &str| driven.axes.iter().any(|axis| axis.0 == name);
+            let others: Vec<&str> = names.iter().map(String::as_str).filter(|name| !is_coordinate(name)).collect();
+            if !others.is_empty() {
+                let seen = model.observe(loaded, &others).map_err(failed)?;
+                let found = model.linear().answers(&drive, &seen, &[omega]).map_err(failed)?.swap_remove(0);
+                let amplitude = |index: usize| found.as_ref().map(|amplitudes| amplitudes[index]);
+                let named = seen.names.iter().zip(&seen.units).enumerate();
+                let answer = |(index, (name, unit)): (usize, (&String, &String))| Answer {
+                    name: name.clone(),
+                    unit: unit.clone(),
+                    amplitude: amplitude(index),
+                };
+                driven.answers = named.map(answer).collect();
+            }
         }
         if responds {
             let range = range.map(|text| frequencies(loaded, reader, text)).transpose()?;
-            let names = match answers {
-                None => driven.axes.iter().map(|axis| axis.0.clone()).collect(),
-                Some(text) => listed(loaded.system.description(), text)?,
-            };
             let names: Vec<&str> = names.iter().map(String::as_str).collect();
             let seen = model.observe(loaded, &names).map_err(failed)?;
             let response = model.linear().response(&drive, &seen, range).map_err(failed)?.to(&driven.label, per);
@@ -98,6 +121,7 @@ impl Driven {
             let mode = |(omega, part): (&f64, &Vec<Complex<f64>>)| {
                 object([("omega", number(*omega)), ("amplitude", by_name(part))])
             };
+            let answer = |x: &Answer| (x.name.clone(), x.amplitude.as_ref().map_or(Value::Null, pair));
             entries.push((
                 "steady",
                 object([
@@ -105,6 +129,7 @@ impl Driven {
                     ("omega", number(steady.omega)),
                     ("amplitude", by_name(&steady.total)),
                     ("growth", steady.growth.as_ref().map_or(Value::Null, |g| by_name(g))),
+                    ("answers", object(self.answers.iter().map(answer))),
                     ("modes", steady.omegas.iter().zip(&steady.modes).map(mode).collect::<Vec<_>>().into()),
                 ]),
             ));
@@ -137,6 +162,13 @@ impl Driven {
             let hertz = short(steady.omega / TAU);
             writeln!(out, "steady state, if {} goes as cos({} t), {hertz} Hz:", self.label, short(steady.omega))?;
             parts(&self.axes, steady, out)?;
+            for Answer { name, unit, amplitude } in &self.answers {
+                match amplitude {
+                    Some(x) if *x == Complex::ZERO => writeln!(out, "  {name}: 0")?,
+                    Some(x) => writeln!(out, "  {name}: {}{}, {:.1} deg", short(x.norm()), spaced(unit), degrees(x))?,
+                    None => writeln!(out, "  {name}: without bound")?,
+                }
+            }
             growth(&self.axes, steady, out)?;
             // With constraints no coordinate has a stiffness by itself.
             if let Model::Free(linear) = model {

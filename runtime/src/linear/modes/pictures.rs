@@ -53,9 +53,7 @@ pub fn draw_modes<S: System + ?Sized>(system: &S, linear: &Linearised, modes: &[
     let chart = |(index, mode): (usize, &Mode)| {
         let title = title(index, mode);
         if !flat {
-            let points = mode.shape.iter().enumerate().map(|(i, x)| Some((i as f64 + 1.0, x.re)));
-            return Chart::new(title, Axis::new("coordinate", ""), Axis::new("shape", ""))
-                .with(Series::marked_line("", points));
+            return by_coordinate(title, &linear.equilibrium.coordinates, mode);
         }
         let a = amplitude(system, linear, mode);
         let width = COIL * size(&drawing(system, linear, mode, 0.0, 0.0));
@@ -74,6 +72,20 @@ pub fn draw_modes<S: System + ?Sized>(system: &S, linear: &Linearised, modes: &[
     let charts: Vec<Chart> = modes.iter().enumerate().map(chart).collect();
     let columns = if charts.len() < 3 { 1 } else { 2 };
     Figure { charts, columns }
+}
+
+/// A mode's elements as marks above or below nought, those of a family joined.
+fn by_coordinate(title: String, coordinates: &[String], mode: &Mode) -> Chart {
+    let place = |i: usize| Some((i as f64 + 1.0, mode.shape[i].re));
+    let family = |i: usize| coordinates[i].split_once('[').map(|(family, _)| family);
+    let stems = (0..mode.shape.len()).flat_map(|i| [Some((i as f64 + 1.0, 0.0)), place(i), None]);
+    let marks = (0..mode.shape.len()).flat_map(|i| {
+        let apart = i > 0 && (family(i).is_none() || family(i) != family(i - 1));
+        apart.then_some(None).into_iter().chain([place(i)])
+    });
+    Chart::new(title, Axis::new("coordinate", "").named(coordinates), Axis::new("shape", ""))
+        .with(Series::line("", stems))
+        .with(Series::marked_line("", marks).coloured(0))
 }
 
 /// `mode 2: 1.41421 rad/s, 0.225079 Hz`: as much as stands above a small picture.
@@ -206,4 +218,27 @@ fn outline(shapes: &[Shape], numbers: &[f64], width: f64) -> Vec<Option<(f64, f6
         path.push(None);
     }
     path
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linear::{Guess, LinearMechanism, equilibrium_near, linearise};
+    use nalgebra::DMatrix;
+
+    #[test]
+    fn what_is_not_drawn_is_shown_by_coordinate_from_nought_on() {
+        let springs = DMatrix::from_row_slice(2, 2, &[2.0, -1.0, -1.0, 1.0]);
+        let system = LinearMechanism::new(DMatrix::identity(2, 2), DMatrix::zeros(2, 2), springs).unwrap();
+        let linear = linearise(&system, &equilibrium_near(&system, &Guess::at(&[0.0, 0.0])).unwrap()).unwrap();
+        let modes = linear.modes().unwrap();
+        let figure = draw_modes(&system, &linear, &modes);
+        for (chart, mode) in figure.charts.iter().zip(&modes) {
+            assert_eq!(chart.x.names, linear.coordinates);
+            let [stems, marks] = &chart.series[..] else { panic!("{chart:?}") };
+            assert_eq!(stems.points[..3], [Some((1.0, 0.0)), Some((1.0, mode.shape[0].re)), None]);
+            assert_eq!(marks.points.iter().flatten().count(), 2);
+        }
+        assert_eq!(figure.charts.len(), 2);
+    }
 }

@@ -224,6 +224,7 @@ fn argument(argument: &lower::Argument) -> Argument {
         },
         time_only: argument.time_only,
         load: Text::Owned(argument.load.clone()),
+        gates: argument.gates.clone().into(),
     }
 }
 

@@ -260,6 +260,11 @@ impl System for Interpreted {
         true
     }
 
+    fn output_errors(&self, at: At<'_>, errors: &mut [f64]) {
+        let u = self.input_values(at.t);
+        slopes::output_errors(&self.interpreter, with_inputs(at, &u), errors);
+    }
+
     fn events(&self, at: At<'_>, pairs: &mut [f64]) {
         self.complete(Function::Events, at, self.description.events_use_accelerations, pairs);
     }

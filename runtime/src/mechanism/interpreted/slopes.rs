@@ -1,4 +1,4 @@
-//! Slopes of what an interpreted mechanism puts out.
+//! Slopes, and rounding errors, of what an interpreted mechanism puts out.
 
 use dalembert_symbolic::expr::{Binary, DoubleDouble, Scalar, Symbol, Unary};
 use dalembert_symbolic::interpret::{self, Function, Interpreter};
@@ -24,11 +24,19 @@ pub(super) fn output_slopes(interpreter: &Interpreter, at: interpret::At<'_>, si
     for (k, column) in columns.chunks_exact_mut(size.max(1)).enumerate() {
         let value = |symbol: Symbol| {
             let slope = f64::from(u8::from(column_of(symbol) == Some(k)));
-            Dual { value: interpreter.value(symbol, at), slope }
+            Dual { slope, ..Dual::constant(interpreter.value(symbol, at)) }
         };
         interpreter.evaluate_in(Function::Outputs, value, &mut values);
         column.iter_mut().zip(&values).for_each(|(slope, value)| *slope = value.slope);
     }
+}
+
+/// Fills [`System::output_errors`](crate::mechanism::System::output_errors).
+pub(super) fn output_errors(interpreter: &Interpreter, at: interpret::At<'_>, errors: &mut [f64]) {
+    let mut values = vec![Dual::constant(0.0); errors.len()];
+    let value = |symbol: Symbol| Dual::constant(interpreter.value(symbol, at));
+    interpreter.evaluate_in(Function::Outputs, value, &mut values);
+    errors.iter_mut().zip(values).for_each(|(error, value)| *error = value.error());
 }
 
 /// Fills the columns of
@@ -40,7 +48,7 @@ pub(super) fn constraint_rates_by_inputs(interpreter: &Interpreter, at: interpre
         let seeded = Symbol::Input((k / 2) as u32, (k % 2) as u8);
         let value = |symbol: Symbol| {
             let slope = f64::from(u8::from(symbol == seeded));
-            Dual { value: interpreter.value(symbol, at), slope }
+            Dual { slope, ..Dual::constant(interpreter.value(symbol, at)) }
         };
         interpreter.evaluate_in(Function::Constraints, value, &mut triples);
         column.iter_mut().zip(triples.chunks_exact(3)).for_each(|(slope, triple)| *slope = triple[1].slope);
@@ -73,7 +81,7 @@ impl Scalar for Dual {
             Unary::Table(table) => {
                 let at = |x: f64| table.at(x.into()).to_f64();
                 let slope = table.derivative().map_or(0.0, |steepness| steepness.at(x.value.into()).to_f64());
-                Dual { value: at(x.value), slope: x.slope * slope }
+                x.mapped(at(x.value), slope)
             }
         }
     }
