@@ -14,8 +14,12 @@ use crate::mechanism::System;
 pub(crate) struct JumpDetector {
     /// The length of steps before they collapsed, s.
     calm: f64,
+    /// The longest step since then, s.
+    longest: f64,
     /// Change of the acceleration per time over the last step.
     pace: f64,
+    /// So many short steps in a row changed most of it.
+    flips: u32,
     /// Steps shorter than this, s, count as a stall.
     shortest: f64,
     short: u32,
@@ -32,6 +36,9 @@ pub(crate) enum Upset {
 
 /// So many times shorter than before is a collapse.
 const COLLAPSE: f64 = 1e-3;
+/// Steps this short beside the longest, so many of which in a row change most of the acceleration, may jump to and fro.
+const SHORT: f64 = 1e-2;
+const FLIPS: u32 = 8;
 /// So many times faster than over the step before, the acceleration does not change but by a jump.
 const SUDDEN: f64 = 1e3;
 /// So many short steps in a row are a stall.
@@ -42,16 +49,21 @@ const NOTICED: f64 = 0.1;
 impl JumpDetector {
     /// For a motion of `span` seconds.
     pub fn new(span: f64) -> Self {
-        JumpDetector { calm: 0.0, pace: f64::NAN, shortest: 1e-9 * span, short: 0 }
+        JumpDetector { calm: 0.0, longest: 0.0, pace: f64::NAN, flips: 0, shortest: 1e-9 * span, short: 0 }
     }
 
-    /// Looks at a step of h with these accelerations at its ends.
+    /// Looks at a step of h with these accelerations at its ends; a jump is one only if a closer look confirms it.
     pub fn observe(&mut self, h: f64, before: &[f64], after: &[f64]) -> Option<Upset> {
         let changes = before.iter().zip(after).map(|(before, after)| (after - before).abs());
         let change = changes.fold(0.0, larger);
         let size = || before.iter().chain(after).fold(0.0, |most, a| larger(most, a.abs()));
         let pace = change / h;
-        let jumps = h < COLLAPSE * self.calm && change > 0.5 * size() && pace > SUDDEN * self.pace;
+        let most = change > 0.5 * size();
+        self.longest = self.longest.max(h);
+        self.flips = if most && h < SHORT * self.longest { self.flips + 1 } else { 0 };
+        // Ever more rarely: what vibrates fast may look like that too, for long.
+        let flips = self.flips >= FLIPS && self.flips.is_power_of_two();
+        let jumps = flips || h < COLLAPSE * self.calm && most && pace > SUDDEN * self.pace;
         self.calm = h.max(0.8 * self.calm);
         self.pace = pace;
         self.short = if h < self.shortest { self.short + 1 } else { 0 };
@@ -64,7 +76,7 @@ impl JumpDetector {
 
     /// Forgets what was before a restart.
     pub fn restart(&mut self) {
-        self.calm = 0.0;
+        (self.calm, self.longest, self.flips) = (0.0, 0.0, 0);
         self.pace = f64::NAN;
     }
 }

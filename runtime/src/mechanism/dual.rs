@@ -245,7 +245,7 @@ mod tests {
     #[test]
     fn what_cancels_knows_what_is_left() {
         let one = Dual::constant(1.0);
-        for angle in [1e-2, 1e-4, 1e-6, 1e-8] {
+        for angle in [1e-2_f64, 1e-4, 1e-6, 1e-8] {
             let half = (0.5 * angle).sin();
             let found = one - Dual::constant(angle).sin_cos().1;
             let off = (found.value - 2.0 * half * half).abs();

@@ -16,6 +16,8 @@ pub(crate) struct InertiaGuard {
     began: f64,
     earlier: Vec<Sample>,
     latest: Vec<Sample>,
+    /// The slope of w before these two, 1/s; not a number where there is none.
+    slope: Vec<f64>,
     values: Vec<f64>,
 }
 
@@ -92,6 +94,8 @@ pub(crate) fn positive_inertia(system: &dyn System, t: f64, y: &[f64]) -> Result
 const SMALLEST: f64 = 1e-4;
 /// w below this is a suspect once something else has gone wrong.
 const SUSPECT: f64 = 0.3;
+/// Unless it falls less steeply than before by this: an inertia that grows, but never without bound.
+const FLATTENS: f64 = 0.7;
 
 impl InertiaGuard {
     /// Notes M at the start; `None` where its diagonal is constant.
@@ -111,6 +115,7 @@ impl InertiaGuard {
             began: t,
             earlier: vec![Sample { t, w: 1.0 }; n],
             latest: vec![Sample { t, w: 1.0 }; n],
+            slope: vec![f64::NAN; n],
             values: vec![0.0; description.mass_pattern.len()],
         };
         system.mass_matrix(At::place(t, &y[..n]), &mut guard.values);
@@ -135,6 +140,7 @@ impl InertiaGuard {
                 let shrank = mass < 0.0 && self.latest[i].w > 1.0;
                 return Some(Unbounded { shrank, coordinate: i, t: reached.clamp(self.latest[i].t, t) });
             }
+            self.slope[i] = self.slope(i);
             (self.earlier[i], self.latest[i]) = (self.latest[i], Sample { t, w });
             let (left, reached) = self.line(i);
             if w < SMALLEST && left < 1e-3 * (t - self.began) {
@@ -152,12 +158,13 @@ impl InertiaGuard {
             self.latest[i] = Sample { t, w };
         }
         self.earlier.copy_from_slice(&self.latest);
+        self.slope.fill(f64::NAN);
     }
 
     /// A coordinate whose inertia seems to grow without bound within `ahead` seconds.
     pub fn suspect(&self, ahead: f64) -> Option<Unbounded> {
         (0..self.start.len())
-            .filter(|i| self.latest[*i].w < SUSPECT)
+            .filter(|i| self.latest[*i].w < SUSPECT && !(self.slope(*i).abs() < FLATTENS * self.slope[*i].abs()))
             .map(|i| (self.line(i), i))
             .filter(|((left, _), _)| *left <= ahead)
             .min_by(|a, b| a.0.0.total_cmp(&b.0.0))
@@ -171,6 +178,12 @@ impl InertiaGuard {
 
     fn mass(&self, i: usize) -> Option<f64> {
         self.diagonal[i].map(|place| self.values[place])
+    }
+
+    /// The slope of w between its last two samples, 1/s.
+    fn slope(&self, i: usize) -> f64 {
+        let (a, b) = (self.earlier[i], self.latest[i]);
+        (b.w - a.w) / (b.t - a.t)
     }
 
     /// How long until the line through the last two samples of w meets zero, and when that is.

@@ -15,7 +15,7 @@ pub(crate) const DOPRI5: &Tableau = &Tableau {
     estimate: Estimate::Single(ERROR),
     dense_rows: &[],
     dense: &[DENSE],
-    control: Control { exponent: 1.0 / 5.0, shrink: 0.2, grow: 10.0, at_first: 1.0, stiff: 3.25 },
+    control: Control { exponent: 1.0 / 5.0, shrink: 0.2, grow: 10.0, at_first: 6.0, stiff: 3.25 },
 };
 
 /// [`DOPRI5`] as a type.
