@@ -18,7 +18,7 @@ pub(crate) struct JumpDetector {
     longest: f64,
     /// Change of the acceleration per time over the last step.
     pace: f64,
-    /// So many short steps in a row changed most of it.
+    /// So many of the steps changed most of it since they are short.
     flips: u32,
     /// Steps shorter than this, s, count as a stall.
     shortest: f64,
@@ -36,7 +36,7 @@ pub(crate) enum Upset {
 
 /// So many times shorter than before is a collapse.
 const COLLAPSE: f64 = 1e-3;
-/// Steps this short beside the longest, so many of which in a row change most of the acceleration, may jump to and fro.
+/// Where steps stay this short beside the longest, and so many of them change most of the acceleration, it may jump to and fro.
 const SHORT: f64 = 1e-2;
 const FLIPS: u32 = 8;
 /// So many times faster than over the step before, the acceleration does not change but by a jump.
@@ -60,9 +60,9 @@ impl JumpDetector {
         let pace = change / h;
         let most = change > 0.5 * size();
         self.longest = self.longest.max(h);
-        self.flips = if most && h < SHORT * self.longest { self.flips + 1 } else { 0 };
+        self.flips = if h < SHORT * self.longest { self.flips + u32::from(most) } else { 0 };
         // Ever more rarely: what vibrates fast may look like that too, for long.
-        let flips = self.flips >= FLIPS && self.flips.is_power_of_two();
+        let flips = most && self.flips >= FLIPS && self.flips.is_power_of_two();
         let jumps = flips || h < COLLAPSE * self.calm && most && pace > SUDDEN * self.pace;
         self.calm = h.max(0.8 * self.calm);
         self.pace = pace;

@@ -456,13 +456,12 @@ fn puck(unit: impl Fn(f64, f64) -> [f64; 2] + Send + Sync + 'static) -> Toy {
 #[test]
 fn a_force_that_loses_its_direction_ends_the_run_there() {
     let unit = |x: f64, y: f64| if x == 0.0 && y == 0.0 { [0.0; 2] } else { [x / x.hypot(y), y / x.hypot(y)] };
-    for (method, tolerance) in
-        [(Method::Dop853, 1e-9), (Method::Dop853, 1e-12), (Method::Dopri5, 1e-9), (Method::Dopri5, 1e-6)]
-    {
+    let tolerances = [1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-12];
+    for (method, tolerance) in [Method::Dop853, Method::Dopri5].into_iter().flat_map(|m| tolerances.map(|t| (m, t))) {
         let error = run(puck(unit), |s| (s.method, s.tolerance) = (method, tolerance)).unwrap_err();
         assert!(matches!(error.cause(), Some(Cause::DirectionLost { .. })), "{method} at {tolerance}: {error}");
         let t = error.partial().unwrap().last().t;
-        assert!((t - 1.25_f64.sqrt() / 3.0).abs() < f64::max(1e-4, 500.0 * tolerance), "{method} at {tolerance}: {t}");
+        assert!((t - 1.25_f64.sqrt() / 3.0).abs() < f64::max(1e-4, 1e3 * tolerance), "{method} at {tolerance}: {t}");
     }
 }
 

@@ -167,3 +167,29 @@ scene: {start: {x: 1}, until: 20, tolerance: 1e-9}",
     assert_eq!(watched.work.retries, 0);
     assert_eq!(plain.work.steps, watched.work.steps);
 }
+
+/// Two masses pass through each other: a spring between them that has no stiffness does nothing, and cuts no steps where its ends
+/// are near; nor does one that a factor of 0 leaves out.
+#[test]
+fn a_spring_without_stiffness_cuts_no_steps() {
+    let passing = |stiffness: &str, lines: &str| {
+        file(&format!(
+            "name: Passing
+parameters: {{m: 1 kg, k: {stiffness} N/m, part: 0, l: 1 m}}
+coordinates: {{x: m, y: m, z: m}}
+bodies: {{a: {{mass: m, position: \"[x, 1e-3*l]\"}}, b: {{mass: m, position: \"[y, z]\"}}}}
+{lines}
+scene: {{start: {{x: -1, x': 1, y: 1, y': -1, z: 0}}, until: 2, tolerance: 1e-9}}"
+        ))
+        .run()
+    };
+    let between = "springs: {s: {between: [a, b], stiffness: k, rest: l}}";
+    let alone = passing("0", "");
+    for (stiffness, lines) in [("0", between), ("5", "springs: {s: {between: [a, b], stiffness: part*k/2, rest: l}}")] {
+        let run = passing(stiffness, lines);
+        assert!(run.work.steps <= alone.work.steps + 2 && run.work.retries == 0, "{lines}: {:?}", run.work);
+        assert!((run.last()["x"] - alone.last()["x"]).abs() < 1e-14);
+    }
+    let felt = passing("0.1", between);
+    assert!(felt.work.steps > 4 * alone.work.steps, "{:?} {:?}", felt.work, alone.work);
+}

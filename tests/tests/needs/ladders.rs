@@ -298,7 +298,8 @@ fn a_damper_makes_a_clock_slow_by_half_the_square_of_its_ratio() {
     // Stability catalogue, F12: ω_d is less than ω by ζ²/2 of it.  From its middle on the mass passes there every π/ω_d.
     let last = |zeta: f64, n: f64| {
         let until = std::f64::consts::PI * n + 1.0;
-        let file = swinging(zeta, &format!("{{x: 0, x': 1}}, until: {until}")) + "events: {middle: {when: x, then: record}}\n";
+        let file =
+            swinging(zeta, &format!("{{x: 0, x': 1}}, until: {until}")) + "events: {middle: {when: x, then: record}}\n";
         let need = Need { outputs: vec!["x".to_owned()], within: 1e-3, absolute: vec![("x".to_owned(), 1e6)] };
         let question = Question { need: Some(need), ..Question::new(file) };
         let needs = asked(&question).unwrap_or_else(|unanswered| panic!("{unanswered}"));
