@@ -158,6 +158,11 @@ impl Full {
         ingredient.strip_prefix("coordinates.").is_some_and(|name| self.unfelt.iter().any(|unfelt| unfelt == name))
     }
 
+    /// Another text of the file, as a program.
+    pub fn compiled(&self, text: &str) -> Option<Program> {
+        compile_in(self.folder.as_deref(), text, &self.sizes).ok()
+    }
+
     pub fn name(&self) -> &str {
         &self.system.description().name
     }

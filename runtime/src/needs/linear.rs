@@ -15,6 +15,7 @@ use super::edit::{Edit, entry, scalar, shown, unit_of, unused, word};
 use super::full::{Full, MOST_COORDINATES};
 use super::rung::Proposal;
 use crate::linear::{Guess, equilibrium_near};
+use crate::mechanism::{At, SwitchKind};
 use crate::run::plain;
 
 /// What stands for all equations of motion among the ingredients.
@@ -38,8 +39,9 @@ pub(super) fn linear(full: &Full) -> Vec<Candidate> {
     let coordinates = &full.system.description().coordinates;
     let Some(rest) = full.rest.as_ref().filter(|_| coordinates.len() <= MOST_COORDINATES) else { return Vec::new() };
     let text = &full.source;
-    let mut places: Vec<Edit> = Vec::new();
-    let mut about = About::default();
+    let (named, mut places) = named(text);
+    let [signs, modes] = kept(full, rest);
+    let mut about = About { signs, modes, ..About::default() };
     for (coordinate, place) in coordinates.iter().zip(rest) {
         let name = (*place != 0.0).then(|| unused(text, &format!("{}_rest", coordinate.name)));
         // A member of a family has a name that no parameter can have.
@@ -53,7 +55,8 @@ pub(super) fn linear(full: &Full) -> Vec<Candidate> {
     }
     let mut found: Vec<Candidate> = laws(full, &about, rest).collect();
     if !full.program.structure.linear {
-        found.extend(linear_energies(&full.program, &about).map(|energies| Candidate {
+        let whole = if places.is_empty() { None } else { full.compiled(&named) };
+        found.extend(linear_energies(whole.as_ref().unwrap_or(&full.program), &about).map(|energies| Candidate {
             ingredient: EQUATIONS.to_owned(),
             proposal: Proposal::Linear,
             edits: vec![Edit::Linear(energies)],
@@ -65,6 +68,53 @@ pub(super) fn linear(full: &Full) -> Vec<Candidate> {
         candidate.edits.extend(read);
     }
     found
+}
+
+/// Values with units that stand where one value is wanted, by their sections and keys.
+const VALUES: [(&str, &str); 5] =
+    [("springs", "stiffness"), ("springs", "rest"), ("dampers", "damping"), ("bodies", "mass"), ("bodies", "inertia")];
+
+/// The file with these values as parameters, since a formula has no place for a unit, and these parameters.
+fn named(text: &str) -> (String, Vec<Edit>) {
+    let mut text = text.to_owned();
+    let mut parameters = Vec::new();
+    for (section, key) in VALUES {
+        for entry_name in keys(&text, &[Step::Key(section.to_owned())]) {
+            let path = [entry(section, &entry_name).as_slice(), &[Step::Key(key.to_owned())]].concat();
+            let Some(written) = value(&text, &path) else { continue };
+            let quantity =
+                written.split_once(' ').filter(|(number, unit)| number.parse::<f64>().is_ok() && !unit.is_empty());
+            let owner = entry_name.split('[').next().unwrap_or(&entry_name);
+            let name = unused(&text, &format!("{owner}_{key}"));
+            let Some(changed) = quantity.and_then(|_| replaced(&text, &path, &name)) else { continue };
+            let Some(changed) = with(&changed, "parameters", "name", &name, &written) else { continue };
+            text = changed;
+            parameters.push(Edit::Parameter { name, value: written });
+        }
+    }
+    (text, parameters)
+}
+
+/// The signs of coordinates, and the modes of `sign` and `abs`, of what stays farther from 0 than it moves, as a distance does; `None` of
+/// others: of a bumper that is out of reach nothing is said by leaving it out of everything.
+fn kept(full: &Full, rest: &[f64]) -> [Vec<Option<i64>>; 2] {
+    let switches = &full.system.description().switches;
+    let n = rest.len();
+    let values = |q: &[f64]| {
+        let mut pairs = vec![f64::NAN; 2 * switches.len()];
+        full.system.switches(At::new(full.settings.from, q, &vec![0.0; n]), &mut pairs);
+        let arguments = pairs.chunks_exact(2).map(|pair| pair[0]);
+        q.iter().copied().chain(arguments).collect::<Vec<f64>>()
+    };
+    let here = values(rest);
+    let [one, other] = &full.motion.visited;
+    let visited: Vec<Vec<f64>> = [&full.motion.first, one, other].into_iter().map(|y| values(&y[..n])).collect();
+    let sign = |k: usize| {
+        let moved = visited.iter().map(|values| (values[k] - here[k]).abs()).fold(0.0, f64::max);
+        (here[k].abs() > moved).then_some(if here[k] > 0.0 { 1 } else { -1 })
+    };
+    let mode = |k: usize| sign(n + k).filter(|_| switches[k].kind == SwitchKind::Sign);
+    [(0..n).map(sign).collect(), (0..switches.len()).map(mode).collect()]
 }
 
 /// Every law of its own.

@@ -7,7 +7,7 @@ use rustc_hash::FxHashMap as HashMap;
 use super::formula::{Formula, Formulas, Notation, Text};
 use crate::derive::without_modes;
 use crate::diagnose::Place;
-use crate::expr::{Angles, Binary, Graph, Id, Node, Rational, Symbol, Unary, expand, partial, substitute};
+use crate::expr::{Angles, Binary, Graph, Id, Node, Rational, Symbol, Unary, expand, partial, rewrite, substitute};
 use crate::lower::Program;
 use crate::model::{LENGTH, Model, Parameter};
 
@@ -21,6 +21,11 @@ pub struct About {
     pub coordinates: Vec<Option<String>>,
     /// Of a spring's length.
     pub length: Option<String>,
+    /// The modes of discontinuities about there (−1 or 1 for `sign` and `abs`), `None` where there may be several; those beyond the
+    /// list are not known.
+    pub modes: Vec<Option<i64>>,
+    /// Of coordinates that keep their sign, as distances do, that sign: the root of the square is known.
+    pub signs: Vec<Option<i64>>,
 }
 
 /// Of which degree in the state a law is that makes linear equations.
@@ -51,16 +56,21 @@ pub struct LinearEnergies {
 /// formula would be too long to read.
 pub fn linear_energies(program: &Program, about: &About) -> Option<LinearEnergies> {
     let model = &mut program.model.clone();
-    let moves = |switch: &crate::derive::Switch| model.graph.symbols([switch.argument]).into_iter().any(is_motion);
-    if program.switches.iter().any(moves) || !model.constraints.is_empty() || model.phases.len() > 1 {
+    let mode = |k: usize| about.modes.get(k).copied().flatten();
+    let moves = |k: usize| model.graph.symbols([program.switches[k].argument]).into_iter().any(is_motion);
+    let unknown = (0..program.switches.len()).any(|k| mode(k).is_none() && moves(k));
+    if unknown || !model.constraints.is_empty() || model.phases.len() > 1 {
         return None;
     }
-    let residual = without_modes(&mut model.graph, &program.residual, &program.switches);
     let place = Rest::new(model, about);
+    let residual = place.in_mode(&mut model.graph, &program.residual);
+    let residual = without_modes(&mut model.graph, &residual, &program.switches);
     let matrix = |model: &mut Model, entries: &[(usize, usize, Id)]| -> Option<BTreeMap<(usize, usize), Id>> {
         let values: Vec<Id> = entries.iter().map(|entry| entry.2).collect();
+        let values = place.in_mode(&mut model.graph, &values);
         let values = place.still(&mut model.graph, &values);
         let constant = model.graph.symbols(values.iter().copied()).into_iter().all(is_parameter);
+        let values = expand(&mut model.graph, &values, is_parameter, Angles::Shorter).unwrap_or(values);
         let entries = entries.iter().zip(values).map(|((i, j, _), value)| ((*i, *j), value));
         constant.then(|| entries.filter(|(_, value)| *value != Id::ZERO).collect())
     };
@@ -161,9 +171,12 @@ pub fn linear_law(program: &Program, text: &str, degree: Degree, about: &About) 
     made.iter().map(|law| written(model, law)).collect()
 }
 
-/// A place at rest, in place of the state.
+/// A place at rest, in place of the state, and the modes there.
 struct Rest {
     values: HashMap<Symbol, Id>,
+    /// Modes, and coordinates where they are the roots of their squares.
+    modes: HashMap<Symbol, Id>,
+    roots: HashMap<Symbol, Id>,
 }
 
 impl Rest {
@@ -184,7 +197,28 @@ impl Rest {
         for i in 0..model.coordinates.len() as u32 {
             values.extend([Symbol::Speed(i), Symbol::Acceleration(i)].map(|symbol| (symbol, Id::ZERO)));
         }
-        Rest { values }
+        let known = about.modes.iter().enumerate().filter_map(|(k, mode)| Some((Symbol::Mode(k as u32), (*mode)?)));
+        let modes: HashMap<Symbol, Id> = known.map(|(symbol, mode)| (symbol, model.graph.integer(mode))).collect();
+        values.extend(modes.iter().map(|(symbol, mode)| (*symbol, *mode)));
+        let signed = about.signs.iter().enumerate().filter_map(|(i, sign)| Some((i as u32, (*sign)?)));
+        let root = |(i, sign): (u32, i64)| {
+            let coordinate = Symbol::Coordinate(i);
+            let own = model.graph.symbol(coordinate);
+            (coordinate, if sign > 0 { own } else { model.graph.neg(own) })
+        };
+        let roots = signed.map(root).collect();
+        Rest { values, modes, roots }
+    }
+
+    /// Expressions in its modes and with its signs, anywhere.
+    fn in_mode(&self, graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
+        let roots = substitute(graph, roots, &self.modes);
+        rewrite(graph, &roots, |graph, node| {
+            let Node::Unary(Unary::Sqrt, square) = node else { return None };
+            let Node::Binary(Binary::Mul, x, y) = graph.node(square) else { return None };
+            let Node::Symbol(symbol) = graph.node(x) else { return None };
+            self.roots.get(&symbol).filter(|_| x == y).copied()
+        })
     }
 
     /// Expressions there, whatever inputs do.
@@ -338,11 +372,30 @@ dampers: {wheels: {rate: \"x'\", damping: c}}
         assert_eq!(found.dissipation.as_deref(), Some("1/2*c*x'^2"));
         assert_eq!(found.forces, []);
         // About the upper equilibrium, and with a stop, of which nothing is linear.
-        let about = About { coordinates: vec![None, Some("top".to_owned())], length: None };
+        let about = About { coordinates: vec![None, Some("top".to_owned())], length: None, ..About::default() };
         let upper = linear_energies(&program(CART), &about).unwrap();
         assert!(upper.potential.unwrap().contains("(theta - top)^2"));
         let stop = format!("{CART}forces: {{stop: {{on: cart, force: \"[-k*max(0, x - L), 0]\"}}}}\n");
         assert_eq!(linear_energies(&program(&stop), &About::default()), None);
+    }
+
+    #[test]
+    fn a_distance_that_keeps_its_sign_is_one() {
+        // √(x² sin² θ + x² cos² θ) is |x|.
+        let polar = program(
+            "points: {O: [0, 0]}\nbodies: {bob: {mass: m, position: \"x*[sin(theta), -cos(theta)]\"}}\ngravity: [0, -g]\n\
+             springs: {s: {between: [O, bob], stiffness: k, rest: L}}\n",
+        );
+        let coordinates = vec![Some("r".to_owned()), None];
+        let found = linear_energies(&polar, &About { coordinates, signs: vec![Some(1)], ..About::default() }).unwrap();
+        assert_eq!(found.kinetic, "1/2*m*x'^2 + 1/2*m*r^2*theta'^2");
+        assert_eq!(found.potential.as_deref(), Some("1/2*k*(x - r)^2 + 1/2*m*g*r*theta^2"));
+        assert_eq!(found.forces, []);
+        // So is what the file calls |x|.
+        let sided = program("kinetic_energy: m*(x'^2 + L^2*theta'^2)/2\npotential_energy: k*(abs(x) - L)^2/2\n");
+        let about = About { coordinates: vec![Some("r".to_owned()), None], modes: vec![Some(-1)], ..About::default() };
+        assert_eq!(linear_energies(&sided, &About { modes: Vec::new(), ..about.clone() }), None);
+        assert_eq!(linear_energies(&sided, &about).unwrap().potential.as_deref(), Some("1/2*k*(x - r)^2"));
     }
 
     #[test]
@@ -368,7 +421,7 @@ dampers: {wheels: {rate: \"x'\", damping: c}}
             assert_eq!(law(none, Degree::Linear), None, "{none}");
         }
         assert_eq!(law("k*x^2/2", Degree::Quadratic), None);
-        let about = About { coordinates: Vec::new(), length: Some("l_0".to_owned()) };
+        let about = About { coordinates: Vec::new(), length: Some("l_0".to_owned()), ..About::default() };
         let spring = linear_law(&program, "k*(length - L)^3/L^2", Degree::Linear, &about).unwrap();
         assert_eq!(spring, ["k*(l_0 - L)^3/L^2 + 3*k*(l_0 - L)^2*(length - l_0)/L^2"]);
     }

@@ -125,3 +125,47 @@ fn even_effects_and_bumpers_are_not_made_linear() {
         assert_eq!(needs.rungs.iter().filter(|rung| rung.ingredient == "forces.bumper").count(), 1);
     }
 }
+
+#[test]
+fn a_model_in_polar_coordinates_is_made_linear_about_its_length() {
+    let polar = |start: &str| {
+        format!(
+            "name: Polar
+parameters: {{m: 2 kg, g: 9.81 m/s^2, L: 1 m, k: 100 N/m}}
+coordinates: {{r: m, theta: rad}}
+points: {{O: [0, 0]}}
+bodies: {{bob: {{mass: m, position: \"r*[sin(theta), -cos(theta)]\"}}}}
+gravity: [0, -g]
+springs: {{cord: {{between: [O, bob], stiffness: k, rest: L}}}}
+scene: {{start: {{{start}}}, until: 20, tolerance: 1e-8}}
+"
+        )
+    };
+    let file = polar("theta: 1e-3, r: 1.1965");
+    let needs = found(&file, "theta");
+    let choice = chosen(&needs);
+    assert!(choice.members == ["equations"] && choice.saving > 10.0 && choice.verified < 1e-3, "{}", needs.table());
+    let text = needs.smaller_file().expect("a file");
+    assert!(text.contains("potential_energy: 1/2*k*(r - r_rest)^2 + 1/2*m*g*r_rest*theta^2"), "{text}");
+    // Through the middle the distance has no sign.
+    let through = found(&polar("theta: 1e-3, r: 0.1"), "r");
+    assert!(linear(&through, "equations").is_none_or(|rung| rung.verdict != Verdict::Serves), "{}", through.table());
+}
+
+#[test]
+fn a_value_with_a_unit_becomes_a_parameter_of_what_is_linear() {
+    let file = "name: Inline
+parameters: {g: 9.81 m/s^2, L: 1 m}
+coordinates: {theta: rad, x: m}
+bodies:
+  cart: {mass: 2 kg, position: \"[x, 0]\"}
+  bob: {mass: 0.2 kg, position: \"[x + L*sin(theta), -L*cos(theta)]\"}
+gravity: [0, -g]
+springs: {wall: {stretch: x, stiffness: 50 N/m, along: \"[1, 0]\", on: cart}}
+scene: {start: {theta: 1e-3, x: 2e-3}, until: 20, tolerance: 1e-8}
+";
+    let needs = found(file, "x");
+    assert_eq!(chosen(&needs).members, ["equations"], "{}", needs.table());
+    let text = needs.smaller_file().expect("a file");
+    assert!(text.contains("wall_stiffness: 50 N/m") && text.contains("1/2*wall_stiffness*x^2"), "{text}");
+}
