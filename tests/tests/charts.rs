@@ -111,3 +111,20 @@ fn what_makes_no_sense_is_refused_before_anything_runs() {
         assert!(problem.contains(expected), "{expected}: {problem}");
     }
 }
+
+/// Reported at half periods, where y is 0 but for rounding, an orbit is measured by how far it goes between them.
+#[test]
+fn what_is_reported_where_it_vanishes_is_measured_by_where_it_goes() {
+    let orbit = file("orbit.yaml");
+    let text_of = "name: Orbit
+coordinates: {x: 1, y: 1}
+kinetic_energy: (x'^2 + y'^2)/2
+potential_energy: -1/sqrt(x^2 + y^2)
+scene: {start: {x: 0.4, y': 2}, until: 20*pi, every: pi, tolerance: 1e-10}
+";
+    fs::write(&orbit, text_of).unwrap();
+    let (svg, csv) = (file("orbit.svg"), file("orbit.csv"));
+    let paths = ["--methods", "dop853", "--plot", text(&svg), "--csv", text(&csv)];
+    let printed = told(&[&[text(&orbit)], &paths[..]].concat()).unwrap();
+    assert!(printed.contains("errors of x, y") && printed.contains("two runs agree to"), "{printed}");
+}

@@ -238,14 +238,18 @@ fn column(run: &Run, name: &str) -> Result<Vec<f64>, Error> {
     })
 }
 
-/// How far values are apart, `least` of the largest that has their unit at the least; what does not move is measured by its size.
+/// How far values are apart, or a coordinate or rate has gone between them, `least` of the largest that has their unit at the least; what does not move is measured by its size.
 fn ranges(run: &Run, columns: &[String], values: &[Vec<f64>], least: f64) -> Vec<f64> {
-    let spans = values.iter().map(|values| {
+    let all = run.column_names();
+    let swept =
+        |name: &String| all.iter().position(|known| known == name).and_then(|place| run.swept.get(place)).copied();
+    let spans = columns.iter().zip(values).map(|(name, values)| {
         let finite = || values.iter().copied().filter(|value| value.is_finite());
         let (low, high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
         let size = low.abs().max(high.abs());
-        if high - low > SMALL * size {
-            high - low
+        let gone = (high - low).max(swept(name).unwrap_or(0.0));
+        if gone > SMALL * size {
+            gone
         } else if size.is_finite() {
             size
         } else {
