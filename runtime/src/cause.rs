@@ -325,7 +325,9 @@ impl fmt::Display for Cause {
                 f,
                 "`{function}` oscillates too fast: more than 100000 samples in one step do not tell its zeros apart"
             ),
-            Cause::TooManySteps { limit } => write!(f, "more than {limit} steps; raise `max_steps` to go on"),
+            Cause::TooManySteps { limit } => {
+                write!(f, "more than {limit} steps; raise `max_steps` (`--max-steps`) to go on")
+            }
         }
     }
 }

@@ -311,3 +311,28 @@ fn shells_complete_commands_options_and_models() {
             .contains("[possible values: bash, elvish, fish, powershell, zsh]")
     );
 }
+
+#[test]
+fn what_is_given_twice_is_refused_and_where_a_value_is_wrong_is_said() {
+    let folder = folder("given-twice");
+    let model = folder.join("y.yaml").to_string_lossy().into_owned();
+    let refused = told(&["simulate", &model, "--set", "mu=0.1", "--set", "mu=0.2"]).expect_err("twice");
+    assert!(refused.contains("--set gives `mu` twice"), "{refused}");
+    let values = folder.join("values.yaml").to_string_lossy().into_owned();
+    fs::write(&values, "# of the block\nm: 2 kg\ng: 3 s\n").expect("a file");
+    let refused = told(&["simulate", &model, "--params", &values]).expect_err("a time");
+    assert!(refused.contains("values.yaml, line 3"), "{refused}");
+}
+
+#[test]
+fn the_number_of_steps_is_limited_and_a_saved_state_tells_its_parameters() {
+    let folder = folder("steps");
+    let model = folder.join("y.yaml").to_string_lossy().into_owned();
+    let stopped = told(&["simulate", &model, "--step", "1e-3", "--max-steps", "50"]).expect_err("too many");
+    assert!(stopped.contains("more than 50 steps") && stopped.contains("--max-steps"), "{stopped}");
+    let state = folder.join("state.yaml").to_string_lossy().into_owned();
+    told(&["simulate", &model, "--scene", "usual", "--set", "m=3", "--save", &state]).expect("a run");
+    let written = fs::read_to_string(&state).expect("a file");
+    assert!(written.contains("# with m = 3, mu = 0.5\n"), "{written}");
+    told(&["simulate", &model, "--state", &state]).expect("a run on");
+}

@@ -132,13 +132,16 @@ fn sizes(options: &ArgMatches) -> Result<Vec<(String, i64)>, Problem> {
 
 /// The `NAME=VALUE` of an option that may be given several times.
 pub fn pairs(options: &ArgMatches, option: &str) -> Result<Vec<(String, String)>, Problem> {
-    options
-        .get_many::<String>(option)
-        .into_iter()
-        .flatten()
-        .map(|text| match text.split_once('=') {
-            Some((name, value)) => Ok((name.trim().to_owned(), value.to_owned())),
-            None => Err(Problem::Usage(format!("error: --{option} wants NAME=VALUE, not `{text}`"))),
-        })
-        .collect()
+    let mut pairs: Vec<(String, String)> = Vec::new();
+    for text in options.get_many::<String>(option).into_iter().flatten() {
+        let Some((name, value)) = text.split_once('=') else {
+            return Err(Problem::Usage(format!("error: --{option} wants NAME=VALUE, not `{text}`")));
+        };
+        let name = name.trim();
+        if pairs.iter().any(|(known, _)| known == name) {
+            return Err(Problem::Usage(format!("error: --{option} gives `{name}` twice")));
+        }
+        pairs.push((name.to_owned(), value.to_owned()));
+    }
+    Ok(pairs)
 }

@@ -12,7 +12,8 @@ use super::{Problem, value_files};
 use crate::Settings;
 use crate::mechanism::{Interpreted, System};
 
-/// Applies `--scene`, `--params`, `--set`, `--state`, `--start`, `--input`, `--until`, `--tolerance`, `--every` and `--step`.
+/// Applies `--scene`, `--params`, `--set`, `--state`, `--start`, `--input`, `--until`, `--tolerance`, `--every`, `--step` and
+/// `--max-steps`.
 pub fn set_up(loaded: &mut Loaded, options: &ArgMatches) -> Result<Settings, Problem> {
     set_up_scene(loaded, options, options.get_one::<String>("scene").map(String::as_str))
 }
@@ -36,10 +37,11 @@ pub struct Changes {
     tolerance: Option<f64>,
     every: Option<f64>,
     step: Option<f64>,
+    max_steps: Option<u64>,
 }
 
 impl Changes {
-    /// Reads `--start`, `--until`, `--tolerance`, `--every` and `--step`; not every command has all of them.
+    /// Reads `--start`, `--until`, `--tolerance`, `--every`, `--step` and `--max-steps`; not every command has all of them.
     pub fn read(loaded: &Loaded, reader: &mut Reader, options: &ArgMatches) -> Result<Changes, Problem> {
         let mut start = [vec![f64::NAN; loaded.system.len()], vec![f64::NAN; loaded.system.len()]];
         let [q, v] = &mut start;
@@ -51,7 +53,9 @@ impl Changes {
             given.map(|text| reader.value(loaded, name, sets, text)).transpose()
         };
         let (until, tolerance) = (option("until")?, option("tolerance")?);
-        Ok(Changes { start, until, tolerance, every: option("every")?, step: option("step")? })
+        let (every, step) = (option("every")?, option("step")?);
+        let max_steps = options.try_get_one::<u64>("max-steps").ok().flatten().copied();
+        Ok(Changes { start, until, tolerance, every, step, max_steps })
     }
 
     /// These settings with the changes.
@@ -63,6 +67,7 @@ impl Changes {
         settings.tolerance = self.tolerance.unwrap_or(settings.tolerance);
         settings.every = self.every.or(settings.every);
         settings.step = self.step;
+        settings.max_steps = self.max_steps.unwrap_or(settings.max_steps);
         settings
     }
 }
@@ -147,13 +152,19 @@ impl Reader {
 
     /// The number that an option's value stands for.
     pub fn value(&mut self, loaded: &Loaded, option: &str, sets: Sets, text: &str) -> Result<f64, Problem> {
+        self.value_at(loaded, &format!("--{option}"), sets, text)
+    }
+
+    /// The number that a value stands for which stands at this place, a file's or an option's.
+    pub fn value_at(&mut self, loaded: &Loaded, place: &str, sets: Sets, text: &str) -> Result<f64, Problem> {
         if let Ok(number) = text.trim().parse::<f64>()
             && number.is_finite()
         {
             return Ok(number);
         }
         let parameters = loaded.system.parameters();
-        self.model(loaded)?.constant(text, sets, &parameters).map_err(|problems| in_option(option, text, &problems))
+        let found = self.model(loaded)?.constant(text, sets, &parameters);
+        found.map_err(|problems| Problem::Usage(file::render(place, text, &problems)))
     }
 }
 

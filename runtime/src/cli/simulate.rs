@@ -195,7 +195,12 @@ fn report(
         outputs::draw(path, figure)?;
     }
     if let Some(path) = file("save") {
-        outputs::write(path, &value_files::state(run))?;
+        let known = loaded.system.description().parameters.iter().zip(loaded.system.parameters());
+        let changed: Vec<(String, f64)> = known
+            .filter(|(parameter, value)| parameter.default != *value)
+            .map(|(parameter, value)| (parameter.name.to_string(), value))
+            .collect();
+        outputs::write(path, &value_files::state(run, &changed))?;
     }
     if let Some(path) = file("animate") {
         let charts = shown.of(run).map_err(|error| Problem::Usage(format!("error: {error}")))?;

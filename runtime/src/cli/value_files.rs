@@ -15,8 +15,13 @@ use crate::{Run, Settings};
 /// # Errors
 /// It cannot be read, or a line is none of these.
 pub fn read(path: &str) -> Result<Vec<(String, String)>, Problem> {
+    Ok(lines(path)?.into_iter().map(|(_, name, value)| (name, value)).collect())
+}
+
+/// The same with the places of the values, `FILE, line 3`.
+fn lines(path: &str) -> Result<Vec<(String, String, String)>, Problem> {
     let text = fs::read_to_string(path).map_err(|problem| Problem::File(format!("cannot read {path}: {problem}")))?;
-    let mut entries: Vec<(String, String)> = Vec::new();
+    let mut entries: Vec<(String, String, String)> = Vec::new();
     for (index, line) in text.lines().enumerate() {
         let line = line.split(" #").next().unwrap_or("").trim();
         if line.is_empty() || line.starts_with('#') {
@@ -32,10 +37,10 @@ pub fn read(path: &str) -> Result<Vec<(String, String)>, Problem> {
             return Err(wrong());
         }
         let name = name.trim();
-        if entries.iter().any(|(known, _)| known == name) {
+        if entries.iter().any(|(_, known, _)| known == name) {
             return Err(Problem::Usage(format!("error: {path}:{}: `{name}` is given twice", index + 1)));
         }
-        entries.push((name.to_owned(), value.to_owned()));
+        entries.push((format!("{path}, line {}", index + 1), name.to_owned(), value.to_owned()));
     }
     Ok(entries)
 }
@@ -45,9 +50,9 @@ pub fn read(path: &str) -> Result<Vec<(String, String)>, Problem> {
 /// # Errors
 /// Names or values that are none.
 pub fn parameters(loaded: &mut Loaded, reader: &mut Reader, path: &str) -> Result<(), Problem> {
-    for (name, text) in read(path)? {
+    for (place, name, text) in lines(path)? {
         let index = parameter_index(loaded, &name)?;
-        let value = reader.value(loaded, "params", Sets::Parameter(index), &text)?;
+        let value = reader.value_at(loaded, &place, Sets::Parameter(index), &text)?;
         loaded.system.set_parameter(index, value);
     }
     Ok(())
@@ -60,10 +65,10 @@ pub fn parameters(loaded: &mut Loaded, reader: &mut Reader, path: &str) -> Resul
 /// Names or values that are none.
 pub fn start(loaded: &Loaded, reader: &mut Reader, path: &str, settings: &mut Settings) -> Result<(), Problem> {
     let length = settings.until - settings.from;
-    for (name, text) in read(path)? {
+    for (place, name, text) in lines(path)? {
         match name.strip_suffix('\'') {
             _ if name == "t" => {
-                settings.from = reader.value(loaded, "state", Sets::Time, &text)?;
+                settings.from = reader.value_at(loaded, &place, Sets::Time, &text)?;
                 settings.until = settings.from + length;
             }
             _ if name == "phase" && coordinate_index(loaded, &name).is_err() => {
@@ -74,11 +79,11 @@ pub fn start(loaded: &Loaded, reader: &mut Reader, path: &str, settings: &mut Se
             }
             Some(coordinate) => {
                 let index = coordinate_index(loaded, coordinate)?;
-                settings.v[index] = reader.value(loaded, "state", Sets::Speed(index), &text)?;
+                settings.v[index] = reader.value_at(loaded, &place, Sets::Speed(index), &text)?;
             }
             None => {
                 let index = coordinate_index(loaded, &name)?;
-                settings.q[index] = reader.value(loaded, "state", Sets::Coordinate(index), &text)?;
+                settings.q[index] = reader.value_at(loaded, &place, Sets::Coordinate(index), &text)?;
             }
         }
     }
@@ -89,12 +94,16 @@ pub fn start(loaded: &Loaded, reader: &mut Reader, path: &str, settings: &mut Se
     Ok(())
 }
 
-/// The last state of a run as such a file, with all digits of each number.
-pub fn state(run: &Run) -> String {
+/// The last state of a run as such a file, with all digits of each number; its parameters that are not the file's own are told.
+pub fn state(run: &Run, changed: &[(String, f64)]) -> String {
     let phases = &run.description.phases;
     let phase = run.phases.last().and_then(|(_, phase)| phases.get(*phase)).map_or("", |phase| phase.name.as_ref());
     let last = run.last();
+    let with = changed.iter().map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ");
     let mut text = format!("# {} by {}, SI units\nt: {}\n", run.description.name, run.by(), last.t);
+    if !changed.is_empty() {
+        let _ = writeln!(text, "# with {with}");
+    }
     if !phase.is_empty() {
         let _ = writeln!(text, "phase: {phase}");
     }
