@@ -7,9 +7,11 @@ use crate::number::DoubleDouble;
 /// A value, and a magnitude m ≥ |value| such that its rounding error is some units u of the working precision
 /// ([`DoubleDouble::UNIT`]) times m, however much cancelled on the way:
 ///
-/// m(x ± y) = m(x) + m(y), m(x y) = m(x) m(y), m(x/y) = m(x)/|y| + |x| m(y)/y², m(f(x)) = |f(x)| + |f'(x)| m(x).
+/// m(x ± y) = m(x) + m(y), m(x y) = m(x) |y| + |x| m(y) − |x y| + u m(x) m(y), m(x/y) = m(x)/|y| + |x| m(y)/y²,
+/// m(f(x)) = |f(x)| + |f'(x)| m(x).
 ///
-/// m(x y) is that of the product multiplied out, so that (a − b) c and a c − b c have one measure.  Where f' is not
+/// So (a − b) c and a c − b c have one measure where c is exact, and a product of two narrow functions is known as well as they are; the
+/// last part of m(x y) is what both errors make together, which counts where both are nothing.  Where f' is not
 /// finite (the root at 0, the arcsine at ±1) the error that u m(x) makes takes the place of the tangent.  `sign` and
 /// `step` have the magnitude of their value; whether rounding decided them, [`Measured::vanishes`] tells of the argument.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,7 +75,7 @@ impl Scalar for Measured {
         let (m, n) = (x.magnitude, y.magnitude);
         let magnitude = match operation {
             Binary::Add | Binary::Sub => m + n,
-            Binary::Mul => m * n,
+            Binary::Mul => product((a.abs(), m), (b.abs(), n)),
             Binary::Div => (m + (a / b).abs() * n) / b.abs(),
             Binary::Pow => power(value.to_f64().abs(), (a, m), (b, n)),
             Binary::Atan2 => {
@@ -88,6 +90,12 @@ impl Scalar for Measured {
         };
         Measured { value, magnitude }
     }
+}
+
+/// |x y| + (m(x) − |x|) |y| + |x| (m(y) − |y|) + u m(x) m(y).
+fn product((x, m): (f64, f64), (y, n): (f64, f64)) -> f64 {
+    let times = |size: f64, excess: f64| if size == 0.0 { 0.0 } else { size * excess };
+    x * y + times(y, m - x) + times(x, n - y) + DoubleDouble::UNIT * m * n
 }
 
 /// f + |y xʸ⁻¹| m(x) + |f ln x| m(y) for f = |xʸ|.
