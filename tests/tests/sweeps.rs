@@ -167,7 +167,7 @@ fn what_has_no_meaning_is_refused_with_a_way_out() {
         (&["--vary", "l=1..2:0"], "--vary wants"),
         (&["--vary", "l=-1..2:3:log"], "no logarithm"),
         (&["--vary", "len=1,2"], "no parameter or coordinate is called `len`"),
-        (&["--vary", "l=1,2", "--vary", "l=3,4"], "`l` is varied twice"),
+        (&["--vary", "l=1,2", "--vary", "l=3,4"], "--vary gives `l` twice"),
         (&["--vary", "l=1..2:10000", "--vary", "m=1..2:10000"], "more than 10000000 runs"),
         (&["--vary", "l=1,2", "--shard", "3/2"], "--shard wants I/N"),
         (&["--vary", "l=1,2", "--show", "tip"], "no result is called `tip`"),
