@@ -1,5 +1,7 @@
 //! How far two runs are apart in what is wanted.
 
+use nalgebra::DVector;
+
 use crate::mechanism::{At, System};
 use crate::precision::WorkUnits;
 use crate::run::Run;
@@ -58,6 +60,9 @@ const INSTANT: f64 = 1e-9;
 const STILL: f64 = 1e-9;
 /// And what moves less than so many times by which two runs differ.
 const SURE: f64 = 10.0;
+/// What others explain all of but this part of is nothing of its own; a clock by itself is this part of what is faster at the least.
+const SEEN: f64 = 1e-6;
+const TOLD: f64 = 0.3;
 /// The clock of a larger deviation is not one of first order.
 const CLOCKED: f64 = 0.2;
 
@@ -222,21 +227,46 @@ pub(super) fn largest(signed: &[f64]) -> f64 {
     signed.iter().fold(0.0, |most, value| if value.is_nan() { f64::INFINITY } else { most.max(value.abs()) })
 }
 
-/// The relative rate s by which e(t) ≈ s t y'(t) explains most of a deviation, and the largest of what it leaves.
+/// The relative rate s by which e(t) ≈ s t y'(t), beside a shift and a size that is another or grows, explains most of a deviation, and the
+/// largest of what s t y'(t) leaves.
 fn clock(times: &[f64], values: &[f64], signed: &[f64], scale: f64) -> (f64, f64) {
     let rate = |row: usize| {
         let (before, after) = (row.saturating_sub(1), (row + 1).min(times.len() - 1));
         (values[after] - values[before]) / (times[after] - times[before]) / scale
     };
-    let pulls: Vec<f64> = (0..times.len()).map(|row| (times[row] - times[0]) * rate(row)).collect();
-    let (mut top, mut bottom) = (0.0, 0.0);
-    for (pull, error) in pulls.iter().zip(signed) {
-        if pull.is_finite() && error.is_finite() {
-            top += pull * error;
-            bottom += pull * pull;
+    let gone = |row: usize| times[row] - times[0];
+    let pulls: Vec<f64> = (0..times.len()).map(|row| gone(row) * rate(row)).collect();
+    let known: Vec<usize> =
+        (0..times.len()).filter(|row| (pulls[*row] + signed[*row] + values[*row]).is_finite()).collect();
+    let of = |value: &dyn Fn(usize) -> f64| DVector::from_iterator(known.len(), known.iter().map(|row| value(*row)));
+    let (mut pull, mut error) = (of(&|row| pulls[row]), of(&|row| signed[row]));
+    let whole = pull.norm();
+    // What is larger, or shifted, is not faster: of the clock is what these explain no part of, where they leave one.
+    let mut others = [of(&|_| 1.0), of(&|row| values[row] / scale), of(&|row| gone(row) * values[row] / scale)];
+    let (mut own, mut rest) = (pull.clone(), error.clone());
+    for k in 0..others.len() {
+        let (before, after) = others.split_at_mut(k);
+        let direction = &mut after[0];
+        let size = direction.norm();
+        for other in before.iter() {
+            let along = other.dot(direction);
+            direction.axpy(-along, other, 1.0);
+        }
+        if direction.norm() > SEEN * size {
+            direction.normalize_mut();
+            for explained in [&mut own, &mut rest] {
+                let along = direction.dot(explained);
+                explained.axpy(-along, direction, 1.0);
+            }
+        } else {
+            direction.fill(0.0);
         }
     }
-    let s = if bottom > 0.0 { top / bottom } else { 0.0 };
+    if own.norm() > TOLD * whole {
+        (pull, error) = (own, rest);
+    }
+    let square = pull.norm_squared();
+    let s = if square > 0.0 { pull.dot(&error) / square } else { 0.0 };
     let left: Vec<f64> = pulls.iter().zip(signed).map(|(pull, error)| error - s * pull).collect();
     (s, largest(&left))
 }

@@ -1,36 +1,9 @@
 //! The command `modes --steady` with constraints: each mechanism beside itself in coordinates that need none, at any scale, and
 //! branches of steady motions against closed forms.
-#![cfg(all(feature = "cli", feature = "modal"))]
-
-use std::path::PathBuf;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use serde_json::Value;
 
-/// A path that no other test has.
-fn scratch(name: &str) -> PathBuf {
-    static FILES: AtomicUsize = AtomicUsize::new(0);
-    let of = (std::process::id(), FILES.fetch_add(1, Ordering::Relaxed));
-    std::env::temp_dir().join(format!("dalembert-steady-{}-{}-{name}", of.0, of.1))
-}
-
-/// What the program writes for people about the text of a model file, or its complaint.
-fn words(text: &str, options: &[&str]) -> Result<String, String> {
-    let path = scratch("model.yaml");
-    std::fs::write(&path, text).unwrap();
-    let mut arguments = vec!["dalembert", "modes", path.to_str().unwrap()];
-    arguments.extend(options);
-    let mut out = Vec::new();
-    let result = dalembert::cli::run(&[], arguments, &mut out);
-    std::fs::remove_file(&path).unwrap();
-    result.map(|()| String::from_utf8(out).unwrap()).map_err(|problem| problem.to_string())
-}
-
-/// As JSON.
-fn run(text: &str, options: &[&str]) -> Value {
-    let written = words(text, &[options, &["--json"]].concat()).unwrap_or_else(|problem| panic!("{problem}\n{text}"));
-    serde_json::from_str(&written).unwrap()
-}
+use super::{close, run, scratch, words};
 
 fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
@@ -40,10 +13,6 @@ fn number(value: &Value) -> f64 {
 fn modes(found: &Value) -> Vec<(f64, f64)> {
     let list = found["modes"].as_array().unwrap_or_else(|| panic!("{found}"));
     list.iter().map(|mode| (number(&mode["omega"]), number(&mode["eigenvalue"][0]))).collect()
-}
-
-fn close(a: f64, b: f64, part: f64) {
-    assert!((a - b).abs() <= part * b.abs(), "{a} is not {b}");
 }
 
 /// The same modes in both, as parts of the fastest.

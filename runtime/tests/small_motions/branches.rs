@@ -1,39 +1,12 @@
 //! The command `modes --vary` of mechanisms with constraints: thresholds against closed forms, at any scale, each beside a
 //! neighbour that must be left alone.
-#![cfg(all(feature = "cli", feature = "modal"))]
-
-use std::path::PathBuf;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use dalembert::linear::{Guess, linearise_constrained};
 use dalembert::mechanism::Interpreted;
 use dalembert_symbolic::lower::compile;
 use serde_json::Value;
 
-/// A path that no other test has.
-fn scratch(name: &str) -> PathBuf {
-    static FILES: AtomicUsize = AtomicUsize::new(0);
-    let of = (std::process::id(), FILES.fetch_add(1, Ordering::Relaxed));
-    std::env::temp_dir().join(format!("dalembert-branch-{}-{}-{name}", of.0, of.1))
-}
-
-/// What the program writes for people about the text of a model file, or its complaint.
-fn words(text: &str, options: &[&str]) -> Result<String, String> {
-    let path = scratch("model.yaml");
-    std::fs::write(&path, text).unwrap();
-    let mut arguments = vec!["dalembert", "modes", path.to_str().unwrap()];
-    arguments.extend(options);
-    let mut out = Vec::new();
-    let result = dalembert::cli::run(&[], arguments, &mut out);
-    std::fs::remove_file(&path).unwrap();
-    result.map(|()| String::from_utf8(out).unwrap()).map_err(|problem| problem.to_string())
-}
-
-/// As JSON.
-fn run(text: &str, options: &[&str]) -> Value {
-    let written = words(text, &[options, &["--json"]].concat()).unwrap_or_else(|problem| panic!("{problem}\n{text}"));
-    serde_json::from_str(&written).unwrap()
-}
+use super::{limits, run, scratch, words};
 
 /// `--set NAME=VALUE` of all parameters, and `--vary` of one.
 fn with(set: &[(&str, f64)], (name, from, to): (&str, f64, f64)) -> Vec<String> {
@@ -44,12 +17,6 @@ fn with(set: &[(&str, f64)], (name, from, to): (&str, f64, f64)) -> Vec<String> 
 fn vary(text: &str, set: &[(&str, f64)], range: (&str, f64, f64)) -> Value {
     let options = with(set, range);
     run(text, &options.iter().map(String::as_str).collect::<Vec<&str>>())
-}
-
-/// (value, kind) of all limits.
-fn limits(found: &Value) -> Vec<(f64, &str)> {
-    let list = found["locus"]["limits"].as_array().unwrap();
-    list.iter().map(|limit| (limit["value"].as_f64().unwrap(), limit["kind"].as_str().unwrap())).collect()
 }
 
 fn expect(found: &Value, expected: &[(f64, &str)]) {

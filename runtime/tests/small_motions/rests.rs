@@ -1,29 +1,8 @@
-//! The command `modes` where small motions are easily misjudged: each case beside a neighbour that must be left alone.
-#![cfg(all(feature = "cli", feature = "modal"))]
-
-use std::sync::atomic::{AtomicUsize, Ordering};
+//! Small motions about rest that are easily misjudged.
 
 use serde_json::Value;
 
-/// What the program writes as JSON for the text of a model file, or its complaint.
-fn run(name: &str, text: &str, options: &[&str]) -> Result<Value, String> {
-    let written = words(name, text, &[options, &["--json"]].concat())?;
-    Ok(serde_json::from_str(&written).unwrap())
-}
-
-/// What it writes for people.
-fn words(name: &str, text: &str, options: &[&str]) -> Result<String, String> {
-    static FILES: AtomicUsize = AtomicUsize::new(0);
-    let of = (std::process::id(), FILES.fetch_add(1, Ordering::Relaxed));
-    let path = std::env::temp_dir().join(format!("dalembert-small-{name}-{}-{}.yaml", of.0, of.1));
-    std::fs::write(&path, text).unwrap();
-    let mut arguments = vec!["dalembert", "modes", path.to_str().unwrap()];
-    arguments.extend(options);
-    let mut out = Vec::new();
-    let result = dalembert::cli::run(&[], arguments, &mut out);
-    std::fs::remove_file(&path).unwrap();
-    result.map(|()| String::from_utf8(out).unwrap()).map_err(|problem| problem.to_string())
-}
+use super::{close, limits, run, try_run, words};
 
 fn library(model: &str) -> String {
     std::fs::read_to_string(format!("{}/../models/{model}.yaml", env!("CARGO_MANIFEST_DIR"))).unwrap()
@@ -41,18 +20,8 @@ fn names(found: &Value) -> Vec<&str> {
     found["modes"].as_array().unwrap().iter().filter_map(|mode| mode["name"].as_str()).collect()
 }
 
-/// (value, kind) of all limits of `--vary`.
-fn limits(found: &Value) -> Vec<(f64, &str)> {
-    let list = found["locus"]["limits"].as_array().unwrap();
-    list.iter().map(|limit| (limit["value"].as_f64().unwrap(), limit["kind"].as_str().unwrap())).collect()
-}
-
 fn contains(text: &str, parts: &[&str]) {
     parts.iter().for_each(|part| assert!(text.contains(part), "{part:?} is not in\n{text}"));
-}
-
-fn close(a: f64, b: f64, tolerance: f64) {
-    assert!((a - b).abs() <= tolerance * b.abs(), "{a} is not {b}");
 }
 
 const SOFT_BESIDE_STIFF: &str = "name: Eq\nparameters: {k1: 1e12 N/m, k2: 1e-3 N/m, F: 0.05 N, m: 1 kg}\n\
@@ -63,15 +32,15 @@ const SOFT_BESIDE_STIFF: &str = "name: Eq\nparameters: {k1: 1e12 N/m, k2: 1e-3 N
 /// without the force too the direction is free.
 #[test]
 fn a_small_force_beside_a_stiff_spring_is_not_forgiven() {
-    let found = run("soft", SOFT_BESIDE_STIFF, &[]).unwrap();
+    let found = run(SOFT_BESIDE_STIFF, &[]);
     close(found["equilibrium"]["y"].as_f64().unwrap(), 50.0, 1e-14);
     assert_eq!(kinds(&found), ["oscillating"; 2]);
     close(omegas(&found)[0], 1e-3_f64.sqrt(), 1e-14);
-    let refused = run("loose", SOFT_BESIDE_STIFF, &["--set", "k2=0"]).unwrap_err();
+    let refused = try_run(SOFT_BESIDE_STIFF, &["--set", "k2=0"]).unwrap_err();
     contains(&refused, &["no equilibrium found", "y: -0.05 N"]);
-    let free = run("free", SOFT_BESIDE_STIFF, &["--set", "k2=0", "--set", "F=0"]).unwrap();
+    let free = run(SOFT_BESIDE_STIFF, &["--set", "k2=0", "--set", "F=0"]);
     assert_eq!(kinds(&free), ["rigid", "oscillating"]);
-    let here = run("here", SOFT_BESIDE_STIFF, &["--at", "y=49", "--here"]).unwrap_err();
+    let here = try_run(SOFT_BESIDE_STIFF, &["--at", "y=49", "--here"]).unwrap_err();
     contains(&here, &["no equilibrium: the residual force is", "y: -0.001 N"]);
 }
 
@@ -90,17 +59,17 @@ fn pull_in(factor: f64) -> String {
 #[test]
 fn an_equilibrium_that_does_not_exist_is_refused() {
     for factor in [1.1, 1.001, 1.000_001] {
-        let refused = run("pulled", &pull_in(factor), &[]).unwrap_err();
+        let refused = try_run(&pull_in(factor), &[]).unwrap_err();
         contains(&refused, &["no equilibrium"]);
     }
     for factor in [0.9, 0.999, 0.999_999] {
-        let found = run("held", &pull_in(factor), &[]).unwrap();
+        let found = run(&pull_in(factor), &[]);
         let x = found["equilibrium"]["x"].as_f64().unwrap() / 1e-9;
         close(x * (1.0 - x) * (1.0 - x), factor * 4.0 / 27.0, 1e-12);
         assert!(x < 1.0 / 3.0);
     }
     // Followed from below, the branch folds back at pull-in.
-    let found = run("folded", &pull_in(0.5), &["--vary", "a=2e-29..2e-28"]).unwrap();
+    let found = run(&pull_in(0.5), &["--vary", "a=2e-29..2e-28"]);
     let limits = limits(&found);
     assert!(limits.len() == 1 && limits[0].1 == "fold", "{limits:?}");
     close(limits[0].0, 4e-27 / 27.0, 1e-8);
@@ -112,17 +81,17 @@ fn units_belong_to_their_numbers() {
     let mm = "name: Mm\nparameters: {m: 2 kg, k: 300 N/mm, phi0: 30 deg}\ncoordinates: {x: mm}\n\
               bodies: {b: {mass: m, position: \"[x, 0]\"}}\n\
               springs: {s: {between: [ground_, b], stiffness: k, rest: 0}}\npoints: {ground_: [0, 0]}\n";
-    let shaken = words("mm", mm, &["--drive", "x", "--omega", "100"]).unwrap();
+    let shaken = words(mm, &["--drive", "x", "--omega", "100"]).unwrap();
     // 1 N on 3e5 - 2e4 N/m.
     contains(&shaken, &["3.57143e-6 m", "15.9155 Hz"]);
     assert!(!shaken.contains(" mm"), "{shaken}");
-    let varied = words("varied", mm, &["--vary", "k=100 N/mm..400 N/mm"]).unwrap();
+    let varied = words(mm, &["--vary", "k=100 N/mm..400 N/mm"]).unwrap();
     contains(&varied, &["k = 100000 N/m", "k = 400000 N/m"]);
     let grams = "name: U\nparameters: {m: 200 g, k: 200 N/m}\ncoordinates: {x: mm}\nkinetic_energy: m*x'^2/2\n\
                  potential_energy: k*x^2/2\n";
-    contains(&words("grams", grams, &["--vary", "m=100 g..1 kg"]).unwrap(), &["m = 0.1 kg", "m = 1 kg"]);
+    contains(&words(grams, &["--vary", "m=100 g..1 kg"]).unwrap(), &["m = 0.1 kg", "m = 1 kg"]);
     // Units without prefixes stay as they are written.
-    let plain = words("plain", &grams.replace("mm", "m"), &["--drive", "x", "--omega", "1"]).unwrap();
+    let plain = words(&grams.replace("mm", "m"), &["--drive", "x", "--omega", "1"]).unwrap();
     contains(&plain, &["amplitude", " m "]);
 }
 
@@ -134,7 +103,7 @@ const HOOP: &str = "name: Hoop\nparameters: {m: 1 kg, R: 1 m, g: 9.81 m/s^2, W: 
 #[test]
 fn a_branch_that_ends_is_left_aloud() {
     let critical = 9.81_f64.sqrt();
-    let found = run("hoop", HOOP, &["--set", "W=6", "--at", "theta=1", "--vary", "W=1..6"]).unwrap();
+    let found = run(HOOP, &["--set", "W=6", "--at", "theta=1", "--vary", "W=1..6"]);
     let (value, kind) = limits(&found)[0];
     assert_eq!(kind, "bifurcation");
     close(value, critical, 1e-8);
@@ -145,7 +114,7 @@ fn a_branch_that_ends_is_left_aloud() {
         let expected = if w > critical { (9.81 / (w * w)).acos() } else { 0.0 };
         assert!((theta.abs() - expected).abs() < 1e-6, "{w} {theta} {expected}");
     }
-    let bottom = run("bottom", HOOP, &["--vary", "W=1..6"]).unwrap();
+    let bottom = run(HOOP, &["--vary", "W=1..6"]);
     assert!(bottom["locus"]["changes"].as_array().unwrap().is_empty());
     let (value, kind) = limits(&bottom)[0];
     assert!(kind == "divergence" && limits(&bottom).len() == 1);
@@ -155,7 +124,7 @@ fn a_branch_that_ends_is_left_aloud() {
 /// Time that cancels is no obstacle; a pulse far away, a stiffness that swings where it pushes nothing, and a step are.
 #[test]
 fn what_depends_on_time_is_not_taken_for_constant() {
-    assert!(run("turning", HOOP, &[]).is_ok());
+    assert!(try_run(HOOP, &[]).is_ok());
     let block = |force: &str| {
         format!(
             "name: Block\nparameters: {{m: 1 kg, k: 4 N/m, F: 1 N, T: 1 s, kappa: 1 N/m}}\ncoordinates: {{x: m}}\n\
@@ -168,11 +137,11 @@ fn what_depends_on_time_is_not_taken_for_constant() {
         ("step", "F*step(t - 100*T)"),
         ("slow", "F*tanh((t - 1e4*T)/T)"),
     ] {
-        contains(&run(name, &block(force), &[]).unwrap_err(), &["depends on time"]);
+        contains(&try_run(&block(force), &[]).unwrap_err(), &["depends on time"]);
     }
     // Parameters may take time out of the equations.
-    assert!(run("still", &block("F*exp(-((t - 700*T)/T)^2)"), &["--set", "F=0"]).is_ok());
-    assert!(run("constant", &block("F"), &[]).is_ok());
+    assert!(try_run(&block("F*exp(-((t - 700*T)/T)^2)"), &["--set", "F=0"]).is_ok());
+    assert!(try_run(&block("F"), &[]).is_ok());
 }
 
 /// Two frequencies pass each other with a force that couples them: a window of flutter 0.004 wide in a range of 1.5.
@@ -180,12 +149,12 @@ fn what_depends_on_time_is_not_taken_for_constant() {
 fn narrow_windows_of_flutter_are_found() {
     let text = "name: Flut\nparameters: {s: 1, e: 1e-3}\ncoordinates: {x: 1, y: 1}\nkinetic_energy: (x'^2+y'^2)/2\n\
                 potential_energy: (x^2+s*y^2)/2\ngeneralized_forces: {x: -e*y, y: e*x}\nequilibrium: {x: 0, y: 0}\n";
-    let found = run("flutter", text, &["--vary", "s=0.5..2.01"]).unwrap();
+    let found = run(text, &["--vary", "s=0.5..2.01"]);
     let limits = limits(&found);
     assert!(limits.len() == 2 && limits.iter().all(|limit| limit.1 == "flutter"), "{limits:?}");
     close(limits[0].0, 0.998, 1e-8);
     close(limits[1].0, 1.002, 1e-8);
-    let apart = run("apart", text, &["--set", "e=0", "--vary", "s=0.5..2.01"]).unwrap();
+    let apart = run(text, &["--set", "e=0", "--vary", "s=0.5..2.01"]);
     assert!(apart["locus"]["limits"].as_array().unwrap().is_empty());
 }
 
@@ -198,12 +167,12 @@ fn secular_pairs_are_named_and_counted() {
              potential_energy: (x^2+y^2)/2\ngeneralized_forces: {{x: {force}}}\n"
         )
     };
-    let found = run("secular", &text("y"), &[]).unwrap();
+    let found = run(&text("y"), &[]);
     assert_eq!(found["modes"].as_array().unwrap().iter().filter(|mode| mode["secular"] == true).count(), 2);
     assert_eq!(kinds(&found), ["oscillating"; 2]);
     omegas(&found).iter().for_each(|omega| close(*omega, 1.0, 1e-14));
-    contains(&words("told", &text("y"), &[]).unwrap(), &["secular: with a factor A + B t"]);
-    let plain = run("plain", &text("0*y"), &[]).unwrap();
+    contains(&words(&text("y"), &[]).unwrap(), &["secular: with a factor A + B t"]);
+    let plain = run(&text("0*y"), &[]);
     assert!(plain["modes"].as_array().unwrap().iter().all(|mode| mode["secular"].is_null()));
 }
 
@@ -217,9 +186,9 @@ fn an_undamped_mode_is_undamped() {
              potential_energy: k*(3*x^2 + 2.3*y^2 + 2.1*z^2 - 2*y*z)/2\ndissipation: c*x'^2/2{extra}\n"
         )
     };
-    let found = run("zeta", &text(""), &[]).unwrap();
+    let found = run(&text(""), &[]);
     assert_eq!(kinds(&found), ["oscillating", "damped", "oscillating"]);
-    let felt = run("felt", &text(" + e*(y'^2 + z'^2)/2"), &[]).unwrap();
+    let felt = run(&text(" + e*(y'^2 + z'^2)/2"), &[]);
     assert_eq!(kinds(&felt), ["damped"; 3]);
     let mode = &felt["modes"][0];
     // ζ = e/(2 m ω), far below what rounding leaves of λ.
@@ -229,7 +198,7 @@ fn an_undamped_mode_is_undamped() {
 /// Rigid motions and mechanisms each have their own basis and name.
 #[test]
 fn rigid_motions_are_told_from_mechanisms() {
-    let found = run("hexagon", &library("hexagon_springs"), &[]).unwrap();
+    let found = run(&library("hexagon_springs"), &[]);
     let expected = [
         "translation along x",
         "translation along y",
@@ -252,9 +221,9 @@ fn rigid_motions_are_told_from_mechanisms() {
     let along = shape(0);
     assert!(along[..6].iter().all(|x| (x - 1.0 / 6.0_f64.sqrt()).abs() < 1e-12));
     assert!(along[6..].iter().all(|y| y.abs() < 1e-12));
-    assert_eq!(names(&run("chain", &library("free_chain"), &[]).unwrap()), ["translation along x"]);
-    assert_eq!(names(&run("cart", &library("cart_pendulum"), &[]).unwrap()), ["translation along x"]);
-    let square = run("square", &library("square_springs"), &[]).unwrap();
+    assert_eq!(names(&run(&library("free_chain"), &[])), ["translation along x"]);
+    assert_eq!(names(&run(&library("cart_pendulum"), &[])), ["translation along x"]);
+    let square = run(&library("square_springs"), &[]);
     assert_eq!(names(&square)[3..], ["mechanism 1"]);
 }
 
@@ -265,7 +234,7 @@ fn steady_motions_are_found_and_have_modes() {
         coordinates: {theta: rad, phi: rad}\n\
         kinetic_energy: m*l^2*(theta'^2 + sin(theta)^2*phi'^2)/2 + J*phi'^2/2\n\
         potential_energy: -m*g*l*cos(theta)\nscene: {start: {theta: 1, phi': W}, until: 1}\n";
-    let found = run("governor", governor, &["--steady"]).unwrap();
+    let found = run(governor, &["--steady"]);
     let (w, cosine) = (5.0_f64, 9.81_f64 / 25.0);
     close(found["equilibrium"]["theta"].as_f64().unwrap(), cosine.acos(), 1e-12);
     assert_eq!(kinds(&found), ["rigid", "oscillating"]);
@@ -276,18 +245,18 @@ fn steady_motions_are_found_and_have_modes() {
     let orbit = "name: Orbit\nparameters: {mu: 2 kg, K: 8 N*m^2, W: 2 rad/s}\ncoordinates: {r: m, phi: rad}\n\
         kinetic_energy: mu*(r'^2 + r^2*phi'^2)/2\npotential_energy: -K/r\nsample: {r: [0.5, 2]}\n\
         scene: {start: {r: 1.1, phi': W}, until: 1}\n";
-    let found = run("orbit", orbit, &["--steady"]).unwrap();
+    let found = run(orbit, &["--steady"]);
     close(found["equilibrium"]["r"].as_f64().unwrap(), 1.0, 1e-12);
     close(omegas(&found)[1], 2.0, 1e-12);
     // The bottom of a hoop that turns at W, with the speed given by hand: stable for g > W² l.
-    let bottom = |g: &str| run("hoop", governor, &["--at", "phi'=5", "--at", "theta=0", "--set", g]).unwrap();
+    let bottom = |g: &str| run(governor, &["--at", "phi'=5", "--at", "theta=0", "--set", g]);
     assert_eq!(kinds(&bottom("g=26")), ["rigid", "oscillating"]);
     assert_eq!(kinds(&bottom("g=24"))[0], "unstable");
-    let varied = run("varied", governor, &["--at", "phi'=5", "--at", "theta=0", "--vary", "g=20..30"]).unwrap();
+    let varied = run(governor, &["--at", "phi'=5", "--at", "theta=0", "--vary", "g=20..30"]);
     let limits = limits(&varied);
     assert!(limits.len() == 1, "{limits:?}");
     close(limits[0].0, 25.0, 1e-8);
-    let refused = words("none", SOFT_BESIDE_STIFF, &["--steady"]).unwrap_err();
+    let refused = words(SOFT_BESIDE_STIFF, &["--steady"]).unwrap_err();
     contains(&refused, &["has no cyclic coordinate"]);
 }
 
@@ -297,7 +266,7 @@ fn shapes_are_drawn_so_that_they_are_seen() {
     let path = std::env::temp_dir().join(format!("dalembert-shapes-{}.svg", std::process::id()));
     let file = path.to_string_lossy().into_owned();
     let picture = |model: &str| {
-        words("library", &library(model), &["--plot", &file]).unwrap();
+        words(&library(model), &["--plot", &file]).unwrap();
         std::fs::read_to_string(&path).unwrap()
     };
     let chain = picture("forced_chain");
