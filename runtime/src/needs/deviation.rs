@@ -227,7 +227,7 @@ pub(super) fn largest(signed: &[f64]) -> f64 {
     signed.iter().fold(0.0, |most, value| if value.is_nan() { f64::INFINITY } else { most.max(value.abs()) })
 }
 
-/// The relative rate s by which e(t) ≈ s t y'(t), beside a shift and a size that is another or grows, explains most of a deviation, and the
+/// The relative rate s by which e(t) ≈ s t y'(t), beside a shift in place or time and a size that is another or grows, explains most of a deviation, and the
 /// largest of what s t y'(t) leaves.
 fn clock(times: &[f64], values: &[f64], signed: &[f64], scale: f64) -> (f64, f64) {
     let rate = |row: usize| {
@@ -241,8 +241,9 @@ fn clock(times: &[f64], values: &[f64], signed: &[f64], scale: f64) -> (f64, f64
     let of = |value: &dyn Fn(usize) -> f64| DVector::from_iterator(known.len(), known.iter().map(|row| value(*row)));
     let (mut pull, mut error) = (of(&|row| pulls[row]), of(&|row| signed[row]));
     let whole = pull.norm();
-    // What is larger, or shifted, is not faster: of the clock is what these explain no part of, where they leave one.
-    let mut others = [of(&|_| 1.0), of(&|row| values[row] / scale), of(&|row| gone(row) * values[row] / scale)];
+    // What is larger, shifted or later is not faster: of the clock is what these explain no part of, where they leave one.
+    let value = |row: usize| values[row] / scale;
+    let mut others = [of(&|_| 1.0), of(&value), of(&|row| gone(row) * value(row)), of(&rate)];
     let (mut own, mut rest) = (pull.clone(), error.clone());
     for k in 0..others.len() {
         let (before, after) = others.split_at_mut(k);

@@ -311,9 +311,9 @@ fn a_damper_makes_a_clock_slow_by_half_the_square_of_its_ratio() {
         let (change, law) = last(zeta, n);
         assert!((change / law - 1.0).abs() < 0.01, "{zeta} {n}: {change} {law}");
     }
-    // Most of what is missed of the place itself is its size, and what is clock is told from that.
-    for (zeta, n) in [(0.002, 4.0), (0.01, 4.0)] {
+    // What is missed of the place itself is its size, of first order in ζ; no more than what is of second order is taken for clock.
+    for (zeta, n) in [(0.002, 4.0), (0.005, 4.0), (0.01, 2.0)] {
         let deviation = rung(&swings(zeta, n), "dampers.d").deviation.clone().expect("compared");
-        assert!((deviation.clock / (0.5 * zeta * zeta) - 1.0).abs() < 2.0 * n * zeta, "{zeta}: {deviation:?}");
+        assert!(deviation.clock.abs() < 4.0 * zeta * zeta && deviation.largest > zeta, "{zeta}: {deviation:?}");
     }
 }
