@@ -164,7 +164,7 @@ impl InertiaGuard {
     /// A coordinate whose inertia seems to grow without bound within `ahead` seconds.
     pub fn suspect(&self, ahead: f64) -> Option<Unbounded> {
         (0..self.start.len())
-            .filter(|i| self.latest[*i].w < SUSPECT && !(self.slope(*i).abs() < FLATTENS * self.slope[*i].abs()))
+            .filter(|i| self.latest[*i].w < SUSPECT && !self.flattens(*i))
             .map(|i| (self.line(i), i))
             .filter(|((left, _), _)| *left <= ahead)
             .min_by(|a, b| a.0.0.total_cmp(&b.0.0))
@@ -178,6 +178,11 @@ impl InertiaGuard {
 
     fn mass(&self, i: usize) -> Option<f64> {
         self.diagonal[i].map(|place| self.values[place])
+    }
+
+    /// Whether w falls less steeply than it did, as far as two slopes of it are known.
+    fn flattens(&self, i: usize) -> bool {
+        self.slope(i).abs() < FLATTENS * self.slope[i].abs()
     }
 
     /// The slope of w between its last two samples, 1/s.
