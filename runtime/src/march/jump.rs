@@ -18,7 +18,7 @@ pub(crate) struct JumpDetector {
     longest: f64,
     /// Change of the acceleration per time over the last step.
     pace: f64,
-    /// So many of the steps changed most of it since they are short.
+    /// So many short steps changed most of it.
     flips: u32,
     /// Steps shorter than this, s, count as a stall.
     shortest: f64,
@@ -36,13 +36,18 @@ pub(crate) enum Upset {
 
 /// So many times shorter than before is a collapse.
 const COLLAPSE: f64 = 1e-3;
-/// Where steps stay this short beside the longest, and so many of them change most of the acceleration, it may jump to and fro.
-const SHORT: f64 = 1e-2;
+/// Where so many steps that are this short beside the longest change most of the acceleration it may jump to and fro.
 const FLIPS: u32 = 8;
+const SHORT: f64 = 0.3;
 /// So many times faster than over the step before, the acceleration does not change but by a jump.
 const SUDDEN: f64 = 1e3;
 /// So many short steps in a row are a stall.
 const STALL: u32 = 20_000;
+/// What happens at once happens within this part of a step, and while the state changes by so many units of the tolerance.
+const LEAST_PART: f64 = 1.0 / 256.0;
+const RESOLVED: f64 = 10.0;
+/// Changes of no more than so many times their rounding are that.
+const LOUD: f64 = 1e3;
 /// A change of the acceleration over a step is noticed where it changes a rate by this part of the tolerance.
 const NOTICED: f64 = 0.1;
 
@@ -60,7 +65,7 @@ impl JumpDetector {
         let pace = change / h;
         let most = change > 0.5 * size();
         self.longest = self.longest.max(h);
-        self.flips = if h < SHORT * self.longest { self.flips + u32::from(most) } else { 0 };
+        self.flips += u32::from(most && h < SHORT * self.longest);
         // Ever more rarely: what vibrates fast may look like that too, for long.
         let flips = most && self.flips >= FLIPS && self.flips.is_power_of_two();
         let jumps = flips || h < COLLAPSE * self.calm && most && pace > SUDDEN * self.pace;
@@ -93,14 +98,23 @@ impl March {
         let n = start.y.len() / 2;
         match self.jumps.observe(step.h, &start.rate[n..], &end.rate[n..]) {
             None => Ok(()),
-            Some(Upset::Stall) => Err(Cause::StepTooSmall { h: step.h }.into()),
+            Some(Upset::Stall) => {
+                let noise = self.noise(system);
+                let lost =
+                    (0..n).find(|coordinate| self.is_of_direction(system, *coordinate, LOUD * noise[*coordinate]));
+                let coordinate = lost.map(|coordinate| system.description().coordinate_name(coordinate));
+                let stalled = || Cause::StepTooSmall { h: step.h };
+                Err(coordinate.map_or_else(stalled, |coordinate| Cause::DirectionLost { coordinate }).into())
+            }
             Some(Upset::Jump(coordinate)) => {
                 let (before, after) = (start.rate[n + coordinate], end.rate[n + coordinate]);
                 let (end, mut earlier) = (end.y.to_vec(), vec![0.0; 2 * n]);
                 let mut effect = vec![0.0; 2 * n];
                 effect[n + coordinate] = step.h * (after - before);
                 // What moves nothing made no step collapse.
-                if self.in_units(step, &effect) < NOTICED {
+                if self.in_units(step, &effect) < NOTICED
+                    || (after - before).abs() <= LOUD * self.noise(system)[coordinate]
+                {
                     return Ok(());
                 }
                 let evaluated = self.stepper.evaluate(system, self.clock.now(), &end, &mut earlier);
@@ -115,28 +129,59 @@ impl March {
         }
     }
 
-    /// Whether the acceleration of a coordinate changes within one of 256 parts of the step that was tried by most of what it
-    /// does over all of it: what is narrow, but resolved by such short steps, does not.
+    /// Whether the acceleration of a coordinate changes at once within the step that was tried: most of what it does over all of it is
+    /// found in ever smaller parts, down to what the tolerance lets be of a state, and if speeds do it their direction alone does.
     fn jumps_within(&mut self, system: &dyn System, step: Step, coordinate: usize) -> Result<bool, Box<Cause>> {
-        const HALVINGS: u32 = 8;
+        const HALVINGS: u32 = 50;
         self.dense(system, step)?;
-        let (now, place) = (self.clock.now(), system.len() + coordinate);
-        let mut state = vec![0.0; 2 * system.len()];
-        let mut rate = state.clone();
+        let (now, n) = (self.clock.now(), system.len());
+        let place = n + coordinate;
+        let (mut state, mut rate) = (vec![0.0; 2 * n], vec![0.0; 2 * n]);
+        let mut sides = [self.stepper.start().y.to_vec(), self.stepper.end().y.to_vec()];
         let mut ends = [self.stepper.start().rate[place], self.stepper.end().rate[place]];
         let all = (ends[1] - ends[0]).abs();
+        let turned = [&sides[0][..n], &sides[1][n..]].concat();
+        self.stepper
+            .evaluate(system, now, &turned, &mut rate)
+            .map_err(|setback| setback.cause(system.description()))?;
+        let by_speeds = (rate[place] - ends[0]).abs() > 0.5 * all;
         let (mut from, mut part) = (0.0, 1.0);
         for _ in 0..HALVINGS {
             part *= 0.5;
             self.segment(step).evaluate(from + part, &mut state);
             let evaluated = self.stepper.evaluate(system, now + (from + part) * step.h, &state, &mut rate);
             evaluated.map_err(|setback| setback.cause(system.description()))?;
-            if (rate[place] - ends[0]).abs() > (ends[1] - rate[place]).abs() {
-                ends[1] = rate[place];
-            } else {
-                (from, ends[0]) = (from + part, rate[place]);
+            let later = (rate[place] - ends[0]).abs() <= (ends[1] - rate[place]).abs();
+            from += if later { part } else { 0.0 };
+            ends[usize::from(!later)] = rate[place];
+            sides[usize::from(!later)].copy_from_slice(&state);
+            if (ends[1] - ends[0]).abs() <= 0.5 * all {
+                return Ok(false);
+            }
+            let apart: Vec<f64> = sides[0].iter().zip(&sides[1]).map(|(a, b)| b - a).collect();
+            if part <= LEAST_PART && self.in_units(step, &apart) <= RESOLVED {
+                break;
             }
         }
-        Ok((ends[1] - ends[0]).abs() > 0.5 * all)
+        Ok(!by_speeds || self.is_of_direction(system, coordinate, 0.5 * all))
+    }
+
+    /// Whether the acceleration of a coordinate is another by more than this, and more than half of itself, against the speeds at the step's
+    /// start than along them, however small they are: what is regularised vanishes with them.
+    fn is_of_direction(&mut self, system: &dyn System, coordinate: usize, least: f64) -> bool {
+        const SCALES: [f64; 2] = [1e-6, 1e-9];
+        let n = system.len();
+        let (now, start) = (self.clock.now(), self.stepper.start().y.to_vec());
+        let mut rate = vec![0.0; 2 * n];
+        let mut at = |scale: f64| {
+            let state: Vec<f64> = start.iter().enumerate().map(|(i, y)| if i < n { *y } else { scale * y }).collect();
+            self.stepper.evaluate(system, now, &state, &mut rate).ok().map(|()| rate[n + coordinate])
+        };
+        SCALES.into_iter().all(|scale| match (at(scale), at(-scale)) {
+            (Some(along), Some(against)) => {
+                (along - against).abs() > least.max(0.5 * along.abs().max(against.abs())) && along != against
+            }
+            _ => false,
+        })
     }
 }

@@ -13,6 +13,8 @@ use super::{Real, Table};
 pub(super) struct Dual {
     pub value: f64,
     pub slope: f64,
+    /// Whether it depends on what changes, if only by terms of higher order: the root of x² has no slope at 0.
+    pub moves: bool,
     /// What rounding has made of the value, in units u = 2⁻⁵³: m(x ± y) = m(x) + m(y) + |x ± y|, m(x y) = m(x) |y| + |x| m(y) + |x y|,
     /// m(f(x)) = |f'(x)| m(x) + |f(x)|.
     pub rounding: f64,
@@ -24,7 +26,18 @@ const UNIT: f64 = 0.5 * f64::EPSILON;
 impl Dual {
     /// A number that does not change.
     pub fn constant(value: f64) -> Dual {
-        Dual { value, slope: 0.0, rounding: 0.0 }
+        Dual { value, slope: 0.0, moves: false, rounding: 0.0 }
+    }
+
+    /// A number that was rounded when it was made, and does not change; whole ones are exact.
+    pub fn rounded(value: f64) -> Dual {
+        let rounding = if value.fract() == 0.0 { 0.0 } else { value.abs() };
+        Dual { rounding, ..Dual::constant(value) }
+    }
+
+    /// A number that changes with this slope.
+    pub fn moving(value: f64, slope: f64) -> Dual {
+        Dual { slope, moves: slope != 0.0, ..Dual::constant(value) }
     }
 
     /// What rounding has made of the value at the most.
@@ -40,21 +53,26 @@ impl Dual {
     /// f(x), which its argument's error changes by no more than `most` where f'(x) is not finite.
     fn bent(self, value: f64, derivative: f64, most: f64) -> Dual {
         let spread = times(self.rounding, derivative.abs()).min(most);
-        Dual { value, slope: times(self.slope, derivative), rounding: spread + value.abs() }
+        Dual { value, slope: self.along(derivative), moves: self.moves, rounding: spread + value.abs() }
+    }
+
+    /// slope · derivative, 0 where nothing changes, however steep the function is; a product 0 · ∞ of what changes is not known.
+    fn along(self, derivative: f64) -> f64 {
+        if self.moves { self.slope * derivative } else { 0.0 }
     }
 
     /// A value of two arguments, by its derivatives by each.
     fn joined(value: f64, parts: [(Dual, f64); 2]) -> Dual {
         let [slope, spread] = parts.iter().fold([0.0; 2], |[slope, spread], (x, derivative)| {
-            [slope + times(x.slope, *derivative), spread + times(x.rounding, derivative.abs())]
+            [slope + x.along(*derivative), spread + times(x.rounding, derivative.abs())]
         });
-        Dual { value, slope, rounding: spread + value.abs() }
+        Dual { value, slope, moves: parts.iter().any(|(x, _)| x.moves), rounding: spread + value.abs() }
     }
 }
 
-/// slope · derivative, 0 where nothing changes, however steep the function is.
-fn times(slope: f64, derivative: f64) -> f64 {
-    if slope == 0.0 { 0.0 } else { slope * derivative }
+/// size · derivative, 0 of nothing, however steep the function is.
+fn times(size: f64, derivative: f64) -> f64 {
+    if size == 0.0 { 0.0 } else { size * derivative }
 }
 
 impl Add for Dual {
@@ -94,7 +112,7 @@ impl Neg for Dual {
     type Output = Dual;
 
     fn neg(self) -> Dual {
-        Dual { value: -self.value, slope: -self.slope, rounding: self.rounding }
+        Dual { value: -self.value, slope: -self.slope, ..self }
     }
 }
 
@@ -189,6 +207,11 @@ impl Real for Dual {
     }
 }
 
+/// Numbers that were rounded when they were made.
+pub(super) fn rounded(from: &[f64], to: &mut [Dual]) {
+    to.iter_mut().zip(from).for_each(|(to, from)| *to = Dual::rounded(*from));
+}
+
 /// Numbers that do not change; where there are none, zeros.
 pub(super) fn still(from: &[f64], to: &mut [Dual]) {
     to.iter_mut().zip(from).for_each(|(to, from)| *to = Dual::constant(*from));
@@ -198,7 +221,7 @@ pub(super) fn still(from: &[f64], to: &mut [Dual]) {
 pub(super) fn seed(lists: &mut [&mut [Dual]], mut place: usize, slope: f64) {
     for list in lists {
         match list.get_mut(place) {
-            Some(number) => return number.slope = slope,
+            Some(number) => return (number.slope, number.moves) = (slope, slope != 0.0),
             None => place -= list.len(),
         }
     }
@@ -211,7 +234,7 @@ mod tests {
     /// Every derivative beside that of the inverse or of an identity, to rounding.
     #[test]
     fn slopes_are_derivatives() {
-        let x = |value: f64| Dual { slope: 1.0, ..Dual::constant(value) };
+        let x = |value: f64| Dual::moving(value, 1.0);
         let close = |found: Dual, value: f64, slope: f64| {
             let off = (found.value - value).abs().max((found.slope - slope).abs());
             assert!(off < 1e-14, "{found:?} is not {value} + {slope} ε");
@@ -233,8 +256,10 @@ mod tests {
 
     #[test]
     fn kinks_have_no_slope() {
-        let zero = Dual { slope: 1.0, ..Dual::constant(0.0) };
+        let zero = Dual::moving(0.0, 1.0);
         assert!(zero.abs().slope.is_nan() && zero.step().slope.is_nan() && zero.max(-zero).slope.is_nan());
+        // So has the root of a square, whose own slope is 0 there.
+        assert!((zero * zero).sqrt().slope.is_nan() && (zero * zero).powf(Dual::constant(0.5)).slope.is_nan());
         // Where nothing moves nothing has to be differentiable.
         let still = Dual::constant(0.0);
         assert_eq!((still.abs().slope, still.sqrt().slope, still.max(still).slope), (0.0, 0.0, 0.0));
@@ -261,7 +286,7 @@ mod tests {
     fn tables_have_their_own_slopes() {
         let pieces = vec![[1.0, -1.0, 0.0, 0.0], [1.0, -1.0, 0.5, 2.0], [17.0, 25.0, 0.0, 0.0]];
         let table = Table { knots: vec![0.0, 2.0].into(), pieces: pieces.into(), ..Table::default() };
-        let found = Dual { slope: 2.0, ..Dual::constant(1.0) }.table(&table, 0);
+        let found = Dual::moving(1.0, 2.0).table(&table, 0);
         assert_eq!((found.value, found.slope), (2.5, 12.0));
     }
 }

@@ -1,7 +1,7 @@
 //! A [`Mechanism`] behind slices.
 
 use super::balances::solve_rows;
-use super::dual::{Dual, seed, still};
+use super::dual::{Dual, rounded, seed, still};
 use super::phased::{Phased, RowHistory, sprung};
 use super::{At, Description, Energy, Enforcement, Mechanism, Scene, Signal, Singular, System, Values};
 
@@ -117,7 +117,7 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> DualState<M, 
     fn new(system: &Erased<M, N, C>, at: At<'_>) -> Self {
         let zero = Dual::constant(0.0);
         let (mut constants, mut inputs) = (M::Constants::<Dual>::filled(zero), M::Inputs::<Dual>::filled(zero));
-        still(system.constants.as_ref(), constants.as_mut());
+        rounded(system.constants.as_ref(), constants.as_mut());
         still(system.input_block(at.t).as_ref(), inputs.as_mut());
         let (mut motion, mut multipliers) = ([[zero; N]; 3], [zero; C]);
         for (from, to) in [at.q, at.v, at.a].into_iter().zip(motion.iter_mut()) {
@@ -228,9 +228,9 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
         let mut triples = vec![zero; 3 * C];
         for (k, column) in columns.chunks_exact_mut(C.max(1)).enumerate() {
             let place = 3 * (k / 2) + k % 2;
-            u.as_mut()[place].slope = 1.0;
+            u.as_mut()[place] = Dual::moving(u.as_ref()[place].value, 1.0);
             M::constraints(&c, Dual::constant(at.t), u.as_ref(), &q, &v, &mut triples);
-            u.as_mut()[place].slope = 0.0;
+            u.as_mut()[place] = Dual::constant(u.as_ref()[place].value);
             column.iter_mut().zip(triples.chunks_exact(3)).for_each(|(slope, triple)| *slope = triple[1].slope);
         }
         true

@@ -76,23 +76,28 @@ const VALUES: [(&str, &str); 5] =
 
 /// The file with these values as parameters, since a formula has no place for a unit, and these parameters.
 fn named(text: &str) -> (String, Vec<Edit>) {
-    let mut text = text.to_owned();
-    let mut parameters = Vec::new();
-    for (section, key) in VALUES {
-        for entry_name in keys(&text, &[Step::Key(section.to_owned())]) {
-            let path = [entry(section, &entry_name).as_slice(), &[Step::Key(key.to_owned())]].concat();
-            let Some(written) = value(&text, &path) else { continue };
-            let quantity =
-                written.split_once(' ').filter(|(number, unit)| number.parse::<f64>().is_ok() && !unit.is_empty());
-            let owner = entry_name.split('[').next().unwrap_or(&entry_name);
-            let name = unused(&text, &format!("{owner}_{key}"));
-            let Some(changed) = quantity.and_then(|_| replaced(&text, &path, &name)) else { continue };
-            let Some(changed) = with(&changed, "parameters", "name", &name, &written) else { continue };
-            text = changed;
-            parameters.push(Edit::Parameter { name, value: written });
-        }
+    let key = |name: &str| Step::Key(name.to_owned());
+    let of_entries = VALUES.into_iter().flat_map(|(section, value)| {
+        let entries = keys(text, &[key(section)]).into_iter();
+        entries.map(move |name| {
+            let owner = name.split('[').next().unwrap_or(&name).to_owned();
+            ([entry(section, &name).as_slice(), &[key(value)]].concat(), format!("{owner}_{value}"))
+        })
+    });
+    let gravity = ["x", "y", "z"].into_iter().enumerate();
+    let gravity = gravity.map(|(index, axis)| (vec![key("gravity"), Step::Index(index)], format!("gravity_{axis}")));
+    let (mut named, mut parameters) = (text.to_owned(), Vec::new());
+    for (path, name) in of_entries.chain(gravity) {
+        let Some(written) = value(text, &path) else { continue };
+        let is_quantity =
+            written.split_once(' ').is_some_and(|(number, unit)| number.parse::<f64>().is_ok() && !unit.is_empty());
+        let name = unused(&named, &name);
+        let Some(changed) = replaced(&named, &path, &name).filter(|_| is_quantity) else { continue };
+        let Some(changed) = with(&changed, "parameters", "name", &name, &written) else { continue };
+        named = changed;
+        parameters.push(Edit::Parameter { name, value: written });
     }
-    (text, parameters)
+    (named, parameters)
 }
 
 /// The signs of coordinates, and the modes of `sign` and `abs`, of what stays farther from 0 than it moves, as a distance does; `None` of

@@ -150,6 +150,24 @@ impl Digits {
         self.rows[first..].iter_mut().zip(errors).for_each(|(bound, error)| *bound = bound.max(*error));
     }
 
+    /// Raises bounds to what accelerations that are off by this part of themselves, always alike, make of a motion: it is faster or slower,
+    /// so that each coordinate is off by that part of all its ways to and fro, and its rate by as much of its range.
+    pub(crate) fn detune(&mut self, run: &Run, relative: f64) {
+        let (columns, n) = (run.column_names().len(), run.names.coordinates.len());
+        let ranges = ranges(run, self.still);
+        for i in (0..n).filter(|_| relative > 0.0) {
+            let mut way = 0.0;
+            for row in 1..run.len() {
+                let speed = |row: usize| run.rows[2 * n * row + n + i].abs();
+                way += 0.5 * (speed(row - 1) + speed(row)) * (run.times[row] - run.times[row - 1]);
+                let off = relative * way;
+                let bounds = &mut self.rows[columns * row..][..2 * n];
+                bounds[i] = bounds[i].max(off);
+                bounds[n + i] = bounds[n + i].max(off * ranges[n + i] / ranges[i]);
+            }
+        }
+    }
+
     /// The largest bound of a coordinate or rate, in parts of its range.
     pub(crate) fn worst(&self, run: &Run) -> f64 {
         let n = run.names.coordinates.len();

@@ -250,7 +250,7 @@ impl Recorder {
         let Some(monitor) = &mut self.monitor else { return Ok(()) };
         let (jump, scale) = monitor.observe(system, t, end.y, end.work);
         if jump > f64::from(steps) * self.usual_jump {
-            if let Some(unbounded) = self.guard.as_ref().and_then(|guard| guard.suspect(2.0 * h)) {
+            if let Some(unbounded) = self.guard.as_ref().and_then(|guard| guard.suspect(system, 2.0 * h)) {
                 return Err(unbounded.cause(system.description()).into());
             }
             if self.jumps.len() < MOST_JUMPS {
@@ -287,7 +287,7 @@ impl Recorder {
                 | Cause::SingularMass { .. }
                 | Cause::TooManySteps { .. }
         );
-        let suspect = self.guard.as_ref().and_then(|guard| guard.suspect(guard.last_step() * 2.0));
+        let suspect = self.guard.as_ref().and_then(|guard| guard.suspect(system, guard.last_step() * 2.0));
         match suspect {
             Some(unbounded) if explicable => unbounded.cause(system.description()),
             _ => cause,

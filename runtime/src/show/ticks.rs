@@ -5,6 +5,8 @@ use super::lettering;
 /// Names are shortened to this before one is left out, and stand so far apart, in parts of their size.
 const LONGEST: f64 = 6.0;
 const APART: f64 = 0.8;
+/// The first and the last stand about marks near the edges of a page: so much room there is about these, and for each of the whole.
+const EDGE: (f64, f64) = (2.6, 0.09);
 
 /// Positions of the labelled marks and of the lines between them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -35,11 +37,12 @@ impl Ticks {
         let own = room / names.len().max(1) as f64;
         let longest = names.iter().map(|name| lettering::width(name)).fold(0.0, f64::max);
         let stride = ((longest.min(LONGEST) + APART) / own).ceil().max(1.0) as usize;
+        let most = (own * stride as f64 - APART).min(EDGE.0 + EDGE.1 * room);
         let places = (0..names.len()).step_by(stride);
         Ticks {
             major: places.clone().map(|place| place as f64 + 1.0).collect(),
             minor: Vec::new(),
-            labels: places.map(|place| lettering::fitted(&names[place], own * stride as f64 - APART)).collect(),
+            labels: places.map(|place| lettering::fitted(&names[place], most)).collect(),
         }
     }
 
@@ -161,7 +164,7 @@ mod tests {
         );
         assert_eq!(labels(&Ticks::named(&names(10), 12.0)), ["x[1]", "x[4]", "x[7]", "x[10]"]);
         let long = Ticks::named(&["the_angle_of_the_front_wheel".to_owned(), "x".to_owned()], 15.0);
-        assert!(labels(&long)[0].ends_with("eel") && labels(&long)[1] == "x", "{long:?}");
+        assert!(labels(&long)[0].ends_with("el") && labels(&long)[1] == "x", "{long:?}");
         assert!(Ticks::named(&names(0), 8.0).major.is_empty());
     }
 

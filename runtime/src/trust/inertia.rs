@@ -18,6 +18,8 @@ pub(crate) struct InertiaGuard {
     latest: Vec<Sample>,
     /// The slope of w before these two, 1/s; not a number where there is none.
     slope: Vec<f64>,
+    /// The last state.
+    y: Vec<f64>,
     values: Vec<f64>,
 }
 
@@ -94,6 +96,9 @@ pub(crate) fn positive_inertia(system: &dyn System, t: f64, y: &[f64]) -> Result
 const SMALLEST: f64 = 1e-4;
 /// w below this is a suspect once something else has gone wrong.
 const SUSPECT: f64 = 0.3;
+/// An inertia that grows without bound is so many times larger somewhere on the way there, which is looked at in these parts.
+const GROWN: f64 = 25.0;
+const PARTS: [f64; 7] = [0.5, 0.7, 0.85, 0.95, 1.0, 1.05, 1.2];
 /// Unless it falls less steeply than before by this: an inertia that grows, but never without bound.
 const FLATTENS: f64 = 0.7;
 
@@ -116,6 +121,7 @@ impl InertiaGuard {
             earlier: vec![Sample { t, w: 1.0 }; n],
             latest: vec![Sample { t, w: 1.0 }; n],
             slope: vec![f64::NAN; n],
+            y: y.to_vec(),
             values: vec![0.0; description.mass_pattern.len()],
         };
         system.mass_matrix(At::place(t, &y[..n]), &mut guard.values);
@@ -128,6 +134,7 @@ impl InertiaGuard {
     /// Looks at M after a step; tells if it has grown beyond bounds.
     pub fn observe<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) -> Option<Unbounded> {
         system.mass_matrix(At::place(t, &y[..system.len()]), &mut self.values);
+        self.y.copy_from_slice(y);
         for i in 0..self.start.len() {
             let Some(mass) = self.mass(i) else { continue };
             if !(self.start[i] > 0.0 && self.start[i].is_finite()) {
@@ -159,16 +166,33 @@ impl InertiaGuard {
         }
         self.earlier.copy_from_slice(&self.latest);
         self.slope.fill(f64::NAN);
+        self.y.copy_from_slice(y);
     }
 
-    /// A coordinate whose inertia seems to grow without bound within `ahead` seconds.
-    pub fn suspect(&self, ahead: f64) -> Option<Unbounded> {
+    /// A coordinate whose inertia seems to grow without bound within `ahead` seconds, and does where the motion would be by then.
+    pub fn suspect(&self, system: &dyn System, ahead: f64) -> Option<Unbounded> {
         (0..self.start.len())
             .filter(|i| self.latest[*i].w < SUSPECT && !self.flattens(*i))
             .map(|i| (self.line(i), i))
-            .filter(|((left, _), _)| *left <= ahead)
+            .filter(|((left, _), i)| *left <= ahead && self.grows_ahead(system, *i, *left))
             .min_by(|a, b| a.0.0.total_cmp(&b.0.0))
             .map(|((_, t), coordinate)| Unbounded { shrank: false, coordinate, t })
+    }
+
+    /// Whether the inertia of a coordinate is many times what it is now, or none, somewhere on the straight way of so many seconds.
+    fn grows_ahead(&self, system: &dyn System, i: usize, left: f64) -> bool {
+        let Some(place) = self.diagonal[i] else { return false };
+        let (q, v) = self.y.split_at(self.y.len() / 2);
+        let mut values = self.values.clone();
+        let mut mass = |part: f64| {
+            let there: Vec<f64> = q.iter().zip(v).map(|(q, v)| q + part * left * v).collect();
+            system.mass_matrix(At::place(self.latest[i].t + part * left, &there), &mut values);
+            values[place]
+        };
+        let now = mass(0.0);
+        // Beyond the point the coordinate means nothing.
+        let grown = |mass: f64| !(0.0..GROWN * now).contains(&mass);
+        PARTS.into_iter().any(|part| grown(mass(part)))
     }
 
     /// The length of the last step, s.

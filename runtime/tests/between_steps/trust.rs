@@ -391,3 +391,60 @@ scene: {{start: {{a: {angle:e}}}, until: 3, tolerance: 1e-11}}"
         );
     }
 }
+
+/// Of M = [m + e, m; m, m] the sum m + e keeps three digits of e beside m: both runs share what it has lost, and vibrate alike at the
+/// wrong frequency.
+#[test]
+fn an_inertia_that_is_a_small_difference_costs_digits() {
+    for e in [3e-6_f64, 3e-8, 3e-10] {
+        let mut case = file(&format!(
+            "name: Light
+parameters: {{m: 1, e: {e:e}, k: 1}}
+coordinates: {{x: 1, y: 1}}
+kinetic_energy: m*(x' + y')^2/2 + e*y'^2/2
+potential_energy: k*x^2/2
+scene: {{start: {{x: 0.5, y: 1}}, until: 0.01, tolerance: 1e-10}}"
+        ));
+        case.settings.digits = true;
+        let run = case.run();
+        // x'' = −k (1/m + 1/e) x.
+        let exact = 0.5 * (0.01 * (1.0 + 1.0 / e).sqrt()).cos();
+        let (error, promised) = ((run.last()["x"] - exact).abs(), *run.errors("x").unwrap().last().unwrap());
+        assert!(error <= promised && promised < 0.1, "{e:e}: off by {error:e}, not {promised:e}");
+    }
+}
+
+/// Friction that is regularised vanishes with the speed, however thin its layer is: it is no force that loses its direction.
+#[test]
+fn a_thin_layer_of_friction_is_run_through() {
+    for (layer, tolerances) in [("1e-3", &[1e-6, 1e-7, 1e-9, 1e-10][..]), ("1e-4", &[1e-6, 1e-9])] {
+        for tolerance in tolerances {
+            let mut case = file(&format!(
+                "name: Layer
+parameters: {{m: 1 kg, mu: 0.3, g: 10 m/s^2, v0: {layer} m/s}}
+coordinates: {{x: m, y: m}}
+bodies: {{b: {{mass: m, position: \"[x, y]\"}}}}
+forces: {{f: {{on: b, force: \"-mu*m*g*velocity(b)/sqrt(dot(velocity(b), velocity(b)) + v0^2)\"}}}}
+scene: {{start: {{x: 0, y: 0, x': 3, y': 1}}, until: 2, tolerance: {tolerance:e}}}"
+            ));
+            let run = case.run();
+            assert!((run.last()["x"] - 1.58114).abs() < 1e-4, "{layer}, {tolerance:e}: {}", run.last());
+        }
+    }
+}
+
+/// An inertia that shrinks and grows, but never without bound where the motion goes, at a tolerance that lets steps be long.
+#[test]
+fn long_steps_are_no_coordinate_singularity() {
+    let mut case = file(
+        "name: Grows
+parameters: {m: 1 kg, l: 1 m}
+coordinates: {u: rad, v: rad}
+bodies: {b: {mass: m, position: \"l*exp(u)*[cos(v), sin(v)]\"}}
+scene: {start: {u: 0, v: 0, u': -3, v': 0.01}, until: 5}",
+    );
+    for tolerance in [1e-1, 1e-2, 1e-4] {
+        case.settings.tolerance = tolerance;
+        case.run();
+    }
+}

@@ -290,3 +290,54 @@ fn shapes_are_drawn_so_that_they_are_seen() {
     assert_eq!(square.matches("mode ").count(), 8);
     std::fs::remove_file(path).unwrap();
 }
+
+/// Two masses alike on three springs, one damper on their sum: what shakes both alike does not meet the undamped mode in which they
+/// move against each other, at its own frequency.
+#[test]
+fn a_drive_that_does_not_reach_an_undamped_mode_has_a_steady_state() {
+    let text = |damping: &str| {
+        format!(
+            "name: Twins\nparameters: {{m: 1 kg, k: 4 N/m, c: {damping} N*s/m, F: 0 N}}\ncoordinates: {{x: m, y: m}}\n\
+             bodies: {{a: {{mass: m, position: \"[x, 0]\"}}, b: {{mass: m, position: \"[y, 0]\"}}}}\n\
+             springs: {{s: {{stretch: x, stiffness: k}}, s2: {{stretch: y, stiffness: k}}, s3: {{stretch: y - x, stiffness: k}}}}\n\
+             dampers: {{d: {{rate: x' + y', damping: c}}}}\n\
+             forces: {{f: {{on: a, force: \"[F, 0]\"}}, f2: {{on: b, force: \"[F, 0]\"}}}}\noutputs: {{sum: x + y, apart: x - y}}\n"
+        )
+    };
+    let omega = 12.0_f64.sqrt().to_string();
+    for damping in ["1", "0"] {
+        let shaken = |drives: &[&str]| {
+            let drives: Vec<&str> = drives.iter().flat_map(|drive| ["--drive", *drive]).collect();
+            let options = ["--omega", omega.as_str(), "--response", "sum,apart,x'"];
+            run(&text(damping), &[&drives, &options[..]].concat())
+        };
+        let found = shaken(&["f", "f2"]);
+        let size = |value: &Value| value[0].as_f64().unwrap().hypot(value[1].as_f64().unwrap());
+        // (k − m Ω² + 2 i c Ω) x = F with k = 4 and Ω² = 12.
+        let c: f64 = damping.parse().unwrap();
+        let one = 1.0 / (-8.0_f64).hypot(2.0 * c * 12.0_f64.sqrt());
+        close(size(&found["steady"]["amplitude"]["x"]), one, 1e-12);
+        close(size(&found["steady"]["answers"]["sum"]), 2.0 * one, 1e-12);
+        assert!(size(&found["steady"]["answers"]["apart"]) < 1e-12);
+    }
+    // One of them alone reaches it: what both do together stays bounded.
+    let options = ["--drive", "f", "--omega", &omega, "--response", "sum,apart"];
+    let found = run(&text("0"), &options);
+    close(found["steady"]["answers"]["sum"][0].as_f64().unwrap(), -1.0 / 8.0, 1e-12);
+    assert!(found["steady"]["answers"]["apart"].is_null(), "{found}");
+}
+
+/// |x| has no small motion about 0, however it is written.
+#[test]
+fn a_root_at_its_kink_is_refused_as_an_answer() {
+    for (output, refused) in
+        [("sqrt(x^2)", true), ("norm([x, 0*L])", true), ("(x^2/L^2)^0.5", true), ("sqrt(x^2 + L^2)", false)]
+    {
+        let text = format!(
+            "name: Kink\nparameters: {{m: 1 kg, k: 4 N/m, L: 1 m}}\ncoordinates: {{x: m}}\nkinetic_energy: m*x'^2/2\n\
+             potential_energy: k*x^2/2\noutputs: {{size: \"{output}\"}}\n"
+        );
+        let found = try_run(&text, &["--drive", "x", "--omega", "1", "--response", "size"]);
+        assert_eq!(found.is_err_and(|problem| problem.contains("no derivative")), refused, "{output}");
+    }
+}

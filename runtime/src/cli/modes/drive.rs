@@ -76,13 +76,13 @@ impl Driven {
             let others: Vec<&str> = names.iter().map(String::as_str).filter(|name| !is_coordinate(name)).collect();
             if !others.is_empty() {
                 let seen = model.observe(loaded, &others).map_err(failed)?;
-                let found = model.linear().answers(&drive, &seen, &[omega]).map_err(failed)?.swap_remove(0);
-                let amplitude = |index: usize| found.as_ref().map(|amplitudes| amplitudes[index]);
-                let named = seen.names.iter().zip(&seen.units).enumerate();
-                let answer = |(index, (name, unit)): (usize, (&String, &String))| Answer {
+                let steady = model.linear().steady(&drive, omega).map_err(failed)?;
+                let found = steady.answers(&drive, &seen).map_err(failed)?;
+                let named = seen.names.iter().zip(&seen.units).zip(found);
+                let answer = |((name, unit), amplitude): ((&String, &String), Option<Complex<f64>>)| Answer {
                     name: name.clone(),
                     unit: unit.clone(),
-                    amplitude: amplitude(index),
+                    amplitude,
                 };
                 driven.answers = named.map(answer).collect();
             }

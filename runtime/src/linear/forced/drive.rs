@@ -2,6 +2,7 @@
 
 use nalgebra::{Complex, DVector};
 
+use super::Observed;
 use crate::linear::modes::Spectrum;
 use crate::linear::{LinearError, Linearised, Reduction};
 
@@ -45,6 +46,31 @@ pub struct Steady {
     pub omegas: Vec<f64>,
     /// x grows as Re(G t e^(iΩt)): G, where Ω meets undamped modes that the force reaches.
     pub growth: Option<Vec<Complex<f64>>>,
+}
+
+impl Steady {
+    /// Complex amplitudes of some answers; `None` of those that grow.
+    ///
+    /// # Errors
+    /// [`LinearError::ReactionToForce`] for reactions to generalized forces.
+    pub fn answers(&self, drive: &Drive, observed: &Observed) -> Result<Vec<Option<Complex<f64>>>, LinearError> {
+        observed.admits(drive)?;
+        let largest = |x: &[Complex<f64>]| x.iter().fold(0.0_f64, |most, x| most.max(x.norm()));
+        let mut found = observed.of(&self.total, drive, self.omega);
+        if drive.parts.iter().all(|(source, _)| matches!(source, Source::Force(_))) {
+            // What is no more than rounding of its terms.
+            let most = largest(&self.total);
+            let vanishes = |row: usize, x: &Complex<f64>| x.norm() <= 1e-14 * most * observed.reach(row, self.omega);
+            let rows = found.iter_mut().enumerate().filter(|(row, x)| vanishes(*row, x));
+            rows.for_each(|(_, x)| *x = Complex::ZERO);
+        }
+        let Some(growth) = &self.growth else { return Ok(found.into_iter().map(Some).collect()) };
+        let grows = observed.of(growth, &Drive::default(), self.omega);
+        let most = largest(growth);
+        let bounded =
+            |(row, grows): (usize, &Complex<f64>)| grows.norm() <= 1e-12 * most * observed.reach(row, self.omega);
+        Ok(found.iter().enumerate().zip(&grows).map(|((row, x), g)| bounded((row, g)).then_some(*x)).collect())
+    }
 }
 
 impl Linearised {

@@ -18,6 +18,9 @@ pub struct Harmonic {
     pub sine: Vec<f64>,
 }
 
+/// A force reaches a mode with this part of itself at the least.
+const REACHED: f64 = 1e-12;
+
 impl Linearised {
     /// The steady state X of M x'' + C x' + K x = Re(F e^(iΩt)), x = Re(X e^(iΩt)), by solving
     /// (K + iΩC − Ω²M) X = F.
@@ -45,12 +48,42 @@ impl Linearised {
         let floor = 16.0 * n as f64 * f64::EPSILON * scale;
         let resonance = LinearError::Resonance { omega };
         let pivots = lu.u().diagonal().map(|pivot| pivot.norm());
-        if pivots.iter().any(|pivot| *pivot <= floor) {
-            return Err(resonance);
-        }
         let right = DVector::from_fn(n, |i, _| force[i] * units[i]);
-        let solution = lu.solve(&right).ok_or(resonance)?;
+        let solution = match pivots.iter().any(|pivot| *pivot <= floor) {
+            false => lu.solve(&right).ok_or(resonance)?,
+            true => self.beside_modes(&units, (&stiffness, &right), floor).ok_or(resonance)?,
+        };
         Ok(solution.iter().zip(&units).map(|(x, unit)| x * *unit).collect())
+    }
+
+    /// Where Ω meets undamped modes that the force does not reach: what it reaches, without these modes in the measure of M; `None` where it
+    /// reaches one.  Coordinates are in these units.
+    fn beside_modes(
+        &self,
+        units: &[f64],
+        (stiffness, force): (&DMatrix<Complex<f64>>, &DVector<Complex<f64>>),
+        floor: f64,
+    ) -> Option<DVector<Complex<f64>>> {
+        let n = self.len();
+        let scaled = DMatrix::from_fn(n, n, |i, j| stiffness[(i, j)] * units[i] * units[j]);
+        let svd = scaled.try_svd(true, true, f64::EPSILON, 1000)?;
+        let (u, v) = (svd.u.as_ref()?, svd.v_t.as_ref()?);
+        let floor = floor.max(f64::EPSILON * svd.singular_values.max());
+        let mut found = DVector::zeros(n);
+        for k in (0..n).filter(|k| svd.singular_values[*k] > floor) {
+            let part = u.column(k).dotc(force) / svd.singular_values[k];
+            found += v.row(k).adjoint() * part;
+        }
+        let mass = DMatrix::from_fn(n, n, |i, j| Complex::from(self.m()[(i, j)] * units[i] * units[j]));
+        for k in (0..n).filter(|k| svd.singular_values[*k] <= floor) {
+            if u.column(k).dotc(force).norm() > REACHED * force.norm() {
+                return None;
+            }
+            let shape = v.row(k).adjoint();
+            let own = shape.dotc(&(&mass * &found)) / shape.dotc(&(&mass * &shape));
+            found -= shape * own;
+        }
+        Some(found)
     }
 
     /// The steady state as a sum over normal modes, X = Σ φᵢ φᵢᵀF/(ωᵢ² − Ω² + iΩ φᵢᵀCφᵢ).

@@ -151,6 +151,15 @@ impl Observed {
         }
     }
 
+    /// The largest that an amplitude of 1 of any coordinate can make of an answer.
+    pub(super) fn reach(&self, row: usize, omega: f64) -> f64 {
+        let of = |i: usize| {
+            let slopes = [self.place[(row, i)], self.rate[(row, i)], self.acceleration[(row, i)]];
+            slopes[0].abs() + omega * slopes[1].abs() + omega * omega * slopes[2].abs()
+        };
+        (0..self.place.ncols()).map(of).fold(0.0, f64::max)
+    }
+
     /// Y = (`place` + iΩ `rate` − Ω² `acceleration`) X + `input` (U, iΩ U, −Ω² U) + `force` F.
     pub(super) fn of(&self, x: &[Complex<f64>], drive: &Drive, omega: f64) -> Vec<Complex<f64>> {
         let turn = |order: u32| Complex::new(0.0, omega).powu(order);

@@ -24,7 +24,7 @@ pub(super) fn output_slopes(interpreter: &Interpreter, at: interpret::At<'_>, si
     for (k, column) in columns.chunks_exact_mut(size.max(1)).enumerate() {
         let value = |symbol: Symbol| {
             let slope = f64::from(u8::from(column_of(symbol) == Some(k)));
-            Dual { slope, ..Dual::constant(interpreter.value(symbol, at)) }
+            Dual::moving(interpreter.value(symbol, at), slope)
         };
         interpreter.evaluate_in(Function::Outputs, value, &mut values);
         column.iter_mut().zip(&values).for_each(|(slope, value)| *slope = value.slope);
@@ -34,7 +34,10 @@ pub(super) fn output_slopes(interpreter: &Interpreter, at: interpret::At<'_>, si
 /// Fills [`System::output_errors`](crate::mechanism::System::output_errors).
 pub(super) fn output_errors(interpreter: &Interpreter, at: interpret::At<'_>, errors: &mut [f64]) {
     let mut values = vec![Dual::constant(0.0); errors.len()];
-    let value = |symbol: Symbol| Dual::constant(interpreter.value(symbol, at));
+    let value = |symbol: Symbol| match symbol {
+        Symbol::Parameter(_) => Dual::rounded(interpreter.value(symbol, at)),
+        _ => Dual::constant(interpreter.value(symbol, at)),
+    };
     interpreter.evaluate_in(Function::Outputs, value, &mut values);
     errors.iter_mut().zip(values).for_each(|(error, value)| *error = value.error());
 }
@@ -48,7 +51,7 @@ pub(super) fn constraint_rates_by_inputs(interpreter: &Interpreter, at: interpre
         let seeded = Symbol::Input((k / 2) as u32, (k % 2) as u8);
         let value = |symbol: Symbol| {
             let slope = f64::from(u8::from(symbol == seeded));
-            Dual { slope, ..Dual::constant(interpreter.value(symbol, at)) }
+            Dual::moving(interpreter.value(symbol, at), slope)
         };
         interpreter.evaluate_in(Function::Constraints, value, &mut triples);
         column.iter_mut().zip(triples.chunks_exact(3)).for_each(|(slope, triple)| *slope = triple[1].slope);
