@@ -162,6 +162,7 @@ fn print_choices(scenes: &[(String, WorkPrecision)]) {
     println!("| scene | 1e-3: auto | best | cost | 1e-6: auto | best | cost | 1e-9: auto | best | cost |");
     println!("| --- | --- | --- | ---: | --- | --- | ---: | --- | --- | ---: |");
     let mut ratios: [Vec<f64>; 3] = Default::default();
+    let mut worst: Vec<(f64, String)> = Vec::new();
     for (name, found) in scenes {
         let mut line = format!("| {name} ");
         for (target, ratios) in TARGETS.iter().zip(&mut ratios) {
@@ -170,6 +171,13 @@ fn print_choices(scenes: &[(String, WorkPrecision)]) {
             line += &match (auto, found.best(*target, cost)) {
                 (Some((method, cost)), Some((best, least))) => {
                     ratios.push(cost / least);
+                    if cost / least > DEAR {
+                        let why = reason(best, (cost, least));
+                        let line = format!(
+                            "{name} at {target:.0e}: {cost:.0} evaluations by {method}, {least:.0} by {best}: {why}"
+                        );
+                        worst.push((cost / least, line));
+                    }
                     format!("| {method} | {best} | {:.2} ", cost / least)
                 }
                 (None, Some((best, _))) => format!("| - | {best} | - "),
@@ -189,6 +197,27 @@ fn print_choices(scenes: &[(String, WorkPrecision)]) {
             at(0.9),
             at(1.0 - 1e-9)
         );
+    }
+    println!("\nAbove {DEAR}, the worst first:\n");
+    worst.sort_by(|a, b| b.0.total_cmp(&a.0));
+    worst.iter().for_each(|(ratio, line)| println!("- {ratio:.2}, {line}"));
+}
+
+/// What costs so many times the least is listed with its reason.
+const DEAR: f64 = 1.5;
+
+/// Why `auto` costs more than the best method, which takes so many evaluations.
+fn reason(best: &str, (cost, least): (f64, f64)) -> &'static str {
+    const SHORT: f64 = 100.0;
+    let given = ["verlet", "srkn4", "suzuki4", "kahanli8", "rk4", "gauss2", "gauss4", "gauss6"].contains(&best);
+    match (given, best, least < SHORT && cost < 3.0 * SHORT) {
+        (true, _, true) => "a short scene, whose steps have to grow; those of the other are given",
+        (true, _, false) => "steps that a tolerance finds, beside one that is given",
+        (false, "exact", _) => "the motion is no longer than what a matrix exponential costs, by what is known before",
+        (false, _, true) => "a short scene, whose steps have to grow",
+        _ => {
+            "errors grow on the way, so that this one wants a tighter tolerance, for which `auto` takes a higher order"
+        }
     }
 }
 
