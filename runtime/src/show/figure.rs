@@ -257,7 +257,9 @@ fn draw_chart<B: DrawingBackend>(chart: &Chart, canvas: &Canvas<B>, cell: Cell, 
     }
     let (middle, bottom) = (left + LEFT + width / 2, top + height);
     let about = |middle: i32, far: i32| f64::from(2 * middle.min(far - middle));
-    let room = about(middle - left, cell.width.max(names.unwrap_or(0)));
+    // To the right of the last one in a row there are names at most.
+    let last = left + 2 * cell.width > WIDTH;
+    let room = about(middle - left, if last { WIDTH - left } else { cell.width });
     write(canvas, (&chart.title, room), (middle, top + TITLE / 2), &[16, 14, 12], FontTransform::None)?;
     write(canvas, (&chart.x.text(), room), (middle, bottom - 18), &[14, 12], FontTransform::None)?;
     let (middle, room) = (top + title + inner_height / 2, about(title + inner_height / 2, height));
