@@ -130,7 +130,8 @@ impl March {
     }
 
     /// Whether the acceleration of a coordinate changes at once within the step that was tried: most of what it does over all of it is
-    /// found in ever smaller parts, down to what the tolerance lets be of a state, and if speeds do it their direction alone does.
+    /// found in ever smaller parts, down to rounding; or, if speeds do it, down to what the tolerance lets be of a state, and their direction
+    /// alone does.
     fn jumps_within(&mut self, system: &dyn System, step: Step, coordinate: usize) -> Result<bool, Box<Cause>> {
         const HALVINGS: u32 = 50;
         self.dense(system, step)?;
@@ -159,7 +160,9 @@ impl March {
                 return Ok(false);
             }
             let apart: Vec<f64> = sides[0].iter().zip(&sides[1]).map(|(a, b)| b - a).collect();
-            if part <= LEAST_PART && self.in_units(step, &apart) <= RESOLVED {
+            // What places do is followed down to rounding.
+            let known = if by_speeds { self.in_units(step, &apart) <= RESOLVED } else { sides[0] == sides[1] };
+            if part <= LEAST_PART && known {
                 break;
             }
         }
