@@ -1,6 +1,6 @@
 //! Random runs against runs with bounded steps: the quick form of `docs/random-runs.md`.
 
-use dalembert_tests::random_runs::{Verdict, survey};
+use dalembert_tests::random_runs::{Verdict, draw, judge, survey};
 
 #[test]
 fn no_random_run_is_wrong_without_a_word() {
@@ -12,4 +12,13 @@ fn no_random_run_is_wrong_without_a_word() {
     // Most of them are judged at all.
     let right = judged.iter().filter(|one| matches!(one.verdict, Verdict::Right { .. })).count();
     assert!(right >= 30, "{right} of {}", judged.len());
+}
+
+/// Narrow wells and pulses that steps resolve, which were called a direction that is lost.
+#[test]
+fn what_is_narrow_is_no_lost_direction() {
+    for run in [2946, 6170, 7032] {
+        let verdict = judge(&draw(run));
+        assert!(matches!(verdict, Verdict::Right { .. }), "{run}: {verdict:?}");
+    }
 }
