@@ -22,3 +22,10 @@ fn what_is_narrow_is_no_lost_direction() {
         assert!(matches!(verdict, Verdict::Right { .. }), "{run}: {verdict:?}");
     }
 }
+
+/// The zero of a discontinuity was sought beyond the step that was tried, which then was tried again for ever.
+#[test]
+fn a_step_that_fell_short_is_not_tried_again() {
+    let verdict = judge(&draw(6899));
+    assert!(matches!(verdict, Verdict::Right { .. }), "{verdict:?}");
+}

@@ -58,7 +58,9 @@ impl March {
         let together = watch.simultaneous(crossing, &self.segment(step));
         let fired = match self.shorten(system, step, crossing, watch)? {
             Some((shorter, error)) if self.is_blind(error) => {
-                return Ok(Outcome::Blind(self.control.rejected(shorter.h, error)));
+                // Newton's method may have gone beyond the step that was tried, which is not to be tried again.
+                let shorter = self.control.rejected(shorter.h, error);
+                return Ok(Outcome::Blind(shorter.min(RETRIED * step.h)));
             }
             Some((shorter, _)) => {
                 let (segment, end) = (self.segment(shorter), self.stepper.end());
@@ -228,5 +230,7 @@ impl March {
 
 /// A shorter step has a smaller error than a longer one, unless the longer one did not see what is there.
 const BLIND: f64 = 4.0;
+/// The step after one that fell short is this part of it at the longest.
+const RETRIED: f64 = 0.5;
 /// Corrections of the time of a crossing that are smaller than this part of a step may be rounding.
 const ROUNDING: f64 = 1e-12;

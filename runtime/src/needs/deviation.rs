@@ -227,8 +227,8 @@ pub(super) fn largest(signed: &[f64]) -> f64 {
     signed.iter().fold(0.0, |most, value| if value.is_nan() { f64::INFINITY } else { most.max(value.abs()) })
 }
 
-/// The relative rate s by which e(t) ≈ s t y'(t), beside a shift in place or time and a size that is another or grows, explains most of a deviation, and the
-/// largest of what s t y'(t) leaves.
+/// The relative rate s by which e(t) ≈ s t y'(t), beside a shift in place or time and a size that is another or grows, explains most of a
+/// deviation, and the largest of what s t y'(t) leaves.
 fn clock(times: &[f64], values: &[f64], signed: &[f64], scale: f64) -> (f64, f64) {
     let rate = |row: usize| {
         let (before, after) = (row.saturating_sub(1), (row + 1).min(times.len() - 1));

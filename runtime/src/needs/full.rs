@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use dalembert_symbolic::diagnose::Problem;
 use dalembert_symbolic::lower::{Program, compile_in};
 use dalembert_symbolic::print::resting_place;
 
@@ -159,8 +160,11 @@ impl Full {
     }
 
     /// Another text of the file, as a program.
-    pub fn compiled(&self, text: &str) -> Option<Program> {
-        compile_in(self.folder.as_deref(), text, &self.sizes).ok()
+    ///
+    /// # Errors
+    /// Its mistakes.
+    pub fn compiled(&self, text: &str) -> Result<Program, Vec<Problem>> {
+        compile_in(self.folder.as_deref(), text, &self.sizes)
     }
 
     pub fn name(&self) -> &str {

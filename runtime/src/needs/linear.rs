@@ -55,7 +55,7 @@ pub(super) fn linear(full: &Full) -> Vec<Candidate> {
     }
     let mut found: Vec<Candidate> = laws(full, &about, rest).collect();
     if !full.program.structure.linear {
-        let whole = if places.is_empty() { None } else { full.compiled(&named) };
+        let whole = if places.is_empty() { None } else { full.compiled(&named).ok() };
         found.extend(linear_energies(whole.as_ref().unwrap_or(&full.program), &about).map(|energies| Candidate {
             ingredient: EQUATIONS.to_owned(),
             proposal: Proposal::Linear,

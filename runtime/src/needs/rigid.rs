@@ -12,7 +12,6 @@ use std::sync::Arc;
 use dalembert_symbolic::diagnose::Step;
 use dalembert_symbolic::expr::{Id, Symbol, Tape};
 use dalembert_symbolic::file::edit::{keys, replaced, source, value, with};
-use dalembert_symbolic::lower::compile_in;
 use dalembert_symbolic::model::Model;
 
 use super::below::rate_of;
@@ -279,7 +278,7 @@ pub(super) fn predicted(full: &Full, rigid: &Rigid, answer: &Answer) -> Option<P
     let text = replaced(text, &path, &scalar(&equation))?;
     let text = with(&text, "outputs", "constraints", &pull, &scalar(&format!("reaction({})", rigid.label)))?;
     let text = with(&text, "inputs", "coordinates", &gives, "0 m")?;
-    let program = compile_in(full.folder.as_deref(), &text, &full.sizes).ok()?;
+    let program = full.compiled(&text).ok()?;
     let (mut system, settings) = set(program, &text, full.scene.as_deref()).ok()?;
     let input = system.description().inputs.iter().position(|name| **name == gives)?;
     let columns: Vec<String> = full.need.outputs.iter().cloned().chain([pull]).collect();

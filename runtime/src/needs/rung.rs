@@ -2,7 +2,6 @@
 
 use dalembert_symbolic::diagnose::Step;
 use dalembert_symbolic::file::edit::source;
-use dalembert_symbolic::lower::compile_in;
 
 use super::Unanswered;
 use super::candidate::Candidate;
@@ -146,7 +145,7 @@ pub(super) fn answer(full: &Full, edits: &[Edit]) -> Result<Answer, String> {
         let of = |name: &String| name == output || name.strip_prefix(output).is_some_and(|rest| rest.starts_with('.'));
         full.need.outputs.iter().any(of)
     };
-    let compile = |text: &str| compile_in(full.folder.as_deref(), text, &full.sizes);
+    let compile = |text: &str| full.compiled(text);
     let (text, program, mut gone) = without_vain_claims(text, is_wanted, compile)?;
     let linear = edits.iter().any(|edit| matches!(edit, Edit::Linear(_)));
     if linear && source(&full.source, &[Step::Key("balances".to_owned())]).is_some() {

@@ -238,7 +238,8 @@ fn column(run: &Run, name: &str) -> Result<Vec<f64>, Error> {
     })
 }
 
-/// How far values are apart, or a coordinate or rate has gone between them, `least` of the largest that has their unit at the least; what does not move is measured by its size.
+/// How far values are apart, or a coordinate or rate has gone between them, `least` of the largest that has their unit at the least; what
+/// does not move is measured by its size.
 fn ranges(run: &Run, columns: &[String], values: &[Vec<f64>], least: f64) -> Vec<f64> {
     let all = run.column_names();
     let swept =

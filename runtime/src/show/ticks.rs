@@ -22,9 +22,12 @@ impl Ticks {
     pub fn linear(low: f64, high: f64, count: usize, step: Option<f64>) -> Ticks {
         let least = (high - low) / count.max(1) as f64;
         let doubled = |step: f64| step * (least / step).log2().ceil().max(0.0).exp2();
-        let step = step.filter(|step| *step > 0.0).map_or_else(|| round_step(least), doubled);
         let slack = 1e-6;
-        let (first, last) = ((low / step - slack).ceil(), (high / step + slack).floor());
+        let ends = |step: f64| ((low / step - slack).ceil(), (high / step + slack).floor());
+        // One mark alone tells no scale.
+        let finer = |step: f64| if ends(step).1 > ends(step).0 { step } else { round_step(0.4 * step) };
+        let step = step.filter(|step| *step > 0.0).map_or_else(|| finer(finer(round_step(least))), doubled);
+        let (first, last) = ends(step);
         let count = (last - first).clamp(0.0, 100.0) as usize;
         let major: Vec<f64> = (0..=count).map(|i| (first + i as f64) * step).collect();
         let largest = major.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
@@ -152,6 +155,12 @@ mod tests {
         assert_eq!(ticks.major, [1e-4, 1e-3, 1e-2, 1e-1, 1.0]);
         assert_eq!(labels(&ticks), ["10⁻⁴", "10⁻³", "10⁻²", "10⁻¹", "1"]);
         assert!(ticks.minor.contains(&4e-5) && ticks.minor.contains(&2.0));
+    }
+
+    #[test]
+    fn no_mark_stands_alone() {
+        assert_eq!(labels(&Ticks::linear(-0.36, 0.49, 3, None)), ["−0.2", "0", "0.2", "0.4"]);
+        assert_eq!(labels(&Ticks::linear(-0.9, 0.9, 1, None)), ["−0.5", "0", "0.5"]);
     }
 
     #[test]

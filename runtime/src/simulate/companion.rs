@@ -2,8 +2,6 @@
 
 use std::ops::ControlFlow;
 
-use nalgebra::DMatrix;
-
 use super::close_calls::close_calls;
 use super::{Settings, simulate_with};
 use crate::cause::Cause;
@@ -13,7 +11,7 @@ use crate::events::begin_at;
 use crate::mechanism::dense::sizes_alike;
 use crate::mechanism::{Action, Argument, At, Method, Role, System, Watched};
 use crate::run::{Digits, Run, evaluate_outputs};
-use crate::trust::{Loss, Warning};
+use crate::trust::{Loss, Warning, inertia_condition};
 
 /// The tolerance of the companion in units of the run's.
 const LOOSER: f64 = 10.0;
@@ -39,8 +37,6 @@ const SHARED: f64 = 0.75;
 const FINER: f64 = 1.5;
 /// Accelerations are known to so many roundings times the condition of M.
 const ROUNDED_INERTIA: f64 = 4.0;
-/// More coordinates than these are not looked at.
-const LARGEST: usize = 60;
 /// Not more numbers than these are compared.
 const MOST_NUMBERS: usize = 20_000_000;
 
@@ -82,7 +78,7 @@ pub(crate) fn judge_digits(
     if let Some(tolerance) = run.tolerance.filter(|_| cut) {
         digits.raise(run, tolerance);
     }
-    digits.detune(run, ROUNDED_INERTIA * f64::EPSILON * inertia_condition(system, run));
+    digits.detune(run, detuning(system, run));
     if other.phases.last() == run.phases.last() {
         look_around_end(system, run, &mut digits);
         run.warnings.extend(close_calls(system, run, &digits));
@@ -116,27 +112,16 @@ fn look_around_end(system: &dyn System, run: &Run, digits: &mut Digits) {
     digits.cancel(&roundings(system, At::packed(run.times[row], end, n)));
 }
 
-/// The condition of M at the start and at the end of a run, each coordinate in its own measure, as far as accelerations alone come of it:
-/// the larger of largest over least eigenvalue; 0 with constraints, which may do without an inertia.
-fn inertia_condition(system: &dyn System, run: &Run) -> f64 {
-    let (description, n) = (system.description(), system.len());
-    if !description.rows.is_empty() || n > LARGEST || description.structure.diagonal_mass {
+/// By which part of themselves accelerations may be off all along, by the condition of M at the start and at the end of a run; 0 with
+/// constraints, which may do without an inertia.
+fn detuning(system: &dyn System, run: &Run) -> f64 {
+    let n = system.len();
+    if !system.description().rows.is_empty() {
         return 0.0;
     }
-    let condition = |row: usize| {
-        let mut values = vec![0.0; description.mass_pattern.len()];
-        system.mass_matrix(At::place(run.times[row], &run.rows[2 * n * row..][..n]), &mut values);
-        let mut m = DMatrix::zeros(n, n);
-        for ((i, j), value) in description.mass_pattern.iter().zip(&values) {
-            (m[(*i as usize, *j as usize)], m[(*j as usize, *i as usize)]) = (*value, *value);
-        }
-        let size: Vec<f64> = m.diagonal().iter().map(|m| m.sqrt()).collect();
-        let squares = DMatrix::from_fn(n, n, |i, j| m[(i, j)] / (size[i] * size[j])).symmetric_eigenvalues();
-        let least = squares.min().max(f64::EPSILON);
-        Some(squares.max() / least).filter(|condition| condition.is_finite()).unwrap_or(0.0)
-    };
-    let last = run.len().saturating_sub(1);
-    [0, last].into_iter().filter(|_| !run.is_empty()).map(condition).fold(0.0, f64::max)
+    let condition = |row: usize| inertia_condition(system, At::place(run.times[row], &run.rows[2 * n * row..][..n]));
+    let ends = (0..run.len()).filter(|row| [0, run.len() - 1].contains(row));
+    ROUNDED_INERTIA * f64::EPSILON * ends.map(condition).fold(0.0, f64::max)
 }
 
 /// What rounding may have made of the outputs at a state, however exact that is.

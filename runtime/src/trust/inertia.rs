@@ -1,6 +1,9 @@
 //! Coordinates that fail where the mechanism does not.
 
+use nalgebra::DMatrix;
+
 use crate::cause::Cause;
+use crate::mechanism::dense::mass_matrix;
 use crate::mechanism::{At, Description, System};
 
 /// Watches the diagonal of M for growth without bound.
@@ -90,6 +93,23 @@ pub(crate) fn positive_inertia(system: &dyn System, t: f64, y: &[f64]) -> Result
         }
     }
     Ok(())
+}
+
+/// The condition of M, each coordinate in its own measure: the largest eigenvalue over the least; 0 where M is diagonal, where it has too
+/// many coordinates to be looked at, and where it is not finite.
+pub(crate) fn inertia_condition(system: &dyn System, at: At<'_>) -> f64 {
+    let n = system.len();
+    if n > LARGEST || system.description().structure.diagonal_mass {
+        return 0.0;
+    }
+    let m = mass_matrix(system, at);
+    let size = m.diagonal().map(f64::sqrt);
+    let scaled = DMatrix::from_fn(n, n, |i, j| m[(i, j)] / (size[i] * size[j]));
+    if scaled.iter().any(|m| !m.is_finite()) {
+        return 0.0;
+    }
+    let eigenvalues = scaled.symmetric_eigenvalues();
+    eigenvalues.max() / eigenvalues.min().max(f64::EPSILON)
 }
 
 /// M grown by the inverse square of this is beyond bounds.

@@ -12,6 +12,6 @@ pub(crate) use conditioning::ConditionMonitor;
 pub use conditioning::Conditioning;
 pub use drift::Drift;
 pub(crate) use drift::Monitor;
-pub(crate) use inertia::{InertiaGuard, positive_inertia};
+pub(crate) use inertia::{InertiaGuard, inertia_condition, positive_inertia};
 pub(crate) use stability::{Watchman, all_rates, check_step, rates};
 pub use warning::{Loss, Warning};

@@ -3,6 +3,8 @@
 use nalgebra::{Complex, DVector};
 
 use super::Observed;
+use super::harmonic::REACHED;
+use super::response::ROUNDING;
 use crate::linear::modes::Spectrum;
 use crate::linear::{LinearError, Linearised, Reduction};
 
@@ -60,7 +62,7 @@ impl Steady {
         if drive.parts.iter().all(|(source, _)| matches!(source, Source::Force(_))) {
             // What is no more than rounding of its terms.
             let most = largest(&self.total);
-            let vanishes = |row: usize, x: &Complex<f64>| x.norm() <= 1e-14 * most * observed.reach(row, self.omega);
+            let vanishes = |row: usize, x: &Complex<f64>| x.norm() <= ROUNDING * most * observed.reach(row, self.omega);
             let rows = found.iter_mut().enumerate().filter(|(row, x)| vanishes(*row, x));
             rows.for_each(|(_, x)| *x = Complex::ZERO);
         }
@@ -68,7 +70,7 @@ impl Steady {
         let grows = observed.of(growth, &Drive::default(), self.omega);
         let most = largest(growth);
         let bounded =
-            |(row, grows): (usize, &Complex<f64>)| grows.norm() <= 1e-12 * most * observed.reach(row, self.omega);
+            |(row, grows): (usize, &Complex<f64>)| grows.norm() <= REACHED * most * observed.reach(row, self.omega);
         Ok(found.iter().enumerate().zip(&grows).map(|((row, x), g)| bounded((row, g)).then_some(*x)).collect())
     }
 }
@@ -166,7 +168,7 @@ impl Linearised {
                         if gap.abs() > 16.0 * n as f64 * f64::EPSILON * squares[k].abs().max(omega * omega) {
                             return spread(k, modal / gap);
                         }
-                        if modal.norm() > 1e-12 * most * shapes.column(k).amax() {
+                        if modal.norm() > REACHED * most * shapes.column(k).amax() {
                             growth += DVector::from_vec(spread(k, modal / Complex::new(0.0, 2.0 * omega)));
                         }
                         spread(k, Complex::new(0.0, 0.0))

@@ -19,7 +19,7 @@ pub struct Harmonic {
 }
 
 /// A force reaches a mode with this part of itself at the least.
-const REACHED: f64 = 1e-12;
+pub(super) const REACHED: f64 = 1e-12;
 
 impl Linearised {
     /// The steady state X of M x'' + C x' + K x = Re(F e^(iΩt)), x = Re(X e^(iΩt)), by solving
@@ -109,7 +109,7 @@ impl Linearised {
             let stiffness = Complex::new(square - omega * omega, omega * damping);
             let size = square.abs().max(omega * omega);
             if stiffness.norm() <= 16.0 * n as f64 * f64::EPSILON * size {
-                if modal.norm() > 1e-12 * most * shape.amax() {
+                if modal.norm() > REACHED * most * shape.amax() {
                     return Err(LinearError::Resonance { omega });
                 }
                 continue;
