@@ -1,0 +1,1 @@
+//! Loops by hand, what a run costs, digits.

@@ -1,0 +1,1 @@
+//! Equilibria, what is zero but for rounding, modes.

@@ -1,0 +1,1 @@
+//! Events early in long steps, starts on guards, accumulating impacts.

@@ -1,0 +1,1 @@
+//! Extremes and samples of a run: `sweep`, `needs`, tables.

@@ -1,0 +1,1 @@
+//! Charts, axes, pictures, the command line.

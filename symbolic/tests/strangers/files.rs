@@ -1,0 +1,1 @@
+//! Units, signs, tables, help of errors.

@@ -1,0 +1,1 @@
+//! Reactions as results; what a claim is tested with.

@@ -1,0 +1,1 @@
+//! Files that took long to derive.
