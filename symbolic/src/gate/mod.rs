@@ -23,6 +23,7 @@ mod blame;
 mod causes;
 mod cells;
 mod claims;
+mod closing;
 mod closure;
 mod cyclic;
 mod dense;

@@ -1,27 +1,21 @@
 //! Constraints at a state: states are brought to them, and say how independent they are.
 
+use super::closing::{Group, HOLDS, groups};
 use super::state::State;
 use crate::derive::{Equations, Rows};
-use crate::expr::{Id, Measured, Symbol, Tape, jacobian};
+use crate::expr::{Graph, Id, Measured, Symbol, Tape, jacobian};
 use crate::model::Model;
 use crate::number::DoubleDouble;
 
 /// Singular values below this part of the largest count as zero where states lie on the constraints.
 pub(super) const DEPENDENT: f64 = 1e-6;
-/// Steps to the constraints at most.
-const STEPS: usize = 60;
-/// A constraint holds when it is this part of its own terms.
-const HOLDS: f64 = 1e-29;
 
 /// The constraints of a model, ready to evaluate anywhere.
 pub(super) struct Constraints {
     /// How many coordinates there are.
     pub n: usize,
     holonomic: Vec<bool>,
-    /// Rows of each phase.
-    phases: Vec<Vec<usize>>,
-    /// c of all rows.
-    values: Tape,
+    phases: Vec<Phase>,
     /// c' of all rows, then J's entries.
     rates: Tape,
     places: Vec<(usize, usize)>,
@@ -30,6 +24,13 @@ pub(super) struct Constraints {
     rubbing: Vec<(usize, usize)>,
     /// M's diagonal, by which coordinates of different units are compared.
     diagonal: Tape,
+}
+
+/// The rows of a phase.
+struct Phase {
+    rows: Vec<usize>,
+    /// The same, in groups that have no coordinate in common.
+    groups: Vec<Group>,
 }
 
 /// What accelerations need of the rows of a phase at a state, chosen rows only.
@@ -54,6 +55,13 @@ pub(super) struct RoughlyHeld {
     pub friction: Vec<(usize, usize, f64)>,
 }
 
+impl Phase {
+    fn new(graph: &Graph, all: &Rows, rows: Vec<usize>) -> Phase {
+        let groups = groups(all, &rows).into_iter().map(|group| Group::new(graph, all, group)).collect();
+        Phase { rows, groups }
+    }
+}
+
 impl Constraints {
     /// For a model's rows and its equations, in whose h friction stands.
     pub fn new(model: &mut Model, rows: &Rows, equations: &Equations) -> Constraints {
@@ -72,8 +80,7 @@ impl Constraints {
         Constraints {
             n: model.coordinates.len(),
             holonomic: rows.holonomic.clone(),
-            phases: model.phases.iter().map(|phase| model.rows_of(phase)).collect(),
-            values: Tape::new(&model.graph, &rows.value),
+            phases: model.phases.iter().map(|phase| Phase::new(&model.graph, rows, model.rows_of(phase))).collect(),
             rates: Tape::new(&model.graph, &rates),
             places: rows.matrix.iter().map(|e| (e.0, e.1)).collect(),
             loads: Tape::new(&model.graph, &loads),
@@ -105,89 +112,35 @@ impl Constraints {
 
     /// The rows of a phase.
     pub fn active(&self, phase: usize) -> &[usize] {
-        self.phases.get(phase).map_or(&[], Vec::as_slice)
+        self.phases.get(phase).map_or(&[], |phase| &phase.rows)
     }
 
     /// Brings a state to the constraints of its phase: false where it cannot be.
     ///
     /// Levenberg and Marquardt's steps in `f64`, residuals in double-double, until the constraints hold to 29 digits; then
-    /// speeds, by the least change.
+    /// speeds, by the least change.  Groups of rows without a common coordinate are solved one after the other.
     pub fn close(&self, state: &mut State) -> bool {
         self.close_holding(state, (&[], &[]))
     }
 
     /// The same, with some coordinates and some speeds left as they are.
     pub fn close_holding(&self, state: &mut State, (held_q, held_v): (&[bool], &[bool])) -> bool {
-        let active = self.active(state.phase);
-        let holonomic: Vec<usize> = active.iter().copied().filter(|k| self.holonomic[*k]).collect();
-        let mut damping = 1e-3;
-        let mut closed = holonomic.is_empty();
+        let Some(phase) = self.phases.get(state.phase) else { return true };
         let weights = self.weights(|s| state.value(s).to_f64());
-        // What a constraint is made of on the way, where at its end it may be made of nothing.
-        let mut sizes = vec![0.0_f64; self.holonomic.len()];
-        for _ in 0..STEPS {
-            if closed {
-                break;
-            }
-            let c = self.residual(state, &holonomic);
-            if c.iter().any(|c| !c.value.is_finite()) {
-                return false;
-            }
-            holonomic.iter().zip(&c).for_each(|(k, c)| sizes[*k] = sizes[*k].max(c.magnitude));
-            closed = holonomic.iter().zip(&c).all(|(k, c)| c.value.abs().to_f64() <= HOLDS * sizes[*k]);
-            let scales: Vec<f64> = holonomic.iter().map(|k| sizes[*k]).collect();
-            let size = norm(&c, &scales);
-            if closed {
-                break;
-            }
-            let lines = weighted(self.lines(state, &holonomic), &free(&weights, held_q));
-            let right: Vec<f64> = c.iter().map(|c| -c.value.to_f64()).collect();
-            // Near the end nothing is damped, so that every step gains what an `f64` holds.
-            let near = c.iter().zip(&scales).all(|(c, scale)| c.value.abs().to_f64() <= 1e-6 * scale);
-            let Some(step) = least(&lines, &right, self.n, if near { 0.0 } else { damping }) else { return false };
-            let tried = moved(&state.q, &step, &weights);
-            let mut next = state.clone();
-            next.q = tried;
-            let after = norm(&self.residual(&next, &holonomic), &scales);
-            if after < size || near {
-                state.q = next.q;
-                damping = (damping / 5.0_f64).max(1e-12);
-            } else {
-                damping *= 4.0;
-                if damping > 1e12 {
-                    return false;
-                }
-            }
+        let free_q = free(&weights, held_q);
+        if !phase.groups.iter().all(|group| group.close_places(state, &free_q)) {
+            return false;
         }
-        closed && self.close_speeds(state, active, held_v)
-    }
-
-    fn close_speeds(&self, state: &mut State, active: &[usize], held: &[bool]) -> bool {
         let weights = self.weights(|s| state.value(s).to_f64());
-        let lines = weighted(self.lines(state, active), &free(&weights, held));
-        let mut sizes = vec![0.0_f64; self.holonomic.len()];
+        let free_v = free(&weights, held_v);
         let fastest = state.v.iter().fold(0.0_f64, |most, v| most.max(v.to_f64().abs()));
-        for _ in 0..8 {
-            let rates = self.rates.measured(|s| state.value(s));
-            let off: Vec<&Measured> = active.iter().map(|k| &rates[*k]).collect();
-            if off.iter().any(|c| !c.value.is_finite()) {
-                return false;
-            }
-            active.iter().zip(&off).for_each(|(k, c)| sizes[*k] = sizes[*k].max(c.magnitude));
-            if active.iter().zip(&off).all(|(k, c)| c.value.abs().to_f64() <= HOLDS * sizes[*k]) {
-                // What the constraints leave no speed is at rest, and not at a rounding of what it had.
-                state
-                    .v
-                    .iter_mut()
-                    .filter(|v| v.abs().to_f64() <= HOLDS * fastest)
-                    .for_each(|v| *v = DoubleDouble::ZERO);
-                return true;
-            }
-            let right: Vec<f64> = off.iter().map(|c| -c.value.to_f64()).collect();
-            let Some(step) = least(&lines, &right, self.n, 0.0) else { return false };
-            state.v = moved(&state.v, &step, &weights);
+        if !phase.groups.iter().all(|group| group.close_speeds(state, &free_v)) {
+            return false;
         }
-        false
+        // What the constraints leave no speed is at rest, and not at a rounding of what it had.
+        let still = |v: &&mut DoubleDouble| v.abs().to_f64() <= HOLDS * fastest;
+        state.v.iter_mut().filter(still).for_each(|v| *v = DoubleDouble::ZERO);
+        true
     }
 
     /// How many rows of its phase are independent at a state, and all of them in order, those first.
@@ -288,11 +241,6 @@ impl Constraints {
         ranks
     }
 
-    fn residual(&self, state: &State, rows: &[usize]) -> Vec<Measured> {
-        let values = self.values.measured(|s| state.value(s));
-        rows.iter().map(|k| values[*k]).collect()
-    }
-
     /// How far each coordinate moves by the same impulse, the largest being 1: 1/√Mᵢᵢ, so that metres beside nanometres
     /// and angles are no reason to call rows dependent.  What has no mass of its own moves as easily as anything.
     fn weights(&self, value: impl Fn(Symbol) -> f64) -> Vec<f64> {
@@ -331,52 +279,4 @@ fn weighted(mut lines: Vec<f64>, weights: &[f64]) -> Vec<f64> {
     let columns = lines.chunks_exact_mut(weights.len().max(1));
     columns.for_each(|line| line.iter_mut().zip(weights).for_each(|(x, w)| *x *= w));
     lines
-}
-
-fn norm(c: &[Measured], scales: &[f64]) -> f64 {
-    let share = |(c, scale): (&Measured, &f64)| (c.value.to_f64() / scale.max(f64::MIN_POSITIVE)).powi(2);
-    c.iter().zip(scales).map(share).sum::<f64>().sqrt()
-}
-
-fn moved(list: &[DoubleDouble], step: &[f64], weights: &[f64]) -> Vec<DoubleDouble> {
-    list.iter().zip(step).zip(weights).map(|((x, s), w)| *x + DoubleDouble::from(*s * w)).collect()
-}
-
-/// The least step x with A x = b, or where it is damped the least |A x − b|² + damping |x|²: AᵀA is not formed, but
-/// A Aᵀ with its diagonal raised, rows scaled, and what depends on other rows left out.
-fn least(lines: &[f64], right: &[f64], n: usize, damping: f64) -> Option<Vec<f64>> {
-    let m = right.len();
-    let line = |k: usize| &lines[k * n..][..n];
-    let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
-    let scale: Vec<f64> = (0..m).map(|k| dot(line(k), line(k)).sqrt()).collect();
-    let unit = |k: usize| if scale[k] > 0.0 { 1.0 / scale[k] } else { 0.0 };
-    let mut gram: Vec<f64> = (0..m * m).map(|k| dot(line(k / m), line(k % m)) * unit(k / m) * unit(k % m)).collect();
-    (0..m).for_each(|k| gram[k * m + k] += damping);
-    let mut y: Vec<f64> = (0..m).map(|k| right[k] * unit(k)).collect();
-    // Gauss–Jordan on the diagonal, largest pivots first.
-    let mut done = vec![false; m];
-    for _ in 0..m {
-        let pivot = (0..m).filter(|k| !done[*k]).max_by(|a, b| gram[a * m + a].total_cmp(&gram[b * m + b]))?;
-        let size = gram[pivot * m + pivot];
-        if !size.is_finite() {
-            return None;
-        }
-        if size <= 1e-13 {
-            break;
-        }
-        done[pivot] = true;
-        for i in (0..m).filter(|i| *i != pivot) {
-            let factor = gram[i * m + pivot] / size;
-            if factor != 0.0 {
-                (0..m).for_each(|j| gram[i * m + j] -= factor * gram[pivot * m + j]);
-                y[i] -= factor * y[pivot];
-            }
-        }
-    }
-    let mut step = vec![0.0; n];
-    for k in (0..m).filter(|k| done[*k]) {
-        let factor = y[k] / gram[k * m + k] * unit(k);
-        step.iter_mut().zip(line(k)).for_each(|(s, x)| *s += factor * x);
-    }
-    step.iter().all(|s| s.is_finite()).then_some(step)
 }
