@@ -1,5 +1,6 @@
 //! What went wrong in strangers' hands when files were judged: each file beside a neighbour that must stay as it is.
 
+mod carried;
 mod files;
 mod reactions;
 mod slow;

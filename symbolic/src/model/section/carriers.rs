@@ -119,6 +119,11 @@ impl State {
     }
 }
 
+/// Coordinates are drawn by so many measures in turn, from SI units on, each smaller than the one before by so many powers of
+/// ten: a mechanism of micrometres has states at which `sqrt(l^2 - x^2)` exists.
+const MEASURES: usize = 4;
+const DECADES: i32 = -3;
+
 /// Random states, alternately near the scene's start and at large; in the ranges of `sample` where there are any.
 pub fn states(bench: &Bench, model: &Model) -> Vec<State> {
     let start = model.scenes.first().map(|scene| scene.q.as_slice()).unwrap_or_default();
@@ -144,8 +149,9 @@ pub fn states(bench: &Bench, model: &Model) -> Vec<State> {
         let known = tape.evaluate(|symbol| state.value(symbol));
         for place in 0..model.coordinates.len() {
             let first = known.get(place).copied().filter(|x| x.is_finite()).unwrap_or(0.0);
-            let reach = 0.1 * first.abs().max(1.0);
-            let q = if k % 2 == 0 { first + random.between(-reach, reach) } else { random.between(-2.0, 2.0) };
+            let unit = 10_f64.powi(DECADES * (k / 2 % MEASURES) as i32);
+            let reach = 0.1 * first.abs().max(unit);
+            let q = if k % 2 == 0 { first + random.between(-reach, reach) } else { unit * random.between(-2.0, 2.0) };
             state.coordinates.push([q, random.between(-2.0, 2.0), random.between(-2.0, 2.0)]);
         }
         for (sample, ends) in model.sample.iter().zip(known[start.len()..].chunks(2)) {
