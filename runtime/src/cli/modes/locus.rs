@@ -13,7 +13,8 @@ use super::super::{Problem, outputs};
 use super::failed;
 use super::steady::Speeds;
 use crate::linear::{
-    Branch, BranchPoint, Equilibrium, Guess, Threshold, ThresholdKind, follow, root_locus, short, short_beside,
+    Branch, BranchPoint, Equilibrium, Guess, LinearError, Threshold, ThresholdKind, follow, root_locus, short,
+    short_beside,
 };
 
 /// Eigenvalues as a parameter or speed goes from one value to another.
@@ -93,6 +94,7 @@ impl Locus {
             object([
                 ("value", number(point.value)),
                 ("equilibrium", object(state)),
+                ("folds", json!(point.folds)),
                 ("growing", json!(point.growing)),
                 ("eigenvalues", list.into()),
             ])
@@ -112,10 +114,15 @@ impl Locus {
             let state = |q: &[f64]| object(self.coordinates.iter().cloned().zip(q.iter().map(|q| number(*q))));
             object([("value", number(change.value)), ("from", state(&change.from)), ("to", state(&change.to))])
         };
+        let missing = |((low, high), error): &((f64, f64), LinearError)| {
+            object([("from", number(*low)), ("to", number(*high)), ("why", json!(error.to_string()))])
+        };
         let locus = object([
             ("parameter", json!(self.parameter)),
             ("limits", self.branch.thresholds.iter().map(limit).collect::<Vec<_>>().into()),
             ("changes", self.branch.changes.iter().map(change).collect::<Vec<_>>().into()),
+            ("missing", self.branch.missing.iter().map(missing).collect::<Vec<_>>().into()),
+            ("closed", json!(self.branch.closed)),
             ("steps", self.steps().map(step).collect::<Vec<_>>().into()),
         ]);
         ("locus", locus)
@@ -140,7 +147,10 @@ impl Locus {
         }
         for threshold in thresholds {
             let behind = if threshold.folded { ", behind a fold" } else { "" };
-            writeln!(out, "  {}: {}{behind}", self.exactly(threshold.value), told(threshold, rising))?;
+            writeln!(out, "  {}: {}{behind}", self.exactly(threshold.value), self.told(threshold))?;
+        }
+        if self.branch.closed {
+            writeln!(out, "  the branch is closed: it returns to where it began")?;
         }
         Ok(())
     }
@@ -150,44 +160,58 @@ impl Locus {
     }
 
     fn value(&self, value: f64) -> String {
-        format!("{} = {} {}", self.parameter, short(value), self.unit()).trim_end().to_owned()
+        let shown = if self.is_zero(value) { 0.0 } else { value };
+        format!("{} = {} {}", self.parameter, short(shown), self.unit()).trim_end().to_owned()
+    }
+
+    /// What is no more than rounding of the range.
+    fn is_zero(&self, value: f64) -> bool {
+        value.abs() <= 1e-12 * (self.range.1 - self.range.0).abs()
     }
 
     /// With ten digits, as thresholds deserve.
     fn exactly(&self, value: f64) -> String {
-        let width = (self.range.1 - self.range.0).abs();
-        let text = match value.abs() <= 1e-12 * width {
+        let text = match self.is_zero(value) {
             true => "0".to_owned(),
             false => format!("{value:.9e}").parse::<f64>().map_or_else(|_| short(value), |rounded| rounded.to_string()),
         };
         format!("{} = {text} {}", self.parameter, self.unit()).trim_end().to_owned()
     }
-}
 
-/// What happens at a threshold, on the way through the range.
-fn told(threshold: &Threshold, rising: bool) -> String {
-    let Threshold { kind, growing: [below, above], omega, .. } = *threshold;
-    let row = threshold.constraint.as_deref().unwrap_or_default();
-    let (before, after) = if rising { (below, above) } else { (above, below) };
-    let what = match kind {
-        ThresholdKind::Dependence => {
-            return format!("the constraint `{row}` depends on others here: the mechanism may go on in another shape");
-        }
-        ThresholdKind::Fold if threshold.constraint.is_some() => {
-            return format!("the branch folds back: beyond, `{row}` and other constraints cannot be met");
-        }
-        ThresholdKind::Fold => return "the branch folds back".to_owned(),
-        ThresholdKind::Bifurcation => return "the branch meets another and turns back (bifurcation)".to_owned(),
-        ThresholdKind::Divergence => "divergence".to_owned(),
-        ThresholdKind::Flutter => format!("flutter, {} rad/s", short(omega)),
-    };
-    let begins = match (before, after) {
-        (0, _) => "a motion begins to grow",
-        (_, 0) => "growth ends",
-        (before, after) if after > before => "one more motion begins to grow",
-        _ => "one motion ceases to grow",
-    };
-    format!("{begins} ({what})")
+    /// What happens at a threshold, on the way through the range.
+    fn told(&self, threshold: &Threshold) -> String {
+        let rising = self.range.0 <= self.range.1;
+        let Threshold { kind, growing: [below, above], omega, .. } = *threshold;
+        let row = threshold.constraint.as_deref().unwrap_or_default();
+        let (before, after) = if rising { (below, above) } else { (above, below) };
+        let what = match kind {
+            ThresholdKind::Dependence => {
+                return format!(
+                    "the constraint `{row}` depends on others here: the mechanism may go on in another shape"
+                );
+            }
+            ThresholdKind::Fold if threshold.constraint.is_some() => {
+                return format!("the branch folds back: beyond, `{row}` and other constraints cannot be met");
+            }
+            ThresholdKind::Fold => return "the branch folds back".to_owned(),
+            ThresholdKind::Pole => {
+                let name = threshold.coordinate.and_then(|index| self.coordinates.get(index));
+                return format!("{} grows beyond all bounds (pole)", name.map_or("a coordinate", String::as_str));
+            }
+            ThresholdKind::Bifurcation => return "the branch meets another and turns back (bifurcation)".to_owned(),
+            ThresholdKind::Divergence => "divergence".to_owned(),
+            ThresholdKind::Flutter => format!("flutter, {} rad/s", short(omega)),
+        };
+        let begins = match (before, after) {
+            _ if !threshold.crosses && after > before => "growth goes on and oscillates no more",
+            _ if !threshold.crosses => "growth goes on and oscillates from here on",
+            (0, _) => "a motion begins to grow",
+            (_, 0) => "growth ends",
+            (before, after) if after > before => "one more motion begins to grow",
+            _ => "one motion ceases to grow",
+        };
+        format!("{begins} ({what})")
+    }
 }
 
 /// What follows itself once, with how often it does; no more than are printed, and how many there are besides.
