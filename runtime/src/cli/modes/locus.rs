@@ -1,4 +1,4 @@
-//! `--vary` and `--locus`: eigenvalues as a parameter or a speed changes.
+//! `--vary`, `--locus` and `--campbell`: eigenvalues as a parameter or a speed changes.
 
 use std::io::Write;
 
@@ -13,8 +13,8 @@ use super::super::{Problem, outputs};
 use super::failed;
 use super::steady::Speeds;
 use crate::linear::{
-    Branch, BranchPoint, Equilibrium, Guess, LinearError, Threshold, ThresholdKind, follow, root_locus, short,
-    short_beside,
+    Branch, BranchPoint, CriticalSpeed, Equilibrium, Guess, LinearError, Threshold, ThresholdKind,
+    campbell as drawn_frequencies, follow, root_locus, short, short_beside,
 };
 
 /// Eigenvalues as a parameter or speed goes from one value to another.
@@ -24,6 +24,8 @@ pub struct Locus {
     range: (f64, f64),
     coordinates: Vec<String>,
     branch: Branch,
+    /// Where orders of the speed meet frequencies; `None` where nobody asks.
+    critical: Option<Vec<CriticalSpeed>>,
 }
 
 impl Locus {
@@ -51,12 +53,21 @@ impl Locus {
         // Speeds that follow from others go on following.
         let guess = Guess { v: speeds.v.clone(), ..start.guess() };
         let branch = follow(&*loaded.system, &varied, range, &guess).map_err(failed)?;
-        if let Some(path) = options.get_one::<String>("locus") {
+        let orders = orders(options, &parameter, &unit)?;
+        let [locus, campbell] = ["locus", "campbell"].map(|name| options.get_one::<String>(name));
+        let mut critical = None;
+        if locus.or(campbell).is_some() {
             let points = branch.smooth(&*loaded.system, &varied, &guess).map_err(failed)?;
-            let steps: Vec<_> = points.into_iter().map(|point| (point.value, point.eigenvalues)).collect();
-            outputs::draw(path, root_locus(&parameter, &unit, &steps))?;
+            let steps = steps(&branch, &points);
+            locus.map_or(Ok(()), |path| outputs::draw(path, root_locus(&parameter, &unit, &steps)))?;
+            if let Some(path) = campbell {
+                outputs::draw(path, drawn_frequencies(&parameter, &unit, &steps, &orders))?;
+                let found = branch.critical_speeds(&*loaded.system, &varied, &guess, (&points, &orders));
+                critical = Some(found.map_err(failed)?);
+            }
         }
-        Ok(Some(Locus { parameter, unit, range, coordinates: start.coordinates.clone(), branch }))
+        let coordinates = start.coordinates.clone();
+        Ok(Some(Locus { parameter, unit, range, coordinates, branch, critical }))
     }
 
     /// The states of the branch itself, without those behind folds.
@@ -117,12 +128,18 @@ impl Locus {
         let missing = |((low, high), error): &((f64, f64), LinearError)| {
             object([("from", number(*low)), ("to", number(*high)), ("why", json!(error.to_string()))])
         };
+        let met = |critical: &CriticalSpeed| {
+            let CriticalSpeed { value, order, omega, decay } = *critical;
+            let numbers = [("value", value), ("order", order), ("omega", omega), ("decay", decay)];
+            object(numbers.map(|(name, x)| (name, number(x))))
+        };
         let locus = object([
             ("parameter", json!(self.parameter)),
             ("limits", self.branch.thresholds.iter().map(limit).collect::<Vec<_>>().into()),
             ("changes", self.branch.changes.iter().map(change).collect::<Vec<_>>().into()),
             ("missing", self.branch.missing.iter().map(missing).collect::<Vec<_>>().into()),
             ("closed", json!(self.branch.closed)),
+            ("critical_speeds", self.critical.as_ref().map_or(Value::Null, |list| list.iter().map(met).collect())),
             ("steps", self.steps().map(step).collect::<Vec<_>>().into()),
         ]);
         ("locus", locus)
@@ -151,6 +168,17 @@ impl Locus {
         }
         if self.branch.closed {
             writeln!(out, "  the branch is closed: it returns to where it began")?;
+        }
+        let met =
+            |critical: &CriticalSpeed| format!("{}: order {}", self.exactly(critical.value), short(critical.order));
+        if let Some(critical) = &self.critical {
+            writeln!(out, "critical speeds, where a frequency is a multiple (order) of {}:", self.parameter)?;
+            for line in counted(critical.iter().map(met)) {
+                writeln!(out, "  {line}")?;
+            }
+            if critical.is_empty() {
+                writeln!(out, "  none in this range")?;
+            }
         }
         Ok(())
     }
@@ -212,6 +240,36 @@ impl Locus {
         };
         format!("{begins} ({what})")
     }
+}
+
+/// Values and eigenvalues of states, with a gap where one does not go on as the next.
+fn steps(branch: &Branch, points: &[BranchPoint]) -> Vec<(f64, Vec<Complex<f64>>)> {
+    let mut steps: Vec<(f64, Vec<Complex<f64>>)> = Vec::new();
+    for (index, point) in points.iter().enumerate() {
+        if index > 0 && !branch.joins(&points[index - 1], point) {
+            steps.push((point.value, Vec::new()));
+        }
+        steps.push((point.value, point.eigenvalues.clone()));
+    }
+    steps
+}
+
+/// The orders of `--orders`: 1 and 2 of a speed of rotation unless others are given, none of anything else.
+fn orders(options: &ArgMatches, parameter: &str, unit: &str) -> Result<Vec<f64>, Problem> {
+    let turns = matches!(unit, "rad/s" | "1/s");
+    let Some(text) = options.get_one::<String>("orders") else {
+        return Ok(if turns { vec![1.0, 2.0] } else { Vec::new() });
+    };
+    if !turns && !matches!(unit, "" | "1") {
+        return Err(Problem::Usage(format!(
+            "error: --orders: `{parameter}` has the unit {unit}; orders are multiples of a speed of rotation in rad/s"
+        )));
+    }
+    let order = |text: &str| match text.trim().parse::<f64>() {
+        Ok(order) if order > 0.0 && order.is_finite() => Ok(order),
+        _ => Err(Problem::Usage(format!("error: --orders: `{}` is no positive number", text.trim()))),
+    };
+    text.split(',').map(order).collect()
 }
 
 /// What follows itself once, with how often it does; no more than are printed, and how many there are besides.

@@ -7,9 +7,11 @@
 //! 4. Where constraints lose their rank: look in `dependence.rs`.
 //! 5. Sheets between folds, and which of them comes first at a value: look in `sheets.rs`.
 //! 6. What of the range is left where the branch ends: below.
-//! 7. States between, for paths that are drawn: look in `smooth.rs`.
+//! 7. Critical speeds of what turns: look in `critical.rs`.
+//! 8. States between, for paths that are drawn: look in `smooth.rs`.
 
 mod balance;
+mod critical;
 mod dependence;
 mod sheets;
 mod smooth;
@@ -32,6 +34,7 @@ use threshold::thresholds;
 use walk::{End, Path, Walker};
 
 pub(super) use balance::{Balance, Slopes};
+pub use critical::CriticalSpeed;
 pub(super) use spectrum::Spectrum;
 pub use varied::Varied;
 
@@ -128,6 +131,14 @@ pub struct Branch {
     pub missing: Vec<((f64, f64), LinearError)>,
     /// True where the branch is closed: it returns to its start.
     pub closed: bool,
+}
+
+impl Branch {
+    /// Whether two neighbours among the states that come first at their value belong to one piece of the branch.
+    pub fn joins(&self, a: &BranchPoint, b: &BranchPoint) -> bool {
+        let (low, high) = (a.value.min(b.value), a.value.max(b.value));
+        a.folds == b.folds && !self.changes.iter().any(|change| (low..=high).contains(&change.value))
+    }
 }
 
 /// Follows the equilibrium, or the steady motion, that a guess leads to at the system's present parameters, while one

@@ -74,9 +74,7 @@ impl Branch {
         let mut between = Between { walker, pixel: pixel(&known), left: 100_000 / (1 + size * size / 20) };
         let mut points = vec![(*first).clone()];
         for pair in known.windows(2) {
-            let (low, high) = (pair[0].value.min(pair[1].value), pair[0].value.max(pair[1].value));
-            let leaves = self.changes.iter().any(|change| (low..=high).contains(&change.value));
-            if pair[0].folds == pair[1].folds && !leaves {
+            if self.joins(pair[0], pair[1]) {
                 between.put(pair[0], pair[1], 0, &mut points);
             }
             points.push(pair[1].clone());
