@@ -16,6 +16,7 @@ use crate::linear::{
     Branch, BranchPoint, CriticalSpeed, Equilibrium, Guess, LinearError, Threshold, ThresholdKind,
     campbell as drawn_frequencies, follow, root_locus, short, short_beside,
 };
+use crate::show::Series;
 
 /// Eigenvalues as a parameter or speed goes from one value to another.
 pub struct Locus {
@@ -61,9 +62,12 @@ impl Locus {
             let steps = steps(&branch, &points);
             locus.map_or(Ok(()), |path| outputs::draw(path, root_locus(&parameter, &unit, &steps)))?;
             if let Some(path) = campbell {
-                outputs::draw(path, drawn_frequencies(&parameter, &unit, &steps, &orders))?;
                 let found = branch.critical_speeds(&*loaded.system, &varied, &guess, (&points, &orders));
-                critical = Some(found.map_err(failed)?);
+                let found = found.map_err(failed)?;
+                let chart = drawn_frequencies(&parameter, &unit, &steps, &orders);
+                let marks = Series::marks("critical", found.iter().map(|met| Some((met.value, met.omega))));
+                outputs::draw(path, if found.is_empty() { chart } else { chart.with(marks) })?;
+                critical = Some(found);
             }
         }
         let coordinates = start.coordinates.clone();

@@ -66,25 +66,26 @@ impl Spectrum {
         values.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
         values.drain(..free.min(values.len()));
         let norm = values.iter().fold(0.0_f64, |most, x| most.max(x.norm()));
-        let dissipates = !linear.dissipative().is_zero();
+        // What neither dissipates nor feeds has all eigenvalues on the axis, or in fours about it.
+        let conserves = linear.dissipative().is_zero() && linear.circulatory().is_zero();
         let rounding = REAL_PART * linear.len() as f64 * norm;
         let eigenvalues: Vec<Complex<f64>> = match squares {
             true => {
                 let zeros = std::iter::repeat_n(Complex::new(0.0, 0.0), 2 * free);
                 zeros.chain(values.iter().flat_map(|kappa| both_roots(*kappa))).collect()
             }
-            false if dissipates || !linear.circulatory().is_zero() => linear.eigenvalues()?,
-            false => mirrored(linear.eigenvalues()?, rounding),
+            false if conserves => mirrored(linear.eigenvalues()?, rounding),
+            false => linear.eigenvalues()?,
         };
         values
             .sort_by(|a, b| a.im.abs().total_cmp(&b.im.abs()).then(a.re.total_cmp(&b.re)).then(a.im.total_cmp(&b.im)));
         if symmetric {
             values.sort_by(|a, b| a.re.total_cmp(&b.re));
         }
-        let floor = match (squares, dissipates) {
+        let floor = match (squares, conserves) {
             (true, _) => 0.0,
-            (false, true) => rounding,
-            (false, false) => SPLIT * norm,
+            (false, true) => SPLIT * norm,
+            (false, false) => rounding,
         };
         Ok(Spectrum { values, squares, symmetric, floor, split: SPLIT * norm, eigenvalues })
     }

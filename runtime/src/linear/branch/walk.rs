@@ -20,6 +20,8 @@ const SHORTEST: f64 = 1e-9;
 const CORRECTIONS: usize = 12;
 /// States of one path: some hundred folds, and poles whose coordinates grow by thirty powers of ten, take fewer.
 const MOST_STATES: usize = 10_000;
+/// A walk is lost where so many steps together are no longer than one may be.
+const CRAWLS: usize = 300;
 /// A branch goes to infinity where coordinates that have grown by a factor grow on by another, while the parameter moves by less
 /// than a part of the range.
 const GROWN: f64 = 4.0;
@@ -219,7 +221,9 @@ impl Walker {
         let first = (tangent.clone(), units.clone());
         let mut path = Path { points: vec![start.clone()], turns: Vec::new(), end: End::Lost, before: Vec::new() };
         let mut step = LONGEST;
-        while path.points.len() < MOST_STATES {
+        let mut way = vec![0.0];
+        let crawls = |way: &[f64]| way.len() > CRAWLS && way[way.len() - 1] - way[way.len() - 1 - CRAWLS] < LONGEST;
+        while path.points.len() < MOST_STATES && !crawls(&way) {
             let here = &path.points[path.points.len() - 1];
             let tried = self.step(here, &tangent, &units, step);
             let Some((mut next, mut next_tangent)) = tried else {
@@ -267,6 +271,7 @@ impl Walker {
             }
             let last = &path.points[path.points.len() - 1];
             tangent = self.tangent(last, &next_tangent, &units).unwrap_or(next_tangent);
+            way.push(way[way.len() - 1] + step);
             step = (1.5 * step).min(LONGEST);
         }
         path
@@ -364,7 +369,7 @@ impl Walker {
                 return None;
             }
             // To rounding, as far as steps still help.
-            if largest == 0.0 || (largest <= BALANCED && largest > 0.25 * before) {
+            if largest <= 4.0 * f64::EPSILON || (largest <= BALANCED && largest > 0.25 * before) {
                 return Some(state);
             }
             before = largest;
@@ -433,13 +438,14 @@ impl Walker {
     /// ∂/∂p of the equations by a central difference: it steers, and no result depends on it.
     fn slope(&self, state: &State) -> DVector<f64> {
         let step = 1e-6 * state.value.abs().max(1e-3 * self.width());
-        let [high, low] = [step, -step].map(|step| {
-            self.ask(state.value + step, |balance| {
-                let [left, _] = balance.left(&state.q);
-                left
-            })
-        });
-        ((high - low) * (0.5 / step)).map(|x| if x.is_finite() { x } else { 0.0 })
+        let [high, low] = [step, -step].map(|step| self.ask(state.value + step, |balance| balance.left(&state.q)));
+        let slope = |k: usize| {
+            let change = high[0][k] - low[0][k];
+            // What the equations' rounding makes is no slope.
+            let known = change.is_finite() && change.abs() > BALANCED * high[1][k].max(low[1][k]);
+            if known { change * (0.5 / step) } else { 0.0 }
+        };
+        DVector::from_fn(high[0].len(), |k, _| slope(k))
     }
 
     /// The state of the branch between two of its states, at a part of the way.

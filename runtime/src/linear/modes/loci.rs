@@ -44,6 +44,15 @@ pub fn root_locus(parameter: &str, unit: &str, eigenvalues: &[(f64, Vec<Complex<
 ///
 /// Lines of `orders` show excitation with this many times the speed of rotation, which the parameter must be, in rad/s: where one
 /// meets a frequency, that mode is excited.  Eigenvalues are given as to [`root_locus`].
+///
+/// # Example
+/// ```
+/// use dalembert::linear::campbell;
+/// use nalgebra::Complex;
+/// let whirl = |w: f64| [Complex::new(0.0, (w * w + 1.0).sqrt() + w), Complex::new(0.0, (w * w + 1.0).sqrt() - w)];
+/// let steps: Vec<_> = (0..50).map(|k| 0.1 * f64::from(k)).map(|w| (w, whirl(w).to_vec())).collect();
+/// assert!(campbell("W", "rad/s", &steps, &[1.0]).to_svg().contains("frequency (rad/s)"));
+/// ```
 pub fn campbell(parameter: &str, unit: &str, eigenvalues: &[(f64, Vec<Complex<f64>>)], orders: &[f64]) -> Chart {
     let all = || eigenvalues.iter().flat_map(|(_, list)| list);
     let highest = all().fold(0.0_f64, |most, x| most.max(x.im));
