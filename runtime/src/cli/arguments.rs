@@ -159,8 +159,10 @@ fn modes() -> Command {
         .arg(value("response", "A,B", "What answers: coordinates, rates, outputs [default: all coordinates]"))
         .arg(flag("hertz", "Draw over frequencies in Hz").requires("bode"))
         .arg(value("range", "A..B", "Frequencies of the response, rad/s (or 1 Hz..5 Hz) [default: about those of the modes]"))
-        .arg(many("vary", "NAME=A..B", "Follow the equilibrium or steady motion and its eigenvalues while a parameter, or a speed (phi'), changes; find folds and where stability changes"))
-        .arg(picture("locus", "Draw them"))
+        .arg(many("vary", "NAME=A..B", "Follow the equilibrium or steady motion and its eigenvalues while a parameter, or a speed (phi'), changes; find folds, poles and where stability changes; windows of instability of any width are found where what varies is smooth over 1/64 of the range, otherwise take a narrower one"))
+        .arg(picture("locus", "Draw the eigenvalues of --vary in the complex plane"))
+        .arg(picture("campbell", "Draw the frequencies over what --vary changes (Campbell diagram), with a line for each order of a speed of rotation, and list critical speeds, where these meet").requires("vary"))
+        .arg(value("orders", "1,2", "Multiples of the speed of rotation that excite [default: 1 and 2 where --vary changes one in rad/s]").requires("campbell"))
         .arg(flag("here", "Take that point as it is, and refuse it if it is no equilibrium"))
         .arg(flag("json", "Print one JSON object"))
 }

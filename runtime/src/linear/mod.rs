@@ -36,7 +36,7 @@ mod typed;
 
 pub use crate::error::{LinearError, Residual};
 pub use crate::numbers::{short, short_beside};
-pub use branch::{Branch, BranchPoint, Change, Threshold, ThresholdKind, Varied, follow};
+pub use branch::{Branch, BranchPoint, Change, CriticalSpeed, Threshold, ThresholdKind, Varied, follow};
 pub use constrained::{Constrained, linearise_constrained, linearise_driven, steady_coordinates};
 #[cfg(feature = "modal")]
 pub use constrained::{Tangent, linearise_tangent};
@@ -54,7 +54,8 @@ pub use matrices::{LinearMechanism, SparseMatrix, expm};
 #[cfg(feature = "modal")]
 pub use modes::{ComplexModes, FirstOrder, Stability, complex_modes, first_order_modes};
 pub use modes::{
-    DiagonalDamping, Kind, Mode, Reduction, animate_mode, draw_modes, normal_modes, proportional_damping, root_locus,
+    DiagonalDamping, Kind, Mode, Reduction, animate_mode, campbell, draw_modes, normal_modes, proportional_damping,
+    root_locus,
 };
 pub use rigid::{Part, name_free_modes};
 pub use typed::Linearise;

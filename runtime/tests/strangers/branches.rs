@@ -1,1 +1,153 @@
 //! Branches of equilibria, thresholds, root loci.
+
+use serde_json::Value;
+
+use super::{folder, printed, program};
+
+fn json(name: &str, arguments: &[&str]) -> Value {
+    let text = printed("modes", name, &[arguments, &["--json"]].concat());
+    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{text}: {error}"))
+}
+
+/// Of x'' + ∂V/∂x = 0 with one parameter p, from a guess.
+fn potential(name: &str, (start, guess): (f64, f64), energy: &str, range: &str) -> Value {
+    let text = format!(
+        "name: T\nparameters: {{p: {start}}}\ncoordinates: {{x: 1}}\nkinetic_energy: x'^2/2\n\
+         potential_energy: \"{energy}\"\nequilibrium: {{x: {guess}}}\nscene: {{start: {{x: 1}}, until: 1}}\n"
+    );
+    let file = folder("branches").join(format!("{name}.yaml"));
+    std::fs::write(&file, text).expect("a file");
+    let range = format!("p={range}");
+    let out = program(&["modes", file.to_str().expect("a path"), "--vary", &range, "--json"]);
+    serde_json::from_str(&out.unwrap_or_else(|error| panic!("{name}: {error}"))).expect("JSON")
+}
+
+fn limits(found: &Value) -> Vec<(f64, String)> {
+    let list = found["locus"]["limits"].as_array().expect("limits").iter();
+    list.map(|limit| (limit["value"].as_f64().unwrap(), limit["kind"].as_str().unwrap().to_owned())).collect()
+}
+
+fn expect(found: &Value, expected: &[(f64, &str)]) {
+    let limits = limits(found);
+    let same = |(a, b): (&(f64, String), &(f64, &str))| (a.0 - b.0).abs() <= 1e-9 && a.1 == b.1;
+    let all = limits.len() == expected.len() && limits.iter().zip(expected).all(same);
+    assert!(all, "{limits:?} is not {expected:?}");
+}
+
+fn last_state(found: &Value) -> [f64; 2] {
+    let step = found["locus"]["steps"].as_array().expect("steps").last().expect("a state").clone();
+    [&step["value"], &step["equilibrium"]["x"]].map(|x| x.as_f64().expect("a number"))
+}
+
+#[test]
+fn an_s_curve_was_left_behind_its_first_fold() {
+    let found = json("s_curve", &["--vary", "p=-1..1"]);
+    let fold = 2.0 / 27.0_f64.sqrt();
+    expect(&found, &[(-fold, "fold"), (fold, "fold")]);
+    let [p, x] = last_state(&found);
+    assert!(p == 1.0 && (x.powi(3) - x - 1.0).abs() < 1e-12, "{p} {x}");
+    assert_eq!(found["locus"]["missing"].as_array().unwrap().len(), 0);
+    // x³ + x = p has no fold; x² = p ends at one, and that is said.
+    expect(&potential("monotone", (-1.0, -0.7), "x^4/4 + x^2/2 - p*x", "-1..1"), &[]);
+    let ends = potential("fold", (1.0, 1.0), "x^3/3 - p*x", "-1..1");
+    expect(&ends, &[(0.0, "fold")]);
+    assert_eq!(ends["locus"]["missing"].as_array().unwrap().len(), 1);
+}
+
+/// x/10 + sin x = p folds where cos x = −1/10, twelve times between −3 and 3.
+#[test]
+fn a_curve_of_twelve_folds_is_followed_to_both_ends() {
+    let found = potential("many", (0.0, 0.0), "x^2/20 - cos(x) - p*x", "-3..3");
+    let at = (-0.1_f64).acos();
+    let folds = (0..3).flat_map(|k| {
+        let turn = f64::from(k) * std::f64::consts::TAU;
+        [0.1 * (at + turn) + at.sin(), 0.1 * (std::f64::consts::TAU - at + turn) - at.sin()]
+    });
+    let mut expected: Vec<(f64, &str)> = folds.flat_map(|p| [(p, "fold"), (-p, "fold")]).collect();
+    expected.sort_by(|a, b| a.0.total_cmp(&b.0));
+    expect(&found, &expected);
+    assert_eq!(last_state(&found)[0], 3.0);
+}
+
+#[test]
+fn folds_were_told_at_a_pole() {
+    let found = json("pole_of_a_branch", &["--vary", "s=0..2"]);
+    expect(&found, &[(1.0, "pole")]);
+    assert!(printed("modes", "pole_of_a_branch", &["--vary", "s=0..2"]).contains("s = 1: x grows beyond all bounds"));
+    expect(&potential("double_pole", (0.0, 1.0), "(1-p)^2*x^2/2 - x", "0..2"), &[(1.0, "pole")]);
+    expect(&potential("root_pole", (0.0, 1.0), "(1-p)*x^4/4 - x^2/2", "0..2"), &[(1.0, "pole")]);
+    expect(&potential("log_pole", (0.0, 0.0), "exp(-x) + (1-p)*x", "0..2"), &[(1.0, "pole")]);
+    // Before the pole there is nothing, and what is merely steep has none.
+    expect(&json("pole_of_a_branch", &["--vary", "s=0..0.9"]), &[]);
+    expect(&potential("steep", (0.0, 0.0), "x^2/2 - 1e6*p*x", "-1..1"), &[]);
+}
+
+#[test]
+fn a_pitchfork_at_nought_was_printed_as_4e_6() {
+    let found = potential("pitchfork", (1.0, 1.0), "x^4/4 - p*x^2/2", "-1..1");
+    let [(value, kind)] = &limits(&found)[..] else { panic!("{found}") };
+    assert!(value.abs() <= 2e-12 && kind == "bifurcation", "{value} {kind}");
+    let shifted = potential("shifted", (3.0, 2.0), "(x-1)^4/4 - (p-2)*(x-1)^2/2", "1..3");
+    let [(value, kind)] = &limits(&shifted)[..] else { panic!("{shifted}") };
+    assert!((value - 2.0).abs() <= 1e-10 && kind == "bifurcation", "{value} {kind}");
+    expect(&potential("trivial", (-1.0, 0.0), "x^4/4 - p*x^2/2", "-1..1"), &[(0.0, "divergence")]);
+    expect(&potential("broken", (1.0, 1.0), "x^4/4 - p*x^2/2 - 0.01*x", "-1..1"), &[]);
+    expect(&potential("transcritical", (1.0, 1.0), "x^3/3 - p*x^2/2", "-1..1"), &[(0.0, "divergence")]);
+}
+
+#[test]
+fn a_closed_branch_went_round_eight_times() {
+    let found = potential("circle", (0.0, 1.0), "x^3/3 + (p^2-1)*x", "-2..2");
+    expect(&found, &[(-1.0, "fold"), (1.0, "fold")]);
+    assert_eq!(found["locus"]["closed"], true);
+    assert_eq!(found["locus"]["missing"].as_array().unwrap().len(), 2);
+    assert!(found["locus"]["steps"].as_array().unwrap().iter().all(|step| step["growing"] == 0));
+}
+
+#[test]
+fn a_growing_pair_that_splits_on_the_real_axis_was_told_as_one_more() {
+    expect(&json("growing_pair_splits", &["--vary", "c=1..3"]), &[]);
+    // From damped to growing a pair does cross.
+    let (value, kind) = limits(&json("growing_pair_splits", &["--vary", "c=-1..3"]))[0].clone();
+    assert!(value.abs() < 1e-12 && kind == "flutter", "{value} {kind}");
+}
+
+#[test]
+fn a_window_of_divergence_touched_from_one_side_was_missed() {
+    for range in ["s=0.5..2.01", "s=0..2", "s=0.3..1.9"] {
+        let found = json("narrow_divergence", &["--vary", range]);
+        expect(&found, &[(0.9999, "divergence"), (1.0001, "divergence")]);
+    }
+    expect(
+        &potential("narrower", (0.5, 0.0), "((p-1)^2 - 1e-12)*x^2/2", "0.5..2.01"),
+        &[(1.0 - 1e-6, "divergence"), (1.0 + 1e-6, "divergence")],
+    );
+    // What only touches, but for rounding, grows nowhere, and what comes near does not either.
+    expect(&potential("touches", (0.5, 0.0), "(p^2 - 2*p + 1)*x^2/2", "0.5..2.01"), &[]);
+    expect(&potential("near", (0.5, 0.0), "((p-1)^2 + 1e-12)*x^2/2", "0.5..2.01"), &[]);
+}
+
+/// (J + Jp) W² = k, 4 J W² ± 2 Jp W² = k: where whirl has once or twice the speed.
+#[test]
+fn a_root_locus_was_scaled_to_rounding_and_there_was_no_campbell_diagram() {
+    let file = |name: &str| folder("branches").join(name).to_str().expect("a path").to_owned();
+    let (locus, campbell) = (file("locus.svg"), file("campbell.svg"));
+    let found = json("gyroscopic_disc", &["--vary", "W=0..1000", "--locus", &locus, "--campbell", &campbell]);
+    for step in found["locus"]["steps"].as_array().unwrap() {
+        assert!(step["eigenvalues"].as_array().unwrap().iter().all(|x| x[0] == 0.0), "{step}");
+    }
+    let drawn = |path: &str| std::fs::read_to_string(path).expect("a picture");
+    assert!(drawn(&locus).contains("\n100\n"), "the axis of real parts ends near ±0.1 of the largest eigenvalue");
+    assert!(drawn(&campbell).contains("frequency (rad/s)") && drawn(&campbell).contains("W (rad/s)"));
+    let expected = [(1e4 / 0.76_f64, 2.0), (1e4 / 0.28, 1.0), (1e4 / 0.04, 2.0)];
+    let critical = found["locus"]["critical_speeds"].as_array().unwrap();
+    assert_eq!(critical.len(), expected.len(), "{critical:?}");
+    for (met, (square, order)) in critical.iter().zip(expected) {
+        let value = met["value"].as_f64().unwrap();
+        assert!((value / square.sqrt() - 1.0).abs() < 1e-10 && met["order"] == order, "{met}");
+    }
+    let path = super::stranger("gyroscopic_disc");
+    let refused =
+        program(&["modes", path.to_str().unwrap(), "--vary", "k=1..2", "--campbell", &campbell, "--orders", "1"]);
+    assert!(refused.unwrap_err().contains("`k` has the unit N*m"));
+}

@@ -1,4 +1,4 @@
-//! `--vary` and `--locus`: eigenvalues as a parameter or a speed changes.
+//! `--vary`, `--locus` and `--campbell`: eigenvalues as a parameter or a speed changes.
 
 use std::io::Write;
 
@@ -13,8 +13,10 @@ use super::super::{Problem, outputs};
 use super::failed;
 use super::steady::Speeds;
 use crate::linear::{
-    Branch, BranchPoint, Equilibrium, Guess, Threshold, ThresholdKind, follow, root_locus, short, short_beside,
+    Branch, BranchPoint, CriticalSpeed, Equilibrium, Guess, LinearError, Threshold, ThresholdKind,
+    campbell as drawn_frequencies, follow, root_locus, short, short_beside,
 };
+use crate::show::Series;
 
 /// Eigenvalues as a parameter or speed goes from one value to another.
 pub struct Locus {
@@ -23,6 +25,8 @@ pub struct Locus {
     range: (f64, f64),
     coordinates: Vec<String>,
     branch: Branch,
+    /// Where orders of the speed meet frequencies; `None` where nobody asks.
+    critical: Option<Vec<CriticalSpeed>>,
 }
 
 impl Locus {
@@ -50,12 +54,24 @@ impl Locus {
         // Speeds that follow from others go on following.
         let guess = Guess { v: speeds.v.clone(), ..start.guess() };
         let branch = follow(&*loaded.system, &varied, range, &guess).map_err(failed)?;
-        if let Some(path) = options.get_one::<String>("locus") {
+        let orders = orders(options, &parameter, &unit)?;
+        let [locus, campbell] = ["locus", "campbell"].map(|name| options.get_one::<String>(name));
+        let mut critical = None;
+        if locus.or(campbell).is_some() {
             let points = branch.smooth(&*loaded.system, &varied, &guess).map_err(failed)?;
-            let steps: Vec<_> = points.into_iter().map(|point| (point.value, point.eigenvalues)).collect();
-            outputs::draw(path, root_locus(&parameter, &unit, &steps))?;
+            let steps = steps(&branch, &points);
+            locus.map_or(Ok(()), |path| outputs::draw(path, root_locus(&parameter, &unit, &steps)))?;
+            if let Some(path) = campbell {
+                let found = branch.critical_speeds(&*loaded.system, &varied, &guess, (&points, &orders));
+                let found = found.map_err(failed)?;
+                let chart = drawn_frequencies(&parameter, &unit, &steps, &orders);
+                let marks = Series::marks("critical", found.iter().map(|met| Some((met.value, met.omega))));
+                outputs::draw(path, if found.is_empty() { chart } else { chart.with(marks) })?;
+                critical = Some(found);
+            }
         }
-        Ok(Some(Locus { parameter, unit, range, coordinates: start.coordinates.clone(), branch }))
+        let coordinates = start.coordinates.clone();
+        Ok(Some(Locus { parameter, unit, range, coordinates, branch, critical }))
     }
 
     /// The states of the branch itself, without those behind folds.
@@ -93,6 +109,7 @@ impl Locus {
             object([
                 ("value", number(point.value)),
                 ("equilibrium", object(state)),
+                ("folds", json!(point.folds)),
                 ("growing", json!(point.growing)),
                 ("eigenvalues", list.into()),
             ])
@@ -112,10 +129,21 @@ impl Locus {
             let state = |q: &[f64]| object(self.coordinates.iter().cloned().zip(q.iter().map(|q| number(*q))));
             object([("value", number(change.value)), ("from", state(&change.from)), ("to", state(&change.to))])
         };
+        let missing = |((low, high), error): &((f64, f64), LinearError)| {
+            object([("from", number(*low)), ("to", number(*high)), ("why", json!(error.to_string()))])
+        };
+        let met = |critical: &CriticalSpeed| {
+            let CriticalSpeed { value, order, omega, decay } = *critical;
+            let numbers = [("value", value), ("order", order), ("omega", omega), ("decay", decay)];
+            object(numbers.map(|(name, x)| (name, number(x))))
+        };
         let locus = object([
             ("parameter", json!(self.parameter)),
             ("limits", self.branch.thresholds.iter().map(limit).collect::<Vec<_>>().into()),
             ("changes", self.branch.changes.iter().map(change).collect::<Vec<_>>().into()),
+            ("missing", self.branch.missing.iter().map(missing).collect::<Vec<_>>().into()),
+            ("closed", json!(self.branch.closed)),
+            ("critical_speeds", self.critical.as_ref().map_or(Value::Null, |list| list.iter().map(met).collect())),
             ("steps", self.steps().map(step).collect::<Vec<_>>().into()),
         ]);
         ("locus", locus)
@@ -140,7 +168,21 @@ impl Locus {
         }
         for threshold in thresholds {
             let behind = if threshold.folded { ", behind a fold" } else { "" };
-            writeln!(out, "  {}: {}{behind}", self.exactly(threshold.value), told(threshold, rising))?;
+            writeln!(out, "  {}: {}{behind}", self.exactly(threshold.value), self.told(threshold))?;
+        }
+        if self.branch.closed {
+            writeln!(out, "  the branch is closed: it returns to where it began")?;
+        }
+        let met =
+            |critical: &CriticalSpeed| format!("{}: order {}", self.exactly(critical.value), short(critical.order));
+        if let Some(critical) = &self.critical {
+            writeln!(out, "critical speeds, where a frequency is a multiple (order) of {}:", self.parameter)?;
+            for line in counted(critical.iter().map(met)) {
+                writeln!(out, "  {line}")?;
+            }
+            if critical.is_empty() {
+                writeln!(out, "  none in this range")?;
+            }
         }
         Ok(())
     }
@@ -150,44 +192,88 @@ impl Locus {
     }
 
     fn value(&self, value: f64) -> String {
-        format!("{} = {} {}", self.parameter, short(value), self.unit()).trim_end().to_owned()
+        let shown = if self.is_zero(value) { 0.0 } else { value };
+        format!("{} = {} {}", self.parameter, short(shown), self.unit()).trim_end().to_owned()
+    }
+
+    /// What is no more than rounding of the range.
+    fn is_zero(&self, value: f64) -> bool {
+        value.abs() <= 1e-12 * (self.range.1 - self.range.0).abs()
     }
 
     /// With ten digits, as thresholds deserve.
     fn exactly(&self, value: f64) -> String {
-        let width = (self.range.1 - self.range.0).abs();
-        let text = match value.abs() <= 1e-12 * width {
+        let text = match self.is_zero(value) {
             true => "0".to_owned(),
             false => format!("{value:.9e}").parse::<f64>().map_or_else(|_| short(value), |rounded| rounded.to_string()),
         };
         format!("{} = {text} {}", self.parameter, self.unit()).trim_end().to_owned()
     }
+
+    /// What happens at a threshold, on the way through the range.
+    fn told(&self, threshold: &Threshold) -> String {
+        let rising = self.range.0 <= self.range.1;
+        let Threshold { kind, growing: [below, above], omega, .. } = *threshold;
+        let row = threshold.constraint.as_deref().unwrap_or_default();
+        let (before, after) = if rising { (below, above) } else { (above, below) };
+        let what = match kind {
+            ThresholdKind::Dependence => {
+                return format!(
+                    "the constraint `{row}` depends on others here: the mechanism may go on in another shape"
+                );
+            }
+            ThresholdKind::Fold if threshold.constraint.is_some() => {
+                return format!("the branch folds back: beyond, `{row}` and other constraints cannot be met");
+            }
+            ThresholdKind::Fold => return "the branch folds back".to_owned(),
+            ThresholdKind::Pole => {
+                let name = threshold.coordinate.and_then(|index| self.coordinates.get(index));
+                return format!("{} grows beyond all bounds (pole)", name.map_or("a coordinate", String::as_str));
+            }
+            ThresholdKind::Bifurcation => return "the branch meets another and turns back (bifurcation)".to_owned(),
+            ThresholdKind::Divergence => "divergence".to_owned(),
+            ThresholdKind::Flutter => format!("flutter, {} rad/s", short(omega)),
+        };
+        let begins = match (before, after) {
+            _ if !threshold.crosses && after > before => "growth goes on and oscillates no more",
+            _ if !threshold.crosses => "growth goes on and oscillates from here on",
+            (0, _) => "a motion begins to grow",
+            (_, 0) => "growth ends",
+            (before, after) if after > before => "one more motion begins to grow",
+            _ => "one motion ceases to grow",
+        };
+        format!("{begins} ({what})")
+    }
 }
 
-/// What happens at a threshold, on the way through the range.
-fn told(threshold: &Threshold, rising: bool) -> String {
-    let Threshold { kind, growing: [below, above], omega, .. } = *threshold;
-    let row = threshold.constraint.as_deref().unwrap_or_default();
-    let (before, after) = if rising { (below, above) } else { (above, below) };
-    let what = match kind {
-        ThresholdKind::Dependence => {
-            return format!("the constraint `{row}` depends on others here: the mechanism may go on in another shape");
+/// Values and eigenvalues of states, with a gap where one does not go on as the next.
+fn steps(branch: &Branch, points: &[BranchPoint]) -> Vec<(f64, Vec<Complex<f64>>)> {
+    let mut steps: Vec<(f64, Vec<Complex<f64>>)> = Vec::new();
+    for (index, point) in points.iter().enumerate() {
+        if index > 0 && !branch.joins(&points[index - 1], point) {
+            steps.push((point.value, Vec::new()));
         }
-        ThresholdKind::Fold if threshold.constraint.is_some() => {
-            return format!("the branch folds back: beyond, `{row}` and other constraints cannot be met");
-        }
-        ThresholdKind::Fold => return "the branch folds back".to_owned(),
-        ThresholdKind::Bifurcation => return "the branch meets another and turns back (bifurcation)".to_owned(),
-        ThresholdKind::Divergence => "divergence".to_owned(),
-        ThresholdKind::Flutter => format!("flutter, {} rad/s", short(omega)),
+        steps.push((point.value, point.eigenvalues.clone()));
+    }
+    steps
+}
+
+/// The orders of `--orders`: 1 and 2 of a speed of rotation unless others are given, none of anything else.
+fn orders(options: &ArgMatches, parameter: &str, unit: &str) -> Result<Vec<f64>, Problem> {
+    let turns = matches!(unit, "rad/s" | "1/s");
+    let Some(text) = options.get_one::<String>("orders") else {
+        return Ok(if turns { vec![1.0, 2.0] } else { Vec::new() });
     };
-    let begins = match (before, after) {
-        (0, _) => "a motion begins to grow",
-        (_, 0) => "growth ends",
-        (before, after) if after > before => "one more motion begins to grow",
-        _ => "one motion ceases to grow",
+    if !turns && !matches!(unit, "" | "1") {
+        return Err(Problem::Usage(format!(
+            "error: --orders: `{parameter}` has the unit {unit}; orders are multiples of a speed of rotation in rad/s"
+        )));
+    }
+    let order = |text: &str| match text.trim().parse::<f64>() {
+        Ok(order) if order > 0.0 && order.is_finite() => Ok(order),
+        _ => Err(Problem::Usage(format!("error: --orders: `{}` is no positive number", text.trim()))),
     };
-    format!("{begins} ({what})")
+    text.split(',').map(order).collect()
 }
 
 /// What follows itself once, with how often it does; no more than are printed, and how many there are besides.

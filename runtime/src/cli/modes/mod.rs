@@ -34,7 +34,7 @@ use motion::Compared;
 use steady::Speeds;
 
 /// Options that draw.
-const PICTURES: [&str; 4] = ["plot", "motion", "bode", "locus"];
+const PICTURES: [&str; 5] = ["plot", "motion", "bode", "locus", "campbell"];
 /// Matrices with more coordinates are not printed for people.
 const MOST_PRINTED: usize = 12;
 

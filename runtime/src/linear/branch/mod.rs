@@ -5,11 +5,15 @@
 //! 2. Pseudo-arclength continuation: look in `walk.rs`.
 //! 3. Eigenvalues along it, and between which two states of it stability changes: look in `threshold.rs`.
 //! 4. Where constraints lose their rank: look in `dependence.rs`.
-//! 5. What of the range is left where the branch turns back: below.
-//! 6. States between, for paths that are drawn: look in `smooth.rs`.
+//! 5. Sheets between folds, and which of them comes first at a value: look in `sheets.rs`.
+//! 6. What of the range is left where the branch ends: below.
+//! 7. Critical speeds of what turns: look in `critical.rs`.
+//! 8. States between, for paths that are drawn: look in `smooth.rs`.
 
 mod balance;
+mod critical;
 mod dependence;
+mod sheets;
 mod smooth;
 mod spectrum;
 mod threshold;
@@ -25,10 +29,12 @@ use super::equilibrium::Guess;
 use super::{LinearError, constrained};
 use crate::mechanism::System;
 use balance::Free;
+use sheets::Cover;
 use threshold::thresholds;
 use walk::{End, Path, Walker};
 
 pub(super) use balance::{Balance, Slopes};
+pub use critical::CriticalSpeed;
 pub(super) use spectrum::Spectrum;
 pub use varied::Varied;
 
@@ -43,7 +49,9 @@ pub struct BranchPoint {
     pub eigenvalues: Vec<Complex<f64>>,
     /// How many modes grow.
     pub growing: usize,
-    /// True behind a fold: at this value the branch has another state too.
+    /// How many folds lie between it and where the branch was entered.
+    pub folds: usize,
+    /// True behind a fold: the branch has another state at this value, with fewer folds before it.
     pub folded: bool,
 }
 
@@ -58,6 +66,8 @@ pub enum ThresholdKind {
     Fold,
     /// The branch turns back where it meets another, its mirror image.
     Bifurcation,
+    /// The branch goes to infinity: coordinates grow beyond all bounds as the parameter comes near this value.
+    Pole,
     /// Constraints that are independent near by depend on each other: branches of other shapes of the mechanism may pass.
     Dependence,
 }
@@ -70,6 +80,7 @@ impl ThresholdKind {
             ThresholdKind::Divergence => "divergence",
             ThresholdKind::Fold => "fold",
             ThresholdKind::Bifurcation => "bifurcation",
+            ThresholdKind::Pole => "pole",
             ThresholdKind::Dependence => "dependence",
         }
     }
@@ -86,10 +97,14 @@ pub struct Threshold {
     pub growing: [usize; 2],
     /// The frequency of what begins or ends to grow, rad/s; 0 but for flutter.
     pub omega: f64,
+    /// True where eigenvalues cross the imaginary axis; false where a growing pair splits into two real ones, too.
+    pub crosses: bool,
     /// True behind a fold.
     pub folded: bool,
     /// A row of the constraints that depends on others here; at a fold, that beyond it they cannot be met.
     pub constraint: Option<String>,
+    /// The index of the coordinate that grows beyond all bounds, at a pole.
+    pub coordinate: Option<usize>,
 }
 
 /// Where one branch ends and another had to be taken.
@@ -106,14 +121,24 @@ pub struct Change {
 /// An equilibrium, or a steady motion, as a parameter or speed goes through a range.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Branch {
-    /// States, in the direction of the range; those behind folds at the end.
+    /// States, in the direction of the range; those behind folds, where the branch has been before, at the end.
     pub points: Vec<BranchPoint>,
     /// Thresholds, by rising value.
     pub thresholds: Vec<Threshold>,
     /// Where it had to change branch.
     pub changes: Vec<Change>,
-    /// The part of the range without equilibrium, and why.
-    pub missing: Option<((f64, f64), LinearError)>,
+    /// Parts of the range without equilibrium, and why.
+    pub missing: Vec<((f64, f64), LinearError)>,
+    /// True where the branch is closed: it returns to its start.
+    pub closed: bool,
+}
+
+impl Branch {
+    /// Whether two neighbours among the states that come first at their value belong to one piece of the branch.
+    pub fn joins(&self, a: &BranchPoint, b: &BranchPoint) -> bool {
+        let (low, high) = (a.value.min(b.value), a.value.max(b.value));
+        a.folds == b.folds && !self.changes.iter().any(|change| (low..=high).contains(&change.value))
+    }
 }
 
 /// Follows the equilibrium, or the steady motion, that a guess leads to at the system's present parameters, while one
@@ -144,19 +169,50 @@ pub fn follow<S: System + ?Sized>(
     let first = present.clamp(range.0, range.1);
     let (start, left) = walker.towards(present, first, found)?;
     branch.changes.extend(left.map(|left| Change { value: left.value, from: left.q, to: start.clone() }));
-    for direction in [-1.0, 1.0] {
-        collect(&walker, State { q: start.clone(), value: first }, direction, &mut branch)?;
+    let start = State { q: start, value: first };
+    let mut paths = Vec::new();
+    for (direction, bound) in [(-1.0, range.0), (1.0, range.1)] {
+        if start.value == bound {
+            continue;
+        }
+        let path = walker.walk(&start, direction);
+        branch.closed = matches!(path.end, End::Closed);
+        if branch.closed {
+            paths = Vec::from(path.halved());
+            break;
+        }
+        paths.push(path);
     }
-    let rising = from <= to;
+    let mut cover = Cover::none();
+    sheets::order(&mut paths, &mut cover);
+    for direction in [-1.0, 1.0] {
+        beyond(&walker, direction, &mut paths, &mut cover, &mut branch);
+    }
+    paths.iter().for_each(|path| thresholds(&walker, path, &mut branch));
+    arranged(&mut branch, from <= to);
+    match (branch.missing.first(), branch.points.is_empty()) {
+        (Some((_, error)), true) => Err(error.clone()),
+        _ => Ok(branch),
+    }
+}
+
+/// States in their order, and how many modes grow on both sides of a pole, which lie on different paths.
+fn arranged(branch: &mut Branch, rising: bool) {
     branch.points.sort_by(|a, b| {
         let by_value = a.value.total_cmp(&b.value);
         a.folded.cmp(&b.folded).then(if rising { by_value } else { by_value.reverse() })
     });
-    branch.points.dedup_by(|a, b| a.value == b.value && a.folded == b.folded);
+    branch.points.dedup_by(|a, b| a.value == b.value && a.folded == b.folded && a.folds == b.folds);
     branch.thresholds.sort_by(|a, b| a.value.total_cmp(&b.value));
-    match (&branch.missing, branch.points.is_empty()) {
-        (Some((_, error)), true) => Err(error.clone()),
-        _ => Ok(branch),
+    let first = |points: &mut dyn Iterator<Item = &BranchPoint>, sign: f64| {
+        points.min_by(|a, b| (sign * a.value).total_cmp(&(sign * b.value))).map(|point| point.growing)
+    };
+    for pole in branch.thresholds.iter_mut().filter(|threshold| threshold.kind == ThresholdKind::Pole) {
+        let at = pole.value;
+        let own = || branch.points.iter().filter(|point| !point.folded);
+        let below = first(&mut own().filter(|point| point.value < at), -1.0);
+        let above = first(&mut own().filter(|point| point.value > at), 1.0);
+        pole.growing = [below.unwrap_or(pole.growing[0]), above.unwrap_or(pole.growing[1])];
     }
 }
 
@@ -169,35 +225,31 @@ fn balance<S: System + ?Sized>(system: &S, varied: &Varied, guess: &Guess) -> Re
     }
 }
 
-/// Follows in one direction to the end of the range, from branch to branch.
-fn collect(walker: &Walker, mut start: State, direction: f64, branch: &mut Branch) -> Result<(), LinearError> {
+/// Where a branch does not reach an end of the range, on by other branches as far as there are any.
+fn beyond(walker: &Walker, direction: f64, paths: &mut Vec<Path>, cover: &mut Cover, branch: &mut Branch) {
     let (low, high) = walker.range;
-    let bound = if direction > 0.0 { high } else { low };
     // A branch that ends is left for another one; more than a few are a sign of something else.
     for _ in 0..8 {
-        if start.value == bound && !branch.points.is_empty() {
-            return Ok(());
+        if cover.contains(if direction > 0.0 { high } else { low }) {
+            return;
         }
-        let Path { points, turns, end } = walker.walk(&start, direction);
-        thresholds(walker, &points, &turns, branch);
-        let last = match (turns.first(), end) {
-            (None, End::Range) => return Ok(()),
-            (Some(turn), _) => turn.at.clone(),
-            (None, _) => points[points.len() - 1].clone(),
-        };
-        let rest = if direction > 0.0 { (last.value, high) } else { (low, last.value) };
+        let ends = paths.iter().flat_map(Path::ends);
+        let Some(last) = ends.max_by(|a, b| (direction * a.value).total_cmp(&(direction * b.value))) else { return };
+        let last = last.clone();
         match walker.another(&last, direction) {
             Ok(next) => {
-                branch.changes.push(Change { value: last.value, from: last.q, to: next.q.clone() });
-                start = next;
+                let mut path = [walker.walk(&next, direction)];
+                branch.changes.push(Change { value: last.value, from: last.q, to: next.q });
+                sheets::order(&mut path, cover);
+                paths.extend(path);
             }
             Err(error) => {
-                branch.missing = branch.missing.take().or(Some((rest, error)));
-                return Ok(());
+                let rest = if direction > 0.0 { (last.value, high) } else { (low, last.value) };
+                branch.missing.push((rest, error));
+                return;
             }
         }
     }
-    Ok(())
 }
 
 /// A state (q, p) of the branch.

@@ -19,12 +19,12 @@ const AMBIGUOUS: f64 = 0.5;
 const DEEPEST: u32 = 40;
 
 impl Branch {
-    /// The states of the branch itself, without those behind folds, and as many more between them as smooth paths of
+    /// The states of the branch that come first at their value, without those behind folds, and as many more between them as smooth paths of
     /// eigenvalues take: from one state to the next paths turn by no more than some 3°, or eigenvalues move by less than a
     /// pixel of a picture that shows all of them, and none is taken for another, through collisions too.
     ///
-    /// `system`, `parameter` and `guess` are those of [`follow`](super::follow).  Where another branch had to be taken nothing
-    /// is put between.
+    /// `system`, `parameter` and `guess` are those of [`follow`](super::follow).  Where another branch had to be taken, or
+    /// the branch goes on behind folds, nothing is put between.
     ///
     /// # Errors
     /// [`LinearError::WrongSize`] for a parameter that does not exist; numbers that are not finite.
@@ -74,8 +74,7 @@ impl Branch {
         let mut between = Between { walker, pixel: pixel(&known), left: 100_000 / (1 + size * size / 20) };
         let mut points = vec![(*first).clone()];
         for pair in known.windows(2) {
-            let (low, high) = (pair[0].value.min(pair[1].value), pair[0].value.max(pair[1].value));
-            if !self.changes.iter().any(|change| (low..=high).contains(&change.value)) {
+            if self.joins(pair[0], pair[1]) {
                 between.put(pair[0], pair[1], 0, &mut points);
             }
             points.push(pair[1].clone());
@@ -127,7 +126,7 @@ impl Between {
             return None;
         }
         let spectrum = self.walker.spectrum(&middle).ok()?;
-        Some(spectrum.point(middle, false))
+        Some(spectrum.point(middle, a.folds, false))
     }
 
     /// Whether no eigenvalue moves by more than a pixel.

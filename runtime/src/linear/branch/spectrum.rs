@@ -4,13 +4,29 @@ use nalgebra::{Complex, DMatrix};
 
 use super::{BranchPoint, State};
 use crate::linear::matrices::{Scaled, cholesky, null_space, symmetric_eigen};
+use crate::linear::modes::matched;
 use crate::linear::{LinearError, Linearised};
 use crate::matrix::is_symmetric;
 
 /// Parts of an eigenvalue below this are what rounding makes of a double one.
 const SPLIT: f64 = 1e-7;
-/// Parts below this are rounding of eigenvalues that are not double.
+/// Parts below this are rounding of eigenvalues that are not double, nor double with one shape.
 const ROUNDING: f64 = 1e-12;
+/// Real parts up to this many roundings of the largest eigenvalue, for each coordinate, are rounding.
+const REAL_PART: f64 = 64.0 * f64::EPSILON;
+/// κ nearer to 0 than this part of what the κ nearest to 0 is elsewhere on the branch is rounding.
+const STIFFNESS: f64 = 16.0 * f64::EPSILON;
+/// What vanishes this near to a piece of the branch, in lengths of the piece, may do so in it.
+const REACH: f64 = 0.25;
+
+/// What is told from rounding.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::linear) enum Measure {
+    /// What no rounding makes.
+    Coarse,
+    /// As much as can be: by it a change is located that the coarse measure has shown.
+    Fine,
+}
 
 /// λ, or where no force depends on speed κ = −λ², the eigenvalues of M⁻¹K: these do not turn back where two meet.
 #[derive(Clone, Debug)]
@@ -20,8 +36,10 @@ pub(in crate::linear) struct Spectrum {
     squares: bool,
     /// Symmetric: eigenvalues are real, and may pass each other.
     symmetric: bool,
-    /// Real parts up to this are rounding.
+    /// Real parts, or κ, up to this are rounding.
     floor: f64,
+    /// Differences of two values up to this are what rounding makes of a double one.
+    split: f64,
     /// All λ.
     pub eigenvalues: Vec<Complex<f64>>,
 }
@@ -48,53 +66,111 @@ impl Spectrum {
         values.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
         values.drain(..free.min(values.len()));
         let norm = values.iter().fold(0.0_f64, |most, x| most.max(x.norm()));
+        // What neither dissipates nor feeds has all eigenvalues on the axis, or in fours about it.
+        let conserves = linear.dissipative().is_zero() && linear.circulatory().is_zero();
+        let rounding = REAL_PART * linear.len() as f64 * norm;
         let eigenvalues: Vec<Complex<f64>> = match squares {
             true => {
                 let zeros = std::iter::repeat_n(Complex::new(0.0, 0.0), 2 * free);
                 zeros.chain(values.iter().flat_map(|kappa| both_roots(*kappa))).collect()
             }
+            false if conserves => mirrored(linear.eigenvalues()?, rounding),
             false => linear.eigenvalues()?,
         };
-        let dissipates = !linear.dissipative().is_zero();
-        let floor = if dissipates { 64.0 * linear.len() as f64 * f64::EPSILON } else { SPLIT };
         values
             .sort_by(|a, b| a.im.abs().total_cmp(&b.im.abs()).then(a.re.total_cmp(&b.re)).then(a.im.total_cmp(&b.im)));
         if symmetric {
             values.sort_by(|a, b| a.re.total_cmp(&b.re));
         }
-        let floor = if squares { SPLIT } else { floor * norm };
-        Ok(Spectrum { values, squares, symmetric, floor, eigenvalues })
+        let floor = match (squares, conserves) {
+            (true, _) => 0.0,
+            (false, true) => SPLIT * norm,
+            (false, false) => rounding,
+        };
+        Ok(Spectrum { values, squares, symmetric, floor, split: SPLIT * norm, eigenvalues })
     }
 
     /// The state of a branch that it belongs to.
-    pub(super) fn point(self, State { q, value }: State, folded: bool) -> BranchPoint {
-        BranchPoint { value, q, growing: self.growing(), eigenvalues: self.eigenvalues, folded }
+    pub(super) fn point(self, State { q, value }: State, folds: usize, folded: bool) -> BranchPoint {
+        BranchPoint { value, q, growing: self.growing(Measure::Coarse), eigenvalues: self.eigenvalues, folds, folded }
     }
 
     /// How many modes grow.
-    pub fn growing(&self) -> usize {
-        self.values.iter().filter(|x| self.grows(x, SPLIT)).count()
+    pub fn growing(&self, measure: Measure) -> usize {
+        self.values.iter().filter(|x| self.grows(x, measure) && x.im >= 0.0).count()
     }
 
-    /// The same by a finer measure of κ, which double ones with one shape may not bear.
-    pub fn finely_growing(&self) -> usize {
-        self.values.iter().filter(|x| self.grows(x, ROUNDING)).count()
+    /// How many eigenvalues λ lie in the right half plane: two of a pair, and as many where the pair splits into real ones.
+    pub fn unstable(&self, measure: Measure) -> usize {
+        self.values.iter().filter(|x| self.grows(x, measure)).count()
     }
 
-    fn grows(&self, x: &Complex<f64>, part: f64) -> bool {
-        let real = x.im.abs() <= part * x.norm();
+    /// By what number two states differ where a threshold lies between them: by eigenvalues in the right half plane.  Without
+    /// forces of speed, flutter that goes over into divergence counts too, as a pair of κ that becomes two.
+    pub fn counted(&self, measure: Measure) -> usize {
+        if self.squares { self.growing(measure) } else { self.unstable(measure) }
+    }
+
+    /// The distance from 0 of the κ that is nearest to it; 0 where these are not κ.
+    pub fn softness(&self) -> f64 {
+        let nearest = self.values.iter().fold(f64::INFINITY, |least, x| least.min(x.norm()));
+        if self.squares && nearest.is_finite() { nearest } else { 0.0 }
+    }
+
+    /// The same, with κ that are rounding beside what the softest is elsewhere.
+    pub fn beside(self, softest: f64) -> Spectrum {
+        let floor = if self.squares { STIFFNESS * softest } else { self.floor };
+        Spectrum { floor, ..self }
+    }
+
+    /// Whether a value lies, or what it stands for does, in the right half plane.
+    fn grows(&self, x: &Complex<f64>, measure: Measure) -> bool {
+        let (part, softest) = match measure {
+            Measure::Coarse => (SPLIT, self.floor),
+            Measure::Fine => (ROUNDING, 0.0),
+        };
         match self.squares {
             // √−κ has a positive real part: κ < 0, or a pair off the axis.
-            true => (real && x.re < 0.0) || (!real && x.im > 0.0),
+            true => x.im.abs() > part * x.norm() || x.re < -softest,
             // Between two that are δ apart rounding leaves real parts of ε/δ: no measure is finer than √ε.
-            false => x.re > self.floor && x.im >= 0.0,
+            false => x.re > self.floor,
         }
+    }
+
+    /// Whether, by parabolas through three states of which the second lies at a part of the way, a value may reach the border
+    /// of stability, or two may meet, on the way from `from` to `to`: windows that are touched from one side are seen so.
+    pub fn may_touch(three: [&Spectrum; 3], part: f64, (from, to): (f64, f64)) -> bool {
+        let [a, m, b] = three;
+        let alike = |other: &Spectrum| {
+            (a.values.len(), a.squares, a.symmetric) == (other.values.len(), other.squares, other.symmetric)
+        };
+        if !alike(m) || !alike(b) {
+            return false;
+        }
+        let middle = if a.symmetric { m.values.clone() } else { matched(&a.values, &m.values) };
+        let last = if a.symmetric { b.values.clone() } else { matched(&middle, &b.values) };
+        let path = |i: usize| [a.values[i], middle[i], last[i]];
+        let floor = a.floor.max(m.floor).max(b.floor);
+        let split = a.split.max(m.split).max(b.split).powi(2);
+        let vanishes = |three: [Complex<f64>; 3], floor: f64| {
+            three.iter().all(|x| x.norm() > floor) && root_near(three, part, (from, to))
+        };
+        (0..a.values.len()).any(|i| {
+            let oscillates = |x: &Complex<f64>| x.im != 0.0;
+            let border = path(i).map(|x| Complex::from(x.re));
+            let kappa_pair = a.squares && path(i).iter().any(oscillates);
+            let meets = |j: usize| {
+                let [x, y] = [path(i), path(j)];
+                vanishes([0, 1, 2].map(|k| (x[k] - y[k]).powi(2)), split)
+            };
+            !kappa_pair && vanishes(border, floor) || !a.symmetric && (0..i).any(meets)
+        })
     }
 
     /// Im λ of the growing mode that is nearest to the border; 0 where it does not oscillate.
     pub fn border(&self) -> Option<f64> {
         let lambda = |x: &Complex<f64>| if self.squares { both_roots(*x)[0] } else { *x };
-        let growing = self.values.iter().filter(|x| self.grows(x, ROUNDING)).map(lambda);
+        let growing = self.values.iter().filter(|x| self.grows(x, Measure::Fine)).map(lambda);
         let nearest = growing.min_by(|a, b| a.re.abs().total_cmp(&b.re.abs()))?;
         Some(if nearest.im.abs() <= SPLIT * nearest.norm() { 0.0 } else { nearest.im.abs() })
     }
@@ -108,9 +184,7 @@ impl Spectrum {
         }
         if self.symmetric {
             let pairs = self.values.iter().zip(&other.values);
-            return pairs
-                .into_iter()
-                .all(|(a, b)| (a - b).norm() <= 0.5 * a.norm().max(b.norm()) && a.re * b.re >= 0.0);
+            return pairs.into_iter().all(|(a, b)| (a - b).norm() <= (0.5 * a.norm().max(b.norm())).max(self.floor));
         }
         self.all_near(other) && other.all_near(self)
     }
@@ -141,6 +215,29 @@ impl Spectrum {
             moved <= 0.3 * gap && across <= 0.5 * border
         })
     }
+}
+
+/// Eigenvalues λ where nothing dissipates or feeds: with λ, −λ̄ is one too, so that what has no such partner lies on the axis.
+fn mirrored(mut values: Vec<Complex<f64>>, rounding: f64) -> Vec<Complex<f64>> {
+    let has_partner = |x: &Complex<f64>| values.iter().any(|y| (y + x.conj()).norm() <= 0.5 * x.re.abs());
+    let on_axis = |x: &Complex<f64>| x.im != 0.0 && (x.re.abs() <= rounding.min(0.5 * x.im.abs()) || !has_partner(x));
+    let on_axis: Vec<bool> = values.iter().map(on_axis).collect();
+    values.iter_mut().zip(on_axis).filter(|(_, on_axis)| *on_axis).for_each(|(x, _)| x.re = 0.0);
+    values
+}
+
+/// Whether the parabola that has these values at 0, at a part, and at 1 has a root near a piece of the way.
+fn root_near([a, m, b]: [Complex<f64>; 3], part: f64, (from, to): (f64, f64)) -> bool {
+    let [before, behind] = [(m - a) / part, (b - m) / (1.0 - part)];
+    let square = behind - before;
+    let half = (before - square * part) * 0.5;
+    let root = (half * half - square * a).sqrt();
+    let larger = if (half.conj() * root).re >= 0.0 { -half - root } else { -half + root };
+    // Of two roots of square·u² + 2 half·u + a one is larger/square, the other a/larger.
+    [larger / square, a / larger].iter().any(|u| {
+        let aside = (from - u.re).max(u.re - to).max(0.0);
+        aside.hypot(u.im) <= REACH * (to - from)
+    })
 }
 
 /// The square roots of −κ, that with a positive real part (or on the upper axis) first.

@@ -94,7 +94,7 @@ impl System for Tuned {
 /// Values and kinds of all thresholds in a range.
 fn found(system: &Tuned, range: (f64, f64)) -> Vec<(f64, ThresholdKind, [usize; 2])> {
     let branch = follow(system, &Varied::Parameter(0), range, &Guess::at(&vec![0.0; system.len()])).unwrap();
-    assert!(branch.changes.is_empty() && branch.missing.is_none(), "{branch:?}");
+    assert!(branch.changes.is_empty() && branch.missing.is_empty(), "{branch:?}");
     branch.thresholds.iter().map(|t| (t.value, t.kind, t.growing)).collect()
 }
 

@@ -4,8 +4,8 @@ use std::cell::Cell;
 use std::ops::Range;
 
 use super::dependence::{Dependence, dependences};
-use super::spectrum::Spectrum;
-use super::walk::Walker;
+use super::spectrum::{Measure, Spectrum};
+use super::walk::{End, Path, Walker};
 use super::{Branch, State, Threshold, ThresholdKind, Turn};
 use crate::linear::LinearError;
 
@@ -19,97 +19,149 @@ const SHALLOW: u32 = 10;
 struct Sample {
     state: State,
     spectrum: Spectrum,
-    folded: bool,
+    /// How many folds lie before it.
+    sheet: usize,
 }
 
 /// Samples a path until nothing can hide between two samples; adds its states and thresholds to the branch.
-pub(super) fn thresholds(walker: &Walker, points: &[State], turns: &[Turn], branch: &mut Branch) {
+pub(super) fn thresholds(walker: &Walker, path: &Path, branch: &mut Branch) {
+    let samples = sampled(walker, path, branch);
+    let grows =
+        |index: usize| samples.get(index).and_then(Option::as_ref).map_or(0, |s| s.spectrum.growing(Measure::Coarse));
+    ends(walker, path, &grows, branch);
+    let size = walker.size();
+    let softest = samples.iter().flatten().fold(0.0_f64, |most, sample| most.max(sample.spectrum.softness()));
+    let search = Search { walker, path, softest, left: Cell::new(40_000 / (1 + size * size / 20)) };
+    let mut found: Vec<Sample> = Vec::new();
+    for (index, pair) in samples.windows(2).enumerate() {
+        let [Some(a), Some(b)] = pair else { continue };
+        match path.turns.iter().find(|turn| turn.index == index + 1) {
+            Some(turn) => search.round(turn, a, b, &mut found, &mut branch.thresholds),
+            None => {
+                let beside = |index: Option<usize>, sheet: usize| {
+                    let sample = index.and_then(|index| samples.get(index)?.as_ref());
+                    sample.filter(|sample| sample.sheet == sheet)
+                };
+                let outside = [beside(index.checked_sub(1), a.sheet), beside(Some(index + 2), b.sheet)];
+                search.between(outside, [a, b], 0, &mut found, &mut branch.thresholds);
+            }
+        }
+    }
+    branch.points.extend(samples.into_iter().flatten().chain(found).map(|sample| {
+        let folded = path.folded(sample.sheet, sample.state.value);
+        sample.spectrum.point(sample.state, sample.sheet, folded)
+    }));
+}
+
+/// Small motions about all states of a path; where there are none, that is missing from the branch.
+fn sampled(walker: &Walker, path: &Path, branch: &mut Branch) -> Vec<Option<Sample>> {
     let mut fault: Option<(f64, LinearError)> = None;
     let mut samples: Vec<Option<Sample>> = Vec::new();
-    for (index, state) in points.iter().enumerate() {
-        let folded = turns.first().is_some_and(|turn| index >= turn.index);
-        match sample(walker, state.clone(), folded) {
-            Ok(found) => samples.push(Some(found)),
+    for (index, state) in path.points.iter().enumerate() {
+        match walker.spectrum(state) {
+            Ok(spectrum) => samples.push(Some(Sample { state: state.clone(), spectrum, sheet: path.sheet(index) })),
             Err(error) => {
                 fault = fault.or(Some((state.value, error)));
                 samples.push(None);
             }
         }
     }
-    let grows =
-        |sample: Option<&Option<Sample>>| sample.and_then(Option::as_ref).map_or(0, |sample| sample.spectrum.growing());
+    branch.missing.extend(fault.map(|(value, error)| ((value, value), error)));
+    let softest = samples.iter().flatten().fold(0.0_f64, |most, sample| most.max(sample.spectrum.softness()));
+    let beside = |sample: Sample| Sample { spectrum: sample.spectrum.beside(softest), ..sample };
+    samples.into_iter().map(|sample| sample.map(beside)).collect()
+}
+
+/// Folds, poles and where constraints depend on each other, with how many modes grow at the state of an index.
+fn ends(walker: &Walker, path: &Path, grows: &dyn Fn(usize) -> usize, branch: &mut Branch) {
+    let Path { points, turns, end, .. } = path;
     let dependences = dependences(walker, points);
     let folds = |found: &Dependence, turn: &Turn| found.between.start < turn.index && turn.index <= found.between.end;
     for turn in turns {
         let dependence = dependences.iter().find(|found| folds(found, turn));
         branch.thresholds.push(Threshold {
-            value: turn.at.value,
-            kind: if turn.mirrored { ThresholdKind::Bifurcation } else { ThresholdKind::Fold },
-            growing: [grows(samples.get(turn.index - 1)), grows(samples.get(turn.index))],
-            omega: 0.0,
-            folded: false,
             constraint: dependence.and_then(|found| walker.row(found.row)),
+            ..Threshold::at(
+                turn.at.value,
+                if turn.mirrored { ThresholdKind::Bifurcation } else { ThresholdKind::Fold },
+                [grows(turn.index - 1), grows(turn.index)],
+            )
         });
     }
     for found in dependences.iter().filter(|found| !turns.iter().any(|turn| folds(found, turn))) {
         let Range { start, end } = found.between;
         let [low, high] = if points[start].value <= points[end].value { [start, end] } else { [end, start] };
         branch.thresholds.push(Threshold {
-            value: found.at.value,
-            kind: ThresholdKind::Dependence,
-            growing: [grows(samples.get(low)), grows(samples.get(high))],
-            omega: 0.0,
-            folded: turns.first().is_some_and(|turn| start >= turn.index),
+            folded: path.folded(path.sheet(start), found.at.value),
             constraint: walker.row(found.row),
+            ..Threshold::at(found.at.value, ThresholdKind::Dependence, [grows(low), grows(high)])
         });
     }
-    let size = walker.size();
-    let search = Search { walker, left: Cell::new(40_000 / (1 + size * size / 20)) };
-    let mut found: Vec<Sample> = Vec::new();
-    for (index, pair) in samples.windows(2).enumerate() {
-        let [Some(a), Some(b)] = pair else { continue };
-        if turns.iter().any(|turn| turn.index == index + 1) {
-            // The fold itself has been named: up to it, and on from it.
-            for turn in turns.iter().filter(|turn| turn.index == index + 1) {
-                for (end, first) in [(a, true), (b, false)] {
-                    let near = walker.between(&end.state, &turn.at, 0.98);
-                    let Some(Ok(near)) = near.map(|state| sample(walker, state, end.folded)) else { continue };
-                    let (low, high) = if first { (end, &near) } else { (&near, end) };
-                    search.between(low, high, 0, &mut found, &mut branch.thresholds);
-                }
-            }
-            continue;
-        }
-        search.between(a, b, 0, &mut found, &mut branch.thresholds);
-    }
-    let all = samples.into_iter().flatten().chain(found);
-    branch.points.extend(all.map(|sample| sample.spectrum.point(sample.state, sample.folded)));
-    if let Some((value, error)) = fault {
-        branch.missing = branch.missing.take().or(Some(((value, value), error)));
+    if let End::Pole { value, coordinate } = *end {
+        branch.thresholds.push(Threshold {
+            folded: path.folded(turns.len(), value),
+            coordinate: Some(coordinate),
+            ..Threshold::at(value, ThresholdKind::Pole, [grows(points.len() - 1); 2])
+        });
     }
 }
 
-fn sample(walker: &Walker, state: State, folded: bool) -> Result<Sample, LinearError> {
-    let spectrum = walker.spectrum(&state)?;
-    Ok(Sample { state, spectrum, folded })
+impl Threshold {
+    fn at(value: f64, kind: ThresholdKind, growing: [usize; 2]) -> Threshold {
+        Threshold {
+            value,
+            kind,
+            growing,
+            omega: 0.0,
+            crosses: false,
+            folded: false,
+            constraint: None,
+            coordinate: None,
+        }
+    }
 }
 
 struct Search<'a> {
     walker: &'a Walker,
+    path: &'a Path,
+    /// What the κ nearest to 0 is where it is farthest.
+    softest: f64,
     /// Evaluations that are left.
     left: Cell<usize>,
 }
 
 impl Search<'_> {
-    fn middle(&self, a: &Sample, b: &Sample) -> Option<Sample> {
-        self.left.set(self.left.get().checked_sub(1)?);
-        let state = self.walker.between(&a.state, &b.state, 0.5)?;
-        sample(self.walker, state, a.folded).ok()
+    fn sample(&self, state: State, sheet: usize) -> Option<Sample> {
+        let spectrum = self.walker.spectrum(&state).ok()?.beside(self.softest);
+        Some(Sample { state, spectrum, sheet })
     }
 
-    fn between(&self, a: &Sample, b: &Sample, depth: u32, kept: &mut Vec<Sample>, found: &mut Vec<Threshold>) {
-        let differ = a.spectrum.growing() != b.spectrum.growing();
-        if !differ && (depth >= DEEPEST || a.spectrum.is_near(&b.spectrum)) {
+    fn middle(&self, a: &Sample, b: &Sample) -> Option<Sample> {
+        self.left.set(self.left.get().checked_sub(1)?);
+        self.sample(self.walker.between(&a.state, &b.state, 0.5)?, a.sheet)
+    }
+
+    /// Up to a fold, which has been named itself, and on from it.
+    fn round(&self, turn: &Turn, a: &Sample, b: &Sample, kept: &mut Vec<Sample>, found: &mut Vec<Threshold>) {
+        for (end, first) in [(a, true), (b, false)] {
+            let near = self.walker.between(&end.state, &turn.at, 0.98);
+            let Some(near) = near.and_then(|state| self.sample(state, end.sheet)) else { continue };
+            let pair = if first { [end, &near] } else { [&near, end] };
+            self.between([None, None], pair, 0, kept, found);
+        }
+    }
+
+    /// Between two states, with one before and one behind them where they are known.
+    fn between(
+        &self,
+        outside: [Option<&Sample>; 2],
+        [a, b]: [&Sample; 2],
+        depth: u32,
+        kept: &mut Vec<Sample>,
+        found: &mut Vec<Threshold>,
+    ) {
+        let differ = a.spectrum.counted(Measure::Coarse) != b.spectrum.counted(Measure::Coarse);
+        if !differ && (depth >= DEEPEST || (a.spectrum.is_near(&b.spectrum) && !self.may_touch(outside, [a, b]))) {
             return;
         }
         if differ && depth >= SHALLOW {
@@ -117,28 +169,41 @@ impl Search<'_> {
         }
         let Some(middle) = self.middle(a, b) else {
             if differ {
-                found.push(threshold(a, b, [a.spectrum.growing(), b.spectrum.growing()]));
+                found.push(self.threshold(a, b, Measure::Coarse));
             }
             return;
         };
-        self.between(a, &middle, depth + 1, kept, found);
-        self.between(&middle, b, depth + 1, kept, found);
+        self.between([outside[0], Some(b)], [a, &middle], depth + 1, kept, found);
+        self.between([Some(a), outside[1]], [&middle, b], depth + 1, kept, found);
         if depth < SHALLOW {
             kept.push(middle);
         }
+    }
+
+    /// Whether stability may change and change back between two states, by those beside them.
+    fn may_touch(&self, [before, behind]: [Option<&Sample>; 2], [a, b]: [&Sample; 2]) -> bool {
+        let three = |[a, m, b]: [&Sample; 3], piece: fn(f64) -> (f64, f64)| {
+            let [there, on] = [self.walker.distance(&a.state, &m.state), self.walker.distance(&m.state, &b.state)];
+            let part = there / (there + on);
+            part > 0.0 && part < 1.0 && Spectrum::may_touch([a, m, b].map(|s| &s.spectrum), part, piece(part))
+        };
+        before.is_some_and(|before| three([before, a, b], |part| (part, 1.0)))
+            || behind.is_some_and(|behind| three([a, b, behind], |part| (0.0, part)))
     }
 
     /// One change of stability; what else happens between shows in what is left on both sides.
     fn bisect(&self, a: &Sample, b: &Sample, kept: &mut Vec<Sample>, found: &mut Vec<Threshold>) {
         let (mut low, mut high) = (a.clone(), b.clone());
         // Double eigenvalues with one shape are split by rounding all the way: then only the coarse measure will do.
-        let fine = [a, b].iter().all(|end| end.spectrum.finely_growing() == end.spectrum.growing());
-        let growing = |sample: &Sample| if fine { sample.spectrum.finely_growing() } else { sample.spectrum.growing() };
-        let grew = growing(a);
+        let fine =
+            [a, b].iter().all(|end| end.spectrum.counted(Measure::Fine) == end.spectrum.counted(Measure::Coarse));
+        let measure = if fine { Measure::Fine } else { Measure::Coarse };
+        let counted = |sample: &Sample| sample.spectrum.counted(measure);
+        let before = counted(a);
         for _ in 0..60 {
             let Some(middle) = self.middle(&low, &high) else { break };
             let narrow = middle.state.value == low.state.value || middle.state.value == high.state.value;
-            if growing(&middle) == grew {
+            if counted(&middle) == before {
                 low = middle
             } else {
                 high = middle
@@ -147,23 +212,21 @@ impl Search<'_> {
                 break;
             }
         }
-        found.push(threshold(&low, &high, [grew, growing(&high)]));
-        if growing(&high) != growing(b) {
-            self.between(&high, b, SHALLOW, kept, found);
+        found.push(self.threshold(&low, &high, measure));
+        if counted(&high) != counted(b) {
+            self.between([None, None], [&high, b], SHALLOW, kept, found);
         }
     }
-}
 
-/// Between two states in which so many modes grow.
-fn threshold(a: &Sample, b: &Sample, growing: [usize; 2]) -> Threshold {
-    let more = if growing[0] > growing[1] { a } else { b };
-    let omega = more.spectrum.border().unwrap_or(0.0);
-    Threshold {
-        value: 0.5 * (a.state.value + b.state.value),
-        kind: if omega > 0.0 { ThresholdKind::Flutter } else { ThresholdKind::Divergence },
-        growing: if a.state.value <= b.state.value { growing } else { [growing[1], growing[0]] },
-        omega,
-        folded: a.folded,
-        constraint: None,
+    /// Between two states of which stability differs, by this measure.
+    fn threshold(&self, a: &Sample, b: &Sample, measure: Measure) -> Threshold {
+        let more = if a.spectrum.counted(measure) > b.spectrum.counted(measure) { a } else { b };
+        let omega = more.spectrum.border().unwrap_or(0.0);
+        let kind = if omega > 0.0 { ThresholdKind::Flutter } else { ThresholdKind::Divergence };
+        let value = 0.5 * (a.state.value + b.state.value);
+        let [low, high] = if a.state.value <= b.state.value { [a, b] } else { [b, a] };
+        let growing = [low, high].map(|end| end.spectrum.growing(measure));
+        let crosses = low.spectrum.unstable(measure) != high.spectrum.unstable(measure);
+        Threshold { omega, crosses, folded: self.path.folded(a.sheet, value), ..Threshold::at(value, kind, growing) }
     }
 }

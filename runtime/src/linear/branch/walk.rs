@@ -5,6 +5,7 @@ use std::cell::RefCell;
 use nalgebra::{DMatrix, DVector};
 
 use super::balance::{Balance, Slopes};
+use super::sheets::Cover;
 use super::spectrum::Spectrum;
 use super::{State, Turn};
 use crate::linear::LinearError;
@@ -17,8 +18,21 @@ const LONGEST: f64 = 1.0 / 64.0;
 const SHORTEST: f64 = 1e-9;
 /// Newton steps of one correction.
 const CORRECTIONS: usize = 12;
-/// States of one path.
-const MOST_STATES: usize = 3000;
+/// States of one path: some hundred folds, and poles whose coordinates grow by thirty powers of ten, take fewer.
+const MOST_STATES: usize = 10_000;
+/// A walk is lost where so many steps together are no longer than one may be.
+const CRAWLS: usize = 300;
+/// A branch goes to infinity where coordinates that have grown by a factor grow on by another, while the parameter moves by less
+/// than a part of the range.
+const GROWN: f64 = 4.0;
+const GROWS_ON: f64 = 1.25;
+const STANDS_STILL: f64 = 1e-10;
+/// A closed branch is back at its start where it passes it by less than this part of its last step.
+const BACK: f64 = 1e-3;
+/// States between two beside a bifurcation through which the branch is laid.
+const NODES: u32 = 8;
+/// Coordinates there are known to this part of those beside it.
+const INTERPOLATED: f64 = 1e-8;
 /// The greatest change of the tangent in one step (the cosine of it).
 const TURN: f64 = 0.97;
 /// What is left of the equations at a state of the branch, as parts of their own row's terms.
@@ -52,6 +66,10 @@ struct Family {
 pub(super) enum End {
     /// It has left the range.
     Range,
+    /// It is back at its start.
+    Closed,
+    /// It goes to infinity at a value, by a coordinate before all.
+    Pole { value: f64, coordinate: usize },
     /// The branch could not be followed any further.
     Lost,
 }
@@ -61,6 +79,20 @@ pub(super) struct Path {
     pub points: Vec<State>,
     pub turns: Vec<Turn>,
     pub end: End,
+    /// What the branch had reached before, for each sheet of it; those that are not in order yet have nothing.
+    pub before: Vec<Cover>,
+}
+
+impl Path {
+    /// States with the least and largest values are among these.
+    pub fn ends(&self) -> impl Iterator<Item = State> {
+        let pole = match self.end {
+            End::Pole { value, .. } => self.points.last().map(|last| State { value, q: last.q.clone() }),
+            _ => None,
+        };
+        let last = self.points.first().into_iter().chain(self.points.last());
+        last.cloned().chain(self.turns.iter().map(|turn| turn.at.clone())).chain(pole)
+    }
 }
 
 impl Walker {
@@ -186,18 +218,25 @@ impl Walker {
         }
         let mut units = self.units(&reach);
         tangent = self.tangent(start, &tangent, &units).unwrap_or(tangent);
-        let mut path = Path { points: vec![start.clone()], turns: Vec::new(), end: End::Lost };
+        let first = (tangent.clone(), units.clone());
+        let mut path = Path { points: vec![start.clone()], turns: Vec::new(), end: End::Lost, before: Vec::new() };
         let mut step = LONGEST;
-        while path.points.len() < MOST_STATES && path.turns.len() < 8 {
+        let mut way = vec![0.0];
+        let crawls = |way: &[f64]| way.len() > CRAWLS && way[way.len() - 1] - way[way.len() - 1 - CRAWLS] < LONGEST;
+        while path.points.len() < MOST_STATES && !crawls(&way) {
             let here = &path.points[path.points.len() - 1];
             let tried = self.step(here, &tangent, &units, step);
-            let Some((next, next_tangent)) = tried else {
+            let Some((mut next, mut next_tangent)) = tried else {
                 step *= 0.5;
                 if step < SHORTEST {
                     return path;
                 }
                 continue;
             };
+            if self.is_back([start, here, &next], [&first.0, &next_tangent], &units) {
+                (next, next_tangent) = (start.clone(), first.0.clone());
+                path.end = End::Closed;
+            }
             if !(self.range.0..=self.range.1).contains(&next.value) {
                 let bound = if next.value > self.range.1 { self.range.1 } else { self.range.0 };
                 let part =
@@ -218,16 +257,74 @@ impl Walker {
                 && let Some(at) = self.fold(here, &next, tangent[n], &units)
             {
                 let mirrored = self.is_bifurcation(&at, tangent[n], &units);
+                let at = if mirrored { self.standstill(here, &next, tangent[n]).unwrap_or(at) } else { at };
                 path.turns.push(Turn { at, index: path.points.len(), mirrored });
             }
             reach.iter_mut().zip(&next.q).for_each(|(reach, q)| *reach = reach.max(q.abs()));
             units = self.units(&reach);
             path.points.push(next);
+            if let Some(pole) = self.pole(&path.points, &first.1) {
+                path.end = pole;
+            }
+            if !matches!(path.end, End::Lost) {
+                return path;
+            }
             let last = &path.points[path.points.len() - 1];
             tangent = self.tangent(last, &next_tangent, &units).unwrap_or(next_tangent);
+            way.push(way[way.len() - 1] + step);
             step = (1.5 * step).min(LONGEST);
         }
         path
+    }
+
+    /// Whether a step passes the start of a path again, in the direction in which that went.
+    fn is_back(&self, [start, here, next]: [&State; 3], [first, tangent]: [&[f64]; 2], units: &[f64]) -> bool {
+        let from = |state: &State| -> Vec<f64> {
+            let whole = |state: &State| state.q.iter().copied().chain([state.value]).collect::<Vec<f64>>();
+            let parts = whole(state).into_iter().zip(whole(here)).zip(units);
+            parts.map(|((a, b), unit)| (a - b) / unit).collect()
+        };
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let (chord, way) = (from(next), from(start));
+        let square = dot(&chord, &chord);
+        let part = dot(&way, &chord) / square;
+        let same = first.iter().zip(tangent).zip(units).map(|((a, b), unit)| a * b / (unit * unit)).sum::<f64>() > 0.0;
+        // No farther aside than a bend of the step.
+        let near = dot(&way, &way) - part * part * square <= 0.04 * square;
+        if !(same && near && part > 0.0 && part <= 1.0) {
+            return false;
+        }
+        let Some(there) = self.between(here, next, part) else { return false };
+        let apart: Vec<f64> = from(&there).iter().zip(&way).map(|(a, b)| a - b).collect();
+        dot(&apart, &apart).sqrt() <= BACK * square.sqrt()
+    }
+
+    /// The pole that a path comes near to, if it does; `units` are those at its start.
+    fn pole(&self, points: &[State], units: &[f64]) -> Option<End> {
+        let part = |state: &State, i: usize| (state.q[i] / units[i]).abs();
+        let size = |state: &State| (0..state.q.len()).map(|i| part(state, i)).fold(1.0, f64::max);
+        let last = points.last()?;
+        let largest = size(last);
+        let before = points.iter().rposition(|state| size(state) * GROWS_ON <= largest)?;
+        let back = points.len() - 1 - before;
+        let (middle, still) = (&points[before], STANDS_STILL * self.width());
+        let coordinate = (0..last.q.len()).max_by(|a, b| part(last, *a).total_cmp(&part(last, *b)))?;
+        if largest < GROWN || (last.value - middle.value).abs() > still {
+            return None;
+        }
+        // Where coordinates grow by equal factors, what is left of the way shrinks by equal factors (Aitken).
+        let [there, on] = [middle.value - points[before.checked_sub(back)?].value, last.value - middle.value];
+        let left = on * on / (there - on);
+        let value = if left.abs() <= 1e3 * still { last.value + left } else { last.value };
+        Some(End::Pole { value, coordinate })
+    }
+
+    /// How far two states are apart, in parts of their extents and of the range.
+    pub fn distance(&self, a: &State, b: &State) -> f64 {
+        let extent: Vec<f64> = a.q.iter().zip(&b.q).map(|(a, b)| a.abs().max(b.abs())).collect();
+        let units = self.units(&extent);
+        let q = a.q.iter().zip(&b.q).zip(&units).map(|((a, b), unit)| ((a - b) / unit).powi(2)).sum::<f64>();
+        (q + ((a.value - b.value) / units[a.q.len()]).powi(2)).sqrt()
     }
 
     /// What each coordinate, and the parameter, is measured in.
@@ -272,7 +369,7 @@ impl Walker {
                 return None;
             }
             // To rounding, as far as steps still help.
-            if largest == 0.0 || (largest <= BALANCED && largest > 0.25 * before) {
+            if largest <= 4.0 * f64::EPSILON || (largest <= BALANCED && largest > 0.25 * before) {
                 return Some(state);
             }
             before = largest;
@@ -341,13 +438,14 @@ impl Walker {
     /// ∂/∂p of the equations by a central difference: it steers, and no result depends on it.
     fn slope(&self, state: &State) -> DVector<f64> {
         let step = 1e-6 * state.value.abs().max(1e-3 * self.width());
-        let [high, low] = [step, -step].map(|step| {
-            self.ask(state.value + step, |balance| {
-                let [left, _] = balance.left(&state.q);
-                left
-            })
-        });
-        ((high - low) * (0.5 / step)).map(|x| if x.is_finite() { x } else { 0.0 })
+        let [high, low] = [step, -step].map(|step| self.ask(state.value + step, |balance| balance.left(&state.q)));
+        let slope = |k: usize| {
+            let change = high[0][k] - low[0][k];
+            // What the equations' rounding makes is no slope.
+            let known = change.is_finite() && change.abs() > BALANCED * high[1][k].max(low[1][k]);
+            if known { change * (0.5 / step) } else { 0.0 }
+        };
+        DVector::from_fn(high[0].len(), |k, _| slope(k))
     }
 
     /// The state of the branch between two of its states, at a part of the way.
@@ -385,12 +483,45 @@ impl Walker {
         at
     }
 
+    /// The same where branches cross and no direction is left: the extreme of the polynomial through states on both sides of it.
+    fn standstill(&self, a: &State, b: &State, sign: f64) -> Option<State> {
+        let node = |k: u32| 0.5 - 0.5 * ((f64::from(k) + 0.5) * std::f64::consts::PI / f64::from(NODES)).cos();
+        let states = (0..NODES).map(|k| Some((node(k), self.between(a, b, node(k))?)));
+        let states: Vec<(f64, State)> = states.collect::<Option<_>>()?;
+        let at = |part: f64, of: &dyn Fn(&State) -> f64| -> f64 {
+            let weight = |k: usize| -> f64 {
+                let others = states.iter().enumerate().filter(|(j, _)| *j != k);
+                others.map(|(_, (other, _))| (part - other) / (states[k].0 - other)).product()
+            };
+            states.iter().enumerate().map(|(k, (_, state))| weight(k) * of(state)).sum()
+        };
+        let part = golden_section(|part| -sign.signum() * at(part, &|state| state.value));
+        let clean = |i: usize| {
+            let extent = a.q[i].abs().max(b.q[i].abs());
+            Some(at(part, &|state| state.q[i])).filter(|q| q.abs() > INTERPOLATED * extent).unwrap_or(0.0)
+        };
+        let q = (0..a.q.len()).map(clean).collect();
+        Some(State { q, value: at(part, &|state| state.value) })
+    }
+
     /// True where a little beyond the fold there is an equilibrium near by: another branch passes through it.
     fn is_bifurcation(&self, at: &State, direction: f64, units: &[f64]) -> bool {
         let beyond = at.value + 1e-4 * direction.signum() * self.width();
         let Ok(found) = self.search(beyond, &at.q) else { return false };
         found.iter().zip(&at.q).zip(units).all(|((a, b), unit)| (a - b).abs() <= 0.01 * unit)
     }
+}
+
+/// Where a function of a part of the way is least.
+fn golden_section(of: impl Fn(f64) -> f64) -> f64 {
+    const GOLDEN: f64 = 0.618_033_988_749_894_8;
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..60 {
+        let width = high - low;
+        let (left, right) = (high - GOLDEN * width, low + GOLDEN * width);
+        if of(left) < of(right) { high = right } else { low = left }
+    }
+    0.5 * (low + high)
 }
 
 impl Family {

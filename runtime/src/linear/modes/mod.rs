@@ -6,6 +6,7 @@ mod damped;
 mod dissipation;
 #[cfg(feature = "modal")]
 mod first_order;
+mod loci;
 mod mode;
 mod normal;
 mod pictures;
@@ -20,9 +21,10 @@ mod damped_tests;
 pub use damped::{ComplexModes, complex_modes};
 #[cfg(feature = "modal")]
 pub use first_order::{FirstOrder, Stability, first_order_modes};
+pub(super) use loci::matched;
+pub use loci::{campbell, root_locus};
 pub use mode::{Kind, Mode};
 pub(super) use normal::{Fault, Spectrum};
 pub use normal::{Reduction, normal_modes};
-pub(super) use pictures::matched;
-pub use pictures::{animate_mode, draw_modes, root_locus};
+pub use pictures::{animate_mode, draw_modes};
 pub use proportional::{DiagonalDamping, proportional_damping};

@@ -1,4 +1,4 @@
-//! Pictures of modes: shapes over the mechanism's drawing, animations, root loci.
+//! Pictures of modes: shapes over the mechanism's drawing, animations.
 
 use std::f64::consts::TAU;
 
@@ -99,49 +99,6 @@ fn title(index: usize, mode: &Mode) -> String {
         }
     };
     format!("mode {}: {what}", index + 1)
-}
-
-/// Eigenvalues in the complex plane as a parameter goes through some values; marks where it begins and ends.
-///
-/// `eigenvalues` are pairs of a value and all eigenvalues there; neighbours are joined where they are nearest.
-pub fn root_locus(parameter: &str, unit: &str, eigenvalues: &[(f64, Vec<Complex<f64>>)]) -> Chart {
-    let mut branches: Vec<Vec<Option<(f64, f64)>>> = Vec::new();
-    let mut ends: Vec<Complex<f64>> = Vec::new();
-    for (_, list) in eigenvalues {
-        if ends.len() != list.len() {
-            ends.clone_from(list);
-            branches.extend(ends.iter().map(|x| vec![None, Some((x.re, x.im))]));
-            continue;
-        }
-        let last = branches.len() - ends.len();
-        ends = matched(&ends, list);
-        for (end, branch) in ends.iter().zip(&mut branches[last..]) {
-            branch.push(Some((end.re, end.im)));
-        }
-    }
-    let value =
-        |value: f64| format!("{parameter} = {}", if unit == "1" { short(value) } else { with_unit(value, unit) });
-    let title = format!("eigenvalues as {parameter} changes");
-    let chart = Chart::new(title, Axis::new("real part", "1/s"), Axis::new("imaginary part", "rad/s"));
-    let marks =
-        |(at, list): &(f64, Vec<Complex<f64>>)| Series::marks(value(*at), list.iter().map(|x| Some((x.re, x.im))));
-    let chart = chart.with(Series::line("", branches.into_iter().flatten()));
-    eigenvalues.first().into_iter().chain(eigenvalues.last()).fold(chart, |chart, end| chart.with(marks(end)))
-}
-
-/// `next` in such an order that each stands where one of `before` is near.
-pub(in crate::linear) fn matched(before: &[Complex<f64>], next: &[Complex<f64>]) -> Vec<Complex<f64>> {
-    let mut left = next.to_vec();
-    let take = |end: &Complex<f64>| {
-        let apart = |x: &Complex<f64>| (x - *end).norm();
-        let nearest = (0..left.len()).min_by(|a, b| apart(&left[*a]).total_cmp(&apart(&left[*b])));
-        nearest.map_or(*end, |nearest| left.swap_remove(nearest))
-    };
-    before.iter().map(take).collect()
-}
-
-fn with_unit(value: f64, unit: &str) -> String {
-    format!("{} {unit}", short(value)).trim_end().to_owned()
 }
 
 /// The numbers of all shapes at q₀ + a Re(φ e^(i phase)).
