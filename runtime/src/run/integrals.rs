@@ -40,8 +40,7 @@ pub(crate) fn untried_integrals(system: &dyn System, values: impl Fn(Tried) -> V
     let description = system.description();
     let found = description.integrals.iter().filter_map(|integral| {
         let beyond = integral.ranges.iter().find_map(|(of, range)| {
-            let farthest =
-                values(*of).into_iter().max_by(|a, b| beyond(*a, *range).total_cmp(&beyond(*b, *range)))?;
+            let farthest = values(*of).into_iter().max_by(|a, b| beyond(*a, *range).total_cmp(&beyond(*b, *range)))?;
             let off = beyond(farthest, *range) > ROUNDING * range[0].abs().max(range[1].abs());
             off.then_some((*of, farthest, *range))
         });

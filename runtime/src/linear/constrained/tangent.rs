@@ -56,8 +56,7 @@ pub fn linearise_tangent<S: System + ?Sized>(system: &S, guess: &Guess, here: bo
     let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
     on_its_sides(system, guess, |system, guess| {
         let held = Held::new(system, &rows, &guess.q);
-        let (state, iterations) =
-            if here { (held.state(&guess.q, &guess.v), 0) } else { held.nearest(guess)? };
+        let (state, iterations) = if here { (held.state(&guess.q, &guess.v), 0) } else { held.nearest(guess)? };
         if !held.stays(&state) {
             return Err(match here {
                 true => LinearError::NotAnEquilibrium { residual: held.left(&state) },

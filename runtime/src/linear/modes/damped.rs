@@ -2,8 +2,8 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::dissipation::Dissipation;
 use super::classical::decoupled;
+use super::dissipation::Dissipation;
 use super::{Kind, Mode, secular};
 use crate::linear::matrices::{Eigen, Scaled, Singular, cholesky, condition, null_space};
 use crate::linear::{LinearError, Linearised};

@@ -87,13 +87,25 @@ impl Mode {
             names.iter().cloned().zip(parts.iter().map(|part| part / energy)).collect();
         carriers.retain(|(_, part)| *part >= 0.01);
         carriers.sort_by(|a, b| b.1.total_cmp(&a.1));
-        Mode { omega, zeta, eigenvalue, kind, shape, carriers, uncertainty: 0.0, repeated: false, secular: false, name: None }
+        Mode {
+            omega,
+            zeta,
+            eigenvalue,
+            kind,
+            shape,
+            carriers,
+            uncertainty: 0.0,
+            repeated: false,
+            secular: false,
+            name: None,
+        }
     }
 
     /// Notes how much of the eigenvalue rounding of M, C and K can change: εφᴴ(|λ|²|M| + |λ||C| + |K|)φ beside twice |λ|²φᴴMφ.
     pub(in crate::linear) fn note_uncertainty(&mut self, linear: &Linearised) {
         let form = |matrix: &SparseMatrix| -> f64 {
-            let term = |(i, j, x): &(u32, u32, f64)| self.shape[*i as usize].norm() * self.shape[*j as usize].norm() * x.abs();
+            let term =
+                |(i, j, x): &(u32, u32, f64)| self.shape[*i as usize].norm() * self.shape[*j as usize].norm() * x.abs();
             matrix.entries.iter().map(term).sum()
         };
         let rate = self.eigenvalue.norm();
