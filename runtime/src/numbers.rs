@@ -22,6 +22,27 @@ pub fn short(x: f64) -> String {
     }
 }
 
+/// As [`short`] with the digits that an uncertainty, a part of the number, leaves: `?` where it leaves none.
+///
+/// ```
+/// assert_eq!(dalembert::linear::short_within(5_479_416.2, 4e-3), "5.5e6");
+/// assert_eq!(dalembert::linear::short_within(2.0_f64.sqrt(), 1e-16), "1.41421");
+/// ```
+pub fn short_within(x: f64, uncertainty: f64) -> String {
+    /// [`short`] prints so many.
+    const DIGITS: f64 = 6.0;
+    let digits = (-uncertainty.log10()).floor();
+    match digits {
+        digits if digits >= DIGITS || x == 0.0 || !x.is_finite() => short(x),
+        digits if digits >= 1.0 => {
+            let text = format!("{x:.*e}", digits as usize - 1);
+            // Zeros in front of the point would look like digits.
+            if x.abs() >= 10.0_f64.powf(digits) { text } else { text.parse().map_or(text, short) }
+        }
+        _ => "?".to_owned(),
+    }
+}
+
 /// As [`short`], with 0 for what is rounding beside a scale.
 ///
 /// ```

@@ -35,7 +35,7 @@ mod rigid;
 mod typed;
 
 pub use crate::error::{LinearError, Residual};
-pub use crate::numbers::{short, short_beside};
+pub use crate::numbers::{short, short_beside, short_within};
 pub use branch::{Branch, BranchPoint, Change, CriticalSpeed, Threshold, ThresholdKind, Varied, follow};
 pub use constrained::{Constrained, linearise_constrained, linearise_driven, steady_coordinates};
 #[cfg(feature = "modal")]

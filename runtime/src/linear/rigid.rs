@@ -115,8 +115,11 @@ struct Body<'a> {
 
 impl<'a> Body<'a> {
     fn new(parts: &'a [Part], dimension: usize) -> Self {
-        let total: f64 = parts.iter().map(|part| part.mass).sum();
-        let mean = |c: usize| -> f64 { parts.iter().map(|part| part.mass * part.position[c]).sum::<f64>() / total };
+        // Where nothing has mass, only inertia, any centre does.
+        let has_mass = parts.iter().any(|part| part.mass > 0.0);
+        let weight = |part: &Part| if has_mass { part.mass } else { 1.0 };
+        let total: f64 = parts.iter().map(weight).sum();
+        let mean = |c: usize| -> f64 { parts.iter().map(|part| weight(part) * part.position[c]).sum::<f64>() / total };
         let centre: Vec<f64> = (0..dimension).map(mean).collect();
         let apart = |part: &Part| -> f64 {
             part.position.iter().zip(&centre).map(|(x, c)| (x - c).powi(2)).sum::<f64>().sqrt()

@@ -10,27 +10,7 @@ const ROUNDING: f64 = 1e-12;
 impl Run {
     /// Warns of each integral that contains what goes beyond the values for which it was tried.
     pub(crate) fn warn_of_integrals(&mut self, system: &dyn System) {
-        let description = system.description();
-        let found = description.integrals.iter().filter_map(|integral| {
-            let beyond = integral.ranges.iter().find_map(|(of, range)| {
-                let farthest = self
-                    .values(system, *of)
-                    .into_iter()
-                    .max_by(|a, b| beyond(*a, *range).total_cmp(&beyond(*b, *range)))?;
-                let off = beyond(farthest, *range) > ROUNDING * range[0].abs().max(range[1].abs());
-                off.then_some((*of, farthest, *range))
-            });
-            let (of, value, range) = beyond?;
-            let of = match of {
-                Tried::Parameter(k) => description.parameters.get(k as usize)?.name.to_string(),
-                Tried::Coordinate(k) => description.coordinates.get(k as usize)?.name.to_string(),
-                Tried::Speed(k) => format!("{}'", description.coordinates.get(k as usize)?.name),
-                Tried::Time => "t".to_owned(),
-            };
-            Some(Warning::IntegralUntried { integral: integral.text.to_string(), of, value, range })
-        });
-        let found: Vec<Warning> = found.collect();
-        for warning in found {
+        for warning in untried_integrals(system, |of| self.values(system, of)) {
             if !self.warnings.iter().any(|known| known.same_kind(&warning)) {
                 self.warnings.push(warning);
             }
@@ -53,6 +33,27 @@ impl Run {
             Tried::Time => self.times.clone(),
         }
     }
+}
+
+/// A warning of each integral that contains what has values beyond those for which it was tried.
+pub(crate) fn untried_integrals(system: &dyn System, values: impl Fn(Tried) -> Vec<f64>) -> Vec<Warning> {
+    let description = system.description();
+    let found = description.integrals.iter().filter_map(|integral| {
+        let beyond = integral.ranges.iter().find_map(|(of, range)| {
+            let farthest = values(*of).into_iter().max_by(|a, b| beyond(*a, *range).total_cmp(&beyond(*b, *range)))?;
+            let off = beyond(farthest, *range) > ROUNDING * range[0].abs().max(range[1].abs());
+            off.then_some((*of, farthest, *range))
+        });
+        let (of, value, range) = beyond?;
+        let of = match of {
+            Tried::Parameter(k) => description.parameters.get(k as usize)?.name.to_string(),
+            Tried::Coordinate(k) => description.coordinates.get(k as usize)?.name.to_string(),
+            Tried::Speed(k) => format!("{}'", description.coordinates.get(k as usize)?.name),
+            Tried::Time => "t".to_owned(),
+        };
+        Some(Warning::IntegralUntried { integral: integral.text.to_string(), of, value, range })
+    });
+    found.collect()
 }
 
 /// By how much a value is outside of a range.

@@ -5,7 +5,7 @@ mod digits;
 mod failure;
 mod frames;
 mod hermite;
-mod integrals;
+pub(crate) mod integrals;
 mod parts;
 mod record;
 mod state;

@@ -1,1 +1,245 @@
 //! Equilibria, what is zero but for rounding, modes.
+
+use dalembert::linear::{
+    Guess, Kind, Linearised, Mode, equilibrium_near, linearise, linearise_constrained, linearise_tangent,
+};
+use dalembert::mechanism::System;
+
+use super::{case, printed, text_of};
+
+/// The linear model of a file without constraints about the rest nearest to 0.
+fn free(text: &str) -> Linearised {
+    let system = case(text).system;
+    let rest = equilibrium_near(&system, &Guess::at(&vec![0.0; system.len()])).expect("a rest");
+    linearise(&system, &rest).expect("M, C and K")
+}
+
+fn modes(text: &str) -> Vec<Mode> {
+    free(text).modes().expect("modes")
+}
+
+fn close(found: f64, expected: f64, part: f64) {
+    assert!((found - expected).abs() <= part * expected.abs(), "{found} for {expected}");
+}
+
+/// At rest `e' = r - x` asks for x = r; the integral part then carries the load, e = load/ki.
+#[test]
+fn integral_control_rests_where_its_error_is_zero() {
+    for scale in [1.0, 1e-9, 1e9] {
+        let mut system = case(&text_of("integral_control")).system;
+        let names: Vec<String> = system.description().parameters.iter().map(|known| known.name.to_string()).collect();
+        for (index, name) in names.iter().enumerate() {
+            if ["r", "load"].contains(&name.as_str()) {
+                system.set_parameter(index, scale * system.parameters()[index]);
+            }
+        }
+        let found = linearise_tangent(&system, &Guess::at(&[0.0, 0.0]), false).expect("a rest");
+        close(found.equilibrium.q[0], scale, 1e-12);
+        close(found.equilibrium.q[1], 0.3 * scale, 1e-12);
+        assert_eq!(found.equilibrium.v, [0.0, 0.0]);
+        // λ³ + 4.5 λ² + 20 λ + 10 = 0.
+        for value in &found.analysis.eigenvalues {
+            let left = value * value * value + value * value * 4.5 + value * 20.0 + 10.0;
+            assert!(left.norm() < 1e-11, "{value}");
+        }
+        assert_eq!(found.multipliers, [0.0]);
+    }
+}
+
+/// A shaft that a constraint turns at a given rate does not rest: the steady motion is found as before.
+#[test]
+fn a_driven_shaft_still_turns_steadily() {
+    let text = "\
+name: Shaft
+about: A wheel turned at a constant rate.
+parameters: {J: 1 kg*m^2, W: 3 rad/s}
+coordinates: {phi: rad}
+kinetic_energy: J*phi'^2/2
+constraints: {drive: phi' = W}
+scene: {start: {phi: 0}, until: 1}
+";
+    let system = case(text).system;
+    let found = linearise_tangent(&system, &Guess::at(&[0.0]), false).expect("a steady motion");
+    close(found.equilibrium.v[0], 3.0, 1e-12);
+}
+
+/// Where the only spring is at its rest length no force acts at all, and none is left that could measure rounding.
+#[test]
+fn a_lever_on_which_no_force_acts_rests() {
+    let system = case(&text_of("lever_without_force")).system;
+    let found = linearise_constrained(&system, &Guess::at(&[0.5, 1.5]), false).expect("a rest");
+    let [al, be] = [found.linear.equilibrium.q[0], found.linear.equilibrium.q[1]];
+    close(al, 0.5, 1e-14);
+    let link = [0.3 + 0.2 * be.cos() - 0.1 * al.cos(), 0.2 * be.sin() - 0.1 * al.sin()];
+    close(link[0].hypot(link[1]), 0.3, 1e-13);
+    // The link's length stays: be' = ratio al'.
+    let turn = |x: [f64; 2]| link[0] * x[0] + link[1] * x[1];
+    let ratio = turn([-0.1 * al.sin(), 0.1 * al.cos()]) / turn([-0.2 * be.sin(), 0.2 * be.cos()]);
+    let modes = found.linear.modes().expect("modes");
+    close(modes[0].omega, (4000.0 / (0.02 + 0.5 * ratio * ratio)).sqrt(), 1e-12);
+    assert_eq!((modes.len(), found.multipliers), (1, vec![0.0]));
+}
+
+/// A force of 1e-6 N m that nothing balances is no rounding beside a spring of 4000 N m/rad.
+#[test]
+fn a_small_force_on_a_lever_is_no_rounding() {
+    let text = text_of("lever_without_force").replace("k*(al - al0)^2/2", "k*(al - al0)^2/2 - tau*be");
+    let text = text.replace("al0: 0.5 rad", "al0: 0.5 rad, tau: 1e-6 N*m");
+    let system = case(&text).system;
+    let rest = linearise_constrained(&system, &Guess::at(&[0.5, 1.5]), false).expect("a rest");
+    assert!(rest.multipliers[0].abs() > 1e-7 && (rest.linear.equilibrium.q[0] - 0.5).abs() > 1e-12);
+    let here = Guess::at(&[0.5, rest.linear.equilibrium.q[1] + 1e-3]);
+    assert!(linearise_constrained(&system, &here, true).is_err());
+}
+
+/// Bodies of mass 0 with inertia have no centre of mass; one rotation of all and four pairs remain of five coordinates.
+#[test]
+fn bodies_without_mass_have_a_rotation_and_modes() {
+    let text = printed("modes", "drivetrain", &[]);
+    assert!(text.contains("1: rigid, no stiffness") && text.contains("  5: damped"), "{text}");
+    let direct = text_of("drivetrain").replace("n: 3.5", "n: 1");
+    let folder = super::folder("drivetrain");
+    let path = folder.join("direct.yaml");
+    std::fs::write(&path, direct).expect("written");
+    let text = super::program(&["modes", path.to_str().expect("a path")]).expect("modes");
+    assert!(text.contains("rotation about the centre of mass"), "{text}");
+    std::fs::remove_dir_all(folder).expect("removed");
+}
+
+fn equal_oscillators(n: usize, c: f64) -> String {
+    format!(
+        "\
+name: Equal
+about: Equal damped oscillators.
+sizes: {{n: {n}}}
+coordinates: {{\"x[i in 1..n]\": 1}}
+kinetic_energy: sum(x[i]'^2/2, i in 1..n)
+potential_energy: \"sum(x[i]^2/2, i in 1..n)\"
+dissipation: {c}*sum(x[i]'^2/2, i in 1..n)
+scene: {{start: {{\"x[1]\": 1}}, until: 1}}
+"
+    )
+}
+
+#[test]
+fn equal_damped_oscillators_have_shapes_of_their_own() {
+    for (n, c) in [(2, 0.5), (4, 0.1), (7, 1e-6), (3, -0.1), (3, 3.0), (3, 2.0)] {
+        let linear = free(&equal_oscillators(n, c));
+        let analysis = dalembert::linear::complex_modes(&linear).expect("modes");
+        assert!(analysis.secular.is_empty(), "{n} {c}");
+        let roots = [-0.5 * c + (0.25 * c * c - 1.0).max(0.0).sqrt(), -0.5 * c - (0.25 * c * c - 1.0).max(0.0).sqrt()];
+        for mode in &analysis.modes {
+            let nearest = roots.iter().map(|root| (mode.eigenvalue.re - root).abs()).fold(f64::INFINITY, f64::min);
+            assert!(nearest < 1e-14, "{n} {c}: {}", mode.eigenvalue);
+            assert!(mode.shape.iter().all(|x| x.im == 0.0), "{n} {c}: {:?}", mode.shape);
+        }
+        // As many shapes as modes, orthonormal.
+        let oscillate = analysis.modes.iter().filter(|mode| mode.eigenvalue.im > 0.0).collect::<Vec<_>>();
+        for (i, a) in oscillate.iter().enumerate() {
+            for (j, b) in oscillate.iter().enumerate() {
+                let dot: f64 = a.shape.iter().zip(&b.shape).map(|(a, b)| a.re * b.re).sum();
+                assert!((dot - f64::from(u8::from(i == j))).abs() < 1e-13);
+            }
+        }
+        assert_eq!(oscillate.len(), if c.abs() < 2.0 { n } else { 0 });
+        let kind = if c < 0.0 {
+            Kind::Unstable
+        } else if c < 2.0 {
+            Kind::Damped
+        } else if c == 2.0 {
+            Kind::Critical
+        } else {
+            Kind::Overdamped
+        };
+        assert!(analysis.modes.iter().all(|mode| mode.kind == kind), "{n} {c}");
+    }
+}
+
+/// Two oscillators one of which drives the other at its own frequency are secular indeed.
+#[test]
+fn an_oscillator_that_drives_its_equal_is_secular() {
+    let text = "\
+name: Driven
+about: One oscillator drives another of the same frequency.
+parameters: {m: 1 kg, k: 1 N/m, c: 0.1 N*s/m}
+coordinates: {x: m, y: m}
+bodies: {a: {mass: m, position: \"[x, 0]\"}, b: {mass: m, position: \"[0, y]\"}}
+forces: {f: {on: a, force: \"[y*k - k*x - c*x', 0]\"}, g: {on: b, force: \"[0, -k*y - c*y']\"}}
+scene: {start: {x: 1}, until: 1}
+";
+    let found = modes(text);
+    assert!(found.len() == 2 && found.iter().all(|mode| mode.secular), "{found:?}");
+}
+
+/// x'' = y, y'' = 0 and longer chains: all eigenvalues are 0, of which rounding makes none that oscillates or grows.
+#[test]
+fn chains_of_integrators_have_no_eigenvalues_but_zero() {
+    for (force, expected) in [("k*y", 4), ("k*y + 0.3*b*x' - 0.3*b*x'", 4), ("b*y'", 4)] {
+        let text = format!(
+            "\
+name: Chain
+about: A mass pushed by what another does.
+parameters: {{m: 1 kg, k: 1 N/m, b: 1 N*s/m}}
+coordinates: {{x: m, y: m}}
+bodies: {{a: {{mass: m, position: \"[x, 0]\"}}, d: {{mass: m, position: \"[0, y]\"}}}}
+forces: {{f: {{on: a, force: \"[{force}, 0]\"}}}}
+scene: {{start: {{x: 0}}, until: 1}}
+"
+        );
+        let analysis = dalembert::linear::complex_modes(&free(&text)).expect("modes");
+        let zeros = analysis.eigenvalues.iter().filter(|value| value.norm() == 0.0).count();
+        assert_eq!(zeros, expected, "{force}: {:?}", analysis.eigenvalues);
+        assert!(analysis.modes.iter().all(|mode| mode.kind == Kind::Rigid) && analysis.defective, "{force}");
+    }
+}
+
+/// K = diag(1, 2), M = [1, 1; 1, 1 + d]: the fast frequency is √(3/d) but for what rounding makes of 1 + d.
+#[test]
+fn an_ill_conditioned_mass_matrix_leaves_fewer_digits() {
+    let of = |d: f64| {
+        format!(
+            "\
+name: NearSingular
+about: A mass matrix that is nearly singular.
+parameters: {{d: {d:e}}}
+coordinates: {{x: 1, y: 1}}
+kinetic_energy: (x'^2 + 2*x'*y' + (1 + d)*y'^2)/2
+potential_energy: (x^2 + 2*y^2)/2
+scene: {{start: {{x: 1}}, until: 1}}
+"
+        )
+    };
+    for d in [1e-13, 3e-12, 1e-8, 1e-4] {
+        let found = modes(&of(d));
+        // d ω⁴ − (3 + d) ω² + 2 = 0.
+        let expected = ((3.0 + d + ((3.0 + d) * (3.0 + d) - 8.0 * d).sqrt()) / (2.0 * d)).sqrt();
+        let missed = (found[1].omega / expected - 1.0).abs();
+        assert!(missed <= found[1].uncertainty, "{d}: {missed} beside {}", found[1].uncertainty);
+        assert!(found[1].uncertainty < 1e-15 / d, "{d}: {}", found[1].uncertainty);
+        assert!(found[0].uncertainty < 1e-15, "{d}");
+    }
+    let text = modes(&of(1e-13))[1].to_string();
+    assert!(text.contains("omega = 5.5e6 rad/s"), "{text}");
+    assert!(modes(&of(1e-4))[1].to_string().contains("omega = 173.206 rad/s"));
+}
+
+/// Each complex shape is turned so that what carries most of its energy is real.
+#[test]
+fn damped_shapes_are_real_where_they_are_largest() {
+    let text = "\
+name: Pair
+about: Two masses, one of them damped.
+parameters: {m: 1 kg, k: 1 N/m, c: 0.4 N*s/m}
+coordinates: {x: m, y: m}
+kinetic_energy: m*(x'^2 + 4*y'^2)/2
+potential_energy: k*(x^2 + (y - x)^2)/2
+dissipation: c*x'^2/2
+scene: {start: {x: 1}, until: 1}
+";
+    for mode in modes(text) {
+        let energy = [mode.shape[0].norm(), 2.0 * mode.shape[1].norm()];
+        let largest = usize::from(energy[1] > energy[0]);
+        assert!(mode.shape[largest].im.abs() < 1e-15 && mode.shape[1 - largest].im.abs() > 1e-3, "{mode:?}");
+        assert!(mode.shape[0].re > 0.0);
+    }
+}

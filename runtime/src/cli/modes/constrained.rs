@@ -19,7 +19,7 @@ use super::motion::Compared;
 use super::steady::Speeds;
 #[cfg(feature = "modal")]
 use super::tangent;
-use super::{bodies, failed, notes, pictures, report};
+use super::{bodies, failed, integrals, notes, pictures, report};
 use crate::linear::{Guess, LinearError, linearise_constrained, short};
 #[cfg(feature = "modal")]
 use crate::linear::{linearise_driven, linearise_tangent};
@@ -98,7 +98,8 @@ pub fn run(
     let locus = Locus::new(loaded, options, reader, &found.linear.equilibrium, speeds)?;
     let motion = Compared::new(loaded, options, scene, model, damping.as_ref())?;
     let more = driven.iter().flat_map(Driven::notes).chain(locus.iter().flat_map(Locus::notes));
-    for note in notes(&found.linear, &modes).into_iter().chain(more) {
+    let untried = integrals::notes(system, &found.linear.equilibrium, locus.as_ref());
+    for note in untried.into_iter().chain(notes(&found.linear, &modes)).chain(more) {
         eprintln!("warning: {note}");
     }
     pictures(loaded, options, &found.linear, &modes, out)?;
@@ -165,7 +166,9 @@ fn by_departures(
     };
     let model = at.as_ref().map(Model::Held);
     let driven = model.map_or(Ok(None), |model| Driven::new(loaded, options, reader, model))?;
-    for note in driven.iter().flat_map(Driven::notes).chain(locus.iter().flat_map(Locus::notes)) {
+    let untried = integrals::notes(system, &found.equilibrium, locus.as_ref());
+    let more = driven.iter().flat_map(Driven::notes).chain(locus.iter().flat_map(Locus::notes));
+    for note in untried.into_iter().chain(more) {
         eprintln!("warning: {note}");
     }
     if options.get_flag("json") {

@@ -16,7 +16,7 @@ use super::super::{Problem, outputs};
 use super::failed;
 use super::model::Model;
 use super::shaken::{Shaken, named};
-use crate::linear::{Linearised, Response, Steady, short, short_beside};
+use crate::linear::{Linearised, Mode, Response, Steady, short, short_beside};
 
 /// Below this part of its static stiffness a coordinate by itself is near resonance.
 const NEAR_RESONANCE: f64 = 0.3;
@@ -31,6 +31,8 @@ pub struct Driven {
     /// What else than coordinates was asked for, at the frequency of the steady state.
     answers: Vec<Answer>,
     response: Option<Response>,
+    /// The mode that grows fastest, by its number, and the time in which it grows by e, s.
+    unstable: Option<(usize, f64)>,
 }
 
 /// A rate's or an output's amplitude; `None` where an undamped mode makes it infinite.
@@ -61,7 +63,8 @@ impl Driven {
         let Shaken { drive, label, per } = drive(loaded, options, reader, model)?;
         let coordinates = &loaded.system.description().coordinates;
         let axes = coordinates.iter().map(|axis| (axis.name.to_string(), axis.unit.to_string())).collect();
-        let mut driven = Driven { label, axes, steady: None, answers: Vec::new(), response: None };
+        let mut driven = Driven { label, axes, steady: None, answers: Vec::new(), response: None, unstable: None };
+        driven.unstable = fastest_growth(&model.linear().modes().map_err(failed)?);
         let names = match answers {
             None => driven.axes.iter().map(|axis| axis.0.clone()).collect(),
             Some(text) => listed(loaded.system.description(), text)?,
@@ -105,11 +108,18 @@ impl Driven {
     pub fn notes(&self) -> Vec<String> {
         let poles = self.response.iter().flat_map(|response| &response.poles);
         let list: Vec<String> = poles.map(|omega| short(*omega)).collect();
-        if list.is_empty() {
-            return Vec::new();
-        }
-        let at = list.join(", ");
-        vec![format!("undamped modes at {at} rad/s: where the drive reaches one of them the answer has no bound")]
+        let reached = (!list.is_empty()).then(|| {
+            let at = list.join(", ");
+            format!("undamped modes at {at} rad/s: where the drive reaches one of them the answer has no bound")
+        });
+        let left = self.unstable.map(|(mode, time)| {
+            format!(
+                "the state about which this is linear is unstable (mode {mode} grows by e in {} s): the steady answer to the drive is one \
+                 solution, which no motion keeps to unless a control holds it",
+                short(time)
+            )
+        });
+        left.into_iter().chain(reached).collect()
     }
 
     /// The keys `steady` and `response`, where they were asked for.
@@ -202,6 +212,12 @@ impl Driven {
         }
         Ok(())
     }
+}
+
+/// The mode that grows fastest, counted from 1, and the time in which it grows by e, s.
+fn fastest_growth(modes: &[Mode]) -> Option<(usize, f64)> {
+    let growing = modes.iter().enumerate().filter_map(|(k, mode)| Some((k + 1, mode.growth_time()?)));
+    growing.min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// Coordinates by name, each with its unit.

@@ -79,6 +79,16 @@ impl Locus {
         self.branch.points.iter().filter(|point| !point.folded)
     }
 
+    /// The values that a coordinate, or what is varied, takes along the branch and at the ends of the range.
+    pub fn values_of(&self, name: &str) -> Vec<f64> {
+        if name == self.parameter {
+            return vec![self.range.0, self.range.1];
+        }
+        let index = self.coordinates.iter().position(|known| known == name);
+        let of = |point: &BranchPoint| index.and_then(|index| point.q.get(index).copied());
+        self.branch.points.iter().filter_map(of).collect()
+    }
+
     /// What the numbers alone do not tell.
     pub fn notes(&self) -> Vec<String> {
         let state = |q: &[f64]| {

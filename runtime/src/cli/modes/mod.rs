@@ -4,6 +4,7 @@ mod bodies;
 mod constrained;
 mod damping;
 mod drive;
+mod integrals;
 mod locus;
 mod matrices;
 mod model;
@@ -71,7 +72,8 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     let damping = Damping::new(&linear, &modes);
     let motion = Compared::new(&loaded, options, scene, Model::Free(&linear), damping.as_ref())?;
     let more = driven.iter().flat_map(Driven::notes).chain(locus.iter().flat_map(Locus::notes));
-    for note in notes(&linear, &modes).into_iter().chain(more) {
+    let untried = integrals::notes(system, &linear.equilibrium, locus.as_ref());
+    for note in untried.into_iter().chain(notes(&linear, &modes)).chain(more) {
         eprintln!("warning: {note}");
     }
     pictures(&loaded, options, &linear, &modes, out)?;
@@ -110,14 +112,14 @@ fn resting(system: &dyn System, scene: usize) -> Vec<f64> {
     }
 }
 
-/// The modes about the equilibrium that is found from the file's guess, or from a scene's start.
-pub(super) fn at_rest(system: &dyn System, scene: usize) -> Result<Vec<Mode>, LinearError> {
+/// The modes about the equilibrium that is found from the file's guess, or from a scene's start, and what is wrong with integrals there.
+pub(super) fn at_rest(system: &dyn System, scene: usize) -> Result<(Vec<Mode>, Vec<String>), LinearError> {
     let guess = Guess::at(&resting(system, scene));
-    if system.active_rows().is_empty() {
-        linearise(system, &equilibrium_near(system, &guess)?)?.modes()
-    } else {
-        linearise_constrained(system, &guess, false)?.linear.modes()
-    }
+    let linear = match system.active_rows().is_empty() {
+        true => linearise(system, &equilibrium_near(system, &guess)?)?,
+        false => linearise_constrained(system, &guess, false)?.linear,
+    };
+    Ok((linear.modes()?, integrals::notes(system, &linear.equilibrium, None)))
 }
 
 /// Puts the phase of `--phase` in force, or that in which the scene starts.

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::super::Problem;
 use super::super::json::{number, object};
 use super::MOST_PRINTED;
-use crate::linear::{Equilibrium, Kind, Linearised, Mode, short_beside};
+use crate::linear::{Equilibrium, Kind, Linearised, Mode, short_beside, short_within};
 
 /// With more coordinates that are all 0 it is enough to say so.
 const MANY: usize = 4;
@@ -36,7 +36,9 @@ pub fn as_json(name: &str, linear: &Linearised, modes: &[Mode], more: Vec<(&'sta
             ("kind", json!(mode.kind.word())),
             ("shape", mode.shape.iter().map(|x| pair(x.re, x.im)).collect::<Vec<_>>().into()),
         ];
-        object(entries.into_iter().chain(name).chain(secular))
+        // More digits than people see.
+        let uncertain = (mode.uncertainty > 1e-6).then(|| ("uncertainty", number(mode.uncertainty)));
+        object(entries.into_iter().chain(name).chain(secular).chain(uncertain))
     };
     let moves = at.v.iter().any(|v| *v != 0.0);
     let named = |v: &[f64]| object(at.coordinates.iter().cloned().zip(v.iter().map(|v| number(*v))));
@@ -170,12 +172,17 @@ fn shape(linear: &Linearised, masses: &[f64], mode: &Mode) -> Vec<String> {
     let scale = |mass: f64| if mass > 0.0 && energy > 0.0 { energy / mass.sqrt() } else { largest };
     let element = |((name, x), mass): ((&String, &nalgebra::Complex<f64>), &f64)| {
         let scale = scale(*mass);
-        let re = short_beside(x.re, scale);
+        let size = x.norm();
+        let digits = |part: f64| match part.abs() <= 1e-12 * scale {
+            true => "0".to_owned(),
+            false => short_within(part, mode.uncertainty * size / part.abs()),
+        };
+        let re = digits(x.re);
         if x.im.abs() <= 1e-12 * scale {
             return format!("{name} {re}");
         }
         let sign = if x.im < 0.0 { '-' } else { '+' };
-        format!("{name} {re}{sign}{}i", short_beside(x.im.abs(), scale))
+        format!("{name} {re}{sign}{}i", digits(x.im.abs()))
     };
     linear.equilibrium.coordinates.iter().zip(&mode.shape).zip(masses).map(element).collect()
 }

@@ -5,6 +5,7 @@ mod table;
 
 use std::io::{IsTerminal, Write};
 use std::ops::ControlFlow;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clap::ArgMatches;
@@ -111,6 +112,7 @@ fn compute(loaded: &mut Loaded, options: &ArgMatches, columns: &[String], modes:
     let (system, interrupted) = (&*loaded.system, interruption());
     let stopped = || interrupted.load(Ordering::Relaxed);
     let (done, shown) = (AtomicUsize::new(0), std::io::stderr().is_terminal());
+    let first_note = OnceLock::new();
     let rows = spread(runs.len(), threads, |place| {
         if stopped() {
             return None;
@@ -118,7 +120,11 @@ fn compute(loaded: &mut Loaded, options: &ArgMatches, columns: &[String], modes:
         let (run, values) = (runs[place], points.at(runs[place]));
         let mut system = system.boxed_clone();
         points.varied.iter().zip(&values).for_each(|(varied, value)| varied.set(&mut *system, *value));
-        let found = (modes > 0).then(|| at_rest(&*system, scene));
+        let found = (modes > 0).then(|| at_rest(&*system, scene)).map(|found| {
+            let (modes, untried) = found?;
+            untried.into_iter().next().inspect(|note| _ = first_note.set(note.clone()));
+            Ok(modes)
+        });
         let mut settings = changes.of(Settings::new(&system.scene(scene)));
         points.varied.iter().zip(&values).for_each(|(varied, value)| varied.start(&mut settings, *value));
         settings.method = method.unwrap_or(settings.method);
@@ -142,6 +148,9 @@ fn compute(loaded: &mut Loaded, options: &ArgMatches, columns: &[String], modes:
     });
     if shown {
         eprint!("\r\x1b[K");
+    }
+    if let Some(note) = first_note.get() {
+        eprintln!("warning: modes: {note}");
     }
     let rows: Vec<Row> = rows.into_iter().flatten().collect();
     if rows.len() < runs.len() {

@@ -40,7 +40,7 @@ pub(super) struct Held<'a, S: System + ?Sized> {
 pub(super) struct Terms {
     /// Σ |terms| of forces.
     pub forces: DVector<f64>,
-    /// Of places, speeds and multipliers, through the slopes of forces.
+    /// Of places, speeds and multipliers, through the slopes of forces, and what multipliers pass on of these.
     pub by_state: DVector<f64>,
     /// Of c.
     pub places: DVector<f64>,
@@ -221,16 +221,34 @@ impl<'a, S: System + ?Sized> Held<'a, S> {
         let by_state = self.slopes(state).abs() * &sizes;
         let carried = state.lambda.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let effects = self.effects(state);
+        let passed_on = self.passed_on(&effects) * by_state.rows(0, n);
         let jacobian = self.jacobian(state).abs();
         let triples = self.triples(state);
         let by_place = &jacobian * sizes.rows(0, n);
         Terms {
             forces,
-            by_state: DVector::from_fn(n, |i, _| by_state[i] + carried * effects.row(i).lp_norm(1)),
+            by_state: DVector::from_fn(n, |i, _| by_state[i] + passed_on[i] + carried * effects.row(i).lp_norm(1)),
             places: DVector::from_fn(m, |k, _| triples[k][2].max(by_place[k])),
             rates: self.tilt(state).abs() * sizes.rows(0, n) + jacobian * sizes.rows(n, n),
             biases: by_state.rows(n, m).into_owned(),
         }
+    }
+
+    /// Multipliers of the rows in force, 0 where no more is left than rounding of forces makes.
+    pub fn multipliers(&self, state: &State) -> Vec<f64> {
+        let inverse = solve_least(&self.effects(state), &DMatrix::identity(self.n, self.n));
+        let rounding = inverse.map(|inverse| inverse.abs() * self.terms(state).by_state * ROUNDINGS * f64::EPSILON);
+        let of = |(k, row): (usize, &usize)| {
+            let lambda = state.lambda[*row];
+            if rounding.as_ref().is_some_and(|rounding| lambda.abs() <= rounding[k]) { 0.0 } else { lambda }
+        };
+        self.rows.iter().enumerate().map(of).collect()
+    }
+
+    /// |E E⁺|: what multipliers, which balance as much as they can, make of the rounding of one force in others.
+    fn passed_on(&self, effects: &DMatrix<f64>) -> DMatrix<f64> {
+        let inverse = solve_least(effects, &DMatrix::identity(self.n, self.n));
+        inverse.map_or_else(|| DMatrix::zeros(self.n, self.n), |inverse| (effects * inverse).abs())
     }
 
     /// The first equation that a state does not satisfy: a coordinate's, or behind those a row's.
@@ -252,13 +270,19 @@ impl<'a, S: System + ?Sized> Held<'a, S> {
         (0..self.n).find(|i| !balanced(*i)).or(rows)
     }
 
-    /// A state that a search from another place found, with coordinates at 0 that are nothing beside those with their unit, or
-    /// beside what they were, if it stays so.
+    /// A state that a search from another place found, with coordinates at 0 that are nothing beside those with their unit,
+    /// beside what they were, or in forces beside those at that place, if it stays so.
     pub fn settled(&self, state: State, from: &[f64]) -> State {
         let sizes = natural_sizes(&self.units(), &state.q);
+        let before = self.terms(&self.state(from, &state.v));
+        let forces = before.forces + before.by_state;
+        let slopes = self.slopes(&state);
         let mut tried = state.clone();
         for (i, q) in tried.q.iter_mut().enumerate() {
-            if q.abs() <= (ROUNDINGS * f64::EPSILON * sizes[i]).max(GONE * from[i].abs()) {
+            let slope = slopes.view((0, i), (self.n, 1)).abs();
+            let unnoticed = slope.amax() > 0.0
+                && slope.iter().zip(&forces).all(|(x, force)| x * q.abs() <= ROUNDINGS * f64::EPSILON * force);
+            if unnoticed || q.abs() <= (ROUNDINGS * f64::EPSILON * sizes[i]).max(GONE * from[i].abs()) {
                 *q = 0.0;
             }
         }

@@ -372,7 +372,7 @@ impl<S: System + ?Sized> Held<'_, S> {
             input: whole.input(),
             forces: whole.forces(),
         };
-        let multipliers = self.rows.iter().map(|row| state.lambda[*row]).collect();
+        let multipliers = self.multipliers(state);
         let (Whole { motions, carried, immovable, .. }, there) = (whole, linear.equilibrium.guess());
         Ok((Constrained { linear, coordinates: names, motions, carried, multipliers, immovable }, there))
     }

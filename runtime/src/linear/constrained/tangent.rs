@@ -56,11 +56,7 @@ pub fn linearise_tangent<S: System + ?Sized>(system: &S, guess: &Guess, here: bo
     let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
     on_its_sides(system, guess, |system, guess| {
         let held = Held::new(system, &rows, &guess.q);
-        let mut state = held.state(&guess.q, &guess.v);
-        let iterations = if here { 0 } else { held.steady(guess, &mut state)? };
-        if !here {
-            state = held.settled(state, &guess.q);
-        }
+        let (state, iterations) = if here { (held.state(&guess.q, &guess.v), 0) } else { held.nearest(guess)? };
         if !held.stays(&state) {
             return Err(match here {
                 true => LinearError::NotAnEquilibrium { residual: held.left(&state) },
@@ -108,11 +104,29 @@ impl<S: System + ?Sized> Held<'_, S> {
         all
     }
 
-    /// Gauss's and Newton's iteration by least steps of q, λ and the speeds that the guess leaves open; how many there
+    /// The rest nearest to the guess; where there is none, or speeds are given, the steady motion, and how many iterations led there.
+    ///
+    /// At rest a constraint such as `e' = r - x` asks for x = r: with speeds open it would ask for nothing.
+    fn nearest(&self, guess: &Guess) -> Result<(State, usize), LinearError> {
+        let open = |moves: bool| (0..2 * self.n).filter(move |i| *i < self.n || moves && guess.v[i - self.n] == 0.0);
+        if guess.v.iter().all(|v| *v == 0.0) {
+            let mut state = self.state(&guess.q, &guess.v);
+            if let Ok(iterations) = self.steady(&open(false).collect::<Vec<_>>(), &mut state) {
+                state = self.settled(state, &guess.q);
+                if self.stays(&state) {
+                    return Ok((state, iterations));
+                }
+            }
+        }
+        let mut state = self.state(&guess.q, &guess.v);
+        let iterations = self.steady(&open(true).collect::<Vec<_>>(), &mut state)?;
+        Ok((self.settled(state, &guess.q), iterations))
+    }
+
+    /// Gauss's and Newton's iteration by least steps of λ and of the coordinates and speeds that are open (q, then q'); how many there
     /// were.
-    fn steady(&self, guess: &Guess, state: &mut State) -> Result<usize, LinearError> {
+    fn steady(&self, open: &[usize], state: &mut State) -> Result<usize, LinearError> {
         let (n, m) = (self.n, self.rows.len());
-        let open: Vec<usize> = (0..2 * n).filter(|i| *i < n || guess.v[i - n] == 0.0).collect();
         let mut iterations = 0;
         while iterations < ITERATIONS {
             let left = self.whole(state);
@@ -120,10 +134,10 @@ impl<S: System + ?Sized> Held<'_, S> {
             let allowed = self.allowed(state);
             let extra = allowed.nrows();
             let mut matrix = DMatrix::zeros(n + extra + m, open.len() + m);
-            matrix.view_mut((0, 0), (n, open.len())).copy_from(&slopes.rows(0, n).select_columns(&open));
+            matrix.view_mut((0, 0), (n, open.len())).copy_from(&slopes.rows(0, n).select_columns(open));
             matrix.view_mut((0, open.len()), (n, m)).copy_from(&(-self.effects(state)));
-            matrix.view_mut((n, 0), (extra, open.len())).copy_from(&allowed.select_columns(&open));
-            matrix.view_mut((n + extra, 0), (m, open.len())).copy_from(&slopes.rows(n, m).select_columns(&open));
+            matrix.view_mut((n, 0), (extra, open.len())).copy_from(&allowed.select_columns(open));
+            matrix.view_mut((n + extra, 0), (m, open.len())).copy_from(&slopes.rows(n, m).select_columns(open));
             let lost = state.q.iter().any(|q| q.abs() > FAR);
             if lost || matrix.iter().chain(left.iter()).any(|x| !x.is_finite()) {
                 return Err(self.nowhere(state, iterations));
@@ -154,6 +168,8 @@ impl<S: System + ?Sized> Held<'_, S> {
             }
             iterations += 1;
         }
+        // What rounding left of multipliers beside larger equations goes.
+        *state = self.state(&state.q, &state.v);
         let fast = state.v.iter().fold(1.0_f64, |most, v| most.max(v.abs()));
         state.v.iter_mut().filter(|v| v.abs() <= REST * fast).for_each(|v| *v = 0.0);
         Ok(iterations)
@@ -234,7 +250,7 @@ impl<S: System + ?Sized> Held<'_, S> {
             slow: None,
             freedom: Freedom::default(),
         };
-        let multipliers = self.rows.iter().map(|row| state.lambda[*row]).collect();
+        let multipliers = self.multipliers(state);
         Ok(Tangent { equilibrium, multipliers, departures, matrix, analysis })
     }
 }

@@ -12,13 +12,15 @@ impl Linearised {
     /// As [`normal_modes`] and `complex_modes`; [`LinearError::NeedsFeature`] for complex modes in a crate built
     /// without the feature `modal`.
     pub fn modes(&self) -> Result<Vec<Mode>, LinearError> {
-        if self.damping.is_zero() && self.circulatory().is_zero() {
-            return normal_modes(self, Reduction::Cholesky);
-        }
-        #[cfg(feature = "modal")]
-        return Ok(crate::linear::complex_modes(self)?.modes);
-        #[cfg(not(feature = "modal"))]
-        return Err(LinearError::NeedsFeature { feature: "modal" });
+        let mut modes = match self.damping.is_zero() && self.circulatory().is_zero() {
+            true => normal_modes(self, Reduction::Cholesky)?,
+            #[cfg(feature = "modal")]
+            false => crate::linear::complex_modes(self)?.modes,
+            #[cfg(not(feature = "modal"))]
+            false => return Err(LinearError::NeedsFeature { feature: "modal" }),
+        };
+        modes.iter_mut().for_each(|mode| mode.note_uncertainty(self));
+        Ok(modes)
     }
 
     /// Departures x(t) and speeds x'(t) without forces, from x₀ and v₀ at t = 0: z(t) = e^(At) z₀.

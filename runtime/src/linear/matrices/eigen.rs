@@ -26,6 +26,10 @@ impl Eigen {
         if matrix.iter().all(|x| *x == 0.0) {
             return Some(Eigen { values: vec![Complex::new(0.0, 0.0); n], vectors: DMatrix::identity(n, n) });
         }
+        let parts = decoupled(matrix);
+        if parts.len() > 1 {
+            return Eigen::of_parts(matrix, &parts);
+        }
         let (balanced, scale) = balance(matrix.clone());
         let (q, t) = schur(&balanced)?;
         let mut values = vec![Complex::new(0.0, 0.0); n];
@@ -52,16 +56,55 @@ impl Eigen {
         Some(Eigen { values, vectors })
     }
 
+    /// Of a matrix whose parts have nothing to do with each other: equal eigenvalues of different parts have shapes of their own.
+    fn of_parts(matrix: &DMatrix<f64>, parts: &[Vec<usize>]) -> Option<Eigen> {
+        let n = matrix.nrows();
+        let (mut values, mut vectors) = (vec![Complex::new(0.0, 0.0); n], DMatrix::zeros(n, n));
+        for part in parts {
+            let found = Eigen::of(&matrix.select_rows(part).select_columns(part))?;
+            for (k, column) in part.iter().enumerate() {
+                values[*column] = found.values[k];
+                part.iter().enumerate().for_each(|(i, row)| vectors[(*row, *column)] = found.vectors[(i, k)]);
+            }
+        }
+        Some(Eigen { values, vectors })
+    }
+
     /// The condition number of the eigenvectors.
     pub fn condition(&self) -> f64 {
         condition(&self.vectors)
     }
 }
 
+/// Rows and columns that elements other than 0 join, directly or through others.
+fn decoupled(matrix: &DMatrix<f64>) -> Vec<Vec<usize>> {
+    let n = matrix.nrows();
+    let mut left: Vec<usize> = (0..n).collect();
+    let mut parts = Vec::new();
+    while let Some(first) = left.first().copied() {
+        left.remove(0);
+        let mut part = vec![first];
+        let mut next = 0;
+        while next < part.len() {
+            let i = part[next];
+            let (joined, apart) = left.iter().partition(|j| matrix[(i, **j)] != 0.0 || matrix[(**j, i)] != 0.0);
+            left = apart;
+            part.extend::<Vec<usize>>(joined);
+            next += 1;
+        }
+        part.sort_unstable();
+        parts.push(part);
+    }
+    parts
+}
+
 /// The largest singular value over the least.
 pub fn condition(vectors: &DMatrix<Complex<f64>>) -> f64 {
+    if vectors.is_empty() {
+        return 1.0;
+    }
     let singular = vectors.clone().singular_values();
-    if singular.is_empty() { 1.0 } else { singular.max() / singular.min() }
+    singular.max() / singular.min()
 }
 
 /// A and the diagonal D so that the matrix given was D A D⁻¹.

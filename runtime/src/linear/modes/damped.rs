@@ -2,11 +2,12 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
+use super::classical::decoupled;
 use super::dissipation::Dissipation;
 use super::{Kind, Mode, secular};
-use crate::linear::matrices::{Eigen, Scaled, cholesky, condition, null_space};
+use crate::linear::matrices::{Eigen, Scaled, Singular, cholesky, condition, null_space};
 use crate::linear::{LinearError, Linearised};
-use crate::matrix::equilibrated;
+use crate::matrix::{equilibrated, is_symmetric};
 
 /// Eigenvectors beyond this condition number are no basis to compute with.
 const WORST_CONDITION: f64 = 1e6;
@@ -55,11 +56,14 @@ pub fn complex_modes(linear: &Linearised) -> Result<ComplexModes, LinearError> {
         (false, false) => -units.c[(i - n, j - n)],
     });
     let failed = LinearError::NoConvergence { what: "the eigenvalue iteration" };
-    let solved = Eigen::of(&first_order).ok_or(failed)?;
+    let solved = match decoupled(linear)? {
+        Some(by_mode) => units.first_order(&by_mode, rate),
+        None => Eigen::of(&first_order).ok_or(failed)?,
+    };
     let eigenvalues = solved.values;
     let norm = eigenvalues.iter().fold(0.0_f64, |most, x| most.max(x.norm()));
 
-    let rigid = Rigid::new(linear, &mass)?;
+    let rigid = Rigid::new(linear, &mass, &first_order)?;
     let mut order: Vec<usize> = (0..2 * n).collect();
     order.sort_by(|a, b| eigenvalues[*a].norm().total_cmp(&eigenvalues[*b].norm()));
     let (zero, rest) = order.split_at(rigid.multiplicity.min(2 * n));
@@ -218,6 +222,18 @@ impl Units {
         }
     }
 
+    /// Eigenvalues and eigenvectors of the first-order form from those mode by mode.
+    fn first_order(&self, by_mode: &[(Complex<f64>, DVector<f64>)], rate: f64) -> Eigen {
+        let n = self.k.nrows();
+        let column = |(value, shape): &(Complex<f64>, DVector<f64>)| {
+            let y = self.factor.tr_mul(shape).map(Complex::from);
+            DVector::from_fn(2 * n, |i, _| if i < n { y[i] } else { y[i - n] * *value / rate }).normalize()
+        };
+        let columns: Vec<DVector<Complex<f64>>> = by_mode.iter().map(column).collect();
+        let vectors = if n == 0 { DMatrix::zeros(0, 0) } else { DMatrix::from_columns(&columns) };
+        Eigen { values: by_mode.iter().map(|pair| pair.0).collect(), vectors }
+    }
+
     fn back(&self, y: impl Iterator<Item = Complex<f64>>) -> Vec<Complex<f64>> {
         let (mut re, mut im): (Vec<f64>, Vec<f64>) = y.map(|y| (y.re, y.im)).unzip();
         for part in [&mut re, &mut im] {
@@ -247,7 +263,7 @@ struct Rigid {
 }
 
 impl Rigid {
-    fn new(linear: &Linearised, mass: &DMatrix<f64>) -> Result<Rigid, LinearError> {
+    fn new(linear: &Linearised, mass: &DMatrix<f64>, first_order: &DMatrix<f64>) -> Result<Rigid, LinearError> {
         let scaled = Scaled::new(&linear.mass);
         let stiffness = scaled.stiffness(&linear.k());
         let failed = || LinearError::NoConvergence { what: "the singular value decomposition of K" };
@@ -266,7 +282,26 @@ impl Rigid {
         let columns: Vec<DVector<f64>> =
             right.column_iter().map(|c| DVector::from_vec(scaled.step(&c.into_owned()))).collect();
         let shapes = orthonormal(columns, mass);
-        Ok(Rigid { shapes, multiplicity: free + free - working })
+        // Potentials and dampers leave A + B t at most; other forces can drive one zero by another, A + B t + C t² and so on.
+        let plain = is_symmetric(&linear.k()) && is_symmetric(&linear.c());
+        let more = if plain { 0 } else { zeros(first_order).ok_or_else(failed)? };
+        Ok(Rigid { shapes, multiplicity: more.max(free + free - working) })
+    }
+}
+
+/// How often 0 is an eigenvalue, by ranks: null vectors, then those of what the matrix does beyond them, and so on.
+fn zeros(matrix: &DMatrix<f64>) -> Option<usize> {
+    let mut left = matrix.clone();
+    loop {
+        let null = null_space(&left)?;
+        if null.ncols() == 0 {
+            return Some(matrix.nrows() - left.nrows());
+        }
+        if null.ncols() == left.nrows() {
+            return Some(matrix.nrows());
+        }
+        let beyond = Singular::of(&(&null * null.transpose()))?.directions(|value| value < 0.5);
+        left = beyond.transpose() * left * beyond;
     }
 }
 

@@ -1,6 +1,8 @@
 //! Modes: normal ones, those of damped, gyroscopic and circulatory systems, what is wrong with them, and their pictures.
 
 #[cfg(feature = "modal")]
+mod classical;
+#[cfg(feature = "modal")]
 mod damped;
 #[cfg(feature = "modal")]
 mod dissipation;

@@ -5,7 +5,7 @@ use std::fmt;
 
 use nalgebra::Complex;
 
-use crate::linear::{SparseMatrix, short};
+use crate::linear::{Linearised, SparseMatrix, short_within};
 
 /// What a mode does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,10 +50,12 @@ pub struct Mode {
     pub eigenvalue: Complex<f64>,
     /// What it does.
     pub kind: Kind,
-    /// φ with φᴴ M φ = 1, real and positive in its first coordinate that is not negligible.
+    /// φ with φᴴ M φ = 1, real in the coordinate that has the largest part of the kinetic energy, and positive in its first one that is not negligible.
     pub shape: Vec<Complex<f64>>,
     /// (coordinate, part of the kinetic energy), largest first, of those that carry at least a hundredth.
     pub carriers: Vec<(String, f64)>,
+    /// How much of the eigenvalue, as a part of it, rounding of the elements of M, C and K can change.
+    pub uncertainty: f64,
     /// True where another frequency is equal, or so near (10⁶ ε ‖K‖) that only the space spanned by the shapes
     /// has a meaning, not each of them.
     pub repeated: bool,
@@ -77,9 +79,7 @@ impl Mode {
         }
         let parts: Vec<f64> = shape.iter().zip(&momentum).map(|(x, p)| (x.conj() * p).re).collect();
         let energy: f64 = parts.iter().sum();
-        let largest = shape.iter().fold(0.0_f64, |most, x| most.max(x.norm()));
-        let first = shape.iter().find(|x| x.norm() > 1e-6 * largest).copied().unwrap_or(Complex::new(1.0, 0.0));
-        let factor = first.conj() / (first.norm() * energy.sqrt());
+        let factor = in_phase(&shape, &parts) / energy.sqrt();
         for x in &mut shape {
             *x *= factor;
         }
@@ -87,7 +87,32 @@ impl Mode {
             names.iter().cloned().zip(parts.iter().map(|part| part / energy)).collect();
         carriers.retain(|(_, part)| *part >= 0.01);
         carriers.sort_by(|a, b| b.1.total_cmp(&a.1));
-        Mode { omega, zeta, eigenvalue, kind, shape, carriers, repeated: false, secular: false, name: None }
+        Mode {
+            omega,
+            zeta,
+            eigenvalue,
+            kind,
+            shape,
+            carriers,
+            uncertainty: 0.0,
+            repeated: false,
+            secular: false,
+            name: None,
+        }
+    }
+
+    /// Notes how much of the eigenvalue rounding of M, C and K can change: εφᴴ(|λ|²|M| + |λ||C| + |K|)φ beside twice |λ|²φᴴMφ.
+    pub(in crate::linear) fn note_uncertainty(&mut self, linear: &Linearised) {
+        let form = |matrix: &SparseMatrix| -> f64 {
+            let term =
+                |(i, j, x): &(u32, u32, f64)| self.shape[*i as usize].norm() * self.shape[*j as usize].norm() * x.abs();
+            matrix.entries.iter().map(term).sum()
+        };
+        let rate = self.eigenvalue.norm();
+        if rate > 0.0 {
+            let parts = form(&linear.mass) + form(&linear.damping) / rate + form(&linear.stiffness) / rate / rate;
+            self.uncertainty = 0.5 * f64::EPSILON * parts;
+        }
     }
 
     /// The time in which the motion falls to 1/e of itself, −1/Re λ, s; `None` where it does not fall.
@@ -111,11 +136,30 @@ impl Mode {
     }
 }
 
+/// Coordinates whose sizes differ by less than this part are equally large: the first of them counts.
+const EQUALLY_LARGE: f64 = 1e-6;
+/// Components below this part of the largest decide no sign.
+const NEGLIGIBLE: f64 = 1e-6;
+
+/// The factor of size 1 that makes a shape real where it is largest, by the parts of the kinetic energy, and positive in its
+/// first coordinate that is not negligible.
+fn in_phase(shape: &[Complex<f64>], parts: &[f64]) -> Complex<f64> {
+    let most = parts.iter().fold(0.0_f64, |most, part| most.max(*part));
+    let leading = shape.iter().zip(parts).find(|(x, part)| **part >= (1.0 - EQUALLY_LARGE) * most && x.norm() > 0.0);
+    let turn = leading.map_or(Complex::new(1.0, 0.0), |(x, _)| x.conj() / x.norm());
+    let largest = shape.iter().fold(0.0_f64, |most, x| most.max(x.norm()));
+    let first = shape.iter().map(|x| x * turn).find(|x| x.norm() > NEGLIGIBLE * largest);
+    if first.is_some_and(|x| x.re < 0.0) { -turn } else { turn }
+}
+
 impl fmt::Display for Mode {
     /// `damped, omega = 1.2 rad/s, zeta = 0.1, falls by e in 8.3 s; carried by x 90 %, y 10 %`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (omega, seen) = (short(self.omega), short(self.eigenvalue.im));
-        let growth = short(1.0 / self.eigenvalue.re);
+        let whole = |x: f64| short_within(x, self.uncertainty);
+        // Of a small part of the eigenvalue less is known.
+        let part = |x: f64, of: f64| short_within(x, self.uncertainty * self.eigenvalue.norm() / of.abs());
+        let (omega, seen) = (whole(self.omega), part(self.eigenvalue.im, self.eigenvalue.im));
+        let growth = part(1.0 / self.eigenvalue.re, self.eigenvalue.re);
         match self.kind {
             Kind::Rigid => match &self.name {
                 Some(name) => write!(f, "rigid, no stiffness: {name}")?,
@@ -125,24 +169,24 @@ impl fmt::Display for Mode {
             Kind::Unstable => write!(
                 f,
                 "unstable, omega = {seen} rad/s, {} Hz, grows by e in {growth} s",
-                short(self.eigenvalue.im / TAU)
+                part(self.eigenvalue.im / TAU, self.eigenvalue.im)
             )?,
             Kind::Oscillating => write!(
                 f,
                 "oscillating, omega = {omega} rad/s, {} Hz, period {} s",
-                short(self.omega / TAU),
-                short(TAU / self.omega)
+                whole(self.omega / TAU),
+                whole(TAU / self.omega)
             )?,
             kind => {
                 write!(f, "{}, omega = {omega} rad/s", kind.word())?;
                 if let Some(zeta) = self.zeta {
-                    write!(f, ", zeta = {}", short(zeta))?;
+                    write!(f, ", zeta = {}", part(zeta, self.eigenvalue.re))?;
                 }
                 if kind == Kind::Damped {
-                    write!(f, ", seen at {seen} rad/s ({} Hz)", short(self.eigenvalue.im / TAU))?;
+                    write!(f, ", seen at {seen} rad/s ({} Hz)", part(self.eigenvalue.im / TAU, self.eigenvalue.im))?;
                 }
                 if let Some(time) = self.decay_time() {
-                    write!(f, ", falls by e in {} s", short(time))?;
+                    write!(f, ", falls by e in {} s", part(time, self.eigenvalue.re))?;
                 }
             }
         }
