@@ -1,7 +1,9 @@
 //! What a run returns.
 
+mod continuous;
 mod deviation;
 mod digits;
+mod extremes;
 mod failure;
 mod frames;
 mod hermite;
@@ -17,7 +19,11 @@ use std::sync::Arc;
 
 use crate::constrain::Residuals;
 
+#[cfg(feature = "interpret")]
+pub(crate) use continuous::Continuous;
 pub use digits::Digits;
+#[cfg(feature = "interpret")]
+pub(crate) use extremes::extremes;
 pub use failure::Failure;
 pub(crate) use frames::Scenery;
 pub use parts::RunPart;
