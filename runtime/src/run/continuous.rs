@@ -27,7 +27,8 @@ impl<'a> Continuous<'a> {
     /// `None` where the run kept no dense output, was changed by hand, or has no such column.
     pub fn new(run: &'a Run, names: &[String]) -> Option<Self> {
         let all = run.column_names();
-        let columns = names.iter().map(|name| all.iter().position(|known| known == name)).collect::<Option<Vec<_>>>()?;
+        let columns =
+            names.iter().map(|name| all.iter().position(|known| known == name)).collect::<Option<Vec<_>>>()?;
         let system = run.scenery.system()?.boxed_clone();
         let projection = Projection::new(&*system).filter(|_| run.scenery.projects);
         let steps = run.trajectory.steps();

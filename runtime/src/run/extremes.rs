@@ -155,10 +155,18 @@ fn climb_between([mut a, mut b]: [f64; 2], f: &mut dyn FnMut(f64) -> f64) {
         let u = if step.abs() >= narrow { x + step } else { x + narrow.copysign(step) };
         let yu = f(u);
         if yu >= y {
-            if u >= x { a = x } else { b = x }
+            if u >= x {
+                a = x
+            } else {
+                b = x
+            }
             ((v, yv), (w, yw), (x, y)) = ((w, yw), (x, y), (u, yu));
         } else {
-            if u < x { a = u } else { b = u }
+            if u < x {
+                a = u
+            } else {
+                b = u
+            }
             if yu >= yw || w == x {
                 ((v, yv), (w, yw)) = ((w, yw), (u, yu));
             } else if yu >= yv || v == x || v == w {

@@ -10,6 +10,7 @@ mod hermite;
 mod integrals;
 mod parts;
 mod record;
+mod resample;
 mod state;
 mod symmetry;
 mod trajectory;
@@ -79,6 +80,8 @@ pub struct Run {
     pub seconds: f64,
     pub(crate) ended_by: Option<usize>,
     pub(crate) times: Vec<f64>,
+    /// Whether states were reported closer than planned, since the run ended early.
+    pub(crate) is_filled: bool,
     pub(crate) rows: Vec<f64>,
     /// How far each component of [q; q'] has gone, between reported times too; empty at a fixed step.
     pub(crate) swept: Vec<f64>,

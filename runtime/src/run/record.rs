@@ -103,6 +103,7 @@ impl Recorder {
             seconds: 0.0,
             ended_by: None,
             times: Vec::new(),
+            is_filled: false,
             rows: Vec::new(),
             swept: Vec::new(),
             outputs: Vec::new(),
