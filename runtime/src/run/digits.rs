@@ -338,7 +338,13 @@ fn ranges(run: &Run, still: f64) -> Vec<f64> {
             (*low, *high) = (low.min(value), high.max(value));
         }
     }
-    let ranges: Vec<f64> = ends.iter().map(|(low, high)| (high - low).max(0.0)).collect();
+    // Where reports are few, most of a motion may lie between them.
+    let gone = |column: usize| run.swept.get(column).copied().unwrap_or(0.0);
+    let ranges = ends.iter().enumerate().map(|(column, (low, high))| match (high - low).max(0.0) {
+        range if range < 0.5 * gone(column) => gone(column),
+        range => range,
+    });
+    let ranges: Vec<f64> = ranges.collect();
     let units: Vec<String> = names.iter().map(|name| run.unit(name)).collect();
     // Outputs may be quotients by what vanishes: the motion says what is large, where it has the unit.
     let states = 2 * run.names.coordinates.len();

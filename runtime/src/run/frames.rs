@@ -16,17 +16,26 @@ pub(crate) type Frame = (f64, Vec<f64>);
 /// What is needed to draw a run after it ended.
 #[derive(Clone, Default)]
 pub(crate) struct Scenery {
-    /// The mechanism as it was at the end; `None` if there is nothing to draw.
+    /// The mechanism as it was at the end; `None` if there is no dense output.
     system: Option<Arc<dyn System>>,
-    /// Where the run was to end, s.
+    /// Where the run ended, or where it was to end when frames were drawn before, s.
     until: f64,
     /// Modes of the switches, from which time on.
-    modes: Vec<(f64, Vec<f64>)>,
+    pub modes: Vec<(f64, Vec<f64>)>,
+    /// Whether states between the ends of steps are brought back to the constraints.
+    pub projects: bool,
     /// Frames that were drawn before the mechanism was changed by hand.
     drawn: Vec<Frame>,
+    /// Whether the mechanism was changed by hand, so that it is not the one of the whole run.
+    changed: bool,
 }
 
 impl Scenery {
+    /// Of a run that brings states back to the constraints, or does not.
+    pub fn new(projects: bool) -> Self {
+        Scenery { projects, ..Scenery::default() }
+    }
+
     /// Notes the modes in force from t on.
     pub fn modes(&mut self, t: f64, modes: &[f64]) {
         if !modes.is_empty() && self.modes.last().is_none_or(|(_, last)| last != modes) {
@@ -34,15 +43,20 @@ impl Scenery {
         }
     }
 
-    /// Keeps the mechanism, as it is at the end, if it draws anything.
-    pub fn keep(&mut self, system: &dyn System, until: f64) {
-        self.until = until;
-        self.system = (system.description().drawing_len() > 0).then(|| Arc::from(system.boxed_clone()));
+    /// Keeps the mechanism, as it is at the end, of a run with dense output, which ended there unless it was drawn before.
+    pub fn keep(&mut self, system: &dyn System, end: Option<f64>) {
+        self.until = end.filter(|_| !self.changed).unwrap_or(self.until);
+        self.system = end.map(|_| Arc::from(system.boxed_clone()));
+    }
+
+    /// The mechanism of the whole run.
+    pub fn system(&self) -> Option<&dyn System> {
+        self.system.as_deref().filter(|_| !self.changed)
     }
 
     /// Draws until the end of the trajectory with the mechanism as it is.
     pub fn draw(&mut self, system: &dyn System, trajectory: &Trajectory, until: f64) {
-        self.until = until;
+        (self.until, self.changed) = (until, true);
         if system.description().drawing_len() > 0 {
             let more = self.more(system.boxed_clone(), trajectory, false);
             self.drawn.extend(more);
@@ -51,7 +65,8 @@ impl Scenery {
 
     /// All frames; none where the run kept no dense output.
     pub fn frames(&self, trajectory: &Trajectory) -> Vec<Frame> {
-        let more = self.system.as_ref().map(|system| self.more(system.boxed_clone(), trajectory, true));
+        let draws = |system: &&Arc<dyn System>| system.description().drawing_len() > 0;
+        let more = self.system.as_ref().filter(draws).map(|system| self.more(system.boxed_clone(), trajectory, true));
         self.drawn.iter().cloned().chain(more.unwrap_or_default()).collect()
     }
 

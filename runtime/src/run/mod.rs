@@ -1,13 +1,16 @@
 //! What a run returns.
 
+mod continuous;
 mod deviation;
 mod digits;
+mod extremes;
 mod failure;
 mod frames;
 mod hermite;
 pub(crate) mod integrals;
 mod parts;
 mod record;
+mod resample;
 mod state;
 mod symmetry;
 mod trajectory;
@@ -17,6 +20,7 @@ use std::sync::Arc;
 
 use crate::constrain::Residuals;
 
+use continuous::Continuous;
 pub use digits::Digits;
 pub use failure::Failure;
 pub(crate) use frames::Scenery;
@@ -76,6 +80,8 @@ pub struct Run {
     pub seconds: f64,
     pub(crate) ended_by: Option<usize>,
     pub(crate) times: Vec<f64>,
+    /// Whether states were reported closer than planned, since the run ended early.
+    pub(crate) is_filled: bool,
     pub(crate) rows: Vec<f64>,
     /// How far each component of [q; q'] has gone, between reported times too; empty at a fixed step.
     pub(crate) swept: Vec<f64>,

@@ -120,6 +120,7 @@ pub(crate) fn put_together(system: &dyn System, parts: Vec<PartRun>, how: &Toget
     if how.dense {
         let parts = parts.into_iter().map(|part| (part.coordinates, part.run.trajectory)).collect();
         run.trajectory = Trajectory::of_parts(n, parts, t);
+        run.scenery.keep(system, run.trajectory.end());
     }
     run
 }

@@ -103,10 +103,11 @@ impl Recorder {
             seconds: 0.0,
             ended_by: None,
             times: Vec::new(),
+            is_filled: false,
             rows: Vec::new(),
             swept: Vec::new(),
             outputs: Vec::new(),
-            scenery: Scenery::default(),
+            scenery: Scenery::new(plan.projects),
             trajectory: Trajectory::new(n),
             names: Arc::new(Names::of(description)),
             description: Arc::new(description.clone()),
@@ -359,7 +360,7 @@ impl Recorder {
     /// Ends the run at this state.
     pub fn finish(mut self, system: &dyn System, t: f64, end: Reached<'_>, work: Work, seconds: f64) -> Run {
         self.report(system, t, end.y);
-        self.run.scenery.keep(system, self.until);
+        self.run.scenery.keep(system, self.run.trajectory.end());
         if let Some(mut monitor) = self.monitor.take() {
             let (_, scale) = monitor.observe(system, t, end.y, end.work);
             // What is nothing beside the energies of the motion is rounding before it has begun.

@@ -105,8 +105,33 @@ impl Trajectory {
         self.knots.extend_from_slice(&rate[self.n..]);
     }
 
-    /// Writes the state at time t; false outside of the run (by more than rounding).
+    /// The steps: times between which nothing restarts, of parts those of all.
+    pub fn steps(&self) -> Vec<[f64; 2]> {
+        let mut times = self.times.clone();
+        for (_, own) in &self.parts {
+            let inside = |t: &&f64| self.start() < Some(**t) && Some(**t) < self.end();
+            times.extend(own.times.iter().filter(inside));
+        }
+        times.sort_unstable_by(f64::total_cmp);
+        times.dedup();
+        times.windows(2).map(|pair| [pair[0], pair[1]]).collect()
+    }
+
+    /// Times at which the equations changed, s.
+    pub fn restarts(&self) -> Vec<f64> {
+        let own = self.starts.iter().skip(1).map(|place| self.times[*place]);
+        let mut times: Vec<f64> = own.chain(self.parts.iter().flat_map(|(_, part)| part.restarts())).collect();
+        times.sort_unstable_by(f64::total_cmp);
+        times
+    }
+
+    /// Writes the state at time t, before a restart at this instant; false outside of the run (by more than rounding).
     pub fn evaluate(&self, t: f64, y: &mut [f64]) -> bool {
+        self.evaluate_on(t, false, y)
+    }
+
+    /// The same, before or after restarts at this instant.
+    pub fn evaluate_on(&self, t: f64, after: bool, y: &mut [f64]) -> bool {
         let (Some(first), Some(last)) = (self.start(), self.end()) else { return false };
         let slack = 4.0 * f64::EPSILON * t.abs();
         if !(t >= first - slack && t <= last + slack) {
@@ -114,10 +139,11 @@ impl Trajectory {
         }
         let t = t.clamp(first, last);
         if !self.parts.is_empty() {
-            return self.gather(t, y);
+            return self.gather(t, after, y);
         }
         let end = self.times.partition_point(|time| *time < t);
         if self.times[end] == t {
+            let end = if after { self.times.partition_point(|time| *time <= t) - 1 } else { end };
             y.copy_from_slice(&self.knots[3 * self.n * end..][..2 * self.n]);
             return true;
         }
@@ -133,10 +159,10 @@ impl Trajectory {
         true
     }
 
-    fn gather(&self, t: f64, y: &mut [f64]) -> bool {
+    fn gather(&self, t: f64, after: bool, y: &mut [f64]) -> bool {
         self.parts.iter().all(|(coordinates, own)| {
             let mut state = vec![0.0; 2 * coordinates.len()];
-            let known = own.evaluate(t, &mut state);
+            let known = own.evaluate_on(t, after, &mut state);
             scatter(coordinates, &state, y);
             known
         })

@@ -184,7 +184,7 @@ fn companion(
             other.tolerance
         }
     };
-    let coarser = ran(system, &other, progress)?;
+    let coarser = ran(system, &other, run, progress)?;
     let fixed = settings.step.is_some() || !run.method.adapts_to(&system.description().structure);
     let shared = coarser.work.steps as f64 > SHARED * run.work.steps as f64;
     if !(fixed && shared) || run.method == Method::Exact {
@@ -192,24 +192,34 @@ fn companion(
     }
     let even = (settings.until - settings.from) / run.work.steps as f64;
     let pace = *other.step.insert(settings.step.map_or(even, |step| step.min(even)) / times);
-    Some(Companion { pace, finer: true, run: ran(system, &other, progress)? })
+    Some(Companion { pace, finer: true, run: ran(system, &other, run, progress)? })
 }
 
 /// The run, or what there is of it; `None` if it was interrupted.
-fn ran(system: &mut dyn System, settings: &Settings, progress: &mut dyn FnMut(f64) -> ControlFlow<()>) -> Option<Run> {
-    match simulate_with(system, settings, progress) {
-        Ok(run) => Some(run),
-        Err(Error::Run(failure)) if failure.cause == Cause::Interrupted => None,
-        Err(Error::Run(failure)) => Some(failure.run),
-        Err(_) => None,
+fn ran(
+    system: &mut dyn System,
+    settings: &Settings,
+    run: &Run,
+    progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Option<Run> {
+    let mut other = match simulate_with(system, settings, progress) {
+        Ok(run) => run,
+        Err(Error::Run(failure)) if failure.cause == Cause::Interrupted => return None,
+        Err(Error::Run(failure)) => failure.run,
+        Err(_) => return None,
+    };
+    if run.is_filled {
+        other.resample(&run.times);
     }
+    Some(other)
 }
 
 /// The same settings for a run that is only compared, from its start moved by rounding.
 fn alike(system: &mut dyn System, settings: &Settings, run: &Run) -> Settings {
     // The same times are reported, however long it is.
     let every = Some(settings.spacing());
-    let mut other = Settings { digits: false, dense: false, watch: false, unlike: true, every, ..settings.clone() };
+    let mut other =
+        Settings { digits: false, dense: run.is_filled, watch: false, unlike: true, every, ..settings.clone() };
     let n = other.q.len();
     if let Some(start) = run.rows.get(..2 * n) {
         (other.q, other.v) = (start[..n].to_vec(), start[n..].to_vec());

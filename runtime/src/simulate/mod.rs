@@ -57,11 +57,26 @@ pub fn simulate_with(
     progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Run, Error> {
     let parts = apart::parts(system, settings)?;
-    let mut run = if parts.is_empty() {
-        together(system, settings, progress)?
+    let outcome = if parts.is_empty() {
+        together(system, settings, progress)
     } else {
-        apart::simulate(system, parts, settings, progress)?
+        apart::simulate(system, parts, settings, progress)
     };
+    // Where nobody said which states to report, those of a run that ended early lie within it.
+    let fill = |run: &mut Run| {
+        if settings.every.is_none() {
+            run.fill(settings.spacing())
+        }
+    };
+    let mut run = match outcome {
+        Ok(run) => run,
+        Err(Error::Run(mut failure)) => {
+            fill(&mut failure.run);
+            return Err(Error::Run(failure));
+        }
+        Err(error) => return Err(error),
+    };
+    fill(&mut run);
     run.warn_of_integrals(system);
     if settings.digits {
         judge_digits(system, settings, &mut run, progress);

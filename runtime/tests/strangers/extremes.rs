@@ -1,1 +1,122 @@
 //! Extremes and samples of a run: `sweep`, `needs`, tables.
+
+use crate::{case, folder, printed, program, stranger, text_of};
+
+/// The rows of numbers that a sweep prints.
+fn swept(name: &str, vary: &str, show: &str) -> Vec<Vec<f64>> {
+    let csv = folder("extremes").join(format!("{name}.csv"));
+    let arguments = ["--vary", vary, "--show", show, "--csv", csv.to_str().expect("a path")];
+    let text = printed("sweep", name, &arguments);
+    let rows = text.lines().skip(1).map(|line| line.split_whitespace().map_while(|cell| cell.parse().ok()).collect());
+    rows.filter(|row: &Vec<f64>| !row.is_empty()).collect()
+}
+
+#[test]
+fn a_sweep_finds_the_amplitude_of_a_vibration_in_step_with_reports() {
+    // x = 2 pi / w sin(w t): the first in step with the reports, the second not.
+    for row in swept("vibration_in_step_with_reports", "w=6.283185307179586,6", "max x,min x") {
+        let amplitude = std::f64::consts::TAU / row[1];
+        assert!((row[2] - amplitude).abs() < 1e-4 && (row[3] + amplitude).abs() < 1e-4, "{row:?}");
+    }
+}
+
+#[test]
+fn a_sweep_finds_the_force_of_a_kerb_between_reports() {
+    let row = &swept("kerb_of_two_millimetres", "m=400", "max tyre")[0];
+    // The kerb of 20 mm lifts the tyre by kt h above its load of (m + mw) g = 4316 N, less what the wheel gives way.
+    assert!(row[2] > 8300.0 && row[2] < 8317.0, "{row:?}");
+}
+
+#[test]
+fn a_sweep_finds_the_height_of_a_flight_that_ends_early() {
+    let row = &swept("cannon_lands_early", "th=0.7853981633974483", "max y")[0];
+    // y at y' = 0 with drag c = m = g = 1: v - ln(1 + v).
+    let v = 0.5_f64.sqrt();
+    assert!((row[2] - (v - v.ln_1p())).abs() < 1e-6, "{row:?}");
+}
+
+#[test]
+fn both_sides_of_an_impact_are_extremes_and_coarse_reports_hide_nothing() {
+    let text = "
+name: Ball
+parameters: {m: 1 kg, g: 9.81 m/s^2}
+coordinates: {y: m}
+bodies: {ball: {mass: m, position: '[0, y]'}}
+gravity: [0, -g]
+constraints: {floor: {rows: y, active: false}}
+events: {bounce: {when: y, direction: falling, then: {impact: floor, restitution: 0.5}}}
+scene: {start: {y: 1}, until: 0.6, every: 0.6}
+";
+    let Ok(_) = dalembert_symbolic::lower::compile(text, &[]) else { return };
+    let run = case(text).run();
+    let speed = (2.0 * 9.81_f64).sqrt();
+    let (low, high) = run.extremes("y'").expect("a range");
+    assert!((low + speed).abs() < 1e-8 && (high - 0.5 * speed).abs() < 1e-8, "{low} {high}");
+}
+
+#[test]
+fn an_input_in_step_with_the_samples_is_needed() {
+    let path = stranger("input_in_step_with_samples");
+    let out = folder("needs").join("small.yaml");
+    let arguments = ["needs", path.to_str().expect("a path"), "--all", "--write", out.to_str().expect("a path")];
+    match program(&arguments) {
+        Ok(text) => {
+            let line = text
+                .lines()
+                .find(|line| line.contains("inputs.u") || line.trim_start().starts_with("u "))
+                .unwrap_or("");
+            assert!(!line.contains("not needed"), "{text}");
+            let small = std::fs::read_to_string(&out).unwrap_or_else(|_| text_of("input_in_step_with_samples"));
+            assert!(small.contains("400"), "{text}\n{small}");
+        }
+        Err(refused) => assert!(!refused.is_empty()),
+    }
+}
+
+#[test]
+fn runs_differ_by_what_lies_between_their_reports() {
+    let text = |a: &str| {
+        format!(
+            "
+name: Driven
+parameters: {{A: {a}}}
+coordinates: {{x: 1}}
+inputs: {{u: 'A*sin(2*pi*t)'}}
+kinetic_energy: x'^2/2
+potential_energy: x^2/2
+outputs: {{push: u}}
+scene: {{start: {{x: 1}}, until: 10, every: 1}}
+"
+        )
+    };
+    let (one, other) = (case(&text("1")).run(), case(&text("1.1")).run());
+    let apart = one.difference(&other, "push").expect("a column");
+    assert!((apart - 0.1).abs() < 1e-12, "{apart}");
+    let part = one.deviation(&other, "push").expect("a column");
+    assert!((part - 0.05).abs() < 1e-12, "{part}");
+    assert_eq!(one.deviation(&one, "push"), Some(0.0));
+}
+
+#[test]
+fn a_run_that_ends_early_is_reported_over_its_own_time() {
+    let mut case = case(&text_of("cannon_lands_early"));
+    let run = case.run();
+    assert!(run.len() >= 250 && run.len() <= 502, "{}", run.len());
+    let y = run.column("y").expect("y");
+    // y(t) = (v + 1)(1 - exp(-t)) - t.
+    let v = 0.5_f64.sqrt();
+    for (t, y) in run.times().iter().zip(&y) {
+        assert!((y - ((v + 1.0) * (1.0 - (-t).exp()) - t)).abs() < 1e-8, "{t} {y}");
+    }
+    let text = printed("simulate", "cannon_lands_early", &[]);
+    assert!(!text.contains('?'), "{text}");
+}
+
+#[test]
+fn reports_that_were_asked_for_stay() {
+    let mut case = case(&text_of("cannon_lands_early"));
+    case.settings.every = Some(0.5);
+    let run = case.run();
+    assert_eq!(&run.times()[..3], &[0.0, 0.5, 1.0]);
+    assert_eq!(run.len(), 4, "{:?}", run.times());
+}

@@ -128,7 +128,8 @@ fn compute(loaded: &mut Loaded, options: &ArgMatches, columns: &[String], modes:
         let mut settings = changes.of(Settings::new(&system.scene(scene)));
         points.varied.iter().zip(&values).for_each(|(varied, value)| varied.start(&mut settings, *value));
         settings.method = method.unwrap_or(settings.method);
-        settings.dense = false;
+        // Extremes are those of dense output.
+        settings.dense = true;
         let outcome = crate::simulate_with(&mut *system, &settings, &mut |_| match stopped() {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),

@@ -40,16 +40,16 @@ pub fn results(columns: &[String], description: &Description, modes: usize) -> V
 /// What came of a run, in the order of [`results`], but for its modes.
 pub fn outcome(run: &Run, columns: &[String], description: &Description) -> Vec<Option<f64>> {
     let finite = |value: f64| Some(value).filter(|value| value.is_finite());
-    let of = |name: &String| {
-        let column = run.column(name).unwrap_or_default();
-        let seen = || column.iter().copied().filter(|value| value.is_finite());
-        [column.last().copied().and_then(finite), seen().reduce(f64::min), seen().reduce(f64::max)]
+    let extremes = run.extremes_of(columns);
+    let of = |(name, range): (&String, &Option<(f64, f64)>)| {
+        let end = run.column(name).and_then(|column| column.last().copied()).and_then(finite);
+        [end, range.map(|(low, _)| low), range.map(|(_, high)| high)]
     };
     let counts = (0..description.events.len())
         .map(|index| Some(run.events.iter().filter(|event| event.event == index).count() as f64));
     let others = [run.energy_balance.and_then(finite), Some(run.warnings.len() as f64)];
     std::iter::once(run.times().last().copied())
-        .chain(columns.iter().flat_map(of))
+        .chain(columns.iter().zip(&extremes).flat_map(of))
         .chain(counts)
         .chain(others)
         .collect()
