@@ -105,7 +105,14 @@ impl Model {
             Sets::Coordinate(place) => ("this coordinate", known(&units.coordinates, place)),
             Sets::Speed(place) => ("this velocity", units.rate(known(&units.coordinates, place))),
         };
-        let rules = Rules::constant(what).numbers_fit().like(unit);
+        let words = match sets {
+            Sets::Parameter(place) => self.parameters.get(place).and_then(|parameter| parameter.unit.as_deref()),
+            Sets::Coordinate(place) | Sets::Speed(place) => {
+                self.coordinates.get(place).and_then(|coordinate| coordinate.unit.as_deref())
+            }
+            Sets::Any | Sets::Frequency | Sets::Time | Sets::Number => None,
+        };
+        let rules = Rules::constant(what).numbers_fit().like(unit).counting(words);
         let mut bench = self.bench();
         let value = bench.setting(&self.scope, &quantity, rules, &[]);
         self.take_back(bench)?;
