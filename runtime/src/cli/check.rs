@@ -271,16 +271,26 @@ pub fn recognised(program: &Program) -> Vec<String> {
         let momentum = dalembert_symbolic::model::text(&program.model, *momentum);
         words.push(format!("{} is cyclic, its momentum {momentum} is conserved", name(*i)));
     }
-    for direction in &s.directions {
+    for direction in s.directions.iter().take(SHOWN_DIRECTIONS) {
         let names: Vec<&str> = direction.shift.iter().map(|(i, _)| name(*i)).collect();
         let ratio: Vec<String> = direction.shift.iter().map(|(_, multiple)| multiple.to_string()).collect();
         let alike = ratio.iter().all(|multiple| *multiple == ratio[0]);
         let how = if alike { "together".to_owned() } else { format!("in the ratio {}", ratio.join(" : ")) };
         let momentum = dalembert_symbolic::model::text(&program.model, direction.momentum);
-        words.push(format!("{} may be shifted {how}, the momentum {momentum} is conserved", names.join(", ")));
+        let momentum = if momentum.len() > LONGEST_MOMENTUM { String::new() } else { format!(" {momentum}") };
+        words.push(format!("{} may be shifted {how}, the momentum{momentum} is conserved", names.join(", ")));
+    }
+    if let Some(more @ 1..) = s.directions.len().checked_sub(SHOWN_DIRECTIONS) {
+        words.push(format!("{more} more directions in which coordinates may be shifted together"));
     }
     words
 }
+
+/// Directions of shifts that are listed; a reader sees from so many what kind they are.
+const SHOWN_DIRECTIONS: usize = 5;
+
+/// A momentum of more characters, some ten lines of a terminal, is not written out.
+const LONGEST_MOMENTUM: usize = 800;
 
 /// Operations of the generated functions.
 pub fn operations(program: &Program) -> Vec<(&'static str, usize)> {

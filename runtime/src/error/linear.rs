@@ -250,7 +250,8 @@ impl fmt::Display for LinearError {
             ),
             LinearError::DependsOnTime { coordinate } => write!(
                 f,
-                "the equation of `{coordinate}` depends on time, so it has no equilibrium; make what varies an input"
+                "the equation of `{coordinate}` depends on time, so it has no equilibrium; a force that varies may be an input, \
+                 but where a mass or stiffness varies (Mathieu) only a run tells whether motions grow"
             ),
             LinearError::SingularMass { coordinate } => {
                 write!(f, "the mass matrix is not positive definite: nothing gives `{coordinate}` an inertia here")

@@ -28,6 +28,11 @@ impl Unit {
         (0..self.pi.unsigned_abs()).fold(Number::Exact(self.scale), |factor, _| factor.times(pi))
     }
 
+    /// True where a value in it is the value in SI.
+    pub fn is_si(&self) -> bool {
+        self.pi == 0 && self.scale == Rational::ONE
+    }
+
     fn multiply(self, other: Unit) -> Option<Unit> {
         let mut dimension = [0; 3];
         for (sum, (a, b)) in dimension.iter_mut().zip(self.dimension.into_iter().zip(other.dimension)) {

@@ -10,7 +10,7 @@ use super::expression::rules::Rules;
 use super::expression::value::Value;
 use super::resolved::Model;
 use super::section::springs::LENGTH;
-use crate::diagnose::catalogue::names;
+use crate::diagnose::catalogue::{mechanics, names};
 use crate::diagnose::{Place, Problem};
 use crate::expr::{Binary, Graph, Id, Node, Symbol, Tape, Unary};
 use crate::file;
@@ -105,15 +105,39 @@ impl Model {
             Sets::Coordinate(place) => ("this coordinate", known(&units.coordinates, place)),
             Sets::Speed(place) => ("this velocity", units.rate(known(&units.coordinates, place))),
         };
-        let rules = Rules::constant(what).numbers_fit().like(unit);
+        let words = match sets {
+            Sets::Parameter(place) => self.parameters.get(place).and_then(|parameter| parameter.unit.as_deref()),
+            Sets::Coordinate(place) | Sets::Speed(place) => {
+                self.coordinates.get(place).and_then(|coordinate| coordinate.unit.as_deref())
+            }
+            Sets::Any | Sets::Frequency | Sets::Time | Sets::Number => None,
+        };
+        let rules = Rules::constant(what).numbers_fit().like(unit).counting(words);
         let mut bench = self.bench();
         let value = bench.setting(&self.scope, &quantity, rules, &[]);
         self.take_back(bench)?;
         let undefined = || vec![names::undefined_value(Place::default(), text)];
         let value = value.and_then(|id| evaluate(&self.graph, id, parameters)).ok_or_else(undefined)?;
+        if let Sets::Parameter(place) = sets
+            && value < 0.0
+            && let Some(what) = self.mass_of(place)
+        {
+            return Err(vec![mechanics::value_out_of_range(Place::default(), what, "positive or 0", value)]);
+        }
         let in_hertz = |unit: &str| unit.ends_with("Hz") && unit.chars().all(char::is_alphabetic);
         let cycles = sets == Sets::Frequency && quantity.unit.is_some_and(|(unit, _)| in_hertz(unit.trim()));
         Ok(if cycles { TAU * value } else { value })
+    }
+
+    /// What of a body a free parameter is as it stands.
+    fn mass_of(&self, place: usize) -> Option<&'static str> {
+        let is = |id: Id| matches!(self.graph.node(id), Node::Symbol(Symbol::Parameter(k)) if k as usize == place);
+        let of_body = |body: &super::resolved::Body| match (is(body.mass), body.rotation) {
+            (true, _) => Some("a mass"),
+            (false, Some(rotation)) if is(rotation.inertia) => Some("a moment of inertia"),
+            _ => None,
+        };
+        self.bodies.iter().find_map(of_body)
     }
 
     /// The value of a function of time and its first and second derivative, to take an input's place.

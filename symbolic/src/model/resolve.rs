@@ -112,6 +112,7 @@ fn resolve_through(root: &Node, sizes: &[(String, i64)], folder: Option<&Path>) 
     resolver.events();
     resolver.idle_constraints();
     resolver.draw();
+    resolver.cycles();
     resolver.finish()
 }
 

@@ -32,6 +32,8 @@ pub struct Resolver<'a> {
     pub index_names: IndexNames,
     /// What `conserved` and `outputs` name, none where it was refused.
     pub watched: BTreeMap<String, Vec<Option<Watched>>>,
+    /// Masses and moments of inertia: values, what they are, where they stand.
+    pub masses: Vec<(Id, &'static str, Place)>,
     /// Where files that the model names are; `None` where it is in no folder.
     pub folder: Option<PathBuf>,
     /// The result so far.
@@ -49,6 +51,7 @@ impl<'a> Resolver<'a> {
             items: Vec::new(),
             index_names: Vec::new(),
             watched: BTreeMap::new(),
+            masses: Vec::new(),
             folder: folder.map(Path::to_owned),
             model: Model::default(),
             names: 0,

@@ -1,1 +1,152 @@
 //! Units, signs, tables, help of errors.
+
+use std::path::{Path, PathBuf};
+
+use super::{accepted, refused, told};
+use dalembert_symbolic::model::{Sets, load, load_in, read_through_in};
+
+const SPRING: &str = "name: T\nparameters: {m: 1 kg, k: 10 N/m}\nbodies: {b: {mass: m, position: \"[x, 0]\"}}\n\
+    springs: {s: {between: [ground, b], stiffness: k}}\n";
+
+#[test]
+fn a_coordinate_in_millimetres_does_not_start_at_metres() {
+    for unit in ["mm", "km", "ft", "g", "deg", "min", "mrad"] {
+        refused(&format!("{SPRING}coordinates: {{x: {unit}}}\nscene: {{start: {{x: 5}}}}"), "E314");
+    }
+    accepted(&format!("{SPRING}coordinates: {{x: m}}\nscene: {{start: {{x: 5 mm}}}}"));
+    let model = load(&format!("{SPRING}coordinates: {{x: m}}\nscene: {{start: {{x: 5 mm}}}}"), &[]).unwrap();
+    assert_eq!(model.graph.number(model.scenes[0].q[0]).unwrap().to_f64(), 0.005);
+}
+
+fn derived(value: &str) -> String {
+    format!(
+        "name: T\nparameters: {{m: 1 kg, l: 2 m, al: 30 deg, f: 5 Hz, I: {value}}}\ncoordinates: {{x: m}}\n\
+         bodies: {{b: {{mass: m, position: \"[x, 0]\"}}}}"
+    )
+}
+
+#[test]
+fn a_unit_after_a_computed_value_does_not_drop_its_prefix() {
+    for value in ["m*l^2/12 g*m^2", "2*al deg", "asin(0.5) deg", "l/2 mm", "2*pi*f rpm", "al/2 mrad"] {
+        refused(&derived(value), "E246");
+    }
+    for value in
+        ["m*l^2/12 kg*m^2", "2*al rad", "asin(0.5) rad", "180/pi*asin(0.5) deg", "360/7 deg", "5 mm", "2*pi*f rad/s"]
+    {
+        accepted(&derived(value));
+    }
+}
+
+fn shaken(unit: &str, angle: &str) -> Vec<&'static str> {
+    let text = format!(
+        "name: T\nparameters: {{m: 1 kg, w: 5 {unit}, F0: 1 N}}\ncoordinates: {{x: m}}\ninputs: {{u: w*t}}\n\
+         bodies: {{b: {{mass: m, position: \"[x, 0]\"}}}}\nforces: {{f: {{on: b, force: \"[F0*cos({angle}), 0]\"}}}}"
+    );
+    load(&text, &[]).unwrap().warnings.iter().map(|warning| warning.code).collect()
+}
+
+#[test]
+fn five_hertz_in_an_angle_are_not_silently_five_radians_a_second() {
+    for (unit, angle) in [("Hz", "w*t"), ("kHz", "w*t + 0.3"), ("Hz", "3*w*t"), ("Hz", "u"), ("Hz", "-w*t")] {
+        assert_eq!(shaken(unit, angle), ["W248"], "{unit} {angle}");
+    }
+    for (unit, angle) in [("Hz", "2*pi*w*t"), ("Hz", "6.28*w*t"), ("rad/s", "w*t"), ("rpm", "w*t"), ("1/s", "w*t")] {
+        assert!(shaken(unit, angle).is_empty(), "{unit} {angle}");
+    }
+}
+
+#[test]
+fn hertz_are_not_taken_for_an_angular_velocity() {
+    let disc = |start: &str, set: &str| {
+        format!(
+            "name: T\nparameters: {{w: 5 rad/s, f: 5 Hz}}\ncoordinates: {{th: rad}}\n\
+             bodies: {{b: {{mass: 1, position: [0, 0], inertia: 1, angle: th}}}}\n\
+             scene: {{start: {{th': {start}}}, set: {{{set}}}}}"
+        )
+    };
+    refused(&disc("5 Hz", "w: 3"), "E247");
+    refused(&disc("5", "w: 3 Hz"), "E247");
+    refused(&disc("5", "f: 3 rad/s"), "E247");
+    refused(&disc("5", "f: 30 rpm"), "E247");
+    accepted(&disc("300 rpm", "w: 30 rpm"));
+    accepted(&disc("2*pi*5 rad/s", "f: 3 kHz"));
+}
+
+#[test]
+fn a_negative_mass_is_refused_though_another_hides_it() {
+    let two = |m: &str, mass: &str, set: &str| {
+        format!(
+            "name: T\nparameters: {{m: {m}, M: 5 kg}}\ncoordinates: {{x: m}}\n\
+             bodies: {{b: {{mass: {mass}, position: \"[x, 0]\"}}, c: {{mass: M, position: \"[x, 1]\"}}}}\n\
+             scene: {{set: {{{set}}}}}"
+        )
+    };
+    refused(&two("-1 kg", "m", ""), "a mass must be positive or 0, this is -1");
+    refused(&two("1 kg", "m - M", ""), "this is -4");
+    refused(&two("1 kg", "m", "m: -2 kg"), "this is -2");
+    refused(&two("-1e-12 kg", "m", ""), "a mass must be positive");
+    accepted(&two("1 kg", "m", ""));
+    accepted(&two("0 kg", "m", ""));
+    accepted(&two("-1 kg", "-m", ""));
+    accepted(&two("-1 kg", "m^2/M", ""));
+    let problems = load(&two("-1 kg", "m", ""), &[]).unwrap_err();
+    assert!(format!("{:?}", problems[0].place).contains("parameters"), "{problems:?}");
+    let mut model = load(&two("1 kg", "m", ""), &[]).unwrap();
+    assert_eq!(model.constant("-1", Sets::Parameter(0), &[1.0, 5.0]).unwrap_err()[0].code, "E411");
+    assert_eq!(model.constant("3", Sets::Parameter(0), &[1.0, 5.0]), Ok(3.0));
+}
+
+/// A folder of the target directory with one file of a table in it.
+fn folder(name: &str, table: &[u8]) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("road.csv"), table).unwrap();
+    folder
+}
+
+fn read_table(folder: &Path, file: &str) -> String {
+    let text = format!("{SPRING}coordinates: {{x: m}}\ntables: {{road: {{file: {file}, units: [m, m]}}}}");
+    load_in(Some(folder), &text, &[]).err().map_or_else(String::new, |problems| problems[0].message.clone())
+}
+
+#[test]
+fn decimal_commas_are_refused_with_the_reason() {
+    for table in ["0,0\t0,0\n1,5\t2,5\n3,0\t4,5\n", "0,5;1\n1,5;2\n", "s;z\n0;0,5\n1;1,5\n"] {
+        let told = read_table(&folder("commas", table.as_bytes()), "road.csv");
+        assert!(told.contains("has a comma where a number has a point"), "{table}: {told}");
+    }
+    for table in ["0,0\n1,5\n", "0.0\t0.0\n1.5\t2.5\n", "0 1\n1\t-2.5\n", "s; z\n0; 1\n2; 1\n"] {
+        assert_eq!(read_table(&folder("points", table.as_bytes()), "road.csv"), "", "{table}");
+    }
+    let mixed = read_table(&folder("mixed", b"0;1\n1,2\n"), "road.csv");
+    assert!(mixed.contains("line 2 has 1 columns"), "{mixed}");
+}
+
+#[test]
+fn a_byte_order_mark_is_no_part_of_a_table() {
+    assert_eq!(read_table(&folder("mark", "\u{feff}0,1\n1,2\n".as_bytes()), "road.csv"), "");
+    assert_eq!(read_table(&folder("mark2", "\u{feff}s,z\n0,1\n1,2\n".as_bytes()), "road.csv"), "");
+}
+
+#[test]
+fn a_table_that_never_ends_is_not_read() {
+    let told = read_table(Path::new("/"), "dev/zero");
+    assert!(told.contains("no ordinary file"), "{told}");
+    let long = folder("long", &b"0 1\n".repeat(3_000_000));
+    let told = read_table(&long, "road.csv");
+    assert!(told.contains("longer than 10 MB"), "{told}");
+    let text = format!("{SPRING}coordinates: {{x: m}}\ntables: {{road: {{file: none.csv}}}}");
+    assert_eq!(read_through_in(Some(&long), &text, &[]).1[0].code, "E319");
+}
+
+#[test]
+fn the_help_for_a_changing_mass_leads_to_the_rockets_motion() {
+    let rocket = "name: T\nparameters: {m0: 10 kg, c: 1 kg/s, u: 100 m/s, g: 10 m/s^2}\ncoordinates: {y: m}\n";
+    let body = format!("{rocket}bodies: {{b: {{mass: m0 - c*t, position: \"[0, y]\"}}}}");
+    let problems = load(&body, &[]).unwrap_err();
+    assert!(problems[0].help.contains("(c*u)/(m0 - c*t) - g"), "{problems:?}");
+    accepted(&format!(
+        "{rocket}kinetic_energy: y'^2/2\ngeneralized_forces: {{y: (c*u)/(m0 - c*t) - g}}\nscene: {{until: 5}}"
+    ));
+    assert!(told(&body).iter().all(|line| line.starts_with("E216")));
+}

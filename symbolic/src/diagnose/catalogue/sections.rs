@@ -40,9 +40,9 @@ super::entries! {
     E313 same_rust_name(name, other, rust) "two parameters with one name in Rust"
         "`{name}` and `{other}` are both `{rust}` in Rust" "" "choose another name for one of the two"
         "Parameters are fields and methods of the generated type, whose names are in ASCII: Greek letters become their names, accents are dropped, other scripts are transliterated. LANGUAGE.md, section 2, says how.";
-    E314 degrees_misplaced() "degrees as the unit of a coordinate"
-        "`deg` may stand only after a value" "" "write `rad` here, and `30 deg` where the value is given"
-        "Inside the model angles are in radians.";
+    E314 scaled_coordinate(unit, si) "a unit of a coordinate that is not SI"
+        "`{unit}` may stand only after a value" "" "write `{si}` here, and `30 {unit}` where the value is given"
+        "Inside the model lengths are in metres, angles in radians and so on, and a number alone is in SI: a coordinate in `mm` that starts at `5` would start at 5 m. Values with units are converted.";
     E315 no_phases() "a phase in a model without phases"
         "the model has no phases" "names a phase" "declare them, `phases: {{rolling: [contact], flight: []}}`, or leave `phase` out"
         "`phase` says in which phases something acts, counts or is claimed; without `phases` there is one, and everything does.";

@@ -79,6 +79,15 @@ impl Dimension {
     }
 }
 
+/// The unit of SI that a unit is converted to, `rad` for angles.
+pub fn si(unit: &Unit) -> String {
+    match Dimension::of(unit) {
+        Dimension::ONE if unit.pi != 0 => "rad".to_owned(),
+        Dimension::RATE if unit.pi != 0 => "rad/s".to_owned(),
+        dimension => dimension.to_string(),
+    }
+}
+
 /// Common quantities: kg, m, s, what they measure, and their unit.
 const NAMED: &[([i32; 3], &str, &str)] = &[
     ([1, 0, 0], "a mass", "kg"),

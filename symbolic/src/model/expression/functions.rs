@@ -22,7 +22,9 @@ impl Lower<'_> {
             let tables = tables.map(|(name, _)| name.as_str());
             let help = did_you_mean(name, FUNCTIONS.iter().map(|f| f.name).chain(tables));
             let help = match self.scope.names.contains_key(name) && help.is_empty() {
-                true => format!("a product needs `*`: `{name}*(…)`"),
+                true => format!(
+                    "a product needs `*`: `{name}*(…)`; the value of `{name}` at another time than t, as after a delay, has no form"
+                ),
                 false => help,
             };
             return self.refuse(names::unknown_function(self.place(name_span), name, help));

@@ -1,16 +1,16 @@
 //! Values with units, and places that want one (LANGUAGE, section 10).
 
 use super::bench::Bench;
-use super::dimension::{Dimension, Measure};
+use super::dimension::{Dimension, Measure, si};
 use super::facts::Depends;
 use super::lower::Local;
-use super::rules::Rules;
+use super::rules::{Counts, Rules};
 use super::scope::Scope;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::units;
 use crate::expr::Id;
 use crate::file::{Quantity, Text};
-use crate::language::{Ast, Unit};
+use crate::language::{Ast, AstKind, Operator, Unit};
 
 impl Bench {
     /// A value in SI.  Its unit converts it where it is a pure number: what is computed from quantities with units
@@ -42,6 +42,12 @@ impl Bench {
         locals: &[(String, Local)],
     ) -> Option<Id> {
         let value = self.quantity(scope, quantity, rules.like(Measure::Unknown), locals)?;
+        if let Some((words, _)) = &quantity.unit
+            && let Some(help) = rules.counts.unlike(Counts::of(Some(words)))
+        {
+            let place = quantity.text.place.at(quantity.text.ast.span);
+            self.problems.push(units::cycles_for_radians(place, words.trim(), rules.what, help));
+        }
         if quantity.unit.is_some() || self.measured != Measure::ONE {
             let place = quantity.text.place.at(quantity.text.ast.span);
             self.expect_unit(scope.units.expected(rules.unit), rules.what, false, &quantity.text.source, &place);
@@ -52,13 +58,19 @@ impl Bench {
     /// A value with a unit after it, in SI.
     pub fn converted(&mut self, value: Id, unit: &Unit, text: &Text) -> Id {
         let dimension = Dimension::of(unit);
+        let computed = self.depends(&[value]).meets(Depends::UNIT);
         let pure = match self.measured {
-            Measure::Of(found) => found == Dimension::ONE,
+            // A pure number that is an angle is in radians, no matter which unit is written after it.
+            Measure::Of(found) => found == Dimension::ONE && !(unit.pi != 0 && (computed || gives_angle(&text.ast))),
             Measure::Zero => true,
-            Measure::Unknown => !self.depends(&[value]).meets(Depends::UNIT),
+            Measure::Unknown => !computed,
         };
         if !pure {
             let place = text.place.at(text.ast.span);
+            if !unit.is_si() {
+                let value = text.words(text.ast.span).to_owned();
+                self.problems.push(units::scaled_twice(place.clone(), value, si(unit)));
+            }
             self.expect_unit(Measure::Of(dimension), "its unit", false, text.words(text.ast.span), &place);
         }
         self.measured = Measure::Of(dimension);
@@ -96,6 +108,20 @@ impl Bench {
         let problem = units::unlike_terms(place, first, unit(all), &text.source, unit(self.measured));
         self.problems.push(problem);
         Measure::Unknown
+    }
+}
+
+/// True of an angle in radians: what `asin` and the like give, its multiples and fractions, and sums with it; not where `pi`
+/// converts it.
+fn gives_angle(ast: &Ast) -> bool {
+    match &ast.kind {
+        AstKind::Call { function, .. } => matches!(function.as_str(), "asin" | "acos" | "atan" | "atan2"),
+        AstKind::Negate(inner) => gives_angle(inner),
+        AstKind::Binary(Operator::Add | Operator::Subtract, left, right) => gives_angle(left) || gives_angle(right),
+        AstKind::Binary(Operator::Multiply | Operator::Divide, left, right) => {
+            gives_angle(left) != gives_angle(right) && !ast.any_name(&mut |name| name == "pi")
+        }
+        _ => false,
     }
 }
 

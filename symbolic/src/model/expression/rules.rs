@@ -14,6 +14,40 @@ pub enum Expected {
     Like(Measure),
 }
 
+/// What a rate counts: cycles (Hz) or angles (rad/s, rpm).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Counts {
+    /// Neither, or not known.
+    Any,
+    /// `Hz`, `kHz` and so on.
+    Cycles,
+    /// `rad`, `deg`, `rpm`.
+    Angles,
+}
+
+impl Counts {
+    /// By a unit as written.
+    pub fn of(unit: Option<&str>) -> Counts {
+        let names = || unit.unwrap_or_default().split(|c: char| !c.is_alphabetic());
+        let cycles = names().any(|name| name.ends_with("Hz"));
+        let angles = names().any(|name| matches!(name, "deg" | "rpm") || name.ends_with("rad"));
+        match (cycles, angles) {
+            (true, false) => Counts::Cycles,
+            (false, true) => Counts::Angles,
+            _ => Counts::Any,
+        }
+    }
+
+    /// What to write where one is wanted and the other found.
+    pub fn unlike(self, found: Counts) -> Option<&'static str> {
+        match (self, found) {
+            (Counts::Angles, Counts::Cycles) => Some("write `2*pi*5 rad/s` for 5 cycles a second, or so many `rpm`"),
+            (Counts::Cycles, Counts::Angles) => Some("write it in `Hz`, divided by 2 pi"),
+            _ => None,
+        }
+    }
+}
+
 /// What an expression may depend on.
 #[derive(Clone, Copy, Debug)]
 pub struct Rules {
@@ -31,6 +65,8 @@ pub struct Rules {
     pub numbers_fit: bool,
     /// True where what is written is tested as an identity.
     pub tested: bool,
+    /// What a value is to count, if it is a rate.
+    pub counts: Counts,
 }
 
 const REACTION: Depends = Depends::MULTIPLIER.and(Depends::BEYOND_LINEAR);
@@ -95,6 +131,7 @@ impl Rules {
             unit: Expected::Any,
             numbers_fit: false,
             tested: false,
+            counts: Counts::Any,
         }
     }
 
@@ -111,6 +148,11 @@ impl Rules {
     /// In an identity that is tested.
     pub const fn tested(self) -> Rules {
         Rules { tested: true, ..self }
+    }
+
+    /// A rate that counts what this unit does.
+    pub fn counting(self, unit: Option<&str>) -> Rules {
+        Rules { counts: Counts::of(unit), ..self }
     }
 
     /// In the unit of something else.

@@ -3,7 +3,7 @@
 use super::declare::DeclaredBody;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{mechanics, names};
-use crate::expr::{Id, Rational};
+use crate::expr::{Id, Node, Rational, Symbol};
 use crate::file::{Quantity, Text};
 use crate::model::expression::dimension::{Dimension, Measure};
 use crate::model::expression::families::Locals;
@@ -64,6 +64,7 @@ impl Resolver<'_> {
             self.kinetic_energy(mass, &position, rotation);
             self.model.bodies.push(Body { name, mass, position, rotation, place: body.text.place.clone() });
         }
+        self.positive_masses();
     }
 
     /// ½ m v·v and ½ I ω².
@@ -86,21 +87,32 @@ impl Resolver<'_> {
         }
     }
 
-    /// A mass or moment of inertia: of parameters only, not negative; 0 where absent.
+    /// Refuses masses and inertias that are negative by the parameters of a scene, at the parameter where it is one.
+    fn positive_masses(&mut self) {
+        let masses = std::mem::take(&mut self.masses);
+        let values: Vec<Id> = masses.iter().map(|(value, ..)| *value).collect();
+        for scene in &self.model.scenes {
+            let parameters = self.scene_parameters(scene);
+            let numbers = crate::model::command::evaluate_all(&self.bench.graph, &values, &parameters);
+            for ((value, what, place), number) in masses.iter().zip(numbers).filter(|(_, number)| *number < 0.0) {
+                let place = match self.bench.graph.node(*value) {
+                    Node::Symbol(Symbol::Parameter(k)) if !scene.set.iter().any(|(set, _)| *set == k as usize) => {
+                        &self.model.parameters[k as usize].place
+                    }
+                    _ => place,
+                };
+                let problem = mechanics::value_out_of_range(place.clone(), what, "positive or 0", number);
+                self.bench.problems.push(problem);
+            }
+        }
+    }
+
+    /// A mass or moment of inertia: of parameters only; 0 where absent.
     fn constant(&mut self, quantity: Option<&Quantity>, rules: Rules, locals: &Locals) -> Id {
         let Some(quantity) = quantity else { return Id::ZERO };
         let Some(value) = self.quantity(quantity, rules, locals) else { return Id::ZERO };
-        if let Some(number) = self.bench.graph.number(value)
-            && number.to_f64() < 0.0
-        {
-            let place = quantity.text.place.at(quantity.text.ast.span);
-            self.bench.problems.push(mechanics::value_out_of_range(
-                place,
-                rules.what,
-                "positive or 0",
-                number.to_f64(),
-            ));
-        }
+        let place = quantity.text.place.at(quantity.text.ast.span);
+        self.masses.push((value, rules.what, place));
         value
     }
 

@@ -8,7 +8,7 @@ use crate::diagnose::catalogue::{later, mechanics, names, sections};
 use crate::expr::Id;
 use crate::file::{Node, Quantity, Spot, Written, describe, unit_at};
 use crate::language::{Ast, parse, parse_key};
-use crate::model::expression::dimension::{Dimension, Measure};
+use crate::model::expression::dimension::{Dimension, Measure, si};
 use crate::model::expression::families::Family;
 use crate::model::expression::index::{Indices, integer};
 use crate::model::expression::lower::Local;
@@ -93,8 +93,9 @@ impl Resolver<'_> {
                 _ => {
                     let words = spot.words(&mut self.bench.problems);
                     match words.map(|words| unit_at(words, &spot.place)) {
-                        Some(Ok(unit)) if unit.pi != 0 => {
-                            self.bench.problems.push(sections::degrees_misplaced(spot.place.clone()));
+                        Some(Ok(unit)) if !unit.is_si() => {
+                            let found = words.unwrap_or_default().trim();
+                            self.bench.problems.push(sections::scaled_coordinate(spot.place.clone(), found, si(&unit)));
                         }
                         Some(Ok(unit)) => measure = self.note_unit(Some(&unit)),
                         Some(Err(found)) => self.bench.problems.extend(found),

@@ -5,6 +5,7 @@ pub mod bodies;
 pub mod carriers;
 pub mod constraints;
 pub mod counts;
+mod cycles;
 pub mod declare;
 pub mod draw;
 pub mod ends;

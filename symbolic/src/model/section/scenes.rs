@@ -241,7 +241,8 @@ impl Resolver<'_> {
                 }
                 let unit = self.scope.units.coordinates[coordinate];
                 let unit = if speed == 1 { self.scope.units.rate(unit) } else { unit };
-                let rules = Rules::constant("a start of it").like(unit);
+                let words = self.model.coordinates[coordinate].unit.as_deref();
+                let rules = Rules::constant("a start of it").like(unit).counting(words);
                 if let Some(value) = self.setting(&value, rules, &member.locals) {
                     let list = if speed == 1 { &mut scene.v } else { &mut scene.q };
                     list[coordinate] = value;
@@ -321,7 +322,9 @@ impl Resolver<'_> {
                     self.bench.problems.push(names::member_twice(spot.place.of_key(), member.name()));
                     break;
                 }
-                let rules = Rules::constant("this parameter").like(self.scope.units.parameters[parameter]);
+                let words = self.model.parameters[parameter].unit.as_deref();
+                let rules =
+                    Rules::constant("this parameter").like(self.scope.units.parameters[parameter]).counting(words);
                 if let Some(value) = self.setting(&value, rules, &member.locals) {
                     scene.set.push((parameter, value));
                 }

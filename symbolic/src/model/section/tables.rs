@@ -1,5 +1,8 @@
 //! `tables`: functions that are given by points, in the file or in one beside it.
 
+use std::io::Read;
+use std::path::Path;
+
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{later, sections};
 use crate::expr::{Smooth, Table};
@@ -195,8 +198,7 @@ impl Resolver<'_> {
                 Some([list[0].words(&mut self.bench.problems)?, list[1].words(&mut self.bench.problems)?])
             }
         };
-        let read = std::fs::read_to_string(&path).map_err(|error| error.to_string());
-        match read.and_then(|text| columns_of(&text, columns)) {
+        match text_of(&path).and_then(|text| columns_of(&text, columns)) {
             Ok(points) => {
                 self.model.files.push(path);
                 self.count(points.len(), &file.place).then_some(points)
@@ -229,21 +231,61 @@ fn unfit(points: &[[f64; 2]], periodic: bool) -> Option<(String, &'static str)> 
     None
 }
 
+/// More than this, bytes, is not read: a line of the most points that a table may have, with 17 digits in each of two
+/// columns and as much again beside them, is 100 bytes long.
+const LONGEST: u64 = 100 * MEMBER_LIMIT as u64;
+
+/// The text of a file of no more than [`LONGEST`]; devices and pipes, which may never end, are refused.
+fn text_of(path: &Path) -> Result<String, String> {
+    let told = |error: std::io::Error| error.to_string();
+    let kind = std::fs::metadata(path).map_err(told)?;
+    if !kind.is_file() {
+        return Err("it is no ordinary file".to_owned());
+    }
+    let mut bytes = Vec::new();
+    let file = std::fs::File::open(path).map_err(told)?;
+    file.take(LONGEST + 1).read_to_end(&mut bytes).map_err(told)?;
+    if bytes.len() as u64 > LONGEST {
+        return Err(format!("it is longer than {} MB", LONGEST / 1_000_000));
+    }
+    let text = String::from_utf8(bytes).map_err(|_| "it is no text in UTF-8".to_owned())?;
+    Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
+}
+
+/// What separates the columns of a file, one for all its lines: semicolons, tabs in every line, or commas; `None` for blanks,
+/// of which tabs are one.
+fn separator<'a>(mut lines: impl Iterator<Item = &'a str> + Clone) -> Option<char> {
+    let in_any = |separator: char| lines.clone().any(|line| line.contains(separator));
+    match (in_any(';'), in_any(',')) {
+        (true, _) => Some(';'),
+        (false, commas) => match lines.all(|line| line.contains('\t')) {
+            true => Some('\t'),
+            false => commas.then_some(','),
+        },
+    }
+}
+
+/// A number with a comma in the place of the point: `0,5`.
+fn has_decimal_comma(cell: &str) -> bool {
+    cell.matches(',').count() == 1 && cell.replace(',', ".").parse::<f64>().is_ok()
+}
+
 /// Two columns of a table of text: the first two, or those of these names.
 fn columns_of(text: &str, names: Option<[&str; 2]>) -> Result<Vec<[f64; 2]>, String> {
+    let told = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
+    let separator = separator(told.clone().map(|(_, line)| line));
     let cells = |line: &str| -> Vec<String> {
-        let cells: Vec<&str> = match line.contains([',', ';', '\t']) {
-            true => line.split([',', ';', '\t']).collect(),
-            false => line.split_whitespace().collect(),
+        let cells: Vec<&str> = match separator {
+            Some(separator) => line.split(separator).collect(),
+            None => line.split_whitespace().collect(),
         };
         cells.into_iter().map(|cell| cell.trim().trim_matches('"').to_owned()).collect()
     };
-    let mut lines =
-        text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#')).peekable();
+    let mut lines = told.peekable();
     let number = |cell: &str| cell.parse::<f64>().ok().filter(|x| x.is_finite());
     let mut places = [0, 1];
-    let header =
-        lines.peek().map(|(_, line)| cells(line)).filter(|cells| cells.iter().all(|cell| number(cell).is_none()));
+    let named = |cells: &Vec<String>| cells.iter().all(|cell| number(cell).is_none() && !has_decimal_comma(cell));
+    let header = lines.peek().map(|(_, line)| cells(line)).filter(named);
     if header.is_some() {
         lines.next();
     }
@@ -258,7 +300,10 @@ fn columns_of(text: &str, names: Option<[&str; 2]>) -> Result<Vec<[f64; 2]>, Str
         let cells = cells(text);
         let at = |place: usize| {
             let cell = cells.get(place).ok_or_else(|| format!("line {} has {} columns", line + 1, cells.len()))?;
-            number(cell).ok_or_else(|| format!("`{cell}` in line {} is no number", line + 1))
+            number(cell).ok_or_else(|| match has_decimal_comma(cell) {
+                true => format!("`{cell}` in line {} has a comma where a number has a point", line + 1),
+                false => format!("`{cell}` in line {} is no number", line + 1),
+            })
         };
         Ok([at(places[0])?, at(places[1])?])
     };

@@ -107,7 +107,9 @@ impl Resolver<'_> {
             for member in &family.members {
                 let Some(parameter) = self.free_parameter(member, &spot.place) else { break };
                 let Some(quantity) = &quantity else { continue };
-                let rules = Rules::constant("this parameter").like(self.scope.units.parameters[parameter]);
+                let words = self.model.parameters[parameter].unit.as_deref();
+                let rules =
+                    Rules::constant("this parameter").like(self.scope.units.parameters[parameter]).counting(words);
                 let id = self.setting(quantity, rules, &member.locals);
                 let Some(id) = id else { continue };
                 match self.default_value(id) {
@@ -183,7 +185,8 @@ impl Resolver<'_> {
                 let speed = family.key.primes == 1;
                 let unit = self.scope.units.coordinates[coordinate];
                 let unit = if speed { self.scope.units.rate(unit) } else { unit };
-                let rules = Rules::constant("a range of it").like(unit);
+                let words = self.model.coordinates[coordinate].unit.as_deref();
+                let rules = Rules::constant("a range of it").like(unit).counting(words);
                 let low = self.setting(low, rules, &member.locals);
                 let high = self.setting(high, rules, &member.locals);
                 if let (Some(low), Some(high)) = (low, high) {
