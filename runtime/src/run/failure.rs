@@ -6,7 +6,7 @@ use super::{Run, State};
 use crate::cause::Cause;
 
 /// A run that ended early.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 #[non_exhaustive]
 pub struct Failure {
     /// Why.
@@ -22,5 +22,12 @@ impl fmt::Display for Failure {
         write!(f, "{} (t = {} s", self.cause, self.state.t)?;
         // A chain's hundred numbers help nobody; they are in `state`.
         if self.state.q.len() <= 4 { write!(f, "; last state {})", self.state) } else { write!(f, ")") }
+    }
+}
+
+/// What `Display` says: a run's numbers would fill many screens.
+impl fmt::Debug for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Failure({self})")
     }
 }
