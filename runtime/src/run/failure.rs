@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::state::plain;
 use super::{Run, State};
 use crate::cause::Cause;
 
@@ -19,7 +20,7 @@ pub struct Failure {
 
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} (t = {} s", self.cause, self.state.t)?;
+        write!(f, "{} (t = {} s", self.cause, plain(self.state.t))?;
         // A chain's hundred numbers help nobody; they are in `state`.
         if self.state.q.len() <= 4 { write!(f, "; last state {})", self.state) } else { write!(f, ")") }
     }
