@@ -9,6 +9,14 @@
 #![doc = include_str!("../examples/double_pendulum.rs")]
 //! ```
 //!
+//! # A control loop
+//!
+//! [`Simulation::by_hand`] moves a run on step by step: inputs are set by name and held, and a step costs the same however many there were.
+//!
+//! ```
+#![doc = include_str!("../examples/control_loop.rs")]
+//! ```
+//!
 //! # Where to look
 //! - [`model!`]: the macro and its forms; [`Simulate`]: what every generated type can do.
 //! - [`Simulation`] and [`Run`]: settings of a run and its results; [`trust`]: drift and warnings.

@@ -20,6 +20,7 @@ mod hermite;
 mod implicit;
 mod linear;
 mod nystrom;
+mod rest;
 mod rosenbrock;
 mod segment;
 mod stability;
@@ -47,6 +48,7 @@ pub(crate) use stability::{Rational, Stability};
 pub(crate) use stiffness::StiffnessDetector;
 pub(crate) use tolerance::{JITTER, Tolerance, larger};
 #[cfg(feature = "ensemble")]
+pub(crate) use rest::AtRest;
 pub(crate) use tolerance::{LEAST, ROUNDING, widest};
 
 use crate::cause::Cause;

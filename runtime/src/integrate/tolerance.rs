@@ -47,8 +47,8 @@ pub(crate) struct Tolerance {
 pub(crate) const ROUNDING: f64 = 100.0 * f64::EPSILON;
 /// By what part of themselves coordinates and the time are moved to see what their rounding does.
 pub(crate) const JITTER: f64 = 4.0 * f64::EPSILON;
-/// The least unit, by which a step can be divided.
-pub(crate) const LEAST: f64 = 1e-280;
+/// The least unit of errors, SI: nothing is so small, and squares of what is many times smaller are still numbers.
+pub(crate) const LEAST: f64 = 1e-100;
 /// Errors are explained by up to so many times the measured noise.
 const EXPLAINED: f64 = 8.0;
 

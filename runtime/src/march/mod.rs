@@ -4,7 +4,7 @@
 //! may end it early: look in `interrupt.rs`; it is written down and taken.  Jumps of the acceleration that
 //! nobody declared: look in `jump.rs`; what is asked of a step between its ends: in `between.rs`; rounding that looks like
 //! errors: in `noise.rs`; constraints at the ends of steps: in `constraints.rs`; phases and impacts: in `phase.rs`; the first
-//! step: in `first.rs`; how the way to a stop is divided: in `plan.rs`; a fixed step that suits a tolerance: in `trial.rs`.
+//! step: in `first.rs`; how the way to a stop is divided: in `plan.rs`; mechanisms that stand still: in `rest.rs`; a fixed step that suits a tolerance: in `trial.rs`.
 
 mod between;
 mod constraints;
@@ -14,6 +14,7 @@ mod jump;
 mod noise;
 mod phase;
 mod plan;
+mod rest;
 mod trial;
 
 use std::ops::ControlFlow;
@@ -72,6 +73,8 @@ struct Step {
 /// A motion that is under way.
 pub(crate) struct March {
     stepper: Box<dyn OneStep>,
+    /// The method, while the mechanism is held at rest.
+    asleep: Option<Box<dyn OneStep>>,
     pace: Pace,
     control: StepControl,
     clock: Clock,
@@ -79,6 +82,8 @@ pub(crate) struct March {
     h: f64,
     work: Work,
     max_steps: u64,
+    /// How many steps were taken before those that are limited.
+    free_steps: u64,
     compensated: bool,
     /// Whether steps are chosen otherwise than usual; and how many were taken since the last stop.
     unlike: bool,
@@ -126,11 +131,13 @@ impl March {
             step_times_rate: 0.0,
             jumps: JumpDetector::new(0.0),
             stepper,
+            asleep: None,
             pace,
             clock: Clock::new(t),
             h: 0.0,
             work: Work::default(),
             max_steps: u64::MAX,
+            free_steps: 0,
             compensated: true,
             unlike: false,
             since_stop: 0,
@@ -156,6 +163,11 @@ impl March {
     pub fn limit(mut self, max_steps: u64) -> Self {
         self.max_steps = max_steps;
         self
+    }
+
+    /// Counts steps anew for [`March::limit`].
+    pub fn limit_anew(&mut self) {
+        self.free_steps = self.work.steps;
     }
 
     /// Adds what rounding takes from a step to the next one, or not.
@@ -215,8 +227,17 @@ impl March {
         }
     }
 
+    /// As [`March::begin`] after a change by hand, with the length of step that suited the motion before: the error test judges it.
+    pub fn go_on(&mut self, system: &mut dyn System, until: f64) -> Result<(), Box<Cause>> {
+        let h = self.h;
+        self.begin(system, until)?;
+        self.h = h;
+        Ok(())
+    }
+
     /// Begins at the present state a motion that goes on to `until` at most: watches it, chooses the modes.
     pub fn begin(&mut self, system: &mut dyn System, until: f64) -> Result<(), Box<Cause>> {
+        self.awake();
         let now = self.clock.now();
         finite(system, self.stepper.start().y, 0)?;
         let usual = self.stepper.control();
@@ -335,6 +356,7 @@ impl March {
     }
 
     fn begin_anew(&mut self, system: &dyn System) -> Result<(), Box<Cause>> {
+        self.awake();
         // The length of the step stays: what happened says little about the next one, and the error test judges it.
         self.control.restart();
         self.jumps.restart();
@@ -343,7 +365,9 @@ impl March {
             tolerance.observe(self.stepper.start().y);
         }
         self.stepper.begin(system, self.clock.now()).map_err(|setback| setback.cause(system.description()))?;
-        finite(system, self.stepper.start().rate, 1)
+        finite(system, self.stepper.start().rate, 1)?;
+        self.sleep(system);
+        Ok(())
     }
 
     /// Computes dense output of the step that was tried.
@@ -367,7 +391,7 @@ impl March {
         most: f64,
         watch: &mut Option<Box<Watch>>,
     ) -> Result<Step, Box<Cause>> {
-        if self.work.steps >= self.max_steps {
+        if self.work.steps - self.free_steps >= self.max_steps {
             return Err(Cause::TooManySteps { limit: self.max_steps }.into());
         }
         let now = self.clock.now();

@@ -3,6 +3,7 @@
 use super::balances::solve_rows;
 use super::dual::{Dual, rounded, seed, still};
 use super::phased::{Phased, RowHistory, sprung};
+use super::system::Replaced;
 use super::{At, Description, Energy, Enforcement, Mechanism, Scene, Signal, Singular, System, Values};
 
 /// A mechanism of static size as a [`System`], with its block of constants at hand.
@@ -10,7 +11,7 @@ use super::{At, Description, Energy, Enforcement, Mechanism, Scene, Signal, Sing
 pub struct Erased<M: Mechanism<N, C>, const N: usize, const C: usize> {
     mechanism: M,
     constants: M::Constants<f64>,
-    signals: Vec<Option<Signal>>,
+    signals: Vec<Option<Replaced>>,
     derivation: Option<usize>,
     /// Empty without constraints.
     phased: Phased,
@@ -39,7 +40,7 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> Erased<M, N, 
         let mut block = M::inputs(&self.constants, t);
         for (signal, slot) in self.signals.iter().zip(block.as_mut().chunks_exact_mut(3)) {
             if let Some(signal) = signal {
-                slot.copy_from_slice(&signal(t));
+                slot.copy_from_slice(&signal.at(t));
             }
         }
         block
@@ -457,7 +458,7 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
     }
 
     fn signal(&self, index: usize) -> Option<&Signal> {
-        self.signals.get(index)?.as_ref()
+        self.signals.get(index)?.as_ref()?.signal()
     }
 
     fn switches(&self, at: At<'_>, pairs: &mut [f64]) {
@@ -507,7 +508,13 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Er
 
     fn set_input(&mut self, index: usize, signal: Signal) {
         if let Some(slot) = self.signals.get_mut(index) {
-            *slot = Some(signal);
+            *slot = Some(Replaced::Signal(signal));
+        }
+    }
+
+    fn hold_input(&mut self, index: usize, value: f64) {
+        if let Some(slot) = self.signals.get_mut(index) {
+            *slot = Some(Replaced::Held(value));
         }
     }
 

@@ -297,6 +297,11 @@ pub trait System: Send + Sync {
         let _ = (index, signal);
     }
 
+    /// Holds an input at a value from now on, in place of its function of time.
+    fn hold_input(&mut self, index: usize, value: f64) {
+        self.set_input(index, std::sync::Arc::new(move |_| [value, 0.0, 0.0]));
+    }
+
     /// What a scene sets: (index of a free parameter, value), evaluated with the present parameters.
     fn scene_parameters(&self, scene: usize) -> Vec<(usize, f64)> {
         let _ = scene;
@@ -339,6 +344,33 @@ pub trait System: Send + Sync {
     /// True for a mechanism without coordinates.
     fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+}
+
+/// What stands for an input's function of time in the file.
+#[derive(Clone)]
+pub(crate) enum Replaced {
+    /// A function, of which nothing is known between the times at which it is asked.
+    Signal(Signal),
+    /// A value that is held.
+    Held(f64),
+}
+
+impl Replaced {
+    /// (u, u', u'') at a time.
+    pub fn at(&self, t: f64) -> [f64; 3] {
+        match self {
+            Replaced::Signal(signal) => signal(t),
+            Replaced::Held(value) => [*value, 0.0, 0.0],
+        }
+    }
+
+    /// The function, if it is one.
+    pub fn signal(&self) -> Option<&Signal> {
+        match self {
+            Replaced::Signal(signal) => Some(signal),
+            Replaced::Held(_) => None,
+        }
     }
 }
 

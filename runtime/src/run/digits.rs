@@ -30,6 +30,8 @@ pub struct Digits {
     pub evaluations: u64,
     /// What moves by no more than this part of itself does not move.
     still: f64,
+    /// What each output at the end may be off by where its terms cancel, the motion being known as it is; 0 where that is not known.
+    cancelled: Vec<f64>,
 }
 
 /// Errors are bounded by this times the differences: those of the second run are some ten times as large as those of the first.
@@ -44,6 +46,8 @@ const NOTHING: f64 = 1e-20;
 const ROUNDED: f64 = 1e3 * f64::EPSILON;
 /// The part of the time until then over which differences are looked at.
 const WINDOW: f64 = 0.1;
+/// An output is off by so many times what the motion is, of its terms.
+const TERMS: f64 = 4.0;
 /// A state is moved in so many ways.
 const SHAKES: usize = 4;
 /// Numbers are printed with so many significant digits at most.
@@ -74,6 +78,7 @@ impl Digits {
             by_step: tolerance.is_none(),
             evaluations: other.work.evaluations,
             still: STILL.max(tolerance.unwrap_or(0.0)),
+            cancelled: Vec::new(),
         };
         digits.rows = differences(run, other, digits.still).into_iter().map(|difference| MARGIN * difference).collect();
         digits.settle(run);
@@ -144,10 +149,12 @@ impl Digits {
 
     /// Raises the bounds of the last outputs to what rounding may have made of them: both runs lose the same digits where an output
     /// is a small difference of large terms.
-    pub(crate) fn cancel(&mut self, errors: &[f64]) {
+    pub(crate) fn cancel(&mut self, run: &Run, errors: &[f64]) {
         let first = self.rows.len() - errors.len();
         // Errors that are no numbers are those of outputs that are none.
         self.rows[first..].iter_mut().zip(errors).for_each(|(bound, error)| *bound = bound.max(*error));
+        let motion = TERMS * self.worst(run).max(self.still);
+        self.cancelled = errors.iter().map(|error| motion * error / f64::EPSILON).collect();
     }
 
     /// Raises bounds to what accelerations that are off by this part of themselves, always alike, make of a motion: it is faster or slower,
@@ -258,7 +265,9 @@ impl Run {
         let column = self.column_names().iter().position(|known| known == name);
         let error = self.errors(name).and_then(|errors| errors.last().copied());
         let (Some(digits), Some(column), Some(error)) = (&self.digits, column, error) else { return plain(value) };
-        let lost = error >= value.abs() && error > LOST * ranges(self, digits.still)[column];
+        let output = column.checked_sub(2 * self.names.coordinates.len());
+        let cancelled = output.and_then(|output| digits.cancelled.get(output)).copied().unwrap_or(0.0);
+        let lost = error >= value.abs() && error > cancelled.max(LOST * ranges(self, digits.still)[column]);
         written(value, if lost { f64::INFINITY } else { error })
     }
 
@@ -266,7 +275,7 @@ impl Run {
     #[cfg(feature = "cli")]
     pub(crate) fn written_end(&self, state: &State) -> String {
         let digits = self.digits.as_ref().filter(|_| self.ended_by().is_some());
-        digits.map_or_else(|| state.t.to_string(), |digits| written_time(state.t, digits.end))
+        digits.map_or_else(|| plain(state.t), |digits| written_time(state.t, digits.end))
     }
 
     /// The time of an event as text.
@@ -274,7 +283,7 @@ impl Run {
     pub(crate) fn written_event(&self, index: usize) -> String {
         let t = self.events[index].state.t;
         match &self.digits {
-            None => t.to_string(),
+            None => plain(t),
             Some(digits) => written_time(t, digits.events.get(index).copied().unwrap_or(f64::INFINITY)),
         }
     }
@@ -283,7 +292,7 @@ impl Run {
 /// A time that both runs agree on to the last digit was known beforehand: it is written as it is.
 #[cfg(feature = "cli")]
 fn written_time(t: f64, error: f64) -> String {
-    if error == 0.0 { t.to_string() } else { written(t, error.max(2.0 * f64::EPSILON * t.abs())) }
+    if error == 0.0 { plain(t) } else { written(t, error.max(2.0 * f64::EPSILON * t.abs())) }
 }
 
 /// Significant decimal digits of a value with this error, 0 to 15.
@@ -360,14 +369,20 @@ fn ranges(run: &Run, still: f64) -> Vec<f64> {
         (if range > still * size { range } else { size }).max(STILL * largest(&units[column]))
     };
     let mut ranges: Vec<f64> = (0..names.len()).map(of).collect();
-    // Where all rests, rates are what rounding makes of the places in all that time, and an angle is one beside 1 rad.
+    // Where all rests, rates are what rounding makes of the places in all that time or in the time of a vibration, and an angle is one beside 1 rad.
     let span = run.times.last().zip(run.times.first()).map_or(0.0, |(last, first)| last - first);
     for i in 0..states / 2 {
         if matches!(&*units[i], "" | "1" | "rad") {
             ranges[i] = ranges[i].max(ROUNDED);
         }
         if span > 0.0 {
-            ranges[states / 2 + i] = ranges[states / 2 + i].max(STILL * ranges[i] / span);
+            let fastest = run.fastest.max(1.0 / span);
+            let rounded = STILL * ranges[i] * fastest;
+            // Outputs that are speeds are told by the same size.
+            let speeds = (states..names.len()).filter(|column| units[*column] == units[states / 2 + i]);
+            for column in speeds.chain([states / 2 + i]) {
+                ranges[column] = ranges[column].max(rounded);
+            }
         }
     }
     ranges

@@ -78,7 +78,9 @@ impl Scenery {
         let spacing = (self.until - start) / count;
         let last = self.drawn.last().map_or(f64::NEG_INFINITY, |frame| frame.0);
         let most = if spacing > 0.0 { usize::MAX } else { 0 };
-        let regular = (0_u32..).map(|k| start + spacing * f64::from(k)).take(most);
+        // Those before were drawn.
+        let first = ((last - start) / spacing).floor().max(0.0) as u32;
+        let regular = (first..).map(|k| start + spacing * f64::from(k)).take(most);
         let inside = regular.take_while(|t| *t < end - 1e-6 * spacing).filter(|t| *t > last);
         let mut y = vec![0.0; 2 * n];
         let mut modes = self.modes.iter().peekable();

@@ -16,6 +16,7 @@ mod symmetry;
 mod trajectory;
 mod trust;
 
+use std::fmt;
 use std::sync::Arc;
 
 use crate::constrain::Residuals;
@@ -42,7 +43,7 @@ use crate::mechanism::{Description, Method};
 use crate::trust::{Conditioning, Drift, Warning};
 
 /// A motion that was computed, and what tells how far it can be trusted.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 #[non_exhaustive]
 pub struct Run {
     /// The method that was used; never [`Method::Auto`].  Where [`Run::parts`] were run apart, that of the one with most evaluations.
@@ -78,6 +79,8 @@ pub struct Run {
     pub digits: Option<Digits>,
     /// Time it took, s.
     pub seconds: f64,
+    /// The largest eigenvalue of the system linearised at the start, 1/s; 0 where it is not known.
+    pub(crate) fastest: f64,
     pub(crate) ended_by: Option<usize>,
     pub(crate) times: Vec<f64>,
     /// Whether states were reported closer than planned, since the run ended early.
@@ -91,6 +94,16 @@ pub struct Run {
     pub(crate) trajectory: Trajectory,
     pub(crate) names: Arc<Names>,
     pub(crate) description: Arc<Description>,
+}
+
+/// How much there is of it, and how well it went: its numbers would fill many screens.
+impl fmt::Debug for Run {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut text = f.debug_struct("Run");
+        text.field("method", &self.method).field("tolerance", &self.tolerance).field("step", &self.step);
+        text.field("until", &self.times.last()).field("states", &self.times.len()).field("events", &self.events.len());
+        text.field("work", &self.work).field("warnings", &self.warnings).finish_non_exhaustive()
+    }
 }
 
 /// An event that happened.

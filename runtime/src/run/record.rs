@@ -101,6 +101,7 @@ impl Recorder {
             digits: None,
             parts: Vec::new(),
             seconds: 0.0,
+            fastest: 0.0,
             ended_by: None,
             times: Vec::new(),
             is_filled: false,
@@ -259,6 +260,33 @@ impl Recorder {
             }
         }
         Ok(())
+    }
+
+    /// Keeps dense output and pictures from here on, where the run is at its start.
+    pub fn keep_dense(&mut self, system: &dyn System, t: f64, start: Reached<'_>) {
+        self.keep_dense = true;
+        self.begin_piece(system, t, start);
+    }
+
+    /// Drops all but the first state, the last one, the phase and what was found of the whole motion.
+    pub fn forget(&mut self) {
+        let run = &mut self.run;
+        let last = run.times.len().saturating_sub(1);
+        if last > 1 {
+            let outputs = run.names.outputs.len();
+            run.times.drain(1..last);
+            run.rows.drain(2 * self.n..2 * self.n * last);
+            run.outputs.drain(outputs..outputs * last);
+        }
+        run.events.clear();
+        run.impulses.clear();
+        run.phases.drain(..run.phases.len().saturating_sub(1));
+        run.ended_by = None;
+    }
+
+    /// Events since the last [`Recorder::forget`].
+    pub fn events(&self) -> &[Occurrence] {
+        &self.run.events
     }
 
     /// Draws what the mechanism, as it is, went through until now, before it is changed by hand.

@@ -8,17 +8,27 @@ use crate::cause::Cause;
 use crate::error::Error;
 use crate::march::{Halt, March};
 use crate::mechanism::System;
-use crate::run::{Occurrence, Recorder, Run, State};
+use crate::run::{Occurrence, Recorder, Run, State, Work};
 
 /// A run under way.  Between steps the state, the parameters and the inputs may be changed.
 ///
-/// Every step reports one state of the run.  After a change the drift of invariants and of the energy balance
-/// still counts from the start: what the caller does to the state is seen there.
+/// A step costs the same however many there were, and keeps nothing: [`Stepping::finish`] returns the first state, the last two, the events of
+/// the last step, and drift, work and warnings of the whole motion.  [`Stepping::recorded`] keeps one state a step, dense output and pictures.
+/// After a change the drift of invariants and of the energy balance still counts from the start: what the caller does to the state is
+/// seen there.  `max_steps` limits each step by itself.
+///
+/// ```
+#[doc = include_str!("../../examples/control_loop.rs")]
+/// ```
 pub struct Stepping<S: System> {
     system: S,
     march: March,
     recorder: Recorder,
     spacing: f64,
+    /// Whether all states are kept, and how many events were when the last step began.
+    recorded: bool,
+    dense: bool,
+    seen: usize,
     /// Until when the march has been begun.
     horizon: f64,
     /// True when the state or the system was changed.
@@ -42,12 +52,26 @@ impl<S: System> Stepping<S> {
     /// A setting without meaning, or [`Error::Run`] where no motion can begin.
     pub fn new(mut system: S, settings: Settings) -> Result<Self, Error> {
         let clock = Instant::now();
+        let dense = settings.dense;
+        let settings = Settings { dense: false, ..settings };
         let Start { march, recorder, outcome } = start(&mut system, &settings, f64::INFINITY)?;
         if let Err(cause) = outcome {
             return Err(fail(*cause, &system, &march, recorder, clock));
         }
         let spacing = settings.every.or(settings.step).unwrap_or_else(|| settings.spacing());
-        Ok(Stepping { system, march, recorder, spacing, horizon: settings.until, changed: false, clock })
+        let (recorded, seen, horizon, changed) = (false, 0, settings.until, false);
+        Ok(Stepping { system, march, recorder, spacing, recorded, dense, seen, horizon, changed, clock })
+    }
+
+    /// Keeps a state of every step from here on, with its events, and dense output and pictures unless the settings say otherwise:
+    /// memory then grows with every step.
+    #[must_use]
+    pub fn recorded(mut self) -> Self {
+        self.recorded = true;
+        if self.dense {
+            self.recorder.keep_dense(&self.system, self.march.time(), self.march.state());
+        }
+        self
     }
 
     /// Goes on by one step, or to an event that stops, which is returned.
@@ -75,13 +99,18 @@ impl<S: System> Stepping<S> {
     }
 
     fn go(&mut self, until: f64) -> Result<Halt, Box<Cause>> {
+        if !self.recorded {
+            self.recorder.forget();
+        }
+        self.seen = self.recorder.events().len();
+        self.march.limit_anew();
         if self.changed {
             self.recorder.changed(&self.system, self.march.time(), self.march.state());
         }
         if self.changed || until > self.horizon {
             // Far enough not to begin anew with each step.
             self.horizon = self.horizon.max(until + 100.0 * self.spacing);
-            self.march.begin(&mut self.system, self.horizon)?;
+            self.march.go_on(&mut self.system, self.horizon)?;
             self.recorder.begin_piece(&self.system, self.march.time(), self.march.state());
             self.changed = false;
         }
@@ -101,12 +130,39 @@ impl<S: System> Stepping<S> {
         self.recorder.state_with_outputs(&self.system, self.march.time(), self.march.state().y)
     }
 
+    /// Events of the last step, those included that stop nothing.
+    pub fn events(&self) -> &[Occurrence] {
+        &self.recorder.events()[self.seen..]
+    }
+
+    /// Holds an input at a value, SI, from now on, in place of its function of time; the integration begins anew.
+    ///
+    /// # Errors
+    /// [`Error::UnknownName`]; [`Error::BadSetting`] for what is no number.
+    pub fn set_input(&mut self, name: &str, value: f64) -> Result<(), Error> {
+        let inputs = &self.system.description().inputs;
+        let Some(index) = inputs.iter().position(|input| input == name) else {
+            let known = inputs.iter().map(|input| input.to_string()).collect();
+            return Err(Error::UnknownName { kind: "input", name: name.to_owned(), known });
+        };
+        if !value.is_finite() {
+            return Err(Error::BadSetting { setting: "input", value, expected: "a number" });
+        }
+        self.system_mut().hold_input(index, value);
+        Ok(())
+    }
+
     /// The present state, to be changed; the integration begins anew from there.
     pub fn state_mut(&mut self) -> StateMut<'_> {
         self.changed = true;
         let n = self.system.len();
         let (q, rest) = self.march.state_mut().split_at_mut(n);
         StateMut { q, v: &mut rest[..n] }
+    }
+
+    /// Work done until now.
+    pub fn work(&self) -> Work {
+        self.march.work()
     }
 
     /// The mechanism.

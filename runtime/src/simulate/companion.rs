@@ -11,7 +11,7 @@ use crate::events::begin_at;
 use crate::mechanism::dense::sizes_alike;
 use crate::mechanism::{Action, Argument, At, Method, Role, System, Watched};
 use crate::run::{Digits, Run, evaluate_outputs};
-use crate::trust::{Loss, Warning, inertia_condition};
+use crate::trust::{Loss, Warning, all_rates, inertia_condition};
 
 /// The tolerance of the companion in units of the run's.
 const LOOSER: f64 = 10.0;
@@ -59,6 +59,7 @@ pub(crate) fn judge_digits(
         return;
     };
     let tolerance = settings.step.is_none() && !finer;
+    run.fastest = fastest(system, settings, run);
     let mut digits = Digits::compare(run, &other, pace, tolerance.then_some(pace));
     let cut = is_cut(system, run);
     let by_chance = cut || is_bumpy(run);
@@ -96,6 +97,14 @@ pub(crate) fn judge_digits(
     run.digits = Some(digits);
 }
 
+/// The largest eigenvalue of the system linearised at the start, 1/s; 0 where it cannot be had.
+fn fastest(system: &dyn System, settings: &Settings, run: &Run) -> f64 {
+    let n = system.len();
+    let Some(start) = run.rows.get(..2 * n) else { return 0.0 };
+    let rates = all_rates(system, settings.from, &start[..n], &start[n..]).unwrap_or_default();
+    rates.iter().map(|rate| rate.norm()).filter(|rate| rate.is_finite()).fold(0.0, f64::max)
+}
+
 /// Judges outputs at the end by states that the last one may as well be.
 fn look_around_end(system: &dyn System, run: &Run, digits: &mut Digits) {
     let Some(row) = run.len().checked_sub(1) else { return };
@@ -109,7 +118,7 @@ fn look_around_end(system: &dyn System, run: &Run, digits: &mut Digits) {
     let end = &run.rows[2 * n * row..][..2 * n];
     let states = digits.around(run, row, end);
     digits.shake(&states.iter().map(outputs).collect::<Vec<_>>());
-    digits.cancel(&roundings(system, At::packed(run.times[row], end, n)));
+    digits.cancel(run, &roundings(system, At::packed(run.times[row], end, n)));
 }
 
 /// By which part of themselves accelerations may be off all along, by the condition of M at the start and at the end of a run; 0 with
@@ -272,7 +281,7 @@ fn reason(
     };
     // With the same steps: only the start differs.
     let moved = Settings { unlike: false, ..alike(system, settings, run) };
-    if starts_at_rest(system, settings, run) {
+    if rests_unstably(system, settings, run) {
         return Loss::UnstableStart;
     }
     let other = match simulate_with(system, &moved, progress) {
@@ -290,8 +299,8 @@ fn reason(
     if growth.is_finite() && growth > GROWS { Loss::Instability { growth } } else { accuracy }
 }
 
-/// True where the motion begins at rest in an equilibrium, and stays one as time goes by: all that moves it is rounding.
-fn starts_at_rest(system: &dyn System, settings: &Settings, run: &Run) -> bool {
+/// True where the motion begins at rest in an unstable equilibrium, and stays one as time goes by: all that moves it is rounding.
+fn rests_unstably(system: &dyn System, settings: &Settings, run: &Run) -> bool {
     const TIMES: u32 = 64;
     if settings.v.iter().any(|v| *v != 0.0) {
         return false;
@@ -299,6 +308,11 @@ fn starts_at_rest(system: &dyn System, settings: &Settings, run: &Run) -> bool {
     let largest = run.rows.iter().fold(0.0_f64, |most, y| most.max(y.abs()));
     let span = settings.until - settings.from;
     let mut a = vec![0.0; settings.q.len()];
+    // Of large mechanisms eigenvalues are not known.
+    let rates = all_rates(system, settings.from, &settings.q, &settings.v);
+    if rates.is_some_and(|rates| rates.iter().all(|rate| rate.re * span <= 1.0)) {
+        return false;
+    }
     (0..=TIMES).all(|k| {
         let t = settings.from + f64::from(k) / f64::from(TIMES) * span;
         let known = system.accelerations(At::new(t, &settings.q, &settings.v), &mut a).is_ok();

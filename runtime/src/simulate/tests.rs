@@ -259,7 +259,7 @@ fn a_simulation_is_described_word_by_word() {
 
 #[test]
 fn stepping_by_hand_is_the_same_motion() {
-    let mut sim = Simulation::new(Toy::oscillator(1.0, 1.0)).every(0.1).tolerance(1e-11).by_hand().unwrap();
+    let mut sim = Simulation::new(Toy::oscillator(1.0, 1.0)).every(0.1).tolerance(1e-11).by_hand().unwrap().recorded();
     for _ in 0..30 {
         assert_eq!(sim.step().unwrap(), None);
     }

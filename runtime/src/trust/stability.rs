@@ -120,8 +120,11 @@ pub(crate) fn all_rates(system: &dyn System, t: f64, q: &[f64], v: &[f64]) -> Op
     let mut slopes = AccelerationSlopes::new(n);
     slopes.evaluate(system, At::new(t, q, v)).ok()?;
     let mut matrix = DMatrix::zeros(2 * n, 2 * n);
-    matrix.view_mut((0, n), (n, n)).fill_with_identity();
-    matrix.view_mut((n, 0), (n, n)).copy_from(&DMatrix::from_row_slice(n, n, slopes.by_place()));
+    // In a unit of time of the mechanism's own, so that places and speeds count alike.
+    let fastest = slopes.by_place().iter().fold(0.0_f64, |most, slope| most.max(slope.abs())).sqrt();
+    let fastest = if fastest > 0.0 && fastest.is_finite() { fastest } else { 1.0 };
+    (0..n).for_each(|i| matrix[(i, n + i)] = fastest);
+    matrix.view_mut((n, 0), (n, n)).copy_from(&(DMatrix::from_row_slice(n, n, slopes.by_place()) / fastest));
     matrix.view_mut((n, n), (n, n)).copy_from(&DMatrix::from_row_slice(n, n, slopes.by_speed()));
     if matrix.iter().any(|value| !value.is_finite()) {
         return None;

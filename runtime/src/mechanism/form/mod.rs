@@ -16,6 +16,9 @@ use super::solve::{factor_packed, substitute_back, substitute_forward};
 use super::{At, Singular, SingularMass, System};
 pub(crate) use null_space::Solutions;
 
+/// A pivot of M is rounding below this part of its diagonal.
+const NOTHING: f64 = 1e-11;
+
 /// M and J of one state, factored, and room to do so.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Form {
@@ -129,9 +132,20 @@ impl Form {
     fn again<S: System + ?Sized>(&mut self, system: &S, at: At<'_>) -> Result<(), Singular> {
         let n = self.n;
         self.strength.fill(0.0);
-        if let Err(fault) = factor_packed(&mut self.mass, n) {
+        let factored = factor_packed(&mut self.mass, n);
+        let regular = factored.is_ok();
+        let singular = factored.err().or_else(|| self.nearly_singular());
+        if let Some(fault) = singular {
             self.load_mass(system, at);
-            self.strengthen(fault)?;
+            let strengthened = self.strengthen(fault);
+            if strengthened.is_err() && regular {
+                // No constraint holds it: what M leaves is all there is.
+                self.strength.fill(0.0);
+                self.load_mass(system, at);
+                factor_packed(&mut self.mass, n)?;
+            } else {
+                strengthened?;
+            }
         }
         self.half.copy_from_slice(&self.rows);
         for line in self.half.chunks_exact_mut(n.max(1)) {
@@ -355,6 +369,14 @@ impl Form {
         }
     }
 
+    /// A coordinate to which M leaves no more inertia than rounding does, beside the constraints that may hold it.
+    fn nearly_singular(&self) -> Option<SingularMass> {
+        let pivot = |i: usize| 1.0 / self.mass[packed(i, i)];
+        let whole = |i: usize| pivot(i) + (0..i).map(|j| self.mass[packed(i, j)].powi(2) * pivot(j)).sum::<f64>();
+        let coordinates = if self.active.is_empty() { 0 } else { self.n };
+        (0..coordinates).find(|i| pivot(*i) <= NOTHING * whole(*i)).map(|coordinate| SingularMass { coordinate })
+    }
+
     /// Factors M + Jᵀ R J, which is regular where M is so on the motions that the constraints leave.
     ///
     /// With λ = λ' + R γ that changes no acceleration.
@@ -367,13 +389,9 @@ impl Form {
             let own = |i: usize| self.mass[packed(i, i)];
             let by_mass = (0..n).filter(|i| own(*i) > 0.0).map(|i| row[i] * row[i] / own(i)).sum::<f64>();
             let size = row.iter().map(|x| x * x).sum::<f64>();
-            self.strength[k] = if by_mass > 0.0 {
-                1.0 / by_mass
-            } else if size > 0.0 {
-                largest / size
-            } else {
-                0.0
-            };
+            let weakest = if by_mass > 0.0 { 1.0 / by_mass } else { 0.0 };
+            // What has next to no inertia may be held by a row all the same.
+            self.strength[k] = if size > 0.0 { weakest.max(largest / size) } else { 0.0 };
         }
         for k in 0..self.active.len() {
             let row = &self.rows[k * n..][..n];

@@ -12,6 +12,7 @@ pub(crate) use extended::ExtendedAt;
 
 use super::balances::{belongs, put_reactions};
 use super::phased::{Phased, RowHistory, indicate, sprung};
+use super::system::Replaced;
 use super::{At, Balances, Description, Energy, Enforcement, Scene, Signal, Singular, SingularMass, System};
 
 /// An interpreted mechanism.
@@ -19,7 +20,7 @@ use super::{At, Balances, Description, Energy, Enforcement, Scene, Signal, Singu
 pub struct Interpreted {
     interpreter: Interpreter,
     description: Description,
-    signals: Vec<Option<Signal>>,
+    signals: Vec<Option<Replaced>>,
     derivation: Option<usize>,
     phased: Phased,
 }
@@ -75,7 +76,7 @@ impl Interpreted {
         self.interpreter.evaluate(Function::Inputs, interpret::At { t, ..interpret::At::default() }, &mut u);
         for (signal, slot) in self.signals.iter().zip(u.chunks_exact_mut(3)) {
             if let Some(signal) = signal {
-                slot.copy_from_slice(&signal(t));
+                slot.copy_from_slice(&signal.at(t));
             }
         }
         u
@@ -278,7 +279,7 @@ impl System for Interpreted {
     }
 
     fn signal(&self, index: usize) -> Option<&Signal> {
-        self.signals.get(index)?.as_ref()
+        self.signals.get(index)?.as_ref()?.signal()
     }
 
     fn switches(&self, at: At<'_>, pairs: &mut [f64]) {
@@ -313,7 +314,13 @@ impl System for Interpreted {
 
     fn set_input(&mut self, index: usize, signal: Signal) {
         if let Some(slot) = self.signals.get_mut(index) {
-            *slot = Some(signal);
+            *slot = Some(Replaced::Signal(signal));
+        }
+    }
+
+    fn hold_input(&mut self, index: usize, value: f64) {
+        if let Some(slot) = self.signals.get_mut(index) {
+            *slot = Some(Replaced::Held(value));
         }
     }
 
