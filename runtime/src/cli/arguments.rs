@@ -18,6 +18,8 @@ pub fn command() -> Command {
                 .about("Prints the derived equations, operation counts and what was recognised")
                 .arg(model())
                 .args(sizes())
+                .arg(flag("linear", "Print M, C, K and B of small motions about the file's `equilibrium`, as expressions of the parameters; with --latex in LaTeX").conflicts_with_all(["rust", "python", "json"]))
+                .arg(many("at", "NAME=EXPR", "Another equilibrium: a coordinate's value, an expression of parameters").requires("linear"))
                 .arg(flag("rust", "Print the generated Rust instead"))
                 .arg(flag("latex", "Print them in LaTeX"))
                 .arg(flag("python", "Print a module for Python (NumPy) that gives M, h and the rate of the state"))

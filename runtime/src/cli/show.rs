@@ -3,10 +3,13 @@
 use std::io::Write;
 
 use clap::ArgMatches;
-use dalembert_symbolic::print;
+use dalembert_symbolic::expr::Id;
+use dalembert_symbolic::lower::Program;
+use dalembert_symbolic::model::Model;
+use dalembert_symbolic::{file, print};
 use serde_json::Value;
 
-use super::load::Loaded;
+use super::load::{Loaded, pairs};
 use super::{Entry, Problem, check, json};
 
 /// Prints M, h, constraints and what was recognised; with `--rust` or `--python` code.
@@ -22,6 +25,9 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     if options.get_flag("python") {
         write!(out, "{}", print::python(&program, &loaded.name))?;
         return Ok(());
+    }
+    if options.get_flag("linear") {
+        return linear(&program, options, out);
     }
     let reading = print::Reading::of(&program);
     if options.get_flag("latex") {
@@ -57,4 +63,33 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     write!(out, "\n{}", reading.text(model))?;
     writeln!(out, "\ncomputed from {}", program.choice)?;
     check::structure(&program, out)
+}
+
+/// Prints M, C, K and B about the file's equilibrium or that of `--at`, as expressions of the parameters.
+fn linear(program: &Program, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+    let mut model = program.model.clone();
+    let mut place = model.equilibrium.clone();
+    for (name, text) in pairs(options, "at")? {
+        let Some(coordinate) = model.coordinates.iter().position(|known| known.name == name) else {
+            let names: Vec<&str> = model.coordinates.iter().map(|c| c.name.as_str()).collect();
+            let names = names.join(", ");
+            return Err(Problem::Usage(format!("error: --at: no coordinate is called `{name}`; there are {names}")));
+        };
+        place[coordinate] = expression(&mut model, &text)?;
+    }
+    let linear = print::Linearisation::about(program, &mut model, &place)
+        .map_err(|reason| Problem::Usage(format!("error: {reason}")))?;
+    let text = if options.get_flag("latex") { linear.latex(&model) } else { linear.text(&model) };
+    write!(out, "{text}")?;
+    Ok(())
+}
+
+/// A number of one component from the command line, as an expression.
+fn expression(model: &mut Model, text: &str) -> Result<Id, Problem> {
+    let components =
+        model.expression(text).map_err(|problems| Problem::Usage(file::render("--at", text, &problems)))?;
+    match components[..] {
+        [value] => Ok(value),
+        _ => Err(Problem::Usage(format!("error: --at wants a number, `{text}` is a vector"))),
+    }
 }

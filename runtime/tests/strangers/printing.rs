@@ -1,1 +1,123 @@
 //! Equations for people, symbolic linearisation.
+
+use dalembert::linear::{Guess, equilibrium_here, linearise};
+use dalembert::mechanism::System;
+use dalembert_symbolic::lower::compile;
+use dalembert_symbolic::model::Sets;
+use dalembert_symbolic::print::{Linearisation, NotLinear};
+
+use super::{case, program};
+
+/// What `show` prints of a model of the library.
+fn shown(name: &str, arguments: &[&str]) -> Result<String, String> {
+    let path = format!("{}/../models/{name}.yaml", env!("CARGO_MANIFEST_DIR"));
+    program(&[&["show", &path], arguments].concat())
+}
+
+/// A spring whose rest length is not the distance, a damper, an input, a pendulum on it.
+const DRIVEN: &str = "name: Driven\nparameters: {m: 2 kg, mu: 0.5 kg, k: 30 N/m, c: 0.7 N*s/m, l: 0.4 m, b: 0 N*s*m, g: 9.81 m/s^2}\n\
+    coordinates: {x: m, theta: rad}\ninputs: {u: 0 N, w: 0 m}\n\
+    bodies:\n  cart: {mass: m, position: \"[0, -x]\"}\n  bob: {mass: mu, position: \"[l*sin(theta), -x - l*cos(theta)]\"}\n\
+    gravity: [0, -g]\npotential_energy: k*(x - w)^2/2\n\
+    generalized_forces: {x: u - c*x'*(1 + (x/l)^2), theta: u*l*sin(theta) - b*theta'}\n\
+    equilibrium: {x: (m + mu)*g/k, theta: pi}\nscene: {until: 1}\n";
+
+#[test]
+fn matrices_of_small_motions_are_those_of_a_textbook() {
+    let bead = shown("bead_parabola", &["--linear"]).unwrap();
+    assert!(bead.ends_with("M = [[m]]\nK = [[2*c*m*g]]\nomega^2 = K/M = 2*c*g\n"), "{bead}");
+    let cylinder = shown("rolling_cylinder", &["--linear"]).unwrap();
+    assert!(cylinder.ends_with("omega^2 = K/M = 2/3*g/(R - r)\n"), "{cylinder}");
+    let pendulum = shown("double_pendulum_points", &["--linear"]).unwrap();
+    let expected = "M = [[2*m*l^2, m*l^2],\n     [m*l^2,   m*l^2]]\nK = [[2*m*l*g, 0],\n     [0,       m*l*g]]\n";
+    assert!(pendulum.ends_with(expected), "{pendulum}");
+    let cart = shown("cart_pendulum", &["--linear"]).unwrap();
+    let expected = "M = [[m + M, m*l],\n     [m*l,   m*l^2]]\nK = [[0, 0],\n     [0, m*l*g]]\n";
+    assert!(cart.ends_with(expected), "{cart}");
+    let upright = shown("cart_pendulum", &["--linear", "--at", "theta=pi"]).unwrap();
+    assert!(upright.contains("[0, -m*l*g]]"), "{upright}");
+    let latex = shown("cart_pendulum", &["--linear", "--latex"]).unwrap();
+    assert!(latex.contains(r"K &= \begin{pmatrix} 0 & 0 \\ 0 & m \, l \, g \end{pmatrix}"), "{latex}");
+}
+
+/// The formulas, read again as expressions with other values of the parameters, are what `modes` computes.
+#[test]
+fn matrices_of_formulas_are_those_that_modes_computes() {
+    let derived = compile(DRIVEN, &[]).unwrap();
+    let mut model = derived.model.clone();
+    let place = model.equilibrium.clone();
+    let text = Linearisation::about(&derived, &mut model, &place).unwrap().text(&model);
+    let mut system = case(DRIVEN).system;
+    let parameters = [1.3, 0.9, 21.0, 0.3, 0.25, 0.11, 3.7];
+    system.set_parameters(&parameters).unwrap();
+    let q = vec![(1.3 + 0.9) * 3.7 / 21.0, std::f64::consts::PI];
+    let guess = Guess { q, v: vec![0.0; 2], inputs: vec![0.0; 2] };
+    let numbers = linearise(&system, &equilibrium_here(&system, &guess).unwrap()).unwrap();
+    assert!(text.contains("u = [u, w]"), "{text}");
+    let inputs = numbers.b();
+    for (name, matrix) in [("M", numbers.m()), ("C", numbers.c()), ("K", numbers.k())] {
+        for (i, row) in rows(&text, name).iter().enumerate() {
+            for (j, entry) in row.iter().enumerate() {
+                let value = model.constant(entry, Sets::Any, &parameters).unwrap();
+                assert!((value - matrix[(i, j)]).abs() <= 1e-12 * matrix.amax(), "{name}[{i}, {j}] = {entry}");
+            }
+        }
+    }
+    for (i, row) in rows(&text, "B").iter().enumerate() {
+        for (j, entry) in row.iter().enumerate() {
+            let value = model.constant(entry, Sets::Any, &parameters).unwrap();
+            assert!((value - inputs[(i, 3 * j)]).abs() <= 1e-12 * inputs.amax(), "B[{i}, {j}] = {entry}");
+        }
+    }
+    // A damping that is 0 by default is a parameter all the same.
+    assert_eq!(rows(&text, "C")[1][1], "b");
+}
+
+/// The entries of a matrix that is printed.
+fn rows(text: &str, name: &str) -> Vec<Vec<String>> {
+    let (_, rest) = text.split_once(&format!("{name} = [[")).unwrap_or_else(|| panic!("no {name} in {text}"));
+    let (inside, _) = rest.split_once("]]").expect("an end");
+    inside
+        .split("],")
+        .map(|row| row.trim().trim_start_matches('[').split(", ").map(|x| x.trim().to_owned()).collect())
+        .collect()
+}
+
+#[test]
+fn what_is_no_equilibrium_is_refused_with_its_force() {
+    let error = shown("cart_pendulum", &["--linear", "--at", "theta=pi/2"]).unwrap_err();
+    assert!(error.contains("the force on theta: -m*l*g\n"), "{error}");
+    // The masses are in one place, where their attraction has no value.
+    let error = shown("two_body", &["--linear"]).unwrap_err();
+    assert!(error.contains("not defined at this place"), "{error}");
+    let error = shown("four_bar", &["--linear"]).unwrap_err();
+    assert!(error.contains("constraints") && error.contains("`modes`"), "{error}");
+    let error = shown("cart_pendulum", &["--linear", "--at", "theta=x/l"]).unwrap_err();
+    assert!(error.contains("an expression of parameters"), "{error}");
+}
+
+#[test]
+fn kinks_have_matrices_beside_them_only() {
+    let text = |force: &str| {
+        format!(
+            "name: K\nparameters: {{m: 1 kg, k: 2 N/m, a: 1 m}}\ncoordinates: {{x: m}}\nkinetic_energy: m*x'^2/2\n\
+            generalized_forces: {{x: \"{force}\"}}\nscene: {{until: 1}}\n"
+        )
+    };
+    let found = |force: &str| {
+        let derived = compile(&text(force), &[]).unwrap();
+        let mut model = derived.model.clone();
+        let place = model.equilibrium.clone();
+        Linearisation::about(&derived, &mut model, &place).map(|linear| linear.text(&model))
+    };
+    assert_eq!(found("-k*max(x, 0)"), Err(NotLinear::Kink));
+    assert_eq!(found("-k*x*sin(t*k/m)"), Err(NotLinear::Time));
+    let beside = found("-k*x - k*max(x - a, 0)*2").unwrap();
+    assert!(beside.contains("K = [[k"), "{beside}");
+}
+
+#[test]
+fn dots_stand_over_letters_not_over_indices() {
+    let latex = shown("double_pendulum", &["--latex"]).unwrap();
+    assert!(latex.contains(r"\dot{\theta}_{2}") && !latex.contains(r"\dot{\theta_"), "{latex}");
+}

@@ -35,12 +35,13 @@ impl Latex<'_> {
             return format!("[{}]", upright(text.trim_matches(['(', ')'])));
         }
         let primes = text.len() - text.trim_end_matches('\'').len();
-        let name = name(text.trim_end_matches('\''));
+        // The dot stands over the letter, not over its index.
+        let (letter, index) = letter_and_index(text.trim_end_matches('\''));
         match primes {
-            0 => name,
-            1 => format!("\\dot{{{name}}}"),
-            2 => format!("\\ddot{{{name}}}"),
-            _ => format!("{name}^{{({primes})}}"),
+            0 => format!("{letter}{index}"),
+            1 => format!("\\dot{{{letter}}}{index}"),
+            2 => format!("\\ddot{{{letter}}}{index}"),
+            _ => format!("{letter}{index}^{{({primes})}}"),
         }
     }
 
@@ -159,6 +160,12 @@ const GREEK: &[&str] = &[
 
 /// `theta1`, `theta[1]` and `theta_1` with an index below; a Greek letter by its command, words upright.
 pub(super) fn name(name: &str) -> String {
+    let (letter, index) = letter_and_index(name);
+    letter + &index
+}
+
+/// The letter of a name, and its index as it stands below; empty where it has none.
+fn letter_and_index(name: &str) -> (String, String) {
     let (stem, index) = match name.split_once('[') {
         Some((stem, index)) => (stem, index.trim_end_matches(']').to_owned()),
         None => (name, String::new()),
@@ -183,7 +190,8 @@ pub(super) fn name(name: &str) -> String {
         false => upright(below),
     };
     let indices: Vec<String> = [below, index].into_iter().filter(|i| !i.is_empty()).collect();
-    if indices.is_empty() { letter } else { format!("{letter}_{{{}}}", indices.join(",")) }
+    let index = if indices.is_empty() { String::new() } else { format!("_{{{}}}", indices.join(",")) };
+    (letter, index)
 }
 
 fn upright(words: &str) -> String {

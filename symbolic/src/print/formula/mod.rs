@@ -72,6 +72,19 @@ impl Formulas {
         let roots = roots.iter().map(|root| written.known[root].signed()).collect();
         Formulas { parts: written.parts, roots }
     }
+
+    /// Of one expression, with no names for parts; `None` where it has more leaves than these.
+    pub fn whole(graph: &Graph, root: Id, longest: usize) -> Option<(bool, Rc<Formula>)> {
+        let mut written = Writing { known: HashMap::default(), parts: Vec::new() };
+        for id in needed(graph, &[root]).0 {
+            let formula = written.formula(graph, id);
+            if formula.leaves > longest {
+                return None;
+            }
+            written.known.insert(id, formula);
+        }
+        Some(written.known[&root].signed())
+    }
 }
 
 /// What has to be written by itself, parts before wholes, and how often each stands in something else.
