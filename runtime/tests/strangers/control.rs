@@ -67,7 +67,7 @@ fn a_mechanism_that_stands_still_never_ends_for_want_of_steps() {
     for start in [0.3, 1e-149, 1e-200, 1e-310, 0.0] {
         let simulation = Simulation::new(interpreted(ROBOT)).starting("theta", start).max_steps(40);
         let (run, _) = controlled(simulation, 2000);
-        assert!(run.last()["theta"].abs() <= 1e-9 * start, "{start:e}: {}", run.last()["theta"]);
+        assert!(run.last()["theta"].abs() <= 1e-8 * start, "{start:e}: {}", run.last()["theta"]);
     }
 }
 
@@ -148,7 +148,8 @@ fn a_lever_beside_its_equilibrium_swings() {
     // w^2 = k (a^2 cos(2 al) + a s0 sin(al))/J = k a^2 cos(al)^2/J at rest.
     let w = (4000.0 * 0.01 * (1.0 - 0.09) / 0.02_f64).sqrt();
     for by in [1e-6, 1e-9, 1e-12] {
-        let mut case = case(&LEVER.replace("asin(0.3)", &format!("asin(0.3) + {by:e}")).replace("until: 10", "until: 1"));
+        let mut case =
+            case(&LEVER.replace("asin(0.3)", &format!("asin(0.3) + {by:e}")).replace("until: 10", "until: 1"));
         let run = case.run();
         let moved = run.last()["al"] - 0.3_f64.asin();
         assert!((moved - by * w.cos()).abs() < 2e-2 * by + 1e-15, "{by:e}: {moved:e}");
@@ -157,15 +158,18 @@ fn a_lever_beside_its_equilibrium_swings() {
 
 #[test]
 fn a_stick_on_its_tip_still_starts_in_an_unstable_equilibrium() {
-    let up = ROBOT.replace("theta: 0.3", "theta: pi").replace("until: 1", "until: 40");
+    let free = ROBOT.replace("inputs: {torque: 0 N*m}\n", "").replace("generalized_forces: {theta: torque}\n", "");
+    let up = free.replace("theta: 0.3", "theta: pi").replace("until: 1", "until: 40");
     assert!(told("up", &up).contains("unstable equilibrium"));
-    let down = ROBOT.replace("theta: 0.3", "theta: 2*pi").replace("until: 1", "until: 40");
+    let down = free.replace("theta: 0.3", "theta: 2*pi").replace("until: 1", "until: 40");
     assert!(!told("down", &down).contains("warning"));
 }
 
 #[test]
 fn outputs_that_cancel_are_zero() {
-    let told = told("cancel", "
+    let told = told(
+        "cancel",
+        "
 name: ZeroOutput
 parameters: {m1: 0.3 kg, m2: 0.7 kg, k: 10 N/m, l: 0.8 m}
 coordinates: {x1: m, x2: m}
@@ -173,6 +177,7 @@ bodies: {a: {mass: m1, position: \"[x1, 0]\"}, b: {mass: m2, position: \"[x2, 0]
 springs: {s: {between: [a, b], stiffness: k, rest: l}}
 outputs: {p: \"m1*x1' + m2*x2'\", centre: \"(m1*x1 + m2*x2)/(m1 + m2)\"}
 scene: {start: {x1: -0.7, x2: 0.3}, until: 10}
-");
+",
+    );
     assert!(told.contains("p = 0 kg*m/s") && told.contains("centre = 0 m"), "{told}");
 }
