@@ -37,6 +37,8 @@ const INTERPOLATED: f64 = 1e-8;
 const TURN: f64 = 0.97;
 /// What is left of the equations at a state of the branch, as parts of their own row's terms.
 const BALANCED: f64 = 1e-11;
+/// What the equations' own rounding may leave, as such parts.
+const ROUNDED: f64 = 4.0 * f64::EPSILON;
 
 /// Coordinates below this part of their natural size are rounding.
 const ROUNDING: f64 = 1e-15;
@@ -359,6 +361,7 @@ impl Walker {
     fn correct(&self, guess: &State, across: &[f64]) -> Option<State> {
         let n = guess.q.len();
         let mut state = guess.clone();
+        let mut earlier = guess.clone();
         let mut before = f64::INFINITY;
         for _ in 0..CORRECTIONS {
             if let Some(clean) = self.without_rounding(&state) {
@@ -368,10 +371,11 @@ impl Walker {
             if !largest.is_finite() {
                 return None;
             }
-            // To rounding, as far as steps still help.
-            if largest <= 4.0 * f64::EPSILON || (largest <= BALANCED && largest > 0.25 * before) {
-                return Some(state);
+            // To rounding, as far as steps still help; a step that only shakes what is rounding is not taken.
+            if largest == 0.0 || (largest <= BALANCED && largest > 0.25 * before) {
+                return Some(if before <= ROUNDED { earlier } else { state });
             }
+            earlier.clone_from(&state);
             before = largest;
             let gone: f64 = across[..n].iter().zip(state.q.iter().zip(&guess.q)).map(|(a, (q, g))| a * (q - g)).sum();
             let change = self.solve(&state, across, &-left, -gone - across[n] * (state.value - guess.value))?;
@@ -442,7 +446,7 @@ impl Walker {
         let slope = |k: usize| {
             let change = high[0][k] - low[0][k];
             // What the equations' rounding makes is no slope.
-            let known = change.is_finite() && change.abs() > BALANCED * high[1][k].max(low[1][k]);
+            let known = change.is_finite() && change.abs() > ROUNDED * high[1][k].max(low[1][k]);
             if known { change * (0.5 / step) } else { 0.0 }
         };
         DVector::from_fn(high[0].len(), |k, _| slope(k))
