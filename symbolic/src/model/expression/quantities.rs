@@ -113,7 +113,7 @@ impl Bench {
 
 /// True of an angle in radians: what `asin` and the like give, its multiples and fractions, and sums with it; not where `pi`
 /// converts it.
-fn gives_angle(ast: &Ast) -> bool {
+pub fn gives_angle(ast: &Ast) -> bool {
     match &ast.kind {
         AstKind::Call { function, .. } => matches!(function.as_str(), "asin" | "acos" | "atan" | "atan2"),
         AstKind::Negate(inner) => gives_angle(inner),

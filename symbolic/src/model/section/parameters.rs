@@ -4,14 +4,15 @@ use std::collections::BTreeMap;
 
 use super::settle::Want;
 use crate::diagnose::Place;
-use crate::diagnose::catalogue::{names, sections};
+use crate::diagnose::catalogue::{names, sections, units};
 use crate::expr::Number;
 use crate::file::{Quantity, Spot, Text, Written};
 use crate::language::{Ast, AstKind, Unit};
-use crate::model::expression::dimension::{Dimension, Measure};
+use crate::model::expression::dimension::{Dimension, Measure, si};
 use crate::model::expression::families::{Expanded, Family as KeyFamily};
 use crate::model::expression::index::MEMBER_LIMIT;
 use crate::model::expression::lower::Local;
+use crate::model::expression::quantities::gives_angle;
 use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::{Member, Section};
 use crate::model::identifier::{field_name, method_name};
@@ -60,6 +61,13 @@ impl Resolver<'_> {
                 derived.push((member.name(), unit, item, spot.place.of_key()));
             }
             return;
+        }
+        if let Some((_, unit)) = &value.unit
+            && unit.pi != 0
+            && gives_angle(&value.text.ast)
+        {
+            let place = value.text.place.at(value.text.ast.span);
+            self.bench.problems.push(units::scaled_twice(place, value.text.words(value.text.ast.span), si(unit)));
         }
         let id = self.scalar(&value.text, Rules::constant("a parameter"), &member.locals);
         let number = id.and_then(|id| self.bench.graph.number(id));
