@@ -28,8 +28,8 @@ pub fn command() -> Command {
         )
         .subcommand(
             Command::new("check")
-                .about("Reads and derives a model, and says what was tested")
-                .arg(model())
+                .about("Reads and derives a model, or several, and says what was tested")
+                .arg(model().num_args(1..))
                 .args(sizes())
                 .arg(flag("routh", "The equations without the coordinates and directions that can be ignored, by Routh's procedure, and what they cost").conflicts_with("json"))
                 .arg(flag("symmetries", "Exchanges and reflections of coordinates that leave the equations as they are, and which of them each scene's start has").conflicts_with("json"))
@@ -98,9 +98,9 @@ fn simulate() -> Command {
         .arg(value("state", "FILE", "A state to start from, as --save writes it; --start goes before"))
         .arg(value("save", "FILE", "Write the final state, to start from it"))
         .arg(value("every", "TIME", "Spacing of reported states [default: 500 points]"))
-        .arg(value("csv", "FILE", "Write reported states and outputs as a table"))
+        .arg(value("csv", "FILE", "Write reported states and outputs as a table; - for standard output, where the report goes to standard error"))
         .arg(picture("plot", "Draw them"))
-        .arg(many("show", "A,B", "A chart of the plot, and beside the animation: coordinates, rates or outputs against time, or X:Y, a portrait; several make several charts [default: paths and coordinates in the plot]").requires("drawn"))
+        .arg(many("show", "A,B", "A chart of the plot, and beside the animation: coordinates, rates or outputs against time, a chart a unit, or X:Y, a portrait; several make several charts [default: paths and coordinates in the plot]").requires("drawn"))
         .arg(value("section", "PERIOD", "Portraits of states at multiples of this time only: a stroboscopic section").requires("show"))
         .arg(value("with", "SCENE,SCENE", "Draw other scenes beside this one").requires("plot"))
         .arg(animation("Write a page that animates the mechanism"))
@@ -155,7 +155,7 @@ fn modes() -> Command {
         .arg(animation("Write a page that animates a mode"))
         .arg(value("mode", "NUMBER", "Which mode to animate [default: the first that is not rigid]"))
         .arg(picture("motion", "Draw the free motion from the scene's start, computed in several ways, and compare them"))
-        .arg(many("drive", "NAME[=AMPLITUDE]", "What shakes it: an input, an entry of `forces` or `torques` (along its direction), or a coordinate that a force acts on; several go in step [default: the first input]"))
+        .arg(many("drive", "NAME[=AMPLITUDE]", "What shakes it: an input, an entry of `forces` or `torques` (along its direction), or a coordinate that a force acts on; several, also A,B, go in step [default: the first input]"))
         .arg(value("omega", "FREQUENCY", "Print the steady state at this frequency, rad/s (or 5 Hz, 300 rpm): by modes, and what drives what"))
         .arg(picture("bode", "Draw the frequency response: amplitude, per unit of what drives, and phase"))
         .arg(value("response", "A,B", "What answers: coordinates, rates, outputs [default: all coordinates]"))
@@ -206,7 +206,10 @@ fn wanted(outputs: &str, within: &str) -> [Arg; 2] {
 
 /// A model's name or path.
 fn model() -> Arg {
-    Arg::new("model").value_name("NAME").required(true).help("A compiled model's name, or the path of any model file")
+    Arg::new("model")
+        .value_name("NAME")
+        .required(true)
+        .help("A compiled model's name, or the path of any model file; - for standard input")
 }
 
 fn sizes() -> [Arg; 1] {

@@ -10,16 +10,37 @@ use dalembert_symbolic::number::DoubleDouble;
 use serde_json::Value;
 
 use super::json::{number, object, write};
-use super::load::{Loaded, ModelFile, folder};
+use super::load::{Loaded, ModelFile, folder, sizes};
 use super::{Entry, Problem, freedoms, routh, symmetries};
 use crate::mechanism::{At, Balances, Interpreted, System};
 
 /// Derives the model anew and prints the report.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
-    if options.get_flag("json") {
-        return as_json(models, options, out);
+    let names: Vec<&String> = options.get_many::<String>("model").into_iter().flatten().collect();
+    let mut failed = None;
+    for (place, name) in names.iter().enumerate() {
+        if place > 0 && !options.get_flag("json") {
+            writeln!(out)?;
+        }
+        match one(models, name, options, out) {
+            // Of several files all are looked at; what is wrong with the last is said by who called.
+            Err(problem) if !matches!(problem, Problem::Closed) => {
+                if let Some(before) = failed.replace(problem) {
+                    eprintln!("{before}");
+                }
+            }
+            other => other?,
+        }
     }
-    let loaded = Loaded::find(models, options)?;
+    failed.map_or(Ok(()), Err)
+}
+
+/// One file.
+fn one(models: &[Entry], name: &str, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+    if options.get_flag("json") {
+        return as_json(models, name, options, out);
+    }
+    let loaded = Loaded::named(models, name, sizes(options)?)?;
     let program = loaded.program()?;
     let n = program.model.coordinates.len();
     writeln!(out, "{}: {n} coordinate{}", loaded.name, if n == 1 { "" } else { "s" })?;
@@ -54,8 +75,8 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
 }
 
 /// The report as one object; of a file with mistakes these, each with its place, before the command fails.
-fn as_json(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
-    let text = ModelFile::find(models, options)?;
+fn as_json(models: &[Entry], name: &str, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+    let text = ModelFile::named(models, name, sizes(options)?)?;
     let program = match compile_in(folder(&text.path), &text.source, &text.sizes) {
         Ok(program) => program,
         Err(problems) => {

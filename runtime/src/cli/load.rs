@@ -1,6 +1,8 @@
 //! Finding a model: compiled, by name; or any file, by path, interpreted.
 
+use std::io::Read;
 use std::path::Path;
+use std::sync::OnceLock;
 
 use clap::ArgMatches;
 use dalembert_symbolic::lower::{Program, compile_in};
@@ -27,7 +29,11 @@ impl ModelFile {
     /// Finds the text of the model that the command line names, whatever is wrong with it.
     pub fn find(models: &[Entry], options: &ArgMatches) -> Result<ModelFile, Problem> {
         let name = options.get_one::<String>("model").map_or("", String::as_str);
-        let sizes = sizes(options)?;
+        ModelFile::named(models, name, sizes(options)?)
+    }
+
+    /// The same by its name or path.
+    pub fn named(models: &[Entry], name: &str, sizes: Vec<(String, i64)>) -> Result<ModelFile, Problem> {
         if let Some(entry) = models.iter().find(|entry| entry.name == name) {
             let (path, source) = (entry.path.to_owned(), entry.source.to_owned());
             return Ok(ModelFile { name: name.to_owned(), path, source, sizes });
@@ -36,6 +42,10 @@ impl ModelFile {
     }
 
     fn read(models: &[Entry], name: &str, sizes: Vec<(String, i64)>) -> Result<ModelFile, Problem> {
+        if name == "-" {
+            let (name, path, source) = ("stdin".to_owned(), "-".to_owned(), standard_input()?);
+            return Ok(ModelFile { name, path, source, sizes });
+        }
         if !Path::new(name).is_file() {
             let hint = diagnose::did_you_mean(name, models.iter().map(|entry| entry.name));
             let hint = if hint.is_empty() { "`list` names the models".to_owned() } else { hint };
@@ -45,6 +55,24 @@ impl ModelFile {
         let stem = Path::new(name).file_stem().map_or(name.to_owned(), |s| s.to_string_lossy().into_owned());
         Ok(ModelFile { name: stem, path: name.to_owned(), source, sizes })
     }
+}
+
+/// No longer model file is read from standard input, bytes: it may have no end.
+const LONGEST_INPUT: u64 = 1 << 26;
+
+/// What stands on standard input, which is read once.
+fn standard_input() -> Result<String, Problem> {
+    static TEXT: OnceLock<String> = OnceLock::new();
+    if let Some(text) = TEXT.get() {
+        return Ok(text.clone());
+    }
+    let mut text = String::new();
+    let mut limited = std::io::stdin().take(LONGEST_INPUT + 1);
+    limited.read_to_string(&mut text).map_err(|e| Problem::File(format!("cannot read standard input: {e}")))?;
+    if text.len() as u64 > LONGEST_INPUT {
+        return Err(Problem::File(format!("standard input has more than {LONGEST_INPUT} bytes")));
+    }
+    Ok(TEXT.get_or_init(|| text).clone())
 }
 
 /// A model that was found.
@@ -120,7 +148,8 @@ pub fn folder(path: &str) -> Option<&Path> {
     Path::new(path).parent()
 }
 
-fn sizes(options: &ArgMatches) -> Result<Vec<(String, i64)>, Problem> {
+/// The `--size` of a command line.
+pub fn sizes(options: &ArgMatches) -> Result<Vec<(String, i64)>, Problem> {
     pairs(options, "size")?
         .into_iter()
         .map(|(name, value)| {

@@ -30,6 +30,9 @@ pub fn check_paths<'a>(paths: impl Iterator<Item = (&'a str, &'a str)>, model: &
     let mut taken: Vec<(String, PathBuf)> = Vec::new();
     for (name, path) in paths {
         let option = format!("--{name}");
+        if (name, path) == ("csv", "-") {
+            continue;
+        }
         let asked = Path::new(path);
         if same_file(asked, Path::new(model)) {
             return Err(Problem::File(format!("{option} {path} would overwrite the model file")));

@@ -84,21 +84,39 @@ impl Shown {
 
     /// What was asked for, of one run.
     pub fn of(&self, run: &Run) -> Result<Vec<Chart>, Error> {
-        let charts = self.charts.iter().map(|asked| match (asked, self.section) {
-            (Asked::History(names), _) => run.history(&names.iter().map(String::as_str).collect::<Vec<_>>()),
-            (Asked::Portrait(x, y), None) => {
-                run.portrait(x, y).map(|chart| if is_path(x, y) { chart.equal() } else { chart })
+        let mut charts = Vec::new();
+        for asked in &self.charts {
+            match (asked, self.section) {
+                (Asked::History(names), _) => charts.extend(histories(run, names)?),
+                (Asked::Portrait(x, y), None) => {
+                    let chart = run.portrait(x, y)?;
+                    charts.push(if is_path(run, x, y) { chart.equal() } else { chart });
+                }
+                (Asked::Portrait(x, y), Some(period)) => charts.push(run.section(x, y, period)?),
             }
-            (Asked::Portrait(x, y), Some(period)) => run.section(x, y, period),
-        });
-        charts.collect()
+        }
+        Ok(charts)
     }
 }
 
-/// Whether these are components of one vector, whose path keeps its shape.
-fn is_path(x: &str, y: &str) -> bool {
+/// A chart against time for each unit among these.
+fn histories(run: &Run, names: &[String]) -> Result<Vec<Chart>, Error> {
+    let mut units: Vec<(String, Vec<&str>)> = Vec::new();
+    for name in names {
+        let unit = run.unit(name);
+        match units.iter_mut().find(|(known, _)| *known == unit) {
+            Some((_, alike)) => alike.push(name),
+            None => units.push((unit, vec![name])),
+        }
+    }
+    units.iter().map(|(_, alike)| run.history(alike)).collect()
+}
+
+/// Whether these are components of one vector or two lengths, whose path keeps its shape.
+fn is_path(run: &Run, x: &str, y: &str) -> bool {
     let owner = |name: &str| name.rsplit_once('.').map(|(owner, _)| owner.to_owned());
-    owner(x).is_some() && owner(x) == owner(y)
+    let lengths = run.unit(x) == "m" && run.unit(y) == "m";
+    lengths || owner(x).is_some() && owner(x) == owner(y)
 }
 
 /// `A,B` against time, or `X:Y`.
@@ -119,13 +137,17 @@ fn asked(description: &Description, text: &str) -> Result<Asked, Problem> {
 
 /// The columns of `A,B`.
 pub fn listed(description: &Description, text: &str) -> Result<Vec<String>, Problem> {
+    let names = parts(text).map(|name| columns(description, name)).collect::<Result<Vec<_>, Problem>>()?;
+    Ok(names.concat())
+}
+
+/// What stands between commas outside of brackets.
+pub fn parts(text: &str) -> impl Iterator<Item = &str> {
     let mut depth = 0;
-    let names = text.split(|c: char| {
+    text.split(move |c: char| {
         depth += i32::from(c == '[') - i32::from(c == ']');
         c == ',' && depth == 0
-    });
-    let names = names.map(|name| columns(description, name)).collect::<Result<Vec<_>, Problem>>()?;
-    Ok(names.concat())
+    })
 }
 
 /// The columns of a name: itself, or the components of a vector output.

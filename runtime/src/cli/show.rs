@@ -60,6 +60,10 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     if !model.about.is_empty() {
         writeln!(out, "{}", model.about.trim())?;
     }
+    let equations = reading.equations(model);
+    if !equations.is_empty() {
+        write!(out, "\nequations of motion\n{equations}")?;
+    }
     write!(out, "\n{}", reading.text(model))?;
     writeln!(out, "\ncomputed from {}", program.choice)?;
     check::structure(&program, out)

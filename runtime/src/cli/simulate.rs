@@ -184,9 +184,19 @@ fn report(
     let run = &*run;
     let file = |name: &str| options.get_one::<String>(name);
     let unwritten = |error: Error| Problem::File(error.to_string());
-    if let Some(path) = file("csv") {
-        run.csv(path).map_err(unwritten)?;
-    }
+    // Of a table on standard output the report is no part.
+    let mut stderr = std::io::stderr();
+    let out: &mut dyn Write = match file("csv").map(String::as_str) {
+        Some("-") => {
+            write!(out, "{}", run.to_csv())?;
+            &mut stderr
+        }
+        Some(path) => {
+            run.csv(path).map_err(unwritten)?;
+            out
+        }
+        None => out,
+    };
     if let Some(path) = file("plot") {
         let scene = file("scene").map_or("scene", String::as_str);
         let mut runs = vec![(scene.to_owned(), run)];

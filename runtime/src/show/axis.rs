@@ -87,9 +87,7 @@ pub(super) struct Extent {
 impl Extent {
     /// Fits an axis to its data, with a margin of `pad` of the range on both sides.
     pub fn fit(axis: &Axis, values: impl Iterator<Item = f64>, pad: f64) -> Extent {
-        let found = values.filter(|x| axis.has(*x)).fold(None, |ends: Option<(f64, f64)>, x| {
-            Some(ends.map_or((x, x), |(low, high)| (low.min(x), high.max(x))))
-        });
+        let found = ends(axis.scale, values.filter(|x| axis.has(*x)).collect());
         let given = axis.range.filter(|(low, high)| axis.has(*low) && axis.has(*high) && low < high);
         let (low, high) = given.unwrap_or_else(|| padded(axis.scale, found, pad));
         let flat = given.is_none() && found.is_none_or(|(low, high)| low == high);
@@ -170,6 +168,27 @@ impl Extent {
     }
 }
 
+/// A linear axis on which the middle of the data takes less than this part of the whole shows nothing of it: less than a thousandth of
+/// a pixel.
+const UNSEEN: f64 = 1e-6;
+/// The part of the data at either end that may be left out then.
+const TAIL: f64 = 0.01;
+
+/// The ends of the data; on a linear axis without a few points at a pole, beside which all others would be a straight line.
+fn ends(scale: Scale, mut values: Vec<f64>) -> Option<(f64, f64)> {
+    values.sort_by(f64::total_cmp);
+    let (low, high) = (*values.first()?, *values.last()?);
+    let tail = (values.len() as f64 * TAIL) as usize;
+    let (from, to) = (values[tail], values[values.len() - 1 - tail]);
+    let width = to - from;
+    if scale == Scale::Log || width <= 0.0 || width >= UNSEEN * (high - low) {
+        return Some((low, high));
+    }
+    // As far again on either side as the middle is wide.
+    let near = values.into_iter().filter(|x| (from - width..=to + width).contains(x));
+    near.fold(None, |ends: Option<(f64, f64)>, x| Some(ends.map_or((x, x), |(low, high)| (low.min(x), high.max(x)))))
+}
+
 /// Ends with a margin; a range of no width gets one.
 fn padded(scale: Scale, ends: Option<(f64, f64)>, pad: f64) -> (f64, f64) {
     match (scale, ends) {
@@ -216,5 +235,23 @@ impl Ranged for Extent {
 impl ValueFormatter<f64> for Extent {
     fn format_ext(&self, value: &f64) -> String {
         self.label(*value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pole_at_the_end_leaves_the_curve_to_be_seen() {
+        let curve = (0..=500).map(|i| (f64::from(i) / 50.0).sin());
+        let fitted = |last: f64| Extent::fit(&Axis::new("", ""), curve.clone().chain([last]), 0.0);
+        let pole = fitted(-2e14);
+        assert!(pole.low > -1.1 && pole.high < 1.1, "{pole:?}");
+        // A blow is seen beside the curve, and shown whole.
+        assert_eq!(fitted(3e4).high, 3e4);
+        // What is 0 but for one point has no middle to show.
+        let spike = Extent::fit(&Axis::new("", ""), (0..500).map(|i| f64::from(u8::from(i == 7))), 0.0);
+        assert_eq!((spike.low, spike.high), (0.0, 1.0));
     }
 }

@@ -121,3 +121,17 @@ fn dots_stand_over_letters_not_over_indices() {
     let latex = shown("double_pendulum", &["--latex"]).unwrap();
     assert!(latex.contains(r"\dot{\theta}_{2}") && !latex.contains(r"\dot{\theta_"), "{latex}");
 }
+
+#[test]
+fn equations_of_motion_stand_one_a_coordinate() {
+    let text = shown("simple_pendulum", &[]).unwrap();
+    let (_, rest) = text.split_once("equations of motion\n").unwrap_or_else(|| panic!("{text}"));
+    let line = rest.lines().next().unwrap();
+    assert!(line.contains("theta''") && line.contains("sin(theta)") && line.ends_with(" = 0"), "{text}");
+    let text = shown("double_pendulum", &[]).unwrap();
+    assert_eq!(text.lines().filter(|line| line.ends_with(" = 0")).count(), 2, "{text}");
+    let latex = shown("double_pendulum", &["--latex"]).unwrap();
+    assert!(latex.contains(r"\ddot{\theta}_{1}"), "{latex}");
+    // Equations of a page's length are given by their parts.
+    assert!(!shown("chain", &[]).unwrap().contains("equations of motion"));
+}

@@ -1,8 +1,9 @@
 //! The equations of motion for a person to read: as text, in LaTeX.
 
 use std::fmt::Write;
+use std::rc::Rc;
 
-use super::formula::{Formulas, Latex, Notation, Text};
+use super::formula::{Formula, Formulas, Latex, Notation, Text};
 use crate::derive::without_modes;
 use crate::expr::{Angles, Graph, Id, Node, Symbol, Unary, expand, expand_around_sums};
 use crate::lower::Program;
@@ -14,7 +15,12 @@ pub struct Reading {
     formulas: Formulas,
     /// What each of the formulas is.
     entries: Vec<Entry>,
+    /// M q'' + h − (Jᵀ + B) λ, a row a coordinate; none where one is too long for a line.
+    rows: Vec<(bool, Rc<Formula>)>,
 }
+
+/// An equation with more leaves than these is no line that a person reads: its parts are.
+const LONGEST_ROW: usize = 60;
 
 /// What a formula gives; indices are places of coordinates and of rows of constraints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,6 +48,7 @@ impl Reading {
         entries.extend(rows.bias.iter().enumerate().map(|(k, c)| (Entry::RowBias(k), *c)));
         entries.extend(rows.friction.iter().map(|(i, k, c)| (Entry::Friction(*i, *k), *c)));
         let (entries, roots): (Vec<Entry>, Vec<Id>) = entries.into_iter().unzip();
+        let rows = rows_of(program, &mut graph);
         let roots = without_modes(&mut graph, &roots, &program.switches);
         let joined: Vec<Id> = roots.iter().map(|root| joined(&mut graph, *root)).collect();
         let factors: Vec<Id> = roots.iter().map(|root| with_sums(&mut graph, *root)).collect();
@@ -54,7 +61,14 @@ impl Reading {
         let [first, others @ ..] = forms;
         let shortest =
             others.into_iter().fold(first, |best, form| if length(&form) < length(&best) { form } else { best });
-        Reading { formulas: shortest, entries }
+        Reading { formulas: shortest, entries, rows }
+    }
+
+    /// The equations of motion, one a coordinate, where each fits a line; else nothing.
+    pub fn equations(&self, model: &Model) -> String {
+        let writer = Text { model };
+        let lines = self.rows.iter().map(|(sign, row)| format!("  {} = 0\n", writer.signed(*sign, row)));
+        lines.collect()
     }
 
     /// One equation a line, in the model language; nothing is left out.
@@ -101,7 +115,11 @@ impl Reading {
         let writer = Latex { model };
         let coordinate = |i: usize| writer.symbol(Symbol::Coordinate(i as u32));
         let row = |k: usize| writer.symbol(Symbol::Multiplier(k as u32)).replace("\\lambda_", "");
-        let mut out = String::from("\\begin{align*}\n  & M \\, \\ddot{q} + h = ");
+        let mut out = String::from("\\begin{align*}\n");
+        for (sign, row) in &self.rows {
+            let _ = writeln!(out, "  & {} = 0 \\\\", writer.signed(*sign, row));
+        }
+        out += "  & M \\, \\ddot{q} + h = ";
         let constrained = self.entries.iter().any(|entry| matches!(entry, Entry::Constraint(_)));
         let friction = self.entries.iter().any(|entry| matches!(entry, Entry::Friction(..)));
         out += match (constrained, friction) {
@@ -132,6 +150,18 @@ impl Reading {
         let pairs = text.lines().filter_map(|line| line.strip_prefix("  ")?.split_once(" = "));
         pairs.map(|(left, right)| (left.to_owned(), right.to_owned())).collect()
     }
+}
+
+/// The equations of motion in their shortest forms; none where one is too long.
+fn rows_of(program: &Program, graph: &mut Graph) -> Vec<(bool, Rc<Formula>)> {
+    let writer = Text { model: &program.model };
+    let roots = without_modes(graph, &program.residual, &program.switches);
+    let mut shortest = |root: Id| {
+        let forms = [root, joined(graph, root), with_sums(graph, root)];
+        let formulas = forms.into_iter().filter_map(|form| Formulas::whole(graph, form, LONGEST_ROW));
+        formulas.min_by_key(|(sign, formula)| writer.signed(*sign, formula).len())
+    };
+    roots.into_iter().map(&mut shortest).collect::<Option<_>>().unwrap_or_default()
 }
 
 /// An expression with its angles joined, if there are any and it does not grow.

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 use super::super::json::{number, object};
 use super::super::load::Loaded;
-use super::super::plotted::listed;
+use super::super::plotted::{listed, parts};
 use super::super::set_up::Reader;
 use super::super::{Problem, outputs};
 use super::failed;
@@ -363,7 +363,8 @@ fn spaced(unit: &str) -> String {
 /// What `--drive` names: the first input if it is absent.
 fn drive(loaded: &Loaded, options: &ArgMatches, reader: &mut Reader, model: Model<'_>) -> Result<Shaken, Problem> {
     let linear = model.linear();
-    let mut given: Vec<String> = options.get_many::<String>("drive").into_iter().flatten().cloned().collect();
+    let given = options.get_many::<String>("drive").into_iter().flatten();
+    let mut given: Vec<String> = given.flat_map(|text| parts(text)).map(str::to_owned).collect();
     if given.is_empty() {
         let Some(input) = loaded.system.description().inputs.first() else {
             let example = linear.equilibrium.coordinates.first().map_or("", String::as_str);
