@@ -144,7 +144,7 @@ impl Group {
     /// Adds a step of this group's coordinates to all coordinates or speeds.
     fn add(&self, list: &mut [DoubleDouble], step: &[f64], weights: &[f64]) {
         for (i, s) in self.coordinates.iter().zip(step) {
-            list[*i] = list[*i] + DoubleDouble::from(*s * weights[*i]);
+            list[*i] += DoubleDouble::from(*s * weights[*i]);
         }
     }
 }
