@@ -171,7 +171,7 @@ impl Driven {
         if let Some(steady) = &self.steady {
             let hertz = short(steady.omega / TAU);
             writeln!(out, "steady state, if {} goes as cos({} t), {hertz} Hz:", self.label, short(steady.omega))?;
-            parts(&self.axes, steady, out)?;
+            contributions(&self.axes, steady, out)?;
             for Answer { name, unit, amplitude } in &self.answers {
                 match amplitude {
                     Some(x) if *x == Complex::ZERO => writeln!(out, "  {name}: 0")?,
@@ -224,7 +224,7 @@ fn fastest_growth(modes: &[Mode]) -> Option<(usize, f64)> {
 type Axes = Vec<(String, String)>;
 
 /// Each coordinate's amplitude, and what each mode contributes to it.
-fn parts(axes: &Axes, steady: &Steady, out: &mut dyn Write) -> Result<(), Problem> {
+fn contributions(axes: &Axes, steady: &Steady, out: &mut dyn Write) -> Result<(), Problem> {
     let scale = largest(&steady.total).max(steady.growth.as_deref().map_or(0.0, largest));
     let polar = |x: &Complex<f64>| {
         if x.norm() <= 1e-12 * scale { "0".to_owned() } else { format!("{}<{:.0}", short4(x.norm()), degrees(x)) }
