@@ -90,3 +90,22 @@ fn a_system_that_leaves_a_rod_out_is_compared_with_both_bodies() {
     accepted(&chain(&format!("-{along}, m*acceleration(one) + n*acceleration(two) - (m + n)*[0, -g])")));
     refused(&chain(&format!("-{along}, m*acceleration(one) - (m + n)*[0, -g])")), "`tension` is");
 }
+
+/// Two blocks that push each other, with what the contact's force is said to be.
+fn blocks(contact: &str) -> String {
+    format!(
+        "name: T
+parameters: {{m: 1 kg, n: 2 kg, F: 3 N, l: 1 m}}
+coordinates: {{x: m}}
+bodies: {{b: {{mass: m, position: \"[x, 0]\"}}, c: {{mass: n, position: \"[x + l, 0]\"}}}}
+forces: {{f: {{on: b, force: \"[F, 0]\"}}}}
+balances: {{equations: [{{equation: \"(m + n)*x'' = F\"}}, {{equation: \"contact = {contact}\"}}], reactions: {{contact: {{on: c, along: \"[1, 0]\", from: b}}}}}}
+"
+    )
+}
+
+#[test]
+fn the_force_between_two_blocks_is_that_of_either() {
+    refused(&blocks("m*F/(m + n)"), "`contact` is");
+    accepted(&blocks("n*F/(m + n)"));
+}
