@@ -21,7 +21,7 @@ fn an_event_early_in_a_run_of_one_step_was_missed() {
         gap.settings.until = until;
         let run = gap.run();
         let [contact] = run.events.as_slice() else { panic!("until {until}: {:?}", run.events) };
-        assert!((contact.t / 2e-8_f64.sqrt() - 1.0).abs() < 1e-10, "until {until}: {}", contact.t);
+        assert!((contact.state.t / 2e-8_f64.sqrt() - 1.0).abs() < 1e-10, "until {until}: {}", contact.state.t);
     }
 }
 
@@ -33,7 +33,7 @@ fn a_start_that_leaves_a_surface_meets_it_no_sooner_than_it_returns() {
         thrown.settings.until = until;
         let run = thrown.run();
         let [contact] = run.events.as_slice() else { panic!("until {until}: {:?}", run.events) };
-        assert!((contact.t / 2e-4 - 1.0).abs() < 1e-10, "until {until}: {}", contact.t);
+        assert!((contact.state.t / 2e-4 - 1.0).abs() < 1e-10, "until {until}: {}", contact.state.t);
     }
 }
 
