@@ -26,13 +26,7 @@ pub struct ModelFile {
 }
 
 impl ModelFile {
-    /// Finds the text of the model that the command line names, whatever is wrong with it.
-    pub fn find(models: &[Entry], options: &ArgMatches) -> Result<ModelFile, Problem> {
-        let name = options.get_one::<String>("model").map_or("", String::as_str);
-        ModelFile::named(models, name, sizes(options)?)
-    }
-
-    /// The same by its name or path.
+    /// The text of the model of this name or path, whatever is wrong with it.
     pub fn named(models: &[Entry], name: &str, sizes: Vec<(String, i64)>) -> Result<ModelFile, Problem> {
         if let Some(entry) = models.iter().find(|entry| entry.name == name) {
             let (path, source) = (entry.path.to_owned(), entry.source.to_owned());

@@ -49,12 +49,12 @@ fn matrices_of_formulas_are_those_that_modes_computes() {
     let text = Linearisation::about(&derived, &mut model, &place).unwrap().text(&model);
     let mut system = case(DRIVEN).system;
     let parameters = [1.3, 0.9, 21.0, 0.3, 0.25, 0.11, 3.7];
-    system.set_parameters(&parameters).unwrap();
+    parameters.iter().enumerate().for_each(|(k, value)| system.set_parameter(k, *value));
     let q = vec![(1.3 + 0.9) * 3.7 / 21.0, std::f64::consts::PI];
     let guess = Guess { q, v: vec![0.0; 2], inputs: vec![0.0; 2] };
     let numbers = linearise(&system, &equilibrium_here(&system, &guess).unwrap()).unwrap();
     assert!(text.contains("u = [u, w]"), "{text}");
-    let inputs = numbers.b();
+    let inputs = numbers.input.to_dense();
     for (name, matrix) in [("M", numbers.m()), ("C", numbers.c()), ("K", numbers.k())] {
         for (i, row) in rows(&text, name).iter().enumerate() {
             for (j, entry) in row.iter().enumerate() {
