@@ -23,6 +23,6 @@ super::entries! {
         "`{unit}` does not fit {what}: `Hz` counts cycles, `rad/s` and `rpm` angles" "a factor of 2 pi is missing" "{help}"
         "A cycle is 2 pi rad. `Hz` is 1/s everywhere in a file, as SI has it, so that a frequency in Hz enters an angle as `2*pi*f*t`; a value in Hz is not taken for an angular velocity, nor one in rad/s for a frequency. `--omega` takes either and converts.";
     W248 cycles_in_angle(name) "a frequency in Hz in an angle, without 2 pi"
-        "`{name}` is in Hz, cycles a second, and enters an angle without a factor 2 pi" "counts as so many radians a second" "write `2*pi*{name}`, or declare it in `rad/s` (`rpm`)"
+        "`{name}` is in Hz, cycles a second, and enters an angle without a factor 2 pi" "counts as so many radians a second" "use `2*pi*{name}` in the angle, or declare it in `rad/s` (`rpm`)"
         "`Hz` is 1/s: `cos(f*t)` with `f: 5 Hz` has 5 rad/s, and `cos(2*pi*f*t)` has 5 cycles a second.";
 }

@@ -82,7 +82,7 @@ impl Dimension {
 /// The unit of SI that a unit is converted to, `rad` for angles.
 pub fn si(unit: &Unit) -> String {
     match Dimension::of(unit) {
-        Dimension::ONE if unit.pi != 0 => "rad".to_owned(),
+        Dimension::ONE if !unit.is_si() => "rad".to_owned(),
         Dimension::RATE if unit.pi != 0 => "rad/s".to_owned(),
         dimension => dimension.to_string(),
     }

@@ -61,7 +61,9 @@ impl Bench {
         let computed = self.depends(&[value]).meets(Depends::UNIT);
         let pure = match self.measured {
             // A pure number that is an angle is in radians, no matter which unit is written after it.
-            Measure::Of(found) => found == Dimension::ONE && !(unit.pi != 0 && (computed || gives_angle(&text.ast))),
+            Measure::Of(found) => {
+                found == Dimension::ONE && !(scales_angles(unit) && (computed || gives_angle(&text.ast)))
+            }
             Measure::Zero => true,
             Measure::Unknown => !computed,
         };
@@ -109,6 +111,11 @@ impl Bench {
         self.problems.push(problem);
         Measure::Unknown
     }
+}
+
+/// True of `deg`, `mrad`, `rpm`: units in which an angle has another number than in radians.
+pub fn scales_angles(unit: &Unit) -> bool {
+    unit.pi != 0 || Dimension::of(unit) == Dimension::ONE && !unit.is_si()
 }
 
 /// True of an angle in radians: what `asin` and the like give, its multiples and fractions, and sums with it; not where `pi`

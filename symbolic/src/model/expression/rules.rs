@@ -41,7 +41,7 @@ impl Counts {
     /// What to write where one is wanted and the other found.
     pub fn unlike(self, found: Counts) -> Option<&'static str> {
         match (self, found) {
-            (Counts::Angles, Counts::Cycles) => Some("write `2*pi*5 rad/s` for 5 cycles a second, or so many `rpm`"),
+            (Counts::Angles, Counts::Cycles) => Some("5 cycles a second are `2*pi*5 rad/s`, or 300 `rpm`"),
             (Counts::Cycles, Counts::Angles) => Some("write it in `Hz`, divided by 2 pi"),
             _ => None,
         }

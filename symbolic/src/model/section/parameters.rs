@@ -12,7 +12,7 @@ use crate::model::expression::dimension::{Dimension, Measure, si};
 use crate::model::expression::families::{Expanded, Family as KeyFamily};
 use crate::model::expression::index::MEMBER_LIMIT;
 use crate::model::expression::lower::Local;
-use crate::model::expression::quantities::gives_angle;
+use crate::model::expression::quantities::{gives_angle, scales_angles};
 use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::{Member, Section};
 use crate::model::identifier::{field_name, method_name};
@@ -63,7 +63,7 @@ impl Resolver<'_> {
             return;
         }
         if let Some((_, unit)) = &value.unit
-            && unit.pi != 0
+            && scales_angles(unit)
             && gives_angle(&value.text.ast)
         {
             let place = value.text.place.at(value.text.ast.span);
