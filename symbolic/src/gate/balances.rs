@@ -33,23 +33,27 @@ pub(super) fn agree(
         let own: Vec<State> = states.iter().filter(of_phase).cloned().collect();
         match compare(model, system, linear, &own, gate) {
             Ok(agreement) => agreements.push(agreement),
-            Err(problem) => {
-                problems.push(*problem);
-                continue;
-            }
+            Err(problem) => problems.push(*problem),
         }
+    }
+    if problems.is_empty() {
+        problems.extend(super::named::disagreements(model, momentum, states, gate));
+    }
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    for (system, linear) in model.balances.iter().zip(momentum) {
         // Reactions of constraints that depend on each other are not unique.
         let rows = |phase: &usize| model.phases.get(*phase).map_or(0, |p| model.rows_of(p).len());
         let unique = |phase: &usize| ranks.get(*phase).is_none_or(|rank| *rank == rows(phase));
         if system.phases.iter().all(unique) {
+            let of_phase = |state: &&State| system.phases.contains(&state.phase);
+            let own: Vec<State> = states.iter().filter(of_phase).cloned().collect();
             match results(model, (system, linear), &own, gate) {
                 Ok(words) => alone.extend(words),
                 Err(found) => problems.extend(found),
             }
         }
-    }
-    if problems.is_empty() {
-        problems.extend(super::named::disagreements(model, momentum, states, gate));
     }
     if problems.is_empty() { Ok((agreements, alone)) } else { Err(problems) }
 }
