@@ -26,7 +26,8 @@ impl Needs {
         };
         let amounts = self.need.absolute.iter().map(|(name, amount)| {
             format!(
-                "    let off = full.difference(&small, {name:?}).expect(\"a column of both\");
+                "    let [one, other] = [&full, &small].map(|run| run.column({name:?}).expect(\"a column of both\"));
+    let off = one.iter().zip(&other).fold(0.0_f64, |most, (one, other)| most.max((one - other).abs()));
     assert!(off <= {amount:e}, \"{name} is off by {{off:e}}\");
 "
             )
@@ -47,12 +48,14 @@ dalembert::model!({small:?}{sizes}, name = Smaller);
 
 #[test]
 fn the_smaller_model_does_what_the_full_one_does() {{
-    let full = Full::default().simulate(){scene};
+    let every = {until:?} / {times}.0;
+    let full = Full::default().simulate(){scene}.every(every);
     let full = full.tolerance({exact:e}).run().expect("the full model runs");
-    let small = Smaller::default().simulate(){scene};
+    let small = Smaller::default().simulate(){scene}.every(every);
     let small = small.tolerance({tolerance:e}).run().expect("the smaller model runs");
 {compared}}}
 "#,
+            times = self.times,
             wanted = self.need.words(),
             found = choice.verified,
             tolerance = choice.tolerance,

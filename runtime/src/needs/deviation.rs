@@ -1,7 +1,5 @@
 //! How far two runs are apart in what is wanted.
 
-use std::sync::Arc;
-
 use nalgebra::DVector;
 
 use crate::mechanism::{At, System};
@@ -26,13 +24,8 @@ pub struct Deviation {
 /// What is compared of a run.
 #[derive(Clone, Debug)]
 pub(super) struct Motion {
-    /// With dense output, from which extremes and deviations come.
-    pub run: Arc<Run>,
-    /// What is wanted.
-    pub columns: Vec<String>,
-    /// Times at equal distances, of which approximations are made.
     pub times: Vec<f64>,
-    /// What is wanted then, a list for each.
+    /// What is wanted, a list for each.
     pub values: Vec<Vec<f64>>,
     /// Their units.
     pub units: Vec<String>,
@@ -93,7 +86,7 @@ impl Motion {
         let mut system = system.boxed_clone();
         let every = Some((settings.until - settings.from) / times as f64);
         let settings =
-            Settings { every, tolerance, max_steps: MOST_STEPS, dense: true, watch: false, ..settings.clone() };
+            Settings { every, tolerance, max_steps: MOST_STEPS, dense: false, watch: false, ..settings.clone() };
         let run = simulate(&mut *system, &settings).map_err(|error| error.to_string())?;
         let column = |name: &String| run.column(name).ok_or_else(|| format!("it has no `{name}`"));
         let values = columns.iter().map(column).collect::<Result<Vec<_>, String>>()?;
@@ -111,8 +104,6 @@ impl Motion {
             first: states.iter().filter_map(|values| values.first().copied()).collect(),
             visited: [1, 2].map(|third| states.iter().map(|values| values[third * (values.len() - 1) / 3]).collect()),
             means: states.iter().map(|values| values.iter().sum::<f64>() / values.len() as f64).collect(),
-            columns: columns.to_vec(),
-            run: Arc::new(run),
         })
     }
 
@@ -131,14 +122,13 @@ impl Motion {
     /// The range of each wanted quantity, by which its deviations are measured, and its size where that stands still, or moves by
     /// less than another run of the same model is sure of; `None` for what does not move beside others of its unit, but by rounding.
     pub fn scales(&self, again: &Motion) -> Vec<Option<f64>> {
-        let of = |((extremes, values), others): ((Option<(f64, f64)>, &Vec<f64>), &Vec<f64>)| {
-            let (range, size) = extremes.map_or((0.0, 0.0), |(low, high)| (high - low, low.abs().max(high.abs())));
+        let of = |(values, others): (&Vec<f64>, &Vec<f64>)| {
+            let (range, size) = spread(values);
             let apart = values.iter().zip(others).map(|(a, b)| (a - b).abs()).filter(|apart| apart.is_finite());
             let unsure = apart.fold(0.0_f64, f64::max);
             if range > STILL * size && range > SURE * unsure { range } else { size }
         };
-        let extremes = self.run.extremes_of(&self.columns);
-        let scales: Vec<f64> = extremes.into_iter().zip(&self.values).zip(&again.values).map(of).collect();
+        let scales: Vec<f64> = self.values.iter().zip(&again.values).map(of).collect();
         let alike = |unit: &String| {
             let list = scales.iter().zip(&self.units).filter(|(_, other)| *other == unit);
             list.fold(0.0_f64, |most, (scale, _)| most.max(*scale))
@@ -207,13 +197,8 @@ pub(super) fn between(
     }
     let mut worst =
         Deviation { largest: 0.0, of: columns.first().cloned().unwrap_or_default(), clock: 0.0, shape: 0.0 };
-    let event_times = |motion: &Motion| -> Vec<f64> { motion.events.iter().map(|event| event.1).collect() };
-    let skipped = full.run.skipped(&other.run, &event_times(full), &event_times(other));
-    let over_time = full.run.differences(&other.run, columns, &skipped).unwrap_or_else(|| vec![0.0; columns.len()]);
     let mut differences = Vec::with_capacity(columns.len());
-    for ((((name, scale), apart), mine), theirs) in
-        columns.iter().zip(scales).zip(over_time).zip(&full.values).zip(&other.values)
-    {
+    for (((name, scale), mine), theirs) in columns.iter().zip(scales).zip(&full.values).zip(&other.values) {
         let difference = |row: usize| match (mine[row], theirs[row]) {
             _ if beside(full.times[row]) => 0.0,
             // What is nowhere, as a reaction in flight, is no difference where both are.
@@ -222,7 +207,7 @@ pub(super) fn between(
             (a, b) => (b - a) / scale,
         };
         let signed: Vec<f64> = (0..shared).map(difference).collect();
-        let largest = largest(&signed).max(apart / scale);
+        let largest = largest(&signed);
         if largest > worst.largest {
             let (clock, shape) = clock(&full.times[..shared], &mine[..shared], &signed, *scale);
             worst = Deviation { largest, of: name.clone(), clock, shape };

@@ -159,6 +159,8 @@ pub struct Needs {
     pub choice: Option<Choice>,
     /// Sizes other than the file's.
     sizes: Vec<(String, i64)>,
+    /// At how many times runs were compared.
+    times: usize,
 }
 
 /// Where a file says nothing else.
@@ -279,6 +281,7 @@ impl Needs {
             rungs,
             choice,
             sizes: full.sizes.clone(),
+            times: full.times,
         };
         found.rungs.sort_by(|a, b| b.saving.total_cmp(&a.saving));
         Ok(found)

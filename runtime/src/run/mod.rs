@@ -21,8 +21,11 @@ use std::sync::Arc;
 
 use crate::constrain::Residuals;
 
-use continuous::Continuous;
+#[cfg(feature = "interpret")]
+pub(crate) use continuous::Continuous;
 pub use digits::Digits;
+#[cfg(feature = "interpret")]
+pub(crate) use extremes::extremes;
 pub use failure::Failure;
 pub(crate) use frames::Scenery;
 pub use parts::RunPart;
