@@ -169,7 +169,7 @@ impl March {
     ) -> Result<bool, Box<Cause>> {
         match action {
             Action::Stop | Action::Record => Ok(false),
-            Action::Phase(phase) => self.enter(system, phase as usize, &[], recorder).map(|()| true),
+            Action::Phase(phase) => self.alternate(system, (event, phase as usize), recorder).map(|()| true),
             Action::Impact { along, restitution } => {
                 let (e, struck) = self.strike(system, along, restitution as usize, recorder)?;
                 let now = self.clock.now();
@@ -217,15 +217,35 @@ impl March {
         rows_of(system, along).iter().all(low)
     }
 
+    /// Goes on in a phase; where its entries, each of which takes speed away, accumulate, as those of a block that rocks to
+    /// rest, in the one that has the constraints of both.
+    fn alternate(
+        &mut self,
+        system: &mut dyn System,
+        (event, phase): (usize, usize),
+        recorder: &mut Recorder,
+    ) -> Result<(), Box<Cause>> {
+        let before: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+        let loses = self.enter(system, phase, &[], recorder)?;
+        let now = self.clock.now();
+        if !loses {
+            self.impacts.forget(event);
+        } else if let Some(end) = self.impacts.note(event, now) {
+            self.rest(system, (event, &before), (end, &[]), recorder)?;
+        }
+        Ok(())
+    }
+
     /// Goes on in a phase: its constraints must hold, and take away what speed they do not leave, by impulses of which `known` are
-    /// others than the speeds at this instant show.
+    /// others than the speeds at this instant show; true where there were any.
     fn enter(
         &mut self,
         system: &mut dyn System,
         phase: usize,
         known: &[(usize, f64)],
         recorder: &mut Recorder,
-    ) -> Result<(), Box<Cause>> {
+    ) -> Result<bool, Box<Cause>> {
+        let mut loses = false;
         let before: Vec<u32> = system.active_rows().to_vec();
         system.set_phase(phase);
         let active: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
@@ -248,10 +268,10 @@ impl March {
             for (row, impulse) in known {
                 taken.rows.iter_mut().filter(|(of, _)| of == row).for_each(|(_, taken)| *taken = *impulse);
             }
-            self.take(system, taken, recorder);
+            loses = self.take(system, taken, recorder);
         }
         recorder.phase(phase, now);
-        Ok(())
+        Ok(loses)
     }
 
     /// An impact along a constraint, with those that are active kept; the coefficient of restitution, and the impulses.
@@ -300,21 +320,23 @@ impl March {
         if left > 0.0 {
             recorder.accumulated(system, event, end);
         }
-        self.enter(system, phase, known, recorder).map(|()| true)
+        self.enter(system, phase, known, recorder).map(|_| true)
     }
 
-    fn take(&mut self, system: &dyn System, Blow { jump, rows }: Blow, recorder: &mut Recorder) {
+    /// Lets speeds jump; true where that is more than rounding.
+    fn take(&mut self, system: &dyn System, Blow { jump, rows }: Blow, recorder: &mut Recorder) -> bool {
         let n = system.len();
         let speeds = &mut self.stepper.state_mut()[n..];
         let size = speeds.iter().zip(&jump).fold(0.0_f64, |most, (v, jump)| most.max(v.abs()).max(jump.abs()));
         speeds.iter_mut().zip(&jump).for_each(|(v, jump)| *v += jump);
         // What is left of constraints that were met already is rounding, and no impulse.
         if !jump.iter().any(|jump| jump.abs() > ROUNDING * size) {
-            return;
+            return false;
         }
         let constraints: Vec<(String, f64)> =
             rows.iter().map(|(row, impulse)| (system.description().rows[*row].name.to_string(), *impulse)).collect();
         recorder.impulse(Impulse { t: self.clock.now(), inputs: Vec::new(), constraints, jump });
+        true
     }
 }
 

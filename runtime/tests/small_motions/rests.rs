@@ -78,7 +78,7 @@ fn an_equilibrium_that_does_not_exist_is_refused() {
 /// Numbers in SI have units in SI, whatever prefixes the file has.
 #[test]
 fn units_belong_to_their_numbers() {
-    let mm = "name: Mm\nparameters: {m: 2 kg, k: 300 N/mm, phi0: 30 deg}\ncoordinates: {x: mm}\n\
+    let mm = "name: Mm\nparameters: {m: 2 kg, k: 300 N/mm, phi0: 30 deg}\ncoordinates: {x: m}\n\
               bodies: {b: {mass: m, position: \"[x, 0]\"}}\n\
               springs: {s: {between: [ground_, b], stiffness: k, rest: 0}}\npoints: {ground_: [0, 0]}\n";
     let shaken = words(mm, &["--drive", "x", "--omega", "100"]).unwrap();
@@ -87,7 +87,7 @@ fn units_belong_to_their_numbers() {
     assert!(!shaken.contains(" mm"), "{shaken}");
     let varied = words(mm, &["--vary", "k=100 N/mm..400 N/mm"]).unwrap();
     contains(&varied, &["k = 100000 N/m", "k = 400000 N/m"]);
-    let grams = "name: U\nparameters: {m: 200 g, k: 200 N/m}\ncoordinates: {x: mm}\nkinetic_energy: m*x'^2/2\n\
+    let grams = "name: U\nparameters: {m: 200 g, k: 200 N/m}\ncoordinates: {x: m}\nkinetic_energy: m*x'^2/2\n\
                  potential_energy: k*x^2/2\n";
     contains(&words(grams, &["--vary", "m=100 g..1 kg"]).unwrap(), &["m = 0.1 kg", "m = 1 kg"]);
     // Units without prefixes stay as they are written.
