@@ -66,17 +66,10 @@ pub(crate) struct Scanner {
     pub crossings: Vec<Crossing>,
     /// What else the last scan found.
     pub oddities: Vec<Oddity>,
-    /// The largest sizes before the last scan.
-    known: Vec<f64>,
 }
 
 /// A value this small against the variation over the step is zero where the function was on its surface.
 const ZERO: f64 = 1e-13;
-/// A function below this part of its size over a step is near zero, and what it does there may be hidden by its far end.
-const NEAR: f64 = 1e-10;
-/// What happens in less than this part of a step is looked at in a shorter one, so many times as long as that.
-const EARLY: f64 = 1e-6;
-const ENOUGH: f64 = 64.0;
 /// So many roundings of the time a surface is known to, at the least.
 const ROUNDINGS: f64 = 64.0;
 /// A place this part of itself behind a jump is beyond it, rounding and all.
@@ -111,7 +104,6 @@ impl Scanner {
             inside: inside.collect(),
             crossings: Vec::with_capacity(2 * functions),
             oddities: Vec::new(),
-            known: vec![0.0; functions],
         }
     }
 
@@ -142,7 +134,6 @@ impl Scanner {
         self.ends = f64::NAN;
         self.crossings.clear();
         self.oddities.clear();
-        self.known.copy_from_slice(&self.largest);
         for function in 0..self.sides.len() {
             if !self.asleep[function] {
                 self.function(function, sampler, arguments, system, segment)?;
@@ -182,47 +173,6 @@ impl Scanner {
     pub fn largest_here(&self, function: usize) -> f64 {
         let values = [&self.start, &self.middle, &self.end].map(|samples| samples[function].value);
         values.into_iter().max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0)
-    }
-
-    /// Forgets how large functions were in the step that was scanned last, which is not taken.
-    pub fn withdraw(&mut self) {
-        self.largest.copy_from_slice(&self.known);
-    }
-
-    /// The part of the step scanned last in which a function near zero at its start shows what it does there; `None` where the
-    /// step is short enough to show it.
-    ///
-    /// A function g + s θ + c θ² turns at θ about s/c and is zero about g/s and √(g/c).  Where c, seen at the far end of
-    /// the step, makes that less than [`EARLY`], rounding at the far end would hide it, or place it badly.
-    pub fn early<S: System + ?Sized>(
-        &self,
-        sampler: &mut Sampler,
-        system: &S,
-        segment: &Segment<'_>,
-        y: &mut [f64],
-    ) -> Option<f64> {
-        let mut least = f64::INFINITY;
-        for function in (0..self.sides.len()).filter(|function| !self.asleep[*function]) {
-            let [start, middle, end] = [&self.start, &self.middle, &self.end].map(|samples| samples[function]);
-            let (value, slope) = (start.value.abs(), start.slope.abs());
-            let changes = [middle.value - start.value, end.value - start.value, start.slope].map(f64::abs);
-            let size = changes.into_iter().filter(|change| change.is_finite()).fold(0.0, f64::max);
-            if !(value <= NEAR * size) {
-                continue;
-            }
-            // Less than that the time, or the state, does not tell from zero.
-            let instant = ROUNDINGS * f64::EPSILON * segment.t.abs() / segment.h;
-            let mut places = vec![slope / size];
-            if value > instant * slope {
-                segment.evaluate(0.0, y);
-                sampler.along(system, segment, 0.0);
-                if value > sampler.rounding_at(system, function, (segment.t, y)) {
-                    places.extend([value / slope, (value / size).sqrt()]);
-                }
-            }
-            least = places.into_iter().filter(|place| *place > instant).fold(least, f64::min);
-        }
-        (least < EARLY).then_some(ENOUGH * least)
     }
 
     /// Finds what one function does.

@@ -264,25 +264,6 @@ impl Watch {
         }))
     }
 
-    /// How long, s, a step is to be instead of the one scanned last, so that what functions do near its start shows; `None` where
-    /// it shows already.
-    pub fn early<S: System + ?Sized>(&mut self, system: &S, segment: &Segment<'_>) -> Option<f64> {
-        let shorter = self.scanner.early(&mut self.sampler, system, segment, &mut self.y)? * segment.h;
-        (segment.t + shorter > segment.t).then_some(shorter)
-    }
-
-    /// Forgets what the last scan saw: its step is not taken, or not to its end.
-    pub fn withdraw(&mut self) {
-        self.scanner.withdraw();
-        self.scanner.restart();
-        self.monitors.forget();
-    }
-
-    /// The length of the last step, s.
-    pub fn last_step(&self) -> f64 {
-        self.step
-    }
-
     /// Just behind the first jump of a function over zero within a step, 0 to 1; `None` where there is none.
     ///
     /// # Errors

@@ -11,8 +11,7 @@ use crate::run::Recorder;
 pub(super) enum Outcome {
     /// It is taken, or what an event leaves of it.
     Kept(Halt),
-    /// It fell short of what lies before a crossing, or is too long to show what lies near its start: nothing is taken, and the
-    /// next one is no longer than this, s.
+    /// It fell short of what lies before a crossing: nothing is taken, and the next one is no longer than this, s.
     Blind(f64),
 }
 
@@ -27,10 +26,6 @@ impl March {
         recorder: &mut Recorder,
     ) -> Result<Outcome, Box<Cause>> {
         let interruption = if watch.wants_dense(system) { watch.scan(system, &self.segment(step))? } else { None };
-        if let Some(shorter) = watch.wants_dense(system).then(|| watch.early(system, &self.segment(step))).flatten() {
-            watch.withdraw();
-            return Ok(Outcome::Blind(shorter));
-        }
         let Some(interruption) = interruption else {
             if watch.wants_dense(system) {
                 let segment = self.segment(step);
@@ -47,7 +42,6 @@ impl March {
             }
             return Ok(Outcome::Kept(Halt::Arrived));
         };
-        watch.withdraw();
         let crossing = match interruption {
             Interruption::At(crossing) => crossing,
             Interruption::Leaves { switch, side } => {
@@ -188,7 +182,7 @@ impl March {
         watch: &mut Watch,
     ) -> Result<Option<(Step, f64)>, Box<Cause>> {
         let now = self.clock.now();
-        let resolution = f64::EPSILON * now.abs().max(theta * step.h);
+        let resolution = f64::EPSILON * now.abs().max(step.h);
         let mut h = theta * step.h;
         let mut shorter = None;
         // By how much a step that ends before a jump is made longer.

@@ -9,7 +9,7 @@ use crate::run::Recorder;
 
 /// More firings than this at one instant are a cycle.
 const AT_AN_INSTANT: u32 = 50;
-/// Times are one instant that differ by less than this part of themselves and of the last step.
+/// Times are one instant that differ by less than this part of themselves and of the whole run.
 const INSTANT: f64 = 1e-12;
 /// Changes of speeds below this part of them are none.
 const ROUNDING: f64 = 1e-12;
@@ -85,7 +85,7 @@ impl March {
         recorder: &mut Recorder,
     ) -> Result<Halt, Box<Cause>> {
         let mut fired = fired;
-        while !self.cycles(watch.last_step()) {
+        while !self.cycles() {
             let (before, mut changed) = (system.phase(), false);
             let mut stops = false;
             'all: for Fired { event, actions, .. } in &fired {
@@ -128,9 +128,9 @@ impl March {
 
     /// Counts a firing; true where there were too many at one instant, in this call or, with steps too short to count between them, in
     /// several.
-    fn cycles(&mut self, step: f64) -> bool {
+    fn cycles(&mut self) -> bool {
         let now = self.clock.now();
-        if (now - self.firings.t).abs() > INSTANT * now.abs().max(step) {
+        if (now - self.firings.t).abs() > INSTANT * now.abs().max(self.until - self.from) {
             self.firings = Firings { t: now, count: 0 };
         }
         self.firings.count += 1;
@@ -169,25 +169,16 @@ impl March {
     ) -> Result<bool, Box<Cause>> {
         match action {
             Action::Stop | Action::Record => Ok(false),
-            Action::Phase(phase) => self.alternate(system, (event, phase as usize), recorder).map(|()| true),
+            Action::Phase(phase) => self.enter(system, phase as usize, recorder).map(|()| true),
             Action::Impact { along, restitution } => {
-                let (e, struck) = self.strike(system, along, restitution as usize, recorder)?;
+                let e = self.strike(system, along, restitution as usize, recorder)?;
                 let now = self.clock.now();
                 let end = match e == 0.0 || self.is_too_low(system, along) {
                     true => Some(now),
-                    // What loses no speed goes on for ever.
-                    false if e == 1.0 => None,
                     false => self.impacts.note(event, now),
                 };
                 if let Some(end) = end {
-                    // What is left of a geometric series of impulses.
-                    let along = rows_of(system, along);
-                    let left = struck.into_iter().filter(|(row, _)| along.contains(row) && end > now);
-                    let left: Vec<(usize, f64)> = left.map(|(row, impulse)| (row, impulse * e / (1.0 - e))).collect();
-                    if !self.rest(system, (event, &along), (end, &left), recorder)? {
-                        let event = system.description().events[event].name.to_string();
-                        return Err(Cause::ImpactsAccumulate { event, t: end }.into());
-                    }
+                    self.rest(system, (event, along), end, recorder)?;
                 }
                 Ok(true)
             }
@@ -217,35 +208,8 @@ impl March {
         rows_of(system, along).iter().all(low)
     }
 
-    /// Goes on in a phase; where its entries, each of which takes speed away, accumulate, as those of a block that rocks to
-    /// rest, in the one that has the constraints of both.
-    fn alternate(
-        &mut self,
-        system: &mut dyn System,
-        (event, phase): (usize, usize),
-        recorder: &mut Recorder,
-    ) -> Result<(), Box<Cause>> {
-        let before: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
-        let loses = self.enter(system, phase, &[], recorder)?;
-        let now = self.clock.now();
-        if !loses {
-            self.impacts.forget(event);
-        } else if let Some(end) = self.impacts.note(event, now) {
-            self.rest(system, (event, &before), (end, &[]), recorder)?;
-        }
-        Ok(())
-    }
-
-    /// Goes on in a phase: its constraints must hold, and take away what speed they do not leave, by impulses of which `known` are
-    /// others than the speeds at this instant show; true where there were any.
-    fn enter(
-        &mut self,
-        system: &mut dyn System,
-        phase: usize,
-        known: &[(usize, f64)],
-        recorder: &mut Recorder,
-    ) -> Result<bool, Box<Cause>> {
-        let mut loses = false;
+    /// Goes on in a phase: its constraints must hold, and take away what speed they do not leave.
+    fn enter(&mut self, system: &mut dyn System, phase: usize, recorder: &mut Recorder) -> Result<(), Box<Cause>> {
         let before: Vec<u32> = system.active_rows().to_vec();
         system.set_phase(phase);
         let active: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
@@ -264,51 +228,47 @@ impl March {
         // Springs take up what speed there is.
         if !is_sprung(system) {
             let taken = blow(system, (now, self.stepper.start().y), &active, |_| 0.0);
-            let mut taken = taken.map_err(|fault| fault.cause(system.description()))?;
-            for (row, impulse) in known {
-                taken.rows.iter_mut().filter(|(of, _)| of == row).for_each(|(_, taken)| *taken = *impulse);
-            }
-            loses = self.take(system, taken, recorder);
+            self.take(system, taken.map_err(|fault| fault.cause(system.description()))?, recorder);
         }
         recorder.phase(phase, now);
-        Ok(loses)
+        Ok(())
     }
 
-    /// An impact along a constraint, with those that are active kept; the coefficient of restitution, and the impulses.
+    /// An impact along a constraint, with those that are active kept; the coefficient of restitution.
     fn strike(
         &mut self,
         system: &mut dyn System,
         along: u32,
         restitution: usize,
         recorder: &mut Recorder,
-    ) -> Result<(f64, Vec<(usize, f64)>), Box<Cause>> {
+    ) -> Result<f64, Box<Cause>> {
         let e = system.restitutions().get(restitution).copied().unwrap_or(0.0);
         if !(0.0..=1.0).contains(&e) {
             return Err(Cause::BadRestitution { value: e }.into());
         }
+        let rows = with(system, along);
         let rows_along = rows_of(system, along);
-        let rows = with(system, &rows_along);
         let restitution = |row: usize| if rows_along.contains(&row) { e } else { 0.0 };
         let struck = blow(system, (self.clock.now(), self.stepper.start().y), &rows, restitution);
-        let struck = struck.map_err(|fault| fault.cause(system.description()))?;
-        let impulses = struck.rows.clone();
-        self.take(system, struck, recorder);
-        Ok((e, impulses))
+        self.take(system, struck.map_err(|fault| fault.cause(system.description()))?, recorder);
+        Ok(e)
     }
 
-    /// Impacts accumulate: the motion goes on at their end, in the phase that has these rows too, with what impulses are
-    /// `known` to be left; false where there is none.
+    /// Impacts accumulate: the motion goes on at their end, in the phase that has their constraint too.
     fn rest(
         &mut self,
         system: &mut dyn System,
-        (event, others): (usize, &[usize]),
-        (end, known): (f64, &[(usize, f64)]),
+        (event, along): (usize, u32),
+        end: f64,
         recorder: &mut Recorder,
-    ) -> Result<bool, Box<Cause>> {
-        let rows = with(system, others);
+    ) -> Result<(), Box<Cause>> {
+        let rows = with(system, along);
         let phases = &system.description().phases;
         let same = |known: &[u32]| known.iter().map(|row| *row as usize).eq(rows.iter().copied());
-        let Some(phase) = phases.iter().position(|phase| same(&phase.rows)) else { return Ok(false) };
+        let Some(phase) = phases.iter().position(|phase| same(&phase.rows)) else {
+            let event = system.description().events[event].name.to_string();
+            return Err(Cause::ImpactsAccumulate { event, t: end }.into());
+        };
         let (left, n) = (end - self.clock.now(), system.len());
         // The last hops lead along the constraint, on which the contact rests.
         let taken = blow(system, (self.clock.now(), self.stepper.start().y), &rows, |_| 0.0);
@@ -320,23 +280,21 @@ impl March {
         if left > 0.0 {
             recorder.accumulated(system, event, end);
         }
-        self.enter(system, phase, known, recorder).map(|_| true)
+        self.enter(system, phase, recorder)
     }
 
-    /// Lets speeds jump; true where that is more than rounding.
-    fn take(&mut self, system: &dyn System, Blow { jump, rows }: Blow, recorder: &mut Recorder) -> bool {
+    fn take(&mut self, system: &dyn System, Blow { jump, rows }: Blow, recorder: &mut Recorder) {
         let n = system.len();
         let speeds = &mut self.stepper.state_mut()[n..];
         let size = speeds.iter().zip(&jump).fold(0.0_f64, |most, (v, jump)| most.max(v.abs()).max(jump.abs()));
         speeds.iter_mut().zip(&jump).for_each(|(v, jump)| *v += jump);
         // What is left of constraints that were met already is rounding, and no impulse.
         if !jump.iter().any(|jump| jump.abs() > ROUNDING * size) {
-            return false;
+            return;
         }
         let constraints: Vec<(String, f64)> =
             rows.iter().map(|(row, impulse)| (system.description().rows[*row].name.to_string(), *impulse)).collect();
         recorder.impulse(Impulse { t: self.clock.now(), inputs: Vec::new(), constraints, jump });
-        true
     }
 }
 
@@ -351,10 +309,10 @@ fn rows_of(system: &dyn System, constraint: u32) -> Vec<usize> {
     rows.filter(|(_, row)| row.constraint == constraint).map(|(k, _)| k).collect()
 }
 
-/// Active rows and others, in order.
-fn with(system: &dyn System, others: &[usize]) -> Vec<usize> {
+/// Active rows and those of one more constraint, in order.
+fn with(system: &dyn System, constraint: u32) -> Vec<usize> {
     let mut rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
-    rows.extend(others);
+    rows.extend(rows_of(system, constraint));
     rows.sort_unstable();
     rows.dedup();
     rows
