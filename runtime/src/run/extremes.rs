@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn the_cost_is_proportional_to_the_pieces() {
+    fn noise_costs_a_bounded_number_of_evaluations_a_piece() {
         let pieces: Vec<[f64; 2]> = (0..10_000).map(|k| [f64::from(k), f64::from(k + 1)]).collect();
         let mut count = 0_u32;
         // Nothing but noise.
@@ -217,7 +217,7 @@ mod tests {
             count += 1;
             out[0] = (1e9 * t * t).sin();
         });
-        assert!(count < 100 * 10_000, "{count}");
+        assert!(count < 300 * 10_000, "{count}");
     }
 
     #[test]

@@ -534,9 +534,6 @@ pub struct BalanceSystem {
     pub balances: Vec<Balance>,
     /// Its reactions, by their places.
     pub reactions: Vec<usize>,
-    /// Force and moment about the origin on every body as equations, all of the same number, to compare reactions of
-    /// written-out equations with; empty without such.
-    pub bodies: Vec<Vec<Id>>,
     /// The phases to which it belongs.
     pub phases: Vec<usize>,
     /// Where it stands.
@@ -560,13 +557,6 @@ pub struct Balance {
     pub instantaneous: bool,
     /// Where it stands.
     pub place: Place,
-}
-
-impl Balance {
-    /// Whether it was written out as an equation.
-    pub fn is_written(&self) -> bool {
-        !self.instantaneous && !self.void_at_rest
-    }
 }
 
 /// What one body or load contributes to a balance.
