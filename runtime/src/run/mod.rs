@@ -24,8 +24,6 @@ use crate::constrain::Residuals;
 #[cfg(feature = "interpret")]
 pub(crate) use continuous::Continuous;
 pub use digits::Digits;
-#[cfg(feature = "interpret")]
-pub(crate) use extremes::extremes;
 pub use failure::Failure;
 pub(crate) use frames::Scenery;
 pub use parts::RunPart;

@@ -117,14 +117,6 @@ impl Trajectory {
         times.windows(2).map(|pair| [pair[0], pair[1]]).collect()
     }
 
-    /// Times at which the equations changed, s.
-    pub fn restarts(&self) -> Vec<f64> {
-        let own = self.starts.iter().skip(1).map(|place| self.times[*place]);
-        let mut times: Vec<f64> = own.chain(self.parts.iter().flat_map(|(_, part)| part.restarts())).collect();
-        times.sort_unstable_by(f64::total_cmp);
-        times
-    }
-
     /// Writes the state at time t, before a restart at this instant; false outside of the run (by more than rounding).
     pub fn evaluate(&self, t: f64, y: &mut [f64]) -> bool {
         self.evaluate_on(t, false, y)
