@@ -55,49 +55,6 @@ scene: {start: {y: 1}, until: 0.6, every: 0.6}
 }
 
 #[test]
-fn an_input_in_step_with_the_samples_is_needed() {
-    let path = stranger("input_in_step_with_samples");
-    let out = folder("needs").join("small.yaml");
-    let arguments = ["needs", path.to_str().expect("a path"), "--all", "--write", out.to_str().expect("a path")];
-    match program(&arguments) {
-        Ok(text) => {
-            let line = text
-                .lines()
-                .find(|line| line.contains("inputs.u") || line.trim_start().starts_with("u "))
-                .unwrap_or("");
-            assert!(!line.contains("not needed"), "{text}");
-            let small = std::fs::read_to_string(&out).unwrap_or_else(|_| text_of("input_in_step_with_samples"));
-            assert!(small.contains("400"), "{text}\n{small}");
-        }
-        Err(refused) => assert!(!refused.is_empty()),
-    }
-}
-
-#[test]
-fn runs_differ_by_what_lies_between_their_reports() {
-    let text = |a: &str| {
-        format!(
-            "
-name: Driven
-parameters: {{A: {a}}}
-coordinates: {{x: 1}}
-inputs: {{u: 'A*sin(2*pi*t)'}}
-kinetic_energy: x'^2/2
-potential_energy: x^2/2
-outputs: {{push: u}}
-scene: {{start: {{x: 1}}, until: 10, every: 1}}
-"
-        )
-    };
-    let (one, other) = (case(&text("1")).run(), case(&text("1.1")).run());
-    let apart = one.difference(&other, "push").expect("a column");
-    assert!((apart - 0.1).abs() < 1e-12, "{apart}");
-    let part = one.deviation(&other, "push").expect("a column");
-    assert!((part - 0.05).abs() < 1e-12, "{part}");
-    assert_eq!(one.deviation(&one, "push"), Some(0.0));
-}
-
-#[test]
 fn a_run_that_ends_early_is_reported_over_its_own_time() {
     let mut case = case(&text_of("cannon_lands_early"));
     let run = case.run();
