@@ -61,8 +61,8 @@ fn by_places(system: &dyn System, at: At<'_>, a: &[f64]) -> Option<Vec<f64>> {
     let n = a.len();
     let (mut moved, mut q, mut noise) = (vec![0.0; n], at.q.to_vec(), vec![0.0_f64; n]);
     for other in [1.0, -1.0] {
-        for i in 0..n {
-            q[i] = at.q[i] * (1.0 + if i % 2 == 0 { JITTER } else { other * JITTER });
+        for (i, (q, place)) in q.iter_mut().zip(at.q).enumerate() {
+            *q = place * (1.0 + if i % 2 == 0 { JITTER } else { other * JITTER });
         }
         system.accelerations(At { q: &q, ..at }, &mut moved).ok()?;
         (0..n).for_each(|i| noise[i] = noise[i].max((moved[i] - a[i]).abs()));

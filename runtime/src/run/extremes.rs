@@ -73,7 +73,7 @@ impl Search<'_> {
         }
         for column in 0..self.found.len() {
             for sign in [1.0, -1.0] {
-                let values = std::array::from_fn(|k| sign * rows[k][column]);
+                let values = rows.each_ref().map(|row| sign * row[column]);
                 self.peaks((piece, column, sign), &times, &values);
             }
         }

@@ -14,13 +14,16 @@ const DECOUPLED: f64 = 1e-12;
 /// Squares of frequencies that differ by this part of them are equal: as for repeated modes, 10⁶ ε.
 const EQUAL: f64 = 1e6 * f64::EPSILON;
 
+/// An eigenvalue and its shape.
+type Pair = (Complex<f64>, DVector<f64>);
+
 /// Both eigenvalues of each mode with its shape, orthonormal in M; `None` where damping couples normal modes.
 ///
 /// λ² + c λ + k = 0 with c = φᵀCφ and k = φᵀKφ (Caughey and O'Kelly 1965).
 ///
 /// # Errors
 /// As [`super::normal_modes`].
-pub fn decoupled(linear: &Linearised) -> Result<Option<Vec<(Complex<f64>, DVector<f64>)>>, LinearError> {
+pub fn decoupled(linear: &Linearised) -> Result<Option<Vec<Pair>>, LinearError> {
     let damping = linear.c();
     if !is_symmetric(&damping) || !is_symmetric(&linear.k()) {
         return Ok(None);
