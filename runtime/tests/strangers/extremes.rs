@@ -1,6 +1,6 @@
 //! Extremes and samples of a run: `sweep`, `needs`, tables.
 
-use crate::{case, folder, printed, program, stranger, text_of};
+use crate::{case, folder, printed, text_of};
 
 /// The rows of numbers that a sweep prints.
 fn swept(name: &str, vary: &str, show: &str) -> Vec<Vec<f64>> {
