@@ -43,12 +43,12 @@ pub(crate) use control::{Control, NO_CONTROL, StepControl, first_step, radians};
 pub(crate) use explicit::{DOP853, Dop853, Stage, Term, stages};
 #[cfg(feature = "ensemble")]
 pub(crate) use nystrom::{RKN8, Stage as NystromStage};
-#[cfg(feature = "ensemble")]
 pub(crate) use rest::AtRest;
 pub(crate) use segment::Segment;
 pub(crate) use stability::{Rational, Stability};
 pub(crate) use stiffness::StiffnessDetector;
 pub(crate) use tolerance::{JITTER, Tolerance, larger};
+#[cfg(feature = "ensemble")]
 pub(crate) use tolerance::{LEAST, ROUNDING, widest};
 
 use crate::cause::Cause;

@@ -21,7 +21,6 @@ use std::sync::Arc;
 
 use crate::constrain::Residuals;
 
-#[cfg(feature = "interpret")]
 pub(crate) use continuous::Continuous;
 pub use digits::Digits;
 pub use failure::Failure;
