@@ -127,7 +127,7 @@ fn bounded(system: &Interpreted, drawn: &Drawn, tolerance: f64, share: f64) -> R
     (settings.digits, settings.watch, settings.dense) = (false, false, false);
     settings.tolerance = tolerance;
     settings.longest_step = Some(share * span);
-    let mut stepping = Stepping::new(system.clone(), settings)?;
+    let mut stepping = Stepping::new(system.clone(), settings)?.recorded();
     let begun = Instant::now();
     for _ in 0..MOST_STEPS {
         if begun.elapsed() > LONGEST {
