@@ -25,7 +25,9 @@ const CRAWLS: usize = 300;
 /// A branch goes to infinity where coordinates that have grown by a factor grow on by another, while the parameter moves by less
 /// than a part of the range.
 const GROWN: f64 = 4.0;
+/// The factor by which they grow on in one step: beside a pole steps grow with the coordinates, at a fold these stay.
 const GROWS_ON: f64 = 1.25;
+/// The part of the range by which the parameter moves meanwhile: what it moves by rounding is far less, by a step far more.
 const STANDS_STILL: f64 = 1e-10;
 /// A closed branch is back at its start where it passes it by less than this part of its last step.
 const BACK: f64 = 1e-3;
