@@ -22,10 +22,21 @@ pub(crate) struct Sampler {
     pub samples: u64,
 }
 
+/// What a function does near the start of a step is seen in a piece in which it changes by no more than so many times what its value and
+/// its slope there say.
+pub(super) const SHOWN: f64 = 16.0;
+/// Pieces towards the start of a step are this part of each other, and no shorter than that part of the step.
+pub(super) const PART: f64 = 1.0 / 16.0;
+pub(super) const SHORTEST: f64 = f64::EPSILON;
+/// An event's function that comes to its zero within this part of the time, or at t = 0 within that part of the first step, is at it.
+const OF_TIME: f64 = 4.0 * f64::EPSILON;
+const OF_STEP: f64 = 64.0 * f64::EPSILON;
 /// How far ahead a function at its zero is asked for its side, in parts of the step.
 const AHEAD: f64 = 1e-4;
 /// How much further where that shows nothing but rounding.
 const FURTHER: [f64; 3] = [1.0, 10.0, 100.0];
+/// What a function does at the start of a motion is rounding up to so many times what rounding makes of its zero.
+const EXPLAINED: f64 = 16.0;
 /// A rate that changes a function by less than this part of its largest value in a step is none.
 const STILL: f64 = 1e-15;
 /// A change this small beside the values is rounding.
@@ -142,6 +153,61 @@ impl Sampler {
         self.pairs[2 * self.function_of(switch) + 1]
     }
 
+    /// The rate of an event's function, 1/s, after the last evaluation; 0 where it is not known.
+    pub fn rate_of(&self, event: usize) -> f64 {
+        if self.rated[event] == Rated::Whole { self.rates[event] } else { 0.0 }
+    }
+
+    /// What is zero of an event's function where a motion starts with a step of `step`: what rounding makes of it, and what it changes
+    /// by in no time.
+    pub fn zero_at_start<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        event: usize,
+        (t, y): (f64, &[f64]),
+        step: f64,
+    ) -> f64 {
+        self.at_state(system, t, y);
+        let rate = match self.rated[event] {
+            Rated::Whole => self.rates[event].abs(),
+            _ => self.variation(system, event, (t, y), step) / step,
+        };
+        let change = rate * if t == 0.0 { OF_STEP * step } else { OF_TIME * t.abs() };
+        self.at_state(system, t, y);
+        let zero = self.rounding_at(system, event, (t, y));
+        if change.is_finite() { zero.max(change) } else { zero }
+    }
+
+    /// To which side an event's function that is `zero` at the start leaves it at first: as its rate says where that explains what it does
+    /// in the shortest time, of up to `span` seconds, in which it shows more than that; 0 where it stays.
+    pub fn leaves_at_start<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        (event, zero): (usize, f64),
+        (t, y): (f64, &[f64]),
+        span: f64,
+    ) -> f64 {
+        self.at_state(system, t, y);
+        let (start, rate) = (self.value(event), self.rate_of(event));
+        let (mut ahead, mut side) = (span, 0.0);
+        while t + ahead > t && ahead > SHORTEST * span {
+            let moved = self.moved(system, (t, y), ahead);
+            self.at_state(system, t + ahead, &moved);
+            let change = self.value(event) - start;
+            if change.is_finite() {
+                if change.abs() <= EXPLAINED * zero || change == 0.0 {
+                    break;
+                }
+                side = change.signum();
+                if change.abs() <= SHOWN * rate.abs() * ahead {
+                    return rate.signum();
+                }
+            }
+            ahead *= PART;
+        }
+        side
+    }
+
     /// An event's condition after the last evaluation.
     pub fn condition(&self, event: usize) -> f64 {
         self.pairs[2 * event + 1]
@@ -189,12 +255,14 @@ impl Sampler {
             }
         }
         if rated != Rated::Whole {
-            self.along(system, segment, theta + DIFFERENCE);
+            // Near the start of a step it is no more than a part of the way.
+            let part = if theta > 0.0 { DIFFERENCE.min(0.1 * theta) } else { DIFFERENCE };
+            self.along(system, segment, theta + part);
             let after = self.value(function);
-            self.along(system, segment, theta - DIFFERENCE);
+            self.along(system, segment, theta - part);
             let before = self.value(function);
             self.along(system, segment, theta);
-            return (self.value(function), (after - before) / (2.0 * DIFFERENCE));
+            return (self.value(function), (after - before) / (2.0 * part));
         }
         self.along(system, segment, theta);
         (self.value(function), self.slope(function, segment.h))

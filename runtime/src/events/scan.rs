@@ -2,7 +2,7 @@
 
 use super::arguments::{Arguments, Course};
 use super::certify::{Certifier, Deed, Sample};
-use super::sample::Sampler;
+use super::sample::{PART, SHORTEST, SHOWN, Sampler};
 use crate::cause::Cause;
 use crate::integrate::Segment;
 use crate::mechanism::{System, Watched};
@@ -42,12 +42,14 @@ pub(crate) struct Scanner {
     pub fresh: Vec<bool>,
     /// Those that will not have at the end of the step.
     lingers: Vec<bool>,
-    /// What was zero of them when they were last seen there.
+    /// What is zero of them, as far as is known where they were last seen there.
     pub zero: Vec<f64>,
     /// To which side these leave it, where their rates tell; 0 where they do not.
     pub leaving: Vec<f64>,
-    /// The largest size of each function that was met, poles left aside.
-    pub largest: Vec<f64>,
+    /// The largest size of each function in the steps that were taken, poles left aside.
+    largest: Vec<f64>,
+    /// The same in the step that was scanned last.
+    size: Vec<f64>,
     /// Events of other phases are not looked at.
     asleep: Vec<bool>,
     certifier: Certifier,
@@ -60,6 +62,8 @@ pub(crate) struct Scanner {
     /// Where the step ended whose end is in `end`, and how long it was, s.
     ends: f64,
     length: f64,
+    /// In which part of the step scanned last something happens that its far end may hide or blur; `None` where nothing does.
+    early: Option<f64>,
     /// Which functions have arguments inside that must be looked at.
     inside: Vec<bool>,
     /// Zeros of the last scan, in order of time, then of function.
@@ -68,8 +72,10 @@ pub(crate) struct Scanner {
     pub oddities: Vec<Oddity>,
 }
 
-/// A value this small against the variation over the step is zero where the function was on its surface.
+/// A value this small against the variation near the start of a step is zero where a switch was on its surface.
 const ZERO: f64 = 1e-13;
+/// What is bent away like a power of θ changes by its slope times θ over one of these.
+const POWERS: std::ops::Range<f64> = 0.9..8.5;
 /// So many roundings of the time a surface is known to, at the least.
 const ROUNDINGS: f64 = 64.0;
 /// A place this part of itself behind a jump is beyond it, rounding and all.
@@ -93,6 +99,7 @@ impl Scanner {
             zero: vec![0.0; functions],
             leaving: vec![0.0; functions],
             largest: vec![0.0; functions],
+            size: vec![0.0; functions],
             asleep: vec![false; functions],
             certifier: Certifier::default(),
             grid: Vec::new(),
@@ -101,6 +108,7 @@ impl Scanner {
             end: Vec::with_capacity(functions),
             ends: f64::NAN,
             length: 1.0,
+            early: None,
             inside: inside.collect(),
             crossings: Vec::with_capacity(2 * functions),
             oddities: Vec::new(),
@@ -134,6 +142,7 @@ impl Scanner {
         self.ends = f64::NAN;
         self.crossings.clear();
         self.oddities.clear();
+        self.early = None;
         for function in 0..self.sides.len() {
             if !self.asleep[function] {
                 self.function(function, sampler, arguments, system, segment)?;
@@ -156,8 +165,14 @@ impl Scanner {
         !self.asleep[function]
     }
 
+    /// The largest size of a function that was met, in the step that was scanned last too.
+    pub fn largest(&self, function: usize) -> f64 {
+        self.largest[function].max(self.size[function])
+    }
+
     /// The sides at the end of the step become those at the start of the next.
     pub fn advance(&mut self, t: f64) {
+        self.largest.iter_mut().zip(&self.size).for_each(|(largest, size)| *largest = largest.max(*size));
         self.sides.copy_from_slice(&self.end_sides);
         self.fresh.copy_from_slice(&self.lingers);
         self.leaving.fill(0.0);
@@ -167,6 +182,12 @@ impl Scanner {
     /// Forgets what was seen at the end of the last step: modes or state have changed.
     pub fn restart(&mut self) {
         self.ends = f64::NAN;
+        self.size.fill(0.0);
+    }
+
+    /// In which part of the step scanned last something happens that its far end may hide or blur; `None` where nothing does.
+    pub fn early(&self) -> Option<f64> {
+        self.early
     }
 
     /// The value of a function that is largest in size among the samples of the last scan.
@@ -201,14 +222,17 @@ impl Scanner {
         } else {
             grid.extend([start, end]);
         }
-        let variation = variation([start, middle, end]);
-        let resolution = ZERO + ROUNDINGS * f64::EPSILON * segment.t.abs() / segment.h;
+        let instant = ROUNDINGS * f64::EPSILON * segment.t.abs() / segment.h;
+        let (near, divided) = towards_start((&mut grid, middle), sampler, (system, segment, function), instant);
+        let is_switch = sampler.switch(function).is_some();
+        // Where an event is zero was found out at the start.
+        let known = if is_switch { (ZERO + instant) * near } else { self.zero[function] };
         let mut floor = 0.0;
-        if self.fresh[function] && start.value.abs() <= resolution * variation {
-            floor = resolution * variation;
-            self.zero[function] = floor;
+        if self.fresh[function] && start.value.abs() <= known {
+            floor = known;
+            self.zero[function] = known;
             grid[0].value = 0.0;
-            if sampler.switch(function).is_none() {
+            if !is_switch {
                 // An event that is zero where a motion begins has no side until it has left zero; a hop that is too low to
                 // be seen is over before the step has well begun.
                 self.sides[function] = self.leaving[function];
@@ -217,7 +241,7 @@ impl Scanner {
         // What leaves its surface to a side begins there, on whichever side rounding has put it: a short step does not show that
         // it is rounding, but the longer one before did.
         let side = self.sides[function];
-        let leaves = sampler.switch(function).is_some() && start.slope * side > 0.0 && start.value * side < 0.0;
+        let leaves = is_switch && start.slope * side > 0.0 && start.value * side < 0.0;
         if self.fresh[function] && leaves && start.value.abs() <= self.zero[function] {
             floor = floor.max(start.value.abs());
             grid[0].value = 0.0;
@@ -238,7 +262,14 @@ impl Scanner {
             let mut sample = |theta: f64| sampler.sample(system, segment, function, theta);
             outcome = certifier.certify(&mut sample, &grid);
         }
-        self.collect((function, sampler.switch(function).is_some()), &certifier, segment, floor);
+        let marks = self.crossings.len() + self.oddities.len();
+        self.collect((function, is_switch), &certifier, segment, floor);
+        let timed = sampler.switch(function).is_some_and(|switch| system.description().switches[switch].time_only);
+        if self.crossings.len() + self.oddities.len() > marks && !timed {
+            let first = certifier.marks.iter().map(|mark| mark.x).find(|x| floor == 0.0 || *x > 0.0);
+            let piece = grid[1..=divided].iter().map(|point| point.x).find(|x| first.is_some_and(|first| first <= *x));
+            self.early = [self.early, piece].into_iter().flatten().reduce(f64::min);
+        }
         self.certifier = certifier;
         self.grid = grid;
         let function = || watched_name(system, sampler, function);
@@ -270,7 +301,7 @@ impl Scanner {
                 side = sign;
             }
         }
-        self.largest[function] = self.largest[function].max(certifier.size);
+        self.size[function] = certifier.size;
         for mark in certifier.marks.iter().filter(|mark| floor == 0.0 || mark.x > begins) {
             match mark.deed {
                 Deed::Crosses { rising } => {
@@ -302,6 +333,38 @@ impl Scanner {
         }
         self.end_sides[function] = side;
     }
+}
+
+/// Divides the first piece of a grid towards the start of the step, until what a function does there is not hidden by its far
+/// end: until its value and slope there make a good part of the change in the piece.  Returns the variation in the first piece, and how
+/// many points were added.
+fn towards_start<S: System + ?Sized>(
+    (grid, middle): (&mut Vec<Sample>, Sample),
+    sampler: &mut Sampler,
+    (system, segment, function): (&S, &Segment<'_>, usize),
+    instant: f64,
+) -> (f64, usize) {
+    let (start, before) = (grid[0], grid.len());
+    let mut near = variation([start, middle, grid[before - 1]]);
+    let mut x = grid[1].x;
+    let explains = |x: f64, near: f64| near <= SHOWN * (start.value.abs() + start.slope.abs() * x) || near.is_nan();
+    while !explains(x, near) && x * PART > instant.max(SHORTEST) {
+        x *= PART;
+        let (value, slope) = sampler.sample(system, segment, function, x);
+        near = (value - start.value).abs().max(slope.abs() * x);
+        grid.insert(1, Sample { x, value, slope });
+    }
+    // What is not bent away from the start like a power of θ there is the rounding of dense output.
+    while grid.len() > before {
+        let Sample { x, value, slope } = grid[1];
+        if explains(x, near) || POWERS.contains(&(x * slope / (value - start.value))) {
+            break;
+        }
+        grid.remove(1);
+        let Sample { x, value, slope } = grid[1];
+        near = (value - start.value).abs().max(slope.abs() * x);
+    }
+    (near, grid.len() - before)
 }
 
 /// By how much a function changes in a step, poles left aside; 0 where it begins undefined.

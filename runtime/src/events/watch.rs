@@ -108,7 +108,7 @@ impl Watch {
         }))
     }
 
-    /// Chooses the modes and notes on which side of zero all functions are, at the start of a motion.
+    /// Chooses the modes at the start of a motion.
     pub fn begin<S: System + ?Sized>(
         &mut self,
         system: &mut S,
@@ -120,13 +120,6 @@ impl Watch {
         self.beyond = sides.into_iter().map(|side| side.filter(|side| *side != 0.0)).collect();
         self.choose(system, (t, y), None, trial)?;
         self.forget_surfaces();
-        self.sampler.at_state(system, t, y);
-        for function in 0..self.sampler.len() {
-            if self.sampler.switch(function).is_none() {
-                let value = self.sampler.value(function);
-                self.scanner.sides[function] = if value == 0.0 || value.is_nan() { 0.0 } else { value.signum() };
-            }
-        }
         self.scanner.awaken(system);
         self.scanner.fresh.fill(true);
         self.scanner.restart();
@@ -233,7 +226,7 @@ impl Watch {
             let function = self.sampler.function_of(switch);
             let value = self.scanner.largest_here(function);
             let rests = modes::side(system, switch) == 0.0;
-            if rests && value.abs() > REST * self.scanner.largest[function] && value != 0.0 {
+            if rests && value.abs() > REST * self.scanner.largest(function) && value != 0.0 {
                 segment.evaluate(1.0, &mut self.y);
                 let end = (segment.t + segment.h, self.y.as_slice());
                 if !modes::may_rest(system, &mut self.sampler, end, (switch, value.signum())) {
@@ -262,6 +255,12 @@ impl Watch {
             }
             _ => Interruption::At(crossing),
         }))
+    }
+
+    /// How long, s, a step is to be instead of the one scanned last, so that what happens near its start is not hidden or blurred by its
+    /// far end; `None` where nothing does.
+    pub fn early(&self, segment: &Segment<'_>) -> Option<f64> {
+        self.scanner.early().map(|part| part * segment.h).filter(|shorter| segment.t + shorter > segment.t)
     }
 
     /// Just behind the first jump of a function over zero within a step, 0 to 1; `None` where there is none.
@@ -299,6 +298,11 @@ impl Watch {
         self.step = h;
     }
 
+    /// The length of the last step, s.
+    pub fn last_step(&self) -> f64 {
+        self.step
+    }
+
     /// Notes what is recorded within a step that nothing ended.
     pub fn pass<S: System + ?Sized>(&mut self, system: &S, segment: &Segment<'_>, recorder: &mut impl Log) {
         self.record(system, segment, recorder, &[]);
@@ -309,7 +313,7 @@ impl Watch {
 
     /// Functions that cross zero together with another one, it included, in file order.
     pub fn simultaneous(&self, crossing: Crossing, segment: &Segment<'_>) -> Vec<Crossing> {
-        let resolution = 1e-11_f64.max(8.0 * f64::EPSILON * segment.t.abs() / segment.h);
+        let resolution = (1e-11 * crossing.theta).max(8.0 * f64::EPSILON * segment.t.abs() / segment.h);
         let near = |other: &&Crossing| {
             let timed = self.sampler.switch(other.function).is_some_and(|switch| self.time_only[switch]);
             (other.theta - crossing.theta).abs() <= resolution && !timed
@@ -368,6 +372,7 @@ impl Watch {
                 continue;
             }
             self.sampler.at_state(system, t, y);
+            self.scanner.zero[crossing.function] = self.surface_of(system, crossing.function, (t, y));
             let event = &system.description().events[crossing.function];
             if counts(event.direction, crossing.rising) && self.sampler.condition(crossing.function) > 0.0 {
                 recorder.event(system, crossing.function, t, y, event.actions.contains(&Action::Stop));
@@ -393,7 +398,7 @@ impl Watch {
         self.scanner.awaken(system);
         for function in 0..self.sampler.events() {
             // One that slept until now has no size yet but what it gains in a step.
-            let seen = self.scanner.largest[function];
+            let seen = self.scanner.largest(function);
             let variation = match self.scanner.awake(function) {
                 true => self.sampler.variation(system, function, (t, y), self.step),
                 false => 0.0,
@@ -406,14 +411,22 @@ impl Watch {
             self.scanner.sides[function] = if on { 0.0 } else { value.signum() };
             self.scanner.fresh[function] = true;
             self.scanner.leaving[function] = 0.0;
+            self.scanner.zero[function] = if on { self.surface_of(system, function, (t, y)) } else { 0.0 };
         }
         for function in 0..self.sampler.events() {
             if self.scanner.sides[function] == 0.0 && self.scanner.awake(function) {
-                let scale = (self.step, self.scanner.largest[function], struck);
+                let scale = (self.step, self.scanner.largest(function), struck);
                 self.scanner.leaving[function] = self.sampler.leaves(system, function, (t, y), scale);
             }
         }
         Ok(())
+    }
+
+    /// What is zero of an event's function that is at its zero in the state that was evaluated last.
+    fn surface_of<S: System + ?Sized>(&mut self, system: &S, event: usize, (t, y): (f64, &[f64])) -> f64 {
+        let value = self.sampler.value(event).abs();
+        let zero = value.max(self.sampler.rounding_at(system, event, (t, y)));
+        if zero.is_nan() { 0.0 } else { zero }
     }
 
     /// Events that change phases or speeds and are past their zero, in their direction, where a phase was `entered`, or
@@ -441,6 +454,47 @@ impl Watch {
             }
         }
         fired
+    }
+
+    /// Notes on which side of zero events' functions are where a motion of `span` seconds starts with a step of `step`.
+    pub fn start<S: System + ?Sized>(&mut self, system: &S, (t, y): (f64, &[f64]), (step, span): (f64, f64)) {
+        for event in 0..self.sampler.events() {
+            let zero = self.sampler.zero_at_start(system, event, (t, y), step);
+            self.sampler.at_state(system, t, y);
+            let value = self.sampler.value(event);
+            let on = value.is_nan() || value.abs() <= zero;
+            self.scanner.sides[event] = if on { 0.0 } else { value.signum() };
+            self.scanner.zero[event] = zero;
+            self.scanner.leaving[event] =
+                if on { self.sampler.leaves_at_start(system, (event, zero), (t, y), span) } else { 0.0 };
+        }
+    }
+
+    /// Events with which a motion starts: those that change the phase and are past their zero, in their direction, and those
+    /// that change the phase or speeds and are at it and move past.  Impacts that are past it, with no way back, are named.
+    pub fn at_start<S: System + ?Sized>(&mut self, system: &S, (t, y): (f64, &[f64])) -> (Vec<Fired>, Vec<usize>) {
+        let phase = system.phase() as u32;
+        let (mut past, events) = (Vec::new(), &system.description().events);
+        let mut fired = self.overdue(system, (t, y), true);
+        fired.retain(|Fired { event, actions }| {
+            let beyond = self.scanner.sides[*event] != 0.0;
+            let strikes = actions.iter().any(|action| matches!(action, Action::Impact { .. }));
+            if strikes && beyond {
+                past.push(*event);
+            }
+            let elsewhere = actions.iter().any(|action| matches!(action, Action::Phase(other) if *other != phase));
+            elsewhere && !(strikes && beyond) || strikes && !beyond
+        });
+        // From which side a contact without a direction is closed is not known where nothing moves yet.
+        past.extend((0..events.len()).filter(|event| {
+            let strikes = events[*event].actions.iter().any(|action| matches!(action, Action::Impact { .. }));
+            let rests = self.scanner.sides[*event] == 0.0 && self.scanner.leaving[*event] != 0.0;
+            strikes && events[*event].direction == Direction::Both && self.scanner.awake(*event) && rests && {
+                self.sampler.at_state(system, t, y);
+                self.sampler.rate_of(*event) == 0.0
+            }
+        }));
+        (fired, past)
     }
 
     /// Records an event that happens where a phase begins.

@@ -11,7 +11,8 @@ use crate::run::Recorder;
 pub(super) enum Outcome {
     /// It is taken, or what an event leaves of it.
     Kept(Halt),
-    /// It fell short of what lies before a crossing: nothing is taken, and the next one is no longer than this, s.
+    /// It fell short of what lies before a crossing, or is too long to show what happens near its start: nothing is taken, and the
+    /// next one is no longer than this, s.
     Blind(f64),
 }
 
@@ -26,6 +27,9 @@ impl March {
         recorder: &mut Recorder,
     ) -> Result<Outcome, Box<Cause>> {
         let interruption = if watch.wants_dense(system) { watch.scan(system, &self.segment(step))? } else { None };
+        if let Some(shorter) = watch.early(&self.segment(step)).filter(|_| watch.wants_dense(system)) {
+            return Ok(Outcome::Blind(shorter));
+        }
         let Some(interruption) = interruption else {
             if watch.wants_dense(system) {
                 let segment = self.segment(step);
@@ -182,7 +186,7 @@ impl March {
         watch: &mut Watch,
     ) -> Result<Option<(Step, f64)>, Box<Cause>> {
         let now = self.clock.now();
-        let resolution = f64::EPSILON * now.abs().max(step.h);
+        let resolution = f64::EPSILON * now.abs().max(theta * step.h);
         let mut h = theta * step.h;
         let mut shorter = None;
         // By how much a step that ends before a jump is made longer.
@@ -192,7 +196,7 @@ impl March {
             if h <= resolution {
                 return Ok(shorter);
             }
-            let trial = Step { h, next: now + h, lands: false };
+            let trial = Step { h, next: self.clock.after(h), lands: false };
             let tried = self.try_step(system, trial, true);
             let error = tried.map_err(|setback| setback.cause(system.description()))?;
             finite(system, self.stepper.end().y, 0)?;

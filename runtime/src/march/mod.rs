@@ -50,6 +50,17 @@ pub(crate) enum Pace {
     },
 }
 
+/// What is to be done before the next step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Starting {
+    /// Nothing.
+    Done,
+    /// Events have to be put on their sides.
+    Prolonged,
+    /// The same, and those that are past their zero fire.
+    Anew,
+}
+
 /// Why a march paused without an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Halt {
@@ -106,6 +117,8 @@ pub(crate) struct March {
     defect: Defect,
     /// Until when the motion goes on at most, s.
     until: f64,
+    /// What is still to be done before the next step.
+    start: Starting,
     stiffness: StiffnessDetector,
     /// h|λ| at the end of the step that was tried.
     step_times_rate: f64,
@@ -156,6 +169,7 @@ impl March {
             any_step: false,
             defect: Defect::new(y.len()),
             until: t,
+            start: Starting::Done,
         }
     }
 
@@ -235,6 +249,13 @@ impl March {
         Ok(())
     }
 
+    /// As [`March::go_on`] where nothing was changed: what was past a zero has fired.
+    pub fn prolong(&mut self, system: &mut dyn System, until: f64) -> Result<(), Box<Cause>> {
+        self.go_on(system, until)?;
+        self.start = Starting::Prolonged;
+        Ok(())
+    }
+
     /// Begins at the present state a motion that goes on to `until` at most: watches it, chooses the modes.
     pub fn begin(&mut self, system: &mut dyn System, until: f64) -> Result<(), Box<Cause>> {
         self.awake();
@@ -264,6 +285,7 @@ impl March {
             self.watch = Some(Box::new(watch));
             outcome?;
         }
+        self.start = Starting::Anew;
         self.begin_anew(system)
     }
 
@@ -275,6 +297,9 @@ impl March {
         recorder: &mut Recorder,
         progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
     ) -> Result<Halt, Box<Cause>> {
+        if self.clock.now() < until && self.start_events(system, recorder)? == Halt::Event {
+            return Ok(Halt::Event);
+        }
         while self.clock.now() < until {
             let halt = self.one(system, until, recorder);
             let goes_on = progress(self.clock.now());

@@ -1,15 +1,16 @@
 //! Phases and impacts: what events do to the state and to the constraints in force.
 
-use super::{Halt, March};
+use super::{Halt, March, Starting};
 use crate::cause::Cause;
 use crate::constrain::{Blow, blow};
 use crate::events::{Fired, Impulse, Watch};
 use crate::mechanism::{Action, At, Enforcement, System};
 use crate::run::Recorder;
+use crate::trust::Warning;
 
 /// More firings than this at one instant are a cycle.
 const AT_AN_INSTANT: u32 = 50;
-/// Times are one instant that differ by less than this part of themselves and of the whole run.
+/// Times are one instant that differ by less than this part of themselves and of the last step.
 const INSTANT: f64 = 1e-12;
 /// Changes of speeds below this part of them are none.
 const ROUNDING: f64 = 1e-12;
@@ -76,6 +77,43 @@ impl Flights {
 }
 
 impl March {
+    /// Does what events say that are past their zero, or at it and move past, where a motion starts.
+    pub(super) fn start_events(
+        &mut self,
+        system: &mut dyn System,
+        recorder: &mut Recorder,
+    ) -> Result<Halt, Box<Cause>> {
+        let start = std::mem::replace(&mut self.start, Starting::Done);
+        if start == Starting::Done {
+            return Ok(Halt::Arrived);
+        }
+        let Some(mut watch) = self.watch.take() else { return Ok(Halt::Arrived) };
+        let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
+        let span = self.until - now;
+        if self.h == 0.0 {
+            self.h = self.first(system, span);
+        }
+        watch.start(system, (now, &y), (self.h.min(span), span));
+        if start == Starting::Prolonged {
+            self.watch = Some(watch);
+            return Ok(Halt::Arrived);
+        }
+        let (fired, past) = watch.at_start(system, (now, &y));
+        for event in past {
+            recorder.warn(Warning::PastAtStart { event: system.description().events[event].name.to_string() });
+        }
+        let mut halt = Ok(Halt::Arrived);
+        if !fired.is_empty() {
+            recorder.leave(system, now, self.stepper.start());
+            for Fired { event, actions } in &fired {
+                watch.log(system, *event, (now, &y), actions.contains(&Action::Stop), recorder);
+            }
+            halt = self.act(system, fired, &mut watch, recorder);
+        }
+        self.watch = Some(watch);
+        halt
+    }
+
     /// Does what events say, and what events that are past their zero after it say in turn.
     pub(super) fn act(
         &mut self,
@@ -85,7 +123,7 @@ impl March {
         recorder: &mut Recorder,
     ) -> Result<Halt, Box<Cause>> {
         let mut fired = fired;
-        while !self.cycles() {
+        while !self.cycles(watch.last_step()) {
             let (before, mut changed) = (system.phase(), false);
             let mut stops = false;
             'all: for Fired { event, actions, .. } in &fired {
@@ -128,9 +166,9 @@ impl March {
 
     /// Counts a firing; true where there were too many at one instant, in this call or, with steps too short to count between them, in
     /// several.
-    fn cycles(&mut self) -> bool {
+    fn cycles(&mut self, step: f64) -> bool {
         let now = self.clock.now();
-        if (now - self.firings.t).abs() > INSTANT * now.abs().max(self.until - self.from) {
+        if (now - self.firings.t).abs() > INSTANT * now.abs().max(step) {
             self.firings = Firings { t: now, count: 0 };
         }
         self.firings.count += 1;
@@ -175,6 +213,8 @@ impl March {
                 let now = self.clock.now();
                 let end = match e == 0.0 || self.is_too_low(system, along) {
                     true => Some(now),
+                    // What loses no speed goes on for ever.
+                    false if e == 1.0 => None,
                     false => self.impacts.note(event, now),
                 };
                 if let Some(end) = end {

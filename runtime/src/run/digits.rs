@@ -63,7 +63,12 @@ impl Digits {
         let kinds = other.events.iter().map(|event| event.event + 1).max().unwrap_or(0);
         let mut times = vec![Vec::new(); kinds];
         other.events.iter().for_each(|event| times[event.event].push(event.state.t));
+        let start = run.times.first().copied();
         let events = run.events.iter().map(|event| {
+            // The second run starts behind what happened at the start.
+            if Some(event.state.t) == start {
+                return 0.0;
+            }
             let alike = times.get(event.event).map_or(&[][..], Vec::as_slice);
             let next = alike.partition_point(|t| *t < event.state.t);
             let around = alike[next.saturating_sub(1)..].iter().take(2);

@@ -110,7 +110,10 @@ impl<S: System> Stepping<S> {
         if self.changed || until > self.horizon {
             // Far enough not to begin anew with each step.
             self.horizon = self.horizon.max(until + 100.0 * self.spacing);
-            self.march.go_on(&mut self.system, self.horizon)?;
+            match self.changed {
+                true => self.march.go_on(&mut self.system, self.horizon)?,
+                false => self.march.prolong(&mut self.system, self.horizon)?,
+            }
             self.recorder.begin_piece(&self.system, self.march.time(), self.march.state());
             self.changed = false;
         }

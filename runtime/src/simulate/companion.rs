@@ -86,8 +86,9 @@ pub(crate) fn judge_digits(
     }
     // How many of infinitely many impacts are followed one by one says nothing.
     let accumulates = run.warnings.iter().any(|warning| matches!(warning, Warning::ImpactsAccumulate { .. }));
-    if other.events.len() != run.events.len() && !accumulates {
-        run.warnings.push(Warning::EventsDiffer { here: run.events.len(), there: other.events.len() });
+    let [here, there] = [&*run, &other].map(|run| run.events.iter().filter(|event| event.state.t > settings.from).count());
+    if here != there && !accumulates {
+        run.warnings.push(Warning::EventsDiffer { here, there });
     }
     if let Some((t, column)) = digits.lost {
         let why = reason(system, settings, run, (t, column), &mut goes_on);
@@ -230,8 +231,12 @@ fn alike(system: &mut dyn System, settings: &Settings, run: &Run) -> Settings {
     let mut other =
         Settings { digits: false, dense: run.is_filled, watch: false, unlike: true, every, ..settings.clone() };
     let n = other.q.len();
+    // It starts behind what happened at the start.
     if let Some(start) = run.rows.get(..2 * n) {
         (other.q, other.v) = (start[..n].to_vec(), start[n..].to_vec());
+    }
+    if let Some((_, phase)) = run.phases.iter().take_while(|(t, _)| *t == settings.from).last() {
+        other.phase = *phase;
     }
     // A kick at the very end says nothing of the way there.
     let kicked = run.len() > 1 && run.impulses.last().is_some_and(|impulse| run.times.last() == Some(&impulse.t));

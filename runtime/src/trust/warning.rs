@@ -74,6 +74,11 @@ pub enum Warning {
         /// When they end, s.
         t: f64,
     },
+    /// An impact is past its zero where the motion starts, or at it without a direction, and does not happen.
+    PastAtStart {
+        /// The event.
+        event: String,
+    },
     /// More events happened than are kept.
     EventsEnd {
         /// When the first was left out, s.
@@ -230,9 +235,10 @@ impl Warning {
     /// The event, or the integral, of which it speaks.
     fn event(&self) -> Option<&str> {
         match self {
-            Warning::Touch { event, .. } | Warning::NoCrossing { event, .. } | Warning::Undefined { event, .. } => {
-                Some(event)
-            }
+            Warning::Touch { event, .. }
+            | Warning::NoCrossing { event, .. }
+            | Warning::Undefined { event, .. }
+            | Warning::PastAtStart { event } => Some(event),
             Warning::IntegralUntried { integral, .. } => Some(integral),
             _ => None,
         }
@@ -284,6 +290,11 @@ impl fmt::Display for Warning {
                 f,
                 "the impacts of `{event}` accumulate at t = {} s, where the motion goes on with a resting contact",
                 short(*t)
+            ),
+            Warning::PastAtStart { event } => write!(
+                f,
+                "`{event}` is already at or past its zero at the start and strikes nothing: start on its other side, or at its zero with a \
+                 `direction` given"
             ),
             Warning::EventsEnd { t, kept } => {
                 write!(

@@ -1,1 +1,192 @@
 //! Events early in long steps, starts on guards, accumulating impacts.
+
+use dalembert::Warning;
+
+use super::case;
+
+/// A relay's gap of 10 nm that closes under 1 m/s², asked for much longer than that takes.
+const GAP: &str = r#"
+name: Gap
+parameters: {m: 1 kg, a: 1 m/s^2, gap: 10 nm}
+coordinates: {x: m}
+bodies: {b: {mass: m, position: "[x, 0]"}}
+forces: {f: {on: b, force: "[-m*a, 0]"}}
+events: {contact: {when: x, direction: falling, then: stop}}
+scene: {start: {x: gap}, until: 1 h, tolerance: 1e-10}
+"#;
+
+#[test]
+fn an_event_early_in_a_run_of_one_step_was_missed() {
+    // t = sqrt(2 gap/a), whatever is asked for.
+    for until in [1.0, 3600.0, 1e9, 1e12] {
+        let mut gap = case(GAP);
+        gap.settings.until = until;
+        let run = gap.run();
+        let [contact] = run.events.as_slice() else { panic!("until {until}: {:?}", run.events) };
+        assert!((contact.state.t / 2e-8_f64.sqrt() - 1.0).abs() < 1e-10, "until {until}: {}", contact.state.t);
+    }
+}
+
+#[test]
+fn a_start_that_leaves_a_surface_meets_it_no_sooner_than_it_returns() {
+    // Thrown up from the surface at 1e-4 m/s it is back after 2 v/a.
+    for until in [1.0, 1e9] {
+        let mut thrown = case(&GAP.replace("start: {x: gap}", "start: {x: 0, x': 1e-4}"));
+        thrown.settings.until = until;
+        let run = thrown.run();
+        let [contact] = run.events.as_slice() else { panic!("until {until}: {:?}", run.events) };
+        assert!((contact.state.t / 2e-4 - 1.0).abs() < 1e-10, "until {until}: {}", contact.state.t);
+    }
+}
+
+const BALL: &str = r#"
+name: Ball
+parameters: {m: 1 kg, e: 0.5 1, g: 9.81 m/s^2}
+coordinates: {x: m, y: m}
+bodies: {ball: {mass: m, position: "[x, y]"}}
+gravity: [0, -g]
+constraints: {floor: y}
+phases: {flight: [], resting: [floor]}
+events: {bounce: {phase: flight, when: y, direction: falling, then: {impact: e, along: floor}}}
+scene: {start: {x: 0, x': 1, y: 1}, until: 3, tolerance: 1e-12}
+"#;
+
+#[test]
+fn a_ball_fell_through_the_floor_of_a_long_run() {
+    // Infinitely many flights end at sqrt(2 H/g) (1 + e)/(1 - e).
+    for (e, until) in [("0.5", 3.0), ("0.5", 1e7), ("0.8", 1e9)] {
+        let mut ball = case(&BALL.replace("e: 0.5", &format!("e: {e}")));
+        ball.settings.until = until;
+        let run = ball.run();
+        let e: f64 = e.parse().expect("a number");
+        let ends = (2.0_f64 / 9.81).sqrt() * (1.0 + e) / (1.0 - e);
+        let [_, (t, phase)] = run.phases.as_slice() else { panic!("{:?}", run.phases) };
+        assert!(*phase == 1 && (t - ends).abs() < 1e-10 * ends, "e = {e} until {until}: {t}, not {ends}");
+    }
+}
+
+/// Two elastic balls and a wall; the heavier one is turned back after 9934 impacts.
+const ELASTIC: &str = r#"
+name: Elastic
+parameters: {m: 1 kg, M: 1e7 kg, e: 1 1}
+coordinates: {x: m, y: m}
+bodies: {a: {mass: m, position: "[x, 0]"}, b: {mass: M, position: "[y, 0]"}}
+constraints: {w: x, c: y - x}
+phases: {free: [], q: [c]}
+events:
+  wall: {when: x, direction: falling, then: {impact: e, along: w}}
+  hit: {phase: free, when: y - x, direction: falling, then: {impact: e, along: c}}
+scene: {start: {x: 1, y: 2, y': -1}, until: 10, tolerance: 1e-12}
+"#;
+
+#[test]
+fn elastic_impacts_never_accumulate() {
+    let run = case(ELASTIC).run();
+    assert_eq!(run.events.len(), 9934);
+    assert_eq!(run.phases.len(), 1, "{:?}", run.phases);
+}
+
+/// A ball that starts on the floor, or below it.
+fn ball_from(start: &str) -> super::Case {
+    case(&BALL.replace("start: {x: 0, x': 1, y: 1}", &format!("start: {{{start}}}")))
+}
+
+#[test]
+fn what_lay_on_the_floor_fell_through_it() {
+    for until in [1e-3, 1.0, 1e9] {
+        let mut ball = ball_from("x': 1");
+        ball.settings.until = until;
+        let run = ball.run();
+        assert!(run.last()["y"] == 0.0 && run.phases.last().is_some_and(|(t, phase)| (*t, *phase) == (0.0, 1)));
+        assert!(run.warnings.is_empty(), "{:?}", run.warnings);
+    }
+}
+
+#[test]
+fn what_moves_into_the_floor_at_the_start_is_struck() {
+    let run = ball_from("x': 1, y': -2").run();
+    assert_eq!(run.events[0].state.t, 0.0);
+    assert!((run.events[1].state.t - 2.0 / 9.81).abs() < 1e-12, "{:?}", run.events);
+}
+
+#[test]
+fn what_leaves_the_floor_at_the_start_is_not_struck() {
+    let run = ball_from("x': 1, y': 2").run();
+    assert!((run.events[0].state.t - 4.0 / 9.81).abs() < 1e-12, "{:?}", run.events);
+    assert!(run.warnings.iter().all(|warning| !matches!(warning, Warning::PastAtStart { .. })), "{:?}", run.warnings);
+}
+
+#[test]
+fn a_start_below_the_floor_is_told() {
+    let run = ball_from("y: -1").run();
+    let told = |warning: &Warning| *warning == Warning::PastAtStart { event: "bounce".to_owned() };
+    assert!(run.events.is_empty() && run.warnings.iter().any(told), "{:?}", run.warnings);
+}
+
+/// A slope that is steeper than friction holds, or not.
+const SLOPE: &str = r#"
+name: Slope
+parameters: {m: 1 kg, g: 10 m/s^2, mu: 0.1 1, slope: asin(0.6)}
+coordinates: {x: m, y: m}
+bodies: {b: {mass: m, position: "[x, y]"}}
+gravity: g*[sin(slope), -cos(slope)]
+constraints: {floor: y, grip: x'}
+phases: {stick: [floor, grip], slide: [floor]}
+forces: {rub: {on: b, force: "[-mu*reaction(floor), 0]", phase: slide}}
+events:
+  slip: {phase: stick, when: "-reaction(grip) - mu*reaction(floor)", direction: rising, then: slide}
+outputs: {F: reaction(grip), N: reaction(floor)}
+scene: {start: {x: 0}, until: 2, tolerance: 1e-10}
+"#;
+
+#[test]
+fn a_block_stuck_where_nothing_held_it() {
+    // x = (g sin(slope) - mu g cos(slope)) t²/2.
+    let run = case(SLOPE).run();
+    assert!((run.last()["x"] - 10.4).abs() < 1e-9, "{}", run.last()["x"]);
+    let run = case(&SLOPE.replace("mu: 0.1", "mu: 0.8")).run();
+    assert!(run.last()["x"] == 0.0 && run.events.is_empty());
+}
+
+/// A mass on a belt, held by a spring: it sticks and slips.
+const BELT: &str = r#"
+name: Belt
+parameters: {m: 1 kg, k: 4 N/m, v: 0.5 m/s, hold: 3 N, slide: 1 N}
+coordinates: {x: m}
+bodies: {b: {mass: m, position: "[x, 0]"}}
+constraints: {grip: x' - v}
+phases: {stick: [grip], slip: []}
+forces: {spring: {on: b, force: "[-k*x, 0]"}, rub: {on: b, force: "[slide, 0]", phase: slip}}
+events:
+  breaks: {phase: stick, when: reaction(grip) - hold, direction: rising, then: slip}
+  catches: {phase: slip, when: v - x', direction: falling, then: stick}
+scene: {start: {x: 0, x': 0.5}, until: 12, tolerance: 1e-12}
+"#;
+
+#[test]
+fn a_run_cut_in_two_at_any_instant_is_the_run_in_one_piece() {
+    for text in [BALL, BELT] {
+        let whole = case(text).run();
+        let events: Vec<f64> = whole.events.iter().map(|event| event.state.t).take(12).collect();
+        assert!(events.len() > 4, "{:?}", whole.events);
+        let beside = |t: &f64| [t * (1.0 - 2e-16), *t, t * (1.0 + 2e-16), t * (1.0 + 1e-13), 1.1 * t];
+        for cut in events.iter().flat_map(beside).filter(|cut| *cut < whole.last().t) {
+            let mut first = case(text);
+            first.settings.until = cut;
+            let first = first.run();
+            let mut second = case(text);
+            let saved = first.last();
+            (second.settings.from, second.settings.phase) = (saved.t, first.phases.last().map_or(0, |(_, phase)| *phase));
+            (second.settings.q, second.settings.v) = (saved.q.clone(), saved.v.clone());
+            let second = second.run();
+            let (one, two) = (whole.last(), second.last());
+            let off = one.q.iter().chain(&one.v).zip(two.q.iter().chain(&two.v)).map(|(a, b)| (a - b).abs());
+            assert!(off.fold(0.0, f64::max) < 1e-9, "cut at {cut:e}: {one:?}, not {two:?}");
+            assert_eq!(whole.phases.last().map(|(_, phase)| phase), second.phases.last().map(|(_, phase)| phase), "{cut:e}");
+            let later = whole.events.iter().filter(|event| event.state.t > cut * (1.0 + 1e-12)).count();
+            let seen = second.events.iter().filter(|event| event.state.t > cut * (1.0 + 1e-12)).count();
+            // Of impacts that accumulate another number may be followed one by one.
+            assert!(later == seen || text == BALL, "cut at {cut:e}: {later} events, not {seen}");
+        }
+    }
+}
