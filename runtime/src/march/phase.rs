@@ -207,9 +207,9 @@ impl March {
     ) -> Result<bool, Box<Cause>> {
         match action {
             Action::Stop | Action::Record => Ok(false),
-            Action::Phase(phase) => self.enter(system, phase as usize, recorder).map(|()| true),
+            Action::Phase(phase) => self.enter(system, phase as usize, &[], recorder).map(|()| true),
             Action::Impact { along, restitution } => {
-                let e = self.strike(system, along, restitution as usize, recorder)?;
+                let (e, struck) = self.strike(system, along, restitution as usize, recorder)?;
                 let now = self.clock.now();
                 let end = match e == 0.0 || self.is_too_low(system, along) {
                     true => Some(now),
@@ -218,7 +218,11 @@ impl March {
                     false => self.impacts.note(event, now),
                 };
                 if let Some(end) = end {
-                    self.rest(system, (event, along), end, recorder)?;
+                    // What is left of a geometric series of impulses.
+                    let along = rows_of(system, along);
+                    let left = struck.into_iter().filter(|(row, _)| along.contains(row) && end > now);
+                    let left: Vec<(usize, f64)> = left.map(|(row, impulse)| (row, impulse * e / (1.0 - e))).collect();
+                    self.rest(system, (event, &along), (end, &left), recorder)?;
                 }
                 Ok(true)
             }
@@ -248,8 +252,15 @@ impl March {
         rows_of(system, along).iter().all(low)
     }
 
-    /// Goes on in a phase: its constraints must hold, and take away what speed they do not leave.
-    fn enter(&mut self, system: &mut dyn System, phase: usize, recorder: &mut Recorder) -> Result<(), Box<Cause>> {
+    /// Goes on in a phase: its constraints must hold, and take away what speed they do not leave, by impulses of which `known` are
+    /// others than the speeds at this instant show.
+    fn enter(
+        &mut self,
+        system: &mut dyn System,
+        phase: usize,
+        known: &[(usize, f64)],
+        recorder: &mut Recorder,
+    ) -> Result<(), Box<Cause>> {
         let before: Vec<u32> = system.active_rows().to_vec();
         system.set_phase(phase);
         let active: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
@@ -268,38 +279,45 @@ impl March {
         // Springs take up what speed there is.
         if !is_sprung(system) {
             let taken = blow(system, (now, self.stepper.start().y), &active, |_| 0.0);
-            self.take(system, taken.map_err(|fault| fault.cause(system.description()))?, recorder);
+            let mut taken = taken.map_err(|fault| fault.cause(system.description()))?;
+            for (row, impulse) in known {
+                taken.rows.iter_mut().filter(|(of, _)| of == row).for_each(|(_, taken)| *taken = *impulse);
+            }
+            self.take(system, taken, recorder);
         }
         recorder.phase(phase, now);
         Ok(())
     }
 
-    /// An impact along a constraint, with those that are active kept; the coefficient of restitution.
+    /// An impact along a constraint, with those that are active kept; the coefficient of restitution, and the impulses.
     fn strike(
         &mut self,
         system: &mut dyn System,
         along: u32,
         restitution: usize,
         recorder: &mut Recorder,
-    ) -> Result<f64, Box<Cause>> {
+    ) -> Result<(f64, Vec<(usize, f64)>), Box<Cause>> {
         let e = system.restitutions().get(restitution).copied().unwrap_or(0.0);
         if !(0.0..=1.0).contains(&e) {
             return Err(Cause::BadRestitution { value: e }.into());
         }
-        let rows = with(system, along);
         let rows_along = rows_of(system, along);
+        let rows = with(system, &rows_along);
         let restitution = |row: usize| if rows_along.contains(&row) { e } else { 0.0 };
         let struck = blow(system, (self.clock.now(), self.stepper.start().y), &rows, restitution);
-        self.take(system, struck.map_err(|fault| fault.cause(system.description()))?, recorder);
-        Ok(e)
+        let struck = struck.map_err(|fault| fault.cause(system.description()))?;
+        let impulses = struck.rows.clone();
+        self.take(system, struck, recorder);
+        Ok((e, impulses))
     }
 
-    /// Impacts accumulate: the motion goes on at their end, in the phase that has their constraint too.
+    /// Impacts accumulate: the motion goes on at their end, in the phase that has these rows too, with what impulses are
+    /// `known` to be left.
     fn rest(
         &mut self,
         system: &mut dyn System,
-        (event, along): (usize, u32),
-        end: f64,
+        (event, along): (usize, &[usize]),
+        (end, known): (f64, &[(usize, f64)]),
         recorder: &mut Recorder,
     ) -> Result<(), Box<Cause>> {
         let rows = with(system, along);
@@ -320,7 +338,7 @@ impl March {
         if left > 0.0 {
             recorder.accumulated(system, event, end);
         }
-        self.enter(system, phase, recorder)
+        self.enter(system, phase, known, recorder)
     }
 
     fn take(&mut self, system: &dyn System, Blow { jump, rows }: Blow, recorder: &mut Recorder) {
@@ -349,10 +367,10 @@ fn rows_of(system: &dyn System, constraint: u32) -> Vec<usize> {
     rows.filter(|(_, row)| row.constraint == constraint).map(|(k, _)| k).collect()
 }
 
-/// Active rows and those of one more constraint, in order.
-fn with(system: &dyn System, constraint: u32) -> Vec<usize> {
+/// Active rows and others, in order.
+fn with(system: &dyn System, others: &[usize]) -> Vec<usize> {
     let mut rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
-    rows.extend(rows_of(system, constraint));
+    rows.extend(others);
     rows.sort_unstable();
     rows.dedup();
     rows

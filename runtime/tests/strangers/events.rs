@@ -65,6 +65,16 @@ fn a_ball_fell_through_the_floor_of_a_long_run() {
     }
 }
 
+#[test]
+fn the_last_impulse_of_a_sequence_pulled() {
+    let run = case(BALL).run();
+    let impulses: Vec<f64> = run.impulses.iter().map(|impulse| impulse.constraints[0].1).collect();
+    assert!(impulses.len() > 5 && impulses.iter().all(|impulse| *impulse > 0.0), "{impulses:?}");
+    // All together carry the weight from the start until the ball lies: m g t.
+    let (sum, t) = (impulses.iter().sum::<f64>(), run.phases[1].0);
+    assert!((sum / (9.81 * t) - 1.0).abs() < 1e-9, "{sum} for {t} s");
+}
+
 /// Two elastic balls and a wall; the heavier one is turned back after 9934 impacts.
 const ELASTIC: &str = r#"
 name: Elastic
