@@ -470,8 +470,9 @@ impl Watch {
         }
     }
 
-    /// Events with which a motion starts: those that change the phase and are past their zero, in their direction, and those
-    /// that change the phase or speeds and are at it and move past.  Impacts that are past it, with no way back, are named.
+    /// Events with which a motion starts: those that leave a phase that they name and are past their zero, in their direction, or at it
+    /// and move past, and impacts that are at it and move past.  Impacts that are past it, and changes of the phase by events that name
+    /// none, which would change it again and again, are told.
     pub fn at_start<S: System + ?Sized>(&mut self, system: &S, (t, y): (f64, &[f64])) -> (Vec<Fired>, Vec<usize>) {
         let phase = system.phase() as u32;
         let (mut past, events) = (Vec::new(), &system.description().events);
@@ -483,7 +484,11 @@ impl Watch {
                 past.push(*event);
             }
             let elsewhere = actions.iter().any(|action| matches!(action, Action::Phase(other) if *other != phase));
-            elsewhere && !(strikes && beyond) || strikes && !beyond
+            let named = events[*event].phases.is_some();
+            if elsewhere && !named {
+                past.push(*event);
+            }
+            if strikes { !beyond } else { elsewhere && named }
         });
         // From which side a contact without a direction is closed is not known where nothing moves yet.
         past.extend((0..events.len()).filter(|event| {

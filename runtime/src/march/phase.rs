@@ -39,6 +39,14 @@ pub(super) struct Firings {
     count: u32,
 }
 
+/// What an action did.
+struct Done {
+    /// Whether the state or the phase may have changed.
+    acts: bool,
+    /// Whether speeds jumped, or would have if there were any.
+    strikes: bool,
+}
+
 /// The impacts of all events.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Impacts {
@@ -124,7 +132,7 @@ impl March {
     ) -> Result<Halt, Box<Cause>> {
         let mut fired = fired;
         while !self.cycles(watch.last_step()) {
-            let (before, mut changed) = (system.phase(), false);
+            let (before, mut changed, mut struck) = (system.phase(), false, false);
             let mut stops = false;
             'all: for Fired { event, actions, .. } in &fired {
                 for action in actions {
@@ -132,7 +140,9 @@ impl March {
                         stops = true;
                         break 'all;
                     }
-                    changed |= self.does(system, (*event, *action), recorder)?;
+                    let Done { acts, strikes } = self.does(system, (*event, *action), recorder)?;
+                    changed |= acts;
+                    struck |= strikes;
                 }
             }
             if !changed && !stops {
@@ -145,8 +155,6 @@ impl March {
             }
             let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
             self.project_start(system)?;
-            let impact = |action: &Action| matches!(action, Action::Impact { .. });
-            let struck = fired.iter().any(|fired| fired.actions.iter().any(impact));
             watch.enter(system, (now, &y), struck, &mut |system| self.trial(system))?;
             let enters = |action: &Action| matches!(action, Action::Phase(_));
             let entered = system.phase() != before || fired.iter().any(|fired| fired.actions.iter().any(enters));
@@ -198,16 +206,16 @@ impl March {
         Ok(())
     }
 
-    /// Does one thing; true where the state or the phase may have changed.
+    /// Does one thing.
     fn does(
         &mut self,
         system: &mut dyn System,
         (event, action): (usize, Action),
         recorder: &mut Recorder,
-    ) -> Result<bool, Box<Cause>> {
+    ) -> Result<Done, Box<Cause>> {
         match action {
-            Action::Stop | Action::Record => Ok(false),
-            Action::Phase(phase) => self.enter(system, phase as usize, &[], recorder).map(|()| true),
+            Action::Stop | Action::Record => Ok(Done { acts: false, strikes: false }),
+            Action::Phase(phase) => self.alternate(system, (event, phase as usize), recorder),
             Action::Impact { along, restitution } => {
                 let (e, struck) = self.strike(system, along, restitution as usize, recorder)?;
                 let now = self.clock.now();
@@ -222,9 +230,12 @@ impl March {
                     let along = rows_of(system, along);
                     let left = struck.into_iter().filter(|(row, _)| along.contains(row) && end > now);
                     let left: Vec<(usize, f64)> = left.map(|(row, impulse)| (row, impulse * e / (1.0 - e))).collect();
-                    self.rest(system, (event, &along), (end, &left), recorder)?;
+                    if !self.rest(system, (event, &along), (end, &left), recorder)? {
+                        let event = system.description().events[event].name.to_string();
+                        return Err(Cause::ImpactsAccumulate { event, t: end }.into());
+                    }
                 }
-                Ok(true)
+                Ok(Done { acts: true, strikes: true })
             }
         }
     }
@@ -252,15 +263,35 @@ impl March {
         rows_of(system, along).iter().all(low)
     }
 
+    /// Goes on in a phase; where its entries, each of which takes speed away, accumulate, as those of a block that rocks to
+    /// rest, in the one that has the constraints of both.
+    fn alternate(
+        &mut self,
+        system: &mut dyn System,
+        (event, phase): (usize, usize),
+        recorder: &mut Recorder,
+    ) -> Result<Done, Box<Cause>> {
+        let before: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+        let strikes = self.enter(system, phase, &[], recorder)?;
+        let now = self.clock.now();
+        if !strikes {
+            self.impacts.forget(event);
+        } else if let Some(end) = self.impacts.note(event, now) {
+            self.rest(system, (event, &before), (end, &[]), recorder)?;
+        }
+        Ok(Done { acts: true, strikes })
+    }
+
     /// Goes on in a phase: its constraints must hold, and take away what speed they do not leave, by impulses of which `known` are
-    /// others than the speeds at this instant show.
+    /// others than the speeds at this instant show; true where there were any.
     fn enter(
         &mut self,
         system: &mut dyn System,
         phase: usize,
         known: &[(usize, f64)],
         recorder: &mut Recorder,
-    ) -> Result<(), Box<Cause>> {
+    ) -> Result<bool, Box<Cause>> {
+        let mut strikes = false;
         let before: Vec<u32> = system.active_rows().to_vec();
         system.set_phase(phase);
         let active: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
@@ -283,10 +314,10 @@ impl March {
             for (row, impulse) in known {
                 taken.rows.iter_mut().filter(|(of, _)| of == row).for_each(|(_, taken)| *taken = *impulse);
             }
-            self.take(system, taken, recorder);
+            strikes = self.take(system, taken, recorder);
         }
         recorder.phase(phase, now);
-        Ok(())
+        Ok(strikes)
     }
 
     /// An impact along a constraint, with those that are active kept; the coefficient of restitution, and the impulses.
@@ -312,21 +343,18 @@ impl March {
     }
 
     /// Impacts accumulate: the motion goes on at their end, in the phase that has these rows too, with what impulses are
-    /// `known` to be left.
+    /// `known` to be left; false where there is no such phase.
     fn rest(
         &mut self,
         system: &mut dyn System,
         (event, along): (usize, &[usize]),
         (end, known): (f64, &[(usize, f64)]),
         recorder: &mut Recorder,
-    ) -> Result<(), Box<Cause>> {
+    ) -> Result<bool, Box<Cause>> {
         let rows = with(system, along);
         let phases = &system.description().phases;
         let same = |known: &[u32]| known.iter().map(|row| *row as usize).eq(rows.iter().copied());
-        let Some(phase) = phases.iter().position(|phase| same(&phase.rows)) else {
-            let event = system.description().events[event].name.to_string();
-            return Err(Cause::ImpactsAccumulate { event, t: end }.into());
-        };
+        let Some(phase) = phases.iter().position(|phase| same(&phase.rows)) else { return Ok(false) };
         let (left, n) = (end - self.clock.now(), system.len());
         // The last hops lead along the constraint, on which the contact rests.
         let taken = blow(system, (self.clock.now(), self.stepper.start().y), &rows, |_| 0.0);
@@ -338,21 +366,23 @@ impl March {
         if left > 0.0 {
             recorder.accumulated(system, event, end);
         }
-        self.enter(system, phase, known, recorder)
+        self.enter(system, phase, known, recorder).map(|_| true)
     }
 
-    fn take(&mut self, system: &dyn System, Blow { jump, rows }: Blow, recorder: &mut Recorder) {
+    /// Lets speeds jump; true where that is more than rounding.
+    fn take(&mut self, system: &dyn System, Blow { jump, rows }: Blow, recorder: &mut Recorder) -> bool {
         let n = system.len();
         let speeds = &mut self.stepper.state_mut()[n..];
         let size = speeds.iter().zip(&jump).fold(0.0_f64, |most, (v, jump)| most.max(v.abs()).max(jump.abs()));
         speeds.iter_mut().zip(&jump).for_each(|(v, jump)| *v += jump);
         // What is left of constraints that were met already is rounding, and no impulse.
         if !jump.iter().any(|jump| jump.abs() > ROUNDING * size) {
-            return;
+            return false;
         }
         let constraints: Vec<(String, f64)> =
             rows.iter().map(|(row, impulse)| (system.description().rows[*row].name.to_string(), *impulse)).collect();
         recorder.impulse(Impulse { t: self.clock.now(), inputs: Vec::new(), constraints, jump });
+        true
     }
 }
 

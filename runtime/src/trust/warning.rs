@@ -74,7 +74,8 @@ pub enum Warning {
         /// When they end, s.
         t: f64,
     },
-    /// An impact is past its zero where the motion starts, or at it without a direction, and does not happen.
+    /// An event that strikes or changes the phase is past its zero where the motion starts, or at it without a direction, and does not
+    /// happen.
     PastAtStart {
         /// The event.
         event: String,
@@ -293,8 +294,8 @@ impl fmt::Display for Warning {
             ),
             Warning::PastAtStart { event } => write!(
                 f,
-                "`{event}` is already at or past its zero at the start and strikes nothing: start on its other side, or at its zero with a \
-                 `direction` given"
+                "`{event}` is already at or past its zero at the start and does nothing: start on its other side, or give it a `direction` \
+                 and the `phase` that it ends"
             ),
             Warning::EventsEnd { t, kept } => {
                 write!(
