@@ -239,13 +239,17 @@ fn not_promised(full: &Full, found: &Answer) -> Vec<(String, f64)> {
     let others: Vec<String> =
         others.into_iter().filter(|name| own.contains(name) && !full.need.outputs.contains(name)).collect();
     let of = |system: &dyn System, settings: &Settings| {
-        Motion::of((system, settings), (full.tolerance, full.times), &others).ok()
+        Motion::of((system, settings), (full.tolerance, full.times), (&others, &full.instants)).ok()
     };
     let (Some(whole), Some(small)) = (of(&*full.system, &full.settings), of(&*found.system, &found.settings)) else {
         return Vec::new();
     };
     let off = |(place, name): (usize, &String)| {
-        let one = |motion: &Motion| Motion { values: vec![motion.values[place].clone()], ..motion.clone() };
+        let one = |motion: &Motion| Motion {
+            values: vec![motion.values[place].clone()],
+            looks: vec![motion.looks[place].clone()],
+            ..motion.clone()
+        };
         let scale = whole.scales(&whole)[place].unwrap_or(f64::MIN_POSITIVE);
         let compared = between(&one(&whole), &one(&small), (std::slice::from_ref(name), &[scale]));
         let size = compared.map_or(f64::INFINITY, |(deviation, _)| deviation.largest);

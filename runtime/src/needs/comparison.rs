@@ -26,8 +26,7 @@ impl Needs {
         };
         let amounts = self.need.absolute.iter().map(|(name, amount)| {
             format!(
-                "    let [one, other] = [&full, &small].map(|run| run.column({name:?}).expect(\"a column of both\"));
-    let off = one.iter().zip(&other).fold(0.0_f64, |most, (one, other)| most.max((one - other).abs()));
+                "    let off = full.difference(&small, {name:?}).expect(\"a column of both\");
     assert!(off <= {amount:e}, \"{name} is off by {{off:e}}\");
 "
             )

@@ -1,10 +1,12 @@
 //! How far two runs are apart in what is wanted.
 
+use std::sync::Arc;
+
 use nalgebra::DVector;
 
 use crate::mechanism::{At, System};
 use crate::precision::WorkUnits;
-use crate::run::Run;
+use crate::run::{Run, apart_by};
 use crate::simulate::{Settings, simulate};
 
 /// How far a run is from the full one.
@@ -27,6 +29,11 @@ pub(super) struct Motion {
     pub times: Vec<f64>,
     /// What is wanted, a list for each.
     pub values: Vec<Vec<f64>>,
+    /// Instants that are not equally spaced, and what is wanted then, a list for each.
+    pub instants: Arc<[f64]>,
+    pub looks: Vec<Vec<f64>>,
+    /// The range of each and its largest size.
+    pub spreads: Vec<(f64, f64)>,
     /// Their units.
     pub units: Vec<String>,
     /// Names and times of events.
@@ -53,7 +60,7 @@ pub(super) const TIMES: usize = 1000;
 const A_STEP: usize = 3;
 const MOST_TIMES: usize = 8000;
 /// No rung takes so many steps.
-const MOST_STEPS: u64 = 400_000;
+pub(super) const MOST_STEPS: u64 = 400_000;
 /// Beside an event is what is this part of the scene from it.
 const INSTANT: f64 = 1e-9;
 /// What moves less beside its size stands still.
@@ -81,35 +88,59 @@ impl Motion {
     pub fn of(
         (system, settings): (&dyn System, &Settings),
         (tolerance, times): (f64, usize),
-        columns: &[String],
+        (columns, instants): (&[String], &Arc<[f64]>),
     ) -> Result<Motion, String> {
         let mut system = system.boxed_clone();
         let every = Some((settings.until - settings.from) / times as f64);
-        let settings =
-            Settings { every, tolerance, max_steps: MOST_STEPS, dense: false, watch: false, ..settings.clone() };
+        let settings = Settings {
+            every,
+            tolerance,
+            max_steps: MOST_STEPS,
+            dense: false,
+            watch: false,
+            instants: Arc::clone(instants),
+            ..settings.clone()
+        };
         let run = simulate(&mut *system, &settings).map_err(|error| error.to_string())?;
+        Motion::from_run(&*system, &run, (columns, instants))
+    }
+
+    /// What is compared of a run that reports states at these instants too.
+    ///
+    /// # Errors
+    /// The name of what it has not.
+    pub fn from_run(
+        system: &dyn System,
+        run: &Run,
+        (columns, instants): (&[String], &Arc<[f64]>),
+    ) -> Result<Motion, String> {
+        let mut looked = instants.iter().peekable();
+        let at_instant: Vec<bool> = run.times().iter().map(|t| looked.next_if_eq(&t).is_some()).collect();
+        let of = |column: Vec<f64>, looked: bool| -> Vec<f64> {
+            column.into_iter().zip(&at_instant).filter(|(_, at)| **at == looked).map(|(value, _)| value).collect()
+        };
         let column = |name: &String| run.column(name).ok_or_else(|| format!("it has no `{name}`"));
-        let values = columns.iter().map(column).collect::<Result<Vec<_>, String>>()?;
-        let states: Vec<Vec<f64>> =
-            run.column_names().iter().take(2 * system.len()).map(|name| run.column(name).unwrap_or_default()).collect();
+        let all = columns.iter().map(column).collect::<Result<Vec<_>, String>>()?;
+        let looks: Vec<Vec<f64>> = all.iter().map(|column| of(column.clone(), true)).collect();
+        let values: Vec<Vec<f64>> = all.iter().map(|column| of(column.clone(), false)).collect();
+        let state = |name: &String| of(run.column(name).unwrap_or_default(), false);
+        let states: Vec<Vec<f64>> = run.column_names().iter().take(2 * system.len()).map(state).collect();
         Ok(Motion {
-            times: run.times().to_vec(),
+            times: of(run.times().to_vec(), false),
+            spreads: all.iter().map(spread).collect(),
+            instants: Arc::clone(instants),
+            looks,
             values,
             units: columns.iter().map(|name| run.unit(name)).collect(),
             events: run.events.iter().map(|event| (event.name.clone(), event.state.t)).collect(),
-            guards: guards(&*system, &run),
-            operations: WorkUnits::of(&*system, run.method).operations * WorkUnits::of_run(&*system, &run),
+            guards: guards(system, run, &at_instant),
+            operations: WorkUnits::of(system, run.method).operations * WorkUnits::of_run(system, run),
             steps: run.work.steps,
             ranges: states.iter().map(|values| spread(values).0).collect(),
             first: states.iter().filter_map(|values| values.first().copied()).collect(),
             visited: [1, 2].map(|third| states.iter().map(|values| values[third * (values.len() - 1) / 3]).collect()),
             means: states.iter().map(|values| values.iter().sum::<f64>() / values.len() as f64).collect(),
         })
-    }
-
-    /// At how many times runs that are compared with this one show what vibrates as fast.
-    pub fn dense_enough(&self) -> usize {
-        (A_STEP * self.steps as usize).div_ceil(TIMES).saturating_mul(TIMES).clamp(TIMES, MOST_TIMES)
     }
 
     /// The same at [`TIMES`] times of so many, between which differences are not rough.
@@ -122,13 +153,12 @@ impl Motion {
     /// The range of each wanted quantity, by which its deviations are measured, and its size where that stands still, or moves by
     /// less than another run of the same model is sure of; `None` for what does not move beside others of its unit, but by rounding.
     pub fn scales(&self, again: &Motion) -> Vec<Option<f64>> {
-        let of = |(values, others): (&Vec<f64>, &Vec<f64>)| {
-            let (range, size) = spread(values);
+        let of = |(((range, size), values), others): (((f64, f64), &Vec<f64>), &Vec<f64>)| {
             let apart = values.iter().zip(others).map(|(a, b)| (a - b).abs()).filter(|apart| apart.is_finite());
             let unsure = apart.fold(0.0_f64, f64::max);
             if range > STILL * size && range > SURE * unsure { range } else { size }
         };
-        let scales: Vec<f64> = self.values.iter().zip(&again.values).map(of).collect();
+        let scales: Vec<f64> = self.spreads.iter().copied().zip(&self.values).zip(&again.values).map(of).collect();
         let alike = |unit: &String| {
             let list = scales.iter().zip(&self.units).filter(|(_, other)| *other == unit);
             list.fold(0.0_f64, |most, (scale, _)| most.max(*scale))
@@ -139,15 +169,21 @@ impl Motion {
     }
 }
 
+/// At how many times runs that are compared with one of so many steps show what vibrates as fast.
+pub(super) fn dense_enough(steps: u64) -> usize {
+    (A_STEP * steps as usize).div_ceil(TIMES).saturating_mul(TIMES).clamp(TIMES, MOST_TIMES)
+}
+
 /// The range of values and their largest size; what is no number is left aside.
-pub(super) fn spread(values: &[f64]) -> (f64, f64) {
-    let finite = || values.iter().copied().filter(|value| value.is_finite());
-    let (low, high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
+pub(super) fn spread<'a>(values: impl IntoIterator<Item = &'a f64>) -> (f64, f64) {
+    let finite = values.into_iter().copied().filter(|value| value.is_finite());
+    let (low, high) =
+        finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
     ((high - low).max(0.0), low.abs().max(high.abs()))
 }
 
 /// Functions of events and discontinuities along a run.
-fn guards(system: &dyn System, run: &Run) -> Vec<(String, Vec<f64>)> {
+fn guards(system: &dyn System, run: &Run, at_instant: &[bool]) -> Vec<(String, Vec<f64>)> {
     let description = system.description();
     if description.phases.len() > 1 {
         return Vec::new();
@@ -160,7 +196,7 @@ fn guards(system: &dyn System, run: &Run) -> Vec<(String, Vec<f64>)> {
     let mut found: Vec<(String, Vec<f64>)> = names.map(|name| (name, Vec::new())).collect();
     let (mut pairs, mut switched) = (vec![0.0; 2 * events], vec![0.0; 2 * switches]);
     let mut a = vec![0.0; system.len()];
-    for state in run.states() {
+    for (state, _) in run.states().zip(at_instant).filter(|(_, at)| !**at) {
         let at = At { lambda: &unknown, ..At::new(state.t, &state.q, &state.v) };
         if !free || system.accelerations(at, &mut a).is_err() {
             a.fill(f64::NAN);
@@ -198,7 +234,11 @@ pub(super) fn between(
     let mut worst =
         Deviation { largest: 0.0, of: columns.first().cloned().unwrap_or_default(), clock: 0.0, shape: 0.0 };
     let mut differences = Vec::with_capacity(columns.len());
-    for (((name, scale), mine), theirs) in columns.iter().zip(scales).zip(&full.values).zip(&other.values) {
+    let instants: &[f64] = if full.instants == other.instants { &full.instants } else { &[] };
+    let looks = full.looks.iter().zip(&other.looks);
+    for ((((name, scale), mine), theirs), looks) in
+        columns.iter().zip(scales).zip(&full.values).zip(&other.values).zip(looks)
+    {
         let difference = |row: usize| match (mine[row], theirs[row]) {
             _ if beside(full.times[row]) => 0.0,
             // What is nowhere, as a reaction in flight, is no difference where both are.
@@ -207,10 +247,14 @@ pub(super) fn between(
             (a, b) => (b - a) / scale,
         };
         let signed: Vec<f64> = (0..shared).map(difference).collect();
-        let largest = largest(&signed);
+        let seen = instants.iter().zip(looks.0.iter().zip(looks.1)).filter(|(t, _)| !beside(**t));
+        let seen = seen.map(|(_, (a, b))| apart_by(*a, *b) / scale).fold(0.0, f64::max);
+        let reported = largest(&signed);
+        let largest = reported.max(seen);
         if largest > worst.largest {
             let (clock, shape) = clock(&full.times[..shared], &mine[..shared], &signed, *scale);
-            worst = Deviation { largest, of: name.clone(), clock, shape };
+            // What lies between the times at which the clock was read is none.
+            worst = Deviation { largest, of: name.clone(), clock, shape: shape + (largest - reported) };
         }
         differences.push(signed);
     }

@@ -1,19 +1,20 @@
 //! What is wanted, and the motion that answers it in full.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use dalembert_symbolic::diagnose::Problem;
 use dalembert_symbolic::lower::{Program, compile_in};
 use dalembert_symbolic::print::resting_place;
 
-use super::deviation::{Deviation, Motion, TIMES, between, largest};
+use super::deviation::{Deviation, MOST_STEPS, Motion, TIMES, between, dense_enough, largest};
 use super::edit::with_sizes;
 use super::linear::resting;
 use super::{Need, Question, Unanswered};
 use crate::constrain::Projection;
 use crate::mechanism::{Interpreted, System};
 use crate::precision::{Verified, WorkUnits};
-use crate::simulate::Settings;
+use crate::simulate::{Settings, simulate};
 
 /// The full model's answer.
 pub(super) struct Full {
@@ -38,6 +39,8 @@ pub(super) struct Full {
     pub tolerance: f64,
     /// At how many times runs are compared.
     pub times: usize,
+    /// At which other instants.
+    pub instants: Arc<[f64]>,
     pub known: f64,
     pub growth: f64,
     pub promised_until: Option<f64>,
@@ -91,15 +94,23 @@ impl Full {
         need.outputs = columns(&*system, &need.outputs)?;
         let tolerance = (BELOW * need.within).min(TIGHT);
         let wanted = need.outputs.clone();
-        let run = |tolerance: f64, times: usize| {
-            Motion::of((&*system, &settings), (tolerance, times), &wanted).map_err(|why| Unanswered::Fails { why })
+        let run = |tolerance: f64, times: usize, instants: &Arc<[f64]>| {
+            let motion = Motion::of((&*system, &settings), (tolerance, times), (&wanted, instants));
+            motion.map_err(|why| Unanswered::Fails { why })
         };
-        let (mut motion, own) = (run(tolerance, TIMES)?, run(settings.tolerance, TIMES)?);
-        let times = motion.dense_enough();
-        if times > TIMES {
-            motion = run(tolerance, times)?;
+        let none = Arc::from([]);
+        let own = run(settings.tolerance, TIMES, &none)?;
+        let dense = simulate(
+            &mut *system.boxed_clone(),
+            &Settings { tolerance, max_steps: MOST_STEPS, watch: false, ..settings.clone() },
+        );
+        let dense = dense.map_err(|error| Unanswered::Fails { why: error.to_string() })?;
+        let times = dense_enough(dense.work.steps);
+        let instants: Arc<[f64]> = dense.instants(times).into();
+        let (mut motion, mut exact) = (run(tolerance, times, &instants)?, run(0.1 * tolerance, times, &instants)?);
+        for (spread, extremes) in exact.spreads.iter_mut().zip(dense.extremes_of(&wanted)) {
+            *spread = extremes.map_or(*spread, |(low, high)| (high - low, low.abs().max(high.abs())));
         }
-        let mut exact = run(0.1 * tolerance, times)?;
         let mut scales = exact.scales(&motion);
         for (name, amount) in &need.absolute {
             let places = need.outputs.iter().zip(&mut scales).filter(|(wanted, _)| *wanted == name);
@@ -110,7 +121,7 @@ impl Full {
             let moves: Vec<bool> = scales.iter().map(Option::is_some).collect();
             let mut kept = moves.iter();
             need.outputs.retain(|_| *kept.next().unwrap_or(&true));
-            for values in [&mut motion.values, &mut exact.values] {
+            for values in [&mut motion.values, &mut exact.values, &mut motion.looks, &mut exact.looks] {
                 let mut kept = moves.iter();
                 values.retain(|_| *kept.next().unwrap_or(&true));
             }
@@ -136,6 +147,7 @@ impl Full {
             exact,
             tolerance,
             times,
+            instants,
             known: 0.0,
             growth: 0.0,
             promised_until: None,
@@ -208,7 +220,7 @@ impl Full {
 
     /// What is wanted of a model, at the times at which runs are compared.
     pub fn motion_of(&self, system: &dyn System, settings: &Settings, tolerance: f64) -> Result<Motion, String> {
-        Motion::of((system, settings), (tolerance, self.times), &self.need.outputs)
+        Motion::of((system, settings), (tolerance, self.times), (&self.need.outputs, &self.instants))
     }
 
     /// How far a run is from the exact one.

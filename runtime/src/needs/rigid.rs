@@ -282,7 +282,7 @@ pub(super) fn predicted(full: &Full, rigid: &Rigid, answer: &Answer) -> Option<P
     let (mut system, settings) = set(program, &text, full.scene.as_deref()).ok()?;
     let input = system.description().inputs.iter().position(|name| **name == gives)?;
     let columns: Vec<String> = full.need.outputs.iter().cloned().chain([pull]).collect();
-    let still = Motion::of((&*system, &settings), (full.tolerance, TIMES), &columns).ok()?;
+    let still = Motion::of((&*system, &settings), (full.tolerance, TIMES), (&columns, &full.instants)).ok()?;
     let grid = (settings.from, (settings.until - settings.from) / (still.times.len() - 1) as f64);
     let ways: Vec<f64> = still.values.last()?.iter().map(|pull| rest - pull / stiffness - kept).collect();
     let channel = Channel::of_values(grid, &ways).filter(Channel::is_resolved)?;
@@ -297,7 +297,7 @@ pub(super) fn predicted(full: &Full, rigid: &Rigid, answer: &Answer) -> Option<P
     let length = model.expression(distance).ok()?;
     let away = evaluated(full, &model, &length, &full.settings.q)? - kept - channel.at(settings.from)[0];
     system.set_input(input, Arc::new(move |t| channel.at(t)));
-    let moved = Motion::of((&*system, &settings), (full.tolerance, TIMES), &columns).ok()?;
+    let moved = Motion::of((&*system, &settings), (full.tolerance, TIMES), (&columns, &full.instants)).ok()?;
     let change = |k: usize| {
         let apart = still.values[k].iter().zip(&moved.values[k]).map(|(a, b)| (b - a) / full.scales[k]);
         largest(&apart.collect::<Vec<f64>>())

@@ -22,6 +22,7 @@ use std::sync::Arc;
 use crate::constrain::Residuals;
 
 pub(crate) use continuous::Continuous;
+pub(crate) use deviation::apart_by;
 pub use digits::Digits;
 pub use failure::Failure;
 pub(crate) use frames::Scenery;

@@ -1,5 +1,7 @@
 //! Runs of parts that do not feel each other, put together to one of the whole.
 
+use std::sync::Arc;
+
 use super::record::usual_drift;
 use super::{Occurrence, Plan, Recorder, Run, Trajectory, Work};
 use crate::integrate::Reached;
@@ -71,6 +73,7 @@ pub(crate) fn put_together(system: &dyn System, parts: Vec<PartRun>, how: &Toget
     let dearest = runs().max_by_key(|run| run.work.evaluations);
     let plan = Plan {
         until: how.until,
+        instants: Arc::from([]),
         every: how.until - from,
         dense: false,
         watch: false,

@@ -17,10 +17,12 @@ const AT_THE_START: f64 = 1e-9;
 #[derive(Clone)]
 pub(crate) struct Recorder {
     run: Run,
-    /// Reported times are start + k·every.
+    /// Reported times are start + k·every, and these.
     start: f64,
     every: f64,
     next: u64,
+    instants: Arc<[f64]>,
+    instant: usize,
     /// When the next state is reported, s.
     next_time: f64,
     /// Where the last step ended, s.
@@ -60,6 +62,8 @@ pub(crate) struct Plan {
     pub until: f64,
     /// Spacing of reported states, s.
     pub every: f64,
+    /// Other times, in order, at which states are reported too.
+    pub instants: Arc<[f64]>,
     /// Whether to keep dense output.
     pub dense: bool,
     /// Whether to watch invariants and the energy balance.
@@ -118,7 +122,9 @@ impl Recorder {
             start: t,
             every: plan.every,
             next: 1,
-            next_time: t + plan.every,
+            instants: Arc::clone(&plan.instants),
+            instant: 0,
+            next_time: f64::INFINITY,
             judged: t,
             unlooked: 0,
             looked_step: f64::INFINITY,
@@ -141,6 +147,7 @@ impl Recorder {
         };
         recorder.write_row(system, t, y);
         recorder.begin_piece(system, t, start);
+        recorder.find_next_time();
         recorder
     }
 
@@ -411,8 +418,18 @@ impl Recorder {
     }
 
     fn row_written(&mut self) {
-        self.next += 1;
-        self.next_time = self.start + self.every * self.next as f64;
+        self.next += u64::from(self.next_time == self.regular());
+        self.instant += usize::from(self.instants.get(self.instant) == Some(&self.next_time));
+        self.find_next_time();
+    }
+
+    fn find_next_time(&mut self) {
+        self.next_time = self.regular().min(self.instants.get(self.instant).copied().unwrap_or(f64::INFINITY));
+    }
+
+    /// The next of the times at equal distances.
+    fn regular(&self) -> f64 {
+        self.start + self.every * self.next as f64
     }
 
     fn take_back_row(&mut self) {

@@ -86,7 +86,8 @@ pub(crate) fn judge_digits(
     }
     // How many of infinitely many impacts are followed one by one says nothing.
     let accumulates = run.warnings.iter().any(|warning| matches!(warning, Warning::ImpactsAccumulate { .. }));
-    let [here, there] = [&*run, &other].map(|run| run.events.iter().filter(|event| event.state.t > settings.from).count());
+    let [here, there] =
+        [&*run, &other].map(|run| run.events.iter().filter(|event| event.state.t > settings.from).count());
     if here != there && !accumulates {
         run.warnings.push(Warning::EventsDiffer { here, there });
     }

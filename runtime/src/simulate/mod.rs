@@ -19,6 +19,7 @@ mod tests;
 mod typed;
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use std::time::Instant;
 
 pub use builder::Simulation;
@@ -155,6 +156,7 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     let plan = Plan {
         until: settings.until,
         every,
+        instants: Arc::clone(&settings.instants),
         dense: settings.dense,
         watch: settings.watch,
         dense_is_free: march.dense_is_free(),

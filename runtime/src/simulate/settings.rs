@@ -1,5 +1,7 @@
 //! What a run can be told.
 
+use std::sync::Arc;
+
 use crate::cause::Cause;
 use crate::error::{Error, Inseparable, Nonlinear};
 use crate::integrate::stability;
@@ -70,6 +72,8 @@ pub struct Settings {
     /// Whether steps that the tolerance does not limit are chosen otherwise than usual: a run to compare with has none in
     /// common, even where stops and growth limit them all.
     pub(crate) unlike: bool,
+    /// Other times, in order, at which states are reported too.
+    pub(crate) instants: Arc<[f64]>,
 }
 
 impl Settings {
@@ -99,6 +103,7 @@ impl Settings {
             enforcement: Enforcement::default(),
             stabilisation: Stabilisation::default(),
             unlike: false,
+            instants: Arc::from([]),
         }
     }
 

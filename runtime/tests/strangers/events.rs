@@ -186,13 +186,18 @@ fn a_run_cut_in_two_at_any_instant_is_the_run_in_one_piece() {
             let first = first.run();
             let mut second = case(text);
             let saved = first.last();
-            (second.settings.from, second.settings.phase) = (saved.t, first.phases.last().map_or(0, |(_, phase)| *phase));
+            (second.settings.from, second.settings.phase) =
+                (saved.t, first.phases.last().map_or(0, |(_, phase)| *phase));
             (second.settings.q, second.settings.v) = (saved.q.clone(), saved.v.clone());
             let second = second.run();
             let (one, two) = (whole.last(), second.last());
             let off = one.q.iter().chain(&one.v).zip(two.q.iter().chain(&two.v)).map(|(a, b)| (a - b).abs());
             assert!(off.fold(0.0, f64::max) < 1e-9, "cut at {cut:e}: {one:?}, not {two:?}");
-            assert_eq!(whole.phases.last().map(|(_, phase)| phase), second.phases.last().map(|(_, phase)| phase), "{cut:e}");
+            assert_eq!(
+                whole.phases.last().map(|(_, phase)| phase),
+                second.phases.last().map(|(_, phase)| phase),
+                "{cut:e}"
+            );
             let later = whole.events.iter().filter(|event| event.state.t > cut * (1.0 + 1e-12)).count();
             let seen = second.events.iter().filter(|event| event.state.t > cut * (1.0 + 1e-12)).count();
             // Of impacts that accumulate another number may be followed one by one.

@@ -79,3 +79,25 @@ fn reports_that_were_asked_for_stay() {
     assert_eq!(&run.times()[..3], &[0.0, 0.5, 1.0]);
     assert_eq!(run.len(), 4, "{:?}", run.times());
 }
+
+#[test]
+fn deviations_were_those_at_equal_distances() {
+    // x = A sin(2 pi t), reported where it is 0.
+    let vibration = |speed: f64| {
+        let mut case = case(&format!(
+            "name: InStep
+parameters: {{w: 6.283185307179586}}
+coordinates: {{x: 1}}
+kinetic_energy: x'^2/2
+potential_energy: w^2*x^2/2
+scene: {{start: {{x: 0, x': {speed}}}, until: 50, every: 1, tolerance: 1e-10}}
+"
+        ));
+        case.run()
+    };
+    let (usual, larger) = (vibration(1.0), vibration(1.1));
+    let off = usual.deviation(&larger, "x").expect("a column of both");
+    // A tenth of the amplitude, of a range of twice that.
+    assert!((off - 0.05).abs() < 1e-4, "{off}");
+    assert!(usual.deviation(&vibration(1.0), "x") == Some(0.0));
+}

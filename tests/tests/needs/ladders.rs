@@ -280,7 +280,7 @@ scene: {start: {y: 1}, until: 5, tolerance: 1e-8, needs: {outputs: [y], within: 
     assert!(coarse.table().contains("y within 1.0e-3 of the range of each, gap within 1.0e-5"), "{}", coarse.table());
     assert_eq!(rung(&within("0.1 um"), "forces.push").verdict, Verdict::Acts);
     let test = coarse.comparison("full.yaml", "small.yaml").expect("a test");
-    assert!(test.contains("run.column(\"gap\")") && test.contains("off <= 1e-5"), "{test}");
+    assert!(test.contains("full.difference(&small, \"gap\")") && test.contains("off <= 1e-5"), "{test}");
     let Unanswered::Model { problems } = asked(&Question::new(block.replace("AMOUNT", "1 s"))).expect_err("a refusal")
     else {
         panic!("not a problem of the file")

@@ -112,7 +112,7 @@ fn a_light_coupling_follows_with_its_inertia() {
     let place =
         choice.members.iter().position(|name| name == "coordinates.b").unwrap_or_else(|| panic!("{}", needs.table()));
     assert_eq!(choice.proposals[place], Proposal::Slaved { to: "(k1*a + k2*c)/(k1 + k2)".to_owned() });
-    assert!(choice.saving > 50.0 && choice.verified < 2e-4, "{}", needs.table());
+    assert!(choice.saving > 45.0 && choice.verified < 2e-4, "{}", needs.table());
     assert!(choice.moved.is_some_and(|moved| moved < 1e-3), "{}", needs.table());
     holds(GEARED_ROTOR, &needs);
     // The study's: 2.9e-5; what follows without its own vibration is off like 1/k.

@@ -275,3 +275,27 @@ scene: {{start: {{x: 0.3}}, until: 60, tolerance: 1e-8}}
     acts(&strong, "forces.hum");
     goes(&found(&pair("3e-6"), "swing"), "forces.hum");
 }
+
+/// An input whose period divides the distances at which runs are reported.
+fn in_step_with_reports(amplitude: &str) -> String {
+    format!(
+        "name: InStep
+parameters: {{A: {amplitude}}}
+coordinates: {{x: 1}}
+inputs: {{u: \"A*sin(2*pi*400*t)\"}}
+kinetic_energy: x'^2/2
+potential_energy: (x - u)^2*100/2
+outputs: {{pull: \"100*(x - u)\"}}
+scene: {{start: {{x: 1}}, until: 1, tolerance: 1e-8}}
+"
+    )
+}
+
+#[test]
+fn an_input_in_step_with_the_reports_was_not_needed() {
+    // It changes the output by 100 A, of a range of 200 and a little.
+    let needs = found(&in_step_with_reports("0.3"), "pull");
+    acts(&needs, "inputs.u");
+    assert!(change(&needs, "inputs.u") > 0.11, "{}", needs.table());
+    goes(&found(&in_step_with_reports("1e-3"), "pull"), "inputs.u");
+}

@@ -274,7 +274,7 @@ fn reactions_change_at_the_rate_that_the_equations_say() {
 #[test]
 fn phases_that_follow_each_other_at_one_instant_end_the_run() {
     // With steps this long the slip that has begun ends within rounding, and begins again.
-    for step in [0.625, 0.5, 0.4419417382415922, 0.20833333333333334] {
+    for step in [0.9, 0.5, 0.4419417382415922, 0.20833333333333334] {
         let mut case = Case::new("eccentric_cylinder").scene("real");
         (case.settings.method, case.settings.step) = (Method::Rk4, Some(step));
         let error = case.try_run().unwrap_err();
