@@ -171,16 +171,19 @@ fn modes() -> Command {
 
 fn chart() -> Command {
     Command::new("chart")
-        .about("Charts speed against accuracy: what every method that suits, and every way of treating constraints, costs for its error; and, of a scene with `needs`, every model that leaves something out")
+        .about("Charts speed against accuracy: what every method that suits, and every way of treating constraints, costs for its error; and, of a scene with `needs`, every model that leaves something out; with --steps errors against step sizes")
         .arg(model())
         .args(sizes())
         .args(scene().into_iter().filter(|arg| arg.get_id() != "tolerance"))
+        .arg(flag("steps", "Chart errors against step sizes instead, halved down to rounding, with the order that each method shows; methods with error control only where --methods names them").conflicts_with_all(["twin", "needs", "within"]))
         .arg(value("methods", "A,B", "Only these methods [default: all that suit]"))
         .arg(value("compare", "NAME,NAME", "What errors are taken of: coordinates, rates, outputs [default: the coordinates]"))
         .arg(value("twin", "NAME", "Another file of the same mechanism, in minimal coordinates say, at its scene of the same name or its first; compared by outputs of the same names"))
         .args(wanted("the scene's `needs`; without either, what can be left out is not asked", "the scene's `needs`, or 1e-3"))
-        .arg(picture("plot", "Where the charts go [default: NAME-chart.svg]"))
-        .arg(value("csv", "FILE.csv", "Where all points go [default: NAME-chart.csv]"))
+        .arg(picture("plot", "Where the charts go [default: NAME-chart.svg, NAME-steps.svg]"))
+        .arg(value("csv", "FILE.csv", "Where all points go [default: NAME-chart.csv, NAME-steps.csv]"))
+        .arg(value("max-steps", "COUNT", "With --steps: no run takes more of them [default: 1000000]").value_parser(clap::value_parser!(u64)).requires("steps"))
+        .arg(flag("json", "With --steps: print one JSON object").requires("steps"))
 }
 
 fn needs() -> Command {
