@@ -129,6 +129,7 @@ fn sweep() -> Command {
         .arg(value("show", "A,B", "What is printed and drawn: a coordinate, rate or output at the end, or `min A`, `max A`, `events E`, `t`, `energy drift`, `warnings`, `frequency 1`, `damping 1` [default: coordinates, outputs and frequencies]"))
         .arg(value("csv", "FILE.csv", "Where the table goes [default: NAME-sweep.csv]"))
         .arg(picture("plot", "Draw what is shown over the first of what varies"))
+        .arg(value("log", "x,y", "Logarithmic axes of the plot: x, y or x,y [default: x where the first of what varies does so evenly in the logarithm]").requires("plot"))
         .arg(value("threads", "COUNT", "How many runs at a time [default: one a processor]"))
         .arg(value("shard", "I/N", "Only part I of N of all runs, for one of N machines"))
         .arg(
@@ -238,7 +239,7 @@ fn value(name: &'static str, placeholder: &'static str, help: &'static str) -> A
 
 /// A file that is drawn.
 fn picture(name: &'static str, help: &str) -> Arg {
-    value(name, "FILE.svg", "").help(format!("{help}; as PNG where FILE ends in .png"))
+    value(name, "FILE.svg", "").help(format!("{help}; as PNG or PDF where FILE ends in .png or .pdf"))
 }
 
 /// What moves.

@@ -1,7 +1,7 @@
 //! Lines, marks, crosses and slope triangles, placed in drawing units.
 
 use super::figure::{Canvas, FINE, Outcome, text};
-use super::{Chart, Slope, Style};
+use super::{Chart, Slope, Style, lettering};
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -121,6 +121,36 @@ pub(super) fn crosses<B: DrawingBackend>(
         if failures.get(index + 1).is_none_or(|(_, next)| next != label) {
             let style = text(11).color(&pen.colour).pos(Pos::new(HPos::Left, VPos::Center));
             canvas.draw(&Text::new((*label).to_owned(), (x + 8 * FINE, row), style))?;
+        }
+    }
+    Ok(())
+}
+
+/// More instants than these are ticks at the axis: lines would hide the curves.
+const MOST_LINES: usize = 20;
+/// The size of a name beside the line of an instant, and the length of a tick, px.
+const NAME: i32 = 10;
+const TICK: i32 = 8;
+
+/// Lines, or ticks where they are many, at these places from left to right, between the top of the frame and the axis; names stand
+/// to the left of their lines where no line stands in their way.
+pub(super) fn instants<B: DrawingBackend>(
+    canvas: &Canvas<B>,
+    places: &[(i32, &str)],
+    (top, bottom): (i32, i32),
+) -> Outcome<B> {
+    let colour = RGBColor(110, 110, 110);
+    let many = places.len() > MOST_LINES;
+    let upper = if many { bottom - TICK * FINE } else { top };
+    let mut taken = i32::MIN;
+    for (x, name) in places {
+        canvas.draw(&PathElement::new([(*x, bottom), (*x, upper)], colour.mix(0.6).stroke_width(FINE as u32)))?;
+        if !many && *x > taken {
+            let style = text(NAME).color(&colour).pos(Pos::new(HPos::Right, VPos::Center));
+            let name = lettering::fitted(name, f64::from(bottom - top) / f64::from(NAME * FINE) * 0.9);
+            let at = (x - (NAME / 2 + 2) * FINE, top + 3 * FINE);
+            canvas.draw(&Text::new(name, at, style.transform(FontTransform::Rotate270)))?;
+            taken = x + (NAME + 4) * FINE;
         }
     }
     Ok(())

@@ -45,6 +45,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     drawn.try_for_each(|path| outputs::drawable(path))?;
     options.get_one::<String>("animate").map_or(Ok(()), |path| outputs::playable(path))?;
     let mut loaded = Loaded::find(models, options)?;
+    super::drawn::check(&loaded, options)?;
     let (scene, mut reader) = choose(&mut loaded, options)?;
     enter_phase(&mut loaded, scene, options)?;
     let inputs = held_inputs(&loaded, options)?;
