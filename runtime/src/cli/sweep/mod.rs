@@ -118,6 +118,7 @@ fn compute(loaded: &mut Loaded, options: &ArgMatches, columns: &[String], modes:
     });
     let threads = threads.transpose()?;
     let (shard, shards) = shard(options)?;
+    loaded.warnings.append(&mut reader.notes);
     for warning in &loaded.warnings {
         eprintln!("warning: {warning}");
     }
