@@ -293,7 +293,8 @@ fn people_get_a_table() {
     let mut out = Vec::new();
     dalembert::cli::run(&[], ["dalembert", "modes", &path], &mut out).unwrap();
     let text = String::from_utf8(out).unwrap();
-    for part in ["equilibrium at theta1 = 0 rad, theta2 = 0 rad", "K =", "1: oscillating, omega = 2.420", "carried by"]
+    for part in
+        ["equilibrium at theta1 = 0 rad, theta2 = 0 rad", "K =", "1: oscillating, omega = 2.420", "participation: "]
     {
         assert!(text.contains(part), "{part} is not in\n{text}");
     }

@@ -128,3 +128,55 @@ scene: {start: {x: 0.4, y': 2}, until: 20*pi, every: pi, tolerance: 1e-10}
     let printed = told(&[&[text(&orbit)], &paths[..]].concat()).unwrap();
     assert!(printed.contains("errors of x, y") && printed.contains("two runs agree to"), "{printed}");
 }
+
+#[test]
+fn errors_fall_with_the_step_at_each_method_s_order_down_to_rounding() {
+    let (svg, csv) = (file("steps.svg"), file("steps.csv"));
+    let paths = ["simple_pendulum", "--steps", "--until", "2", "--plot", text(&svg), "--csv", text(&csv)];
+    let printed = told(&[&paths[..], &["--max-steps", "50000"]].concat()).unwrap();
+    let row = |method: &str| -> Vec<String> {
+        let line = printed.lines().find(|line| line.split_whitespace().next() == Some(method));
+        line.unwrap_or_else(|| panic!("{method}: {printed}")).split_whitespace().map(str::to_owned).collect()
+    };
+    let methods = [
+        ("euler", 1.0),
+        ("midpoint", 2.0),
+        ("rk4", 4.0),
+        ("verlet", 2.0),
+        ("srkn4", 4.0),
+        ("suzuki4", 4.0),
+        ("kahanli8", 8.0),
+        ("gauss2", 2.0),
+        ("gauss4", 4.0),
+        ("gauss6", 6.0),
+    ];
+    for (method, order) in methods {
+        let [_, theory, observed, least, ..] = row(method).try_into().map(|cells: [String; 6]| cells).unwrap();
+        let [theory, observed, least] = [theory, observed, least].map(|cell| cell.parse::<f64>().unwrap());
+        assert_eq!(theory, order);
+        assert!((observed - order).abs() < 0.05 * order, "{method}: {observed}");
+        // Half a unit of the last place of the range, where the order is high enough to get there.
+        assert_eq!(least < 1.2e-16, order > 3.0, "{method}: {least}");
+    }
+    assert!(
+        printed
+            .contains("Shorter steps make no difference any more for rk4, srkn4, suzuki4, kahanli8, gauss4, gauss6.")
+    );
+    assert!(!printed.contains("dop853  "), "methods with error control are not asked: {printed}");
+    let table = fs::read_to_string(&csv).unwrap();
+    assert!(
+        table.starts_with("scene,method,order,step_s,steps,error,failure\nSimplePendulum,euler,1,2e-1,10,"),
+        "{table}"
+    );
+    assert!(fs::read_to_string(&svg).unwrap().contains("rk4, order 4.0"));
+    // A method with error control where it is named; all as data.
+    let one = told(&[&paths[..], &["--methods", "dopri5", "--max-steps", "5000", "--json"]].concat()).unwrap();
+    assert!(
+        one.starts_with("{\"model\":\"SimplePendulum\",\"compared\":[\"theta\"],\"reference\":\"double-double\""),
+        "{one}"
+    );
+    assert!(one.contains("\"method\":\"dopri5\",\"order\":5,\"observed_order\":5."), "{one}");
+    // Without --steps there is neither.
+    let error = told(&["simple_pendulum", "--json"]).unwrap_err();
+    assert!(error.contains("--steps"), "{error}");
+}

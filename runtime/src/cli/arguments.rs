@@ -88,7 +88,7 @@ fn simulate() -> Command {
         .arg(value("step", "TIME", "A fixed step"))
         .arg(value("max-steps", "COUNT", "No more steps than these [default: 10000000]").value_parser(clap::value_parser!(u64)))
         .arg(flag("symmetries", "Tell which exchanges and reflections of coordinates the start has that leave the equations as they are, and watch that the motion keeps them"))
-        .arg(flag("together", "Run parts that do not feel each other with the same steps, not each with its own"))
+        .arg(flag("together", "Integrate decoupled subsystems with one common step size"))
         .arg(value("constraints", "WAY", "multipliers, nullspace or springs [default: multipliers]"))
         .arg(value("stiffness", "K", "Of springs in the place of constraints, SI [default: 1e6]"))
         .arg(value("damping", "D", "Of dampers beside them, SI [default: 0]"))
@@ -129,6 +129,7 @@ fn sweep() -> Command {
         .arg(value("show", "A,B", "What is printed and drawn: a coordinate, rate or output at the end, or `min A`, `max A`, `events E`, `t`, `energy drift`, `warnings`, `frequency 1`, `damping 1` [default: coordinates, outputs and frequencies]"))
         .arg(value("csv", "FILE.csv", "Where the table goes [default: NAME-sweep.csv]"))
         .arg(picture("plot", "Draw what is shown over the first of what varies"))
+        .arg(value("log", "x,y", "Logarithmic axes of the plot: x, y or x,y [default: x where the first of what varies does so evenly in the logarithm]").requires("plot"))
         .arg(value("threads", "COUNT", "How many runs at a time [default: one a processor]"))
         .arg(value("shard", "I/N", "Only part I of N of all runs, for one of N machines"))
         .arg(
@@ -155,10 +156,10 @@ fn modes() -> Command {
         .arg(animation("Write a page that animates a mode"))
         .arg(value("mode", "NUMBER", "Which mode to animate [default: the first that is not rigid]"))
         .arg(picture("motion", "Draw the free motion from the scene's start, computed in several ways, and compare them"))
-        .arg(many("drive", "NAME[=AMPLITUDE]", "What shakes it: an input, an entry of `forces` or `torques` (along its direction), or a coordinate that a force acts on; several, also A,B, go in step [default: the first input]"))
+        .arg(many("drive", "NAME[=AMPLITUDE]", "Excitation: an input, an entry of `forces` or `torques` (along its direction), or a coordinate that a force acts on; several, also A,B, are applied in phase [default: the first input]"))
         .arg(value("omega", "FREQUENCY", "Print the steady state at this frequency, rad/s (or 5 Hz, 300 rpm): by modes, and what drives what"))
         .arg(picture("bode", "Draw the frequency response: amplitude, per unit of what drives, and phase"))
-        .arg(value("response", "A,B", "What answers: coordinates, rates, outputs [default: all coordinates]"))
+        .arg(value("response", "A,B", "Response quantities: coordinates, rates, outputs [default: all coordinates]"))
         .arg(flag("hertz", "Draw over frequencies in Hz").requires("bode"))
         .arg(value("range", "A..B", "Frequencies of the response, rad/s (or 1 Hz..5 Hz) [default: about those of the modes]"))
         .arg(many("vary", "NAME=A..B", "Follow the equilibrium or steady motion and its eigenvalues while a parameter, or a speed (phi'), changes; find folds, poles and where stability changes; windows of instability of any width are found where what varies is smooth over 1/64 of the range, otherwise take a narrower one"))
@@ -171,16 +172,19 @@ fn modes() -> Command {
 
 fn chart() -> Command {
     Command::new("chart")
-        .about("Charts speed against accuracy: what every method that suits, and every way of treating constraints, costs for its error; and, of a scene with `needs`, every model that leaves something out")
+        .about("Charts speed against accuracy: what every method that suits, and every way of treating constraints, costs for its error; and, of a scene with `needs`, every model that leaves something out; with --steps errors against step sizes")
         .arg(model())
         .args(sizes())
         .args(scene().into_iter().filter(|arg| arg.get_id() != "tolerance"))
+        .arg(flag("steps", "Chart errors against step sizes instead, halved down to rounding, with the order that each method shows; methods with error control only where --methods names them").conflicts_with_all(["twin", "needs", "within"]))
         .arg(value("methods", "A,B", "Only these methods [default: all that suit]"))
         .arg(value("compare", "NAME,NAME", "What errors are taken of: coordinates, rates, outputs [default: the coordinates]"))
         .arg(value("twin", "NAME", "Another file of the same mechanism, in minimal coordinates say, at its scene of the same name or its first; compared by outputs of the same names"))
         .args(wanted("the scene's `needs`; without either, what can be left out is not asked", "the scene's `needs`, or 1e-3"))
-        .arg(picture("plot", "Where the charts go [default: NAME-chart.svg]"))
-        .arg(value("csv", "FILE.csv", "Where all points go [default: NAME-chart.csv]"))
+        .arg(picture("plot", "Where the charts go [default: NAME-chart.svg, NAME-steps.svg]"))
+        .arg(value("csv", "FILE.csv", "Where all points go [default: NAME-chart.csv, NAME-steps.csv]"))
+        .arg(value("max-steps", "COUNT", "With --steps: no run takes more of them [default: 1000000]").value_parser(clap::value_parser!(u64)).requires("steps"))
+        .arg(flag("json", "With --steps: print one JSON object").requires("steps"))
 }
 
 fn needs() -> Command {
@@ -235,7 +239,7 @@ fn value(name: &'static str, placeholder: &'static str, help: &'static str) -> A
 
 /// A file that is drawn.
 fn picture(name: &'static str, help: &str) -> Arg {
-    value(name, "FILE.svg", "").help(format!("{help}; as PNG where FILE ends in .png"))
+    value(name, "FILE.svg", "").help(format!("{help}; as PNG or PDF where FILE ends in .png or .pdf"))
 }
 
 /// What moves.

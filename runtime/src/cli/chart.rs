@@ -1,4 +1,6 @@
-//! `chart`: speed against accuracy.
+//! `chart`: speed against accuracy; errors against step sizes.
+
+mod steps;
 
 use std::io::{IsTerminal, Write};
 use std::ops::ControlFlow;
@@ -10,28 +12,41 @@ use super::set_up::set_up;
 use super::{Entry, Problem, needs, outputs};
 use crate::mechanism::{Description, Interpreted, Method, System};
 use crate::needs::Needs;
-use crate::precision::{Candidate, DoubleOnly, Fidelity, Plan, Reference, WorkPrecision};
+use crate::precision::{Candidate, Convergence, DoubleOnly, Fidelity, Plan, Reference, WorkPrecision};
 use crate::{Error, Settings};
 
 /// Measures every method that suits, and every way of treating constraints; prints a table and what follows from it, and
 /// writes the charts and all points.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let mut loaded = Loaded::find(models, options)?;
+    let by_steps = options.get_flag("steps");
     let files = [("plot", "svg"), ("csv", "csv")].map(|(option, ending)| {
-        options.get_one::<String>(option).cloned().unwrap_or_else(|| format!("{}-chart.{ending}", loaded.name))
+        let kind = if by_steps { "steps" } else { "chart" };
+        options.get_one::<String>(option).cloned().unwrap_or_else(|| format!("{}-{kind}.{ending}", loaded.name))
     });
     outputs::check_paths(["plot", "csv"].into_iter().zip(files.iter().map(String::as_str)), &loaded.path)?;
-    let reduced = reduced(&mut loaded, options)?;
+    let reduced = if by_steps { None } else { reduced(&mut loaded, options)? };
     let settings = set_up(&mut loaded, options)?;
     for warning in &loaded.warnings {
         eprintln!("warning: {warning}");
     }
     let mut columns = columns(options);
+    if by_steps {
+        let max_steps = options.get_one("max-steps").copied().unwrap_or(Convergence::MOST_STEPS);
+        let settings = Settings { max_steps, ..settings };
+        let candidates = methods(&loaded, &settings, options, Candidate::fixed_steps)?;
+        let plan = Plan { columns, ..Plan::default() };
+        let model = interpreted(&loaded, options);
+        let found = said(|progress| {
+            Convergence::measure_extended(&candidates, &plan, model.as_ref().map_err(|why| *why), progress)
+        })?;
+        return steps::report(&found, &files, options.get_flag("json"), out);
+    }
     let twin = options
         .get_one::<String>("twin")
         .map(|name| twin(models, name, (&loaded, options), &mut columns))
         .transpose()?;
-    let methods = methods(&loaded, &settings, options)?;
+    let methods = methods(&loaded, &settings, options, Candidate::methods)?;
     let by_dop853 = Settings { method: Method::Dop853, ..settings.clone() };
     let mut ways = Candidate::formulations(&*loaded.system, &by_dop853);
     if let Some((name, system, settings)) = twin {
@@ -45,12 +60,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         ));
     }
     let plan = Plan { columns, ..Plan::default() };
-    let model = match options.contains_id("input") {
-        true => Err(DoubleOnly::Inputs),
-        false => {
-            loaded.program().map_or(Err(DoubleOnly::NoModel), |program| Ok(Interpreted::new(program, &loaded.source)))
-        }
-    };
+    let model = interpreted(&loaded, options);
     let mut measured = vec![measure(&methods, &plan, &model)?];
     if !ways.is_empty() {
         let mut found = measure(&ways, &plan, &model)?;
@@ -94,9 +104,25 @@ fn columns(options: &ArgMatches) -> Vec<String> {
     given.flat_map(|list| list.split(',')).map(|name| name.trim().to_owned()).filter(|name| !name.is_empty()).collect()
 }
 
-fn methods(loaded: &Loaded, settings: &Settings, options: &ArgMatches) -> Result<Vec<Candidate>, Problem> {
+/// The model for a reference in double-double, or why there is none.
+fn interpreted(loaded: &Loaded, options: &ArgMatches) -> Result<Interpreted, DoubleOnly> {
+    match options.contains_id("input") {
+        true => Err(DoubleOnly::Inputs),
+        false => {
+            loaded.program().map_or(Err(DoubleOnly::NoModel), |program| Ok(Interpreted::new(program, &loaded.source)))
+        }
+    }
+}
+
+/// The methods of `--methods`, or those of a default.
+fn methods(
+    loaded: &Loaded,
+    settings: &Settings,
+    options: &ArgMatches,
+    default: impl Fn(&dyn System, &Settings) -> Vec<Candidate>,
+) -> Result<Vec<Candidate>, Problem> {
     let Some(list) = options.get_one::<String>("methods") else {
-        return Ok(Candidate::methods(&*loaded.system, settings));
+        return Ok(default(&*loaded.system, settings));
     };
     let read = |name: &str| -> Result<Candidate, Problem> {
         let method: Method = name.trim().parse().map_err(|e| Problem::Usage(format!("error: {e}")))?;
@@ -147,9 +173,14 @@ fn measure(
     plan: &Plan,
     model: &Result<Interpreted, DoubleOnly>,
 ) -> Result<WorkPrecision, Problem> {
-    let shown = std::io::stderr().is_terminal();
     let extended = |first: &Candidate, found: Reference| found.extended(first, model.as_ref().map_err(|why| *why));
-    let found = WorkPrecision::against(candidates, plan, extended, &mut |name| {
+    said(|progress| WorkPrecision::against(candidates, plan, extended, progress))
+}
+
+/// Measures while a terminal says whose turn it is.
+fn said<T>(measure: impl FnOnce(&mut dyn FnMut(&str) -> ControlFlow<()>) -> Result<T, Error>) -> Result<T, Problem> {
+    let shown = std::io::stderr().is_terminal();
+    let found = measure(&mut |name| {
         if shown {
             eprint!("\r{name}\x1b[K");
         }
@@ -174,14 +205,19 @@ fn report(found: &WorkPrecision, out: &mut dyn Write) -> Result<(), Problem> {
         writeln!(out, "the scene goes on, but beyond that time they agree on fewer than eight digits")?;
     }
     writeln!(out, "\nwork in evaluations, then time, to reach 1e-3, 1e-6 and 1e-9:\n{}", found.table())?;
-    let mut refused = found.refused.as_slice();
+    left_out(&found.refused, out)?;
+    writeln!(out, "{}\n", found.sentence())?;
+    Ok(())
+}
+
+/// Who does not suit the scene; those with one reason in a line.
+fn left_out(mut refused: &[(String, String)], out: &mut dyn Write) -> Result<(), Problem> {
     while let Some((_, why)) = refused.first() {
         let alike = refused.iter().take_while(|(_, other)| other == why).count();
         let names: Vec<&str> = refused[..alike].iter().map(|(name, _)| name.as_str()).collect();
         writeln!(out, "left out {}: {why}", names.join(", "))?;
         refused = &refused[alike..];
     }
-    writeln!(out, "{}\n", found.sentence())?;
     Ok(())
 }
 

@@ -5,12 +5,12 @@ use std::io::Write;
 use clap::ArgMatches;
 use dalembert_symbolic::file;
 use dalembert_symbolic::gate::{Conservative, Nature, Origin, shared_data};
-use dalembert_symbolic::lower::{Program, compile_in};
+use dalembert_symbolic::lower::Program;
 use dalembert_symbolic::number::DoubleDouble;
 use serde_json::Value;
 
 use super::json::{number, object, write};
-use super::load::{Loaded, ModelFile, folder, sizes};
+use super::load::{Loaded, ModelFile, derived, sizes};
 use super::{Entry, Problem, freedoms, routh, symmetries};
 use crate::mechanism::{At, Balances, Interpreted, System};
 
@@ -40,10 +40,11 @@ fn one(models: &[Entry], name: &str, options: &ArgMatches, out: &mut dyn Write) 
     if options.get_flag("json") {
         return as_json(models, name, options, out);
     }
-    let loaded = Loaded::named(models, name, sizes(options)?)?;
-    let program = loaded.program()?;
+    let text = ModelFile::named(models, name, sizes(options)?)?;
+    let derived = derived(&text.path, &text.source, &text.sizes);
+    let program = derived.map_err(|problems| Problem::Model(file::render(&text.path, &text.source, &problems)))?;
     let n = program.model.coordinates.len();
-    writeln!(out, "{}: {n} coordinate{}", loaded.name, if n == 1 { "" } else { "s" })?;
+    writeln!(out, "{}: {n} coordinate{}", text.name, if n == 1 { "" } else { "s" })?;
     for agreement in &program.report.agreements {
         let (first, second) = &agreement.between;
         let (states, worst) = (agreement.states, agreement.worst);
@@ -55,7 +56,7 @@ fn one(models: &[Entry], name: &str, options: &ArgMatches, out: &mut dyn Write) 
     looked_at(&program, out)?;
     unseen(&program, out)?;
     without_units(&program, out)?;
-    conditions(&program, &loaded.source, out)?;
+    conditions(&program, &text.source, out)?;
     let model = &program.model;
     for ((name, worst), claim) in program.report.conserved.iter().zip(&model.conserved) {
         writeln!(out, "  {name} is conserved{}, worst {worst:.1e}", model.condition(&claim.when))?;
@@ -66,18 +67,21 @@ fn one(models: &[Entry], name: &str, options: &ArgMatches, out: &mut dyn Write) 
     for force in &program.report.forces {
         writeln!(out, "  {}", nature(force))?;
     }
-    write!(out, "{}", file::render(&loaded.path, &loaded.source, &program.model.warnings))?;
+    write!(out, "{}", file::render(&text.path, &text.source, &program.model.warnings))?;
     structure(&program, out)?;
     if options.get_flag("routh") {
         write!(out, "{}", routh::lines(&program))?;
     }
-    if options.get_flag("symmetries") { symmetries::of_scenes(&loaded, &program, out) } else { Ok(()) }
+    if !options.get_flag("symmetries") {
+        return Ok(());
+    }
+    symmetries::of_scenes(&Loaded::named(models, name, sizes(options)?)?, &program, out)
 }
 
 /// The report as one object; of a file with mistakes these, each with its place, before the command fails.
 fn as_json(models: &[Entry], name: &str, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let text = ModelFile::named(models, name, sizes(options)?)?;
-    let program = match compile_in(folder(&text.path), &text.source, &text.sizes) {
+    let program = match derived(&text.path, &text.source, &text.sizes) {
         Ok(program) => program,
         Err(problems) => {
             let report = object([("name", text.name.into()), ("problems", mistakes(&text.source, &problems))]);

@@ -1,8 +1,10 @@
 //! Finding a model: compiled, by name; or any file, by path, interpreted.
 
-use std::io::Read;
+use std::io::{IsTerminal, Read, Write};
 use std::path::Path;
 use std::sync::OnceLock;
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::Duration;
 
 use clap::ArgMatches;
 use dalembert_symbolic::lower::{Program, compile_in};
@@ -134,7 +136,38 @@ impl Loaded {
 }
 
 fn compiled_or_problem(path: &str, source: &str, sizes: &[(String, i64)]) -> Result<Program, Problem> {
-    compile_in(folder(path), source, sizes).map_err(|problems| Problem::Model(file::render(path, source, &problems)))
+    derived(path, source, sizes).map_err(|problems| Problem::Model(file::render(path, source, &problems)))
+}
+
+/// Derives a model; a terminal says so where that takes longer than [`PATIENCE`].
+pub fn derived(path: &str, source: &str, sizes: &[(String, i64)]) -> Result<Program, Vec<diagnose::Problem>> {
+    let work = || compile_in(folder(path), source, sizes);
+    match std::io::stderr().is_terminal() {
+        true => announced(&mut std::io::stderr(), path, PATIENCE, work),
+        false => work(),
+    }
+}
+
+/// Deriving that takes no longer than this needs no word.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// Does something; where that takes longer than this, a line says what is derived until it is done.
+fn announced<T>(line: &mut (impl Write + Send), path: &str, patience: Duration, work: impl FnOnce() -> T) -> T {
+    let (working, done) = mpsc::channel::<()>();
+    std::thread::scope(|scope| {
+        scope.spawn(move || {
+            if done.recv_timeout(patience) != Err(RecvTimeoutError::Timeout) {
+                return;
+            }
+            // A line that cannot be written is no loss.
+            let _ = write!(line, "deriving {path} ...").and_then(|()| line.flush());
+            let _ = done.recv();
+            let _ = write!(line, "\r\x1b[K").and_then(|()| line.flush());
+        });
+        let found = work();
+        drop(working);
+        found
+    })
 }
 
 /// Where the files of a model's tables are: beside its own.
@@ -167,4 +200,41 @@ pub fn pairs(options: &ArgMatches, option: &str) -> Result<Vec<(String, String)>
         pairs.push((name.to_owned(), value.to_owned()));
     }
     Ok(pairs)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::{Arc, Mutex};
+
+    /// What is written, for another thread to see.
+    #[derive(Clone, Default)]
+    struct Shared(Arc<Mutex<Vec<u8>>>);
+
+    impl Write for Shared {
+        fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+            self.0.lock().unwrap().write(bytes)
+        }
+
+        fn flush(&mut self) -> std::io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn deriving_that_takes_long_is_announced_and_the_line_goes_again() {
+        let seen = Shared::default();
+        let mut line = seen.clone();
+        let found = announced(&mut line, "crane.yaml", Duration::ZERO, || {
+            while seen.0.lock().unwrap().is_empty() {
+                std::thread::yield_now();
+            }
+            7
+        });
+        assert_eq!((found, seen.0.lock().unwrap().as_slice()), (7, &b"deriving crane.yaml ...\r\x1b[K"[..]));
+        // What is quick is not talked about.
+        let mut line = Shared::default();
+        assert_eq!(announced(&mut line, "crane.yaml", Duration::from_secs(3600), || 8), 8);
+        assert!(line.0.lock().unwrap().is_empty());
+    }
 }

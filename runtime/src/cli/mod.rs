@@ -15,6 +15,7 @@ mod chart;
 mod check;
 mod compare;
 mod completions;
+mod drawn;
 mod enforcement;
 mod freedoms;
 mod json;

@@ -7,7 +7,7 @@ use clap::ArgMatches;
 
 use super::Problem;
 use crate::Error;
-use crate::show::{Animation, Figure, Pace, is_picture, is_png};
+use crate::show::{Animation, Figure, Pace, is_picture, wants_letters};
 
 /// Refuses paths that cannot be written, that are the model file, or that two options share.
 ///
@@ -69,7 +69,7 @@ pub fn keep<'a>(path: &str, mut read: impl Iterator<Item = &'a str>) -> Result<(
     }
 }
 
-/// Draws a picture to a file, as SVG or PNG by its name.
+/// Draws a picture to a file, as SVG, PNG or PDF by its name.
 ///
 /// # Errors
 /// [`Problem::File`].
@@ -91,7 +91,7 @@ pub fn animate(path: &str, animation: &Animation) -> Result<Option<Pace>, Proble
 /// # Errors
 /// [`Problem::Usage`].
 pub fn drawable(path: &str) -> Result<(), Problem> {
-    has_format(path, is_png, &["svg", "png"])
+    has_format(path, wants_letters, &["svg", "png", "pdf"])
 }
 
 /// The same for an animation.

@@ -68,6 +68,8 @@ impl Shown {
             }
             for (place, mut chart) in charts.into_iter().enumerate() {
                 if runs.len() > 1 {
+                    // Whose they are could not be seen.
+                    chart.instants.clear();
                     for series in &mut chart.series {
                         series.name =
                             if series.name.is_empty() { name.clone() } else { format!("{}, {name}", series.name) };

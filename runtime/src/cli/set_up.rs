@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use clap::ArgMatches;
 use dalembert_symbolic::expr::{Symbol, Tape};
-use dalembert_symbolic::model::{Model, Sets};
+use dalembert_symbolic::model::{Model, Sets, looks_like_degrees};
 use dalembert_symbolic::{diagnose, file, gate, lower};
 
 use super::load::{Loaded, pairs};
@@ -26,6 +26,7 @@ pub fn set_up_scene(loaded: &mut Loaded, options: &ArgMatches, scene: Option<&st
     if let Some(path) = options.try_get_one::<String>("state").ok().flatten() {
         value_files::start(loaded, &mut reader, path, &mut settings)?;
     }
+    loaded.warnings.append(&mut reader.notes);
     Ok(changes.of(settings))
 }
 
@@ -111,11 +112,13 @@ fn choose_scene(loaded: &mut Loaded, options: &ArgMatches, scene: Option<&str>) 
 /// Reads expressions of the model language; the model is resolved when the first one comes.
 pub struct Reader {
     model: Option<Model>,
+    /// What the user should know of values that were read.
+    pub notes: Vec<String>,
 }
 
 impl Reader {
     pub fn new(_loaded: &Loaded) -> Self {
-        Reader { model: None }
+        Reader { model: None, notes: Vec::new() }
     }
 
     /// The model with its names.
@@ -160,11 +163,32 @@ impl Reader {
         if let Ok(number) = text.trim().parse::<f64>()
             && number.is_finite()
         {
+            self.degrees(loaded, place, sets, text.trim());
             return Ok(number);
         }
         let parameters = loaded.system.parameters();
         let found = self.model(loaded)?.constant(text, sets, &parameters);
         found.map_err(|problems| Problem::Usage(file::render(place, text, &problems)))
+    }
+}
+
+impl Reader {
+    /// Notes where a bare number for an angle looks like degrees.
+    fn degrees(&mut self, loaded: &Loaded, place: &str, sets: Sets, text: &str) {
+        let description = loaded.system.description();
+        let (name, unit) = match sets {
+            Sets::Coordinate(index) => (&description.coordinates[index].name, &description.coordinates[index].unit),
+            Sets::Parameter(index) => (&description.parameters[index].name, &description.parameters[index].unit),
+            _ => return,
+        };
+        if unit == "rad" && looks_like_degrees(text) {
+            let note = format!(
+                "{place}: `{name}` is in radians, and `{text}` looks like degrees; write `{text} deg`, or `{text} rad` where that is meant"
+            );
+            if !self.notes.contains(&note) {
+                self.notes.push(note);
+            }
+        }
     }
 }
 

@@ -15,7 +15,7 @@ use super::json::{number, object};
 use super::load::Loaded;
 use super::plotted::Shown;
 use super::set_up::{set_up, set_up_scene};
-use super::{Entry, Problem, compare, enforcement, outputs, symmetries, value_files};
+use super::{Entry, Problem, compare, drawn, enforcement, outputs, symmetries, value_files};
 use crate::mechanism::{Description, Enforcement, Stabilisation};
 use crate::numbers::short;
 use crate::run::{RunPart, Work};
@@ -27,6 +27,7 @@ use crate::{Error, Impulse, Run, Settings};
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let mut loaded = Loaded::find(models, options)?;
     outputs::check(options, &["csv", "plot", "animate", "save"], &loaded.path)?;
+    drawn::check(&loaded, options)?;
     let settings = set_up(&mut loaded, options).and_then(|settings| by_options(settings, options))?;
     let shown = Shown::read(&loaded, options)?;
     for warning in &loaded.warnings {

@@ -72,7 +72,7 @@ pub enum Error {
         /// What stands in the way.
         why: String,
     },
-    /// A picture was to be a PNG or a GIF, and the crate was built without the feature `png`.
+    /// A picture was to be a PNG, a PDF or a GIF, and the crate was built without the feature `png`.
     NeedsPng {
         /// Its file.
         path: PathBuf,
@@ -204,7 +204,7 @@ impl fmt::Display for Error {
             }
             Error::NeedsPng { path } => write!(
                 f,
-                "cannot draw `{}`: PNG and GIF need the feature `png` of the crate `dalembert`; name a file .svg (a chart) or .html \
+                "cannot draw `{}`: PNG, PDF and GIF need the feature `png` of the crate `dalembert`; name a file .svg (a chart) or .html \
                  (an animation), or build with it",
                 path.display()
             ),

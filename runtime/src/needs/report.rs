@@ -24,7 +24,7 @@ impl Needs {
         if let Some(t) = self.promised_until {
             let _ = writeln!(
                 text,
-                "no part of it is left out: it forgets its start, and can be promised until t = {t:.3} s at most"
+                "no part of it is left out: it is chaotic, and can be promised until t = {t:.3} s at most"
             );
         }
         if !self.rungs.is_empty() {

@@ -8,6 +8,7 @@
 //! 5. The charts and the table: look in `picture.rs`.
 //! 6. What a scene can do without, on the same axes: look in `fidelity.rs`.
 //! 7. Where each method is stable: look in `map.rs`.
+//! 8. Error against step size, down to rounding: look in `steps.rs`.
 
 mod arithmetic;
 mod candidate;
@@ -24,6 +25,7 @@ mod picture;
 mod point;
 mod profile;
 mod reference;
+mod steps;
 #[cfg(test)]
 mod tests;
 mod verdict;
@@ -37,6 +39,7 @@ pub use map::{Limit, StabilityMap};
 pub use point::{Measured, Pace, Point};
 pub use profile::Profile;
 pub use reference::Reference;
+pub use steps::{Convergence, StepCurve, StepPoint};
 pub use verdict::Band;
 pub use work::WorkUnits;
 
@@ -147,15 +150,18 @@ impl WorkPrecision {
             }
             match Curve::measure(candidate, &found.reference, plan.repetitions) {
                 Ok(curve) => found.curves.push(curve),
-                Err(Error::NotSeparable { reason, .. }) => {
-                    found.refused.push((candidate.name.clone(), format!("not separable, since {reason}")));
-                }
-                Err(Error::NotLinear { reason }) => {
-                    found.refused.push((candidate.name.clone(), format!("not linear, since {reason}")));
-                }
-                Err(error) => found.refused.push((candidate.name.clone(), error.to_string())),
+                Err(error) => found.refused.push((candidate.name.clone(), unsuited(&error))),
             }
         }
         Ok(found)
+    }
+}
+
+/// Why a candidate does not suit a scene.
+fn unsuited(error: &Error) -> String {
+    match error {
+        Error::NotSeparable { reason, .. } => format!("not separable, since {reason}"),
+        Error::NotLinear { reason } => format!("not linear, since {reason}"),
+        error => error.to_string(),
     }
 }

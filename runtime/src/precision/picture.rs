@@ -142,11 +142,16 @@ impl WorkPrecision {
     }
 }
 
-/// A table with these columns.
+/// A table of points of curves.
 pub(super) fn record(rows: impl Iterator<Item = Vec<String>>) -> String {
+    into_table(&COLUMNS, rows)
+}
+
+/// A table with these columns.
+pub(super) fn into_table(columns: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
     let mut table = csv::Writer::from_writer(Vec::new());
     let into_memory = "a vector in memory takes all that is written";
-    table.write_record(COLUMNS).expect(into_memory);
+    table.write_record(columns).expect(into_memory);
     rows.for_each(|cells| table.write_record(cells).expect(into_memory));
     String::from_utf8(table.into_inner().expect(into_memory)).expect("names and numbers are text")
 }

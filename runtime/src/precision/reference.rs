@@ -121,14 +121,23 @@ impl Reference {
 
     /// The largest error of a run until each of the reference's times.
     pub(super) fn errors(&self, run: &Run) -> Vec<f64> {
-        let mut growth = vec![0.0_f64; self.times.len()];
+        let mut growth = self.differences(run);
+        for row in 1..growth.len() {
+            growth[row] = growth[row].max(growth[row - 1]);
+        }
+        growth
+    }
+
+    /// The error of a run at each of the reference's times.
+    pub(super) fn differences(&self, run: &Run) -> Vec<f64> {
+        let mut found = vec![0.0_f64; self.times.len()];
         // An event ends each run in its own time: what is compared is when.
         let shared = self.times.len() - usize::from(self.end.is_some());
         let ended = self.end.and(run.ended_by()).map_or(f64::INFINITY, |event| event.state.t);
         for (((name, values), rests), range) in self.columns.iter().zip(&self.values).zip(&self.rests).zip(&self.ranges)
         {
             let theirs = column(run, name).unwrap_or_default();
-            for (row, error) in growth.iter_mut().enumerate().take(shared) {
+            for (row, error) in found.iter_mut().enumerate().take(shared) {
                 let there = run.times.get(row) == Some(&self.times[row]);
                 let value = theirs.get(row).filter(|_| there).copied();
                 let difference = match value {
@@ -140,14 +149,19 @@ impl Reference {
                 *error = if difference.is_nan() { f64::INFINITY } else { error.max(difference) };
             }
         }
-        if let (Some(end), Some(last)) = (self.end, growth.last_mut()) {
+        if let (Some(end), Some(last)) = (self.end, found.last_mut()) {
             let span = end - self.times[0];
             *last = run.ended_by().map_or(f64::INFINITY, |event| (event.state.t - end).abs() / span);
         }
-        for row in 1..growth.len() {
-            growth[row] = growth[row].max(growth[row - 1]);
-        }
-        growth
+        found
+    }
+
+    /// Every how many of its times are these instants, equally apart and before any event that ends the motion, and how far apart they
+    /// are, s.
+    pub(super) fn instants(&self, count: usize) -> (usize, f64) {
+        let shared = self.times.len() - usize::from(self.end.is_some());
+        let every = (shared.saturating_sub(1) / count).max(1);
+        (every, self.times[every.min(self.times.len() - 1)] - self.times[0])
     }
 
     /// The times at which errors are looked at, s.

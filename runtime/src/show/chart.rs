@@ -24,6 +24,8 @@ pub struct Chart {
     pub series: Vec<Series>,
     /// Triangles that show slopes of a log–log chart.
     pub slopes: Vec<Slope>,
+    /// What happened at places of the horizontal axis: thin vertical lines with their names, ticks alone where there are many.
+    pub instants: Vec<Instant>,
     /// One unit is equally long on both axes, which must be linear: paths keep their shape.
     pub equal: bool,
 }
@@ -134,6 +136,15 @@ pub struct Failure {
     pub x: f64,
     /// Why, in a word; written beside the cross.
     pub label: String,
+}
+
+/// A place on the horizontal axis at which something happened.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Instant {
+    /// Where.
+    pub x: f64,
+    /// What; written along its line where there is room.
+    pub name: String,
 }
 
 /// A triangle between (x, y), one decade further right, and along y ∝ x^order.

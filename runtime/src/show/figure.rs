@@ -6,7 +6,7 @@
 use super::axis::Extent;
 use super::legend;
 use super::lettering;
-use super::marks::{Pen, crosses, slope};
+use super::marks::{Pen, crosses, instants, slope};
 use super::{Chart, Style};
 use crate::error::Error;
 use plotters::coord::Shift;
@@ -103,18 +103,36 @@ impl Figure {
         picture.to_png()
     }
 
-    /// Writes the figure to a file: as PNG where its name ends in `.png`, else as SVG.
+    /// The figure as a PDF file of one page, as large as the SVG; its letters are outlines of those of DejaVu Sans.
+    ///
+    /// ```
+    /// use dalembert::show::{Axis, Chart, Figure, Series};
+    /// let line = Series::line("x", [Some((0.0, 1.0)), Some((2.0, 3.0))]);
+    /// let chart = Chart::new("a line", Axis::new("time", "s"), Axis::new("x", "m")).with(line);
+    /// assert!(Figure::from(chart).to_pdf().starts_with(b"%PDF"));
+    /// ```
+    #[cfg(feature = "png")]
+    pub fn to_pdf(&self) -> Vec<u8> {
+        let layout = self.layout();
+        let mut page = super::pdf::Page::new(layout.fine());
+        let canvas = super::raster::Raster::on(&mut page).into_drawing_area();
+        draw(&canvas, &layout).expect("a page in memory takes all that is drawn");
+        drop(canvas);
+        page.to_pdf()
+    }
+
+    /// Writes the figure to a file: as PNG or PDF where its name ends in `.png` or `.pdf`, else as SVG.
     ///
     /// # Errors
-    /// [`Error::File`]; [`Error::NeedsPng`] for a PNG where the crate was built without the feature `png`.
+    /// [`Error::File`]; [`Error::NeedsPng`] for a PNG or PDF where the crate was built without the feature `png`.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), Error> {
         let path = path.as_ref();
         let file = |problem| Error::File { path: path.to_owned(), problem: Arc::new(problem) };
-        if !is_png(path) {
+        if !wants_letters(path) {
             return std::fs::write(path, self.to_svg()).map_err(file);
         }
         #[cfg(feature = "png")]
-        return std::fs::write(path, self.to_png()).map_err(file);
+        return std::fs::write(path, if ends_in(path, "pdf") { self.to_pdf() } else { self.to_png() }).map_err(file);
         #[cfg(not(feature = "png"))]
         Err(Error::NeedsPng { path: path.to_owned() })
     }
@@ -132,9 +150,9 @@ impl Figure {
     }
 }
 
-/// Whether a file is to be a PNG, by its name.
-pub(crate) fn is_png(path: &Path) -> bool {
-    ends_in(path, "png")
+/// Whether a figure's file, by its name, is of a format for which letters must be built in: PNG, PDF.
+pub(crate) fn wants_letters(path: &Path) -> bool {
+    ends_in(path, "png") || ends_in(path, "pdf")
 }
 
 pub(super) fn ends_in(path: &Path, ending: &str) -> bool {
@@ -231,6 +249,9 @@ fn draw_chart<B: DrawingBackend>(chart: &Chart, canvas: &Canvas<B>, cell: Cell, 
     if y.crosses_zero() {
         canvas.draw(&PathElement::new([place(x.at(0.0), 0.0), place(x.at(1.0), 0.0)], ZERO.stroke_width(12)))?;
     }
+    let happened = chart.instants.iter().filter(|instant| chart.x.has(instant.x) && x.contains(instant.x));
+    let happened: Vec<_> = happened.map(|instant| (place(instant.x, y.at(0.0)).0, instant.name.as_str())).collect();
+    instants(canvas, &happened, ((top + title) * FINE, place(x.at(0.0), y.at(0.0)).1))?;
     let mut rows = (1..).map(|row| (top + title + row * CROSSES - CROSSES / 4) * FINE);
     for (index, series) in chart.series.iter().enumerate() {
         let pen = Pen::of(chart, index);
@@ -263,7 +284,7 @@ fn draw_chart<B: DrawingBackend>(chart: &Chart, canvas: &Canvas<B>, cell: Cell, 
     write(canvas, (&chart.title, room), (middle, top + TITLE / 2), &[16, 14, 12], FontTransform::None)?;
     write(canvas, (&chart.x.text(), room), (middle, bottom - 18), &[14, 12], FontTransform::None)?;
     let (middle, room) = (top + title + inner_height / 2, about(title + inner_height / 2, height));
-    write(canvas, (&chart.y.text(), room), (left + 11, middle), &[14, 12], FontTransform::Rotate270)
+    write(canvas, (&chart.y.text(), room), (left + 11, middle), &[14, 12, 10], FontTransform::Rotate270)
 }
 
 /// A line in fractions of both axes without what is outside of the frame, cut where it crosses that.

@@ -1,7 +1,7 @@
 //! Lines, marks, crosses and slope triangles, placed in drawing units.
 
 use super::figure::{Canvas, FINE, Outcome, text};
-use super::{Chart, Slope, Style};
+use super::{Chart, Slope, Style, lettering};
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -16,6 +16,9 @@ pub(super) const COLOURS: [RGBColor; 7] = [
     RGBColor(86, 180, 233),
     RGBColor(0, 0, 0),
 ];
+
+/// Lengths of dashes and gaps, px: of the first series with each colour, of the second and the third.
+const DASHES: [Option<(i32, i32)>; 3] = [None, Some((10, 4)), Some((3, 4))];
 
 type Place = (i32, i32);
 
@@ -35,13 +38,14 @@ impl Pen {
         Pen::new(series.colour.unwrap_or(index), chart.colours(), series.style)
     }
 
-    /// The pen of one of so many series.  After the last colour the lines are dashed; where that does not
+    /// The pen of one of so many series.  After the last colour the lines have long dashes, then short ones; where that does not
     /// do either, the series are taken for a family and their colours run from dark to light.
     fn new(index: usize, count: usize, style: Style) -> Pen {
-        let family = count > 2 * COLOURS.len();
+        let family = count > DASHES.len() * COLOURS.len();
         let dashes = match style {
             Style::Dashed => Some((6, 4)),
-            _ => (!family && index >= COLOURS.len()).then_some((9, 3)),
+            _ if family => None,
+            _ => DASHES[index / COLOURS.len()],
         };
         let colour = if family {
             ViridisRGB.get_color(0.9 * index as f64 / count as f64)
@@ -122,6 +126,36 @@ pub(super) fn crosses<B: DrawingBackend>(
     Ok(())
 }
 
+/// More instants than these are ticks at the axis: lines would hide the curves.
+const MOST_LINES: usize = 20;
+/// The size of a name beside the line of an instant, and the length of a tick, px.
+const NAME: i32 = 10;
+const TICK: i32 = 8;
+
+/// Lines, or ticks where they are many, at these places from left to right, between the top of the frame and the axis; names stand
+/// to the left of their lines where no line stands in their way.
+pub(super) fn instants<B: DrawingBackend>(
+    canvas: &Canvas<B>,
+    places: &[(i32, &str)],
+    (top, bottom): (i32, i32),
+) -> Outcome<B> {
+    let colour = RGBColor(110, 110, 110);
+    let many = places.len() > MOST_LINES;
+    let upper = if many { bottom - TICK * FINE } else { top };
+    let mut taken = i32::MIN;
+    for (x, name) in places {
+        canvas.draw(&PathElement::new([(*x, bottom), (*x, upper)], colour.mix(0.6).stroke_width(FINE as u32)))?;
+        if !many && *x > taken {
+            let style = text(NAME).color(&colour).pos(Pos::new(HPos::Right, VPos::Center));
+            let name = lettering::fitted(name, f64::from(bottom - top) / f64::from(NAME * FINE) * 0.9);
+            let at = (x - (NAME / 2 + 2) * FINE, top + 3 * FINE);
+            canvas.draw(&Text::new(name, at, style.transform(FontTransform::Rotate270)))?;
+            taken = x + (NAME + 4) * FINE;
+        }
+    }
+    Ok(())
+}
+
 /// A right triangle over one decade, with its exponent.
 pub(super) fn slope<B: DrawingBackend>(
     canvas: &Canvas<B>,
@@ -136,4 +170,22 @@ pub(super) fn slope<B: DrawingBackend>(
     let style = text(12).color(&colour).pos(Pos::new(HPos::Left, VPos::Center));
     let label = format!("{}", slope.order).replace('-', "−");
     canvas.draw(&Text::new(label, (corner.0 + 6 * FINE, (corner.1 + end.1) / 2), style))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pens_of_one_chart_differ() {
+        for count in [2, 7, 8, 14, 15, 17, 21, 22, 40] {
+            let pens = (0..count).map(|index| Pen::new(index, count, Style::MarkedLine));
+            let mut looks: Vec<_> = pens.map(|pen| (pen.colour.0, pen.colour.1, pen.colour.2, pen.dashes)).collect();
+            looks.sort_unstable();
+            looks.dedup();
+            assert_eq!(looks.len(), count);
+        }
+        // Few series are told apart by colour alone, as before.
+        assert!((0..7).all(|index| Pen::new(index, 7, Style::Line).dashes.is_none()));
+    }
 }

@@ -1,4 +1,4 @@
-//! Seeing a run: charts as SVG, or PNG (feature `png`), an animation as one HTML page, as PNG or as GIF (feature `png`),
+//! Seeing a run: charts as SVG, or PNG and PDF (feature `png`), an animation as one HTML page, as PNG or as GIF (feature `png`),
 //! tables as CSV.
 //!
 //! Everything here turns plain data into text or pixels, so it serves runs, error charts and mode shapes alike; only
@@ -17,6 +17,8 @@ mod lettering;
 mod marks;
 mod pace;
 #[cfg(feature = "png")]
+mod pdf;
+#[cfg(feature = "png")]
 mod raster;
 mod run;
 #[cfg(feature = "png")]
@@ -27,11 +29,11 @@ pub use animation::Animation;
 #[cfg(feature = "cli")]
 pub(crate) use animation::is_picture;
 pub use axis::{Axis, Scale};
-pub use chart::{Chart, Failure, Series, Slope, Style};
+pub use chart::{Chart, Failure, Instant, Series, Slope, Style};
 pub use csv::csv;
 pub use figure::Figure;
 #[cfg(feature = "cli")]
-pub(crate) use figure::is_png;
+pub(crate) use figure::wants_letters;
 pub use pace::Pace;
 #[cfg(feature = "cli")]
 pub(crate) use run::has_units;

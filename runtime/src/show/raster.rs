@@ -1,4 +1,5 @@
-//! Charts and animations as pixels: what plotters draws, filled and stroked by zeno, with the outlines of DejaVu Sans as letters.
+//! Charts and animations as pixels, or as paths of a PDF: what plotters draws, with the outlines of DejaVu Sans as letters; pixels are
+//! filled and stroked by zeno.
 
 use std::convert::Infallible;
 
@@ -114,24 +115,54 @@ pub(super) struct Rectangle {
     pub height: u32,
 }
 
-/// A picture on which plotters draws.
-pub(super) struct Raster<'a> {
-    picture: &'a mut Picture,
+/// What paths are filled and stroked on.
+pub(super) trait Surface {
+    /// Width and height in drawing units.
+    fn size(&self) -> (u32, u32);
+    /// Its own units for one drawing unit.
+    fn scale(&self) -> f32;
+    /// Lays a colour over the inside of a path.
+    fn fill(&mut self, path: &[Command], colour: BackendColor);
+    /// Lays a colour over a line of this width, with round corners: curves of many pieces have no spikes.
+    fn stroke(&mut self, path: &[Command], width: f32, colour: BackendColor);
+}
+
+impl Surface for Picture {
+    fn size(&self) -> (u32, u32) {
+        self.size
+    }
+
+    fn scale(&self) -> f32 {
+        self.scale
+    }
+
+    fn fill(&mut self, path: &[Command], colour: BackendColor) {
+        self.cover(path, zeno::Fill::NonZero, colour);
+    }
+
+    fn stroke(&mut self, path: &[Command], width: f32, colour: BackendColor) {
+        let mut stroke = Stroke::new(width);
+        stroke.join(Join::Round);
+        self.cover(path, stroke, colour);
+    }
+}
+
+/// A surface on which plotters draws.
+pub(super) struct Raster<'a, T: Surface> {
+    surface: &'a mut T,
     letters: Face<'static>,
 }
 
-impl<'a> Raster<'a> {
-    /// Draws on this picture.
-    pub fn on(picture: &'a mut Picture) -> Raster<'a> {
+impl<'a, T: Surface> Raster<'a, T> {
+    /// Draws on this surface.
+    pub fn on(surface: &'a mut T) -> Raster<'a, T> {
         let letters = Face::parse(dejavu::sans::regular(), 0).expect("the font that is built in is sound");
-        Raster { picture, letters }
+        Raster { surface, letters }
     }
 
     fn stroke<S: BackendStyle>(&mut self, path: &[Command], style: &S) {
-        let mut stroke = Stroke::new(style.stroke_width() as f32 * self.picture.scale);
-        // Curves of many pieces have no spikes.
-        stroke.join(Join::Round);
-        self.picture.cover(path, stroke, style.color());
+        let width = style.stroke_width() as f32 * self.surface.scale();
+        self.surface.stroke(path, width, style.color());
     }
 
     /// The width of a line of text, in units of the font.
@@ -142,7 +173,7 @@ impl<'a> Raster<'a> {
 
     /// A place in pixels.
     fn pixel(&self, (x, y): BackendCoord) -> Vector {
-        Vector::new(x as f32 * self.picture.scale, y as f32 * self.picture.scale)
+        Vector::new(x as f32 * self.surface.scale(), y as f32 * self.surface.scale())
     }
 
     /// A path through these places.
@@ -161,11 +192,11 @@ impl<'a> Raster<'a> {
 
 type Drawn = Result<(), DrawingErrorKind<Infallible>>;
 
-impl DrawingBackend for Raster<'_> {
+impl<U: Surface> DrawingBackend for Raster<'_, U> {
     type ErrorType = Infallible;
 
     fn get_size(&self) -> (u32, u32) {
-        self.picture.size
+        self.surface.size()
     }
 
     fn ensure_prepared(&mut self) -> Drawn {
@@ -206,9 +237,9 @@ impl DrawingBackend for Raster<'_> {
 
     fn draw_circle<S: BackendStyle>(&mut self, centre: BackendCoord, radius: u32, style: &S, fill: bool) -> Drawn {
         let mut path: Vec<Command> = Vec::new();
-        path.add_circle(self.pixel(centre), radius as f32 * self.picture.scale);
+        path.add_circle(self.pixel(centre), radius as f32 * self.surface.scale());
         match fill {
-            true => self.picture.cover(&path, zeno::Fill::NonZero, style.color()),
+            true => self.surface.fill(&path, style.color()),
             false => self.stroke(&path, style),
         }
         Ok(())
@@ -217,12 +248,12 @@ impl DrawingBackend for Raster<'_> {
     fn fill_polygon<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(&mut self, corners: I, style: &S) -> Drawn {
         let mut path = self.outline(corners);
         path.close();
-        self.picture.cover(&path, zeno::Fill::NonZero, style.color());
+        self.surface.fill(&path, style.color());
         Ok(())
     }
 
     fn draw_text<T: BackendTextStyle>(&mut self, text: &str, style: &T, place: BackendCoord) -> Drawn {
-        let size = (style.size() / PLOTTERS_SHRINKS) as f32 * self.picture.scale;
+        let size = (style.size() / PLOTTERS_SHRINKS) as f32 * self.surface.scale();
         let scale = size / f32::from(self.letters.units_per_em());
         let small = self.letters.glyph_index('x').and_then(|glyph| self.letters.glyph_bounding_box(glyph));
         let height = small.map_or(0.0, |small| f32::from(small.y_max)) * scale;
@@ -250,7 +281,7 @@ impl DrawingBackend for Raster<'_> {
             self.letters.outline_glyph(glyph, &mut line);
             line.start += f32::from(self.letters.glyph_hor_advance(glyph).unwrap_or_default()) * scale;
         }
-        self.picture.cover(&line.path, zeno::Fill::NonZero, style.color());
+        self.surface.fill(&line.path, style.color());
         Ok(())
     }
 }
@@ -390,7 +421,9 @@ mod tests {
     fn a_name_decides_between_the_formats() {
         let folder = std::env::temp_dir().join(format!("dalembert-png-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
-        for (name, start) in [("a.png", &b"\x89PNG"[..]), ("b.PNG", b"\x89PNG"), ("c.svg", b"<svg"), ("d", b"<svg")] {
+        for (name, start) in
+            [("a.png", &b"\x89PNG"[..]), ("b.PNG", b"\x89PNG"), ("c.svg", b"<svg"), ("d", b"<svg"), ("e.pdf", b"%PDF")]
+        {
             chart("").write(folder.join(name)).unwrap();
             assert!(std::fs::read(folder.join(name)).unwrap().starts_with(start), "{name}");
         }

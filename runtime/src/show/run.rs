@@ -1,6 +1,6 @@
 //! What a run looks like.
 
-use super::{Animation, Axis, Chart, Figure, Series, csv};
+use super::{Animation, Axis, Chart, Figure, Instant, Series, csv};
 use crate::error::Error;
 use crate::mechanism::{Coordinate, Description, Shape};
 use crate::run::Run;
@@ -61,11 +61,22 @@ impl Run {
     /// # Errors
     /// [`Error::UnknownName`].
     pub fn history(&self, names: &[&str]) -> Result<Chart, Error> {
-        let series = names.iter().map(|name| Ok(Series::line(*name, self.curve(name)?.into_iter().map(Some))));
+        let unit = self.common_unit(names);
+        let named = |name: &&str| match self.unit(name) {
+            own if own == unit || own.is_empty() => (*name).to_owned(),
+            own => format!("{name} ({own})"),
+        };
+        let series = names.iter().map(|name| Ok(Series::line(named(name), self.curve(name)?.into_iter().map(Some))));
         let series = series.collect::<Result<_, Error>>()?;
         let time = Axis::new("time", if has_units(&self.description) { "s" } else { "" });
-        let mut chart = Chart { series, ..Chart::new("", time, Axis::new(label_of(names), "")) };
-        chart.y.unit = self.common_unit(names);
+        let happened = self.events.iter().map(|event| Instant { x: event.state.t, name: event.name.to_string() });
+        let mut chart = Chart { series, instants: happened.collect(), ..Chart::new("", time, Axis::default()) };
+        // Names that stand beside the chart are not repeated along its axis.
+        chart.y = match family(names) {
+            Some(name) => Axis::new(name, unit),
+            None if unit.is_empty() => Axis::default(),
+            None => Axis::new(format!("in {unit}"), ""),
+        };
         Ok(chart)
     }
 
@@ -249,16 +260,12 @@ fn si(coordinate: &Coordinate) -> &str {
     }
 }
 
-/// `theta` for `theta[1]`, `theta[2]` …; up to four different names.
-fn label_of(names: &[&str]) -> String {
-    let mut families: Vec<String> = Vec::new();
-    for name in names {
-        let family = name.split('[').next().unwrap_or(name).to_owned() + if name.ends_with("]'") { "'" } else { "" };
-        if !families.contains(&family) {
-            families.push(family);
-        }
-    }
-    if families.len() > 4 { "coordinates".to_owned() } else { families.join(", ") }
+/// `theta` for `theta[1]`, `theta[2]` …, where all are of one family.
+fn family(names: &[&str]) -> Option<String> {
+    let of =
+        |name: &str| name.split('[').next().unwrap_or(name).to_owned() + if name.ends_with("]'") { "'" } else { "" };
+    let first = of(names.first()?);
+    names.iter().all(|name| of(name) == first).then_some(first)
 }
 
 fn write(path: &Path, text: &str) -> Result<(), Error> {
@@ -349,7 +356,10 @@ mod tests {
     fn rates_have_their_units_and_unknown_names_are_errors() {
         let run = circling(2);
         assert_eq!(run.history(&["phi'"]).unwrap().y.text(), "phi' (rad/s)");
-        assert_eq!(run.history(&["phi", "phi'"]).unwrap().y.text(), "phi, phi'");
+        let chart = run.history(&["phi", "phi'"]).unwrap();
+        assert_eq!(chart.y.text(), "");
+        let names: Vec<&str> = chart.series.iter().map(|series| series.name.as_str()).collect();
+        assert_eq!(names, ["phi (rad)", "phi' (rad/s)"]);
         let error = run.history(&["psi"]).unwrap_err();
         assert!(matches!(&error, Error::UnknownName { name, .. } if name == "psi"), "{error}");
     }

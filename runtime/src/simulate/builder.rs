@@ -168,7 +168,7 @@ impl<S: System> Simulation<S> {
         self
     }
 
-    /// Runs parts of the mechanism that do not feel each other with the same steps: see [`Settings::apart`].
+    /// Integrates decoupled subsystems with one common step size: see [`Settings::apart`].
     pub fn together(mut self) -> Self {
         self.settings.apart = false;
         self

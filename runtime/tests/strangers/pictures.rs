@@ -43,3 +43,91 @@ fn several_drives_may_stand_in_one_option() {
     let of = |drives: &[&str]| program(&[&["modes", &model("forced_chain"), "--omega", "3"], drives].concat()).unwrap();
     assert_eq!(of(&["--drive", "push1,push2=2"]), of(&["--drive", "push1", "--drive", "push2=2"]));
 }
+
+/// The picture that a command draws.
+fn drawn(name: &str, arguments: &[&str]) -> String {
+    let path = folder(name).join("drawn.svg");
+    program(&[arguments, &["--plot", path.to_str().unwrap()]].concat()).unwrap();
+    std::fs::read_to_string(&path).unwrap()
+}
+
+#[test]
+fn events_are_marked_where_they_happen() {
+    let few = drawn("few_events", &["simulate", &model("stick_slip"), "--no-digits"]);
+    assert_eq!(few.matches("\nloose_back\n").count(), 2, "{few}");
+    assert_eq!(few.matches("\nstick_back\n").count(), 2);
+    // Of many there are ticks alone.
+    let many = drawn("many_events", &["simulate", &model("bouncing_ball"), "--no-digits"]);
+    assert!(!many.contains("\nland\n") && !many.contains("\nbounce\n"), "{many}");
+    let marks = |svg: &str| svg.matches("#6E6E6E").count();
+    assert!(marks(&many) > 20 && marks(&few) >= 4, "{} {}", marks(&many), marks(&few));
+    // Without events nothing is marked; nor where several runs share a chart.
+    assert_eq!(marks(&drawn("no_events", &["simulate", &model("simple_pendulum"), "--no-digits"])), 0);
+}
+
+#[test]
+fn names_beside_a_chart_are_not_repeated_along_its_axis() {
+    let several = drawn("legend", &["simulate", &model("stick_slip"), "--no-digits"]);
+    assert!(several.contains("\nin m\n") && !several.contains("x, y"), "{several}");
+    // One curve, or one family of them, has its name at the axis.
+    assert!(drawn("single", &["simulate", &model("simple_pendulum"), "--no-digits"]).contains("\ntheta (rad)\n"));
+    let family = drawn("family", &["simulate", &model("free_chain"), "--no-digits", "--until", "1"]);
+    assert!(family.contains("\nx[1]\n") && family.contains("\nx (m)\n"), "{family}");
+}
+
+#[test]
+fn sweeps_are_drawn_over_logarithms() {
+    let csv = folder("sweep").join("table.csv");
+    let table = ["--csv", csv.to_str().unwrap()];
+    let of = |vary: &str, more: &[&str]| {
+        let pendulum = model("simple_pendulum");
+        let arguments = ["sweep", &pendulum, "--vary", vary, "--until", "1", "--show", "max theta"];
+        drawn("sweep", &[&arguments[..], &table, more].concat())
+    };
+    let [plain, by_values] = [of("theta=0.001..1:4", &[]), of("theta=0.001..1:4:log", &[])];
+    assert!(!plain.contains("\n10⁻²\n") && by_values.matches("\n10⁻²\n").count() == 1, "{plain} {by_values}");
+    let both = of("theta=0.001..1:4", &["--log", "x,y"]);
+    assert!(both.matches("\n10⁻²\n").count() == 2, "{both}");
+    let svg = folder("sweep").join("drawn.svg");
+    let arguments = ["sweep", &model("simple_pendulum"), "--vary", "theta=0..1:4", "--plot", svg.to_str().unwrap()];
+    let error = program(&[&arguments[..], &table, &["--log", "z"]].concat()).unwrap_err();
+    assert!(error.contains("--log wants x, y or x,y, not `z`"), "{error}");
+}
+
+#[cfg(feature = "png")]
+#[test]
+fn a_plot_may_be_a_pdf() {
+    let path = folder("pdf").join("plot.pdf");
+    program(&["simulate", &model("simple_pendulum"), "--no-digits", "--plot", path.to_str().unwrap()]).unwrap();
+    assert!(std::fs::read(&path).unwrap().starts_with(b"%PDF-"));
+    let error = program(&["simulate", &model("simple_pendulum"), "--plot", "plot.eps"]).unwrap_err();
+    assert!(error.contains("`.svg`, `.png`, `.pdf`"), "{error}");
+}
+
+/// A pendulum that says how it moves, and not what to draw.
+const UNDRAWN: &str = "name: Undrawn\nparameters: {m: 1 kg, l: 1 m, g: 10 m/s^2}\ncoordinates: {theta: rad}\n\
+    bodies: {bob: {mass: m, position: \"l*[sin(theta), -cos(theta)]\"}}\ngravity: [0, -g]\n\
+    scene: {start: {theta: 1}, until: 1}\n";
+
+#[test]
+fn an_animation_of_nothing_is_refused_with_what_to_write() {
+    let folder = folder("undrawn");
+    let [file, page] = ["undrawn.yaml", "page.html"].map(|name| folder.join(name));
+    let [file, page] = [&file, &page].map(|path| path.to_str().unwrap());
+    std::fs::write(file, UNDRAWN).unwrap();
+    for command in ["simulate", "modes"] {
+        let error = program(&[command, file, "--animate", page]).unwrap_err();
+        assert!(error.contains("has no `draw`; write into the file, for its bodies, `draw: "), "{error}");
+        assert!(!std::path::Path::new(page).exists());
+        // What it says to write draws the bob.
+        let advice = error.split('`').find(|part| part.starts_with("draw: ")).unwrap();
+        std::fs::write(file, format!("{UNDRAWN}{advice}\n")).unwrap();
+        program(&[command, file, "--animate", page]).unwrap();
+        assert!(std::fs::read_to_string(page).unwrap().contains("circle"));
+        std::fs::remove_file(page).unwrap();
+        std::fs::write(file, UNDRAWN).unwrap();
+    }
+    // Curves alone are something to see.
+    program(&["simulate", file, "--no-digits", "--show", "theta", "--animate", page]).unwrap();
+    assert!(std::path::Path::new(page).exists());
+}

@@ -77,6 +77,11 @@ impl Group {
         }
     }
 
+    /// Whether a coordinate stands in its rows.
+    pub fn contains(&self, coordinate: usize) -> bool {
+        self.coordinates.binary_search(&coordinate).is_ok()
+    }
+
     /// Moves the coordinates by the least change, measured by these weights (of all coordinates, 0 for what is held), until
     /// the holonomic rows hold.
     pub fn close_places(&self, state: &mut State, weights: &[f64]) -> bool {

@@ -60,7 +60,7 @@ impl Reach<'_> {
     }
 }
 
-/// Where the line through a state is at z, brought to the constraints of its phase where it can be.
+/// Where the line through a state that is on the constraints of its phase is at z, brought to these where it can be.
 pub(super) fn moved(motion: &Motion, base: &State, line: &Line<'_>, z: DoubleDouble) -> State {
     let mut state = base.clone();
     match line {
@@ -84,7 +84,10 @@ pub(super) fn moved(motion: &Motion, base: &State, line: &Line<'_>, z: DoubleDou
         }
     }
     motion.signals(&mut state);
-    motion.close(&mut state);
+    match line {
+        Line::Coordinate(i, _) | Line::Speed(i, _) => motion.close_after(&mut state, *i),
+        _ => motion.close(&mut state),
+    };
     state.origin = if matches!(line, Line::Step(_) | Line::Path(_)) { Origin::Motion } else { Origin::Side };
     state
 }

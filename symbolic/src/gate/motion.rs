@@ -99,6 +99,11 @@ impl Motion {
         self.constraints.active(state.phase).is_empty() || self.constraints.close(state)
     }
 
+    /// The same where a state that was brought there has since had one coordinate or its speed changed.
+    pub fn close_after(&self, state: &mut State, changed: usize) -> bool {
+        self.constraints.active(state.phase).is_empty() || self.constraints.close_after(state, changed)
+    }
+
     /// Brings a state to the constraints of its phase, and fills in inputs and modes: false where it cannot be.
     pub fn place(&self, state: &mut State) -> bool {
         self.signals(state);

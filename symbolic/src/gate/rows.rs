@@ -124,17 +124,33 @@ impl Constraints {
     }
 
     /// The same, with some coordinates and some speeds left as they are.
-    pub fn close_holding(&self, state: &mut State, (held_q, held_v): (&[bool], &[bool])) -> bool {
+    pub fn close_holding(&self, state: &mut State, held: (&[bool], &[bool])) -> bool {
+        self.close_groups(state, held, |_| true)
+    }
+
+    /// The same for a state that met them before one coordinate or its speed was changed: only the group in which that stands is
+    /// looked at.
+    pub fn close_after(&self, state: &mut State, changed: usize) -> bool {
+        self.close_groups(state, (&[], &[]), |group| group.contains(changed))
+    }
+
+    fn close_groups(
+        &self,
+        state: &mut State,
+        (held_q, held_v): (&[bool], &[bool]),
+        touched: impl Fn(&Group) -> bool,
+    ) -> bool {
         let Some(phase) = self.phases.get(state.phase) else { return true };
+        let groups = || phase.groups.iter().filter(|group| touched(group));
         let weights = self.weights(|s| state.value(s).to_f64());
         let free_q = free(&weights, held_q);
-        if !phase.groups.iter().all(|group| group.close_places(state, &free_q)) {
+        if !groups().all(|group| group.close_places(state, &free_q)) {
             return false;
         }
         let weights = self.weights(|s| state.value(s).to_f64());
         let free_v = free(&weights, held_v);
         let fastest = state.v.iter().fold(0.0_f64, |most, v| most.max(v.to_f64().abs()));
-        if !phase.groups.iter().all(|group| group.close_speeds(state, &free_v)) {
+        if !groups().all(|group| group.close_speeds(state, &free_v)) {
             return false;
         }
         // What the constraints leave no speed is at rest, and not at a rounding of what it had.

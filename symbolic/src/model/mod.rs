@@ -17,6 +17,7 @@ pub use resolved::{
     Family, GeneralizedForce, Input, Load, Model, Need, Output, Parameter, Part, Phase, Push, Reaction, Rotation,
     Sample, Scene, Shape, SharedEnd, Tried, Vector, Work,
 };
+pub use section::scenes::looks_like_degrees;
 pub(crate) use section::springs::LENGTH;
 pub(crate) use text::text_in;
 pub use text::{number_text, symbol_text, text};

@@ -113,6 +113,7 @@ fn resolve_through(root: &Node, sizes: &[(String, i64)], folder: Option<&Path>) 
     resolver.idle_constraints();
     resolver.draw();
     resolver.cycles();
+    resolver.without_units();
     resolver.finish()
 }
 

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::{accepted, refused, told};
+use dalembert_symbolic::lower::compile;
 use dalembert_symbolic::model::{Sets, load, load_in, read_through_in};
 
 const SPRING: &str = "name: T\nparameters: {m: 1 kg, k: 10 N/m}\nbodies: {b: {mass: m, position: \"[x, 0]\"}}\n\
@@ -149,4 +150,50 @@ fn the_help_for_a_changing_mass_leads_to_the_rockets_motion() {
         "{rocket}kinetic_energy: y'^2/2\ngeneralized_forces: {{y: (c*u)/(m0 - c*t) - g}}\nscene: {{until: 5}}"
     ));
     assert!(told(&body).iter().all(|line| line.starts_with("E216")));
+}
+
+/// The codes of the warnings of a file that is accepted.
+fn warned(text: &str) -> Vec<&'static str> {
+    let program = compile(text, &[]).unwrap_or_else(|problems| panic!("{text}: {problems:?}"));
+    program.model.warnings.iter().map(|warning| warning.code).collect()
+}
+
+/// A pendulum with this start, a parameter with this value, and that set by the scene.
+fn swing(start: &str, angle: &str, set: &str) -> String {
+    format!(
+        "name: Swing\nparameters: {{m: 1 kg, l: 1 m, g: 9.81 m/s^2, alpha: {angle}}}\ncoordinates: {{theta: rad, x: m}}\n\
+        bodies: {{bob: {{mass: m, position: \"[x + l*sin(theta + alpha), -l*cos(theta)]\"}}, cart: {{mass: m, position: \"[x, 0]\"}}}}\n\
+        gravity: [0, -g]\nscene: {{start: {{{start}}}, set: {{{set}}}, until: 1}}\n"
+    )
+}
+
+#[test]
+fn angles_that_look_like_degrees_are_warned_of() {
+    for start in ["theta: 90", "theta: -45", "theta: 360", "theta: 30.0"] {
+        assert_eq!(warned(&swing(start, "0 rad", "")), ["W250"], "{start}");
+    }
+    assert_eq!(warned(&swing("", "0 rad", "alpha: 30")), ["W250"]);
+    // Angles with a unit, small ones, those of turns, speeds, lengths and what is computed.
+    let fine = ["theta: 90 rad", "theta: 90 deg", "theta: 3", "theta: 7.5", "theta: 100.5", "theta: 628", "theta: 12"];
+    for start in fine.into_iter().chain(["theta': 90", "x: 90", "theta: 20*pi", "theta: 0"]) {
+        assert_eq!(warned(&swing(start, "0 rad", "")), [""; 0], "{start}");
+    }
+}
+
+#[test]
+fn a_number_without_a_unit_among_others_is_warned_of() {
+    assert_eq!(warned(&swing("", "0.1", "")), ["W249"]);
+    assert_eq!(warned(&swing("", "0.1 1", "")), [""; 0]);
+    // What depends on it is not checked; a pure number is.
+    let sum = |n: &str| {
+        format!(
+            "name: Sum\nparameters: {{m: 1 kg, k: 1 N/m, n: {n}}}\ncoordinates: {{x: m}}\n\
+            bodies: {{bob: {{mass: m, position: \"[x, 0]\"}}}}\npotential_energy: k*(x + n)^2/2\n"
+        )
+    };
+    assert_eq!(warned(&sum("3.5")), ["W249"]);
+    refused(&sum("3.5 1"), "E241");
+    // A file of pure numbers has no units to miss, and is not warned of.
+    let pure = "name: Pure\nparameters: {k: 2, n: 3}\ncoordinates: {x: 1}\nkinetic_energy: x'^2/2\npotential_energy: k*x^2*n\n";
+    assert_eq!(warned(pure), [""; 0]);
 }

@@ -45,6 +45,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     drawn.try_for_each(|path| outputs::drawable(path))?;
     options.get_one::<String>("animate").map_or(Ok(()), |path| outputs::playable(path))?;
     let mut loaded = Loaded::find(models, options)?;
+    super::drawn::check(&loaded, options)?;
     let (scene, mut reader) = choose(&mut loaded, options)?;
     enter_phase(&mut loaded, scene, options)?;
     let inputs = held_inputs(&loaded, options)?;
@@ -55,6 +56,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     };
     reader.states(&loaded, options, "at", &mut q, &mut speeds.v)?;
     let guess = Guess { q, v: speeds.v.clone(), inputs };
+    loaded.warnings.append(&mut reader.notes);
     for warning in &loaded.warnings {
         eprintln!("warning: {warning}");
     }
@@ -251,8 +253,7 @@ fn notes(linear: &Linearised, modes: &[Mode]) -> Vec<String> {
             notes.push(format!("{pairs}; motions have a factor A + B t{grows}"));
         }
         if analysis.defective {
-            notes
-                .push("the modes are too few to superpose: some motions are (A + B t) times an exponential".to_owned());
+            notes.push("A is defective: eigenvectors alone do not span all motions".to_owned());
         }
     }
     notes

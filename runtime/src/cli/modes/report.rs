@@ -80,8 +80,8 @@ pub fn table(
     writeln!(out, "  {}, {iterations}", residual(at))?;
     match at.freedom.family {
         0 => {}
-        1 => writeln!(out, "  one of a family of equilibria: 1 direction is free")?,
-        n => writeln!(out, "  one of a family of equilibria: {n} directions are free")?,
+        1 => writeln!(out, "  equilibrium not isolated: one zero-frequency (rigid-body) direction")?,
+        n => writeln!(out, "  equilibrium not isolated: {n} zero-frequency (rigid-body) directions")?,
     }
     if linear.is_empty() {
         writeln!(out, "  the constraints leave no coordinate independent: nothing moves by itself")?;

@@ -50,7 +50,7 @@ fn listed(found: &Tangent) -> Vec<(usize, Complex<f64>, Vec<Complex<f64>>)> {
     one_of_each.map(|(k, (value, shape))| (k + 1, value, shape)).collect()
 }
 
-/// `falls by e in 1 s`, `omega = 2 rad/s, …`.
+/// `time constant 1 s`, `omega = 2 rad/s, …`.
 fn told(value: Complex<f64>) -> String {
     // What rounding leaves of a real part is none.
     let value = Complex::new(if value.re.abs() <= ROUNDING * value.norm() { 0.0 } else { value.re }, value.im);
@@ -59,7 +59,7 @@ fn told(value: Complex<f64>) -> String {
         false => format!("eigenvalues {} ± {}i 1/s, {} Hz", short(value.re), short(value.im), short(value.im / TAU)),
     };
     match value.re {
-        re if re < 0.0 => format!("{lambda}, falls by e in {} s", short(-1.0 / re)),
+        re if re < 0.0 => format!("{lambda}, time constant {} s", short(-1.0 / re)),
         re if re > 0.0 => format!("{lambda}, unstable, grows by e in {} s", short(1.0 / re)),
         _ => lambda,
     }

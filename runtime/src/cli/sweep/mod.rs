@@ -47,6 +47,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     outputs::keep(&path, read.map(String::as_str))?;
     let columns = names(loaded.system.description());
     let wanted = wanted_modes(options)?;
+    let log = log_axes(options)?;
     let table = match options.get_many::<String>("merge") {
         Some(parts) => Table::merge(&parts.map(String::as_str).collect::<Vec<_>>())?,
         None => compute(&mut loaded, options, &columns, wanted)?,
@@ -60,7 +61,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     let shown = shown(options, &results, &columns)?;
     std::fs::write(&path, table.to_csv()).map_err(|e| Problem::File(format!("cannot write `{path}`: {e}")))?;
     if let Some(path) = options.get_one::<String>("plot") {
-        let figure = draw(&loaded, &table, varied, &shown);
+        let figure = draw(&loaded, &table, varied, &shown, log);
         outputs::draw(path, figure)?;
     }
     print(&table, varied, &shown, out)?;
@@ -80,6 +81,20 @@ fn names(description: &Description) -> Vec<String> {
     let Names { coordinates, outputs } = Names::of(description);
     let rates = coordinates.iter().map(|name| format!("{name}'")).collect::<Vec<_>>();
     [coordinates, rates, outputs].concat()
+}
+
+/// `--log x,y`: whether the axes are logarithmic.
+fn log_axes(options: &ArgMatches) -> Result<[bool; 2], Problem> {
+    let Some(text) = options.get_one::<String>("log") else {
+        let first = options.get_many::<String>("vary").and_then(|mut all| all.next().cloned());
+        return Ok([first.is_some_and(|text| text.trim_end().ends_with(":log")), false]);
+    };
+    match text.split(',').map(str::trim).collect::<Vec<_>>().as_slice() {
+        ["x"] => Ok([true, false]),
+        ["y"] => Ok([false, true]),
+        ["x", "y"] | ["y", "x"] => Ok([true, true]),
+        _ => Err(usage(format!("--log wants x, y or x,y, not `{text}`"))),
+    }
 }
 
 /// `--modes COUNT`: of how many modes frequencies are wanted.
@@ -103,6 +118,7 @@ fn compute(loaded: &mut Loaded, options: &ArgMatches, columns: &[String], modes:
     });
     let threads = threads.transpose()?;
     let (shard, shards) = shard(options)?;
+    loaded.warnings.append(&mut reader.notes);
     for warning in &loaded.warnings {
         eprintln!("warning: {warning}");
     }
@@ -210,9 +226,12 @@ fn print(table: &Table, varied: usize, shown: &[String], out: &mut dyn Write) ->
 }
 
 /// A chart for each of what is shown, over the first of what varies.
-fn draw(loaded: &Loaded, table: &Table, varied: usize, shown: &[String]) -> Figure {
+fn draw(loaded: &Loaded, table: &Table, varied: usize, shown: &[String], [x_log, y_log]: [bool; 2]) -> Figure {
     let columns = names(loaded.system.description());
-    let label = |name: &str| Axis::new(name, unit_of(loaded.system.description(), name));
+    let label = |name: &str, log: bool| {
+        let axis = Axis::new(name, unit_of(loaded.system.description(), name));
+        if log { axis.log() } else { axis }
+    };
     let mut others: Vec<Vec<Option<f64>>> = Vec::new();
     for row in &table.rows {
         let other = row.cells[1..varied].to_vec();
@@ -221,7 +240,9 @@ fn draw(loaded: &Loaded, table: &Table, varied: usize, shown: &[String]) -> Figu
         }
     }
     let chart = |name: &String| {
-        let Some(place) = table.column(name) else { return Chart::new(name.clone(), label(""), label("")) };
+        let Some(place) = table.column(name) else {
+            return Chart::new(name.clone(), label("", false), label("", false));
+        };
         let line = |other: &Vec<Option<f64>>| {
             let rows = table.rows.iter().filter(|row| row.cells[1..varied] == other[..]);
             let points = rows.map(|row| Some((row.cells[0]?, row.cells[place]?)));
@@ -231,7 +252,18 @@ fn draw(loaded: &Loaded, table: &Table, varied: usize, shown: &[String]) -> Figu
             Series::marked_line(title.join(", "), points)
         };
         let when = if columns.contains(name) { " at the end" } else { "" };
-        let empty = Chart::new(format!("{}: {name}{when}", loaded.name), label(&table.names[1]), label(name));
+        let (x, y) = (label(&table.names[1], x_log), label(name, y_log));
+        let values = |place: usize| table.rows.iter().filter_map(move |row| row.cells[place]);
+        for (log, place, name) in [(x_log, 0, &table.names[1]), (y_log, place, name)] {
+            let lost = values(place).filter(|value| *value <= 0.0).count();
+            if log && lost > 0 {
+                eprintln!(
+                    "warning: {name} is not above 0 in {lost} of {} runs, which have no place on a logarithmic axis",
+                    table.rows.len()
+                );
+            }
+        }
+        let empty = Chart::new(format!("{}: {name}{when}", loaded.name), x, y);
         others.iter().map(line).fold(empty, Chart::with)
     };
     Figure::from(shown.iter().map(chart).collect::<Vec<_>>())

@@ -153,7 +153,7 @@ fn in_phase(shape: &[Complex<f64>], parts: &[f64]) -> Complex<f64> {
 }
 
 impl fmt::Display for Mode {
-    /// `damped, omega = 1.2 rad/s, zeta = 0.1, falls by e in 8.3 s; carried by x 90 %, y 10 %`.
+    /// `damped, omega = 1.2 rad/s, zeta = 0.1, damped frequency 1.194 rad/s (0.19 Hz), time constant 8.3 s; participation: x 90 %, y 10 %`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let whole = |x: f64| short_within(x, self.uncertainty);
         // Of a small part of the eigenvalue less is known.
@@ -183,10 +183,14 @@ impl fmt::Display for Mode {
                     write!(f, ", zeta = {}", part(zeta, self.eigenvalue.re))?;
                 }
                 if kind == Kind::Damped {
-                    write!(f, ", seen at {seen} rad/s ({} Hz)", part(self.eigenvalue.im / TAU, self.eigenvalue.im))?;
+                    write!(
+                        f,
+                        ", damped frequency {seen} rad/s ({} Hz)",
+                        part(self.eigenvalue.im / TAU, self.eigenvalue.im)
+                    )?;
                 }
                 if let Some(time) = self.decay_time() {
-                    write!(f, ", falls by e in {} s", part(time, self.eigenvalue.re))?;
+                    write!(f, ", time constant {} s", part(time, self.eigenvalue.re))?;
                 }
             }
         }
@@ -194,7 +198,7 @@ impl fmt::Display for Mode {
             write!(f, ", secular: with a factor A + B t")?;
         }
         for (index, (name, part)) in self.carriers.iter().take(4).enumerate() {
-            write!(f, "{}{name} {:.0} %", if index == 0 { "; carried by " } else { ", " }, 100.0 * part)?;
+            write!(f, "{}{name} {:.0} %", if index == 0 { "; participation: " } else { ", " }, 100.0 * part)?;
         }
         Ok(())
     }

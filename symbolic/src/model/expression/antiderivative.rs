@@ -12,7 +12,7 @@ pub(super) const TERM_LIMIT: usize = 64;
 pub(super) type Term = (Id, Id);
 
 /// ∫ e dx for sums of powers c xᵖ (a logarithm for p = −1) and of `max(c, f)`, `min(c, f)`, `f*step(f)`, `abs(f)`,
-/// `step(f)`, `exp(f)`, `sin(f)`, `cos(f)`, `sinh(f)`, `cosh(f)`, `tanh(f)`, roots and powers of f with f linear in x, of
+/// `step(f)`, `exp(f)`, `sin(f)`, `cos(f)`, `sinh(f)`, `cosh(f)`, `tanh(f)`, roots and powers of f and 1/(c + f²) with f linear in x, of
 /// products of sines and cosines of such f, and of a polynomial with one of them or `exp(f)`; `None` for other laws.
 ///
 /// For an exponent that is no number p + 1 is divided by, so that p = −1 has no finite value.
@@ -128,7 +128,10 @@ fn of_linear(graph: &mut Graph, facts: &mut Facts, node: Id, x: Symbol) -> Optio
             (f, graph.div(power, next))
         }
         Node::Binary(Binary::Div, a, b) if !facts.of(graph, a).meets(Depends::DUMMY) => {
-            let Node::Unary(Unary::Sqrt, f) = graph.node(b) else { return None };
+            let Node::Unary(Unary::Sqrt, f) = graph.node(b) else {
+                let peak = of_peak(graph, facts, b, x)?;
+                return Some(graph.mul(a, peak));
+            };
             let twice = graph.add(b, b);
             (f, graph.mul(a, twice))
         }
@@ -164,6 +167,57 @@ fn of_linear(graph: &mut Graph, facts: &mut Facts, node: Id, x: Symbol) -> Optio
     };
     let slope = slope(graph, facts, argument, x)?;
     Some(graph.div(integral, slope))
+}
+
+/// ∫ dx/(c + k u²) = atan(u √(k/c))/(√(c k) u') for u linear in x: a peak, however narrow, and where c or k is negative no number.
+fn of_peak(graph: &mut Graph, facts: &mut Facts, divisor: Id, x: Symbol) -> Option<Id> {
+    // The sum may have a factor that is free of x.
+    let (mut outside, mut sum) = (Id::ONE, divisor);
+    let (a, b) = loop {
+        let mut free = |id: Id| !facts.of(graph, id).meets(Depends::DUMMY);
+        (outside, sum) = match graph.node(sum) {
+            Node::Binary(Binary::Add, a, b) => break (a, b),
+            Node::Binary(Binary::Mul, p, q) if free(p) => (graph.mul(outside, p), q),
+            Node::Binary(Binary::Mul, p, q) if free(q) => (graph.mul(outside, q), p),
+            Node::Binary(Binary::Div, p, q) if free(q) => (graph.div(outside, q), p),
+            _ => return None,
+        };
+    };
+    let (c, square) = if facts.of(graph, a).meets(Depends::DUMMY) { (b, a) } else { (a, b) };
+    if facts.of(graph, c).meets(Depends::DUMMY) {
+        return None;
+    }
+    // The factors of the square: those free of x make k, two others are u.
+    let (mut k, mut others, mut open) = (Id::ONE, Vec::new(), vec![square]);
+    while let Some(factor) = open.pop() {
+        if !facts.of(graph, factor).meets(Depends::DUMMY) {
+            k = graph.mul(k, factor);
+            continue;
+        }
+        match graph.node(factor) {
+            Node::Binary(Binary::Mul, p, q) => open.extend([p, q]),
+            Node::Binary(Binary::Div, p, q) if !facts.of(graph, q).meets(Depends::DUMMY) => {
+                k = graph.div(k, q);
+                open.push(p);
+            }
+            _ => others.push(factor),
+        }
+        if others.len() > 2 {
+            return None;
+        }
+    }
+    let [u, v] = others[..] else { return None };
+    if u != v {
+        return None;
+    }
+    let slope = slope(graph, facts, u, x)?;
+    let (ratio, product) = (graph.div(k, c), graph.mul(k, c));
+    let [scale, root] = [ratio, product].map(|squared| graph.unary(Unary::Sqrt, squared));
+    let angle = graph.mul(u, scale);
+    let angle = graph.unary(Unary::Atan, angle);
+    let divisor = graph.mul(root, slope);
+    let divisor = graph.mul(outside, divisor);
+    Some(graph.div(angle, divisor))
 }
 
 /// s where f = s x + c with s ≠ 0.
@@ -280,6 +334,12 @@ mod tests {
             let tanh = g.unary(Unary::Tanh, f);
             let scaled = g.mul(k, tanh);
             laws.push(g.sub(scaled, cube));
+            let square = g.mul(f, f);
+            let [half, twice] = [g.div(square, k), g.mul(two, square)];
+            let sum = g.add(twice, k);
+            for divisor in [g.add(k, square), g.add(Id::ONE, half), sum, g.mul(sum, k)] {
+                laws.push(g.div(k, divisor));
+            }
         }
         let (sine, cosine, exponential) =
             (g.unary(Unary::Sin, line), g.unary(Unary::Cos, linear), g.unary(Unary::Exp, line));

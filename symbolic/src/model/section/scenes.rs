@@ -15,6 +15,12 @@ use crate::model::expression::rules::Rules;
 use crate::model::resolved::{Amount, Need, Scene};
 use crate::model::resolver::Resolver;
 
+/// True for a whole number of 10 to 360 that is a multiple of 5: an angle as people write it in degrees, and hardly one in radians.
+pub fn looks_like_degrees(words: &str) -> bool {
+    let number = words.trim().parse::<f64>().unwrap_or(f64::NAN).abs();
+    (10.0..=360.0).contains(&number) && number % 5.0 == 0.0
+}
+
 const SCENE_KEYS: [&str; 9] = ["start", "until", "tolerance", "every", "phase", "set", "guess", "also", "needs"];
 
 const END: Rules = Rules::constant("the end of a run").si(Dimension::TIME);
@@ -243,10 +249,25 @@ impl Resolver<'_> {
                 let unit = if speed == 1 { self.scope.units.rate(unit) } else { unit };
                 let words = self.model.coordinates[coordinate].unit.as_deref();
                 let rules = Rules::constant("a start of it").like(unit).counting(words);
+                if speed == 0 && words == Some("rad") {
+                    self.degrees(&value, &member.name());
+                }
                 if let Some(value) = self.setting(&value, rules, &member.locals) {
                     let list = if speed == 1 { &mut scene.v } else { &mut scene.q };
                     list[coordinate] = value;
                 }
+            }
+        }
+    }
+
+    /// Warns where the value of an angle looks like degrees; once of what several scenes inherit.
+    fn degrees(&mut self, value: &Quantity, name: &str) {
+        let words = &value.text.source;
+        if value.unit.is_none() && looks_like_degrees(words) {
+            let place = value.text.place.at(value.text.ast.span);
+            let warning = units::degrees_for_radians(place, name, words.trim());
+            if self.model.warnings.iter().all(|known| known.place != warning.place) {
+                self.model.warnings.push(warning);
             }
         }
     }
@@ -321,6 +342,10 @@ impl Resolver<'_> {
                 if std::mem::replace(&mut given[parameter], true) {
                     self.bench.problems.push(names::member_twice(spot.place.of_key(), member.name()));
                     break;
+                }
+                let words = self.model.parameters[parameter].unit.as_deref();
+                if words == Some("rad") {
+                    self.degrees(&value, &member.name());
                 }
                 let words = self.model.parameters[parameter].unit.as_deref();
                 let rules =
