@@ -1,5 +1,6 @@
 //! One run: its error, its cost, or why there is none.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use super::{Candidate, Reference, WorkUnits};
@@ -119,7 +120,7 @@ fn paced(settings: &Settings, pace: Pace, reference: &Reference) -> Settings {
 /// What the motion alone costs: nothing is reported but the end, and nothing watched.
 fn plain(system: &mut dyn System, settings: &Settings, repetitions: usize) -> Result<(Run, f64), Error> {
     let every = Some((settings.until - settings.from).max(f64::MIN_POSITIVE));
-    let plain = Settings { every, watch: false, ..settings.clone() };
+    let plain = Settings { every, instants: Arc::from([]), watch: false, ..settings.clone() };
     let clock = Instant::now();
     let mut run = simulate(system, &plain)?;
     let mut least = run.seconds;

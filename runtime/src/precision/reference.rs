@@ -3,7 +3,7 @@
 use super::{Arithmetic, Candidate, DoubleOnly};
 use crate::error::Error;
 use crate::mechanism::Method;
-use crate::run::Run;
+use crate::run::{Run, uneven};
 use crate::simulate::{Settings, simulate};
 
 /// A motion that two different methods agree on, by multipliers and projection where there are constraints.
@@ -37,7 +37,7 @@ pub struct Reference {
     steps: u64,
 }
 
-/// Errors are looked at so many times.
+/// Errors are looked at so many times at equal distances, and as many in between.
 const TIMES: f64 = 200.0;
 /// So many digits must hold until the end of a scene.
 const AGREED: f64 = 1e-8;
@@ -234,7 +234,8 @@ impl Reference {
 /// The same scene, reported at the times at which errors are looked at.
 fn reported(settings: &Settings) -> Settings {
     let every = Some((settings.until - settings.from).max(f64::MIN_POSITIVE) / TIMES);
-    Settings { every, dense: false, digits: false, ..settings.clone() }
+    let instants = uneven(settings.from, settings.until, TIMES as usize).into();
+    Settings { every, instants, dense: false, digits: false, ..settings.clone() }
 }
 
 /// As exact as a method can.

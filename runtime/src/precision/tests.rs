@@ -80,7 +80,7 @@ fn the_reference_is_what_two_methods_agree_on() {
     let found = measured(&kepler(0.6, 12.0), &[Method::Dop853]);
     assert_eq!(found.reference.methods, [Method::Dop853, Method::Dopri5]);
     assert!(found.reference.agreement < 1e-11, "{:e}", found.reference.agreement);
-    assert_eq!(found.reference.times().len(), 201);
+    assert_eq!(found.reference.times().len(), 401);
     assert!(!found.reference.is_cut);
     let points = &found.curves[0].points;
     let finest = points.last().unwrap().outcome.as_ref().unwrap();

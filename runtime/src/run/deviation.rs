@@ -77,10 +77,8 @@ impl Run {
     /// At least so many instants of the run, one in each of as many equal intervals at a place that no vibration keeps step with, and
     /// others within its steps, which are short where much happens.
     pub(crate) fn instants(&self, count: usize) -> Vec<f64> {
-        const GOLDEN: f64 = 0.618_033_988_749_894_8;
         let Some((from, to)) = self.times.first().zip(self.times.last()) else { return Vec::new() };
-        let place = |k: usize| (k as f64 + ((k + 1) as f64 * GOLDEN).fract()) / count as f64;
-        let mut instants: Vec<f64> = (0..count).map(|k| from + place(k) * (to - from)).collect();
+        let mut instants = uneven(*from, *to, count);
         let steps = self.trajectory.steps();
         let some = steps.iter().step_by(steps.len().div_ceil(STEPS).max(1));
         instants.extend(some.flat_map(|[a, b]| WITHIN.map(|part| a + part * (b - a))));
@@ -100,6 +98,13 @@ impl Run {
         }
         Some(columns)
     }
+}
+
+/// An instant in each of so many equal intervals, at a place with which no vibration keeps step.
+pub(crate) fn uneven(from: f64, to: f64, count: usize) -> Vec<f64> {
+    const GOLDEN: f64 = 0.618_033_988_749_894_8;
+    let place = |k: usize| (k as f64 + ((k + 1) as f64 * GOLDEN).fract()) / count as f64;
+    (0..count).map(|k| from + place(k) * (to - from)).collect()
 }
 
 /// How far two values are apart: what is nowhere, as a reaction in flight, is no difference where both are.
