@@ -36,6 +36,14 @@ pub(crate) struct Known<'a> {
     pub step: f64,
 }
 
+/// What was chosen.
+pub(crate) struct Chosen {
+    /// Which switches are on their surface.
+    pub on: Vec<bool>,
+    /// One of them that may as well leave it to the other side.
+    pub undecided: Option<usize>,
+}
+
 /// An argument that would vanish within this part of a step vanishes.
 const NOW: f64 = 1e-11;
 /// A rate that is this part of the largest is zero to rounding.
@@ -58,7 +66,7 @@ const MOST_COMBINATIONS: usize = 64;
 /// slid until then and is pushed back from both sides does not come to rest by itself: what holds it there is for a
 /// phase to say.
 ///
-/// Returns which switches are on their surface.
+/// Returns which switches are on their surface, and one of them that several combinations move away, to both sides.
 ///
 /// # Errors
 /// [`Cause::Chattering`] names a switch to which both sides push back.
@@ -68,7 +76,7 @@ pub(crate) fn choose<S: System + ?Sized>(
     (t, y): (f64, &[f64]),
     known: &Known<'_>,
     trial: Trial<'_, S>,
-) -> Result<Vec<bool>, Box<Cause>> {
+) -> Result<Chosen, Box<Cause>> {
     let count = system.description().switches.len();
     let before = system.modes().to_vec();
     let rested: Vec<bool> = (0..count).map(|switch| side(system, switch) == 0.0).collect();
@@ -105,12 +113,14 @@ pub(crate) fn choose<S: System + ?Sized>(
         .iter()
         .map(|one| directions(system, sampler, (t, y), (one, Looks::WhereRatesVanish), trial))
         .collect();
+    let mut undecided = undecided(system, &combinations, &by_rates);
     let mut found = agreed(system, &combinations, &by_rates);
     if found.is_none() {
         // Rates that are next to nothing beside what a step does, as those of a drag that hardly moves, do not count.
         let by_trial: Vec<Vec<f64>> =
             combinations.iter().map(|one| directions(system, sampler, (t, y), (one, Looks::Always), trial)).collect();
         found = agreed(system, &combinations, &by_trial);
+        undecided = self::undecided(system, &combinations, &by_trial);
     }
     if let Some((mut one, to)) = found {
         for switch in (0..count).filter(|k| one.on[*k] && to[*k] == 0.0) {
@@ -120,7 +130,7 @@ pub(crate) fn choose<S: System + ?Sized>(
             };
         }
         system.set_modes(&one.modes);
-        return Ok(one.on);
+        return Ok(Chosen { on: one.on, undecided });
     }
     // The combinations in which fewest arguments are moved against their sides; those are pushed back to their surface.
     let list = combinations.iter().zip(&by_rates);
@@ -136,7 +146,7 @@ pub(crate) fn choose<S: System + ?Sized>(
         system.set_modes(&rest.modes);
         sampler.at_state(system, t, y);
         if pushed.iter().all(|k| sampler.rate(*k).abs() <= STANDS * scale(&by_rates, *k)) {
-            return Ok(rest.on);
+            return Ok(Chosen { on: rest.on, undecided: None });
         }
     }
     system.set_modes(&before);
@@ -151,6 +161,18 @@ struct Combination {
     on: Vec<bool>,
     /// The switch to look at next.
     next: usize,
+}
+
+/// A switch on its surface that two combinations move away to different sides, each to the one that it says.
+fn undecided<S: System + ?Sized>(system: &S, combinations: &[Combination], directions: &[Vec<f64>]) -> Option<usize> {
+    let agree: Vec<&Vec<f64>> = combinations
+        .iter()
+        .zip(directions)
+        .filter(|(one, to)| against(system, one, to, directions).is_empty())
+        .map(|(_, to)| to)
+        .collect();
+    let count = agree.first().map_or(0, |to| to.len());
+    (0..count).find(|k| agree.iter().any(|to| to[*k] > 0.0) && agree.iter().any(|to| to[*k] < 0.0))
 }
 
 /// The first combination that moves every argument on its surface to the side that it says, and where it moves them; one that

@@ -3,7 +3,7 @@
 use super::arguments::{Arguments, Course};
 use super::certify::Deed;
 use super::impulse::{Impulse, impulse};
-use super::modes::{self, Known, Trial};
+use super::modes::{self, Chosen, Known, Trial};
 use super::monitor::Monitors;
 use super::sample::Sampler;
 use super::scan::{Crossing, Scanner, watched_name};
@@ -28,6 +28,8 @@ pub(crate) struct Watch {
     surface: Vec<bool>,
     /// On which side others are from there on.
     beyond: Vec<Option<f64>>,
+    /// One that might have left its surface to the other side as well, where modes were chosen last.
+    undecided: Option<usize>,
     /// The length of the last step, s.
     step: f64,
     /// How many restarts in a row came at once, and when the last one was.
@@ -100,6 +102,7 @@ impl Watch {
             stops,
             surface: vec![false; time_only.len()],
             beyond: vec![None; time_only.len()],
+            undecided: None,
             time_only,
             step: 0.0,
             restarts: 0,
@@ -470,6 +473,11 @@ impl Watch {
         }
     }
 
+    /// What leads away from the surface of a discontinuity to both sides of it, where modes were chosen last.
+    pub fn undecided<S: System + ?Sized>(&self, system: &S) -> Option<String> {
+        self.undecided.map(|switch| modes::text(system, switch))
+    }
+
     /// Events with which a motion starts: those that leave a phase that they name and are past their zero, in their direction, or at it
     /// and move past, and impacts that are at it and move past.  Impacts that are past it, and changes of the phase by events that name
     /// none, which would change it again and again, are told.
@@ -597,7 +605,8 @@ impl Watch {
         self.scanner.restart();
         self.monitors.forget();
         let known = Known { surface: &self.surface, beyond: &self.beyond, leaves, step: self.step };
-        let on = modes::choose(system, &mut self.sampler, (t, y), &known, trial)?;
+        let Chosen { on, undecided } = modes::choose(system, &mut self.sampler, (t, y), &known, trial)?;
+        self.undecided = undecided;
         if self.restarts > SEVERAL {
             for switch in (0..on.len()).filter(|switch| on[*switch]) {
                 modes::rest_if_sides_agree(system, &mut self.sampler, (t, y), switch);

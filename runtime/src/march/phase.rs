@@ -107,6 +107,9 @@ impl March {
             return Ok(Halt::Arrived);
         }
         let (fired, past) = watch.at_start(system, (now, &y));
+        if let Some(switch) = watch.undecided(system) {
+            recorder.warn(Warning::BothSidesLeave { switch });
+        }
         for event in past {
             recorder.warn(Warning::PastAtStart { event: system.description().events[event].name.to_string() });
         }

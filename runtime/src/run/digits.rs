@@ -125,6 +125,12 @@ impl Digits {
         }
     }
 
+    /// Nothing is known from the start on.
+    pub(crate) fn lose(&mut self, run: &Run) {
+        self.rows.fill(f64::INFINITY);
+        self.lost = run.times.first().map(|t| (*t, 0));
+    }
+
     /// A state [q; q'] at about the time of a row, and states about it moved as far as half the bounds there.
     pub(crate) fn around(&self, run: &Run, row: usize, state: &[f64]) -> Vec<Vec<f64>> {
         let columns = state.len() + run.names.outputs.len();

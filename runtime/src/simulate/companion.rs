@@ -80,6 +80,10 @@ pub(crate) fn judge_digits(
         digits.raise(run, tolerance);
     }
     digits.detune(run, detuning(system, run));
+    let leaves = run.warnings.iter().any(|warning| matches!(warning, Warning::BothSidesLeave { .. }));
+    if leaves {
+        digits.lose(run);
+    }
     if other.phases.last() == run.phases.last() {
         look_around_end(system, run, &mut digits);
         run.warnings.extend(close_calls(system, run, &digits));
@@ -287,7 +291,8 @@ fn reason(
     };
     // With the same steps: only the start differs.
     let moved = Settings { unlike: false, ..alike(system, settings, run) };
-    if rests_unstably(system, settings, run) {
+    let leaves = run.warnings.iter().any(|warning| matches!(warning, Warning::BothSidesLeave { .. }));
+    if leaves || rests_unstably(system, settings, run) {
         return Loss::UnstableStart;
     }
     let other = match simulate_with(system, &moved, progress) {

@@ -74,6 +74,11 @@ pub enum Warning {
         /// When they end, s.
         t: f64,
     },
+    /// The motion starts at rest on a kink or jump from which both sides lead away.
+    BothSidesLeave {
+        /// What is zero there.
+        switch: String,
+    },
     /// An event that strikes or changes the phase is past its zero where the motion starts, or at it without a direction, and does not
     /// happen.
     PastAtStart {
@@ -291,6 +296,10 @@ impl fmt::Display for Warning {
                 f,
                 "the impacts of `{event}` accumulate at t = {} s, where the motion goes on with a resting contact",
                 short(*t)
+            ),
+            Warning::BothSidesLeave { switch } => write!(
+                f,
+                "it starts where `{switch}` = 0 and may leave to either side: one was chosen, rounding decides which a real one takes"
             ),
             Warning::PastAtStart { event } => write!(
                 f,

@@ -238,3 +238,30 @@ fn a_rocking_block_chattered_though_it_has_a_phase_of_rest() {
     let kept = 1.0 - 1.5 * 0.04 / 0.29;
     assert!((ratio - kept).abs() < 1e-3 && times[0] < *t, "{ratio}, not {kept}");
 }
+
+#[test]
+fn rest_on_a_roof_of_which_both_sides_lead_away_had_ten_digits() {
+    let roof = |force: &str, start: &str| {
+        let mut case = case(&format!(
+            "name: Roof\ncoordinates: {{x: 1}}\nkinetic_energy: x'^2/2\n{force}\nscene: {{start: {{{start}}}, until: 3, tolerance: 1e-10}}\n"
+        ));
+        case.settings.digits = true;
+        case.run()
+    };
+    let leaves =
+        |run: &dalembert::Run| run.warnings.iter().any(|warning| matches!(warning, Warning::BothSidesLeave { .. }));
+    for force in
+        ["potential_energy: -abs(x)", "generalized_forces: {x: sign(x)}", "generalized_forces: {x: 2*step(x) - 1}"]
+    {
+        let run = roof(force, "x: 0");
+        assert!(leaves(&run) && run.digits("x") == Some(0), "{force}: {:?}", run.warnings);
+        // Beside the edge, or with a speed, the side is known.
+        for start in ["x: 1e-9", "x: 0, x': -1e-3"] {
+            assert!(!leaves(&roof(force, start)), "{force}, {start}");
+        }
+    }
+    // A valley, and a hill with one side that is level.
+    assert!(
+        !leaves(&roof("potential_energy: abs(x)", "x: 1")) && !leaves(&roof("potential_energy: -max(x, 0)", "x': 0.1"))
+    );
+}
