@@ -55,6 +55,9 @@ impl Unbounded {
     }
 }
 
+/// A pivot is negative by more than this part of its diagonal, and by more than so many roundings made on the way there.
+const NOTHING: f64 = 1e-12;
+const ROUNDINGS: f64 = 64.0;
 /// More coordinates than this are judged by M's diagonal alone: its factors would cost more than a short run.
 const LARGEST: usize = 60;
 
@@ -64,7 +67,7 @@ pub(crate) fn positive_inertia(system: &dyn System, t: f64, y: &[f64]) -> Result
     let n = system.len();
     let mut values = vec![0.0; description.mass_pattern.len()];
     system.mass_matrix(At::place(t, &y[..n]), &mut values);
-    let below = |m: f64, size: f64| m < -1e-12 * size;
+    let below = |m: f64, size: f64| m < -NOTHING * size;
     let negative = |coordinate: usize| Cause::NegativeInertia { coordinate: description.coordinate_name(coordinate) };
     if n > LARGEST {
         let entries = description.mass_pattern.iter().zip(&values);
@@ -75,7 +78,8 @@ pub(crate) fn positive_inertia(system: &dyn System, t: f64, y: &[f64]) -> Result
     for ((i, j), value) in description.mass_pattern.iter().zip(&values) {
         m[*i as usize * n + *j as usize] = *value;
     }
-    // LDLᵀ row by row, as far as the pivots are positive.
+    // LDLᵀ row by row, as far as the pivots are positive.  One that is the part r of its diagonal leaves ε/r of later ones unknown.
+    let mut least = 1.0_f64;
     for i in 0..n {
         let size = m[i * n + i].abs();
         for j in 0..i {
@@ -84,9 +88,10 @@ pub(crate) fn positive_inertia(system: &dyn System, t: f64, y: &[f64]) -> Result
         }
         let before: f64 = (0..i).map(|k| m[i * n + k].powi(2) * m[k * n + k]).sum();
         m[i * n + i] -= before;
-        if below(m[i * n + i], size) {
+        if below(m[i * n + i], size * (ROUNDINGS * f64::EPSILON / (NOTHING * least)).max(1.0)) {
             return Err(negative(i).into());
         }
+        least = least.min(m[i * n + i] / size);
         if m[i * n + i].is_nan() || m[i * n + i] <= 0.0 {
             // Singular or not finite: the accelerations say so.
             return Ok(());
@@ -170,7 +175,9 @@ impl InertiaGuard {
             self.slope[i] = self.slope(i);
             (self.earlier[i], self.latest[i]) = (self.latest[i], Sample { t, w });
             let (left, reached) = self.line(i);
-            if w < SMALLEST && left < 1e-3 * (t - self.began) {
+            // What is small from the first step on began with next to no inertia, as a direction that constraints hold.
+            let falls = self.slope[i].is_finite() && !self.flattens(i);
+            if w < SMALLEST && left < 1e-3 * (t - self.began) && falls {
                 return Some(Unbounded { shrank: false, coordinate: i, t: reached });
             }
         }

@@ -243,3 +243,57 @@ scene: {start: {x: 1}, until: 1}
         assert!(mode.shape[0].re > 0.0);
     }
 }
+
+/// A free body by a quaternion of unit length: M is singular along it, the constraint holds it.
+const QUATERNION: &str = r#"
+name: Quaternion
+parameters: {A: 1 kg*m^2, B: 2 kg*m^2, C: 2.5 kg*m^2}
+coordinates: {q0: 1, q1: 1, q2: 1, q3: 1}
+define:
+  w1: 2*(-q1*q0' + q0*q1' + q3*q2' - q2*q3')
+  w2: 2*(-q2*q0' - q3*q1' + q0*q2' + q1*q3')
+  w3: 2*(-q3*q0' + q2*q1' - q1*q2' + q0*q3')
+kinetic_energy: A*w1^2/2 + B*w2^2/2 + C*w3^2/2
+constraints: {unit_q: q0^2 + q1^2 + q2^2 + q3^2 - 1}
+outputs: {w1: w1, w2: w2, w3: w3}
+scene: {start: {q0: 1, q1: 0, q2: 0, q3: 0, q0': 0, q1': 0.01, q2': 1, q3': 0.02}, until: 20}
+"#;
+
+/// Its angular velocity after 20 s by Euler's equations, A w1' = (B - C) w2 w3 and so on.
+fn euler() -> [f64; 3] {
+    let (a, b, c) = (1.0, 2.0, 2.5);
+    let rate = |w: [f64; 3]| [(b - c) / a * w[1] * w[2], (c - a) / b * w[2] * w[0], (a - b) / c * w[0] * w[1]];
+    let (mut w, h) = ([0.02, 2.0, 0.04], 1e-3);
+    for _ in 0..20_000 {
+        let at = |k: [f64; 3], part: f64| [0, 1, 2].map(|i| w[i] + part * h * k[i]);
+        let k1 = rate(w);
+        let k2 = rate(at(k1, 0.5));
+        let k3 = rate(at(k2, 0.5));
+        let k4 = rate(at(k3, 1.0));
+        w = [0, 1, 2].map(|i| w[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
+    }
+    w
+}
+
+#[test]
+fn a_body_by_a_quaternion_ran_away_where_its_inertia_is_singular() {
+    let exact = euler();
+    // Beside the start with nothing but a turn about q2, M's first entry is next to nothing.
+    for start in ["q1: 0,", "q1: 1e-10,", "q1: 1e-16,"] {
+        for tolerance in [1e-9, 1e-12] {
+            let mut case = case(&QUATERNION.replace("q1: 0,", start));
+            (case.settings.tolerance, case.settings.digits) = (tolerance, true);
+            let run = case.run();
+            let name = format!("{start} at {tolerance}");
+            assert!(
+                run.energy_balance.is_some_and(|drift| drift < 100.0 * tolerance),
+                "{name}: {:?}",
+                run.energy_balance
+            );
+            assert!(run.digits("q0").is_some_and(|digits| digits >= 3), "{name}: {:?}", run.digits("q0"));
+            let off = ["w1", "w2", "w3"].iter().zip(exact).map(|(w, exact)| (run.last()[*w] - exact).abs());
+            let off = off.fold(0.0, f64::max);
+            assert!(off < 1e4 * tolerance, "{name}: {off}");
+        }
+    }
+}

@@ -18,6 +18,8 @@ pub(crate) use null_space::Solutions;
 
 /// A pivot of M is rounding below this part of its diagonal.
 const NOTHING: f64 = 1e-11;
+/// And so many roundings of it may have been made on the way there.
+const ROUNDINGS: f64 = 64.0;
 
 /// M and J of one state, factored, and room to do so.
 #[derive(Clone, Debug, Default)]
@@ -370,11 +372,21 @@ impl Form {
     }
 
     /// A coordinate to which M leaves no more inertia than rounding does, beside the constraints that may hold it.
+    ///
+    /// A pivot that is the part r of its diagonal is known to ε/r of itself, and so is what is subtracted from the later ones by it.
     fn nearly_singular(&self) -> Option<SingularMass> {
         let pivot = |i: usize| 1.0 / self.mass[packed(i, i)];
         let whole = |i: usize| pivot(i) + (0..i).map(|j| self.mass[packed(i, j)].powi(2) * pivot(j)).sum::<f64>();
         let coordinates = if self.active.is_empty() { 0 } else { self.n };
-        (0..coordinates).find(|i| pivot(*i) <= NOTHING * whole(*i)).map(|coordinate| SingularMass { coordinate })
+        let mut least = 1.0_f64;
+        for coordinate in 0..coordinates {
+            let part = pivot(coordinate) / whole(coordinate);
+            if !(part > NOTHING.max(ROUNDINGS * f64::EPSILON / least)) {
+                return Some(SingularMass { coordinate });
+            }
+            least = least.min(part);
+        }
+        None
     }
 
     /// Factors M + Jᵀ R J, which is regular where M is so on the motions that the constraints leave.
