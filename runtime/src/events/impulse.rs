@@ -26,6 +26,11 @@ pub struct Impulse {
 /// A change this small against the values is rounding, or of the place of the stop.
 const ROUNDING: f64 = 1e-11;
 
+/// So many roundings beside the time of a sharp turn it has happened, or has not.
+const BESIDE: f64 = 64.0;
+/// A change so many times as large as those beside it is a jump.
+const SHARP: f64 = 16.0;
+
 /// The jump of the speeds at a state where inputs went from `before` to `after`, (u, u', u'') of each; `None` where
 /// there is none.
 ///
@@ -77,6 +82,14 @@ pub(crate) fn impulse<S: System + ?Sized>(
     if push.iter().all(|push| *push == 0.0) {
         return Ok(None);
     }
+    let jump = moved(system, at, &push)?;
+    Ok(Some(Impulse { t, inputs, constraints: Vec::new(), jump }))
+}
+
+/// M⁻¹ p.
+fn moved<S: System + ?Sized>(system: &S, at: At<'_>, push: &[f64]) -> Result<Vec<f64>, Box<Cause>> {
+    let description = system.description();
+    let n = push.len();
     let mut values = vec![0.0; description.mass_pattern.len()];
     system.mass_matrix(at, &mut values);
     let mut packed = vec![0.0; n * (n + 1) / 2];
@@ -88,5 +101,60 @@ pub(crate) fn impulse<S: System + ?Sized>(
     let mut jump: Vec<f64> = push.iter().map(|push| -push).collect();
     crate::mechanism::solve_packed_slice(&mut packed, &mut jump)
         .map_err(|fault| crate::mechanism::Singular::Mass(fault).cause(description))?;
-    Ok(Some(Impulse { t, inputs, constraints: Vec::new(), jump }))
+    Ok(jump)
+}
+
+/// The momenta p = ∂T/∂q' at a state, with the size of what each is the difference of: T is quadratic in q', so that differences are exact.
+///
+/// A place that time moves has its own speed in them.
+fn momenta<S: System + ?Sized>(system: &S, (t, y): (f64, &[f64])) -> Vec<(f64, f64)> {
+    let n = system.len();
+    let (q, mut v) = (&y[..n], y[n..].to_vec());
+    let mut values = vec![0.0; system.description().mass_pattern.len()];
+    system.mass_matrix(At::place(t, q), &mut values);
+    let own = |i: usize| {
+        let diagonal = |(row, column): &(u32, u32)| *row as usize == i && row == column;
+        system.description().mass_pattern.iter().position(diagonal).map_or(0.0, |place| values[place])
+    };
+    let whole = system.energy(At::new(t, q, &v)).kinetic;
+    let momentum = |i: usize| {
+        let size = (2.0 * whole / own(i)).sqrt();
+        let step = if size > 0.0 && size.is_finite() { size } else { 1.0 };
+        let usual = v[i];
+        let mut beside = |by: f64| {
+            v[i] = usual + by;
+            system.energy(At::new(t, q, &v)).kinetic
+        };
+        let [more, less] = [beside(step), beside(-step)];
+        v[i] = usual;
+        ((more - less) / (2.0 * step), (more.abs() + less.abs()) / step)
+    };
+    (0..n).map(momentum).collect()
+}
+
+/// The jump of the speeds where places that time moves turn sharply between t and `resume`, so that momenta p would be others with the
+/// speeds as they are: M Δq' = −Δp.  `None` where they are the same to rounding, or unknown.
+///
+/// # Errors
+/// [`Cause::SingularMass`].
+pub(crate) fn turn<S: System + ?Sized>(
+    system: &S,
+    (t, resume): (f64, f64),
+    y: &[f64],
+) -> Result<Option<Impulse>, Box<Cause>> {
+    let apart = BESIDE * f64::EPSILON * t.abs().max(f64::MIN_POSITIVE / f64::EPSILON);
+    let times = [t - 2.0 * apart, t - apart, resume + apart, resume + 2.0 * apart];
+    let [earlier, before, after, later] = times.map(|t| momenta(system, (t, y)));
+    let change = |i: usize| {
+        let change = after[i].0 - before[i].0;
+        // What changes as much beside it is no jump.
+        let usual = (before[i].0 - earlier[i].0).abs() + (later[i].0 - after[i].0).abs();
+        if change.abs() > ROUNDING * (before[i].1 + after[i].1) + SHARP * usual { -change } else { 0.0 }
+    };
+    let push: Vec<f64> = (0..before.len()).map(change).collect();
+    if push.iter().all(|push| *push == 0.0) || push.iter().any(|push| !push.is_finite()) {
+        return Ok(None);
+    }
+    let jump = moved(system, At::packed(t, y, system.len()), &push)?;
+    Ok(Some(Impulse { t, inputs: Vec::new(), constraints: Vec::new(), jump }))
 }

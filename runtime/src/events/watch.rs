@@ -2,7 +2,7 @@
 
 use super::arguments::{Arguments, Course};
 use super::certify::Deed;
-use super::impulse::{Impulse, impulse};
+use super::impulse::{Impulse, impulse, turn};
 use super::modes::{self, Chosen, Known, Trial};
 use super::monitor::Monitors;
 use super::sample::Sampler;
@@ -569,6 +569,9 @@ impl Watch {
             system.inputs(resume, &mut after);
             if timed {
                 impulse = self::impulse(system, (t, y), &before, &after)?;
+                if impulse.is_none() {
+                    impulse = turn(system, (t, resume), y)?;
+                }
             }
             if let Some(impulse) = &impulse {
                 // Speeds that jump may have other sides.

@@ -265,3 +265,30 @@ fn rest_on_a_roof_of_which_both_sides_lead_away_had_ten_digits() {
         !leaves(&roof("potential_energy: abs(x)", "x: 1")) && !leaves(&roof("potential_energy: -max(x, 0)", "x': 0.1"))
     );
 }
+
+#[test]
+fn the_impulse_of_a_kink_of_time_in_a_place_was_lost() {
+    let shaken = |base: &str, kind: &str| {
+        case(&format!(
+            "name: Shaken
+parameters: {{m: 1 kg, k: 4 N/m, v: 1 m/s, t1: 1 s, T: 1 s}}
+coordinates: {{x: m}}
+{kind}: {{base: \"{base}\"}}
+bodies: {{b: {{mass: m, position: \"[base + x, 0]\"}}}}
+springs: {{s: {{stretch: x, stiffness: k, along: \"[1, 0]\", on: b}}}}
+scene: {{start: {{x: 0}}, until: 3, tolerance: 1e-12}}
+"
+        ))
+        .run()
+    };
+    for kind in ["define", "inputs"] {
+        // x = -v/2 sin(2 (t - 1)) after the base has set off.
+        let run = shaken("v*max(t - t1, 0)", kind);
+        assert!((run.last()["x"] + 0.5 * 4.0_f64.sin()).abs() < 1e-10, "{kind}: {}", run.last()["x"]);
+        assert!(run.impulses.len() == 1 && (run.impulses[0].jump[0] + 1.0).abs() < 1e-10, "{kind}: {:?}", run.impulses);
+        // x = -v/(2 T) (1 - cos(2 (t - 1))) where it sets off without a jerk.
+        let run = shaken("v*max(t - t1, 0)^2/T", kind);
+        assert!((run.last()["x"] + 0.5 * (1.0 - 4.0_f64.cos())).abs() < 1e-10, "{kind}: {}", run.last()["x"]);
+        assert!(run.impulses.is_empty(), "{kind}: {:?}", run.impulses);
+    }
+}
