@@ -225,11 +225,14 @@ impl Arguments {
         };
         // By how much phases turn from end to end, and would by the slopes there, each the most of all.
         let turned = |a: &[(f64, f64)], b: &[(f64, f64)], length: f64| {
-            let most = |turn: &dyn Fn(&(f64, f64), &(f64, f64)) -> f64| {
-                let turns = a.iter().zip(b).map(|(a, b)| turn(a, b) / PHASE);
-                turns.filter(|turn| turn.is_finite()).fold(0.0, f64::max)
-            };
-            (most(&|a, b| (b.0 - a.0).abs()), most(&|a, b| 0.5 * length * (a.1.abs() + b.1.abs())))
+            let mut most = (0.0_f64, 0.0_f64);
+            for (a, b) in a.iter().zip(b) {
+                let (differs, by_slopes) = ((b.0 - a.0).abs(), 0.5 * length * (a.1.abs() + b.1.abs()));
+                // What is not finite tells nothing.
+                let larger = |most: f64, turn: f64| if turn.is_finite() { most.max(turn / PHASE) } else { most };
+                most = (larger(most.0, differs), larger(most.1, by_slopes));
+            }
+            most
         };
         let mut places = vec![0.0];
         let ends: Vec<(f64, Vec<(f64, f64)>)> = given.iter().rev().map(|x| (*x, at(*x))).collect();
