@@ -12,7 +12,7 @@ use dalembert_symbolic::print;
 /// A kind of file: what it is full of, the size of the largest legal one, one that is not, its text.
 type Kind = (&'static str, usize, usize, fn(usize) -> String);
 
-const KINDS: [Kind; 19] = [
+const KINDS: [Kind; 22] = [
     ("bodies, by running sums of one coordinate", 40_000, 99_000, running_sums),
     ("bodies, by running sums of different terms", 1_500, 40_000, running_terms),
     ("particles that move by themselves", 2_000, 2_001, free),
@@ -32,6 +32,9 @@ const KINDS: [Kind; 19] = [
     ("factors of a product, in characters of 65 536", 4_700, 4_800, product),
     ("links of a chain in Cartesian coordinates, held by constraints", 133, 134, rods),
     ("phases, with a claim in the last", 1_000, 100_000, phases),
+    ("links of a chain in space, by two angles each", 40, 80, links_in_space),
+    ("charges on a sphere, a spring between every two", 60, 400, charges),
+    ("peaks in an integral, by a rule of quadrature", 1, 10, peaks),
 ];
 
 fn main() {
@@ -226,6 +229,34 @@ fn rods(n: usize) -> String {
          constraints: {{\"rod[i in 1..n]\": \"dot(p[i] - p[i-1], p[i] - p[i-1]) - d^2\"}}\n\
          scene: {{start: {{\"x[i in 1..n]\": \"i*d\", \"y[i in 1..n]\": 0}}}}\n"
     )
+}
+
+fn links_in_space(n: usize) -> String {
+    format!(
+        "name: Large\nsizes: {{n: {n}}}\nparameters: {{m: 1 kg, l: 1 m, g: 10 m/s^2}}\n\
+         coordinates: {{\"a[i in 1..n]\": rad, \"b[i in 1..n]\": rad}}\npoints:\n  \"p[0]\": \"[0, 0, 0]\"\n  \"p[i in 1..n]\": \
+         \"p[i-1] + l*[sin(a[i])*cos(b[i]), sin(a[i])*sin(b[i]), -cos(a[i])]\"\n\
+         bodies: {{\"k[i in 1..n]\": {{mass: m, position: \"p[i]\"}}}}\ngravity: [0, 0, -g]\nconserved: {{energy: energy}}\n\
+         scene: {{start: {{\"a[i in 1..n]\": 0.5}}, until: 1}}\n"
+    )
+}
+
+fn charges(n: usize) -> String {
+    // Around the equator they are apart from each other.
+    format!(
+        "name: Large\nsizes: {{n: {n}}}\nparameters: {{m: 1, k: 1}}\n\
+         coordinates: {{\"x[i in 1..n]\": 1, \"y[i in 1..n]\": 1, \"z[i in 1..n]\": 1}}\n\
+         bodies: {{\"p[i in 1..n]\": {{mass: m, position: \"[x[i], y[i], z[i]]\"}}}}\n\
+         springs: {{\"s[i in 1..n, j in i+1..n]\": {{between: [\"p[i]\", \"p[j]\"], energy: \"-k*ln(length)\"}}}}\n\
+         constraints: {{\"on[i in 1..n]\": \"x[i]^2 + y[i]^2 + z[i]^2 - 1\"}}\n\
+         scene: {{start: {{\"x[i in 1..n]\": \"cos(2*pi*i/n)\", \"y[i in 1..n]\": \"sin(2*pi*i/n)\", \"z[i in 1..n]\": 0}}, until: 10}}\n"
+    )
+}
+
+fn peaks(n: usize) -> String {
+    let peak = |k: usize| format!("integral(F/sqrt(1 + ((y - 0.{k}173*d)/s)^2), y in 0..d)*x/d");
+    let sum: Vec<String> = (1..=n).map(peak).collect();
+    bead(n, &format!("potential_energy: {}\n", sum.join(" + "))).replace("d: 1 m", "d: 1 m, s: 1e-3 m")
 }
 
 fn phases(n: usize) -> String {

@@ -272,7 +272,7 @@ fn report(
         } else if run.has_untried_integrals() {
             "an integral is beyond where its rule was tried"
         } else if run.seconds < PATIENCE {
-            "there is too much to compare, or it was interrupted"
+            "there is too much to compare, the second run would take many more steps, or it was interrupted"
         } else {
             "the run took long; --digits runs a second time all the same"
         };

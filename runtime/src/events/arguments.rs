@@ -58,6 +58,11 @@ const TICK: f64 = 2.0 * f64::EPSILON;
 const FINE: f64 = 10.0;
 /// More first pieces than this in one step are not tried.
 const MOST_PIECES: f64 = 1e5;
+/// Slopes at the ends of a piece by which a phase would turn this many times as much as it does tell of a part of it only: a table of
+/// points at 1e-9 s and at 1000 s.
+const STEEP_IN_PART: f64 = 4.0;
+/// Pieces are not halved more often: beyond that the time cannot tell their ends apart.
+const DEEPEST: u32 = 52;
 
 impl Arguments {
     /// Makes room.
@@ -218,23 +223,31 @@ impl Arguments {
             let h = self.evaluate(system, course, theta);
             phases.iter().map(|&k| (self.pairs[2 * k], h * self.pairs[2 * k + 1])).collect()
         };
+        // By how much phases turn from end to end, and would by the slopes there, each the most of all.
         let turned = |a: &[(f64, f64)], b: &[(f64, f64)], length: f64| {
-            let turn = |(a, b): (&(f64, f64), &(f64, f64))| {
-                (b.0 - a.0).abs().max(0.5 * length * (a.1.abs() + b.1.abs())) / PHASE
-            };
-            a.iter().zip(b).map(turn).filter(|turn| turn.is_finite()).fold(0.0, f64::max)
+            let mut most = (0.0_f64, 0.0_f64);
+            for (a, b) in a.iter().zip(b) {
+                let (differs, by_slopes) = ((b.0 - a.0).abs(), 0.5 * length * (a.1.abs() + b.1.abs()));
+                // What is not finite tells nothing.
+                let larger = |most: f64, turn: f64| if turn.is_finite() { most.max(turn / PHASE) } else { most };
+                most = (larger(most.0, differs), larger(most.1, by_slopes));
+            }
+            most
         };
         let mut places = vec![0.0];
         let ends: Vec<(f64, Vec<(f64, f64)>)> = given.iter().rev().map(|x| (*x, at(*x))).collect();
         let pairs = ends.windows(2).map(|pair| (pair[1].0, pair[1].1.clone(), pair[0].0, pair[0].1.clone(), 0));
         let mut stack: Vec<_> = pairs.collect();
         while let Some((a, at_a, b, at_b, depth)) = stack.pop() {
-            let need = turned(&at_a, &at_b, b - a);
-            if need <= 1.05 || depth > 30 {
+            let (differs, by_slopes) = turned(&at_a, &at_b, b - a);
+            let need = differs.max(by_slopes);
+            if need <= 1.05 || depth > DEEPEST {
                 places.push(b);
                 continue;
             }
-            if need + places.len() as f64 > MOST_PIECES {
+            let halved = by_slopes > STEEP_IN_PART * differs.max(1.0);
+            let need = if halved { 2.0 } else { need };
+            if need + (places.len() + stack.len()) as f64 > MOST_PIECES {
                 return None;
             }
             let count = need.ceil() as usize;

@@ -72,7 +72,7 @@ pub enum Method {
     /// is driven, a fixed step if one is given.
     Exact,
     /// The one that suits: [`Method::Rk4`] where a step is given; [`Method::Verlet`] where accelerations are constant
-    /// between events; [`Method::Exact`] for linear systems with constant coefficients, for long enough; [`Method::Rodas5P`] where what decays at the start is much faster than what vibrates;
+    /// between events; [`Method::Exact`] for linear systems with constant coefficients, for long enough; [`Method::Rodas5P`] where what decays at the start is much faster than what vibrates, and for linear systems whose fastest vibration is not seen at the tolerance;
     /// [`Method::Rkn8`] for separable systems without constraints; else [`Method::Dop853`], or [`Method::Dopri5`] for tolerances
     /// above 10⁻⁴.
     #[default]

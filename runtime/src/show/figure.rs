@@ -118,7 +118,7 @@ impl Figure {
         let canvas = super::raster::Raster::on(&mut page).into_drawing_area();
         draw(&canvas, &layout).expect("a page in memory takes all that is drawn");
         drop(canvas);
-        page.to_pdf()
+        page.into_pdf()
     }
 
     /// Writes the figure to a file: as PNG or PDF where its name ends in `.png` or `.pdf`, else as SVG.

@@ -31,7 +31,7 @@ impl Page {
     }
 
     /// The page as a file.
-    pub fn to_pdf(self) -> Vec<u8> {
+    pub fn into_pdf(self) -> Vec<u8> {
         let [catalog, pages, page, contents] = [1, 2, 3, 4].map(Ref::new);
         let [width, height] = [self.size.0, self.size.1].map(|length| length as f32 * POINTS / FINE as f32);
         let mut pdf = Pdf::new();

@@ -24,6 +24,13 @@ const MANY_STEPS: f64 = 1e4;
 /// It is stiff where it is so much faster than all that vibrates.
 const FASTER: f64 = 1e3;
 
+/// Vibrations are looked at where the run has so many radians of the fastest one: some seconds of an explicit method.
+const MANY_RADIANS: f64 = 1e6;
+/// Steps that need not follow them are tried over this part of the run, and are to be so long, in radians: a step of `rodas5p` costs
+/// as much as several of an explicit method.
+const TRIED: f64 = 0.02;
+const RADIANS_A_STEP: f64 = 20.0;
+
 /// Steps of the exponential are so long, in radians.
 const RESOLVED: f64 = 1.0;
 /// An oscillator takes `dop853` so many evaluations a radian, times this power of 1/tolerance; `rkn8` half as many.
@@ -57,13 +64,10 @@ pub(super) fn choose(settings: &Settings, system: &dyn System, y: &[f64]) -> Cho
         Method::Auto if is_stiff(settings, system, y) => {
             because(Method::Rodas5P, "what decays at the start is much faster than what vibrates")
         }
-        Method::Auto
-            if structure.linear
-                && description.rows.is_empty()
-                && system.derivation().is_none()
-                && system.len() <= LARGEST
-                && exact_pays(settings, system, y) =>
-        {
+        Method::Auto if is_linear(system) && vibrates_unseen(settings, system, y) => {
+            Choice { method: Method::Rodas5P, why: Some("what vibrates fastest is not seen at this tolerance") }
+        }
+        Method::Auto if is_linear(system) && system.len() <= LARGEST && exact_pays(settings, system, y) => {
             let driven = "linear with constant coefficients, driven by time alone, for long enough";
             let free = "linear with constant coefficients, for long enough";
             because(Method::Exact, if structure.time_dependent { driven } else { free })
@@ -78,6 +82,37 @@ pub(super) fn choose(settings: &Settings, system: &dyn System, y: &[f64]) -> Cho
         Method::Auto => because(Method::Dop853, "nothing is stiff, and the tolerance is not loose"),
         method => Choice { method, why: None },
     }
+}
+
+/// Whether this is a linear system with constant coefficients, of which Lagrange's equations are solved.
+fn is_linear(system: &dyn System) -> bool {
+    let description = system.description();
+    description.structure.linear && description.rows.is_empty() && system.derivation().is_none()
+}
+
+/// Whether something vibrates so fast that every method but a stiff one takes very many steps for it, and too little to be seen:
+/// a method that need not follow it gets through the start in far fewer steps than it has vibrations.
+fn vibrates_unseen(settings: &Settings, system: &dyn System, y: &[f64]) -> bool {
+    let (n, span) = (system.len(), settings.until - settings.from);
+    let Ok(rate) = fastest_rate(system, settings.from, y) else { return false };
+    let radians = span * rate;
+    if n > LARGEST || radians.is_nan() || radians < MANY_RADIANS {
+        return false;
+    }
+    let trial = Settings {
+        q: y[..n].to_vec(),
+        v: y[n..].to_vec(),
+        method: Method::Rodas5P,
+        until: settings.from + TRIED * span,
+        every: Some(span),
+        max_steps: (TRIED * radians / RADIANS_A_STEP) as u64,
+        dense: false,
+        watch: false,
+        digits: false,
+        apart: false,
+        ..settings.clone()
+    };
+    super::simulate(&mut *system.boxed_clone(), &trial).is_ok()
 }
 
 /// Whether every motion between two events is a parabola: constraints act as they are written, and not by springs.
@@ -273,6 +308,22 @@ mod tests {
         toy.description.structure.time_dependent = true;
         assert_eq!(chosen(&toy, |_| ()), Method::Exact);
         assert_eq!(chosen(&toy, |settings| settings.until = 0.5), Method::Dop853);
+    }
+
+    /// Of two masses that do not feel each other one vibrates 10⁵ times as fast.
+    #[test]
+    fn a_vibration_is_followed_where_it_is_seen() {
+        let mirror = |z: f64, until: f64| {
+            let names = (&[1.0, z][..], &[0.0; 2][..]);
+            let mut toy = Toy::new(&["x", "z"], names, until, |_, q, _, _, a| (a[0], a[1]) = (-q[0], -1e10 * q[1]));
+            toy.jacobian = std::sync::Arc::new(|_, _, _, dq, _| (dq[0], dq[3]) = (1.0, 1e10));
+            toy.description.structure.linear = true;
+            toy
+        };
+        assert_eq!(chosen(&mirror(0.0, 100.0), |_| ()), Method::Rodas5P);
+        assert_eq!(chosen(&mirror(0.1, 100.0), |_| ()), Method::Exact);
+        // A second of it is no great matter.
+        assert_eq!(chosen(&mirror(0.0, 1.0), |_| ()), Method::Exact);
     }
 
     /// What decays is followed to the tolerance no longer than it is there.

@@ -37,6 +37,10 @@ const SHARED: f64 = 0.75;
 const FINER: f64 = 1.5;
 /// Accelerations are known to so many roundings times the condition of M.
 const ROUNDED_INERTIA: f64 = 4.0;
+/// A second run is given up after so many times the steps of the first, and so many more: a start that is moved by rounding may have
+/// vibrations that the first had not.
+const MORE_STEPS: u64 = 10;
+const STEPS_ANYHOW: u64 = 10_000;
 /// Not more numbers than these are compared.
 const MOST_NUMBERS: usize = 20_000_000;
 
@@ -219,7 +223,9 @@ fn ran(
 ) -> Option<Run> {
     let mut other = match simulate_with(system, settings, progress) {
         Ok(run) => run,
-        Err(Error::Run(failure)) if failure.cause == Cause::Interrupted => return None,
+        Err(Error::Run(failure)) if matches!(failure.cause, Cause::Interrupted | Cause::TooManySteps { .. }) => {
+            return None;
+        }
         Err(Error::Run(failure)) => failure.run,
         Err(_) => return None,
     };
@@ -233,8 +239,16 @@ fn ran(
 fn alike(system: &mut dyn System, settings: &Settings, run: &Run) -> Settings {
     // The same times are reported, however long it is.
     let every = Some(settings.spacing());
-    let mut other =
-        Settings { digits: false, dense: run.is_filled, watch: false, unlike: true, every, ..settings.clone() };
+    let max_steps = settings.max_steps.min(MORE_STEPS * run.work.steps + STEPS_ANYHOW);
+    let mut other = Settings {
+        digits: false,
+        dense: run.is_filled,
+        watch: false,
+        unlike: true,
+        every,
+        max_steps,
+        ..settings.clone()
+    };
     let n = other.q.len();
     // It starts behind what happened at the start.
     if let Some(start) = run.rows.get(..2 * n) {

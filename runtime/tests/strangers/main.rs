@@ -9,6 +9,7 @@ mod events;
 mod extremes;
 mod pictures;
 mod printing;
+mod slow;
 
 use std::path::{Path, PathBuf};
 

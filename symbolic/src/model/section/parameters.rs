@@ -62,6 +62,9 @@ impl Resolver<'_> {
             }
             return;
         }
+        // `asin(0.6)` is an angle in radians without saying so.
+        let is_angle = value.unit.is_none() && gives_angle(&value.text.ast);
+        let unit = if is_angle { Some("rad".to_owned()) } else { unit };
         if let Some((_, unit)) = &value.unit
             && scales_angles(unit)
             && gives_angle(&value.text.ast)
@@ -84,7 +87,7 @@ impl Resolver<'_> {
                     });
                     let place = spot.place.of_key();
                     let measure = self.note_unit(value.unit.as_ref().map(|(_, unit)| unit));
-                    self.scope.units.parameters.push(measure);
+                    self.scope.units.parameters.push(if is_angle { Measure::ONE } else { measure });
                     self.model.parameters.push(Parameter { name: member.name(), family, unit, default, place });
                 }
             }
