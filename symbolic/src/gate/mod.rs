@@ -5,6 +5,7 @@
 //! 3. It does not matter which body takes a load at a hinge: look in `shared`.
 //! 4. Systems of momentum balances hold, and determine the motion: look in `balances`; what would mend one that does
 //!    not is found in `causes`.
+//!    Their reactions are compared with force and moment on bodies: `results`.
 //!    So do they integrated over the instant of an impact: `impulses`.
 //! 5. Forces are tested for potentials (`potential`) and for being counted twice (`twice`); what each entry does is in
 //!    `effects`.
@@ -36,11 +37,13 @@ mod impulses;
 mod lines;
 mod motion;
 mod named;
+mod null;
 mod pairs;
 mod passage;
 mod points;
 mod potential;
 mod report;
+mod results;
 mod rows;
 mod search;
 mod shared;
@@ -164,8 +167,11 @@ impl Gate {
         // Where it matters which body takes a load, there is no one second derivation to compare.
         let unclear = shared::ambiguous(model, &states.all);
         if unclear.is_empty() {
-            match balances::agree(model, momentum, &states.all, self) {
-                Ok(agreements) => report.agreements.extend(agreements),
+            match balances::agree(model, (&motion, momentum), (&states.all, &report.ranks), self) {
+                Ok((agreements, alone)) => {
+                    report.agreements.extend(agreements);
+                    report.alone = alone;
+                }
                 Err(found) => problems.extend(found),
             }
             // What holds along the motion is held against jumps of the speeds too.
