@@ -2,6 +2,7 @@
 
 mod carried;
 mod files;
+mod loops;
 mod reactions;
 mod slow;
 
