@@ -60,7 +60,8 @@ use crate::derive::{Derivation, Equations, derive};
 use crate::diagnose::catalogue::{mechanics, verdicts};
 use crate::diagnose::{Place, Problem};
 use crate::expr::Id;
-use crate::model::{Load, Model, Work};
+use crate::model::command::evaluate;
+use crate::model::{Load, Model, Sample, Work};
 use crate::number::DoubleDouble;
 
 pub use directions::Direction;
@@ -152,6 +153,7 @@ impl Gate {
         let states = states::states(model, &motion, &[], &own, self).map_err(|problem| vec![*problem])?;
         let mut report =
             Report { followed: states.followed.clone(), unreached: states.unreached.clone(), ..Report::default() };
+        report.unreached.extend(left_out_by_sample(model));
         let mut problems = Vec::new();
         if !rows.is_empty() {
             problems = dependent_rows(model, &motion, (&own, &states.all), &mut report.ranks);
@@ -242,6 +244,19 @@ pub fn judge(derivation: Derivation) -> Result<Judged, Vec<Problem>> {
 /// Everything that either finds.
 pub fn judged(model: Model) -> Result<Judged, Vec<Problem>> {
     judge(derive(model)?)
+}
+
+/// What the file's ranges leave out, in words.
+fn left_out_by_sample(model: &Model) -> Option<String> {
+    let parameters: Vec<f64> = model.parameters.iter().map(|p| p.default).collect();
+    let range = |sample: &Sample| {
+        let [low, high] = [sample.low, sample.high].map(|end| evaluate(&model.graph, end, &parameters));
+        let prime = if sample.speed { "'" } else { "" };
+        let name = &model.coordinates[sample.coordinate].name;
+        Some(format!("{name}{prime} from {} to {}", low?, high?))
+    };
+    let ranges: Vec<String> = model.sample.iter().filter_map(range).collect();
+    (!ranges.is_empty()).then(|| format!("`sample` leaves out all states but those with {}", listed(&ranges)))
 }
 
 /// The first coordinate or constraint with which too many are coupled.
