@@ -127,7 +127,10 @@ impl Gate {
     /// A coordinate that carries no mass, or is redundant; derivations that disagree; something said to be conserved,
     /// or an identity, that is not.
     pub fn judge(self, mut derivation: Derivation) -> Result<Judged, Vec<Problem>> {
-        let report = self.report(&mut derivation)?;
+        let report = self.report(&mut derivation);
+        // What was doubtful may be the reason for what is wrong.
+        let beside = |problems: Vec<Problem>| [problems, derivation.model.warnings.clone()].concat();
+        let report = report.map_err(beside)?;
         // Constraints act on coordinates that energies and forces do not contain.
         let constrained = !derivation.rows.is_empty();
         let Derivation { model, momenta, .. } = &mut derivation;
