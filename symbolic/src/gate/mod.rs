@@ -222,6 +222,11 @@ impl Gate {
         report: &mut Report,
     ) -> Vec<Problem> {
         let force = |load: &Load| load.work == Work::Pushes;
+        if model.raw_kinetic_energy != Id::ZERO || model.raw_potential_energy != Id::ZERO {
+            let (mut graph, effects) = effects::effects(model);
+            let warnings = twice::energies_twice(&mut graph, model, &effects, &states.all);
+            model.warnings.extend(warnings);
+        }
         if !model.loads.iter().any(force) && model.generalized_forces.is_empty() {
             return Vec::new();
         }
