@@ -110,6 +110,7 @@ fn as_json(models: &[Entry], name: &str, options: &ArgMatches, out: &mut dyn Wri
         ("degrees_of_freedom", words(&freedoms::lines(&program))),
         ("states", report.states.len().into()),
         ("unreached", words(&report.unreached)),
+        ("confirmed_by_nothing", words(&report.alone)),
         ("without_units", words(&names_without_units(&program))),
         ("conserved", claims(&report.conserved)),
         ("checks", claims(&report.checks)),
@@ -156,7 +157,7 @@ fn looked_at(program: &Program, out: &mut dyn Write) -> Result<(), Problem> {
             writeln!(out, "  the motion of `{scene}` was followed until t = {reached:.4} of {until}")?;
         }
     }
-    for words in &report.unreached {
+    for words in report.unreached.iter().chain(&report.alone) {
         writeln!(out, "  {words}")?;
     }
     Ok(())

@@ -19,6 +19,9 @@ pub struct Momentum {
     pub right: Vec<Id>,
     /// How many equations at the end are not balances but the constraints of the system's phase.
     pub constraints: usize,
+    /// Force and moment on every body, in the same unknowns, to compare reactions with; the rows of one body after the
+    /// other's.
+    pub bodies: Option<Box<Momentum>>,
 }
 
 impl Momentum {
@@ -49,15 +52,23 @@ fn linear(model: &mut Model, rows: &Rows, system: &BalanceSystem, known: &[Switc
             residuals.push(sum);
         }
     }
+    let mut of_bodies = system.bodies.clone();
     if let [phase] = system.phases.as_slice() {
         residuals = in_phase(graph, model.phases.len(), *phase, &residuals);
+        of_bodies = in_phase(graph, model.phases.len(), *phase, &of_bodies);
     }
     residuals.extend(rows.accelerations(graph, &active));
-    let residuals = switches::recall(graph, &residuals, known);
-    let matrix = slopes(graph, &residuals, &unknowns);
+    let bodies = (!of_bodies.is_empty()).then(|| Box::new(solved_for(graph, &of_bodies, &unknowns, known)));
+    Momentum { constraints: active.len(), bodies, ..solved_for(graph, &residuals, &unknowns, known) }
+}
+
+/// Residuals as linear equations in the unknowns.
+fn solved_for(graph: &mut Graph, residuals: &[Id], unknowns: &[Symbol], known: &[Switch]) -> Momentum {
+    let residuals = switches::recall(graph, residuals, known);
+    let matrix = slopes(graph, &residuals, unknowns);
     let zero = unknowns.iter().map(|s| (*s, Id::ZERO)).collect();
     let right = substitute(graph, &residuals, &zero).into_iter().map(|rest| graph.neg(rest)).collect();
-    Momentum { unknowns, matrix, right, constraints: active.len() }
+    Momentum { unknowns: unknowns.to_vec(), matrix, right, constraints: 0, bodies: None }
 }
 
 /// The unknowns of a system: accelerations, then the components of its reactions, then the multipliers that stand in it.

@@ -6,23 +6,25 @@
 
 use super::Gate;
 use super::causes::cause;
+use super::motion::Motion;
 use super::report::Agreement;
+use super::results;
 use super::state::{State, describe, reproduce};
 use super::system::{Assembled, Row, evaluate};
 use crate::derive::momentum::Momentum;
 use crate::diagnose::Problem;
 use crate::diagnose::catalogue::verdicts;
 use crate::expr::{Graph, Id, Symbol, jacobian};
-use crate::model::{BalanceSystem, Model};
+use crate::model::{Balance, BalanceSystem, Model};
 
 /// Compares every system at every state.
 pub(super) fn agree(
     model: &mut Model,
-    momentum: &[Momentum],
-    states: &[State],
+    (motion, momentum): (&Motion, &[Momentum]),
+    (states, ranks): (&[State], &[usize]),
     gate: Gate,
-) -> Result<Vec<Agreement>, Vec<Problem>> {
-    let (mut agreements, mut problems) = (Vec::new(), Vec::new());
+) -> Result<(Vec<Agreement>, Vec<String>), Vec<Problem>> {
+    let (mut agreements, mut alone, mut problems) = (Vec::new(), Vec::new(), Vec::new());
     for (system, linear) in model.balances.clone().iter().zip(momentum) {
         if linear.is_nonlinear(&model.graph) {
             problems.extend(nonlinear(&mut model.graph, system, &linear.unknowns));
@@ -38,7 +40,47 @@ pub(super) fn agree(
     if problems.is_empty() {
         problems.extend(super::named::disagreements(model, momentum, states, gate));
     }
-    if problems.is_empty() { Ok(agreements) } else { Err(problems) }
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    for (system, linear) in model.balances.clone().iter().zip(momentum) {
+        // Reactions of constraints that depend on each other are not unique.
+        let rows = |phase: &usize| model.phases.get(*phase).map_or(0, |p| model.rows_of(p).len());
+        let unique = |phase: &usize| ranks.get(*phase).is_none_or(|rank| *rank == rows(phase));
+        if system.balances.iter().any(Balance::is_written) && system.phases.iter().all(unique) {
+            let of_phase = |state: &&State| system.phases.contains(&state.phase);
+            let own: Vec<State> = states.iter().filter(of_phase).cloned().collect();
+            match results(model, motion, (system, linear), &own, gate) {
+                Ok(words) => alone.extend(words),
+                Err(found) => problems.extend(found),
+            }
+        }
+    }
+    if problems.is_empty() { Ok((agreements, alone)) } else { Err(problems) }
+}
+
+/// Errors for reactions that are not what the motion makes them, words for those that nothing confirms.
+fn results(
+    model: &mut Model,
+    motion: &Motion,
+    (system, linear): (&BalanceSystem, &Momentum),
+    states: &[State],
+    gate: Gate,
+) -> Result<Vec<String>, Vec<Problem>> {
+    let assembled = Assembled::derived(&model.graph, linear, states);
+    let assembled = results::with_multipliers(assembled, linear, states);
+    for (a, state) in assembled.iter().zip(states) {
+        let found = residual(a, state, gate);
+        if !found.agrees {
+            // Balances of bodies are right by themselves.
+            let worst = &system.balances[owner(system, found.equation)];
+            let balance = [worst].into_iter().chain(&system.balances).find(|b| b.is_written()).unwrap_or(worst);
+            let off = format!("{:.1e}", found.relative);
+            let at = describe(model, state);
+            return Err(vec![verdicts::reaction_against_constraint(balance.place.clone(), &balance.label, off, at)]);
+        }
+    }
+    results::confirmed(model, motion, (system, linear), (&assembled, states))
 }
 
 /// An error for the first balance in which an unknown multiplies another, or stands in a function.

@@ -127,5 +127,7 @@ fn suspects(label: &str) -> String {
         }
         _ => "for forces that do work and are not declared, and for bodies missing in `of`",
     };
-    format!("no single term explains it; look in {label} {suspects}")
+    format!(
+        "no single term explains it; look in {label} {suspects}; or in the bodies, for masses, inertias and positions"
+    )
 }

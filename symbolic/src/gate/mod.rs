@@ -5,6 +5,7 @@
 //! 3. It does not matter which body takes a load at a hinge: look in `shared`.
 //! 4. Systems of momentum balances hold, and determine the motion: look in `balances`; what would mend one that does
 //!    not is found in `causes`.
+//!    Their reactions are compared with force and moment on bodies: `results`.
 //!    So do they integrated over the instant of an impact: `impulses`.
 //! 5. Forces are tested for potentials (`potential`) and for being counted twice (`twice`); what each entry does is in
 //!    `effects`.
@@ -36,11 +37,13 @@ mod impulses;
 mod lines;
 mod motion;
 mod named;
+mod null;
 mod pairs;
 mod passage;
 mod points;
 mod potential;
 mod report;
+mod results;
 mod rows;
 mod search;
 mod shared;
@@ -57,7 +60,8 @@ use crate::derive::{Derivation, Equations, derive};
 use crate::diagnose::catalogue::{mechanics, verdicts};
 use crate::diagnose::{Place, Problem};
 use crate::expr::Id;
-use crate::model::{Load, Model, Work};
+use crate::model::command::evaluate;
+use crate::model::{Load, Model, Sample, Work};
 use crate::number::DoubleDouble;
 
 pub use directions::Direction;
@@ -123,7 +127,10 @@ impl Gate {
     /// A coordinate that carries no mass, or is redundant; derivations that disagree; something said to be conserved,
     /// or an identity, that is not.
     pub fn judge(self, mut derivation: Derivation) -> Result<Judged, Vec<Problem>> {
-        let report = self.report(&mut derivation)?;
+        let report = self.report(&mut derivation);
+        // What was doubtful may be the reason for what is wrong.
+        let beside = |problems: Vec<Problem>| [problems, derivation.model.warnings.clone()].concat();
+        let report = report.map_err(beside)?;
         // Constraints act on coordinates that energies and forces do not contain.
         let constrained = !derivation.rows.is_empty();
         let Derivation { model, momenta, .. } = &mut derivation;
@@ -149,6 +156,7 @@ impl Gate {
         let states = states::states(model, &motion, &[], &own, self).map_err(|problem| vec![*problem])?;
         let mut report =
             Report { followed: states.followed.clone(), unreached: states.unreached.clone(), ..Report::default() };
+        report.unreached.extend(left_out_by_sample(model));
         let mut problems = Vec::new();
         if !rows.is_empty() {
             problems = dependent_rows(model, &motion, (&own, &states.all), &mut report.ranks);
@@ -164,8 +172,11 @@ impl Gate {
         // Where it matters which body takes a load, there is no one second derivation to compare.
         let unclear = shared::ambiguous(model, &states.all);
         if unclear.is_empty() {
-            match balances::agree(model, momentum, &states.all, self) {
-                Ok(agreements) => report.agreements.extend(agreements),
+            match balances::agree(model, (&motion, momentum), (&states.all, &report.ranks), self) {
+                Ok((agreements, alone)) => {
+                    report.agreements.extend(agreements);
+                    report.alone = alone;
+                }
                 Err(found) => problems.extend(found),
             }
             // What holds along the motion is held against jumps of the speeds too.
@@ -211,6 +222,11 @@ impl Gate {
         report: &mut Report,
     ) -> Vec<Problem> {
         let force = |load: &Load| load.work == Work::Pushes;
+        if model.raw_kinetic_energy != Id::ZERO || model.raw_potential_energy != Id::ZERO {
+            let (mut graph, effects) = effects::effects(model);
+            let warnings = twice::energies_twice(&mut graph, model, &effects, &states.all);
+            model.warnings.extend(warnings);
+        }
         if !model.loads.iter().any(force) && model.generalized_forces.is_empty() {
             return Vec::new();
         }
@@ -236,6 +252,19 @@ pub fn judge(derivation: Derivation) -> Result<Judged, Vec<Problem>> {
 /// Everything that either finds.
 pub fn judged(model: Model) -> Result<Judged, Vec<Problem>> {
     judge(derive(model)?)
+}
+
+/// What the file's ranges leave out, in words.
+fn left_out_by_sample(model: &Model) -> Option<String> {
+    let parameters: Vec<f64> = model.parameters.iter().map(|p| p.default).collect();
+    let range = |sample: &Sample| {
+        let [low, high] = [sample.low, sample.high].map(|end| evaluate(&model.graph, end, &parameters));
+        let prime = if sample.speed { "'" } else { "" };
+        let name = &model.coordinates[sample.coordinate].name;
+        Some(format!("{name}{prime} from {} to {}", low?, high?))
+    };
+    let ranges: Vec<String> = model.sample.iter().filter_map(range).collect();
+    (!ranges.is_empty()).then(|| format!("`sample` leaves out all states but those with {}", listed(&ranges)))
 }
 
 /// The first coordinate or constraint with which too many are coupled.

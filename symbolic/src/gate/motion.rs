@@ -490,7 +490,7 @@ fn measures(matrix: &[Measured], n: usize, size: usize) -> Vec<f64> {
 }
 
 /// Sets of coordinates that M's non-zeros connect, each in order.
-fn blocks(n: usize, places: &[(usize, usize)]) -> Vec<Vec<usize>> {
+pub(super) fn blocks(n: usize, places: &[(usize, usize)]) -> Vec<Vec<usize>> {
     let mut leader: Vec<usize> = (0..n).collect();
     fn find(leader: &mut [usize], mut i: usize) -> usize {
         while leader[i] != i {

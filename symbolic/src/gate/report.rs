@@ -36,4 +36,6 @@ pub struct Report {
     pub followed: Vec<(String, f64, f64)>,
     /// What the states do not reach, in words: arguments that were not brought to where their function changes, and so on.
     pub unreached: Vec<String>,
+    /// Reactions that nothing confirms, in words: the one equation that says what they are.
+    pub alone: Vec<String>,
 }

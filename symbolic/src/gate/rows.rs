@@ -9,6 +9,10 @@ use crate::number::DoubleDouble;
 
 /// Singular values below this part of the largest count as zero where states lie on the constraints.
 pub(super) const DEPENDENT: f64 = 1e-6;
+/// A state at which they are below this part cannot show twenty digits.  It meets the constraints to 1e-29 ([`HOLDS`]), and
+/// lies so much over the part beside them; multipliers grow as one over the part, and how they change with the position once more so.
+/// 1e-29 over the third power of this is 1e-20.
+const NEARLY: f64 = 1e-3;
 
 /// The constraints of a model, ready to evaluate anywhere.
 pub(super) struct Constraints {
@@ -167,12 +171,29 @@ impl Constraints {
     /// The same of some rows.
     pub fn rank_of(&self, state: &State, active: &[usize]) -> (usize, Vec<usize>) {
         let weights = self.weights(|s| state.value(s).to_f64());
-        let (rank, order) = self.independent(weighted(self.lines(state, active), &weights), active.len());
+        let (rank, order, _) = self.independent(weighted(self.lines(state, active), &weights), active.len());
         (rank, order.into_iter().map(|place| active[place]).collect())
     }
 
-    /// How many of so many lines are independent, and the places of all in order, those first.
-    fn independent(&self, mut lines: Vec<f64>, count: usize) -> (usize, Vec<usize>) {
+    /// Whether the rows of its phase nearly depend on each other at a state, or one of them nearly vanishes beside its terms.
+    pub fn nearly_dependent(&self, state: &State) -> bool {
+        let active = self.active(state.phase);
+        let weights = self.weights(|s| state.value(s).to_f64());
+        let rates = self.rates.measured(|s| state.value(s));
+        let of = |part: fn(&Measured) -> f64| {
+            let entries: Vec<f64> = rates[self.holonomic.len()..].iter().map(part).collect();
+            weighted(self.placed(active, &entries), &weights)
+        };
+        let (lines, terms) = (of(|x| x.value.to_f64()), of(|x| x.magnitude));
+        let size = |line: &[f64]| line.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let mut pairs = lines.chunks_exact(self.n).zip(terms.chunks_exact(self.n));
+        pairs.any(|(line, terms)| size(line) < NEARLY * size(terms))
+            || self.independent(lines.clone(), active.len()).2 < NEARLY
+    }
+
+    /// How many of so many lines are independent, the places of all in order, those first, and how far the last of them stands
+    /// out of the others, beside the first.
+    fn independent(&self, mut lines: Vec<f64>, count: usize) -> (usize, Vec<usize>, f64) {
         let n = self.n;
         for line in lines.chunks_exact_mut(n) {
             let size = line.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -182,7 +203,7 @@ impl Constraints {
         }
         // Orthogonalization with exchanged rows (Golub, Van Loan, 5.4.2): the last row is the one to name.
         let mut order: Vec<usize> = (0..count).collect();
-        let mut first = 0.0;
+        let (mut first, mut last) = (0.0, 1.0);
         for k in 0..count {
             let size = |row: usize| lines[row * n..][..n].iter().map(|x| x * x).sum::<f64>().sqrt();
             let best = (k..order.len()).max_by(|a, b| {
@@ -194,8 +215,9 @@ impl Constraints {
             let pivot = size(order[best]);
             first = if k == 0 { pivot } else { first };
             if pivot.is_nan() || pivot <= DEPENDENT * first {
-                return (k, order);
+                return (k, order, last);
             }
+            last = pivot / first;
             order.swap(k, best);
             let line: Vec<f64> = lines[order[k] * n..][..n].iter().map(|x| x / pivot).collect();
             for &row in &order[k + 1..] {
@@ -204,7 +226,7 @@ impl Constraints {
                 other.iter_mut().zip(&line).for_each(|(x, y)| *x -= along * y);
             }
         }
-        (count, order)
+        (count, order, last)
     }
 
     /// J, γ and B of these rows at a state that meets them.
@@ -228,7 +250,7 @@ impl Constraints {
     pub fn roughly(&self, active: &[usize], value: impl Fn(Symbol) -> f64) -> RoughlyHeld {
         let (rates, loads): (Vec<f64>, Vec<f64>) = (self.rates.evaluate(&value), self.loads.evaluate(&value));
         let lines = self.placed(active, &rates[self.holonomic.len()..]);
-        let (rank, order) = self.independent(weighted(lines.clone(), &self.weights(&value)), active.len());
+        let (rank, order, _) = self.independent(weighted(lines.clone(), &self.weights(&value)), active.len());
         let kept = &order[..rank];
         let place = |row: usize| kept.iter().position(|k| active[*k] == row);
         let friction = self.rubbing.iter().zip(&loads[self.holonomic.len()..]);

@@ -77,6 +77,13 @@ pub(super) fn states(
     let room = (WORK / motion.work().max(1)).clamp(6, 128);
     let phases = motion.constraints.phases();
     drawn(model, motion, &mut draws, (when, own), room.min(DRAWN), &mut found)?;
+    // As many rows are independent where nothing is special.
+    let usual: Vec<usize> = (0..phases)
+        .map(|phase| {
+            let most = |states: &[State]| motion.constraints.ranks(states)[phase];
+            [most(own), most(&found.all)].into_iter().flatten().min().unwrap_or(0)
+        })
+        .collect();
     let mut bases: Vec<Vec<State>> = Vec::new();
     for phase in 0..phases {
         bases.push(found.all.iter().filter(|s| s.phase == phase).take(2).cloned().collect());
@@ -87,7 +94,7 @@ pub(super) fn states(
                 let mut state = draws.group(&group, when);
                 state.phase = phase;
                 if draws.inside(&state) {
-                    keep(motion, state, &mut found.all);
+                    keep((motion, &usual), state, &mut found.all);
                 }
             }
         }
@@ -103,7 +110,7 @@ pub(super) fn states(
                 let mut state = on_the_way(run, step);
                 state.outside = !draws.inside(&state);
                 bases.push(state.clone());
-                keep(motion, state, &mut found.all);
+                keep((motion, &usual), state, &mut found.all);
             }
         }
     }
@@ -137,7 +144,7 @@ pub(super) fn states(
                 for mut state in states.into_iter().take(2 * room) {
                     // Next to a discontinuity wherever it comes from.
                     state.origin = Origin::Side;
-                    keep(motion, state, kept);
+                    keep((motion, &usual), state, kept);
                 }
             }
         }
@@ -225,7 +232,7 @@ fn drawn(
     wanted: usize,
     found: &mut States,
 ) -> Result<(), Box<Problem>> {
-    let (mut singular, mut largest_rank) = (None, 0);
+    let (mut singular, mut largest_rank, mut nearly) = (None, 0, Vec::new());
     let mut tried = 0;
     let phases = motion.constraints.phases();
     let wanted = (wanted * phases.min(MOST_PHASES)).max(if phases > 1 { FEWEST * phases } else { 0 });
@@ -245,6 +252,8 @@ fn drawn(
             }
         }
         match motion.complete(&mut state) {
+            // Others are drawn in its place.
+            Ok(()) if motion.constraints.nearly_dependent(&state) => nearly.push(state),
             Ok(()) => found.all.push(state),
             Err(Incomplete::NotFinite) => {}
             // Where M has full rank somewhere, other states are singular positions; where it has it nowhere, the
@@ -259,6 +268,10 @@ fn drawn(
             }
         }
     }
+    // Where there are no others they serve.
+    let few = |all: &[State], phase: usize| all.iter().filter(|state| state.phase == phase).count() < FEWEST;
+    let phases_without: Vec<usize> = (0..phases).filter(|phase| few(&found.all, *phase)).collect();
+    found.all.extend(nearly.into_iter().filter(|state| phases_without.contains(&state.phase)).take(wanted));
     motion.constraints.regular(&mut found.all);
     let empty = |phase: &usize| !found.all.iter().any(|state| state.phase == *phase);
     if let Some(phase) = (0..phases).find(empty).filter(|phase| !motion.constraints.active(*phase).is_empty())
@@ -345,9 +358,13 @@ fn groups(model: &Model) -> Vec<Vec<usize>> {
     groups
 }
 
-/// Keeps a state that has a motion.
-fn keep(motion: &Motion, mut state: State, kept: &mut Vec<State>) {
-    if motion.complete(&mut state).is_ok() {
+/// Keeps a state that has a motion, and can show it: constraints do not depend on each other there only.
+fn keep((motion, usual): (&Motion, &[usize]), mut state: State, kept: &mut Vec<State>) {
+    let constraints = &motion.constraints;
+    if motion.complete(&mut state).is_ok()
+        && constraints.rank(&state).0 >= usual[state.phase]
+        && !constraints.nearly_dependent(&state)
+    {
         kept.push(state);
     }
 }

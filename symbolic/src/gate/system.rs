@@ -133,22 +133,48 @@ impl Assembled {
         Some(found.iter().zip(felt).map(measured).collect())
     }
 
-    /// What known accelerations leave of the equations once the reactions are eliminated: (equation, residual).
+    /// The same with the unknowns from some place on known.
+    pub fn with_last(&self, values: &[Measured]) -> Assembled {
+        let size = self.size - values.len();
+        let lines = || self.matrix.chunks(self.size.max(1));
+        let known = |(line, rest): (&[Measured], &Measured)| {
+            line[size..].iter().zip(values).map(|(c, x)| times(*c, *x)).fold(*rest, plus)
+        };
+        let rest = lines().zip(&self.rest).map(known).collect();
+        let matrix = lines().flat_map(|line| line[..size].iter().copied()).collect();
+        Assembled { equations: self.equations, judged: self.judged, size, matrix, rest }
+    }
+
+    /// These equations alone.
+    pub fn only(&self, equations: &[usize]) -> Assembled {
+        let line = |e: &usize| self.matrix[e * self.size..][..self.size].to_vec();
+        let rest = equations.iter().map(|e| self.rest[*e]).collect();
+        let (matrix, count) = (equations.iter().flat_map(line).collect(), equations.len());
+        Assembled { equations: count, judged: count, size: self.size, matrix, rest }
+    }
+
+    /// What an equation is with these accelerations, and no reactions.
+    pub fn known(&self, equation: usize, accelerations: &[Measured]) -> Measured {
+        let line = &self.matrix[equation * self.size..][..accelerations.len()];
+        let terms = line.iter().zip(accelerations).map(|(c, a)| times(*c, *a));
+        terms.fold(self.rest[equation], plus)
+    }
+
+    /// What known accelerations leave of the equations: look in [`Assembled::eliminated`].
+    pub fn left_over(&self, accelerations: &[Measured]) -> Vec<(usize, Measured)> {
+        self.eliminated(accelerations).left
+    }
+
+    /// What known accelerations leave of the equations once the reactions are eliminated, and the reactions.
     ///
     /// Each reaction is taken from the equation that says most sharply what it is: where the coefficient is largest
     /// beside the magnitude of all else in that equation.  What is left of an equation is a combination yᵀ(r + R λ) of all
     /// of them, and its magnitude Σ |y| (m(r) + m(R) |λ|): magnitudes that ran along with the elimination would grow with
     /// every step of it, and hide what is left.
-    pub fn left_over(&self, accelerations: &[Measured]) -> Vec<(usize, Measured)> {
+    pub fn eliminated(&self, accelerations: &[Measured]) -> Eliminated {
         let n = accelerations.len();
         let lines = || self.matrix.chunks(self.size.max(1));
-        let known: Vec<Measured> = lines()
-            .zip(&self.rest)
-            .map(|(line, constant)| {
-                let terms = line[..n].iter().zip(accelerations).map(|(c, a)| times(*c, *a));
-                terms.fold(*constant, plus)
-            })
-            .collect();
+        let known: Vec<Measured> = (0..self.equations).map(|e| self.known(e, accelerations)).collect();
         let coefficients: Vec<&[Measured]> = lines().map(|line| &line[n..]).collect();
         let mut combined: Vec<Combined> = (0..self.judged)
             .map(|e| Combined {
@@ -172,10 +198,17 @@ impl Assembled {
         }
         // The reactions, the last one first.
         let mut reactions = vec![DoubleDouble::ZERO; self.size - n];
-        for (k, from) in taken.into_iter().rev() {
-            let Combined { coefficients, rest, .. } = &combined[from];
-            let others = (k + 1..reactions.len()).fold(*rest, |sum, c| sum + coefficients[c] * reactions[c]);
-            reactions[k] = -others / coefficients[k];
+        let mut determined = vec![false; self.size - n];
+        for (k, from) in taken.iter().copied().rev() {
+            let of = &combined[from];
+            let after = k + 1..reactions.len();
+            let others = after.clone().fold(of.rest, |sum, c| sum + of.coefficients[c] * reactions[c]);
+            reactions[k] = -others / of.coefficients[k];
+            let contains = |c: usize| {
+                let among = of.sum(|e| coefficients[e][c].magnitude);
+                of.coefficients[c].abs().to_f64() > NOTHING * among
+            };
+            determined[k] = after.clone().all(|c| determined[c] || !contains(c));
         }
         let magnitude = |e: usize| {
             let pushed = coefficients[e].iter().zip(&reactions).map(|(c, x)| c.magnitude * x.to_f64().abs());
@@ -186,8 +219,23 @@ impl Assembled {
         let left = open
             .into_iter()
             .map(|e| (e, Measured { value: combined[e].rest, magnitude: combined[e].sum(|e| magnitudes[e]) }));
-        left.chain((self.judged..self.equations).map(|e| (e, known[e]))).collect()
+        let left = left.chain((self.judged..self.equations).map(|e| (e, known[e]))).collect();
+        let mut errors = vec![0.0; reactions.len()];
+        for (k, from) in taken.into_iter().rev() {
+            let of = &combined[from];
+            let others: f64 = (k + 1..errors.len()).map(|c| of.coefficients[c].abs().to_f64() * errors[c]).sum();
+            errors[k] = (of.sum(|e| magnitudes[e]) + others) / of.coefficients[k].abs().to_f64();
+        }
+        let value =
+            |(k, value): (usize, DoubleDouble)| determined[k].then_some(Measured { value, magnitude: errors[k] });
+        Eliminated { left, reactions: reactions.into_iter().enumerate().map(value).collect() }
     }
+}
+
+/// What is left of equations without their reactions, and the reactions, where they are determined.
+pub(super) struct Eliminated {
+    pub left: Vec<(usize, Measured)>,
+    pub reactions: Vec<Option<Measured>>,
 }
 
 /// A combination of equations: Σ weights (coefficients·reactions + rest).

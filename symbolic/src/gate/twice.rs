@@ -8,11 +8,12 @@ use super::effects::{Effect, Kind, downhill};
 use super::potential::sum;
 use super::state::State;
 use crate::derive::lagrange::speed_gradient;
+use crate::derive::rates;
 use crate::diagnose::Problem;
 use crate::diagnose::catalogue::mechanics;
 use crate::expr::{Binary, Graph, Id, Node, Tape, Unary};
-use crate::model::Model;
 use crate::model::text_in;
+use crate::model::{Body, Model};
 
 /// Q and a gradient are opposite where they differ by no more than this of the larger.
 const TOLERANCE: f64 = 1e-9;
@@ -84,6 +85,56 @@ pub(super) fn counted_twice(
         }
     }
     (errors, warnings)
+}
+
+/// Warnings for energies that are written out although bodies, gravity or springs give them.
+pub(super) fn energies_twice(graph: &mut Graph, model: &Model, effects: &[Effect], states: &[State]) -> Vec<Problem> {
+    let mut warnings = Vec::new();
+    let bodies: Vec<(String, Vec<Id>)> =
+        model.bodies.iter().map(|body| (format!("the mass of `{}`", body.name), vec![kinetic(graph, body)])).collect();
+    let given = effects.iter().filter(|e| matches!(e.kind, Kind::Gravity | Kind::Spring));
+    let potentials: Vec<(String, Vec<Id>)> = given.map(|e| (e.words.clone(), e.force.clone())).collect();
+    let n = model.coordinates.len();
+    for (key, root, given) in [
+        ("kinetic_energy", model.raw_kinetic_energy, bodies),
+        ("potential_energy", model.raw_potential_energy, potentials),
+    ] {
+        if root == Id::ZERO || given.is_empty() {
+            continue;
+        }
+        let columns: Vec<Vec<Id>> = given.iter().map(|(_, column)| column.clone()).collect();
+        // The whole, and each of its terms.
+        let mut terms = vec![root];
+        terms.extend(summands(graph, root).into_iter().filter(|term| *term != root));
+        let place = crate::diagnose::Place::default().key(key);
+        let repeated = terms.iter().find_map(|term| {
+            let force = if key == "kinetic_energy" { vec![*term] } else { downhill(graph, n, *term) };
+            let of = Group { names: String::new(), place: place.clone(), force, coordinate: None, several: false };
+            Some((*term, subset(graph, &of, &columns, states)?))
+        });
+        if let Some((term, chosen)) = repeated {
+            let others: Vec<String> = chosen.iter().map(|k| given[*k].0.clone()).collect();
+            let words = format!("`{}` in `{key}`", text_in(graph, model, term));
+            warnings.push(mechanics::repeats(place, words, others.join(" and ")));
+        }
+    }
+    warnings
+}
+
+/// The kinetic energy of a body.
+fn kinetic(graph: &mut Graph, body: &Body) -> Id {
+    let mut places = body.position.clone();
+    places.extend(body.rotation.map(|r| r.angle));
+    let speeds = rates(graph, &places);
+    let mut doubled = Id::ZERO;
+    for (k, speed) in speeds.into_iter().enumerate() {
+        let inertia = if k < body.position.len() { body.mass } else { body.rotation.map_or(Id::ZERO, |r| r.inertia) };
+        let square = graph.mul(speed, speed);
+        let term = graph.mul(inertia, square);
+        doubled = graph.add(doubled, term);
+    }
+    let two = graph.integer(2);
+    graph.div(doubled, two)
 }
 
 /// Each force alone and each summand of a generalized force, each family, and all together.

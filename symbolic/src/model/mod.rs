@@ -1,6 +1,6 @@
 //! The model: names resolved, families expanded, every expression in the graph, units checked.
 
-mod command;
+pub(crate) mod command;
 mod expression;
 mod identifier;
 mod resolve;

@@ -534,6 +534,9 @@ pub struct BalanceSystem {
     pub balances: Vec<Balance>,
     /// Its reactions, by their places.
     pub reactions: Vec<usize>,
+    /// Force on every body as equations, and the moment about its centre of mass where it turns, to compare reactions of
+    /// written-out equations with; empty without such.
+    pub bodies: Vec<Id>,
     /// The phases to which it belongs.
     pub phases: Vec<usize>,
     /// Where it stands.
@@ -557,6 +560,13 @@ pub struct Balance {
     pub instantaneous: bool,
     /// Where it stands.
     pub place: Place,
+}
+
+impl Balance {
+    /// Whether it was written out as an equation.
+    pub fn is_written(&self) -> bool {
+        !self.instantaneous && !self.void_at_rest
+    }
 }
 
 /// What one body or load contributes to a balance.

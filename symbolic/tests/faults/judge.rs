@@ -7,7 +7,7 @@
 // products are multiplied out)/M_ii + Σ_k |J_ki λ_k|/M_ii: no magnitude of another row enters it, and no error is carried
 // along.  Constraints J a + γ = 0 are solved together with either side's equations; look in `bound.rs`.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use dalembert_symbolic::derive::{Derivation, Switch, SwitchKind, rates};
 use dalembert_symbolic::expr::{Binary, DoubleDouble, Graph, Id, Scalar, Symbol, Tape, Unary, jacobian, substitute};
@@ -19,6 +19,9 @@ use super::solve::solve;
 
 /// So many of all states are moved into a window.
 const IN_WINDOW: usize = 24;
+
+/// Where a reaction nearly vanishes it is measured by so much of its largest value.
+const SMALL: f64 = 1e-6;
 
 /// A value, and the largest single term of its expression when products are multiplied out.
 #[derive(Clone, Copy)]
@@ -241,6 +244,8 @@ impl Seen {
 /// The sound motion of a model.
 pub struct Judge {
     route: Route,
+    /// Its systems of balances, for what they say of reactions.
+    sound: Model,
     pub runs: Vec<Run>,
     seen: Vec<Seen>,
 }
@@ -252,7 +257,7 @@ impl Judge {
     pub fn new(sound: &Derivation) -> Judge {
         let route = Route::new(sound);
         let runs = runs(&sound.model, &route);
-        let mut judge = Judge { route, runs, seen: Vec::new() };
+        let mut judge = Judge { route, sound: sound.model.clone(), runs, seen: Vec::new() };
         judge.seen = judge.seen_at(&moments(&sound.model, &judge.route, &judge.runs, &[]));
         judge
     }
@@ -318,6 +323,35 @@ impl Judge {
         (compared, elsewhere)
     }
 
+    /// By how much of itself the force or moment of some reaction on some body differs, by the reaction's name, in systems with
+    /// equations that are written out: there a reaction is what these make of it.
+    pub fn reactions(&self, altered: &Derivation, window: &Window) -> BTreeMap<String, f64> {
+        let route = Route::new(altered);
+        let inside = self.within(window);
+        let mut differences = BTreeMap::new();
+        for system in altered.model.balances.iter().filter(|system| !system.bodies.is_empty()) {
+            let Some(sound) = self.sound.balances.iter().find(|sound| sound.name == system.name) else { continue };
+            let seen: Vec<&Seen> =
+                self.seen.iter().chain(&inside).filter(|s| system.phases.contains(&s.moment.phase)).collect();
+            let right = forces(&mut self.sound.clone(), sound, &self.route, &seen);
+            let found = forces(&mut altered.model.clone(), system, &route, &seen);
+            let size = |forces: &Vec<DoubleDouble>| forces.iter().fold(0.0_f64, |most, x| most.max(x.abs().to_f64()));
+            for (k, reaction) in system.reactions.iter().enumerate() {
+                let name = altered.model.reactions[*reaction].name.clone();
+                let largest = right.iter().flatten().filter_map(|all| all.get(k)).map(size).fold(0.0, f64::max);
+                for (right, found) in right.iter().zip(&found) {
+                    let (Some(right), Some(found)) = (right, found) else { continue };
+                    let (Some(right), Some(found)) = (right.get(k), found.get(k)) else { continue };
+                    let gap = size(&right.iter().zip(found).map(|(x, y)| *x - *y).collect());
+                    let relative = if gap == 0.0 { 0.0 } else { gap / size(right).max(SMALL * largest) };
+                    let most = differences.entry(name.clone()).or_insert(0.0_f64);
+                    *most = most.max(relative);
+                }
+            }
+        }
+        differences
+    }
+
     /// By how much of its largest term a check fails.
     pub fn failure(&self, altered: &Derivation, check: &Check) -> f64 {
         let route = Route::new(altered);
@@ -376,6 +410,66 @@ impl Judge {
 /// By how much of its row some acceleration that a system of balances gives differs, wherever it has a solution.
 fn of_system(model: &mut Model, system: &BalanceSystem, route: &Route, seen: &[&Seen]) -> f64 {
     let n = model.coordinates.len();
+    let found = solved(model, system, route, seen);
+    let differences = found.iter().zip(seen).filter_map(|(found, seen)| match found {
+        Solved::Nothing => None,
+        Solved::Nonlinear => Some(f64::INFINITY),
+        Solved::Unknowns(found) => Some(seen.difference(&found[..n])),
+    });
+    differences.fold(None, |most: Option<f64>, x| Some(most.unwrap_or(0.0).max(x))).unwrap_or(f64::INFINITY)
+}
+
+/// The forces and moments of each reaction of a system on all bodies, where the system has a solution.
+fn forces(
+    model: &mut Model,
+    system: &BalanceSystem,
+    route: &Route,
+    seen: &[&Seen],
+) -> Vec<Option<Vec<Vec<DoubleDouble>>>> {
+    let n = model.coordinates.len();
+    let acts = |k: usize| if system.phases.first() == Some(&k) { Id::ONE } else { Id::ZERO };
+    let indicators = (0..route.bound.phases()).map(|k| (Symbol::Phase(k as u32), acts(k))).collect();
+    let rows = substitute(&mut model.graph, &system.bodies, &indicators);
+    let reactions: Vec<(u32, usize)> =
+        system.reactions.iter().map(|&k| (model.reactions[k].first, model.reactions[k].components)).collect();
+    let components: Vec<Symbol> =
+        reactions.iter().flat_map(|(first, count)| (*first..first + *count as u32).map(Symbol::Reaction)).collect();
+    let slopes = jacobian(&mut model.graph, &rows, |s| components.iter().position(|c| *c == s));
+    let entries: Vec<(usize, usize, Id)> =
+        slopes.iter().enumerate().flat_map(|(d, line)| line.iter().map(move |(k, x)| (d, *k, *x))).collect();
+    let tape = Tape::new(&model.graph, &entries.iter().map(|e| e.2).collect::<Vec<_>>());
+    let found = solved(model, system, route, seen);
+    let at = |(found, seen): (&Solved, &&Seen)| {
+        let Solved::Unknowns(found) = found else { return None };
+        let known = route.known::<DoubleDouble>(&seen.moment);
+        let values = tape.evaluate(|s| known.value(s));
+        let mut first = 0;
+        let of = |(_, count): &(u32, usize)| {
+            let own = first..first + count;
+            first = own.end;
+            let mut forces = vec![DoubleDouble::ZERO; rows.len()];
+            let entries = entries.iter().zip(&values).filter(|((_, k, _), _)| own.contains(k));
+            entries.for_each(|((d, k, _), x)| forces[*d] += *x * found[n + k]);
+            forces
+        };
+        Some(reactions.iter().map(of).collect())
+    };
+    found.iter().zip(seen).map(at).collect()
+}
+
+/// What a system of balances is at a state.
+enum Solved {
+    /// It has no solution.
+    Nothing,
+    /// It is not linear in its unknowns.
+    Nonlinear,
+    /// Accelerations, then reactions, then multipliers.
+    Unknowns(Vec<DoubleDouble>),
+}
+
+/// The solutions of a system of balances, state by state.
+fn solved(model: &mut Model, system: &BalanceSystem, route: &Route, seen: &[&Seen]) -> Vec<Solved> {
+    let n = model.coordinates.len();
     let sums = sums(&mut model.graph, system, route.bound.phases());
     let reactions = system.reactions.iter().flat_map(|&k| {
         let reaction = &model.reactions[k];
@@ -390,8 +484,7 @@ fn of_system(model: &mut Model, system: &BalanceSystem, route: &Route, seen: &[&
     let slopes = jacobian(&mut model.graph, &sums, |s| place.get(&s).copied());
     let roots: Vec<Id> = sums.iter().copied().chain(slopes.iter().flatten().map(|e| e.1)).collect();
     let tape = Tape::new(&model.graph, &roots);
-    let mut largest: Option<f64> = None;
-    for seen in seen {
+    let at = |seen: &&Seen| {
         let known = route.known::<DoubleDouble>(&seen.moment);
         let value = |s: Symbol| if place.contains_key(&s) { DoubleDouble::ZERO } else { known.value(s) };
         let values = tape.evaluate(value);
@@ -410,16 +503,15 @@ fn of_system(model: &mut Model, system: &BalanceSystem, route: &Route, seen: &[&
             row[unknowns.len()] = -*bias;
             rows.push(row);
         }
-        let Some(found) = solve(rows, unknowns.len()) else { continue };
+        let Some(found) = solve(rows, unknowns.len()) else { return Solved::Nothing };
         // Of equations that are not linear this is no solution.
         let at = |s: Symbol| place.get(&s).map_or_else(|| known.value(s), |k| found[*k]);
         let left = tape.evaluate(at);
         let scale = found.iter().chain(&values).fold(0.0_f64, |most, x| most.max(x.abs().to_f64()));
         let solved = left[..sums.len()].iter().all(|x| x.abs().to_f64() <= 1e-6 * scale);
-        let difference = if solved { seen.difference(&found[..n]) } else { f64::INFINITY };
-        largest = Some(largest.unwrap_or(0.0).max(difference));
-    }
-    largest.unwrap_or(f64::INFINITY)
+        if solved { Solved::Unknowns(found) } else { Solved::Nonlinear }
+    };
+    seen.iter().map(at).collect()
 }
 
 /// The equations of a system as sums, as they are in its first phase.

@@ -23,7 +23,9 @@ out by hand are those of `symbolic/tests/faults/written`; models of several scal
 *Caught by comparison* is a verdict: the two sides differ. *Refused by name* is any other error (counts that do not fit, a
 system that has become singular, a placement that makes no sense). *Motion unchanged* are faults that are none: the
 accelerations are the same (a moment about another point of a complete system, a mass that cancels); they are listed below
-and not counted. The rate is what was refused of the rest. Faults that act in phases only for which the file has no system
+and not counted. A wrong reaction of an equation that is written out is a fault although the motion is the same; where nothing
+else tells what it is (a guide that is not named may take anything), `check` says on which equation it rests, and these
+stand under *named by `check`*. The rate is what was refused of the rest. Faults that act in phases only for which the file has no system
 of balances are not planted: nothing could notice them, and `check` says which phases were not compared. Where a model offers more than 8 faults of one kind, at most 8
 are planted, evenly chosen; long chains are shortened.
 
@@ -112,11 +114,9 @@ All of them, read one by one. They are of five sorts:
 - *The same in other words.* `mass[3]` for `mass[n]`, a point by its name for its expression, `-(0)` for `0`, the factors
   of a cross product that is to vanish in the other order, both sides of an equation whose right side is 0 scaled at once,
   `position + hinge` where the hinge is the origin, a part that is zero.
-- *Only the value of a reaction.* Where one reaction stands in one equation, its sign and size are its own business: the
-  accelerations do not see them. Of `along` the opposite direction counts the force the other way, which is a choice; in
-  a balance that the program forms, its size cannot be wrong. **In equations written out by hand it can**: a reaction is
-  then what the equations make of it, and `on`, `at`, `along` and `from` are not used. Name it in a second
-  system of `force` or `moment` balances, whose value it must then have (E511), if its value matters.
+- *Only the sign of a reaction.* Of `along` the opposite direction counts the force the other way, which is a choice; in
+  a balance that the program forms, its size cannot be wrong. In equations written out by hand it can: there the force and
+  moment of every reaction on every body are compared with those of the sound file.
 - *What is not used.* Where springs and dampers act, in a model whose balances are all written out; a term of an energy
   that the derivative in front of it drops (the weight in `diff(…, theta')`).
 - *Symmetry.* The opposite of a coordinate in which the energies are even; a mass that cancels, or of a body that stays
@@ -126,14 +126,15 @@ All of them, read one by one. They are of five sorts:
 
 /// The rates by kind of fault.
 fn rates(outcomes: &[Outcome]) -> String {
-    let mut kinds: BTreeMap<&str, [usize; 5]> = BTreeMap::new();
-    let mut all = [0; 5];
+    let mut kinds: BTreeMap<&str, [usize; 6]> = BTreeMap::new();
+    let mut all = [0; 6];
     for outcome in outcomes {
         let column = match outcome.fate {
             Fate::Caught => 1,
             Fate::Named(_) => 2,
             Fate::Unchanged | Fate::Alarm | Fate::Slight => 3,
             Fate::Missed => 4,
+            Fate::Told => 5,
         };
         for counts in [&mut all, kinds.entry(&outcome.kind).or_default()] {
             counts[0] += 1;
@@ -141,17 +142,17 @@ fn rates(outcomes: &[Outcome]) -> String {
         }
     }
     let mut text = String::from(
-        "| fault | planted | caught by comparison | refused by name | motion unchanged | missed | rate |\n\
-         | --- | ---: | ---: | ---: | ---: | ---: | ---: |\n",
+        "| fault | planted | caught by comparison | refused by name | motion unchanged | named by `check` | missed | rate |\n\
+         | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n",
     );
     for (kind, c) in kinds.into_iter().chain([("**all**", all)]) {
-        let counted = c[0] - c[3];
+        let counted = c[0] - c[3] - c[5];
         let rate = if counted == 0 {
             "–".to_owned()
         } else {
             format!("{:.1} %", 100.0 * (c[1] + c[2]) as f64 / counted as f64)
         };
-        let _ = writeln!(text, "| {kind} | {} | {} | {} | {} | {} | {rate} |", c[0], c[1], c[2], c[3], c[4]);
+        let _ = writeln!(text, "| {kind} | {} | {} | {} | {} | {} | {} | {rate} |", c[0], c[1], c[2], c[3], c[5], c[4]);
     }
     text
 }
@@ -219,7 +220,7 @@ fn named(outcomes: &[Outcome]) -> String {
 
 /// Who notices faults in shared data.
 fn shared() -> String {
-    let mut kinds: BTreeMap<&str, [usize; 5]> = BTreeMap::new();
+    let mut kinds: BTreeMap<&str, [usize; 6]> = BTreeMap::new();
     for sound in models().iter().filter_map(|name| sound(name)) {
         for (kind, notice) in notices(&sound) {
             let counts = kinds.entry(kind).or_default();

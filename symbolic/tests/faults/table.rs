@@ -37,7 +37,7 @@ const NOTHING: f64 = 1e-24;
 const TOLERANCE: f64 = 1e-9;
 
 /// Verdicts by comparison; every other error is a refusal by name.
-const VERDICTS: [&str; 8] = ["E501", "E502", "E503", "E506", "E509", "E511", "E512", "E513"];
+const VERDICTS: [&str; 10] = ["E501", "E502", "E503", "E506", "E509", "E511", "E512", "E513", "E517", "E518"];
 
 /// How many faults of one kind are planted in one model at the most.
 #[derive(Clone, Copy)]
@@ -104,6 +104,8 @@ pub enum Fate {
     Named(&'static str),
     /// Accepted, and the motion is the same: no fault.
     Unchanged,
+    /// Accepted, and only a reaction is another, of which `check` says that one equation alone tells it.
+    Told,
     /// Accepted, and the motion is another by less than what must be refused.
     Slight,
     /// Accepted, and wrong.
@@ -282,11 +284,23 @@ fn fate(sound: &Sound, fault: &Fault, blinded: bool) -> Option<(Fate, f64, Vec<b
     if difference <= NOTHING && elsewhere > NOTHING {
         return None;
     }
+    let (mut difference, mut told) = (difference, false);
+    if difference <= NOTHING && matches!(fault.watch, Watch::System(_)) {
+        let alone = verdict.as_ref().map_or(&[][..], |judged| &judged.report.alone);
+        for (name, gap) in sound.judge.reactions(&derivation, &fault.window) {
+            let rests = |words: &String| words.starts_with(&format!("`{name}"));
+            match alone.iter().any(rests) {
+                true => told |= gap > NOTHING,
+                false => difference = difference.max(gap),
+            }
+        }
+    }
     let fate = match verdict {
         Err(_) if difference > NOTHING => Fate::Caught,
         Err(_) => Fate::Alarm,
         Ok(_) if difference > TOLERANCE => Fate::Missed,
         Ok(_) if difference > NOTHING => Fate::Slight,
+        Ok(_) if told => Fate::Told,
         Ok(_) => Fate::Unchanged,
     };
     let slips = if blinded && fate == Fate::Caught { parts::slips(&derivation) } else { Vec::new() };

@@ -1,7 +1,9 @@
 //! What went wrong in strangers' hands when files were judged: each file beside a neighbour that must stay as it is.
 
 mod carried;
+mod energies;
 mod files;
+mod loops;
 mod reactions;
 mod slow;
 

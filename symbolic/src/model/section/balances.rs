@@ -75,7 +75,11 @@ impl<'a> Resolver<'a> {
             let reactions: Vec<usize> = (0..self.scope.reactions.len())
                 .filter(|&k| unknowns.iter().any(|u| u.name == self.scope.reactions[k].name))
                 .collect();
-            let system = BalanceSystem { name, balances, reactions, phases, place: system.place.of_key() };
+            // What is written out may be wrong about a reaction; balances of bodies are not.
+            let written = balances.iter().any(Balance::is_written) && !reactions.is_empty();
+            let bodies = if written { self.of_bodies(&sums) } else { Vec::new() };
+            let place = system.place.of_key();
+            let system = BalanceSystem { name, balances, reactions, bodies, phases, place };
             if self.determines(&system) {
                 systems.push(system);
             }
@@ -149,10 +153,16 @@ impl<'a> Resolver<'a> {
         let about = self.vector(&about, Rules::position("a point").si(Dimension::LENGTH), locals)?;
         let along = self.along(spot, locals)?;
         let set = self.of(spot, locals)?;
+        let parts = self.moment_of(&set, &about, sums);
+        Some(self.projected(parts, along.filter(|_| self.scope.dimension == 3)))
+    }
+
+    /// The same for these bodies.
+    fn moment_of(&mut self, set: &[usize], about: &[Id], sums: &Sums<'_>) -> Vec<Part> {
         let mut parts = Vec::new();
-        for &b in &set {
+        for &b in set {
             let body = self.model.bodies[b].clone();
-            let arm = value::difference(&mut self.bench.graph, &about, &body.position);
+            let arm = value::difference(&mut self.bench.graph, about, &body.position);
             let momentum = self.mass_times_acceleration(b);
             let turning = self.cross(&arm, &momentum);
             parts.push(self.part(format!("m a of {}", body.name), turning, false));
@@ -173,7 +183,7 @@ impl<'a> Resolver<'a> {
             let mut touches = false;
             for push in pushes.iter().filter(|p| p.body.is_some_and(|b| set.contains(&b))) {
                 touches = true;
-                let arm = value::difference(&mut self.bench.graph, &about, &push.at);
+                let arm = value::difference(&mut self.bench.graph, about, &push.at);
                 let turning = self.cross(&arm, &push.force);
                 for (k, sum) in total.iter_mut().enumerate() {
                     *sum = self.bench.graph.add(*sum, turning[k]);
@@ -186,7 +196,7 @@ impl<'a> Resolver<'a> {
                 parts.push(self.part(name, total, true));
             }
         }
-        Some(self.projected(parts, along.filter(|_| self.scope.dimension == 3)))
+        parts
     }
 
     /// Σ m a − forces.
@@ -194,8 +204,14 @@ impl<'a> Resolver<'a> {
         spot.only(&["of", "along"], "a force balance", &mut self.bench.problems);
         let along = self.along(spot, locals)?;
         let set = self.of(spot, locals)?;
+        let parts = self.momentum_of(&set, sums);
+        Some(self.projected(parts, along))
+    }
+
+    /// The same for these bodies.
+    fn momentum_of(&mut self, set: &[usize], sums: &Sums<'_>) -> Vec<Part> {
         let mut parts = Vec::new();
-        for &b in &set {
+        for &b in set {
             let body = self.model.bodies[b].clone();
             let momentum = self.mass_times_acceleration(b);
             parts.push(self.part(format!("m a of {}", body.name), momentum, false));
@@ -217,7 +233,24 @@ impl<'a> Resolver<'a> {
                 parts.push(self.part(name, total, true));
             }
         }
-        Some(self.projected(parts, along))
+        parts
+    }
+
+    /// Force on every body, and the moment about its centre of mass on what turns: inertia less all forces and the reactions of
+    /// a system.
+    fn of_bodies(&mut self, sums: &Sums<'_>) -> Vec<Id> {
+        let mut rows = Vec::new();
+        for b in 0..self.model.bodies.len() {
+            let force = self.momentum_of(&[b], sums);
+            let (about, turns) = (self.model.bodies[b].position.clone(), self.model.bodies[b].rotation.is_some());
+            let moment = if turns { self.moment_of(&[b], &about, sums) } else { Vec::new() };
+            for (parts, components) in [(force, self.scope.dimension), (moment, usize::from(turns))] {
+                let graph = &mut self.bench.graph;
+                let sum = |k: usize| parts.iter().fold(Id::ZERO, |sum, part| graph.add(sum, part.value[k]));
+                rows.extend((0..components).map(sum));
+            }
+        }
+        rows
     }
 
     /// d/dt of the set's kinetic energy less the power of all forces on it.

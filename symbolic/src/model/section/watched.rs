@@ -190,6 +190,16 @@ impl Resolver<'_> {
                 let low = self.setting(low, rules, &member.locals);
                 let high = self.setting(high, rules, &member.locals);
                 if let (Some(low), Some(high)) = (low, high) {
+                    let ends = [low, high].map(|end| self.default_value(end));
+                    if let [Some(low), Some(high)] = ends
+                        && low >= high
+                    {
+                        let context = format!("the range of `{}` in `sample`", member.name());
+                        let (wanted, found) = ("from a lower value to a higher one", format!("[{low}, {high}]"));
+                        let place = spot.place.clone();
+                        self.bench.problems.push(mechanics::value_out_of_range(place, context, wanted, found));
+                        break;
+                    }
                     self.model.sample.push(Sample { coordinate, speed, low, high });
                 }
             }

@@ -1,0 +1,320 @@
+//! Named reactions as results, where equations are written out.
+//!
+//! An equation that alone says what a reaction is takes any value, and accelerations do not tell.  Force and moment on the
+//! bodies do, if nothing acts there but loads and named reactions.  Which other reactions there may be follows from the
+//! motions that the file admits: reactions do no work on them, and so they lie in a space S of forces and moments on all
+//! bodies, Vᵀ f = Jᵀ μ with the velocities V q' of all bodies and constraints J q' = 0.  Where the named reactions span S there
+//! is no room for another one, and a reaction that is independent of the others has one value.  Where they do not (a guide
+//! that nobody named), nothing is said: the guide might take anything.  Directions that share no coordinate, constraint or
+//! reaction are judged one by one.
+
+use super::motion::{Motion, blocks};
+use super::null::{Columns, contains, null_space, rank};
+use super::state::{State, describe};
+use super::system::Assembled;
+use crate::derive::momentum::Momentum;
+use crate::diagnose::Problem;
+use crate::diagnose::catalogue::verdicts;
+use crate::expr::{Id, Measured, Symbol, Tape, jacobian};
+use crate::model::{BalanceSystem, Body, Load, Model, Reaction};
+use crate::number::DoubleDouble;
+
+/// Of directions (forces and moments on all bodies) that hang together more than this are not judged: each state takes
+/// their cube.
+const DIRECTIONS: usize = 60;
+
+/// What differs by no more than this of its terms is equal: null spaces of plain matrices have some twenty digits, and a
+/// printed number shows nine.
+const SAME: f64 = 1e-13;
+
+/// A reaction component at every state, where it is determined.
+type Values = Vec<Option<Measured>>;
+
+/// Errors for reactions that their bodies contradict; words for those of which nothing else tells.
+pub(super) fn confirmed(
+    model: &mut Model,
+    motion: &Motion,
+    (system, linear): (&BalanceSystem, &Momentum),
+    (assembled, states): (&[Assembled], &[State]),
+) -> Result<Vec<String>, Vec<Problem>> {
+    let own: Vec<Values> = assembled.iter().zip(states).map(|(a, state)| a.eliminated(&state.a).reactions).collect();
+    let by_bodies = match &linear.bodies {
+        Some(bodies) if bodies_see_everything(model) => by_bodies(model, motion, (system, bodies), (&own, states)),
+        _ => Vec::new(),
+    };
+    let elsewhere = |k: &usize| model.balances.iter().filter(|system| system.reactions.contains(k)).count() > 1;
+    let (mut problems, mut words) = (Vec::new(), Vec::new());
+    for (k, reaction, components) in reactions(model, system) {
+        for component in components.clone() {
+            let name = named(reaction, component - components.start);
+            let resting = resting(system, assembled, states, component);
+            let told = by_bodies.get(component).filter(|told| told.iter().any(Option::is_some));
+            let Some(told) = told else {
+                let on = match resting.filter(|_| !elsewhere(&k)) {
+                    Some(Resting::On(balance)) => system.balances[balance].label.clone(),
+                    Some(Resting::All) => format!("the written-out equations of `{}`", system.name),
+                    None => continue,
+                };
+                words.push(format!("`{name}` rests on {on} alone"));
+                continue;
+            };
+            let differ = |state: &usize| match (own[*state][component], told[*state]) {
+                (Some(x), Some(y)) => {
+                    let (gap, size) = ((x.value - y.value).abs().to_f64(), x.magnitude + y.magnitude);
+                    (gap.is_finite() && gap > SAME * size).then_some((x, y, *state))
+                }
+                _ => None,
+            };
+            if let Some((here, there, state)) = (0..states.len()).find_map(|state| differ(&state)) {
+                let (place, label) = match resting {
+                    Some(Resting::On(balance)) => {
+                        (&system.balances[balance].place, system.balances[balance].label.clone())
+                    }
+                    _ => (&system.place, format!("`{}`", system.name)),
+                };
+                let [here, there] = [here, there].map(|x| format!("{:.9e}", x.value.to_f64()));
+                let at = describe(model, &states[state]);
+                problems.push(verdicts::reaction_against_bodies(place.clone(), name, here, label, there, at));
+                break;
+            }
+        }
+    }
+    if problems.is_empty() { Ok(words) } else { Err(problems) }
+}
+
+/// The reactions of a system with the places of their components.
+fn reactions<'m>(
+    model: &'m Model,
+    system: &BalanceSystem,
+) -> impl Iterator<Item = (usize, &'m Reaction, std::ops::Range<usize>)> {
+    let mut next = 0;
+    system.reactions.clone().into_iter().map(move |k| {
+        let first = next;
+        next += model.reactions[k].components;
+        (k, &model.reactions[k], first..next)
+    })
+}
+
+/// Systems in whose unknowns Lagrange's multipliers stand no more.
+pub(super) fn with_multipliers(systems: Vec<Assembled>, linear: &Momentum, states: &[State]) -> Vec<Assembled> {
+    let multipliers: Vec<Symbol> =
+        linear.unknowns.iter().copied().filter(|s| matches!(s, Symbol::Multiplier(_))).collect();
+    let known = |state: &State| multipliers.iter().map(|s| state.measured(*s)).collect::<Vec<_>>();
+    systems.iter().zip(states).map(|(system, state)| system.with_last(&known(state))).collect()
+}
+
+/// Whether all inertia and all forces are those of bodies, and it is clear on which body each force acts.
+fn bodies_see_everything(model: &Model) -> bool {
+    let raw = [model.raw_kinetic_energy, model.raw_potential_energy, model.dissipation];
+    raw.iter().all(|x| *x == Id::ZERO) && model.generalized_forces.is_empty() && model.shared_ends.is_empty()
+}
+
+/// Directions of bodies that hang together, with the coordinates that move them, the constraints that hold these, and the
+/// reactions that push there.
+struct Part {
+    directions: Vec<usize>,
+    coordinates: Vec<usize>,
+    rows: Vec<usize>,
+    reactions: Vec<usize>,
+}
+
+/// The reactions of a system by force and moment on the bodies, component by component.
+fn by_bodies(
+    model: &mut Model,
+    motion: &Motion,
+    (system, bodies): (&BalanceSystem, &Momentum),
+    (own, states): (&[Values], &[State]),
+) -> Vec<Values> {
+    let n = model.coordinates.len();
+    let balances = with_multipliers(Assembled::derived(&model.graph, bodies, states), bodies, states);
+    let count = balances.first().map_or(0, |b| b.size - n);
+    let mut told = vec![vec![None; states.len()]; count];
+    let velocities = Velocities::new(model);
+    let doubled = model.loads.iter().flat_map(Load::expressions).collect::<Vec<_>>();
+    let rubs = model.graph.symbols(doubled).iter().any(|s| matches!(s, Symbol::Multiplier(_)));
+    for part in parts(motion, &velocities, (bodies, count)) {
+        if part.reactions.is_empty() || part.directions.len() > DIRECTIONS {
+            continue;
+        }
+        let seen: Vec<Option<Seen>> =
+            (0..states.len()).map(|k| Seen::new(&part, &velocities, motion, (&balances[k], &states[k]))).collect();
+        // A guide that shows at some states only is there at all of them.
+        let room = |seen: &Seen| contains(&seen.named, &seen.ideal, part.directions.len()) == Some(false);
+        if seen.iter().flatten().any(room) {
+            continue;
+        }
+        for (k, seen) in seen.iter().enumerate() {
+            for (place, component) in part.reactions.iter().enumerate() {
+                let of = reactions(model, system).find(|(_, _, components)| components.contains(component));
+                let whole =
+                    |other: &usize| of.as_ref().is_some_and(|(_, _, all)| all.contains(&part.reactions[*other]));
+                let one = if rubs { vec![place] } else { (0..part.reactions.len()).filter(whole).collect() };
+                if let Some(seen) = seen.as_ref().filter(|seen| seen.does_no_work(&one) == Some(true)) {
+                    told[*component][k] = seen.value(place, &part, &balances[k], (&states[k].a, &own[k]));
+                }
+            }
+        }
+    }
+    told
+}
+
+/// Velocities of all bodies by the speeds: of each its centre of mass, and how fast it turns.
+struct Velocities {
+    places: Vec<(usize, usize)>,
+    tape: Tape,
+}
+
+impl Velocities {
+    fn new(model: &mut Model) -> Velocities {
+        let bodies = model.bodies.iter();
+        let of = |body: &Body| body.position.iter().copied().chain(body.rotation.map(|r| r.angle)).collect::<Vec<_>>();
+        let positions: Vec<Id> = bodies.flat_map(of).collect();
+        let coordinate = |s: Symbol| if let Symbol::Coordinate(i) = s { Some(i as usize) } else { None };
+        let slopes = jacobian(&mut model.graph, &positions, coordinate).into_iter().enumerate();
+        let entries: Vec<(usize, usize, Id)> =
+            slopes.flat_map(|(d, line)| line.into_iter().map(move |(i, slope)| (d, i, slope))).collect();
+        let tape = Tape::new(&model.graph, &entries.iter().map(|e| e.2).collect::<Vec<_>>());
+        Velocities { places: entries.iter().map(|e| (e.0, e.1)).collect(), tape }
+    }
+}
+
+/// Directions that share no coordinate, constraint or reaction with others.
+fn parts(motion: &Motion, velocities: &Velocities, (bodies, count): (&Momentum, usize)) -> Vec<Part> {
+    let n = motion.n;
+    // Numbered one after the other: coordinates, rows of constraints, directions, reactions.
+    let directions = n + motion.constraints.len();
+    let reactions = directions + bodies.right.len();
+    let moves = velocities.places.iter().map(|(d, i)| (*i, directions + d));
+    let pushed = bodies.matrix.iter().filter(|e| (n..n + count).contains(&e.1));
+    let pushes = pushed.map(|(d, column, _)| (directions + d, reactions + column - n));
+    let pairs: Vec<(usize, usize)> = motion.constraints.couplings().into_iter().chain(moves).chain(pushes).collect();
+    let part = |block: Vec<usize>| {
+        let within = |from: usize, to: usize| {
+            block.iter().filter(|k| (from..to).contains(k)).map(|k| k - from).collect::<Vec<usize>>()
+        };
+        Part {
+            coordinates: within(0, n),
+            rows: within(n, directions),
+            directions: within(directions, reactions),
+            reactions: within(reactions, reactions + count),
+        }
+    };
+    blocks(reactions + count, &pairs).into_iter().map(part).collect()
+}
+
+/// A part at a state.
+struct Seen {
+    /// A basis of all forces and moments that do no work on the motions that are admitted.
+    ideal: Columns,
+    /// The forces and moments of the named reactions of size 1, and the magnitudes of their entries.
+    named: Columns,
+    sizes: Vec<Vec<f64>>,
+}
+
+impl Seen {
+    /// `None` where a matter of rounding would decide.
+    fn new(
+        part: &Part,
+        velocities: &Velocities,
+        motion: &Motion,
+        (balances, state): (&Assembled, &State),
+    ) -> Option<Seen> {
+        let n = motion.n;
+        let entries = velocities.tape.evaluate(|s| state.measured(s));
+        let mut columns = vec![vec![DoubleDouble::ZERO; part.coordinates.len()]; part.directions.len()];
+        for ((d, i), x) in velocities.places.iter().zip(&entries).filter(|(_, x)| !x.vanishes(super::ROUNDINGS)) {
+            if let (Ok(d), Ok(i)) = (part.directions.binary_search(d), part.coordinates.binary_search(i)) {
+                columns[d][i] = x.value;
+            }
+        }
+        let (rank, mut rows) = motion.constraints.rank(state);
+        rows.truncate(rank);
+        rows.retain(|row| part.rows.contains(row));
+        let held = motion.constraints.held(state, rows);
+        for line in held.matrix.chunks(n.max(1)) {
+            columns.push(part.coordinates.iter().map(|i| line[*i].value).collect());
+        }
+        let mut ideal = null_space(&columns, part.coordinates.len())?;
+        ideal.iter_mut().for_each(|combination| combination.truncate(part.directions.len()));
+        let entry = |d: &usize, k: &usize| balances.matrix[d * balances.size + n + k];
+        let of = |k: &usize| part.directions.iter().map(|d| entry(d, k)).collect::<Vec<Measured>>();
+        let measured: Vec<Vec<Measured>> = part.reactions.iter().map(of).collect();
+        let plain = |x: &Measured| if x.vanishes(super::ROUNDINGS) { DoubleDouble::ZERO } else { x.value };
+        let named = measured.iter().map(|column| column.iter().map(plain).collect()).collect();
+        let sizes = measured.iter().map(|column| column.iter().map(|x| x.magnitude).collect()).collect();
+        Some(Seen { ideal, named, sizes })
+    }
+
+    /// Whether the components of a reaction, by their places, can be a reaction of what holds the bodies.
+    fn does_no_work(&self, one: &[usize]) -> Option<bool> {
+        let length = self.ideal.first().map_or(0, Vec::len);
+        let own: Columns = one.iter().map(|place| self.named[*place].clone()).collect();
+        let apart = rank(&own, length)? + rank(&self.ideal, length)?;
+        Some(rank(&[own, self.ideal.clone()].concat(), length)? < apart)
+    }
+
+    /// A reaction by the combination of balances in which no other one stands.
+    fn value(
+        &self,
+        place: usize,
+        part: &Part,
+        balances: &Assembled,
+        (accelerations, own): (&[Measured], &Values),
+    ) -> Option<Measured> {
+        let others = |d: usize| (0..self.named.len()).filter(|k| *k != place).map(|k| self.named[k][d]).collect();
+        let lines: Columns = (0..part.directions.len()).map(others).collect();
+        let combinations = null_space(&lines, self.named.len().saturating_sub(1))?;
+        let known: Vec<Measured> = part.directions.iter().map(|d| balances.known(*d, accelerations)).collect();
+        let size = |d: usize| {
+            let pushed = part.reactions.iter().zip(&self.sizes);
+            let pushed = pushed.map(|(k, sizes)| own[*k].map_or(0.0, |x| sizes[d] * x.value.to_f64().abs()));
+            known[d].magnitude + pushed.sum::<f64>()
+        };
+        let sum = |of: &[DoubleDouble], y: &[DoubleDouble]| {
+            of.iter().zip(y).fold(DoubleDouble::ZERO, |sum, (x, y)| sum + *x * *y)
+        };
+        let values: Vec<DoubleDouble> = known.iter().map(|x| x.value).collect();
+        let found = combinations.iter().filter_map(|y| {
+            let by = sum(&self.named[place], y);
+            let among: f64 = (0..y.len()).map(|d| self.sizes[place][d] * y[d].abs().to_f64()).sum();
+            let terms: f64 = (0..y.len()).map(|d| size(d) * y[d].abs().to_f64()).sum();
+            let plain = by.abs().to_f64() > SAME * among;
+            plain.then(|| Measured { value: -sum(&values, y) / by, magnitude: terms / by.abs().to_f64() })
+        });
+        found.min_by(|x, y| x.magnitude.total_cmp(&y.magnitude))
+    }
+}
+
+/// The written equation without which a reaction is not determined, or all of them; nothing where balances of bodies determine
+/// it.
+fn resting(system: &BalanceSystem, assembled: &[Assembled], states: &[State], component: usize) -> Option<Resting> {
+    let determined = |a: &Assembled, state: &State| a.eliminated(&state.a).reactions[component].is_some();
+    let (whole, state) = assembled.iter().zip(states).find(|(a, state)| determined(a, state))?;
+    let of = |balance: usize| std::iter::repeat_n(balance, system.balances[balance].components);
+    let owners: Vec<usize> = (0..system.balances.len()).flat_map(of).collect();
+    let without = |left_out: &dyn Fn(usize) -> bool| {
+        let kept: Vec<usize> = (0..whole.judged).filter(|row| !left_out(owners[*row])).collect();
+        determined(&whole.only(&kept), state)
+    };
+    let written = |balance: usize| system.balances[balance].is_written();
+    if without(&written) {
+        return None;
+    }
+    let one = (0..system.balances.len()).find(|one| written(*one) && !without(&|balance| balance == *one));
+    Some(one.map_or(Resting::All, Resting::On))
+}
+
+/// On what a reaction rests.
+#[derive(Clone, Copy)]
+enum Resting {
+    /// This balance.
+    On(usize),
+    /// All equations of its system that are written out.
+    All,
+}
+
+/// `pin.x`.
+fn named(reaction: &Reaction, component: usize) -> String {
+    let axis = if reaction.scalar { "" } else { [".x", ".y", ".z"][component.min(2)] };
+    format!("{}{axis}", reaction.name)
+}
