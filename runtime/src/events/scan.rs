@@ -223,8 +223,13 @@ impl Scanner {
             grid.extend([start, end]);
         }
         let instant = ROUNDINGS * f64::EPSILON * segment.t.abs() / segment.h;
-        let (near, divided) = towards_start((&mut grid, middle), sampler, (system, segment, function), instant);
+        let zero = if self.fresh[function] { self.zero[function] } else { 0.0 };
         let is_switch = sampler.switch(function).is_some();
+        // What a discontinuity of the forces does to the far end of a step, the error of the step shows.
+        let (near, divided) = match is_switch {
+            true => (variation([start, middle, end]), 0),
+            false => towards_start((&mut grid, middle), sampler, (system, segment, function), (zero, instant)),
+        };
         // Where an event is zero was found out at the start.
         let known = if is_switch { (ZERO + instant) * near } else { self.zero[function] };
         let mut floor = 0.0;
@@ -264,8 +269,7 @@ impl Scanner {
         }
         let marks = self.crossings.len() + self.oddities.len();
         self.collect((function, is_switch), &certifier, segment, floor);
-        let timed = sampler.switch(function).is_some_and(|switch| system.description().switches[switch].time_only);
-        if self.crossings.len() + self.oddities.len() > marks && !timed {
+        if self.crossings.len() + self.oddities.len() > marks {
             let first = certifier.marks.iter().map(|mark| mark.x).find(|x| floor == 0.0 || *x > 0.0);
             let piece = grid[1..=divided].iter().map(|point| point.x).find(|x| first.is_some_and(|first| first <= *x));
             self.early = [self.early, piece].into_iter().flatten().reduce(f64::min);
@@ -337,17 +341,23 @@ impl Scanner {
 
 /// Divides the first piece of a grid towards the start of the step, until what a function does there is not hidden by its far
 /// end: until its value and slope there make a good part of the change in the piece.  Returns the variation in the first piece, and how
-/// many points were added.
+/// many points were added: none where value and slope are `zero`, for then the function shows nothing there but what rounding and dense
+/// output make of it.
 fn towards_start<S: System + ?Sized>(
     (grid, middle): (&mut Vec<Sample>, Sample),
     sampler: &mut Sampler,
     (system, segment, function): (&S, &Segment<'_>, usize),
-    instant: f64,
+    (zero, instant): (f64, f64),
 ) -> (f64, usize) {
     let (start, before) = (grid[0], grid.len());
-    let mut near = variation([start, middle, grid[before - 1]]);
-    let mut x = grid[1].x;
-    let explains = |x: f64, near: f64| near <= SHOWN * (start.value.abs() + start.slope.abs() * x) || near.is_nan();
+    let whole = variation([start, middle, grid[before - 1]]);
+    let value = if start.value.abs() > zero { start.value.abs() } else { 0.0 };
+    let slope = if start.slope.abs() > ROUNDINGS * f64::EPSILON * whole { start.slope.abs() } else { 0.0 };
+    let explains = |x: f64, near: f64| near <= SHOWN * (value + slope * x) || near.is_nan();
+    if value == 0.0 && slope == 0.0 {
+        return (whole, 0);
+    }
+    let (mut x, mut near) = (grid[1].x, whole);
     while !explains(x, near) && x * PART > instant.max(SHORTEST) {
         x *= PART;
         let (value, slope) = sampler.sample(system, segment, function, x);
