@@ -2,10 +2,10 @@
 
 use std::collections::VecDeque;
 
-use super::Run;
 #[cfg(feature = "cli")]
 use super::State;
 use super::state::plain;
+use super::{Run, apart_by};
 
 /// What a second run, less accurate and from a start moved by rounding, says about the first.
 ///
@@ -228,9 +228,7 @@ fn differences(run: &Run, other: &Run, still: f64) -> Vec<f64> {
             vec![f64::INFINITY; columns]
         };
         // What is absent in both has no error.
-        let difference =
-            |(own, theirs): (&f64, &f64)| if own.is_nan() && theirs.is_nan() { 0.0 } else { (own - theirs).abs() };
-        differences.extend(own.iter().zip(&theirs).map(difference));
+        differences.extend(own.iter().zip(&theirs).map(|(own, theirs)| apart_by(*own, *theirs)));
     }
     vouch(&mut differences, &run.times, &ranges(run, still), run.names.coordinates.len());
     let mut largest = vec![0.0; differences.len()];
@@ -354,7 +352,7 @@ fn ranges(run: &Run, still: f64) -> Vec<f64> {
     let names = run.column_names();
     let mut ends = vec![(f64::INFINITY, f64::NEG_INFINITY); names.len()];
     for row in 0..run.len() {
-        for ((low, high), value) in ends.iter_mut().zip(row_of(run, row)) {
+        for ((low, high), value) in ends.iter_mut().zip(row_of(run, row)).filter(|(_, value)| value.is_finite()) {
             (*low, *high) = (low.min(value), high.max(value));
         }
     }

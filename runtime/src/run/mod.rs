@@ -22,9 +22,7 @@ use std::sync::Arc;
 use crate::constrain::Residuals;
 
 pub(crate) use continuous::Continuous;
-#[cfg(feature = "interpret")]
-pub(crate) use deviation::apart_by;
-pub(crate) use deviation::uneven;
+pub(crate) use deviation::{apart_by, uneven};
 pub use digits::Digits;
 pub use failure::Failure;
 pub(crate) use frames::Scenery;

@@ -135,3 +135,24 @@ fn equations_of_motion_stand_one_a_coordinate() {
     // Equations of a page's length are given by their parts.
     assert!(!shown("chain", &[]).unwrap().contains("equations of motion"));
 }
+
+#[test]
+fn an_output_that_is_nowhere_in_flight_had_no_digits_at_rest() {
+    let mut ball = case(
+        "name: Plastic
+parameters: {m: 1 kg, g: 9.81 m/s^2, e: 0 1}
+coordinates: {y: m}
+bodies: {ball: {mass: m, position: \"[0, y]\"}}
+gravity: [0, -g]
+constraints: {floor: y}
+phases: {flight: [], resting: [floor]}
+events: {land: {phase: flight, when: y, direction: falling, then: {impact: e, along: floor}}}
+outputs: {normal: reaction(floor), ratio: 1/reaction(floor)}
+scene: {start: {y: 1}, until: 1, tolerance: 1e-10}",
+    );
+    ball.settings.digits = true;
+    let run = ball.run();
+    for name in ["normal", "ratio"] {
+        assert!(run.digits(name).is_some_and(|digits| digits >= 9), "{name}: {:?}", run.digits(name));
+    }
+}
