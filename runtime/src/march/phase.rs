@@ -39,6 +39,14 @@ pub(super) struct Firings {
     count: u32,
 }
 
+/// An impact that was.
+struct Struck {
+    /// The coefficient of restitution.
+    restitution: f64,
+    /// Rows with their impulses.
+    impulses: Vec<(usize, f64)>,
+}
+
 /// What an action did.
 struct Done {
     /// Whether the state or the phase may have changed.
@@ -220,7 +228,7 @@ impl March {
             Action::Stop | Action::Record => Ok(Done { acts: false, strikes: false }),
             Action::Phase(phase) => self.alternate(system, (event, phase as usize), recorder),
             Action::Impact { along, restitution } => {
-                let (e, struck) = self.strike(system, along, restitution as usize, recorder)?;
+                let Struck { restitution: e, impulses } = self.strike(system, along, restitution as usize, recorder)?;
                 let now = self.clock.now();
                 let end = match e == 0.0 || self.is_too_low(system, along) {
                     true => Some(now),
@@ -231,7 +239,7 @@ impl March {
                 if let Some(end) = end {
                     // What is left of a geometric series of impulses.
                     let along = rows_of(system, along);
-                    let left = struck.into_iter().filter(|(row, _)| along.contains(row) && end > now);
+                    let left = impulses.into_iter().filter(|(row, _)| along.contains(row) && end > now);
                     let left: Vec<(usize, f64)> = left.map(|(row, impulse)| (row, impulse * e / (1.0 - e))).collect();
                     if !self.rest(system, (event, &along), (end, &left), recorder)? {
                         let event = system.description().events[event].name.to_string();
@@ -330,7 +338,7 @@ impl March {
         along: u32,
         restitution: usize,
         recorder: &mut Recorder,
-    ) -> Result<(f64, Vec<(usize, f64)>), Box<Cause>> {
+    ) -> Result<Struck, Box<Cause>> {
         let e = system.restitutions().get(restitution).copied().unwrap_or(0.0);
         if !(0.0..=1.0).contains(&e) {
             return Err(Cause::BadRestitution { value: e }.into());
@@ -342,7 +350,7 @@ impl March {
         let struck = struck.map_err(|fault| fault.cause(system.description()))?;
         let impulses = struck.rows.clone();
         self.take(system, struck, recorder);
-        Ok((e, impulses))
+        Ok(Struck { restitution: e, impulses })
     }
 
     /// Impacts accumulate: the motion goes on at their end, in the phase that has these rows too, with what impulses are

@@ -153,12 +153,13 @@ impl Motion {
     /// The range of each wanted quantity, by which its deviations are measured, and its size where that stands still, or moves by
     /// less than another run of the same model is sure of; `None` for what does not move beside others of its unit, but by rounding.
     pub fn scales(&self, again: &Motion) -> Vec<Option<f64>> {
-        let of = |(((range, size), values), others): (((f64, f64), &Vec<f64>), &Vec<f64>)| {
+        let of = |(place, values): (usize, &Vec<f64>)| {
+            let ((range, size), others) = (self.spreads[place], &again.values[place]);
             let apart = values.iter().zip(others).map(|(a, b)| (a - b).abs()).filter(|apart| apart.is_finite());
             let unsure = apart.fold(0.0_f64, f64::max);
             if range > STILL * size && range > SURE * unsure { range } else { size }
         };
-        let scales: Vec<f64> = self.spreads.iter().copied().zip(&self.values).zip(&again.values).map(of).collect();
+        let scales: Vec<f64> = self.values.iter().enumerate().map(of).collect();
         let alike = |unit: &String| {
             let list = scales.iter().zip(&self.units).filter(|(_, other)| *other == unit);
             list.fold(0.0_f64, |most, (scale, _)| most.max(*scale))

@@ -381,7 +381,7 @@ impl Form {
         let mut least = 1.0_f64;
         for coordinate in 0..coordinates {
             let part = pivot(coordinate) / whole(coordinate);
-            if !(part > NOTHING.max(ROUNDINGS * f64::EPSILON / least)) {
+            if part <= NOTHING.max(ROUNDINGS * f64::EPSILON / least) {
                 return Some(SingularMass { coordinate });
             }
             least = least.min(part);
