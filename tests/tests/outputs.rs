@@ -7,7 +7,7 @@ use dalembert::prelude::*;
 use dalembert_models::MODELS;
 
 const MODEL: &str = "name: Slide
-parameters: {m: 1 kg, mu: 0.25 1, g: 10 m/s^2}
+parameters: {m: 1 kg, mu: 0.25, g: 10 m/s^2}
 coordinates: {x: m}
 bodies: {block: {mass: m, position: \"[x, 0]\"}}
 forces: {drag: {on: block, force: \"[-mu*m*g, 0]\"}}
@@ -18,7 +18,7 @@ scenes: {ice: {start: {\"x'\": 3}, set: {mu: 0}, until: 0.2}, usual: {start: {\"
 dalembert::model!(
     yaml = r#"
 name: Slide
-parameters: {m: 1 kg, mu: 0.25 1, g: 10 m/s^2}
+parameters: {m: 1 kg, mu: 0.25, g: 10 m/s^2}
 coordinates: {x: m}
 bodies: {block: {mass: m, position: "[x, 0]"}}
 forces: {drag: {on: block, force: "[-mu*m*g, 0]"}}

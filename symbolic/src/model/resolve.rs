@@ -113,7 +113,6 @@ fn resolve_through(root: &Node, sizes: &[(String, i64)], folder: Option<&Path>) 
     resolver.idle_constraints();
     resolver.draw();
     resolver.cycles();
-    resolver.without_units();
     resolver.finish()
 }
 

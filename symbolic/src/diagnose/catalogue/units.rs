@@ -25,9 +25,6 @@ super::entries! {
     W248 cycles_in_angle(name) "a frequency in Hz in an angle, without 2 pi"
         "`{name}` is in Hz, cycles a second, and enters an angle without a factor 2 pi" "counts as so many radians a second" "use `2*pi*{name}` in the angle, or declare it in `rad/s` (`rpm`)"
         "`Hz` is 1/s: `cos(f*t)` with `f: 5 Hz` has 5 rad/s, and `cos(2*pi*f*t)` has 5 cycles a second.";
-    W249 no_unit(name) "a parameter without a unit in a file with units"
-        "`{name}` has no unit, so that no unit of what depends on it is checked" "" "write its unit after the value, or `1` for a pure number"
-        "A number without a unit may be anything: `n: 3.5` switches the test of every sum off in which `n` stands, and `n: 3.5 1` does not. A file in which no unit is written is in pure numbers, and not warned about.";
     W250 degrees_for_radians(name, value) "an angle in radians that looks like one in degrees"
         "`{name}` is in radians, and `{value}` looks like degrees" "{value} rad" "write `{value} deg`, or `{value} rad` where that is meant"
         "A bare number is in the SI unit of what it sets, and the SI unit of an angle is the radian. A whole number of 10 to 360 that is a multiple of 5 is taken as written, with this warning.";

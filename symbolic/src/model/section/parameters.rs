@@ -108,25 +108,6 @@ impl Resolver<'_> {
         Measure::from(dimension)
     }
 
-    /// Warns of parameters without a unit, each family once, where others have one.
-    pub fn without_units(&mut self) {
-        if self.scope.units.pure {
-            return;
-        }
-        let base = |parameter: &Parameter| match &parameter.family {
-            Some(family) => family.name.clone(),
-            None => parameter.name.clone(),
-        };
-        let mut last = String::new();
-        for parameter in self.model.parameters.iter().filter(|parameter| parameter.unit.is_none()) {
-            let name = base(parameter);
-            if name != last {
-                self.model.warnings.push(units::no_unit(parameter.place.clone(), &name));
-                last = name;
-            }
-        }
-    }
-
     /// Each family of free parameters is an array over the smallest box that holds its members.
     fn array_fields(&mut self) {
         let mut boxes: BTreeMap<String, Vec<(i64, i64)>> = BTreeMap::new();
