@@ -132,29 +132,53 @@ impl WorkPrecision {
     pub(crate) fn against(
         candidates: &[Candidate],
         plan: &Plan,
-        refined: impl FnOnce(&Candidate, Reference) -> Reference,
+        refined: impl Fn(&Candidate, Reference) -> Reference,
         progress: &mut dyn FnMut(&str) -> ControlFlow<()>,
     ) -> Result<WorkPrecision, Error> {
-        let Some(first) = candidates.first() else {
-            return Err(Error::NoReference { why: "there is no candidate".into() });
-        };
-        let mut found = WorkPrecision {
-            title: first.system.description().name.to_string(),
-            reference: refined(first, Reference::find(first, &plan.columns)?),
-            curves: Vec::new(),
-            refused: Vec::new(),
-        };
-        for candidate in candidates {
-            if progress(&candidate.name).is_break() {
-                break;
-            }
-            match Curve::measure(candidate, &found.reference, plan.repetitions) {
-                Ok(curve) => found.curves.push(curve),
-                Err(error) => found.refused.push((candidate.name.clone(), unsuited(&error))),
-            }
-        }
-        Ok(found)
+        let curve = |candidate: &Candidate, reference: &Reference| Curve::measure(candidate, reference, plan.repetitions);
+        let Measurements { title, reference, curves, refused } =
+            measurements(candidates, &plan.columns, (&refined, &curve), progress)?;
+        Ok(WorkPrecision { title, reference, curves, refused })
     }
+}
+
+/// Curves of all candidates that suit their scene, and why others do not.
+struct Measurements<C> {
+    title: String,
+    reference: Reference,
+    curves: Vec<C>,
+    refused: Vec<(String, String)>,
+}
+
+/// What becomes of the first candidate's reference.
+type Refined<'a> = &'a dyn Fn(&Candidate, Reference) -> Reference;
+
+/// Measures every candidate from what becomes of the first one's reference; `progress` is told the name of each one, and may break off.
+fn measurements<C>(
+    candidates: &[Candidate],
+    columns: &[String],
+    (refined, curve): (Refined<'_>, &dyn Fn(&Candidate, &Reference) -> Result<C, Error>),
+    progress: &mut dyn FnMut(&str) -> ControlFlow<()>,
+) -> Result<Measurements<C>, Error> {
+    let Some(first) = candidates.first() else {
+        return Err(Error::NoReference { why: "there is no candidate".into() });
+    };
+    let mut found = Measurements {
+        title: first.system.description().name.to_string(),
+        reference: refined(first, Reference::find(first, columns)?),
+        curves: Vec::new(),
+        refused: Vec::new(),
+    };
+    for candidate in candidates {
+        if progress(&candidate.name).is_break() {
+            break;
+        }
+        match curve(candidate, &found.reference) {
+            Ok(curve) => found.curves.push(curve),
+            Err(error) => found.refused.push((candidate.name.clone(), unsuited(&error))),
+        }
+    }
+    Ok(found)
 }
 
 /// Why a candidate does not suit a scene.

@@ -157,10 +157,10 @@ impl Reference {
     }
 
     /// Every how many of its times are these instants, equally apart and before any event that ends the motion, and how far apart they
-    /// are, s.
+    /// are, s.  Every second time is one of those at equal distances.
     pub(super) fn instants(&self, count: usize) -> (usize, f64) {
         let shared = self.times.len() - usize::from(self.end.is_some());
-        let every = (shared.saturating_sub(1) / count).max(1);
+        let every = 2 * (shared.saturating_sub(1) / (2 * count)).max(1);
         (every, self.times[every.min(self.times.len() - 1)] - self.times[0])
     }
 

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 #[cfg(feature = "interpret")]
 use super::DoubleOnly;
 use super::picture::into_table;
-use super::{Candidate, Plan, Reference, unsuited};
+use super::{Candidate, Measurements, Plan, Reference, measurements};
 use crate::error::Error;
 use crate::integrate::order as order_of;
 #[cfg(feature = "interpret")]
@@ -79,7 +79,7 @@ const INSTANTS: usize = 10;
 /// A curve is rounding where so many halvings of the step have not halved its least error.
 const STANDSTILL: usize = 4;
 /// Errors above this part of a range, or less than so many times the least, tell nothing of the order: long steps are not yet in
-/// proportion to a power, short ones are rounding.
+/// proportion to a power, short ones are rounding, whose errors differ by some ten times from step to step.
 const COARSE: f64 = 1e-2;
 const CLEAR: f64 = 30.0;
 
@@ -126,28 +126,12 @@ impl Convergence {
     fn against(
         candidates: &[Candidate],
         plan: &Plan,
-        refined: impl FnOnce(&Candidate, Reference) -> Reference,
+        refined: impl Fn(&Candidate, Reference) -> Reference,
         progress: &mut dyn FnMut(&str) -> ControlFlow<()>,
     ) -> Result<Convergence, Error> {
-        let Some(first) = candidates.first() else {
-            return Err(Error::NoReference { why: "there is no candidate".into() });
-        };
-        let mut found = Convergence {
-            title: first.system.description().name.to_string(),
-            reference: refined(first, Reference::find(first, &plan.columns)?),
-            curves: Vec::new(),
-            refused: Vec::new(),
-        };
-        for candidate in candidates {
-            if progress(&candidate.name).is_break() {
-                break;
-            }
-            match StepCurve::measure(candidate, &found.reference) {
-                Ok(curve) => found.curves.push(curve),
-                Err(error) => found.refused.push((candidate.name.clone(), unsuited(&error))),
-            }
-        }
-        Ok(found)
+        let Measurements { title, reference, curves, refused } =
+            measurements(candidates, &plan.columns, (&refined, &StepCurve::measure), progress)?;
+        Ok(Convergence { title, reference, curves, refused })
     }
 
     /// Error over step, with a triangle for each order.

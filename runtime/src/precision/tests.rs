@@ -215,3 +215,16 @@ fn the_table_holds_every_point() {
     assert!(text.lines().all(|line| line.split(',').count() == names.len()));
     assert!(found.table().lines().nth(1).unwrap().starts_with("rk4"));
 }
+
+#[test]
+fn instants_of_convergence_are_equally_apart_where_the_reference_is_cut_too() {
+    let mut reference = measured(&kepler(0.6, 12.0), &[Method::Dop853]).reference;
+    for times in [401, 399, 287, 101, 57, 45] {
+        reference.times.truncate(times);
+        let (every, interval) = reference.instants(10);
+        let instants: Vec<f64> = reference.times.iter().step_by(every).take(11).copied().collect();
+        assert!(instants.len() > 2, "{times}");
+        let apart = instants.windows(2).map(|pair| (pair[1] - pair[0] - interval).abs()).fold(0.0, f64::max);
+        assert!(apart < 1e-12, "{times}: {instants:?}");
+    }
+}
