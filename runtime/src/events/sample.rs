@@ -25,10 +25,12 @@ pub(crate) struct Sampler {
 /// What a function does near the start of a step is seen in a piece in which it changes by no more than so many times what its value and
 /// its slope there say.
 pub(super) const SHOWN: f64 = 16.0;
-/// Pieces towards the start of a step are this part of each other, and no shorter than that part of the step.
+/// Pieces towards the start of a step are this part of each other, and no shorter than that part of the step: below it dense output,
+/// which is rounded at ε of what the step changes, tells nothing.
 pub(super) const PART: f64 = 1.0 / 16.0;
 pub(super) const SHORTEST: f64 = f64::EPSILON;
-/// An event's function that comes to its zero within this part of the time, or at t = 0 within that part of the first step, is at it.
+/// An event's function that comes to its zero within this part of the time is at it: no other time is told apart.  Where that is 0 it is
+/// that part of the first step, so that a place which is zero but for the rounding of its formula (`sin(pi)`) is at it.
 const OF_TIME: f64 = 4.0 * f64::EPSILON;
 const OF_STEP: f64 = 64.0 * f64::EPSILON;
 /// How far ahead a function at its zero is asked for its side, in parts of the step.

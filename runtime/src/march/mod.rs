@@ -3,7 +3,7 @@
 //! A step is tried until its error is small enough; its dense output is made where anything reads it; what is watched
 //! may end it early: look in `interrupt.rs`; it is written down and taken.  Jumps of the acceleration that
 //! nobody declared: look in `jump.rs`; what is asked of a step between its ends: in `between.rs`; rounding that looks like
-//! errors: in `noise.rs`; constraints at the ends of steps: in `constraints.rs`; phases and impacts: in `phase.rs`; the first
+//! errors: in `noise.rs`; constraints at the ends of steps: in `constraints.rs`; phases and impacts: in `phase.rs`; events where a motion starts: in `start.rs`; the first
 //! step: in `first.rs`; how the way to a stop is divided: in `plan.rs`; mechanisms that stand still: in `rest.rs`; a fixed step that suits a tolerance: in `trial.rs`.
 
 mod between;
@@ -15,6 +15,7 @@ mod noise;
 mod phase;
 mod plan;
 mod rest;
+mod start;
 mod trial;
 
 use std::ops::ControlFlow;
@@ -25,6 +26,7 @@ use interrupt::Outcome;
 use jump::JumpDetector;
 use noise::Steady;
 use phase::{Firings, Impacts};
+use start::Starting;
 
 use crate::cause::Cause;
 use crate::constrain::Projection;
@@ -48,17 +50,6 @@ pub(crate) enum Pace {
         /// s.
         longest: f64,
     },
-}
-
-/// What is to be done before the next step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Starting {
-    /// Nothing.
-    Done,
-    /// Events have to be put on their sides.
-    Prolonged,
-    /// The same, and those that are past their zero fire.
-    Anew,
 }
 
 /// Why a march paused without an error.
@@ -246,13 +237,6 @@ impl March {
         let h = self.h;
         self.begin(system, until)?;
         self.h = h;
-        Ok(())
-    }
-
-    /// As [`March::go_on`] where nothing was changed: what was past a zero has fired.
-    pub fn prolong(&mut self, system: &mut dyn System, until: f64) -> Result<(), Box<Cause>> {
-        self.go_on(system, until)?;
-        self.start = Starting::Prolonged;
         Ok(())
     }
 

@@ -1,12 +1,11 @@
 //! Phases and impacts: what events do to the state and to the constraints in force.
 
-use super::{Halt, March, Starting};
+use super::{Halt, March};
 use crate::cause::Cause;
 use crate::constrain::{Blow, blow};
 use crate::events::{Fired, Impulse, Watch};
 use crate::mechanism::{Action, At, Enforcement, System};
 use crate::run::Recorder;
-use crate::trust::Warning;
 
 /// More firings than this at one instant are a cycle.
 const AT_AN_INSTANT: u32 = 50;
@@ -93,46 +92,6 @@ impl Flights {
 }
 
 impl March {
-    /// Does what events say that are past their zero, or at it and move past, where a motion starts.
-    pub(super) fn start_events(
-        &mut self,
-        system: &mut dyn System,
-        recorder: &mut Recorder,
-    ) -> Result<Halt, Box<Cause>> {
-        let start = std::mem::replace(&mut self.start, Starting::Done);
-        if start == Starting::Done {
-            return Ok(Halt::Arrived);
-        }
-        let Some(mut watch) = self.watch.take() else { return Ok(Halt::Arrived) };
-        let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
-        let span = self.until - now;
-        if self.h == 0.0 {
-            self.h = self.first(system, span);
-        }
-        watch.start(system, (now, &y), (self.h.min(span), span));
-        if start == Starting::Prolonged {
-            self.watch = Some(watch);
-            return Ok(Halt::Arrived);
-        }
-        let (fired, past) = watch.at_start(system, (now, &y));
-        if let Some(switch) = watch.undecided(system) {
-            recorder.warn(Warning::BothSidesLeave { switch });
-        }
-        for event in past {
-            recorder.warn(Warning::PastAtStart { event: system.description().events[event].name.to_string() });
-        }
-        let mut halt = Ok(Halt::Arrived);
-        if !fired.is_empty() {
-            recorder.leave(system, now, self.stepper.start());
-            for Fired { event, actions } in &fired {
-                watch.log(system, *event, (now, &y), actions.contains(&Action::Stop), recorder);
-            }
-            halt = self.act(system, fired, &mut watch, recorder);
-        }
-        self.watch = Some(watch);
-        halt
-    }
-
     /// Does what events say, and what events that are past their zero after it say in turn.
     pub(super) fn act(
         &mut self,

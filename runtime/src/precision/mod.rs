@@ -135,7 +135,8 @@ impl WorkPrecision {
         refined: impl Fn(&Candidate, Reference) -> Reference,
         progress: &mut dyn FnMut(&str) -> ControlFlow<()>,
     ) -> Result<WorkPrecision, Error> {
-        let curve = |candidate: &Candidate, reference: &Reference| Curve::measure(candidate, reference, plan.repetitions);
+        let curve =
+            |candidate: &Candidate, reference: &Reference| Curve::measure(candidate, reference, plan.repetitions);
         let Measurements { title, reference, curves, refused } =
             measurements(candidates, &plan.columns, (&refined, &curve), progress)?;
         Ok(WorkPrecision { title, reference, curves, refused })

@@ -1,12 +1,9 @@
 //! How far two runs are apart.
 
-use super::{Continuous, Run};
+use super::Run;
 
 /// Runs are compared at so many instants at the least.
 const INSTANTS: usize = 1000;
-/// And at two instants of so many of one run's steps, where nothing begins or ends: Lobatto's nodes of order 4, at which no report is.
-const STEPS: usize = 4000;
-const WITHIN: [f64; 2] = [0.276_393_202_250_021, 0.723_606_797_749_979];
 /// Beside an event is what is this part of the run from it.
 const INSTANT: f64 = 1e-9;
 /// What moves less beside its size stands still.
@@ -73,38 +70,6 @@ impl Run {
         let both = own[0].len().min(others[0].len());
         Some(largest(&instants[..both], &own[0], &others[0]).max(reported))
     }
-
-    /// At least so many instants of the run, one in each of as many equal intervals at a place that no vibration keeps step with, and
-    /// others within its steps, which are short where much happens.
-    pub(crate) fn instants(&self, count: usize) -> Vec<f64> {
-        let Some((from, to)) = self.times.first().zip(self.times.last()) else { return Vec::new() };
-        let mut instants = uneven(*from, *to, count);
-        let steps = self.trajectory.steps();
-        let some = steps.iter().step_by(steps.len().div_ceil(STEPS).max(1));
-        instants.extend(some.flat_map(|[a, b]| WITHIN.map(|part| a + part * (b - a))));
-        instants.sort_unstable_by(f64::total_cmp);
-        instants
-    }
-
-    /// Columns at ordered times, as far as the run goes; `None` where it kept no dense output.
-    pub(crate) fn values_at(&self, names: &[String], times: &[f64]) -> Option<Vec<Vec<f64>>> {
-        let mut continuous = Continuous::new(self, names)?;
-        let last = self.times.last().copied()?;
-        let mut columns = vec![Vec::with_capacity(times.len()); names.len()];
-        let mut row = vec![0.0; names.len()];
-        for t in times.iter().copied().take_while(|t| *t <= last) {
-            continuous.values(continuous.step_at(t, true), t, &mut row);
-            columns.iter_mut().zip(&row).for_each(|(column, value)| column.push(*value));
-        }
-        Some(columns)
-    }
-}
-
-/// An instant in each of so many equal intervals, at a place with which no vibration keeps step.
-pub(crate) fn uneven(from: f64, to: f64, count: usize) -> Vec<f64> {
-    const GOLDEN: f64 = 0.618_033_988_749_894_8;
-    let place = |k: usize| (k as f64 + ((k + 1) as f64 * GOLDEN).fract()) / count as f64;
-    (0..count).map(|k| from + place(k) * (to - from)).collect()
 }
 
 /// How far two values are apart: what is nowhere, as a reaction in flight, is no difference where both are.

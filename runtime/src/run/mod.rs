@@ -7,6 +7,7 @@ mod extremes;
 mod failure;
 mod frames;
 mod hermite;
+mod instants;
 pub(crate) mod integrals;
 mod parts;
 mod record;
@@ -22,10 +23,11 @@ use std::sync::Arc;
 use crate::constrain::Residuals;
 
 pub(crate) use continuous::Continuous;
-pub(crate) use deviation::{apart_by, uneven};
+pub(crate) use deviation::apart_by;
 pub use digits::Digits;
 pub use failure::Failure;
 pub(crate) use frames::Scenery;
+pub(crate) use instants::uneven;
 pub use parts::RunPart;
 pub(crate) use parts::{PartRun, Together, instant, put_together};
 #[cfg(feature = "ensemble")]

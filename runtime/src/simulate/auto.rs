@@ -26,8 +26,8 @@ const FASTER: f64 = 1e3;
 
 /// Vibrations are looked at where the run has so many radians of the fastest one: some seconds of an explicit method.
 const MANY_RADIANS: f64 = 1e6;
-/// Steps that need not follow them are tried over this part of the run, and are to be so long, in radians: a step of `rodas5p` costs
-/// as much as several of an explicit method.
+/// Steps that need not follow them are tried over this part of the run, and are to be so long, in radians, at the least: explicit methods
+/// take some two radians a step, and a step of `rodas5p` costs as much as several of theirs.
 const TRIED: f64 = 0.02;
 const RADIANS_A_STEP: f64 = 20.0;
 

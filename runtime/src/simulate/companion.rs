@@ -84,8 +84,7 @@ pub(crate) fn judge_digits(
         digits.raise(run, tolerance);
     }
     digits.detune(run, detuning(system, run));
-    let leaves = run.warnings.iter().any(|warning| matches!(warning, Warning::BothSidesLeave { .. }));
-    if leaves {
+    if leaves_to_either_side(run) {
         digits.lose(run);
     }
     if other.phases.last() == run.phases.last() {
@@ -305,8 +304,7 @@ fn reason(
     };
     // With the same steps: only the start differs.
     let moved = Settings { unlike: false, ..alike(system, settings, run) };
-    let leaves = run.warnings.iter().any(|warning| matches!(warning, Warning::BothSidesLeave { .. }));
-    if leaves || rests_unstably(system, settings, run) {
+    if leaves_to_either_side(run) || rests_unstably(system, settings, run) {
         return Loss::UnstableStart;
     }
     let other = match simulate_with(system, &moved, progress) {
@@ -322,6 +320,11 @@ fn reason(
     let start = (run.rows[column] - [moved.q, moved.v].concat()[column]).abs();
     let growth = apart(here, there, column) / start;
     if growth.is_finite() && growth > GROWS { Loss::Instability { growth } } else { accuracy }
+}
+
+/// True where the motion begins on a kink or jump that leads away to both sides.
+fn leaves_to_either_side(run: &Run) -> bool {
+    run.warnings.iter().any(|warning| matches!(warning, Warning::BothSidesLeave { .. }))
 }
 
 /// True where the motion begins at rest in an unstable equilibrium, and stays one as time goes by: all that moves it is rounding.

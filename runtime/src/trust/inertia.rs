@@ -55,7 +55,8 @@ impl Unbounded {
     }
 }
 
-/// A pivot is negative by more than this part of its diagonal, and by more than so many roundings made on the way there.
+/// A pivot is negative by more than this part of its diagonal, and by more than so many roundings made on the way there: a few for each of
+/// the products that are subtracted.
 const NOTHING: f64 = 1e-12;
 const ROUNDINGS: f64 = 64.0;
 /// More coordinates than this are judged by M's diagonal alone: its factors would cost more than a short run.

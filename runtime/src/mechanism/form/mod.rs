@@ -18,7 +18,7 @@ pub(crate) use null_space::Solutions;
 
 /// A pivot of M is rounding below this part of its diagonal.
 const NOTHING: f64 = 1e-11;
-/// And so many roundings of it may have been made on the way there.
+/// So many roundings may have been made on the way to it: a few for each of the products that are subtracted.
 const ROUNDINGS: f64 = 64.0;
 
 /// M and J of one state, factored, and room to do so.
