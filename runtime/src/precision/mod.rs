@@ -154,11 +154,14 @@ struct Measurements<C> {
 /// What becomes of the first candidate's reference.
 type Refined<'a> = &'a dyn Fn(&Candidate, Reference) -> Reference;
 
+/// The curve of one candidate, judged by the reference.
+type Measure<'a, C> = &'a dyn Fn(&Candidate, &Reference) -> Result<C, Error>;
+
 /// Measures every candidate from what becomes of the first one's reference; `progress` is told the name of each one, and may break off.
 fn measurements<C>(
     candidates: &[Candidate],
     columns: &[String],
-    (refined, curve): (Refined<'_>, &dyn Fn(&Candidate, &Reference) -> Result<C, Error>),
+    (refined, measure): (Refined<'_>, Measure<'_, C>),
     progress: &mut dyn FnMut(&str) -> ControlFlow<()>,
 ) -> Result<Measurements<C>, Error> {
     let Some(first) = candidates.first() else {
@@ -174,7 +177,7 @@ fn measurements<C>(
         if progress(&candidate.name).is_break() {
             break;
         }
-        match curve(candidate, &found.reference) {
+        match measure(candidate, &found.reference) {
             Ok(curve) => found.curves.push(curve),
             Err(error) => found.refused.push((candidate.name.clone(), unsuited(&error))),
         }
