@@ -4,11 +4,12 @@
 //! may end it early: look in `interrupt.rs`; it is written down and taken.  Jumps of the acceleration that
 //! nobody declared: look in `jump.rs`; what is asked of a step between its ends: in `between.rs`; rounding that looks like
 //! errors: in `noise.rs`; constraints at the ends of steps: in `constraints.rs`; phases and impacts: in `phase.rs`; events where a motion starts: in `start.rs`; the first
-//! step: in `first.rs`; how the way to a stop is divided: in `plan.rs`; mechanisms that stand still: in `rest.rs`; a fixed step that suits a tolerance: in `trial.rs`.
+//! step: in `first.rs`; steps of another run that it follows: in `followed.rs`; how the way to a stop is divided: in `plan.rs`; mechanisms that stand still: in `rest.rs`; a fixed step that suits a tolerance: in `trial.rs`.
 
 mod between;
 mod constraints;
 mod first;
+mod followed;
 mod interrupt;
 mod jump;
 mod noise;
@@ -22,6 +23,7 @@ use std::ops::ControlFlow;
 
 use between::Defect;
 use constraints::Dwelling;
+pub(crate) use followed::Followed;
 use interrupt::Outcome;
 use jump::JumpDetector;
 use noise::Steady;
@@ -89,6 +91,8 @@ pub(crate) struct March {
     compensated: bool,
     /// Whether steps are chosen otherwise than usual; and how many were taken since the last stop.
     unlike: bool,
+    /// Steps of another run that limit those of this one.
+    followed: Option<Followed>,
     since_stop: u32,
     /// Where each length of a step costs something, the one that divides the way to the next stop.
     even: f64,
@@ -144,6 +148,7 @@ impl March {
             free_steps: 0,
             compensated: true,
             unlike: false,
+            followed: None,
             since_stop: 0,
             even: 0.0,
             watch: None,
@@ -185,6 +190,12 @@ impl March {
     /// tolerance nor the equations limit are others than usual.
     pub fn unlike(mut self, unlike: bool) -> Self {
         self.unlike = unlike;
+        self
+    }
+
+    /// Takes no steps that are longer than those of another run allow.
+    pub fn following(mut self, followed: Option<Followed>) -> Self {
+        self.followed = followed;
         self
     }
 

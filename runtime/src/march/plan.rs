@@ -17,7 +17,8 @@ impl March {
             }
             Pace::Adaptive { longest, tolerance } => {
                 let of_method = self.stepper.longest(tolerance.relative);
-                let longest = longest.min(of_method);
+                let followed = self.followed.as_ref().map_or(f64::INFINITY, |steps| steps.longest(self.clock.now()));
+                let longest = longest.min(of_method).min(followed);
                 let h = self.h.min(longest);
                 if of_method.is_finite() && !self.unlike {
                     return self.equal_part(stop, h, longest);

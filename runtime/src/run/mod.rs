@@ -91,6 +91,8 @@ pub struct Run {
     pub(crate) rows: Vec<f64>,
     /// How far each component of [q; q'] has gone, between reported times too; empty at a fixed step.
     pub(crate) swept: Vec<f64>,
+    /// When steps ended, after the start, s; empty if the run was not told to keep that.
+    pub(crate) step_ends: Vec<f64>,
     pub(crate) outputs: Vec<f64>,
     pub(crate) scenery: Scenery,
     /// Empty if the run was told to keep no dense output.

@@ -76,6 +76,7 @@ pub(crate) fn put_together(system: &dyn System, parts: Vec<PartRun>, how: &Toget
         instants: Arc::from([]),
         every: how.until - from,
         dense: false,
+        keeps_ends: false,
         watch: false,
         dense_is_free: false,
         method: dearest.map_or(Method::Auto, |run| run.method),

@@ -66,6 +66,8 @@ pub(crate) struct Plan {
     pub instants: Arc<[f64]>,
     /// Whether to keep dense output.
     pub dense: bool,
+    /// Whether to keep the times at which steps end.
+    pub keeps_ends: bool,
     /// Whether to watch invariants and the energy balance.
     pub watch: bool,
     /// Whether the method's own dense output costs no evaluation.
@@ -111,6 +113,7 @@ impl Recorder {
             is_filled: false,
             rows: Vec::new(),
             swept: Vec::new(),
+            step_ends: if plan.keeps_ends { vec![t] } else { Vec::new() },
             outputs: Vec::new(),
             scenery: Scenery::new(plan.projects),
             trajectory: Trajectory::new(n),
@@ -173,6 +176,9 @@ impl Recorder {
         end: Reached<'_>,
     ) -> Result<(), Box<Cause>> {
         self.judge(system, t, end)?;
+        if !self.run.step_ends.is_empty() {
+            self.run.step_ends.push(t);
+        }
         if self.keep_dense {
             let own = segment.filter(|_| self.keeps_own(t));
             self.run.trajectory.push(t, end.y, end.rate, own);

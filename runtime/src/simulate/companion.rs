@@ -8,6 +8,8 @@ use crate::cause::Cause;
 use crate::constrain::Projection;
 use crate::error::Error;
 use crate::events::begin_at;
+use crate::integrate::order;
+use crate::march::Followed;
 use crate::mechanism::dense::sizes_alike;
 use crate::mechanism::{Action, Argument, At, Method, Role, System, Watched};
 use crate::run::{Digits, Run, evaluate_outputs};
@@ -15,6 +17,12 @@ use crate::trust::{Loss, Warning, all_rates, inertia_condition};
 
 /// The tolerance of the companion in units of the run's.
 const LOOSER: f64 = 10.0;
+/// Where a companion follows the steps of the run, its errors are so many times those of the run, for small steps: its steps are longer
+/// by the root of the method's order.  It costs no more than a run at ten times the tolerance.
+const COARSER: f64 = 5.0;
+/// Bounds are so many times what they differ by elsewhere: over the library and its tolerances no promise is then broken by more than
+/// 0.1 digits (`docs/digits.md`).
+const FOLLOWING: f64 = 1.5;
 /// No companion runs at a looser tolerance.
 const LOOSEST: f64 = 0.3;
 /// The companion's start is moved by so many unit round-offs of the largest value that a coordinate or rate has.
@@ -44,7 +52,11 @@ const STEPS_ANYHOW: u64 = 10_000;
 /// Not more numbers than these are compared.
 const MOST_NUMBERS: usize = 20_000_000;
 
-/// Runs again at ten times the tolerance, or twice the fixed step (or half of it), from a start moved by rounding, and compares.
+/// Runs again less accurately, from a start moved by rounding, and compares: with steps that are longer than those of the run by a factor
+/// wherever the tolerance alone chose them, else at ten times the tolerance, or twice the fixed step (or half of it).
+///
+/// Errors of runs at two tolerances are in no fixed proportion; those of runs with steps h(t) and c h(t) are in that of 1 to cᵖ, p being the
+/// method's order, up to terms of higher order in h, also where they grow exponentially ([`Followed`]).
 ///
 /// Source: the pair of tolerances is Shampine and Watts, *Global error estimation for ordinary differential equations*,
 /// ACM TOMS 2 (1976) 172, section 2; the moved start sees what both runs would otherwise share.
@@ -59,18 +71,21 @@ pub(crate) fn judge_digits(
         return;
     }
     let mut goes_on = |_: f64| progress(settings.until);
-    let Some(Companion { pace, finer, run: other }) = companion(system, settings, run, LOOSER, &mut goes_on) else {
-        return;
-    };
+    let Some(companion) = companion(system, settings, run, Distance::Near, &mut goes_on) else { return };
+    let Companion { pace, finer, follows, run: other } = companion;
     let tolerance = settings.step.is_none() && !finer;
     run.fastest = fastest(system, settings, run);
     let mut digits = Digits::compare(run, &other, pace, tolerance.then_some(pace));
     let cut = is_cut(system, run);
-    let by_chance = cut || is_bumpy(run);
-    if digits.worst(run) > DOUBTFUL || by_chance {
-        let another = self::companion(system, settings, run, LOOSER * LOOSER, &mut goes_on);
+    let bumpy = is_bumpy(run);
+    if digits.worst(run) > DOUBTFUL || cut || bumpy {
+        let another = self::companion(system, settings, run, Distance::Far, &mut goes_on);
         let Some(Companion { run: another, .. }) = another else { return };
-        digits.doubt(run, &another, 1.0 / LOOSER);
+        digits.doubt(run, &another, 1.0 / if follows { COARSER } else { LOOSER });
+    }
+    let by_chance = cut || bumpy && !follows;
+    if follows {
+        digits.widen(FOLLOWING);
     }
     if finer {
         digits.widen(FINER);
@@ -175,42 +190,64 @@ fn is_bumpy(run: &Run) -> bool {
     run.work.rejected as f64 > BUMPY * run.work.steps as f64
 }
 
+/// How much less accurate another run is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Distance {
+    /// By about one factor.
+    Near,
+    /// By its square.
+    Far,
+}
+
 /// A second run.
 struct Companion {
     /// Its tolerance, or its fixed step in s.
     pace: f64,
     /// Whether its steps are shorter than those of the first one.
     finer: bool,
+    /// Whether its steps follow those of the first one.
+    follows: bool,
     run: Run,
 }
 
-/// A run at a tolerance, or a fixed step, that is larger by about this factor; where stops divide the way into the same steps all
+/// A run whose steps are longer by this distance, or whose tolerance or fixed step is larger; where stops divide the way into the same steps all
 /// the same, at a step that is shorter.  `None` if it was interrupted.
 fn companion(
     system: &mut dyn System,
     settings: &Settings,
     run: &Run,
-    looser: f64,
+    distance: Distance,
     progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Option<Companion> {
     let mut other = alike(system, settings, run);
-    let times = if looser > LOOSER { 3.0 } else { 2.0 };
+    let power = if distance == Distance::Far { 2 } else { 1 };
+    let times = if distance == Distance::Far { 3.0 } else { 2.0 };
+    other.followed = followed(system, settings, run, COARSER.powi(power));
     let pace = match settings.step {
         Some(step) => *other.step.insert(step * times),
         None => {
-            other.tolerance = (looser * settings.tolerance.max(Settings::TIGHTEST)).min(LOOSEST);
+            other.tolerance = (LOOSER.powi(power) * settings.tolerance.max(Settings::TIGHTEST)).min(LOOSEST);
             other.tolerance
         }
     };
     let coarser = ran(system, &other, run, progress)?;
+    let follows = other.followed.is_some();
     let fixed = settings.step.is_some() || !run.method.adapts_to(&system.description().structure);
     let shared = coarser.work.steps as f64 > SHARED * run.work.steps as f64;
     if !(fixed && shared) || run.method == Method::Exact {
-        return Some(Companion { pace, finer: false, run: coarser });
+        return Some(Companion { pace, finer: false, follows, run: coarser });
     }
     let even = (settings.until - settings.from) / run.work.steps as f64;
     let pace = *other.step.insert(settings.step.map_or(even, |step| step.min(even)) / times);
-    Some(Companion { pace, finer: true, run: ran(system, &other, run, progress)? })
+    Some(Companion { pace, finer: true, follows, run: ran(system, &other, run, progress)? })
+}
+
+/// The steps of a run, to be followed by one whose errors are so many times as large; `None` where more than the tolerance chose them.
+fn followed(system: &dyn System, settings: &Settings, run: &Run, coarser: f64) -> Option<Followed> {
+    let explicit = matches!(run.method, Method::Dopri5 | Method::Dop853 | Method::Rkn8);
+    let chosen = explicit && settings.step.is_none() && !is_cut(system, run);
+    let stretch = coarser.powf(1.0 / f64::from(order(run.method)));
+    Followed::new(&run.step_ends, stretch).filter(|_| chosen)
 }
 
 /// The run, or what there is of it; `None` if it was interrupted.

@@ -138,7 +138,11 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
         None => Pace::Adaptive { tolerance: units.clone(), longest },
     };
     let march = March::new(method, pace, settings.from, &y, work).limit(settings.max_steps);
-    let mut march = march.compensate(settings.compensated).unlike(settings.unlike).projecting(settings.projects());
+    let mut march = march
+        .compensate(settings.compensated)
+        .unlike(settings.unlike)
+        .following(settings.followed.clone())
+        .projecting(settings.projects());
     if settings.stabilisation == (Stabilisation::Baumgarte { alpha: None }) && settings.step.is_none() {
         march = march.finding_gain();
     }
@@ -158,6 +162,7 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
         every,
         instants: Arc::clone(&settings.instants),
         dense: settings.dense,
+        keeps_ends: settings.dense || settings.digits,
         watch: settings.watch,
         dense_is_free: march.dense_is_free(),
         method,

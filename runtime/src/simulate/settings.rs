@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::cause::Cause;
 use crate::error::{Error, Inseparable, Nonlinear};
 use crate::integrate::stability;
+use crate::march::Followed;
 use crate::mechanism::{Description, Enforcement, Method, Scene, Stabilisation};
 use nalgebra::Complex;
 
@@ -72,6 +73,8 @@ pub struct Settings {
     /// Whether steps that the tolerance does not limit are chosen otherwise than usual: a run to compare with has none in
     /// common, even where stops and growth limit them all.
     pub(crate) unlike: bool,
+    /// Steps of another run that limit those of this one.
+    pub(crate) followed: Option<Followed>,
     /// Other times, in order, at which states are reported too.
     pub(crate) instants: Arc<[f64]>,
 }
@@ -103,6 +106,7 @@ impl Settings {
             enforcement: Enforcement::default(),
             stabilisation: Stabilisation::default(),
             unlike: false,
+            followed: None,
             instants: Arc::from([]),
         }
     }

@@ -290,7 +290,8 @@ fn a_crossing_nearer_to_the_end_than_the_error_is_told() {
         run.warnings.iter().any(|warning| matches!(warning, Warning::EventNearEnd { .. }))
     };
     let quarter = std::f64::consts::FRAC_PI_2;
-    for near in [-1e-9, 1e-9] {
+    // The run is off by 4e-10 there.
+    for near in [-1e-10, 1e-10] {
         assert!(told(quarter + near, "record"), "{near}");
     }
     for far in [-1e-3, 1e-3, 0.5] {
