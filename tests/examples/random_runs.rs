@@ -2,23 +2,31 @@
 //! `cargo run --release -p dalembert-tests --example random_runs > docs/random-runs.md`
 //!
 //! With a number: only so many; with two: those from the first up to the second. With `one` and a number: that run's
-//! file and verdict.  What is not right is told on the standard error as it is found.
+//! file, as it is kept in `tests/random`, and its verdict; with `kept` and files: their verdicts.  What is not right is told on the standard
+//! error as it is found.
 
 use std::collections::BTreeMap;
 
-use dalembert_tests::random_runs::{Judged, Verdict, draw, judge, survey};
+use dalembert_tests::random_runs::{Judged, Verdict, drawn, judge, read, survey, written};
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let number = |text: &String| text.parse::<u64>().unwrap_or_else(|_| panic!("`{text}` is no number"));
     let runs = match arguments.as_slice() {
         [word, run] if word == "one" => {
-            let drawn = draw(number(run));
-            println!("{}", drawn.text);
-            println!("{:#?}", judge(&drawn));
+            let drawn = drawn(number(run));
+            print!("{}", written(&drawn));
+            eprintln!("{:#?}", judge(&drawn));
             return;
         }
-        [] => 0..10_000,
+        [word, files @ ..] if word == "kept" => {
+            for file in files {
+                let text = std::fs::read_to_string(file).unwrap_or_else(|error| panic!("{file}: {error}"));
+                println!("{file}: {:?}", judge(&read(&text)));
+            }
+            return;
+        }
+        [] => 0..20_000,
         [many] => 0..number(many),
         [first, end, ..] => number(first)..number(end),
     };
@@ -49,12 +57,15 @@ fn page(judged: &[Judged]) {
     println!(
         "input, an input's rate, a moved base, a rate or a potential, mostly an event, and a tolerance from 1e-10 to 1e-4."
     );
-    println!(
-        "Three in ten have poles in the arguments of their discontinuities (`sign(tan(x/2))` for `sign(sin(x))`), four in ten start"
-    );
-    println!(
-        "not quite at rest (1e-25 to 1e-16 of their speed), two in ten have a drag v |v|; who judges them has neither."
-    );
+    for line in [
+        "Three in ten have poles in the arguments of their discontinuities (`sign(tan(x/2))` for `sign(sin(x))`), four in ten start",
+        "not quite at rest (1e-25 to 1e-16 of their speed), two in ten have a drag v |v|; who judges them has neither. From run 10,000 on they",
+        "are drawn wider: starts at rest or at the zero of the event, horizons to some 10⁶ natural periods, forces that act where two or three",
+        "variables have their values at once; and half of the runs are cut in two at one of their events, or anywhere, and must be the run in one piece.",
+        "What was wrong once is a file in `tests/random`.",
+    ] {
+        println!("{line}");
+    }
     println!(
         "Each run estimates its digits, and is judged by a run at 1e-12 whose steps stay short against the distance to"
     );

@@ -292,7 +292,10 @@ impl March {
         recorder: &mut Recorder,
         progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
     ) -> Result<Halt, Box<Cause>> {
-        if self.clock.now() < until && self.start_events(system, recorder)? == Halt::Event {
+        if self.clock.now() >= until {
+            return Ok(Halt::Arrived);
+        }
+        if self.start_events(system, recorder)? == Halt::Event {
             return Ok(Halt::Event);
         }
         while self.clock.now() < until {
@@ -305,7 +308,7 @@ impl March {
                 return Err(Cause::Interrupted.into());
             }
         }
-        Ok(Halt::Arrived)
+        Ok(if self.clock.now() >= self.until { self.end_events(system, recorder) } else { Halt::Arrived })
     }
 
     /// Takes one step, or what an event or a discontinuity leaves of it.

@@ -1,4 +1,4 @@
-//! Events where a motion starts.
+//! Events where a motion starts or ends.
 
 use super::{Halt, March};
 use crate::cause::Cause;
@@ -24,6 +24,22 @@ impl March {
         self.go_on(system, until)?;
         self.start = Starting::Prolonged;
         Ok(())
+    }
+
+    /// Records events at whose zero the motion ends.
+    pub(super) fn end_events(&mut self, system: &dyn System, recorder: &mut Recorder) -> Halt {
+        let Some(mut watch) = self.watch.take() else { return Halt::Arrived };
+        let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
+        let mut halt = Halt::Arrived;
+        for event in watch.at_end(system, (now, &y), self.h) {
+            let stops = system.description().events[event].actions.contains(&Action::Stop);
+            watch.log(system, event, (now, &y), stops, recorder);
+            if stops {
+                halt = Halt::Event;
+            }
+        }
+        self.watch = Some(watch);
+        halt
     }
 
     /// Does what events say that are past their zero, or at it and move past, where a motion starts.

@@ -206,6 +206,35 @@ fn a_run_cut_in_two_at_any_instant_is_the_run_in_one_piece() {
     }
 }
 
+/// An event that is only recorded happens in one of the parts of a run that is cut at it: where the first part ends.
+#[test]
+fn an_event_at_which_a_run_is_cut_is_recorded_once() {
+    const COASTING: &str = r#"
+name: Coasting
+coordinates: {x: 1}
+bodies: {b: {mass: 0.4, position: "[x, 0]"}}
+generalized_forces: {x: 0.1*sin(3*t)}
+events: {gate: {when: x - 0.407387, then: record}}
+scene: {start: {x: 0, x': 0.321384}, until: 1.7, tolerance: 1e-8}
+"#;
+    let whole = case(COASTING).run();
+    let t = whole.events[0].state.t;
+    assert_eq!(whole.events.len(), 1);
+    for ulps in -6..=6 {
+        let cut = t * (1.0 + f64::from(ulps) * f64::EPSILON);
+        let mut first = case(COASTING);
+        first.settings.until = cut;
+        let first = first.run();
+        let (mut second, saved) = (case(COASTING), first.last());
+        (second.settings.from, second.settings.q, second.settings.v) = (saved.t, saved.q, saved.v);
+        assert_eq!(first.events.len() + second.run().events.len(), 1, "{ulps}");
+    }
+    // One that lies farther away is left to the rest of the run.
+    let mut first = case(COASTING);
+    first.settings.until = t - 1e-9;
+    assert_eq!(first.run().events.len(), 0);
+}
+
 /// A block that rocks from corner to corner and comes to rest.
 const ROCKING: &str = r#"
 name: RockingBlock

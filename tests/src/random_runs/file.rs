@@ -20,6 +20,8 @@ pub struct Drawn {
     pub event: Option<&'static str>,
     /// Where something happens.
     pub locals: Vec<Local>,
+    /// Where the run is cut in two, to be one with the run in one piece: at that part of its events.
+    pub cut: Option<f64>,
 }
 
 /// Where a feature stands in the equations.
@@ -39,6 +41,8 @@ pub enum Place {
     Rate,
     /// A potential.
     Potential,
+    /// A force that depends on two or three of them.
+    Product,
 }
 
 /// Draws the model file of a run.
@@ -46,7 +50,7 @@ pub fn draw(run: u64) -> Drawn {
     let mut draws = Draws::new(run);
     let kind = draws.pick(&KINDS);
     let mechanism = kind(&mut draws);
-    let mut sheet = Sheet { locals: mechanism.locals.clone(), forces: mechanism.forces.clone(), ..Sheet::default() };
+    let mut sheet = Sheet::of(&mechanism);
     for _ in 0..*draws.pick(&[0, 1, 1, 1, 2, 2]) {
         sheet.add(&mechanism, &mut draws);
     }
@@ -65,7 +69,7 @@ pub fn draw(run: u64) -> Drawn {
         let start = nudged(&mechanism, &mut aside);
         text = text.replace(&starting(&mechanism, &mechanism.start), &starting(&mechanism, &start));
     }
-    Drawn { text, plain, mechanism: mechanism.kind, features: sheet.features, event, locals: sheet.locals }
+    Drawn { text, plain, mechanism: mechanism.kind, features: sheet.features, event, locals: sheet.locals, cut: None }
 }
 
 const ASIDE: u64 = 0x5eed_0000_0000_0000;
@@ -115,18 +119,24 @@ fn starting(mechanism: &Mechanism, start: &[f64]) -> String {
 
 /// What is added to a mechanism.
 #[derive(Default)]
-struct Sheet {
+pub(super) struct Sheet {
     inputs: Vec<String>,
     base: Vec<String>,
-    forces: Vec<(usize, String)>,
+    pub forces: Vec<(usize, String)>,
     potential: Vec<String>,
     event: Option<String>,
-    features: Vec<(Place, Shape)>,
-    locals: Vec<Local>,
+    pub features: Vec<(Place, Shape)>,
+    pub locals: Vec<Local>,
 }
 
 impl Sheet {
-    fn add(&mut self, mechanism: &Mechanism, draws: &mut Draws) {
+    /// With nothing but what the mechanism brings.
+    pub fn of(mechanism: &Mechanism) -> Self {
+        Sheet { locals: mechanism.locals.clone(), forces: mechanism.forces.clone(), ..Sheet::default() }
+    }
+
+    /// Adds a feature anywhere.
+    pub fn add(&mut self, mechanism: &Mechanism, draws: &mut Draws) {
         let place = match draws.pick(&[0, 1, 2, 3, 4, 5, 6]) {
             0 if mechanism.base.is_some() => Place::Base,
             0 | 1 => Place::Time,
@@ -137,6 +147,16 @@ impl Sheet {
             _ => Place::Coordinate,
         };
         let place = if place == Place::Rate && !has_rate(mechanism) { Place::Coordinate } else { place };
+        self.add_at(place, mechanism, draws);
+    }
+
+    /// Adds a feature of time.
+    pub fn add_in_time(&mut self, mechanism: &Mechanism, draws: &mut Draws) {
+        let place = if mechanism.base.is_some() { Place::Base } else { *draws.pick(&[Place::Time, Place::Input]) };
+        self.add_at(place, mechanism, draws);
+    }
+
+    fn add_at(&mut self, place: Place, mechanism: &Mechanism, draws: &mut Draws) {
         let shapes: Vec<Shape> = Shape::ALL.into_iter().filter(|shape| fits(place, *shape)).collect();
         let shape = *draws.pick(&shapes);
         let width = draws.scale(1e-6, 0.3);
@@ -148,11 +168,7 @@ impl Sheet {
             Place::Rate => *mechanism.ways.iter().find(|(of, _)| matches!(of, Of::Rate(_))).expect("a rate"),
             _ => (Of::Time, (0.0, mechanism.until)),
         };
-        let name = match of {
-            Of::Time => "t".to_owned(),
-            Of::Coordinate(i) => mechanism.coordinates[i].0.to_owned(),
-            Of::Rate(i) => format!("{}'", mechanism.coordinates[i].0),
-        };
+        let name = mechanism.name_of(of);
         let (function, spots) = shape.write(&name, range, width, draws);
         self.locals.extend(spots.into_iter().map(|spot| Local { of, spot }));
         self.features.push((place, shape));
@@ -166,7 +182,7 @@ impl Sheet {
         let stronger = if shape.is_local() { width.powf(-draws.between(0.0, 1.0)) } else { 1.0 };
         let weaker = width.powf(draws.between(0.0, 1.0));
         match place {
-            Place::Time | Place::Coordinate | Place::Rate => {
+            Place::Time | Place::Coordinate | Place::Rate | Place::Product => {
                 self.forces.push((i, format!("{}*({function})", text(strength * stronger * force))));
             }
             Place::Input => {
@@ -200,13 +216,9 @@ impl Sheet {
     }
 
     /// Adds an event, and tells which kind.
-    fn watch(&mut self, mechanism: &Mechanism, draws: &mut Draws) -> &'static str {
+    pub fn watch(&mut self, mechanism: &Mechanism, draws: &mut Draws) -> &'static str {
         let (of, range) = *draws.pick(&mechanism.ways);
-        let (name, span) = match of {
-            Of::Coordinate(i) => (mechanism.coordinates[i].0.to_owned(), range.1 - range.0),
-            Of::Rate(i) => (format!("{}'", mechanism.coordinates[i].0), range.1 - range.0),
-            Of::Time => ("t".to_owned(), range.1 - range.0),
-        };
+        let (name, span) = (mechanism.name_of(of), range.1 - range.0);
         let c = neat(draws.between(range.0 + 0.1 * span, range.1 - 0.1 * span));
         let mut spot = |place: f64, every: Option<f64>, width: f64| {
             self.locals.push(Local { of, spot: super::shapes::Spot { place, every, width } });
@@ -243,7 +255,13 @@ impl Sheet {
         kind
     }
 
-    fn text(&self, mechanism: &Mechanism, start: &[f64], draws: &mut Draws) -> String {
+    /// Adds an event where a variable has a value, which is of this size elsewhere.
+    pub fn watch_at(&mut self, of: Of, (value, size): (f64, f64), name: &str) {
+        self.locals.push(Local { of, spot: super::shapes::Spot { place: value, every: None, width: 1e-4 * size } });
+        self.event = Some(format!("{name} - {}", text(value)));
+    }
+
+    pub fn text(&self, mechanism: &Mechanism, start: &[f64], draws: &mut Draws) -> String {
         let names: Vec<&str> = mechanism.coordinates.iter().map(|(name, ..)| *name).collect();
         let mut lines = vec!["name: Drawn".to_owned()];
         lines.push(format!(

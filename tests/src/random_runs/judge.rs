@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use dalembert::mechanism::{Interpreted, System};
 
-use dalembert::{Cause, Error, Run, Settings, Stepping, simulate_with};
+use dalembert::{Cause, Error, Run, Settings, Stepping, simulate, simulate_with};
 use dalembert_symbolic::lower::compile;
 
 use super::file::Drawn;
@@ -90,13 +90,19 @@ pub fn judge(drawn: &Drawn) -> Verdict {
     let (run, tight) = match (outcome, tight) {
         (_, Err(Unjudged::TooLong)) => return Verdict::LeftOut { why: "too many short steps" },
         (Err(error), Err(Unjudged::Failed)) => return Verdict::Refused { error: error.to_string() },
+        (Err(Error::Run(failure)), Ok(_)) if matches!(failure.cause, Cause::TooManySteps { .. }) => {
+            return Verdict::LeftOut { why: "too many steps" };
+        }
         (Err(error), Ok(_)) => return Verdict::Stopped { error: error.to_string() },
         (Ok(_), Err(Unjudged::Failed)) => return Verdict::LeftOut { why: "the run that judges fails" },
         (Ok(run), Ok(tight)) => (run, tight),
     };
     let warnings: Vec<String> = run.warnings.iter().map(ToString::to_string).collect();
     if faults(&run, &tight, None).is_none() {
-        return Verdict::Right { warnings };
+        return match drawn.cut.and_then(|part| cut_fault(&system, &settings, &run, part)) {
+            Some(fault) => Verdict::Wrong { fault },
+            None => Verdict::Right { warnings },
+        };
     }
     let Ok(other) = bounded(&plain, drawn, LESS_TIGHT, 1.7 * SHARE) else {
         return Verdict::LeftOut { why: "too many short steps" };
@@ -143,6 +149,38 @@ fn bounded(system: &Interpreted, drawn: &Drawn, tolerance: f64, share: f64) -> R
         stepping.advance(if left <= 1.5 * h { left } else { h })?;
     }
     Err(Unjudged::TooLong)
+}
+
+/// What is wrong with a run that stops at an event of the run, or between its start and its end where there is none, and goes on from
+/// there.
+fn cut_fault(system: &Interpreted, settings: &Settings, run: &Run, part: f64) -> Option<String> {
+    let inside = |t: &f64| *t > 0.0 && *t < run.last().t;
+    let events: Vec<f64> = run.events.iter().map(|event| event.state.t).filter(inside).collect();
+    let t = events.get((part * events.len() as f64) as usize).copied().unwrap_or(part * run.last().t);
+    let mut beginning = settings.clone();
+    (beginning.until, beginning.digits) = (t, false);
+    let both = simulate(&mut system.clone(), &beginning).and_then(|first| {
+        let (mut rest, saved) = (settings.clone(), first.last());
+        (rest.from, rest.q, rest.v) = (saved.t, saved.q, saved.v);
+        rest.phase = first.phases.last().map_or(0, |(_, phase)| *phase);
+        Ok((first, simulate(&mut system.clone(), &rest)?))
+    });
+    let (first, second) = match both {
+        Ok(both) => both,
+        Err(error) => return Some(format!("cut at t = {t:e}: {error}")),
+    };
+    let seen = first.events.len() + second.events.len();
+    if seen != run.events.len() && second.warnings.is_empty() && run.warnings.is_empty() {
+        return Some(format!("cut at t = {t:e}: {seen} events instead of {}", run.events.len()));
+    }
+    run.column_names().into_iter().find_map(|name| {
+        let last = |run: &Run| run.column(&name).and_then(|column| column.last().copied()).unwrap_or(f64::NAN);
+        let bound = |run: &Run| run.errors(&name).and_then(|errors| errors.last().copied()).unwrap_or(f64::INFINITY);
+        let (one, two) = (last(run), last(&second));
+        let (apart, promised) = ((one - two).abs(), bound(run) + bound(&second));
+        let broken = apart > HALF_A_DIGIT * promised;
+        broken.then(|| format!("cut at t = {t:e}: {name} = {two:e} instead of {one:e}, {promised:.1e} is promised"))
+    })
 }
 
 /// From when on two runs have different events.

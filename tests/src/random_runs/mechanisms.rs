@@ -29,6 +29,17 @@ pub struct Mechanism {
     pub base: Option<f64>,
 }
 
+impl Mechanism {
+    /// What a variable is called in the file.
+    pub fn name_of(&self, of: Of) -> String {
+        match of {
+            Of::Time => "t".to_owned(),
+            Of::Coordinate(i) => self.coordinates[i].0.to_owned(),
+            Of::Rate(i) => format!("{}'", self.coordinates[i].0),
+        }
+    }
+}
+
 /// All kinds.
 pub const KINDS: [fn(&mut Draws) -> Mechanism; 10] = [
     oscillator,
@@ -48,7 +59,7 @@ fn length(draws: &mut Draws) -> f64 {
     if draws.chance(0.7) { draws.scale(0.3, 3.0) } else { draws.scale(1e-6, 1e6) }
 }
 
-fn oscillator(draws: &mut Draws) -> Mechanism {
+pub fn oscillator(draws: &mut Draws) -> Mechanism {
     let (m, k, x) = (draws.scale(0.1, 10.0), draws.scale(0.1, 100.0), length(draws));
     let omega = (k / m).sqrt();
     let damping = if draws.chance(0.5) { 0.0 } else { neat(draws.scale(1e-3, 0.3) * m * omega) };
@@ -64,7 +75,7 @@ fn oscillator(draws: &mut Draws) -> Mechanism {
     }
 }
 
-fn coasting(draws: &mut Draws) -> Mechanism {
+pub fn coasting(draws: &mut Draws) -> Mechanism {
     let (m, x, until) = (draws.scale(0.1, 10.0), length(draws), draws.scale(0.1, 1000.0));
     let v = neat(x / until);
     Mechanism {
@@ -199,7 +210,7 @@ fn dry_friction(draws: &mut Draws) -> Mechanism {
 }
 
 /// A mass on a spring and a damper, carried by what an input moves.
-fn on_a_base(draws: &mut Draws) -> Mechanism {
+pub fn on_a_base(draws: &mut Draws) -> Mechanism {
     let (m, k, x) = (draws.scale(0.1, 10.0), draws.scale(0.1, 100.0), length(draws));
     let omega = (k / m).sqrt();
     let damping = neat(draws.scale(1e-3, 0.3) * m * omega);

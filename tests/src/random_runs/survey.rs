@@ -6,6 +6,7 @@ use std::thread;
 
 use super::file::{Drawn, draw};
 use super::judge::{Verdict, judge};
+use super::wider::draw_wider;
 
 /// A run that was drawn and judged.
 #[derive(Clone, Debug)]
@@ -18,6 +19,14 @@ pub struct Judged {
     pub verdict: Verdict,
 }
 
+/// From this one on runs are drawn wider.
+const WIDER: u64 = 10_000;
+
+/// The run of a number.
+pub fn drawn(run: u64) -> Drawn {
+    if run < WIDER { draw(run) } else { draw_wider(run) }
+}
+
 /// Draws and judges these runs, on so many threads; `progress` sees each as it is done.  In their order.
 pub fn survey(runs: Range<u64>, threads: usize, progress: impl Fn(&Judged) + Sync) -> Vec<Judged> {
     let next = AtomicU64::new(runs.start);
@@ -28,7 +37,7 @@ pub fn survey(runs: Range<u64>, threads: usize, progress: impl Fn(&Judged) + Syn
             if run >= runs.end {
                 return done;
             }
-            let drawn = draw(run);
+            let drawn = drawn(run);
             let verdict = judge(&drawn);
             done.push(Judged { run, drawn, verdict });
             done.last().into_iter().for_each(&progress);

@@ -1,7 +1,7 @@
-//! Events where a motion starts.
+//! Events where a motion starts or ends.
 
 use super::super::modes;
-use super::{Fired, Watch};
+use super::{Fired, Watch, counts};
 use crate::mechanism::{Action, Direction, System};
 
 impl Watch {
@@ -17,6 +17,25 @@ impl Watch {
             self.scanner.leaving[event] =
                 if on { self.sampler.leaves_at_start(system, (event, zero), (t, y), span) } else { 0.0 };
         }
+    }
+
+    /// Events that record or stop, at their zero where a motion ends with a step of `step`, and moving past: a motion that starts there
+    /// waits for them.
+    pub fn at_end<S: System + ?Sized>(&mut self, system: &S, (t, y): (f64, &[f64]), step: f64) -> Vec<usize> {
+        let waits = |action: &Action| matches!(action, Action::Record | Action::Stop);
+        let events = self.sampler.events();
+        let happens = |event: &usize| {
+            let described = &system.description().events[*event];
+            let side = self.scanner.sides[*event];
+            if !described.actions.iter().all(waits) || !self.scanner.awake(*event) || side == 0.0 {
+                return false;
+            }
+            let zero = self.sampler.zero_at_start(system, *event, (t, y), step);
+            self.sampler.at_state(system, t, y);
+            let near = self.sampler.value(*event).abs() <= zero && self.sampler.rate_of(*event) * side < 0.0;
+            near && counts(described.direction, side < 0.0) && self.sampler.condition(*event) > 0.0
+        };
+        (0..events).filter(happens).collect()
     }
 
     /// What leads away from the surface of a discontinuity to both sides of it, where modes were chosen last.
