@@ -6,7 +6,7 @@
 //! 4. Systems of momentum balances hold, and determine the motion: look in `balances`; what would mend one that does
 //!    not is found in `causes`.
 //!    Their reactions are compared with force and moment on bodies: `results`.
-//!    So do they integrated over the instant of an impact: `impulses`.
+//!    So do they integrated over the instant of an impact: `impulses`.  What impacts change is found in `impacts`.
 //! 5. Forces are tested for potentials (`potential`) and for being counted twice (`twice`); what each entry does is in
 //!    `effects`.
 //! 6. Constraints are classified, and freedoms counted (`freedoms`, `closure`); rows that follow from others are named
@@ -33,6 +33,7 @@ mod directions;
 mod draw;
 mod effects;
 mod freedoms;
+mod impacts;
 mod impulses;
 mod lines;
 mod motion;
@@ -189,6 +190,7 @@ impl Gate {
         }
         problems.extend(unclear);
         problems.extend(self.forces(model, &motion, &states, &mut report));
+        problems.extend(impacts::elsewhere(model, rows, &motion, &states));
         let rates = claims::invariant_rates(model);
         let model = &*model;
         let states_when = |when: &[(usize, f64)]| match when {
@@ -198,7 +200,10 @@ impl Gate {
         for (invariant, rates) in model.conserved.iter().zip(&rates) {
             let states = states_when(&invariant.when)?;
             match claims::conserved(model, &equations[0], &report.forces, (invariant, rates), &states, self) {
-                Ok(worst) => report.conserved.push((invariant.name.clone(), worst)),
+                Ok(worst) => {
+                    report.conserved.push((invariant.name.clone(), worst));
+                    report.changed_by.push(impacts::that_change(model, rows, &motion, invariant, &states.all));
+                }
                 Err(problem) => problems.push(*problem),
             }
         }

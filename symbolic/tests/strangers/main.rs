@@ -3,6 +3,7 @@
 mod carried;
 mod energies;
 mod files;
+mod impacts;
 mod loops;
 mod reactions;
 mod slow;
