@@ -9,6 +9,7 @@
 //!    So do they integrated over the instant of an impact: `impulses`.  What impacts change is found in `impacts`.
 //! 5. Forces are tested for potentials (`potential`) and for being counted twice (`twice`); what each entry does is in
 //!    `effects`.
+//!    Inputs are arbitrary for this: `inputs`.
 //! 6. Constraints are classified, and freedoms counted (`freedoms`, `closure`); rows that follow from others are named
 //!    (`dependent`).
 //! 7. What the file says is conserved or holds, does (`claims`); who changes what should be conserved is found in
@@ -35,6 +36,7 @@ mod effects;
 mod freedoms;
 mod impacts;
 mod impulses;
+mod inputs;
 mod lines;
 mod motion;
 mod named;
@@ -57,7 +59,7 @@ mod turns;
 mod twice;
 mod unseen;
 
-use crate::derive::{Derivation, Equations, derive};
+use crate::derive::{Derivation, Equations, Rows, derive};
 use crate::diagnose::catalogue::{mechanics, verdicts};
 use crate::diagnose::{Place, Problem};
 use crate::expr::Id;
@@ -72,6 +74,7 @@ pub use freedoms::{Freedoms, Integrability};
 pub use potential::{Conservative, Nature};
 pub use report::{Agreement, Report};
 pub use state::{Origin, State};
+use states::States;
 pub use unseen::shared_data;
 
 /// What is off by no more roundings of a double-double than this agrees: twenty digits.
@@ -134,10 +137,11 @@ impl Gate {
         let report = report.map_err(beside)?;
         // Constraints act on coordinates that energies and forces do not contain.
         let constrained = !derivation.rows.is_empty();
-        let Derivation { model, momenta, .. } = &mut derivation;
-        let cyclic = if constrained { Vec::new() } else { cyclic::cyclic(model, &report.states, momenta) };
+        let Derivation { model, momenta, rows, .. } = &mut derivation;
+        let states = inputs::arbitrary(model, rows, &report.states);
+        let cyclic = if constrained { Vec::new() } else { cyclic::cyclic(model, &states, momenta) };
         let directions =
-            if constrained { Vec::new() } else { directions::directions(model, &report.states, momenta, &cyclic) };
+            if constrained { Vec::new() } else { directions::directions(model, &states, momenta, &cyclic) };
         Ok(Judged { derivation, cyclic, directions, report })
     }
 
@@ -189,7 +193,7 @@ impl Gate {
             }
         }
         problems.extend(unclear);
-        problems.extend(self.forces(model, &motion, &states, &mut report));
+        problems.extend(self.forces((model, rows), &motion, &states, &mut report));
         problems.extend(impacts::elsewhere(model, rows, &motion, &states));
         let rates = claims::invariant_rates(model);
         let model = &*model;
@@ -221,9 +225,9 @@ impl Gate {
     /// Which forces have potentials, and what is counted twice.
     fn forces(
         self,
-        model: &mut Model,
+        (model, rows): (&mut Model, &Rows),
         motion: &motion::Motion,
-        states: &states::States,
+        states: &States,
         report: &mut Report,
     ) -> Vec<Problem> {
         let force = |load: &Load| load.work == Work::Pushes;
@@ -236,7 +240,8 @@ impl Gate {
             return Vec::new();
         }
         let (mut graph, effects) = effects::effects(model);
-        report.forces = potential::natures(&mut graph, model, motion, &effects, states);
+        let free = States { all: inputs::arbitrary(model, rows, &states.all), ..states.clone() };
+        report.forces = potential::natures(&mut graph, model, motion, &effects, &free);
         let (errors, warnings) = twice::counted_twice(&mut graph, model, &effects, &states.all);
         model.warnings.extend(warnings);
         errors

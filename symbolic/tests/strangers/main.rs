@@ -4,6 +4,7 @@ mod carried;
 mod energies;
 mod files;
 mod impacts;
+mod inputs;
 mod loops;
 mod reactions;
 mod slow;
