@@ -9,7 +9,7 @@
 //!    So do they integrated over the instant of an impact: `impulses`.  What impacts change is found in `impacts`.
 //! 5. Forces are tested for potentials (`potential`) and for being counted twice (`twice`); what each entry does is in
 //!    `effects`.
-//!    Inputs are arbitrary for this: `inputs`.
+//!    Forces made of reactions must not drive: `friction`.  Inputs are arbitrary for this: `inputs`.
 //! 6. Constraints are classified, and freedoms counted (`freedoms`, `closure`); rows that follow from others are named
 //!    (`dependent`).
 //! 7. What the file says is conserved or holds, does (`claims`); who changes what should be conserved is found in
@@ -34,6 +34,7 @@ mod directions;
 mod draw;
 mod effects;
 mod freedoms;
+mod friction;
 mod impacts;
 mod impulses;
 mod inputs;
@@ -242,6 +243,7 @@ impl Gate {
         let (mut graph, effects) = effects::effects(model);
         let free = States { all: inputs::arbitrary(model, rows, &states.all), ..states.clone() };
         report.forces = potential::natures(&mut graph, model, motion, &effects, &free);
+        model.warnings.extend(friction::drives(model, &states.all));
         let (errors, warnings) = twice::counted_twice(&mut graph, model, &effects, &states.all);
         model.warnings.extend(warnings);
         errors

@@ -3,6 +3,7 @@
 mod carried;
 mod energies;
 mod files;
+mod friction;
 mod impacts;
 mod inputs;
 mod loops;

@@ -1,0 +1,64 @@
+//! Friction that drives.
+
+use super::energies::warned;
+
+/// A block on a floor with a force that is made of the floor's reaction.
+fn block(floor: &str, force: &str) -> String {
+    format!(
+        "name: T
+parameters: {{m: 1 kg, g: 10 m/s^2, mu: 0.3 1, w: 2 m/s, R: 1 m}}
+coordinates: {{x: m, y: m}}
+bodies: {{b: {{mass: m, position: \"[x, y]\"}}}}
+gravity: [0, -g]
+constraints: {{floor: {floor}}}
+forces: {{f: {{on: b, force: \"{force}\"}}}}
+scene: {{start: {{x': 1}}, until: 3}}
+"
+    )
+}
+
+#[test]
+fn friction_whose_reaction_has_the_wrong_sign_is_warned_of() {
+    for (floor, force) in [
+        ("-y", "[-mu*reaction(floor)*sign(x'), 0]"),
+        ("y", "[mu*reaction(floor)*sign(x'), 0]"),
+        ("3*R - y", "[-mu*reaction(floor)*sign(x'), 0]"),
+        ("-y", "[-mu*reaction(floor)*x'/abs(x'), 0]"),
+        ("-y", "-mu*reaction(floor)*unit(velocity(b))"),
+        ("-y", "[-mu*reaction(floor)*tanh(x'/w), 0]"),
+        ("-y", "[-mu*reaction(floor)*sign(x' - w), 0]"),
+    ] {
+        assert_eq!(warned(&block(floor, force)), ["W434"], "{floor} {force}");
+    }
+}
+
+#[test]
+fn friction_that_opposes_sliding_is_left_alone_and_so_are_belts_that_pull() {
+    for (floor, force) in [
+        ("y", "[-mu*reaction(floor)*sign(x'), 0]"),
+        ("-y", "[mu*reaction(floor)*sign(x'), 0]"),
+        ("y", "-mu*reaction(floor)*unit(velocity(b))"),
+        // A belt that is faster does positive work on the block.
+        ("y", "[-mu*reaction(floor)*sign(x' - w), 0]"),
+        ("y", "[-mu*reaction(floor)*tanh((x' - w)/w), 0]"),
+        // Traction, with either sign of the power.
+        ("y", "[mu*reaction(floor), 0]"),
+        // A motor that pushes on is no friction.
+        ("y", "[mu*m*g*sign(x'), 0]"),
+    ] {
+        assert!(warned(&block(floor, force)).is_empty(), "{floor} {force}");
+    }
+    assert!(warned(include_str!("../../../models/stick_slip.yaml")).is_empty());
+}
+
+#[test]
+fn friction_of_a_guide_that_pushes_to_both_sides_drives_on_one_of_them() {
+    let hoop = |force: &str| {
+        let text = block("x^2 + y^2 - R^2", force).replace("start: {x': 1}", "start: {x: 0, y: -1, x': 3, y': 0}");
+        warned(&text)
+    };
+    assert_eq!(hoop("-2*mu*reaction(floor)*sign(x*y' - y*x')*[-y, x]"), ["W434"]);
+    // Near the bottom the hoop pushes inwards all the time.
+    let text = block("x^2 + y^2 - R^2", "2*mu*reaction(floor)*sign(x*y' - y*x')*[-y, x]");
+    assert!(warned(&text.replace("start: {x': 1}", "start: {x: 0, y: -1, x': 1, y': 0}")).is_empty());
+}
