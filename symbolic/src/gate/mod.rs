@@ -150,7 +150,7 @@ impl Gate {
     fn report(self, derivation: &mut Derivation) -> Result<Report, Vec<Problem>> {
         let Derivation { model, equations, rows, momentum, switches, .. } = derivation;
         // A coordinate without inertia may follow from constraints.
-        let problems = if rows.is_empty() { massless(model, equations) } else { Vec::new() };
+        let problems = if rows.is_empty() { massless(model, equations) } else { weightless(model, equations) };
         if !problems.is_empty() {
             return Err(problems);
         }
@@ -344,6 +344,12 @@ fn listed(names: &[String]) -> String {
         Some((last, _)) => last.clone(),
         None => String::new(),
     }
+}
+
+/// A file with constraints in which nothing has mass: their forces would hold nothing.
+fn weightless(model: &Model, equations: &[Equations]) -> Vec<Problem> {
+    let first = model.coordinates.first().filter(|_| equations[0].mass.is_empty());
+    first.map(|coordinate| mechanics::nothing_has_mass(coordinate.place.clone())).into_iter().collect()
 }
 
 /// Coordinates without an entry on M's diagonal.

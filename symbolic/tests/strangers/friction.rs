@@ -1,6 +1,7 @@
-//! Friction that drives.
+//! Friction that drives, and files in which nothing has mass.
 
 use super::energies::warned;
+use super::{accepted, refused};
 
 /// A block on a floor with a force that is made of the floor's reaction.
 fn block(floor: &str, force: &str) -> String {
@@ -61,4 +62,36 @@ fn friction_of_a_guide_that_pushes_to_both_sides_drives_on_one_of_them() {
     // Near the bottom the hoop pushes inwards all the time.
     let text = block("x^2 + y^2 - R^2", "2*mu*reaction(floor)*sign(x*y' - y*x')*[-y, x]");
     assert!(warned(&text.replace("start: {x': 1}", "start: {x: 0, y: -1, x': 1, y': 0}")).is_empty());
+}
+
+#[test]
+fn constraints_of_what_has_no_mass_are_refused_as_a_run_would() {
+    let decay = |more: &str| {
+        format!(
+            "name: Decay
+parameters: {{tau: 1 s}}
+coordinates: {{x: 1}}
+constraints: {{growth: x' = x/tau}}
+{more}
+scene: {{start: {{x: 1}}, until: 1}}
+"
+        )
+    };
+    refused(&decay(""), "E433");
+    accepted(&decay("kinetic_energy: x'^2/2"));
+    let point = |mass: &str, constraints: &str| {
+        format!(
+            "name: T
+parameters: {{l: 1 m, m: 1 kg}}
+coordinates: {{x: m, y: m}}
+bodies: {{b: {{mass: {mass}, position: \"[x, 0]\"}}}}
+constraints: {{{constraints}}}
+"
+        )
+    };
+    refused(&point("0", "a: x - l, b: y - x"), "E433");
+    refused(&point("0", "a: x' - y'"), "E433");
+    // What has no mass follows from what has some.
+    accepted(&point("m", "a: y - x"));
+    accepted(&point("m", "a: y' = x/tau").replace("l: 1 m", "tau: 1 s"));
 }
