@@ -4,7 +4,7 @@ use std::io::Write;
 
 use clap::ArgMatches;
 use dalembert_symbolic::file;
-use dalembert_symbolic::gate::{Conservative, Nature, Origin, shared_data};
+use dalembert_symbolic::gate::{Conservative, Nature, Origin, Report, shared_data};
 use dalembert_symbolic::lower::Program;
 use dalembert_symbolic::number::DoubleDouble;
 use serde_json::Value;
@@ -58,8 +58,18 @@ fn one(models: &[Entry], name: &str, options: &ArgMatches, out: &mut dyn Write) 
     without_units(&program, out)?;
     conditions(&program, &text.source, out)?;
     let model = &program.model;
-    for ((name, worst), claim) in program.report.conserved.iter().zip(&model.conserved) {
-        writeln!(out, "  {name} is conserved{}, worst {worst:.1e}", model.condition(&claim.when))?;
+    for (((name, worst), events), claim) in conserved(&program.report).zip(&model.conserved) {
+        let condition = model.condition(&claim.when);
+        if events.is_empty() {
+            writeln!(out, "  {name} is conserved{condition}, worst {worst:.1e}")?;
+        } else {
+            let by: Vec<String> = events.iter().map(|event| format!("`{event}`")).collect();
+            let by = by.join(", ");
+            writeln!(
+                out,
+                "  {name} is conserved between impacts{condition}, worst {worst:.1e}; changed by impact {by}"
+            )?;
+        }
     }
     for ((name, worst), claim) in program.report.checks.iter().zip(&model.checks) {
         writeln!(out, "  check {name} holds{}, worst {worst:.1e}", model.condition(&claim.when))?;
@@ -76,6 +86,11 @@ fn one(models: &[Entry], name: &str, options: &ArgMatches, out: &mut dyn Write) 
         return Ok(());
     }
     symmetries::of_scenes(&Loaded::named(models, name, sizes(options)?)?, &program, out)
+}
+
+/// What is conserved, how well it held, and the events whose impacts change it.
+fn conserved(report: &Report) -> impl Iterator<Item = (&(String, f64), &Vec<String>)> {
+    report.conserved.iter().zip(&report.changed_by)
 }
 
 /// The report as one object; of a file with mistakes these, each with its place, before the command fails.
@@ -102,6 +117,10 @@ fn as_json(models: &[Entry], name: &str, options: &ArgMatches, out: &mut dyn Wri
     let claims = |list: &[(String, f64)]| -> Value {
         list.iter().map(|(name, worst)| object([("name", name.clone().into()), ("worst", number(*worst))])).collect()
     };
+    let conserved = conserved(report).map(|((name, worst), events)| {
+        let (name, worst) = (name.clone().into(), number(*worst));
+        object([("name", name), ("worst", worst), ("changed_by_impact", words(events))])
+    });
     let forces: Vec<String> = report.forces.iter().map(nature).collect();
     let object = object([
         ("name", text.name.into()),
@@ -112,7 +131,7 @@ fn as_json(models: &[Entry], name: &str, options: &ArgMatches, out: &mut dyn Wri
         ("unreached", words(&report.unreached)),
         ("confirmed_by_nothing", words(&report.alone)),
         ("without_units", words(&names_without_units(&program))),
-        ("conserved", claims(&report.conserved)),
+        ("conserved", conserved.collect()),
         ("checks", claims(&report.checks)),
         ("forces", words(&forces)),
         ("problems", mistakes(&text.source, &model.warnings)),

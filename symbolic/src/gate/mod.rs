@@ -6,9 +6,10 @@
 //! 4. Systems of momentum balances hold, and determine the motion: look in `balances`; what would mend one that does
 //!    not is found in `causes`.
 //!    Their reactions are compared with force and moment on bodies: `results`.
-//!    So do they integrated over the instant of an impact: `impulses`.
+//!    So do they integrated over the instant of an impact: `impulses`.  What impacts change is found in `impacts`.
 //! 5. Forces are tested for potentials (`potential`) and for being counted twice (`twice`); what each entry does is in
 //!    `effects`.
+//!    Forces made of reactions must not drive: `friction`.  Inputs are arbitrary for this: `inputs`.
 //! 6. Constraints are classified, and freedoms counted (`freedoms`, `closure`); rows that follow from others are named
 //!    (`dependent`).
 //! 7. What the file says is conserved or holds, does (`claims`); who changes what should be conserved is found in
@@ -33,7 +34,10 @@ mod directions;
 mod draw;
 mod effects;
 mod freedoms;
+mod friction;
+mod impacts;
 mod impulses;
+mod inputs;
 mod lines;
 mod motion;
 mod named;
@@ -56,7 +60,7 @@ mod turns;
 mod twice;
 mod unseen;
 
-use crate::derive::{Derivation, Equations, derive};
+use crate::derive::{Derivation, Equations, Rows, derive};
 use crate::diagnose::catalogue::{mechanics, verdicts};
 use crate::diagnose::{Place, Problem};
 use crate::expr::Id;
@@ -71,6 +75,7 @@ pub use freedoms::{Freedoms, Integrability};
 pub use potential::{Conservative, Nature};
 pub use report::{Agreement, Report};
 pub use state::{Origin, State};
+use states::States;
 pub use unseen::shared_data;
 
 /// What is off by no more roundings of a double-double than this agrees: twenty digits.
@@ -133,10 +138,11 @@ impl Gate {
         let report = report.map_err(beside)?;
         // Constraints act on coordinates that energies and forces do not contain.
         let constrained = !derivation.rows.is_empty();
-        let Derivation { model, momenta, .. } = &mut derivation;
-        let cyclic = if constrained { Vec::new() } else { cyclic::cyclic(model, &report.states, momenta) };
+        let Derivation { model, momenta, rows, .. } = &mut derivation;
+        let states = inputs::arbitrary(model, rows, &report.states);
+        let cyclic = if constrained { Vec::new() } else { cyclic::cyclic(model, &states, momenta) };
         let directions =
-            if constrained { Vec::new() } else { directions::directions(model, &report.states, momenta, &cyclic) };
+            if constrained { Vec::new() } else { directions::directions(model, &states, momenta, &cyclic) };
         Ok(Judged { derivation, cyclic, directions, report })
     }
 
@@ -144,7 +150,7 @@ impl Gate {
     fn report(self, derivation: &mut Derivation) -> Result<Report, Vec<Problem>> {
         let Derivation { model, equations, rows, momentum, switches, .. } = derivation;
         // A coordinate without inertia may follow from constraints.
-        let problems = if rows.is_empty() { massless(model, equations) } else { Vec::new() };
+        let problems = if rows.is_empty() { massless(model, equations) } else { weightless(model, equations) };
         if !problems.is_empty() {
             return Err(problems);
         }
@@ -188,7 +194,8 @@ impl Gate {
             }
         }
         problems.extend(unclear);
-        problems.extend(self.forces(model, &motion, &states, &mut report));
+        problems.extend(self.forces((model, rows), &motion, &states, &mut report));
+        problems.extend(impacts::elsewhere(model, rows, &motion, &states));
         let rates = claims::invariant_rates(model);
         let model = &*model;
         let states_when = |when: &[(usize, f64)]| match when {
@@ -198,7 +205,10 @@ impl Gate {
         for (invariant, rates) in model.conserved.iter().zip(&rates) {
             let states = states_when(&invariant.when)?;
             match claims::conserved(model, &equations[0], &report.forces, (invariant, rates), &states, self) {
-                Ok(worst) => report.conserved.push((invariant.name.clone(), worst)),
+                Ok(worst) => {
+                    report.conserved.push((invariant.name.clone(), worst));
+                    report.changed_by.push(impacts::that_change(model, rows, &motion, invariant, &states.all));
+                }
                 Err(problem) => problems.push(*problem),
             }
         }
@@ -216,9 +226,9 @@ impl Gate {
     /// Which forces have potentials, and what is counted twice.
     fn forces(
         self,
-        model: &mut Model,
+        (model, rows): (&mut Model, &Rows),
         motion: &motion::Motion,
-        states: &states::States,
+        states: &States,
         report: &mut Report,
     ) -> Vec<Problem> {
         let force = |load: &Load| load.work == Work::Pushes;
@@ -231,7 +241,9 @@ impl Gate {
             return Vec::new();
         }
         let (mut graph, effects) = effects::effects(model);
-        report.forces = potential::natures(&mut graph, model, motion, &effects, states);
+        let free = States { all: inputs::arbitrary(model, rows, &states.all), ..states.clone() };
+        report.forces = potential::natures(&mut graph, model, motion, &effects, &free);
+        model.warnings.extend(friction::drives(model, &states.all));
         let (errors, warnings) = twice::counted_twice(&mut graph, model, &effects, &states.all);
         model.warnings.extend(warnings);
         errors
@@ -332,6 +344,12 @@ fn listed(names: &[String]) -> String {
         Some((last, _)) => last.clone(),
         None => String::new(),
     }
+}
+
+/// A file with constraints in which nothing has mass: their forces would hold nothing.
+fn weightless(model: &Model, equations: &[Equations]) -> Vec<Problem> {
+    let first = model.coordinates.first().filter(|_| equations[0].mass.is_empty());
+    first.map(|coordinate| mechanics::nothing_has_mass(coordinate.place.clone())).into_iter().collect()
 }
 
 /// Coordinates without an entry on M's diagonal.

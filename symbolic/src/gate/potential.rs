@@ -171,19 +171,22 @@ fn nature(graph: &mut Graph, model: &Model, motion: &Motion, force: &[Id], state
         if differs(&here[3]) && turning.is_none() {
             turning = Some(state);
         }
+        let at_another_time = |s: &mut State, t: DoubleDouble| {
+            s.t = t;
+            motion.signals(s);
+        };
         // What switches with speed or time has no derivative that tells: the values at another speed and time do.
         let other = &states[(k + 1) % states.len()];
         let changed = |with: &dyn Fn(&mut State)| {
             let mut moved = state.clone();
             with(&mut moved);
-            motion.signals(&mut moved);
             let there = at(&moved)[0];
             let gap = (there.value - here[0].value).abs().to_f64();
             gap.is_finite() && gap > 1e-20 * (there.magnitude + here[0].magnitude)
         };
         velocity =
             velocity || changed(&|s| s.v.clone_from(&other.v)) || changed(&|s| s.v.iter_mut().for_each(|v| *v = -*v));
-        time = time || changed(&|s| s.t = other.t);
+        time = time || changed(&|s| at_another_time(s, other.t));
     }
     match turning {
         _ if !acts => Nature::Idle,

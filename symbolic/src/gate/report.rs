@@ -22,6 +22,8 @@ pub struct Report {
     pub agreements: Vec<Agreement>,
     /// Conserved quantities: name, largest relative rate.
     pub conserved: Vec<(String, f64)>,
+    /// For each of these the events whose impacts change it.
+    pub changed_by: Vec<Vec<String>>,
     /// Identities: name, largest relative difference.
     pub checks: Vec<(String, f64)>,
     /// Which forces have potentials.

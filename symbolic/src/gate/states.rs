@@ -38,6 +38,8 @@ const FEWEST: usize = 4;
 const FROM_MOTION: usize = 5;
 /// So many jumps of the speeds of each scene are judged.
 const BLOWS: usize = 4;
+/// So many impacts of each scene are looked at.
+const HITS: usize = 16;
 /// So many steps of each are searched for discontinuities.
 const STEPS: usize = 1000;
 /// So many scenes are run.
@@ -61,6 +63,8 @@ pub(super) struct States {
     pub followed: Vec<(String, f64, f64)>,
     /// Jumps of the speeds on the way.
     pub blows: Vec<Struck>,
+    /// Events with impacts on the way, by their places in the file, and where they happen.
+    pub hits: Vec<(usize, State)>,
 }
 
 /// Finds states where some parameters are fixed; `own` are positions with the first scene's.
@@ -104,6 +108,11 @@ pub(super) fn states(
         paths.extend(stretches(motion, run));
         found.followed.push((scene.name.clone(), run.reached(), run.until));
         found.blows.extend(run.blows.iter().take(BLOWS).filter_map(|blow| struck(motion, run, blow)));
+        found.hits.extend(run.hits.iter().take(HITS).map(|(event, step)| {
+            let mut state = on_the_way(run, step);
+            motion.prepare(&mut state);
+            (*event, state)
+        }));
         let share = (room / 4 / trajectories.len()).clamp(1, FROM_MOTION);
         for (phase, bases) in bases.iter_mut().enumerate() {
             for step in run.spread(phase, share) {

@@ -43,6 +43,8 @@ pub(super) struct Trajectory {
     pub states: Vec<Passed>,
     /// Jumps of the speeds on the way.
     pub blows: Vec<Blow>,
+    /// Events with impacts, by their places in the file, and where they happened.
+    pub hits: Vec<(usize, Passed)>,
     /// How long it should have gone.
     pub until: f64,
 }
@@ -75,8 +77,9 @@ impl Trajectory {
         } else {
             runner.explicit(budget);
         }
-        let (parameters, blows) = (runner.rough.at.parameters, runner.watched.blows);
-        Trajectory { parameters, states: runner.states, blows, until }
+        let Watched { blows, hits, .. } = runner.watched;
+        let parameters = runner.rough.at.parameters;
+        Trajectory { parameters, states: runner.states, blows, hits, until }
     }
 
     /// When it ends.

@@ -3,6 +3,7 @@
 //! Located roughly, on the cubic through a step; a stop is none, so that a scene's run goes on to its end.
 
 use super::motion::{Motion, Rough};
+use super::trajectory::Passed;
 use crate::expr::{Id, Tape};
 use crate::model::{EventAction, Model};
 
@@ -23,6 +24,8 @@ pub(super) struct Turns {
 }
 
 struct Turn {
+    /// Its place among all events of the file.
+    place: usize,
     direction: i8,
     phases: Option<Vec<usize>>,
     when: usize,
@@ -57,6 +60,8 @@ pub(super) struct Watched {
     impacts: Vec<(usize, f64, f64)>,
     /// Jumps of the speeds so far.
     pub blows: Vec<Blow>,
+    /// Events with impacts so far, by their places in the file, and where they happened.
+    pub hits: Vec<(usize, Passed)>,
 }
 
 impl Turns {
@@ -67,7 +72,7 @@ impl Turns {
             roots.len() - 1
         };
         let mut events = Vec::new();
-        for event in &model.events {
+        for (place, event) in model.events.iter().enumerate() {
             let act = |action: &EventAction| match *action {
                 EventAction::Stop | EventAction::Record => None,
                 EventAction::Phase(phase) => Some(Act::Phase(phase)),
@@ -81,6 +86,7 @@ impl Turns {
             if !actions.is_empty() {
                 let (when, condition) = (root(event.when), event.condition.map(&mut root));
                 events.push(Turn {
+                    place,
                     direction: event.direction,
                     phases: event.phases.clone(),
                     when,
@@ -139,6 +145,11 @@ impl Turns {
 
     fn perform(&self, motion: &Motion, rough: &mut Rough, k: usize, watched: &mut Watched) -> bool {
         let all = self.tape.evaluate(|s| rough.value(s));
+        if self.events[k].actions.iter().any(|action| matches!(action, Act::Impact { .. })) {
+            let at = &rough.at;
+            let here = Passed { t: at.t, q: at.q.clone(), v: at.v.clone(), phase: at.phase };
+            watched.hits.push((self.events[k].place, here));
+        }
         for action in &self.events[k].actions {
             let (kick, seen) = match action {
                 Act::Phase(phase) => {

@@ -415,6 +415,8 @@ pub struct Event {
     pub phases: Option<Vec<usize>>,
     /// What happens, in order.
     pub actions: Vec<EventAction>,
+    /// Where it stands.
+    pub place: Place,
 }
 
 /// What an event does.

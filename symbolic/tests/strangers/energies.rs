@@ -6,7 +6,7 @@ use dalembert_symbolic::model::load;
 use super::{accepted, refused};
 
 /// The codes of what is doubtful in a file that is accepted.
-fn warned(text: &str) -> Vec<&'static str> {
+pub fn warned(text: &str) -> Vec<&'static str> {
     let judged = load(text, &[]).and_then(judged).unwrap();
     judged.derivation.model.warnings.iter().map(|warning| warning.code).collect()
 }

@@ -3,6 +3,9 @@
 mod carried;
 mod energies;
 mod files;
+mod friction;
+mod impacts;
+mod inputs;
 mod loops;
 mod reactions;
 mod slow;

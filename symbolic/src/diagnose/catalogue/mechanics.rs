@@ -94,4 +94,10 @@ super::entries! {
     W432 idle_constraint(name) "a constraint that never acts"
         "the constraint `{name}` acts in no phase and in no impact" "has no effect" "list it in `phases`"
         "With `phases` a constraint acts in those that list it.";
+    E433 nothing_has_mass() "a file with constraints in which nothing has mass"
+        "no coordinate of this file moves a mass" "" "give what moves a mass, with a body or by `kinetic_energy`; where constraints alone determine the motion every mass gives the same one"
+        "The forces of constraints follow from what they accelerate; where that is nothing the equations are singular at every state.";
+    W434 driving_friction(name, power, state) "friction that drives"
+        "{name} acts along the sliding, not against it: its power is {power}" "made of a reaction, and drives" "at {state}; `reaction(c)` is positive where it pushes towards growing c, so that of a floor written `-y` is negative: write the constraint as `y`, or change the sign of the force; where the reaction has either sign make a phase for each"
+        "Friction is made of the reaction of a constraint and opposes the sliding. What is warned of pushes along it somewhere on the motion of a scene, or at all states at which it acts.";
 }

@@ -55,4 +55,7 @@ super::entries! {
     E518 reaction_against_bodies(name, here, label, there, state) "a reaction that is not what its body's balance makes it"
         "`{name}` is {here} by {label}, and {there} by force and moment on the bodies" "accelerations do not depend on it" "at {state}; correct the equation, or take a balance of the body on which `{name}` acts for it, such as `force: {{of: ..., along: ...}}`; if another reaction acts in the same direction, name it too"
         "Where only one written-out equation says what a reaction is, the motion does not tell whether it is right. Where the named reactions can be all that holds the bodies, force and moment on these tell, with the accelerations of Lagrange's equations.";
+    E519 impact_elsewhere(event, constraint, value, state) "an impact along a constraint that is not touched"
+        "the impact of `{event}` acts along `{constraint}`, which is {value} where the event happens" "the constraint must be 0 there" "at {state}; let `when` be what `{constraint}` says is 0, or name in `along` the constraint that is 0 there"
+        "An impact is an impulse of what a constraint stands for, a floor or a wall: it acts where that is touched, where the constraint is zero.";
 }

@@ -43,7 +43,8 @@ impl Resolver<'_> {
                 let condition = condition.as_ref().and_then(|text| self.scalar(text, rules, &member.locals));
                 let (Some(when), Some(phases)) = (when, phases) else { continue };
                 let actions = actions.unwrap_or_default();
-                self.model.events.push(Event { name, when, condition, direction, phases, actions });
+                let place = spot.place.clone();
+                self.model.events.push(Event { name, when, condition, direction, phases, actions, place });
             }
         }
     }
