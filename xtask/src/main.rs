@@ -1,0 +1,29 @@
+//! Work on the project itself: `cargo xtask golden`.
+
+mod golden;
+
+use std::process::ExitCode;
+
+const USAGE: &str = "\
+cargo xtask golden --record   write down what the program prints of every model and error
+cargo xtask golden            compare with what was written down, and tell what differs";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let outcome = match arguments.as_slice() {
+        ["golden", "--record"] => golden::record(),
+        ["golden"] => golden::compare(),
+        _ => Err(USAGE.to_owned()),
+    };
+    match outcome {
+        Ok(text) => {
+            println!("{text}");
+            ExitCode::SUCCESS
+        }
+        Err(text) => {
+            eprintln!("{text}");
+            ExitCode::FAILURE
+        }
+    }
+}
