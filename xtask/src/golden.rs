@@ -135,9 +135,9 @@ fn answer(path: &Path, command: &str, options: &[&str]) -> (String, String) {
     let printed = String::from_utf8_lossy(&out).into_owned();
     let text = match outcome {
         Ok(()) => timeless(&printed),
-        Err(error) => format!("{printed}{error}\n").replace(&*file, &stem),
+        Err(error) => format!("{printed}{error}\n"),
     };
-    (format!("{stem}-{command}{}.txt", options.concat()), text)
+    (format!("{stem}-{command}{}.txt", options.concat()), text.replace(&*file, &stem))
 }
 
 /// JSON a value a line without times; other text as it is.
