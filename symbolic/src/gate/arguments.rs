@@ -115,7 +115,8 @@ pub(super) fn tables(model: &Model) -> Vec<Points> {
     found.into_iter().take(ARGUMENTS).map(points).collect()
 }
 
-fn argument(graph: &Graph, model: &Model, value: Id, switches: bool) -> Argument {
+/// One argument.
+pub(super) fn argument(graph: &Graph, model: &Model, value: Id, switches: bool) -> Argument {
     let symbols = graph.symbols([value]);
     let of_motion = symbols.iter().any(|s| matches!(s, Symbol::Acceleration(_) | Symbol::Multiplier(_)));
     let own = |s: &Symbol| matches!(s, Symbol::Time | Symbol::Input(..) | Symbol::Coordinate(_) | Symbol::Speed(_));
@@ -136,7 +137,7 @@ fn is_local(function: Unary) -> bool {
 }
 
 /// All expressions that are judged.
-fn roots(model: &Model) -> Vec<Id> {
+pub(super) fn roots(model: &Model) -> Vec<Id> {
     let mut roots = vec![model.raw_potential_energy, model.raw_kinetic_energy, model.dissipation];
     roots.extend(model.inputs.iter().flat_map(|input| input.signal));
     roots.extend(model.bodies.iter().flat_map(|b| b.position.iter().copied().chain(b.rotation.map(|r| r.angle))));

@@ -52,6 +52,8 @@ pub(super) fn cells(
     for base in bases {
         let mut known: BTreeMap<Symbol, Vec<f64>> = BTreeMap::new();
         let mut queue = VecDeque::from([base.clone()]);
+        // What another base has seen may be on the way here to what it has not.
+        let mut passed = BTreeSet::new();
         while let Some(from) = queue.pop_front() {
             for symbol in &symbols {
                 let Some(line) = reach.lines(&[*symbol]).into_iter().next() else { continue };
@@ -68,11 +70,15 @@ pub(super) fn cells(
                 };
                 for z in between(&places, 0.1 * line.scale()) {
                     let state = moved(motion, &from, &line, DoubleDouble::from(z));
-                    if seen.insert(signs(motion, switches, &state)) {
+                    let sides = signs(motion, switches, &state);
+                    if !passed.insert(sides.clone()) {
+                        continue;
+                    }
+                    if seen.insert(sides) {
                         kept += 1;
                         found.states.push(state.clone());
-                        queue.push_back(state);
                     }
+                    queue.push_back(state);
                 }
                 if alone.contains(symbol) {
                     known.insert(*symbol, places);

@@ -40,6 +40,8 @@ pub(super) struct Reach<'a> {
     pub until: f64,
     /// Of a coordinate, or of its speed.
     pub of: &'a dyn Fn(usize, bool) -> f64,
+    /// Whether the file vouches for a state (`sample`).
+    pub inside: &'a dyn Fn(&State) -> bool,
 }
 
 impl Reach<'_> {

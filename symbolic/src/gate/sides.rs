@@ -3,7 +3,8 @@
 //! `step`, `sign`, `abs`, `min` and `max` change at the zero of an argument; `exp`, `tanh`, `atan` and their like, roots
 //! and powers say something only where theirs is of order one, which may be a narrow band that no random state meets.
 //! Arguments are followed along lines (time, one coordinate, one speed, the way between two states, a whole motion) and
-//! solved for; where several meet is found in `passage`, `cells` and `pairs`, and between the points of tables in `points`.
+//! solved for; where several meet is found in `passage`, `cells`, `pairs` and
+//! `products`, and between the points of tables in `points`; what rests there is moved in `speeds`.
 
 use std::collections::BTreeSet;
 
@@ -14,7 +15,9 @@ use super::motion::Motion;
 use super::pairs::pairs;
 use super::passage::{passages, signs};
 use super::points::points;
+use super::products::products;
 use super::search::{bisect, extrema, least, local_targets, polished};
+use super::speeds::move_all;
 use super::state::State;
 use crate::model::Model;
 use crate::number::DoubleDouble;
@@ -98,6 +101,8 @@ pub(super) fn sides(
     let tables = tables(model);
     points(motion, &tables, (bases, paths), reach, &mut found);
     pairs(motion, (&arguments, &tables), reach, &mut found);
+    products(model, motion, bases, reach, &mut found);
+    move_all(motion, &arguments, reach, &mut found);
     if more > 0 {
         found.unreached.push(format!("{more} more arguments of functions were not looked at"));
     }

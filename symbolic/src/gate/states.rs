@@ -127,7 +127,8 @@ pub(super) fn states(
         let until = trajectories.iter().map(|run| run.until).fold(0.0, f64::max);
         let until = if until > 0.0 { until } else { 10.0 };
         let of = |i: usize, speed: bool| draws.reach(i, speed);
-        let reach = Reach { until, of: &of };
+        let inside = |state: &State| draws.inside(state);
+        let reach = Reach { until, of: &of, inside: &inside };
         // What acts in one phase may be claimed of another: each is searched for itself.
         for (phase, bases) in bases.iter().enumerate().take(SEARCHED) {
             let paths: Vec<&[State]> = paths.iter().filter(|p| p[0].phase == phase).map(Vec::as_slice).collect();
