@@ -7,7 +7,8 @@
 //! 5. Momentum balances as linear equations for accelerations and reactions: look in `momentum`.
 //!
 //! 6. Constraints, differentiated as often as accelerations need: look in `constraints`; integrals of those that contain
-//!    speeds, where they can be written down: look in `integrals`, of combinations of them in `combined`.
+//!    speeds, where they can be written down: look in `integrals`, of combinations of them in `combined`.  Forces on bodies
+//!    of mass 0 balance, which is a constraint too: look in `massless`.
 //!
 //! Every derivation gives the same [`Equations`]; `gate` compares them, `lower` picks the cheapest.
 
@@ -16,6 +17,7 @@ mod combined;
 mod constraints;
 mod integrals;
 pub(crate) mod lagrange;
+mod massless;
 pub(crate) mod momentum;
 mod reactions;
 mod switches;
@@ -116,6 +118,7 @@ pub fn derive(mut model: Model) -> Result<Derivation, Vec<Problem>> {
     if model.graph.overflowed() {
         return Err(vec![too_large()]);
     }
+    massless::balance(&mut model, &equations[0]);
     let rows = Rows::of(&mut model);
     let momentum = momentum::systems(&mut model, &rows, &switches);
     if model.graph.overflowed() {

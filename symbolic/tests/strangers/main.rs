@@ -2,11 +2,13 @@
 
 mod carried;
 mod energies;
+mod features;
 mod files;
 mod friction;
 mod impacts;
 mod inputs;
 mod loops;
+mod massless;
 mod reactions;
 mod slow;
 

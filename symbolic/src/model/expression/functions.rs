@@ -23,7 +23,7 @@ impl Lower<'_> {
             let help = did_you_mean(name, FUNCTIONS.iter().map(|f| f.name).chain(tables));
             let help = match self.scope.names.contains_key(name) && help.is_empty() {
                 true => format!(
-                    "a product needs `*`: `{name}*(…)`; the value of `{name}` at another time than t, as after a delay, has no form"
+                    "a product needs `*`: `{name}*(…)`; delays have no way out: the value of `{name}` at another time than t cannot be written, since a run knows the present state only"
                 ),
                 false => help,
             };

@@ -28,7 +28,7 @@ pub fn gauss_legendre(n: usize) -> &'static [(DoubleDouble, DoubleDouble)] {
 }
 
 /// Points of the largest rule of Gauss, and steps to a unit of the densest rule of Takahasi and Mori.
-pub const LARGEST: usize = 192;
+pub const LARGEST: usize = 512;
 
 /// The k-th largest root, by Newton's method: a step doubles the digits.
 fn root_of_legendre(n: usize, k: usize) -> DoubleDouble {

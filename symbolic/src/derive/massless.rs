@@ -1,0 +1,75 @@
+//! Coordinates of bodies of mass 0: the forces on them balance.
+//!
+//! Where nothing resists the acceleration of a coordinate z, its equation of motion is h_z(t, q, q') = 0, which contains no
+//! acceleration.  As a constraint it determines z: its multiplier λ is 0, since the row of z is h_z = λ ∂h_z/∂z and h_z
+//! vanishes, so that no other coordinate is pushed by it.
+
+use std::collections::BTreeSet;
+
+use super::Equations;
+use crate::expr::{Graph, Id, Symbol, jacobian};
+use crate::model::{Constraint, Model};
+
+/// Adds a constraint for each coordinate of bodies of mass 0; none where one of them cannot be determined so.
+pub(super) fn balance(model: &mut Model, equations: &Equations) {
+    let resisted: BTreeSet<usize> = equations.mass.iter().filter(|e| e.0 == e.1).map(|e| e.0).collect();
+    let massless: Vec<usize> = (0..model.coordinates.len()).filter(|i| !resisted.contains(i)).collect();
+    let of_constraints: Vec<Id> = model.constraints.iter().flat_map(|c| c.value.iter().copied()).collect();
+    let held = model.graph.symbols(of_constraints);
+    let of_points: Vec<Id> =
+        model.bodies.iter().filter(|body| body.mass == Id::ZERO).flat_map(|body| body.position.clone()).collect();
+    let points = model.graph.symbols(of_points);
+    let (mut kinds, mut names) = (Vec::new(), Vec::new());
+    for &i in &massless {
+        let place = Symbol::Coordinate(i as u32);
+        let constrained = held.contains(&place) || held.contains(&Symbol::Speed(i as u32));
+        let Some(holonomic) = determines(&mut model.graph, equations.bias[i], i) else { return };
+        if constrained || !points.contains(&place) {
+            return;
+        }
+        kinds.push(holonomic);
+        names.push(free_name(model, i));
+    }
+    for ((i, name), holonomic) in massless.into_iter().zip(names).zip(kinds) {
+        let first = model.constraints.iter().map(|constraint| constraint.value.len()).sum();
+        let place = model.coordinates[i].place.clone();
+        let value = vec![equations.bias[i]];
+        let constraint = Constraint { name, value, scalar: true, holonomic, first, unit: None, place };
+        let index = model.constraints.len();
+        model.constraints.push(constraint);
+        model.phases.iter_mut().for_each(|phase| phase.constraints.push(index));
+    }
+}
+
+/// Whether a force on a coordinate, set to 0, determines it, or its speed where it contains speeds (false): it must be smooth,
+/// affine in the speeds and contain no reactions.
+fn determines(graph: &mut Graph, force: Id, i: usize) -> Option<bool> {
+    let symbols = graph.symbols([force]);
+    let smooth = |s: &Symbol| {
+        matches!(
+            s,
+            Symbol::Time | Symbol::Parameter(_) | Symbol::Coordinate(_) | Symbol::Speed(_) | Symbol::Input(_, 0)
+        )
+    };
+    if !symbols.iter().all(smooth) {
+        return None;
+    }
+    if !symbols.iter().any(|s| matches!(s, Symbol::Speed(_))) {
+        return symbols.contains(&Symbol::Coordinate(i as u32)).then_some(true);
+    }
+    let column = |s: Symbol| if let Symbol::Speed(k) = s { Some(k as usize) } else { None };
+    let slopes: Vec<Id> = jacobian(graph, &[force], column).into_iter().flatten().map(|entry| entry.1).collect();
+    let affine = !graph.symbols(slopes).iter().any(|s| matches!(s, Symbol::Speed(_)));
+    (affine && symbols.contains(&Symbol::Speed(i as u32))).then_some(false)
+}
+
+/// `z_balance`, or with more underscores where that is the name of another constraint.
+fn free_name(model: &Model, i: usize) -> String {
+    let coordinate = &model.coordinates[i].name;
+    let (base, index) = coordinate.split_at(coordinate.find('[').unwrap_or(coordinate.len()));
+    let mut name = format!("{base}_balance{index}");
+    while model.constraints.iter().any(|constraint| constraint.name == name) {
+        name = format!("{base}_{}", &name[base.len()..]);
+    }
+    name
+}
