@@ -297,7 +297,8 @@ impl fmt::Display for Cause {
             ),
             Cause::Chattering { switch } => write!(
                 f,
-                "chattering: both sides of `{switch}` = 0 push back to it; describe what happens there as a phase"
+                "chattering: both sides of `{switch}` = 0 push back to it; describe what happens there as a phase with a \
+                 constraint that keeps it 0 and events that lead in and out, or write `tanh(({switch})/small)` for its sign"
             ),
             Cause::DirectionLost { coordinate } => write!(
                 f,

@@ -341,13 +341,8 @@ impl Certifier {
                 let rising = here.value > 0.0;
                 match (zero, (before.value > 0.0) != rising) {
                     (Some(x), true) => {
-                        let (around, samples) = (self.around(), &mut self.samples);
-                        let value = |x: f64| {
-                            *samples += 1;
-                            f(x).0
-                        };
-                        let nature = nature_of_zero(value, x, (before.x, before.value), (here.x, here.value), around);
-                        self.marks.push(Mark { x, deed: deed(nature, rising) });
+                        let mark = self.at_zero(f, x, (before, here));
+                        self.marks.push(mark);
                     }
                     (Some(x), false) => self.marks.push(Mark { x, deed: Deed::Touches }),
                     (None, false) => {}
@@ -359,6 +354,21 @@ impl Certifier {
             }
             (last, zero) = (Some(here), None);
         }
+    }
+
+    /// What lies at a zero between two points of opposite signs.  Where the function is flat the point may be zero to the rounding of
+    /// what is large only: then its own change of sign is the zero.
+    fn at_zero(&mut self, f: &mut impl FnMut(f64) -> (f64, f64), x: f64, (before, here): (Sample, Sample)) -> Mark {
+        if self.sample(f, x).value != 0.0 {
+            return self.between(f, before, here);
+        }
+        let (around, samples) = (self.around(), &mut self.samples);
+        let value = |x: f64| {
+            *samples += 1;
+            f(x).0
+        };
+        let nature = nature_of_zero(value, x, (before.x, before.value), (here.x, here.value), around);
+        Mark { x, deed: deed(nature, here.value > 0.0) }
     }
 
     fn around(&self) -> Around {

@@ -125,6 +125,20 @@ impl Digits {
         }
     }
 
+    /// An event may be earlier or later by so much, s.
+    pub(crate) fn blur_event(&mut self, index: usize, width: f64) {
+        if let Some(bound) = self.events.get_mut(index) {
+            *bound = bound.max(width);
+        }
+    }
+
+    /// The end may be, at which coordinates and speeds change at these rates.
+    pub(crate) fn blur_end(&mut self, run: &Run, width: f64, rates: &[f64]) {
+        self.end = self.end.max(width);
+        let first = self.rows.len() - run.column_names().len();
+        self.rows[first..].iter_mut().zip(rates).for_each(|(bound, rate)| *bound = bound.max(width * rate.abs()));
+    }
+
     /// Nothing is known from the start on.
     pub(crate) fn lose(&mut self, run: &Run) {
         self.rows.fill(f64::INFINITY);

@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::close_calls::close_calls;
+use super::flat::blur_flat_events;
 use super::{Settings, simulate_with};
 use crate::cause::Cause;
 use crate::constrain::Projection;
@@ -99,6 +100,7 @@ pub(crate) fn judge_digits(
         digits.raise(run, tolerance);
     }
     digits.detune(run, detuning(system, run));
+    blur_flat_events(system, run, &mut digits);
     if leaves_to_either_side(run) {
         digits.lose(run);
     }

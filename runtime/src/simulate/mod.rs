@@ -13,6 +13,7 @@ mod builder;
 mod by_hand;
 mod close_calls;
 mod companion;
+mod flat;
 mod settings;
 #[cfg(test)]
 mod tests;

@@ -235,6 +235,36 @@ scene: {start: {x: 0, x': 0.321384}, until: 1.7, tolerance: 1e-8}
     assert_eq!(first.run().events.len(), 0);
 }
 
+/// Zeros of the third to ninth order were found where rounding had its last sign: at 1.99814 with 17 digits.
+#[test]
+fn zeros_of_high_order_were_off_by_a_thousandth() {
+    let flat = |functions: &str| {
+        let mut flat = case(&format!(
+            "name: Flat
+coordinates: {{x: 1}}
+bodies: {{b: {{mass: 1, position: \"[x, 0]\"}}}}
+events: {{{functions}}}
+scene: {{start: {{x: 0, x': 1}}, until: 7.9, tolerance: 1e-10}}"
+        ));
+        flat.settings.digits = true;
+        flat.run()
+    };
+    for power in [1, 3, 5, 7, 9] {
+        for factor in ["1", "1e-20", "1e12"] {
+            let run = flat(&format!("e: {{when: {factor}*(x - 2)^{power}, then: record}}"));
+            let found: Vec<f64> = run.events.iter().map(|event| event.state.t).collect();
+            assert!(found.len() == 1 && (found[0] - 2.0).abs() < 1e-12, "{power} {factor}: {found:?}");
+        }
+    }
+    // Multiplied out it is rounding within some 1e-5 of its zero: no more digits are promised.
+    let run = flat("e: {when: x^3 - 6*x^2 + 12*x - 8, then: stop}");
+    let (t, bound) = (run.last().t, run.errors("x").unwrap()[run.len() - 1]);
+    assert!((t - 2.0).abs() <= bound && bound < 1e-3, "{t} {bound:e}");
+    // A simple zero keeps its digits.
+    let run = flat("e: {when: x - 2, then: stop}");
+    assert!(run.digits("x") >= Some(9), "{:?}", run.digits("x"));
+}
+
 /// A block that rocks from corner to corner and comes to rest.
 const ROCKING: &str = r#"
 name: RockingBlock

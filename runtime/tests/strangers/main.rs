@@ -10,6 +10,7 @@ mod extremes;
 mod pictures;
 mod printing;
 mod slow;
+mod warnings;
 
 use std::path::{Path, PathBuf};
 

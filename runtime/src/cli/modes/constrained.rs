@@ -19,7 +19,7 @@ use super::motion::Compared;
 use super::steady::Speeds;
 #[cfg(feature = "modal")]
 use super::tangent;
-use super::{bodies, failed, integrals, notes, pictures, report};
+use super::{bodies, failed, integrals, notes, pictures, report, varying};
 use crate::linear::{Guess, LinearError, linearise_constrained, short};
 #[cfg(feature = "modal")]
 use crate::linear::{linearise_driven, linearise_tangent};
@@ -99,7 +99,10 @@ pub fn run(
     let motion = Compared::new(loaded, options, scene, model, damping.as_ref())?;
     let more = driven.iter().flat_map(Driven::notes).chain(locus.iter().flat_map(Locus::notes));
     let untried = integrals::notes(system, &found.linear.equilibrium, locus.as_ref());
-    for note in untried.into_iter().chain(notes(&found.linear, &modes)).chain(more) {
+    let varying = varying::notes(system, &found.linear.equilibrium, system.scene(scene).until);
+    let told: Vec<String> =
+        untried.into_iter().chain(varying).chain(notes(&found.linear, &modes)).chain(more).collect();
+    for note in &told {
         eprintln!("warning: {note}");
     }
     pictures(loaded, options, &found.linear, &modes, out)?;
@@ -111,6 +114,7 @@ pub fn run(
         more.extend(motion.iter().map(Compared::as_json));
         more.extend(driven.iter().flat_map(Driven::as_json));
         more.extend(locus.map(|locus| locus.as_json()));
+        more.push(("warnings", json!(told)));
         json::write(&report::as_json(&loaded.name, &found.linear, &modes, more), out)?;
         return Ok(());
     }

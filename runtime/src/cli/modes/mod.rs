@@ -14,6 +14,7 @@ mod shaken;
 mod steady;
 #[cfg(feature = "modal")]
 mod tangent;
+mod varying;
 
 use std::io::Write;
 
@@ -32,6 +33,7 @@ use drive::Driven;
 use locus::Locus;
 use model::Model;
 use motion::Compared;
+use serde_json::json;
 use steady::Speeds;
 
 /// Options that draw.
@@ -75,7 +77,9 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     let motion = Compared::new(&loaded, options, scene, Model::Free(&linear), damping.as_ref())?;
     let more = driven.iter().flat_map(Driven::notes).chain(locus.iter().flat_map(Locus::notes));
     let untried = integrals::notes(system, &linear.equilibrium, locus.as_ref());
-    for note in untried.into_iter().chain(notes(&linear, &modes)).chain(more) {
+    let varying = varying::notes(system, &linear.equilibrium, system.scene(scene).until);
+    let told: Vec<String> = untried.into_iter().chain(varying).chain(notes(&linear, &modes)).chain(more).collect();
+    for note in &told {
         eprintln!("warning: {note}");
     }
     pictures(&loaded, options, &linear, &modes, out)?;
@@ -84,6 +88,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         more.extend(motion.iter().map(Compared::as_json));
         more.extend(driven.iter().flat_map(Driven::as_json));
         more.extend(locus.map(|locus| locus.as_json()));
+        more.push(("warnings", json!(told)));
         super::json::write(&report::as_json(&loaded.name, &linear, &modes, more), out)?;
         return Ok(());
     }
@@ -121,7 +126,8 @@ pub(super) fn at_rest(system: &dyn System, scene: usize) -> Result<(Vec<Mode>, V
         true => linearise(system, &equilibrium_near(system, &guess)?)?,
         false => linearise_constrained(system, &guess, false)?.linear,
     };
-    Ok((linear.modes()?, integrals::notes(system, &linear.equilibrium, None)))
+    let varying = varying::notes(system, &linear.equilibrium, system.scene(scene).until);
+    Ok((linear.modes()?, [integrals::notes(system, &linear.equilibrium, None), varying].concat()))
 }
 
 /// Puts the phase of `--phase` in force, or that in which the scene starts.

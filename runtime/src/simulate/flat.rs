@@ -1,0 +1,87 @@
+//! Events whose functions are flat about their zero: of high order, or a small difference of large terms.
+
+use crate::mechanism::{At, System};
+use crate::run::{Digits, Run};
+
+/// By so many roundings each number of the state is moved to see what the function's own rounding is.
+const ROUNDINGS: [f64; 4] = [-12.0, -4.0, 4.0, 12.0];
+/// A zero within so many roundings of its time is simple, and as exact as two runs say.
+const SIMPLE: f64 = 1e4;
+/// No more events are looked at, beside the one that ended the run: each costs some evaluations for each number of the state.
+const MOST_LOOKED_AT: usize = 10_000;
+
+/// Raises the bounds of the times of events by half of the stretch in which the function is below its own rounding; where such an event
+/// ends the run, those of the last state by what happens meanwhile.
+pub(super) fn blur_flat_events(system: &dyn System, run: &Run, digits: &mut Digits) {
+    let start = run.times.first().copied();
+    let looked_at = |index: usize| index < MOST_LOOKED_AT || run.ended_by == Some(index);
+    for (index, event) in run.events.iter().enumerate().filter(|(index, _)| looked_at(*index)) {
+        let t = event.state.t;
+        let width = if Some(t) == start { 0.0 } else { flat(system, run, event.event, t) };
+        if width > SIMPLE * f64::EPSILON * t.abs() {
+            digits.blur_event(index, width);
+            if run.ended_by == Some(index) {
+                digits.blur_end(run, width, &rates(system, run));
+            }
+        }
+    }
+}
+
+/// Half of the time in which an event's function is below its rounding about its zero at t, s.
+fn flat(system: &dyn System, run: &Run, event: usize, t: f64) -> f64 {
+    let Some(state) = run.at(t) else { return 0.0 };
+    let y = [state.q, state.v].concat();
+    let Some(here) = value(system, event, t, &y) else { return 0.0 };
+    let mut moved = y.clone();
+    let mut noise = 0.0_f64;
+    for i in 0..y.len() {
+        for by in ROUNDINGS {
+            moved[i] = y[i] * (1.0 + by * f64::EPSILON);
+            noise = noise.max(value(system, event, t, &moved).map_or(0.0, |there| (there - here).abs()));
+        }
+        moved[i] = y[i];
+    }
+    let silent =
+        |t: f64| motion(system, run, t).and_then(|y| value(system, event, t, &y)).is_some_and(|f| f.abs() <= noise);
+    let mut width = f64::EPSILON * t.abs().max(f64::MIN_POSITIVE);
+    while silent(t - 2.0 * width) || silent(t + 2.0 * width) {
+        width *= 2.0;
+    }
+    width
+}
+
+/// The state of the run at a time, beyond its end by a parabola; `None` before its start, and further beyond than it took.
+fn motion(system: &dyn System, run: &Run, t: f64) -> Option<Vec<f64>> {
+    let (first, last) = (*run.times.first()?, *run.times.last()?);
+    if t <= last {
+        let state = run.at(t)?;
+        return Some([state.q, state.v].concat());
+    }
+    let (n, h) = (system.len(), t - last);
+    let end = &run.rows[2 * n * (run.len() - 1)..][..2 * n];
+    let rates = rates(system, run);
+    let (v, a) = rates.split_at(n);
+    let moved = (0..2 * n).map(|i| if i < n { end[i] + h * (v[i] + 0.5 * h * a[i]) } else { end[i] + h * a[i - n] });
+    (h <= last - first).then(|| moved.collect())
+}
+
+/// An event's function at a state.
+fn value(system: &dyn System, event: usize, t: f64, y: &[f64]) -> Option<f64> {
+    let n = system.len();
+    let mut pairs = vec![f64::NAN; 2 * system.description().events.len()];
+    let (at, mut a) = (At::packed(t, y, n), vec![0.0; n]);
+    system.accelerations(at, &mut a).ok()?;
+    system.events(at.accelerated(&a), &mut pairs);
+    Some(pairs[2 * event]).filter(|value| value.is_finite())
+}
+
+/// Speeds and accelerations at the end of a run.
+fn rates(system: &dyn System, run: &Run) -> Vec<f64> {
+    let (n, row) = (system.len(), run.len().saturating_sub(1));
+    let end = &run.rows[2 * n * row..][..2 * n];
+    let mut a = vec![0.0; n];
+    if system.accelerations(At::packed(run.times[row], end, n), &mut a).is_err() {
+        a.fill(f64::INFINITY);
+    }
+    [&end[n..], &a].concat()
+}
