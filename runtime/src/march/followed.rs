@@ -41,8 +41,8 @@ mod tests {
     #[test]
     fn a_step_spans_as_many_as_it_is_stretched_by() {
         let followed = Followed::new(&[0.0, 1.0, 2.0, 4.0, 8.0], 1.5).unwrap();
-        // Half of the second step, three quarters of the third, and beyond the end steps as long as the last.
-        for (t, longest) in [(0.0, 1.5), (1.0, 2.0), (2.5, 3.0), (6.0, 6.0), (9.0, 6.0)] {
+        // From 2.5, the second and a quarter, to the third and three quarters, 7; beyond the end steps are as long as the last.
+        for (t, longest) in [(0.0, 1.5), (1.0, 2.0), (2.5, 4.5), (6.0, 6.0), (9.0, 6.0)] {
             assert!((followed.longest(t) - longest).abs() < 1e-12, "{t}: {}", followed.longest(t));
         }
         assert!(Followed::new(&[0.0, 1.0], 1.5).is_none());

@@ -13,8 +13,8 @@ fn warned(name: &str, text: &str, options: &[&str]) -> Vec<String> {
     let arguments = [&["modes", path.to_str().expect("a path"), "--json"], options].concat();
     let printed = program(&arguments).unwrap_or_else(|error| panic!("{error}"));
     let found: Value = serde_json::from_str(&printed).expect("JSON");
-    let list = found["warnings"].as_array().expect("warnings");
-    list.iter().map(|warning| warning.as_str().expect("text").to_owned()).collect()
+    let list = found["warnings"].as_array();
+    list.into_iter().flatten().map(|warning| warning.as_str().expect("text").to_owned()).collect()
 }
 
 /// A stiffness by an integral whose peak narrows with w.

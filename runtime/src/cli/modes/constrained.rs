@@ -114,7 +114,7 @@ pub fn run(
         more.extend(motion.iter().map(Compared::as_json));
         more.extend(driven.iter().flat_map(Driven::as_json));
         more.extend(locus.map(|locus| locus.as_json()));
-        more.push(("warnings", json!(told)));
+        more.extend((!told.is_empty()).then(|| ("warnings", json!(told))));
         json::write(&report::as_json(&loaded.name, &found.linear, &modes, more), out)?;
         return Ok(());
     }

@@ -88,7 +88,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         more.extend(motion.iter().map(Compared::as_json));
         more.extend(driven.iter().flat_map(Driven::as_json));
         more.extend(locus.map(|locus| locus.as_json()));
-        more.push(("warnings", json!(told)));
+        more.extend((!told.is_empty()).then(|| ("warnings", json!(told))));
         super::json::write(&report::as_json(&loaded.name, &linear, &modes, more), out)?;
         return Ok(());
     }
