@@ -9,6 +9,7 @@ mod events;
 mod extremes;
 mod pictures;
 mod printing;
+mod reactions;
 mod slow;
 mod warnings;
 

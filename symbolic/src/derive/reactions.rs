@@ -3,8 +3,11 @@
 use rustc_hash::FxHashMap as HashMap;
 
 use super::momentum::{in_phase, unknowns};
-use crate::expr::{Angles, Graph, Id, Node, Symbol, Unary, expand, jacobian};
+use crate::expr::{Angles, Binary, Graph, Id, Node, Symbol, Tape, Unary, expand, jacobian};
 use crate::model::{BalanceSystem, Model};
+
+/// What lengths count as where they vanish, beside their defaults: the square is still far above the smallest `f64`.
+const TINY: f64 = 1e-15;
 
 /// Puts reactions, by name, into what observes: outputs, events and checks.  Tells which components of outputs,
 /// by place, were a component of a reaction as it stands.
@@ -60,7 +63,7 @@ fn reactions(model: &mut Model) -> HashMap<Symbol, Named> {
         if !unknowns.iter().any(asked) {
             continue;
         }
-        let mut values = least_squares(&mut model.graph, &system, &unknowns);
+        let mut values = least_squares(model, &system, &unknowns);
         if let [phase] = system.phases.as_slice() {
             values = in_phase(&mut model.graph, model.phases.len(), *phase, &values);
         }
@@ -118,31 +121,41 @@ fn wanted(model: &Model) -> Vec<Symbol> {
     symbols.into_iter().filter(|s| matches!(s, Symbol::Reaction(_))).collect()
 }
 
-/// (RᵀR)⁻¹Rᵀ(−s) for residuals R r + s, with s at r = 0.
-fn least_squares(graph: &mut Graph, system: &BalanceSystem, unknowns: &[Symbol]) -> Vec<Id> {
-    let m = unknowns.len();
-    let mut residuals = Vec::new();
-    for balance in &system.balances {
-        for k in 0..balance.components {
-            let mut sum = Id::ZERO;
-            for part in &balance.parts {
-                sum = graph.add(sum, part.value[k]);
-            }
-            residuals.push(sum);
+/// (RᵀWR)⁻¹RᵀW(−s) for residuals R r + s, with s at r = 0.
+///
+/// W weighs the balances: a row of a moment holds lengths where one of a force holds numbers without a unit, and rows
+/// without weights make a normal matrix with the square of the lengths in its condition.  The solution is the same for all W, since the
+/// system agrees with the motion.
+fn least_squares(model: &mut Model, system: &BalanceSystem, unknowns: &[Symbol]) -> Vec<Id> {
+    let (m, defaults) = (unknowns.len(), typical(model));
+    let couple = |unknown: &Symbol| match unknown {
+        Symbol::Reaction(k) => {
+            model.reactions.iter().any(|r| r.couple && (r.first..r.first + r.components as u32).contains(k))
         }
-    }
-    let rows = jacobian(graph, &residuals, |s| unknowns.iter().position(|u| *u == s));
-    let zero = unknowns.iter().map(|u| (*u, Id::ZERO)).collect();
-    let rest = crate::expr::substitute(graph, &residuals, &zero);
+        _ => false,
+    };
+    let couples: Vec<bool> = unknowns.iter().map(couple).collect();
+    let graph = &mut model.graph;
     let mut normal = vec![vec![Id::ZERO; m + 1]; m];
-    for (row, s) in rows.iter().zip(&rest) {
-        for &(i, a) in row {
-            for &(j, b) in row {
-                let product = graph.mul(a, b);
-                normal[i][j] = graph.add(normal[i][j], product);
+    for balance in &system.balances {
+        let sum = |graph: &mut Graph, k: usize| {
+            balance.parts.iter().fold(Id::ZERO, |sum, part| graph.add(sum, part.value[k]))
+        };
+        let residuals: Vec<Id> = (0..balance.components).map(|k| sum(graph, k)).collect();
+        let rows = jacobian(graph, &residuals, |s| unknowns.iter().position(|u| *u == s));
+        let zero = unknowns.iter().map(|u| (*u, Id::ZERO)).collect();
+        let rest = crate::expr::substitute(graph, &residuals, &zero);
+        let weight = weight(graph, (&rows, &couples), &defaults);
+        for (row, s) in rows.iter().zip(&rest) {
+            for &(i, a) in row {
+                let weighted = graph.mul(weight, a);
+                for &(j, b) in row {
+                    let product = graph.mul(weighted, b);
+                    normal[i][j] = graph.add(normal[i][j], product);
+                }
+                let product = graph.mul(weighted, *s);
+                normal[i][m] = graph.sub(normal[i][m], product);
             }
-            let product = graph.mul(a, *s);
-            normal[i][m] = graph.sub(normal[i][m], product);
         }
     }
     // cos² + sin² of a direction becomes 1, so that most pivots are constants.
@@ -180,4 +193,82 @@ fn least_squares(graph: &mut Graph, system: &BalanceSystem, unknowns: &[Symbol])
         solution[k] = graph.div(value, normal[k][k]);
     }
     solution
+}
+
+/// The weight of a balance: 1 over the mean square of its entries, with arms and directions at their sizes.
+///
+/// The entries of moments stand aside where there are others, since they have no length in them.  What makes all entries 0 makes
+/// no weight infinite: lengths below `TINY` of their defaults count as that.
+fn weight(graph: &mut Graph, (rows, couples): (&[Vec<(usize, Id)>], &[bool]), defaults: &dyn Fn(Symbol) -> f64) -> Id {
+    let entries = |couple: bool| rows.iter().flatten().filter(move |(j, _)| couples[*j] == couple).map(|(_, a)| *a);
+    let forces: Vec<Id> = entries(false).collect();
+    let entries = if forces.is_empty() { entries(true).collect() } else { forces };
+    let squares = squared_sizes(graph, &entries, defaults);
+    let sum = squares.iter().fold(Id::ZERO, |sum, square| graph.add(sum, *square));
+    let at_defaults = Tape::new(graph, &[sum]).evaluate(defaults)[0];
+    if !(at_defaults > 0.0 && at_defaults.is_finite()) {
+        return Id::ONE;
+    }
+    let floor = match graph.number(sum) {
+        Some(_) => Id::ZERO,
+        None => graph.float(TINY * TINY * at_defaults),
+    };
+    let (count, sum) = (graph.integer(entries.len() as i64), graph.add(sum, floor));
+    graph.div(count, sum)
+}
+
+/// Squares of sizes, expressions of parameters: of a sum the sum of the squares, of a sine or cosine 1, of a coordinate or a speed the
+/// square of its value at the start.
+fn squared_sizes(graph: &mut Graph, roots: &[Id], starts: &dyn Fn(Symbol) -> f64) -> Vec<Id> {
+    let mut sizes: HashMap<Id, Id> = HashMap::default();
+    for id in graph.needed(roots.iter().copied()) {
+        let size = match graph.node(id) {
+            Node::Number(_) | Node::Symbol(Symbol::Parameter(_)) => graph.mul(id, id),
+            Node::Symbol(symbol) => {
+                let start = starts(symbol);
+                graph.float(start * start)
+            }
+            Node::Unary(Unary::Neg | Unary::Abs, x) => sizes[&x],
+            Node::Unary(Unary::Sqrt, x) => graph.unary(Unary::Sqrt, sizes[&x]),
+            Node::Unary(..) | Node::Binary(Binary::Atan2, ..) => Id::ONE,
+            Node::Binary(Binary::Mul, x, y) => graph.mul(sizes[&x], sizes[&y]),
+            Node::Binary(Binary::Div, x, y) => graph.div(sizes[&x], sizes[&y]),
+            Node::Binary(Binary::Pow, x, y) => graph.binary(Binary::Pow, sizes[&x], y),
+            Node::Binary(Binary::Add | Binary::Sub | Binary::Min | Binary::Max, x, y) => {
+                graph.add(sizes[&x], sizes[&y])
+            }
+        };
+        sizes.insert(id, size);
+    }
+    roots.iter().map(|root| sizes[root]).collect()
+}
+
+/// Defaults of parameters, and coordinates and speeds at the first scene's start; one that starts at 0 has the size of the largest
+/// parameter of its unit, or 1.
+fn typical(model: &Model) -> impl Fn(Symbol) -> f64 + use<> {
+    let parameters: Vec<f64> = model.parameters.iter().map(|p| p.default).collect();
+    let value = |s: Symbol| match s {
+        Symbol::Parameter(i) => parameters[i as usize],
+        _ => 0.0,
+    };
+    let nonzero = |x: f64| x != 0.0 && x.is_finite();
+    let start = |list: &[Id]| -> Vec<f64> {
+        let size = |(i, x): (usize, f64)| {
+            let unit = &model.coordinates[i].unit;
+            let alike =
+                model.parameters.iter().filter(|p| p.unit.is_some() && p.unit == *unit).map(|p| p.default.abs());
+            Some(x).into_iter().chain([alike.fold(0.0, f64::max)]).find(|x| nonzero(*x)).unwrap_or(1.0)
+        };
+        Tape::new(&model.graph, list).evaluate(value).into_iter().enumerate().map(size).collect()
+    };
+    let (q, v) = model.scenes.first().map_or_else(Default::default, |scene| (start(&scene.q), start(&scene.v)));
+    move |symbol| {
+        let (list, i) = match symbol {
+            Symbol::Parameter(i) => (&parameters, i),
+            Symbol::Coordinate(i) => (&q, i),
+            Symbol::Speed(i) => (&v, i),
+            _ => return 1.0,
+        };
+        list.get(i as usize).copied().unwrap_or(1.0)
+    }
 }

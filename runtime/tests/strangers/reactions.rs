@@ -1,0 +1,49 @@
+//! Named reactions have all digits at every scale.
+
+use super::{program, text_of};
+
+/// The outputs at the end of a run.
+fn outputs(arguments: &[&str]) -> serde_json::Value {
+    let text = program(&[&["simulate"], arguments, &["--json"]].concat()).unwrap_or_else(|error| panic!("{error}"));
+    serde_json::from_str::<serde_json::Value>(&text).expect("JSON")["outputs"].take()
+}
+
+/// What two outputs differ by, in parts of the larger one.
+fn difference(outputs: &serde_json::Value, names: [&str; 2]) -> f64 {
+    let numbers = |value: &serde_json::Value| match value.as_array() {
+        Some(components) => components.iter().filter_map(serde_json::Value::as_f64).collect(),
+        None => vec![value.as_f64().expect("a number")],
+    };
+    let [x, y]: [Vec<f64>; 2] = names.map(|name| numbers(&outputs[name]));
+    assert_eq!(x.len(), y.len());
+    let size = x.iter().chain(&y).fold(0.0, |size: f64, x| size.max(x.abs()));
+    x.iter().zip(&y).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max) / size
+}
+
+#[test]
+fn a_pins_force_is_its_constraints_multiplier_whatever_the_lengths() {
+    let path = format!("{}/../models/four_bar.yaml", env!("CARGO_MANIFEST_DIR"));
+    for scale in [1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6_f64] {
+        // The same motion, with times as the root of the lengths.
+        let set = |name: &str, factor: f64| format!("{name}={}", factor * scale);
+        let lengths = [set("ground_length", 4.0), set("crank", 1.0), set("coupler", 4.0), set("rocker", 3.0)];
+        let (speed, until) = (format!("crank_angle'={}", 2.0 / scale.sqrt()), scale.sqrt().to_string());
+        let mut arguments = vec![path.as_str(), "--until", &until, "--start", &speed];
+        arguments.extend(lengths.iter().flat_map(|length| ["--set", length]));
+        let found = difference(&outputs(&arguments), ["pin", "at_C"]);
+        assert!(found < 1e-13, "{scale}: {found}");
+    }
+}
+
+#[test]
+fn a_fixed_end_holds_force_and_moment_whatever_the_lengths() {
+    // A bar on a slide, clamped to a frame that turns: F = m a, M = F × arm, of a file in its own lengths.
+    let text = text_of("clamped_bar");
+    for scale in ["1e-6", "1e-3", "1e3", "1e6"] {
+        let file = super::folder("clamped").join(format!("clamped_{scale}.yaml"));
+        std::fs::write(&file, text.replace("1e0", scale)).expect("written");
+        let outputs = outputs(&[file.to_str().expect("a path")]);
+        assert!(difference(&outputs, ["holding", "force"]) < 1e-13, "{scale}: {outputs}");
+        assert!(difference(&outputs, ["clamp", "moment"]) < 1e-13, "{scale}: {outputs}");
+    }
+}
