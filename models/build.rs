@@ -28,11 +28,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         )?;
         writeln!(
             entries,
-            "    Entry {{ name: {stem:?}, source: include_str!({path}), path: {path}, system: || ::std::boxed::Box::new(Erased::new(<self::{module}::{name} as ::std::default::Default>::default())) }},"
+            "    Entry {{ name: {stem:?}, source: include_str!({path}), path: {path}, system: || ::std::boxed::Box::new(Dynamic::new(<self::{module}::{name} as ::std::default::Default>::default())) }},"
         )?;
     }
     let text = format!(
-        "{modules}\n/// Every model, by file name.\npub static MODELS: &[::dalembert::cli::Entry] = {{\n    use ::dalembert::cli::Entry;\n    use ::dalembert::mechanism::Erased;\n    &[\n{entries}]\n}};\n"
+        "{modules}\n/// Every model, by file name.\npub static MODELS: &[::dalembert::cli::Entry] = {{\n    use ::dalembert::cli::Entry;\n    use ::dalembert::mechanism::Dynamic;\n    &[\n{entries}]\n}};\n"
     );
     std::fs::write(Path::new(&std::env::var("OUT_DIR")?).join("models.rs"), text)?;
     Ok(())

@@ -94,7 +94,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             out,
             "mod {name} {{\n    dalembert::model!(yaml = {text:?}, name = Hostile, warnings = \"allow\");\n}}"
         )?;
-        writeln!(entries, "    ({name:?}, {text:?}, || Box::new(Erased::new({name}::Hostile::default()))),")?;
+        writeln!(entries, "    ({name:?}, {text:?}, || Box::new(Dynamic::new({name}::Hostile::default()))),")?;
     }
     writeln!(
         out,

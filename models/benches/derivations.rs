@@ -6,7 +6,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use dalembert::mechanism::{At, Erased, Mechanism, System};
+use dalembert::mechanism::{At, Dynamic, Mechanism, System};
 
 dalembert::model!("chain.yaml", n = 5, name = Chain5);
 dalembert::model!("chain.yaml", n = 20, name = Chain20);
@@ -22,7 +22,7 @@ fn main() {
 }
 
 fn erased<M: Mechanism<N, 0> + Default + 'static, const N: usize>() -> Box<dyn System> {
-    Box::new(Erased::new(M::default()))
+    Box::new(Dynamic::new(M::default()))
 }
 
 fn compare(name: &str, mut system: Box<dyn System>) {

@@ -27,13 +27,13 @@ mod cause;
 #[cfg(feature = "cli")]
 pub mod cli;
 mod constrain;
+mod driver;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
 mod error;
 mod events;
 mod integrate;
 pub mod linear;
-mod march;
 mod matrix;
 pub mod mechanism;
 #[cfg(feature = "interpret")]

@@ -97,16 +97,16 @@ fn last<M: Simulate<N, C> + Default, const N: usize, const C: usize>(change: &dy
 fn observed<M: Simulate<N, C> + Default, const N: usize, const C: usize>(
     method: Method,
     coarse: f64,
-    also: &dyn Fn(&mut Settings),
+    start_conditions: &dyn Fn(&mut Settings),
 ) -> (f64, [f64; 2]) {
     let exact = last::<M, N, C>(&|settings| {
         settings.tolerance = 1e-14;
-        also(settings);
+        start_conditions(settings);
     });
     let errors = [coarse, coarse / 2.0].map(|step| {
         let found = last::<M, N, C>(&|settings| {
             (settings.method, settings.step) = (method, Some(step));
-            also(settings);
+            start_conditions(settings);
         });
         found.iter().zip(&exact).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
     });
@@ -117,12 +117,12 @@ fn observed<M: Simulate<N, C> + Default, const N: usize, const C: usize>(
 fn implicit<M: Simulate<N, C> + Default, const N: usize, const C: usize>(
     name: &str,
     steps: [f64; 4],
-    also: &dyn Fn(&mut Settings),
+    start_conditions: &dyn Fn(&mut Settings),
 ) {
     let methods = [(Method::Gauss4, 4.0), (Method::Gauss6, 6.0), (Method::Radau5, 5.0), (Method::Rodas5P, 5.0)];
     let mut wrong = Vec::new();
     for ((method, order), step) in methods.into_iter().zip(steps) {
-        let (found, errors) = observed::<M, N, C>(method, step, also);
+        let (found, errors) = observed::<M, N, C>(method, step, start_conditions);
         if (found - order).abs() > 0.35 {
             wrong.push(format!("{name} by {method}: {found}, {errors:?}"));
         }

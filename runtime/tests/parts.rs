@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use dalembert::mechanism::{At, Erased, System};
+use dalembert::mechanism::{At, Dynamic, System};
 use dalembert::{Cause, Error, Method, Run, Settings, Simulate, Work, simulate_with};
 
 dalembert::model!(
@@ -116,7 +116,7 @@ fn drawn(count: usize) -> Vec<f64> {
 
 #[test]
 fn a_part_is_computed_of_its_own_state_alone() {
-    let system = Erased::new(ThreeParts::default());
+    let system = Dynamic::new(ThreeParts::default());
     assert_eq!(system.description().parts.len(), 3);
     let numbers = drawn(60);
     for state in numbers.chunks_exact(6) {
@@ -169,7 +169,7 @@ fn each_part_has_its_own_method_and_steps() {
         assert!(error < 1e-6 * range, "{name}: {error:e} of {range:e}");
     }
     // Jacobians and matrices counted as 40 operations each, more than they have here.
-    let system = Erased::new(ThreeParts::default());
+    let system = Dynamic::new(ThreeParts::default());
     let matrices = |work: &Work| 40 * (work.jacobians + work.factorizations);
     let own = apart.parts.iter().zip(system.description().parts.iter());
     let own = own.map(|(part, of)| part.work.evaluations * u64::from(of.accelerations) + matrices(&part.work));
@@ -215,7 +215,7 @@ fn a_part_that_fails_ends_the_run_with_all_that_was_computed() {
 
 #[test]
 fn a_run_that_is_interrupted_has_all_parts_until_then() {
-    let mut system = Erased::new(ThreeParts::default());
+    let mut system = Dynamic::new(ThreeParts::default());
     let settings = Settings::new(&system.scene(0));
     let mut stop = |t: f64| if t < 3.0 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
     let Err(Error::Run(failure)) = simulate_with(&mut system, &settings, &mut stop) else { panic!("it goes on") };

@@ -172,17 +172,17 @@ fn also_adds_equations_on_what_is_conserved_or_an_output() {
     let model = bead(
         "conserved: {spin: m*(x*y' - y*x')}
 outputs: {tip: \"[x + y, x - y]\", \"a[i in 1..2]\": x + i*y, spin: m*(x*y' - y*x')}
-scene: {also: {spin: 0, tip: [1, 2 m], \"a[i in 1..2]\": [3, 50 cm]}}
-scenes: {none: {also: {}}, zero: {also: {tip: 0}}}",
+scene: {start_conditions: {spin: 0, tip: [1, 2 m], \"a[i in 1..2]\": [3, 50 cm]}}
+scenes: {none: {start_conditions: {}}, zero: {start_conditions: {tip: 0}}}",
     );
-    let also = &model.scenes[0].also;
-    let quantities: Vec<Id> = also.iter().map(|(quantity, _)| *quantity).collect();
+    let start_conditions = &model.scenes[0].start_conditions;
+    let quantities: Vec<Id> = start_conditions.iter().map(|(quantity, _)| *quantity).collect();
     assert_eq!(quantities[0], model.conserved[0].value[0]);
     assert_eq!(words(&model, &quantities[1..]), ["x + y", "x - y", "x + y", "x + 2*y"]);
-    let values: Vec<f64> = also.iter().map(|(_, value)| number(&model, *value)).collect();
+    let values: Vec<f64> = start_conditions.iter().map(|(_, value)| number(&model, *value)).collect();
     assert_eq!(values, [0.0, 1.0, 2.0, 3.0, 0.5]);
-    assert!(model.scenes[1].also.is_empty());
-    assert_eq!(model.scenes[2].also.len(), 2);
+    assert!(model.scenes[1].start_conditions.is_empty());
+    assert_eq!(model.scenes[2].start_conditions.len(), 2);
 }
 
 /// The words of what a load does: its work, and the first force or couple on a body.

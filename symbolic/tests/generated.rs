@@ -34,9 +34,9 @@ const FUNCTIONS: &[&str] = &[
     "constraint_bias",
     "friction",
     "constraint_jacobians",
-    "constraint_tilt",
+    "constraint_rate_jacobian",
     "held_rates",
-    "also",
+    "start_conditions",
     "energy",
     "accelerations",
     "part_accelerations",
@@ -48,7 +48,7 @@ const FUNCTIONS: &[&str] = &[
     "scene",
     "equilibrium_guess",
     "restitutions",
-    "also_values",
+    "start_condition_values",
 ];
 
 fn printed(program: &Program, name: &str) -> syn::File {
@@ -172,7 +172,10 @@ fn judge(program: &Program) -> BTreeSet<String> {
         nested.push("values");
     }
     nested.extend(
-        [program.restitutions(), program.also_values()].iter().filter(|list| !list.is_empty()).map(|_| "values"),
+        [program.restitutions(), program.start_condition_values()]
+            .iter()
+            .filter(|list| !list.is_empty())
+            .map(|_| "values"),
     );
     let others: Vec<&String> = judge.nested.iter().filter(|name| !name.starts_with("balances_")).collect();
     nested.sort_unstable();

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use dalembert::needs::{Need, Needs, Question};
+use dalembert::needs::{Need, Needs, NeedsRequest};
 use dalembert_models::MODELS;
 
 /// Files with something to leave out, what they are, and what is written otherwise in them.
@@ -26,7 +26,7 @@ fn main() {
     println!("As `needs FILE` prints it for the files in `tests/needs`, with what they say that they need.\n");
     for (name, what, source, [from, to]) in FILES {
         let source = if from.is_empty() { source.to_owned() } else { source.replacen(from, to, 1) };
-        let found = Needs::find(&Question::new(source), &mut |_| ControlFlow::Continue(())).expect("an answer");
+        let found = Needs::find(&NeedsRequest::new(source), &mut |_| ControlFlow::Continue(())).expect("an answer");
         println!("`{name}.yaml`: {what}\n\n```text\n{}```\n", found.table());
     }
     println!(
@@ -41,17 +41,17 @@ fn main() {
     for model in MODELS {
         let names = dalembert_symbolic::model::load(model.source, &[]).expect("a model");
         for scene in &names.scenes {
-            let question = Question {
+            let question = NeedsRequest {
                 scene: Some(scene.name.clone()),
                 need: Some(Need::default()),
-                ..Question::new(model.source)
+                ..NeedsRequest::new(model.source)
             };
             println!("| {} | {} | {} |", model.name, scene.name, row(&question));
         }
     }
 }
 
-fn row(question: &Question) -> String {
+fn row(question: &NeedsRequest) -> String {
     let found = match Needs::find(question, &mut |_| ControlFlow::Continue(())) {
         Ok(found) => found,
         Err(unanswered) => return format!("not asked: {unanswered} | | | | | |"),

@@ -1,6 +1,6 @@
 //! A model of the library, made ready to run.
 
-use dalembert::mechanism::{At, Balances, Erased, Interpreted, Mechanism, System};
+use dalembert::mechanism::{At, Balances, Dynamic, Interpreted, Mechanism, System};
 use dalembert::{Error, Run, Settings, State, simulate};
 use dalembert_symbolic::lower::compile;
 
@@ -195,5 +195,5 @@ pub fn erase<M, const N: usize, const C: usize>() -> Box<dyn System>
 where
     M: Mechanism<N, C> + Default + 'static,
 {
-    Box::new(Erased::new(M::default()))
+    Box::new(Dynamic::new(M::default()))
 }

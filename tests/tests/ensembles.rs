@@ -1,7 +1,7 @@
 //! Many runs at once give what each gives by itself.
 
 use dalembert::ensemble::{Ending, Ensemble, Lanes, f64x4, f64x8};
-use dalembert::mechanism::Erased;
+use dalembert::mechanism::Dynamic;
 use dalembert::prelude::*;
 use dalembert::{Cause, Error, Simulation};
 
@@ -36,13 +36,13 @@ scene: {start: {y: 1}, until: 5}
 );
 
 /// A double pendulum of its own angles, lengths and time.
-fn pendulum(k: u32) -> Simulation<Erased<DoublePendulum, 2, 0>> {
+fn pendulum(k: u32) -> Simulation<Dynamic<DoublePendulum, 2, 0>> {
     let k = f64::from(k);
     let model = DoublePendulum { l: 0.5 + 0.01 * k, ..DoublePendulum::default() };
     model.simulate().start(&[0.3 + 0.02 * k, -0.1 * k], &[0.0, 0.5]).until(1.0 + 0.02 * k).tolerance(1e-9)
 }
 
-fn pendulums(count: u32) -> Ensemble<Erased<DoublePendulum, 2, 0>> {
+fn pendulums(count: u32) -> Ensemble<Dynamic<DoublePendulum, 2, 0>> {
     (0..count).map(pendulum).collect()
 }
 
@@ -190,6 +190,6 @@ fn a_long_orbit_keeps_its_energy_in_lanes() {
 
 #[test]
 fn nothing_to_run_is_no_error() {
-    let none: Ensemble<Erased<DoublePendulum, 2, 0>> = std::iter::empty().collect();
+    let none: Ensemble<Dynamic<DoublePendulum, 2, 0>> = std::iter::empty().collect();
     assert!(none.is_empty() && none.ends::<f64x8>().is_empty() && none.run().is_empty());
 }

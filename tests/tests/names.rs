@@ -1,6 +1,6 @@
 //! Whatever a file calls its things, compiled code computes what the interpreter computes.
 
-use dalembert::mechanism::{Erased, Interpreted, System};
+use dalembert::mechanism::{Dynamic, Interpreted, System};
 use dalembert_symbolic::lower::compile;
 use dalembert_symbolic::model::METHODS;
 use dalembert_tests::both::{Drawn, assert_same};
@@ -61,7 +61,7 @@ mod shadow {
 
 #[test]
 fn a_coordinate_is_not_hidden_by_a_sine() {
-    compare("shadow", shadow::TEXT, Box::new(Erased::new(shadow::Shadow::default())));
+    compare("shadow", shadow::TEXT, Box::new(Dynamic::new(shadow::Shadow::default())));
 }
 
 /// A module that has given away every name that generated code might take for Rust's, types of such names, and a
@@ -125,8 +125,8 @@ mod crowded {
 
 #[test]
 fn a_module_may_have_any_names_of_its_own() {
-    compare("crowded", crowded::TEXT, Box::new(Erased::new(crowded::Crowded::default())));
-    compare("Default", crowded::TEXT, Box::new(Erased::new(crowded::of_types::default::Default::default())));
+    compare("crowded", crowded::TEXT, Box::new(Dynamic::new(crowded::Crowded::default())));
+    compare("Default", crowded::TEXT, Box::new(Dynamic::new(crowded::of_types::default::Default::default())));
     assert_eq!(crowded::of_types::s::S::default().a, 2.0);
     assert_eq!(crowded::of_types::clone::Clone::default(), crowded::of_types::clone::Clone { a: 2.0 });
     assert_eq!(crowded::of_types::iterator::IntoIterator::default().a, 2.0);

@@ -177,7 +177,7 @@ fn modules_for_python_agree_with_the_program() {
             close(&format!("{module}: h"), &bias, &numbers(&answer["bias"]));
             let mut lambda = vec![0.0; system.description().rows.len()];
             let mut a = vec![0.0; n];
-            if system.motion(at, &mut a, &mut lambda).is_ok() {
+            if system.accelerations_and_multipliers(at, &mut a, &mut lambda).is_ok() {
                 let rate = numbers(&answer["rate"]);
                 close(&format!("{module}: q'"), v, &rate[..n]);
                 close_solution(&format!("{module}: q''"), &a, &rate[n..]);

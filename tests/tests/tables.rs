@@ -1,7 +1,7 @@
 //! Functions that a model gives by points.
 
 use dalembert::ensemble::{Ensemble, f64x4};
-use dalembert::mechanism::{At, Erased, Interpreted, System};
+use dalembert::mechanism::{At, Dynamic, Interpreted, System};
 use dalembert::prelude::*;
 use dalembert::{Settings, simulate};
 use dalembert_symbolic::lower::compile_in;
@@ -142,7 +142,7 @@ fn generated_and_interpreted_code_agree_in_every_piece() {
     let text = std::fs::read_to_string(folder.join("quarter_car.yaml")).expect("a file");
     let program = compile_in(Some(&folder), &text, &[]).expect("a good file");
     assert!(program.model.files[0].ends_with("road.csv"));
-    let (compiled, interpreted) = (Erased::new(QuarterCar::default()), Interpreted::new(program, &text));
+    let (compiled, interpreted) = (Dynamic::new(QuarterCar::default()), Interpreted::new(program, &text));
     for k in 0..200 {
         let t = -0.5 + 0.02 * f64::from(k);
         let at = At::new(t, &[0.01, -0.02], &[0.3, 0.1]);

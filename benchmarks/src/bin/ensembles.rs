@@ -4,7 +4,7 @@
 //! processor at hand; without `RUSTFLAGS` they are what everybody gets.  Medians of rounds in turns.
 
 use dalembert::ensemble::{Ensemble, Lanes, f64x4, f64x8};
-use dalembert::mechanism::Erased;
+use dalembert::mechanism::Dynamic;
 use dalembert::prelude::*;
 use dalembert_benchmarks::{Hand, double_pendulum, figure_eight, kepler, median, rods, timed};
 use ode_solvers::dop_shared::OutputType;
@@ -60,7 +60,7 @@ fn compare<M, const N: usize, const C: usize, const D: usize>(
         let simulation = model.simulate().start(&moved(k), &first.v).until(until).tolerance(TOLERANCE);
         simulation.method(method)
     };
-    let ensemble: Ensemble<Erased<M, N, C>> = (0..MEMBERS).map(one).collect::<Ensemble<_>>().threads(1);
+    let ensemble: Ensemble<Dynamic<M, N, C>> = (0..MEMBERS).map(one).collect::<Ensemble<_>>().threads(1);
     let plain = |k: usize| {
         one(k)
             .every(until)
@@ -113,7 +113,7 @@ fn compare<M, const N: usize, const C: usize, const D: usize>(
     );
 }
 
-fn lanes<M, L, const N: usize, const C: usize>(ensemble: &Ensemble<Erased<M, N, C>>) -> (f64, Vec<Vec<f64>>)
+fn lanes<M, L, const N: usize, const C: usize>(ensemble: &Ensemble<Dynamic<M, N, C>>) -> (f64, Vec<Vec<f64>>)
 where
     M: Simulate<N, C>,
     L: Lanes,

@@ -13,7 +13,7 @@ use super::json::{self, number, object};
 use super::load::{Loaded, folder, pairs};
 use super::set_up::{Reader, parameter_index};
 use super::{Entry, Problem, outputs, value_files};
-use crate::needs::{Deviation, Need, Needs, Proposal, Question, Rung, Unanswered, Verdict};
+use crate::needs::{Deviation, ModelReduction, Need, Needs, NeedsError, NeedsRequest, Proposal, Verdict};
 use crate::precision::Verified;
 use crate::run::plain;
 
@@ -62,7 +62,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
 }
 
 /// Tries every ingredient, and names each on a terminal.
-pub fn find(question: &Question, loaded: &Loaded) -> Result<Needs, Problem> {
+pub fn find(question: &NeedsRequest, loaded: &Loaded) -> Result<Needs, Problem> {
     let shown = std::io::stderr().is_terminal();
     let found = Needs::find(question, &mut |name| {
         if shown {
@@ -74,8 +74,8 @@ pub fn find(question: &Question, loaded: &Loaded) -> Result<Needs, Problem> {
         eprint!("\r\x1b[K");
     }
     found.map_err(|unanswered| match unanswered {
-        Unanswered::Model { problems } => Problem::Model(file::render(&loaded.path, &loaded.source, &problems)),
-        Unanswered::Fails { .. } | Unanswered::NotKnown { .. } => Problem::Run(unanswered.to_string()),
+        NeedsError::Model { problems } => Problem::Model(file::render(&loaded.path, &loaded.source, &problems)),
+        NeedsError::Fails { .. } | NeedsError::NotKnown { .. } => Problem::Run(unanswered.to_string()),
         other => Problem::Usage(format!("error: {other}")),
     })
 }
@@ -86,8 +86,8 @@ pub fn is_said(loaded: &Loaded, options: &ArgMatches) -> bool {
 }
 
 /// The question with `--params`, `--set`, `--start` and `--until` written into the file.
-fn changed(loaded: &mut Loaded, options: &ArgMatches, mut question: Question) -> Result<Question, Problem> {
-    let usage = |unanswered: Unanswered| Problem::Usage(format!("error: {unanswered}"));
+fn changed(loaded: &mut Loaded, options: &ArgMatches, mut question: NeedsRequest) -> Result<NeedsRequest, Problem> {
+    let usage = |unanswered: NeedsError| Problem::Usage(format!("error: {unanswered}"));
     let mut reader = Reader::new(loaded);
     let mut set: Vec<(usize, String, String)> = Vec::new();
     let given = options.get_one::<String>("params").map_or_else(|| Ok(Vec::new()), |path| value_files::read(path))?;
@@ -128,7 +128,7 @@ fn as_json(found: &Needs) -> Value {
     let gone = |gone: &[(String, String)]| -> Value {
         gone.iter().map(|(claim, why)| object([("claim", json!(claim)), ("why", json!(why))])).collect()
     };
-    let rung = |rung: &Rung| {
+    let rung = |rung: &ModelReduction| {
         let deviation = rung.deviation.as_ref();
         let of = |what: fn(&Deviation) -> f64| deviation.map_or(Value::Null, |deviation| number(what(deviation)));
         object([
@@ -207,7 +207,7 @@ fn as_json(found: &Needs) -> Value {
 }
 
 /// What the options ask of the file; what they leave out the scene says.
-pub fn question(loaded: &mut Loaded, options: &ArgMatches) -> Result<Question, Problem> {
+pub fn question(loaded: &mut Loaded, options: &ArgMatches) -> Result<NeedsRequest, Problem> {
     let own = |option: &str| options.get_one::<String>(option).cloned();
     let question = asked(loaded, options);
     let mut question = changed(loaded, options, question)?;
@@ -256,12 +256,12 @@ fn named(loaded: &mut Loaded, names: &str) -> Result<Named, Problem> {
 }
 
 /// The question of the file as it is.
-fn asked(loaded: &Loaded, options: &ArgMatches) -> Question {
-    Question {
+fn asked(loaded: &Loaded, options: &ArgMatches) -> NeedsRequest {
+    NeedsRequest {
         sizes: loaded.sizes.clone(),
         folder: folder(&loaded.path).map(Path::to_owned),
         scene: options.get_one::<String>("scene").cloned(),
         all: options.try_get_one("all").ok().flatten().copied().unwrap_or(false),
-        ..Question::new(loaded.source.as_str())
+        ..NeedsRequest::new(loaded.source.as_str())
     }
 }

@@ -7,7 +7,7 @@ use clap::ArgMatches;
 
 use super::Problem;
 use crate::Error;
-use crate::show::{Animation, Figure, Pace, is_picture, wants_letters};
+use crate::show::{Animation, Figure, Playback, is_picture, wants_letters};
 
 /// Refuses paths that cannot be written, that are the model file, or that two options share.
 ///
@@ -81,7 +81,7 @@ pub fn draw(path: &str, picture: impl Into<Figure>) -> Result<(), Problem> {
 ///
 /// # Errors
 /// [`Problem::File`].
-pub fn animate(path: &str, animation: &Animation) -> Result<Option<Pace>, Problem> {
+pub fn animate(path: &str, animation: &Animation) -> Result<Option<Playback>, Problem> {
     animation.write(path).map_err(|problem| Problem::File(problem.to_string()))?;
     Ok(is_picture(Path::new(path)).then(|| animation.pace()))
 }

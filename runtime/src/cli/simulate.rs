@@ -20,7 +20,7 @@ use crate::mechanism::{Description, Enforcement, Stabilisation};
 use crate::numbers::short;
 use crate::run::{RunPart, Work};
 use crate::show::Animation;
-use crate::simulate::{LAGRANGE, judge_digits};
+use crate::simulate::{LAGRANGE, estimate_global_error};
 use crate::{Error, Impulse, Run, Settings};
 
 /// Runs, writes files that were asked for, and prints the outcome; a run that failed is written and printed too.
@@ -48,7 +48,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     let outcome = outcome.map(|mut run| {
         if wants_digits(&run, options) {
             progress.say("how many digits hold: a second run");
-            judge_digits(&mut *loaded.system, &settings, &mut run, &mut |_| {
+            estimate_global_error(&mut *loaded.system, &settings, &mut run, &mut |_| {
                 if interrupted.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             });
         }
@@ -249,8 +249,8 @@ fn report(
     if run.events.len() > MOST_EVENTS {
         writeln!(out, "  and {} more events; --json has them all", run.events.len() - MOST_EVENTS)?;
     }
-    let struck = run.impulses.iter().filter(|impulse| !impulse.constraints.is_empty()).take(MOST_EVENTS);
-    for impulse in struck {
+    let hit = run.impulses.iter().filter(|impulse| !impulse.constraints.is_empty()).take(MOST_EVENTS);
+    for impulse in hit {
         let rows: Vec<String> = impulse.constraints.iter().map(|(name, p)| format!("{name} {}", short(*p))).collect();
         writeln!(out, "  impulse at t = {}: {}", short(impulse.t), rows.join(", "))?;
     }

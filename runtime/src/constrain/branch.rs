@@ -26,7 +26,7 @@ pub(crate) fn other_branch<S: System + ?Sized>(system: &S, start: &Start<'_>, fo
     if free.is_empty()
         || closing.holonomic.is_empty()
         || free.len() > MOST
-        || !start.also.is_empty()
+        || !start.start_conditions.is_empty()
         || !closing.is_isolated(found)
     {
         return None;

@@ -1,11 +1,11 @@
 //! Jumps of the speeds: constraints that are entered, and impacts with restitution.
 
 use crate::mechanism::dense::constraint_triples;
-use crate::mechanism::{At, Form, Singular, System};
+use crate::mechanism::{At, KktSolver, Singular, System};
 
 /// What an instant does to the speeds: M Δq' = Jᵀ P.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Blow {
+pub(crate) struct VelocityJump {
     /// Δq'.
     pub jump: Vec<f64>,
     /// P of every row that took part: its place, and its impulse.
@@ -19,18 +19,18 @@ pub(crate) struct Blow {
 ///
 /// # Errors
 /// Coordinates to which neither M nor a constraint gives any inertia.
-pub(crate) fn blow<S: System + ?Sized>(
+pub(crate) fn velocity_jump<S: System + ?Sized>(
     system: &S,
     (t, y): (f64, &[f64]),
     rows: &[usize],
     restitution: impl Fn(usize) -> f64,
-) -> Result<Blow, Singular> {
+) -> Result<VelocityJump, Singular> {
     let n = system.len();
-    let mut form = Form::default();
+    let mut form = KktSolver::default();
     form.factor_rows(system, At::place(t, &y[..n]), rows)?;
     let triples = constraint_triples(system, At::packed(t, y, n));
     let mut impulses: Vec<f64> = rows.iter().map(|row| -(1.0 + restitution(*row)) * triples[*row][1]).collect();
     let mut jump = vec![0.0; n];
     form.solve(&mut jump, &mut impulses);
-    Ok(Blow { jump, rows: rows.iter().copied().zip(impulses).collect() })
+    Ok(VelocityJump { jump, rows: rows.iter().copied().zip(impulses).collect() })
 }

@@ -1,20 +1,20 @@
 //! Constraints along a motion: consistent starts, and states kept on them.
 //!
-//! 1. A start that meets the constraints: look in `start.rs`; what else it is to meet: `also.rs`;
+//! 1. A start that meets the constraints: look in `start.rs`; what else it is to meet: `start_conditions.rs`;
 //!    other ways to put the mechanism together: `branch.rs`.
 //! 2. After every step positions and speeds go back to the constraints, in the metric of M: look in `projection.rs`.
 //! 3. Jumps of the speeds where constraints are entered or struck: look in `impact.rs`.
 //!
 //! The elimination of accelerations and multipliers is `mechanism/form/mod.rs`.
 
-mod also;
 mod branch;
 mod impact;
 mod projection;
 mod start;
+mod start_conditions;
 
 pub(crate) use branch::{Elsewhere, other_branch};
-pub(crate) use impact::{Blow, blow};
+pub(crate) use impact::{VelocityJump, velocity_jump};
 pub(crate) use projection::Projection;
 pub use projection::Residuals;
 pub(crate) use start::{Start, consistent};

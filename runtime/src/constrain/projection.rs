@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use crate::mechanism::dense::constraint_matrix;
-use crate::mechanism::{At, Form, Singular, System};
+use crate::mechanism::{At, KktSolver, Singular, System};
 
 /// Brings states back to the constraints that are active, by the least change in the metric of M.
 ///
@@ -11,7 +11,7 @@ use crate::mechanism::{At, Form, Singular, System};
 /// (Hairer, Lubich, Wanner, Geometric Numerical Integration, IV.4).
 #[derive(Clone, Debug)]
 pub(crate) struct Projection {
-    form: Form,
+    form: KktSolver,
     /// Whether states are changed, or only looked at.
     corrects: bool,
     /// (c, c', Σ |terms| of c) of all rows.
@@ -26,7 +26,7 @@ pub(crate) struct Projection {
     last: Residuals,
     worst: Residuals,
     /// What rounding of constraints makes of [q; q'].
-    blur: Vec<f64>,
+    constraint_round_off: Vec<f64>,
     /// Rows that are independent, and their J, at the last state that was near a singular position.
     before: Option<(Vec<usize>, DMatrix<f64>)>,
 }
@@ -60,7 +60,7 @@ impl Projection {
     pub fn new<S: System + ?Sized>(system: &S) -> Option<Self> {
         let rows = system.description().rows.len();
         (rows > 0).then(|| Projection {
-            form: Form::default(),
+            form: KktSolver::default(),
             corrects: true,
             triples: vec![0.0; 3 * rows],
             levels: vec![None; rows],
@@ -70,7 +70,7 @@ impl Projection {
             scales: vec![0.0; rows],
             last: Residuals::default(),
             worst: Residuals::default(),
-            blur: vec![0.0; 2 * system.len()],
+            constraint_round_off: vec![0.0; 2 * system.len()],
             before: None,
         })
     }
@@ -206,7 +206,7 @@ impl Projection {
 
     /// The rows that are nearest to depending on others at the state that was projected last, where `usual` of them are
     /// independent elsewhere.
-    pub fn weak_rows(&self, usual: usize) -> Vec<usize> {
+    pub fn nearly_dependent_rows(&self, usual: usize) -> Vec<usize> {
         if self.is_nearly_singular() { self.form.chosen_after(usual.saturating_sub(1)) } else { Vec::new() }
     }
 
@@ -235,12 +235,12 @@ impl Projection {
     /// no more than that of q and q' themselves.
     ///
     /// Near a singular position, σ from it, q is open to some ε/σ and q' to ε/σ².
-    pub fn blur<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) -> Option<&[f64]> {
+    pub fn constraint_round_off<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) -> Option<&[f64]> {
         if !self.is_nearly_singular() {
             return None;
         }
         let n = system.len();
-        self.blur.fill(0.0);
+        self.constraint_round_off.fill(0.0);
         let (mut moved, mut before) = (y.to_vec(), self.triples.clone());
         system.constraints(At::packed(t, y, n), &mut before);
         for k in 0..self.form.active().len() {
@@ -248,16 +248,16 @@ impl Projection {
             self.solve(|projection, other| if other == row { f64::EPSILON * projection.scales[row] } else { 0.0 });
             for i in 0..n {
                 moved[i] = y[i] + self.delta[i];
-                self.blur[i] = self.blur[i].max(self.delta[i].abs());
+                self.constraint_round_off[i] = self.constraint_round_off[i].max(self.delta[i].abs());
             }
             system.constraints(At::packed(t, &moved, n), &mut self.triples);
             self.solve(|projection, other| projection.triples[3 * other + 1] - before[3 * other + 1]);
             for i in 0..n {
-                self.blur[n + i] = self.blur[n + i].max(self.delta[i].abs());
+                self.constraint_round_off[n + i] = self.constraint_round_off[n + i].max(self.delta[i].abs());
             }
         }
         self.triples = before;
-        Some(&self.blur)
+        Some(&self.constraint_round_off)
     }
 
     /// The largest norms that the rows have had.

@@ -17,7 +17,7 @@ pub(crate) struct Start<'a> {
     /// Which of [q; q'] keep their values.
     pub held: &'a [bool],
     /// Which of the mechanism's other equations of the start are to be met.
-    pub also: std::ops::Range<usize>,
+    pub start_conditions: std::ops::Range<usize>,
 }
 
 /// A constraint may be missed by this part of its terms, or of what the coordinates' sizes make of it, by values that are
@@ -50,8 +50,8 @@ pub(crate) fn consistent<S: System + ?Sized>(system: &S, start: &Start<'_>) -> R
         closing.judge(&y)?;
         closing.speeds(&mut y)?;
     }
-    if !start.also.is_empty() {
-        closing.also(&mut y, start.also.clone())?;
+    if !start.start_conditions.is_empty() {
+        closing.start_conditions(&mut y, start.start_conditions.clone())?;
     }
     debug_assert_eq!(y.len(), 2 * n, "a state");
     Ok(y)

@@ -56,7 +56,7 @@ use pack::Task;
 
 use crate::error::Error;
 use crate::integrate::Dop853;
-use crate::mechanism::{At, Erased, Mechanism, Method, System, Watched};
+use crate::mechanism::{At, Dynamic, Mechanism, Method, System, Watched};
 use crate::run::{Names, Run, State, Work};
 use crate::simulate::{Settings, Simulation};
 use crate::trust::{Warning, positive_inertia};
@@ -129,7 +129,7 @@ impl<S: System> Ensemble<S> {
     }
 }
 
-impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> Ensemble<Erased<M, N, C>> {
+impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> Ensemble<Dynamic<M, N, C>> {
     /// Runs all, as many at a time as L has lanes, and says how each ended.
     ///
     /// # Errors
@@ -144,7 +144,7 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> Ensemble<Eras
 
 /// How these runs end: those that lanes take in lanes, the others one by one.
 fn ends<M, L, const N: usize, const C: usize>(
-    members: &[Simulation<Erased<M, N, C>>],
+    members: &[Simulation<Dynamic<M, N, C>>],
     names: &Arc<Names>,
 ) -> Vec<Result<Ending, Error>>
 where
@@ -176,7 +176,7 @@ fn alone<S: System + Clone>(member: &Simulation<S>) -> Result<Ending, Error> {
 }
 
 /// What a lane needs to know of a simulation; `None` where it is none for lanes.
-fn task<M, const N: usize, const C: usize>(member: &Simulation<Erased<M, N, C>>) -> Option<Task<'_, M>>
+fn task<M, const N: usize, const C: usize>(member: &Simulation<Dynamic<M, N, C>>) -> Option<Task<'_, M>>
 where
     M: Mechanism<N, C> + 'static,
 {
@@ -187,8 +187,10 @@ where
     let tame = d.arguments.iter().all(|argument| argument.of == Watched::Motion && !argument.time_only);
     let steady =
         d.events.is_empty() && d.switches.is_empty() && d.timed_switches.is_empty() && d.input_jumps.is_empty();
-    let usual =
-        settings.step.is_none() && settings.longest_step.is_none() && !settings.digits && settings.also.is_empty();
+    let usual = settings.step.is_none()
+        && settings.longest_step.is_none()
+        && !settings.digits
+        && settings.start_conditions.is_empty();
     let method = match settings.method {
         Method::Auto | Method::Rkn8 if d.structure.separable => Method::Rkn8,
         Method::Auto | Method::Dop853 => Method::Dop853,

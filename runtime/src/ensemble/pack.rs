@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use super::attempt::{Attempt, Block, Scheme};
 use super::{Ending, Lanes};
-use crate::events::{calm_ratio, keeps_clear};
+use crate::events::{calm_ratio, excludes_feature};
 use crate::integrate::{Clock, LEAST, ROUNDING, StepControl, first_step, widest};
-use crate::mechanism::{Erased, Mechanism, Method, Role, SingularMass};
+use crate::mechanism::{Dynamic, Mechanism, Method, Role, SingularMass};
 use crate::run::{Names, State, Work, evaluate_outputs, usual_drift};
 use crate::trust::Monitor;
 
@@ -148,7 +148,7 @@ impl<'a, M: Mechanism<N, C> + 'static, S: Lanes, const N: usize, const C: usize>
         self.measure(next, 1, X::END);
         let error = self.error::<X>(h);
         for index in 0..S::LANES {
-            let clear = !self.lanes[index].runs() || self.keeps_clear(index, self.lanes[index].trial.h);
+            let clear = !self.lanes[index].runs() || self.excludes_feature(index, self.lanes[index].trial.h);
             self.lanes[index].judge(error.lane(index), clear, X::END as u64);
         }
         let takes = S::gather(|index| if self.lanes[index].takes { 1.0 } else { -1.0 });
@@ -194,20 +194,20 @@ impl<'a, M: Mechanism<N, C> + 'static, S: Lanes, const N: usize, const C: usize>
     }
 
     /// Whether all arguments of a lane keep clear of their features in a step of h seconds, as far as its ends tell.
-    fn keeps_clear(&self, lane: usize, h: f64) -> bool {
+    fn excludes_feature(&self, lane: usize, h: f64) -> bool {
         let ends = |index: usize| {
             let pair = |pairs: &[S]| (pairs[2 * index].lane(lane), pairs[2 * index + 1].lane(lane));
             (pair(&self.pairs[0]), pair(&self.pairs[1]))
         };
         let mut arguments = self.arguments.iter().enumerate();
-        arguments.all(|(index, (role, ratio))| keeps_clear(*role, *ratio, 1.0, h, ends(index)))
+        arguments.all(|(index, (role, ratio))| excludes_feature(*role, *ratio, 1.0, h, ends(index)))
     }
 
     /// How the run of a lane ended; `None` where its energy, or what is claimed to be conserved, is off.
     fn ending(&self, index: usize, names: &Arc<Names>) -> Option<Ending> {
         let Lane { task, work, clock, .. } = &self.lanes[index];
         let description = M::description();
-        let system = Erased::<M, N, C>::new(task.mechanism.clone());
+        let system = Dynamic::<M, N, C>::new(task.mechanism.clone());
         let [q, v] = self.step.y.map(|half| half.map(|value| value.lane(index)));
         let (start, end) = ([task.start.0, task.start.1].concat(), [q, v].concat());
         let mut monitor = Monitor::new(&system, task.span.0, &start, 0.0);

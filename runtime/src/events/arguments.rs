@@ -1,6 +1,6 @@
 //! Arguments of local functions along a step.
 
-use super::certify::{Certifier, Deed, PHASE, Sample};
+use super::certify::{Certifier, PHASE, Sample, ZeroKind};
 use crate::integrate::Segment;
 use crate::mechanism::{At, Role, System, Watched};
 
@@ -199,7 +199,7 @@ impl Arguments {
         self.path.clear();
         self.path.extend(certifier.points().iter().map(|point| (point.x, point.value)));
         for mark in &certifier.marks {
-            if matches!(mark.deed, Deed::Crosses { .. } | Deed::Jumps | Deed::Pole) {
+            if matches!(mark.kind, ZeroKind::Crosses { .. } | ZeroKind::Jumps | ZeroKind::Pole) {
                 self.path.push((mark.x, 0.0));
             }
         }

@@ -15,7 +15,7 @@ pub(crate) struct Sample {
 
 /// What a function does at a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Deed {
+pub(crate) enum ZeroKind {
     /// It passes through zero.
     Crosses {
         /// True when it goes from below to above.
@@ -33,11 +33,11 @@ pub(crate) enum Deed {
 
 /// Something that a function does.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Mark {
+pub(crate) struct Zero {
     /// Where.
     pub x: f64,
     /// What.
-    pub deed: Deed,
+    pub kind: ZeroKind,
 }
 
 /// More samples than the limit within one step.
@@ -67,7 +67,7 @@ pub(crate) struct Certifier {
     /// Points between which the function has no more extrema that matter, in order.
     points: Vec<Sample>,
     /// Zeros and the like, in order.
-    pub marks: Vec<Mark>,
+    pub marks: Vec<Zero>,
     /// Samples so far.
     pub samples: u64,
     /// The largest size of the function, poles left aside: the second largest at the ends and in the middle of some piece.
@@ -327,7 +327,7 @@ impl Certifier {
             }
             if here.value.is_finite() != defined {
                 defined = !defined;
-                self.marks.push(Mark { x: here.x, deed: Deed::Undefined });
+                self.marks.push(Zero { x: here.x, kind: ZeroKind::Undefined });
             }
             if !here.value.is_finite() {
                 (last, zero) = (None, None);
@@ -344,7 +344,7 @@ impl Certifier {
                         let mark = self.at_zero(f, x, (before, here));
                         self.marks.push(mark);
                     }
-                    (Some(x), false) => self.marks.push(Mark { x, deed: Deed::Touches }),
+                    (Some(x), false) => self.marks.push(Zero { x, kind: ZeroKind::Touches }),
                     (None, false) => {}
                     (None, true) => {
                         let mark = self.between(f, before, here);
@@ -358,7 +358,7 @@ impl Certifier {
 
     /// What lies at a zero between two points of opposite signs.  Where the function is flat the point may be zero to the rounding of
     /// what is large only: then its own change of sign is the zero.
-    fn at_zero(&mut self, f: &mut impl FnMut(f64) -> (f64, f64), x: f64, (before, here): (Sample, Sample)) -> Mark {
+    fn at_zero(&mut self, f: &mut impl FnMut(f64) -> (f64, f64), x: f64, (before, here): (Sample, Sample)) -> Zero {
         if self.sample(f, x).value != 0.0 {
             return self.between(f, before, here);
         }
@@ -368,7 +368,7 @@ impl Certifier {
             f(x).0
         };
         let nature = nature_of_zero(value, x, (before.x, before.value), (here.x, here.value), around);
-        Mark { x, deed: deed(nature, here.value > 0.0) }
+        Zero { x, kind: kind(nature, here.value > 0.0) }
     }
 
     fn around(&self) -> Around {
@@ -377,14 +377,14 @@ impl Certifier {
     }
 
     /// What lies between two points of opposite signs.
-    fn between(&mut self, f: &mut impl FnMut(f64) -> (f64, f64), a: Sample, b: Sample) -> Mark {
+    fn between(&mut self, f: &mut impl FnMut(f64) -> (f64, f64), a: Sample, b: Sample) -> Zero {
         let (around, samples) = (self.around(), &mut self.samples);
         let value = |x: f64| {
             *samples += 1;
             f(x).0
         };
         let (x, nature) = locate(value, (a.x, a.value), (b.x, b.value), around);
-        Mark { x, deed: deed(nature, b.value > 0.0) }
+        Zero { x, kind: kind(nature, b.value > 0.0) }
     }
 
     fn sample(&mut self, f: &mut impl FnMut(f64) -> (f64, f64), x: f64) -> Sample {
@@ -417,12 +417,12 @@ fn settled(point: Sample, length: f64, (r, noise): (f64, f64)) -> Sample {
     if turns && point.value.abs() <= noise { Sample { value: 0.0, ..point } } else { point }
 }
 
-fn deed(nature: Nature, rising: bool) -> Deed {
+fn kind(nature: Nature, rising: bool) -> ZeroKind {
     match nature {
-        Nature::Root => Deed::Crosses { rising },
-        Nature::Pole => Deed::Pole,
-        Nature::Jump => Deed::Jumps,
-        Nature::Undefined => Deed::Undefined,
+        Nature::Root => ZeroKind::Crosses { rising },
+        Nature::Pole => ZeroKind::Pole,
+        Nature::Jump => ZeroKind::Jumps,
+        Nature::Undefined => ZeroKind::Undefined,
     }
 }
 

@@ -2,11 +2,11 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::certify::{Certifier, Deed, Mark, PHASE, Sample};
+use super::certify::{Certifier, PHASE, Sample, Zero, ZeroKind};
 use super::draws::Draws;
 
 /// What a function does in [0, 1], begun in so many pieces.
-fn marks(f: impl Fn(f64) -> (f64, f64), pieces: usize) -> (Vec<Mark>, u64) {
+fn marks(f: impl Fn(f64) -> (f64, f64), pieces: usize) -> (Vec<Zero>, u64) {
     let mut certifier = Certifier::default();
     let grid: Vec<Sample> = (0..=pieces)
         .map(|k| {
@@ -19,8 +19,8 @@ fn marks(f: impl Fn(f64) -> (f64, f64), pieces: usize) -> (Vec<Mark>, u64) {
     (certifier.marks, certifier.samples)
 }
 
-fn crossings(marks: &[Mark]) -> usize {
-    marks.iter().filter(|mark| matches!(mark.deed, Deed::Crosses { .. })).count()
+fn crossings(marks: &[Zero]) -> usize {
+    marks.iter().filter(|mark| matches!(mark.kind, ZeroKind::Crosses { .. })).count()
 }
 
 #[test]
@@ -73,7 +73,7 @@ fn pairs_of_zeros_are_found_down_to_what_rounding_tells() {
                 if power <= 6 {
                     assert_eq!(crossings(&marks), 2, "{s:e} kind {kind} at {a}: {marks:?}");
                 } else {
-                    let touch = marks.len() == 1 && marks[0].deed == Deed::Touches;
+                    let touch = marks.len() == 1 && marks[0].kind == ZeroKind::Touches;
                     assert!(touch || crossings(&marks) == 2, "{s:e} kind {kind} at {a}: {marks:?}");
                 }
                 assert!(samples < 140, "{samples}");
@@ -90,7 +90,7 @@ fn an_exact_tangency_is_a_touch() {
         let (a, c) = (draws.between(0.0, 1.0), draws.between(-2.0, 2.0));
         let (marks, samples) = marks(|x| (c * (x - a) * (x - a), 2.0 * c * (x - a)), 1);
         assert_eq!(marks.len(), 1, "{a} {marks:?}");
-        assert_eq!(marks[0].deed, Deed::Touches);
+        assert_eq!(marks[0].kind, ZeroKind::Touches);
         assert!((marks[0].x - a).abs() < 1e-7);
         total += samples;
     }
@@ -114,18 +114,19 @@ fn poles_jumps_and_edges_are_no_crossings() {
         let a = draws.between(0.05, 0.95);
         let (pole, _) = marks(|x| (1.0 / (x - a), -1.0 / (x - a).powi(2)), 1);
         assert!(
-            !pole.is_empty() && pole.iter().all(|m| matches!(m.deed, Deed::Pole | Deed::Jumps | Deed::Undefined)),
+            !pole.is_empty()
+                && pole.iter().all(|m| matches!(m.kind, ZeroKind::Pole | ZeroKind::Jumps | ZeroKind::Undefined)),
             "{pole:?}"
         );
         let (jump, samples) = marks(|x| (if x < a { -1.0 } else { 1.0 }, 0.0), 1);
         assert_eq!(jump.len(), 1);
-        assert_eq!(jump[0].deed, Deed::Jumps);
+        assert_eq!(jump[0].kind, ZeroKind::Jumps);
         assert!((jump[0].x - a).abs() < 1e-15 && samples < 90, "{samples}");
         // √(x − a) − ¼ √(1 − a): not defined before a, zero once after it.
         let level = 0.25 * (1.0 - a).sqrt();
         let (edge, _) = marks(|x| ((x - a).sqrt() - level, 0.5 / (x - a).sqrt()), 1);
         assert_eq!(crossings(&edge), 1, "{edge:?}");
-        assert!(edge.iter().all(|mark| matches!(mark.deed, Deed::Crosses { rising: true } | Deed::Undefined)));
+        assert!(edge.iter().all(|mark| matches!(mark.kind, ZeroKind::Crosses { rising: true } | ZeroKind::Undefined)));
     }
 }
 
@@ -139,7 +140,7 @@ fn kinks_are_seen_through() {
         assert!(samples < 300, "{samples}");
     }
     let (marks, _) = marks(|x| ((x - 0.37).abs(), (x - 0.37).signum()), 1);
-    assert!(marks.iter().all(|mark| mark.deed == Deed::Touches), "{marks:?}");
+    assert!(marks.iter().all(|mark| mark.kind == ZeroKind::Touches), "{marks:?}");
 }
 
 #[test]

@@ -16,9 +16,10 @@ mod certify;
 #[cfg(test)]
 mod certify_tests;
 pub(crate) mod draws;
+mod features;
 mod impulse;
+mod locator;
 mod modes;
-mod monitor;
 mod root;
 mod sample;
 mod scan;
@@ -27,18 +28,17 @@ mod signals;
 mod stops;
 #[cfg(test)]
 mod tests;
-mod watch;
 
+#[cfg(feature = "ensemble")]
+pub(crate) use features::{excludes_feature, ratio as calm_ratio};
 pub use impulse::Impulse;
+pub(crate) use locator::{EventLocator, Fired, Interruption, Switched};
 pub(crate) use modes::OwnedSegment;
 #[cfg(feature = "interpret")]
 pub(crate) use modes::{mode as switch_mode, text as switch_text};
-#[cfg(feature = "ensemble")]
-pub(crate) use monitor::{keeps_clear, ratio as calm_ratio};
 pub(crate) use scan::Crossing;
 pub(crate) use sides::begin_at;
 pub(crate) use signals::WIDTH as CLOSURE_WIDTH;
-pub(crate) use watch::{Fired, Interruption, Switched, Watch};
 
 /// Where events are noted.
 pub(crate) trait Log {
@@ -46,12 +46,12 @@ pub(crate) trait Log {
     fn event<S: System + ?Sized>(&mut self, system: &S, event: usize, t: f64, y: &[f64], ends: bool);
 
     /// Notes what the function of an event does that is no event.
-    fn remark(&mut self, remark: Remark);
+    fn remark(&mut self, remark: EventNote);
 }
 
 /// What the function of an event does that is no event.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Remark {
+pub(crate) struct EventNote {
     /// The event's name.
     pub event: String,
     /// When, s.

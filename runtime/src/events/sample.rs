@@ -84,11 +84,11 @@ impl Sampler {
         system: &S,
         event: usize,
         (t, y): (f64, &[f64]),
-        (step, largest, struck): (f64, f64, bool),
+        (step, largest, hit): (f64, f64, bool),
     ) -> f64 {
         self.at_state(system, t, y);
         let before = self.value(event);
-        if struck && self.rated[event] == Rated::Whole && (self.rates[event] * step).abs() > STILL * largest {
+        if hit && self.rated[event] == Rated::Whole && (self.rates[event] * step).abs() > STILL * largest {
             // What was struck leaves as its rate says, however low it hops.
             return self.rates[event].signum();
         }
@@ -369,7 +369,7 @@ impl Sampler {
         let [mut a, mut jerk] = [vec![0.0; n], vec![0.0; n]];
         let [mut lambda, mut change] = [vec![0.0; rows], vec![0.0; rows]];
         let at = At::packed(t, &self.y, n);
-        system.motion(at, &mut a, &mut lambda).ok()?;
+        system.accelerations_and_multipliers(at, &mut a, &mut lambda).ok()?;
         if !system.motion_rates(at.accelerated(&a).constrained(&lambda), &mut jerk, &mut change) {
             return None;
         }

@@ -1,7 +1,7 @@
 //! What the watched functions do within a step.
 
 use super::arguments::{Arguments, Course};
-use super::certify::{Certifier, Deed, Sample};
+use super::certify::{Certifier, Sample, ZeroKind};
 use super::sample::{PART, SHORTEST, SHOWN, Sampler};
 use crate::cause::Cause;
 use crate::integrate::Segment;
@@ -28,7 +28,7 @@ pub(crate) struct Oddity {
     /// When, s.
     pub t: f64,
     /// What.
-    pub deed: Deed,
+    pub kind: ZeroKind,
 }
 
 /// On which side of zero each function is: −1 or 1, or 0 while it has not left zero.
@@ -69,7 +69,7 @@ pub(crate) struct Scanner {
     /// Zeros of the last scan, in order of time, then of function.
     pub crossings: Vec<Crossing>,
     /// What else the last scan found.
-    pub oddities: Vec<Oddity>,
+    pub anomalies: Vec<Oddity>,
 }
 
 /// A value this small against the variation near the start of a step is zero where a switch was on its surface.
@@ -111,7 +111,7 @@ impl Scanner {
             early: None,
             inside: inside.collect(),
             crossings: Vec::with_capacity(2 * functions),
-            oddities: Vec::new(),
+            anomalies: Vec::new(),
         }
     }
 
@@ -141,7 +141,7 @@ impl Scanner {
         self.length = segment.h;
         self.ends = f64::NAN;
         self.crossings.clear();
-        self.oddities.clear();
+        self.anomalies.clear();
         self.early = None;
         for function in 0..self.sides.len() {
             if !self.asleep[function] {
@@ -153,7 +153,7 @@ impl Scanner {
     }
 
     /// Takes note of which events count in the phase in force.
-    pub fn awaken<S: System + ?Sized>(&mut self, system: &S) {
+    pub fn activate<S: System + ?Sized>(&mut self, system: &S) {
         let phase = system.phase() as u32;
         for (asleep, event) in self.asleep.iter_mut().zip(system.description().events.iter()) {
             *asleep = event.phases.as_ref().is_some_and(|phases| !phases.contains(&phase));
@@ -261,15 +261,16 @@ impl Scanner {
         (certifier.rounding, certifier.resolution) = (0.0, 0.0);
         let mut outcome = certifier.certify(&mut sample, &grid);
         // Within a very short step the rounding of the state, or of the time, looks like a jump or an oscillation.
-        if outcome.is_err() || certifier.marks.iter().any(|mark| matches!(mark.deed, Deed::Jumps | Deed::Pole)) {
+        if outcome.is_err() || certifier.marks.iter().any(|mark| matches!(mark.kind, ZeroKind::Jumps | ZeroKind::Pole))
+        {
             certifier.rounding = sampler.rounding(system, segment, function);
             certifier.resolution = f64::EPSILON * segment.t.abs() / segment.h;
             let mut sample = |theta: f64| sampler.sample(system, segment, function, theta);
             outcome = certifier.certify(&mut sample, &grid);
         }
-        let marks = self.crossings.len() + self.oddities.len();
+        let marks = self.crossings.len() + self.anomalies.len();
         self.collect((function, is_switch), &certifier, segment, floor);
-        if self.crossings.len() + self.oddities.len() > marks {
+        if self.crossings.len() + self.anomalies.len() > marks {
             let first = certifier.marks.iter().map(|mark| mark.x).find(|x| floor == 0.0 || *x > 0.0);
             let piece = grid[1..=divided].iter().map(|point| point.x).find(|x| first.is_some_and(|first| first <= *x));
             self.early = [self.early, piece].into_iter().flatten().reduce(f64::min);
@@ -307,13 +308,13 @@ impl Scanner {
         }
         self.size[function] = certifier.size;
         for mark in certifier.marks.iter().filter(|mark| floor == 0.0 || mark.x > begins) {
-            match mark.deed {
-                Deed::Crosses { rising } => {
+            match mark.kind {
+                ZeroKind::Crosses { rising } => {
                     self.crossings.push(Crossing { function, theta: mark.x, rising, jumps: false });
                     side = if rising { 1.0 } else { -1.0 };
                 }
                 // An event is what passes through zero; a switch has another side, however it got there.
-                Deed::Jumps | Deed::Pole | Deed::Undefined if switches => {
+                ZeroKind::Jumps | ZeroKind::Pole | ZeroKind::Undefined if switches => {
                     let theta = (mark.x + BEYOND * mark.x.max(segment.t.abs() / segment.h)).min(1.0);
                     let after = certifier.points().iter().find(|point| point.x >= theta && point.value.is_finite());
                     let there = after.map_or(side, |point| point.value.signum());
@@ -322,9 +323,9 @@ impl Scanner {
                     }
                     side = there;
                 }
-                deed => {
+                kind => {
                     let t = segment.t + mark.x * segment.h;
-                    self.oddities.push(Oddity { function, t, deed });
+                    self.anomalies.push(Oddity { function, t, kind });
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! Discontinuities of time: the times at which every step must end.
 
 use super::arguments::{Arguments, Course};
-use super::certify::{Certifier, Deed, Sample};
+use super::certify::{Certifier, Sample, ZeroKind};
 use super::modes;
 use super::sample::Sampler;
 use super::sides::SAME;
@@ -250,6 +250,6 @@ fn zeros<S: System + ?Sized>(
         points.find(|p| p.value != 0.0 && p.value.is_finite()).map_or(0.0, |p| p.value.signum())
     };
     let (first, last) = (ends(Box::new(certifier.points().iter())), ends(Box::new(certifier.points().iter().rev())));
-    let changes = certifier.marks.iter().filter(|mark| !matches!(mark.deed, Deed::Touches));
+    let changes = certifier.marks.iter().filter(|mark| !matches!(mark.kind, ZeroKind::Touches));
     Some(Zeros { times: changes.map(|mark| low + mark.x * span).collect(), first, last })
 }

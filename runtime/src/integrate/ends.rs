@@ -1,6 +1,6 @@
 //! The two ends of a step, for methods that go from one to the other in one piece.
 
-use super::{Reached, Setback, Tolerance};
+use super::{Endpoint, StepFailure, Tolerance};
 use crate::mechanism::System;
 
 /// State, rate and W = ∫P dt where a step begins, and where the one that was tried ends.
@@ -39,17 +39,17 @@ impl Ends {
     }
 
     /// Where the step begins.
-    pub fn first(&self) -> Reached<'_> {
-        Reached { y: &self.y, rate: &self.rate, work: self.work.map_or(0.0, |work| work.0) }
+    pub fn first(&self) -> Endpoint<'_> {
+        Endpoint { y: &self.y, rate: &self.rate, work: self.work.map_or(0.0, |work| work.0) }
     }
 
     /// Where it ends.
-    pub fn last(&self) -> Reached<'_> {
-        Reached { y: &self.end, rate: &self.end_rate, work: self.work.map_or(0.0, |work| work.0 + work.1) }
+    pub fn last(&self) -> Endpoint<'_> {
+        Endpoint { y: &self.end, rate: &self.end_rate, work: self.work.map_or(0.0, |work| work.0 + work.1) }
     }
 
     /// Begins at the present state, with nothing left over.
-    pub fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), Setback> {
+    pub fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), StepFailure> {
         self.carry.fill(0.0);
         self.evaluations += 1;
         Ok(system.rate(t, &self.y, &mut self.rate)?)
@@ -73,7 +73,7 @@ impl Ends {
     }
 
     /// The rate at the end, which was `moved` or not; false where it is not finite.
-    pub fn conclude(&mut self, system: &dyn System, t: f64, moved: bool) -> Result<bool, Setback> {
+    pub fn conclude(&mut self, system: &dyn System, t: f64, moved: bool) -> Result<bool, StepFailure> {
         if moved {
             // What was lost to rounding lies beside the constraints.
             let ends = self.end.iter().zip(&self.y);
@@ -101,7 +101,7 @@ impl Ends {
         let n = self.n;
         let sum: f64 = (0..n)
             .map(|j| {
-                let changes = tolerance.carried(j, |k| (self.end[k] - self.y[k]).abs());
+                let changes = tolerance.coupled_changes(j, |k| (self.end[k] - self.y[k]).abs());
                 let [place, speed] = tolerance.units_by_change(j, h, changes);
                 (errors[j] / place).powi(2) + (errors[n + j] / speed).powi(2)
             })

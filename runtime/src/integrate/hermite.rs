@@ -1,6 +1,6 @@
 //! Polynomials through states with their rates, in the form that [`super::Segment`] evaluates.
 
-use super::Reached;
+use super::Endpoint;
 
 /// Pieces of the dense output of a step whose ends alone are known.
 pub(crate) const BY_ENDS: usize = 6;
@@ -10,7 +10,7 @@ pub(crate) const BY_MIDDLE: usize = 9;
 /// q is the polynomial of degree 5 through (q, q', q'') at both ends of a step of h, q' its derivative.
 ///
 /// Its error is O(h⁶) in q and O(h⁵) in q', and costs no evaluation.
-pub(crate) fn write_by_ends(h: f64, ends: [Reached<'_>; 2], pieces: &mut [f64]) {
+pub(crate) fn write_by_ends(h: f64, ends: [Endpoint<'_>; 2], pieces: &mut [f64]) {
     write(h, ends, differ(ends), pieces, |_, _| ());
 }
 
@@ -18,7 +18,7 @@ pub(crate) fn write_by_ends(h: f64, ends: [Reached<'_>; 2], pieces: &mut [f64]) 
 /// derivative.
 ///
 /// Its error is O(h⁹) in q and O(h⁸) in q'.
-pub(crate) fn write_by_middle(h: f64, ends: [Reached<'_>; 2], middle: (&[f64], &[f64]), pieces: &mut [f64]) {
+pub(crate) fn write_by_middle(h: f64, ends: [Endpoint<'_>; 2], middle: (&[f64], &[f64]), pieces: &mut [f64]) {
     let n = ends[0].y.len() / 2;
     let (y, rate) = middle;
     write(h, ends, differ(ends), pieces, |i, nested| correct(nested, [y[i], h * y[n + i], h * h * rate[n + i]]));
@@ -31,7 +31,7 @@ pub(crate) fn write_by_middle(h: f64, ends: [Reached<'_>; 2], middle: (&[f64], &
 /// that are rounded it is known to ε|q| only, of which the derivative would be ε|q|/h, the more the shorter the step.
 pub(crate) fn write_by_bends(
     h: f64,
-    ends: [Reached<'_>; 2],
+    ends: [Endpoint<'_>; 2],
     change: impl Fn(usize) -> f64,
     bends: [(f64, &[f64]); 3],
     pieces: &mut [f64],
@@ -40,14 +40,14 @@ pub(crate) fn write_by_bends(
 }
 
 /// The change of each coordinate between two ends as they are.
-fn differ(ends: [Reached<'_>; 2]) -> impl Fn(usize) -> f64 {
+fn differ(ends: [Endpoint<'_>; 2]) -> impl Fn(usize) -> f64 {
     move |i| ends[1].y[i] - ends[0].y[i]
 }
 
 /// What is known between the ends completes the polynomial of each coordinate.
 fn write(
     h: f64,
-    ends: [Reached<'_>; 2],
+    ends: [Endpoint<'_>; 2],
     change: impl Fn(usize) -> f64,
     pieces: &mut [f64],
     complete: impl Fn(usize, &mut [f64; BY_MIDDLE]),
@@ -174,7 +174,7 @@ mod tests {
         let a = |t: f64| f64::from(degree * (degree - 1)) * t.powi(degree - 2);
         let states = [t, t + h, t + 0.5 * h].map(|t| ([q(t), v(t)], [v(t), a(t)]));
         let [start, end, middle] = &states;
-        let ends = [start, end].map(|(y, rate)| Reached { y, rate, work: 0.0 });
+        let ends = [start, end].map(|(y, rate)| Endpoint { y, rate, work: 0.0 });
         let mut pieces = vec![0.0; 2 * if with_middle { BY_MIDDLE } else { BY_ENDS }];
         if with_middle {
             write_by_middle(h, ends, (&middle.0, &middle.1), &mut pieces);
@@ -196,7 +196,7 @@ mod tests {
             let v = |t: f64| power(degree, t) / t;
             let a = |t: f64| power(degree * (degree - 1), t) / (t * t);
             let [start, end] = [1.0, 1.0 + h].map(|t| ([q(t), v(t)], [v(t), a(t)]));
-            let ends = [&start, &end].map(|(y, rate)| Reached { y, rate, work: 0.0 });
+            let ends = [&start, &end].map(|(y, rate)| Endpoint { y, rate, work: 0.0 });
             let points = [0.3, 0.5, 0.7].map(|theta| (theta, [a(1.0 + theta * h)]));
             let mut pieces = [0.0; 2 * BY_MIDDLE];
             write_by_bends(

@@ -47,9 +47,9 @@ pub(crate) use rest::AtRest;
 pub(crate) use segment::Segment;
 pub(crate) use stability::{Rational, Stability};
 pub(crate) use stiffness::StiffnessDetector;
-pub(crate) use tolerance::{JITTER, Tolerance, larger};
 #[cfg(feature = "ensemble")]
 pub(crate) use tolerance::{LEAST, ROUNDING, widest};
+pub(crate) use tolerance::{PERTURBATION, Tolerance, larger};
 
 use crate::cause::Cause;
 use crate::mechanism::{Description, Singular, System};
@@ -65,28 +65,28 @@ pub(crate) trait OneStep: Send {
     fn counters(&self) -> Counters;
 
     /// Where the next step begins.
-    fn start(&self) -> Reached<'_>;
+    fn start(&self) -> Endpoint<'_>;
 
     /// The state where the next step begins, to be changed before [`OneStep::begin`].
     fn state_mut(&mut self) -> &mut [f64];
 
     /// Where the step that was tried ends.
-    fn end(&self) -> Reached<'_>;
+    fn end(&self) -> Endpoint<'_>;
 
     /// Where the step that was tried ends, to be changed before [`OneStep::conclude`].
     fn end_mut(&mut self) -> &mut [f64];
 
     /// Begins at the present state, after it or the equations changed.
-    fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), Setback>;
+    fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), StepFailure>;
 
     /// The rate of a state that need not lie on the motion.
-    fn evaluate(&mut self, system: &dyn System, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), Setback>;
+    fn evaluate(&mut self, system: &dyn System, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), StepFailure>;
 
     /// Tries a step and returns its error in units of the tolerance, 0 without one.
-    fn attempt(&mut self, system: &dyn System, trial: Trial<'_>) -> Result<f64, Setback>;
+    fn attempt(&mut self, system: &dyn System, trial: Trial<'_>) -> Result<f64, StepFailure>;
 
     /// The rate at the end of the step that was tried, which was `moved` or not; false where it is not finite.
-    fn conclude(&mut self, system: &dyn System, t: f64, moved: bool) -> Result<bool, Setback>;
+    fn conclude(&mut self, system: &dyn System, t: f64, moved: bool) -> Result<bool, StepFailure>;
 
     /// The estimated errors of all components of the step that was tried with a tolerance.
     fn errors(&self) -> &[f64];
@@ -123,7 +123,7 @@ pub(crate) trait OneStep: Send {
     fn dense_is_free(&self) -> bool;
 
     /// Computes dense output of the step that was tried, of length h from t; after the rate at the end.
-    fn dense(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), Setback>;
+    fn dense(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), StepFailure>;
 
     /// The dense output, after [`OneStep::dense`].
     fn segment(&self, t: f64, h: f64) -> Segment<'_>;
@@ -142,7 +142,7 @@ pub(crate) struct Trial<'a> {
 
 /// A state on the motion with its rate, and the work of what has no potential until then, J.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Reached<'a> {
+pub(crate) struct Endpoint<'a> {
     /// [q; q'].
     pub y: &'a [f64],
     /// [q'; q''].
@@ -164,7 +164,7 @@ pub(crate) struct Counters {
 
 /// Why a step could not be computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Setback {
+pub(crate) enum StepFailure {
     /// There are no accelerations at a state on the way.
     Singular(Singular),
     /// The iteration of an implicit method, or of one that meets constraints, does not come to an end.
@@ -174,18 +174,18 @@ pub(crate) enum Setback {
     },
 }
 
-impl From<Singular> for Setback {
+impl From<Singular> for StepFailure {
     fn from(fault: Singular) -> Self {
-        Setback::Singular(fault)
+        StepFailure::Singular(fault)
     }
 }
 
-impl Setback {
+impl StepFailure {
     /// The end of a run that cannot go round it.
     pub fn cause(self, mechanism: &Description) -> Cause {
         match self {
-            Setback::Singular(fault) => fault.cause(mechanism),
-            Setback::Stalled { h } => Cause::IterationStalled { h },
+            StepFailure::Singular(fault) => fault.cause(mechanism),
+            StepFailure::Stalled { h } => Cause::IterationStalled { h },
         }
     }
 }

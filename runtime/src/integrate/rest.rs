@@ -1,6 +1,6 @@
 //! What stays where it is.
 
-use super::{Control, Counters, OneStep, Reached, Segment, Setback, Trial};
+use super::{Control, Counters, Endpoint, OneStep, Segment, StepFailure, Trial};
 use crate::mechanism::System;
 
 /// A mechanism at rest in a stable equilibrium, as far as rounding tells: it stays there.
@@ -17,7 +17,7 @@ pub(crate) struct AtRest {
 impl AtRest {
     /// Where a method is now.
     pub fn new(of: &dyn OneStep) -> Self {
-        let Reached { y, rate, work } = of.start();
+        let Endpoint { y, rate, work } = of.start();
         let (y, still) = (y.to_vec(), vec![0.0; rate.len()]);
         AtRest { y, still, control: of.control(), counters: of.counters(), work }
     }
@@ -32,15 +32,15 @@ impl OneStep for AtRest {
         self.counters
     }
 
-    fn start(&self) -> Reached<'_> {
-        Reached { y: &self.y, rate: &self.still, work: self.work }
+    fn start(&self) -> Endpoint<'_> {
+        Endpoint { y: &self.y, rate: &self.still, work: self.work }
     }
 
     fn state_mut(&mut self) -> &mut [f64] {
         &mut self.y
     }
 
-    fn end(&self) -> Reached<'_> {
+    fn end(&self) -> Endpoint<'_> {
         self.start()
     }
 
@@ -48,20 +48,20 @@ impl OneStep for AtRest {
         &mut self.y
     }
 
-    fn begin(&mut self, _: &dyn System, _: f64) -> Result<(), Setback> {
+    fn begin(&mut self, _: &dyn System, _: f64) -> Result<(), StepFailure> {
         Ok(())
     }
 
-    fn evaluate(&mut self, _: &dyn System, _: f64, _: &[f64], rate: &mut [f64]) -> Result<(), Setback> {
+    fn evaluate(&mut self, _: &dyn System, _: f64, _: &[f64], rate: &mut [f64]) -> Result<(), StepFailure> {
         rate.fill(0.0);
         Ok(())
     }
 
-    fn attempt(&mut self, _: &dyn System, _: Trial<'_>) -> Result<f64, Setback> {
+    fn attempt(&mut self, _: &dyn System, _: Trial<'_>) -> Result<f64, StepFailure> {
         Ok(0.0)
     }
 
-    fn conclude(&mut self, _: &dyn System, _: f64, _: bool) -> Result<bool, Setback> {
+    fn conclude(&mut self, _: &dyn System, _: f64, _: bool) -> Result<bool, StepFailure> {
         Ok(true)
     }
 
@@ -83,7 +83,7 @@ impl OneStep for AtRest {
         true
     }
 
-    fn dense(&mut self, _: &dyn System, _: f64, _: f64) -> Result<(), Setback> {
+    fn dense(&mut self, _: &dyn System, _: f64, _: f64) -> Result<(), StepFailure> {
         Ok(())
     }
 

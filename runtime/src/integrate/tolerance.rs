@@ -15,7 +15,7 @@ use crate::mechanism::Description;
 /// rounding of q: no error below it counts.  ν is the noise of the acceleration, what the rounding of all coordinates
 /// and of the time makes of it; it is measured where errors do not fall as steps become shorter ([`Tolerance::noise`]).  Where a
 /// coordinate takes over the rounding of a larger one beside it, φ is raised then.  What sets off from rest like a high power of
-/// time has errors of the size of its change in any step: those of its first step count as none ([`Tolerance::set_off`]).
+/// time has errors of the size of its change in any step: those of its first step count as none ([`Tolerance::note_start_up_errors`]).
 ///
 /// What has decayed far below its largest value has absolute accuracy only.
 #[derive(Clone, Debug)]
@@ -34,10 +34,10 @@ pub(crate) struct Tolerance {
     /// ν, 0 where nothing made it worth a measurement.
     noise: Vec<f64>,
     /// Errors over the step in which a component sets off from rest, where no shorter one has smaller ones beside its change.
-    onset: Vec<f64>,
+    start_up_errors: Vec<f64>,
     /// What rounding of constraints that hardly differ leaves open, of q and of q'; 0 elsewhere.
-    blurred: Vec<f64>,
-    /// Whether there is neither noise nor blur, as usual.
+    constraint_round_off: Vec<f64>,
+    /// Whether there is neither noise nor round-off of constraints, as usual.
     is_clear: bool,
     /// The first coordinate of the same unit.
     group: Vec<usize>,
@@ -46,7 +46,7 @@ pub(crate) struct Tolerance {
 /// 200 unit round-offs.
 pub(crate) const ROUNDING: f64 = 100.0 * f64::EPSILON;
 /// By what part of themselves coordinates and the time are moved to see what their rounding does.
-pub(crate) const JITTER: f64 = 4.0 * f64::EPSILON;
+pub(crate) const PERTURBATION: f64 = 4.0 * f64::EPSILON;
 /// The least unit of errors, SI: nothing is so small, and squares of what is many times smaller are still numbers.
 pub(crate) const LEAST: f64 = 1e-100;
 /// Errors are explained by up to so many times the measured noise.
@@ -73,8 +73,8 @@ impl Tolerance {
             raised: vec![0.0; n],
             noise: vec![0.0; n],
             floors: vec![0.0; start.len()],
-            onset: vec![0.0; start.len()],
-            blurred: vec![0.0; start.len()],
+            start_up_errors: vec![0.0; start.len()],
+            constraint_round_off: vec![0.0; start.len()],
             is_clear: true,
             group,
         };
@@ -90,7 +90,7 @@ impl Tolerance {
             return usual;
         }
         let noise = if k < self.n { h.abs() * (h.abs() * self.noise[k]) } else { h.abs() * self.noise[k - self.n] };
-        larger(usual, larger(noise, self.blurred[k]))
+        larger(usual, larger(noise, self.constraint_round_off[k]))
     }
 
     /// The errors of qᵢ and q'ᵢ that count as 1, over a step of h from `start` to `end` that begins with `rate`.
@@ -108,12 +108,12 @@ impl Tolerance {
     ///
     /// What moves at first by a high power of the time alone, driven by what moves already, has errors of the size of its
     /// change in any step, however short.
-    pub fn carried(&self, i: usize, change: impl Fn(usize) -> f64) -> [f64; 2] {
-        const CARRIED: f64 = 1e-6;
+    pub fn coupled_changes(&self, i: usize, change: impl Fn(usize) -> f64) -> [f64; 2] {
+        const COUPLED: f64 = 1e-6;
         let mut most = [change(i), change(self.n + i)];
         for j in (0..self.n).filter(|j| self.group[*j] == self.group[i]) {
-            most[0] = larger(most[0], CARRIED * change(j));
-            most[1] = larger(most[1], CARRIED * change(self.n + j));
+            most[0] = larger(most[0], COUPLED * change(j));
+            most[1] = larger(most[1], COUPLED * change(self.n + j));
         }
         most
     }
@@ -130,10 +130,14 @@ impl Tolerance {
     }
 
     /// Takes note of what rounding of the constraints makes of [q; q'] at the present state; `None`: nothing to speak of.
-    pub fn blur(&mut self, noise: Option<&[f64]>) {
+    pub fn note_constraint_round_off(&mut self, noise: Option<&[f64]>) {
         match noise {
-            Some(noise) => self.blurred.iter_mut().zip(noise).for_each(|(blurred, noise)| *blurred = *noise),
-            None => self.blurred.fill(0.0),
+            Some(noise) => self
+                .constraint_round_off
+                .iter_mut()
+                .zip(noise)
+                .for_each(|(constraint_round_off, noise)| *constraint_round_off = *noise),
+            None => self.constraint_round_off.fill(0.0),
         }
         self.clear_up();
     }
@@ -159,7 +163,7 @@ impl Tolerance {
         let rounding = larger(ROUNDING * larger(high.abs(), low.abs()), raised);
         let range = if high - low > widest { widest } else { high - low };
         // Where all of it is zero an error of zero must count as none.
-        larger(larger(self.relative * range, rounding), larger(self.onset[k], LEAST))
+        larger(larger(self.relative * range, rounding), larger(self.start_up_errors[k], LEAST))
     }
 
     /// True if the errors of coordinate i, too large still after they fell from `before` to `after` when the step was cut
@@ -184,7 +188,7 @@ impl Tolerance {
     }
 
     /// Takes note of the noise of an acceleration: what it changes by when every coordinate moves by
-    /// [`Tolerance::jitter`].  Errors over a step of h that are no larger than it explains count as rounding from now on.
+    /// [`Tolerance::perturbation`].  Errors over a step of h that are no larger than it explains count as rounding from now on.
     pub fn noise(&mut self, i: usize, change: f64, h: f64, errors: [f64; 2]) {
         let floor = ROUNDING * self.largest_alike(i);
         let explains = h.abs() * change;
@@ -202,10 +206,10 @@ impl Tolerance {
     ///
     /// What grows like tᵖ is off by the same part of itself over any first step, however short; later steps, which move it by
     /// far more, are judged by its range.
-    pub fn set_off(&mut self, errors: &[f64]) {
+    pub fn note_start_up_errors(&mut self, errors: &[f64]) {
         for (k, error) in errors.iter().enumerate() {
             if self.low[k] == self.high[k] {
-                self.onset[k] = error.abs();
+                self.start_up_errors[k] = error.abs();
                 self.floors[k] = self.floor(k);
             }
         }
@@ -226,12 +230,12 @@ impl Tolerance {
     }
 
     fn clear_up(&mut self) {
-        self.is_clear = self.noise.iter().chain(&self.blurred).all(|part| *part == 0.0);
+        self.is_clear = self.noise.iter().chain(&self.constraint_round_off).all(|part| *part == 0.0);
     }
 
     /// A change of coordinate i of a few roundings.
-    pub fn jitter(&self, i: usize) -> f64 {
-        JITTER * self.high[i].abs().max(self.low[i].abs())
+    pub fn perturbation(&self, i: usize) -> f64 {
+        PERTURBATION * self.high[i].abs().max(self.low[i].abs())
     }
 
     /// Coordinates whose accuracy is limited by the rounding of others instead of the tolerance, and to what, in SI;

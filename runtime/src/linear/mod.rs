@@ -43,7 +43,7 @@ pub use constrained::{Tangent, linearise_tangent};
 #[cfg(feature = "cli")]
 pub(crate) use equilibrium::force_unit;
 pub use equilibrium::{
-    Equilibrium, Freedom, Guess, Jump, Linearised, equilibria, equilibrium_here, equilibrium_near, linearise,
+    Equilibrium, Guess, Jump, Linearised, ZeroStiffness, equilibria, equilibrium_here, equilibrium_near, linearise,
     state_matrix,
 };
 pub use forced::{

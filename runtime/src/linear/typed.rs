@@ -1,7 +1,7 @@
 //! Small motions of every mechanism that `model!` makes.
 
 use super::{Equilibrium, Guess, LinearError, Linearised, equilibrium_here, equilibrium_near, linearise};
-use crate::mechanism::{Erased, Mechanism};
+use crate::mechanism::{Dynamic, Mechanism};
 
 /// Equilibria and linearisation of a mechanism with N coordinates.
 pub trait Linearise<const N: usize, const C: usize>: Mechanism<N, C> + 'static {
@@ -10,7 +10,7 @@ pub trait Linearise<const N: usize, const C: usize>: Mechanism<N, C> + 'static {
     /// # Errors
     /// As [`equilibrium_near`].
     fn equilibrium_near(&self, q: &[f64; N]) -> Result<Equilibrium, LinearError> {
-        equilibrium_near(&Erased::new(self.clone()), &Guess::at(q))
+        equilibrium_near(&Dynamic::new(self.clone()), &Guess::at(q))
     }
 
     /// This point, if it is an equilibrium.
@@ -18,7 +18,7 @@ pub trait Linearise<const N: usize, const C: usize>: Mechanism<N, C> + 'static {
     /// # Errors
     /// [`LinearError::NotAnEquilibrium`] with the residual force of every coordinate.
     fn equilibrium_here(&self, q: &[f64; N]) -> Result<Equilibrium, LinearError> {
-        equilibrium_here(&Erased::new(self.clone()), &Guess::at(q))
+        equilibrium_here(&Dynamic::new(self.clone()), &Guess::at(q))
     }
 
     /// M, C, K and B at an equilibrium.
@@ -26,7 +26,7 @@ pub trait Linearise<const N: usize, const C: usize>: Mechanism<N, C> + 'static {
     /// # Errors
     /// As [`linearise`].
     fn linearise(&self, equilibrium: &Equilibrium) -> Result<Linearised, LinearError> {
-        linearise(&Erased::new(self.clone()), equilibrium)
+        linearise(&Dynamic::new(self.clone()), equilibrium)
     }
 }
 

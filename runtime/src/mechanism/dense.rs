@@ -32,10 +32,10 @@ pub(crate) fn constraint_matrix<S: System + ?Sized>(system: &S, at: At<'_>, rows
 }
 
 /// ∂c'/∂q of these rows.
-pub(crate) fn constraint_tilt<S: System + ?Sized>(system: &S, at: At<'_>, rows: &[usize]) -> DMatrix<f64> {
-    let pattern = &system.description().constraint_tilt_pattern;
+pub(crate) fn constraint_rate_jacobian<S: System + ?Sized>(system: &S, at: At<'_>, rows: &[usize]) -> DMatrix<f64> {
+    let pattern = &system.description().constraint_rate_pattern;
     let mut values = vec![0.0; pattern.len()];
-    system.constraint_tilt(at, &mut values);
+    system.constraint_rate_jacobian(at, &mut values);
     of_rows(system, pattern, &values).select_rows(rows)
 }
 

@@ -57,7 +57,7 @@ pub struct Description {
     /// (row, coordinate) of the structural non-zeros of ∂(J q'' + γ)/∂q'.
     pub constraint_damping_pattern: List<(u32, u32)>,
     /// (row, coordinate) of the structural non-zeros of ∂c'/∂q.
-    pub constraint_tilt_pattern: List<(u32, u32)>,
+    pub constraint_rate_pattern: List<(u32, u32)>,
     /// Outputs, in the order of `System::outputs`.
     pub outputs: List<Quantity>,
     /// True when some output needs accelerations.

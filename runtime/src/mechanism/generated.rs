@@ -241,9 +241,16 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
         dv: &mut [S],
     );
     /// ∂c'/∂q as values of its pattern.
-    fn constraint_tilt<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], values: &mut [S]);
+    fn constraint_rate_jacobian<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        values: &mut [S],
+    );
     /// Quantities that scenes' starts meet beside constraints.
-    fn also<S: Real>(
+    fn start_conditions<S: Real>(
         c: &Self::Constants<S>,
         t: S,
         u: &[S],
@@ -277,8 +284,8 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
     fn equilibrium_guess(&self) -> [f64; N];
     /// The coefficients of restitution of the events' impacts.
     fn restitutions(&self) -> Vec<f64>;
-    /// What [`Mechanism::also`] gives where the starts meet it.
-    fn also_values(&self) -> Vec<f64>;
+    /// What [`Mechanism::start_conditions`] gives where the starts meet it.
+    fn start_condition_values(&self) -> Vec<f64>;
 }
 
 impl Energy {

@@ -5,19 +5,19 @@ mod balances;
 pub(crate) mod dense;
 mod description;
 mod dual;
+mod dynamic;
 mod enforcement;
-mod erased;
-mod form;
 mod generated;
 #[cfg(feature = "interpret")]
 mod interpreted;
+mod kkt;
 mod method;
-mod part;
 mod phased;
 mod real;
 mod singular;
 mod slopes;
 mod solve;
+mod subsystem;
 mod system;
 mod table;
 
@@ -28,16 +28,15 @@ pub use description::{
     List, Parameter, Part, Phase, Quantity, Rated, Role, Row, Shape, Structure, Switch, SwitchKind, Text, Tried,
     Watched,
 };
+pub use dynamic::Dynamic;
 pub use enforcement::{Enforcement, Stabilisation};
-pub use erased::Erased;
-pub(crate) use form::{Form, Solutions};
 pub use generated::{Mechanism, Values};
 #[cfg(feature = "interpret")]
 pub(crate) use interpreted::ExtendedAt;
 #[cfg(feature = "interpret")]
 pub use interpreted::Interpreted;
+pub(crate) use kkt::{KktSolver, Solutions};
 pub use method::{Method, ParseMethodError};
-pub(crate) use part::OfPart;
 pub use phased::RowHistory;
 pub use real::Real;
 pub use singular::{Singular, SingularMass};
@@ -45,6 +44,7 @@ pub(crate) use slopes::AccelerationSlopes;
 #[doc(hidden)]
 pub use solve::solve_packed;
 pub(crate) use solve::solve_packed_slice;
+pub(crate) use subsystem::OfPart;
 pub use system::{Signal, System};
 pub use table::Table;
 
@@ -82,8 +82,8 @@ pub struct Scene {
     pub guessed: bool,
     /// The phase in which it starts.
     pub phase: usize,
-    /// Which of the equations of `System::also` the start meets beside constraints.
-    pub also: std::ops::Range<usize>,
+    /// Which of the equations of `System::start_conditions` the start meets beside constraints.
+    pub start_conditions: std::ops::Range<usize>,
     /// Where the run ends, s.
     pub until: f64,
     /// Tolerance, relative to the range that each coordinate goes through.

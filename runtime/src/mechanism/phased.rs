@@ -3,7 +3,7 @@
 use std::sync::{Mutex, PoisonError};
 
 use super::dense::constraint_triples;
-use super::{At, Energy, Enforcement, Form, Singular, System};
+use super::{At, Energy, Enforcement, KktSolver, Singular, System};
 
 /// What the motion so far tells of the constraints' rows; lists are empty where it tells nothing.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -29,7 +29,7 @@ pub(super) struct Phased {
     /// Baumgarte's α, 1/s; 0: none.
     pub alpha: f64,
     /// Nobody waits for it: whoever evaluates in parallel has a mechanism of its own.
-    form: Mutex<Form>,
+    form: Mutex<KktSolver>,
 }
 
 impl Clone for Phased {
@@ -64,7 +64,7 @@ impl Phased {
         a: &mut [f64],
         lambda: &mut [f64],
     ) -> Result<(), Singular> {
-        self.motion(system, at, a, lambda)?;
+        self.accelerations_and_multipliers(system, at, a, lambda)?;
         if self.enforcement == Enforcement::Multipliers {
             self.form.lock().unwrap_or_else(PoisonError::into_inner).spread(system, lambda);
         }
@@ -72,7 +72,7 @@ impl Phased {
     }
 
     /// Accelerations and multipliers, any where rows depend on each other.
-    pub fn motion<S: System + ?Sized>(
+    pub fn accelerations_and_multipliers<S: System + ?Sized>(
         &self,
         system: &S,
         at: At<'_>,
@@ -81,7 +81,7 @@ impl Phased {
     ) -> Result<(), Singular> {
         let mut form = self.form.lock().unwrap_or_else(PoisonError::into_inner);
         match self.enforcement {
-            Enforcement::Multipliers => form.motion(system, at, self.alpha, a, lambda),
+            Enforcement::Multipliers => form.accelerations_and_multipliers(system, at, self.alpha, a, lambda),
             Enforcement::NullSpace => form.by_null_space(system, at, self.alpha, a, lambda),
             Enforcement::Springs { stiffness, damping } => form.by_springs(system, at, (stiffness, damping), a, lambda),
         }

@@ -1,6 +1,6 @@
 //! How accelerations change with the state and with time.
 
-use super::form::Form;
+use super::kkt::KktSolver;
 use super::{At, Enforcement, Singular, System};
 
 /// ∂a/∂q, ∂a/∂q' and ∂a/∂t of the accelerations at a state, from the generated Jacobians.
@@ -11,7 +11,7 @@ use super::{At, Enforcement, Singular, System};
 #[derive(Clone, Debug)]
 pub(crate) struct AccelerationSlopes {
     n: usize,
-    form: Form,
+    form: KktSolver,
     a: Vec<f64>,
     lambda: Vec<f64>,
     by_place: Vec<f64>,
@@ -36,7 +36,7 @@ impl AccelerationSlopes {
         let square = || vec![0.0; n * n];
         AccelerationSlopes {
             n,
-            form: Form::default(),
+            form: KktSolver::default(),
             a: vec![0.0; n],
             lambda: Vec::new(),
             by_place: square(),
@@ -80,7 +80,7 @@ impl AccelerationSlopes {
         let n = self.n;
         let description = system.description();
         self.lambda.resize(description.rows.len(), 0.0);
-        system.motion(at, &mut self.a, &mut self.lambda)?;
+        system.accelerations_and_multipliers(at, &mut self.a, &mut self.lambda)?;
         let at = at.accelerated(&self.a).constrained(&self.lambda);
         let patterns = [&description.stiffness_pattern, &description.damping_pattern];
         let count = patterns[0].len();

@@ -58,7 +58,7 @@ pub trait System: Send + Sync {
     ///
     /// # Errors
     /// As [`System::accelerations`].
-    fn motion(&self, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> Result<(), Singular> {
+    fn accelerations_and_multipliers(&self, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> Result<(), Singular> {
         lambda.fill(0.0);
         self.accelerations(at, a)
     }
@@ -98,7 +98,7 @@ pub trait System: Send + Sync {
     }
 
     /// ∂c'/∂q as values of its pattern.
-    fn constraint_tilt(&self, at: At<'_>, values: &mut [f64]) {
+    fn constraint_rate_jacobian(&self, at: At<'_>, values: &mut [f64]) {
         let _ = (at, values);
     }
 
@@ -154,7 +154,7 @@ pub trait System: Send + Sync {
     }
 
     /// Quantities that scenes' starts meet beside constraints: what they are at a state, and what they are to be.
-    fn also(&self, at: At<'_>) -> Vec<(f64, f64)> {
+    fn start_conditions(&self, at: At<'_>) -> Vec<(f64, f64)> {
         let _ = at;
         Vec::new()
     }

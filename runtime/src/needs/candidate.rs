@@ -8,8 +8,8 @@ use super::edit::{Edit, entry, shown, unit_of, word};
 use super::full::{Full, MOST_COORDINATES};
 use super::linear::linear;
 use super::modal::{Modes, ladders};
+use super::reduction::Proposal;
 use super::rigid;
-use super::rung::Proposal;
 use crate::mechanism::At;
 use crate::run::plain;
 

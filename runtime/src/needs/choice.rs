@@ -5,11 +5,11 @@ use std::ops::ControlFlow;
 use dalembert_symbolic::diagnose::Step;
 use dalembert_symbolic::file::edit::{keys, source};
 
-use super::Unanswered;
+use super::NeedsError;
 use super::deviation::{Motion, between, largest};
 use super::edit::{Edit, entry, shown, word};
 use super::full::{Full, columns, on_constraints, started};
-use super::rung::{Answer, Proposal, Rung, Verdict, answer, near};
+use super::reduction::{Answer, ModelReduction, Proposal, Verdict, answer, near};
 use crate::mechanism::System;
 use crate::simulate::Settings;
 
@@ -51,19 +51,19 @@ pub struct Choice {
 
 impl Choice {
     /// Whether a rung is one of its members.
-    pub(super) fn includes(&self, rung: &Rung) -> bool {
+    pub(super) fn includes(&self, rung: &ModelReduction) -> bool {
         let mut members = self.members.iter().zip(&self.proposals);
         members.any(|(ingredient, proposal)| *ingredient == rung.ingredient && *proposal == rung.proposal)
     }
 }
 
 /// The looser tolerance that serves, as an ingredient that saves work of the full model by itself.
-pub(super) fn looser(full: &Full) -> Option<Rung> {
+pub(super) fn looser(full: &Full) -> Option<ModelReduction> {
     let own = full.settings.tolerance;
     full.tolerances().find_map(|tolerance| {
         let run = full.motion_of(&*full.system, &full.settings, tolerance).ok()?;
         let deviation = full.deviation(&run).ok().filter(|deviation| deviation.largest <= full.need.within)?;
-        Some(Rung::of_tolerance((tolerance, own), deviation, full.operations / run.operations))
+        Some(ModelReduction::of_tolerance((tolerance, own), deviation, full.operations / run.operations))
     })
 }
 
@@ -84,14 +84,14 @@ const IDLE: f64 = 1e-11;
 /// The set that saves most, verified; `None` where nothing does.
 pub(super) fn choose(
     full: &Full,
-    rungs: &[Rung],
+    rungs: &[ModelReduction],
     all: bool,
     progress: &mut dyn FnMut(&str) -> ControlFlow<()>,
-) -> Result<Option<Choice>, Unanswered> {
+) -> Result<Option<Choice>, NeedsError> {
     let mut members = greedy(full, rungs, all);
     for _ in 0..=RETRIES {
         if progress("what goes together").is_break() {
-            return Err(Unanswered::Interrupted);
+            return Err(NeedsError::Interrupted);
         }
         if members.is_empty() {
             break;
@@ -106,16 +106,16 @@ pub(super) fn choose(
     Ok(verified(full, &[]).filter(|choice| choice.saving > WORTH))
 }
 
-fn change(rung: &Rung) -> f64 {
+fn change(rung: &ModelReduction) -> f64 {
     rung.deviation.as_ref().map_or(0.0, |deviation| deviation.largest)
 }
 
 /// Those that serve, the ones that save most first, as long as the sum of their changes fits.
-fn greedy<'a>(full: &Full, rungs: &'a [Rung], all: bool) -> Vec<&'a Rung> {
-    let mut candidates: Vec<&Rung> =
+fn greedy<'a>(full: &Full, rungs: &'a [ModelReduction], all: bool) -> Vec<&'a ModelReduction> {
+    let mut candidates: Vec<&ModelReduction> =
         rungs.iter().filter(|rung| rung.verdict == Verdict::Serves && (all || rung.saving >= WORTH)).collect();
     candidates.sort_by(|a, b| b.saving.total_cmp(&a.saving).then(change(a).total_cmp(&change(b))));
-    let mut chosen: Vec<&Rung> = Vec::new();
+    let mut chosen: Vec<&ModelReduction> = Vec::new();
     for rung in candidates {
         // Of one ladder only one rung.
         if chosen.iter().any(|other| other.excludes(rung)) {
@@ -125,7 +125,7 @@ fn greedy<'a>(full: &Full, rungs: &'a [Rung], all: bool) -> Vec<&'a Rung> {
         if held(&chosen).iter().any(|coordinate| speaks_of(full, rung, coordinate)) {
             continue;
         }
-        let with: Vec<&Rung> = chosen.iter().copied().chain([rung]).collect();
+        let with: Vec<&ModelReduction> = chosen.iter().copied().chain([rung]).collect();
         let sizes: f64 = with.iter().map(|rung| change(rung)).sum();
         if predicted(&with) <= FILLED * full.need.within && sizes <= CANCELLED * full.need.within {
             chosen = with;
@@ -135,11 +135,12 @@ fn greedy<'a>(full: &Full, rungs: &'a [Rung], all: bool) -> Vec<&'a Rung> {
 }
 
 /// The largest sum of signed changes.
-fn predicted(members: &[&Rung]) -> f64 {
+fn predicted(members: &[&ModelReduction]) -> f64 {
     let Some(first) = members.first() else { return 0.0 };
     let columns = first.differences.iter().enumerate().map(|(column, own)| {
         let sum = |row: usize| -> f64 {
-            let at = |rung: &&Rung| rung.differences.get(column).and_then(|d| d.get(row)).copied().unwrap_or(0.0);
+            let at =
+                |rung: &&ModelReduction| rung.differences.get(column).and_then(|d| d.get(row)).copied().unwrap_or(0.0);
             members.iter().map(at).sum()
         };
         largest(&(0..own.len()).map(sum).collect::<Vec<f64>>())
@@ -148,7 +149,7 @@ fn predicted(members: &[&Rung]) -> f64 {
 }
 
 /// The file without these, at the loosest tolerance that serves; `None` where none does.
-fn verified(full: &Full, members: &[&Rung]) -> Option<Choice> {
+fn verified(full: &Full, members: &[&ModelReduction]) -> Option<Choice> {
     let mut edits: Vec<Edit> = members.iter().flat_map(|rung| rung.edits.clone()).collect();
     let mut found = answer(full, &edits).ok()?;
     let reference = motion(full, &found, full.tolerance)?;
@@ -188,13 +189,13 @@ fn motion(full: &Full, answer: &Answer, tolerance: f64) -> Option<Motion> {
 }
 
 /// The coordinates that are held.
-fn held<'a>(members: &[&'a Rung]) -> Vec<&'a str> {
-    let is_held = |rung: &&&Rung| matches!(rung.proposal, Proposal::Held { .. });
+fn held<'a>(members: &[&'a ModelReduction]) -> Vec<&'a str> {
+    let is_held = |rung: &&&ModelReduction| matches!(rung.proposal, Proposal::Held { .. });
     members.iter().filter(is_held).filter_map(|rung| rung.ingredient.strip_prefix("coordinates.")).collect()
 }
 
 /// Whether an entry that is left out says the name of a coordinate, in the full file.
-fn speaks_of(full: &Full, rung: &Rung, coordinate: &str) -> bool {
+fn speaks_of(full: &Full, rung: &ModelReduction, coordinate: &str) -> bool {
     rung.edits.iter().any(|edit| match edit {
         Edit::Remove(path) => word(&source_of(full, path), coordinate).is_some(),
         Edit::Replace { .. } | Edit::Hold { .. } | Edit::Slave { .. } => false,
@@ -203,7 +204,12 @@ fn speaks_of(full: &Full, rung: &Rung, coordinate: &str) -> bool {
 }
 
 /// Takes out springs and dampers, and forces and bodies that say the name of a coordinate that is held, if they do nothing any more.
-fn idle(full: &Full, members: &[&Rung], edits: &mut Vec<Edit>, (found, run): (&mut Answer, &Motion)) -> Vec<String> {
+fn idle(
+    full: &Full,
+    members: &[&ModelReduction],
+    edits: &mut Vec<Edit>,
+    (found, run): (&mut Answer, &Motion),
+) -> Vec<String> {
     let held = held(members);
     let mut gone = Vec::new();
     if held.is_empty() {

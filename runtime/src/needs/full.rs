@@ -10,7 +10,7 @@ use dalembert_symbolic::print::resting_place;
 use super::deviation::{Deviation, MOST_STEPS, Motion, TIMES, between, dense_enough, largest};
 use super::edit::with_sizes;
 use super::linear::resting;
-use super::{Need, Question, Unanswered};
+use super::{Need, NeedsError, NeedsRequest};
 use crate::constrain::Projection;
 use crate::mechanism::{Interpreted, System};
 use crate::precision::{Verified, WorkUnits};
@@ -69,19 +69,19 @@ pub(super) const MOST_GROWTH: f64 = 1e4;
 pub(super) const MOST_COORDINATES: usize = 24;
 
 impl Full {
-    pub fn run(question: &Question, need: Need) -> Result<Full, Unanswered> {
+    pub fn run(question: &NeedsRequest, need: Need) -> Result<Full, NeedsError> {
         let amount = need.absolute.iter().find(|(_, amount)| !(*amount > 0.0 && amount.is_finite()));
         if let Some((_, within)) = amount {
-            return Err(Unanswered::BadNeed { within: *within });
+            return Err(NeedsError::BadNeed { within: *within });
         }
         if !(1e-9..=0.5).contains(&need.within) {
-            return Err(Unanswered::BadNeed { within: need.within });
+            return Err(NeedsError::BadNeed { within: need.within });
         }
-        let Question { sizes, scene, folder, .. } = question;
+        let NeedsRequest { sizes, scene, folder, .. } = question;
         // The smaller file is one of these sizes.
         let source = &with_sizes(&question.source, sizes);
         let compiled = compile_in(folder.as_deref(), source, sizes);
-        let program = compiled.map_err(|problems| Unanswered::Model { problems })?;
+        let program = compiled.map_err(|problems| NeedsError::Model { problems })?;
         let places = places(&program);
         let mut need = need;
         let everything = need.outputs.is_empty() && need.absolute.is_empty();
@@ -96,7 +96,7 @@ impl Full {
         let wanted = need.outputs.clone();
         let run = |tolerance: f64, times: usize, instants: &Arc<[f64]>| {
             let motion = Motion::of((&*system, &settings), (tolerance, times), (&wanted, instants));
-            motion.map_err(|why| Unanswered::Fails { why })
+            motion.map_err(|why| NeedsError::Fails { why })
         };
         let none = Arc::from([]);
         let own = run(settings.tolerance, TIMES, &none)?;
@@ -104,7 +104,7 @@ impl Full {
             &mut *system.boxed_clone(),
             &Settings { tolerance, max_steps: MOST_STEPS, watch: false, ..settings.clone() },
         );
-        let dense = dense.map_err(|error| Unanswered::Fails { why: error.to_string() })?;
+        let dense = dense.map_err(|error| NeedsError::Fails { why: error.to_string() })?;
         let times = dense_enough(dense.work.steps);
         let instants: Arc<[f64]> = dense.instants(times).into();
         let (mut motion, mut exact) = (run(tolerance, times, &instants)?, run(0.1 * tolerance, times, &instants)?);
@@ -128,7 +128,7 @@ impl Full {
             scales.retain(Option::is_some);
         }
         if let Some(still) = scales.iter().position(Option::is_none) {
-            return Err(Unanswered::Still { name: need.outputs[still].clone() });
+            return Err(NeedsError::Still { name: need.outputs[still].clone() });
         }
         let scales: Vec<f64> = scales.into_iter().flatten().collect();
         let mut full = Full {
@@ -156,10 +156,10 @@ impl Full {
         };
         let known = between(&full.exact, &full.motion, full.measure());
         let (known, _) =
-            known.map_err(|what| Unanswered::Fails { why: format!("in another run, more exact, {what}") })?;
+            known.map_err(|what| NeedsError::Fails { why: format!("in another run, more exact, {what}") })?;
         full.known = known.largest;
         if full.known > KNOWN * full.need.within {
-            return Err(Unanswered::NotKnown { known: full.known, within: full.need.within });
+            return Err(NeedsError::NotKnown { known: full.known, within: full.need.within });
         }
         full.grow();
         full.rest = resting(&full);
@@ -275,7 +275,7 @@ pub(super) fn started(system: &dyn System, settings: &Settings, first: &[f64]) -
     if !system.description().rows.is_empty() && first.len() == 2 * system.len() {
         let (q, v) = first.split_at(system.len());
         (settings.q, settings.v) = (q.to_vec(), v.to_vec());
-        (settings.held_q, settings.held_v, settings.also) = (Vec::new(), Vec::new(), 0..0);
+        (settings.held_q, settings.held_v, settings.start_conditions) = (Vec::new(), Vec::new(), 0..0);
     }
     settings
 }
@@ -325,7 +325,7 @@ fn unfelt(program: &Program, wanted: &[String]) -> Vec<String> {
     let outputs: Vec<_> = outputs.copied().collect();
     let coordinates: Vec<usize> =
         (0..model.coordinates.len()).filter(|k| is_wanted(&model.coordinates[*k].name)).collect();
-    let felt = program.feels(&outputs, &coordinates);
+    let felt = program.depends_on(&outputs, &coordinates);
     let unfelt = (0..model.coordinates.len()).filter(|k| !felt[*k]);
     unfelt.map(|k| model.coordinates[k].name.clone()).collect()
 }
@@ -342,13 +342,13 @@ pub(super) fn set(
     program: Program,
     source: &str,
     scene: Option<&str>,
-) -> Result<(Box<dyn System>, Settings), Unanswered> {
+) -> Result<(Box<dyn System>, Settings), NeedsError> {
     let mut system = Interpreted::new(program, source);
     let place = match scene {
         None => 0,
         Some(name) => {
             let known = &system.description().scenes;
-            known.iter().position(|known| known == name).ok_or_else(|| Unanswered::UnknownName {
+            known.iter().position(|known| known == name).ok_or_else(|| NeedsError::UnknownName {
                 kind: "scene",
                 name: name.to_owned(),
                 known: known.iter().map(ToString::to_string).collect(),
@@ -363,7 +363,7 @@ pub(super) fn set(
 }
 
 /// Amounts of vectors as those of their components.
-fn amounts(system: &dyn System, given: &[(String, f64)]) -> Result<Vec<(String, f64)>, Unanswered> {
+fn amounts(system: &dyn System, given: &[(String, f64)]) -> Result<Vec<(String, f64)>, NeedsError> {
     let mut found = Vec::new();
     for (name, amount) in given {
         found.extend(columns(system, std::slice::from_ref(name))?.into_iter().map(|column| (column, *amount)));
@@ -372,7 +372,7 @@ fn amounts(system: &dyn System, given: &[(String, f64)]) -> Result<Vec<(String, 
 }
 
 /// What is wanted as columns of a run; all coordinates and outputs where nothing is named.
-pub(super) fn columns(system: &dyn System, wanted: &[String]) -> Result<Vec<String>, Unanswered> {
+pub(super) fn columns(system: &dyn System, wanted: &[String]) -> Result<Vec<String>, NeedsError> {
     let description = system.description();
     let outputs = description.outputs.iter().map(|output| {
         let parts: Vec<String> = match output.components {
@@ -399,7 +399,7 @@ pub(super) fn columns(system: &dyn System, wanted: &[String]) -> Result<Vec<Stri
             None if rates.contains(name) => found.push(name.clone()),
             None => {
                 let known = known.iter().map(|(name, _)| name.clone()).chain(rates.iter().cloned()).collect();
-                return Err(Unanswered::UnknownName { kind: "coordinate, rate or output", name: name.clone(), known });
+                return Err(NeedsError::UnknownName { kind: "coordinate, rate or output", name: name.clone(), known });
             }
         }
     }

@@ -13,7 +13,7 @@ use dalembert_symbolic::print::{About, Degree, LinearEnergies, linear_energies, 
 use super::candidate::{Candidate, rounded};
 use super::edit::{Edit, entry, scalar, shown, unit_of, unused, word};
 use super::full::{Full, MOST_COORDINATES};
-use super::rung::Proposal;
+use super::reduction::Proposal;
 use crate::linear::{Guess, equilibrium_near};
 use crate::mechanism::{At, SwitchKind};
 use crate::run::plain;

@@ -21,22 +21,22 @@ mod comparison;
 mod constrained;
 mod deviation;
 mod edit;
+mod error;
 mod explicit;
 mod full;
 mod linear;
 mod modal;
 mod picture;
 mod prediction;
+mod reduction;
 mod report;
 mod rigid;
-mod rung;
-mod unanswered;
 
 pub use choice::Choice;
 pub use deviation::Deviation;
+pub use error::NeedsError;
 pub use prediction::{Law, Prediction};
-pub use rung::{Proposal, Rung, Verdict};
-pub use unanswered::Unanswered;
+pub use reduction::{ModelReduction, Proposal, Verdict};
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -86,7 +86,7 @@ impl Need {
 
 /// What a file is asked.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Question {
+pub struct NeedsRequest {
     /// The model file's text.
     pub source: String,
     /// Sizes other than the file's.
@@ -104,7 +104,7 @@ pub struct Question {
 /// What a scene needs of its model.
 ///
 /// ```
-/// use dalembert::needs::{Need, Needs, Question};
+/// use dalembert::needs::{Need, Needs, NeedsRequest};
 ///
 /// let source = "
 /// name: Hung
@@ -117,8 +117,8 @@ pub struct Question {
 /// scene: {start: {r: L + m*g/k, theta: 0.3}, until: 5, tolerance: 1e-6}
 /// ";
 /// let need = Need::of(&["theta"], 2e-3);
-/// let question = Question { need: Some(need), ..Question::new(source) };
-/// let found = Needs::find(&question, &mut |_| std::ops::ControlFlow::Continue(()))?;
+/// let request = NeedsRequest { need: Some(need), ..NeedsRequest::new(source) };
+/// let found = Needs::find(&request, &mut |_| std::ops::ControlFlow::Continue(()))?;
 /// let choice = found.choice.as_ref().unwrap();
 /// assert!(choice.verified < 2e-3 && choice.saving > 10.0);
 /// assert!(found.smaller_file().unwrap().contains("define: {r: r_held}"));
@@ -154,7 +154,7 @@ pub struct Needs {
     /// The full model at ever tighter tolerances.
     pub full: Vec<Verified>,
     /// Every ingredient and what becomes of it, those that save most first.
-    pub rungs: Vec<Rung>,
+    pub rungs: Vec<ModelReduction>,
     /// What may go together; `None` where the full model is the cheapest that serves.
     pub choice: Option<Choice>,
     /// Sizes other than the file's.
@@ -166,19 +166,19 @@ pub struct Needs {
 /// Where a file says nothing else.
 const WITHIN: f64 = 1e-3;
 
-impl Question {
+impl NeedsRequest {
     /// Of a file's default scene, as it says.
-    pub fn new(source: impl Into<String>) -> Question {
-        Question { source: source.into(), sizes: Vec::new(), folder: None, scene: None, need: None, all: false }
+    pub fn new(source: impl Into<String>) -> NeedsRequest {
+        NeedsRequest { source: source.into(), sizes: Vec::new(), folder: None, scene: None, need: None, all: false }
     }
 
     /// The same question of the file with another value of a free parameter that has one, as the file would have it (`2 kg`).
     ///
     /// # Errors
     /// The names of parameters that can be set, where this is none of them.
-    pub fn setting(mut self, name: &str, value: &str) -> Result<Question, Unanswered> {
+    pub fn setting(mut self, name: &str, value: &str) -> Result<NeedsRequest, NeedsError> {
         let known = keys(&self.source, &[Step::Key("parameters".to_owned())]);
-        let unknown = || Unanswered::UnknownName { kind: "parameter", name: name.to_owned(), known: known.clone() };
+        let unknown = || NeedsError::UnknownName { kind: "parameter", name: name.to_owned(), known: known.clone() };
         self.source = edit::with_parameter(&self.source, self.scene.as_deref(), name, value).ok_or_else(unknown)?;
         Ok(self)
     }
@@ -187,9 +187,9 @@ impl Question {
     ///
     /// # Errors
     /// The names of coordinates, where this is neither one of them nor its speed.
-    pub fn starting(mut self, name: &str, value: &str) -> Result<Question, Unanswered> {
+    pub fn starting(mut self, name: &str, value: &str) -> Result<NeedsRequest, NeedsError> {
         let known = keys(&self.source, &[Step::Key("coordinates".to_owned())]);
-        let unknown = || Unanswered::UnknownName { kind: "coordinate", name: name.to_owned(), known: known.clone() };
+        let unknown = || NeedsError::UnknownName { kind: "coordinate", name: name.to_owned(), known: known.clone() };
         if !known.iter().any(|coordinate| coordinate == name.trim_end_matches('\'')) {
             return Err(unknown());
         }
@@ -202,9 +202,9 @@ impl Question {
     ///
     /// # Errors
     /// The names of scenes, where the file has none in lines or brackets that is asked for.
-    pub fn ending(mut self, until: &str) -> Result<Question, Unanswered> {
+    pub fn ending(mut self, until: &str) -> Result<NeedsRequest, NeedsError> {
         let edited = edit::with_until(&self.source, self.scene.as_deref(), until);
-        self.source = edited.ok_or_else(|| Unanswered::UnknownName {
+        self.source = edited.ok_or_else(|| NeedsError::UnknownName {
             kind: "scene",
             name: self.scene.clone().unwrap_or_else(|| "scene".to_owned()),
             known: keys(&self.source, &[Step::Key("scenes".to_owned())]),
@@ -216,7 +216,7 @@ impl Question {
     ///
     /// # Errors
     /// A file with mistakes.
-    pub fn need(&self) -> Result<Need, Unanswered> {
+    pub fn need(&self) -> Result<Need, NeedsError> {
         if let Some(need) = &self.need {
             return Ok(need.clone());
         }
@@ -227,9 +227,9 @@ impl Question {
     ///
     /// # Errors
     /// A file with mistakes.
-    pub fn said(&self) -> Result<Option<Need>, Unanswered> {
+    pub fn said(&self) -> Result<Option<Need>, NeedsError> {
         let model = model::load_in(self.folder.as_deref(), &self.source, &self.sizes)
-            .map_err(|problems| Unanswered::Model { problems })?;
+            .map_err(|problems| NeedsError::Model { problems })?;
         let said = model.need(self.scene.as_deref().unwrap_or("scene"));
         Ok(said.map(|said| Need { outputs: said.outputs, within: said.within, absolute: said.absolute }))
     }
@@ -240,27 +240,32 @@ impl Needs {
     ///
     /// # Errors
     /// A file with mistakes, an unknown output or scene, an accuracy that is no number between 1e-9 and 0.5, a scene that fails
-    /// or is not known well enough, and a broken-off search ([`Unanswered::Interrupted`]).
-    pub fn find(question: &Question, progress: &mut dyn FnMut(&str) -> ControlFlow<()>) -> Result<Needs, Unanswered> {
+    /// or is not known well enough, and a broken-off search ([`NeedsError::Interrupted`]).
+    pub fn find(
+        question: &NeedsRequest,
+        progress: &mut dyn FnMut(&str) -> ControlFlow<()>,
+    ) -> Result<Needs, NeedsError> {
         let full = Full::run(question, question.need()?)?;
-        let mut rungs: Vec<Rung> = Vec::new();
+        let mut rungs: Vec<ModelReduction> = Vec::new();
         if full.promised_until.is_none() {
             for proposal in candidate::candidates(&full) {
-                if rung::is_climbed(&rungs, &proposal) {
+                if reduction::is_climbed(&rungs, &proposal) {
                     continue;
                 }
                 if progress(&proposal.ingredient).is_break() {
-                    return Err(Unanswered::Interrupted);
+                    return Err(NeedsError::Interrupted);
                 }
-                let tried = rung::tried(&full, proposal);
+                let tried = reduction::tried(&full, proposal);
                 match rungs.last_mut() {
                     // The same coordinate held elsewhere.
-                    Some(last) if rung::are_alternatives(last, &tried) => *last = rung::better(last.clone(), tried),
+                    Some(last) if reduction::are_alternatives(last, &tried) => {
+                        *last = reduction::better(last.clone(), tried)
+                    }
                     _ => rungs.push(tried),
                 }
             }
         }
-        rung::predict_by_ladders(&mut rungs);
+        reduction::predict_by_ladders(&mut rungs);
         let choice = choice::choose(&full, &rungs, question.all, progress)?;
         if full.promised_until.is_none() {
             rungs.extend(choice::looser(&full));

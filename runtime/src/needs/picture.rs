@@ -1,6 +1,6 @@
 //! Error against work: a point for every rung.
 
-use super::{Needs, Proposal, Rung};
+use super::{ModelReduction, Needs, Proposal};
 use crate::precision::{Fidelity, Verified};
 use crate::show::Chart;
 
@@ -8,7 +8,7 @@ impl Needs {
     /// What every rung is off by and takes at the tolerance at which rungs are compared, and the chosen one at its own, beside the
     /// full model at several.
     pub fn fidelity(&self) -> Fidelity {
-        let rung = |rung: &Rung| {
+        let rung = |rung: &ModelReduction| {
             // The full model's own points have it.
             if matches!(rung.proposal, Proposal::Looser { .. }) {
                 return None;
@@ -39,7 +39,7 @@ impl Needs {
 }
 
 /// `l held`, `forces.air`.
-fn short(rung: &Rung) -> String {
+fn short(rung: &ModelReduction) -> String {
     let name = rung.ingredient.strip_prefix("coordinates.").unwrap_or(&rung.ingredient);
     match &rung.proposal {
         Proposal::LeftOut => name.to_owned(),

@@ -6,7 +6,7 @@ use dalembert_symbolic::diagnose::Step;
 use dalembert_symbolic::file::edit::{replaced, value, with, with_at};
 
 use super::prediction::WHOLE;
-use super::{Choice, Deviation, Law, Needs, Prediction, Proposal, Rung, Verdict};
+use super::{Choice, Deviation, Law, ModelReduction, Needs, Prediction, Proposal, Verdict};
 
 impl Needs {
     /// Every ingredient with what leaving it out changes and saves, and what follows.
@@ -153,7 +153,7 @@ impl Needs {
 /// Of the table.
 const COLUMNS: usize = 9;
 
-fn row(rung: &Rung) -> [String; COLUMNS] {
+fn row(rung: &ModelReduction) -> [String; COLUMNS] {
     let dash = || "–".to_owned();
     let (change, of) = match &rung.deviation {
         Some(deviation) => (part(deviation.largest), deviation.of.clone()),

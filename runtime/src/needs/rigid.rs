@@ -21,7 +21,7 @@ use super::deviation::{Motion, TIMES, largest};
 use super::edit::{Edit, entry, key, scalar, shown, unit_of, unused, word};
 use super::full::{Full, MOST_COORDINATES, set};
 use super::prediction::{Law, Prediction};
-use super::rung::{Answer, Proposal};
+use super::reduction::{Answer, Proposal};
 use crate::mechanism::At;
 use crate::mechanism::dense::{force_slopes, mass_matrix};
 use crate::run::plain;

@@ -1,6 +1,6 @@
 //! A candidate's points, from coarse to fine.
 
-use super::point::{Pace, Point};
+use super::point::{AccuracyControl, Point};
 use super::{Candidate, Measured, Reference};
 use crate::error::Error;
 use crate::mechanism::{Enforcement, Method};
@@ -38,7 +38,8 @@ impl Curve {
         let springs = matches!(candidate.settings.enforcement, Enforcement::Springs { .. });
         let mut curve = Curve { name: candidate.name.clone(), method, points: Vec::new() };
         let adapts = method.adapts_to(&system.description().structure);
-        let mut pace = if adapts { Pace::Tolerance(LOOSEST) } else { Pace::Step(reference.longest_step()) };
+        let mut pace =
+            if adapts { AccuracyControl::Tolerance(LOOSEST) } else { AccuracyControl::Step(reference.longest_step()) };
         for _ in 0..MOST {
             let Some(point) = Point::measure(&mut *system, candidate, pace, reference, repetitions)? else { break };
             let at_floor = point.outcome.as_ref().is_ok_and(|found| found.error <= reference.floor());
@@ -50,9 +51,9 @@ impl Curve {
                 break;
             }
             pace = match pace {
-                Pace::Tolerance(tolerance) if tolerance < 1.5 * Settings::TIGHTEST => break,
-                Pace::Tolerance(tolerance) => Pace::Tolerance(tolerance * FINER),
-                Pace::Step(step) => Pace::Step(step * SHORTER),
+                AccuracyControl::Tolerance(tolerance) if tolerance < 1.5 * Settings::TIGHTEST => break,
+                AccuracyControl::Tolerance(tolerance) => AccuracyControl::Tolerance(tolerance * FINER),
+                AccuracyControl::Step(step) => AccuracyControl::Step(step * SHORTER),
             };
         }
         Ok(curve)
@@ -89,7 +90,7 @@ impl Curve {
     /// The median of error over tolerance: 1 … 30 is good.
     pub fn honesty(&self) -> Option<f64> {
         let ratio = |point: &Point| match (point.pace, &point.outcome) {
-            (Pace::Tolerance(tolerance), Ok(found)) => Some(found.error / tolerance),
+            (AccuracyControl::Tolerance(tolerance), Ok(found)) => Some(found.error / tolerance),
             _ => None,
         };
         let mut ratios: Vec<f64> = self.points.iter().filter_map(ratio).collect();

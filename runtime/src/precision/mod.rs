@@ -36,7 +36,7 @@ pub use candidate::Candidate;
 pub use curve::Curve;
 pub use fidelity::{Fidelity, Verified};
 pub use map::{Limit, StabilityMap};
-pub use point::{Measured, Pace, Point};
+pub use point::{AccuracyControl, Measured, Point};
 pub use profile::Profile;
 pub use reference::Reference;
 pub use steps::{Convergence, StepCurve, StepPoint};

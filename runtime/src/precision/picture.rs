@@ -1,7 +1,7 @@
 //! The charts and the table of what was measured.
 
 use super::verdict::TARGETS;
-use super::{Curve, Measured, Pace, WorkPrecision};
+use super::{AccuracyControl, Curve, Measured, WorkPrecision};
 use crate::show::{Axis, Chart, Failure, Figure, Series};
 
 /// Errors over time are shown of runs whose work is within this factor of what the best takes for 1e-6.
@@ -117,8 +117,8 @@ impl WorkPrecision {
         record(points.map(|(curve, point)| {
             let number = |value: f64| format!("{value:e}");
             let (tolerance, step) = match point.pace {
-                Pace::Tolerance(tolerance) => (number(tolerance), String::new()),
-                Pace::Step(step) => (String::new(), number(step)),
+                AccuracyControl::Tolerance(tolerance) => (number(tolerance), String::new()),
+                AccuracyControl::Step(step) => (String::new(), number(step)),
             };
             let method = point.outcome.as_ref().map_or(curve.method, |found| found.method);
             let mut cells = vec![self.title.clone(), curve.name.clone(), method.to_string(), tolerance, step];
@@ -159,9 +159,9 @@ pub(super) fn into_table(columns: &[&str], rows: impl Iterator<Item = Vec<String
 /// Crosses at the top of a chart: at the tolerance, or at the left where there is none.
 fn failures(curve: &Curve) -> Vec<Failure> {
     let failed = curve.points.iter().filter_map(|point| Some((point, point.outcome.as_ref().err()?)));
-    let place = |pace: Pace| match pace {
-        Pace::Tolerance(tolerance) => tolerance,
-        Pace::Step(_) => 1.0,
+    let place = |pace: AccuracyControl| match pace {
+        AccuracyControl::Tolerance(tolerance) => tolerance,
+        AccuracyControl::Step(_) => 1.0,
     };
     let mut found: Vec<Failure> = Vec::new();
     for (point, code) in failed {

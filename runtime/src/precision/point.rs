@@ -13,7 +13,7 @@ use crate::trust::Warning;
 
 /// How a run is told to be more accurate.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Pace {
+pub enum AccuracyControl {
     /// A relative tolerance.
     Tolerance(f64),
     /// A fixed step, s.
@@ -25,7 +25,7 @@ pub enum Pace {
 #[non_exhaustive]
 pub struct Point {
     /// Its tolerance or step.
-    pub pace: Pace,
+    pub pace: AccuracyControl,
     /// What came out, or a word for why nothing did: `unstable`, or [`Cause::code`](crate::Cause::code).
     pub outcome: Result<Measured, &'static str>,
 }
@@ -69,7 +69,7 @@ impl Point {
     pub(super) fn measure(
         system: &mut dyn System,
         candidate: &Candidate,
-        pace: Pace,
+        pace: AccuracyControl,
         reference: &Reference,
         repetitions: usize,
     ) -> Result<Option<Point>, Error> {
@@ -109,11 +109,11 @@ impl Point {
 }
 
 /// The settings of a run that is compared with the reference.
-fn paced(settings: &Settings, pace: Pace, reference: &Reference) -> Settings {
+fn paced(settings: &Settings, pace: AccuracyControl, reference: &Reference) -> Settings {
     let settings = reference.compared(settings);
     match pace {
-        Pace::Tolerance(tolerance) => Settings { tolerance, step: None, ..settings },
-        Pace::Step(step) => Settings { step: Some(step), ..settings },
+        AccuracyControl::Tolerance(tolerance) => Settings { tolerance, step: None, ..settings },
+        AccuracyControl::Step(step) => Settings { step: Some(step), ..settings },
     }
 }
 

@@ -94,7 +94,7 @@ impl Digits {
     ///
     /// Where errors follow the tolerance its differences are as many times larger as its tolerance is; where they are
     /// not, each of the two runs may be close to the first one by chance, and both count in proportion to what they find.
-    pub(crate) fn doubt(&mut self, run: &Run, other: &Run, least: f64) {
+    pub(crate) fn third_run(&mut self, run: &Run, other: &Run, least: f64) {
         let differences = differences(run, other, self.still);
         let (columns, n) = (run.column_names().len(), run.names.coordinates.len());
         let ranges = ranges(run, self.still);
@@ -111,13 +111,13 @@ impl Digits {
     }
 
     /// Raises all bounds by a factor.
-    pub(crate) fn widen(&mut self, factor: f64) {
+    pub(crate) fn inflate(&mut self, factor: f64) {
         self.rows.iter_mut().for_each(|bound| *bound *= factor);
     }
 
     /// Raises bounds to this part of what each column goes through: where errors follow the tolerance by chance only, none is
     /// known to be less.
-    pub(crate) fn raise(&mut self, run: &Run, least: f64) {
+    pub(crate) fn tolerance_floor(&mut self, run: &Run, least: f64) {
         let mut ranges = ranges(run, self.still);
         ranges.iter_mut().zip(&run.swept).for_each(|(range, swept)| *range = range.max(*swept));
         for (bound, range) in self.rows.iter_mut().zip(ranges.iter().cycle()) {
@@ -158,7 +158,7 @@ impl Digits {
 
     /// Raises the bounds of the last outputs to what they differ by in these states, the last and others about it: both
     /// runs may find the same for a quotient by what vanishes there, and be wrong.
-    pub(crate) fn shake(&mut self, outputs: &[Vec<f64>]) {
+    pub(crate) fn output_conditioning(&mut self, outputs: &[Vec<f64>]) {
         let [usual, others @ ..] = outputs else { return };
         let first = self.rows.len() - usual.len();
         for moved in others {
@@ -174,7 +174,7 @@ impl Digits {
 
     /// Raises the bounds of the last outputs to what rounding may have made of them: both runs lose the same digits where an output
     /// is a small difference of large terms.
-    pub(crate) fn cancel(&mut self, run: &Run, errors: &[f64]) {
+    pub(crate) fn cancellation(&mut self, run: &Run, errors: &[f64]) {
         let first = self.rows.len() - errors.len();
         // Errors that are no numbers are those of outputs that are none.
         self.rows[first..].iter_mut().zip(errors).for_each(|(bound, error)| *bound = bound.max(*error));
@@ -184,7 +184,7 @@ impl Digits {
 
     /// Raises bounds to what accelerations that are off by this part of themselves, always alike, make of a motion: it is faster or slower,
     /// so that each coordinate is off by that part of all its ways to and fro, and its rate by as much of its range.
-    pub(crate) fn detune(&mut self, run: &Run, relative: f64) {
+    pub(crate) fn frequency_error(&mut self, run: &Run, relative: f64) {
         let (columns, n) = (run.column_names().len(), run.names.coordinates.len());
         let ranges = ranges(run, self.still);
         for i in (0..n).filter(|_| relative > 0.0) {
@@ -244,7 +244,7 @@ fn differences(run: &Run, other: &Run, still: f64) -> Vec<f64> {
         // What is absent in both has no error.
         differences.extend(own.iter().zip(&theirs).map(|(own, theirs)| apart_by(*own, *theirs)));
     }
-    vouch(&mut differences, &run.times, &ranges(run, still), run.names.coordinates.len());
+    couple_rates(&mut differences, &run.times, &ranges(run, still), run.names.coordinates.len());
     let mut largest = vec![0.0; differences.len()];
     for column in 0..columns {
         let sliding = sliding_maximum(&run.times, |row| differences[columns * row + column]);
@@ -412,7 +412,7 @@ fn ranges(run: &Run, still: f64) -> Vec<f64> {
 }
 
 /// Raises the difference of a coordinate to that of its rate in the same part of its range, and the other way round.
-fn vouch(differences: &mut [f64], times: &[f64], ranges: &[f64], n: usize) {
+fn couple_rates(differences: &mut [f64], times: &[f64], ranges: &[f64], n: usize) {
     let columns = ranges.len();
     for (row, t) in times.iter().enumerate() {
         let elapsed = t - times[0];

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::record::usual_drift;
 use super::{Occurrence, Plan, Recorder, Run, Trajectory, Work};
-use crate::integrate::Reached;
+use crate::integrate::Endpoint;
 use crate::mechanism::{Method, System};
 use crate::trust::Monitor;
 
@@ -85,7 +85,7 @@ pub(crate) fn put_together(system: &dyn System, parts: Vec<PartRun>, how: &Toget
         step: None,
         projects: false,
     };
-    let mut recorder = Recorder::new(&plan, system, from, Reached { y: &start, rate: &[], work: 0.0 });
+    let mut recorder = Recorder::new(&plan, system, from, Endpoint { y: &start, rate: &[], work: 0.0 });
     let mut monitor = how.watch.then(|| Monitor::new(system, from, &start, 0.0));
     let (mut t, mut y) = (from, start);
     for (next, state) in rows {
@@ -97,7 +97,7 @@ pub(crate) fn put_together(system: &dyn System, parts: Vec<PartRun>, how: &Toget
     }
     let work = runs().fold(Work::default(), |sum, run| sum.plus(&run.work));
     let (events, ended_by) = occurrences(system, &parts, (t, instant(from, how.until)), &mut recorder);
-    let mut run = recorder.finish(system, t, Reached { y: &y, rate: &[], work: 0.0 }, work, how.seconds);
+    let mut run = recorder.finish(system, t, Endpoint { y: &y, rate: &[], work: 0.0 }, work, how.seconds);
     (run.events, run.ended_by) = (events, ended_by);
     if let Some(monitor) = monitor {
         run.drift = monitor.drifts(system.description());

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::{Names, Occurrence, Run, Scenery, State, Trajectory, Work};
 use crate::cause::Cause;
 use crate::constrain::{Projection, Residuals};
-use crate::events::{Impulse, Log, Remark, Remarkable};
-use crate::integrate::{Reached, Segment};
+use crate::events::{EventNote, Impulse, Log, Remarkable};
+use crate::integrate::{Endpoint, Segment};
 use crate::mechanism::{At, Method, System};
 use crate::trust::{ConditionMonitor, InertiaGuard, Monitor, Warning, Watchman};
 
@@ -86,7 +86,7 @@ pub(crate) struct Plan {
 
 impl Recorder {
     /// Starts a run at the state y.
-    pub fn new(plan: &Plan, system: &dyn System, t: f64, start: Reached<'_>) -> Self {
+    pub fn new(plan: &Plan, system: &dyn System, t: f64, start: Endpoint<'_>) -> Self {
         let y = start.y;
         let description = system.description();
         let n = system.len();
@@ -173,7 +173,7 @@ impl Recorder {
         system: &dyn System,
         segment: Option<&Segment<'_>>,
         t: f64,
-        end: Reached<'_>,
+        end: Endpoint<'_>,
     ) -> Result<(), Box<Cause>> {
         self.judge(system, t, end)?;
         if !self.run.step_ends.is_empty() {
@@ -209,7 +209,7 @@ impl Recorder {
     }
 
     /// Takes note of the state before other equations come into force.
-    pub fn leave(&mut self, system: &dyn System, t: f64, start: Reached<'_>) {
+    pub fn leave(&mut self, system: &dyn System, t: f64, start: Endpoint<'_>) {
         if let Some(monitor) = &mut self.monitor {
             monitor.leave(system, t, start.y);
         }
@@ -217,7 +217,7 @@ impl Recorder {
 
     /// Takes note of new equations in force: dense output does not reach across, and what they do to the energy is no
     /// error of the integration.  A state that was reported at this instant is the one after it.
-    pub fn restart(&mut self, system: &dyn System, t: f64, start: Reached<'_>) {
+    pub fn restart(&mut self, system: &dyn System, t: f64, start: Endpoint<'_>) {
         if let Some(monitor) = &mut self.monitor {
             monitor.restart(system, t, start.y);
         }
@@ -229,7 +229,7 @@ impl Recorder {
     }
 
     /// Dense output does not reach across this state.
-    pub fn begin_piece(&mut self, system: &dyn System, t: f64, start: Reached<'_>) {
+    pub fn begin_piece(&mut self, system: &dyn System, t: f64, start: Endpoint<'_>) {
         if let Some(projection) = &mut self.projection {
             projection.hold(system, t, start.y);
         }
@@ -240,7 +240,7 @@ impl Recorder {
     }
 
     /// Judges the end of a step by what should be conserved, and by M.
-    fn judge(&mut self, system: &dyn System, t: f64, end: Reached<'_>) -> Result<(), Box<Cause>> {
+    fn judge(&mut self, system: &dyn System, t: f64, end: Endpoint<'_>) -> Result<(), Box<Cause>> {
         let h = t - self.judged;
         self.judged = t;
         if let Some(condition) = &mut self.condition {
@@ -276,7 +276,7 @@ impl Recorder {
     }
 
     /// Keeps dense output and pictures from here on, where the run is at its start.
-    pub fn keep_dense(&mut self, system: &dyn System, t: f64, start: Reached<'_>) {
+    pub fn keep_dense(&mut self, system: &dyn System, t: f64, start: Endpoint<'_>) {
         self.keep_dense = true;
         self.begin_piece(system, t, start);
     }
@@ -310,7 +310,7 @@ impl Recorder {
 
     /// Takes note of a state or a mechanism that was changed by hand: what that does to the energy is no error
     /// of the integration.
-    pub fn changed(&mut self, system: &dyn System, t: f64, start: Reached<'_>) {
+    pub fn changed(&mut self, system: &dyn System, t: f64, start: Endpoint<'_>) {
         if let Some(guard) = &mut self.guard {
             guard.restart(system, t, start.y);
         }
@@ -399,7 +399,7 @@ impl Recorder {
     }
 
     /// Ends the run at this state.
-    pub fn finish(mut self, system: &dyn System, t: f64, end: Reached<'_>, work: Work, seconds: f64) -> Run {
+    pub fn finish(mut self, system: &dyn System, t: f64, end: Endpoint<'_>, work: Work, seconds: f64) -> Run {
         self.report(system, t, end.y);
         self.run.scenery.keep(system, self.run.trajectory.end());
         if let Some(mut monitor) = self.monitor.take() {
@@ -507,7 +507,7 @@ impl Log for Recorder {
         }
     }
 
-    fn remark(&mut self, Remark { event, t, what }: Remark) {
+    fn remark(&mut self, EventNote { event, t, what }: EventNote) {
         // Where the run begins a function may be undefined at that one point: later edges say more.
         let start = self.start;
         let begins = |known: &Warning| matches!(known, Warning::Undefined { event: other, t: at } if *other == event && at - start <= AT_THE_START * (t - start));

@@ -6,10 +6,10 @@ use plotters::prelude::IntoDrawingArea;
 
 use super::raster::{Picture, Raster, Rectangle};
 use super::stage::Stage;
-use super::{Animation, Pace};
+use super::{Animation, Playback};
 
 /// A frame is shown for so many hundredths of a second, the last one of a motion that does not repeat longer.
-const SHOWN: u16 = 100 / Pace::RATE as u16;
+const SHOWN: u16 = 100 / Playback::RATE as u16;
 const AT_THE_END: u16 = 100;
 /// Colours of a GIF, the place after them, which shows the frame before, and of how many frames they are taken.
 const COLOURS: usize = 255;
@@ -79,7 +79,7 @@ impl Animation {
 struct Film<'a> {
     animation: &'a Animation,
     stage: Stage<'a>,
-    pace: Pace,
+    pace: Playback,
     /// What all frames have in common.
     background: Picture,
 }

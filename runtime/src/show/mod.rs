@@ -15,9 +15,9 @@ mod film;
 mod legend;
 mod lettering;
 mod marks;
-mod pace;
 #[cfg(feature = "png")]
 mod pdf;
+mod playback;
 #[cfg(feature = "png")]
 mod raster;
 mod run;
@@ -34,7 +34,7 @@ pub use csv::csv;
 pub use figure::Figure;
 #[cfg(feature = "cli")]
 pub(crate) use figure::wants_letters;
-pub use pace::Pace;
+pub use playback::Playback;
 #[cfg(feature = "cli")]
 pub(crate) use run::has_units;
 pub(crate) use run::unit;

@@ -6,7 +6,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use super::figure::{Canvas, FINE, GRID, INK, Outcome, ZERO, text};
 use super::marks::COLOURS;
 use super::ticks::{Ticks, round_step};
-use super::{Animation, Pace};
+use super::{Animation, Playback};
 use crate::mechanism::Shape;
 
 /// Width of the picture, of the band with title and time, and of what stays free around the mechanism, px.
@@ -28,7 +28,7 @@ type Place = Option<(i32, i32)>;
 /// An animation with its place on a picture.
 pub(super) struct Stage<'a> {
     animation: &'a Animation,
-    pace: Pace,
+    pace: Playback,
     /// Ends of everything that is ever drawn.
     low: Point,
     high: Point,
@@ -104,7 +104,7 @@ impl<'a> Stage<'a> {
     /// `t = 1.24 s`, with the speed where it is not that of the motion.
     fn time(&self, t: f64) -> String {
         // A frame differs from the next one in the last digit.
-        let step = self.pace.speed / f64::from(Pace::RATE);
+        let step = self.pace.speed / f64::from(Playback::RATE);
         let digits = (-step.log10()).ceil().clamp(0.0, 12.0);
         let unit = if self.animation.in_units { " s" } else { "" };
         let speed = if self.pace.speed == 1.0 { String::new() } else { format!("   {}×", self.pace.speed) };

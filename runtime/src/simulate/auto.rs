@@ -1,7 +1,7 @@
 //! What `auto` stands for.
 
 use super::Settings;
-use crate::events::Watch;
+use crate::events::EventLocator;
 use crate::integrate::{LENGTHS_OF_EXACT, fastest_rate, longest_step, operations_of_exact};
 use crate::mechanism::{AccelerationSlopes, Action, At, Description, Enforcement, Method, System};
 use crate::trust::{all_rates, rates};
@@ -162,7 +162,7 @@ fn explicit_evaluations(settings: &Settings, system: &dyn System, y: &[f64], (fa
     let a_radian = if structure.separable { 0.5 * A_RADIAN } else { A_RADIAN };
     let driven = if structure.time_dependent { span * driven_part(settings, system, y) } else { 0.0 };
     let decays = (1.0 + breaks) * (1.0 / settings.tolerance).ln().max(0.0);
-    let lasts = |decay: f64| span.min(driven + decays / decay.max(0.0));
+    let lasts = |decay: f64| if decay > 0.0 { span.min(driven + decays / decay) } else { span };
     let modes = rates(system, settings.from, &y[..n], &y[n..]);
     let ring = modes.map_or(span * fastest, |modes| {
         modes.iter().fold(0.0_f64, |most, rate| most.max(rate.norm() * lasts(-rate.re)))
@@ -202,7 +202,7 @@ struct Breaks {
 /// `None` where they are too many to be listed.
 fn breaks(settings: &Settings, system: &dyn System, y: &[f64]) -> Option<Breaks> {
     let mut copy = system.boxed_clone();
-    let watch = Watch::new(&mut *copy, (settings.from, settings.until), y, false).ok()?;
+    let watch = EventLocator::new(&mut *copy, (settings.from, settings.until), y, false).ok()?;
     let stops = watch.map_or_else(Vec::new, |watch| watch.stop_times());
     let mut between: Vec<f64> = stops.windows(2).map(|pair| pair[1] - pair[0]).collect();
     between.sort_by(f64::total_cmp);

@@ -48,9 +48,21 @@ impl<S: System> Simulation<S> {
 
     /// Start, end, tolerance and spacing of a scene.
     pub fn from(mut self, scene: &Scene) -> Self {
-        let Scene { q, v, held_q, held_v, also, guessed, phase, until, tolerance, every, .. } = scene.clone();
-        self.settings =
-            Settings { q, v, held_q, held_v, also, guessed, phase, until, tolerance, every, ..self.settings };
+        let Scene { q, v, held_q, held_v, start_conditions, guessed, phase, until, tolerance, every, .. } =
+            scene.clone();
+        self.settings = Settings {
+            q,
+            v,
+            held_q,
+            held_v,
+            start_conditions,
+            guessed,
+            phase,
+            until,
+            tolerance,
+            every,
+            ..self.settings
+        };
         self
     }
 

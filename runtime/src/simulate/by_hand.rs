@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use super::{Settings, Start, fail, finish, start};
 use crate::cause::Cause;
+use crate::driver::{Integration, StopReason};
 use crate::error::Error;
-use crate::march::{Halt, March};
 use crate::mechanism::System;
 use crate::run::{Occurrence, Recorder, Run, State, Work};
 
@@ -22,7 +22,7 @@ use crate::run::{Occurrence, Recorder, Run, State, Work};
 /// ```
 pub struct Stepping<S: System> {
     system: S,
-    march: March,
+    march: Integration,
     recorder: Recorder,
     spacing: f64,
     /// Whether all states are kept, and how many events were when the last step began.
@@ -92,13 +92,13 @@ impl<S: System> Stepping<S> {
         }
         let until = self.march.time() + dt;
         match self.go(until) {
-            Ok(Halt::Arrived) => Ok(None),
-            Ok(Halt::Event) => Ok(self.recorder.last_event()),
+            Ok(StopReason::Arrived) => Ok(None),
+            Ok(StopReason::Event) => Ok(self.recorder.last_event()),
             Err(cause) => Err(fail(*cause, &self.system, &self.march, self.recorder.clone(), self.clock)),
         }
     }
 
-    fn go(&mut self, until: f64) -> Result<Halt, Box<Cause>> {
+    fn go(&mut self, until: f64) -> Result<StopReason, Box<Cause>> {
         if !self.recorded {
             self.recorder.forget();
         }

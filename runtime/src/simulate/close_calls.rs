@@ -87,8 +87,8 @@ impl Look<'_> {
         for (times, values) in times.windows(3).zip(values.windows(3)) {
             let [Some(a), Some(b), Some(c)] = *values else { continue };
             // What is struck at its zero turns back there, and was counted.
-            let struck = || crossings.iter().any(|t| (times[0]..=times[2]).contains(t));
-            if a * b > 0.0 && b * c > 0.0 && b.abs() < a.abs() && b.abs() < c.abs() && !struck() {
+            let hit = || crossings.iter().any(|t| (times[0]..=times[2]).contains(t));
+            if a * b > 0.0 && b * c > 0.0 && b.abs() < a.abs() && b.abs() < c.abs() && !hit() {
                 let t = self.turn(times[0], times[2]);
                 if self.is_zero_at(t) {
                     return Some(t);

@@ -7,12 +7,12 @@
 //! 4. Parts that do not feel each other are run each by itself: look in `apart.rs`.
 //! 5. [`Stepping`] goes step by step, for control loops: look in `by_hand.rs`.
 
-mod apart;
 mod auto;
 mod builder;
 mod by_hand;
 mod close_calls;
-mod companion;
+mod comparison;
+mod decoupled;
 mod flat;
 mod settings;
 #[cfg(test)]
@@ -27,16 +27,16 @@ pub use builder::Simulation;
 #[cfg(feature = "cli")]
 pub(crate) use builder::{LAGRANGE, derivation};
 pub use by_hand::{StateMut, Stepping};
-pub(crate) use companion::judge_digits;
+pub(crate) use comparison::estimate_global_error;
 pub use settings::Settings;
 pub use typed::Simulate;
 
 use crate::cause::Cause;
 use crate::constrain::{self, Elsewhere, consistent, other_branch};
+use crate::driver::{Integration, StepPolicy};
 use crate::error::Error;
 use crate::events::begin_at;
 use crate::integrate::Tolerance;
-use crate::march::{March, Pace};
 use crate::mechanism::{Enforcement, RowHistory, Stabilisation, System};
 use crate::run::{Failure, Plan, Recorder, Run};
 use crate::trust::{Warning, check_step, positive_inertia};
@@ -58,11 +58,11 @@ pub fn simulate_with(
     settings: &Settings,
     progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Run, Error> {
-    let parts = apart::parts(system, settings)?;
+    let parts = decoupled::parts(system, settings)?;
     let outcome = if parts.is_empty() {
         together(system, settings, progress)
     } else {
-        apart::simulate(system, parts, settings, progress)
+        decoupled::simulate(system, parts, settings, progress)
     };
     // Where nobody said which states to report, those of a run that ended early lie within it.
     let fill = |run: &mut Run| {
@@ -81,7 +81,7 @@ pub fn simulate_with(
     fill(&mut run);
     run.warn_of_integrals(system);
     if settings.digits {
-        judge_digits(system, settings, &mut run, progress);
+        estimate_global_error(system, settings, &mut run, progress);
     }
     Ok(run)
 }
@@ -103,7 +103,7 @@ fn together(
 
 /// A run that has begun, or could not.
 struct Start {
-    march: March,
+    march: Integration,
     recorder: Recorder,
     outcome: Result<(), Box<Cause>>,
 }
@@ -121,7 +121,12 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     system.enforce(settings.enforcement, settings.alpha());
     let held = settings.held();
     begin_at(system, settings.from, &guess);
-    let start = constrain::Start { t: settings.from, y: &guess, held: &held, also: settings.also.clone() };
+    let start = constrain::Start {
+        t: settings.from,
+        y: &guess,
+        held: &held,
+        start_conditions: settings.start_conditions.clone(),
+    };
     let met = consistent(system, &start);
     let alone = settings.guessed || !settings.watch;
     let elsewhere = met.as_ref().ok().filter(|_| !alone).and_then(|y| other_branch(system, &start, y));
@@ -133,15 +138,15 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     let adapts = method.adapts_to(&system.description().structure);
     let finds_step = settings.step.is_none() && method.finds_step() && !adapts;
     let pace = match settings.step {
-        Some(step) => Pace::Fixed(step),
+        Some(step) => StepPolicy::Fixed(step),
         // Until it is found.
-        None if finds_step => Pace::Fixed(1e-3 * (settings.until - settings.from)),
-        None => Pace::Adaptive { tolerance: units.clone(), longest },
+        None if finds_step => StepPolicy::Fixed(1e-3 * (settings.until - settings.from)),
+        None => StepPolicy::Adaptive { tolerance: units.clone(), longest },
     };
-    let march = March::new(method, pace, settings.from, &y, work).limit(settings.max_steps);
+    let march = Integration::new(method, pace, settings.from, &y, work).limit(settings.max_steps);
     let mut march = march
         .compensate(settings.compensated)
-        .unlike(settings.unlike)
+        .decorrelate_steps(settings.decorrelate_steps)
         .following(settings.followed.clone())
         .projecting(settings.projects());
     if settings.stabilisation == (Stabilisation::Baumgarte { alpha: None }) && settings.step.is_none() {
@@ -187,14 +192,14 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     Ok(Start { march, recorder, outcome })
 }
 
-fn finish(system: &dyn System, march: &March, mut recorder: Recorder, clock: Instant) -> Run {
+fn finish(system: &dyn System, march: &Integration, mut recorder: Recorder, clock: Instant) -> Run {
     march.warnings(system).into_iter().for_each(|warning| recorder.warn(warning));
     recorder.constrained(march.residuals());
     recorder.swept(march.swept());
     recorder.finish(system, march.time(), march.state(), march.work(), clock.elapsed().as_secs_f64())
 }
 
-fn fail(cause: Cause, system: &dyn System, march: &March, recorder: Recorder, clock: Instant) -> Error {
+fn fail(cause: Cause, system: &dyn System, march: &Integration, recorder: Recorder, clock: Instant) -> Error {
     let cause = recorder.explain(system, cause);
     let state = recorder.state(march.time(), march.state().y, Vec::new());
     Error::Run(Box::new(Failure { cause, state, run: finish(system, march, recorder, clock) }))

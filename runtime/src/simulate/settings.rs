@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use crate::cause::Cause;
+use crate::driver::Followed;
 use crate::error::{Error, Inseparable, Nonlinear};
 use crate::integrate::stability;
-use crate::march::Followed;
 use crate::mechanism::{Description, Enforcement, Method, Scene, Stabilisation};
 use nalgebra::Complex;
 
@@ -28,8 +28,8 @@ pub struct Settings {
     pub held_q: Vec<bool>,
     /// Which rates keep their values; those of the others are such that the kinetic energy is least.  Empty: all keep theirs.
     pub held_v: Vec<bool>,
-    /// Which of the equations of [`System::also`](crate::mechanism::System::also) the start meets beside constraints.
-    pub also: std::ops::Range<usize>,
+    /// Which of the equations of [`System::start_conditions`](crate::mechanism::System::also) the start meets beside constraints.
+    pub start_conditions: std::ops::Range<usize>,
     /// Whether the values that are not held were chosen; else the run says so where they decide how a mechanism is put together.
     pub guessed: bool,
     /// The phase in which the run begins, by its place.
@@ -72,7 +72,7 @@ pub struct Settings {
     pub stabilisation: Stabilisation,
     /// Whether steps that the tolerance does not limit are chosen otherwise than usual: a run to compare with has none in
     /// common, even where stops and growth limit them all.
-    pub(crate) unlike: bool,
+    pub(crate) decorrelate_steps: bool,
     /// Steps of another run that limit those of this one.
     pub(crate) followed: Option<Followed>,
     /// Other times, in order, at which states are reported too.
@@ -87,7 +87,7 @@ impl Settings {
             v: scene.v.clone(),
             held_q: scene.held_q.clone(),
             held_v: scene.held_v.clone(),
-            also: scene.also.clone(),
+            start_conditions: scene.start_conditions.clone(),
             guessed: scene.guessed,
             phase: scene.phase,
             from: 0.0,
@@ -105,7 +105,7 @@ impl Settings {
             apart: true,
             enforcement: Enforcement::default(),
             stabilisation: Stabilisation::default(),
-            unlike: false,
+            decorrelate_steps: false,
             followed: None,
             instants: Arc::from([]),
         }

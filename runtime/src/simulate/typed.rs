@@ -4,20 +4,20 @@ use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
 use super::builder::{Simulation, derivation};
 use crate::error::Error;
-use crate::mechanism::{At, Balances, Erased, Mechanism, Singular, System};
+use crate::mechanism::{At, Balances, Dynamic, Mechanism, Singular, System};
 
 /// Runs and single evaluations of a mechanism with N coordinates, on static sizes.
 ///
-/// Dense matrices are for small N: they live on the stack.  In a loop, make the [`Erased`] once by
+/// Dense matrices are for small N: they live on the stack.  In a loop, make the [`Dynamic`] once by
 /// [`Simulate::system`] and use [`System`].
 pub trait Simulate<const N: usize, const C: usize>: Mechanism<N, C> + 'static {
     /// The mechanism with its constants computed, behind slices.
-    fn system(&self) -> Erased<Self, N, C> {
-        Erased::new(self.clone())
+    fn system(&self) -> Dynamic<Self, N, C> {
+        Dynamic::new(self.clone())
     }
 
     /// Begins to describe a run.
-    fn simulate(&self) -> Simulation<Erased<Self, N, C>> {
+    fn simulate(&self) -> Simulation<Dynamic<Self, N, C>> {
         Simulation::new(self.system())
     }
 

@@ -2,7 +2,7 @@
 //! twins without constraints.
 
 use dalembert::linear::{Guess, LinearError, Source, linearise_constrained};
-use dalembert::mechanism::{Erased, Mechanism};
+use dalembert::mechanism::{Dynamic, Mechanism};
 use serde_json::Value;
 
 use super::{C, answer, i, library, run};
@@ -274,7 +274,7 @@ scene: {start: {x: 0}, guess: {y: -l}, until: 1}
 /// Compiled constraints have the same slopes by inputs, and the library says what a crate is told.
 #[test]
 fn compiled_constraints_move_with_inputs() {
-    let system = Erased::new(compiled::Shaken::default());
+    let system = Dynamic::new(compiled::Shaken::default());
     let found = linearise_constrained(&system, &Guess::at(&[0.0, -0.4]), false).unwrap();
     assert_eq!((found.linear.inputs[0].as_str(), found.carried[(0, 0)], found.carried[(1, 0)]), ("base", 0.0, 0.0));
     assert_eq!(found.linear.input.to_dense().as_slice(), [50.0, 0.0, 0.0]);

@@ -6,7 +6,7 @@ mod held;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use dalembert::linear::{Drive, Guess, Source, equilibrium_near, linearise, observe};
-use dalembert::mechanism::Erased;
+use dalembert::mechanism::Dynamic;
 use nalgebra::Complex;
 use serde_json::Value;
 
@@ -158,7 +158,7 @@ outputs: {stretch: y - x, odd: "law(y) + F*exp(-x'/w)*cos(y'/w)", lifted: "m2*y'
 /// Compiled and interpreted models have the same slopes.
 #[test]
 fn compiled_outputs_have_slopes() {
-    let system = Erased::new(compiled::Absorber::default());
+    let system = Dynamic::new(compiled::Absorber::default());
     let linear = linearise(&system, &equilibrium_near(&system, &Guess::at(&[0.0, 0.0])).unwrap()).unwrap();
     let seen = observe(&system, &linear, &["both", "odd", "lifted", "y'"]).unwrap();
     assert_eq!(seen.names, ["both.x", "both.y", "odd", "lifted", "y'"]);
@@ -173,7 +173,7 @@ fn compiled_outputs_have_slopes() {
 /// ends; phases fall by half a turn at poles and rise by one at the antiresonance.
 #[test]
 fn curves_of_undamped_systems_are_whole() {
-    let system = Erased::new(compiled::Absorber::default());
+    let system = Dynamic::new(compiled::Absorber::default());
     let linear = linearise(&system, &equilibrium_near(&system, &Guess::at(&[0.0, 0.0])).unwrap()).unwrap();
     let seen = observe(&system, &linear, &["x", "stretch"]).unwrap();
     let drive: Drive = Source::Input(0).into();

@@ -145,7 +145,7 @@ fn least_squares(model: &mut Model, system: &BalanceSystem, unknowns: &[Symbol])
         let rows = jacobian(graph, &residuals, |s| unknowns.iter().position(|u| *u == s));
         let zero = unknowns.iter().map(|u| (*u, Id::ZERO)).collect();
         let rest = crate::expr::substitute(graph, &residuals, &zero);
-        let weight = weight(graph, (&rows, &couples), &defaults);
+        let weight = weight(graph, &rows, &couples, &defaults);
         for (row, s) in rows.iter().zip(&rest) {
             for &(i, a) in row {
                 let weighted = graph.mul(weight, a);
@@ -199,7 +199,7 @@ fn least_squares(model: &mut Model, system: &BalanceSystem, unknowns: &[Symbol])
 ///
 /// The entries of moments stand aside where there are others, since they have no length in them.  What makes all entries 0 makes
 /// no weight infinite: lengths below `TINY` of their defaults count as that.
-fn weight(graph: &mut Graph, (rows, couples): (&[Vec<(usize, Id)>], &[bool]), defaults: &dyn Fn(Symbol) -> f64) -> Id {
+fn weight(graph: &mut Graph, rows: &[Vec<(usize, Id)>], couples: &[bool], defaults: &dyn Fn(Symbol) -> f64) -> Id {
     let entries = |couple: bool| rows.iter().flatten().filter(move |(j, _)| couples[*j] == couple).map(|(_, a)| *a);
     let forces: Vec<Id> = entries(false).collect();
     let entries = if forces.is_empty() { entries(true).collect() } else { forces };

@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
-use super::outline::{Outline, Shape, Style, outline};
+use super::spans::{Outline, Shape, Style, spans};
 use crate::place::Step;
 
 /// The keys of the mapping at a path, in the file's order; none where there is no mapping.
 pub fn keys(text: &str, path: &[Step]) -> Vec<String> {
-    let Some(root) = outline(text).0 else { return Vec::new() };
+    let Some(root) = spans(text).0 else { return Vec::new() };
     match at(&root, path).map(|node| &node.shape) {
         Some(Shape::Map(entries)) => entries.iter().filter_map(|(key, _)| scalar(key)).map(str::to_owned).collect(),
         _ => Vec::new(),
@@ -16,19 +16,19 @@ pub fn keys(text: &str, path: &[Step]) -> Vec<String> {
 
 /// The scalar at a path, as YAML gives it.
 pub fn value(text: &str, path: &[Step]) -> Option<String> {
-    at(&outline(text).0?, path).and_then(scalar).map(str::to_owned)
+    at(&spans(text).0?, path).and_then(scalar).map(str::to_owned)
 }
 
 /// What stands at a path, as it is written.
 pub fn source<'t>(text: &'t str, path: &[Step]) -> Option<&'t str> {
-    let node = at(&outline(text).0?, path)?.clone();
+    let node = at(&spans(text).0?, path)?.clone();
     text.get(node.range.start..end(text, &node))
 }
 
 /// The file without what stands at a path, comments on its lines included; a mapping or list that would be empty goes too.
 /// `None` where nothing stands there, or not so that it can be taken out.
 pub fn without(text: &str, path: &[Step]) -> Option<String> {
-    let root = outline(text).0?;
+    let root = spans(text).0?;
     let (last, above) = path.split_last()?;
     let parent = at(&root, above)?;
     let children: Vec<(Range<usize>, bool)> = match &parent.shape {
@@ -71,7 +71,7 @@ pub fn without(text: &str, path: &[Step]) -> Option<String> {
 /// The file with an entry more in a section of the root, first in it; a section that is not there comes after `behind`, or at
 /// the end.  `None` where the root is not written in lines, or the section is no mapping.
 pub fn with(text: &str, section: &str, behind: &str, key: &str, value: &str) -> Option<String> {
-    let root = outline(text).0?;
+    let root = spans(text).0?;
     if flows(text, &root) {
         return None;
     }
@@ -83,7 +83,7 @@ pub fn with(text: &str, section: &str, behind: &str, key: &str, value: &str) -> 
 
 /// The file with a section more that is one scalar, after `behind` or at the end.  `None` where the root is not written in lines.
 pub fn with_scalar(text: &str, behind: &str, section: &str, value: &str) -> Option<String> {
-    let root = outline(text).0?;
+    let root = spans(text).0?;
     (!flows(text, &root)).then(|| lined(text, &root, behind, &format!("{section}: {value}")))
 }
 
@@ -98,7 +98,7 @@ fn lined(text: &str, root: &Outline, behind: &str, line: &str) -> String {
 
 /// The file with an entry more in the mapping at a path, first in it.  `None` where there is none, or none that has entries in lines.
 pub fn with_at(text: &str, path: &[Step], key: &str, value: &str) -> Option<String> {
-    entered(text, at(&outline(text).0?, path)?, key, value)
+    entered(text, at(&spans(text).0?, path)?, key, value)
 }
 
 /// The file with an entry more in a mapping.
@@ -119,7 +119,7 @@ fn entered(text: &str, node: &Outline, key: &str, value: &str) -> Option<String>
 
 /// The file with another scalar at a path; written as given.
 pub fn replaced(text: &str, path: &[Step], value: &str) -> Option<String> {
-    let root = outline(text).0?;
+    let root = spans(text).0?;
     let node = at(&root, path)?;
     let range = node.range.start..end(text, node);
     matches!(node.shape, Shape::Scalar(..)).then(|| [&text[..range.start], value, &text[range.end..]].concat())
@@ -128,7 +128,7 @@ pub fn replaced(text: &str, path: &[Step], value: &str) -> Option<String> {
 /// The file with its plain and double-quoted scalars, keys too, changed as `change` says; what stands in single quotes stays.
 pub fn rewritten(text: &str, change: impl Fn(&str) -> String) -> Option<String> {
     let mut ranges = Vec::new();
-    scalars(&outline(text).0?, &mut ranges);
+    scalars(&spans(text).0?, &mut ranges);
     let (mut new, mut done) = (String::with_capacity(text.len()), 0);
     for range in ranges {
         new += &text[done..range.start];

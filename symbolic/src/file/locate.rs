@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::outline::{Outline, Shape, Style, outline};
+use super::spans::{Outline, Shape, Style, spans};
 use crate::diagnose::{Place, Step};
 use crate::language::Span;
 
@@ -11,7 +11,7 @@ use crate::language::Span;
 /// What cannot be found (a key that is missing, say) is looked for as far as it exists.
 pub fn locate(text: &str, places: &[&Place]) -> Vec<Range<usize>> {
     let in_file = |place: &Place| if place.path.is_empty() { place.span } else { None };
-    let tree = if places.iter().all(|place| in_file(place).is_some()) { None } else { outline(text).0 };
+    let tree = if places.iter().all(|place| in_file(place).is_some()) { None } else { spans(text).0 };
     let found = |place: &&Place| match (in_file(place), &tree) {
         (Some(span), _) => span.range(),
         (None, Some(root)) => follow(text, root, place),

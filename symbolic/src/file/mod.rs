@@ -1,16 +1,16 @@
 //! The file as YAML: read to a tree of nodes with places, and problems shown where they stand in it.
 
-mod complaint;
 pub mod edit;
 mod locate;
 mod node;
-mod outline;
-mod quoted;
+mod quotes;
 mod read;
 mod reader;
 mod render;
-mod taken_apart;
+mod spans;
+mod unquoted;
 mod written;
+mod yaml_error;
 
 pub use locate::locate;
 pub use node::Node;

@@ -4,11 +4,11 @@ use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor}
 use std::collections::BTreeSet;
 use std::fmt;
 
-use super::complaint::{complaint, complex_key};
 use super::node::Node;
-use super::outline::{duplicates, outline};
-use super::quoted::folded_primes;
-use super::taken_apart::taken_apart;
+use super::quotes::folded_primes;
+use super::spans::{duplicates, spans};
+use super::unquoted::unquoted;
+use super::yaml_error::{complex_key, yaml_error};
 use crate::diagnose::{Place, Problem, catalogue::yaml};
 
 /// Largest file in bytes.
@@ -27,18 +27,18 @@ pub fn read(text: &str) -> Result<Node, Vec<Problem>> {
     // which goes with the square of the depth, would run away.
     let opening = text.bytes().filter(|byte| matches!(byte, b'[' | b'{')).count();
     if opening > MANY || SIGNS.iter().any(|sign| text.contains(sign)) {
-        let (_, problems, failure) = outline(text);
+        let (_, problems, failure) = spans(text);
         if !problems.is_empty() {
             return Err(problems);
         }
         if let Some((at, what)) = failure {
-            return Err(vec![complaint(text, at, &what)]);
+            return Err(vec![yaml_error(text, at, &what)]);
         }
     }
     // serde_yaml takes a byte order mark for a document of its own.
     match serde_yaml::from_str::<Loaded>(text.strip_prefix(MARK).unwrap_or(text)) {
         Ok(Loaded(node @ Node::Map(_))) => {
-            let mut problems = taken_apart(&node);
+            let mut problems = unquoted(&node);
             if problems.is_empty() && text.contains("''") {
                 problems = folded_primes(text);
             }
@@ -69,7 +69,7 @@ fn kind(node: &Node) -> &'static str {
 
 /// The second look at a file that was not read.
 fn explain(text: &str, error: &serde_yaml::Error) -> Vec<Problem> {
-    let (root, mut problems, failure) = outline(text);
+    let (root, mut problems, failure) = spans(text);
     if let (Some(root), None) = (&root, &failure) {
         duplicates(text, root, &mut problems);
     }
@@ -81,7 +81,7 @@ fn explain(text: &str, error: &serde_yaml::Error) -> Vec<Problem> {
     if what.contains(KEY_WANTED) {
         return vec![complex_key(text, at)];
     }
-    vec![complaint(text, at, &what)]
+    vec![yaml_error(text, at, &what)]
 }
 
 /// The byte at a line and column as YAML's libraries count them: both from 1, columns in characters.

@@ -38,7 +38,7 @@ pub(super) fn agree(
         }
     }
     if problems.is_empty() {
-        problems.extend(super::named::disagreements(model, momentum, states, gate));
+        problems.extend(super::reaction_values::disagreements(model, momentum, states, gate));
     }
     if !problems.is_empty() {
         return Err(problems);

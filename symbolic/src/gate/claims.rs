@@ -1,8 +1,8 @@
 //! What a file says is conserved, or holds.
 
 use super::Gate;
-use super::blame::{Blame, Court, blame};
 use super::effects::effects;
+use super::explain::{Evidence, Explanation, explain};
 use super::potential::Conservative;
 use super::state::{State, describe, reproduce};
 use super::states::States;
@@ -47,10 +47,10 @@ pub(super) fn conserved(
             if !gate.agrees(size, rate.magnitude, largest) {
                 let change = Change { component, state: k, rate: *rate };
                 let (mut graph, effects) = effects(model);
-                let court = Court { model, equations, effects: &effects, natures };
+                let evidence = Evidence { model, equations, effects: &effects, natures };
                 let claim = (invariant.value[component], rates[component]);
-                let blame = blame(&mut graph, &court, invariant, claim, &states.all, state);
-                return Err(Box::new(change.problem(model, invariant, blame, &states.all)));
+                let explain = explain(&mut graph, &evidence, invariant, claim, &states.all, state);
+                return Err(Box::new(change.problem(model, invariant, explain, &states.all)));
             }
             worst = worst.max(rate.relative());
         }
@@ -69,10 +69,10 @@ struct Change {
 }
 
 impl Change {
-    fn problem(&self, model: &Model, invariant: &Conserved, blame: Option<Blame>, states: &[State]) -> Problem {
+    fn problem(&self, model: &Model, invariant: &Conserved, explain: Option<Explanation>, states: &[State]) -> Problem {
         let (place, name) = (invariant.place.clone(), &invariant.name);
-        match blame {
-            Some(Blame { causes, help }) => verdicts::changed_by(place, name, causes, help),
+        match explain {
+            Some(Explanation { causes, help }) => verdicts::changed_by(place, name, causes, help),
             None => {
                 let component = match invariant.value.len() {
                     1 => "",

@@ -209,7 +209,7 @@ fn is_changed(
         (*row, kept)
     };
     let changes: Vec<(usize, f64)> = held.rows.iter().zip(&held.rate).map(change).collect();
-    let Some(jump) = motion.blow(state, &changes) else { return false };
+    let Some(jump) = motion.velocity_jump(state, &changes) else { return false };
     let mut after = state.clone();
     after.v.iter_mut().zip(&jump).for_each(|(v, jump)| *v += jump.value);
     let [before, after] = [state, &after].map(|state| value.evaluate(|s| state.measured(s)));

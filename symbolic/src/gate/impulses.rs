@@ -27,7 +27,7 @@ pub(super) fn agree(
     for (system, linear) in model.balances.iter().zip(momentum) {
         let own = blows.iter().filter(|(state, _)| system.phases.contains(&state.phase));
         let known: Vec<(&State, Vec<Measured>)> =
-            own.filter_map(|(state, rows)| Some((state, motion.blow(state, rows)?))).collect();
+            own.filter_map(|(state, rows)| Some((state, motion.velocity_jump(state, rows)?))).collect();
         if known.is_empty() || !system.balances.iter().any(|balance| balance.instantaneous) {
             continue;
         }
@@ -134,7 +134,7 @@ mod tests {
             for (system, linear) in derivation.model.balances.iter().zip(&derivation.momentum) {
                 let own = blows.iter().filter(|(state, _)| system.phases.contains(&state.phase));
                 for (state, rows) in own {
-                    let change = motion.blow(state, rows).expect("determined");
+                    let change = motion.velocity_jump(state, rows).expect("determined");
                     let moved: Vec<usize> =
                         (0..change.len()).filter(|i| change[*i].value != DoubleDouble::ZERO).collect();
                     if moved.len() < 2 {

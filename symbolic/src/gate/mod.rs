@@ -13,54 +13,54 @@
 //! 6. Constraints are classified, and freedoms counted (`freedoms`, `closure`); rows that follow from others are named
 //!    (`dependent`).
 //! 7. What the file says is conserved or holds, does (`claims`); who changes what should be conserved is found in
-//!    `blame`.
+//!    `explain`.
 //!
 //! Everything is evaluated in double-double with running magnitudes, so that every row is judged by the size of its own
 //! terms and agreement means twenty digits.
 
 mod agreement;
+mod along_motion;
 mod arguments;
 mod balances;
-mod blame;
+mod between_knots;
 mod causes;
-mod cells;
 mod claims;
 mod closing;
 mod closure;
+mod coarse_events;
+mod combinations;
+mod common_inputs;
 mod cyclic;
 mod dense;
 mod dependent;
 mod directions;
+mod double_counting;
 mod draw;
 mod effects;
+mod explain;
 mod freedoms;
 mod friction;
+mod hinge_ambiguity;
 mod impacts;
 mod impulses;
 mod inputs;
 mod lines;
 mod motion;
-mod named;
+mod narrow_pairs;
+mod narrow_products;
+mod near_switch;
 mod null;
-mod pairs;
-mod passage;
-mod points;
 mod potential;
-mod products;
+mod reaction_values;
 mod report;
 mod results;
 mod rows;
 mod search;
-mod shared;
-mod sides;
 mod speeds;
 mod state;
 mod states;
 mod system;
 mod trajectory;
-mod turns;
-mod twice;
-mod unseen;
 
 use crate::derive::{Derivation, Equations, Rows, derive};
 use crate::diagnose::catalogue::{mechanics, verdicts};
@@ -70,6 +70,7 @@ use crate::model::command::evaluate;
 use crate::model::{Load, Model, Sample, Work};
 use crate::number::DoubleDouble;
 
+pub use common_inputs::shared_data;
 pub use directions::Direction;
 pub(crate) use directions::mixed;
 pub use effects::{UnitPush, unit_push};
@@ -78,7 +79,6 @@ pub use potential::{Conservative, Nature};
 pub use report::{Agreement, Report};
 pub use state::{Origin, State};
 use states::States;
-pub use unseen::shared_data;
 
 /// What is off by no more roundings of a double-double than this agrees: twenty digits.
 const ROUNDINGS: f64 = 1e-20 / DoubleDouble::UNIT;
@@ -178,7 +178,7 @@ impl Gate {
             problems.push(*problem);
         }
         // Where it matters which body takes a load, there is no one second derivation to compare.
-        let unclear = shared::ambiguous(model, &states.all);
+        let unclear = hinge_ambiguity::ambiguous(model, &states.all);
         if unclear.is_empty() {
             match balances::agree(model, (&motion, momentum), (&states.all, &report.ranks), self) {
                 Ok((agreements, alone)) => {
@@ -236,7 +236,7 @@ impl Gate {
         let force = |load: &Load| load.work == Work::Pushes;
         if model.raw_kinetic_energy != Id::ZERO || model.raw_potential_energy != Id::ZERO {
             let (mut graph, effects) = effects::effects(model);
-            let warnings = twice::energies_twice(&mut graph, model, &effects, &states.all);
+            let warnings = double_counting::energies_twice(&mut graph, model, &effects, &states.all);
             model.warnings.extend(warnings);
         }
         if !model.loads.iter().any(force) && model.generalized_forces.is_empty() {
@@ -246,7 +246,7 @@ impl Gate {
         let free = States { all: inputs::arbitrary(model, rows, &states.all), ..states.clone() };
         report.forces = potential::natures(&mut graph, model, motion, &effects, &free);
         model.warnings.extend(friction::drives(model, &states.all));
-        let (errors, warnings) = twice::counted_twice(&mut graph, model, &effects, &states.all);
+        let (errors, warnings) = double_counting::counted_twice(&mut graph, model, &effects, &states.all);
         model.warnings.extend(warnings);
         errors
     }

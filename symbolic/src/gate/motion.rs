@@ -156,7 +156,7 @@ impl Motion {
 
     /// Δq' of impulses along some rows of the constraints, M Δq' = Jᵀ P, after which the rate of each has changed by so much;
     /// `None` where that is undetermined.
-    pub fn blow(&self, state: &State, rows: &[(usize, f64)]) -> Option<Vec<Measured>> {
+    pub fn velocity_jump(&self, state: &State, rows: &[(usize, f64)]) -> Option<Vec<Measured>> {
         let (zero, changed): (_, Vec<usize>) =
             (Measured::exact(DoubleDouble::ZERO), rows.iter().map(|r| r.0).collect());
         let mut values = self.equations.measured(|s| state.value(s));

@@ -3,7 +3,7 @@
 use super::arguments::Argument;
 use super::lines::Reach;
 use super::motion::Motion;
-use super::sides::{ORDER_ONE, Sides};
+use super::near_switch::{ORDER_ONE, Sides};
 use super::state::{Origin, State};
 use crate::expr::Symbol;
 use crate::number::DoubleDouble;

@@ -6,13 +6,13 @@
 //! 4. On both sides of every discontinuity, at it, and where functions that are local through their arguments say
 //!    something: look in `sides`.
 
+use super::coarse_events::{Turns, VelocityJump};
 use super::draw::{Draws, with_set};
 use super::lines::Reach;
 use super::motion::{Incomplete, Motion};
-use super::sides::sides;
+use super::near_switch::sides;
 use super::state::{Origin, State, describe};
 use super::trajectory::{Passed, Trajectory};
-use super::turns::{Blow, Turns};
 use super::{Gate, listed};
 use crate::diagnose::catalogue::verdicts;
 use crate::diagnose::{Place, Problem};
@@ -107,7 +107,7 @@ pub(super) fn states(
     for (run, scene) in trajectories.iter().zip(&model.scenes) {
         paths.extend(stretches(motion, run));
         found.followed.push((scene.name.clone(), run.reached(), run.until));
-        found.blows.extend(run.blows.iter().take(BLOWS).filter_map(|blow| struck(motion, run, blow)));
+        found.blows.extend(run.blows.iter().take(BLOWS).filter_map(|velocity_jump| struck(motion, run, velocity_jump)));
         found.hits.extend(run.hits.iter().take(HITS).map(|(event, step)| {
             let mut state = on_the_way(run, step);
             motion.prepare(&mut state);
@@ -175,10 +175,11 @@ fn on_the_way(run: &Trajectory, step: &Passed) -> State {
 }
 
 /// Where a jump of the speeds happens, on the constraints that push.
-fn struck(motion: &Motion, run: &Trajectory, blow: &Blow) -> Option<Struck> {
-    let step = Passed { t: blow.t, q: blow.q.clone(), v: vec![0.0; motion.n], phase: blow.phase };
+fn struck(motion: &Motion, run: &Trajectory, velocity_jump: &VelocityJump) -> Option<Struck> {
+    let step =
+        Passed { t: velocity_jump.t, q: velocity_jump.q.clone(), v: vec![0.0; motion.n], phase: velocity_jump.phase };
     let mut state = on_the_way(run, &step);
-    motion.place(&mut state).then(|| (state, blow.rows.clone()))
+    motion.place(&mut state).then(|| (state, velocity_jump.rows.clone()))
 }
 
 /// The steps of a run in order, thinned where there are many: a list for each stretch between two events.

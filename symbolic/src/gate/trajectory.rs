@@ -4,9 +4,9 @@
 //! linearly implicit ROS2 (Verwer, Spee, Blom, Hundsdorfer, SIAM J. Sci. Comput. 20, 1999), whose order does not depend on
 //! its Jacobian.  Evaluations are counted, so that no verdict depends on a clock.
 
+use super::coarse_events::{Turns, VelocityJump, Watched};
 use super::dense::solve;
 use super::motion::{Motion, Rough};
-use super::turns::{Blow, Turns, Watched};
 
 /// Most evaluations of the accelerations a scene.
 const EVALUATIONS: usize = 2000;
@@ -42,7 +42,7 @@ pub(super) struct Trajectory {
     /// Ends of steps, the start first; two at an event, before and after it.
     pub states: Vec<Passed>,
     /// Jumps of the speeds on the way.
-    pub blows: Vec<Blow>,
+    pub blows: Vec<VelocityJump>,
     /// Events with impacts, by their places in the file, and where they happened.
     pub hits: Vec<(usize, Passed)>,
     /// How long it should have gone.

@@ -43,7 +43,7 @@ pub enum Function {
     Friction,
     ConstraintStiffness,
     ConstraintDamping,
-    ConstraintTilt,
+    ConstraintRateJacobian,
     HeldRates,
     Also,
     Inputs,
@@ -115,9 +115,9 @@ impl Interpreter {
         set(Function::Friction, &entries(&constraints.friction));
         set(Function::ConstraintStiffness, &entries(&constraints.stiffness));
         set(Function::ConstraintDamping, &entries(&constraints.damping));
-        set(Function::ConstraintTilt, &entries(&constraints.tilt));
+        set(Function::ConstraintRateJacobian, &entries(&constraints.rate_jacobian));
         set(Function::HeldRates, &constraints.held_rates);
-        set(Function::Also, &program.also());
+        set(Function::Also, &program.start_conditions());
         let rates: Vec<Id> = program.event_rates.iter().map(|rate| rate.value()).collect();
         set(Function::EventRates, &rates);
         let pairs: Vec<Id> = program.arguments.iter().flat_map(|a| [a.value, a.rate]).collect();

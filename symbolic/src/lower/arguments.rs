@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 
 use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
 
-use super::gates::gates;
+use super::zero_factors::gates;
 use crate::derive::rates;
 use crate::expr::{Binary, DoubleDouble, Graph, Id, Node, Number, Symbol, Unary};
 

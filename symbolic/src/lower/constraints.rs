@@ -26,7 +26,7 @@ pub struct Constraints {
     /// ∂(J q'' + γ)/∂q'.
     pub damping: Vec<Entry>,
     /// ∂c'/∂q.
-    pub tilt: Vec<Entry>,
+    pub rate_jacobian: Vec<Entry>,
     /// Total time derivatives of F, then of J q'' + γ, with q'' and λ held.
     pub held_rates: Vec<Id>,
     /// −λ·(∂c/∂t or b): the power of moving constraints.
@@ -64,7 +64,7 @@ pub(super) fn lowered(graph: &mut Graph, rows: Rows, chosen: &mut Chosen) -> Con
     let speed = |s: Symbol| if let Symbol::Speed(i) = s { Some(i as usize) } else { None };
     let (mut stiffness, mut damping) =
         (entries(jacobian(graph, &acceleration, place)), entries(jacobian(graph, &acceleration, speed)));
-    let tilt = entries(jacobian(graph, &rows.rate, place));
+    let rate_jacobian = entries(jacobian(graph, &rows.rate, place));
     let mut magnitudes = Magnitudes::default();
     let places = rows.value.iter().zip(&rows.integral).map(|(c, integral)| integral.unwrap_or(*c));
     let values = places.zip(&rows.rate).flat_map(|(c, rate)| [c, *rate, magnitudes.of(graph, c)]).collect();
@@ -82,7 +82,7 @@ pub(super) fn lowered(graph: &mut Graph, rows: Rows, chosen: &mut Chosen) -> Con
         friction,
         stiffness,
         damping,
-        tilt,
+        rate_jacobian,
         held_rates: held,
         power: rows.power(graph),
     }

@@ -6,7 +6,6 @@ mod constraints;
 mod count;
 mod factor;
 mod forms;
-mod gates;
 mod gather;
 mod magnitude;
 mod momentum;
@@ -16,6 +15,7 @@ mod routh;
 mod structure;
 mod symmetry;
 mod time;
+mod zero_factors;
 
 use std::path::Path;
 
@@ -291,14 +291,14 @@ impl Program {
     /// Whether anything of each coordinate is in what is wanted (expressions and coordinates), or in the motion of what is: what the
     /// equations of motion contain, and those of what they contain.  Reactions by momentum balances, and motions whose events
     /// change the phase, feel all.
-    pub fn feels(&self, wanted: &[Id], coordinates: &[usize]) -> Vec<bool> {
+    pub fn depends_on(&self, wanted: &[Id], coordinates: &[usize]) -> Vec<bool> {
         let Program { model: Model { graph, events, .. }, residual, constraints, switches, .. } = self;
         let by_balances = |symbol: Symbol| matches!(symbol, Symbol::Reaction(_));
         let balanced = graph.symbols(wanted.iter().copied()).into_iter().any(by_balances);
         match parts::reads(graph, residual, constraints, switches, events).filter(|_| !balanced) {
             None => vec![true; self.model.coordinates.len()],
             Some(reads) => {
-                let own = parts::felt(graph, wanted, (&parts::rows(graph, constraints), switches));
+                let own = parts::active(graph, wanted, (&parts::rows(graph, constraints), switches));
                 parts::closure(&reads, own.into_iter().chain(coordinates.iter().copied()))
             }
         }

@@ -55,7 +55,7 @@ pub(super) fn reads(
         return None;
     }
     let rows = rows(graph, constraints);
-    let mut reads: Vec<Vec<usize>> = residual.iter().map(|force| felt(graph, &[*force], (&rows, switches))).collect();
+    let mut reads: Vec<Vec<usize>> = residual.iter().map(|force| active(graph, &[*force], (&rows, switches))).collect();
     for (row, coordinate, _) in &constraints.matrix {
         reads[*coordinate].extend(&rows[*row]);
     }
@@ -89,10 +89,10 @@ pub(super) fn closure(reads: &[Vec<usize>], from: impl IntoIterator<Item = usize
 
 /// The coordinates that each row contains.
 pub(super) fn rows(graph: &Graph, constraints: &Constraints) -> Vec<Vec<usize>> {
-    let mut rows: Vec<Vec<usize>> = constraints.bias.iter().map(|bias| felt(graph, &[*bias], (&[], &[]))).collect();
+    let mut rows: Vec<Vec<usize>> = constraints.bias.iter().map(|bias| active(graph, &[*bias], (&[], &[]))).collect();
     for (row, coordinate, slope) in &constraints.matrix {
         rows[*row].push(*coordinate);
-        rows[*row].extend(felt(graph, &[*slope], (&[], &[])));
+        rows[*row].extend(active(graph, &[*slope], (&[], &[])));
     }
     rows
 }
@@ -128,7 +128,7 @@ fn apart(program: &mut Program, parts: &[Vec<usize>]) -> Option<Vec<Part>> {
         let sizes = [kinetic, potential].map(|energy| magnitudes.of(graph, energy));
         let tested = pivots.iter().filter(|pivot| own(&pivot.0)).flat_map(|pivot| [pivot.1, pivot.2]);
         let roots: Vec<Id> = coordinates.iter().map(|i| values[*i]).chain(tested).collect();
-        if !felt(graph, &roots, (&[], &[])).iter().all(own) {
+        if !active(graph, &roots, (&[], &[])).iter().all(own) {
             return None;
         }
         let forces = coordinates.iter().map(|i| residual[*i]);
@@ -195,8 +195,8 @@ fn share(graph: &mut Graph, energy: Id, part: &[usize]) -> Option<Id> {
 fn readers(graph: &Graph, events: &[Event], parts: &[Vec<usize>]) -> Option<Vec<usize>> {
     let reader = |event: &Event| {
         let read: Vec<Id> = std::iter::once(event.when).chain(event.condition).collect();
-        let felt = felt(graph, &read, (&[], &[]));
-        parts.iter().position(|part| felt.iter().all(|i| part.contains(i)))
+        let active = active(graph, &read, (&[], &[]));
+        parts.iter().position(|part| active.iter().all(|i| part.contains(i)))
     };
     events.iter().map(reader).collect()
 }
@@ -215,7 +215,7 @@ fn arguments_of(
             Watched::Event(event) => events.contains(&event),
             Watched::Motion | Watched::Switch(_) => true,
         };
-        if within && felt(graph, &[argument.value], (&[], &[])).iter().all(&own) {
+        if within && active(graph, &[argument.value], (&[], &[])).iter().all(&own) {
             found.push(place);
         }
     }
@@ -223,7 +223,7 @@ fn arguments_of(
 }
 
 /// The coordinates of which expressions contain anything, by way of multipliers and discontinuities too.
-pub(super) fn felt(graph: &Graph, expressions: &[Id], (rows, switches): (&[Vec<usize>], &[Switch])) -> Vec<usize> {
+pub(super) fn active(graph: &Graph, expressions: &[Id], (rows, switches): (&[Vec<usize>], &[Switch])) -> Vec<usize> {
     let mut found = Vec::new();
     for symbol in graph.symbols(expressions.iter().copied()) {
         match symbol {
@@ -233,7 +233,7 @@ pub(super) fn felt(graph: &Graph, expressions: &[Id], (rows, switches): (&[Vec<u
             Symbol::Mode(k) => {
                 let earlier = switches.get(..k as usize).unwrap_or_default();
                 found.extend(
-                    switches.get(k as usize).map_or_else(Vec::new, |s| felt(graph, &[s.argument], (rows, earlier))),
+                    switches.get(k as usize).map_or_else(Vec::new, |s| active(graph, &[s.argument], (rows, earlier))),
                 );
             }
             _ => {}

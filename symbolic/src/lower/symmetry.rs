@@ -206,11 +206,11 @@ impl Origin {
     fn allows(&self, images: &[Option<(usize, bool)>], new: [usize; 2]) -> bool {
         let known = || images.iter().enumerate().filter_map(|(i, image)| Some((i, (*image)?)));
         let fits = |(i, (to, opposite)): (usize, (usize, bool))| {
-            let pairs = |(k, (other, also)): (usize, (usize, bool))| {
+            let pairs = |(k, (other, start_conditions)): (usize, (usize, bool))| {
                 self.matrices.iter().all(|matrix| {
                     let [before, after] = [(i, k), (to, other)].map(|(row, column)| matrix[row * self.n + column]);
                     let [left, right] = [(k, i), (other, to)].map(|(row, column)| matrix[row * self.n + column]);
-                    same(before, after, opposite != also) && same(left, right, opposite != also)
+                    same(before, after, opposite != start_conditions) && same(left, right, opposite != start_conditions)
                 })
             };
             same(self.forces[to], self.forces[i], opposite) && known().all(pairs)

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::rc::Rc;
 
-use super::expression::bench::Bench;
+use super::expression::builder::ExprBuilder;
 use super::expression::dimension::{Dimension, Measure};
 use super::expression::lower::Local;
 use super::expression::rules::Rules;
@@ -58,9 +58,9 @@ impl Model {
 
     fn components(&mut self, text: &str, locals: &[(String, Local)]) -> Result<Vec<Id>, Vec<Problem>> {
         let text = read(text)?;
-        let mut bench = self.bench();
-        let value = bench.value(&self.scope, &text, Rules::anything("an expression").numbers_fit(), locals);
-        self.take_back(bench)?;
+        let mut builder = self.builder();
+        let value = builder.value(&self.scope, &text, Rules::anything("an expression").numbers_fit(), locals);
+        self.take_back(builder)?;
         match value {
             Value::Scalar(x) => Ok(vec![x]),
             Value::Vector(v) => Ok(v),
@@ -80,10 +80,10 @@ impl Model {
     /// The unit in SI of an expression that may stand in `outputs`; `None` where it is a pure number, not known, or wrong.
     pub fn unit_of(&mut self, text: &str) -> Option<String> {
         let text = read(text).ok()?;
-        let mut bench = self.bench();
-        bench.value(&self.scope, &text, Rules::anything("an expression").numbers_fit(), &[]);
-        let dimension = bench.measured.dimension();
-        self.take_back(bench).ok()?;
+        let mut builder = self.builder();
+        builder.value(&self.scope, &text, Rules::anything("an expression").numbers_fit(), &[]);
+        let dimension = builder.measured.dimension();
+        self.take_back(builder).ok()?;
         dimension.filter(|dimension| *dimension != Dimension::ONE).map(|dimension| dimension.to_string())
     }
 
@@ -113,9 +113,9 @@ impl Model {
             Sets::Any | Sets::Frequency | Sets::Time | Sets::Number => None,
         };
         let rules = Rules::constant(what).numbers_fit().like(unit).counting(words);
-        let mut bench = self.bench();
-        let value = bench.setting(&self.scope, &quantity, rules, &[]);
-        self.take_back(bench)?;
+        let mut builder = self.builder();
+        let value = builder.setting(&self.scope, &quantity, rules, &[]);
+        self.take_back(builder)?;
         let undefined = || vec![names::undefined_value(Place::default(), text)];
         let value = value.and_then(|id| evaluate(&self.graph, id, parameters)).ok_or_else(undefined)?;
         if let Sets::Parameter(place) = sets
@@ -146,12 +146,12 @@ impl Model {
     /// What is wrong with it; places are spans of `text`.
     pub fn signal(&mut self, text: &str) -> Result<[Id; 3], Vec<Problem>> {
         let quantity = file::quantity(text, &Place::default())?;
-        let mut bench = self.bench();
+        let mut builder = self.builder();
         let rules = Rules::signal("an input").numbers_fit();
-        let value = bench.quantity(&self.scope, &quantity, rules, &[]).unwrap_or(Id::ZERO);
-        let rate = bench.rate(value);
-        let second = bench.rate(rate);
-        self.take_back(bench)?;
+        let value = builder.quantity(&self.scope, &quantity, rules, &[]).unwrap_or(Id::ZERO);
+        let rate = builder.rate(value);
+        let second = builder.rate(rate);
+        self.take_back(builder)?;
         Ok([value, rate, second])
     }
 
@@ -181,17 +181,17 @@ impl Model {
         })
     }
 
-    fn bench(&mut self) -> Bench {
-        let mut bench = Bench::new(std::mem::take(&mut self.graph));
-        bench.defaults = self.parameters.iter().map(|p| p.default).collect();
-        bench.facts.dimensional =
+    fn builder(&mut self) -> ExprBuilder {
+        let mut builder = ExprBuilder::new(std::mem::take(&mut self.graph));
+        builder.defaults = self.parameters.iter().map(|p| p.default).collect();
+        builder.facts.dimensional =
             self.parameters.iter().map(|p| !matches!(p.unit.as_deref(), None | Some("1"))).collect();
-        bench
+        builder
     }
 
-    fn take_back(&mut self, bench: Bench) -> Result<(), Vec<Problem>> {
-        self.graph = bench.graph;
-        if bench.problems.is_empty() { Ok(()) } else { Err(bench.problems) }
+    fn take_back(&mut self, builder: ExprBuilder) -> Result<(), Vec<Problem>> {
+        self.graph = builder.graph;
+        if builder.problems.is_empty() { Ok(()) } else { Err(builder.problems) }
     }
 }
 

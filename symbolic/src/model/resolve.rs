@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use super::expression::bench::is_of_units;
+use super::expression::builder::is_of_units;
 use super::identifier::type_name;
 use super::resolved::Model;
 use super::resolver::Resolver;
 use super::section::declare::dimension;
-use super::section::settle::settle;
+use super::section::resolve_values::resolve_values;
 use crate::diagnose::catalogue::{names, sections};
 use crate::diagnose::{Place, Problem, Step};
 use crate::file::{Node, Spot};
@@ -88,10 +88,10 @@ fn resolve_through(root: &Node, sizes: &[(String, i64)], folder: Option<&Path>) 
     }
     resolver.refused_names();
     resolver.check_index_names();
-    resolver.bench.settings = resolver.settings();
-    // 2. Values of what has names, in whatever order they need each other; look in `settle.rs`.
+    resolver.builder.settings = resolver.settings();
+    // 2. Values of what has names, in whatever order they need each other; look in `resolve_values.rs`.
     let items = std::mem::take(&mut resolver.items);
-    settle(&mut resolver.bench, &mut resolver.scope, &items);
+    resolve_values(&mut resolver.builder, &mut resolver.scope, &items);
     resolver.finish_derived(derived);
     resolver.finish_inputs();
     resolver.finish_constraints(constraints);
@@ -107,7 +107,7 @@ fn resolve_through(root: &Node, sizes: &[(String, i64)], folder: Option<&Path>) 
     resolver.balances();
     // 5. What is computed along a run; look in `watched.rs` and `draw.rs`.
     resolver.watched();
-    resolver.also(held);
+    resolver.start_conditions(held);
     resolver.needed();
     resolver.events();
     resolver.idle_constraints();
@@ -173,7 +173,7 @@ impl Resolver<'_> {
     fn head(&mut self) {
         let root = self.root.clone();
         let known: Vec<&str> = KEYS.into_iter().chain(["scenes", "equilibrium"]).collect();
-        let problems = &mut self.bench.problems;
+        let problems = &mut self.builder.problems;
         if !root.only(&known, "the model", problems) {
             return;
         }
@@ -200,12 +200,12 @@ impl Resolver<'_> {
 
     /// What is wrong, one problem for each place and kind; and the model unless that concerns its equations.
     fn finish(mut self) -> (Option<Model>, Vec<Problem>) {
-        if self.bench.graph.overflowed() && !self.bench.exhausted() {
-            self.bench.problems.push(names::too_many_nodes(Place::default(), 1_000_000));
+        if self.builder.graph.overflowed() && !self.builder.exhausted() {
+            self.builder.problems.push(names::too_many_nodes(Place::default(), 1_000_000));
         }
         let mut problems: Vec<Problem> = Vec::new();
         let mut seen = std::collections::HashSet::new();
-        for problem in self.bench.problems {
+        for problem in self.builder.problems {
             if seen.insert((
                 problem.code,
                 problem.place.path.clone(),
@@ -219,8 +219,8 @@ impl Resolver<'_> {
             return (None, problems);
         }
         self.model.dimension = self.scope.dimension;
-        self.model.integrals = self.bench.integrals;
-        self.model.graph = self.bench.graph;
+        self.model.integrals = self.builder.integrals;
+        self.model.graph = self.builder.graph;
         self.model.scope = self.scope;
         (Some(self.model), problems)
     }

@@ -473,7 +473,7 @@ pub struct Scene {
     /// True where the scene gives a `guess`.
     pub guessed: bool,
     /// Equations that the start meets together with the constraints: (quantity of t, q, q'; its value).
-    pub also: Vec<(Id, Id)>,
+    pub start_conditions: Vec<(Id, Id)>,
     /// The phase in which it starts.
     pub phase: usize,
     /// The end.

@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use super::expression::bench::Bench;
+use super::expression::builder::ExprBuilder;
 use super::expression::families::{self, Expanded, Family, IndexNames, Locals};
 use super::expression::index::MEMBER_LIMIT;
 use super::expression::rules::Rules;
 use super::expression::scope::{Entry, Member, Scope, Section};
 use super::resolved::Model;
-use super::section::settle::{Item, Want};
+use super::section::resolve_values::{Item, Want};
 use super::section::watched::Watched;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{names, sections};
@@ -23,7 +23,7 @@ pub struct Resolver<'a> {
     /// The file.
     pub root: Spot<'a>,
     /// Where expressions are made.
-    pub bench: Bench,
+    pub builder: ExprBuilder,
     /// All names.
     pub scope: Scope,
     /// What has a value.
@@ -46,7 +46,7 @@ impl<'a> Resolver<'a> {
     pub fn new(root: Spot<'a>, folder: Option<&Path>) -> Resolver<'a> {
         Resolver {
             root,
-            bench: Bench::new(crate::expr::Graph::new()),
+            builder: ExprBuilder::new(crate::expr::Graph::new()),
             scope: Scope::default(),
             items: Vec::new(),
             index_names: Vec::new(),
@@ -61,7 +61,7 @@ impl<'a> Resolver<'a> {
     /// The entries of a section, empty where the file has none.
     pub fn section(&mut self, key: &str) -> Vec<(&'a str, Spot<'a>)> {
         match self.root.get(key) {
-            Some(spot) => spot.entries(&mut self.bench.problems),
+            Some(spot) => spot.entries(&mut self.builder.problems),
             None => Vec::new(),
         }
     }
@@ -72,8 +72,8 @@ impl<'a> Resolver<'a> {
             return None;
         }
         let place = spot.place.of_key();
-        let family = families::expand_name(&mut self.bench, &self.scope, &mut self.index_names, words, &place);
-        if family.is_none() && self.bench.problems.last().is_some_and(|problem| problem.code == "E223") {
+        let family = families::expand_name(&mut self.builder, &self.scope, &mut self.index_names, words, &place);
+        if family.is_none() && self.builder.problems.last().is_some_and(|problem| problem.code == "E223") {
             self.names = MEMBER_LIMIT + 1;
         }
         family.filter(|family| self.count(family.members.len(), &place))
@@ -83,7 +83,7 @@ impl<'a> Resolver<'a> {
     pub fn label(&mut self, words: &str, spot: &Spot<'_>, section: &str) -> Option<String> {
         let family = self.expand(words, spot)?;
         if family.ranged {
-            self.bench.problems.push(sections::family_not_allowed(spot.place.of_key(), section));
+            self.builder.problems.push(sections::family_not_allowed(spot.place.of_key(), section));
             return None;
         }
         family.members.first().map(Expanded::name)
@@ -112,7 +112,7 @@ impl<'a> Resolver<'a> {
             return true;
         }
         if before <= MEMBER_LIMIT {
-            self.bench.problems.push(names::too_many_names(place.clone(), MEMBER_LIMIT));
+            self.builder.problems.push(names::too_many_names(place.clone(), MEMBER_LIMIT));
         }
         false
     }
@@ -127,7 +127,7 @@ impl<'a> Resolver<'a> {
         let place = place.of_key();
         if is_reserved(&expanded.base) {
             let proposal = proposal(&expanded.base);
-            self.bench.problems.push(names::reserved_name(place.clone(), &expanded.base, proposal));
+            self.builder.problems.push(names::reserved_name(place.clone(), &expanded.base, proposal));
             // Declared all the same, so that its uses are not reported too.
         }
         let indices = expanded.indices.len();
@@ -138,15 +138,15 @@ impl<'a> Resolver<'a> {
             members: BTreeMap::new(),
         });
         if entry.section != section {
-            self.bench.problems.push(names::duplicate_name(place, &expanded.base, entry.section.key()));
+            self.builder.problems.push(names::duplicate_name(place, &expanded.base, entry.section.key()));
             return false;
         }
         if entry.indices != indices {
-            self.bench.problems.push(names::duplicate_name(place, &expanded.base, section.key()));
+            self.builder.problems.push(names::duplicate_name(place, &expanded.base, section.key()));
             return false;
         }
         if entry.members.insert(expanded.indices.clone(), member).is_some() {
-            self.bench.problems.push(names::member_twice(place, expanded.name()));
+            self.builder.problems.push(names::member_twice(place, expanded.name()));
             return false;
         }
         true
@@ -172,12 +172,12 @@ impl<'a> Resolver<'a> {
 
     /// A number.
     pub fn scalar(&mut self, text: &Text, rules: Rules, locals: &Locals) -> Option<Id> {
-        self.bench.scalar(&self.scope, text, rules, locals)
+        self.builder.scalar(&self.scope, text, rules, locals)
     }
 
     /// A vector.
     pub fn vector(&mut self, written: &Written, rules: Rules, locals: &Locals) -> Option<Vec<Id>> {
-        self.bench.vector(&self.scope, written, rules, locals)
+        self.builder.vector(&self.scope, written, rules, locals)
     }
 
     /// Reports a label that stands twice in a section.
@@ -185,7 +185,7 @@ impl<'a> Resolver<'a> {
         if seen.insert(label.to_owned(), ()).is_none() {
             return true;
         }
-        self.bench.problems.push(sections::duplicate_label(place.of_key(), label, section));
+        self.builder.problems.push(sections::duplicate_label(place.of_key(), label, section));
         false
     }
 }

@@ -102,7 +102,7 @@ pub(super) fn description(program: &Program, source: &str) -> String {
     field("friction_pattern", pattern(&program.constraints.friction));
     field("constraint_stiffness_pattern", pattern(&program.constraints.stiffness));
     field("constraint_damping_pattern", pattern(&program.constraints.damping));
-    field("constraint_tilt_pattern", pattern(&program.constraints.tilt));
+    field("constraint_rate_pattern", pattern(&program.constraints.rate_jacobian));
     let quantity = |name: &str, components: usize, of: &Option<String>| {
         format!("mechanism::Quantity {{ name: {}, components: {components}, unit: {} }}", string(name), unit(of))
     };

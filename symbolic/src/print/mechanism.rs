@@ -158,9 +158,9 @@ impl Mechanism<'_> {
                 uses: [stores("dq", &cq), stores("dv", &cv)].into_iter().flatten().collect(),
                 ..Function::default()
             },
-            into_slice("constraint_tilt", 2, &values(&constraints.tilt)),
+            into_slice("constraint_rate_jacobian", 2, &values(&constraints.rate_jacobian)),
             into_slice("held_rates", 3, &constraints.held_rates),
-            into_slice("also", 3, &program.also()),
+            into_slice("start_conditions", 3, &program.start_conditions()),
             Function {
                 name: "energy",
                 state: 3,

@@ -100,7 +100,7 @@ impl Program {
             &constraints.friction,
             &constraints.stiffness,
             &constraints.damping,
-            &constraints.tilt,
+            &constraints.rate_jacobian,
         ];
         let entries = entries.into_iter().chain(of_rows);
         let mut roots: Vec<Id> = entries.flatten().map(|e| e.2).collect();
@@ -120,7 +120,7 @@ impl Program {
         ];
         roots.extend(lists.into_iter().flatten());
         roots.extend(self.energy);
-        roots.extend(self.also());
+        roots.extend(self.start_conditions());
         roots.extend(self.parts.iter().flat_map(|part| part.energy));
         roots.extend(self.signals.iter().flatten());
         roots.extend(self.event_rates.iter().map(|rate| rate.value()));
@@ -136,13 +136,13 @@ impl Program {
     }
 
     /// What scenes say that their starts meet beside constraints: quantities of the state, scene by scene.
-    pub fn also(&self) -> Vec<Id> {
-        self.model.scenes.iter().flat_map(|scene| scene.also.iter().map(|pair| pair.0)).collect()
+    pub fn start_conditions(&self) -> Vec<Id> {
+        self.model.scenes.iter().flat_map(|scene| scene.start_conditions.iter().map(|pair| pair.0)).collect()
     }
 
     /// The values of these, of parameters.
-    pub fn also_values(&self) -> Vec<Id> {
-        self.model.scenes.iter().flat_map(|scene| scene.also.iter().map(|pair| pair.1)).collect()
+    pub fn start_condition_values(&self) -> Vec<Id> {
+        self.model.scenes.iter().flat_map(|scene| scene.start_conditions.iter().map(|pair| pair.1)).collect()
     }
 
     /// How many of a phase's rows are independent in general.

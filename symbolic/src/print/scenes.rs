@@ -17,11 +17,12 @@ pub(super) fn scenes(program: &Program, bodies: &Bodies<'_>) -> String {
         program.constraints.len()
     );
     let mut out = sets(&model.scenes, bodies, &parameters);
-    let constrained = !model.constraints.is_empty() || model.scenes.iter().any(|scene| !scene.also.is_empty());
+    let constrained =
+        !model.constraints.is_empty() || model.scenes.iter().any(|scene| !scene.start_conditions.is_empty());
     out += &starts(&model.scenes, bodies, &parameters, model.coordinates.len(), constrained);
     out += &guess(&model.equilibrium, bodies, &parameters);
     out += &list_of("restitutions", &program.restitutions(), bodies, &parameters);
-    out + &list_of("also_values", &program.also_values(), bodies, &parameters)
+    out + &list_of("start_condition_values", &program.start_condition_values(), bodies, &parameters)
 }
 
 fn sets(scenes: &[Scene], bodies: &Bodies<'_>, parameters: &str) -> String {
@@ -109,10 +110,15 @@ fn starting(scenes: &[Scene], constrained: bool) -> String {
         + &of("held_v", "::std::vec::Vec::new()", &|scene| held(&scene.held_v))
         + &of("guessed", "false", &|scene| scene.guessed.to_string())
         + &of("phase", "0", &|scene| scene.phase.to_string())
-        + &of("also", "0..0", &|scene| {
-            let before = scenes.iter().take_while(|other| other.name != scene.name).map(|other| other.also.len());
+        + &of("start_conditions", "0..0", &|scene| {
+            let before =
+                scenes.iter().take_while(|other| other.name != scene.name).map(|other| other.start_conditions.len());
             let first: usize = before.sum();
-            if scene.also.is_empty() { "0..0".to_owned() } else { format!("{first}..{}", first + scene.also.len()) }
+            if scene.start_conditions.is_empty() {
+                "0..0".to_owned()
+            } else {
+                format!("{first}..{}", first + scene.start_conditions.len())
+            }
         })
 }
 

@@ -99,9 +99,9 @@ pub fn judge(drawn: &Drawn) -> Verdict {
     };
     let warnings: Vec<String> = run.warnings.iter().map(ToString::to_string).collect();
     if faults(&run, &tight, None).is_none() {
-        return match drawn.cut.and_then(|part| cut_fault(&system, &settings, &run, part)) {
-            Some(fault) => Verdict::Wrong { fault },
-            None => Verdict::Right { warnings },
+        return match drawn.cut.map_or(Ok(()), |part| cut(&system, &settings, &run, part)) {
+            Ok(()) => Verdict::Right { warnings },
+            Err(verdict) => verdict,
         };
     }
     let Ok(other) = bounded(&plain, drawn, LESS_TIGHT, 1.7 * SHARE) else {
@@ -151,9 +151,9 @@ fn bounded(system: &Interpreted, drawn: &Drawn, tolerance: f64, share: f64) -> R
     Err(Unjudged::TooLong)
 }
 
-/// What is wrong with a run that stops at an event of the run, or between its start and its end where there is none, and goes on from
-/// there.
-fn cut_fault(system: &Interpreted, settings: &Settings, run: &Run, part: f64) -> Option<String> {
+/// The verdict on a run that stops at an event of the run, or between its start and its end where there is none, and goes on from
+/// there, unless it is right.
+fn cut(system: &Interpreted, settings: &Settings, run: &Run, part: f64) -> Result<(), Verdict> {
     let inside = |t: &f64| *t > 0.0 && *t < run.last().t;
     let events: Vec<f64> = run.events.iter().map(|event| event.state.t).filter(inside).collect();
     let t = events.get((part * events.len() as f64) as usize).copied().unwrap_or(part * run.last().t);
@@ -167,20 +167,26 @@ fn cut_fault(system: &Interpreted, settings: &Settings, run: &Run, part: f64) ->
     });
     let (first, second) = match both {
         Ok(both) => both,
-        Err(error) => return Some(format!("cut at t = {t:e}: {error}")),
+        // A part may be better off by another method than the whole.
+        Err(Error::Run(failure)) if matches!(failure.cause, Cause::TooManySteps { .. }) => {
+            return Err(Verdict::LeftOut { why: "too many steps in a part" });
+        }
+        Err(error) => return Err(Verdict::Wrong { fault: format!("cut at t = {t:e}: {error}") }),
     };
     let seen = first.events.len() + second.events.len();
     if seen != run.events.len() && second.warnings.is_empty() && run.warnings.is_empty() {
-        return Some(format!("cut at t = {t:e}: {seen} events instead of {}", run.events.len()));
+        let fault = format!("cut at t = {t:e}: {seen} events instead of {}", run.events.len());
+        return Err(Verdict::Wrong { fault });
     }
-    run.column_names().into_iter().find_map(|name| {
+    let fault = run.column_names().into_iter().find_map(|name| {
         let last = |run: &Run| run.column(&name).and_then(|column| column.last().copied()).unwrap_or(f64::NAN);
         let bound = |run: &Run| run.errors(&name).and_then(|errors| errors.last().copied()).unwrap_or(f64::INFINITY);
         let (one, two) = (last(run), last(&second));
         let (apart, promised) = ((one - two).abs(), bound(run) + bound(&second));
         let broken = apart > HALF_A_DIGIT * promised;
         broken.then(|| format!("cut at t = {t:e}: {name} = {two:e} instead of {one:e}, {promised:.1e} is promised"))
-    })
+    });
+    fault.map_or(Ok(()), |fault| Err(Verdict::Wrong { fault }))
 }
 
 /// From when on two runs have different events.

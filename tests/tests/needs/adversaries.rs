@@ -1,6 +1,6 @@
 //! What seems not to act, and does.
 
-use dalembert::needs::{Need, Question, Unanswered, Verdict};
+use dalembert::needs::{Need, NeedsError, NeedsRequest, Verdict};
 
 use super::{asked, change, chosen, found, holds, oscillator, rung};
 
@@ -88,13 +88,13 @@ scene: {start: {theta: 0.2}, until: 5, tolerance: 1e-8}
 #[test]
 fn a_scene_that_forgets_its_start_is_not_reduced() {
     let text = include_str!("../../../models/double_pendulum.yaml");
-    let wild = Question { need: Some(Need::default()), ..Question::new(text) };
+    let wild = NeedsRequest { need: Some(Need::default()), ..NeedsRequest::new(text) };
     match asked(&wild) {
         Ok(needs) => {
             assert!(needs.rungs.is_empty() && needs.promised_until.is_some(), "{}", needs.table());
             assert!(needs.choice.is_none_or(|choice| choice.members.is_empty()));
         }
-        Err(unanswered) => assert!(matches!(unanswered, Unanswered::NotKnown { .. }), "{unanswered}"),
+        Err(unanswered) => assert!(matches!(unanswered, NeedsError::NotKnown { .. }), "{unanswered}"),
     }
 }
 

@@ -1,17 +1,17 @@
 //! Ladders of fidelity with the figures of the study and the catalogue: what is predicted beside what is verified, and where each law
 //! breaks down.  Others stand in `stiff.rs`, `masses.rs`, `linear.rs` and `main.rs`.
 
-use dalembert::needs::{Law, Need, Needs, Proposal, Question, Rung, Unanswered, Verdict};
+use dalembert::needs::{Law, ModelReduction, Need, Needs, NeedsError, NeedsRequest, Proposal, Verdict};
 
 use super::{SPRING_PENDULUM, asked, chosen, found, holds, oscillator, rung};
 
 /// What is predicted, whether that holds, and what is verified.
-fn judged(rung: &Rung) -> (f64, bool, f64) {
+fn judged(rung: &ModelReduction) -> (f64, bool, f64) {
     let predicted = rung.predicted.unwrap_or_else(|| panic!("nothing predicted of {}", rung.ingredient));
     (predicted.change, predicted.holds(), rung.deviation.as_ref().expect("compared").largest)
 }
 
-fn is_near(rung: &Rung) -> f64 {
+fn is_near(rung: &ModelReduction) -> f64 {
     let (predicted, holds, change) = judged(rung);
     assert!(holds && (0.5..2.0).contains(&(predicted / change)), "{}: {predicted} {holds} {change}", rung.ingredient);
     change
@@ -33,8 +33,8 @@ scene: {{start: {{x: s*sin(0.3), y: -s*cos(0.3)}}, until: 10, tolerance: 1e-8}}
     )
 }
 
-fn rigid<'a>(needs: &'a Needs, ingredient: &str) -> Vec<&'a Rung> {
-    let is = |rung: &&Rung| rung.ingredient == ingredient && matches!(rung.proposal, Proposal::Rigid { .. });
+fn rigid<'a>(needs: &'a Needs, ingredient: &str) -> Vec<&'a ModelReduction> {
+    let is = |rung: &&ModelReduction| rung.ingredient == ingredient && matches!(rung.proposal, Proposal::Rigid { .. });
     needs.rungs.iter().filter(is).collect()
 }
 
@@ -81,7 +81,7 @@ scene: {start: {y1: -d1, y2: -d1 - d2}, until: 3, tolerance: 1e-7}
 fn the_tension_of_a_cord_that_is_a_rod_is_its_reaction() {
     let file = on_a_cord("1e5");
     let need = Need::of(&["angle", "pull"], 1e-3);
-    let needs = asked(&Question { need: Some(need), ..Question::new(file.clone()) }).unwrap();
+    let needs = asked(&NeedsRequest { need: Some(need), ..NeedsRequest::new(file.clone()) }).unwrap();
     let choice = chosen(&needs);
     assert!(choice.members == ["springs.cord"] && choice.verified <= 1e-3 && choice.saving > 2.0, "{}", needs.table());
     let text = needs.smaller_file().expect("a file");
@@ -94,8 +94,8 @@ fn the_tension_of_a_cord_that_is_a_rod_is_its_reaction() {
 fn outputs_read_what_holds_a_coordinate_where_it_gives_way() {
     // The study's crane: 60 % of its range as written, 1.5e-3 as the reaction.
     let need = Need::of(&["angle", "tension"], 2e-3);
-    let stiff = Question::new(SPRING_PENDULUM).setting("k", "1e5 N/m").unwrap();
-    let needs = asked(&Question { need: Some(need), ..stiff }).unwrap();
+    let stiff = NeedsRequest::new(SPRING_PENDULUM).setting("k", "1e5 N/m").unwrap();
+    let needs = asked(&NeedsRequest { need: Some(need), ..stiff }).unwrap();
     let held = needs
         .rungs
         .iter()
@@ -105,7 +105,7 @@ fn outputs_read_what_holds_a_coordinate_where_it_gives_way() {
     let as_reaction = by_reaction.deviation.as_ref().expect("compared").largest;
     assert!(as_written > 0.3 && as_reaction < 2e-3, "{as_written} {as_reaction}");
     assert_eq!(by_reaction.verdict, Verdict::Serves, "{}", needs.table());
-    let crane = Question { need: Some(Need::of(&["swing", "pull"], 1e-2)), ..Question::new(super::CRANE) };
+    let crane = NeedsRequest { need: Some(Need::of(&["swing", "pull"], 1e-2)), ..NeedsRequest::new(super::CRANE) };
     let needs = asked(&crane).unwrap();
     assert!(chosen(&needs).members.contains(&"coordinates.l".to_owned()), "{}", needs.table());
     let text = needs.smaller_file().expect("a file");
@@ -244,7 +244,7 @@ fn the_tolerance_is_an_ingredient_too() {
 #[test]
 fn balances_that_a_held_coordinate_leaves_true_stay() {
     // Of three balances of a crane the pull along its rope goes with the rope; the others still determine the motion.
-    let needs = asked(&Question::new(super::CRANE)).unwrap();
+    let needs = asked(&NeedsRequest::new(super::CRANE)).unwrap();
     let text = needs.smaller_file().expect("a file");
     assert!(text.contains("force: {of: all, along: \"[1, 0]\"}") && text.contains("about: trolley"), "{text}");
     assert!(!text.contains("{of: [load], along: down}}"), "{text}");
@@ -271,9 +271,10 @@ forces: {push: {on: a, force: \"[F*cos(w*t), 0]\"}, opposite: {on: a, force: \"[
 outputs: {gap: x}
 scene: {start: {y: 1}, until: 5, tolerance: 1e-8, needs: {outputs: [y], within: 1e-3, absolute: {gap: AMOUNT}}}
 ";
-    let relative = Question { need: Some(Need::of(&["gap"], 1e-3)), ..Question::new(block.replace("AMOUNT", "1 mm")) };
-    assert!(matches!(asked(&relative).expect_err("a refusal"), Unanswered::Still { .. }));
-    let within = |amount: &str| asked(&Question::new(block.replace("AMOUNT", amount))).unwrap();
+    let relative =
+        NeedsRequest { need: Some(Need::of(&["gap"], 1e-3)), ..NeedsRequest::new(block.replace("AMOUNT", "1 mm")) };
+    assert!(matches!(asked(&relative).expect_err("a refusal"), NeedsError::Still { .. }));
+    let within = |amount: &str| asked(&NeedsRequest::new(block.replace("AMOUNT", amount))).unwrap();
     let coarse = within("0.01 mm");
     assert_eq!(coarse.need.absolute, [("gap".to_owned(), 1e-5)]);
     assert_eq!(rung(&coarse, "forces.push").verdict, Verdict::Serves, "{}", coarse.table());
@@ -281,16 +282,18 @@ scene: {start: {y: 1}, until: 5, tolerance: 1e-8, needs: {outputs: [y], within: 
     assert_eq!(rung(&within("0.1 um"), "forces.push").verdict, Verdict::Acts);
     let test = coarse.comparison("full.yaml", "small.yaml").expect("a test");
     assert!(test.contains("full.difference(&small, \"gap\")") && test.contains("off <= 1e-5"), "{test}");
-    let Unanswered::Model { problems } = asked(&Question::new(block.replace("AMOUNT", "1 s"))).expect_err("a refusal")
+    let NeedsError::Model { problems } =
+        asked(&NeedsRequest::new(block.replace("AMOUNT", "1 s"))).expect_err("a refusal")
     else {
         panic!("not a problem of the file")
     };
     assert!(problems[0].message.contains("`gap`"), "{problems:?}");
-    let missing = asked(&Question::new(block.replace("AMOUNT", "1 mm").replace("absolute: {gap:", "absolute: {hole:")));
-    assert!(matches!(missing.expect_err("a refusal"), Unanswered::Model { .. }));
+    let missing =
+        asked(&NeedsRequest::new(block.replace("AMOUNT", "1 mm").replace("absolute: {gap:", "absolute: {hole:")));
+    assert!(matches!(missing.expect_err("a refusal"), NeedsError::Model { .. }));
     let none = Need { absolute: vec![("gap".to_owned(), 0.0)], ..Need::of(&["y"], 1e-3) };
-    let none = Question { need: Some(none), ..Question::new(block.replace("AMOUNT", "1 mm")) };
-    assert!(matches!(asked(&none).expect_err("a refusal"), Unanswered::BadNeed { .. }));
+    let none = NeedsRequest { need: Some(none), ..NeedsRequest::new(block.replace("AMOUNT", "1 mm")) };
+    assert!(matches!(asked(&none).expect_err("a refusal"), NeedsError::BadNeed { .. }));
 }
 
 #[test]
@@ -301,7 +304,7 @@ fn a_damper_makes_a_clock_slow_by_half_the_square_of_its_ratio() {
         let file =
             swinging(zeta, &format!("{{x: 0, x': 1}}, until: {until}")) + "events: {middle: {when: x, then: record}}\n";
         let need = Need { outputs: vec!["x".to_owned()], within: 1e-3, absolute: vec![("x".to_owned(), 1e6)] };
-        let question = Question { need: Some(need), ..Question::new(file) };
+        let question = NeedsRequest { need: Some(need), ..NeedsRequest::new(file) };
         let needs = asked(&question).unwrap_or_else(|unanswered| panic!("{unanswered}"));
         let deviation = rung(&needs, "dampers.d").deviation.clone().expect("compared");
         assert!(deviation.of.contains("middle"), "{deviation:?}");

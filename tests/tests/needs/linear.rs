@@ -1,6 +1,6 @@
 //! Laws and whole models made linear: predicted beside verified, and what is left alone.
 
-use dalembert::needs::{Law, Needs, Proposal, Question, Rung, Verdict};
+use dalembert::needs::{Law, ModelReduction, Needs, NeedsRequest, Proposal, Verdict};
 
 use super::{QUARTER_CAR, asked, chosen, found, oscillator};
 
@@ -22,12 +22,12 @@ scene: {{start: {{theta: {amplitude}}}, until: 30, tolerance: 1e-8}}
     )
 }
 
-fn linear<'a>(needs: &'a Needs, ingredient: &str) -> Option<&'a Rung> {
+fn linear<'a>(needs: &'a Needs, ingredient: &str) -> Option<&'a ModelReduction> {
     needs.rungs.iter().find(|rung| rung.ingredient == ingredient && rung.proposal == Proposal::Linear)
 }
 
 /// Predicted, whether that holds, with which power of the amplitude, and verified.
-fn judged(rung: &Rung) -> (f64, bool, f64, f64) {
+fn judged(rung: &ModelReduction) -> (f64, bool, f64, f64) {
     let predicted = rung.predicted.expect("a prediction");
     let Law::Linear { power, .. } = predicted.law else { panic!("{predicted:?}") };
     (predicted.change, predicted.holds(), power, rung.deviation.as_ref().expect("compared").largest)
@@ -84,7 +84,7 @@ fn a_progressive_strut_is_a_spring_where_it_moves_little() {
         .replace("[0, body", "[0, l_0 + body")
         .replace("ca: 1e-3 N*s^2/m^2    # air", "l_0: 1 m\n  b: 0.1 1/m^2");
     for (file, ingredient) in [(by_force("2e3"), "forces.progress"), (by_length, "springs.strut")] {
-        let needs = asked(&Question::new(file)).unwrap_or_else(|unanswered| panic!("{unanswered}"));
+        let needs = asked(&NeedsRequest::new(file)).unwrap_or_else(|unanswered| panic!("{unanswered}"));
         let rung = linear(&needs, ingredient).unwrap_or_else(|| panic!("{}", needs.table()));
         let (predicted, holds, power, change) = judged(rung);
         assert!(holds && (0.8..1.25).contains(&(predicted / change)), "{predicted} {change}");
@@ -94,7 +94,7 @@ fn a_progressive_strut_is_a_spring_where_it_moves_little() {
         assert_eq!(linear(&needs, "equations").is_some(), ingredient == "forces.progress", "{}", needs.table());
     }
     // A hundred times as much is no small part.
-    let hard = asked(&Question::new(by_force("2e5"))).unwrap_or_else(|unanswered| panic!("{unanswered}"));
+    let hard = asked(&NeedsRequest::new(by_force("2e5"))).unwrap_or_else(|unanswered| panic!("{unanswered}"));
     let rung = linear(&hard, "forces.progress").unwrap();
     assert_eq!(rung.verdict, Verdict::Acts, "{}", hard.table());
 }

@@ -10,7 +10,7 @@ mod written;
 
 use std::ops::ControlFlow;
 
-use dalembert::needs::{Choice, Need, Needs, Proposal, Question, Rung, Unanswered, Verdict};
+use dalembert::needs::{Choice, ModelReduction, Need, Needs, NeedsError, NeedsRequest, Proposal, Verdict};
 
 const CRANE: &str = include_str!("../../needs/crane.yaml");
 const SPRING_PENDULUM: &str = include_str!("../../needs/spring_pendulum.yaml");
@@ -18,18 +18,18 @@ const QUARTER_CAR: &str = include_str!("../../needs/quarter_car.yaml");
 const GEARED_ROTOR: &str = include_str!("../../needs/geared_rotor.yaml");
 const HANGING_CHAIN: &str = include_str!("../../needs/hanging_chain.yaml");
 
-fn asked(question: &Question) -> Result<Needs, Unanswered> {
+fn asked(question: &NeedsRequest) -> Result<Needs, NeedsError> {
     Needs::find(question, &mut |_| ControlFlow::Continue(()))
 }
 
 /// What a file needs to a thousandth in this output.
 fn found(source: &str, output: &str) -> Needs {
     let need = Need::of(&[output], 1e-3);
-    let question = Question { need: Some(need), all: true, ..Question::new(source) };
+    let question = NeedsRequest { need: Some(need), all: true, ..NeedsRequest::new(source) };
     asked(&question).unwrap_or_else(|unanswered| panic!("{unanswered}"))
 }
 
-fn rung<'a>(needs: &'a Needs, ingredient: &str) -> &'a Rung {
+fn rung<'a>(needs: &'a Needs, ingredient: &str) -> &'a ModelReduction {
     let found = needs.rungs.iter().find(|rung| rung.ingredient == ingredient);
     found.unwrap_or_else(|| panic!("no {ingredient} in\n{}", needs.table()))
 }
@@ -45,7 +45,7 @@ fn chosen(needs: &Needs) -> &Choice {
 /// The smaller file compiles by itself, and gives what was promised.
 fn holds(full: &str, needs: &Needs) {
     let text = needs.smaller_file().expect("a file");
-    let again = Question { need: Some(needs.need.clone()), ..Question::new(text.clone()) };
+    let again = NeedsRequest { need: Some(needs.need.clone()), ..NeedsRequest::new(text.clone()) };
     let again = asked(&again).unwrap_or_else(|unanswered| panic!("{unanswered} in\n{text}"));
     assert!(again.operations <= 1.05 * chosen(needs).operations, "{} in\n{text}", again.operations);
     for line in text.lines().filter(|line| !line.starts_with('#')) {
@@ -70,7 +70,7 @@ fn holds(full: &str, needs: &Needs) {
 
 #[test]
 fn a_crane_on_a_steel_rope_needs_no_stretch() {
-    let needs = asked(&Question::new(CRANE)).unwrap();
+    let needs = asked(&NeedsRequest::new(CRANE)).unwrap();
     assert_eq!(
         (needs.need.outputs.as_slice(), needs.need.within),
         (&["load_x".to_owned(), "swing".to_owned()][..], 1e-3)
@@ -107,7 +107,7 @@ fn a_stiff_spring_pendulum_is_a_pendulum() {
 
 #[test]
 fn a_light_coupling_follows_with_its_inertia() {
-    let needs = asked(&Question::new(GEARED_ROTOR)).unwrap();
+    let needs = asked(&NeedsRequest::new(GEARED_ROTOR)).unwrap();
     let choice = chosen(&needs);
     let place =
         choice.members.iter().position(|name| name == "coordinates.b").unwrap_or_else(|| panic!("{}", needs.table()));
@@ -117,16 +117,18 @@ fn a_light_coupling_follows_with_its_inertia() {
     holds(GEARED_ROTOR, &needs);
     // The study's: 2.9e-5; what follows without its own vibration is off like 1/k.
     let following = |k1: &str| {
-        let question = Question::new(GEARED_ROTOR).setting("k1", k1).unwrap();
+        let question = NeedsRequest::new(GEARED_ROTOR).setting("k1", k1).unwrap();
         let needs = asked(&question).unwrap_or_else(|unanswered| panic!("{unanswered}"));
-        let is = |rung: &&Rung| rung.ingredient == "coordinates.b" && matches!(rung.proposal, Proposal::Slaved { .. });
+        let is = |rung: &&ModelReduction| {
+            rung.ingredient == "coordinates.b" && matches!(rung.proposal, Proposal::Slaved { .. })
+        };
         needs.rungs.iter().find(is).unwrap().deviation.clone().unwrap().largest
     };
     let (soft, stiff) = (following("1e4 N*m"), following("4e4 N*m"));
     assert!(stiff < 1e-5 && (2.5..5.0).contains(&(soft / stiff)), "{soft} {stiff}");
     // A torque on the coupling itself would go with its coordinate.
     let pushed = GEARED_ROTOR.replace("bodies:", "generalized_forces: {b: 0.001*torque}\nbodies:");
-    let needs = asked(&Question::new(pushed)).unwrap();
+    let needs = asked(&NeedsRequest::new(pushed)).unwrap();
     let slaved = needs.rungs.iter().filter(|rung| matches!(rung.proposal, Proposal::Slaved { .. }));
     for rung in slaved.filter(|rung| rung.ingredient == "coordinates.b") {
         assert!(matches!(rung.verdict, Verdict::Refused { .. }), "{}", needs.table());
@@ -136,10 +138,10 @@ fn a_light_coupling_follows_with_its_inertia() {
 #[test]
 fn a_hanging_chain_moves_in_its_slow_modes() {
     // Twenty links take a twentieth of the time of the forty that the documentation has.
-    let question = Question { sizes: vec![("n".to_owned(), 20)], ..Question::new(HANGING_CHAIN) };
+    let question = NeedsRequest { sizes: vec![("n".to_owned(), 20)], ..NeedsRequest::new(HANGING_CHAIN) };
     let needs = asked(&question).unwrap();
     let modes = |needs: &Needs| -> Vec<(usize, f64)> {
-        let of = |rung: &Rung| match rung.proposal {
+        let of = |rung: &ModelReduction| match rung.proposal {
             Proposal::Modes { kept, of: 20 } => Some((kept, rung.deviation.as_ref()?.largest)),
             _ => None,
         };
@@ -156,7 +158,7 @@ fn a_hanging_chain_moves_in_its_slow_modes() {
     }
     // Each is predicted by the next one; the study's of chains: 0.67 to 1.43 of the change.
     let predicted =
-        |rung: &Rung| rung.predicted.filter(|predicted| predicted.holds()).map(|predicted| predicted.change);
+        |rung: &ModelReduction| rung.predicted.filter(|predicted| predicted.holds()).map(|predicted| predicted.change);
     for rung in needs.rungs.iter().filter(|rung| matches!(rung.proposal, Proposal::Modes { kept: ..=6, .. })) {
         let (predicted, change) = (predicted(rung).expect("a prediction"), rung.deviation.as_ref().unwrap().largest);
         assert!((0.5..2.0).contains(&(predicted / change)), "{predicted} {change}\n{}", needs.table());
@@ -167,7 +169,7 @@ fn a_hanging_chain_moves_in_its_slow_modes() {
     // A chain that starts bent starts so in its modes, in every scene.
     let bent =
         HANGING_CHAIN.replace("  until: 10", "  start: {\"th[i in 1..n]\": 0.2, \"th[i in 1..n]'\": 0.1}\n  until: 10");
-    let needs = asked(&Question { sizes: question.sizes.clone(), ..Question::new(bent) }).unwrap();
+    let needs = asked(&NeedsRequest { sizes: question.sizes.clone(), ..NeedsRequest::new(bent) }).unwrap();
     let text = needs.smaller_file().expect("a file");
     assert!(text.contains("\"th_mode[j in 1..") && text.contains("]'\": ["), "{text}");
     assert!(chosen(&needs).members[0].contains("th["), "{}", needs.table());
@@ -204,15 +206,15 @@ fn predictions_hold_within_a_factor_of_two_where_they_say_so() {
     };
     for strength in ["1e-3", "3e-3", "1e-2", "3e-2", "1e-1"] {
         let coefficients = [("c", "N*s/m", 1.0), ("d", "N*s^2/m^2", 1.0), ("k", "N/m", 10.0), ("F", "N", 1.0)];
-        let question = coefficients.into_iter().fold(Question::new(SWING), |question, (name, unit, factor)| {
+        let question = coefficients.into_iter().fold(NeedsRequest::new(SWING), |question, (name, unit, factor)| {
             let value = factor * strength.parse::<f64>().unwrap();
             question.setting(name, &format!("{value} {unit}")).unwrap()
         });
         judge(&asked(&question).unwrap());
     }
-    let crane = asked(&Question::new(CRANE)).unwrap();
+    let crane = asked(&NeedsRequest::new(CRANE)).unwrap();
     judge(&crane);
-    judge(&asked(&Question::new(SPRING_PENDULUM)).unwrap());
+    judge(&asked(&NeedsRequest::new(SPRING_PENDULUM)).unwrap());
     assert!(held > 20, "{held}");
     // A rope that is cut is no small change, though its tension hardly changes at first; the table says nothing then.
     assert!(rung(&crane, "springs.rope").predicted.is_some_and(|predicted| !predicted.holds()), "{}", crane.table());
@@ -230,7 +232,7 @@ fn what_is_held_is_wanted_or_read() {
 
 #[test]
 fn an_emblem_on_its_pin_is_not_needed() {
-    let needs = asked(&Question::new(QUARTER_CAR)).unwrap();
+    let needs = asked(&NeedsRequest::new(QUARTER_CAR)).unwrap();
     let choice = chosen(&needs);
     assert!(choice.members.contains(&"coordinates.emblem".to_owned()) && choice.saving > 10.0, "{}", needs.table());
     assert_eq!(rung(&needs, "dampers.rubber").verdict, Verdict::Acts);
@@ -349,27 +351,29 @@ fn a_chart_has_a_point_for_every_rung() {
 #[test]
 fn questions_without_meaning_are_refused() {
     let need = |output: &str, within: f64| Some(Need::of(&[output], within));
-    let refused = |question: Question| asked(&question).expect_err("a refusal");
-    let unknown = refused(Question { need: need("hook", 1e-3), ..Question::new(CRANE) });
-    assert!(matches!(&unknown, Unanswered::UnknownName { name, .. } if name == "hook"), "{unknown}");
-    let scene = refused(Question { scene: Some("none".into()), ..Question::new(CRANE) });
-    assert!(matches!(scene, Unanswered::UnknownName { kind: "scene", .. }));
+    let refused = |question: NeedsRequest| asked(&question).expect_err("a refusal");
+    let unknown = refused(NeedsRequest { need: need("hook", 1e-3), ..NeedsRequest::new(CRANE) });
+    assert!(matches!(&unknown, NeedsError::UnknownName { name, .. } if name == "hook"), "{unknown}");
+    let scene = refused(NeedsRequest { scene: Some("none".into()), ..NeedsRequest::new(CRANE) });
+    assert!(matches!(scene, NeedsError::UnknownName { kind: "scene", .. }));
     for within in [0.0, -1.0, 2.0, f64::NAN, 1e-12] {
         assert!(matches!(
-            refused(Question { need: need("swing", within), ..Question::new(CRANE) }),
-            Unanswered::BadNeed { .. }
+            refused(NeedsRequest { need: need("swing", within), ..NeedsRequest::new(CRANE) }),
+            NeedsError::BadNeed { .. }
         ));
     }
     let still = oscillator("outputs: {nothing: 0*x}\nscene: {start: {x: 1}, until: 1}");
     assert!(matches!(
-        refused(Question { need: need("nothing", 1e-3), ..Question::new(still) }),
-        Unanswered::Still { .. }
+        refused(NeedsRequest { need: need("nothing", 1e-3), ..NeedsRequest::new(still) }),
+        NeedsError::Still { .. }
     ));
-    assert!(matches!(refused(Question::new("name: [")), Unanswered::Model { .. }));
-    let stopped = Needs::find(&Question::new(CRANE), &mut |_| ControlFlow::Break(()));
-    assert!(matches!(stopped, Err(Unanswered::Interrupted)));
+    assert!(matches!(refused(NeedsRequest::new("name: [")), NeedsError::Model { .. }));
+    let stopped = Needs::find(&NeedsRequest::new(CRANE), &mut |_| ControlFlow::Break(()));
+    assert!(matches!(stopped, Err(NeedsError::Interrupted)));
     let misspelt = CRANE.replace("outputs: [load_x, swing]", "outputs: [load_y, swing]");
-    let Unanswered::Model { problems } = refused(Question::new(misspelt)) else { panic!("not a problem of the file") };
+    let NeedsError::Model { problems } = refused(NeedsRequest::new(misspelt)) else {
+        panic!("not a problem of the file")
+    };
     assert!(problems[0].message.contains("load_y"), "{problems:?}");
 }
 

@@ -1,11 +1,11 @@
 //! Masses, inertias and inputs one by one: predicted beside verified.
 
-use dalembert::needs::{Needs, Question, Rung, Verdict};
+use dalembert::needs::{ModelReduction, Needs, NeedsRequest, Verdict};
 
 use super::{CRANE, QUARTER_CAR, asked, found, oscillator, rung};
 
 /// Predicted over verified, where the law is said to hold.
-fn ratio(rung: &Rung) -> Option<f64> {
+fn ratio(rung: &ModelReduction) -> Option<f64> {
     let predicted = rung.predicted.filter(|predicted| predicted.holds())?;
     Some(predicted.change / rung.deviation.as_ref()?.largest)
 }
@@ -59,12 +59,12 @@ fn a_pendulum_without_its_rods_mass_is_slower_by_a_twelfth_of_it() {
 
 #[test]
 fn the_inertia_of_a_load_is_felt_and_a_small_mass_between_springs_gives_way_to_a_balance() {
-    let crane = asked(&Question::new(CRANE)).unwrap();
+    let crane = asked(&NeedsRequest::new(CRANE)).unwrap();
     judged(&crane, "bodies.load.inertia");
     // The study's: 2.0e-3 of the swing.
     let load = rung(&crane, "bodies.load.inertia").deviation.as_ref().expect("compared").largest;
     assert!((1.5e-3..2.5e-3).contains(&load), "{load}");
-    let car = asked(&Question::new(QUARTER_CAR)).unwrap();
+    let car = asked(&NeedsRequest::new(QUARTER_CAR)).unwrap();
     // Without its mass the emblem is where its spring and damper balance: (me/mb) of the body's motion, and nothing rings.
     let emblem = rung(&car, "bodies.E.mass");
     let change = emblem.deviation.as_ref().expect("compared").largest;

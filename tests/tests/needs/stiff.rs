@@ -1,10 +1,10 @@
 //! Stiff coordinates held or following: predicted from the smaller model's motion beside verified.
 
-use dalembert::needs::{Law, Needs, Prediction, Question};
+use dalembert::needs::{Law, Needs, NeedsRequest, Prediction};
 
 use super::{CRANE, GEARED_ROTOR, QUARTER_CAR, SPRING_PENDULUM, asked, rung};
 
-fn answered(question: Question) -> Needs {
+fn answered(question: NeedsRequest) -> Needs {
     asked(&question).unwrap_or_else(|unanswered| panic!("{unanswered}"))
 }
 
@@ -17,7 +17,7 @@ fn held(needs: &Needs, coordinate: &str) -> (Prediction, f64) {
 
 /// A bob on a spring, otherwise as the file has it.
 fn pendulum(changes: &[(&str, &str)], start: &[(&str, &str)]) -> (Prediction, f64) {
-    let question = changes.iter().fold(Question::new(SPRING_PENDULUM), |question, (name, value)| {
+    let question = changes.iter().fold(NeedsRequest::new(SPRING_PENDULUM), |question, (name, value)| {
         question.setting(name, value).expect("a parameter")
     });
     let question =
@@ -42,8 +42,9 @@ fn a_stiff_spring_gives_way_by_its_load_over_its_stiffness() {
     // Where the spring is not three times faster than the pendulum the law breaks.
     assert!(!pendulum(&[("k", "100 N/m")], &[]).0.holds());
     // Small things in short times are the same.
-    let small =
-        Question::new(SPRING_PENDULUM).setting("L", "1e-6 m").and_then(|question| question.setting("k", "1e10 N/m"));
+    let small = NeedsRequest::new(SPRING_PENDULUM)
+        .setting("L", "1e-6 m")
+        .and_then(|question| question.setting("k", "1e10 N/m"));
     let (small, _) =
         held(&answered(small.and_then(|question| question.ending("0.01 s")).expect("a question")), "coordinates.r");
     assert!(small.holds() && (small.change / found[2] - 1.0).abs() < 0.01, "{small:?} {found:?}");
@@ -75,9 +76,9 @@ fn ropes_couplings_and_emblems_give_way_as_predicted() {
     // Without discontinuities, which have no prediction.
     let smooth = QUARTER_CAR.replace("abs(body')", "1").replace("ca: 1e-3 N*s^2/m^2", "ca: 1e-3 N*s/m");
     let rotor = GEARED_ROTOR.replace("abs(c')", "sqrt(c'^2 + 1e-6*k2/load)");
-    let soft = Question::new(CRANE).setting("k", "0.3e6 N/m").expect("a parameter");
+    let soft = NeedsRequest::new(CRANE).setting("k", "0.3e6 N/m").expect("a parameter");
     for (question, at_least) in
-        [(Question::new(CRANE), 2), (soft, 2), (Question::new(rotor), 2), (Question::new(smooth), 1)]
+        [(NeedsRequest::new(CRANE), 2), (soft, 2), (NeedsRequest::new(rotor), 2), (NeedsRequest::new(smooth), 1)]
     {
         let needs = answered(question);
         let stiff = needs.rungs.iter().filter_map(|rung| {
@@ -92,7 +93,7 @@ fn ropes_couplings_and_emblems_give_way_as_predicted() {
 
 #[test]
 fn the_table_says_where_the_law_breaks() {
-    let needs = answered(Question::new(SPRING_PENDULUM).setting("k", "100 N/m").expect("a parameter"));
+    let needs = answered(NeedsRequest::new(SPRING_PENDULUM).setting("k", "100 N/m").expect("a parameter"));
     assert!(needs.table().contains("; no law: 1.66 times faster than the rest\n"), "{}", needs.table());
 }
 
@@ -104,9 +105,9 @@ fn a_bumper_that_is_not_met_and_an_event_that_is_recorded_leave_predictions_as_t
             format!("springs:\n  buffer: {{stretch: \"{buffer}\", stiffness: k, along: \"[1, 0]\", on: cart}}\n");
         let file = CRANE.replace("springs:\n", &buffer);
         let events = "events:\n  out: {when: th - 0.02, then: record}\n  far: {when: x - 5*l0, then: stop}\n";
-        answered(Question::new(format!("{file}{events}")))
+        answered(NeedsRequest::new(format!("{file}{events}")))
     };
-    let (plain, change) = held(&answered(Question::new(CRANE)), "coordinates.l");
+    let (plain, change) = held(&answered(NeedsRequest::new(CRANE)), "coordinates.l");
     let (beside, same) = held(&crane("3"), "coordinates.l");
     assert!(beside.holds() && (beside.change / plain.change - 1.0).abs() < 0.01 && (same / change - 1.0).abs() < 0.01);
     // Met, it has a say.

@@ -388,7 +388,7 @@ fn drive(loaded: &Loaded, options: &ArgMatches, reader: &mut Reader, model: Mode
         all.per = if alone && size == 1.0 { per } else { String::new() };
         all.drive.parts.extend(drive.parts.into_iter().map(|(source, part)| (source, part * size)));
     }
-    match model.feels(loaded, &all.drive).map_err(failed)? {
+    match model.depends_on(loaded, &all.drive).map_err(failed)? {
         true => Ok(all),
         false => Err(Problem::Run(format!("{} does not act on small motions here", all.label))),
     }

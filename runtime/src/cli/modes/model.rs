@@ -64,7 +64,7 @@ impl Model<'_> {
     }
 
     /// Whether a drive does anything.  Constraints can carry what moves nothing.
-    pub fn feels(&self, loaded: &Loaded, drive: &Drive) -> Result<bool, LinearError> {
+    pub fn depends_on(&self, loaded: &Loaded, drive: &Drive) -> Result<bool, LinearError> {
         if let Model::Held(constrained) = self {
             let description = loaded.system.description();
             let pushes = |k: usize| {

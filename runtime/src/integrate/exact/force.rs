@@ -1,6 +1,6 @@
 //! What drives a linear system: a function of time, as Legendre polynomials over a step.
 
-use crate::integrate::Setback;
+use crate::integrate::StepFailure;
 use crate::mechanism::{At, System};
 
 /// So many polynomials stand for a force that changes.
@@ -46,7 +46,7 @@ impl Force {
     }
 
     /// Begins at a time: a constant force is known from here on.
-    pub fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), Setback> {
+    pub fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), StepFailure> {
         self.changes = system.description().structure.time_dependent;
         self.evaluations += 1;
         system.accelerations(At::new(t, &self.rest, &self.rest), &mut self.start)?;
@@ -66,7 +66,7 @@ impl Force {
     }
 
     /// Follows a force that changes over a step of h from t.
-    pub fn follow(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), Setback> {
+    pub fn follow(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), StepFailure> {
         let n = self.rest.len();
         for (value, point) in self.values.chunks_exact_mut(n.max(1)).zip(self.points) {
             if point == -1.0 {

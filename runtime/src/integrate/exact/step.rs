@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::integrate::ends::Ends;
-use crate::integrate::{Control, Counters, OneStep, Reached, Segment, Setback, Tolerance, Trial, larger};
+use crate::integrate::{Control, Counters, Endpoint, OneStep, Segment, StepFailure, Tolerance, Trial, larger};
 use crate::mechanism::{AccelerationSlopes, At, System};
 
 use super::dense::{DERIVATIVES, LOBATTO, resolved};
@@ -73,7 +73,7 @@ impl Exact {
     }
 
     /// A and B, from the slopes of the accelerations; matrices of steps hold as long as A does.
-    fn linearise(&mut self, system: &dyn System, t: f64) -> Result<(), Setback> {
+    fn linearise(&mut self, system: &dyn System, t: f64) -> Result<(), StepFailure> {
         let n = self.ends.n;
         self.slopes.evaluate(system, At::packed(t, &self.ends.y, n))?;
         self.counters.jacobians += 1;
@@ -190,7 +190,7 @@ impl OneStep for Exact {
         Counters { evaluations, ..self.counters }
     }
 
-    fn start(&self) -> Reached<'_> {
+    fn start(&self) -> Endpoint<'_> {
         self.ends.first()
     }
 
@@ -198,7 +198,7 @@ impl OneStep for Exact {
         &mut self.ends.y
     }
 
-    fn end(&self) -> Reached<'_> {
+    fn end(&self) -> Endpoint<'_> {
         self.ends.last()
     }
 
@@ -206,17 +206,17 @@ impl OneStep for Exact {
         &mut self.ends.end
     }
 
-    fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), Setback> {
+    fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), StepFailure> {
         self.ends.begin(system, t)?;
         self.linearise(system, t)
     }
 
-    fn evaluate(&mut self, system: &dyn System, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), Setback> {
+    fn evaluate(&mut self, system: &dyn System, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), StepFailure> {
         self.counters.evaluations += 1;
         Ok(system.rate(t, y, rate)?)
     }
 
-    fn attempt(&mut self, system: &dyn System, Trial { t, h, tolerance }: Trial<'_>) -> Result<f64, Setback> {
+    fn attempt(&mut self, system: &dyn System, Trial { t, h, tolerance }: Trial<'_>) -> Result<f64, StepFailure> {
         let n = self.ends.n;
         let mut error = 0.0;
         if self.force.changes {
@@ -250,7 +250,7 @@ impl OneStep for Exact {
         Ok(error)
     }
 
-    fn conclude(&mut self, _: &dyn System, _: f64, moved: bool) -> Result<bool, Setback> {
+    fn conclude(&mut self, _: &dyn System, _: f64, moved: bool) -> Result<bool, StepFailure> {
         if moved {
             self.rate_at_end();
         }
@@ -280,7 +280,7 @@ impl OneStep for Exact {
         true
     }
 
-    fn dense(&mut self, _: &dyn System, _: f64, h: f64) -> Result<(), Setback> {
+    fn dense(&mut self, _: &dyn System, _: f64, h: f64) -> Result<(), StepFailure> {
         self.write_dense(h);
         Ok(())
     }
@@ -320,7 +320,7 @@ fn rate(slopes: &AccelerationSlopes, n: usize) -> f64 {
 ///
 /// # Errors
 /// Those of the accelerations there.
-pub(crate) fn fastest_rate(system: &dyn System, t: f64, y: &[f64]) -> Result<f64, Setback> {
+pub(crate) fn fastest_rate(system: &dyn System, t: f64, y: &[f64]) -> Result<f64, StepFailure> {
     let n = y.len() / 2;
     let mut slopes = AccelerationSlopes::new(n);
     slopes.evaluate(system, At::packed(t, y, n))?;
@@ -331,6 +331,6 @@ pub(crate) fn fastest_rate(system: &dyn System, t: f64, y: &[f64]) -> Result<f64
 ///
 /// # Errors
 /// Those of the accelerations at the state.
-pub(crate) fn longest_step(system: &dyn System, t: f64, y: &[f64], tolerance: f64) -> Result<f64, Setback> {
+pub(crate) fn longest_step(system: &dyn System, t: f64, y: &[f64], tolerance: f64) -> Result<f64, StepFailure> {
     Ok(resolved(tolerance) / fastest_rate(system, t, y)?)
 }

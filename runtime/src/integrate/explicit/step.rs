@@ -6,7 +6,7 @@ use super::dense::write_dense;
 use super::sums::{argument, sum};
 use super::tableau::{Estimate, Scheme, Stage, stages};
 use crate::integrate::tolerance::larger;
-use crate::integrate::{Block, Control, Counters, OneStep, Reached, Segment, Setback, Tolerance, Trial};
+use crate::integrate::{Block, Control, Counters, Endpoint, OneStep, Segment, StepFailure, Tolerance, Trial};
 use crate::mechanism::{At, Singular, System};
 
 /// Any method that is given by a [`Scheme`], on blocks of any size.
@@ -148,35 +148,35 @@ impl<T: Scheme, Y: Block> OneStep for ExplicitRungeKutta<T, Y> {
         Counters { evaluations: self.evaluations, ..Counters::default() }
     }
 
-    fn start(&self) -> Reached<'_> {
+    fn start(&self) -> Endpoint<'_> {
         let work = self.work.map_or(0.0, |work| work.done);
-        Reached { y: self.y.all(), rate: self.stages[0].all(), work }
+        Endpoint { y: self.y.all(), rate: self.stages[0].all(), work }
     }
 
     fn state_mut(&mut self) -> &mut [f64] {
         self.y.all_mut()
     }
 
-    fn end(&self) -> Reached<'_> {
+    fn end(&self) -> Endpoint<'_> {
         let work = self.work.map_or(0.0, |work| work.done + work.increment);
-        Reached { y: self.end.all(), rate: self.stages[Self::END].all(), work }
+        Endpoint { y: self.end.all(), rate: self.stages[Self::END].all(), work }
     }
 
     fn end_mut(&mut self) -> &mut [f64] {
         self.end.all_mut()
     }
 
-    fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), Setback> {
+    fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), StepFailure> {
         self.carry.all_mut().fill(0.0);
         Ok(self.rate_of(system, t, 0, false)?)
     }
 
-    fn evaluate(&mut self, system: &dyn System, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), Setback> {
+    fn evaluate(&mut self, system: &dyn System, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), StepFailure> {
         self.evaluations += 1;
         Ok(system.rate(t, y, rate)?)
     }
 
-    fn attempt(&mut self, system: &dyn System, trial: Trial<'_>) -> Result<f64, Setback> {
+    fn attempt(&mut self, system: &dyn System, trial: Trial<'_>) -> Result<f64, StepFailure> {
         let Trial { t, h, tolerance } = trial;
         // A method of one stage has y as its last argument.
         stages!(self.stage(system, t, h) for 1 2 3 4 5 6 7 8 9 10 11 below T::TABLEAU.rows.len(), from 1);
@@ -184,7 +184,7 @@ impl<T: Scheme, Y: Block> OneStep for ExplicitRungeKutta<T, Y> {
         Ok(tolerance.map_or(0.0, |tolerance| self.error(h, tolerance)))
     }
 
-    fn conclude(&mut self, system: &dyn System, t: f64, moved: bool) -> Result<bool, Setback> {
+    fn conclude(&mut self, system: &dyn System, t: f64, moved: bool) -> Result<bool, StepFailure> {
         if moved {
             // What was lost to rounding lies beside the constraints.
             let (y, end) = (self.y.all(), self.end.all());
@@ -230,7 +230,7 @@ impl<T: Scheme, Y: Block> OneStep for ExplicitRungeKutta<T, Y> {
         T::TABLEAU.dense_rows.is_empty()
     }
 
-    fn dense(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), Setback> {
+    fn dense(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), StepFailure> {
         stages!(self.stage(system, t, h) for 13 14 15 below Self::END + 1 + T::TABLEAU.dense_rows.len(), from Self::END + 1);
         write_dense(T::TABLEAU, h, &self.y, &self.end, &self.stages, &mut self.pieces);
         Ok(())

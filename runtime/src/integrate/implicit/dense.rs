@@ -4,7 +4,7 @@ use super::stages::{From, Newton, Stages};
 use super::step::Collocation;
 use super::tableau::{STAGES, Tableau, sum};
 use crate::integrate::hermite::{BY_ENDS, BY_MIDDLE, nest, write_by_ends, write_by_middle};
-use crate::integrate::{OneStep, Setback};
+use crate::integrate::{OneStep, StepFailure};
 use crate::mechanism::System;
 
 /// What a method knows between the ends of a step.
@@ -87,7 +87,7 @@ fn stage_pieces(tableau: &Tableau) -> [[f64; STAGES + 1]; STAGES] {
 impl Collocation {
     /// Radau's collocation polynomial; for the methods of Gauss, whose own is of lower order, one through states of the
     /// order of the method.
-    pub(super) fn write_dense(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), Setback> {
+    pub(super) fn write_dense(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), StepFailure> {
         let width = 2 * self.ends.n;
         if let Kind::Middle(_) = &self.interpolation.of {
             self.go_half(system, t, h)?;
@@ -118,7 +118,7 @@ impl Collocation {
         Ok(())
     }
 
-    fn go_half(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), Setback> {
+    fn go_half(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), StepFailure> {
         let n = self.ends.n;
         let Kind::Middle(half) = &mut self.interpolation.of else { return Ok(()) };
         let node = |j: usize| self.tableau.nodes[j].value();

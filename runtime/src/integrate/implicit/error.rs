@@ -2,7 +2,7 @@
 
 use super::step::Collocation;
 use super::tableau::STAGES;
-use crate::integrate::{OneStep, Setback, Tolerance};
+use crate::integrate::{OneStep, StepFailure, Tolerance};
 use crate::mechanism::System;
 
 /// The estimate is of order 3 and the solution of order 5: steps are chosen against TIGHTER ε^(4/5) instead of ε, so that errors
@@ -22,7 +22,7 @@ impl Collocation {
         (t, h): (f64, f64),
         weights: [f64; STAGES],
         tolerance: &Tolerance,
-    ) -> Result<f64, Setback> {
+    ) -> Result<f64, StepFailure> {
         let scale = tolerance.relative.powf(POWER) / TIGHTER;
         let Some((gamma, ..)) = self.tableau.real else { return Ok(0.0) };
         self.estimate(h, gamma, weights, None);

@@ -5,7 +5,7 @@ use nalgebra::Complex;
 use super::tableau::{STAGES, Tableau, sum};
 use crate::integrate::linear::Pencil;
 use crate::integrate::tolerance::{alike, larger};
-use crate::integrate::{Setback, Tolerance};
+use crate::integrate::{StepFailure, Tolerance};
 use crate::mechanism::{AccelerationSlopes, At, System};
 
 /// Accelerations at the nodes of a step, and what places and speeds have changed by until there; stage by stage.
@@ -159,7 +159,7 @@ impl Newton {
         stages: &mut Stages,
         tolerance: Option<&Tolerance>,
         at: &mut [f64],
-    ) -> Result<(), Setback> {
+    ) -> Result<(), StepFailure> {
         match self.tableau.stages() {
             1 => self.solve_by::<1>(system, from, stages, tolerance, at),
             2 => self.solve_by::<2>(system, from, stages, tolerance, at),
@@ -175,17 +175,17 @@ impl Newton {
         stages: &mut Stages,
         tolerance: Option<&Tolerance>,
         at: &mut [f64],
-    ) -> Result<(), Setback> {
+    ) -> Result<(), StepFailure> {
         stages.guess.copy_from_slice(&stages.accelerations);
         let known = [(self.usual > 0).then_some(Jacobians::Known), Some(Jacobians::Middle), Some(Jacobians::Start)];
-        let mut outcome = Err(Setback::Stalled { h: from.h });
+        let mut outcome = Err(StepFailure::Stalled { h: from.h });
         for jacobians in known.into_iter().flatten() {
             stages.accelerations.copy_from_slice(&stages.guess);
             stages.follow::<S>(self.tableau, from);
             outcome = self.prepare(system, from, jacobians, stages, at);
             if outcome.is_ok() {
                 outcome = self.iterate::<S>(system, from, stages, tolerance, at);
-                if !matches!(outcome, Err(Setback::Stalled { .. })) {
+                if !matches!(outcome, Err(StepFailure::Stalled { .. })) {
                     return outcome;
                 }
             }
@@ -201,7 +201,7 @@ impl Newton {
         jacobians: Jacobians,
         stages: &Stages,
         at: &mut [f64],
-    ) -> Result<(), Setback> {
+    ) -> Result<(), StepFailure> {
         if self.alike.is_empty() {
             self.alike = alike(system.description());
         }
@@ -224,7 +224,7 @@ impl Newton {
             self.factorizations += 1;
             self.factored = 0.0;
             if !(real && complex) {
-                return Err(Setback::Stalled { h: from.h });
+                return Err(StepFailure::Stalled { h: from.h });
             }
             self.factored = from.h;
         }
@@ -238,7 +238,7 @@ impl Newton {
         stages: &mut Stages,
         tolerance: Option<&Tolerance>,
         at: &mut [f64],
-    ) -> Result<(), Setback> {
+    ) -> Result<(), StepFailure> {
         let mut before = f64::INFINITY;
         let fresh = self.usual == 0;
         self.contraction = 0.0;
@@ -294,7 +294,7 @@ impl Newton {
             before = size;
         }
         self.usual = 0;
-        Err(Setback::Stalled { h: from.h })
+        Err(StepFailure::Stalled { h: from.h })
     }
 
     /// a(t, Q, V) − k of all stages.
@@ -304,7 +304,7 @@ impl Newton {
         from: From<'_>,
         stages: &mut Stages,
         at: &mut [f64],
-    ) -> Result<(), Setback> {
+    ) -> Result<(), StepFailure> {
         let n = self.n;
         for i in 0..S {
             stages.state(i, from.y, at);
@@ -376,7 +376,7 @@ impl Newton {
         for j in 0..n {
             let correction = (0..S).fold(0.0, |most, i| larger(most, stages.left[i * n + j].abs()));
             let change = |k: usize| if k < n { stages.places[last + k] } else { stages.speeds[last + k - n] };
-            let changes = tolerance.carried(j, |k| change(k).abs());
+            let changes = tolerance.coupled_changes(j, |k| change(k).abs());
             let [place, speed] = tolerance.units_by_change(j, h, changes);
             sum += (0.5 * h * h * correction / place).powi(2) + (h * correction / speed).powi(2);
         }

@@ -4,7 +4,7 @@ use super::dense::Interpolation;
 use super::stages::{From, Newton, Stages};
 use super::tableau::{Tableau, sum};
 use crate::integrate::ends::Ends;
-use crate::integrate::{Control, Counters, OneStep, Reached, Segment, Setback, Trial};
+use crate::integrate::{Control, Counters, Endpoint, OneStep, Segment, StepFailure, Trial};
 use crate::mechanism::{At, System};
 
 /// Any method that is given by a [`Tableau`].
@@ -110,7 +110,7 @@ impl OneStep for Collocation {
         }
     }
 
-    fn start(&self) -> Reached<'_> {
+    fn start(&self) -> Endpoint<'_> {
         self.ends.first()
     }
 
@@ -118,7 +118,7 @@ impl OneStep for Collocation {
         &mut self.ends.y
     }
 
-    fn end(&self) -> Reached<'_> {
+    fn end(&self) -> Endpoint<'_> {
         self.ends.last()
     }
 
@@ -126,19 +126,19 @@ impl OneStep for Collocation {
         &mut self.ends.end
     }
 
-    fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), Setback> {
+    fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), StepFailure> {
         self.newton.forget();
         self.interpolation.forget();
         self.previous_step = 0.0;
         self.ends.begin(system, t)
     }
 
-    fn evaluate(&mut self, system: &dyn System, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), Setback> {
+    fn evaluate(&mut self, system: &dyn System, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), StepFailure> {
         self.ends.evaluations += 1;
         Ok(system.rate(t, y, rate)?)
     }
 
-    fn attempt(&mut self, system: &dyn System, trial: Trial<'_>) -> Result<f64, Setback> {
+    fn attempt(&mut self, system: &dyn System, trial: Trial<'_>) -> Result<f64, StepFailure> {
         let Trial { t, h, tolerance } = trial;
         self.guess(h);
         let from = From { t, h, y: &self.ends.y, carry: &self.ends.carry };
@@ -155,7 +155,7 @@ impl OneStep for Collocation {
         }
     }
 
-    fn conclude(&mut self, system: &dyn System, t: f64, moved: bool) -> Result<bool, Setback> {
+    fn conclude(&mut self, system: &dyn System, t: f64, moved: bool) -> Result<bool, StepFailure> {
         self.ends.conclude(system, t, moved)
     }
 
@@ -187,7 +187,7 @@ impl OneStep for Collocation {
         self.interpolation.newton().is_none()
     }
 
-    fn dense(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), Setback> {
+    fn dense(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), StepFailure> {
         self.write_dense(system, t, h)
     }
 

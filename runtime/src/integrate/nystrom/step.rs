@@ -5,7 +5,7 @@ use super::tableau::{END, STAGES};
 use crate::integrate::explicit::Term;
 use crate::integrate::hermite::BY_MIDDLE;
 use crate::integrate::tolerance::larger;
-use crate::integrate::{Block, Control, Counters, OneStep, Reached, Segment, Setback, Tolerance, Trial};
+use crate::integrate::{Block, Control, Counters, Endpoint, OneStep, Segment, StepFailure, Tolerance, Trial};
 use crate::mechanism::{At, Singular, System};
 
 /// The method [`RKN8`], on blocks of any size.
@@ -186,36 +186,36 @@ impl<Y: Block> OneStep for Nystrom<Y> {
         Counters { evaluations: self.evaluations, ..Counters::default() }
     }
 
-    fn start(&self) -> Reached<'_> {
+    fn start(&self) -> Endpoint<'_> {
         let work = self.work.as_ref().map_or(0.0, |work| work.done);
-        Reached { y: self.y.all(), rate: self.stages[0].all(), work }
+        Endpoint { y: self.y.all(), rate: self.stages[0].all(), work }
     }
 
     fn state_mut(&mut self) -> &mut [f64] {
         self.y.all_mut()
     }
 
-    fn end(&self) -> Reached<'_> {
+    fn end(&self) -> Endpoint<'_> {
         let work = self.work.as_ref().map_or(0.0, |work| work.done + work.increment);
-        Reached { y: self.end.all(), rate: self.stages[END].all(), work }
+        Endpoint { y: self.end.all(), rate: self.stages[END].all(), work }
     }
 
     fn end_mut(&mut self) -> &mut [f64] {
         self.end.all_mut()
     }
 
-    fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), Setback> {
+    fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), StepFailure> {
         self.carry.all_mut().fill(0.0);
         self.evaluations += 1;
         Ok(system.rate(t, self.y.all(), self.stages[0].all_mut())?)
     }
 
-    fn evaluate(&mut self, system: &dyn System, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), Setback> {
+    fn evaluate(&mut self, system: &dyn System, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), StepFailure> {
         self.evaluations += 1;
         Ok(system.rate(t, y, rate)?)
     }
 
-    fn attempt(&mut self, system: &dyn System, trial: Trial<'_>) -> Result<f64, Setback> {
+    fn attempt(&mut self, system: &dyn System, trial: Trial<'_>) -> Result<f64, StepFailure> {
         let Trial { t, h, tolerance } = trial;
         self.argument.clone_from(&self.y);
         self.stage::<1>(system, t, h)?;
@@ -233,7 +233,7 @@ impl<Y: Block> OneStep for Nystrom<Y> {
         Ok(tolerance.map_or(0.0, |tolerance| self.error(h, tolerance)))
     }
 
-    fn conclude(&mut self, _: &dyn System, _: f64, _: bool) -> Result<bool, Setback> {
+    fn conclude(&mut self, _: &dyn System, _: f64, _: bool) -> Result<bool, StepFailure> {
         // No constraint moves a separable mechanism.
         Ok(self.stages[END].all().iter().all(|rate| rate.is_finite()))
     }
@@ -272,7 +272,7 @@ impl<Y: Block> OneStep for Nystrom<Y> {
         false
     }
 
-    fn dense(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), Setback> {
+    fn dense(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), StepFailure> {
         self.stage::<9>(system, t, h)?;
         self.stage::<10>(system, t, h)?;
         self.stage::<11>(system, t, h)?;

@@ -3,7 +3,7 @@
 use super::tableau::{STAGES, Tableau};
 use crate::integrate::ends::Ends;
 use crate::integrate::linear::Pencil;
-use crate::integrate::{Control, Counters, OneStep, Reached, Segment, Setback, Trial};
+use crate::integrate::{Control, Counters, Endpoint, OneStep, Segment, StepFailure, Trial};
 use crate::mechanism::{AccelerationSlopes, At, System};
 
 /// Any method that is given by a [`Tableau`].
@@ -54,7 +54,7 @@ impl Rosenbrock {
     }
 
     /// The derivatives at the start of the step, and the matrix of all its stages.
-    fn prepare(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), Setback> {
+    fn prepare(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), StepFailure> {
         let at = At::packed(t, &self.ends.y, self.ends.n);
         if self.known != Some(t) {
             self.slopes.evaluate(system, at)?;
@@ -67,14 +67,14 @@ impl Rosenbrock {
             self.counters.factorizations += 1;
             if !self.pencil.factor(&self.slopes, self.tableau.gamma * h) {
                 self.factored = 0.0;
-                return Err(Setback::Stalled { h });
+                return Err(StepFailure::Stalled { h });
             }
         }
         Ok(())
     }
 
     /// U of a stage.
-    fn stage(&mut self, system: &dyn System, t: f64, h: f64, i: usize) -> Result<(), Setback> {
+    fn stage(&mut self, system: &dyn System, t: f64, h: f64, i: usize) -> Result<(), StepFailure> {
         let n = self.ends.n;
         let Tableau { gamma, arguments, couplings, nodes, times, .. } = self.tableau;
         let (before, rest) = self.stages.split_at_mut(i);
@@ -126,7 +126,7 @@ impl OneStep for Rosenbrock {
         Counters { evaluations: self.counters.evaluations + self.ends.evaluations, ..self.counters }
     }
 
-    fn start(&self) -> Reached<'_> {
+    fn start(&self) -> Endpoint<'_> {
         self.ends.first()
     }
 
@@ -134,7 +134,7 @@ impl OneStep for Rosenbrock {
         &mut self.ends.y
     }
 
-    fn end(&self) -> Reached<'_> {
+    fn end(&self) -> Endpoint<'_> {
         self.ends.last()
     }
 
@@ -142,17 +142,17 @@ impl OneStep for Rosenbrock {
         &mut self.ends.end
     }
 
-    fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), Setback> {
+    fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), StepFailure> {
         self.known = None;
         self.ends.begin(system, t)
     }
 
-    fn evaluate(&mut self, system: &dyn System, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), Setback> {
+    fn evaluate(&mut self, system: &dyn System, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), StepFailure> {
         self.ends.evaluations += 1;
         Ok(system.rate(t, y, rate)?)
     }
 
-    fn attempt(&mut self, system: &dyn System, trial: Trial<'_>) -> Result<f64, Setback> {
+    fn attempt(&mut self, system: &dyn System, trial: Trial<'_>) -> Result<f64, StepFailure> {
         let Trial { t, h, tolerance } = trial;
         self.prepare(system, t, h)?;
         (0..STAGES).try_for_each(|i| self.stage(system, t, h, i))?;
@@ -164,7 +164,7 @@ impl OneStep for Rosenbrock {
         Ok(tolerance.map_or(0.0, |tolerance| self.ends.in_units(self.errors(), h, tolerance)))
     }
 
-    fn conclude(&mut self, system: &dyn System, t: f64, moved: bool) -> Result<bool, Setback> {
+    fn conclude(&mut self, system: &dyn System, t: f64, moved: bool) -> Result<bool, StepFailure> {
         self.ends.conclude(system, t, moved)
     }
 
@@ -189,7 +189,7 @@ impl OneStep for Rosenbrock {
         true
     }
 
-    fn dense(&mut self, _: &dyn System, _: f64, _: f64) -> Result<(), Setback> {
+    fn dense(&mut self, _: &dyn System, _: f64, _: f64) -> Result<(), StepFailure> {
         self.write_dense();
         Ok(())
     }

@@ -2,13 +2,13 @@
 
 use super::step::Symplectic;
 use crate::integrate::hermite::{write_by_ends, write_by_middle};
-use crate::integrate::{Block, OneStep, Setback};
+use crate::integrate::{Block, OneStep, StepFailure};
 use crate::mechanism::System;
 
 impl<Y: Block> Symplectic<Y> {
     /// The polynomial through both ends; where its order is below the method's, also through a state in the middle, which
     /// a step of half the length gives.  The motion does not go through it.
-    pub(super) fn write_dense(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), Setback> {
+    pub(super) fn write_dense(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), StepFailure> {
         if self.scheme.needs_middle {
             self.pass_half(system, t, h)?;
         }

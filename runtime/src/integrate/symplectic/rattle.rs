@@ -1,6 +1,6 @@
 //! One step of RATTLE, the method of Störmer and Verlet on a mechanism with constraints.
 
-use crate::mechanism::{At, Enforcement, Form, Singular, System};
+use crate::mechanism::{At, Enforcement, KktSolver, Singular, System};
 
 /// M q'½ = M q'₀ − h/2 f(q₀) + J(q₀)ᵀλ, q₁ = q₀ + h q'½ with c(t₁, q₁) = 0,
 /// M q'₁ = M q'½ − h/2 f(q₁) + J(q₁)ᵀμ with c'(t₁, q₁, q'₁) = 0.
@@ -18,7 +18,7 @@ use crate::mechanism::{At, Enforcement, Form, Singular, System};
 #[derive(Default)]
 pub(super) struct Rattle {
     /// M and J at the place that was reached last.
-    form: Form,
+    form: KktSolver,
     /// Whether that place is where the next passage begins.
     pub stands: bool,
     /// (c, c', Σ |terms| of c) of all rows.

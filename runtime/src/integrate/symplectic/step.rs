@@ -3,7 +3,7 @@
 use super::rattle::{Part, Rattle, is_constrained};
 use super::tableau::Splitting;
 use crate::integrate::hermite::{BY_ENDS, BY_MIDDLE};
-use crate::integrate::{Block, Control, Counters, NO_CONTROL, OneStep, Reached, Segment, Setback, Trial};
+use crate::integrate::{Block, Control, Counters, Endpoint, NO_CONTROL, OneStep, Segment, StepFailure, Trial};
 use crate::mechanism::{At, System};
 
 /// Any method that is given by a [`Splitting`], on blocks of any size.
@@ -75,7 +75,7 @@ impl<Y: Block> Symplectic<Y> {
     }
 
     /// Goes half of a step of h, beside the motion.
-    pub(super) fn pass_half(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), Setback> {
+    pub(super) fn pass_half(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), StepFailure> {
         let from = From { t, y: &self.y, rate: &self.rate, carry: &self.carry };
         self.half.go(self.scheme, system, from, 0.5 * h, None)
     }
@@ -89,7 +89,7 @@ impl<Y: Block> Passage<Y> {
         from: From<'_, Y>,
         h: f64,
         mut work: Option<&mut Quadrature>,
-    ) -> Result<(), Setback> {
+    ) -> Result<(), StepFailure> {
         self.increment.clone_from(from.carry);
         self.end.clone_from(from.y);
         self.rate.clone_from(from.rate);
@@ -131,7 +131,7 @@ impl<Y: Block> Passage<Y> {
     }
 
     /// Takes note that its end is another.
-    fn moved(&mut self, system: &dyn System, t: f64, y: &Y) -> Result<(), Setback> {
+    fn moved(&mut self, system: &dyn System, t: f64, y: &Y) -> Result<(), StepFailure> {
         let ends = self.end.all().iter().zip(y.all());
         self.increment.all_mut().iter_mut().zip(ends).for_each(|(increment, (end, y))| *increment = end - y);
         let (n, end) = (y.all().len() / 2, self.end.all());
@@ -148,7 +148,7 @@ impl<Y: Block> Passage<Y> {
         From { t, y, .. }: From<'_, Y>,
         h: f64,
         mut work: Option<&mut Quadrature>,
-    ) -> Result<(), Setback> {
+    ) -> Result<(), StepFailure> {
         let n = y.all().len() / 2;
         let power = |t: f64, end: &Y| system.energy(At::packed(t, end.all(), n)).power;
         let mut done = 0.0;
@@ -160,7 +160,7 @@ impl<Y: Block> Passage<Y> {
             let part = Part { t: now, h: drift * h, y: y.all() };
             let state = (self.increment.all_mut(), self.end.all_mut());
             if !self.rattle.go(system, part, state, self.rate.all_mut())? {
-                return Err(Setback::Stalled { h });
+                return Err(StepFailure::Stalled { h });
             }
             if let Some(work) = &mut work {
                 let after = power(now, &self.end);
@@ -184,25 +184,25 @@ impl<Y: Block> OneStep for Symplectic<Y> {
         Counters { evaluations: self.evaluations + evaluations, factorizations, ..Counters::default() }
     }
 
-    fn start(&self) -> Reached<'_> {
+    fn start(&self) -> Endpoint<'_> {
         let work = self.work.map_or(0.0, |work| work.done);
-        Reached { y: self.y.all(), rate: self.rate.all(), work }
+        Endpoint { y: self.y.all(), rate: self.rate.all(), work }
     }
 
     fn state_mut(&mut self) -> &mut [f64] {
         self.y.all_mut()
     }
 
-    fn end(&self) -> Reached<'_> {
+    fn end(&self) -> Endpoint<'_> {
         let work = self.work.map_or(0.0, |work| work.done + work.increment);
-        Reached { y: self.whole.end.all(), rate: self.whole.rate.all(), work }
+        Endpoint { y: self.whole.end.all(), rate: self.whole.rate.all(), work }
     }
 
     fn end_mut(&mut self) -> &mut [f64] {
         self.whole.end.all_mut()
     }
 
-    fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), Setback> {
+    fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), StepFailure> {
         self.carry.all_mut().fill(0.0);
         let (y, n) = (self.y.all(), self.n);
         if !is_constrained(system) {
@@ -214,12 +214,12 @@ impl<Y: Block> OneStep for Symplectic<Y> {
         Ok(self.whole.rattle.begin(system, At::packed(t, y, n), accelerations)?)
     }
 
-    fn evaluate(&mut self, system: &dyn System, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), Setback> {
+    fn evaluate(&mut self, system: &dyn System, t: f64, y: &[f64], rate: &mut [f64]) -> Result<(), StepFailure> {
         self.evaluations += 1;
         Ok(system.rate(t, y, rate)?)
     }
 
-    fn attempt(&mut self, system: &dyn System, trial: Trial<'_>) -> Result<f64, Setback> {
+    fn attempt(&mut self, system: &dyn System, trial: Trial<'_>) -> Result<f64, StepFailure> {
         let from = From { t: trial.t, y: &self.y, rate: &self.rate, carry: &self.carry };
         if let Some(work) = &mut self.work {
             work.increment = 0.0;
@@ -228,7 +228,7 @@ impl<Y: Block> OneStep for Symplectic<Y> {
         Ok(0.0)
     }
 
-    fn conclude(&mut self, system: &dyn System, t: f64, moved: bool) -> Result<bool, Setback> {
+    fn conclude(&mut self, system: &dyn System, t: f64, moved: bool) -> Result<bool, StepFailure> {
         // The last kick had the acceleration at the end, and RATTLE ends on all constraints that it does not leave out.
         if moved {
             self.whole.moved(system, t, &self.y)?;
@@ -265,7 +265,7 @@ impl<Y: Block> OneStep for Symplectic<Y> {
         !self.scheme.needs_middle
     }
 
-    fn dense(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), Setback> {
+    fn dense(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), StepFailure> {
         self.write_dense(system, t, h)
     }
 

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::spectrum::Spectrum;
 use super::varied::Varied;
 use crate::linear::LinearError;
-use crate::linear::equilibrium::{Guess, Probe, equilibrium_near, linearised_at};
+use crate::linear::equilibrium::{Guess, LinearisationPoint, equilibrium_near, linearised_at};
 use crate::mechanism::System;
 
 /// Equations in the coordinates q at a value of one parameter or speed, and the small motions about their solutions.
@@ -55,7 +55,7 @@ pub(in crate::linear) struct Slopes {
 
 /// F(q, v, 0) = 0 of a mechanism without constraints.
 pub(super) struct Free {
-    probe: Probe,
+    probe: LinearisationPoint,
     system: Box<dyn System>,
     guess: Guess,
     varied: Varied,
@@ -64,7 +64,7 @@ pub(super) struct Free {
 
 impl Free {
     pub fn new<S: System + ?Sized>(system: &S, varied: &Varied, value: f64, guess: &Guess) -> Free {
-        let (probe, system) = (Probe::new(system, guess), system.boxed_clone());
+        let (probe, system) = (LinearisationPoint::new(system, guess), system.boxed_clone());
         Free { probe, system, guess: guess.clone(), varied: varied.clone(), value }
     }
 

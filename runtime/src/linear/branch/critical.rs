@@ -1,6 +1,6 @@
 //! Critical speeds: where a frequency is a multiple of the speed of rotation that changes along a branch.
 
-use super::walk::Walker;
+use super::continuation::Continuation;
 use super::{Branch, BranchPoint, State, Varied, balance};
 use crate::linear::LinearError;
 use crate::linear::equilibrium::Guess;
@@ -42,7 +42,7 @@ impl Branch {
         if range.0 == range.1 {
             return Ok(Vec::new());
         }
-        let walker = Walker::new(balance(system, varied, guess)?, range)?;
+        let walker = Continuation::new(balance(system, varied, guess)?, range)?;
         let mut found = Vec::new();
         for pair in points.windows(2).filter(|pair| self.joins(&pair[0], &pair[1])) {
             let next = matched(&pair[0].eigenvalues, &pair[1].eigenvalues);
@@ -64,7 +64,7 @@ fn beyond(order: f64, value: f64, x: Complex<f64>) -> bool {
 
 /// The place between two states, by halvings on the way of one eigenvalue.
 fn located(
-    walker: &Walker,
+    walker: &Continuation,
     [a, b]: [&BranchPoint; 2],
     [mut from, mut to]: [Complex<f64>; 2],
     order: f64,

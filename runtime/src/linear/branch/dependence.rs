@@ -5,7 +5,7 @@ use std::ops::Range;
 use nalgebra::DMatrix;
 
 use super::State;
-use super::walk::Walker;
+use super::continuation::Continuation;
 
 /// Rows whose least singular value is below this part of the largest may depend on each other near by.
 const DOUBTFUL: f64 = 0.25;
@@ -26,7 +26,7 @@ pub(super) struct Dependence {
 }
 
 /// Those along a path.
-pub(super) fn dependences(walker: &Walker, points: &[State]) -> Vec<Dependence> {
+pub(super) fn dependences(walker: &Continuation, points: &[State]) -> Vec<Dependence> {
     let Some(rows) = Rows::along(walker, points) else { return Vec::new() };
     let margins: Vec<f64> = points.iter().map(|state| rows.margin(state).0).collect();
     let mut found = Vec::new();
@@ -47,7 +47,7 @@ pub(super) fn dependences(walker: &Walker, points: &[State]) -> Vec<Dependence> 
 
 /// The rows of constraints along a path, rows and columns in units that stay the same.
 struct Rows<'a> {
-    walker: &'a Walker,
+    walker: &'a Continuation,
     sizes: Vec<f64>,
     units: Vec<f64>,
     /// How many are independent where most are.
@@ -56,7 +56,7 @@ struct Rows<'a> {
 
 impl<'a> Rows<'a> {
     /// `None` without constraints.
-    fn along(walker: &'a Walker, points: &[State]) -> Option<Self> {
+    fn along(walker: &'a Continuation, points: &[State]) -> Option<Self> {
         let first = walker.jacobian(points.first()?)?;
         let farthest = |i: usize| points.iter().fold(0.0_f64, |most, state| most.max(state.q[i].abs()));
         let units = walker.units(&(0..points[0].q.len()).map(farthest).collect::<Vec<f64>>());

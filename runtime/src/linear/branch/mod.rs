@@ -11,6 +11,7 @@
 //! 8. States between, for paths that are drawn: look in `smooth.rs`.
 
 mod balance;
+mod continuation;
 mod critical;
 mod dependence;
 mod sheets;
@@ -18,7 +19,6 @@ mod smooth;
 mod spectrum;
 mod threshold;
 mod varied;
-mod walk;
 
 #[cfg(all(test, feature = "modal"))]
 mod tests;
@@ -29,9 +29,9 @@ use super::equilibrium::Guess;
 use super::{LinearError, constrained};
 use crate::mechanism::System;
 use balance::Free;
+use continuation::{Continuation, End, Path};
 use sheets::Cover;
 use threshold::thresholds;
-use walk::{End, Path, Walker};
 
 pub(super) use balance::{Balance, Slopes};
 pub use critical::CriticalSpeed;
@@ -163,7 +163,7 @@ pub fn follow<S: System + ?Sized>(
 ) -> Result<Branch, LinearError> {
     let range = (from.min(to), from.max(to));
     let present = varied.present(system, guess)?;
-    let walker = Walker::new(balance(system, varied, guess)?, range)?;
+    let walker = Continuation::new(balance(system, varied, guess)?, range)?;
     let found = walker.search(present, &guess.q)?;
     let mut branch = Branch::default();
     let first = present.clamp(range.0, range.1);
@@ -226,7 +226,7 @@ fn balance<S: System + ?Sized>(system: &S, varied: &Varied, guess: &Guess) -> Re
 }
 
 /// Where a branch does not reach an end of the range, on by other branches as far as there are any.
-fn beyond(walker: &Walker, direction: f64, paths: &mut Vec<Path>, cover: &mut Cover, branch: &mut Branch) {
+fn beyond(walker: &Continuation, direction: f64, paths: &mut Vec<Path>, cover: &mut Cover, branch: &mut Branch) {
     let (low, high) = walker.range;
     // A branch that ends is left for another one; more than a few are a sign of something else.
     for _ in 0..8 {
@@ -260,7 +260,7 @@ struct State {
 }
 
 /// A fold.
-struct Turn {
+struct TurningPoint {
     at: State,
     /// The place of the state behind it in the path.
     index: usize,

@@ -1,7 +1,7 @@
 //! Which states of a branch come first at their value: between folds it is made of sheets, one above the other.
 
-use super::Turn;
-use super::walk::{End, Path};
+use super::TurningPoint;
+use super::continuation::{End, Path};
 
 /// The values that a branch has reached: it is in one piece, so that there are no gaps.
 #[derive(Clone, Copy, Debug)]
@@ -26,13 +26,13 @@ impl Cover {
 
 /// Paths from one start: tells each sheet of theirs what sheets with fewer folds before them, and earlier paths, have reached.
 pub(super) fn order(paths: &mut [Path], cover: &mut Cover) {
-    let most = paths.iter().map(|path| path.turns.len()).max().unwrap_or(0);
+    let most = paths.iter().map(|path| path.turning_points.len()).max().unwrap_or(0);
     for sheet in 0..=most {
         let before = *cover;
-        for path in paths.iter_mut().filter(|path| sheet <= path.turns.len()) {
+        for path in paths.iter_mut().filter(|path| sheet <= path.turning_points.len()) {
             path.before.push(before);
             path.points[path.states_of(sheet)].iter().for_each(|state| cover.reach(state.value));
-            path.turns.get(sheet).into_iter().for_each(|turn| cover.reach(turn.at.value));
+            path.turning_points.get(sheet).into_iter().for_each(|turn| cover.reach(turn.at.value));
         }
     }
 }
@@ -40,19 +40,20 @@ pub(super) fn order(paths: &mut [Path], cover: &mut Cover) {
 impl Path {
     /// A closed path as two that meet on its middle sheet.
     pub fn halved(self) -> [Path; 2] {
-        let middle = self.states_of(self.turns.len() / 2);
+        let middle = self.states_of(self.turning_points.len() / 2);
         let cut = (middle.start + middle.end) / 2;
         let all = self.points.len();
-        let (near, far): (Vec<Turn>, Vec<Turn>) = self.turns.into_iter().partition(|turn| turn.index <= cut);
-        let back = far.into_iter().rev().map(|turn| Turn { index: all - turn.index, ..turn }).collect();
+        let (near, far): (Vec<TurningPoint>, Vec<TurningPoint>) =
+            self.turning_points.into_iter().partition(|turn| turn.index <= cut);
+        let back = far.into_iter().rev().map(|turn| TurningPoint { index: all - turn.index, ..turn }).collect();
         let rest = self.points[cut..].iter().rev().cloned().collect();
-        let path = |points, turns| Path { points, turns, end: End::Closed, before: Vec::new() };
+        let path = |points, turning_points| Path { points, turning_points, end: End::Closed, before: Vec::new() };
         [path(self.points[..=cut].to_vec(), near), path(rest, back)]
     }
 
     /// How many folds lie before the state of this index.
     pub fn sheet(&self, index: usize) -> usize {
-        self.turns.iter().filter(|turn| turn.index <= index).count()
+        self.turning_points.iter().filter(|turn| turn.index <= index).count()
     }
 
     /// Whether the branch has been at a value of a sheet before.
@@ -62,7 +63,7 @@ impl Path {
 
     /// The places of this path's states of the sheet, those with this many folds before them.
     pub fn states_of(&self, sheet: usize) -> std::ops::Range<usize> {
-        let from = if sheet == 0 { 0 } else { self.turns[sheet - 1].index };
-        from..self.turns.get(sheet).map_or(self.points.len(), |turn| turn.index)
+        let from = if sheet == 0 { 0 } else { self.turning_points[sheet - 1].index };
+        from..self.turning_points.get(sheet).map_or(self.points.len(), |turn| turn.index)
     }
 }

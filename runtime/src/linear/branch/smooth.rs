@@ -2,7 +2,7 @@
 
 use nalgebra::Complex;
 
-use super::walk::Walker;
+use super::continuation::Continuation;
 use super::{Branch, BranchPoint, State, Varied, balance};
 use crate::linear::LinearError;
 use crate::linear::equilibrium::Guess;
@@ -33,7 +33,7 @@ impl Branch {
     /// The eigenvalues of x'' + c x' + x = 0 go along the unit circle, meet at −1 and part along the axis:
     /// ```
     /// use dalembert::linear::{Guess, Varied, follow};
-    /// use dalembert::mechanism::Erased;
+    /// use dalembert::mechanism::Dynamic;
     /// # mod example {
     /// dalembert::model!(yaml = r#"
     /// name: Damped
@@ -47,7 +47,7 @@ impl Branch {
     /// # use example::Damped;
     /// # fn main() -> Result<(), dalembert::linear::LinearError> {
     /// # #[cfg(feature = "modal")] {
-    /// let (system, guess) = (Erased::new(Damped::default()), Guess::at(&[0.0]));
+    /// let (system, guess) = (Dynamic::new(Damped::default()), Guess::at(&[0.0]));
     /// let c = Varied::Parameter(0);
     /// let branch = follow(&system, &c, (0.0, 3.0), &guess)?;
     /// let points = branch.smooth(&system, &c, &guess)?;
@@ -69,7 +69,7 @@ impl Branch {
             return Ok(known.into_iter().cloned().collect());
         }
         let range = (first.value.min(last.value), first.value.max(last.value));
-        let walker = Walker::new(balance(system, varied, guess)?, range)?;
+        let walker = Continuation::new(balance(system, varied, guess)?, range)?;
         let size = walker.size();
         let mut between = Between { walker, pixel: pixel(&known), left: 100_000 / (1 + size * size / 20) };
         let mut points = vec![(*first).clone()];
@@ -97,7 +97,7 @@ fn pixel(points: &[&BranchPoint]) -> [f64; 2] {
 }
 
 struct Between {
-    walker: Walker,
+    walker: Continuation,
     pixel: [f64; 2],
     /// States that may still be computed.
     left: usize,

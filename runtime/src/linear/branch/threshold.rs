@@ -3,10 +3,10 @@
 use std::cell::Cell;
 use std::ops::Range;
 
+use super::continuation::{Continuation, End, Path};
 use super::dependence::{Dependence, dependences};
 use super::spectrum::{Measure, Spectrum};
-use super::walk::{End, Path, Walker};
-use super::{Branch, State, Threshold, ThresholdKind, Turn};
+use super::{Branch, State, Threshold, ThresholdKind, TurningPoint};
 use crate::linear::LinearError;
 
 /// Halvings of the distance of two states of the walk.
@@ -24,7 +24,7 @@ struct Sample {
 }
 
 /// Samples a path until nothing can hide between two samples; adds its states and thresholds to the branch.
-pub(super) fn thresholds(walker: &Walker, path: &Path, branch: &mut Branch) {
+pub(super) fn thresholds(walker: &Continuation, path: &Path, branch: &mut Branch) {
     let samples = sampled(walker, path, branch);
     let grows =
         |index: usize| samples.get(index).and_then(Option::as_ref).map_or(0, |s| s.spectrum.growing(Measure::Coarse));
@@ -35,7 +35,7 @@ pub(super) fn thresholds(walker: &Walker, path: &Path, branch: &mut Branch) {
     let mut found: Vec<Sample> = Vec::new();
     for (index, pair) in samples.windows(2).enumerate() {
         let [Some(a), Some(b)] = pair else { continue };
-        match path.turns.iter().find(|turn| turn.index == index + 1) {
+        match path.turning_points.iter().find(|turn| turn.index == index + 1) {
             Some(turn) => search.round(turn, a, b, &mut found, &mut branch.thresholds),
             None => {
                 let beside = |index: Option<usize>, sheet: usize| {
@@ -54,7 +54,7 @@ pub(super) fn thresholds(walker: &Walker, path: &Path, branch: &mut Branch) {
 }
 
 /// Small motions about all states of a path; where there are none, that is missing from the branch.
-fn sampled(walker: &Walker, path: &Path, branch: &mut Branch) -> Vec<Option<Sample>> {
+fn sampled(walker: &Continuation, path: &Path, branch: &mut Branch) -> Vec<Option<Sample>> {
     let mut fault: Option<(f64, LinearError)> = None;
     let mut samples: Vec<Option<Sample>> = Vec::new();
     for (index, state) in path.points.iter().enumerate() {
@@ -73,11 +73,12 @@ fn sampled(walker: &Walker, path: &Path, branch: &mut Branch) -> Vec<Option<Samp
 }
 
 /// Folds, poles and where constraints depend on each other, with how many modes grow at the state of an index.
-fn ends(walker: &Walker, path: &Path, grows: &dyn Fn(usize) -> usize, branch: &mut Branch) {
-    let Path { points, turns, end, .. } = path;
+fn ends(walker: &Continuation, path: &Path, grows: &dyn Fn(usize) -> usize, branch: &mut Branch) {
+    let Path { points, turning_points, end, .. } = path;
     let dependences = dependences(walker, points);
-    let folds = |found: &Dependence, turn: &Turn| found.between.start < turn.index && turn.index <= found.between.end;
-    for turn in turns {
+    let folds =
+        |found: &Dependence, turn: &TurningPoint| found.between.start < turn.index && turn.index <= found.between.end;
+    for turn in turning_points {
         let dependence = dependences.iter().find(|found| folds(found, turn));
         branch.thresholds.push(Threshold {
             constraint: dependence.and_then(|found| walker.row(found.row)),
@@ -88,7 +89,7 @@ fn ends(walker: &Walker, path: &Path, grows: &dyn Fn(usize) -> usize, branch: &m
             )
         });
     }
-    for found in dependences.iter().filter(|found| !turns.iter().any(|turn| folds(found, turn))) {
+    for found in dependences.iter().filter(|found| !turning_points.iter().any(|turn| folds(found, turn))) {
         let Range { start, end } = found.between;
         let [low, high] = if points[start].value <= points[end].value { [start, end] } else { [end, start] };
         branch.thresholds.push(Threshold {
@@ -99,7 +100,7 @@ fn ends(walker: &Walker, path: &Path, grows: &dyn Fn(usize) -> usize, branch: &m
     }
     if let End::Pole { value, coordinate } = *end {
         branch.thresholds.push(Threshold {
-            folded: path.folded(turns.len(), value),
+            folded: path.folded(turning_points.len(), value),
             coordinate: Some(coordinate),
             ..Threshold::at(value, ThresholdKind::Pole, [grows(points.len() - 1); 2])
         });
@@ -122,7 +123,7 @@ impl Threshold {
 }
 
 struct Search<'a> {
-    walker: &'a Walker,
+    walker: &'a Continuation,
     path: &'a Path,
     /// What the κ nearest to 0 is where it is farthest.
     softest: f64,
@@ -142,7 +143,7 @@ impl Search<'_> {
     }
 
     /// Up to a fold, which has been named itself, and on from it.
-    fn round(&self, turn: &Turn, a: &Sample, b: &Sample, kept: &mut Vec<Sample>, found: &mut Vec<Threshold>) {
+    fn round(&self, turn: &TurningPoint, a: &Sample, b: &Sample, kept: &mut Vec<Sample>, found: &mut Vec<Threshold>) {
         for (end, first) in [(a, true), (b, false)] {
             let near = self.walker.between(&end.state, &turn.at, 0.98);
             let Some(near) = near.and_then(|state| self.sample(state, end.sheet)) else { continue };

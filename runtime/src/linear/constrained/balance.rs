@@ -5,11 +5,11 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::held::{Held, State};
 use super::rest::{Bordered, at_rest, linearise_constrained, linearised_at};
+use super::state::{ConstrainedState, State};
 use super::steady::Shifts;
 use crate::linear::branch::{Balance, Slopes, Spectrum, Varied};
-use crate::linear::equilibrium::Probe;
+use crate::linear::equilibrium::LinearisationPoint;
 use crate::linear::{Guess, LinearError};
 use crate::mechanism::System;
 
@@ -23,7 +23,7 @@ pub(in crate::linear) fn balance<S: System + ?Sized>(
     present: f64,
     guess: &Guess,
 ) -> Result<Box<dyn Balance>, LinearError> {
-    let probe = Probe::new(system, guess);
+    let probe = LinearisationPoint::new(system, guess);
     probe.sides_at(&guess.q);
     let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
     let moves = !matches!(varied, Varied::Parameter(_)) || guess.v.iter().any(|v| *v != 0.0);
@@ -39,7 +39,7 @@ pub(in crate::linear) fn balance<S: System + ?Sized>(
 
 /// F = 0 and c = 0 at rest or in steady motion.
 struct Kept {
-    probe: Probe,
+    probe: LinearisationPoint,
     rows: Vec<usize>,
     /// The values at which known integrals are held.
     levels: Vec<f64>,
@@ -55,15 +55,15 @@ impl Kept {
     /// Looks at a place, discontinuities on its sides.
     ///
     /// # Errors
-    /// Those of [`Held::speeds`].
+    /// Those of [`ConstrainedState::speeds`].
     fn try_look<T>(
         &self,
         q: &[f64],
-        question: impl FnOnce(&Held<'_, dyn System>, &State) -> T,
+        question: impl FnOnce(&ConstrainedState<'_, dyn System>, &State) -> T,
     ) -> Result<T, LinearError> {
         self.probe.sides_at(q);
         let system = self.probe.system.borrow();
-        let held = Held::at_levels(&**system, &self.rows, &self.levels);
+        let held = ConstrainedState::at_levels(&**system, &self.rows, &self.levels);
         let v = match &self.shifts {
             Some(shifts) => held.speeds(shifts, q, &self.given)?,
             None => vec![0.0; held.n],

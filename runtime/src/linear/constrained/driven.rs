@@ -10,9 +10,9 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::held::{Held, State};
 use super::rest::Constrained;
-use crate::linear::equilibrium::Probe;
+use super::state::{ConstrainedState, State};
+use crate::linear::equilibrium::LinearisationPoint;
 use crate::linear::forced::slopes_of;
 use crate::linear::{Drive, LinearError, Observed, Source, SparseMatrix, Steady};
 use crate::matrix::solve_least;
@@ -55,7 +55,7 @@ impl Whole {
     ///
     /// # Errors
     /// [`LinearError::DependentHere`].
-    pub fn of<S: System + ?Sized>(held: &Held<'_, S>, state: &State) -> Result<Whole, LinearError> {
+    pub fn of<S: System + ?Sized>(held: &ConstrainedState<'_, S>, state: &State) -> Result<Whole, LinearError> {
         let [stiffness, damping] = force_slopes(held.system, state.at());
         let jacobian = held.jacobian(state);
         let Solutions { basis: motions, independent, .. } = Solutions::of(&jacobian, &[]);
@@ -100,7 +100,11 @@ impl Whole {
 
     /// A row that depends on others at this state only: how they share a load, which nothing tells, makes a difference to small
     /// motions; with the inputs for which it does, none where it does without.
-    fn undecided<S: System + ?Sized>(&self, held: &Held<'_, S>, state: &State) -> Option<(String, Vec<usize>)> {
+    fn undecided<S: System + ?Sized>(
+        &self,
+        held: &ConstrainedState<'_, S>,
+        state: &State,
+    ) -> Option<(String, Vec<usize>)> {
         let size = state.lambda.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let size = if size > 0.0 { size } else { 1.0 };
         let Solutions { basis: shares, .. } = Solutions::of(&self.jacobian.transpose(), &[]);
@@ -192,7 +196,7 @@ fn triples(inputs: &[usize]) -> Vec<usize> {
     inputs.iter().flat_map(|k| 3 * k..3 * k + 3).collect()
 }
 
-impl<S: System + ?Sized> Held<'_, S> {
+impl<S: System + ?Sized> ConstrainedState<'_, S> {
     /// A column of P: how coordinates follow an input where the independent ones rest; `rates` are ∂c'/∂u and ∂c'/∂u'.
     ///
     /// # Errors
@@ -233,12 +237,12 @@ impl Constrained {
     /// that say the same share a load.
     pub fn observe<S: System + ?Sized>(&self, system: &S, names: &[&str]) -> Result<Observed, LinearError> {
         let at = &self.linear.equilibrium;
-        let probe = Probe::new(system, &at.guess());
+        let probe = LinearisationPoint::new(system, &at.guess());
         probe.sides_at(&at.q);
         let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
         let (whole, lambda) = {
             let system = probe.system.borrow();
-            let held = Held::new(&**system, &rows, &at.q);
+            let held = ConstrainedState::new(&**system, &rows, &at.q);
             let state = held.state(&at.q, &at.v);
             (Whole::of(&held, &state)?, state.lambda)
         };

@@ -11,13 +11,13 @@
 
 mod balance;
 mod driven;
-mod held;
 mod rest;
+mod state;
 mod steady;
 #[cfg(feature = "modal")]
 mod tangent;
 
-use super::equilibrium::Probe;
+use super::equilibrium::LinearisationPoint;
 use super::{Guess, LinearError};
 use crate::mechanism::System;
 
@@ -39,7 +39,7 @@ fn on_its_sides<S: System + ?Sized, T>(
     guess: &Guess,
     find: impl Fn(&dyn System, &Guess) -> Result<(T, Guess), LinearError>,
 ) -> Result<T, LinearError> {
-    let mut probe = Probe::new(system, guess);
+    let mut probe = LinearisationPoint::new(system, guess);
     let mut from = guess.clone();
     for _ in 0..SIDES {
         probe.v.clone_from(&from.v);

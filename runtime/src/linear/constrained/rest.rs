@@ -8,12 +8,12 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::driven::Whole;
-use super::held::{Held, State};
 use super::on_its_sides;
+use super::state::{ConstrainedState, State};
 use crate::constrain::{Projection, Start, consistent};
-use crate::linear::equilibrium::{Pace, RELAXATIONS, beside};
+use crate::linear::equilibrium::{ConvergenceHistory, RELAXATIONS, beside};
 use crate::linear::matrices::natural_sizes;
-use crate::linear::{Equilibrium, Freedom, Guess, LinearError, Linearised, Mode};
+use crate::linear::{Equilibrium, Guess, LinearError, Linearised, Mode, ZeroStiffness};
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_triples, mass_matrix};
 use crate::mechanism::{At, System};
@@ -118,7 +118,7 @@ pub(super) fn at_rest<'a, S: System + ?Sized>(
     system: &'a S,
     rows: &[usize],
     guess: &Guess,
-) -> Result<Held<'a, S>, LinearError> {
+) -> Result<ConstrainedState<'a, S>, LinearError> {
     let (description, zero) = (system.description(), vec![0.0; system.len()]);
     // A constraint that moves by itself has no rest.
     let rates = constraint_triples(system, At::new(0.0, &guess.q, &zero));
@@ -132,7 +132,7 @@ pub(super) fn at_rest<'a, S: System + ?Sized>(
     if let Some(row) = rows.iter().find(|row| moves && rates[**row][1] != 0.0) {
         return Err(LinearError::MovingConstraint { constraint: description.rows[*row].name.to_string() });
     }
-    let held = Held::new(system, rows, &guess.q);
+    let held = ConstrainedState::new(system, rows, &guess.q);
     held.without_friction(&held.state(&guess.q, &zero))?;
     Ok(held)
 }
@@ -147,7 +147,7 @@ pub(super) fn at_rest<'a, S: System + ?Sized>(
 pub fn linearise_driven<S: System + ?Sized>(system: &S, guess: &Guess) -> Result<Constrained, LinearError> {
     let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
     on_its_sides(system, guess, |system, guess| {
-        let held = Held::new(system, &rows, &guess.q);
+        let held = ConstrainedState::new(system, &rows, &guess.q);
         held.in_independent_coordinates(&held.state(&guess.q, &vec![0.0; held.n]), 0, &guess.inputs)
     })
 }
@@ -164,7 +164,7 @@ impl Constrained {
     }
 }
 
-impl<S: System + ?Sized> Held<'_, S> {
+impl<S: System + ?Sized> ConstrainedState<'_, S> {
     /// The speeds of a steady motion at a place, of which some are given; none of a rest.
     fn moving(&self, q: &[f64], given: &[f64]) -> Result<Vec<f64>, LinearError> {
         match given.iter().all(|v| *v == 0.0) {
@@ -179,7 +179,7 @@ impl<S: System + ?Sized> Held<'_, S> {
         let (guess, given) = (guess.q.as_slice(), guess.v.as_slice());
         let (start, zero) = ([guess, &vec![0.0; self.n]].concat(), vec![0.0; self.n]);
         let held = vec![false; 2 * self.n];
-        let closed = consistent(self.system, &Start { t: 0.0, y: &start, held: &held, also: 0..0 });
+        let closed = consistent(self.system, &Start { t: 0.0, y: &start, held: &held, start_conditions: 0..0 });
         let q = closed.map(|y| y[..self.n].to_vec()).map_err(|_| self.nowhere(&self.state(guess, &zero), 0))?;
         self.hold(&q);
         let v = self.moving(&q, given)?;
@@ -200,7 +200,8 @@ impl<S: System + ?Sized> Held<'_, S> {
         let acceleration = |y: &[f64]| {
             let (zero, mut lambda) = (vec![0.0; n], vec![0.0; self.system.description().rows.len()]);
             let mut a = DVector::zeros(n);
-            let solved = self.system.motion(At::new(0.0, &y[..n], &zero), a.as_mut_slice(), &mut lambda);
+            let solved =
+                self.system.accelerations_and_multipliers(At::new(0.0, &y[..n], &zero), a.as_mut_slice(), &mut lambda);
             solved.is_ok().then_some(a).filter(|a| a.iter().all(|x| x.is_finite()))
         };
         let mut y = [q, vec![0.0; n]].concat();
@@ -231,7 +232,7 @@ impl<S: System + ?Sized> Held<'_, S> {
     fn newton(&self, from: &[f64], v: &[f64]) -> Result<Found, LinearError> {
         let n = self.n;
         let mut state = self.state(from, v);
-        let mut pace = Pace::default();
+        let mut pace = ConvergenceHistory::default();
         for iterations in 0..ITERATIONS {
             let lost = state.q.iter().any(|q| q.abs() > FAR);
             let Some((step, rows)) = (if lost { None } else { self.step(&state) }) else {
@@ -288,8 +289,8 @@ impl<S: System + ?Sized> Held<'_, S> {
     }
 
     /// What becomes of the directions without stiffness.
-    fn freedom(&self, state: &State, small: &Constrained) -> Result<Freedom, LinearError> {
-        Freedom::along(&small.linear.mass, &small.linear.stiffness, |direction| {
+    fn freedom(&self, state: &State, small: &Constrained) -> Result<ZeroStiffness, LinearError> {
+        ZeroStiffness::along(&small.linear.mass, &small.linear.stiffness, |direction| {
             let whole = &small.motions * DVector::from_column_slice(direction);
             let (mut q, length) = beside(&state.q, whole.as_slice());
             for _ in 0..RELAXATIONS {
@@ -364,7 +365,7 @@ impl<S: System + ?Sized> Held<'_, S> {
                 residual: self.force(state).iter().copied().collect(),
                 iterations,
                 slow: None,
-                freedom: Freedom::default(),
+                freedom: ZeroStiffness::default(),
             },
             mass,
             damping,

@@ -9,8 +9,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::held::{Held, State};
-use crate::linear::equilibrium::Probe;
+use super::state::{ConstrainedState, State};
+use crate::linear::equilibrium::LinearisationPoint;
 use crate::linear::matrices::natural_sizes;
 use crate::linear::{Guess, LinearError};
 use crate::matrix::{equilibrated, solve_least};
@@ -42,11 +42,11 @@ const SAME: f64 = 1e-9;
 /// # Errors
 /// Those of a singular value decomposition; numbers that are not finite.
 pub fn steady_coordinates<S: System + ?Sized>(system: &S, guess: &Guess) -> Result<Vec<usize>, LinearError> {
-    let probe = Probe::new(system, guess);
+    let probe = LinearisationPoint::new(system, guess);
     probe.sides_at(&guess.q);
     let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
     let system = probe.system.borrow();
-    let shifts = Held::new(&**system, &rows, &guess.q).shifts(&guess.q)?;
+    let shifts = ConstrainedState::new(&**system, &rows, &guess.q).shifts(&guess.q)?;
     Ok(shifts.coordinates())
 }
 
@@ -60,7 +60,7 @@ impl Shifts {
     }
 }
 
-impl<S: System + ?Sized> Held<'_, S> {
+impl<S: System + ?Sized> ConstrainedState<'_, S> {
     /// The shifts that change nothing near a place.
     ///
     /// # Errors
@@ -208,10 +208,10 @@ impl<S: System + ?Sized> Held<'_, S> {
         }
         let (units, description) = (self.units(), self.system.description());
         let (places, speeds) = (natural_sizes(&units, &state.q), natural_sizes(&units, &state.v));
-        let (tilt, jacobian) = (self.tilt(state), self.jacobian(state));
+        let (rate_jacobian, jacobian) = (self.rate_jacobian(state), self.jacobian(state));
         for (k, row) in self.rows.iter().enumerate() {
             let size = jacobian.row(k).iter().zip(&speeds).fold(0.0_f64, |most, (x, v)| most.max((x * v).abs()));
-            if tilt.row(k).iter().zip(&places).any(|(x, q)| (x * q).abs() > SAME * size) {
+            if rate_jacobian.row(k).iter().zip(&places).any(|(x, q)| (x * q).abs() > SAME * size) {
                 return Err(LinearError::VelocityConstraint { constraint: description.rows[*row].name.to_string() });
             }
         }

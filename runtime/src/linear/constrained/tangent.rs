@@ -12,9 +12,9 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::held::{Held, State};
 use super::on_its_sides;
-use crate::linear::{Equilibrium, FirstOrder, Freedom, Guess, LinearError, first_order_modes};
+use super::state::{ConstrainedState, State};
+use crate::linear::{Equilibrium, FirstOrder, Guess, LinearError, ZeroStiffness, first_order_modes};
 use crate::matrix::solve_least;
 use crate::mechanism::System;
 
@@ -55,7 +55,7 @@ const SAME: f64 = 1e-8;
 pub fn linearise_tangent<S: System + ?Sized>(system: &S, guess: &Guess, here: bool) -> Result<Tangent, LinearError> {
     let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
     on_its_sides(system, guess, |system, guess| {
-        let held = Held::new(system, &rows, &guess.q);
+        let held = ConstrainedState::new(system, &rows, &guess.q);
         let (state, iterations) = if here { (held.state(&guess.q, &guess.v), 0) } else { held.nearest(guess)? };
         if !held.stays(&state) {
             return Err(match here {
@@ -91,7 +91,7 @@ impl Tangent {
     }
 }
 
-impl<S: System + ?Sized> Held<'_, S> {
+impl<S: System + ?Sized> ConstrainedState<'_, S> {
     /// [J_h 0; ∂c'/∂q J]: what departures must meet.
     fn allowed(&self, state: &State) -> DMatrix<f64> {
         let (n, m) = (self.n, self.rows.len());
@@ -99,7 +99,7 @@ impl<S: System + ?Sized> Held<'_, S> {
         let closed = self.closed_jacobian(&jacobian);
         let mut all = DMatrix::zeros(closed.nrows() + m, 2 * n);
         all.view_mut((0, 0), (closed.nrows(), n)).copy_from(&closed);
-        all.view_mut((closed.nrows(), 0), (m, n)).copy_from(&self.tilt(state));
+        all.view_mut((closed.nrows(), 0), (m, n)).copy_from(&self.rate_jacobian(state));
         all.view_mut((closed.nrows(), n), (m, n)).copy_from(&jacobian);
         all
     }
@@ -248,7 +248,7 @@ impl<S: System + ?Sized> Held<'_, S> {
             residual: self.force(state).iter().copied().collect(),
             iterations,
             slow: None,
-            freedom: Freedom::default(),
+            freedom: ZeroStiffness::default(),
         };
         let multipliers = self.multipliers(state);
         Ok(Tangent { equilibrium, multipliers, departures, matrix, analysis })

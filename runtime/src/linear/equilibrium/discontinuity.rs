@@ -1,6 +1,6 @@
 //! Discontinuities at a point of rest: which side of each holds, and dry friction, which holds a whole set of points.
 
-use super::probe::{OneSide, Probe};
+use super::point::{LinearisationPoint, OneSide};
 use crate::mechanism::SwitchKind;
 
 /// A switch whose surface a state lies on.
@@ -15,7 +15,7 @@ pub struct Jump {
 /// Speeds that tell one side of rest from the other, relative to what speeds can be.
 const SMALL_SPEED: f64 = 1e-7;
 
-impl Probe {
+impl LinearisationPoint {
     /// The forces that jump where a state lies: those of switches on their surface, and those that are large at the
     /// least speed to either side (`unit` and `norm` of a velocity).
     pub(super) fn jumps(&self, q: &[f64]) -> Vec<Jump> {

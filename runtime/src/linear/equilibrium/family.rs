@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::probe::Probe;
+use super::point::LinearisationPoint;
 use super::search::least_step;
 use crate::linear::matrices::{Scaled, null_space};
 use crate::linear::{LinearError, SparseMatrix};
@@ -16,7 +16,7 @@ pub(in crate::linear) const RELAXATIONS: usize = 40;
 /// in a neighbouring equilibrium (a family: rigid motions, finite mechanisms) or falls back (a degenerate
 /// equilibrium such as x'' = −x³, which the linear model cannot describe; catalogue L13).
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Freedom {
+pub struct ZeroStiffness {
     /// Rank of K.
     pub rank: usize,
     /// Dimension of the family of equilibria through this one.
@@ -25,11 +25,11 @@ pub struct Freedom {
     pub degenerate: Vec<Vec<f64>>,
 }
 
-impl Freedom {
-    pub(super) fn of(probe: &Probe, q: &[f64], linear: bool) -> Result<Freedom, LinearError> {
+impl ZeroStiffness {
+    pub(super) fn of(probe: &LinearisationPoint, q: &[f64], linear: bool) -> Result<ZeroStiffness, LinearError> {
         let [mass, _, stiffness] = probe.cleaned(q);
         // In a linear mechanism every such direction leads to equilibria.
-        Freedom::along(&mass, &stiffness, |direction| match linear {
+        ZeroStiffness::along(&mass, &stiffness, |direction| match linear {
             true => Ok(direction.to_vec()),
             false => relax(probe, &mass, q, direction),
         })
@@ -43,13 +43,13 @@ impl Freedom {
         mass: &SparseMatrix,
         stiffness: &SparseMatrix,
         relax: impl Fn(&[f64]) -> Result<Vec<f64>, LinearError>,
-    ) -> Result<Freedom, LinearError> {
+    ) -> Result<ZeroStiffness, LinearError> {
         let scaled = Scaled::new(mass);
         let failed = LinearError::NoConvergence { what: "the singular value decomposition of K" };
         let null = null_space(&scaled.stiffness(&stiffness.to_dense())).ok_or(failed)?;
         let (rank, free) = (mass.rows - null.ncols(), null.ncols());
         if free == 0 {
-            return Ok(Freedom { rank, family: 0, degenerate: Vec::new() });
+            return Ok(ZeroStiffness { rank, family: 0, degenerate: Vec::new() });
         }
         let mut reached = DMatrix::zeros(free, free);
         for k in 0..free {
@@ -62,7 +62,7 @@ impl Freedom {
         let v_t = svd.v_t.unwrap_or_else(|| DMatrix::identity(free, free));
         let fallen: Vec<usize> = (0..free).filter(|k| svd.singular_values[*k] < 0.3).collect();
         let degenerate = fallen.iter().map(|k| scaled.step(&(&null * v_t.row(*k).transpose()))).collect();
-        Ok(Freedom { rank, family: free - fallen.len(), degenerate })
+        Ok(ZeroStiffness { rank, family: free - fallen.len(), degenerate })
     }
 }
 
@@ -75,7 +75,12 @@ pub(in crate::linear) fn beside(q: &[f64], direction: &[f64]) -> (Vec<f64>, f64)
 }
 
 /// Where a step along a direction relaxes to.
-fn relax(probe: &Probe, mass: &SparseMatrix, q: &[f64], direction: &[f64]) -> Result<Vec<f64>, LinearError> {
+fn relax(
+    probe: &LinearisationPoint,
+    mass: &SparseMatrix,
+    q: &[f64],
+    direction: &[f64],
+) -> Result<Vec<f64>, LinearError> {
     let scaled = Scaled::new(mass);
     let (mut point, length) = beside(q, direction);
     for _ in 0..RELAXATIONS {

@@ -2,7 +2,7 @@
 
 use nalgebra::{Complex, DMatrix};
 
-use super::probe::Probe;
+use super::point::LinearisationPoint;
 use super::{Equilibrium, Guess, Jump, equilibrium_here};
 use crate::linear::matrices::first_order;
 use crate::linear::{LinearError, Residual, SparseMatrix};
@@ -58,14 +58,14 @@ pub fn linearise<S: System + ?Sized>(system: &S, equilibrium: &Equilibrium) -> R
     let state = equilibrium.guess();
     // A degenerate equilibrium is known less well than its forces vanish, and a found one is as good as it gets.
     let here = equilibrium_here(system, &state)?;
-    linearised_with(system, &Probe::new(system, &state), &state, &here.friction)
+    linearised_with(system, &LinearisationPoint::new(system, &state), &state, &here.friction)
         .map(|linear| Linearised { equilibrium: equilibrium.clone(), ..linear })
 }
 
 /// As [`linearise`], for a state that is known to be an equilibrium of a probe's system, whose freedom nobody asks for.
 pub(in crate::linear) fn linearised_at(
     system: &dyn System,
-    probe: &Probe,
+    probe: &LinearisationPoint,
     state: &Guess,
 ) -> Result<Linearised, LinearError> {
     linearised_with(system, probe, state, &probe.jumps(&state.q))
@@ -73,7 +73,7 @@ pub(in crate::linear) fn linearised_at(
 
 fn linearised_with<S: System + ?Sized>(
     system: &S,
-    probe: &Probe,
+    probe: &LinearisationPoint,
     state: &Guess,
     friction: &[Jump],
 ) -> Result<Linearised, LinearError> {

@@ -3,7 +3,7 @@
 mod discontinuity;
 mod family;
 mod linearise;
-mod probe;
+mod point;
 mod search;
 mod timed;
 
@@ -11,11 +11,11 @@ mod timed;
 pub(super) mod tests;
 
 pub use discontinuity::Jump;
-pub use family::Freedom;
+pub use family::ZeroStiffness;
 pub(super) use family::{RELAXATIONS, beside};
 pub(super) use linearise::linearised_at;
 pub use linearise::{Linearised, linearise, state_matrix};
-pub(super) use probe::Probe;
-pub(crate) use probe::force_unit;
-pub(super) use search::Pace;
+pub(super) use point::LinearisationPoint;
+pub(crate) use point::force_unit;
+pub(super) use search::ConvergenceHistory;
 pub use search::{Equilibrium, Guess, equilibria, equilibrium_here, equilibrium_near};

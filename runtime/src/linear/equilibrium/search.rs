@@ -5,8 +5,8 @@ use std::fmt;
 use nalgebra::{DMatrix, DVector};
 
 use super::discontinuity::{Jump, held};
-use super::family::Freedom;
-use super::probe::Probe;
+use super::family::ZeroStiffness;
+use super::point::LinearisationPoint;
 use crate::linear::matrices::{Scaled, Singular};
 use crate::linear::{LinearError, SparseMatrix, short, short_beside};
 use crate::matrix::equilibrated;
@@ -66,12 +66,12 @@ pub struct Equilibrium {
     /// The ratio of the last steps where convergence was only linear: the equilibrium is degenerate.
     pub slow: Option<f64>,
     /// Directions without stiffness.
-    pub freedom: Freedom,
+    pub freedom: ZeroStiffness,
 }
 
 impl Equilibrium {
     /// A state that is known to be one.
-    pub(super) fn at(probe: &Probe, state: &Guess) -> Equilibrium {
+    pub(super) fn at(probe: &LinearisationPoint, state: &Guess) -> Equilibrium {
         Equilibrium {
             coordinates: probe.names(),
             units: probe.units(),
@@ -82,7 +82,7 @@ impl Equilibrium {
             residual: probe.force(&state.q),
             iterations: 0,
             slow: None,
-            freedom: Freedom::default(),
+            freedom: ZeroStiffness::default(),
         }
     }
 
@@ -116,7 +116,7 @@ impl Equilibrium {
 /// [`LinearError::NoEquilibrium`] with where it stood and the forces left; [`LinearError::DependsOnTime`],
 /// [`LinearError::NotSteady`], wrong sizes and numbers that are not finite.
 pub fn equilibrium_near<S: System + ?Sized>(system: &S, guess: &Guess) -> Result<Equilibrium, LinearError> {
-    let probe = Probe::new(system, guess);
+    let probe = LinearisationPoint::new(system, guess);
     probe.check(&guess.q)?;
     match newton(&probe, guess.q.clone()) {
         Ok(found) => {
@@ -136,7 +136,7 @@ pub fn equilibrium_near<S: System + ?Sized>(system: &S, guess: &Guess) -> Result
 /// # Errors
 /// [`LinearError::NotAnEquilibrium`] with the residual force by coordinate, and as [`equilibrium_near`].
 pub fn equilibrium_here<S: System + ?Sized>(system: &S, state: &Guess) -> Result<Equilibrium, LinearError> {
-    let probe = Probe::new(system, state);
+    let probe = LinearisationPoint::new(system, state);
     probe.check(&state.q)?;
     let force = probe.force(&state.q);
     if !balanced(&force, &probe.measure(&state.q), GIVEN) && !holds(&probe, &state.q) {
@@ -146,7 +146,7 @@ pub fn equilibrium_here<S: System + ?Sized>(system: &S, state: &Guess) -> Result
 }
 
 /// True where dry friction can balance what is left at rest.
-fn holds(probe: &Probe, q: &[f64]) -> bool {
+fn holds(probe: &LinearisationPoint, q: &[f64]) -> bool {
     let jumps = probe.jumps(q);
     let mut measure = probe.measure(q);
     for jump in &jumps {
@@ -184,11 +184,11 @@ struct Found {
 
 fn finish<S: System + ?Sized>(
     system: &S,
-    probe: &Probe,
+    probe: &LinearisationPoint,
     found: Found,
     guess: &Guess,
 ) -> Result<Equilibrium, LinearError> {
-    let freedom = Freedom::of(probe, &found.q, system.description().structure.linear)?;
+    let freedom = ZeroStiffness::of(probe, &found.q, system.description().structure.linear)?;
     Ok(Equilibrium {
         coordinates: probe.names(),
         units: probe.units(),
@@ -208,9 +208,9 @@ fn balanced(force: &[f64], measure: &[f64], part: f64) -> bool {
     force.iter().zip(measure).all(|(f, measure)| f.abs() <= part * measure)
 }
 
-fn newton(probe: &Probe, mut q: Vec<f64>) -> Result<Found, LinearError> {
+fn newton(probe: &LinearisationPoint, mut q: Vec<f64>) -> Result<Found, LinearError> {
     let mut force = probe.force(&q);
-    let mut pace = Pace::default();
+    let mut pace = ConvergenceHistory::default();
     let mut reach: Vec<f64> = q.iter().map(|q| q.abs()).collect();
     for iterations in 0..MOST_ITERATIONS {
         if force.iter().all(|f| *f == 0.0) {
@@ -245,7 +245,7 @@ fn newton(probe: &Probe, mut q: Vec<f64>) -> Result<Found, LinearError> {
 }
 
 /// The point with all coordinates that have all but vanished at 0, if it is an equilibrium.
-fn without_rounding(probe: &Probe, q: &[f64], reach: &[f64]) -> Option<Vec<f64>> {
+fn without_rounding(probe: &LinearisationPoint, q: &[f64], reach: &[f64]) -> Option<Vec<f64>> {
     let gone = |(q, reach): (&f64, &f64)| *q != 0.0 && q.abs() <= GONE * reach;
     if !q.iter().zip(reach).any(gone) {
         return None;
@@ -256,7 +256,7 @@ fn without_rounding(probe: &Probe, q: &[f64], reach: &[f64]) -> Option<Vec<f64>>
 
 /// How the lengths of steps follow each other.
 #[derive(Default)]
-pub(in crate::linear) struct Pace {
+pub(in crate::linear) struct ConvergenceHistory {
     earlier: Option<f64>,
     /// Steps in a row that shrank slowly, and steps since that shrank fast.
     slowly: u32,
@@ -265,7 +265,7 @@ pub(in crate::linear) struct Pace {
     pub slow: Option<f64>,
 }
 
-impl Pace {
+impl ConvergenceHistory {
     /// Notes a step's length, the factor by which it was shortened, and its largest part relative to its coordinate.
     pub fn note(&mut self, length: f64, factor: f64, largest: f64) {
         let ratio = self.earlier.filter(|before| *before > 0.0 && factor == 1.0).map(|before| length / before);
@@ -282,7 +282,7 @@ impl Pace {
     }
 }
 
-fn failed(probe: &Probe, iterations: usize, q: &[f64], force: &[f64]) -> LinearError {
+fn failed(probe: &LinearisationPoint, iterations: usize, q: &[f64], force: &[f64]) -> LinearError {
     LinearError::NoEquilibrium { iterations, point: probe.named(q), residual: probe.forces(force) }
 }
 
@@ -338,7 +338,13 @@ pub fn least_step(mass: &SparseMatrix, stiffness: &DMatrix<f64>, force: &[f64]) 
 }
 
 /// Halves a step until F decreases; the point reached, F there, and the factor.
-fn shorten(probe: &Probe, rows: &Rows, q: &[f64], step: &[f64], force: &[f64]) -> (Vec<f64>, Vec<f64>, f64) {
+fn shorten(
+    probe: &LinearisationPoint,
+    rows: &Rows,
+    q: &[f64],
+    step: &[f64],
+    force: &[f64],
+) -> (Vec<f64>, Vec<f64>, f64) {
     let before = rows.size(force);
     let mut factor = 1.0;
     loop {
@@ -353,7 +359,7 @@ fn shorten(probe: &Probe, rows: &Rows, q: &[f64], step: &[f64], force: &[f64]) -
 }
 
 /// True where forces rise far above those at both ends on the way: what lies behind a pole is not for this search.
-fn crosses_a_pole(probe: &Probe, from: &[f64], to: &[f64]) -> bool {
+fn crosses_a_pole(probe: &LinearisationPoint, from: &[f64], to: &[f64]) -> bool {
     const SAMPLES: u32 = 16;
     const RISE: f64 = 30.0;
     let long = from.iter().zip(to).any(|(a, b)| (a - b).abs() > 0.05 * a.abs().max(b.abs()));

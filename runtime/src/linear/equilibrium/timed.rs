@@ -1,6 +1,6 @@
 //! Whether the equations change with time though all inputs are held.
 
-use super::probe::Probe;
+use super::point::LinearisationPoint;
 use crate::linear::LinearError;
 use crate::mechanism::At;
 
@@ -9,7 +9,7 @@ const TIMES: [f64; 5] = [0.0, 0.37, 1.9, 53.0, 1234.5];
 /// Departures from the state, as parts of its size: what vanishes at a symmetric point only depends on time too.
 const DEPARTURES: [f64; 4] = [0.0, 0.013, -0.31, 0.9];
 
-impl Probe {
+impl LinearisationPoint {
     /// Refuses equations that depend on time, at this state or near it, by the exact ∂F/∂t; and switches that time
     /// alone throws.
     pub(in crate::linear) fn check_time(&self, q: &[f64]) -> Result<(), LinearError> {

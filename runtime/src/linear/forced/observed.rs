@@ -3,7 +3,7 @@
 use nalgebra::{Complex, DMatrix, RowDVector};
 
 use super::{Drive, Source};
-use crate::linear::equilibrium::Probe;
+use crate::linear::equilibrium::LinearisationPoint;
 use crate::linear::{LinearError, Linearised};
 use crate::mechanism::{Description, System};
 use crate::run::Names;
@@ -45,7 +45,7 @@ pub struct Observed {
 /// (k + iΩc)/(k + iΩc − Ω²m):
 /// ```
 /// use dalembert::linear::{Guess, Source, equilibrium_near, linearise, observe};
-/// use dalembert::mechanism::Erased;
+/// use dalembert::mechanism::Dynamic;
 /// # mod example {
 /// dalembert::model!(yaml = r#"
 /// name: Mounted
@@ -58,7 +58,7 @@ pub struct Observed {
 /// "#);
 /// # }
 /// # use example::Mounted;
-/// let system = Erased::new(Mounted::default());
+/// let system = Dynamic::new(Mounted::default());
 /// let linear = linearise(&system, &equilibrium_near(&system, &Guess::at(&[0.0]))?)?;
 /// let to_ground = observe(&system, &linear, &["to_ground"])?;
 /// let answers = linear.answers(&Source::Force(0).into(), &to_ground, &[5.0])?;
@@ -67,7 +67,7 @@ pub struct Observed {
 /// # Ok::<(), dalembert::linear::LinearError>(())
 /// ```
 pub fn observe<S: System + ?Sized>(system: &S, linear: &Linearised, names: &[&str]) -> Result<Observed, LinearError> {
-    let probe = Probe::new(system, &linear.equilibrium.guess());
+    let probe = LinearisationPoint::new(system, &linear.equilibrium.guess());
     let rows = vec![0.0; system.description().rows.len()];
     slopes_of(system.description(), &probe, &linear.equilibrium.q, &rows, names).map(|(seen, _)| seen)
 }
@@ -76,7 +76,7 @@ pub fn observe<S: System + ?Sized>(system: &S, linear: &Linearised, names: &[&st
 /// state of a probe with its multipliers.
 pub(in crate::linear) fn slopes_of(
     description: &Description,
-    probe: &Probe,
+    probe: &LinearisationPoint,
     q: &[f64],
     lambda: &[f64],
     names: &[&str],
@@ -225,7 +225,7 @@ const LATER: [f64; 2] = [0.31, 2.3];
 const SAME: f64 = 1e-9;
 
 impl Slopes {
-    fn new(probe: &Probe, q: &[f64], lambda: &[f64]) -> Result<Slopes, LinearError> {
+    fn new(probe: &LinearisationPoint, q: &[f64], lambda: &[f64]) -> Result<Slopes, LinearError> {
         let at = |t: f64, q: &[f64]| {
             probe.output_slopes(t, q, lambda).ok_or_else(|| LinearError::NoSlope { answer: "outputs".to_owned() })
         };

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use nalgebra::Complex;
 
 use super::{Kind, Mode};
-use crate::linear::equilibrium::Probe;
+use crate::linear::equilibrium::LinearisationPoint;
 use crate::linear::{Linearised, short};
 use crate::mechanism::{At, Shape, System};
 use crate::show::{Animation, Axis, Chart, Figure, Series, Style};
@@ -28,7 +28,7 @@ const FRAMES: u32 = 60;
 ///
 /// The amplitude is chosen for the eye.  Rigid and overdamped modes go to and fro in 2 s.
 pub fn animate_mode<S: System + ?Sized>(system: &S, linear: &Linearised, mode: &Mode) -> Animation {
-    let held = Probe::new(system, &linear.equilibrium.guess());
+    let held = LinearisationPoint::new(system, &linear.equilibrium.guess());
     let still = held.system.borrow();
     let amplitude = amplitude(&**still, linear, mode);
     let omega = if mode.eigenvalue.im > 0.0 { mode.eigenvalue.im } else { 0.5 * TAU };
@@ -46,7 +46,7 @@ pub fn animate_mode<S: System + ?Sized>(system: &S, linear: &Linearised, mode: &
 /// by coordinate.  Several stand side by side.
 pub fn draw_modes<S: System + ?Sized>(system: &S, linear: &Linearised, modes: &[Mode]) -> Figure {
     let description = system.description();
-    let held = Probe::new(system, &linear.equilibrium.guess());
+    let held = LinearisationPoint::new(system, &linear.equilibrium.guess());
     let still = held.system.borrow();
     let system = &**still;
     let flat = description.structure.dimension == 2 && description.drawing_len() > 0;

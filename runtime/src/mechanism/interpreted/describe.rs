@@ -92,7 +92,7 @@ pub(super) fn describe(program: &Program, source: &str) -> Description {
         friction_pattern: pattern(&program.constraints.friction),
         constraint_stiffness_pattern: pattern(&program.constraints.stiffness),
         constraint_damping_pattern: pattern(&program.constraints.damping),
-        constraint_tilt_pattern: pattern(&program.constraints.tilt),
+        constraint_rate_pattern: pattern(&program.constraints.rate_jacobian),
         outputs: model.outputs.iter().map(|o| quantity(&o.name, o.value.len(), &o.unit)).collect(),
         outputs_use_accelerations: program.outputs_use_accelerations(),
         outputs_of_reactions: program.outputs_of_reactions().map(|place| place as u32).collect(),

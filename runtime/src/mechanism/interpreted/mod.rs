@@ -52,7 +52,7 @@ impl Interpreted {
             return self.evaluate(function, at, values);
         }
         let (mut a, mut lambda) = (vec![0.0; at.q.len()], vec![0.0; rows]);
-        if self.motion(at, &mut a, &mut lambda).is_err() {
+        if self.accelerations_and_multipliers(at, &mut a, &mut lambda).is_err() {
             a.fill(f64::NAN);
             lambda.fill(f64::NAN);
         }
@@ -95,7 +95,7 @@ impl System for Interpreted {
         }
         if !self.active_rows().is_empty() {
             let mut lambda = vec![0.0; self.description.rows.len()];
-            return self.phased.motion(self, at, a, &mut lambda);
+            return self.phased.accelerations_and_multipliers(self, at, a, &mut lambda);
         }
         let u = self.input_values(at.t);
         self.interpreter.accelerations(with_inputs(at, &u), a).map_err(|coordinate| SingularMass { coordinate }.into())
@@ -112,7 +112,7 @@ impl System for Interpreted {
         Energy::from_array(self.interpreter.part_energy(part, with_inputs(at, &u)))
     }
 
-    fn motion(&self, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> Result<(), Singular> {
+    fn accelerations_and_multipliers(&self, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> Result<(), Singular> {
         lambda.fill(0.0);
         if !self.active_rows().is_empty() {
             self.phased.reactions(self, at, a, lambda)?;
@@ -146,8 +146,8 @@ impl System for Interpreted {
         self.evaluate(Function::ConstraintDamping, at, dv);
     }
 
-    fn constraint_tilt(&self, at: At<'_>, values: &mut [f64]) {
-        self.evaluate(Function::ConstraintTilt, at, values);
+    fn constraint_rate_jacobian(&self, at: At<'_>, values: &mut [f64]) {
+        self.evaluate(Function::ConstraintRateJacobian, at, values);
     }
 
     fn constraint_rates_by_inputs(&self, at: At<'_>, columns: &mut [f64]) -> bool {
@@ -191,8 +191,8 @@ impl System for Interpreted {
         (self.phased.enforcement, self.phased.alpha) = (by, alpha);
     }
 
-    fn also(&self, at: At<'_>) -> Vec<(f64, f64)> {
-        let wanted = self.interpreter.program().also_values();
+    fn start_conditions(&self, at: At<'_>) -> Vec<(f64, f64)> {
+        let wanted = self.interpreter.program().start_condition_values();
         let mut values = vec![0.0; wanted.len()];
         self.complete(Function::Also, at, true, &mut values);
         values.into_iter().zip(wanted).map(|(value, id)| (value, self.interpreter.constant(id))).collect()
@@ -333,8 +333,9 @@ impl System for Interpreted {
 
     fn scene(&self, scene: usize) -> Scene {
         let scenes = &self.interpreter.program().model.scenes;
-        let searched = !self.description.rows.is_empty() || scenes.iter().any(|scene| !scene.also.is_empty());
-        let first: usize = scenes.iter().take(scene).map(|scene| scene.also.len()).sum();
+        let searched =
+            !self.description.rows.is_empty() || scenes.iter().any(|scene| !scene.start_conditions.is_empty());
+        let first: usize = scenes.iter().take(scene).map(|scene| scene.start_conditions.len()).sum();
         let scene = &scenes[if scene < scenes.len() { scene } else { 0 }];
         let value = |id| self.interpreter.constant(id);
         Scene {
@@ -347,7 +348,7 @@ impl System for Interpreted {
             held_v: if searched { scene.held_v.clone() } else { Vec::new() },
             guessed: scene.guessed,
             phase: scene.phase,
-            also: first..first + scene.also.len(),
+            start_conditions: first..first + scene.start_conditions.len(),
         }
     }
 

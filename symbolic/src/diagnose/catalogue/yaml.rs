@@ -4,7 +4,7 @@ super::entries! {
     E001 not_yaml(what, help) "not YAML"
         "this is not YAML: {what}" "here" "{help}"
         "The file breaks YAML's own rules, so nothing else in it is judged.";
-    E002 taken_apart(help) "an expression that YAML took apart"
+    E002 unquoted(help) "an expression that YAML took apart"
         "YAML takes this apart" "YAML stops reading the expression here" "{help}"
         "Commas and brackets inside `{…}` or `[…]`, and a leading `[`, `*`, `&`, quote or `- `, mean something to YAML. Put the expression in double quotes.";
     E003 duplicate_key(key, line) "a key given twice"

@@ -1,6 +1,6 @@
 //! Equations: two sides of one kind.
 
-use super::bench::Bench;
+use super::builder::ExprBuilder;
 use super::lower::Local;
 use super::rules::Rules;
 use super::scope::Scope;
@@ -9,7 +9,7 @@ use crate::diagnose::catalogue::names;
 use crate::expr::Id;
 use crate::file::Text;
 
-impl Bench {
+impl ExprBuilder {
     /// Both sides of `a = b`, two numbers or two vectors; of an expression without `=` the right side is 0, and 0
     /// stands for the zero vector too.  `None` where they do not fit (reported) or are poisoned.
     pub fn sides(

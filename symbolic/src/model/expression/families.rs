@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use super::bench::Bench;
+use super::builder::ExprBuilder;
 use super::index::{self, Indices, MEMBER_LIMIT};
 use super::lower::Local;
 use super::scope::{Scope, expanded};
@@ -47,7 +47,7 @@ pub type IndexNames = Vec<(String, Place)>;
 
 /// Reads a key and expands it; `place` is where the key stands.  `None` when it is wrong (reported).
 pub fn expand(
-    bench: &mut Bench,
+    builder: &mut ExprBuilder,
     scope: &Scope,
     indices: &mut IndexNames,
     words: &str,
@@ -56,7 +56,7 @@ pub fn expand(
     let key = match parse_key(words) {
         Ok(key) => key,
         Err(found) => {
-            bench.problems.extend(found.into_iter().map(|problem| problem.moved_to(place)));
+            builder.problems.extend(found.into_iter().map(|problem| problem.moved_to(place)));
             return None;
         }
     };
@@ -65,7 +65,7 @@ pub fn expand(
         let KeyIndex::Range(range) = index else { continue };
         let at = place.at(range.name_span);
         if is_reserved(&range.name) || seen.contains(&range.name.as_str()) {
-            bench.problems.push(names::index_hides_name(at, &range.name));
+            builder.problems.push(names::index_hides_name(at, &range.name));
             return None;
         }
         seen.push(&range.name);
@@ -73,15 +73,15 @@ pub fn expand(
     }
     let ranges: Vec<Range> = key.indices.iter().map(as_range).collect();
     let at = Indices { scope, source: words, place };
-    let rows = match index::members(&at, bench, &mut Vec::new(), &ranges) {
+    let rows = match index::members(&at, builder, &mut Vec::new(), &ranges) {
         Ok(rows) => rows,
         Err(refusal) => {
-            bench.told(refusal);
+            builder.told(refusal);
             return None;
         }
     };
     if rows.len() > MEMBER_LIMIT {
-        bench.problems.push(names::too_many_names(place.clone(), MEMBER_LIMIT));
+        builder.problems.push(names::too_many_names(place.clone(), MEMBER_LIMIT));
         return None;
     }
     let ranged = key.indices.iter().any(|index| matches!(index, KeyIndex::Range(_)));
@@ -96,15 +96,15 @@ pub fn expand(
 
 /// As [`expand`], and the key must not have primes.
 pub fn expand_name(
-    bench: &mut Bench,
+    builder: &mut ExprBuilder,
     scope: &Scope,
     indices: &mut IndexNames,
     words: &str,
     place: &Place,
 ) -> Option<Family> {
-    let family = expand(bench, scope, indices, words, place)?;
+    let family = expand(builder, scope, indices, words, place)?;
     if family.key.primes > 0 {
-        bench.problems.push(syntax::bad_key(place.at(Span::new(0, words.len())), words));
+        builder.problems.push(syntax::bad_key(place.at(Span::new(0, words.len())), words));
         return None;
     }
     Some(family)

@@ -70,8 +70,8 @@ impl Lower<'_> {
         };
         let table = self.scope.tables[place].table;
         match self.expression(argument) {
-            Value::Scalar(x) => Value::Scalar(self.bench.graph.unary(Unary::Table(table), x)),
-            Value::Nothing => Value::Scalar(self.bench.graph.unary(Unary::Table(table), Id::ZERO)),
+            Value::Scalar(x) => Value::Scalar(self.builder.graph.unary(Unary::Table(table), x)),
+            Value::Nothing => Value::Scalar(self.builder.graph.unary(Unary::Table(table), Id::ZERO)),
             Value::Poison => Value::Poison,
             found @ Value::Vector(_) => {
                 let problem = names::argument_kind(self.place(argument.span), name, "a number", found.describe());
@@ -101,7 +101,7 @@ impl Lower<'_> {
             }
         }
         let (false, Some(&first)) = (lost, values.first()) else { return Value::Poison };
-        let graph = &mut self.bench.graph;
+        let graph = &mut self.builder.graph;
         let unary = match name {
             "sin" => Unary::Sin,
             "cos" => Unary::Cos,
@@ -143,7 +143,7 @@ impl Lower<'_> {
             span,
         };
         match index::integer(&Indices::within(self.scope, self.text), &self.locals, &whole) {
-            Ok(value) => Value::Scalar(self.bench.graph.integer(value)),
+            Ok(value) => Value::Scalar(self.builder.graph.integer(value)),
             Err(refusal) => self.told(refusal),
         }
     }
@@ -171,7 +171,7 @@ impl Lower<'_> {
 
     fn metric(&mut self, name: &str, arguments: &[Ast]) -> Value {
         let vectors: Vec<Option<Vec<Id>>> = arguments.iter().map(|a| self.vector_argument(name, a)).collect();
-        let graph = &mut self.bench.graph;
+        let graph = &mut self.builder.graph;
         match (name, vectors.as_slice()) {
             ("dot", [Some(a), Some(b)]) => Value::Scalar(value::dot(graph, a, b)),
             ("norm", [Some(a)]) => Value::Scalar(value::norm(graph, a)),
@@ -184,7 +184,7 @@ impl Lower<'_> {
     fn cross(&mut self, a: &Ast, b: &Ast) -> Value {
         let (left, right) = (self.expression(a), self.expression(b));
         let plane = self.scope.dimension == 2;
-        let graph = &mut self.bench.graph;
+        let graph = &mut self.builder.graph;
         match (&left, &right) {
             (Value::Poison, _) | (_, Value::Poison) => Value::Poison,
             (Value::Nothing, _) | (_, Value::Nothing) => Value::Nothing,
@@ -206,7 +206,7 @@ impl Lower<'_> {
 
     /// d/dt of a value.
     fn rate(&mut self, value: Value, span: Span) -> Value {
-        let depends = self.bench.depends(value.components());
+        let depends = self.builder.depends(value.components());
         if depends.meets(Depends::MULTIPLIER) {
             let words = self.text.words(span);
             return self.refuse(names::reaction_misplaced(self.place(span), words, "a time derivative"));
@@ -215,7 +215,7 @@ impl Lower<'_> {
             let words = self.text.words(span);
             return self.refuse(names::acceleration_misplaced(self.place(span), words, "a time derivative"));
         }
-        value.map(|x| self.bench.rate(x))
+        value.map(|x| self.builder.rate(x))
     }
 
     /// The velocity or acceleration of a point.
@@ -258,25 +258,26 @@ impl Lower<'_> {
         };
         let (centre, angle) = (self.item(centre), self.item(angle));
         let (Value::Vector(centre), Value::Scalar(angle)) = (centre, angle) else { return Value::Poison };
-        let bench = &mut *self.bench;
-        let arm = value::difference(&mut bench.graph, &centre, &point);
-        let omega = bench.rate(angle);
-        let velocity = bench.rates(&centre);
+        let builder = &mut *self.builder;
+        let arm = value::difference(&mut builder.graph, &centre, &point);
+        let omega = builder.rate(angle);
+        let velocity = builder.rates(&centre);
         if name == "velocity" {
-            let turning = value::turn(&mut bench.graph, omega, &arm);
-            return Value::Vector(value::add_scaled(&mut bench.graph, &velocity, Id::ONE, &turning));
+            let turning = value::turn(&mut builder.graph, omega, &arm);
+            return Value::Vector(value::add_scaled(&mut builder.graph, &velocity, Id::ONE, &turning));
         }
-        if bench.depends(&[omega]).meets(Depends::ACCELERATION) || bench.depends(&velocity).meets(Depends::ACCELERATION)
+        if builder.depends(&[omega]).meets(Depends::ACCELERATION)
+            || builder.depends(&velocity).meets(Depends::ACCELERATION)
         {
             let words = self.text.words(span);
             return self.refuse(names::acceleration_misplaced(self.place(span), words, "a time derivative"));
         }
-        let (alpha, acceleration) = (bench.rate(omega), bench.rates(&velocity));
-        let turning = value::turn(&mut bench.graph, alpha, &arm);
-        let square = bench.graph.mul(omega, omega);
-        let inward = bench.graph.neg(square);
-        let sum = value::add_scaled(&mut bench.graph, &acceleration, Id::ONE, &turning);
-        Value::Vector(value::add_scaled(&mut bench.graph, &sum, inward, &arm))
+        let (alpha, acceleration) = (builder.rate(omega), builder.rates(&velocity));
+        let turning = value::turn(&mut builder.graph, alpha, &arm);
+        let square = builder.graph.mul(omega, omega);
+        let inward = builder.graph.neg(square);
+        let sum = value::add_scaled(&mut builder.graph, &acceleration, Id::ONE, &turning);
+        Value::Vector(value::add_scaled(&mut builder.graph, &sum, inward, &arm))
     }
 
     fn angular_velocity(&mut self, body: &Ast, span: Span) -> Value {
@@ -315,7 +316,7 @@ impl Lower<'_> {
             return self.refuse(names::moving_by_time(self.place(of.span), words));
         }
         match symbol {
-            Some(symbol) => value.map(|x| self.bench.partial(x, symbol, &self.text.place)),
+            Some(symbol) => value.map(|x| self.builder.partial(x, symbol, &self.text.place)),
             None => Value::Poison,
         }
     }
@@ -323,7 +324,7 @@ impl Lower<'_> {
     /// Whether ∂e/∂t is meant of a value: of what moves it holds the motion, so that it is 0 where e has no explicit t
     /// (a velocity was meant), and may stand only where an identity is tested (Jacobi's −∂L/∂t).
     fn is_meant_by_time(&mut self, value: &Value) -> bool {
-        let depends = self.bench.depends(value.components());
+        let depends = self.builder.depends(value.components());
         let moves = Depends::COORDINATE.and(Depends::VELOCITY).and(Depends::ACCELERATION).and(Depends::INPUT);
         !depends.meets(moves) || self.rules.tested && depends.meets(Depends::TIME)
     }

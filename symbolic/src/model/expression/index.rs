@@ -1,6 +1,6 @@
 //! Integers known at compile time: sizes, indices and their arithmetic.
 
-use super::bench::Bench;
+use super::builder::ExprBuilder;
 use super::lower::Local;
 use super::scope::{Member, Scope};
 use crate::diagnose::catalogue::names;
@@ -46,7 +46,7 @@ impl From<Problem> for Refusal {
     }
 }
 
-impl Bench {
+impl ExprBuilder {
     /// Reports why there is no integer.
     pub fn told(&mut self, refusal: Refusal) {
         if let Refusal::Problem(problem) = refusal {
@@ -118,7 +118,7 @@ pub fn integer(at: &Indices<'_>, locals: &[(String, Local)], ast: &Ast) -> Resul
 /// When an end is no integer, or there are too many values.
 pub fn members(
     at: &Indices<'_>,
-    bench: &mut Bench,
+    builder: &mut ExprBuilder,
     locals: &mut Vec<(String, Local)>,
     ranges: &[Range],
 ) -> Result<Vec<Vec<i64>>, Refusal> {
@@ -136,7 +136,7 @@ pub fn members(
             if count > TERM_LIMIT || longer.len() + count > TERM_LIMIT {
                 return Err(names::too_many_names(at.place.at(range.name_span), MEMBER_LIMIT).into());
             }
-            if !bench.spend(1 + count as u64, at.place) {
+            if !builder.spend(1 + count as u64, at.place) {
                 return Ok(Vec::new());
             }
             longer.extend((from..=to).map(|value| row.iter().copied().chain([value]).collect::<Vec<i64>>()));

@@ -7,7 +7,7 @@
 use std::collections::HashSet;
 
 use super::antiderivative::antiderivative;
-use super::bench::Bench;
+use super::builder::ExprBuilder;
 use super::lines::roots_of_linear;
 use super::quadrature::{gauss_legendre, tanh_sinh};
 use super::substitute::{bottom_up, degree, substitute};
@@ -44,64 +44,64 @@ const INTEGRAND_LIMIT: u64 = 4_000;
 const AGREEMENTS: [f64; 2] = [1e-24, 1e-18];
 
 /// ∫ e dx; 0 (and a problem at `place`) where no way to it is right.
-pub fn integral(bench: &mut Bench, e: Id, over: Over, words: &str, place: &Place) -> Id {
-    if let Some(points) = polynomial_points(bench, e, over.symbol) {
-        return gauss(bench, e, over, points, place);
+pub fn integral(builder: &mut ExprBuilder, e: Id, over: Over, words: &str, place: &Place) -> Id {
+    if let Some(points) = polynomial_points(builder, e, over.symbol) {
+        return gauss(builder, e, over, points, place);
     }
-    let terms = multiplied_out(bench, e, over.symbol).unwrap_or_else(|| vec![(Id::ONE, e)]);
+    let terms = multiplied_out(builder, e, over.symbol).unwrap_or_else(|| vec![(Id::ONE, e)]);
     let mut total = Id::ZERO;
     for (factor, part) in terms {
-        let Some(value) = integral_of_term(bench, part, over, (words, place)) else {
-            bench.problems.push(names::integral_not_resolved(place.clone(), words));
+        let Some(value) = integral_of_term(builder, part, over, (words, place)) else {
+            builder.problems.push(names::integral_not_resolved(place.clone(), words));
             return Id::ZERO;
         };
-        let term = bench.graph.mul(factor, value);
-        total = bench.graph.add(total, term);
+        let term = builder.graph.mul(factor, value);
+        total = builder.graph.add(total, term);
     }
     total
 }
 
 /// ∫ φ dx; `None` where nothing holds.
-fn integral_of_term(bench: &mut Bench, e: Id, over: Over, (words, place): (&str, &Place)) -> Option<Id> {
-    if let Some(points) = polynomial_points(bench, e, over.symbol) {
-        return Some(gauss(bench, e, over, points, place));
+fn integral_of_term(builder: &mut ExprBuilder, e: Id, over: Over, (words, place): (&str, &Place)) -> Option<Id> {
+    if let Some(points) = polynomial_points(builder, e, over.symbol) {
+        return Some(gauss(builder, e, over, points, place));
     }
     let size =
-        bottom_up(&mut bench.graph, &mut bench.facts, e, |_| (), |_, _, _, _| Some(())).map_or(0, |found| found.1);
-    if size > INTEGRAND_LIMIT || !bench.spend(size, place) {
+        bottom_up(&mut builder.graph, &mut builder.facts, e, |_| (), |_, _, _, _| Some(())).map_or(0, |found| found.1);
+    if size > INTEGRAND_LIMIT || !builder.spend(size, place) {
         return None;
     }
-    let trial = Trial::new(bench, e, over);
+    let trial = Trial::new(builder, e, over);
     let Over { limits: [from, to], .. } = trial.over;
-    let whole = [Piece::new(bench, e, trial.over, from, to)];
-    let roots = cuts(bench, e, over.symbol);
+    let whole = [Piece::new(builder, e, trial.over, from, to)];
+    let roots = cuts(builder, e, over.symbol);
     let edges = match roots.len() <= CUT_LIMIT && (trial.ordered || roots.len() <= 1) {
-        true => edges(bench, trial.over, roots),
+        true => edges(builder, trial.over, roots),
         false => vec![from, to],
     };
-    let split: Vec<Piece> = edges.windows(2).map(|ends| Piece::new(bench, e, trial.over, ends[0], ends[1])).collect();
-    let trial = trial.surveyed(bench, &split)?;
-    let value = closed(bench, e, &trial).or_else(|| {
+    let split: Vec<Piece> = edges.windows(2).map(|ends| Piece::new(builder, e, trial.over, ends[0], ends[1])).collect();
+    let trial = trial.surveyed(builder, &split)?;
+    let value = closed(builder, e, &trial).or_else(|| {
         let found =
-            AGREEMENTS.into_iter().find_map(|agreement| cheapest(bench, &trial, (&whole, &split), size, agreement));
+            AGREEMENTS.into_iter().find_map(|agreement| cheapest(builder, &trial, (&whole, &split), size, agreement));
         let (pieces, nodes) = found?;
-        let tried = Tried { words: words.to_owned(), ranges: trial.ranges(bench) };
-        if !tried.ranges.is_empty() && !bench.integrals.contains(&tried) {
-            bench.integrals.push(tried);
+        let tried = Tried { words: words.to_owned(), ranges: trial.ranges(builder) };
+        if !tried.ranges.is_empty() && !builder.integrals.contains(&tried) {
+            builder.integrals.push(tried);
         }
-        Some(by_rule(bench, pieces, &nodes, place))
+        Some(by_rule(builder, pieces, &nodes, place))
     })?;
-    Some(if trial.reversed { bench.graph.neg(value) } else { value })
+    Some(if trial.reversed { builder.graph.neg(value) } else { value })
 }
 
 /// F(b) − F(a) where it is right at every trial and cancels no digits.
-fn closed(bench: &mut Bench, e: Id, trial: &Trial) -> Option<Id> {
+fn closed(builder: &mut ExprBuilder, e: Id, trial: &Trial) -> Option<Id> {
     let Over { symbol, limits } = trial.over;
-    let primitive = antiderivative(&mut bench.graph, &mut bench.facts, e, symbol)?;
-    let [from, to] = limits.map(|end| substitute(&mut bench.graph, &mut bench.facts, primitive, symbol, end).0);
-    let value = bench.graph.sub(to, from);
-    let entire = is_entire(bench, e);
-    (!may_divide_by_zero(&bench.graph, value, e) && trial.accepts(bench, value, entire)).then_some(value)
+    let primitive = antiderivative(&mut builder.graph, &mut builder.facts, e, symbol)?;
+    let [from, to] = limits.map(|end| substitute(&mut builder.graph, &mut builder.facts, primitive, symbol, end).0);
+    let value = builder.graph.sub(to, from);
+    let entire = is_entire(builder, e);
+    (!may_divide_by_zero(&builder.graph, value, e) && trial.accepts(builder, value, entire)).then_some(value)
 }
 
 /// Whether some divisor that the integrand does not have is a sum, which parameters far from their defaults could make
@@ -124,7 +124,7 @@ fn may_divide_by_zero(graph: &Graph, value: Id, e: Id) -> bool {
 
 /// The rule with the fewest points that agrees with its own refinement and with the survey.
 fn cheapest<'a>(
-    bench: &Bench,
+    builder: &ExprBuilder,
     trial: &Trial,
     (whole, split): (&'a [Piece], &'a [Piece]),
     size: u64,
@@ -148,7 +148,7 @@ fn cheapest<'a>(
             if dearer || (points(&nodes, pieces) as u64).saturating_mul(size) > 2 * SIZE_LIMIT {
                 break;
             }
-            let fine = trial.by_rule(&bench.graph, pieces, &nodes);
+            let fine = trial.by_rule(&builder.graph, pieces, &nodes);
             if let Some((known, values)) = coarse
                 && trial.agree(&values, &fine, agreement)
             {
@@ -164,24 +164,24 @@ fn cheapest<'a>(
 }
 
 /// Σ over the pieces of width Σ wᵢ φ(xᵢ).
-fn by_rule(bench: &mut Bench, pieces: &[Piece], nodes: &[RuleNode], place: &Place) -> Id {
+fn by_rule(builder: &mut ExprBuilder, pieces: &[Piece], nodes: &[RuleNode], place: &Place) -> Id {
     let mut total = Id::ZERO;
     for piece in pieces {
         let mut sum = Id::ZERO;
         for (distance, right, weight) in nodes {
-            let share = bench.graph.double_double(*distance);
-            let offset = bench.graph.mul(share, piece.width);
+            let share = builder.graph.double_double(*distance);
+            let offset = builder.graph.mul(share, piece.width);
             let from = if *right { piece.from_right } else { piece.from_left };
-            let (value, visited) = substitute(&mut bench.graph, &mut bench.facts, from, Piece::OFFSET, offset);
-            if !bench.spend(visited, place) {
+            let (value, visited) = substitute(&mut builder.graph, &mut builder.facts, from, Piece::OFFSET, offset);
+            if !builder.spend(visited, place) {
                 return Id::ZERO;
             }
-            let weight = bench.graph.double_double(*weight);
-            let term = bench.graph.mul(weight, value);
-            sum = bench.graph.add(sum, term);
+            let weight = builder.graph.double_double(*weight);
+            let term = builder.graph.mul(weight, value);
+            sum = builder.graph.add(sum, term);
         }
-        let part = bench.graph.mul(piece.width, sum);
-        total = bench.graph.add(total, part);
+        let part = builder.graph.mul(piece.width, sum);
+        total = builder.graph.add(total, part);
     }
     total
 }
@@ -237,45 +237,45 @@ fn dyadic_rule(halvings: usize) -> Vec<RuleNode> {
 }
 
 /// Points of the rule of Gauss that is exact; `None` for what is no polynomial, or of too high a degree.
-fn polynomial_points(bench: &mut Bench, e: Id, symbol: Symbol) -> Option<usize> {
-    let degree = degree(&mut bench.graph, &mut bench.facts, e, symbol)?;
+fn polynomial_points(builder: &mut ExprBuilder, e: Id, symbol: Symbol) -> Option<usize> {
+    let degree = degree(&mut builder.graph, &mut builder.facts, e, symbol)?;
     Some(degree as usize / 2 + 1).filter(|points| *points <= POLYNOMIAL_POINTS)
 }
 
 /// h Σ wᵢ e(m + h ξᵢ), h = (b − a)/2, m = (a + b)/2.
-fn gauss(bench: &mut Bench, e: Id, over: Over, points: usize, place: &Place) -> Id {
+fn gauss(builder: &mut ExprBuilder, e: Id, over: Over, points: usize, place: &Place) -> Id {
     let [from, to] = over.limits;
-    let half = bench.graph.rational(Rational::HALF);
-    let (sum, width) = (bench.graph.add(from, to), bench.graph.sub(to, from));
-    let (middle, reach) = (bench.graph.mul(half, sum), bench.graph.mul(half, width));
+    let half = builder.graph.rational(Rational::HALF);
+    let (sum, width) = (builder.graph.add(from, to), builder.graph.sub(to, from));
+    let (middle, reach) = (builder.graph.mul(half, sum), builder.graph.mul(half, width));
     let mut total = Id::ZERO;
     for &(node, weight) in gauss_legendre(points) {
-        let node = bench.graph.double_double(node);
-        let offset = bench.graph.mul(node, reach);
-        let at = bench.graph.add(middle, offset);
-        let (value, visited) = substitute(&mut bench.graph, &mut bench.facts, e, over.symbol, at);
-        if !bench.spend(visited, place) {
+        let node = builder.graph.double_double(node);
+        let offset = builder.graph.mul(node, reach);
+        let at = builder.graph.add(middle, offset);
+        let (value, visited) = substitute(&mut builder.graph, &mut builder.facts, e, over.symbol, at);
+        if !builder.spend(visited, place) {
             return Id::ZERO;
         }
-        let weight = bench.graph.double_double(weight);
-        let term = bench.graph.mul(weight, value);
-        total = bench.graph.add(total, term);
+        let weight = builder.graph.double_double(weight);
+        let term = builder.graph.mul(weight, value);
+        total = builder.graph.add(total, term);
     }
-    bench.graph.mul(reach, total)
+    builder.graph.mul(reach, total)
 }
 
 /// Where an interval is cut: the places at which something linear in x vanishes, kinks and peaks among them.
-fn cuts(bench: &mut Bench, e: Id, symbol: Symbol) -> Vec<Id> {
-    let mut roots = roots_of_linear(&mut bench.graph, &mut bench.facts, e, symbol);
+fn cuts(builder: &mut ExprBuilder, e: Id, symbol: Symbol) -> Vec<Id> {
+    let mut roots = roots_of_linear(&mut builder.graph, &mut builder.facts, e, symbol);
     roots.sort();
     roots.dedup();
     roots
 }
 
 /// The ends and the cuts between them in order, cuts outside moved to the ends.
-fn edges(bench: &mut Bench, over: Over, cuts: Vec<Id>) -> Vec<Id> {
+fn edges(builder: &mut ExprBuilder, over: Over, cuts: Vec<Id>) -> Vec<Id> {
     let [from, to] = over.limits;
-    let graph = &mut bench.graph;
+    let graph = &mut builder.graph;
     let (low, high) = (graph.binary(Binary::Min, from, to), graph.binary(Binary::Max, from, to));
     // Limits known to be in order need no comparison.
     let (low, high) = if cuts.len() > 1 { (from, to) } else { (low, high) };
@@ -298,9 +298,9 @@ fn edges(bench: &mut Bench, over: Over, cuts: Vec<Id>) -> Vec<Id> {
 }
 
 /// The integrand as Σ factor·part with factors free of x, equal parts joined; `None` where there are too many.
-fn multiplied_out(bench: &mut Bench, e: Id, symbol: Symbol) -> Option<Vec<(Id, Id)>> {
+fn multiplied_out(builder: &mut ExprBuilder, e: Id, symbol: Symbol) -> Option<Vec<(Id, Id)>> {
     let free = |id: Id| vec![(id, Id::ONE)];
-    let found = bottom_up(&mut bench.graph, &mut bench.facts, e, free, |graph, _, id, known| {
+    let found = bottom_up(&mut builder.graph, &mut builder.facts, e, free, |graph, _, id, known| {
         let alone = |id: Id| vec![(Id::ONE, id)];
         // What does not contain this dummy, but perhaps another, is a factor too.
         let constant = |id: Id| known.get(&id).is_none_or(|terms| terms.iter().all(|(_, part)| *part == Id::ONE));
@@ -353,10 +353,10 @@ fn joined(graph: &mut Graph, mut terms: Vec<(Id, Id)>, more: &[(Id, Id)]) -> Vec
 }
 
 /// Whether the integrand has neither pole, branch nor kink, so that an antiderivative is right everywhere.
-fn is_entire(bench: &mut Bench, e: Id) -> bool {
+fn is_entire(builder: &mut ExprBuilder, e: Id) -> bool {
     let entire = bottom_up(
-        &mut bench.graph,
-        &mut bench.facts,
+        &mut builder.graph,
+        &mut builder.facts,
         e,
         |_| true,
         |graph, _, id, known| {

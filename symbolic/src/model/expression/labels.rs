@@ -50,7 +50,7 @@ impl Lower<'_> {
         let value = self.item(scope.constraints[place].item);
         let first = match scope.constraints[place].first {
             Some(first) => Some(first),
-            None if !self.bench.spend(1 + place as u64 / 64, &self.text.place) => None,
+            None if !self.builder.spend(1 + place as u64 / 64, &self.text.place) => None,
             // Definitions may need it before all constraints have been counted.
             None => scope.constraints[..place].iter().try_fold(0, |rows, before| match self.item(before.item) {
                 Value::Poison => None,
@@ -61,7 +61,7 @@ impl Lower<'_> {
         let mut row = first as u32;
         value.map(|_| {
             row += 1;
-            self.bench.graph.symbol(Symbol::Multiplier(row - 1))
+            self.builder.graph.symbol(Symbol::Multiplier(row - 1))
         })
     }
 
@@ -81,7 +81,7 @@ impl Lower<'_> {
             Measure::Unknown => units.of(Dimension::ENERGY),
             known => known,
         };
-        let holonomic = !self.bench.depends(values).meets(Depends::SPEED);
+        let holonomic = !self.builder.depends(values).meets(Depends::SPEED);
         let work = if holonomic { energy } else { units.rate(energy) };
         match units.items.get(item).copied().unwrap_or_default() {
             Measure::Zero => Measure::Unknown,

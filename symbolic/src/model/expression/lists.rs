@@ -13,7 +13,7 @@ use crate::model::resolver::Resolver;
 impl Resolver<'_> {
     /// The expressions that one entry of a list stands for: itself, or the members of a family.
     pub fn listed(&mut self, spot: &Spot<'_>, locals: &Locals) -> Vec<Text> {
-        let problems = &mut self.bench.problems;
+        let problems = &mut self.builder.problems;
         let Some(words) = spot.words(problems) else { return Vec::new() };
         let family = parse_key(words)
             .ok()
@@ -30,10 +30,10 @@ impl Resolver<'_> {
         }
         let at = Indices { scope: &self.scope, source: words, place: &spot.place };
         let mut known = locals.to_vec();
-        let rows = match index::members(&at, &mut self.bench, &mut known, &ranges) {
+        let rows = match index::members(&at, &mut self.builder, &mut known, &ranges) {
             Ok(rows) => rows,
             Err(refusal) => {
-                self.bench.told(refusal);
+                self.builder.told(refusal);
                 return Vec::new();
             }
         };

@@ -1,6 +1,6 @@
 //! From syntax to values: numbers, names, operators, sums and integrals.
 
-use super::bench::Bench;
+use super::builder::ExprBuilder;
 use super::dimension::Measure;
 use super::facts::Depends;
 use super::index::{self, Indices, Refusal};
@@ -29,7 +29,7 @@ pub enum Local {
 
 /// One expression on its way from syntax to a value.
 pub struct Lower<'a> {
-    pub(super) bench: &'a mut Bench,
+    pub(super) builder: &'a mut ExprBuilder,
     pub(super) scope: &'a Scope,
     pub(super) text: &'a Text,
     pub(super) rules: Rules,
@@ -45,19 +45,19 @@ const NODE_LIMIT: u32 = 1_000_000;
 impl<'a> Lower<'a> {
     /// With indices and bound variables.
     pub fn new(
-        bench: &'a mut Bench,
+        builder: &'a mut ExprBuilder,
         scope: &'a Scope,
         text: &'a Text,
         rules: Rules,
         locals: &[(String, Local)],
     ) -> Self {
-        Lower { bench, scope, text, rules, locals: locals.to_vec() }
+        Lower { builder, scope, text, rules, locals: locals.to_vec() }
     }
 
     /// Both sides of `a = b`, or one value.
     pub fn equation(&mut self, ast: &Ast) -> (Value, Option<Value>) {
         let AstKind::Binary(Operator::Equal, left, right) = &ast.kind else { return (self.measured(ast), None) };
-        let before = self.bench.problems.len();
+        let before = self.builder.problems.len();
         let sides = [self.expression(left), self.expression(right)];
         self.take_measure(ast, before, &sides);
         let [left, right] = sides;
@@ -66,7 +66,7 @@ impl<'a> Lower<'a> {
 
     /// The value, and on the bench its unit.
     pub fn measured(&mut self, ast: &Ast) -> Value {
-        let before = self.bench.problems.len();
+        let before = self.builder.problems.len();
         let value = self.expression(ast);
         self.take_measure(ast, before, std::slice::from_ref(&value));
         value
@@ -74,17 +74,17 @@ impl<'a> Lower<'a> {
 
     /// The unit of what was found to have these values without problems.
     fn take_measure(&mut self, ast: &Ast, before: usize, values: &[Value]) {
-        let sound = self.bench.problems.len() == before && self.bench.needs.is_empty();
+        let sound = self.builder.problems.len() == before && self.builder.needs.is_empty();
         if !sound || values.contains(&Value::Poison) {
-            self.bench.measured = Measure::Unknown;
+            self.builder.measured = Measure::Unknown;
             return;
         }
-        self.bench.measured = self.measure(ast);
+        self.builder.measured = self.measure(ast);
     }
 
     /// The value; the syntax tree is at most 1000 levels deep.
     pub fn expression(&mut self, ast: &Ast) -> Value {
-        if !self.bench.spend(1, &self.text.place) {
+        if !self.builder.spend(1, &self.text.place) {
             return Value::Poison;
         }
         match &ast.kind {
@@ -95,7 +95,7 @@ impl<'a> Lower<'a> {
             }
             AstKind::Negate(inner) => {
                 let value = self.expression(inner);
-                value.map(|x| self.bench.graph.neg(x))
+                value.map(|x| self.builder.graph.neg(x))
             }
             AstKind::Binary(operator, left, right) => {
                 let left = self.expression(left);
@@ -116,13 +116,13 @@ impl<'a> Lower<'a> {
 
     /// Reports a problem; the value is lost.
     pub fn refuse(&mut self, problem: Problem) -> Value {
-        self.bench.problems.push(problem);
+        self.builder.problems.push(problem);
         Value::Poison
     }
 
     /// Reports why there is no integer; the value is lost.
     pub(super) fn told(&mut self, refusal: Refusal) -> Value {
-        self.bench.told(refusal);
+        self.builder.told(refusal);
         Value::Poison
     }
 
@@ -133,7 +133,7 @@ impl<'a> Lower<'a> {
 
     /// The value, unless it depends on what this expression may not depend on.
     pub(super) fn admit(&mut self, value: Value, span: Span) -> Value {
-        let depends = self.bench.depends(value.components());
+        let depends = self.builder.depends(value.components());
         if !depends.meets(self.rules.refused) {
             return value;
         }
@@ -167,9 +167,9 @@ impl<'a> Lower<'a> {
 
     fn number(&mut self, text: &str, span: Span) -> Value {
         match Rational::from_decimal(text) {
-            Some(exact) => Value::Scalar(self.bench.graph.rational(exact)),
+            Some(exact) => Value::Scalar(self.builder.graph.rational(exact)),
             None => match DoubleDouble::from_decimal(text) {
-                Some(x) => Value::Scalar(self.bench.graph.double_double(x)),
+                Some(x) => Value::Scalar(self.builder.graph.double_double(x)),
                 None => {
                     let place = self.place(span);
                     self.refuse(syntax::bad_number(place, text))
@@ -201,7 +201,7 @@ impl<'a> Lower<'a> {
     }
 
     fn binary(&mut self, operator: Operator, left: Value, right: Value, whole: &Ast, divisor: &Ast) -> Value {
-        let graph = &mut self.bench.graph;
+        let graph = &mut self.builder.graph;
         let joined = match operator {
             Operator::Add => value::add(graph, &left, &right, false),
             Operator::Subtract => value::add(graph, &left, &right, true),
@@ -260,7 +260,7 @@ impl<'a> Lower<'a> {
                 (first(x), first(y))
             }
         };
-        let graph = &mut self.bench.graph;
+        let graph = &mut self.builder.graph;
         let exponent = graph.number(y).map(crate::expr::Number::to_f64);
         if let Some(n) = exponent
             && n.fract() == 0.0
@@ -278,7 +278,7 @@ impl<'a> Lower<'a> {
             let words = self.text.words(whole.span);
             return self.refuse(names::undefined_value(self.place(whole.span), words));
         }
-        Value::Scalar(self.bench.graph.pow(x, y))
+        Value::Scalar(self.builder.graph.pow(x, y))
     }
 
     /// Checks the name of an index or dummy; false when it hides a name.
@@ -310,7 +310,7 @@ impl<'a> Lower<'a> {
     fn terms(&mut self, body: &Ast, ranges: &[Range], known: usize) -> Value {
         let mut outer = self.locals[..known].to_vec();
         let indices = Indices::within(self.scope, self.text);
-        let members = match index::members(&indices, self.bench, &mut outer, ranges) {
+        let members = match index::members(&indices, self.builder, &mut outer, ranges) {
             Ok(members) => members,
             Err(Refusal::Problem(problem)) if problem.code == "E223" => {
                 return self.refuse(names::too_many_nodes(problem.place, NODE_LIMIT));
@@ -318,18 +318,18 @@ impl<'a> Lower<'a> {
             Err(refusal) => return self.told(refusal),
         };
         let mut total = Value::Nothing;
-        let known_problems = self.bench.problems.len();
+        let known_problems = self.builder.problems.len();
         for member in members {
             for (local, value) in self.locals[known..].iter_mut().zip(member) {
                 local.1 = Local::Integer(value);
             }
             let term = self.expression(body);
-            total = match value::add(&mut self.bench.graph, &total, &term, false) {
+            total = match value::add(&mut self.builder.graph, &total, &term, false) {
                 Some(value) => value,
                 None => return Value::Poison,
             };
             // A mistake in the terms is told once.
-            if self.bench.exhausted() || self.bench.problems.len() > known_problems {
+            if self.builder.exhausted() || self.builder.problems.len() > known_problems {
                 return Value::Poison;
             }
         }
@@ -359,9 +359,9 @@ impl<'a> Lower<'a> {
                 }
             }
         }
-        let (text, bench) = (self.text, &mut *self.bench);
+        let (text, builder) = (self.text, &mut *self.builder);
         let over = Over { symbol, limits };
-        integrand.map(|e| integral(bench, e, over, text.words(body.span), &text.place.at(body.span)))
+        integrand.map(|e| integral(builder, e, over, text.words(body.span), &text.place.at(body.span)))
     }
 
     /// A name that means nothing here.

@@ -12,7 +12,7 @@ use crate::language::{Ast, AstKind, Operator, Range};
 impl Lower<'_> {
     /// The unit of an expression that was found to have a value; reports what does not fit.
     pub(super) fn measure(&mut self, ast: &Ast) -> Measure {
-        if !self.bench.spend(1, &self.text.place) {
+        if !self.builder.spend(1, &self.text.place) {
             return Measure::Unknown;
         }
         match &ast.kind {
@@ -130,7 +130,7 @@ impl Lower<'_> {
         }
         let value = self.expression(exponent);
         let number = match value {
-            Value::Scalar(id) => self.bench.graph.number(id),
+            Value::Scalar(id) => self.builder.graph.number(id),
             _ => None,
         };
         match (of, number) {
@@ -227,16 +227,16 @@ impl Lower<'_> {
         self.locals.extend(ranges.iter().map(|range| (range.name.clone(), Local::Integer(0))));
         let mut outer = self.locals[..known].to_vec();
         let indices = Indices::within(self.scope, self.text);
-        let members = index::members(&indices, self.bench, &mut outer, ranges).unwrap_or_default();
+        let members = index::members(&indices, self.builder, &mut outer, ranges).unwrap_or_default();
         let mut all = Measure::Zero;
-        let before = self.bench.problems.len();
+        let before = self.builder.problems.len();
         for member in members {
             for (local, value) in self.locals[known..].iter_mut().zip(member) {
                 local.1 = Local::Integer(value);
             }
             let term = self.measure(body);
             all = self.alike(body, all, body, term);
-            if self.bench.problems.len() > before || all == Measure::Unknown {
+            if self.builder.problems.len() > before || all == Measure::Unknown {
                 break;
             }
         }

@@ -1,7 +1,7 @@
 //! Expressions of the file: names to symbols, syntax to the graph, units; families, indices and the table of names.
 
 pub mod antiderivative;
-pub mod bench;
+pub mod builder;
 pub mod dimension;
 pub mod equation;
 pub mod facts;

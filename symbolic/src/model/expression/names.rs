@@ -28,8 +28,8 @@ impl Lower<'_> {
             }
             let found = if matches!(local, Local::Integer(_)) { "an index" } else { "a bound variable" };
             return self.unprimed(name, primes, found, span, |lower| match local {
-                Local::Integer(value) => Value::Scalar(lower.bench.graph.integer(value)),
-                Local::Symbol(symbol, _) => Value::Scalar(lower.bench.graph.symbol(symbol)),
+                Local::Integer(value) => Value::Scalar(lower.builder.graph.integer(value)),
+                Local::Symbol(symbol, _) => Value::Scalar(lower.builder.graph.symbol(symbol)),
             });
         }
         if let Some(value) = self.built_in(name, primes, span) {
@@ -46,16 +46,16 @@ impl Lower<'_> {
                     1 => Symbol::Speed(place),
                     _ => Symbol::Acceleration(place),
                 };
-                Value::Scalar(self.bench.graph.symbol(symbol))
+                Value::Scalar(self.builder.graph.symbol(symbol))
             }
             Member::Input(_, item) if self.rules.signals => {
                 let mut value = self.item(item);
                 for _ in 0..primes {
-                    value = value.map(|x| self.bench.rate(x));
+                    value = value.map(|x| self.builder.rate(x));
                 }
                 value
             }
-            Member::Input(place, _) => Value::Scalar(self.bench.graph.symbol(Symbol::Input(place, primes))),
+            Member::Input(place, _) => Value::Scalar(self.builder.graph.symbol(Symbol::Input(place, primes))),
             Member::Refused => Value::Poison,
             _ => self.unprimed(name, primes, section.noun(), span, |lower| lower.plain(name, section, member, span)),
         }
@@ -70,15 +70,15 @@ impl Lower<'_> {
     fn built_in(&mut self, name: &str, primes: u8, span: Span) -> Option<Value> {
         let energies = self.scope.energies;
         let value = match name {
-            "t" => Value::Scalar(self.bench.graph.symbol(Symbol::Time)),
-            "pi" => Value::Scalar(self.bench.graph.double_double(DoubleDouble::PI)),
+            "t" => Value::Scalar(self.builder.graph.symbol(Symbol::Time)),
+            "pi" => Value::Scalar(self.builder.graph.double_double(DoubleDouble::PI)),
             "ground" => Value::Vector(vec![Id::ZERO; self.scope.dimension]),
             "energy" | "kinetic_energy" | "potential_energy" if self.rules.energy => match energies {
                 None => Value::Poison,
                 Some(e) => Value::Scalar(match name {
                     "kinetic_energy" => e.kinetic,
                     "potential_energy" => e.potential,
-                    _ => self.bench.graph.add(e.kinetic, e.potential),
+                    _ => self.builder.graph.add(e.kinetic, e.potential),
                 }),
             },
             "energy" | "kinetic_energy" | "potential_energy" | "length" | "all" => {
@@ -160,7 +160,7 @@ impl Lower<'_> {
         match self.scope.value(item) {
             Some(value) => value.clone(),
             None => {
-                self.bench.needs.push(item);
+                self.builder.needs.push(item);
                 Value::Poison
             }
         }
@@ -168,15 +168,15 @@ impl Lower<'_> {
 
     fn plain(&mut self, name: &str, section: Section, member: Member, span: Span) -> Value {
         match member {
-            Member::Size(value) => Value::Scalar(self.bench.graph.integer(value)),
-            Member::Parameter(place) => Value::Scalar(self.bench.graph.symbol(Symbol::Parameter(place))),
+            Member::Size(value) => Value::Scalar(self.builder.graph.integer(value)),
+            Member::Parameter(place) => Value::Scalar(self.builder.graph.symbol(Symbol::Parameter(place))),
             Member::Item(item) => self.item(item),
             Member::Body(body) => self.item(self.scope.bodies[body].position),
             Member::Reaction(place) => {
                 let reaction = &self.scope.reactions[place];
                 let symbols = reaction.first..reaction.first + reaction.components as u32;
                 let scalar = reaction.scalar;
-                let values: Vec<Id> = symbols.map(|k| self.bench.graph.symbol(Symbol::Reaction(k))).collect();
+                let values: Vec<Id> = symbols.map(|k| self.builder.graph.symbol(Symbol::Reaction(k))).collect();
                 if scalar { Value::Scalar(values[0]) } else { Value::Vector(values) }
             }
             _ => {
@@ -246,7 +246,7 @@ impl Lower<'_> {
             },
         };
         let Value::Scalar(angle) = self.item(item) else { return Value::Poison };
-        let graph = &mut self.bench.graph;
+        let graph = &mut self.builder.graph;
         let (cosine, sine) = (graph.unary(Unary::Cos, angle), graph.unary(Unary::Sin, angle));
         Value::Vector(if axis == 0 { vec![cosine, sine] } else { vec![graph.neg(sine), cosine] })
     }

@@ -1,6 +1,6 @@
 //! Values with units, and places that want one (LANGUAGE, section 10).
 
-use super::bench::Bench;
+use super::builder::ExprBuilder;
 use super::dimension::{Dimension, Measure, si};
 use super::facts::Depends;
 use super::lower::Local;
@@ -12,7 +12,7 @@ use crate::expr::Id;
 use crate::file::{Quantity, Text};
 use crate::language::{Ast, AstKind, Operator, Unit};
 
-impl Bench {
+impl ExprBuilder {
     /// A value in SI.  Its unit converts it where it is a pure number: what is computed from quantities with units
     /// is in SI already, and must be of that unit.
     pub fn quantity(
@@ -33,7 +33,7 @@ impl Bench {
         Some(value)
     }
 
-    /// As [`Bench::quantity`], where a pure number is in the unit of what it sets.
+    /// As [`ExprBuilder::quantity`], where a pure number is in the unit of what it sets.
     pub fn setting(
         &mut self,
         scope: &Scope,

@@ -25,26 +25,26 @@ impl Resolver<'_> {
         if !(2..=MOST).contains(&terms.len()) {
             return Vec::new();
         }
-        let before = self.bench.problems.len();
+        let before = self.builder.problems.len();
         let mut parts = Vec::new();
         for (minus, ast, words) in terms {
             let term = Text { source: text.source.clone(), ast: Rc::new(ast), unit: None, place: text.place.clone() };
-            let found = self.bench.equation(&self.scope, &term, Rules::anything("a check").tested(), locals).0;
+            let found = self.builder.equation(&self.scope, &term, Rules::anything("a check").tested(), locals).0;
             let value = match found {
                 Value::Scalar(x) if size == 1 => vec![x],
                 Value::Vector(v) if v.len() == size => v,
                 // A zero that stands for a vector.
                 Value::Scalar(crate::expr::Id::ZERO) | Value::Nothing => continue,
                 _ => {
-                    self.bench.problems.truncate(before);
+                    self.builder.problems.truncate(before);
                     return Vec::new();
                 }
             };
-            let value = if minus { value::negative(&mut self.bench.graph, &value) } else { value };
+            let value = if minus { value::negative(&mut self.builder.graph, &value) } else { value };
             parts.push(Part { name: format!("`{words}`"), value });
         }
-        if self.bench.problems.len() > before {
-            self.bench.problems.truncate(before);
+        if self.builder.problems.len() > before {
+            self.builder.problems.truncate(before);
             return Vec::new();
         }
         parts
@@ -63,7 +63,7 @@ fn split(ast: &Ast, source: &str, minus: bool, found: &mut Vec<Term>) {
         AstKind::Binary(operator @ (Operator::Multiply | Operator::Divide), left, right) => {
             let multiply = *operator == Operator::Multiply;
             let sign = if multiply { "*" } else { "/" };
-            let (first, second) = (taken_apart(left, source), taken_apart(right, source));
+            let (first, second) = (split_into_terms(left, source), split_into_terms(right, source));
             let second = if multiply { second } else { vec![(false, (**right).clone(), words(right))] };
             if first.len() * second.len() == 1 {
                 return found.push((minus, ast.clone(), words(ast)));
@@ -77,7 +77,7 @@ fn split(ast: &Ast, source: &str, minus: bool, found: &mut Vec<Term>) {
             }
         }
         AstKind::Call { function, name_span, arguments } if matches!(function.as_str(), "cross" | "dot" | "rate") => {
-            let split: Vec<Vec<Term>> = arguments.iter().map(|argument| taken_apart(argument, source)).collect();
+            let split: Vec<Vec<Term>> = arguments.iter().map(|argument| split_into_terms(argument, source)).collect();
             let choices = match split.as_slice() {
                 [a] => a.iter().map(|a| vec![a]).collect(),
                 [a, b] => a.iter().flat_map(|a| b.iter().map(move |b| vec![a, b])).collect(),
@@ -100,7 +100,7 @@ fn split(ast: &Ast, source: &str, minus: bool, found: &mut Vec<Term>) {
 }
 
 /// The terms of a factor or argument; itself where it is none or too many.
-fn taken_apart(ast: &Ast, source: &str) -> Vec<Term> {
+fn split_into_terms(ast: &Ast, source: &str) -> Vec<Term> {
     let mut terms = Vec::new();
     split(ast, source, false, &mut terms);
     if terms.len() > MOST { vec![(false, ast.clone(), source[ast.span.range()].to_owned())] } else { terms }

@@ -1,6 +1,6 @@
 //! Numbers at which ways to an integral are tried.
 
-use super::bench::Bench;
+use super::builder::ExprBuilder;
 use super::integral::{Over, RuleNode};
 use super::quadrature::gauss_legendre;
 use super::substitute::substitute;
@@ -25,11 +25,12 @@ impl Piece {
     pub const OFFSET: Symbol = Symbol::Dummy(u32::MAX);
 
     /// The stretch between two ends.
-    pub fn new(bench: &mut Bench, e: Id, over: Over, from: Id, to: Id) -> Piece {
-        let offset = bench.graph.symbol(Piece::OFFSET);
-        let at = [bench.graph.add(from, offset), bench.graph.sub(to, offset)];
-        let [from_left, from_right] = at.map(|x| substitute(&mut bench.graph, &mut bench.facts, e, over.symbol, x).0);
-        Piece { width: bench.graph.sub(to, from), from_left, from_right }
+    pub fn new(builder: &mut ExprBuilder, e: Id, over: Over, from: Id, to: Id) -> Piece {
+        let offset = builder.graph.symbol(Piece::OFFSET);
+        let at = [builder.graph.add(from, offset), builder.graph.sub(to, offset)];
+        let [from_left, from_right] =
+            at.map(|x| substitute(&mut builder.graph, &mut builder.facts, e, over.symbol, x).0);
+        Piece { width: builder.graph.sub(to, from), from_left, from_right }
     }
 }
 
@@ -62,18 +63,18 @@ const CANCELLATION: f64 = 1e3;
 
 impl Trial {
     /// Draws the numbers.
-    pub fn new(bench: &Bench, e: Id, over: Over) -> Trial {
-        let symbols = bench.graph.symbols([&[e], &over.limits[..]].concat());
+    pub fn new(builder: &ExprBuilder, e: Id, over: Over) -> Trial {
+        let symbols = builder.graph.symbols([&[e], &over.limits[..]].concat());
         let mut random = Random::new();
         let free: Vec<Symbol> = symbols.into_iter().filter(|s| *s != over.symbol).collect();
         let trials = if free.is_empty() { 1 } else { TRIALS };
         let values: Vec<Values> = (0..trials)
-            .map(|k| free.iter().map(|s| (*s, drawn(&bench.defaults, *s, k, &mut random))).collect())
-            .chain(bench.settings.iter().filter_map(|setting| set(bench, &free, setting)))
+            .map(|k| free.iter().map(|s| (*s, drawn(&builder.defaults, *s, k, &mut random))).collect())
+            .chain(builder.settings.iter().filter_map(|setting| set(builder, &free, setting)))
             .collect();
         let mut trial = Trial { over, reversed: false, ordered: false, values, survey: Vec::new() };
         let widths: Vec<f64> = {
-            let tape = Tape::new(&bench.graph, &over.limits);
+            let tape = Tape::new(&builder.graph, &over.limits);
             let width = |values: &Values| {
                 let ends = tape.evaluate(|s| value(values, s));
                 ends[1] - ends[0]
@@ -90,9 +91,9 @@ impl Trial {
 
     /// With the survey; trials at which the integrand is not finite are left out.  `None` where too few remain, or
     /// where ∫ |φ| dx does not exist.
-    pub fn surveyed(mut self, bench: &Bench, pieces: &[Piece]) -> Option<Trial> {
+    pub fn surveyed(mut self, builder: &ExprBuilder, pieces: &[Piece]) -> Option<Trial> {
         let drawn = self.values.len();
-        let tapes: Vec<Tape> = pieces.iter().map(|piece| piece.tape(&bench.graph)).collect();
+        let tapes: Vec<Tape> = pieces.iter().map(|piece| piece.tape(&builder.graph)).collect();
         let mut kept = Vec::new();
         for values in std::mem::take(&mut self.values) {
             let found = tapes.iter().map(|tape| survey(tape, &values)).try_fold([0.0; 3], |sum, part| {
@@ -113,12 +114,12 @@ impl Trial {
     }
 
     /// Between which values of parameters, coordinates and so on the integral was tried.
-    pub fn ranges(&self, bench: &Bench) -> Vec<(Symbol, [f64; 2])> {
+    pub fn ranges(&self, builder: &ExprBuilder) -> Vec<(Symbol, [f64; 2])> {
         let symbols = self.values.first().map_or(&[][..], Vec::as_slice).iter().map(|(symbol, _)| *symbol);
         let own = symbols.filter(|symbol| !matches!(symbol, Symbol::Dummy(_)));
         let range = |symbol: Symbol| {
             let tried = self.values.iter().map(|values| value(values, symbol));
-            tried.fold(usual(&bench.defaults, symbol), |[low, high], x| [low.min(x), high.max(x)])
+            tried.fold(usual(&builder.defaults, symbol), |[low, high], x| [low.min(x), high.max(x)])
         };
         own.map(|symbol| (symbol, range(symbol))).collect()
     }
@@ -159,8 +160,8 @@ impl Trial {
     }
 
     /// Whether a closed form is finite, cancels few digits, and agrees with the survey where it could be another branch.
-    pub fn accepts(&self, bench: &Bench, closed: Id, entire: bool) -> bool {
-        let tape = Tape::new(&bench.graph, &[closed]);
+    pub fn accepts(&self, builder: &ExprBuilder, closed: Id, entire: bool) -> bool {
+        let tape = Tape::new(&builder.graph, &[closed]);
         self.values.iter().zip(&self.survey).all(|(values, [integral, size])| {
             let found: Measured = tape.measured(|s| value(values, s).into())[0];
             let right = entire || (found.value.to_f64() - integral).abs() <= SURVEY * size;
@@ -180,13 +181,13 @@ fn value(values: &Values, symbol: Symbol) -> f64 {
 }
 
 /// What a scene gives to these symbols, defaults and 0 to others; `None` where that is among what is tried anyway.
-fn set(bench: &Bench, free: &[Symbol], setting: &[(Symbol, f64)]) -> Option<Values> {
+fn set(builder: &ExprBuilder, free: &[Symbol], setting: &[(Symbol, f64)]) -> Option<Values> {
     let given = |symbol: Symbol| setting.iter().find(|(known, _)| *known == symbol).map(|(_, x)| *x);
     let beyond = |symbol: &Symbol| {
-        let [low, high] = usual(&bench.defaults, *symbol);
+        let [low, high] = usual(&builder.defaults, *symbol);
         given(*symbol).is_some_and(|x| x < low || x > high)
     };
-    let or_default = |symbol: Symbol| given(symbol).unwrap_or_else(|| default(&bench.defaults, symbol));
+    let or_default = |symbol: Symbol| given(symbol).unwrap_or_else(|| default(&builder.defaults, symbol));
     free.iter().any(beyond).then(|| free.iter().map(|symbol| (*symbol, or_default(*symbol))).collect())
 }
 

@@ -28,9 +28,9 @@ struct Sums<'s> {
 impl<'a> Resolver<'a> {
     /// The balances themselves, and how loads at shared points would change them.
     pub fn balances(&mut self) {
-        let before = self.bench.problems.len();
+        let before = self.builder.problems.len();
         self.model.balances = self.systems();
-        if self.bench.sound_since(before) {
+        if self.builder.sound_since(before) {
             self.shared_ends();
         }
     }
@@ -39,14 +39,14 @@ impl<'a> Resolver<'a> {
     pub fn systems(&mut self) -> Vec<BalanceSystem> {
         let mut systems = Vec::new();
         for (name, system) in self.balance_systems() {
-            if !system.only(&["equations", "reactions", "phase"], "a system of balances", &mut self.bench.problems) {
+            if !system.only(&["equations", "reactions", "phase"], "a system of balances", &mut self.builder.problems) {
                 continue;
             }
-            let before = self.bench.problems.len();
+            let before = self.builder.problems.len();
             let phases = self.phase_key(&system, &Self::no_locals()).flatten().unwrap_or_else(|| vec![0]);
             let unknowns = self.unknowns(&system);
             let mut balances = Vec::new();
-            let Some(equations) = system.need("equations", "a system of balances", &mut self.bench.problems) else {
+            let Some(equations) = system.need("equations", "a system of balances", &mut self.builder.problems) else {
                 continue;
             };
             let sums = Sums { unknowns: &unknowns, phases: &phases };
@@ -58,7 +58,7 @@ impl<'a> Resolver<'a> {
                 }
                 None => {
                     let mut seen = BTreeMap::new();
-                    for (key, spot) in equations.entries(&mut self.bench.problems) {
+                    for (key, spot) in equations.entries(&mut self.builder.problems) {
                         let Some(family) = self.expand(key, &spot) else { continue };
                         for member in &family.members {
                             let label = member.name();
@@ -69,7 +69,7 @@ impl<'a> Resolver<'a> {
                     }
                 }
             }
-            if !self.bench.sound_since(before) {
+            if !self.builder.sound_since(before) {
                 continue;
             }
             let reactions: Vec<usize> = (0..self.scope.reactions.len())
@@ -106,17 +106,17 @@ impl<'a> Resolver<'a> {
 
     /// One entry of `equations`: a mapping with one kind.
     fn balance(&mut self, spot: &Spot<'_>, label: &str, locals: &Locals, sums: &Sums<'_>) -> Option<Balance> {
-        if !spot.only(&KINDS, "a balance", &mut self.bench.problems) {
+        if !spot.only(&KINDS, "a balance", &mut self.builder.problems) {
             return None;
         }
         let Some((kind, inner)) = KINDS.iter().find_map(|kind| Some((*kind, spot.get(kind)?))) else {
-            self.bench.problems.push(sections::missing_key(spot.place.of_key(), "moment", "a balance"));
+            self.builder.problems.push(sections::missing_key(spot.place.of_key(), "moment", "a balance"));
             return None;
         };
         if matches!(kind, "moment" | "force" | "power") {
             for key in ["kinetic_energy", "potential_energy", "dissipation", "generalized_forces"] {
                 if let Some(raw) = self.root.get(key) {
-                    self.bench.problems.push(mechanics::raw_beside_balances(raw.place.of_key(), key));
+                    self.builder.problems.push(mechanics::raw_beside_balances(raw.place.of_key(), key));
                     return None;
                 }
             }
@@ -128,10 +128,10 @@ impl<'a> Resolver<'a> {
             "power" => self.power(&inner, locals, sums)?,
             "energy" => self.energy_rate(&inner, sums)?,
             _ => {
-                let text = inner.equation(&mut self.bench.problems)?;
+                let text = inner.equation(&mut self.builder.problems)?;
                 let (left, right) = self.sides(&text, locals)?;
                 terms = self.terms(&text, left.len(), locals);
-                let minus = value::negative(&mut self.bench.graph, &right);
+                let minus = value::negative(&mut self.builder.graph, &right);
                 vec![
                     Part { name: "the left side".to_owned(), value: left },
                     Part { name: "the right side".to_owned(), value: minus },
@@ -147,7 +147,7 @@ impl<'a> Resolver<'a> {
 
     /// Σ (r − P) × m a + I α − moments about P.
     fn moment(&mut self, spot: &Spot<'_>, locals: &Locals, sums: &Sums<'_>) -> Option<Vec<Part>> {
-        let problems = &mut self.bench.problems;
+        let problems = &mut self.builder.problems;
         spot.only(&["about", "of", "along"], "a moment balance", problems);
         let about = spot.need("about", "a moment balance", problems)?.written(problems)?;
         let about = self.vector(&about, Rules::position("a point").si(Dimension::LENGTH), locals)?;
@@ -162,18 +162,18 @@ impl<'a> Resolver<'a> {
         let mut parts = Vec::new();
         for &b in set {
             let body = self.model.bodies[b].clone();
-            let arm = value::difference(&mut self.bench.graph, about, &body.position);
+            let arm = value::difference(&mut self.builder.graph, about, &body.position);
             let momentum = self.mass_times_acceleration(b);
             let turning = self.cross(&arm, &momentum);
             parts.push(self.part(format!("m a of {}", body.name), turning, false));
             if let Some(rotation) = body.rotation {
-                let omega = self.bench.rate(rotation.angle);
-                let alpha = self.bench.rate(omega);
-                let turning = vec![self.bench.graph.mul(rotation.inertia, alpha)];
+                let omega = self.builder.rate(rotation.angle);
+                let alpha = self.builder.rate(omega);
+                let turning = vec![self.builder.graph.mul(rotation.inertia, alpha)];
                 parts.push(self.part(format!("I alpha of {}", body.name), turning, false));
             }
             if let Some(gravity) = self.model.gravity.clone() {
-                let weight: Vec<Id> = gravity.iter().map(|g| self.bench.graph.mul(body.mass, *g)).collect();
+                let weight: Vec<Id> = gravity.iter().map(|g| self.builder.graph.mul(body.mass, *g)).collect();
                 let turning = self.cross(&arm, &weight);
                 parts.push(self.part(format!("the weight of {}", body.name), turning, true));
             }
@@ -183,12 +183,12 @@ impl<'a> Resolver<'a> {
             let mut touches = false;
             for push in pushes.iter().filter(|p| p.body.is_some_and(|b| set.contains(&b))) {
                 touches = true;
-                let arm = value::difference(&mut self.bench.graph, about, &push.at);
+                let arm = value::difference(&mut self.builder.graph, about, &push.at);
                 let turning = self.cross(&arm, &push.force);
                 for (k, sum) in total.iter_mut().enumerate() {
-                    *sum = self.bench.graph.add(*sum, turning[k]);
+                    *sum = self.builder.graph.add(*sum, turning[k]);
                     if let Some(couple) = push.couple.get(k) {
-                        *sum = self.bench.graph.add(*sum, *couple);
+                        *sum = self.builder.graph.add(*sum, *couple);
                     }
                 }
             }
@@ -201,7 +201,7 @@ impl<'a> Resolver<'a> {
 
     /// Σ m a − forces.
     fn momentum(&mut self, spot: &Spot<'_>, locals: &Locals, sums: &Sums<'_>) -> Option<Vec<Part>> {
-        spot.only(&["of", "along"], "a force balance", &mut self.bench.problems);
+        spot.only(&["of", "along"], "a force balance", &mut self.builder.problems);
         let along = self.along(spot, locals)?;
         let set = self.of(spot, locals)?;
         let parts = self.momentum_of(&set, sums);
@@ -216,7 +216,7 @@ impl<'a> Resolver<'a> {
             let momentum = self.mass_times_acceleration(b);
             parts.push(self.part(format!("m a of {}", body.name), momentum, false));
             if let Some(gravity) = self.model.gravity.clone() {
-                let weight = gravity.iter().map(|g| self.bench.graph.mul(body.mass, *g)).collect();
+                let weight = gravity.iter().map(|g| self.builder.graph.mul(body.mass, *g)).collect();
                 parts.push(self.part(format!("the weight of {}", body.name), weight, true));
             }
         }
@@ -226,7 +226,7 @@ impl<'a> Resolver<'a> {
             for push in pushes.iter().filter(|p| p.body.is_some_and(|b| set.contains(&b))) {
                 touches = true;
                 for (sum, f) in total.iter_mut().zip(&push.force) {
-                    *sum = self.bench.graph.add(*sum, *f);
+                    *sum = self.builder.graph.add(*sum, *f);
                 }
             }
             if touches {
@@ -245,7 +245,7 @@ impl<'a> Resolver<'a> {
             let (about, turns) = (self.model.bodies[b].position.clone(), self.model.bodies[b].rotation.is_some());
             let moment = if turns { self.moment_of(&[b], &about, sums) } else { Vec::new() };
             for (parts, components) in [(force, self.scope.dimension), (moment, usize::from(turns))] {
-                let graph = &mut self.bench.graph;
+                let graph = &mut self.builder.graph;
                 let sum = |k: usize| parts.iter().fold(Id::ZERO, |sum, part| graph.add(sum, part.value[k]));
                 rows.extend((0..components).map(sum));
             }
@@ -255,27 +255,27 @@ impl<'a> Resolver<'a> {
 
     /// d/dt of the set's kinetic energy less the power of all forces on it.
     fn power(&mut self, spot: &Spot<'_>, locals: &Locals, sums: &Sums<'_>) -> Option<Vec<Part>> {
-        spot.only(&["of"], "a power balance", &mut self.bench.problems);
+        spot.only(&["of"], "a power balance", &mut self.builder.problems);
         let set = self.of(spot, locals)?;
         let half = self.half();
         let mut parts = Vec::new();
         for &b in &set {
             let body = self.model.bodies[b].clone();
-            let velocity = self.bench.rates(&body.position);
-            let square = value::dot(&mut self.bench.graph, &velocity, &velocity);
-            let mut doubled = self.bench.graph.mul(body.mass, square);
+            let velocity = self.builder.rates(&body.position);
+            let square = value::dot(&mut self.builder.graph, &velocity, &velocity);
+            let mut doubled = self.builder.graph.mul(body.mass, square);
             if let Some(rotation) = body.rotation {
-                let omega = self.bench.rate(rotation.angle);
-                let square = self.bench.graph.mul(omega, omega);
-                let turning = self.bench.graph.mul(rotation.inertia, square);
-                doubled = self.bench.graph.add(doubled, turning);
+                let omega = self.builder.rate(rotation.angle);
+                let square = self.builder.graph.mul(omega, omega);
+                let turning = self.builder.graph.mul(rotation.inertia, square);
+                doubled = self.builder.graph.add(doubled, turning);
             }
-            let kinetic = self.bench.graph.mul(half, doubled);
-            let rate = self.bench.rate(kinetic);
+            let kinetic = self.builder.graph.mul(half, doubled);
+            let rate = self.builder.rate(kinetic);
             parts.push(self.part(format!("the kinetic energy of {}", body.name), vec![rate], false));
             if let Some(gravity) = self.model.gravity.clone() {
-                let falling = value::dot(&mut self.bench.graph, &gravity, &velocity);
-                let power = self.bench.graph.mul(body.mass, falling);
+                let falling = value::dot(&mut self.builder.graph, &gravity, &velocity);
+                let power = self.builder.graph.mul(body.mass, falling);
                 parts.push(self.part(format!("the weight of {}", body.name), vec![power], true));
             }
         }
@@ -291,18 +291,18 @@ impl<'a> Resolver<'a> {
 
     /// d/dt (T + V) less the power of everything without a potential.
     fn energy_rate(&mut self, spot: &Spot<'_>, sums: &Sums<'_>) -> Option<Vec<Part>> {
-        spot.only(&[], "an energy balance", &mut self.bench.problems);
+        spot.only(&[], "an energy balance", &mut self.builder.problems);
         let energies = self.scope.energies?;
-        let symbols = self.bench.graph.symbols([energies.kinetic, energies.potential]);
+        let symbols = self.builder.graph.symbols([energies.kinetic, energies.potential]);
         if symbols.iter().any(|s| matches!(s, Symbol::Time | Symbol::Input(..))) {
-            self.bench.problems.push(mechanics::energy_with_time(spot.place.of_key()));
+            self.builder.problems.push(mechanics::energy_with_time(spot.place.of_key()));
             return None;
         }
         if let Some(name) = self.driven(sums.phases) {
-            self.bench.problems.push(mechanics::energy_with_driven_constraint(spot.place.of_key(), name));
+            self.builder.problems.push(mechanics::energy_with_driven_constraint(spot.place.of_key(), name));
             return None;
         }
-        let (kinetic, potential) = (self.bench.rate(energies.kinetic), self.bench.rate(energies.potential));
+        let (kinetic, potential) = (self.builder.rate(energies.kinetic), self.builder.rate(energies.potential));
         let mut parts = vec![
             Part { name: "the kinetic energy".to_owned(), value: vec![kinetic] },
             Part { name: "the potential energy".to_owned(), value: vec![potential] },
@@ -323,7 +323,7 @@ impl<'a> Resolver<'a> {
     /// The power of `generalized_forces` and of `dissipation`, Q q' and −q'·∂D/∂q'.
     fn raw_powers(&mut self) -> Vec<Part> {
         let mut powers = Vec::new();
-        let graph = &mut self.bench.graph;
+        let graph = &mut self.builder.graph;
         for raw in &self.model.generalized_forces {
             let speed = graph.symbol(Symbol::Speed(raw.coordinate as u32));
             let power = graph.mul(raw.force, speed);
@@ -348,28 +348,28 @@ impl<'a> Resolver<'a> {
         for push in pushes {
             let Some(b) = push.body else { continue };
             let body = self.model.bodies[b].clone();
-            let mut velocity = self.bench.rates(&body.position);
+            let mut velocity = self.builder.rates(&body.position);
             if let Some(rotation) = body.rotation {
-                let omega = self.bench.rate(rotation.angle);
-                let arm = value::difference(&mut self.bench.graph, &body.position, &push.at);
-                let turning = value::turn(&mut self.bench.graph, omega, &arm);
-                velocity = value::add_scaled(&mut self.bench.graph, &velocity, Id::ONE, &turning);
+                let omega = self.builder.rate(rotation.angle);
+                let arm = value::difference(&mut self.builder.graph, &body.position, &push.at);
+                let turning = value::turn(&mut self.builder.graph, omega, &arm);
+                velocity = value::add_scaled(&mut self.builder.graph, &velocity, Id::ONE, &turning);
                 if let Some(couple) = push.couple.first() {
-                    let work = self.bench.graph.mul(*couple, omega);
-                    total = self.bench.graph.add(total, work);
+                    let work = self.builder.graph.mul(*couple, omega);
+                    total = self.builder.graph.add(total, work);
                 }
             }
-            let work = value::dot(&mut self.bench.graph, &push.force, &velocity);
-            total = self.bench.graph.add(total, work);
+            let work = value::dot(&mut self.builder.graph, &push.force, &velocity);
+            total = self.builder.graph.add(total, work);
         }
         total
     }
 
     fn mass_times_acceleration(&mut self, body: usize) -> Vec<Id> {
         let body = self.model.bodies[body].clone();
-        let velocity = self.bench.rates(&body.position);
-        let acceleration = self.bench.rates(&velocity);
-        acceleration.iter().map(|a| self.bench.graph.mul(body.mass, *a)).collect()
+        let velocity = self.builder.rates(&body.position);
+        let acceleration = self.builder.rates(&velocity);
+        acceleration.iter().map(|a| self.builder.graph.mul(body.mass, *a)).collect()
     }
 
     /// Loads and reactions by name.
@@ -380,36 +380,36 @@ impl<'a> Resolver<'a> {
 
     fn cross(&mut self, a: &[Id], b: &[Id]) -> Vec<Id> {
         match self.scope.dimension {
-            2 => vec![value::cross_plane(&mut self.bench.graph, a, b)],
-            _ => value::cross_space(&mut self.bench.graph, a, b),
+            2 => vec![value::cross_plane(&mut self.builder.graph, a, b)],
+            _ => value::cross_space(&mut self.builder.graph, a, b),
         }
     }
 
     /// A named part of a residual; forces count negative.
     fn part(&mut self, name: String, value: Vec<Id>, force: bool) -> Part {
-        let value = if force { value::negative(&mut self.bench.graph, &value) } else { value };
+        let value = if force { value::negative(&mut self.builder.graph, &value) } else { value };
         Part { name, value }
     }
 
     /// `along`, normalised, if it is there.  Outside, `None`: it is wrong (reported).
     fn along(&mut self, spot: &Spot<'_>, locals: &Locals) -> Option<Option<Vec<Id>>> {
         let Some(along) = spot.get("along") else { return Some(None) };
-        let written = along.written(&mut self.bench.problems)?;
+        let written = along.written(&mut self.builder.problems)?;
         let vector = self.vector(&written, Rules::velocity("a direction"), locals)?;
-        Some(Some(value::unit(&mut self.bench.graph, &vector)))
+        Some(Some(value::unit(&mut self.builder.graph, &vector)))
     }
 
     fn projected(&mut self, parts: Vec<Part>, along: Option<Vec<Id>>) -> Vec<Part> {
         let Some(along) = along else { return parts };
         parts
             .into_iter()
-            .map(|part| Part { name: part.name, value: vec![value::dot(&mut self.bench.graph, &part.value, &along)] })
+            .map(|part| Part { name: part.name, value: vec![value::dot(&mut self.builder.graph, &part.value, &along)] })
             .collect()
     }
 
     /// The bodies of `of`.
     fn of(&mut self, spot: &Spot<'_>, locals: &Locals) -> Option<Vec<usize>> {
-        let of = spot.need("of", "a balance", &mut self.bench.problems)?;
+        let of = spot.need("of", "a balance", &mut self.builder.problems)?;
         let items = of.items().unwrap_or_else(|| vec![of.clone()]);
         let mut set = Vec::new();
         for item in items {

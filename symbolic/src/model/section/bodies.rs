@@ -38,8 +38,8 @@ impl Resolver<'_> {
         for (place, item) in items {
             let Some(Value::Scalar(value)) = self.scope.value(item) else { continue };
             let value = *value;
-            let rate = self.bench.rate(value);
-            self.model.inputs[place as usize].signal = [value, rate, self.bench.rate(rate)];
+            let rate = self.builder.rate(value);
+            self.model.inputs[place as usize].signal = [value, rate, self.builder.rate(rate)];
         }
     }
 
@@ -70,15 +70,15 @@ impl Resolver<'_> {
     /// ½ m v·v and ½ I ω².
     fn kinetic_energy(&mut self, mass: Id, position: &[Id], rotation: Option<Rotation>) {
         let half = self.half();
-        let velocity = self.bench.rates(position);
-        let square = value::dot(&mut self.bench.graph, &velocity, &velocity);
+        let velocity = self.builder.rates(position);
+        let square = value::dot(&mut self.builder.graph, &velocity, &velocity);
         let mut terms = vec![(mass, square)];
         if let Some(rotation) = rotation {
-            let omega = self.bench.rate(rotation.angle);
-            terms.push((rotation.inertia, self.bench.graph.mul(omega, omega)));
+            let omega = self.builder.rate(rotation.angle);
+            terms.push((rotation.inertia, self.builder.graph.mul(omega, omega)));
         }
         for (inertia, square) in terms {
-            let graph = &mut self.bench.graph;
+            let graph = &mut self.builder.graph;
             let product = graph.mul(inertia, square);
             let term = graph.mul(half, product);
             if term != Id::ZERO {
@@ -93,16 +93,16 @@ impl Resolver<'_> {
         let values: Vec<Id> = masses.iter().map(|(value, ..)| *value).collect();
         for scene in &self.model.scenes {
             let parameters = self.scene_parameters(scene);
-            let numbers = crate::model::command::evaluate_all(&self.bench.graph, &values, &parameters);
+            let numbers = crate::model::command::evaluate_all(&self.builder.graph, &values, &parameters);
             for ((value, what, place), number) in masses.iter().zip(numbers).filter(|(_, number)| *number < 0.0) {
-                let place = match self.bench.graph.node(*value) {
+                let place = match self.builder.graph.node(*value) {
                     Node::Symbol(Symbol::Parameter(k)) if !scene.set.iter().any(|(set, _)| *set == k as usize) => {
                         &self.model.parameters[k as usize].place
                     }
                     _ => place,
                 };
                 let problem = mechanics::value_out_of_range(place.clone(), what, "positive or 0", number);
-                self.bench.problems.push(problem);
+                self.builder.problems.push(problem);
             }
         }
     }
@@ -118,20 +118,20 @@ impl Resolver<'_> {
 
     /// A value in SI: its unit converts it where it is a pure number.
     pub fn quantity(&mut self, quantity: &Quantity, rules: Rules, locals: &Locals) -> Option<Id> {
-        self.bench.quantity(&self.scope, quantity, rules, locals)
+        self.builder.quantity(&self.scope, quantity, rules, locals)
     }
 
     /// `gravity`, with −m g·r for each body.
     pub fn gravity(&mut self) {
         let Some(spot) = self.root.get("gravity") else { return };
-        let Some(written) = spot.written(&mut self.bench.problems) else { return };
+        let Some(written) = spot.written(&mut self.builder.problems) else { return };
         let Some(gravity) =
             self.vector(&written, Rules::of_time("gravity").si(Dimension::ACCELERATION), &Self::no_locals())
         else {
             return;
         };
         for body in &self.model.bodies {
-            let graph = &mut self.bench.graph;
+            let graph = &mut self.builder.graph;
             let along = value::dot(graph, &gravity, &body.position);
             let product = graph.mul(body.mass, along);
             let term = graph.neg(product);
@@ -151,9 +151,9 @@ impl Resolver<'_> {
         let dissipation = self.raw("dissipation", Rules::velocity("the dissipation function"));
         for (raw, wanted) in [(&kinetic, energy), (&potential, energy), (&dissipation, self.scope.units.rate(energy))] {
             if let Some(text) = &raw.text {
-                self.bench.measured = raw.measure;
+                self.builder.measured = raw.measure;
                 let place = text.place.at(text.ast.span);
-                self.bench.expect_unit(wanted, raw.what, stands_alone(text, &[]), text.words(text.ast.span), &place);
+                self.builder.expect_unit(wanted, raw.what, stands_alone(text, &[]), text.words(text.ast.span), &place);
             }
         }
         let [kinetic, potential, dissipation] = [kinetic, potential, dissipation].map(|raw| raw.value);
@@ -168,11 +168,11 @@ impl Resolver<'_> {
         let mut given = vec![false; self.model.coordinates.len()];
         for (key, spot) in self.section("generalized_forces") {
             let Some(family) = self.expand(key, &spot) else { continue };
-            let text = spot.text(&mut self.bench.problems);
+            let text = spot.text(&mut self.builder.problems);
             for member in &family.members {
                 let Some(coordinate) = self.coordinate(member, &spot.place) else { break };
                 if std::mem::replace(&mut given[coordinate], true) {
-                    self.bench.problems.push(names::member_twice(spot.place.of_key(), member.name()));
+                    self.builder.problems.push(names::member_twice(spot.place.of_key(), member.name()));
                     break;
                 }
                 let Some(text) = &text else { continue };
@@ -187,9 +187,9 @@ impl Resolver<'_> {
     }
 
     fn raw(&mut self, key: &str, rules: Rules) -> Raw {
-        let text = self.root.get(key).and_then(|spot| spot.text(&mut self.bench.problems));
+        let text = self.root.get(key).and_then(|spot| spot.text(&mut self.builder.problems));
         let value = text.as_ref().and_then(|text| self.scalar(text, rules, &Self::no_locals()));
-        let measure = if value.is_some() { self.bench.measured } else { Measure::Unknown };
+        let measure = if value.is_some() { self.builder.measured } else { Measure::Unknown };
         Raw { text, value: value.unwrap_or(Id::ZERO), measure, what: rules.what }
     }
 
@@ -216,7 +216,7 @@ impl Resolver<'_> {
         let Some(entry) = self.scope.names.get(&member.base) else {
             let known = self.model.coordinates.iter().map(|c| c.name.split('[').next().unwrap_or(&c.name));
             let help = crate::diagnose::did_you_mean(&member.base, known);
-            self.bench.problems.push(names::unknown_name(place, &member.base, help));
+            self.builder.problems.push(names::unknown_name(place, &member.base, help));
             return None;
         };
         if entry.refused {
@@ -224,7 +224,7 @@ impl Resolver<'_> {
         }
         if entry.section != crate::model::expression::scope::Section::Coordinate {
             let found = entry.section.noun();
-            self.bench.problems.push(names::wrong_thing(place, &member.base, "a coordinate", found));
+            self.builder.problems.push(names::wrong_thing(place, &member.base, "a coordinate", found));
             return None;
         }
         match entry.members.get(&member.indices) {
@@ -239,7 +239,7 @@ impl Resolver<'_> {
                     let found = member.indices.len();
                     names::index_count(place, &member.base, format!("{} index(es)", entry.indices), found)
                 };
-                self.bench.problems.push(problem);
+                self.builder.problems.push(problem);
                 None
             }
         }
@@ -247,7 +247,7 @@ impl Resolver<'_> {
 
     /// T and V of the whole model, which expressions may name from now on.
     pub fn energies(&mut self) {
-        let graph = &mut self.bench.graph;
+        let graph = &mut self.builder.graph;
         let mut sum = |terms: &[Id]| terms.iter().fold(Id::ZERO, |sum, term| graph.add(sum, *term));
         let (kinetic, potential) = (sum(&self.model.kinetic_terms), sum(&self.model.potential_terms));
         self.scope.energies = Some(Energies { kinetic, potential });
@@ -255,6 +255,6 @@ impl Resolver<'_> {
 
     /// ½.
     pub fn half(&mut self) -> Id {
-        self.bench.graph.rational(Rational::new(1, 2).unwrap_or(Rational::ONE))
+        self.builder.graph.rational(Rational::new(1, 2).unwrap_or(Rational::ONE))
     }
 }

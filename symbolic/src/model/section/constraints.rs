@@ -1,7 +1,7 @@
 //! `constraints`: what holds the coordinates together (LANGUAGE, section 6).
 
-use super::carriers::states;
-use super::settle::Want;
+use super::attachment::states;
+use super::resolve_values::Want;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{mechanics, sections};
 use crate::expr::{DoubleDouble, Id, Symbol, Tape, jacobian};
@@ -29,7 +29,7 @@ impl Resolver<'_> {
                 self.scope.constraint_names.entry(base).or_insert(entry);
                 continue;
             };
-            let problems = &mut self.bench.problems;
+            let problems = &mut self.builder.problems;
             let written = match spot.node {
                 Node::List(_) => spot.written(problems),
                 _ => spot.equation(problems).map(Written::One),
@@ -43,7 +43,7 @@ impl Resolver<'_> {
                 let place = self.scope.constraints.len();
                 let entry = self.scope.constraint_names.get_mut(&member.base);
                 if !entry.is_some_and(|entry| entry.add(&member.indices, Member::Constraint(place))) {
-                    self.bench.problems.push(sections::duplicate_label(spot.place.of_key(), name, "`constraints`"));
+                    self.builder.problems.push(sections::duplicate_label(spot.place.of_key(), name, "`constraints`"));
                     break;
                 }
                 let (rules, written) = (Rules::constraint(), written.clone());
@@ -68,7 +68,7 @@ impl Resolver<'_> {
             self.model.constraints.push(Constraint {
                 name: names.name.clone(),
                 scalar: !matches!(value, Value::Vector(_)),
-                holonomic: !self.bench.facts.of_all(&self.bench.graph, &components).meets(Depends::SPEED),
+                holonomic: !self.builder.facts.of_all(&self.builder.graph, &components).meets(Depends::SPEED),
                 first: rows,
                 unit,
                 place,
@@ -83,11 +83,11 @@ impl Resolver<'_> {
     fn judge_constraints(&mut self) {
         let constraints = std::mem::take(&mut self.model.constraints);
         let values: Vec<Id> = constraints.iter().flat_map(|c| c.value.iter().copied()).collect();
-        let speeds = jacobian(&mut self.bench.graph, &values, |symbol| match symbol {
+        let speeds = jacobian(&mut self.builder.graph, &values, |symbol| match symbol {
             Symbol::Speed(i) => Some(i as usize),
             _ => None,
         });
-        let slopes = jacobian(&mut self.bench.graph, &values, |symbol| match symbol {
+        let slopes = jacobian(&mut self.builder.graph, &values, |symbol| match symbol {
             Symbol::Coordinate(i) => Some(i as usize),
             _ => None,
         });
@@ -105,14 +105,14 @@ impl Resolver<'_> {
                 let (name, place) = (constraint.component(k), constraint.place.clone());
                 let problem = if still[row] {
                     mechanics::constraint_without_motion(place, name)
-                } else if !constraint.holonomic && self.bench.depends(&derivatives[row]).meets(Depends::SPEED) {
+                } else if !constraint.holonomic && self.builder.depends(&derivatives[row]).meets(Depends::SPEED) {
                     mechanics::not_affine(place, name)
-                } else if constraint.holonomic && self.bench.depends(&[*value]).meets(Depends::VELOCITY) {
+                } else if constraint.holonomic && self.builder.depends(&[*value]).meets(Depends::VELOCITY) {
                     mechanics::input_rate_in_constraint(place, name)
                 } else {
                     continue;
                 };
-                self.bench.problems.push(problem);
+                self.builder.problems.push(problem);
                 break;
             }
         }
@@ -122,9 +122,9 @@ impl Resolver<'_> {
     /// For each row, whether all of it vanishes at all random states at which it is finite.
     fn still(&mut self, rows: &[Vec<Id>]) -> Vec<bool> {
         let all: Vec<Id> = rows.iter().flatten().copied().collect();
-        let tape = Tape::new(&self.bench.graph, &all);
+        let tape = Tape::new(&self.builder.graph, &all);
         let mut verdicts: Vec<Option<bool>> = rows.iter().map(|row| row.is_empty().then_some(true)).collect();
-        for state in states(&self.bench, &self.model) {
+        for state in states(&self.builder, &self.model) {
             if verdicts.iter().all(|verdict| *verdict == Some(false)) {
                 break;
             }

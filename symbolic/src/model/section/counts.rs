@@ -41,7 +41,7 @@ impl Resolver<'_> {
                 false => "; an `equation` says which named reaction a `reaction(c)` is",
             };
             let problem = mechanics::unequal_counts(system.place.clone(), &system.name, given, wanted, more);
-            self.bench.problems.push(problem);
+            self.builder.problems.push(problem);
             return false;
         }
         true
@@ -57,13 +57,13 @@ impl Resolver<'_> {
     fn multipliers(&mut self, system: &BalanceSystem, phase: usize, rows: &[usize]) -> Vec<usize> {
         let parts = system.balances.iter().flat_map(|balance| &balance.parts);
         let values: Vec<Id> = parts.flat_map(|part| part.value.iter().copied()).collect();
-        if !self.bench.depends(&values).meets(Depends::MULTIPLIER) {
+        if !self.builder.depends(&values).meets(Depends::MULTIPLIER) {
             return Vec::new();
         }
         let active = |k: usize| (Symbol::Phase(k as u32), if k == phase { Id::ONE } else { Id::ZERO });
         let active: HashMap<Symbol, Id> = (0..self.model.phases.len()).map(active).collect();
-        let values = substitute(&mut self.bench.graph, &values, &active);
-        let mut found: Vec<usize> = self.bench.graph.symbols(values).into_iter().filter_map(row).collect();
+        let values = substitute(&mut self.builder.graph, &values, &active);
+        let mut found: Vec<usize> = self.builder.graph.symbols(values).into_iter().filter_map(row).collect();
         found.retain(|row| rows.contains(row));
         found.sort_unstable();
         found
@@ -77,9 +77,9 @@ impl Resolver<'_> {
         for place in active.collect::<Vec<_>>() {
             let constraint = self.model.constraints[place].clone();
             let driven = match constraint.holonomic {
-                true => self.bench.depends(&constraint.value).meets(Depends::TIME.and(Depends::INPUT)),
+                true => self.builder.depends(&constraint.value).meets(Depends::TIME.and(Depends::INPUT)),
                 false => {
-                    substitute(&mut self.bench.graph, &constraint.value, &still).iter().any(|rest| *rest != Id::ZERO)
+                    substitute(&mut self.builder.graph, &constraint.value, &still).iter().any(|rest| *rest != Id::ZERO)
                 }
             };
             if driven {

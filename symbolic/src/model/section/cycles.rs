@@ -26,7 +26,7 @@ impl Resolver<'_> {
         if !hertz.contains(&true) {
             return;
         }
-        let graph = &self.bench.graph;
+        let graph = &self.builder.graph;
         let timed = graph.contains(|symbol| matches!(symbol, Symbol::Time));
         let mut found = vec![false; hertz.len()];
         for angle in angles(graph).into_iter().chain(self.angles_of_bodies()) {
@@ -50,7 +50,7 @@ impl Resolver<'_> {
 
     /// The function of time that an input is.
     fn signal_of(&self, id: Id) -> Option<Id> {
-        match self.bench.graph.node(id) {
+        match self.builder.graph.node(id) {
             Node::Symbol(Symbol::Input(place, 0)) => Some(self.model.inputs[place as usize].signal[0]),
             _ => None,
         }
@@ -58,7 +58,7 @@ impl Resolver<'_> {
 
     /// What an angle is made of by sums, products and quotients.
     fn made_of(&self, angle: Id) -> Angle {
-        let graph = &self.bench.graph;
+        let graph = &self.builder.graph;
         let (mut made, mut seen, mut open) = (Angle::default(), HashSet::new(), vec![angle]);
         while let Some(id) = open.pop() {
             if !seen.insert(id) {

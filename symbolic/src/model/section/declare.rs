@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use super::settle::Want;
+use super::resolve_values::Want;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{later, mechanics, names, sections};
 use crate::expr::Id;
@@ -46,14 +46,14 @@ impl Resolver<'_> {
                 let known: Vec<&str> = entries.iter().map(|(key, _)| *key).collect();
                 let help = crate::diagnose::did_you_mean_or(name, &known);
                 let help = if known.is_empty() { "the model has no sizes".to_owned() } else { help };
-                self.bench.problems.push(names::unknown_name(Place::default(), name, help));
+                self.builder.problems.push(names::unknown_name(Place::default(), name, help));
             }
             let _ = value;
         }
         for (key, spot) in entries {
             let Some(family) = self.expand_declared(key, &spot, Section::Size) else { continue };
             if !family.key.indices.is_empty() {
-                self.bench.problems.push(sections::family_not_allowed(spot.place.of_key(), "`sizes`"));
+                self.builder.problems.push(sections::family_not_allowed(spot.place.of_key(), "`sizes`"));
                 continue;
             }
             let set = overrides.iter().rev().find(|(name, _)| *name == family.key.name).map(|(_, value)| *value);
@@ -69,15 +69,15 @@ impl Resolver<'_> {
 
     fn size(&mut self, key: &str, spot: &Spot<'_>) -> Option<i64> {
         if matches!(spot.node, Node::List(_) | Node::Map(_)) {
-            self.bench.problems.push(names::size_not_integer(spot.place.clone(), key, describe(spot.node)));
+            self.builder.problems.push(names::size_not_integer(spot.place.clone(), key, describe(spot.node)));
             return None;
         }
-        let words = spot.words(&mut self.bench.problems)?;
+        let words = spot.words(&mut self.builder.problems)?;
         let found = parse(words).ok().and_then(|ast: Ast| {
             integer(&Indices { scope: &self.scope, source: words, place: &spot.place }, &[], &ast).ok()
         });
         if found.is_none() {
-            self.bench.problems.push(names::size_not_integer(spot.place.clone(), key, format!("`{words}`")));
+            self.builder.problems.push(names::size_not_integer(spot.place.clone(), key, format!("`{words}`")));
         }
         found
     }
@@ -91,14 +91,18 @@ impl Resolver<'_> {
             let unit = match spot.node {
                 Node::Null => None,
                 _ => {
-                    let words = spot.words(&mut self.bench.problems);
+                    let words = spot.words(&mut self.builder.problems);
                     match words.map(|words| unit_at(words, &spot.place)) {
                         Some(Ok(unit)) if !unit.is_si() => {
                             let found = words.unwrap_or_default().trim();
-                            self.bench.problems.push(sections::scaled_coordinate(spot.place.clone(), found, si(&unit)));
+                            self.builder.problems.push(sections::scaled_coordinate(
+                                spot.place.clone(),
+                                found,
+                                si(&unit),
+                            ));
                         }
                         Some(Ok(unit)) => measure = self.note_unit(Some(&unit)),
-                        Some(Err(found)) => self.bench.problems.extend(found),
+                        Some(Err(found)) => self.builder.problems.extend(found),
                         None => {}
                     }
                     words.map(str::to_owned)
@@ -115,8 +119,8 @@ impl Resolver<'_> {
             }
         }
         let declared = self.root.get("coordinates").is_some();
-        if declared && self.model.coordinates.is_empty() && self.bench.problems.is_empty() {
-            self.bench.problems.push(mechanics::no_coordinates(Place::default()));
+        if declared && self.model.coordinates.is_empty() && self.builder.problems.is_empty() {
+            self.builder.problems.push(mechanics::no_coordinates(Place::default()));
         }
     }
 
@@ -124,7 +128,7 @@ impl Resolver<'_> {
     pub fn inputs(&mut self) {
         for (key, spot) in self.section("inputs") {
             let Some(family) = self.expand_declared(key, &spot, Section::Input) else { continue };
-            let written = spot.text(&mut self.bench.problems).map(Written::One);
+            let written = spot.text(&mut self.builder.problems).map(Written::One);
             self.declare_empty(Section::Input, &family);
             for member in &family.members {
                 let rules = Rules::signal("an input");
@@ -146,7 +150,7 @@ impl Resolver<'_> {
         for (section, rules, want) in kinds {
             for (key, spot) in self.section(section.key()) {
                 let Some(family) = self.expand_declared(key, &spot, section) else { continue };
-                let written = spot.written(&mut self.bench.problems);
+                let written = spot.written(&mut self.builder.problems);
                 self.declare_items(section, &family, &spot.place, written.as_ref(), rules, want);
             }
         }
@@ -173,7 +177,7 @@ impl Resolver<'_> {
         for (key, spot) in self.section("frames") {
             let Some(family) = self.expand_declared(key, &spot, Section::Frame) else { continue };
             self.declare_empty(Section::Frame, &family);
-            let problems = &mut self.bench.problems;
+            let problems = &mut self.builder.problems;
             spot.only(&["angle", "from", "rotate"], "a frame", problems);
             let spatial = spot.get("rotate").is_some() || self.scope.dimension == 3;
             if spatial {
@@ -207,7 +211,7 @@ impl Resolver<'_> {
     }
 
     fn declare_body(&mut self, spot: &Spot<'_>, family: &Family, bodies: &mut Vec<DeclaredBody>) {
-        let problems = &mut self.bench.problems;
+        let problems = &mut self.builder.problems;
         spot.only(&["mass", "position", "inertia", "angle", "frame"], "a body", problems);
         let inertia = spot.get("inertia");
         let spatial = spot.get("frame").is_some()
@@ -232,7 +236,7 @@ impl Resolver<'_> {
             let warning = mechanics::no_inertia(turns.place.of_key(), &family.key.name);
             self.model.warnings.push(warning);
         }
-        let problems = &mut self.bench.problems;
+        let problems = &mut self.builder.problems;
         let angle = turns.as_ref().and_then(|angle| angle.text(problems)).map(Written::One);
         let inertia = inertia.and_then(|inertia| inertia.quantity(problems));
         for quantity in [&mass, &inertia].into_iter().flatten() {
@@ -277,7 +281,7 @@ impl Resolver<'_> {
     pub fn check_index_names(&mut self) {
         for (name, place) in std::mem::take(&mut self.index_names) {
             if self.scope.names.contains_key(&name) {
-                self.bench.problems.push(names::index_hides_name(place, name));
+                self.builder.problems.push(names::index_hides_name(place, name));
             }
         }
     }

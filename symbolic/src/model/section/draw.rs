@@ -26,15 +26,15 @@ impl Resolver<'_> {
     /// Every shape.
     pub fn draw(&mut self) {
         let Some(spot) = self.root.get("draw") else { return };
-        for item in spot.list(&mut self.bench.problems) {
+        for item in spot.list(&mut self.builder.problems) {
             let members = match item.get(EACH) {
                 None => vec![Self::no_locals()],
                 Some(each) => self.each(&each),
             };
             // What is wrong with one member is wrong with all.
-            let before = self.bench.problems.len();
+            let before = self.builder.problems.len();
             for locals in members {
-                if self.bench.problems.len() == before {
+                if self.builder.problems.len() == before {
                     self.shape(&item, &locals);
                 }
             }
@@ -43,11 +43,11 @@ impl Resolver<'_> {
 
     /// `each: i in 1..n, j in i+1..n`: what the indices stand for in every member.
     fn each(&mut self, spot: &Spot<'_>) -> Vec<Locals> {
-        let Some(words) = spot.words(&mut self.bench.problems) else { return Vec::new() };
-        let before = self.bench.problems.len();
+        let Some(words) = spot.words(&mut self.builder.problems) else { return Vec::new() };
+        let before = self.builder.problems.len();
         let family = self.expand(&format!("s[{words}]"), spot);
         // They stand where the ranges do, without the name that makes a key of them.
-        for problem in &mut self.bench.problems[before..] {
+        for problem in &mut self.builder.problems[before..] {
             problem.place.key = false;
             if let Some(span) = &mut problem.place.span {
                 (span.start, span.end) =
@@ -58,7 +58,7 @@ impl Resolver<'_> {
             family.into_iter().flat_map(|family| family.members).map(|member| member.locals).collect();
         let hides = |(name, _): &&(String, Local)| self.scope.names.contains_key(name);
         if let Some((name, _)) = members.first().and_then(|locals| locals.iter().find(hides)) {
-            self.bench.problems.push(names::index_hides_name(spot.place.clone(), name));
+            self.builder.problems.push(names::index_hides_name(spot.place.clone(), name));
             return Vec::new();
         }
         members
@@ -67,7 +67,7 @@ impl Resolver<'_> {
     fn shape(&mut self, spot: &Spot<'_>, locals: &Locals) {
         let kinds = ["line", "circle", "spring", "curve", "trace"];
         let found: Vec<&str> = kinds.into_iter().filter(|kind| spot.get(kind).is_some()).collect();
-        let problems = &mut self.bench.problems;
+        let problems = &mut self.builder.problems;
         let known: Vec<&str> = kinds.into_iter().chain([EACH]).collect();
         if found.first() != Some(&"curve") && !spot.only(&known, "a shape", problems) {
             return;
@@ -95,8 +95,13 @@ impl Resolver<'_> {
                 let points = self.points(&what, locals);
                 match <[(String, Vector); 2]>::try_from(points) {
                     Ok([(_, from), (_, to)]) => self.model.draw.push(Shape::Spring(from, to)),
-                    Err(points) if self.bench.problems.is_empty() => {
-                        self.bench.problems.push(sections::list_length(what.place.clone(), "spring", 2, points.len()));
+                    Err(points) if self.builder.problems.is_empty() => {
+                        self.builder.problems.push(sections::list_length(
+                            what.place.clone(),
+                            "spring",
+                            2,
+                            points.len(),
+                        ));
                     }
                     Err(_) => {}
                 }
@@ -117,7 +122,7 @@ impl Resolver<'_> {
         for item in items {
             if item.items().is_some() {
                 // `[[0, 0], P]`: a list that is a vector.
-                if let Some(written) = item.written(&mut self.bench.problems)
+                if let Some(written) = item.written(&mut self.builder.problems)
                     && let Some(point) = self.vector(&written, RULES, locals)
                 {
                     points.push((String::new(), point));
@@ -135,12 +140,12 @@ impl Resolver<'_> {
     }
 
     fn circle(&mut self, spot: &Spot<'_>, locals: &Locals) {
-        let problems = &mut self.bench.problems;
+        let problems = &mut self.builder.problems;
         if !spot.only(&["at", "radius"], "a circle", problems) {
             return;
         }
         let radius = spot.need("radius", "a circle", problems).and_then(|radius| radius.quantity(problems));
-        let Some(at) = spot.need("at", "a circle", &mut self.bench.problems) else { return };
+        let Some(at) = spot.need("at", "a circle", &mut self.builder.problems) else { return };
         let vector = matches!(at.items(), Some(items) if items.iter().all(|item| item.items().is_none()));
         let centres = match (vector, at.written(&mut Vec::new())) {
             (true, Some(written)) => self.vector(&written, RULES, locals).into_iter().collect(),
@@ -153,37 +158,38 @@ impl Resolver<'_> {
 
     /// `{curve: "[s, c*s^2]", s: -2..2}`: sampled at equal steps of its parameter.
     fn curve(&mut self, spot: &Spot<'_>, what: &Spot<'_>, locals: &Locals) {
-        let Some(written) = what.written(&mut self.bench.problems) else { return };
-        let entries = spot.entries(&mut self.bench.problems);
+        let Some(written) = what.written(&mut self.builder.problems) else { return };
+        let entries = spot.entries(&mut self.builder.problems);
         let others: Vec<_> = entries.into_iter().filter(|(key, _)| *key != "curve" && *key != EACH).collect();
         let [(name, range)] = others.as_slice() else {
             let problem = sections::missing_key(what.place.of_key(), "s: a..b", "a curve");
-            self.bench.problems.push(problem);
+            self.builder.problems.push(problem);
             return;
         };
         if self.scope.names.contains_key(*name) || is_reserved(name) {
-            self.bench.problems.push(names::index_hides_name(range.place.of_key(), name));
+            self.builder.problems.push(names::index_hides_name(range.place.of_key(), name));
             return;
         }
         let Some(([from, to], measure)) = self.range(range, locals) else { return };
         let symbol = Symbol::Dummy(0);
         let dummy = ((*name).to_owned(), Local::Symbol(symbol, measure));
         let locals: Vec<_> = locals.iter().cloned().chain([dummy]).collect();
-        let Some(curve) = self.bench.vector(&self.scope, &written, RULES, &locals) else { return };
+        let Some(curve) = self.builder.vector(&self.scope, &written, RULES, &locals) else { return };
         let points = (0..=STRETCHES).map(|k| self.on_curve(&curve, symbol, from, to, k, what)).collect();
         self.model.draw.push(Shape::Curve(points));
     }
 
     fn on_curve(&mut self, curve: &[Id], symbol: Symbol, from: Id, to: Id, k: i64, what: &Spot<'_>) -> Vector {
-        let bench = &mut self.bench;
-        let share = bench.graph.rational(Rational::new(i128::from(k), i128::from(STRETCHES)).unwrap_or(Rational::ONE));
-        let width = bench.graph.sub(to, from);
-        let offset = bench.graph.mul(share, width);
-        let at = bench.graph.add(from, offset);
+        let builder = &mut self.builder;
+        let share =
+            builder.graph.rational(Rational::new(i128::from(k), i128::from(STRETCHES)).unwrap_or(Rational::ONE));
+        let width = builder.graph.sub(to, from);
+        let offset = builder.graph.mul(share, width);
+        let at = builder.graph.add(from, offset);
         let mut point = Vec::new();
         for component in curve {
-            let (value, visited) = substitute(&mut bench.graph, &mut bench.facts, *component, symbol, at);
-            bench.spend(visited, &what.place);
+            let (value, visited) = substitute(&mut builder.graph, &mut builder.facts, *component, symbol, at);
+            builder.spend(visited, &what.place);
             point.push(value);
         }
         point
@@ -191,11 +197,11 @@ impl Resolver<'_> {
 
     /// `-2..2`.
     fn range(&mut self, spot: &Spot<'_>, locals: &Locals) -> Option<([Id; 2], Measure)> {
-        let words = spot.words(&mut self.bench.problems)?;
+        let words = spot.words(&mut self.builder.problems)?;
         let (from, to) = match parse_bounds(words) {
             Ok(bounds) => bounds,
             Err(found) => {
-                self.bench.problems.extend(found.into_iter().map(|problem| problem.moved_to(&spot.place)));
+                self.builder.problems.extend(found.into_iter().map(|problem| problem.moved_to(&spot.place)));
                 return None;
             }
         };
@@ -204,8 +210,8 @@ impl Resolver<'_> {
             let text = Text { source: words.into(), ast: Rc::new(ast), unit: None, place: Rc::new(spot.place.clone()) };
             *end = self.scalar(&text, RULES, locals)?;
             // A bare number is in the unit of what is drawn.
-            if self.bench.measured != Measure::ONE {
-                measure = self.bench.measured;
+            if self.builder.measured != Measure::ONE {
+                measure = self.builder.measured;
             }
         }
         Some((ends, measure))

@@ -1,6 +1,6 @@
 //! Where loads act: ends of springs, bodies and points of forces.
 
-use super::loads::{Drafts, Holder, Wanted};
+use super::loads::{AttachedTo, Drafts, Wanted};
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{mechanics, names, sections};
 use crate::expr::Id;
@@ -19,7 +19,7 @@ use crate::model::resolver::Resolver;
 #[derive(Clone, Debug)]
 pub struct End {
     /// Whose material.
-    pub holder: Holder,
+    pub holder: AttachedTo,
     /// The point.
     pub at: Vec<Id>,
 }
@@ -40,7 +40,7 @@ impl Resolver<'_> {
     pub fn between(&mut self, spot: &Spot<'_>, locals: &Locals) -> Option<[EndText; 2]> {
         let mut ends = Vec::new();
         for item in spot.items().unwrap_or_else(|| vec![spot.clone()]) {
-            let problems = &mut self.bench.problems;
+            let problems = &mut self.builder.problems;
             match item.node {
                 Node::Map(_) => {
                     item.only(&["on", "at"], "an end", problems);
@@ -59,8 +59,8 @@ impl Resolver<'_> {
         match <[EndText; 2]>::try_from(ends) {
             Ok(ends) => Some(ends),
             Err(_) => {
-                if self.bench.problems.is_empty() || spot.items().is_none_or(|items| items.len() != 2) {
-                    self.bench.problems.push(sections::list_length(spot.place.clone(), "between", 2, found));
+                if self.builder.problems.is_empty() || spot.items().is_none_or(|items| items.len() != 2) {
+                    self.builder.problems.push(sections::list_length(spot.place.clone(), "between", 2, found));
                 }
                 None
             }
@@ -99,9 +99,10 @@ impl Resolver<'_> {
             None => None,
         };
         match solid? {
-            None => {
-                Some(End { holder: Holder::Ground, at: point.unwrap_or_else(|| vec![Id::ZERO; self.scope.dimension]) })
-            }
+            None => Some(End {
+                holder: AttachedTo::Ground,
+                at: point.unwrap_or_else(|| vec![Id::ZERO; self.scope.dimension]),
+            }),
             Some(body) => {
                 let centre = self.centre(body)?;
                 let particle = self.scope.bodies[body].angle.is_none();
@@ -110,9 +111,9 @@ impl Resolver<'_> {
                         let place = Place::clone(at.place());
                         let particle = Some(body);
                         drafts.wanted.push(Wanted { point, words: String::new(), place, particle });
-                        Some(End { holder: Holder::Body(body), at: centre })
+                        Some(End { holder: AttachedTo::Body(body), at: centre })
                     }
-                    (point, _) => Some(End { holder: Holder::Body(body), at: point.unwrap_or(centre) }),
+                    (point, _) => Some(End { holder: AttachedTo::Body(body), at: point.unwrap_or(centre) }),
                 }
             }
         }
@@ -121,18 +122,18 @@ impl Resolver<'_> {
     /// The opposite of a force: on a rigid body at the same point, on a particle at itself.
     pub fn opposite(&mut self, from: &Text, at: &[Id], locals: &Locals) -> Option<End> {
         match self.body(from, locals)? {
-            None => Some(End { holder: Holder::Ground, at: at.to_vec() }),
+            None => Some(End { holder: AttachedTo::Ground, at: at.to_vec() }),
             Some(body) => {
                 let rigid = self.scope.bodies[body].angle.is_some();
                 let at = if rigid { at.to_vec() } else { self.centre(body)? };
-                Some(End { holder: Holder::Body(body), at })
+                Some(End { holder: AttachedTo::Body(body), at })
             }
         }
     }
 
     /// The body that a text names; inside, `None` is the ground.  Outside, `None`: it names none (reported).
     pub fn body(&mut self, text: &Text, locals: &Locals) -> Option<Option<usize>> {
-        let mut lower = Lower::new(&mut self.bench, &self.scope, text, POSITION, locals);
+        let mut lower = Lower::new(&mut self.builder, &self.scope, text, POSITION, locals);
         let AstKind::Name { name, indices, primes: 0 } = &text.ast.kind else {
             let place = text.place.at(text.ast.span);
             lower.refuse(names::wrong_thing(place, &text.source, "a body", "an expression"));
@@ -157,7 +158,7 @@ impl Resolver<'_> {
         {
             let name = &self.scope.bodies[body].name;
             let place = text.place.at(text.ast.span);
-            self.bench.problems.push(mechanics::needs_orientation(place, name, context));
+            self.builder.problems.push(mechanics::needs_orientation(place, name, context));
             return None;
         }
         Some(body)

@@ -22,14 +22,14 @@ impl Resolver<'_> {
         let mut seen = BTreeMap::new();
         for (key, spot) in self.section("events") {
             let Some(family) = self.expand(key, &spot) else { continue };
-            let problems = &mut self.bench.problems;
+            let problems = &mut self.builder.problems;
             if !spot.only(&["when", "direction", "if", "then", "phase"], "an event", problems) {
                 continue;
             }
             let when = spot.need("when", "an event", problems).and_then(|when| when.text(problems));
             let condition = spot.get("if").and_then(|condition| condition.text(problems));
             let direction = spot.get("direction").map_or(0, |direction| self.direction(&direction));
-            let then = spot.need("then", "an event", &mut self.bench.problems);
+            let then = spot.need("then", "an event", &mut self.builder.problems);
             for member in &family.members {
                 let name = member.name();
                 if !self.unique(&mut seen, &name, "`events`", &spot.place) {
@@ -50,14 +50,14 @@ impl Resolver<'_> {
     }
 
     fn direction(&mut self, spot: &Spot<'_>) -> i8 {
-        match spot.words(&mut self.bench.problems) {
+        match spot.words(&mut self.builder.problems) {
             Some("rising") => 1,
             Some("falling") => -1,
             Some("both") | None => 0,
             Some(other) => {
                 let help = did_you_mean_or(other, &["rising", "falling", "both"]);
                 let problem = sections::unknown_choice(spot.place.clone(), other, "a direction", help);
-                self.bench.problems.push(problem);
+                self.builder.problems.push(problem);
                 0
             }
         }
@@ -67,7 +67,7 @@ impl Resolver<'_> {
     fn actions(&mut self, then: &Spot<'_>, active: &[usize], locals: &Locals) -> Vec<EventAction> {
         let items = then.items().unwrap_or_else(|| vec![then.clone()]);
         if items.is_empty() {
-            self.bench.problems.push(sections::empty_list(then.place.of_key(), "then", "action"));
+            self.builder.problems.push(sections::empty_list(then.place.of_key(), "then", "action"));
         }
         let mut actions: Vec<EventAction> = Vec::new();
         for item in items {
@@ -77,7 +77,7 @@ impl Resolver<'_> {
             };
             let goes_on = |action: &EventAction| matches!(action, EventAction::Phase(_));
             if action.as_ref().is_some_and(goes_on) && actions.iter().any(goes_on) {
-                self.bench.problems.push(sections::two_phases(item.place.clone()));
+                self.builder.problems.push(sections::two_phases(item.place.clone()));
             }
             actions.extend(action);
         }
@@ -86,7 +86,7 @@ impl Resolver<'_> {
 
     /// `stop`, `record` or a phase.
     fn action(&mut self, item: &Spot<'_>, locals: &Locals) -> Option<EventAction> {
-        let words = item.words(&mut self.bench.problems)?;
+        let words = item.words(&mut self.builder.problems)?;
         match words {
             "stop" => return Some(EventAction::Stop),
             "record" => return Some(EventAction::Record),
@@ -103,22 +103,22 @@ impl Resolver<'_> {
         let known: Vec<&str> = ["stop", "record"].into_iter().chain(phases).collect();
         let help = did_you_mean_or(words, &known);
         let what = "something that an event can do";
-        self.bench.problems.push(sections::unknown_choice(item.place.clone(), words, what, help));
+        self.builder.problems.push(sections::unknown_choice(item.place.clone(), words, what, help));
         None
     }
 
     /// `{impact: e, along: c}`.
     fn impact(&mut self, item: &Spot<'_>, active: &[usize], locals: &Locals) -> Option<EventAction> {
-        let problems = &mut self.bench.problems;
+        let problems = &mut self.builder.problems;
         item.only(&["impact", "along"], "an impact", problems);
         let restitution = item.need("impact", "an impact", problems);
         let along = item.need("along", "an impact", problems);
         let restitution = restitution.and_then(|spot| self.restitution(&spot, locals));
         let along = along.and_then(|spot| {
-            let text = spot.text(&mut self.bench.problems)?;
+            let text = spot.text(&mut self.builder.problems)?;
             let along = self.place(&text, locals, Section::Constraint)?;
             let looked_at: usize = active.iter().map(|phase| self.model.phases[*phase].constraints.len()).sum();
-            if !self.bench.spend(looked_at as u64 / 64, &spot.place) {
+            if !self.builder.spend(looked_at as u64 / 64, &spot.place) {
                 return None;
             }
             let constraint = self.model.constraints.get(along)?;
@@ -130,7 +130,7 @@ impl Resolver<'_> {
             } else {
                 return Some(along);
             };
-            self.bench.problems.push(problem);
+            self.builder.problems.push(problem);
             None
         });
         Some(EventAction::Impact { restitution: restitution?, along: along? })
@@ -138,20 +138,20 @@ impl Resolver<'_> {
 
     /// A coefficient of restitution: of parameters, and in 0..1 in every scene.
     fn restitution(&mut self, spot: &Spot<'_>, locals: &Locals) -> Option<Id> {
-        let quantity = spot.quantity(&mut self.bench.problems)?;
+        let quantity = spot.quantity(&mut self.builder.problems)?;
         let value = self.setting(&quantity, RESTITUTION, locals)?;
-        let constant = self.bench.graph.number(value).is_some();
+        let constant = self.builder.graph.number(value).is_some();
         for scene in 0..if constant { 1 } else { self.model.scenes.len() } {
-            if !self.bench.spend(1 + self.bench.graph.len() as u64 / 1024, &spot.place) {
+            if !self.builder.spend(1 + self.builder.graph.len() as u64 / 1024, &spot.place) {
                 return None;
             }
             let parameters = if constant { Vec::new() } else { self.scene_parameters(&self.model.scenes[scene]) };
-            let problem = match crate::model::command::evaluate(&self.bench.graph, value, &parameters) {
+            let problem = match crate::model::command::evaluate(&self.builder.graph, value, &parameters) {
                 Some(e) if (0.0..=1.0).contains(&e) => continue,
                 Some(e) => mechanics::value_out_of_range(spot.place.clone(), RESTITUTION.what, "in 0..1", e),
                 None => names::undefined_value(spot.place.clone(), &quantity.text.source),
             };
-            self.bench.problems.push(problem);
+            self.builder.problems.push(problem);
             return None;
         }
         Some(value)

@@ -1,7 +1,7 @@
 //! `forces` and `torques`.
 
 use super::ends::End;
-use super::loads::{Draft, DraftPush, Drafts, Holder};
+use super::loads::{AttachedTo, Draft, DraftPush, Drafts};
 use crate::diagnose::catalogue::sections;
 use crate::expr::Id;
 use crate::file::{Spot, Text, Written};
@@ -18,7 +18,7 @@ impl Resolver<'_> {
         if !self.load_keys(spot, &["on", "at", "force", "from", "reaction"], "a force", family) {
             return;
         }
-        let problems = &mut self.bench.problems;
+        let problems = &mut self.builder.problems;
         if let (Some(_), Some(reaction)) = (spot.get("from"), spot.get("reaction")) {
             problems.push(sections::conflicting_keys(reaction.place.of_key(), "from", "reaction", "a force"));
             return;
@@ -45,10 +45,10 @@ impl Resolver<'_> {
             let opposite = match (&from, &reaction) {
                 (Some(from), _) => self.opposite(from, &end.at, locals),
                 (None, Some(reaction)) => self.point_or_body(reaction, locals, drafts),
-                (None, None) => Some(End { holder: Holder::Ground, at: end.at.clone() }),
+                (None, None) => Some(End { holder: AttachedTo::Ground, at: end.at.clone() }),
             };
             let Some(opposite) = opposite else { continue };
-            let minus = value::negative(&mut self.bench.graph, &force);
+            let minus = value::negative(&mut self.builder.graph, &force);
             let mut pushes = vec![DraftPush { holder: end.holder, at: end.at, force, couple: Vec::new() }];
             if from.is_some() || reaction.is_some() {
                 pushes.push(DraftPush { holder: opposite.holder, at: opposite.at, force: minus, couple: Vec::new() });
@@ -73,7 +73,7 @@ impl Resolver<'_> {
         if !self.load_keys(spot, &["on", "torque", "from"], "a torque", family) {
             return;
         }
-        let problems = &mut self.bench.problems;
+        let problems = &mut self.builder.problems;
         let on = spot.need("on", "a torque", problems).and_then(|on| on.text(problems));
         let torque = spot.need("torque", "a torque", problems).and_then(|torque| torque.text(problems));
         let from = match spot.get("from") {
@@ -89,7 +89,7 @@ impl Resolver<'_> {
                 None => Some(None),
             };
             let (Some(torque), Some(on), Some(from)) = (torque, on, from) else { continue };
-            let minus = self.bench.graph.neg(torque);
+            let minus = self.builder.graph.neg(torque);
             let pushes = [(on, torque), (from, minus)]
                 .into_iter()
                 .filter_map(|(body, couple)| body.map(|(body, at)| self.couple(body, at, couple)))
@@ -108,6 +108,11 @@ impl Resolver<'_> {
     }
 
     fn couple(&self, body: usize, at: Vec<Id>, couple: Id) -> DraftPush {
-        DraftPush { holder: Holder::Body(body), at, force: vec![Id::ZERO; self.scope.dimension], couple: vec![couple] }
+        DraftPush {
+            holder: AttachedTo::Body(body),
+            at,
+            force: vec![Id::ZERO; self.scope.dimension],
+            couple: vec![couple],
+        }
     }
 }

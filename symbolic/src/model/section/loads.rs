@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::carriers::{belongs_to_ground, carriers};
+use super::attachment::{belongs_to_ground, carriers};
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{mechanics, names};
 use crate::expr::Id;
@@ -14,7 +14,7 @@ use crate::model::resolver::Resolver;
 
 /// The body that takes a push.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Holder {
+pub enum AttachedTo {
     /// The ground.
     Ground,
     /// A body.
@@ -27,7 +27,7 @@ pub enum Holder {
 #[derive(Clone, Debug)]
 pub struct DraftPush {
     /// Who takes it.
-    pub holder: Holder,
+    pub holder: AttachedTo,
     /// Where.
     pub at: Vec<Id>,
     /// The force.
@@ -111,7 +111,7 @@ impl Resolver<'_> {
     /// Lets a load act in these phases only.
     fn switch(&mut self, draft: &mut Draft, phases: &[usize]) {
         let active = self.indicator(phases);
-        let graph = &mut self.bench.graph;
+        let graph = &mut self.builder.graph;
         let loaded = match &mut draft.work {
             Work::Potential(energy) => Some(energy),
             Work::Resistance { tension, .. } => Some(tension),
@@ -126,7 +126,7 @@ impl Resolver<'_> {
     /// Checks the keys of an entry; false when it is no mapping.
     pub fn load_keys(&mut self, spot: &Spot<'_>, keys: &[&str], section: &str, family: &Family) -> bool {
         let known: Vec<&str> = keys.iter().copied().chain(["phase"]).collect();
-        let problems = &mut self.bench.problems;
+        let problems = &mut self.builder.problems;
         if !spot.only(&known, section, problems) {
             return false;
         }
@@ -140,20 +140,20 @@ impl Resolver<'_> {
         }
         let points: Vec<Vec<Id>> = wanted.iter().map(|wanted| wanted.point.clone()).collect();
         let model = std::mem::take(&mut self.model);
-        let found = carriers(&mut self.bench, &model, &points);
+        let found = carriers(&mut self.builder, &model, &points);
         self.model = model;
         let Some(found) = found else {
-            self.bench.problems.push(names::too_many_names(Place::default(), MEMBER_LIMIT));
+            self.builder.problems.push(names::too_many_names(Place::default(), MEMBER_LIMIT));
             return None;
         };
         for (wanted, bodies) in wanted.iter().zip(&found.bodies) {
             match wanted.particle {
                 Some(particle) if !bodies.contains(&particle) => {
                     let name = &self.model.bodies[particle].name;
-                    self.bench.problems.push(mechanics::at_on_particle(wanted.place.clone(), name));
+                    self.builder.problems.push(mechanics::at_on_particle(wanted.place.clone(), name));
                 }
                 None if bodies.is_empty() => {
-                    self.bench.problems.push(mechanics::no_body(wanted.place.clone(), &wanted.words));
+                    self.builder.problems.push(mechanics::no_body(wanted.place.clone(), &wanted.words));
                 }
                 _ => {}
             }
@@ -168,9 +168,9 @@ impl Resolver<'_> {
             let mut pushes = Vec::new();
             for push in draft.pushes {
                 let body = match push.holder {
-                    Holder::Ground => None,
-                    Holder::Body(body) => Some(body),
-                    Holder::Carrier(wanted) => match found.get(wanted).map(Vec::as_slice) {
+                    AttachedTo::Ground => None,
+                    AttachedTo::Body(body) => Some(body),
+                    AttachedTo::Carrier(wanted) => match found.get(wanted).map(Vec::as_slice) {
                         Some([body]) => Some(*body),
                         Some(bodies @ [body, ..]) => {
                             let (load, push) = (self.model.loads.len(), pushes.len());
@@ -199,12 +199,12 @@ impl Resolver<'_> {
     }
 
     /// Who takes a force at a point.
-    pub fn holder(&mut self, point: &[Id], words: &str, place: Place, drafts: &mut Drafts) -> Holder {
-        if belongs_to_ground(&mut self.bench, point) {
-            return Holder::Ground;
+    pub fn holder(&mut self, point: &[Id], words: &str, place: Place, drafts: &mut Drafts) -> AttachedTo {
+        if belongs_to_ground(&mut self.builder, point) {
+            return AttachedTo::Ground;
         }
         let wanted = Wanted { point: point.to_vec(), words: words.to_owned(), place, particle: None };
         drafts.wanted.push(wanted);
-        Holder::Carrier(drafts.wanted.len() - 1)
+        AttachedTo::Carrier(drafts.wanted.len() - 1)
     }
 }

@@ -1,8 +1,8 @@
 //! Sections of the file, each with its meaning: declarations, bodies, loads, balances, scenes, what is watched.
 
+pub mod attachment;
 pub mod balances;
 pub mod bodies;
-pub mod carriers;
 pub mod constraints;
 pub mod counts;
 mod cycles;
@@ -11,14 +11,14 @@ pub mod draw;
 pub mod ends;
 pub mod events;
 pub mod forces;
+pub mod hinge_ambiguity;
 pub mod loads;
 pub mod parameters;
 pub mod phases;
 pub mod reactions;
+pub mod resolve_values;
 pub mod scenes;
 pub mod settings;
-pub mod settle;
-pub mod shared;
 pub mod springs;
 pub mod tables;
 pub mod watched;

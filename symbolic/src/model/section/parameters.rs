@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::settle::Want;
+use super::resolve_values::Want;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{names, sections, units};
 use crate::expr::Number;
@@ -29,7 +29,7 @@ impl Resolver<'_> {
         for (key, spot) in self.section("parameters") {
             let Some(family) = self.expand_declared(key, &spot, Section::Parameter) else { continue };
             self.declare_empty(Section::Parameter, &family);
-            match values(&spot, &family, &mut self.bench.problems) {
+            match values(&spot, &family, &mut self.builder.problems) {
                 Some(values) => {
                     for (member, value) in family.members.iter().zip(values) {
                         self.parameter(member, &value, &spot, &mut derived);
@@ -44,8 +44,8 @@ impl Resolver<'_> {
         }
         self.array_fields();
         let has_unit = |unit: Option<&str>| !matches!(unit, None | Some("1"));
-        self.bench.facts.dimensional = self.model.parameters.iter().map(|p| has_unit(p.unit.as_deref())).collect();
-        self.bench.defaults = self.model.parameters.iter().map(|p| p.default).collect();
+        self.builder.facts.dimensional = self.model.parameters.iter().map(|p| has_unit(p.unit.as_deref())).collect();
+        self.builder.defaults = self.model.parameters.iter().map(|p| p.default).collect();
         derived
     }
 
@@ -70,10 +70,10 @@ impl Resolver<'_> {
             && gives_angle(&value.text.ast)
         {
             let place = value.text.place.at(value.text.ast.span);
-            self.bench.problems.push(units::scaled_twice(place, value.text.words(value.text.ast.span), si(unit)));
+            self.builder.problems.push(units::scaled_twice(place, value.text.words(value.text.ast.span), si(unit)));
         }
         let id = self.scalar(&value.text, Rules::constant("a parameter"), &member.locals);
-        let number = id.and_then(|id| self.bench.graph.number(id));
+        let number = id.and_then(|id| self.builder.graph.number(id));
         let factor = value.unit.as_ref().map_or(Number::ONE, |(_, unit)| unit.factor());
         let default = number.map(|x| x.times(factor).to_f64());
         match default.filter(|x| x.is_finite()) {
@@ -94,7 +94,7 @@ impl Resolver<'_> {
             None => {
                 if id.is_some() {
                     let place = value.text.place.at(value.text.ast.span);
-                    self.bench.problems.push(names::undefined_value(place, value.text.words(value.text.ast.span)));
+                    self.builder.problems.push(names::undefined_value(place, value.text.words(value.text.ast.span)));
                 }
                 self.declare(Section::Parameter, member, Member::Refused, &spot.place);
             }
@@ -126,7 +126,7 @@ impl Resolver<'_> {
             if let Some(ranges) = boxes.get(&family.name) {
                 if size(ranges).is_none_or(|size| size > MEMBER_LIMIT as i64) {
                     let problem = names::too_many_names(parameter.place.clone(), MEMBER_LIMIT);
-                    self.bench.problems.push(problem);
+                    self.builder.problems.push(problem);
                     break;
                 }
                 family.ranges.clone_from(ranges);
@@ -151,7 +151,7 @@ impl Resolver<'_> {
                 clashes.push(sections::same_rust_name(place, &name, owner.as_str(), &rust));
             }
         }
-        self.bench.problems.extend(clashes);
+        self.builder.problems.extend(clashes);
     }
 
     /// Derived parameters with their values.

@@ -24,7 +24,7 @@ impl Resolver<'_> {
             self.model.phases = vec![Phase { name: String::new(), constraints, place: self.root.place.clone() }];
             return;
         };
-        let before = self.bench.problems.len();
+        let before = self.builder.problems.len();
         for (key, spot) in self.section("phases") {
             let family = self.expand(key, &spot);
             let base = key.split('[').next().unwrap_or(key).trim().to_owned();
@@ -35,21 +35,21 @@ impl Resolver<'_> {
             if reserved {
                 continue;
             }
-            let items = spot.list(&mut self.bench.problems);
+            let items = spot.list(&mut self.builder.problems);
             for member in family.iter().flat_map(|family| &family.members) {
                 let name = member.name();
                 let place = self.model.phases.len();
                 let entry = self.scope.phase_names.get_mut(&member.base);
                 if !entry.is_some_and(|entry| entry.add(&member.indices, Member::Phase(place))) {
-                    self.bench.problems.push(sections::duplicate_label(spot.place.of_key(), name, "`phases`"));
+                    self.builder.problems.push(sections::duplicate_label(spot.place.of_key(), name, "`phases`"));
                     break;
                 }
                 let constraints = self.places(&items, &name, &member.locals, Section::Constraint);
                 self.model.phases.push(Phase { name, constraints, place: spot.place.clone() });
             }
         }
-        if self.model.phases.is_empty() && self.bench.problems.len() == before {
-            self.bench.problems.push(sections::empty_list(root.place.of_key(), "phases", "phase"));
+        if self.model.phases.is_empty() && self.builder.problems.len() == before {
+            self.builder.problems.push(sections::empty_list(root.place.of_key(), "phases", "phase"));
         }
         if self.model.phases.is_empty() {
             // So that what follows finds one.
@@ -61,7 +61,7 @@ impl Resolver<'_> {
     pub fn is_no_label(&mut self, base: &str, reserved: &[&str], spot: &Spot<'_>) -> bool {
         let refused = reserved.contains(&base) || parse(base).is_err();
         if refused {
-            self.bench.problems.push(names::reserved_name(spot.place.of_key(), base, format!("{base}_")));
+            self.builder.problems.push(names::reserved_name(spot.place.of_key(), base, format!("{base}_")));
         }
         refused
     }
@@ -71,15 +71,15 @@ impl Resolver<'_> {
     pub fn phase_key(&mut self, entry: &Spot<'_>, locals: &Locals) -> Option<Option<Vec<usize>>> {
         let Some(spot) = entry.get("phase") else { return Some(None) };
         if self.root.get("phases").is_none() {
-            self.bench.problems.push(sections::no_phases(spot.place.of_key()));
+            self.builder.problems.push(sections::no_phases(spot.place.of_key()));
             return None;
         }
-        let before = self.bench.problems.len();
+        let before = self.builder.problems.len();
         let items = spot.items().unwrap_or_else(|| vec![spot.clone()]);
         let mut phases = self.places(&items, "phase", locals, Section::Phase);
         phases.sort_unstable();
-        if phases.is_empty() && self.bench.problems.len() == before && items.is_empty() {
-            self.bench.problems.push(sections::empty_list(spot.place.of_key(), "phase", "phase"));
+        if phases.is_empty() && self.builder.problems.len() == before && items.is_empty() {
+            self.builder.problems.push(sections::empty_list(spot.place.of_key(), "phase", "phase"));
         }
         (!phases.is_empty()).then_some(Some(phases))
     }
@@ -87,16 +87,16 @@ impl Resolver<'_> {
     /// The phase that a single name stands for.
     pub fn one_phase(&mut self, spot: &Spot<'_>, locals: &Locals) -> Option<usize> {
         if self.root.get("phases").is_none() {
-            self.bench.problems.push(sections::no_phases(spot.place.of_key()));
+            self.builder.problems.push(sections::no_phases(spot.place.of_key()));
             return None;
         }
-        let text = spot.text(&mut self.bench.problems)?;
+        let text = spot.text(&mut self.builder.problems)?;
         self.place(&text, locals, Section::Phase)
     }
 
     /// The constraint or phase that a name stands for.
     pub fn place(&mut self, text: &Text, locals: &Locals, section: Section) -> Option<usize> {
-        Lower::new(&mut self.bench, &self.scope, text, LOOKED_UP, locals).labelled(&text.ast, section)
+        Lower::new(&mut self.builder, &self.scope, text, LOOKED_UP, locals).labelled(&text.ast, section)
     }
 
     /// What a list names, families included, each thing once.
@@ -109,7 +109,7 @@ impl Resolver<'_> {
                 let Some(place) = self.place(&text, locals, section) else { continue };
                 if !seen.insert(place) {
                     let problem = sections::twice_in_list(item.place.clone(), &text.source, list);
-                    self.bench.problems.push(problem);
+                    self.builder.problems.push(problem);
                     continue;
                 }
                 places.push(place);
@@ -120,6 +120,6 @@ impl Resolver<'_> {
 
     /// 1 in these phases, 0 in all others.
     pub fn indicator(&mut self, phases: &[usize]) -> Id {
-        self.bench.graph.in_phases(phases, self.model.phases.len())
+        self.builder.graph.in_phases(phases, self.model.phases.len())
     }
 }

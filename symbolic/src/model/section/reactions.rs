@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::loads::{Drafts, Holder};
+use super::loads::{AttachedTo, Drafts};
 use crate::diagnose::catalogue::names;
 use crate::expr::{Id, Symbol};
 use crate::file::{Node, Spot};
@@ -28,10 +28,10 @@ impl<'a> Resolver<'a> {
         let mut symbols = 0;
         for (_, system) in self.balance_systems() {
             let Some(list) = system.get("reactions") else { continue };
-            for (key, spot) in list.entries(&mut self.bench.problems) {
+            for (key, spot) in list.entries(&mut self.builder.problems) {
                 if let Some(known) = declared.get(key) {
                     if *known != spot.node {
-                        self.bench.problems.push(names::duplicate_name(spot.place.of_key(), key, "reactions"));
+                        self.builder.problems.push(names::duplicate_name(spot.place.of_key(), key, "reactions"));
                     }
                     continue;
                 }
@@ -57,8 +57,8 @@ impl<'a> Resolver<'a> {
     pub fn unknowns(&mut self, system: &Spot<'a>) -> Vec<Unknown> {
         let (mut unknowns, mut drafts) = (Vec::new(), Drafts::default());
         let Some(list) = system.get("reactions") else { return unknowns };
-        for (key, spot) in list.entries(&mut self.bench.problems) {
-            if !spot.only(&["on", "at", "along", "from", "couple"], "a reaction", &mut self.bench.problems) {
+        for (key, spot) in list.entries(&mut self.builder.problems) {
+            if !spot.only(&["on", "at", "along", "from", "couple"], "a reaction", &mut self.builder.problems) {
                 continue;
             }
             let Some(family) = self.expand(key, &spot) else { continue };
@@ -72,7 +72,7 @@ impl<'a> Resolver<'a> {
 
     fn unknown(&mut self, spot: &Spot<'_>, name: &str, locals: &Locals, drafts: &mut Drafts) -> Option<Unknown> {
         let reaction = self.scope.reactions.iter().find(|r| r.name == name)?.clone();
-        let problems = &mut self.bench.problems;
+        let problems = &mut self.builder.problems;
         let on = spot.need("on", "a reaction", problems)?.text(problems)?;
         let mut written = |key: &str| match spot.get(key) {
             Some(spot) => spot.written(problems).map(Some),
@@ -84,7 +84,7 @@ impl<'a> Resolver<'a> {
             None => None,
         };
         let symbols: Vec<Id> = (0..reaction.components as u32)
-            .map(|k| self.bench.graph.symbol(Symbol::Reaction(reaction.first + k)))
+            .map(|k| self.builder.graph.symbol(Symbol::Reaction(reaction.first + k)))
             .collect();
         let couple = spot.get("couple").is_some();
         let end = self.placed(&on, at.as_ref(), locals, drafts)?;
@@ -95,7 +95,7 @@ impl<'a> Resolver<'a> {
         let direction = match &along {
             Some(along) => {
                 let vector = self.vector(along, Rules::velocity("a direction"), locals)?;
-                Some(value::unit(&mut self.bench.graph, &vector))
+                Some(value::unit(&mut self.builder.graph, &vector))
             }
             None => None,
         };
@@ -104,14 +104,14 @@ impl<'a> Resolver<'a> {
             return None;
         }
         let full = match direction {
-            Some(direction) => direction.iter().map(|e| self.bench.graph.mul(symbols[0], *e)).collect(),
+            Some(direction) => direction.iter().map(|e| self.builder.graph.mul(symbols[0], *e)).collect(),
             None => symbols,
         };
-        let minus = value::negative(&mut self.bench.graph, &full);
+        let minus = value::negative(&mut self.builder.graph, &full);
         let zero = vec![Id::ZERO; self.scope.dimension];
         let mut pushes = Vec::new();
         for (end, load) in std::iter::once((end, full)).chain(opposite.map(|end| (end, minus))) {
-            let Holder::Body(body) = end.holder else { continue };
+            let AttachedTo::Body(body) = end.holder else { continue };
             let (force, couple) = if couple { (zero.clone(), load) } else { (load, Vec::new()) };
             pushes.push(Push { body: Some(body), at: end.at, force, couple });
         }

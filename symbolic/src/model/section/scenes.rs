@@ -29,7 +29,7 @@ const TOLERANCE: Rules = Rules::constant("a tolerance").si(Dimension::ONE);
 const AMOUNT: Rules = Rules::constant("an accuracy");
 const ACCURACY: Rules = Rules::constant("an accuracy").si(Dimension::ONE);
 
-/// An entry of `also`, to be looked up among what is watched.
+/// An entry of `start_conditions`, to be looked up among what is watched.
 #[derive(Clone, Debug)]
 pub struct Held {
     /// The scene's place.
@@ -45,7 +45,7 @@ pub struct Held {
 impl Resolver<'_> {
     /// A value in SI; a pure number is in the unit of what it sets.
     pub fn setting(&mut self, quantity: &Quantity, rules: Rules, locals: &Locals) -> Option<Id> {
-        self.bench.setting(&self.scope, quantity, rules, locals)
+        self.builder.setting(&self.scope, quantity, rules, locals)
     }
 
     /// All scenes; the default one is there even if the file has none.  Returns what they hold besides coordinates.
@@ -72,7 +72,7 @@ impl Resolver<'_> {
     }
 
     fn check_scene(&mut self, spot: &Spot<'_>) -> bool {
-        spot.only(&SCENE_KEYS, "a scene", &mut self.bench.problems)
+        spot.only(&SCENE_KEYS, "a scene", &mut self.builder.problems)
     }
 
     /// One scene; the keys it leaves out are those of `inherited`.
@@ -86,10 +86,10 @@ impl Resolver<'_> {
             held_q: vec![false; count],
             held_v: vec![false; count],
             guessed: false,
-            also: Vec::new(),
+            start_conditions: Vec::new(),
             phase: 0,
-            until: self.bench.graph.integer(10),
-            tolerance: self.bench.graph.rational(Rational::new(1, 1_000_000_000).unwrap_or(Rational::ONE)),
+            until: self.builder.graph.integer(10),
+            tolerance: self.builder.graph.rational(Rational::new(1, 1_000_000_000).unwrap_or(Rational::ONE)),
             every: None,
             set: Vec::new(),
             need: None,
@@ -100,14 +100,14 @@ impl Resolver<'_> {
         if let Some(start) = get("start") {
             self.start(&start, &mut scene);
         }
-        if let Some(also) = get("also") {
-            self.also_held(&also, held);
+        if let Some(start_conditions) = get("also") {
+            self.also_held(&start_conditions, held);
         }
         let solved = get("also").is_some() || !self.model.phases[scene.phase].constraints.is_empty();
         match get("guess") {
             Some(guess) if solved => self.guess(&guess, &mut scene),
             Some(guess) if spot.get("guess").is_some() => {
-                self.bench.problems.push(mechanics::idle_guess(guess.place.of_key()));
+                self.builder.problems.push(mechanics::idle_guess(guess.place.of_key()));
             }
             _ => {}
         }
@@ -124,21 +124,22 @@ impl Resolver<'_> {
 
     /// `needs`: what a scene is run for, and how exactly.
     fn need(&mut self, spot: &Spot<'_>, scene: &Scene) -> Option<Need> {
-        if !spot.only(&["outputs", "within", "absolute"], "`needs`", &mut self.bench.problems) {
+        if !spot.only(&["outputs", "within", "absolute"], "`needs`", &mut self.builder.problems) {
             return None;
         }
         let mut outputs = Vec::new();
         if let Some(list) = spot.get("outputs") {
-            for item in list.list(&mut self.bench.problems) {
-                outputs.extend(item.words(&mut self.bench.problems).map(|name| (name.to_owned(), item.place.clone())));
+            for item in list.list(&mut self.builder.problems) {
+                outputs
+                    .extend(item.words(&mut self.builder.problems).map(|name| (name.to_owned(), item.place.clone())));
             }
         }
-        let within = spot.need("within", "`needs`", &mut self.bench.problems)?;
+        let within = spot.need("within", "`needs`", &mut self.builder.problems)?;
         let mut absolute = Vec::new();
         if let Some(given) = spot.get("absolute") {
-            for (name, entry) in given.entries(&mut self.bench.problems) {
+            for (name, entry) in given.entries(&mut self.builder.problems) {
                 let Some(value) = self.positive(&entry, AMOUNT, scene) else { continue };
-                let dimension = self.bench.measured.dimension().filter(|dimension| *dimension != Dimension::ONE);
+                let dimension = self.builder.measured.dimension().filter(|dimension| *dimension != Dimension::ONE);
                 let unit = dimension.map(|dimension| dimension.to_string());
                 absolute.push(Amount { name: name.to_owned(), place: entry.place.of_key(), value, unit });
             }
@@ -175,7 +176,14 @@ impl Resolver<'_> {
                 let found = format!("in {unit}");
                 let wanted = format!("is in {wanted}");
                 let of = format!("`{}`", amount.name);
-                self.bench.problems.push(units::wrong_unit(amount.place.clone(), "this amount", found, of, wanted, ""));
+                self.builder.problems.push(units::wrong_unit(
+                    amount.place.clone(),
+                    "this amount",
+                    found,
+                    of,
+                    wanted,
+                    "",
+                ));
                 seen.push(amount.place.clone());
             }
         }
@@ -187,7 +195,7 @@ impl Resolver<'_> {
                 if !seen.contains(place) {
                     let known: Vec<&str> = known.iter().map(String::as_str).collect();
                     let help = crate::diagnose::did_you_mean_or(name, &known);
-                    self.bench.problems.push(names::unknown_name(place.clone(), name, help));
+                    self.builder.problems.push(names::unknown_name(place.clone(), name, help));
                     seen.push(place.clone());
                 }
             }
@@ -198,7 +206,7 @@ impl Resolver<'_> {
     pub fn scene_parameters(&self, scene: &Scene) -> Vec<f64> {
         let mut parameters: Vec<f64> = self.model.parameters.iter().map(|p| p.default).collect();
         let set: Vec<Id> = scene.set.iter().map(|(_, value)| *value).collect();
-        let values = crate::model::command::evaluate_all(&self.bench.graph, &set, &parameters);
+        let values = crate::model::command::evaluate_all(&self.builder.graph, &set, &parameters);
         for ((parameter, _), value) in scene.set.iter().zip(values) {
             parameters[*parameter] = value;
         }
@@ -208,19 +216,19 @@ impl Resolver<'_> {
     /// A positive number of parameters.
     fn positive(&mut self, spot: &Spot<'_>, rules: Rules, scene: &Scene) -> Option<Id> {
         let what = rules.what;
-        let quantity = spot.quantity(&mut self.bench.problems)?;
+        let quantity = spot.quantity(&mut self.builder.problems)?;
         let value = self.setting(&quantity, rules, &Self::no_locals())?;
-        let constant = self.bench.graph.number(value).is_some();
+        let constant = self.builder.graph.number(value).is_some();
         let parameters = if constant { Vec::new() } else { self.scene_parameters(scene) };
-        match crate::model::command::evaluate(&self.bench.graph, value, &parameters) {
+        match crate::model::command::evaluate(&self.builder.graph, value, &parameters) {
             Some(number) if number > 0.0 => Some(value),
             Some(number) => {
                 let problem = mechanics::value_out_of_range(spot.place.clone(), what, "positive", number);
-                self.bench.problems.push(problem);
+                self.builder.problems.push(problem);
                 None
             }
             None => {
-                self.bench.problems.push(names::undefined_value(spot.place.clone(), &quantity.text.source));
+                self.builder.problems.push(names::undefined_value(spot.place.clone(), &quantity.text.source));
                 None
             }
         }
@@ -228,11 +236,11 @@ impl Resolver<'_> {
 
     /// `start`: coordinates and, with a prime, their speeds.
     fn start(&mut self, spot: &Spot<'_>, scene: &mut Scene) {
-        for (key, spot) in spot.entries(&mut self.bench.problems) {
+        for (key, spot) in spot.entries(&mut self.builder.problems) {
             let Some(family) = self.start_key(key, &spot) else { continue };
             if family.key.primes > 1 {
                 let help = "accelerations follow from the model";
-                self.bench.problems.push(mechanics::unknown_start(spot.place.of_key(), key, help));
+                self.builder.problems.push(mechanics::unknown_start(spot.place.of_key(), key, help));
                 continue;
             }
             let speed = usize::from(family.key.primes == 1);
@@ -242,7 +250,7 @@ impl Resolver<'_> {
                 let held = if speed == 1 { &mut scene.held_v } else { &mut scene.held_q };
                 if std::mem::replace(&mut held[coordinate], true) {
                     let name = format!("{}{}", member.name(), if speed == 1 { "'" } else { "" });
-                    self.bench.problems.push(names::member_twice(spot.place.of_key(), name));
+                    self.builder.problems.push(names::member_twice(spot.place.of_key(), name));
                     break;
                 }
                 let unit = self.scope.units.coordinates[coordinate];
@@ -291,10 +299,10 @@ impl Resolver<'_> {
     pub fn start_key(&mut self, key: &str, spot: &Spot<'_>) -> Option<Family> {
         let place = spot.place.of_key();
         let mut indices = Vec::new();
-        let family = families::expand(&mut self.bench, &self.scope, &mut indices, key, &place)?;
+        let family = families::expand(&mut self.builder, &self.scope, &mut indices, key, &place)?;
         for (name, place) in indices {
             if self.scope.names.contains_key(&name) {
-                self.bench.problems.push(names::index_hides_name(place, name));
+                self.builder.problems.push(names::index_hides_name(place, name));
                 return None;
             }
         }
@@ -308,13 +316,13 @@ impl Resolver<'_> {
         }
         let known = self.model.coordinates.iter().map(|c| c.name.split('[').next().unwrap_or(&c.name));
         let help = crate::diagnose::did_you_mean(&member.base, known);
-        self.bench.problems.push(mechanics::unknown_start(spot.place.of_key(), key, help));
+        self.builder.problems.push(mechanics::unknown_start(spot.place.of_key(), key, help));
         None
     }
 
     /// One value for each member: the same expression, or a list.
     fn values_for(&mut self, spot: &Spot<'_>, family: &Family) -> Option<Vec<Quantity>> {
-        let problems = &mut self.bench.problems;
+        let problems = &mut self.builder.problems;
         if spot.items().is_none() {
             return spot.quantity(problems).map(|value| vec![value; family.members.len()]);
         }
@@ -334,13 +342,13 @@ impl Resolver<'_> {
     /// `set`: free parameters.
     fn set(&mut self, spot: &Spot<'_>, scene: &mut Scene) {
         let mut given = vec![false; self.model.parameters.len()];
-        for (key, spot) in spot.entries(&mut self.bench.problems) {
+        for (key, spot) in spot.entries(&mut self.builder.problems) {
             let Some(family) = self.start_key(key, &spot) else { continue };
             let Some(values) = self.values_for(&spot, &family) else { continue };
             for (member, value) in family.members.iter().zip(values) {
                 let Some(parameter) = self.free_parameter(member, &spot.place) else { break };
                 if std::mem::replace(&mut given[parameter], true) {
-                    self.bench.problems.push(names::member_twice(spot.place.of_key(), member.name()));
+                    self.builder.problems.push(names::member_twice(spot.place.of_key(), member.name()));
                     break;
                 }
                 let words = self.model.parameters[parameter].unit.as_deref();
@@ -371,17 +379,17 @@ impl Resolver<'_> {
     fn coordinates_given(&mut self, spot: &Spot<'_>, rules: Rules, at_rest: &str) -> Vec<(usize, Id)> {
         let mut given = Vec::new();
         let mut seen = vec![false; self.model.coordinates.len()];
-        for (key, spot) in spot.entries(&mut self.bench.problems) {
+        for (key, spot) in spot.entries(&mut self.builder.problems) {
             let Some(family) = self.start_key(key, &spot) else { continue };
             if family.key.primes > 0 {
-                self.bench.problems.push(mechanics::unknown_start(spot.place.of_key(), key, at_rest));
+                self.builder.problems.push(mechanics::unknown_start(spot.place.of_key(), key, at_rest));
                 continue;
             }
             let Some(values) = self.values_for(&spot, &family) else { continue };
             for (member, value) in family.members.iter().zip(values) {
                 let Some(coordinate) = self.started(member, key, &spot) else { break };
                 if std::mem::replace(&mut seen[coordinate], true) {
-                    self.bench.problems.push(names::member_twice(spot.place.of_key(), member.name()));
+                    self.builder.problems.push(names::member_twice(spot.place.of_key(), member.name()));
                     break;
                 }
                 let rules = rules.like(self.scope.units.coordinates[coordinate]);
@@ -393,19 +401,19 @@ impl Resolver<'_> {
         given
     }
 
-    /// The entries of `also`, whose names mean something once `conserved` and `outputs` are read.
+    /// The entries of `start_conditions`, whose names mean something once `conserved` and `outputs` are read.
     fn also_held(&mut self, spot: &Spot<'_>, held: &mut Vec<Held>) {
         let scene = self.model.scenes.len();
-        for (key, spot) in spot.entries(&mut self.bench.problems) {
+        for (key, spot) in spot.entries(&mut self.builder.problems) {
             let Some(family) = self.start_key(key, &spot) else { continue };
             if family.key.primes > 0 {
                 let (why, help) = ("it has a prime", "make its rate an output, `rate(…)`, and name that");
-                self.bench.problems.push(mechanics::cannot_hold(spot.place.of_key(), key, why, help));
+                self.builder.problems.push(mechanics::cannot_hold(spot.place.of_key(), key, why, help));
                 continue;
             }
             let values: Vec<Vec<Quantity>> = match spot.items() {
                 Some(items) if !family.ranged => {
-                    let values: Vec<_> = items.iter().map(|item| item.quantity(&mut self.bench.problems)).collect();
+                    let values: Vec<_> = items.iter().map(|item| item.quantity(&mut self.builder.problems)).collect();
                     let Some(values) = values.into_iter().collect() else { continue };
                     vec![values]
                 }
@@ -421,20 +429,20 @@ impl Resolver<'_> {
         }
     }
 
-    /// `also`: equations on what is conserved or an output.
-    pub fn also(&mut self, held: Vec<Held>) {
+    /// `start_conditions`: equations on what is conserved or an output.
+    pub fn start_conditions(&mut self, held: Vec<Held>) {
         for Held { scene, name, values, locals, place } in held {
             let Some(watched) = self.watched_as(&name, &place) else { continue };
             let zero = matches!(values.as_slice(), [value] if &*value.text.source == "0");
             if !zero && values.len() != watched.value.len() {
                 let problem = sections::list_length(place.clone(), &name, watched.value.len(), values.len());
-                self.bench.problems.push(problem);
+                self.builder.problems.push(problem);
                 continue;
             }
             let rules = Rules::constant("its value").like(watched.unit);
             for (k, quantity) in watched.value.iter().enumerate() {
                 let Some(value) = self.setting(&values[if zero { 0 } else { k }], rules, &locals) else { break };
-                self.model.scenes[scene].also.push((*quantity, value));
+                self.model.scenes[scene].start_conditions.push((*quantity, value));
             }
         }
     }
@@ -447,13 +455,13 @@ impl Resolver<'_> {
                 true => "the model has neither".to_owned(),
                 false => crate::diagnose::did_you_mean_or(name, &known),
             };
-            self.bench.problems.push(mechanics::unknown_held(place.of_key(), name, help));
+            self.builder.problems.push(mechanics::unknown_held(place.of_key(), name, help));
             return None;
         };
         let entries: Option<Vec<Watched>> = entries.iter().cloned().collect();
         let entries = entries?;
         let watched = entries.first()?.clone();
-        let depends = self.bench.depends(&watched.value);
+        let depends = self.builder.depends(&watched.value);
         let function = "name a function of coordinates, velocities and time";
         let (why, help) = if entries.iter().any(|other| other.value != watched.value) {
             ("it stands in `conserved` and in `outputs` with different values", "give one of the two another name")
@@ -464,7 +472,7 @@ impl Resolver<'_> {
         } else {
             return Some(watched);
         };
-        self.bench.problems.push(mechanics::cannot_hold(place.of_key(), name, why, help));
+        self.builder.problems.push(mechanics::cannot_hold(place.of_key(), name, why, help));
         None
     }
 }

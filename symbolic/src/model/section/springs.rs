@@ -1,7 +1,7 @@
 //! `springs` and `dampers`.
 
 use super::ends::{End, EndText};
-use super::loads::{Draft, DraftPush, Drafts, Holder};
+use super::loads::{AttachedTo, Draft, DraftPush, Drafts};
 use crate::diagnose::catalogue::{mechanics, sections};
 use crate::expr::{Id, Symbol};
 use crate::file::{Spot, Text, Written};
@@ -67,13 +67,13 @@ impl Resolver<'_> {
             (false, true) => Some(second),
             (true, true) => {
                 let place = spot.place.key(second).of_key();
-                self.bench.problems.push(sections::conflicting_keys(place, first, second, section));
+                self.builder.problems.push(sections::conflicting_keys(place, first, second, section));
                 None
             }
-            (false, false) if spot.misspelt(&self.bench.problems) => None,
+            (false, false) if spot.misspelt(&self.builder.problems) => None,
             (false, false) => {
                 let keys = format!("`{first}`, `{second}`");
-                self.bench.problems.push(sections::needs_one_of(spot.place.of_key(), keys, section));
+                self.builder.problems.push(sections::needs_one_of(spot.place.of_key(), keys, section));
                 None
             }
         }
@@ -84,7 +84,7 @@ impl Resolver<'_> {
         for key in keys {
             if spot.get(key).is_some() {
                 let place = spot.place.key(key).of_key();
-                self.bench.problems.push(sections::conflicting_keys(place, with, key, section));
+                self.builder.problems.push(sections::conflicting_keys(place, with, key, section));
             }
         }
     }
@@ -114,7 +114,7 @@ impl Resolver<'_> {
     fn law(&mut self, spot: &Spot<'_>) -> Option<Law> {
         let laws = ["stiffness", "energy", "tension"];
         let given: Vec<&str> = laws.into_iter().filter(|key| spot.get(key).is_some()).collect();
-        let problems = &mut self.bench.problems;
+        let problems = &mut self.builder.problems;
         let law = match given.as_slice() {
             [law] => *law,
             [] if spot.misspelt(problems) => return None,
@@ -164,7 +164,7 @@ impl Resolver<'_> {
             drafts.wanted.truncate(wanted);
         }
         if p.at == q.at {
-            self.bench.problems.push(mechanics::same_ends(spot.place.key("between"), name));
+            self.builder.problems.push(mechanics::same_ends(spot.place.key("between"), name));
             return None;
         }
         Some((p, q))
@@ -172,7 +172,7 @@ impl Resolver<'_> {
 
     /// The work of a spring between P and Q, and the force on P.
     fn pull(&mut self, law: &Law, p: &[Id], q: &[Id], locals: &Locals) -> Option<(Work, Vec<Id>)> {
-        let line = value::difference(&mut self.bench.graph, p, q);
+        let line = value::difference(&mut self.builder.graph, p, q);
         match law {
             Law::Linear(stiffness, rest) => {
                 let k = self.scalar(stiffness, Rules::of_time("a stiffness").si(Dimension::STIFFNESS), locals);
@@ -181,7 +181,7 @@ impl Resolver<'_> {
                     None => Id::ZERO,
                 };
                 let (k, half) = (k?, self.half());
-                let graph = &mut self.bench.graph;
+                let graph = &mut self.builder.graph;
                 if rest == Id::ZERO {
                     // Without a rest length there is no square root: V = ½ k d·d, force k d.
                     let square = value::dot(graph, &line, &line);
@@ -199,27 +199,27 @@ impl Resolver<'_> {
             Law::Energy(text) => {
                 let energy =
                     self.law_of_length(text, Rules::of_time("the energy of a spring").si(Dimension::ENERGY), locals)?;
-                let slope = self.bench.partial(energy, LENGTH, &text.place);
-                let length = value::norm(&mut self.bench.graph, &line);
+                let slope = self.builder.partial(energy, LENGTH, &text.place);
+                let length = value::norm(&mut self.builder.graph, &line);
                 let (energy, tension) = (self.put_length(energy, length, text), self.put_length(slope, length, text));
-                Some((Work::Potential(energy), along(&mut self.bench.graph, tension, &line, length)))
+                Some((Work::Potential(energy), along(&mut self.builder.graph, tension, &line, length)))
             }
             Law::Tension(text) => {
                 let tension = self.law_of_length(text, Rules::velocity("a tension").si(Dimension::FORCE), locals)?;
-                let length = value::norm(&mut self.bench.graph, &line);
+                let length = value::norm(&mut self.builder.graph, &line);
                 let motion = Depends::COORDINATE.and(Depends::VELOCITY);
-                let energy = if self.bench.depends(&[tension]).meets(motion) {
+                let energy = if self.builder.depends(&[tension]).meets(motion) {
                     None
                 } else {
-                    antiderivative(&mut self.bench.graph, &mut self.bench.facts, tension, LENGTH)
+                    antiderivative(&mut self.builder.graph, &mut self.builder.facts, tension, LENGTH)
                 };
                 let tension = self.put_length(tension, length, text);
                 let work = match energy {
                     Some(energy) => Work::Potential(self.put_length(energy, length, text)),
                     // No antiderivative in closed form: the work is done by the rate of the length.
-                    None => Work::Resistance { rate: self.bench.rate(length), tension },
+                    None => Work::Resistance { rate: self.builder.rate(length), tension },
                 };
-                Some((work, along(&mut self.bench.graph, tension, &line, length)))
+                Some((work, along(&mut self.builder.graph, tension, &line, length)))
             }
         }
     }
@@ -227,19 +227,19 @@ impl Resolver<'_> {
     fn law_of_length(&mut self, text: &Text, rules: Rules, locals: &Locals) -> Option<Id> {
         let mut locals = locals.to_vec();
         locals.push(("length".to_owned(), Local::Symbol(LENGTH, self.scope.units.of(Dimension::LENGTH))));
-        self.bench.scalar(&self.scope, text, rules, &locals)
+        self.builder.scalar(&self.scope, text, rules, &locals)
     }
 
     fn put_length(&mut self, law: Id, length: Id, text: &Text) -> Id {
-        let bench = &mut self.bench;
-        let (value, visited) = substitute(&mut bench.graph, &mut bench.facts, law, LENGTH, length);
-        bench.spend(visited, &text.place);
+        let builder = &mut self.builder;
+        let (value, visited) = substitute(&mut builder.graph, &mut builder.facts, law, LENGTH, length);
+        builder.spend(visited, &text.place);
         value
     }
 
     /// The force on P and its opposite on Q.
     fn pair(&mut self, p: &End, q: &End, pull: Vec<Id>) -> Vec<DraftPush> {
-        let opposite = value::negative(&mut self.bench.graph, &pull);
+        let opposite = value::negative(&mut self.builder.graph, &pull);
         let push =
             |end: &End, force| DraftPush { holder: end.holder.clone(), at: end.at.clone(), force, couple: Vec::new() };
         vec![push(p, pull), push(q, opposite)]
@@ -247,7 +247,7 @@ impl Resolver<'_> {
 
     fn spring_stretch(&mut self, spot: &Spot<'_>, family: &Family, drafts: &mut Drafts) {
         self.without(spot, "stretch", &["rest", "energy", "tension"], "a spring");
-        let problems = &mut self.bench.problems;
+        let problems = &mut self.builder.problems;
         let stretch = spot.get("stretch").and_then(|stretch| stretch.text(problems));
         let stiffness = spot.need("stiffness", "a spring", problems).and_then(|k| k.text(problems));
         let placement = self.placement(spot);
@@ -258,7 +258,7 @@ impl Resolver<'_> {
             let k = self.scalar(&stiffness, Rules::of_time("the stiffness here").like(wanted), &member.locals);
             let (Some(e), Some(k)) = (e, k) else { continue };
             let half = self.half();
-            let graph = &mut self.bench.graph;
+            let graph = &mut self.builder.graph;
             let tension = graph.mul(k, e);
             let product = graph.mul(tension, e);
             let work = Work::Potential(graph.mul(half, product));
@@ -269,7 +269,7 @@ impl Resolver<'_> {
 
     /// `on`, `from`, `along`, `at`.
     fn placement(&mut self, spot: &Spot<'_>) -> Option<Placement> {
-        let problems = &mut self.bench.problems;
+        let problems = &mut self.builder.problems;
         let mut text = |key: &str| match spot.get(key) {
             Some(spot) => spot.text(problems).map(Some),
             None => Some(None),
@@ -309,19 +309,24 @@ impl Resolver<'_> {
         let Some(along) = &placement.along else {
             let context = "a torsional spring or damper";
             let mut pushes = Vec::new();
-            let minus = self.bench.graph.neg(tension);
+            let minus = self.builder.graph.neg(tension);
             for (text, couple) in [(Some(on), minus), (placement.from.as_ref(), tension)] {
                 let Some(text) = text else { continue };
                 let Some(body) = self.rigid_body(text, context, locals)? else { continue };
                 let at = self.centre(body)?;
-                pushes.push(DraftPush { holder: Holder::Body(body), at, force: nothing.clone(), couple: vec![couple] });
+                pushes.push(DraftPush {
+                    holder: AttachedTo::Body(body),
+                    at,
+                    force: nothing.clone(),
+                    couple: vec![couple],
+                });
             }
             return Some(pushes);
         };
         let direction = self.vector(along, Rules::position("a direction"), locals)?;
         let end = self.placed(on, placement.at.as_ref(), locals, drafts)?;
-        let force: Vec<Id> = direction.iter().map(|u| self.bench.graph.mul(tension, *u)).collect();
-        let minus = value::negative(&mut self.bench.graph, &force);
+        let force: Vec<Id> = direction.iter().map(|u| self.builder.graph.mul(tension, *u)).collect();
+        let minus = value::negative(&mut self.builder.graph, &force);
         let mut pushes = vec![DraftPush { holder: end.holder, at: end.at.clone(), force: minus, couple: Vec::new() }];
         if let Some(from) = &placement.from {
             let opposite = self.opposite(from, &end.at, locals)?;
@@ -337,7 +342,7 @@ impl Resolver<'_> {
             return;
         }
         let kind = self.one_of(spot, ["between", "rate"], "a damper");
-        let problems = &mut self.bench.problems;
+        let problems = &mut self.builder.problems;
         let damping = spot.need("damping", "a damper", problems).and_then(|c| c.text(problems));
         match (kind, damping) {
             (Some("between"), Some(damping)) => {
@@ -347,12 +352,12 @@ impl Resolver<'_> {
                     let Some([p, q]) = self.between(&between, &member.locals) else { return };
                     let ends = self.spring_ends(&p, &q, &member.name(), spot, &member.locals, drafts);
                     let Some((p, q)) = ends else { continue };
-                    let line = value::difference(&mut self.bench.graph, &p.at, &q.at);
-                    let length = value::norm(&mut self.bench.graph, &line);
-                    let rate = self.bench.rate(length);
+                    let line = value::difference(&mut self.builder.graph, &p.at, &q.at);
+                    let length = value::norm(&mut self.builder.graph, &line);
+                    let rate = self.builder.rate(length);
                     let unit = self.scope.units.of(Dimension::DAMPING);
                     let Some(tension) = self.damping(&damping, rate, unit, &member.locals) else { continue };
-                    let pull = along(&mut self.bench.graph, tension, &line, length);
+                    let pull = along(&mut self.builder.graph, tension, &line, length);
                     let pushes = self.pair(&p, &q, pull);
                     let work = Work::Resistance { rate, tension };
                     drafts.loads.push(Draft { name: member.name(), work, pushes, place: spot.place.clone() });
@@ -364,7 +369,7 @@ impl Resolver<'_> {
     }
 
     fn damper_rate(&mut self, spot: &Spot<'_>, damping: &Text, family: &Family, drafts: &mut Drafts) {
-        let rate = spot.get("rate").and_then(|rate| rate.text(&mut self.bench.problems));
+        let rate = spot.get("rate").and_then(|rate| rate.text(&mut self.builder.problems));
         let placement = self.placement(spot);
         let (Some(rate), Some(placement)) = (rate, placement) else { return };
         for member in &family.members {
@@ -382,12 +387,12 @@ impl Resolver<'_> {
     /// c times the rate; c is in this unit.
     fn damping(&mut self, damping: &Text, rate: Id, unit: Measure, locals: &Locals) -> Option<Id> {
         let c = self.scalar(damping, Rules::velocity("the damping here").like(unit), locals)?;
-        Some(self.bench.graph.mul(c, rate))
+        Some(self.builder.graph.mul(c, rate))
     }
 
     /// The unit of a coefficient that gives something with the square of what was evaluated last.
     fn per_square(&self, dimension: Dimension) -> Measure {
-        self.scope.units.of(dimension).over(self.bench.measured).over(self.bench.measured)
+        self.scope.units.of(dimension).over(self.builder.measured).over(self.builder.measured)
     }
 }
 

@@ -28,7 +28,7 @@ impl Resolver<'_> {
         for (key, spot) in self.section("tables") {
             let Some(family) = self.expand_declared(key, &spot, Section::Table) else { continue };
             if !family.key.indices.is_empty() {
-                self.bench.problems.push(sections::family_not_allowed(spot.place.of_key(), "`tables`"));
+                self.builder.problems.push(sections::family_not_allowed(spot.place.of_key(), "`tables`"));
                 self.refuse_name(&family.key.name, Section::Table);
                 continue;
             }
@@ -45,46 +45,46 @@ impl Resolver<'_> {
     }
 
     fn read_table(&mut self, name: &str, spot: &Spot<'_>) -> Option<TableNames> {
-        if !spot.only(&KEYS, "a table", &mut self.bench.problems) {
+        if !spot.only(&KEYS, "a table", &mut self.builder.problems) {
             return None;
         }
-        let before = self.bench.problems.len();
+        let before = self.builder.problems.len();
         let smooth = self.smooth(spot);
         let periodic = self.periodic(spot);
         let [of, gives] = self.scales(spot)?;
         let points = match (spot.get("points"), spot.get("file")) {
             (Some(_), Some(file)) => {
                 let place = file.place.of_key();
-                self.bench.problems.push(sections::conflicting_keys(place, "points", "file", "a table"));
+                self.builder.problems.push(sections::conflicting_keys(place, "points", "file", "a table"));
                 return None;
             }
             (Some(points), None) => self.listed_points(&points)?,
             (None, Some(file)) => self.points_of_file(spot, &file)?,
-            (None, None) if spot.misspelt(&self.bench.problems) => return None,
+            (None, None) if spot.misspelt(&self.builder.problems) => return None,
             (None, None) => {
                 let place = spot.place.of_key();
-                self.bench.problems.push(sections::needs_one_of(place, "`points`, `file`", "a table"));
+                self.builder.problems.push(sections::needs_one_of(place, "`points`, `file`", "a table"));
                 return None;
             }
         };
         let scaled: Vec<[f64; 2]> = points.iter().map(|[x, y]| [x * of.factor, y * gives.factor]).collect();
         let at = spot.get("points").or_else(|| spot.get("file")).map_or(Place::default(), |spot| spot.place);
         if let Some((why, help)) = unfit(&points, periodic).or_else(|| unfit(&scaled, periodic)) {
-            self.bench.problems.push(sections::bad_table(at, name, why, help));
+            self.builder.problems.push(sections::bad_table(at, name, why, help));
             return None;
         }
         let table = Table::new(name, &scaled, smooth, periodic);
         if !table.pieces().iter().flatten().all(|coefficient| coefficient.is_finite()) {
             let help = "its points are too near to each other for what they differ by";
-            self.bench.problems.push(sections::bad_table(at, name, "it is too steep for numbers of 64 bits", help));
+            self.builder.problems.push(sections::bad_table(at, name, "it is too steep for numbers of 64 bits", help));
         }
-        let sound = self.bench.problems.len() == before;
+        let sound = self.builder.problems.len() == before;
         sound.then_some(TableNames { table, of: of.measure, gives: gives.measure })
     }
 
     fn smooth(&mut self, spot: &Spot<'_>) -> Smooth {
         let Some(smooth) = spot.get("smooth") else { return Smooth::Twice };
-        let problems = &mut self.bench.problems;
+        let problems = &mut self.builder.problems;
         match smooth.words(problems) {
             Some("0") => Smooth::Zero,
             Some("1") => Smooth::Once,
@@ -99,7 +99,7 @@ impl Resolver<'_> {
 
     fn periodic(&mut self, spot: &Spot<'_>) -> bool {
         let Some(periodic) = spot.get("periodic") else { return false };
-        let problems = &mut self.bench.problems;
+        let problems = &mut self.builder.problems;
         match periodic.words(problems) {
             Some("true") => true,
             Some("false") | None => false,
@@ -115,20 +115,20 @@ impl Resolver<'_> {
         let Some(units) = spot.get("units") else {
             return Some([(); 2].map(|()| Scale { factor: 1.0, measure: Measure::Unknown }));
         };
-        let list = units.list(&mut self.bench.problems);
+        let list = units.list(&mut self.builder.problems);
         if list.len() != 2 {
-            self.bench.problems.push(sections::list_length(units.place, "units", 2, list.len()));
+            self.builder.problems.push(sections::list_length(units.place, "units", 2, list.len()));
             return None;
         }
         let mut scale = |spot: &Spot<'_>| {
-            let words = spot.words(&mut self.bench.problems)?;
+            let words = spot.words(&mut self.builder.problems)?;
             match unit_at(words, &spot.place) {
                 Ok(unit) => {
                     let measure = self.note_unit(Some(&unit));
                     Some(Scale { factor: unit.factor().to_f64(), measure })
                 }
                 Err(found) => {
-                    self.bench.problems.extend(found);
+                    self.builder.problems.extend(found);
                     None
                 }
             }
@@ -139,18 +139,18 @@ impl Resolver<'_> {
 
     /// `[[x, y], …]`.
     fn listed_points(&mut self, spot: &Spot<'_>) -> Option<Vec<[f64; 2]>> {
-        let before = self.bench.problems.len();
-        let list = spot.list(&mut self.bench.problems);
+        let before = self.builder.problems.len();
+        let list = spot.list(&mut self.builder.problems);
         if !self.count(list.len(), &spot.place) {
             return None;
         }
         let mut points = Vec::with_capacity(list.len());
         for point in list {
-            let pair = point.list(&mut self.bench.problems);
+            let pair = point.list(&mut self.builder.problems);
             let [x, y] = pair.as_slice() else {
-                if self.bench.problems.len() == before {
+                if self.builder.problems.len() == before {
                     let (name, found) = (point.name.clone(), pair.len());
-                    self.bench.problems.push(sections::list_length(point.place, name, 2, found));
+                    self.builder.problems.push(sections::list_length(point.place, name, 2, found));
                 }
                 continue;
             };
@@ -158,30 +158,31 @@ impl Resolver<'_> {
                 points.push([x, y]);
             }
         }
-        (self.bench.problems.len() == before).then_some(points)
+        (self.builder.problems.len() == before).then_some(points)
     }
 
     /// A number, or an expression of numbers.
     fn number_of_point(&mut self, spot: &Spot<'_>) -> Option<f64> {
-        if let Some(number) = spot.words(&mut self.bench.problems)?.trim().parse().ok().filter(|x: &f64| x.is_finite())
+        if let Some(number) =
+            spot.words(&mut self.builder.problems)?.trim().parse().ok().filter(|x: &f64| x.is_finite())
         {
             return Some(number);
         }
-        let text = spot.text(&mut self.bench.problems)?;
+        let text = spot.text(&mut self.builder.problems)?;
         let id = self.scalar(&text, Rules::constant("a point of a table"), &Default::default())?;
-        let number = self.bench.graph.number(id).map(|number| number.to_f64());
+        let number = self.builder.graph.number(id).map(|number| number.to_f64());
         if number.is_none() {
             let what = "a point of a table";
-            self.bench.problems.push(sections::wrong_shape(spot.place.clone(), what, "a number", "an expression"));
+            self.builder.problems.push(sections::wrong_shape(spot.place.clone(), what, "a number", "an expression"));
         }
         number
     }
 
     /// Two columns of a file beside the model's.
     fn points_of_file(&mut self, spot: &Spot<'_>, file: &Spot<'_>) -> Option<Vec<[f64; 2]>> {
-        let words = file.words(&mut self.bench.problems)?;
+        let words = file.words(&mut self.builder.problems)?;
         let Some(folder) = &self.folder else {
-            self.bench
+            self.builder
                 .problems
                 .push(later::form_not_supported(file.place.clone(), "a table's file in a model that is none"));
             return None;
@@ -190,12 +191,12 @@ impl Resolver<'_> {
         let columns = match spot.get("columns") {
             None => None,
             Some(columns) => {
-                let list = columns.list(&mut self.bench.problems);
+                let list = columns.list(&mut self.builder.problems);
                 if list.len() != 2 {
-                    self.bench.problems.push(sections::list_length(columns.place, "columns", 2, list.len()));
+                    self.builder.problems.push(sections::list_length(columns.place, "columns", 2, list.len()));
                     return None;
                 }
-                Some([list[0].words(&mut self.bench.problems)?, list[1].words(&mut self.bench.problems)?])
+                Some([list[0].words(&mut self.builder.problems)?, list[1].words(&mut self.builder.problems)?])
             }
         };
         match text_of(&path).and_then(|text| columns_of(&text, columns)) {
@@ -205,7 +206,7 @@ impl Resolver<'_> {
             }
             Err(why) => {
                 let help = "two columns of numbers with commas, semicolons, tabs or blanks between, under a line of names or not; `columns` picks them by name";
-                self.bench.problems.push(sections::bad_table(file.place.clone(), words, why, help));
+                self.builder.problems.push(sections::bad_table(file.place.clone(), words, why, help));
                 None
             }
         }

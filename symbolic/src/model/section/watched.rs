@@ -18,7 +18,7 @@ use crate::model::resolver::Resolver;
 /// Terms that one invariant is taken apart into.
 const TERM_LIMIT: usize = 1000;
 
-/// A quantity that `also` may name.
+/// A quantity that `start_conditions` may name.
 #[derive(Clone, Debug)]
 pub struct Watched {
     /// Its components.
@@ -40,14 +40,14 @@ impl Resolver<'_> {
         for (key, spot) in self.section("conserved") {
             let Some(family) = self.expand(key, &spot) else { continue };
             let (value, when) = self.conditional(&spot, "value", "a conserved quantity");
-            let written = value.and_then(|value| value.written(&mut self.bench.problems));
+            let written = value.and_then(|value| value.written(&mut self.builder.problems));
             for member in &family.members {
                 let name = member.name();
                 if !self.unique(&mut seen, &name, "`conserved`", &spot.place) {
                     break;
                 }
                 let rules = Rules::invariant("a conserved quantity").tested();
-                let value = written.as_ref().map(|w| self.bench.written(&self.scope, w, rules, &member.locals));
+                let value = written.as_ref().map(|w| self.builder.written(&self.scope, w, rules, &member.locals));
                 self.watch(&name, value.as_ref().unwrap_or(&Value::Poison));
                 let (Some(written), Some(value)) = (&written, value) else { continue };
                 if value == Value::Poison {
@@ -55,7 +55,7 @@ impl Resolver<'_> {
                 }
                 let Some(phases) = self.phase_key(&spot, &member.locals) else { continue };
                 let value = components(value, 1);
-                let terms = value.iter().map(|x| terms(&mut self.bench.graph, *x)).collect();
+                let terms = value.iter().map(|x| terms(&mut self.builder.graph, *x)).collect();
                 let place = spot.place.clone();
                 let counts_energy = names_energy(written);
                 let when = when.clone();
@@ -69,7 +69,7 @@ impl Resolver<'_> {
         for (key, spot) in self.section("checks") {
             let Some(family) = self.expand(key, &spot) else { continue };
             let (holds, when) = self.conditional(&spot, "holds", "a check");
-            let text = holds.and_then(|holds| holds.equation(&mut self.bench.problems));
+            let text = holds.and_then(|holds| holds.equation(&mut self.builder.problems));
             for member in &family.members {
                 let name = member.name();
                 if !self.unique(&mut seen, &name, "`checks`", &spot.place) {
@@ -87,7 +87,7 @@ impl Resolver<'_> {
 
     /// Both sides of an identity, of equal size; an expression without `=` is to vanish.
     pub fn sides(&mut self, text: &Text, locals: &Locals) -> Option<(Vec<Id>, Vec<Id>)> {
-        let (left, right) = self.bench.sides(&self.scope, text, Rules::anything("a check").tested(), locals)?;
+        let (left, right) = self.builder.sides(&self.scope, text, Rules::anything("a check").tested(), locals)?;
         Some((components(left, 1), components(right, 1)))
     }
 
@@ -96,14 +96,14 @@ impl Resolver<'_> {
         if !matches!(spot.node, Node::Map(_)) {
             return (Some(spot.clone()), Vec::new());
         }
-        let problems = &mut self.bench.problems;
+        let problems = &mut self.builder.problems;
         spot.only(&[key, "when", "phase"], section, problems);
         let value = spot.need(key, section, problems);
         let Some(when) = spot.get("when") else { return (value, Vec::new()) };
         let mut conditions = Vec::new();
-        for (key, spot) in when.entries(&mut self.bench.problems) {
+        for (key, spot) in when.entries(&mut self.builder.problems) {
             let Some(family) = self.expand(key, &spot) else { continue };
-            let quantity = spot.quantity(&mut self.bench.problems);
+            let quantity = spot.quantity(&mut self.builder.problems);
             for member in &family.members {
                 let Some(parameter) = self.free_parameter(member, &spot.place) else { break };
                 let Some(quantity) = &quantity else { continue };
@@ -116,7 +116,7 @@ impl Resolver<'_> {
                     Some(number) => conditions.push((parameter, number)),
                     None => {
                         let place = spot.place.clone();
-                        self.bench.problems.push(names::undefined_value(place, &quantity.text.source));
+                        self.builder.problems.push(names::undefined_value(place, &quantity.text.source));
                     }
                 }
             }
@@ -126,12 +126,12 @@ impl Resolver<'_> {
 
     /// The value of an expression of parameters at their defaults, if it is finite.
     pub fn default_value(&mut self, id: Id) -> Option<f64> {
-        let size = self.bench.graph.len() as u64;
-        if self.bench.graph.number(id).is_none() && !self.bench.spend(size, &Place::default()) {
+        let size = self.builder.graph.len() as u64;
+        if self.builder.graph.number(id).is_none() && !self.builder.spend(size, &Place::default()) {
             return None;
         }
         let parameters: Vec<f64> = self.model.parameters.iter().map(|p| p.default).collect();
-        crate::model::command::evaluate(&self.bench.graph, id, &parameters)
+        crate::model::command::evaluate(&self.builder.graph, id, &parameters)
     }
 
     /// The free parameter that a key names; reports when it names none.
@@ -145,12 +145,12 @@ impl Resolver<'_> {
                 _ if entry.refused => return None,
                 Some(Member::Item(_)) if entry.section == crate::model::expression::scope::Section::Parameter => {
                     let free = free_names(&self.model);
-                    self.bench.problems.push(mechanics::derived_parameter(place, name, free));
+                    self.builder.problems.push(mechanics::derived_parameter(place, name, free));
                     return None;
                 }
                 _ if entry.section != crate::model::expression::scope::Section::Parameter => {
                     let found = entry.section.noun();
-                    self.bench.problems.push(names::wrong_thing(place, name, "a parameter", found));
+                    self.builder.problems.push(names::wrong_thing(place, name, "a parameter", found));
                     return None;
                 }
                 _ => {}
@@ -159,7 +159,7 @@ impl Resolver<'_> {
         let known: Vec<&str> = self.model.parameters.iter().map(|p| p.name.as_str()).collect();
         let help =
             if known.is_empty() { "the model has no parameters".to_owned() } else { did_you_mean_or(&name, &known) };
-        self.bench.problems.push(names::unknown_name(place, name, help));
+        self.builder.problems.push(names::unknown_name(place, name, help));
         None
     }
 
@@ -170,14 +170,14 @@ impl Resolver<'_> {
             let ends = match spot.items() {
                 Some(items) if items.len() == 2 => items,
                 _ => {
-                    spot.wrong_shape("a list of two, `[low, high]`", &mut self.bench.problems);
+                    spot.wrong_shape("a list of two, `[low, high]`", &mut self.builder.problems);
                     continue;
                 }
             };
-            let ends: Vec<_> = ends.iter().map(|end| end.quantity(&mut self.bench.problems)).collect();
+            let ends: Vec<_> = ends.iter().map(|end| end.quantity(&mut self.builder.problems)).collect();
             let [Some(low), Some(high)] = ends.as_slice() else { continue };
             if family.key.primes > 1 {
-                self.bench.problems.push(mechanics::unknown_start(spot.place.of_key(), key, ""));
+                self.builder.problems.push(mechanics::unknown_start(spot.place.of_key(), key, ""));
                 continue;
             }
             for member in &family.members {
@@ -197,7 +197,7 @@ impl Resolver<'_> {
                         let context = format!("the range of `{}` in `sample`", member.name());
                         let (wanted, found) = ("from a lower value to a higher one", format!("[{low}, {high}]"));
                         let place = spot.place.clone();
-                        self.bench.problems.push(mechanics::value_out_of_range(place, context, wanted, found));
+                        self.builder.problems.push(mechanics::value_out_of_range(place, context, wanted, found));
                         break;
                     }
                     self.model.sample.push(Sample { coordinate, speed, low, high });
@@ -215,9 +215,9 @@ impl Resolver<'_> {
             }
             return;
         }
-        for (key, spot) in spot.entries(&mut self.bench.problems) {
+        for (key, spot) in spot.entries(&mut self.builder.problems) {
             let Some(family) = self.expand(key, &spot) else { continue };
-            let written = spot.written(&mut self.bench.problems);
+            let written = spot.written(&mut self.builder.problems);
             for member in &family.members {
                 let name = member.name();
                 if !self.unique(&mut seen, &name, "`outputs`", &spot.place) {
@@ -244,16 +244,16 @@ impl Resolver<'_> {
     }
 
     fn output(&mut self, name: String, written: &Written, locals: &Locals) {
-        let value = self.bench.written(&self.scope, written, Rules::anything("an output"), locals);
+        let value = self.builder.written(&self.scope, written, Rules::anything("an output"), locals);
         self.watch(&name, &value);
-        let known = self.bench.measured.dimension().filter(|dimension| *dimension != Dimension::ONE);
+        let known = self.builder.measured.dimension().filter(|dimension| *dimension != Dimension::ONE);
         let unit = known.map(|dimension| dimension.to_string());
         self.model.outputs.push(Output { name, value: components(value, 1), unit, of_reactions: false });
     }
 
     /// Notes a quantity, in the unit of what was evaluated last, for scenes.
     fn watch(&mut self, name: &str, value: &Value) {
-        let unit = self.bench.measured;
+        let unit = self.builder.measured;
         let watched = (*value != Value::Poison).then(|| Watched { value: components(value.clone(), 1), unit });
         self.watched.entry(name.to_owned()).or_default().push(watched);
     }

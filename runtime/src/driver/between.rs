@@ -1,0 +1,241 @@
+//! What is asked of a step between its ends.
+
+use super::{Integration, Step, StepPolicy};
+use crate::cause::Cause;
+use crate::events::draws::Draws;
+use crate::events::{EventLocator, OwnedSegment};
+use crate::integrate::Segment;
+use crate::mechanism::System;
+use crate::run::Recorder;
+use crate::trust::positive_inertia;
+
+/// Holds the dense output of steps against the equations at one point inside each.
+///
+/// A lie detector only: what is smooth passes by far, see [`Defect::MOST`].  The point is drawn, mostly from the largest
+/// gap between the stages of DOP853.
+#[derive(Clone, Debug)]
+pub(super) struct Defect {
+    draws: Draws,
+    longest: f64,
+    y: Vec<f64>,
+    slope: Vec<f64>,
+    rate: Vec<f64>,
+}
+
+impl Defect {
+    /// Steps whose defect over their length is more than this times the tolerance are lies.
+    pub const MOST: f64 = 1e3;
+
+    /// At the start of a march of states of this size.
+    pub fn new(size: usize) -> Self {
+        let zero = vec![0.0; size];
+        Defect { draws: Draws::new(0x0dec_af00), longest: 0.0, y: zero.clone(), slope: zero.clone(), rate: zero }
+    }
+
+    fn place(&mut self) -> f64 {
+        let within = if self.draws.between(0.0, 1.0) < 0.8 { (0.36, 0.58) } else { (0.05, 0.95) };
+        self.draws.between(within.0, within.1)
+    }
+}
+
+/// A step is tried again for what was seen inside it at most so often.
+const RETRIES: u32 = 16;
+/// Steps are cut no shorter than so many roundings of the time.
+const RESOLVED: f64 = 64.0;
+/// Distances are zero within this part of the largest.
+const NEAR: f64 = 1e-9;
+
+impl Integration {
+    /// Tries steps of `most` seconds at most until one is good between its ends too; returns it, and whether its dense output is made.
+    ///
+    /// In this order, since each reads what the one before has cleared: the error test; the defect of the dense output,
+    /// which halves; features that arguments of local functions reveal, which cut.
+    #[inline]
+    pub(super) fn sound(
+        &mut self,
+        system: &dyn System,
+        (stop, mut most): (f64, f64),
+        watch: &mut Option<Box<EventLocator>>,
+        recorder: &Recorder,
+    ) -> Result<(Step, bool), Box<Cause>> {
+        let mut retries = 0;
+        loop {
+            let step = self.attempt(system, stop, most, watch)?;
+            if retries == RETRIES {
+                self.dense(system, step)?;
+                return Ok((step, true));
+            }
+            if most.is_finite() {
+                // Shorter steps that follow one cut before a feature say nothing about the acceleration.
+                self.jumps.restart();
+            }
+            let has_no_feature = watch.as_mut().is_none_or(|watch| {
+                watch.has_no_feature(system, (self.clock.now(), step.next), (self.stepper.start(), self.stepper.end()))
+            });
+            let watched = watch.as_ref().is_some_and(|watch| watch.wants_dense(system));
+            if has_no_feature && !watched && !recorder.wants_dense(step.next) {
+                return Ok((step, false));
+            }
+            self.dense(system, step)?;
+            if let StepPolicy::Fixed(_) = self.pace {
+                self.meets(system, step, watch)?;
+                return Ok((step, true));
+            }
+            if self.defect_exceeds(system, step)? {
+                most = 0.5 * step.h;
+            } else if has_no_feature {
+                return Ok((step, true));
+            } else if let Some(shorter) = self.cut(system, step, watch) {
+                most = shorter;
+                self.jumps.restart();
+            } else {
+                self.meets(system, step, watch)?;
+                return Ok((step, true));
+            }
+            retries += 1;
+            self.work.retries += 1;
+        }
+    }
+
+    /// How long a step is to be instead, s, that jumps over a feature; what times cannot resolve cuts none.
+    fn cut(&self, system: &dyn System, step: Step, watch: &mut Option<Box<EventLocator>>) -> Option<f64> {
+        let theta = watch.as_mut()?.cut(system, &self.segment(step))?;
+        let shorter = theta * step.h;
+        (shorter > RESOLVED * f64::EPSILON * self.clock.now().abs()).then_some(shorter)
+    }
+
+    /// Refuses a step within which the ends of a force meet, as far as the tolerance tells.
+    fn meets(&self, system: &dyn System, step: Step, watch: &mut Option<Box<EventLocator>>) -> Result<(), Box<Cause>> {
+        let part = match &self.pace {
+            StepPolicy::Fixed(_) => NEAR,
+            StepPolicy::Adaptive { tolerance, .. } => tolerance.relative.clamp(NEAR, 1e-5),
+        };
+        watch.as_mut().map_or(Ok(()), |watch| watch.meets(system, &self.segment(step), part))
+    }
+
+    /// Why no further step can be taken, in the words of the file where it is ends that meet.
+    ///
+    /// Steps that vanish are explained by what stands just ahead.
+    pub(super) fn explained(
+        &mut self,
+        system: &dyn System,
+        cause: Cause,
+        watch: &mut Option<Box<EventLocator>>,
+    ) -> Cause {
+        let ahead = (1e5 * self.h.abs()).max(1e-4 * self.defect.longest);
+        let (now, n) = (self.clock.now(), system.len());
+        let cause = match cause {
+            Cause::StepTooSmall { .. } => {
+                let mut y = self.stepper.start().y.to_vec();
+                for i in 0..n {
+                    y[i] += ahead * y[n + i];
+                }
+                let beyond = self.stepper.evaluate(system, now + ahead, &y, &mut vec![0.0; 2 * n]);
+                let beyond = beyond.map_err(|setback| setback.cause(system.description()));
+                beyond
+                    .map_or_else(Some, |()| positive_inertia(system, now + ahead, &y).err().map(|known| *known))
+                    .unwrap_or(cause)
+            }
+            cause => cause,
+        };
+        let Some(watch) = watch else { return cause };
+        watch.explain(system, cause, (now, self.stepper.start().y), ahead)
+    }
+
+    /// True where the dense output of the step that was tried is far from fulfilling the equations.
+    fn defect_exceeds(&mut self, system: &dyn System, step: Step) -> Result<bool, Box<Cause>> {
+        // Where stability limits the step, dense output is poor and says nothing.
+        if self.step_times_rate > self.stiffness.least() {
+            return Ok(false);
+        }
+        // An evaluation more is dear to a method whose steps have few: its long steps only.
+        let short = step.h < 0.5 * self.defect.longest;
+        self.defect.longest = self.defect.longest.max(step.h);
+        if short && self.stepper.dense_is_free() {
+            return Ok(false);
+        }
+        let theta = self.defect.place();
+        let (mut y, mut slope, mut rate) = (
+            std::mem::take(&mut self.defect.y),
+            std::mem::take(&mut self.defect.slope),
+            std::mem::take(&mut self.defect.rate),
+        );
+        self.segment(step).evaluate_with_slope(theta, &mut y, &mut slope);
+        let evaluated = self.stepper.evaluate(system, self.clock.now() + theta * step.h, &y, &mut rate);
+        for (slope, rate) in slope.iter_mut().zip(&rate) {
+            *slope -= step.h * rate;
+        }
+        self.stepper.damp(&mut slope);
+        let mut size = self.in_units(step, &slope);
+        if evaluated.is_ok() && size > Defect::MOST {
+            self.forgive_noise(system, step, &slope);
+            size = self.in_units(step, &slope);
+        }
+        (self.defect.y, self.defect.slope, self.defect.rate) = (y, slope, rate);
+        // A state that has no accelerations is for the error test to judge, in a shorter step.
+        Ok(evaluated.is_err() || size.is_nan() || size > Defect::MOST)
+    }
+
+    /// Lets the tolerance know which of these errors [q; q'], too large as they are, are rounding.
+    fn forgive_noise(&mut self, system: &dyn System, step: Step, errors: &[f64]) {
+        let noise = self.noise(system);
+        let n = noise.len();
+        let start = self.stepper.start();
+        let (from, ends) = (start.rate, (start.y, self.stepper.end().y));
+        let StepPolicy::Adaptive { tolerance, .. } = &mut self.pace else { return };
+        for (i, noise) in noise.into_iter().enumerate() {
+            let [place, speed] = tolerance.units(i, step.h, ends, from);
+            let own = [errors[i].abs(), errors[n + i].abs()];
+            if own[0] > Defect::MOST * place || own[1] > Defect::MOST * speed {
+                tolerance.noise(i, noise, step.h, own);
+            }
+        }
+    }
+
+    /// The root mean square of errors [q; q'] over the step that was tried, in units of the tolerance.
+    pub(super) fn in_units(&self, step: Step, errors: &[f64]) -> f64 {
+        let StepPolicy::Adaptive { tolerance, .. } = &self.pace else { return 0.0 };
+        let start = self.stepper.start();
+        let (from, ends, n) = (start.rate, (start.y, self.stepper.end().y), errors.len() / 2);
+        let sum: f64 = (0..n)
+            .map(|i| {
+                let [place, speed] = tolerance.units(i, step.h, ends, from);
+                (errors[i] / place).powi(2) + (errors[n + i] / speed).powi(2)
+            })
+            .sum();
+        if errors.is_empty() { 0.0 } else { (sum / errors.len() as f64).sqrt() }
+    }
+
+    /// Takes one error-controlled step under the modes in force only to see where it leads; the march stays where it
+    /// is, and has to begin anew.  `None` where there is none.
+    pub(super) fn trial(&mut self, system: &dyn System) -> Option<OwnedSegment> {
+        let (h, control) = (self.h, self.control.clone());
+        let outcome = self.try_shorter(system);
+        (self.h, self.control) = (h, control);
+        outcome
+    }
+
+    fn try_shorter(&mut self, system: &dyn System) -> Option<OwnedSegment> {
+        const ROUNDS: u32 = 200;
+        let now = self.clock.now();
+        self.stepper.begin(system, now).ok()?;
+        if self.h == 0.0 {
+            self.h = self.first(system, self.until - now);
+        }
+        for _ in 0..ROUNDS {
+            let h = self.h.min(self.until - now);
+            let step = Step { h, next: now + h, lands: false };
+            if step.next <= now || step.next.is_nan() {
+                return None;
+            }
+            let error = self.try_step(system, step, false).unwrap_or(f64::NAN);
+            if error <= 1.0 {
+                self.dense(system, step).ok()?;
+                let Segment { t, h, width, pieces } = self.segment(step);
+                return Some(OwnedSegment { t, h, width, pieces: pieces.to_vec() });
+            }
+            self.h = self.control.rejected(h, error);
+        }
+        None
+    }
+}

@@ -1,0 +1,240 @@
+//! Steps that events and discontinuities may end early.
+
+use super::plan::UNEVEN;
+use super::{Integration, Step, StepPolicy, StopReason, finite};
+use crate::cause::Cause;
+use crate::events::{Crossing, EventLocator, Interruption, Switched};
+use crate::mechanism::{Action, System};
+use crate::run::Recorder;
+
+/// What became of a step that is watched.
+pub(super) enum Outcome {
+    /// It is taken, or what an event leaves of it.
+    Kept(StopReason),
+    /// It fell short of what lies before a crossing, or is too long to show what happens near its start: nothing is taken, and the
+    /// next one is no longer than this, s.
+    MissedFeature(f64),
+}
+
+impl Integration {
+    /// Writes down and takes a step, whose dense output is made if that is wanted or watched, as far as the first event that stops or the first
+    /// discontinuity.
+    pub(super) fn watched(
+        &mut self,
+        system: &mut dyn System,
+        (step, dense): (Step, bool),
+        watch: &mut EventLocator,
+        recorder: &mut Recorder,
+    ) -> Result<Outcome, Box<Cause>> {
+        let interruption = if watch.wants_dense(system) { watch.scan(system, &self.segment(step))? } else { None };
+        if let Some(shorter) = watch.early(&self.segment(step)).filter(|_| watch.wants_dense(system)) {
+            return Ok(Outcome::MissedFeature(shorter));
+        }
+        let Some(interruption) = interruption else {
+            if watch.wants_dense(system) {
+                let segment = self.segment(step);
+                recorder.accept(system, Some(&segment), step.next, self.stepper.end())?;
+                watch.pass(system, &segment, recorder);
+                self.commit(step);
+            } else {
+                self.keep(system, step, dense, recorder)?;
+                watch.step(step.h);
+            }
+            if step.lands {
+                recorder.leave(system, step.next, self.stepper.start());
+                self.switch(system, watch, recorder)?;
+            }
+            return Ok(Outcome::Kept(StopReason::Arrived));
+        };
+        let crossing = match interruption {
+            Interruption::At(crossing) => crossing,
+            Interruption::Leaves { switch, side } => {
+                recorder.leave(system, self.clock.now(), self.stepper.start());
+                let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
+                watch.leave(system, (switch, side), (now, &y), &mut |system| self.trial(system))?;
+                self.restart(system, recorder)?;
+                return Ok(Outcome::Kept(StopReason::Arrived));
+            }
+        };
+        if self.divides() && self.part(system, step.h * crossing.theta, watch, recorder)? {
+            return Ok(Outcome::Kept(StopReason::Arrived));
+        }
+        let together = watch.simultaneous(crossing, &self.segment(step));
+        let fired = match self.shorten(system, step, crossing, watch)? {
+            Some((shorter, error)) if self.is_blind(error) => {
+                // Newton's method may have gone beyond the step that was tried, which is not to be tried again.
+                let shorter = self.control.rejected(shorter.h, error);
+                return Ok(Outcome::MissedFeature(shorter.min(RETRIED * step.h)));
+            }
+            Some((shorter, _)) => {
+                let (segment, end) = (self.segment(shorter), self.stepper.end());
+                recorder.accept(system, Some(&segment), shorter.next, end)?;
+                watch.record_before(system, &segment, recorder, &together)?;
+                let fired = watch.fire(system, &together, (shorter.next, end.y), recorder);
+                self.observe(system, shorter);
+                self.commit(shorter);
+                fired
+            }
+            None => watch.fire(system, &together, (self.clock.now(), self.stepper.start().y), recorder),
+        };
+        let first = fired.iter().flat_map(|fired| &fired.actions).find(|action| **action != Action::Record);
+        if first == Some(&Action::Stop) {
+            // What jumps where an event ends the run belongs to it.
+            if watch.is_due(self.clock.now()) {
+                recorder.leave(system, self.clock.now(), self.stepper.start());
+                self.switch(system, watch, recorder)?;
+            }
+            return Ok(Outcome::Kept(StopReason::Event));
+        }
+        recorder.leave(system, self.clock.now(), self.stepper.start());
+        if !fired.is_empty() {
+            return self.act(system, fired, watch, recorder).map(Outcome::Kept);
+        }
+        // A stop time may coincide with the crossing.
+        if !self.switch(system, watch, recorder)? {
+            self.restart(system, recorder)?;
+        }
+        Ok(Outcome::Kept(StopReason::Arrived))
+    }
+
+    /// Whether a step that a crossing made shorter is much worse than the longer one, which passed what lies there by.
+    fn is_blind(&self, error: f64) -> bool {
+        matches!(self.pace, StepPolicy::Adaptive { .. }) && error > BLIND
+    }
+
+    /// Lets constraints that a phase may bring know how large they are on the way to it: a flight in one step begins and ends
+    /// on the floor.
+    fn observe(&mut self, system: &dyn System, step: Step) {
+        let Some(mut projection) = self.projection.take() else { return };
+        let segment = self.segment(step);
+        let mut y = vec![0.0; segment.width];
+        for theta in [0.0, 0.5] {
+            segment.evaluate(theta, &mut y);
+            projection.observe(system, segment.t + theta * segment.h, &y);
+        }
+        self.projection = Some(projection);
+    }
+
+    /// Takes only a part of the way to a crossing; false where that is nothing.
+    fn part(
+        &mut self,
+        system: &dyn System,
+        way: f64,
+        watch: &mut EventLocator,
+        recorder: &mut Recorder,
+    ) -> Result<bool, Box<Cause>> {
+        let h = UNEVEN * way;
+        let step = Step { h, next: self.clock.after(h), lands: false };
+        if step.next <= self.clock.now() {
+            return Ok(false);
+        }
+        self.try_step(system, step, true).map_err(|setback| setback.cause(system.description()))?;
+        finite(system, self.stepper.end().y, 0)?;
+        self.dense(system, step)?;
+        let segment = self.segment(step);
+        recorder.accept(system, Some(&segment), step.next, self.stepper.end())?;
+        watch.record_before(system, &segment, recorder, &[])?;
+        self.commit(step);
+        Ok(true)
+    }
+
+    /// Switches what is on its surface at the present state, and lets inputs that turn or jump there kick; returns
+    /// whether anything was.
+    fn switch(
+        &mut self,
+        system: &mut dyn System,
+        watch: &mut EventLocator,
+        recorder: &mut Recorder,
+    ) -> Result<bool, Box<Cause>> {
+        let (now, n) = (self.clock.now(), system.len());
+        let y = self.stepper.start().y.to_vec();
+        let switched = watch.switch(system, (now, &y), &mut |system| self.trial(system))?;
+        let Switched { any, resume, impulse } = switched;
+        if !any {
+            return Ok(false);
+        }
+        if resume > now {
+            self.clock.set(resume);
+        }
+        if let Some(impulse) = impulse {
+            for (v, jump) in self.stepper.state_mut()[n..].iter_mut().zip(&impulse.jump) {
+                *v += jump;
+            }
+            recorder.impulse(impulse);
+        }
+        let late = resume - now;
+        self.apply_velocity_jump(system, late, recorder)?;
+        let (q, v) = self.stepper.state_mut().split_at_mut(n);
+        q.iter_mut().zip(v.iter().zip(&y[n..])).for_each(|(q, (after, before))| *q += 0.5 * late * (before + after));
+        if let Some(projection) = &mut self.projection {
+            projection.observe(system, resume, self.stepper.start().y);
+        }
+        self.restart(system, recorder)?;
+        Ok(true)
+    }
+
+    /// Steps again, as far as the zero of a watched function at about θ of the step that was tried, and tells the error;
+    /// `None` if that is where the step began.
+    ///
+    /// The dense output finds the zero; the method's own step to it, corrected by Newton's method, is more
+    /// accurate (catalogue E7).
+    fn shorten(
+        &mut self,
+        system: &dyn System,
+        step: Step,
+        Crossing { function, theta, jumps, .. }: Crossing,
+        watch: &mut EventLocator,
+    ) -> Result<Option<(Step, f64)>, Box<Cause>> {
+        let now = self.clock.now();
+        let resolution = f64::EPSILON * now.abs().max(theta * step.h);
+        let mut h = theta * step.h;
+        let mut shorter = None;
+        // By how much a step that ends before a jump is made longer.
+        let mut reach = 1e-12 * step.h;
+        let mut before = f64::INFINITY;
+        for _ in 0..8 {
+            if h <= resolution {
+                return Ok(shorter);
+            }
+            let trial = Step { h, next: self.clock.after(h), lands: false };
+            let tried = self.try_step(system, trial, true);
+            let error = tried.map_err(|setback| setback.cause(system.description()))?;
+            finite(system, self.stepper.end().y, 0)?;
+            self.dense(system, trial)?;
+            shorter = Some((trial, error));
+            if jumps {
+                match watch.beyond(system, function, &self.segment(trial))? {
+                    // The state there is one that a shorter step reaches, too.
+                    Some(place) if place < 1.0 - 1e-9 => h *= place,
+                    Some(_) => break,
+                    None => {
+                        h += reach;
+                        reach *= 1e3;
+                    }
+                }
+                continue;
+            }
+            let (segment, end) = (self.segment(trial), self.stepper.end());
+            let (value, rate) = watch.value_and_rate(system, function, &segment, end.y);
+            let correction = -value / rate;
+            // Near the start of a loose step dense output may be off by a good part of the way.
+            if !(correction.abs() > resolution && correction.abs() < 0.6 * h) {
+                break;
+            }
+            // Small corrections that no longer fall are what rounding makes of the function.
+            if correction.abs() > 0.1 * before && correction.abs() < ROUNDING * h {
+                break;
+            }
+            before = correction.abs();
+            h += correction;
+        }
+        Ok(shorter)
+    }
+}
+
+/// A shorter step has a smaller error than a longer one, unless the longer one did not see what is there.
+const BLIND: f64 = 4.0;
+/// The step after one that fell short is this part of it at the longest.
+const RETRIED: f64 = 0.5;
+/// Corrections of the time of a crossing that are smaller than this part of a step may be rounding.
+const ROUNDING: f64 = 1e-12;

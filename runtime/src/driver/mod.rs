@@ -1,0 +1,585 @@
+//! Putting steps together to a motion.
+//!
+//! A step is tried until its error is small enough; its dense output is made where anything reads it; what is watched
+//! may end it early: look in `interrupt.rs`; it is written down and taken.  Jumps of the acceleration that
+//! nobody declared: look in `jump.rs`; what is asked of a step between its ends: in `between.rs`; rounding that looks like
+//! errors: in `noise.rs`; constraints at the ends of steps: in `constraints.rs`; phases and impacts: in `phase.rs`; events where a motion starts: in `start.rs`; the first
+//! step: in `first.rs`; steps of another run that it follows: in `followed.rs`; how the way to a stop is divided: in `plan.rs`; mechanisms that stand still: in `rest.rs`; a fixed step that suits a tolerance: in `trial.rs`.
+
+mod between;
+mod constraints;
+mod first;
+mod followed;
+mod interrupt;
+mod jump;
+mod noise;
+mod phase;
+mod plan;
+mod rest;
+mod start;
+mod trial;
+
+use std::ops::ControlFlow;
+
+use between::Defect;
+use constraints::SingularDwell;
+pub(crate) use followed::Followed;
+use interrupt::Outcome;
+use jump::JumpDetector;
+use noise::StagnatingError;
+use phase::{EventCascade, Impacts};
+use start::Starting;
+
+use crate::cause::Cause;
+use crate::constrain::Projection;
+use crate::events::EventLocator;
+use crate::integrate::{
+    Clock, Control, Endpoint, OneStep, Segment, StepControl, StepFailure, StiffnessDetector, Tolerance, Trial, stepper,
+};
+use crate::mechanism::{Method, System};
+use crate::run::{Recorder, Work};
+use crate::trust::Warning;
+
+/// How steps are chosen.
+#[derive(Clone, Debug)]
+pub(crate) enum StepPolicy {
+    /// All alike, but for the last before a stop.
+    Fixed(f64),
+    /// Against a tolerance, none longer than `longest`.
+    Adaptive {
+        /// The tolerance.
+        tolerance: Box<Tolerance>,
+        /// s.
+        longest: f64,
+    },
+}
+
+/// Why a march paused without an error.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum StopReason {
+    /// It is where it was to go.
+    Arrived,
+    /// An event ended it.
+    Event,
+}
+
+/// A step to try, or one that was.
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    /// Its length, s.
+    pub h: f64,
+    /// Where it ends, s.
+    pub next: f64,
+    /// True when it ends at a time that was asked for.
+    pub lands: bool,
+}
+
+/// A motion that is under way.
+pub(crate) struct Integration {
+    stepper: Box<dyn OneStep>,
+    /// The method, while the mechanism is held at rest.
+    asleep: Option<Box<dyn OneStep>>,
+    pace: StepPolicy,
+    control: StepControl,
+    clock: Clock,
+    /// The next step; 0 when it must be chosen anew.
+    h: f64,
+    work: Work,
+    max_steps: u64,
+    /// How many steps were taken before those that are limited.
+    free_steps: u64,
+    compensated: bool,
+    /// Whether steps are chosen otherwise than usual; and how many were taken since the last stop.
+    decorrelate_steps: bool,
+    /// Steps of another run that limit those of this one.
+    followed: Option<Followed>,
+    since_stop: u32,
+    /// Where each length of a step costs something, the one that divides the way to the next stop.
+    even: f64,
+    watch: Option<Box<EventLocator>>,
+    /// Where there are constraints.
+    projection: Option<Box<Projection>>,
+    /// Whether states are brought back to them.
+    projects: bool,
+    /// Whether Baumgarte's gain is still to be chosen.
+    finds_gain: bool,
+    /// Where the march began, s.
+    from: f64,
+    /// How long steps have ended where the constraints depend on each other as they do nowhere else.
+    dwelling: SingularDwell,
+    impacts: Impacts,
+    firings: EventCascade,
+    defect: Defect,
+    /// Until when the motion goes on at most, s.
+    until: f64,
+    /// Until when time changes no discontinuity, s: the functions of time are not those of the file beyond it.
+    smooth_until: f64,
+    /// What is still to be done before the next step.
+    start: Starting,
+    stiffness: StiffnessDetector,
+    /// h|λ| at the end of the step that was tried.
+    step_times_rate: f64,
+    jumps: JumpDetector,
+    /// Errors and length of the last attempt at the present step, if it was rejected.
+    rejected: Vec<f64>,
+    rejected_step: f64,
+    /// How many steps were cut because a watched function oscillated within them.
+    cuts: u32,
+    /// Whether the fixed step is no more than the longest: a shorter one is as exact, and breaks no structure.
+    any_step: bool,
+}
+
+impl Integration {
+    /// A march from t at the state y = [q; q'], not yet begun; `work` tells whether it integrates the power of what has
+    /// no potential.
+    pub fn new(method: Method, pace: StepPolicy, t: f64, y: &[f64], work: bool) -> Self {
+        let mut stepper = stepper(method, y.len() / 2, work);
+        stepper.state_mut().copy_from_slice(y);
+        Integration {
+            control: StepControl::new(stepper.control()),
+            stiffness: StiffnessDetector::new(stepper.control().stiff),
+            step_times_rate: 0.0,
+            jumps: JumpDetector::new(0.0),
+            stepper,
+            asleep: None,
+            pace,
+            clock: Clock::new(t),
+            h: 0.0,
+            work: Work::default(),
+            max_steps: u64::MAX,
+            free_steps: 0,
+            compensated: true,
+            decorrelate_steps: false,
+            followed: None,
+            since_stop: 0,
+            even: 0.0,
+            watch: None,
+            projection: None,
+            projects: true,
+            finds_gain: false,
+            from: t,
+            dwelling: SingularDwell::default(),
+            impacts: Impacts::default(),
+            firings: EventCascade::default(),
+            rejected: Vec::with_capacity(y.len()),
+            rejected_step: 0.0,
+            cuts: 0,
+            any_step: false,
+            defect: Defect::new(y.len()),
+            until: t,
+            smooth_until: t,
+            start: Starting::Done,
+        }
+    }
+
+    /// Fails beyond so many steps.
+    pub fn limit(mut self, max_steps: u64) -> Self {
+        self.max_steps = max_steps;
+        self
+    }
+
+    /// Counts steps anew for [`Integration::limit`].
+    pub fn limit_anew(&mut self) {
+        self.free_steps = self.work.steps;
+    }
+
+    /// Adds what rounding takes from a step to the next one, or not.
+    pub fn compensate(mut self, compensated: bool) -> Self {
+        self.compensated = compensated;
+        self
+    }
+
+    /// Divides the way to a stop otherwise than usual and lets steps grow more slowly, or not: steps that neither the
+    /// tolerance nor the equations limit are others than usual.
+    pub fn decorrelate_steps(mut self, decorrelate_steps: bool) -> Self {
+        self.decorrelate_steps = decorrelate_steps;
+        self
+    }
+
+    /// Takes no steps that are longer than those of another run allow.
+    pub fn following(mut self, followed: Option<Followed>) -> Self {
+        self.followed = followed;
+        self
+    }
+
+    /// Brings states back to the constraints, or only measures how far they are from them.
+    pub fn projecting(mut self, projects: bool) -> Self {
+        self.projects = projects;
+        self
+    }
+
+    /// Chooses Baumgarte's gain by the steps that are taken at first.
+    pub fn finding_gain(mut self) -> Self {
+        self.finds_gain = true;
+        self
+    }
+
+    /// The present time, s.
+    pub fn time(&self) -> f64 {
+        self.clock.now()
+    }
+
+    /// The present state.
+    pub fn state(&self) -> Endpoint<'_> {
+        self.stepper.start()
+    }
+
+    /// The present state [q; q'], to be changed before the march begins anew.
+    pub fn state_mut(&mut self) -> &mut [f64] {
+        self.stepper.state_mut()
+    }
+
+    /// True where dense output costs no evaluation.
+    pub fn dense_is_free(&self) -> bool {
+        self.stepper.dense_is_free()
+    }
+
+    /// Work done so far.
+    pub fn work(&self) -> Work {
+        let counters = self.stepper.counters();
+        Work {
+            evaluations: counters.evaluations,
+            jacobians: counters.jacobians,
+            factorizations: counters.factorizations,
+            samples: self.work.samples + self.watch.as_ref().map_or(0, |watch| watch.samples()),
+            ..self.work
+        }
+    }
+
+    /// As [`Integration::begin`] after a change by hand, with the length of step that suited the motion before: the error test judges it.
+    pub fn go_on(&mut self, system: &mut dyn System, until: f64) -> Result<(), Box<Cause>> {
+        let h = self.h;
+        self.begin(system, until)?;
+        self.h = h;
+        Ok(())
+    }
+
+    /// Begins at the present state a motion that goes on to `until` at most: watches it, chooses the modes.
+    pub fn begin(&mut self, system: &mut dyn System, until: f64) -> Result<(), Box<Cause>> {
+        self.awake();
+        let now = self.clock.now();
+        finite(system, self.stepper.start().y, 0)?;
+        let usual = self.stepper.control();
+        let control = if self.decorrelate_steps { Control { grow: usual.grow.sqrt(), ..usual } } else { usual };
+        (self.h, self.control) = (0.0, StepControl::new(control));
+        self.jumps = JumpDetector::new(until - now);
+        if let StepPolicy::Adaptive { tolerance, .. } = &mut self.pace {
+            tolerance.observe(self.stepper.start().y);
+        }
+        self.until = until;
+        if self.projection.is_none() {
+            let looks = !self.projects;
+            self.projection = Projection::new(system).map(|projection| Box::new(projection.only_looking(looks)));
+        }
+        if let Some(projection) = &mut self.projection {
+            projection.release();
+        }
+        self.project_start(system)?;
+        self.work.samples += self.watch.as_ref().map_or(0, |watch| watch.samples());
+        self.watch = None;
+        let y = self.stepper.start().y.to_vec();
+        if let Some(mut watch) = EventLocator::new(system, (now, until), &y, self.decorrelate_steps)? {
+            let outcome = watch.begin(system, (now, &y), &mut |system| self.trial(system));
+            self.watch = Some(Box::new(watch));
+            outcome?;
+        }
+        self.start = Starting::Anew;
+        self.begin_anew(system)
+    }
+
+    /// Goes on to `until`, or to an event that stops; tells `progress` the time after every step.
+    pub fn advance(
+        &mut self,
+        system: &mut dyn System,
+        until: f64,
+        recorder: &mut Recorder,
+        progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
+    ) -> Result<StopReason, Box<Cause>> {
+        if self.clock.now() >= until {
+            return Ok(StopReason::Arrived);
+        }
+        if self.start_events(system, recorder)? == StopReason::Event {
+            return Ok(StopReason::Event);
+        }
+        while self.clock.now() < until {
+            let halt = self.one(system, until, recorder);
+            let goes_on = progress(self.clock.now());
+            if halt? == StopReason::Event {
+                return Ok(StopReason::Event);
+            }
+            if goes_on.is_break() {
+                return Err(Cause::Interrupted.into());
+            }
+        }
+        Ok(if self.clock.now() >= self.until { self.end_events(system, recorder) } else { StopReason::Arrived })
+    }
+
+    /// Takes one step, or what an event or a discontinuity leaves of it.
+    pub fn one(
+        &mut self,
+        system: &mut dyn System,
+        until: f64,
+        recorder: &mut Recorder,
+    ) -> Result<StopReason, Box<Cause>> {
+        let stop = self.watch.as_ref().map_or(until, |watch| watch.next_stop(until));
+        self.smooth_until = stop;
+        let mut most = f64::INFINITY;
+        loop {
+            let mut watch = self.watch.take();
+            let tried = self.sound(system, (stop, most), &mut watch, recorder);
+            let tried = tried.map_err(|cause| Box::new(self.explained(system, *cause, &mut watch)));
+            self.watch = watch;
+            let (step, dense) = tried?;
+            let outcome = match self.watch.take() {
+                None => self.keep(system, step, dense, recorder).map(|()| Outcome::Kept(StopReason::Arrived)),
+                Some(mut watch) => {
+                    let outcome = self.watched(system, (step, dense), &mut watch, recorder);
+                    self.watch = Some(watch);
+                    outcome
+                }
+            };
+            match outcome {
+                // What oscillates in a long step may not in a short one.
+                Err(cause) if matches!(*cause, Cause::OscillatesTooFast { .. }) && self.may_cut() => {
+                    self.cuts += 1;
+                    self.work.retries += 1;
+                    most = 0.01 * step.h;
+                }
+                Ok(Outcome::MissedFeature(shorter)) => {
+                    self.work.rejected += 1;
+                    most = shorter;
+                }
+                outcome => {
+                    self.look_for_stiffness(step, recorder);
+                    let Outcome::Kept(halt) = outcome? else { continue };
+                    self.look_at_constraints(system, recorder)?;
+                    self.choose_gain(system);
+                    return Ok(halt);
+                }
+            }
+        }
+    }
+
+    fn may_cut(&self) -> bool {
+        self.cuts < MOST_CUTS && (self.any_step || matches!(self.pace, StepPolicy::Adaptive { .. }))
+    }
+
+    /// Writes down and takes a step that nothing can interrupt.
+    fn keep(
+        &mut self,
+        system: &dyn System,
+        step: Step,
+        dense: bool,
+        recorder: &mut Recorder,
+    ) -> Result<(), Box<Cause>> {
+        let segment = dense.then(|| self.segment(step));
+        recorder.accept(system, segment.as_ref(), step.next, self.stepper.end())?;
+        self.commit(step);
+        Ok(())
+    }
+
+    /// Begins anew after the equations changed on the way.
+    ///
+    /// At a time that was known beforehand the length of the last step says what it said before: it is kept.
+    fn restart(&mut self, system: &dyn System, recorder: &mut Recorder) -> Result<(), Box<Cause>> {
+        self.begin_anew(system)?;
+        recorder.restart(system, self.clock.now(), self.stepper.start());
+        Ok(())
+    }
+
+    fn begin_anew(&mut self, system: &dyn System) -> Result<(), Box<Cause>> {
+        self.awake();
+        // The length of the step stays: what happened says little about the next one, and the error test judges it.
+        self.control.restart();
+        self.jumps.restart();
+        self.since_stop = 0;
+        if let StepPolicy::Adaptive { tolerance, .. } = &mut self.pace {
+            tolerance.observe(self.stepper.start().y);
+        }
+        self.stepper.begin(system, self.clock.now()).map_err(|setback| setback.cause(system.description()))?;
+        finite(system, self.stepper.start().rate, 1)?;
+        self.sleep(system);
+        Ok(())
+    }
+
+    /// Computes dense output of the step that was tried.
+    fn dense(&mut self, system: &dyn System, step: Step) -> Result<(), Box<Cause>> {
+        let computed = self.stepper.dense(system, self.clock.now(), step.h);
+        computed.map_err(|setback| setback.cause(system.description()).into())
+    }
+
+    fn segment(&self, step: Step) -> Segment<'_> {
+        self.stepper.segment(self.clock.now(), step.h)
+    }
+
+    /// Tries steps until one is good.
+    ///
+    /// None is longer than `most` seconds; one that would be is taken of just that length.
+    #[inline]
+    fn attempt(
+        &mut self,
+        system: &dyn System,
+        stop: f64,
+        most: f64,
+        watch: &mut Option<Box<EventLocator>>,
+    ) -> Result<Step, Box<Cause>> {
+        if self.work.steps - self.free_steps >= self.max_steps {
+            return Err(Cause::TooManySteps { limit: self.max_steps }.into());
+        }
+        let now = self.clock.now();
+        if self.h == 0.0 {
+            self.h = self.first(system, stop - now);
+        }
+        self.rejected.clear();
+        let mut steady = StagnatingError::default();
+        loop {
+            let mut step = self.plan(stop);
+            if let StepPolicy::Adaptive { .. } = self.pace {
+                let met = watch.as_mut().map_or(step.h, |watch| watch.ahead(system, now, step.h));
+                if met < step.h {
+                    self.jumps.restart();
+                }
+                let h = met.min(most);
+                if h < step.h {
+                    step = Step { h, next: self.clock.after(h), lands: false };
+                }
+            } else if most < step.h {
+                step = Step { h: most, next: self.clock.after(most), lands: false };
+            }
+            let Step { h, next, lands } = step;
+            if next <= now {
+                let cause = match self.pace {
+                    StepPolicy::Fixed(h) => Cause::StepBelowResolution { h },
+                    StepPolicy::Adaptive { .. } => Cause::StepTooSmall { h },
+                };
+                return Err(cause.into());
+            }
+            let outcome = self.try_step(system, step, false);
+            match &self.pace {
+                StepPolicy::Fixed(_) => {
+                    let error = outcome.map_err(|setback| setback.cause(system.description()))?;
+                    self.all_finite(system, error)?;
+                    return Ok(step);
+                }
+                StepPolicy::Adaptive { .. } => {
+                    let error = *outcome.as_ref().unwrap_or(&f64::NAN);
+                    if error <= 1.0 {
+                        // Dense output makes other stages in the place of these.
+                        self.step_times_rate = self.stepper.stiffness(h, self.stiffness.least());
+                        self.look_for_jumps(system, step)?;
+                        let proposal = self.control.accepted(h, error).min(self.stepper.convergent());
+                        // A step cut short by a stop says nothing against the longer one before it.
+                        self.h = if lands { proposal.max(self.h) } else { proposal };
+                        if self.decorrelate_steps {
+                            self.h = self.h.min(self.stiffness.between_ends(h, self.step_times_rate));
+                        }
+                        return Ok(step);
+                    }
+                    self.work.rejected += 1;
+                    // Where nothing has moved yet the least error is infinitely many times too large.
+                    if outcome.is_ok() && self.stepper.errors().iter().all(|error| error.is_finite()) {
+                        self.look_for_noise(system, step);
+                        self.look_for_start_up_error(&mut steady, (error, h));
+                    }
+                    self.h = match outcome {
+                        Err(StepFailure::Stalled { .. }) => self.control.stalled(h),
+                        _ => self.control.rejected(h, error),
+                    };
+                    if self.h < 16.0 * f64::EPSILON * now.abs() || self.h < f64::MIN_POSITIVE / f64::EPSILON {
+                        outcome.map_err(|setback| setback.cause(system.description()))?;
+                        self.all_finite(system, error)?;
+                        return Err(Cause::StepTooSmall { h: self.h }.into());
+                    }
+                }
+            }
+        }
+    }
+
+    /// Refuses a step whose end, or the rate there, is not finite.
+    fn all_finite(&self, system: &dyn System, error: f64) -> Result<(), Box<Cause>> {
+        let end = self.stepper.end();
+        finite(system, end.y, 0)?;
+        if error.is_nan() { finite(system, end.rate, 1) } else { Ok(()) }
+    }
+
+    /// Tries a step, and returns its error (NaN where the rate at its end is not finite).  If it is good, or `whatever` its
+    /// error, its end is brought to the constraints where the method does not end there, and has its rate.
+    fn try_step(&mut self, system: &dyn System, step: Step, whatever: bool) -> Result<f64, StepFailure> {
+        let tolerance = match &self.pace {
+            StepPolicy::Fixed(_) => None,
+            StepPolicy::Adaptive { tolerance, .. } => Some(&**tolerance),
+        };
+        let trial = Trial { t: self.clock.now(), h: step.h, tolerance };
+        let error = self.stepper.attempt(system, trial)?;
+        if !(error <= 1.0 || whatever) {
+            return Ok(error);
+        }
+        let moved = match &mut self.projection {
+            Some(projection) if self.stepper.keeps_constraints() => {
+                projection.look(system, step.next, self.stepper.end_mut())?
+            }
+            Some(projection) => projection.project(system, step.next, self.stepper.end_mut())?,
+            None => false,
+        };
+        let finite = self.stepper.conclude(system, step.next, moved)?;
+        Ok(if finite { error } else { f64::NAN })
+    }
+
+    /// Takes the step that was tried.
+    fn commit(&mut self, step: Step) {
+        self.stepper.accept(self.compensated);
+        if let StepPolicy::Adaptive { tolerance, .. } = &mut self.pace {
+            tolerance.observe(self.stepper.start().y);
+        }
+        match self.pace {
+            StepPolicy::Fixed(h) if step.h == h => self.clock.equal_step(h),
+            StepPolicy::Adaptive { .. } if !step.lands => self.clock.step(step.h),
+            _ => self.clock.set(step.next),
+        }
+        self.work.steps += 1;
+        self.since_stop = if step.lands { 0 } else { self.since_stop + 1 };
+    }
+
+    /// Warns once the step is limited by stability.
+    fn look_for_stiffness(&mut self, step: Step, recorder: &mut Recorder) {
+        if let StepPolicy::Adaptive { .. } = self.pace {
+            let step_times_rate = self.step_times_rate;
+            if self.stiffness.observe(step_times_rate) {
+                recorder.warn(Warning::Stiff { t: step.next, step_times_rate });
+            }
+        }
+    }
+
+    /// What is to be said of the motion as a whole.
+    pub fn warnings(&self, system: &dyn System) -> Vec<Warning> {
+        let StepPolicy::Adaptive { tolerance, .. } = &self.pace else { return Vec::new() };
+        let limited = |(i, to)| Warning::RoundingLimits { coordinate: system.description().coordinate_name(i), to };
+        tolerance.limited().map(limited).collect()
+    }
+
+    /// How far [q; q'] have gone, the ends of all steps counted; nothing at a fixed step.
+    pub fn swept(&self) -> Vec<f64> {
+        match &self.pace {
+            StepPolicy::Fixed(_) => Vec::new(),
+            StepPolicy::Adaptive { tolerance, .. } => tolerance.swept(),
+        }
+    }
+}
+
+/// So many times in a run a step is cut because a watched function oscillates within it.
+const MOST_CUTS: u32 = 100;
+
+/// An error that names the first number that is not finite.
+fn finite(system: &dyn System, y: &[f64], primes: usize) -> Result<(), Box<Cause>> {
+    match y.iter().position(|y| !y.is_finite()) {
+        Some(index) => Err(non_finite(system, index, primes).into()),
+        None => Ok(()),
+    }
+}
+
+/// Names the number of [q; q'] that is not finite, `primes` derivatives of it being meant.
+fn non_finite(system: &dyn System, index: usize, primes: usize) -> Cause {
+    let n = system.len().max(1);
+    let name = system.description().coordinate_name(index % n);
+    Cause::NonFinite { what: format!("`{name}{}`", "'".repeat(index / n + primes)) }
+}

@@ -1,0 +1,152 @@
+//! Rounding, and what sets off from rest, told apart from errors that shorter steps would mend.
+
+use super::{Integration, Step, StepPolicy};
+use crate::integrate::PERTURBATION;
+use crate::mechanism::{At, System, solve_packed_slice};
+
+/// How often in a row an error in units of the tolerance hardly fell although steps became much shorter.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct StagnatingError {
+    error: f64,
+    h: f64,
+    times: u32,
+}
+
+impl StagnatingError {
+    /// It is small beside the change of the step: an explicit step beyond its stability has errors of the size of that.
+    const SMALL: f64 = 0.5;
+    /// Steps are shorter by this: a controller shortens what it rejects by a fifth at least.
+    const SHORTER: f64 = 0.9;
+    /// What shorter steps did not mend so often, they never will.
+    const NEVER: u32 = 3;
+
+    /// Takes note of a rejected step's error; true once no shorter step can have a smaller one.
+    pub fn remains(&mut self, error: f64, h: f64, tolerance: f64) -> bool {
+        let shorter = h / self.h;
+        let falls = error < shorter.sqrt() * self.error;
+        let stays = self.h > 0.0 && shorter < Self::SHORTER && error * tolerance < Self::SMALL && !falls;
+        self.times = if stays { self.times + 1 } else { 0 };
+        (self.error, self.h) = (error, h);
+        self.times >= Self::NEVER
+    }
+}
+
+impl Integration {
+    /// Looks whether the error of a rejected step is the same part of what it changes by in any step: that of what sets off
+    /// from rest by a high power of time.  If so the tolerance takes note.
+    pub(super) fn look_for_start_up_error(&mut self, steady: &mut StagnatingError, (error, h): (f64, f64)) {
+        let StepPolicy::Adaptive { tolerance, .. } = &mut self.pace else { return };
+        if steady.remains(error, h, tolerance.relative) {
+            tolerance.note_start_up_errors(self.stepper.errors());
+        }
+    }
+
+    /// Looks whether what was rejected twice running, or once of what is at rest, is rounding; if so the tolerance takes note.
+    pub(super) fn look_for_noise(&mut self, system: &dyn System, step: Step) {
+        let StepPolicy::Adaptive { tolerance, .. } = &self.pace else { return };
+        let n = system.len();
+        let of = |errors: &[f64], i: usize| [errors[i].abs(), errors[n + i].abs()];
+        let (before, after) = (&self.rejected, self.stepper.errors());
+        let start = self.stepper.start();
+        let (ends, rate) = ((start.y, self.stepper.end().y), start.rate);
+        let lengths = (self.rejected_step, step.h);
+        let suspected = |i: usize| tolerance.suspects(i, (of(before, i), of(after, i)), lengths, (ends, rate));
+        // What nothing moves at first, while others begin to, may be moved by rounding alone: it need not be rejected twice.
+        let begins = self.clock.now() == self.from && rate.iter().any(|rate| *rate != 0.0);
+        let sets_off =
+            |i: usize| begins && rate[n + i] == 0.0 && tolerance.is_moved(i, of(after, i), step.h, (ends, rate));
+        let suspects: Vec<usize> = (0..n).filter(|i| sets_off(*i) || !before.is_empty() && suspected(*i)).collect();
+        self.rejected.clear();
+        self.rejected.extend_from_slice(self.stepper.errors());
+        self.rejected_step = step.h;
+        if !suspects.is_empty() {
+            let noise = self.noise(system);
+            let StepPolicy::Adaptive { tolerance, .. } = &mut self.pace else { return };
+            for i in suspects {
+                tolerance.noise(i, noise[i], step.h, of(&self.rejected, i));
+            }
+        }
+        let StepPolicy::Adaptive { tolerance, .. } = &mut self.pace else { return };
+        tolerance.spread_noise(&self.rejected, step.h);
+    }
+
+    /// What rounding makes of each acceleration here: that of the coordinates and of the time, by moving them, and that of the
+    /// terms of the equations, M⁻¹ u m with their running magnitudes m; 0 where none can be told.
+    pub(super) fn noise(&mut self, system: &dyn System) -> Vec<f64> {
+        let (n, now) = (system.len(), self.clock.now());
+        let StepPolicy::Adaptive { tolerance, .. } = &self.pace else { return vec![0.0; n] };
+        let perturbation: Vec<f64> = (0..n).map(|i| tolerance.perturbation(i)).collect();
+        let start = self.stepper.start();
+        let (from, mut y) = (start.rate[n..].to_vec(), start.y.to_vec());
+        let at = At::packed(now, start.y, n).accelerated(&from);
+        let mut noise = by_terms(system, at, self.smooth_until).unwrap_or_else(|| vec![0.0; n]);
+        let mut rate = vec![0.0; 2 * n];
+        for (side, tick) in [(1.0, 0.0), (-1.0, 0.0), (0.0, PERTURBATION), (0.0, -PERTURBATION)] {
+            // Differences of neighbours show most where these move apart.
+            for i in 0..n {
+                let sign = if i % 2 == 0 { side } else { -side };
+                y[i] = self.stepper.start().y[i] + sign * perturbation[i];
+            }
+            if self.stepper.evaluate(system, now + tick * now, &y, &mut rate).is_err() {
+                continue;
+            }
+            for i in 0..n {
+                noise[i] = noise[i].max((rate[n + i] - from[i]).abs());
+            }
+        }
+        noise
+    }
+}
+
+/// |M⁻¹ u m| for magnitudes of equal and of alternating signs, the larger of both; `None` where M has no inverse.
+///
+/// What an input is made of is not known: it counts as made of terms as large as it is at any time from here to `until`, before which
+/// time changes no discontinuity.
+pub(super) fn by_terms(system: &dyn System, at: At<'_>, until: f64) -> Option<Vec<f64>> {
+    let n = system.len();
+    let pattern = &system.description().mass_pattern;
+    let (mut values, mut sums) = (vec![0.0; pattern.len()], vec![0.0; n]);
+    system.mass_matrix(at, &mut values);
+    system.magnitudes(at, &mut sums);
+    let inputs = &system.description().input_pattern;
+    let (largest, mut by_input) = (largest_inputs(system, at.t, until), vec![0.0; inputs.len()]);
+    system.input_jacobian(at, &mut by_input);
+    for ((row, input), slope) in inputs.iter().zip(&by_input) {
+        sums[*row as usize] += slope.abs() * largest[*input as usize];
+    }
+    let mut noise = vec![0.0_f64; n];
+    for other in [1.0, -1.0] {
+        let mut packed = vec![0.0; n * (n + 1) / 2];
+        for ((row, column), value) in pattern.iter().zip(&values) {
+            let (row, column) = (*row as usize, *column as usize);
+            packed[row * (row + 1) / 2 + column] = *value;
+        }
+        let mut right: Vec<f64> =
+            sums.iter().enumerate().map(|(i, m)| if i % 2 == 0 { *m } else { other * m }).collect();
+        solve_packed_slice(&mut packed, &mut right).ok()?;
+        for (noise, a) in noise.iter_mut().zip(&right) {
+            *noise = noise.max(f64::EPSILON * a.abs());
+        }
+    }
+    noise.iter().all(|noise| noise.is_finite()).then_some(noise)
+}
+
+/// The largest sizes of (u, u', u'') of each input that samples find between t and `until`: evenly spaced ones, and
+/// others ever closer to t.
+fn largest_inputs(system: &dyn System, t: f64, until: f64) -> Vec<f64> {
+    const EVEN: u32 = 256;
+    const HALVINGS: u32 = 48;
+    let mut largest = vec![0.0_f64; 3 * system.description().inputs.len()];
+    if largest.is_empty() {
+        return largest;
+    }
+    let mut values = largest.clone();
+    let even = (0..=EVEN).map(|k| f64::from(k) / f64::from(EVEN));
+    for part in even.chain((1..=HALVINGS).map(|k| 0.5_f64.powi(k as i32))) {
+        system.inputs(t + part * (until - t), &mut values);
+        for (largest, value) in largest.iter_mut().zip(&values) {
+            *largest = largest.max(value.abs());
+        }
+    }
+    largest
+}

@@ -1,0 +1,382 @@
+//! Phases and impacts: what events do to the state and to the constraints in force.
+
+use super::{Integration, StopReason};
+use crate::cause::Cause;
+use crate::constrain::{VelocityJump, velocity_jump};
+use crate::events::{EventLocator, Fired, Impulse};
+use crate::mechanism::{Action, At, Enforcement, System};
+use crate::run::Recorder;
+
+/// More firings than this at one instant are a cycle.
+const AT_AN_INSTANT: u32 = 50;
+/// Times are one instant that differ by less than this part of themselves and of the last step.
+const INSTANT: f64 = 1e-12;
+/// Changes of speeds below this part of them are none.
+const ROUNDING: f64 = 1e-12;
+/// Flights shorter than this part of the first are not followed one by one.
+const SHORT: f64 = 1e-6;
+/// Hops below this part of the sum of a constraint's terms are rounding.
+const LOW: f64 = 64.0 * f64::EPSILON;
+/// Two estimates of the time at which impacts accumulate agree to this part of it.
+const AGREE: f64 = 1e-6;
+
+/// Impacts of one event that follow each other faster and faster (Zeno).
+#[derive(Clone, Debug, Default)]
+struct ZenoDetector {
+    /// When the last impact was, s.
+    last: Option<f64>,
+    /// The first flight, and the last one, s.
+    first: Option<f64>,
+    flight: Option<f64>,
+    estimate: Option<f64>,
+}
+
+/// Firings at one instant.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct EventCascade {
+    t: f64,
+    count: u32,
+}
+
+/// An impact that was.
+struct Struck {
+    /// The coefficient of restitution.
+    restitution: f64,
+    /// Rows with their impulses.
+    impulses: Vec<(usize, f64)>,
+}
+
+/// What an action did.
+struct Done {
+    /// Whether the state or the phase may have changed.
+    acts: bool,
+    /// Whether speeds jumped, or would have if there were any.
+    strikes: bool,
+}
+
+/// The impacts of all events.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Impacts {
+    of: Vec<ZenoDetector>,
+}
+
+impl Impacts {
+    /// Notes an impact of an event at t; the time at which they accumulate where that is known well enough.
+    fn note(&mut self, event: usize, t: f64) -> Option<f64> {
+        if self.of.len() <= event {
+            self.of.resize(event + 1, ZenoDetector::default());
+        }
+        self.of[event].note(t)
+    }
+
+    /// Begins anew with those of an event.
+    fn forget(&mut self, event: usize) {
+        self.of.get_mut(event).into_iter().for_each(|flights| *flights = ZenoDetector::default());
+    }
+}
+
+impl ZenoDetector {
+    fn note(&mut self, t: f64) -> Option<f64> {
+        let flight = t - self.last.replace(t)?;
+        let first = *self.first.get_or_insert(flight);
+        let before = self.flight.replace(flight)?;
+        let ratio = flight / before;
+        if ratio.is_nan() || ratio >= 1.0 {
+            (self.first, self.estimate) = (Some(flight), None);
+            return None;
+        }
+        let end = t + flight * ratio / (1.0 - ratio);
+        let known = self.estimate.replace(end)?;
+        (flight < SHORT * first && (end - known).abs() <= AGREE * end.abs()).then_some(end)
+    }
+}
+
+impl Integration {
+    /// Does what events say, and what events that are past their zero after it say in turn.
+    pub(super) fn act(
+        &mut self,
+        system: &mut dyn System,
+        fired: Vec<Fired>,
+        watch: &mut EventLocator,
+        recorder: &mut Recorder,
+    ) -> Result<StopReason, Box<Cause>> {
+        let mut fired = fired;
+        while !self.cycles(watch.last_step()) {
+            let (before, mut changed, mut hit) = (system.phase(), false, false);
+            let mut stops = false;
+            'all: for Fired { event, actions, .. } in &fired {
+                for action in actions {
+                    if *action == Action::Stop {
+                        stops = true;
+                        break 'all;
+                    }
+                    let Done { acts, strikes } = self.does(system, (*event, *action), recorder)?;
+                    changed |= acts;
+                    hit |= strikes;
+                }
+            }
+            if !changed && !stops {
+                break;
+            }
+            if stops {
+                self.project_start(system)?;
+                self.restart(system, recorder)?;
+                return Ok(StopReason::Event);
+            }
+            let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
+            self.project_start(system)?;
+            watch.enter(system, (now, &y), hit, &mut |system| self.trial(system))?;
+            let enters = |action: &Action| matches!(action, Action::Phase(_));
+            let entered = system.phase() != before || fired.iter().any(|fired| fired.actions.iter().any(enters));
+            fired = watch.already_past(system, (now, self.stepper.start().y), entered);
+            if fired.is_empty() {
+                self.restart(system, recorder)?;
+                return Ok(StopReason::Arrived);
+            }
+            for Fired { event, actions, .. } in &fired {
+                let stops = actions.contains(&Action::Stop);
+                watch.log(system, *event, (now, self.stepper.start().y), stops, recorder);
+            }
+        }
+        let event = fired.first().map_or(0, |fired| fired.event);
+        Err(Cause::Chattering { switch: system.description().events[event].name.to_string() }.into())
+    }
+
+    /// Counts a firing; true where there were too many at one instant, in this call or, with steps too short to count between them, in
+    /// several.
+    fn cycles(&mut self, step: f64) -> bool {
+        let now = self.clock.now();
+        if (now - self.firings.t).abs() > INSTANT * now.abs().max(step) {
+            self.firings = EventCascade { t: now, count: 0 };
+        }
+        self.firings.count += 1;
+        self.firings.count > AT_AN_INSTANT
+    }
+
+    /// Brings the speeds to constraints that a sharp turn of time or of an input moves, `late` seconds after the state was reached.
+    ///
+    /// # Errors
+    /// A constraint that jumps, which no finite force could follow.
+    pub(super) fn apply_velocity_jump(
+        &mut self,
+        system: &mut dyn System,
+        late: f64,
+        recorder: &mut Recorder,
+    ) -> Result<(), Box<Cause>> {
+        let Some(projection) = self.projection.as_mut().filter(|_| !is_sprung(system)) else { return Ok(()) };
+        let now = self.clock.now();
+        projection.observe(system, now, self.stepper.start().y);
+        if let Some((row, residual)) = projection.lost(system, late) {
+            let constraint = system.description().rows[row].name.to_string();
+            return Err(Cause::ConstraintLost { constraint, residual }.into());
+        }
+        let active: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+        let taken = velocity_jump(system, (now, self.stepper.start().y), &active, |_| 0.0);
+        self.take(system, taken.map_err(|fault| fault.cause(system.description()))?, recorder);
+        Ok(())
+    }
+
+    /// Does one thing.
+    fn does(
+        &mut self,
+        system: &mut dyn System,
+        (event, action): (usize, Action),
+        recorder: &mut Recorder,
+    ) -> Result<Done, Box<Cause>> {
+        match action {
+            Action::Stop | Action::Record => Ok(Done { acts: false, strikes: false }),
+            Action::Phase(phase) => self.alternate(system, (event, phase as usize), recorder),
+            Action::Impact { along, restitution } => {
+                let Struck { restitution: e, impulses } = self.strike(system, along, restitution as usize, recorder)?;
+                let now = self.clock.now();
+                let end = match e == 0.0 || self.is_too_low(system, along) {
+                    true => Some(now),
+                    // What loses no speed goes on for ever.
+                    false if e == 1.0 => None,
+                    false => self.impacts.note(event, now),
+                };
+                if let Some(end) = end {
+                    // What is left of a geometric series of impulses.
+                    let along = rows_of(system, along);
+                    let left = impulses.into_iter().filter(|(row, _)| along.contains(row) && end > now);
+                    let left: Vec<(usize, f64)> = left.map(|(row, impulse)| (row, impulse * e / (1.0 - e))).collect();
+                    if !self.rest(system, (event, &along), (end, &left), recorder)? {
+                        let event = system.description().events[event].name.to_string();
+                        return Err(Cause::ImpactsAccumulate { event, t: end }.into());
+                    }
+                }
+                Ok(Done { acts: true, strikes: true })
+            }
+        }
+    }
+
+    /// Whether the hop after an impact, c'²/(2 |c''|) high, is below the rounding of what it is a hop from.
+    fn is_too_low(&self, system: &dyn System, along: u32) -> bool {
+        let (n, count) = (system.len(), system.description().rows.len());
+        let at = At::packed(self.clock.now(), self.stepper.start().y, n);
+        let (mut triples, mut a, mut bias) = (vec![0.0; 3 * count], vec![0.0; n], vec![0.0; count]);
+        if system.accelerations_and_multipliers(at, &mut a, &mut bias).is_err() {
+            return false;
+        }
+        system.constraints(at, &mut triples);
+        system.constraint_bias(at, &mut bias);
+        let pattern = &system.description().constraint_pattern;
+        let mut values = vec![0.0; pattern.len()];
+        system.constraint_matrix(at, &mut values);
+        for ((row, column), value) in pattern.iter().zip(values) {
+            bias[*row as usize] += value * a[*column as usize];
+        }
+        let low = |row: &usize| {
+            let (rate, back) = (triples[3 * row + 1], bias[*row]);
+            rate * back <= 0.0 && rate * rate <= 2.0 * back.abs() * LOW * triples[3 * row + 2]
+        };
+        rows_of(system, along).iter().all(low)
+    }
+
+    /// Goes on in a phase; where its entries, each of which takes speed away, accumulate, as those of a block that rocks to
+    /// rest, in the one that has the constraints of both.
+    fn alternate(
+        &mut self,
+        system: &mut dyn System,
+        (event, phase): (usize, usize),
+        recorder: &mut Recorder,
+    ) -> Result<Done, Box<Cause>> {
+        let before: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+        let strikes = self.enter(system, phase, &[], recorder)?;
+        let now = self.clock.now();
+        if !strikes {
+            self.impacts.forget(event);
+        } else if let Some(end) = self.impacts.note(event, now) {
+            self.rest(system, (event, &before), (end, &[]), recorder)?;
+        }
+        Ok(Done { acts: true, strikes })
+    }
+
+    /// Goes on in a phase: its constraints must hold, and take away what speed they do not leave, by impulses of which `known` are
+    /// others than the speeds at this instant show; true where there were any.
+    fn enter(
+        &mut self,
+        system: &mut dyn System,
+        phase: usize,
+        known: &[(usize, f64)],
+        recorder: &mut Recorder,
+    ) -> Result<bool, Box<Cause>> {
+        let mut strikes = false;
+        let before: Vec<u32> = system.active_rows().to_vec();
+        system.set_phase(phase);
+        let active: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+        let now = self.clock.now();
+        if let Some(projection) = &mut self.projection {
+            projection.observe(system, now, self.stepper.start().y);
+            let entering = active.iter().filter(|row| !before.contains(&(**row as u32)));
+            for &row in entering {
+                let known = &system.description().rows[row];
+                if let Some(residual) = projection.misses(row).filter(|_| known.holonomic) {
+                    let phase = system.description().phases[phase].name.to_string();
+                    return Err(Cause::PhaseMisses { phase, constraint: known.name.to_string(), residual }.into());
+                }
+            }
+        }
+        // Springs take up what speed there is.
+        if !is_sprung(system) {
+            let taken = velocity_jump(system, (now, self.stepper.start().y), &active, |_| 0.0);
+            let mut taken = taken.map_err(|fault| fault.cause(system.description()))?;
+            for (row, impulse) in known {
+                taken.rows.iter_mut().filter(|(of, _)| of == row).for_each(|(_, taken)| *taken = *impulse);
+            }
+            strikes = self.take(system, taken, recorder);
+        }
+        recorder.phase(phase, now);
+        Ok(strikes)
+    }
+
+    /// An impact along a constraint, with those that are active kept; the coefficient of restitution, and the impulses.
+    fn strike(
+        &mut self,
+        system: &mut dyn System,
+        along: u32,
+        restitution: usize,
+        recorder: &mut Recorder,
+    ) -> Result<Struck, Box<Cause>> {
+        let e = system.restitutions().get(restitution).copied().unwrap_or(0.0);
+        if !(0.0..=1.0).contains(&e) {
+            return Err(Cause::BadRestitution { value: e }.into());
+        }
+        let rows_along = rows_of(system, along);
+        let rows = with(system, &rows_along);
+        let restitution = |row: usize| if rows_along.contains(&row) { e } else { 0.0 };
+        let hit = velocity_jump(system, (self.clock.now(), self.stepper.start().y), &rows, restitution);
+        let hit = hit.map_err(|fault| fault.cause(system.description()))?;
+        let impulses = hit.rows.clone();
+        self.take(system, hit, recorder);
+        Ok(Struck { restitution: e, impulses })
+    }
+
+    /// Impacts accumulate: the motion goes on at their end, in the phase that has these rows too, with what impulses are
+    /// `known` to be left; false where there is no such phase.
+    fn rest(
+        &mut self,
+        system: &mut dyn System,
+        (event, along): (usize, &[usize]),
+        (end, known): (f64, &[(usize, f64)]),
+        recorder: &mut Recorder,
+    ) -> Result<bool, Box<Cause>> {
+        let rows = with(system, along);
+        let phases = &system.description().phases;
+        let same = |known: &[u32]| known.iter().map(|row| *row as usize).eq(rows.iter().copied());
+        let Some(phase) = phases.iter().position(|phase| same(&phase.rows)) else { return Ok(false) };
+        let (left, n) = (end - self.clock.now(), system.len());
+        // The last hops lead along the constraint, on which the contact rests.
+        let taken = velocity_jump(system, (self.clock.now(), self.stepper.start().y), &rows, |_| 0.0);
+        let VelocityJump { jump, .. } = taken.map_err(|fault| fault.cause(system.description()))?;
+        let (q, v) = self.stepper.state_mut().split_at_mut(n);
+        q.iter_mut().zip(v.iter().zip(&jump)).for_each(|(q, (v, jump))| *q += left * (v + jump));
+        self.clock.set(end);
+        self.impacts.forget(event);
+        if left > 0.0 {
+            recorder.accumulated(system, event, end);
+        }
+        self.enter(system, phase, known, recorder).map(|_| true)
+    }
+
+    /// Lets speeds jump; true where that is more than rounding.
+    fn take(
+        &mut self,
+        system: &dyn System,
+        VelocityJump { jump, rows }: VelocityJump,
+        recorder: &mut Recorder,
+    ) -> bool {
+        let n = system.len();
+        let speeds = &mut self.stepper.state_mut()[n..];
+        let size = speeds.iter().zip(&jump).fold(0.0_f64, |most, (v, jump)| most.max(v.abs()).max(jump.abs()));
+        speeds.iter_mut().zip(&jump).for_each(|(v, jump)| *v += jump);
+        // What is left of constraints that were met already is rounding, and no impulse.
+        if !jump.iter().any(|jump| jump.abs() > ROUNDING * size) {
+            return false;
+        }
+        let constraints: Vec<(String, f64)> =
+            rows.iter().map(|(row, impulse)| (system.description().rows[*row].name.to_string(), *impulse)).collect();
+        recorder.impulse(Impulse { t: self.clock.now(), inputs: Vec::new(), constraints, jump });
+        true
+    }
+}
+
+/// Whether springs stand for the constraints.
+fn is_sprung(system: &dyn System) -> bool {
+    matches!(system.enforcement(), Enforcement::Springs { .. })
+}
+
+/// The rows of a constraint.
+fn rows_of(system: &dyn System, constraint: u32) -> Vec<usize> {
+    let rows = system.description().rows.iter().enumerate();
+    rows.filter(|(_, row)| row.constraint == constraint).map(|(k, _)| k).collect()
+}
+
+/// Active rows and others, in order.
+fn with(system: &dyn System, others: &[usize]) -> Vec<usize> {
+    let mut rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    rows.extend(others);
+    rows.sort_unstable();
+    rows.dedup();
+    rows
+}

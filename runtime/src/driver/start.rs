@@ -1,0 +1,84 @@
+//! Events where a motion starts or ends.
+
+use super::{Integration, StopReason};
+use crate::cause::Cause;
+use crate::events::Fired;
+use crate::mechanism::{Action, System};
+use crate::run::Recorder;
+use crate::trust::Warning;
+
+/// What is to be done before the next step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Starting {
+    /// Nothing.
+    Done,
+    /// Events have to be put on their sides.
+    Prolonged,
+    /// The same, and those that are past their zero fire.
+    Anew,
+}
+
+impl Integration {
+    /// As [`Integration::go_on`] where nothing was changed: what was past a zero has fired.
+    pub fn prolong(&mut self, system: &mut dyn System, until: f64) -> Result<(), Box<Cause>> {
+        self.go_on(system, until)?;
+        self.start = Starting::Prolonged;
+        Ok(())
+    }
+
+    /// Records events at whose zero the motion ends.
+    pub(super) fn end_events(&mut self, system: &dyn System, recorder: &mut Recorder) -> StopReason {
+        let Some(mut watch) = self.watch.take() else { return StopReason::Arrived };
+        let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
+        let mut halt = StopReason::Arrived;
+        for event in watch.at_end(system, (now, &y), self.h) {
+            let stops = system.description().events[event].actions.contains(&Action::Stop);
+            watch.log(system, event, (now, &y), stops, recorder);
+            if stops {
+                halt = StopReason::Event;
+            }
+        }
+        self.watch = Some(watch);
+        halt
+    }
+
+    /// Does what events say that are past their zero, or at it and move past, where a motion starts.
+    pub(super) fn start_events(
+        &mut self,
+        system: &mut dyn System,
+        recorder: &mut Recorder,
+    ) -> Result<StopReason, Box<Cause>> {
+        let start = std::mem::replace(&mut self.start, Starting::Done);
+        if start == Starting::Done {
+            return Ok(StopReason::Arrived);
+        }
+        let Some(mut watch) = self.watch.take() else { return Ok(StopReason::Arrived) };
+        let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
+        let span = self.until - now;
+        if self.h == 0.0 {
+            self.h = self.first(system, span);
+        }
+        watch.start(system, (now, &y), (self.h.min(span), span));
+        if start == Starting::Prolonged {
+            self.watch = Some(watch);
+            return Ok(StopReason::Arrived);
+        }
+        let (fired, past) = watch.at_start(system, (now, &y));
+        if let Some(switch) = watch.undecided(system) {
+            recorder.warn(Warning::BothSidesLeave { switch });
+        }
+        for event in past {
+            recorder.warn(Warning::PastAtStart { event: system.description().events[event].name.to_string() });
+        }
+        let mut halt = Ok(StopReason::Arrived);
+        if !fired.is_empty() {
+            recorder.leave(system, now, self.stepper.start());
+            for Fired { event, actions } in &fired {
+                watch.log(system, *event, (now, &y), actions.contains(&Action::Stop), recorder);
+            }
+            halt = self.act(system, fired, &mut watch, recorder);
+        }
+        self.watch = Some(watch);
+        halt
+    }
+}

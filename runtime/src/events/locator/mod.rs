@@ -1,0 +1,655 @@
+//! The watch over one motion.
+
+mod start;
+
+use super::arguments::{Arguments, Course};
+use super::certify::ZeroKind;
+use super::features::FeatureDetector;
+use super::impulse::{Impulse, impulse, turn};
+use super::modes::{self, Chosen, Known, Trial};
+use super::sample::Sampler;
+use super::scan::{Crossing, Scanner, watched_name};
+use super::sides;
+use super::stops::Stops;
+use super::{EventNote, Log, Remarkable};
+use crate::cause::Cause;
+use crate::integrate::{Endpoint, Segment};
+use crate::mechanism::{Action, Direction, System};
+
+/// Watches events and switches along a motion.
+#[derive(Clone, Debug)]
+pub(crate) struct EventLocator {
+    sampler: Sampler,
+    arguments: Arguments,
+    monitors: FeatureDetector,
+    scanner: Scanner,
+    /// Times that are still to come at which a step must end.
+    stops: Stops,
+    time_only: Vec<bool>,
+    /// Which switches are on their surface at a restart.
+    surface: Vec<bool>,
+    /// On which side others are from there on.
+    beyond: Vec<Option<f64>>,
+    /// One that might have left its surface to the other side as well, where modes were chosen last.
+    undecided: Option<usize>,
+    /// When each event was written down last, s; not a number before.
+    logged: Vec<f64>,
+    /// The length of the last step, s.
+    step: f64,
+    /// How many restarts in a row came at once, and when the last one was.
+    restarts: u32,
+    last_restart: f64,
+    y: Vec<f64>,
+}
+
+/// An event that changes something.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Fired {
+    /// Which one.
+    pub event: usize,
+    /// What it does, in order.
+    pub actions: Vec<Action>,
+}
+
+/// The first thing within a step that ends it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Interruption {
+    /// A stopping event or a switch crosses zero.
+    At(Crossing),
+    /// A switch leaves the surface on which it was, to this side, other than its mode says.
+    Leaves {
+        /// Which one.
+        switch: usize,
+        /// −1 or 1.
+        side: f64,
+    },
+}
+
+/// More restarts than this at once are chattering.
+const RESTARTS: u32 = 100;
+/// After so many it is asked whether rounding makes them.
+const SEVERAL: u32 = 8;
+/// What happens within this part of a step happens at once.
+const AT_ONCE: f64 = 1e-9;
+/// An event's function is at its zero where it is this part of the largest it had.
+const ON: f64 = 1e-10;
+/// A switch that rests has left its surface when its argument is this part of the largest it had.
+const REST: f64 = 1e-12;
+
+impl EventLocator {
+    /// A watch over the motion from `from` to `until`, that cuts steps at others than the usual places if `decorrelate_steps`; `None`
+    /// if there is nothing to watch.
+    ///
+    /// # Errors
+    /// A discontinuity of time that comes too often.
+    pub fn new<S: System + ?Sized>(
+        system: &mut S,
+        (from, until): (f64, f64),
+        y: &[f64],
+        decorrelate_steps: bool,
+    ) -> Result<Option<Self>, Box<Cause>> {
+        let monitors = FeatureDetector::new(system, decorrelate_steps);
+        let description = system.description();
+        let closures = (0..description.inputs.len()).any(|input| system.signal(input).is_some());
+        if description.events.is_empty() && description.switches.is_empty() && monitors.is_empty() && !closures {
+            return Ok(None);
+        }
+        let time_only: Vec<bool> = description.switches.iter().map(|switch| switch.time_only).collect();
+        let events = description.events.len();
+        let mut sampler = Sampler::new(system);
+        let mut arguments = Arguments::new(system);
+        let stops = Stops::new(system, (&mut sampler, &mut arguments), (from, until), y)?;
+        Ok(Some(EventLocator {
+            scanner: Scanner::new(system, &sampler),
+            sampler,
+            arguments,
+            monitors,
+            stops,
+            surface: vec![false; time_only.len()],
+            beyond: vec![None; time_only.len()],
+            undecided: None,
+            time_only,
+            logged: vec![f64::NAN; events],
+            step: 0.0,
+            restarts: 0,
+            last_restart: f64::NEG_INFINITY,
+            y: vec![0.0; 2 * system.len()],
+        }))
+    }
+
+    /// Chooses the modes at the start of a motion.
+    pub fn begin<S: System + ?Sized>(
+        &mut self,
+        system: &mut S,
+        (t, y): (f64, &[f64]),
+        trial: Trial<'_, S>,
+    ) -> Result<(), Box<Cause>> {
+        self.forget_surfaces();
+        let sides = sides::of_time(system, &mut self.sampler, t, y);
+        self.beyond = sides.into_iter().map(|side| side.filter(|side| *side != 0.0)).collect();
+        self.choose(system, (t, y), None, trial)?;
+        self.forget_surfaces();
+        self.scanner.activate(system);
+        self.scanner.fresh.fill(true);
+        self.scanner.restart();
+        self.monitors.forget();
+        Ok(())
+    }
+
+    /// Samples of watched functions and of arguments so far.
+    pub fn samples(&self) -> u64 {
+        self.sampler.samples + self.arguments.samples
+    }
+
+    /// True where every step needs dense output, whatever the recorder says: where anything but time, whose stops are known, may
+    /// cross zero in it, or leave zero.
+    pub fn wants_dense<S: System + ?Sized>(&self, system: &S) -> bool {
+        let timed = |switch: usize| self.time_only[switch] && modes::side(system, switch) != 0.0;
+        (0..self.sampler.len()).any(|function| !self.sampler.switch(function).is_some_and(timed))
+    }
+
+    /// Whether the ends of a step show that nothing hides between them in the equations of motion.
+    pub fn has_no_feature<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        times: (f64, f64),
+        ends: (Endpoint<'_>, Endpoint<'_>),
+    ) -> bool {
+        self.monitors.has_no_feature(system, times, ends)
+    }
+
+    /// The next time at which a step must end, at most `until`.
+    pub fn next_stop(&self, until: f64) -> f64 {
+        self.stops.next().min(until)
+    }
+
+    /// Whether a time at which a step must end has come.
+    pub fn is_due(&self, t: f64) -> bool {
+        self.stops.is_due(t)
+    }
+
+    /// The times at which steps must end, as far as they are known yet.
+    pub fn stop_times(&self) -> Vec<f64> {
+        self.stops.list.iter().rev().map(|stop| stop.t).collect()
+    }
+
+    /// The longest step from t, at most h seconds, that meets no feature of time alone.
+    pub fn ahead<S: System + ?Sized>(&mut self, system: &S, t: f64, h: f64) -> f64 {
+        self.monitors.ahead(&mut self.arguments, system, t, h).map_or(h, |theta| theta * h)
+    }
+
+    /// Where a step that was tried has to be cut, 0 to 1, because it jumps over a feature of the equations.
+    pub fn cut<S: System + ?Sized>(&mut self, system: &S, segment: &Segment<'_>) -> Option<f64> {
+        self.monitors.cut(&mut self.arguments, system, &Course::Step(*segment))
+    }
+
+    /// The spring, damper or force whose ends meet within a step, to `part` of the largest distance there was.
+    ///
+    /// # Errors
+    /// [`Cause::EndsMeet`].
+    pub fn meets<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        segment: &Segment<'_>,
+        part: f64,
+    ) -> Result<(), Box<Cause>> {
+        match self.monitors.meets(&mut self.arguments, system, &Course::Step(*segment), part) {
+            Some((index, theta)) => Err(ends_meet(system, index, segment.t + theta * segment.h).into()),
+            None => Ok(()),
+        }
+    }
+
+    /// Why a march could not go on from a state: ends that meet within `ahead` seconds explain most of it.
+    pub fn explain<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        cause: Cause,
+        (t, y): (f64, &[f64]),
+        ahead: f64,
+    ) -> Cause {
+        let explicable = matches!(
+            cause,
+            Cause::StepTooSmall { .. }
+                | Cause::NonFinite { .. }
+                | Cause::SingularMass { .. }
+                | Cause::DirectionLost { .. }
+        );
+        if !explicable {
+            return cause;
+        }
+        let met = self.monitors.met(&mut self.arguments, system, (t, y), ahead);
+        met.map_or(cause, |index| ends_meet(system, index, t))
+    }
+
+    /// Looks for the first thing within a step that ends it.
+    ///
+    /// # Errors
+    /// A function that oscillates too fast.
+    pub fn scan<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        segment: &Segment<'_>,
+    ) -> Result<Option<Interruption>, Box<Cause>> {
+        self.scanner.scan(&mut self.sampler, &mut self.arguments, system, segment)?;
+        for switch in 0..self.surface.len() {
+            let function = self.sampler.function_of(switch);
+            let value = self.scanner.largest_here(function);
+            let rests = modes::side(system, switch) == 0.0;
+            if rests && value.abs() > REST * self.scanner.largest(function) && value != 0.0 {
+                segment.evaluate(1.0, &mut self.y);
+                let end = (segment.t + segment.h, self.y.as_slice());
+                if !modes::may_rest(system, &mut self.sampler, end, (switch, value.signum())) {
+                    return Ok(Some(Interruption::Leaves { switch, side: value.signum() }));
+                }
+                self.scanner.crossings.retain(|crossing| crossing.function != function);
+            }
+        }
+        let crossings = std::mem::take(&mut self.scanner.crossings);
+        let first = crossings.iter().find(|crossing| match self.sampler.switch(crossing.function) {
+            Some(switch) => !self.time_only[switch],
+            None => {
+                let event = &system.description().events[crossing.function];
+                let ends = event.actions.iter().any(|action| *action != Action::Record);
+                ends && counts(event.direction, crossing.rising) && {
+                    self.sampler.along(system, segment, crossing.theta);
+                    self.sampler.condition(crossing.function) > 0.0
+                }
+            }
+        });
+        let first = first.copied();
+        self.scanner.crossings = crossings;
+        Ok(first.map(|crossing| match self.sampler.switch(crossing.function) {
+            Some(switch) if crossing.theta == 0.0 => {
+                Interruption::Leaves { switch, side: if crossing.rising { 1.0 } else { -1.0 } }
+            }
+            _ => Interruption::At(crossing),
+        }))
+    }
+
+    /// How long, s, a step is to be instead of the one scanned last, so that what happens near its start is not hidden or blurred by its
+    /// far end; `None` where nothing does.
+    pub fn early(&self, segment: &Segment<'_>) -> Option<f64> {
+        self.scanner.early().map(|part| part * segment.h).filter(|shorter| segment.t + shorter > segment.t)
+    }
+
+    /// Just behind the first jump of a function over zero within a step, 0 to 1; `None` where there is none.
+    ///
+    /// # Errors
+    /// A function that oscillates too fast.
+    pub fn beyond<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        function: usize,
+        segment: &Segment<'_>,
+    ) -> Result<Option<f64>, Box<Cause>> {
+        self.scanner.restart();
+        self.scanner.scan(&mut self.sampler, &mut self.arguments, system, segment)?;
+        let mut jumps =
+            self.scanner.crossings.iter().filter(|crossing| crossing.function == function && crossing.jumps);
+        Ok(jumps.next().map(|crossing| crossing.theta))
+    }
+
+    /// A function's value at a state, and its rate there along the step that ends in it.
+    pub fn value_and_rate<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        function: usize,
+        segment: &Segment<'_>,
+        end: &[f64],
+    ) -> (f64, f64) {
+        let (_, slope) = self.sampler.sample(system, segment, function, 1.0);
+        self.sampler.at_state(system, segment.t + segment.h, end);
+        (self.sampler.value(function), slope / segment.h)
+    }
+
+    /// Notes that a step without dense output was taken, of h seconds.
+    pub fn step(&mut self, h: f64) {
+        self.step = h;
+    }
+
+    /// The length of the last step, s.
+    pub fn last_step(&self) -> f64 {
+        self.step
+    }
+
+    /// Notes what is recorded within a step that nothing ended.
+    pub fn pass<S: System + ?Sized>(&mut self, system: &S, segment: &Segment<'_>, recorder: &mut impl Log) {
+        self.record(system, segment, recorder, &[]);
+        self.remark(system, recorder);
+        self.scanner.advance(segment.t + segment.h);
+        self.step = segment.h;
+    }
+
+    /// Functions that cross zero together with another one, it included, in file order.
+    pub fn simultaneous(&self, crossing: Crossing, segment: &Segment<'_>) -> Vec<Crossing> {
+        let resolution = (1e-11 * crossing.theta).max(8.0 * f64::EPSILON * segment.t.abs() / segment.h);
+        let near = |other: &&Crossing| {
+            let timed = self.sampler.switch(other.function).is_some_and(|switch| self.time_only[switch]);
+            (other.theta - crossing.theta).abs() <= resolution && !timed
+        };
+        let mut together: Vec<Crossing> = self.scanner.crossings.iter().filter(near).copied().collect();
+        together.sort_by_key(|crossing| crossing.function);
+        together.dedup_by_key(|crossing| crossing.function);
+        together
+    }
+
+    /// Notes what is recorded within a step that ends at these crossings, before they fire.
+    ///
+    /// # Errors
+    /// A function that oscillates too fast.
+    pub fn record_before<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        segment: &Segment<'_>,
+        recorder: &mut impl Log,
+        together: &[Crossing],
+    ) -> Result<(), Box<Cause>> {
+        self.scanner.restart();
+        self.monitors.forget();
+        self.scanner.scan(&mut self.sampler, &mut self.arguments, system, segment)?;
+        self.record(system, segment, recorder, together);
+        self.remark(system, recorder);
+        self.scanner.advance(segment.t + segment.h);
+        self.step = self.step.max(segment.h);
+        Ok(())
+    }
+
+    /// Fires the events that cross zero together at this state, and notes which switches do; returns those that do more
+    /// than being recorded, in file order.
+    pub fn fire<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        together: &[Crossing],
+        (t, y): (f64, &[f64]),
+        recorder: &mut impl Log,
+    ) -> Vec<Fired> {
+        self.forget_surfaces();
+        self.scanner.restart();
+        self.monitors.forget();
+        let mut fired = Vec::new();
+        for crossing in together {
+            self.scanner.sides[crossing.function] = if crossing.rising { 1.0 } else { -1.0 };
+            self.scanner.fresh[crossing.function] = true;
+            if let Some(switch) = self.sampler.switch(crossing.function) {
+                if crossing.jumps {
+                    self.beyond[switch] = Some(self.scanner.sides[crossing.function]);
+                } else {
+                    self.surface[switch] = true;
+                    self.sampler.at_state(system, t, y);
+                    self.scanner.zero[crossing.function] = self.sampler.value(crossing.function).abs();
+                }
+                continue;
+            }
+            self.sampler.at_state(system, t, y);
+            self.scanner.zero[crossing.function] = self.surface_of(system, crossing.function, (t, y));
+            let event = &system.description().events[crossing.function];
+            if counts(event.direction, crossing.rising) && self.sampler.condition(crossing.function) > 0.0 {
+                self.logged[crossing.function] = t;
+                recorder.event(system, crossing.function, t, y, event.actions.contains(&Action::Stop));
+                if event.actions.iter().any(|action| *action != Action::Record) {
+                    fired.push(Fired { event: crossing.function, actions: event.actions.to_vec() });
+                }
+            }
+        }
+        fired
+    }
+
+    /// Looks anew at everything after the phase changed or speeds were `hit`: which events count, and on which side
+    /// they are.
+    pub fn enter<S: System + ?Sized>(
+        &mut self,
+        system: &mut S,
+        (t, y): (f64, &[f64]),
+        hit: bool,
+        trial: Trial<'_, S>,
+    ) -> Result<(), Box<Cause>> {
+        self.forget_surfaces();
+        self.choose(system, (t, y), None, trial)?;
+        self.scanner.activate(system);
+        for function in 0..self.sampler.events() {
+            // One that slept until now has no size yet but what it gains in a step.
+            let seen = self.scanner.largest(function);
+            let variation = match self.scanner.awake(function) {
+                true => self.sampler.variation(system, function, (t, y), self.step),
+                false => 0.0,
+            };
+            self.sampler.at_state(system, t, y);
+            let value = self.sampler.value(function);
+            let on = value.is_nan()
+                || value.abs() <= ON * seen.max(variation)
+                || value.abs() <= self.sampler.rounding_at(system, function, (t, y));
+            self.scanner.sides[function] = if on { 0.0 } else { value.signum() };
+            self.scanner.fresh[function] = true;
+            self.scanner.leaving[function] = 0.0;
+            self.scanner.zero[function] = if on { self.surface_of(system, function, (t, y)) } else { 0.0 };
+        }
+        for function in 0..self.sampler.events() {
+            if self.scanner.sides[function] == 0.0 && self.scanner.awake(function) {
+                let scale = (self.step, self.scanner.largest(function), hit);
+                self.scanner.leaving[function] = self.sampler.leaves(system, function, (t, y), scale);
+            }
+        }
+        Ok(())
+    }
+
+    /// What is zero of an event's function that is at its zero in the state that was evaluated last.
+    fn surface_of<S: System + ?Sized>(&mut self, system: &S, event: usize, (t, y): (f64, &[f64])) -> f64 {
+        let value = self.sampler.value(event).abs();
+        let zero = value.max(self.sampler.rounding_at(system, event, (t, y)));
+        if zero.is_nan() { 0.0 } else { zero }
+    }
+
+    /// Events that change phases or speeds and are past their zero, in their direction, where a phase was `entered`, or
+    /// leave it so, there or after an impact.
+    pub fn already_past<S: System + ?Sized>(&mut self, system: &S, (t, y): (f64, &[f64]), entered: bool) -> Vec<Fired> {
+        let mut fired = Vec::new();
+        for (function, event) in system.description().events.iter().enumerate() {
+            let changes = |action: &Action| matches!(action, Action::Phase(_) | Action::Impact { .. });
+            if !event.actions.iter().any(changes) || !self.scanner.awake(function) {
+                continue;
+            }
+            let side = match self.scanner.sides[function] {
+                0.0 => self.scanner.leaving[function],
+                side if entered => side,
+                _ => 0.0,
+            };
+            self.sampler.at_state(system, t, y);
+            let past = match event.direction {
+                Direction::Both => false,
+                Direction::Rising => side > 0.0,
+                Direction::Falling => side < 0.0,
+            };
+            if past && self.sampler.condition(function) > 0.0 {
+                fired.push(Fired { event: function, actions: event.actions.to_vec() });
+            }
+        }
+        fired
+    }
+
+    /// Records an event that happens where a phase begins.
+    pub fn log<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        event: usize,
+        (t, y): (f64, &[f64]),
+        ends: bool,
+        recorder: &mut impl Log,
+    ) {
+        self.logged[event] = t;
+        recorder.event(system, event, t, y, ends);
+    }
+
+    /// A switch leaves its surface.
+    pub fn leave<S: System + ?Sized>(
+        &mut self,
+        system: &mut S,
+        (switch, side): (usize, f64),
+        (t, y): (f64, &[f64]),
+        trial: Trial<'_, S>,
+    ) -> Result<(), Box<Cause>> {
+        self.forget_surfaces();
+        self.surface[switch] = true;
+        self.choose(system, (t, y), Some((switch, side)), trial)?;
+        self.forget_surfaces();
+        Ok(())
+    }
+
+    /// Switches at a state in which [`EventLocator::fire`] found switches to cross zero, or at a stop time, or both, and finds
+    /// what a jump of inputs does to the speeds.  Returns whether it was one of these.
+    pub fn switch<S: System + ?Sized>(
+        &mut self,
+        system: &mut S,
+        (t, y): (f64, &[f64]),
+        trial: Trial<'_, S>,
+    ) -> Result<Switched, Box<Cause>> {
+        let (mut timed, mut resume) = (false, t);
+        let mut breaks = Vec::new();
+        while let Some(stop) = self.stops.pop(t) {
+            timed = true;
+            resume = resume.max(stop.after);
+            for (switch, side) in stop.switches {
+                self.beyond[switch] = Some(side);
+            }
+            breaks.extend(stop.breaks);
+        }
+        let any = timed || self.surface.contains(&true) || self.beyond.iter().any(Option::is_some);
+        let mut impulse = None;
+        if any {
+            let inputs = 3 * system.description().inputs.len();
+            let (mut before, mut after) = (vec![0.0; inputs], vec![0.0; inputs]);
+            system.inputs(t, &mut before);
+            for (input, one) in breaks {
+                before[3 * input..3 * input + 3].copy_from_slice(&one.value);
+                resume = resume.max(one.after);
+            }
+            self.choose(system, (resume, y), None, trial)?;
+            system.inputs(resume, &mut after);
+            if timed {
+                impulse = self::impulse(system, (t, y), &before, &after)?;
+                if impulse.is_none() {
+                    impulse = turn(system, (t, resume), y)?;
+                }
+            }
+            if let Some(impulse) = &impulse {
+                // Speeds that jump may have other sides.
+                self.surface.fill(false);
+                let mut y = y.to_vec();
+                let speeds = y.iter_mut().skip(impulse.jump.len());
+                speeds.zip(&impulse.jump).for_each(|(speed, jump)| *speed += jump);
+                self.choose(system, (resume, &y), None, trial)?;
+            }
+            self.forget_surfaces();
+        }
+        if self.stops.list.is_empty() && self.stops.horizon <= t {
+            self.stops.extend(system, (&mut self.sampler, &mut self.arguments), y)?;
+        }
+        Ok(Switched { any, resume, impulse })
+    }
+
+    fn forget_surfaces(&mut self) {
+        self.surface.fill(false);
+        self.beyond.fill(None);
+    }
+
+    /// Chooses the modes and sets the switches' sides to match.
+    fn choose<S: System + ?Sized>(
+        &mut self,
+        system: &mut S,
+        (t, y): (f64, &[f64]),
+        leaves: Option<(usize, f64)>,
+        trial: Trial<'_, S>,
+    ) -> Result<(), Box<Cause>> {
+        let instant = AT_ONCE * self.step;
+        self.restarts = if t - self.last_restart <= instant { self.restarts + 1 } else { 0 };
+        self.last_restart = t;
+        self.scanner.restart();
+        self.monitors.forget();
+        let known = Known { surface: &self.surface, beyond: &self.beyond, leaves, step: self.step };
+        let Chosen { on, undecided } = modes::choose(system, &mut self.sampler, (t, y), &known, trial)?;
+        self.undecided = undecided;
+        if self.restarts > SEVERAL {
+            for switch in (0..on.len()).filter(|switch| on[*switch]) {
+                modes::rest_if_sides_agree(system, &mut self.sampler, (t, y), switch);
+            }
+        }
+        for (switch, on) in on.into_iter().enumerate() {
+            let function = self.sampler.function_of(switch);
+            self.scanner.sides[function] = modes::side(system, switch);
+            self.scanner.fresh[function] |= on;
+            if on && self.restarts > RESTARTS {
+                return Err(Cause::Chattering { switch: modes::text(system, switch) }.into());
+            }
+        }
+        Ok(())
+    }
+
+    /// Hands the events that only record, but for those in `but`, to the recorder: what does more ends its step, and rounding
+    /// about its zero there is no other event.
+    fn record<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        segment: &Segment<'_>,
+        recorder: &mut impl Log,
+        but: &[Crossing],
+    ) {
+        let crossings = &self.scanner.crossings;
+        for (index, crossing) in crossings.iter().enumerate() {
+            let Some(event) = system.description().events.get(crossing.function) else { continue };
+            // The last one of its function, and in the same direction: zeros before it are others.
+            let last = || crossings[index + 1..].iter().all(|later| later.function != crossing.function);
+            let same = |other: &Crossing| other.function == crossing.function && other.rising == crossing.rising;
+            let taken = crossing.theta > 0.5 && but.iter().any(same) && last();
+            let acts = event.actions.iter().any(|action| *action != Action::Record);
+            if acts || taken || !counts(event.direction, crossing.rising) {
+                continue;
+            }
+            self.sampler.along(system, segment, crossing.theta);
+            if self.sampler.condition(crossing.function) > 0.0 {
+                let t = segment.t + crossing.theta * segment.h;
+                segment.evaluate(crossing.theta, &mut self.y);
+                self.logged[crossing.function] = t;
+                recorder.event(system, crossing.function, t, &self.y, false);
+            }
+        }
+    }
+
+    /// Says what events' functions do that is no crossing.
+    fn remark<S: System + ?Sized>(&mut self, system: &S, recorder: &mut impl Log) {
+        for anomaly in std::mem::take(&mut self.scanner.anomalies) {
+            if self.sampler.switch(anomaly.function).is_some() {
+                continue;
+            }
+            let (event, t) = (watched_name(system, &self.sampler, anomaly.function), anomaly.t);
+            let direction = system.description().events[anomaly.function].direction;
+            let what = match anomaly.kind {
+                ZeroKind::Touches if direction == Direction::Both => Remarkable::Touch,
+                ZeroKind::Jumps | ZeroKind::Pole => Remarkable::Jump,
+                ZeroKind::Undefined => Remarkable::Edge,
+                ZeroKind::Touches | ZeroKind::Crosses { .. } => continue,
+            };
+            recorder.remark(EventNote { event, t, what });
+        }
+    }
+}
+
+fn ends_meet<S: System + ?Sized>(system: &S, index: usize, t: f64) -> Cause {
+    Cause::EndsMeet { load: system.description().arguments[index].load.to_string(), t }
+}
+
+/// What happened at a state where switches were on their surface.
+pub(crate) struct Switched {
+    /// True if any was.
+    pub any: bool,
+    /// When the motion goes on: just after a jump of a closure, s.
+    pub resume: f64,
+    /// A jump of the speeds.
+    pub impulse: Option<Impulse>,
+}
+
+fn counts(direction: Direction, rising: bool) -> bool {
+    match direction {
+        Direction::Both => true,
+        Direction::Rising => rising,
+        Direction::Falling => !rising,
+    }
+}

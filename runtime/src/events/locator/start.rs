@@ -1,0 +1,80 @@
+//! Events where a motion starts or ends.
+
+use super::super::modes;
+use super::{EventLocator, Fired, counts};
+use crate::mechanism::{Action, Direction, System};
+
+impl EventLocator {
+    /// Notes on which side of zero events' functions are where a motion of `span` seconds starts with a step of `step`.
+    pub fn start<S: System + ?Sized>(&mut self, system: &S, (t, y): (f64, &[f64]), (step, span): (f64, f64)) {
+        for event in 0..self.sampler.events() {
+            let zero = self.sampler.zero_at_start(system, event, (t, y), step);
+            self.sampler.at_state(system, t, y);
+            let value = self.sampler.value(event);
+            let on = value.is_nan() || value.abs() <= zero;
+            self.scanner.sides[event] = if on { 0.0 } else { value.signum() };
+            self.scanner.zero[event] = zero;
+            self.scanner.leaving[event] =
+                if on { self.sampler.leaves_at_start(system, (event, zero), (t, y), span) } else { 0.0 };
+        }
+    }
+
+    /// Events that record or stop, at their zero where a motion ends with a step of `step`, and moving past: a motion that starts there
+    /// waits for them.
+    pub fn at_end<S: System + ?Sized>(&mut self, system: &S, (t, y): (f64, &[f64]), step: f64) -> Vec<usize> {
+        let waits = |action: &Action| matches!(action, Action::Record | Action::Stop);
+        let events = self.sampler.events();
+        let happens = |event: &usize| {
+            let described = &system.description().events[*event];
+            let side = self.scanner.sides[*event];
+            if !described.actions.iter().all(waits) || !self.scanner.awake(*event) || side == 0.0 {
+                return false;
+            }
+            let zero = self.sampler.zero_at_start(system, *event, (t, y), step);
+            self.sampler.at_state(system, t, y);
+            let rate = self.sampler.rate_of(*event);
+            let near = self.sampler.value(*event).abs() <= zero && rate * side < 0.0;
+            // The zero may lie in the last step, as far as its rounding tells.
+            let known = (rate * (t - self.logged[*event])).abs() <= zero;
+            near && !known && counts(described.direction, side < 0.0) && self.sampler.condition(*event) > 0.0
+        };
+        (0..events).filter(happens).collect()
+    }
+
+    /// What leads away from the surface of a discontinuity to both sides of it, where modes were chosen last.
+    pub fn undecided<S: System + ?Sized>(&self, system: &S) -> Option<String> {
+        self.undecided.map(|switch| modes::text(system, switch))
+    }
+
+    /// Events with which a motion starts: those that leave a phase that they name and are past their zero, in their direction, or at it
+    /// and move past, and impacts that are at it and move past.  Impacts that are past it, and changes of the phase by events that name
+    /// none, which would change it again and again, are told.
+    pub fn at_start<S: System + ?Sized>(&mut self, system: &S, (t, y): (f64, &[f64])) -> (Vec<Fired>, Vec<usize>) {
+        let phase = system.phase() as u32;
+        let (mut past, events) = (Vec::new(), &system.description().events);
+        let mut fired = self.already_past(system, (t, y), true);
+        fired.retain(|Fired { event, actions }| {
+            let beyond = self.scanner.sides[*event] != 0.0;
+            let strikes = actions.iter().any(|action| matches!(action, Action::Impact { .. }));
+            if strikes && beyond {
+                past.push(*event);
+            }
+            let elsewhere = actions.iter().any(|action| matches!(action, Action::Phase(other) if *other != phase));
+            let named = events[*event].phases.is_some();
+            if elsewhere && !named {
+                past.push(*event);
+            }
+            if strikes { !beyond } else { elsewhere && named }
+        });
+        // From which side a contact without a direction is closed is not known where nothing moves yet.
+        past.extend((0..events.len()).filter(|event| {
+            let strikes = events[*event].actions.iter().any(|action| matches!(action, Action::Impact { .. }));
+            let rests = self.scanner.sides[*event] == 0.0 && self.scanner.leaving[*event] != 0.0;
+            strikes && events[*event].direction == Direction::Both && self.scanner.awake(*event) && rests && {
+                self.sampler.at_state(system, t, y);
+                self.sampler.rate_of(*event) == 0.0
+            }
+        }));
+        (fired, past)
+    }
+}

@@ -1,0 +1,182 @@
+//! Which rows count, and solutions with those that do.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::{KktSolver, weighted};
+use crate::mechanism::{Singular, System};
+
+/// A row whose pivot, its distance from the rows before it, is below this part of its largest norm is left out.
+const WEAK: f64 = 1e-3;
+/// With more rows than this ordinary pivots are smaller: a straight chain of m rods has 1.1/m.
+const MANY: f64 = 8.0;
+/// Friction that leaves this part of a pivot, or less, lets the reaction grow without bound.
+const PAINLEVE: f64 = 1e-9;
+
+impl KktSolver {
+    /// The rows that are kept, in the order of their pivots, among all rows of the mechanism.
+    pub fn kept(&self) -> impl Iterator<Item = usize> + '_ {
+        self.order[..self.rank].iter().map(|k| self.active[*k])
+    }
+
+    /// Rows that were chosen after so many others, in the order of the mechanism's.
+    pub fn chosen_after(&self, count: usize) -> Vec<usize> {
+        let mut rows: Vec<usize> = self.order.iter().skip(count).map(|k| self.active[*k]).collect();
+        rows.sort_unstable();
+        rows
+    }
+
+    /// The rows that were chosen first, so many, in the order of the mechanism's.
+    pub fn chosen_first(&self, count: usize) -> Vec<usize> {
+        let mut rows: Vec<usize> = self.order.iter().take(count).map(|k| self.active[*k]).collect();
+        rows.sort_unstable();
+        rows
+    }
+
+    /// Pivoted Cholesky of S, scaled; the pivots of some rows are chosen last.
+    pub(super) fn choose_rows(&mut self, before: &[f64], last: &[usize]) {
+        let (n, m) = (self.n, self.active.len());
+        for k in 0..m {
+            for l in 0..=k {
+                let s = weighted(&self.mass, &self.half[k * n..][..n], &self.half[l * n..][..n]);
+                self.schur[k * m + l] = s;
+                self.schur[l * m + k] = s;
+            }
+            let largest = before.get(self.active[k]).copied().unwrap_or(0.0);
+            self.norms[k] = largest.max(self.schur[k * m + k].max(0.0).sqrt());
+        }
+        let scale = |k: usize| if self.norms[k] > 0.0 { 1.0 / self.norms[k] } else { 0.0 };
+        for k in 0..m {
+            for l in 0..m {
+                self.schur[k * m + l] *= scale(k) * scale(l);
+            }
+        }
+        self.order.clear();
+        self.order.extend(0..m);
+        let weak = WEAK * (MANY / m.max(1) as f64).min(1.0);
+        (self.rank, self.weakest) = (m, 1.0);
+        for k in 0..m {
+            let size = |place: usize| self.schur[place * m + place].max(0.0).sqrt();
+            let waits = |place: usize| size(place) <= weak || last.contains(&self.active[self.order[place]]);
+            let rated = |place: usize| (!waits(place), size(place));
+            let better = |a: &usize, b: &usize| {
+                let (a, b) = (rated(*a), rated(*b));
+                a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+            };
+            let best = (k..m).max_by(better).unwrap_or(k);
+            let size = size(best);
+            self.weakest = self.weakest.min(size);
+            if size.is_nan() || size <= weak {
+                self.rank = k;
+                break;
+            }
+            exchange(&mut self.schur, m, k, best);
+            self.order.swap(k, best);
+            let reciprocal = 1.0 / size;
+            self.schur[k * m + k] = size;
+            for i in k + 1..m {
+                self.schur[i * m + k] *= reciprocal;
+            }
+            for i in k + 1..m {
+                let factor = self.schur[i * m + k];
+                for j in k + 1..=i {
+                    let change = factor * self.schur[j * m + k];
+                    self.schur[i * m + j] -= change;
+                    if i != j {
+                        self.schur[j * m + i] = self.schur[i * m + j];
+                    }
+                }
+            }
+        }
+    }
+
+    /// S x = b with the rows that were kept, in place.
+    pub(super) fn cholesky_solve(&mut self, b: &mut [f64]) {
+        let m = b.len();
+        let (rank, y) = (self.rank, &mut self.right);
+        for (i, &row) in self.order[..rank].iter().enumerate() {
+            let known: f64 = (0..i).map(|j| self.schur[i * m + j] * y[j]).sum();
+            y[i] = (b[row] / self.norms[row] - known) / self.schur[i * m + i];
+        }
+        for i in (0..rank).rev() {
+            let known: f64 = (i + 1..rank).map(|j| self.schur[j * m + i] * y[j]).sum();
+            y[i] = (y[i] - known) / self.schur[i * m + i];
+        }
+        b.fill(0.0);
+        for (y, &row) in y.iter().zip(&self.order[..rank]) {
+            b[row] = y / self.norms[row];
+        }
+    }
+
+    /// J M⁻¹ (Jᵀ + B) x = b with the rows that were kept, in their order: every pivot must stay beside that without
+    /// friction.
+    pub(super) fn rub(&mut self, b: &mut [f64]) -> Result<(), Singular> {
+        let (n, m, rank) = (self.n, self.active.len(), self.rank);
+        self.rubbed.clear();
+        for &k in &self.order[..rank] {
+            for &l in &self.order[..rank] {
+                let s = weighted(&self.mass, &self.half[k * n..][..n], &self.pushed[l * n..][..n]);
+                self.rubbed.push(s / (self.norms[k] * self.norms[l]));
+            }
+        }
+        let x = &mut self.right;
+        for (i, &row) in self.order[..rank].iter().enumerate() {
+            x[i] = b[row] / self.norms[row];
+        }
+        for i in 0..rank {
+            let (pivot, without) = (self.rubbed[i * rank + i], self.schur[i * m + i].powi(2));
+            if pivot.is_nan() || pivot <= PAINLEVE * without {
+                b.fill(0.0);
+                return Err(Singular::Friction { row: self.active[self.order[i]] });
+            }
+            for k in i + 1..rank {
+                let factor = self.rubbed[k * rank + i] / pivot;
+                for l in i + 1..rank {
+                    self.rubbed[k * rank + l] -= factor * self.rubbed[i * rank + l];
+                }
+                x[k] -= factor * x[i];
+            }
+        }
+        for i in (0..rank).rev() {
+            let known: f64 = (i + 1..rank).map(|k| self.rubbed[i * rank + k] * x[k]).sum();
+            x[i] = (x[i] - known) / self.rubbed[i * rank + i];
+        }
+        b.fill(0.0);
+        for (i, &row) in self.order[..rank].iter().enumerate() {
+            b[row] = x[i] / self.norms[row];
+        }
+        Ok(())
+    }
+
+    /// Makes the multipliers of the active rows the least of all that have the same effect, Σ S_kk λ_k², where rows
+    /// depend on each other everywhere (Udwadia and Kalaba, Analytical Dynamics, 1992; the weights are invariant under a
+    /// scaling of rows).
+    pub fn spread<S: System + ?Sized>(&self, system: &S, lambda: &mut [f64]) {
+        let (m, rank) = (self.active.len(), self.rank);
+        let usual = system.description().phases.get(system.phase()).map_or(0, |phase| phase.rank as usize);
+        if rank == m || rank < usual || !system.description().friction_pattern.is_empty() {
+            return;
+        }
+        // Row i of L that is left out is a combination of those that were kept: u = [−L₁⁻ᵀ L_iᵀ; e_i] has no effect.
+        let factor = DMatrix::from_fn(rank, rank, |i, j| if i >= j { self.schur[i * m + j] } else { 0.0 });
+        let beyond = DMatrix::from_fn(rank, m - rank, |j, i| self.schur[(rank + i) * m + j]);
+        let Some(combined) = factor.tr_solve_lower_triangular(&beyond) else { return };
+        let idle = DMatrix::from_fn(m, m - rank, |i, k| match i.checked_sub(rank) {
+            None => -combined[(i, k)],
+            Some(place) => f64::from(place == k),
+        });
+        let scaled = DVector::from_fn(m, |i, _| lambda[self.active[self.order[i]]] * self.norms[self.order[i]]);
+        let Some(inverse) = idle.tr_mul(&idle).cholesky() else { return };
+        let least = &scaled - &idle * inverse.solve(&idle.tr_mul(&scaled));
+        for (x, &k) in least.iter().zip(&self.order) {
+            lambda[self.active[k]] = if self.norms[k] > 0.0 { x / self.norms[k] } else { 0.0 };
+        }
+    }
+}
+
+/// Exchanges two rows and columns of a symmetric matrix, and what is factored already of their rows.
+fn exchange(matrix: &mut [f64], m: usize, k: usize, l: usize) {
+    if k != l {
+        (0..m).for_each(|c| matrix.swap(k * m + c, l * m + c));
+        (0..m).for_each(|r| matrix.swap(r * m + k, r * m + l));
+    }
+}

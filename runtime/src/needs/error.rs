@@ -1,0 +1,82 @@
+//! Why a question about a scene's needs has no answer.
+
+use std::fmt;
+
+use dalembert_symbolic::diagnose::Problem;
+
+/// Why there is no answer.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub enum NeedsError {
+    /// The file has mistakes.
+    Model {
+        /// All of them.
+        problems: Vec<Problem>,
+    },
+    /// The model has nothing of this name.
+    UnknownName {
+        /// What was looked for: `scene`.
+        kind: &'static str,
+        /// The name.
+        name: String,
+        /// The names there are.
+        known: Vec<String>,
+    },
+    /// An accuracy that has no meaning here.
+    BadNeed {
+        /// What was asked for.
+        within: f64,
+    },
+    /// What is wanted is 0 all along, so that deviations have nothing to be measured by.
+    Still {
+        /// Its name.
+        name: String,
+    },
+    /// The full model's run fails.
+    Fails {
+        /// Why.
+        why: String,
+    },
+    /// Two runs of the full model differ by too much for the need.
+    NotKnown {
+        /// By how much, in parts of ranges.
+        known: f64,
+        /// The need.
+        within: f64,
+    },
+    /// The search was broken off.
+    Interrupted,
+}
+
+impl fmt::Display for NeedsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            NeedsError::Model { problems } => {
+                let messages: Vec<&str> = problems.iter().map(|problem| problem.message.as_str()).collect();
+                f.write_str(&messages.join("; "))
+            }
+            NeedsError::UnknownName { kind, name, known } => {
+                write!(f, "no {kind} is called `{name}`; there are {}", known.join(", "))
+            }
+            NeedsError::BadNeed { within } => {
+                write!(
+                    f,
+                    "an accuracy of {within:e} has no meaning here: between 1e-9 and 0.5 of a quantity's range, or a positive amount"
+                )
+            }
+            NeedsError::Still { name } => write!(
+                f,
+                "`{name}` is 0 all along, so that a deviation has no range to be measured by; ask for something that moves, or say by which amount it may be off (`absolute`)"
+            ),
+            NeedsError::Fails { why } => write!(f, "the full model's run fails: {why}"),
+            NeedsError::NotKnown { known, within } => write!(
+                f,
+                "two runs of the full model differ by {known:.1e} of ranges, which is too much to judge deviations of {within:.0e}; \
+                 ask for less, or end the scene earlier"
+            ),
+            NeedsError::Interrupted => f.write_str("interrupted"),
+        }
+    }
+}
+
+impl std::error::Error for NeedsError {}

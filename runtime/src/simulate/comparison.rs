@@ -1,0 +1,389 @@
+//! The second run, which tells how many digits of the first one hold.
+
+use std::ops::ControlFlow;
+
+use super::close_calls::close_calls;
+use super::flat::blur_flat_events;
+use super::{Settings, simulate_with};
+use crate::cause::Cause;
+use crate::constrain::Projection;
+use crate::driver::Followed;
+use crate::error::Error;
+use crate::events::begin_at;
+use crate::integrate::order;
+use crate::mechanism::dense::sizes_alike;
+use crate::mechanism::{Action, Argument, At, Method, Role, System, Watched};
+use crate::run::{Digits, Run, evaluate_outputs};
+use crate::trust::{Loss, Warning, all_rates, inertia_condition};
+
+/// The tolerance of the companion in units of the run's.
+const LOOSER: f64 = 10.0;
+/// Where a companion follows the steps of the run, its errors are so many times those of the run, for small steps: its steps are longer
+/// by the root of the method's order.  It costs no more than a run at ten times the tolerance.
+const COARSER: f64 = 5.0;
+/// Bounds are so many times what they differ by elsewhere: over the library and its tolerances no promise is then broken by more than
+/// 0.1 digits (`docs/digits.md`).
+const FOLLOWING: f64 = 1.5;
+/// No companion runs at a looser tolerance.
+const LOOSEST: f64 = 0.3;
+/// The companion's start is moved by so many unit round-offs of the largest value that a coordinate or rate has.
+const MOVED: f64 = 20.0;
+/// What the constraints leave of a move is rounding below this part of it.
+const RESIDUE: f64 = 1e-6;
+/// More growth than this of a difference at the start is an instability.
+const GROWS: f64 = 1e4;
+/// Where errors may be larger than this part of a range, two runs may agree by chance: a third one is asked.
+const DOUBTFUL: f64 = 1e-6;
+/// Where so many of the steps were rejected two runs may agree by chance too.
+const BUMPY: f64 = 0.1;
+/// Where runs may agree by chance, bounds are so many times what they differ by elsewhere.
+const BY_CHANCE: f64 = 3.5;
+/// So many times where functions of the motion happen locally, whose errors come in single steps.
+const LOCALLY: f64 = 1.15;
+/// A second run with more than this part of the steps of the first has the same ones, but for some.
+const SHARED: f64 = 0.75;
+/// Where its steps are shorter, bounds are so many times what they differ by elsewhere: the error of a method of order 1 is twice that.
+const FINER: f64 = 1.5;
+/// Accelerations are known to so many roundings times the condition of M.
+const ROUNDED_INERTIA: f64 = 4.0;
+/// A second run is given up after so many times the steps of the first, and so many more: a start that is moved by rounding may have
+/// vibrations that the first had not.
+const MORE_STEPS: u64 = 10;
+const STEPS_ANYHOW: u64 = 10_000;
+/// Not more numbers than these are compared.
+const MOST_NUMBERS: usize = 20_000_000;
+
+/// Runs again less accurately, from a start moved by rounding, and compares: with steps that are longer than those of the run by a factor
+/// wherever the tolerance alone chose them, else at ten times the tolerance, or twice the fixed step (or half of it).
+///
+/// Errors of runs at two tolerances are in no fixed proportion; those of runs with steps h(t) and c h(t) are in that of 1 to cᵖ, p being the
+/// method's order, up to terms of higher order in h, also where they grow exponentially ([`Followed`]).
+///
+/// Source: the pair of tolerances is Shampine and Watts, *Global error estimation for ordinary differential equations*,
+/// ACM TOMS 2 (1976) 172, section 2; the moved start sees what both runs would otherwise share.
+pub(crate) fn estimate_global_error(
+    system: &mut dyn System,
+    settings: &Settings,
+    run: &mut Run,
+    progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) {
+    // Both runs would share the error of an integral.
+    if run.rows.len() + run.outputs.len() > MOST_NUMBERS || run.has_untried_integrals() {
+        return;
+    }
+    let mut goes_on = |_: f64| progress(settings.until);
+    let Some(companion) = companion(system, settings, run, Distance::Near, &mut goes_on) else { return };
+    let Companion { pace, finer, follows, run: other } = companion;
+    let tolerance = settings.step.is_none() && !finer;
+    run.fastest = fastest(system, settings, run);
+    let mut digits = Digits::compare(run, &other, pace, tolerance.then_some(pace));
+    let cut = is_cut(system, run);
+    let bumpy = is_bumpy(run);
+    if digits.worst(run) > DOUBTFUL || cut || bumpy {
+        let another = self::companion(system, settings, run, Distance::Far, &mut goes_on);
+        let Some(Companion { run: another, .. }) = another else { return };
+        digits.third_run(run, &another, 1.0 / if follows { COARSER } else { LOOSER });
+    }
+    let by_chance = cut || bumpy && !follows;
+    if follows {
+        digits.inflate(FOLLOWING);
+    }
+    if finer {
+        digits.inflate(FINER);
+    }
+    if by_chance {
+        digits.inflate(BY_CHANCE);
+    } else if is_local(system) {
+        digits.inflate(LOCALLY);
+    }
+    if let Some(tolerance) = run.tolerance.filter(|_| cut) {
+        digits.tolerance_floor(run, tolerance);
+    }
+    digits.frequency_error(run, detuning(system, run));
+    blur_flat_events(system, run, &mut digits);
+    if leaves_to_either_side(run) {
+        digits.lose(run);
+    }
+    if other.phases.last() == run.phases.last() {
+        look_around_end(system, run, &mut digits);
+        run.warnings.extend(close_calls(system, run, &digits));
+    }
+    // How many of infinitely many impacts are followed one by one says nothing.
+    let accumulates = run.warnings.iter().any(|warning| matches!(warning, Warning::ImpactsAccumulate { .. }));
+    let [here, there] =
+        [&*run, &other].map(|run| run.events.iter().filter(|event| event.state.t > settings.from).count());
+    if here != there && !accumulates {
+        run.warnings.push(Warning::EventsDiffer { here, there });
+    }
+    if let Some((t, column)) = digits.lost {
+        let why = reason(system, settings, run, (t, column), &mut goes_on);
+        let column = run.column_names().swap_remove(column);
+        run.warnings.push(Warning::DigitsLost { t, column, why });
+    }
+    run.digits = Some(digits);
+}
+
+/// The largest eigenvalue of the system linearised at the start, 1/s; 0 where it cannot be had.
+fn fastest(system: &dyn System, settings: &Settings, run: &Run) -> f64 {
+    let n = system.len();
+    let Some(start) = run.rows.get(..2 * n) else { return 0.0 };
+    let rates = all_rates(system, settings.from, &start[..n], &start[n..]).unwrap_or_default();
+    rates.iter().map(|rate| rate.norm()).filter(|rate| rate.is_finite()).fold(0.0, f64::max)
+}
+
+/// Judges outputs at the end by states that the last one may as well be.
+fn look_around_end(system: &dyn System, run: &Run, digits: &mut Digits) {
+    let Some(row) = run.len().checked_sub(1) else { return };
+    let n = system.len();
+    let mut room = vec![0.0; n];
+    let outputs = |y: &Vec<f64>| {
+        let mut outputs = vec![f64::NAN; system.description().output_len()];
+        evaluate_outputs(system, run.times[row], y, &mut room, &mut outputs);
+        outputs
+    };
+    let end = &run.rows[2 * n * row..][..2 * n];
+    let states = digits.around(run, row, end);
+    digits.output_conditioning(&states.iter().map(outputs).collect::<Vec<_>>());
+    digits.cancellation(run, &roundings(system, At::packed(run.times[row], end, n)));
+}
+
+/// By which part of themselves accelerations may be off all along, by the condition of M at the start and at the end of a run; 0 with
+/// constraints, which may do without an inertia.
+fn detuning(system: &dyn System, run: &Run) -> f64 {
+    let n = system.len();
+    if !system.description().rows.is_empty() {
+        return 0.0;
+    }
+    let condition = |row: usize| inertia_condition(system, At::place(run.times[row], &run.rows[2 * n * row..][..n]));
+    let ends = (0..run.len()).filter(|row| [0, run.len() - 1].contains(row));
+    ROUNDED_INERTIA * f64::EPSILON * ends.map(condition).fold(0.0, f64::max)
+}
+
+/// What rounding may have made of the outputs at a state, however exact that is.
+fn roundings(system: &dyn System, at: At<'_>) -> Vec<f64> {
+    let description = system.description();
+    let (mut a, mut lambda) = (vec![0.0; at.q.len()], vec![0.0; description.rows.len()]);
+    let mut errors = vec![0.0; description.output_len()];
+    // Outputs of accelerations that there are not are absent.
+    if !description.outputs_use_accelerations || system.accelerations_and_multipliers(at, &mut a, &mut lambda).is_ok() {
+        system.output_errors(at.accelerated(&a).constrained(&lambda), &mut errors);
+    }
+    errors
+}
+
+/// True where more than the tolerance decides how a run is divided into steps: discontinuities, events that change
+/// something, features that arguments reveal.  Errors then follow the tolerance by chance only.
+fn is_cut(system: &dyn System, run: &Run) -> bool {
+    let description = system.description();
+    let acts = description.events.iter().any(|event| event.actions.iter().any(|action| *action != Action::Record));
+    let timed = description.arguments.iter().any(|argument| argument.of == Watched::Motion && argument.time_only);
+    !description.switches.is_empty() || acts || timed || run.work.retries > 0
+}
+
+/// True where functions of the motion may happen within a small part of it.
+fn is_local(system: &dyn System) -> bool {
+    let local = |argument: &Argument| argument.of == Watched::Motion && argument.role != Role::Distance;
+    system.description().arguments.iter().any(local)
+}
+
+/// True where steps were often too long: what limits them comes and goes faster than they can follow, and errors do not
+/// follow the tolerance.
+fn is_bumpy(run: &Run) -> bool {
+    run.work.rejected as f64 > BUMPY * run.work.steps as f64
+}
+
+/// How much less accurate another run is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Distance {
+    /// By about one factor.
+    Near,
+    /// By its square.
+    Far,
+}
+
+/// A second run.
+struct Companion {
+    /// Its tolerance, or its fixed step in s.
+    pace: f64,
+    /// Whether its steps are shorter than those of the first one.
+    finer: bool,
+    /// Whether its steps follow those of the first one.
+    follows: bool,
+    run: Run,
+}
+
+/// A run whose steps are longer by this distance, or whose tolerance or fixed step is larger; where stops divide the way into the same steps all
+/// the same, at a step that is shorter.  `None` if it was interrupted.
+fn companion(
+    system: &mut dyn System,
+    settings: &Settings,
+    run: &Run,
+    distance: Distance,
+    progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Option<Companion> {
+    let mut other = alike(system, settings, run);
+    let power = if distance == Distance::Far { 2 } else { 1 };
+    let times = if distance == Distance::Far { 3.0 } else { 2.0 };
+    other.followed = followed(system, settings, run, COARSER.powi(power));
+    let pace = match settings.step {
+        Some(step) => *other.step.insert(step * times),
+        None => {
+            other.tolerance = (LOOSER.powi(power) * settings.tolerance.max(Settings::TIGHTEST)).min(LOOSEST);
+            other.tolerance
+        }
+    };
+    let coarser = ran(system, &other, run, progress)?;
+    let follows = other.followed.is_some();
+    let fixed = settings.step.is_some() || !run.method.adapts_to(&system.description().structure);
+    let shared = coarser.work.steps as f64 > SHARED * run.work.steps as f64;
+    if !(fixed && shared) || run.method == Method::Exact {
+        return Some(Companion { pace, finer: false, follows, run: coarser });
+    }
+    let even = (settings.until - settings.from) / run.work.steps as f64;
+    let pace = *other.step.insert(settings.step.map_or(even, |step| step.min(even)) / times);
+    Some(Companion { pace, finer: true, follows, run: ran(system, &other, run, progress)? })
+}
+
+/// The steps of a run, to be followed by one whose errors are so many times as large; `None` where more than the tolerance chose them.
+fn followed(system: &dyn System, settings: &Settings, run: &Run, coarser: f64) -> Option<Followed> {
+    let explicit = matches!(run.method, Method::Dopri5 | Method::Dop853 | Method::Rkn8);
+    let chosen = explicit && settings.step.is_none() && !is_cut(system, run);
+    let stretch = coarser.powf(1.0 / f64::from(order(run.method)));
+    Followed::new(&run.step_ends, stretch).filter(|_| chosen)
+}
+
+/// The run, or what there is of it; `None` if it was interrupted.
+fn ran(
+    system: &mut dyn System,
+    settings: &Settings,
+    run: &Run,
+    progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Option<Run> {
+    let mut other = match simulate_with(system, settings, progress) {
+        Ok(run) => run,
+        Err(Error::Run(failure)) if matches!(failure.cause, Cause::Interrupted | Cause::TooManySteps { .. }) => {
+            return None;
+        }
+        Err(Error::Run(failure)) => failure.run,
+        Err(_) => return None,
+    };
+    if run.is_filled {
+        other.resample(&run.times);
+    }
+    Some(other)
+}
+
+/// The same settings for a run that is only compared, from its start moved by rounding.
+fn alike(system: &mut dyn System, settings: &Settings, run: &Run) -> Settings {
+    // The same times are reported, however long it is.
+    let every = Some(settings.spacing());
+    let max_steps = settings.max_steps.min(MORE_STEPS * run.work.steps + STEPS_ANYHOW);
+    let mut other = Settings {
+        digits: false,
+        dense: run.is_filled,
+        watch: false,
+        decorrelate_steps: true,
+        every,
+        max_steps,
+        ..settings.clone()
+    };
+    let n = other.q.len();
+    // It starts behind what happened at the start.
+    if let Some(start) = run.rows.get(..2 * n) {
+        (other.q, other.v) = (start[..n].to_vec(), start[n..].to_vec());
+    }
+    if let Some((_, phase)) = run.phases.iter().take_while(|(t, _)| *t == settings.from).last() {
+        other.phase = *phase;
+    }
+    // A kick at the very end says nothing of the way there.
+    let kicked = run.len() > 1 && run.impulses.last().is_some_and(|impulse| run.times.last() == Some(&impulse.t));
+    let rows = &run.rows[..2 * n * (run.len() - usize::from(kicked))];
+    let largest = |column: usize| rows.iter().skip(column).step_by(2 * n).fold(0.0_f64, |most, y| most.max(y.abs()));
+    let moves: Vec<f64> = (0..2 * n).map(|column| 0.5 * f64::EPSILON * MOVED * largest(column)).collect();
+    for i in 0..n {
+        // Moved in one sense they might only be shifted.
+        let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
+        other.q[i] += sign * moves[i];
+        other.v[i] += sign * moves[n + i];
+    }
+    project(system, &mut other, &moves);
+    other
+}
+
+/// Brings a start that was moved by so much to the constraints: values that are held would miss what they met.
+fn project(system: &mut dyn System, settings: &mut Settings, moves: &[f64]) {
+    system.set_phase(settings.phase);
+    system.enforce(settings.enforcement, settings.alpha());
+    let Some(mut projection) = Projection::new(system) else { return };
+    let mut y = [settings.q.as_slice(), settings.v.as_slice()].concat();
+    begin_at(system, settings.from, &y);
+    // Where that cannot be, the start is left as it is.
+    if projection.project(system, settings.from, &mut y).is_ok() {
+        let n = settings.q.len();
+        // Where the constraints let nothing move as it was moved, what is left is rounding of that, and meets no constraint.
+        let description = system.description();
+        let moved = [sizes_alike(description, &moves[..n]), sizes_alike(description, &moves[n..])].concat();
+        y.iter_mut().zip(moved).filter(|(y, moved)| y.abs() <= RESIDUE * moved).for_each(|(y, _)| *y = 0.0);
+        (settings.q, settings.v) = (y[..n].to_vec(), y[n..].to_vec());
+        (settings.held_q, settings.held_v, settings.start_conditions) = (Vec::new(), Vec::new(), 0..0);
+    }
+}
+
+/// Why a run has no digits left from t on: a third run, as accurate as the first, tells how a moved start grows.
+fn reason(
+    system: &mut dyn System,
+    settings: &Settings,
+    run: &Run,
+    (t, column): (f64, usize),
+    progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Loss {
+    let accuracy = match settings.step {
+        Some(step) => Loss::CoarseStep { step },
+        None => Loss::LooseTolerance { tolerance: settings.tolerance },
+    };
+    // With the same steps: only the start differs.
+    let moved = Settings { decorrelate_steps: false, ..alike(system, settings, run) };
+    if leaves_to_either_side(run) || rests_unstably(system, settings, run) {
+        return Loss::UnstableStart;
+    }
+    let other = match simulate_with(system, &moved, progress) {
+        Ok(other) => other,
+        Err(Error::Run(failure)) => failure.run.clone(),
+        Err(_) => return accuracy,
+    };
+    let n = settings.q.len();
+    let apart = |one: &[f64], other: &[f64], i: usize| (one[i] - other[i]).abs();
+    let shared = run.times.iter().zip(&other.times).take_while(|(a, b)| a == b).count();
+    let Some(row) = run.times[..shared].iter().rposition(|time| *time <= t) else { return accuracy };
+    let (here, there) = (&run.rows[2 * n * row..][..2 * n], &other.rows[2 * n * row..][..2 * n]);
+    let start = (run.rows[column] - [moved.q, moved.v].concat()[column]).abs();
+    let growth = apart(here, there, column) / start;
+    if growth.is_finite() && growth > GROWS { Loss::Instability { growth } } else { accuracy }
+}
+
+/// True where the motion begins on a kink or jump that leads away to both sides.
+fn leaves_to_either_side(run: &Run) -> bool {
+    run.warnings.iter().any(|warning| matches!(warning, Warning::BothSidesLeave { .. }))
+}
+
+/// True where the motion begins at rest in an unstable equilibrium, and stays one as time goes by: all that moves it is rounding.
+fn rests_unstably(system: &dyn System, settings: &Settings, run: &Run) -> bool {
+    const TIMES: u32 = 64;
+    if settings.v.iter().any(|v| *v != 0.0) {
+        return false;
+    }
+    let largest = run.rows.iter().fold(0.0_f64, |most, y| most.max(y.abs()));
+    let span = settings.until - settings.from;
+    let mut a = vec![0.0; settings.q.len()];
+    // Of large mechanisms eigenvalues are not known.
+    let rates = all_rates(system, settings.from, &settings.q, &settings.v);
+    if rates.is_some_and(|rates| rates.iter().all(|rate| rate.re * span <= 1.0)) {
+        return false;
+    }
+    (0..=TIMES).all(|k| {
+        let t = settings.from + f64::from(k) / f64::from(TIMES) * span;
+        let known = system.accelerations(At::new(t, &settings.q, &settings.v), &mut a).is_ok();
+        // How far this acceleration alone would lead.
+        known && a.iter().all(|a| a.abs() * span * span <= 1e-9 * largest)
+    })
+}

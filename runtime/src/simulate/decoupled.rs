@@ -1,0 +1,111 @@
+//! Parts that do not feel each other, each run by itself.
+//!
+//! The part that has come least far takes the next step, so that all have gone about as far wherever a run ends.
+
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+use super::{Settings, Start, finish, start};
+use crate::cause::Cause;
+use crate::driver::{Integration, StopReason};
+use crate::error::Error;
+use crate::mechanism::{Method, OfPart, System};
+use crate::run::{Failure, PartRun, Recorder, Run, Together, instant, put_together};
+
+/// A part with its settings.
+pub(super) type Part = (OfPart, Settings);
+
+/// The parts of a run that are to be run apart; none where all is run together.
+///
+/// # Errors
+/// A setting without meaning.
+pub(super) fn parts(system: &dyn System, settings: &Settings) -> Result<Vec<Part>, Error> {
+    let description = system.description();
+    settings.check(description)?;
+    let replaced = (0..description.inputs.len()).any(|input| system.signal(input).is_some());
+    let chosen = settings.method != Method::Auto || settings.step.is_some();
+    if !settings.apart || chosen || replaced || system.derivation().is_some() || !settings.start_conditions.is_empty() {
+        return Ok(Vec::new());
+    }
+    let part = |index: usize| {
+        let part = OfPart::new(system, index, &settings.q)?;
+        let own = |all: &[f64]| part.coordinates().iter().map(|i| all[*i]).collect();
+        let (q, v) = (own(&settings.q), own(&settings.v));
+        let (held_q, held_v) = (Vec::new(), Vec::new());
+        // What the others do at its end is read from their dense output.
+        let settings = Settings { q, v, held_q, held_v, digits: false, dense: true, ..settings.clone() };
+        Some((part, settings))
+    };
+    Ok((0..description.parts.len()).filter_map(part).collect())
+}
+
+/// A part under way.
+struct Way {
+    part: OfPart,
+    march: Integration,
+    recorder: Recorder,
+    /// Whether an event of it has ended the run.
+    stopped: bool,
+}
+
+/// Runs parts of a mechanism, and puts them together.
+///
+/// # Errors
+/// As [`simulate_with`](super::simulate_with), with what all parts had come through by then.
+pub(super) fn simulate(
+    system: &mut dyn System,
+    parts: Vec<Part>,
+    settings: &Settings,
+    progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Result<Run, Error> {
+    let clock = Instant::now();
+    let mut ended = None;
+    let mut ways = Vec::with_capacity(parts.len());
+    for (mut part, own) in parts {
+        let Start { march, recorder, outcome } = start(&mut part, &own, settings.spacing())?;
+        if let (Err(cause), None) = (outcome, &ended) {
+            ended = Some(recorder.explain(&part, *cause));
+        }
+        ways.push(Way { part, march, recorder, stopped: false });
+    }
+    // Where an event of a part ends the run, the others come to, and to events of theirs at the same instant.
+    let (mut until, instant) = (settings.until, instant(settings.from, settings.until));
+    while ended.is_none() {
+        let steps: u64 = ways.iter().map(|way| way.march.work().steps).sum();
+        let going = ways.iter_mut().filter(|way| !way.stopped);
+        let least = going.min_by(|a, b| a.march.time().total_cmp(&b.march.time()));
+        let Some(Way { part, march, recorder, stopped }) = least.filter(|way| way.march.time() < until) else { break };
+        if steps >= settings.max_steps {
+            ended = Some(Cause::TooManySteps { limit: settings.max_steps });
+            break;
+        }
+        let from = march.time();
+        match march.one(part, until, recorder) {
+            Err(cause) => ended = Some(recorder.explain(part, *cause)),
+            Ok(StopReason::Event) => {
+                *stopped = true;
+                until = until.min(march.time() + instant);
+            }
+            Ok(StopReason::Arrived) => {}
+        }
+        if progress(from).is_break() {
+            ended.get_or_insert(Cause::Interrupted);
+        }
+    }
+    let runs = ways.into_iter().map(|Way { part, march, recorder, .. }| {
+        let (coordinates, events) = (part.coordinates().to_vec(), part.events().to_vec());
+        PartRun { coordinates, events, run: finish(&part, &march, recorder, clock) }
+    });
+    let how = Together {
+        until: settings.until,
+        tolerance: settings.tolerance.max(Settings::TIGHTEST),
+        dense: settings.dense,
+        watch: settings.watch,
+        seconds: clock.elapsed().as_secs_f64(),
+    };
+    let run = put_together(system, runs.collect(), &how);
+    match ended {
+        None => Ok(run),
+        Some(cause) => Err(Error::Run(Box::new(Failure { cause, state: run.last(), run }))),
+    }
+}

@@ -1,0 +1,184 @@
+//! Values of definitions, points, angles, inputs and derived parameters, in whatever order they need each other.
+
+use std::rc::Rc;
+
+use crate::diagnose::Place;
+use crate::diagnose::catalogue::names;
+use crate::file::{Text, Written};
+use crate::language::{Ast, AstKind, Unit};
+use crate::model::expression::builder::ExprBuilder;
+use crate::model::expression::dimension::Measure;
+use crate::model::expression::families::Locals;
+use crate::model::expression::lower::Lower;
+use crate::model::expression::names::Solid;
+use crate::model::expression::quantities::stands_alone;
+use crate::model::expression::rules::Rules;
+use crate::model::expression::scope::Scope;
+use crate::model::expression::value::{self, Value};
+
+/// Something with a value that expressions may name.
+#[derive(Clone, Debug)]
+pub struct Item {
+    /// Its expanded name, for messages.
+    pub name: String,
+    /// Its expression; `None` when that was refused already.
+    pub written: Option<Written>,
+    /// What it is and may depend on.
+    pub rules: Rules,
+    /// What it must be.
+    pub want: Want,
+    /// Its indices.
+    pub locals: Locals,
+    /// The frame that an angle is measured from.
+    pub from: Option<Text>,
+    /// Its unit as written.
+    pub unit: Option<Unit>,
+}
+
+/// What the value of an item must be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Want {
+    /// A number.
+    Scalar,
+    /// A vector.
+    Vector,
+    /// Either.
+    Any,
+    /// The difference of both sides of an equation, either.
+    Equation,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum State {
+    New,
+    Open,
+    Done,
+}
+
+/// Gives every item its value.  A worklist instead of recursion: chains of definitions may be long.
+pub fn resolve_values(builder: &mut ExprBuilder, scope: &mut Scope, items: &[Item]) {
+    scope.values = vec![None; items.len()];
+    scope.units.items = vec![Measure::Unknown; items.len()];
+    let mut states = vec![State::New; items.len()];
+    let mut stack = Vec::new();
+    for first in 0..items.len() {
+        stack.push(first);
+        while let Some(&top) = stack.last() {
+            if states[top] == State::Done {
+                stack.pop();
+                continue;
+            }
+            let mark = builder.problems.len();
+            builder.needs.clear();
+            let value = evaluate(builder, scope, &items[top]);
+            let mut needs = std::mem::take(&mut builder.needs);
+            needs.retain(|need| states[*need] != State::Done);
+            if needs.is_empty() || builder.exhausted() {
+                scope.values[top] = Some(if builder.exhausted() { Value::Poison } else { value });
+                scope.units.items[top] = builder.measured;
+                states[top] = State::Done;
+                stack.pop();
+                continue;
+            }
+            // What was computed without the values that are missing is thrown away, with its problems.
+            builder.problems.truncate(mark);
+            states[top] = State::Open;
+            if let Some(&again) = needs.iter().find(|need| states[**need] == State::Open) {
+                report_cycle(builder, items, &stack, &states, again);
+                scope.values[top] = Some(Value::Poison);
+                states[top] = State::Done;
+                stack.pop();
+                continue;
+            }
+            needs.sort_unstable();
+            needs.dedup();
+            stack.extend(needs.into_iter().rev());
+        }
+    }
+}
+
+fn evaluate(builder: &mut ExprBuilder, scope: &Scope, item: &Item) -> Value {
+    let Some(written) = &item.written else { return Value::Poison };
+    let value = match item.want {
+        Want::Equation => match written {
+            Written::One(text) => match builder.sides(scope, text, item.rules, &item.locals) {
+                Some((left, right)) => value::add(&mut builder.graph, &left, &right, true).unwrap_or(Value::Poison),
+                None => Value::Poison,
+            },
+            Written::List(..) => builder.written(scope, written, item.rules, &item.locals),
+        },
+        Want::Any => builder.written(scope, written, item.rules, &item.locals),
+        Want::Vector => builder.vector(scope, written, item.rules, &item.locals).map_or(Value::Poison, Value::Vector),
+        Want::Scalar => match written {
+            Written::One(text) => {
+                let value = builder.scalar(scope, text, item.rules, &item.locals);
+                if item.rules.signals && stands_alone(text, &item.locals) {
+                    // An input has no place for a unit.
+                    builder.measured = Measure::Unknown;
+                }
+                value.map_or(Value::Poison, Value::Scalar)
+            }
+            Written::List(_, place) => {
+                builder.problems.push(names::not_a_scalar(Place::clone(place), "a list"));
+                Value::Poison
+            }
+        },
+    };
+    let value = match (&item.unit, &item.written) {
+        (Some(unit), Some(Written::One(text))) => value.map(|x| builder.converted(x, unit, text)),
+        _ => value,
+    };
+    match &item.from {
+        Some(from) => {
+            let start = frame_angle(builder, scope, from, item);
+            value::add(&mut builder.graph, &start, &value, false).unwrap_or(Value::Poison)
+        }
+        None => value,
+    }
+}
+
+/// The angle of the frame or body that a frame's angle is measured from.
+fn frame_angle(builder: &mut ExprBuilder, scope: &Scope, from: &Text, item: &Item) -> Value {
+    let mut lower = Lower::new(builder, scope, from, item.rules, &item.locals);
+    let Ast { kind: AstKind::Name { name, indices, primes: 0 }, span } = &*from.ast else {
+        let place = from.place.at(from.ast.span);
+        return lower.refuse(names::wrong_thing(place, &from.source, "a frame", "an expression"));
+    };
+    let angle = match lower.solid(name, indices, *span) {
+        None => return Value::Poison,
+        Some(Solid::Ground) => return Value::Scalar(crate::expr::Id::ZERO),
+        Some(Solid::Frame(angle)) => Some(angle),
+        Some(Solid::Body(body)) => scope.bodies[body].angle,
+    };
+    match angle {
+        Some(angle) => lower.item(angle),
+        None => {
+            let place = from.place.at(*span);
+            lower.refuse(crate::diagnose::catalogue::mechanics::needs_orientation(place, name, "a frame"))
+        }
+    }
+}
+
+/// The open items on the stack, from the one that is needed again to the top, are a cycle.
+fn report_cycle(builder: &mut ExprBuilder, items: &[Item], stack: &[usize], states: &[State], again: usize) {
+    let mut open: Vec<usize> = Vec::new();
+    for &item in stack {
+        if states[item] == State::Open && !open.contains(&item) {
+            open.push(item);
+        }
+    }
+    let start = open.iter().position(|item| *item == again).unwrap_or(0);
+    let cycle = &open[start..];
+    let shown = 6;
+    let mut listed: Vec<String> = cycle.iter().take(shown).map(|item| format!("`{}`", items[*item].name)).collect();
+    if cycle.len() > shown {
+        listed.push("…".to_owned());
+    }
+    listed.push(format!("`{}`", items[again].name));
+    let place = cycle
+        .first()
+        .and_then(|item| items[*item].written.as_ref())
+        .map(|written| Rc::clone(written.place()))
+        .unwrap_or_default();
+    builder.problems.push(names::definition_cycle(Place::clone(&place), listed.join(" → ")));
+}
