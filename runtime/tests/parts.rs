@@ -1,4 +1,4 @@
-//! Parts that do not feel each other, run apart.
+//! Decoupled subsystems, run apart.
 
 use std::ops::ControlFlow;
 

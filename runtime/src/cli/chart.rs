@@ -88,7 +88,7 @@ fn reduced(loaded: &mut Loaded, options: &ArgMatches) -> Result<Option<Result<Ne
         true => Err(Problem::Usage(
             "error: what can be left out is found with the inputs of the file; write the input there, or leave --input out".into(),
         )),
-        false => needs::question(loaded, options).and_then(|question| needs::find(&question, loaded)),
+        false => needs::request(loaded, options).and_then(|request| needs::find(&request, loaded)),
     };
     match found {
         Ok(found) => Ok(Some(Ok(found))),

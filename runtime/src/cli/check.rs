@@ -310,7 +310,7 @@ pub fn recognised(program: &Program) -> Vec<String> {
         let names = |part: &Vec<usize>| part.iter().map(|i| name(*i)).collect::<Vec<_>>().join(", ");
         let parts: Vec<String> = s.parts.iter().map(names).collect();
         let run = if program.parts.is_empty() { "run together" } else { "run apart" };
-        words.push(format!("{} parts that do not feel each other, {run}: {}", parts.len(), parts.join("; ")));
+        words.push(format!("{} decoupled subsystems, {run}: {}", parts.len(), parts.join("; ")));
     }
     for (i, momentum) in &s.cyclic {
         let momentum = dalembert_symbolic::model::text(&program.model, *momentum);

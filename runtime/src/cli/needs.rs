@@ -28,8 +28,8 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     ];
     let files = files.into_iter().filter_map(|(option, path)| Some((option, path?.as_str())));
     outputs::check_paths(files, &loaded.path)?;
-    let question = question(&mut loaded, options)?;
-    let found = find(&question, &loaded)?;
+    let request = request(&mut loaded, options)?;
+    let found = find(&request, &loaded)?;
     let said = options.get_flag("json");
     if said {
         json::write(&as_json(&found), out)?;
@@ -47,7 +47,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         outputs::write(path, &text)?;
         written.push(path.clone());
         // A changed file would have to be compared with itself as it was asked.
-        if question.source == loaded.source {
+        if request.source == loaded.source {
             outputs::write(&comparison, &test)?;
             written.push(comparison);
         }
@@ -62,9 +62,9 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
 }
 
 /// Tries every ingredient, and names each on a terminal.
-pub fn find(question: &NeedsRequest, loaded: &Loaded) -> Result<Needs, Problem> {
+pub fn find(request: &NeedsRequest, loaded: &Loaded) -> Result<Needs, Problem> {
     let shown = std::io::stderr().is_terminal();
-    let found = Needs::find(question, &mut |name| {
+    let found = Needs::find(request, &mut |name| {
         if shown {
             eprint!("\r{name}\x1b[K");
         }
@@ -73,9 +73,9 @@ pub fn find(question: &NeedsRequest, loaded: &Loaded) -> Result<Needs, Problem> 
     if shown {
         eprint!("\r\x1b[K");
     }
-    found.map_err(|unanswered| match unanswered {
+    found.map_err(|error| match error {
         NeedsError::Model { problems } => Problem::Model(file::render(&loaded.path, &loaded.source, &problems)),
-        NeedsError::Fails { .. } | NeedsError::NotKnown { .. } => Problem::Run(unanswered.to_string()),
+        NeedsError::Fails { .. } | NeedsError::NotKnown { .. } => Problem::Run(error.to_string()),
         other => Problem::Usage(format!("error: {other}")),
     })
 }
@@ -86,8 +86,8 @@ pub fn is_said(loaded: &Loaded, options: &ArgMatches) -> bool {
 }
 
 /// The question with `--params`, `--set`, `--start` and `--until` written into the file.
-fn changed(loaded: &mut Loaded, options: &ArgMatches, mut question: NeedsRequest) -> Result<NeedsRequest, Problem> {
-    let usage = |unanswered: NeedsError| Problem::Usage(format!("error: {unanswered}"));
+fn changed(loaded: &mut Loaded, options: &ArgMatches, mut request: NeedsRequest) -> Result<NeedsRequest, Problem> {
+    let usage = |error: NeedsError| Problem::Usage(format!("error: {error}"));
     let mut reader = Reader::new(loaded);
     let mut set: Vec<(usize, String, String)> = Vec::new();
     let given = options.get_one::<String>("params").map_or_else(|| Ok(Vec::new()), |path| value_files::read(path))?;
@@ -98,7 +98,7 @@ fn changed(loaded: &mut Loaded, options: &ArgMatches, mut question: NeedsRequest
         let value = reader.value(loaded, "set", Sets::Parameter(index), &text)?;
         let unit = &loaded.system.description().parameters[index].unit;
         let written = format!("{} {unit}", plain(value));
-        question = question.setting(&name, written.trim_end()).map_err(usage)?;
+        request = request.setting(&name, written.trim_end()).map_err(usage)?;
     }
     let [mut q, mut v] = [(); 2].map(|()| vec![f64::NAN; loaded.system.len()]);
     reader.states(loaded, options, "start", &mut q, &mut v)?;
@@ -106,15 +106,15 @@ fn changed(loaded: &mut Loaded, options: &ArgMatches, mut question: NeedsRequest
         for (coordinate, value) in loaded.system.description().coordinates.iter().zip(values) {
             if !value.is_nan() {
                 let name = format!("{}{prime}", coordinate.name);
-                question = question.starting(&name, &plain(value)).map_err(usage)?;
+                request = request.starting(&name, &plain(value)).map_err(usage)?;
             }
         }
     }
     if let Some(text) = options.get_one::<String>("until") {
         let until = reader.value(loaded, "until", Sets::Time, text)?;
-        question = question.ending(&plain(until)).map_err(usage)?;
+        request = request.ending(&plain(until)).map_err(usage)?;
     }
-    Ok(question)
+    Ok(request)
 }
 
 /// `small_test.rs` beside `small.yaml`.
@@ -128,26 +128,26 @@ fn as_json(found: &Needs) -> Value {
     let gone = |gone: &[(String, String)]| -> Value {
         gone.iter().map(|(claim, why)| object([("claim", json!(claim)), ("why", json!(why))])).collect()
     };
-    let rung = |rung: &ModelReduction| {
-        let deviation = rung.deviation.as_ref();
+    let reduction = |reduction: &ModelReduction| {
+        let deviation = reduction.deviation.as_ref();
         let of = |what: fn(&Deviation) -> f64| deviation.map_or(Value::Null, |deviation| number(what(deviation)));
         object([
-            ("ingredient", json!(rung.ingredient)),
-            ("proposed", json!(rung.proposal.to_string())),
-            ("predicted", rung.predicted.map_or(Value::Null, |predicted| number(predicted.change))),
-            ("holds", rung.predicted.map_or(Value::Null, |predicted| json!(predicted.holds()))),
-            ("law", rung.predicted.map_or(Value::Null, |predicted| json!(predicted.law.to_string()))),
+            ("ingredient", json!(reduction.ingredient)),
+            ("proposed", json!(reduction.proposal.to_string())),
+            ("predicted", reduction.predicted.map_or(Value::Null, |predicted| number(predicted.change))),
+            ("holds", reduction.predicted.map_or(Value::Null, |predicted| json!(predicted.holds()))),
+            ("law", reduction.predicted.map_or(Value::Null, |predicted| json!(predicted.law.to_string()))),
             ("change", of(|deviation| deviation.largest)),
             ("of", deviation.map_or(Value::Null, |deviation| json!(deviation.of))),
-            ("clock", of(|deviation| deviation.clock)),
-            ("shape", of(|deviation| deviation.shape)),
-            ("saving", number(rung.saving)),
-            ("needed", json!(rung.verdict != Verdict::Serves)),
-            ("unfelt", json!(rung.unfelt)),
-            ("found", json!(rung.verdict.to_string())),
-            ("missed", rung.margin.as_ref().map_or(Value::Null, |(guard, _)| json!(guard))),
-            ("margin", rung.margin.as_ref().map_or(Value::Null, |(_, margin)| number(*margin))),
-            ("gone", gone(&rung.gone)),
+            ("clock", of(|deviation| deviation.phase_error)),
+            ("shape", of(|deviation| deviation.waveform_error)),
+            ("saving", number(reduction.saving)),
+            ("needed", json!(reduction.verdict != Verdict::Serves)),
+            ("unfelt", json!(reduction.not_depended_on)),
+            ("found", json!(reduction.verdict.to_string())),
+            ("missed", reduction.margin.as_ref().map_or(Value::Null, |(guard, _)| json!(guard))),
+            ("margin", reduction.margin.as_ref().map_or(Value::Null, |(_, margin)| number(*margin))),
+            ("gone", gone(&reduction.gone)),
         ])
     };
     let choice = found.choice.as_ref().map_or(Value::Null, |choice| {
@@ -164,8 +164,8 @@ fn as_json(found: &Needs) -> Value {
             ("change", number(choice.change)),
             ("verified", number(choice.verified)),
             ("of", json!(choice.of)),
-            ("clock", choice.parts.map_or(Value::Null, |(clock, _)| number(clock))),
-            ("shape", choice.parts.map_or(Value::Null, |(_, shape)| number(shape))),
+            ("clock", choice.parts.map_or(Value::Null, |(phase_error, _)| number(phase_error))),
+            ("shape", choice.parts.map_or(Value::Null, |(_, waveform_error)| number(waveform_error))),
             ("moved", choice.moved.map_or(Value::Null, number)),
             ("operations", number(choice.operations)),
             ("saving", number(choice.saving)),
@@ -201,21 +201,21 @@ fn as_json(found: &Needs) -> Value {
         ("promised_until", found.promised_until.map_or(Value::Null, number)),
         ("operations", number(found.operations)),
         ("full", found.full.iter().map(full).collect()),
-        ("rungs", found.rungs.iter().map(rung).collect()),
+        ("rungs", found.reductions.iter().map(reduction).collect()),
         ("choice", choice),
     ])
 }
 
 /// What the options ask of the file; what they leave out the scene says.
-pub fn question(loaded: &mut Loaded, options: &ArgMatches) -> Result<NeedsRequest, Problem> {
+pub fn request(loaded: &mut Loaded, options: &ArgMatches) -> Result<NeedsRequest, Problem> {
     let own = |option: &str| options.get_one::<String>(option).cloned();
-    let question = asked(loaded, options);
-    let mut question = changed(loaded, options, question)?;
+    let request = asked(loaded, options);
+    let mut request = changed(loaded, options, request)?;
     let (names, within) = (own("needs"), own("within"));
     if names.is_none() && within.is_none() {
-        return Ok(question);
+        return Ok(request);
     }
-    let said = question.need().map_err(|unanswered| Problem::Usage(format!("error: {unanswered}")))?;
+    let said = request.need().map_err(|error| Problem::Usage(format!("error: {error}")))?;
     let (outputs, absolute) = match names {
         None => (said.outputs, said.absolute),
         Some(names) => named(loaded, &names)?,
@@ -226,8 +226,8 @@ pub fn question(loaded: &mut Loaded, options: &ArgMatches) -> Result<NeedsReques
             Problem::Usage(format!("error: --within wants a part of the range of each, such as 1e-3, not `{text}`"))
         })?,
     };
-    question.need = Some(Need { outputs, within, absolute });
-    Ok(question)
+    request.need = Some(Need { outputs, within, absolute });
+    Ok(request)
 }
 
 /// Names, and amounts by which others may be off.

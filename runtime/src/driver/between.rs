@@ -26,7 +26,7 @@ impl Defect {
     /// Steps whose defect over their length is more than this times the tolerance are lies.
     pub const MOST: f64 = 1e3;
 
-    /// At the start of a march of states of this size.
+    /// At the start of an integration of states of this size.
     pub fn new(size: usize) -> Self {
         let zero = vec![0.0; size];
         Defect { draws: Draws::new(0x0dec_af00), longest: 0.0, y: zero.clone(), slope: zero.clone(), rate: zero }
@@ -55,12 +55,12 @@ impl Integration {
         &mut self,
         system: &dyn System,
         (stop, mut most): (f64, f64),
-        watch: &mut Option<Box<EventLocator>>,
+        locator: &mut Option<Box<EventLocator>>,
         recorder: &Recorder,
     ) -> Result<(Step, bool), Box<Cause>> {
         let mut retries = 0;
         loop {
-            let step = self.attempt(system, stop, most, watch)?;
+            let step = self.attempt(system, stop, most, locator)?;
             if retries == RETRIES {
                 self.dense(system, step)?;
                 return Ok((step, true));
@@ -69,27 +69,31 @@ impl Integration {
                 // Shorter steps that follow one cut before a feature say nothing about the acceleration.
                 self.jumps.restart();
             }
-            let has_no_feature = watch.as_mut().is_none_or(|watch| {
-                watch.has_no_feature(system, (self.clock.now(), step.next), (self.stepper.start(), self.stepper.end()))
+            let has_no_feature = locator.as_mut().is_none_or(|locator| {
+                locator.has_no_feature(
+                    system,
+                    (self.clock.now(), step.next),
+                    (self.stepper.start(), self.stepper.end()),
+                )
             });
-            let watched = watch.as_ref().is_some_and(|watch| watch.wants_dense(system));
+            let watched = locator.as_ref().is_some_and(|locator| locator.wants_dense(system));
             if has_no_feature && !watched && !recorder.wants_dense(step.next) {
                 return Ok((step, false));
             }
             self.dense(system, step)?;
-            if let StepPolicy::Fixed(_) = self.pace {
-                self.meets(system, step, watch)?;
+            if let StepPolicy::Fixed(_) = self.policy {
+                self.meets(system, step, locator)?;
                 return Ok((step, true));
             }
             if self.defect_exceeds(system, step)? {
                 most = 0.5 * step.h;
             } else if has_no_feature {
                 return Ok((step, true));
-            } else if let Some(shorter) = self.cut(system, step, watch) {
+            } else if let Some(shorter) = self.cut(system, step, locator) {
                 most = shorter;
                 self.jumps.restart();
             } else {
-                self.meets(system, step, watch)?;
+                self.meets(system, step, locator)?;
                 return Ok((step, true));
             }
             retries += 1;
@@ -98,19 +102,24 @@ impl Integration {
     }
 
     /// How long a step is to be instead, s, that jumps over a feature; what times cannot resolve cuts none.
-    fn cut(&self, system: &dyn System, step: Step, watch: &mut Option<Box<EventLocator>>) -> Option<f64> {
-        let theta = watch.as_mut()?.cut(system, &self.segment(step))?;
+    fn cut(&self, system: &dyn System, step: Step, locator: &mut Option<Box<EventLocator>>) -> Option<f64> {
+        let theta = locator.as_mut()?.cut(system, &self.segment(step))?;
         let shorter = theta * step.h;
         (shorter > RESOLVED * f64::EPSILON * self.clock.now().abs()).then_some(shorter)
     }
 
     /// Refuses a step within which the ends of a force meet, as far as the tolerance tells.
-    fn meets(&self, system: &dyn System, step: Step, watch: &mut Option<Box<EventLocator>>) -> Result<(), Box<Cause>> {
-        let part = match &self.pace {
+    fn meets(
+        &self,
+        system: &dyn System,
+        step: Step,
+        locator: &mut Option<Box<EventLocator>>,
+    ) -> Result<(), Box<Cause>> {
+        let part = match &self.policy {
             StepPolicy::Fixed(_) => NEAR,
             StepPolicy::Adaptive { tolerance, .. } => tolerance.relative.clamp(NEAR, 1e-5),
         };
-        watch.as_mut().map_or(Ok(()), |watch| watch.meets(system, &self.segment(step), part))
+        locator.as_mut().map_or(Ok(()), |locator| locator.meets(system, &self.segment(step), part))
     }
 
     /// Why no further step can be taken, in the words of the file where it is ends that meet.
@@ -120,7 +129,7 @@ impl Integration {
         &mut self,
         system: &dyn System,
         cause: Cause,
-        watch: &mut Option<Box<EventLocator>>,
+        locator: &mut Option<Box<EventLocator>>,
     ) -> Cause {
         let ahead = (1e5 * self.h.abs()).max(1e-4 * self.defect.longest);
         let (now, n) = (self.clock.now(), system.len());
@@ -131,15 +140,15 @@ impl Integration {
                     y[i] += ahead * y[n + i];
                 }
                 let beyond = self.stepper.evaluate(system, now + ahead, &y, &mut vec![0.0; 2 * n]);
-                let beyond = beyond.map_err(|setback| setback.cause(system.description()));
+                let beyond = beyond.map_err(|failure| failure.cause(system.description()));
                 beyond
                     .map_or_else(Some, |()| positive_inertia(system, now + ahead, &y).err().map(|known| *known))
                     .unwrap_or(cause)
             }
             cause => cause,
         };
-        let Some(watch) = watch else { return cause };
-        watch.explain(system, cause, (now, self.stepper.start().y), ahead)
+        let Some(locator) = locator else { return cause };
+        locator.explain(system, cause, (now, self.stepper.start().y), ahead)
     }
 
     /// True where the dense output of the step that was tried is far from fulfilling the equations.
@@ -182,7 +191,7 @@ impl Integration {
         let n = noise.len();
         let start = self.stepper.start();
         let (from, ends) = (start.rate, (start.y, self.stepper.end().y));
-        let StepPolicy::Adaptive { tolerance, .. } = &mut self.pace else { return };
+        let StepPolicy::Adaptive { tolerance, .. } = &mut self.policy else { return };
         for (i, noise) in noise.into_iter().enumerate() {
             let [place, speed] = tolerance.units(i, step.h, ends, from);
             let own = [errors[i].abs(), errors[n + i].abs()];
@@ -194,7 +203,7 @@ impl Integration {
 
     /// The root mean square of errors [q; q'] over the step that was tried, in units of the tolerance.
     pub(super) fn in_units(&self, step: Step, errors: &[f64]) -> f64 {
-        let StepPolicy::Adaptive { tolerance, .. } = &self.pace else { return 0.0 };
+        let StepPolicy::Adaptive { tolerance, .. } = &self.policy else { return 0.0 };
         let start = self.stepper.start();
         let (from, ends, n) = (start.rate, (start.y, self.stepper.end().y), errors.len() / 2);
         let sum: f64 = (0..n)
@@ -206,7 +215,7 @@ impl Integration {
         if errors.is_empty() { 0.0 } else { (sum / errors.len() as f64).sqrt() }
     }
 
-    /// Takes one error-controlled step under the modes in force only to see where it leads; the march stays where it
+    /// Takes one error-controlled step under the modes in force only to see where it leads; the integration stays where it
     /// is, and has to begin anew.  `None` where there is none.
     pub(super) fn trial(&mut self, system: &dyn System) -> Option<OwnedSegment> {
         let (h, control) = (self.h, self.control.clone());

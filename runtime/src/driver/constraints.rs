@@ -84,15 +84,15 @@ impl Integration {
                 history.multipliers = lambda;
             }
         }
-        if let StepPolicy::Adaptive { tolerance, .. } = &mut self.pace {
+        if let StepPolicy::Adaptive { tolerance, .. } = &mut self.policy {
             tolerance.note_constraint_round_off(projection.constraint_round_off(system, now, y));
         }
         if let Some(sigma) = deficient {
             recorder.warn(Warning::SingularPassed { t: now });
-            let stays = self.dwelling.stays(sigma);
+            let stays = self.dwell.stays(sigma);
             return if stays { Err(Cause::SingularConfiguration { sigma }.into()) } else { Ok(()) };
         }
-        self.dwelling = SingularDwell::default();
+        self.dwell = SingularDwell::default();
         if projection.passed(system, At::place(now, &y[..system.len()]), usual) {
             recorder.warn(Warning::SingularPassed { t: now });
         }

@@ -14,7 +14,7 @@ impl Integration {
     /// It follows the tolerance as other steps do, so that runs at two tolerances have no step in common, even where the
     /// growth of steps is all that limits them.
     pub(super) fn first(&mut self, system: &dyn System, left: f64) -> f64 {
-        let (longest, relative) = match &self.pace {
+        let (longest, relative) = match &self.policy {
             StepPolicy::Fixed(h) => return *h,
             StepPolicy::Adaptive { longest, tolerance } => (*longest, tolerance.relative),
         };
@@ -43,7 +43,7 @@ impl Integration {
         let mut after = vec![0.0; 2 * n];
         self.stepper.evaluate(system, self.clock.now() + h, &y, &mut after).ok()?;
         let felt: Vec<f64> = (0..n).map(|i| after[n + i] - before[n + i]).collect();
-        match &self.pace {
+        match &self.policy {
             StepPolicy::Adaptive { tolerance, .. } => Some(tolerance.rate_of_change(&way, &felt)),
             StepPolicy::Fixed(_) => None,
         }

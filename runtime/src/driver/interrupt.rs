@@ -23,26 +23,26 @@ impl Integration {
         &mut self,
         system: &mut dyn System,
         (step, dense): (Step, bool),
-        watch: &mut EventLocator,
+        locator: &mut EventLocator,
         recorder: &mut Recorder,
     ) -> Result<Outcome, Box<Cause>> {
-        let interruption = if watch.wants_dense(system) { watch.scan(system, &self.segment(step))? } else { None };
-        if let Some(shorter) = watch.early(&self.segment(step)).filter(|_| watch.wants_dense(system)) {
+        let interruption = if locator.wants_dense(system) { locator.scan(system, &self.segment(step))? } else { None };
+        if let Some(shorter) = locator.early(&self.segment(step)).filter(|_| locator.wants_dense(system)) {
             return Ok(Outcome::MissedFeature(shorter));
         }
         let Some(interruption) = interruption else {
-            if watch.wants_dense(system) {
+            if locator.wants_dense(system) {
                 let segment = self.segment(step);
                 recorder.accept(system, Some(&segment), step.next, self.stepper.end())?;
-                watch.pass(system, &segment, recorder);
+                locator.pass(system, &segment, recorder);
                 self.commit(step);
             } else {
                 self.keep(system, step, dense, recorder)?;
-                watch.step(step.h);
+                locator.step(step.h);
             }
             if step.lands {
                 recorder.leave(system, step.next, self.stepper.start());
-                self.switch(system, watch, recorder)?;
+                self.switch(system, locator, recorder)?;
             }
             return Ok(Outcome::Kept(StopReason::Arrived));
         };
@@ -51,16 +51,16 @@ impl Integration {
             Interruption::Leaves { switch, side } => {
                 recorder.leave(system, self.clock.now(), self.stepper.start());
                 let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
-                watch.leave(system, (switch, side), (now, &y), &mut |system| self.trial(system))?;
+                locator.leave(system, (switch, side), (now, &y), &mut |system| self.trial(system))?;
                 self.restart(system, recorder)?;
                 return Ok(Outcome::Kept(StopReason::Arrived));
             }
         };
-        if self.divides() && self.part(system, step.h * crossing.theta, watch, recorder)? {
+        if self.divides() && self.part(system, step.h * crossing.theta, locator, recorder)? {
             return Ok(Outcome::Kept(StopReason::Arrived));
         }
-        let together = watch.simultaneous(crossing, &self.segment(step));
-        let fired = match self.shorten(system, step, crossing, watch)? {
+        let together = locator.simultaneous(crossing, &self.segment(step));
+        let fired = match self.shorten(system, step, crossing, locator)? {
             Some((shorter, error)) if self.is_blind(error) => {
                 // Newton's method may have gone beyond the step that was tried, which is not to be tried again.
                 let shorter = self.control.rejected(shorter.h, error);
@@ -69,29 +69,29 @@ impl Integration {
             Some((shorter, _)) => {
                 let (segment, end) = (self.segment(shorter), self.stepper.end());
                 recorder.accept(system, Some(&segment), shorter.next, end)?;
-                watch.record_before(system, &segment, recorder, &together)?;
-                let fired = watch.fire(system, &together, (shorter.next, end.y), recorder);
+                locator.record_before(system, &segment, recorder, &together)?;
+                let fired = locator.fire(system, &together, (shorter.next, end.y), recorder);
                 self.observe(system, shorter);
                 self.commit(shorter);
                 fired
             }
-            None => watch.fire(system, &together, (self.clock.now(), self.stepper.start().y), recorder),
+            None => locator.fire(system, &together, (self.clock.now(), self.stepper.start().y), recorder),
         };
         let first = fired.iter().flat_map(|fired| &fired.actions).find(|action| **action != Action::Record);
         if first == Some(&Action::Stop) {
             // What jumps where an event ends the run belongs to it.
-            if watch.is_due(self.clock.now()) {
+            if locator.is_due(self.clock.now()) {
                 recorder.leave(system, self.clock.now(), self.stepper.start());
-                self.switch(system, watch, recorder)?;
+                self.switch(system, locator, recorder)?;
             }
             return Ok(Outcome::Kept(StopReason::Event));
         }
         recorder.leave(system, self.clock.now(), self.stepper.start());
         if !fired.is_empty() {
-            return self.act(system, fired, watch, recorder).map(Outcome::Kept);
+            return self.act(system, fired, locator, recorder).map(Outcome::Kept);
         }
         // A stop time may coincide with the crossing.
-        if !self.switch(system, watch, recorder)? {
+        if !self.switch(system, locator, recorder)? {
             self.restart(system, recorder)?;
         }
         Ok(Outcome::Kept(StopReason::Arrived))
@@ -99,7 +99,7 @@ impl Integration {
 
     /// Whether a step that a crossing made shorter is much worse than the longer one, which passed what lies there by.
     fn is_blind(&self, error: f64) -> bool {
-        matches!(self.pace, StepPolicy::Adaptive { .. }) && error > BLIND
+        matches!(self.policy, StepPolicy::Adaptive { .. }) && error > BLIND
     }
 
     /// Lets constraints that a phase may bring know how large they are on the way to it: a flight in one step begins and ends
@@ -120,7 +120,7 @@ impl Integration {
         &mut self,
         system: &dyn System,
         way: f64,
-        watch: &mut EventLocator,
+        locator: &mut EventLocator,
         recorder: &mut Recorder,
     ) -> Result<bool, Box<Cause>> {
         let h = UNEVEN * way;
@@ -128,12 +128,12 @@ impl Integration {
         if step.next <= self.clock.now() {
             return Ok(false);
         }
-        self.try_step(system, step, true).map_err(|setback| setback.cause(system.description()))?;
+        self.try_step(system, step, true).map_err(|failure| failure.cause(system.description()))?;
         finite(system, self.stepper.end().y, 0)?;
         self.dense(system, step)?;
         let segment = self.segment(step);
         recorder.accept(system, Some(&segment), step.next, self.stepper.end())?;
-        watch.record_before(system, &segment, recorder, &[])?;
+        locator.record_before(system, &segment, recorder, &[])?;
         self.commit(step);
         Ok(true)
     }
@@ -143,12 +143,12 @@ impl Integration {
     fn switch(
         &mut self,
         system: &mut dyn System,
-        watch: &mut EventLocator,
+        locator: &mut EventLocator,
         recorder: &mut Recorder,
     ) -> Result<bool, Box<Cause>> {
         let (now, n) = (self.clock.now(), system.len());
         let y = self.stepper.start().y.to_vec();
-        let switched = watch.switch(system, (now, &y), &mut |system| self.trial(system))?;
+        let switched = locator.switch(system, (now, &y), &mut |system| self.trial(system))?;
         let Switched { any, resume, impulse } = switched;
         if !any {
             return Ok(false);
@@ -183,7 +183,7 @@ impl Integration {
         system: &dyn System,
         step: Step,
         Crossing { function, theta, jumps, .. }: Crossing,
-        watch: &mut EventLocator,
+        locator: &mut EventLocator,
     ) -> Result<Option<(Step, f64)>, Box<Cause>> {
         let now = self.clock.now();
         let resolution = f64::EPSILON * now.abs().max(theta * step.h);
@@ -198,12 +198,12 @@ impl Integration {
             }
             let trial = Step { h, next: self.clock.after(h), lands: false };
             let tried = self.try_step(system, trial, true);
-            let error = tried.map_err(|setback| setback.cause(system.description()))?;
+            let error = tried.map_err(|failure| failure.cause(system.description()))?;
             finite(system, self.stepper.end().y, 0)?;
             self.dense(system, trial)?;
             shorter = Some((trial, error));
             if jumps {
-                match watch.beyond(system, function, &self.segment(trial))? {
+                match locator.beyond(system, function, &self.segment(trial))? {
                     // The state there is one that a shorter step reaches, too.
                     Some(place) if place < 1.0 - 1e-9 => h *= place,
                     Some(_) => break,
@@ -215,7 +215,7 @@ impl Integration {
                 continue;
             }
             let (segment, end) = (self.segment(trial), self.stepper.end());
-            let (value, rate) = watch.value_and_rate(system, function, &segment, end.y);
+            let (value, rate) = locator.value_and_rate(system, function, &segment, end.y);
             let correction = -value / rate;
             // Near the start of a loose step dense output may be off by a good part of the way.
             if !(correction.abs() > resolution && correction.abs() < 0.6 * h) {

@@ -17,7 +17,7 @@ pub(crate) struct JumpDetector {
     /// The longest step since then, s.
     longest: f64,
     /// Change of the acceleration per time over the last step.
-    pace: f64,
+    policy: f64,
     /// So many short steps changed most of it.
     flips: u32,
     /// Steps shorter than this, s, count as a stall.
@@ -54,7 +54,7 @@ const NOTICED: f64 = 0.1;
 impl JumpDetector {
     /// For a motion of `span` seconds.
     pub fn new(span: f64) -> Self {
-        JumpDetector { calm: 0.0, longest: 0.0, pace: f64::NAN, flips: 0, shortest: 1e-9 * span, short: 0 }
+        JumpDetector { calm: 0.0, longest: 0.0, policy: f64::NAN, flips: 0, shortest: 1e-9 * span, short: 0 }
     }
 
     /// Looks at a step of h with these accelerations at its ends; a jump is one only if a closer look confirms it.
@@ -62,15 +62,15 @@ impl JumpDetector {
         let changes = before.iter().zip(after).map(|(before, after)| (after - before).abs());
         let change = changes.fold(0.0, larger);
         let size = || before.iter().chain(after).fold(0.0, |most, a| larger(most, a.abs()));
-        let pace = change / h;
+        let policy = change / h;
         let most = change > 0.5 * size();
         self.longest = self.longest.max(h);
         self.flips += u32::from(most && h < SHORT * self.longest);
         // Ever more rarely: what vibrates fast may look like that too, for long.
         let flips = most && self.flips >= FLIPS && self.flips.is_power_of_two();
-        let jumps = flips || h < COLLAPSE * self.calm && most && pace > SUDDEN * self.pace;
+        let jumps = flips || h < COLLAPSE * self.calm && most && policy > SUDDEN * self.policy;
         self.calm = h.max(0.8 * self.calm);
-        self.pace = pace;
+        self.policy = policy;
         self.short = if h < self.shortest { self.short + 1 } else { 0 };
         if jumps {
             let moved = before.iter().zip(after).position(|(before, after)| (after - before).abs() == change);
@@ -82,7 +82,7 @@ impl JumpDetector {
     /// Forgets what was before a restart.
     pub fn restart(&mut self) {
         (self.calm, self.longest, self.flips) = (0.0, 0.0, 0);
-        self.pace = f64::NAN;
+        self.policy = f64::NAN;
     }
 }
 
@@ -90,7 +90,7 @@ impl Integration {
     /// Refuses a step across which the acceleration jumps, unless it is time that makes it jump.
     pub(super) fn look_for_jumps(&mut self, system: &dyn System, step: Step) -> Result<(), Box<Cause>> {
         // Rows that begin or cease to count there change accelerations by what rounding makes of them.
-        if self.dwelling.is_there() || self.deficient(system).is_some() {
+        if self.dwell.is_there() || self.deficient(system).is_some() {
             self.jumps.restart();
             return Ok(());
         }
@@ -118,7 +118,7 @@ impl Integration {
                     return Ok(());
                 }
                 let evaluated = self.stepper.evaluate(system, self.clock.now(), &end, &mut earlier);
-                evaluated.map_err(|setback| setback.cause(system.description()))?;
+                evaluated.map_err(|failure| failure.cause(system.description()))?;
                 let by_state = (earlier[n + coordinate] - before).abs();
                 if by_state > 0.5 * (after - before).abs() && self.jumps_within(system, step, coordinate)? {
                     let coordinate = system.description().coordinate_name(coordinate);
@@ -144,14 +144,14 @@ impl Integration {
         let turned = [&sides[0][..n], &sides[1][n..]].concat();
         self.stepper
             .evaluate(system, now, &turned, &mut rate)
-            .map_err(|setback| setback.cause(system.description()))?;
+            .map_err(|failure| failure.cause(system.description()))?;
         let by_speeds = (rate[place] - ends[0]).abs() > 0.5 * all;
         let (mut from, mut part) = (0.0, 1.0);
         for _ in 0..HALVINGS {
             part *= 0.5;
             self.segment(step).evaluate(from + part, &mut state);
             let evaluated = self.stepper.evaluate(system, now + (from + part) * step.h, &state, &mut rate);
-            evaluated.map_err(|setback| setback.cause(system.description()))?;
+            evaluated.map_err(|failure| failure.cause(system.description()))?;
             let later = (rate[place] - ends[0]).abs() <= (ends[1] - rate[place]).abs();
             from += if later { part } else { 0.0 };
             ends[usize::from(!later)] = rate[place];

@@ -54,7 +54,7 @@ pub(crate) enum StepPolicy {
     },
 }
 
-/// Why a march paused without an error.
+/// Why the time loop stopped without an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum StopReason {
     /// It is where it was to go.
@@ -79,7 +79,7 @@ pub(crate) struct Integration {
     stepper: Box<dyn OneStep>,
     /// The method, while the mechanism is held at rest.
     asleep: Option<Box<dyn OneStep>>,
-    pace: StepPolicy,
+    policy: StepPolicy,
     control: StepControl,
     clock: Clock,
     /// The next step; 0 when it must be chosen anew.
@@ -96,19 +96,19 @@ pub(crate) struct Integration {
     since_stop: u32,
     /// Where each length of a step costs something, the one that divides the way to the next stop.
     even: f64,
-    watch: Option<Box<EventLocator>>,
+    locator: Option<Box<EventLocator>>,
     /// Where there are constraints.
     projection: Option<Box<Projection>>,
     /// Whether states are brought back to them.
     projects: bool,
     /// Whether Baumgarte's gain is still to be chosen.
     finds_gain: bool,
-    /// Where the march began, s.
+    /// Where the integration began, s.
     from: f64,
     /// How long steps have ended where the constraints depend on each other as they do nowhere else.
-    dwelling: SingularDwell,
+    dwell: SingularDwell,
     impacts: Impacts,
-    firings: EventCascade,
+    cascade: EventCascade,
     defect: Defect,
     /// Until when the motion goes on at most, s.
     until: f64,
@@ -130,9 +130,9 @@ pub(crate) struct Integration {
 }
 
 impl Integration {
-    /// A march from t at the state y = [q; q'], not yet begun; `work` tells whether it integrates the power of what has
+    /// An integration from t at the state y = [q; q'], not yet begun; `work` tells whether it integrates the power of what has
     /// no potential.
-    pub fn new(method: Method, pace: StepPolicy, t: f64, y: &[f64], work: bool) -> Self {
+    pub fn new(method: Method, policy: StepPolicy, t: f64, y: &[f64], work: bool) -> Self {
         let mut stepper = stepper(method, y.len() / 2, work);
         stepper.state_mut().copy_from_slice(y);
         Integration {
@@ -142,7 +142,7 @@ impl Integration {
             jumps: JumpDetector::new(0.0),
             stepper,
             asleep: None,
-            pace,
+            policy,
             clock: Clock::new(t),
             h: 0.0,
             work: Work::default(),
@@ -153,14 +153,14 @@ impl Integration {
             followed: None,
             since_stop: 0,
             even: 0.0,
-            watch: None,
+            locator: None,
             projection: None,
             projects: true,
             finds_gain: false,
             from: t,
-            dwelling: SingularDwell::default(),
+            dwell: SingularDwell::default(),
             impacts: Impacts::default(),
-            firings: EventCascade::default(),
+            cascade: EventCascade::default(),
             rejected: Vec::with_capacity(y.len()),
             rejected_step: 0.0,
             cuts: 0,
@@ -224,7 +224,7 @@ impl Integration {
         self.stepper.start()
     }
 
-    /// The present state [q; q'], to be changed before the march begins anew.
+    /// The present state [q; q'], to be changed before the integration begins anew.
     pub fn state_mut(&mut self) -> &mut [f64] {
         self.stepper.state_mut()
     }
@@ -241,7 +241,7 @@ impl Integration {
             evaluations: counters.evaluations,
             jacobians: counters.jacobians,
             factorizations: counters.factorizations,
-            samples: self.work.samples + self.watch.as_ref().map_or(0, |watch| watch.samples()),
+            samples: self.work.samples + self.locator.as_ref().map_or(0, |locator| locator.samples()),
             ..self.work
         }
     }
@@ -263,7 +263,7 @@ impl Integration {
         let control = if self.decorrelate_steps { Control { grow: usual.grow.sqrt(), ..usual } } else { usual };
         (self.h, self.control) = (0.0, StepControl::new(control));
         self.jumps = JumpDetector::new(until - now);
-        if let StepPolicy::Adaptive { tolerance, .. } = &mut self.pace {
+        if let StepPolicy::Adaptive { tolerance, .. } = &mut self.policy {
             tolerance.observe(self.stepper.start().y);
         }
         self.until = until;
@@ -275,12 +275,12 @@ impl Integration {
             projection.release();
         }
         self.project_start(system)?;
-        self.work.samples += self.watch.as_ref().map_or(0, |watch| watch.samples());
-        self.watch = None;
+        self.work.samples += self.locator.as_ref().map_or(0, |locator| locator.samples());
+        self.locator = None;
         let y = self.stepper.start().y.to_vec();
-        if let Some(mut watch) = EventLocator::new(system, (now, until), &y, self.decorrelate_steps)? {
-            let outcome = watch.begin(system, (now, &y), &mut |system| self.trial(system));
-            self.watch = Some(Box::new(watch));
+        if let Some(mut locator) = EventLocator::new(system, (now, until), &y, self.decorrelate_steps)? {
+            let outcome = locator.begin(system, (now, &y), &mut |system| self.trial(system));
+            self.locator = Some(Box::new(locator));
             outcome?;
         }
         self.start = Starting::Anew;
@@ -302,9 +302,9 @@ impl Integration {
             return Ok(StopReason::Event);
         }
         while self.clock.now() < until {
-            let halt = self.one(system, until, recorder);
+            let stop_reason = self.one(system, until, recorder);
             let goes_on = progress(self.clock.now());
-            if halt? == StopReason::Event {
+            if stop_reason? == StopReason::Event {
                 return Ok(StopReason::Event);
             }
             if goes_on.is_break() {
@@ -321,20 +321,20 @@ impl Integration {
         until: f64,
         recorder: &mut Recorder,
     ) -> Result<StopReason, Box<Cause>> {
-        let stop = self.watch.as_ref().map_or(until, |watch| watch.next_stop(until));
+        let stop = self.locator.as_ref().map_or(until, |locator| locator.next_stop(until));
         self.smooth_until = stop;
         let mut most = f64::INFINITY;
         loop {
-            let mut watch = self.watch.take();
-            let tried = self.sound(system, (stop, most), &mut watch, recorder);
-            let tried = tried.map_err(|cause| Box::new(self.explained(system, *cause, &mut watch)));
-            self.watch = watch;
+            let mut locator = self.locator.take();
+            let tried = self.sound(system, (stop, most), &mut locator, recorder);
+            let tried = tried.map_err(|cause| Box::new(self.explained(system, *cause, &mut locator)));
+            self.locator = locator;
             let (step, dense) = tried?;
-            let outcome = match self.watch.take() {
+            let outcome = match self.locator.take() {
                 None => self.keep(system, step, dense, recorder).map(|()| Outcome::Kept(StopReason::Arrived)),
-                Some(mut watch) => {
-                    let outcome = self.watched(system, (step, dense), &mut watch, recorder);
-                    self.watch = Some(watch);
+                Some(mut locator) => {
+                    let outcome = self.watched(system, (step, dense), &mut locator, recorder);
+                    self.locator = Some(locator);
                     outcome
                 }
             };
@@ -351,17 +351,17 @@ impl Integration {
                 }
                 outcome => {
                     self.look_for_stiffness(step, recorder);
-                    let Outcome::Kept(halt) = outcome? else { continue };
+                    let Outcome::Kept(stop_reason) = outcome? else { continue };
                     self.look_at_constraints(system, recorder)?;
                     self.choose_gain(system);
-                    return Ok(halt);
+                    return Ok(stop_reason);
                 }
             }
         }
     }
 
     fn may_cut(&self) -> bool {
-        self.cuts < MOST_CUTS && (self.any_step || matches!(self.pace, StepPolicy::Adaptive { .. }))
+        self.cuts < MOST_CUTS && (self.any_step || matches!(self.policy, StepPolicy::Adaptive { .. }))
     }
 
     /// Writes down and takes a step that nothing can interrupt.
@@ -393,10 +393,10 @@ impl Integration {
         self.control.restart();
         self.jumps.restart();
         self.since_stop = 0;
-        if let StepPolicy::Adaptive { tolerance, .. } = &mut self.pace {
+        if let StepPolicy::Adaptive { tolerance, .. } = &mut self.policy {
             tolerance.observe(self.stepper.start().y);
         }
-        self.stepper.begin(system, self.clock.now()).map_err(|setback| setback.cause(system.description()))?;
+        self.stepper.begin(system, self.clock.now()).map_err(|failure| failure.cause(system.description()))?;
         finite(system, self.stepper.start().rate, 1)?;
         self.sleep(system);
         Ok(())
@@ -405,7 +405,7 @@ impl Integration {
     /// Computes dense output of the step that was tried.
     fn dense(&mut self, system: &dyn System, step: Step) -> Result<(), Box<Cause>> {
         let computed = self.stepper.dense(system, self.clock.now(), step.h);
-        computed.map_err(|setback| setback.cause(system.description()).into())
+        computed.map_err(|failure| failure.cause(system.description()).into())
     }
 
     fn segment(&self, step: Step) -> Segment<'_> {
@@ -421,7 +421,7 @@ impl Integration {
         system: &dyn System,
         stop: f64,
         most: f64,
-        watch: &mut Option<Box<EventLocator>>,
+        locator: &mut Option<Box<EventLocator>>,
     ) -> Result<Step, Box<Cause>> {
         if self.work.steps - self.free_steps >= self.max_steps {
             return Err(Cause::TooManySteps { limit: self.max_steps }.into());
@@ -431,11 +431,11 @@ impl Integration {
             self.h = self.first(system, stop - now);
         }
         self.rejected.clear();
-        let mut steady = StagnatingError::default();
+        let mut stagnating = StagnatingError::default();
         loop {
             let mut step = self.plan(stop);
-            if let StepPolicy::Adaptive { .. } = self.pace {
-                let met = watch.as_mut().map_or(step.h, |watch| watch.ahead(system, now, step.h));
+            if let StepPolicy::Adaptive { .. } = self.policy {
+                let met = locator.as_mut().map_or(step.h, |locator| locator.ahead(system, now, step.h));
                 if met < step.h {
                     self.jumps.restart();
                 }
@@ -448,16 +448,16 @@ impl Integration {
             }
             let Step { h, next, lands } = step;
             if next <= now {
-                let cause = match self.pace {
+                let cause = match self.policy {
                     StepPolicy::Fixed(h) => Cause::StepBelowResolution { h },
                     StepPolicy::Adaptive { .. } => Cause::StepTooSmall { h },
                 };
                 return Err(cause.into());
             }
             let outcome = self.try_step(system, step, false);
-            match &self.pace {
+            match &self.policy {
                 StepPolicy::Fixed(_) => {
-                    let error = outcome.map_err(|setback| setback.cause(system.description()))?;
+                    let error = outcome.map_err(|failure| failure.cause(system.description()))?;
                     self.all_finite(system, error)?;
                     return Ok(step);
                 }
@@ -479,14 +479,14 @@ impl Integration {
                     // Where nothing has moved yet the least error is infinitely many times too large.
                     if outcome.is_ok() && self.stepper.errors().iter().all(|error| error.is_finite()) {
                         self.look_for_noise(system, step);
-                        self.look_for_start_up_error(&mut steady, (error, h));
+                        self.look_for_start_up_error(&mut stagnating, (error, h));
                     }
                     self.h = match outcome {
                         Err(StepFailure::Stalled { .. }) => self.control.stalled(h),
                         _ => self.control.rejected(h, error),
                     };
                     if self.h < 16.0 * f64::EPSILON * now.abs() || self.h < f64::MIN_POSITIVE / f64::EPSILON {
-                        outcome.map_err(|setback| setback.cause(system.description()))?;
+                        outcome.map_err(|failure| failure.cause(system.description()))?;
                         self.all_finite(system, error)?;
                         return Err(Cause::StepTooSmall { h: self.h }.into());
                     }
@@ -505,7 +505,7 @@ impl Integration {
     /// Tries a step, and returns its error (NaN where the rate at its end is not finite).  If it is good, or `whatever` its
     /// error, its end is brought to the constraints where the method does not end there, and has its rate.
     fn try_step(&mut self, system: &dyn System, step: Step, whatever: bool) -> Result<f64, StepFailure> {
-        let tolerance = match &self.pace {
+        let tolerance = match &self.policy {
             StepPolicy::Fixed(_) => None,
             StepPolicy::Adaptive { tolerance, .. } => Some(&**tolerance),
         };
@@ -528,10 +528,10 @@ impl Integration {
     /// Takes the step that was tried.
     fn commit(&mut self, step: Step) {
         self.stepper.accept(self.compensated);
-        if let StepPolicy::Adaptive { tolerance, .. } = &mut self.pace {
+        if let StepPolicy::Adaptive { tolerance, .. } = &mut self.policy {
             tolerance.observe(self.stepper.start().y);
         }
-        match self.pace {
+        match self.policy {
             StepPolicy::Fixed(h) if step.h == h => self.clock.equal_step(h),
             StepPolicy::Adaptive { .. } if !step.lands => self.clock.step(step.h),
             _ => self.clock.set(step.next),
@@ -542,7 +542,7 @@ impl Integration {
 
     /// Warns once the step is limited by stability.
     fn look_for_stiffness(&mut self, step: Step, recorder: &mut Recorder) {
-        if let StepPolicy::Adaptive { .. } = self.pace {
+        if let StepPolicy::Adaptive { .. } = self.policy {
             let step_times_rate = self.step_times_rate;
             if self.stiffness.observe(step_times_rate) {
                 recorder.warn(Warning::Stiff { t: step.next, step_times_rate });
@@ -552,14 +552,14 @@ impl Integration {
 
     /// What is to be said of the motion as a whole.
     pub fn warnings(&self, system: &dyn System) -> Vec<Warning> {
-        let StepPolicy::Adaptive { tolerance, .. } = &self.pace else { return Vec::new() };
+        let StepPolicy::Adaptive { tolerance, .. } = &self.policy else { return Vec::new() };
         let limited = |(i, to)| Warning::RoundingLimits { coordinate: system.description().coordinate_name(i), to };
         tolerance.limited().map(limited).collect()
     }
 
     /// How far [q; q'] have gone, the ends of all steps counted; nothing at a fixed step.
     pub fn swept(&self) -> Vec<f64> {
-        match &self.pace {
+        match &self.policy {
             StepPolicy::Fixed(_) => Vec::new(),
             StepPolicy::Adaptive { tolerance, .. } => tolerance.swept(),
         }

@@ -34,16 +34,16 @@ impl StagnatingError {
 impl Integration {
     /// Looks whether the error of a rejected step is the same part of what it changes by in any step: that of what sets off
     /// from rest by a high power of time.  If so the tolerance takes note.
-    pub(super) fn look_for_start_up_error(&mut self, steady: &mut StagnatingError, (error, h): (f64, f64)) {
-        let StepPolicy::Adaptive { tolerance, .. } = &mut self.pace else { return };
-        if steady.remains(error, h, tolerance.relative) {
+    pub(super) fn look_for_start_up_error(&mut self, stagnating: &mut StagnatingError, (error, h): (f64, f64)) {
+        let StepPolicy::Adaptive { tolerance, .. } = &mut self.policy else { return };
+        if stagnating.remains(error, h, tolerance.relative) {
             tolerance.note_start_up_errors(self.stepper.errors());
         }
     }
 
     /// Looks whether what was rejected twice running, or once of what is at rest, is rounding; if so the tolerance takes note.
     pub(super) fn look_for_noise(&mut self, system: &dyn System, step: Step) {
-        let StepPolicy::Adaptive { tolerance, .. } = &self.pace else { return };
+        let StepPolicy::Adaptive { tolerance, .. } = &self.policy else { return };
         let n = system.len();
         let of = |errors: &[f64], i: usize| [errors[i].abs(), errors[n + i].abs()];
         let (before, after) = (&self.rejected, self.stepper.errors());
@@ -61,12 +61,12 @@ impl Integration {
         self.rejected_step = step.h;
         if !suspects.is_empty() {
             let noise = self.noise(system);
-            let StepPolicy::Adaptive { tolerance, .. } = &mut self.pace else { return };
+            let StepPolicy::Adaptive { tolerance, .. } = &mut self.policy else { return };
             for i in suspects {
                 tolerance.noise(i, noise[i], step.h, of(&self.rejected, i));
             }
         }
-        let StepPolicy::Adaptive { tolerance, .. } = &mut self.pace else { return };
+        let StepPolicy::Adaptive { tolerance, .. } = &mut self.policy else { return };
         tolerance.spread_noise(&self.rejected, step.h);
     }
 
@@ -74,7 +74,7 @@ impl Integration {
     /// terms of the equations, M⁻¹ u m with their running magnitudes m; 0 where none can be told.
     pub(super) fn noise(&mut self, system: &dyn System) -> Vec<f64> {
         let (n, now) = (system.len(), self.clock.now());
-        let StepPolicy::Adaptive { tolerance, .. } = &self.pace else { return vec![0.0; n] };
+        let StepPolicy::Adaptive { tolerance, .. } = &self.policy else { return vec![0.0; n] };
         let perturbation: Vec<f64> = (0..n).map(|i| tolerance.perturbation(i)).collect();
         let start = self.stepper.start();
         let (from, mut y) = (start.rate[n..].to_vec(), start.y.to_vec());

@@ -71,7 +71,7 @@ impl Impacts {
 
     /// Begins anew with those of an event.
     fn forget(&mut self, event: usize) {
-        self.of.get_mut(event).into_iter().for_each(|flights| *flights = ZenoDetector::default());
+        self.of.get_mut(event).into_iter().for_each(|zeno| *zeno = ZenoDetector::default());
     }
 }
 
@@ -97,11 +97,11 @@ impl Integration {
         &mut self,
         system: &mut dyn System,
         fired: Vec<Fired>,
-        watch: &mut EventLocator,
+        locator: &mut EventLocator,
         recorder: &mut Recorder,
     ) -> Result<StopReason, Box<Cause>> {
         let mut fired = fired;
-        while !self.cycles(watch.last_step()) {
+        while !self.cycles(locator.last_step()) {
             let (before, mut changed, mut hit) = (system.phase(), false, false);
             let mut stops = false;
             'all: for Fired { event, actions, .. } in &fired {
@@ -125,17 +125,17 @@ impl Integration {
             }
             let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
             self.project_start(system)?;
-            watch.enter(system, (now, &y), hit, &mut |system| self.trial(system))?;
+            locator.enter(system, (now, &y), hit, &mut |system| self.trial(system))?;
             let enters = |action: &Action| matches!(action, Action::Phase(_));
             let entered = system.phase() != before || fired.iter().any(|fired| fired.actions.iter().any(enters));
-            fired = watch.already_past(system, (now, self.stepper.start().y), entered);
+            fired = locator.already_past(system, (now, self.stepper.start().y), entered);
             if fired.is_empty() {
                 self.restart(system, recorder)?;
                 return Ok(StopReason::Arrived);
             }
             for Fired { event, actions, .. } in &fired {
                 let stops = actions.contains(&Action::Stop);
-                watch.log(system, *event, (now, self.stepper.start().y), stops, recorder);
+                locator.log(system, *event, (now, self.stepper.start().y), stops, recorder);
             }
         }
         let event = fired.first().map_or(0, |fired| fired.event);
@@ -146,11 +146,11 @@ impl Integration {
     /// several.
     fn cycles(&mut self, step: f64) -> bool {
         let now = self.clock.now();
-        if (now - self.firings.t).abs() > INSTANT * now.abs().max(step) {
-            self.firings = EventCascade { t: now, count: 0 };
+        if (now - self.cascade.t).abs() > INSTANT * now.abs().max(step) {
+            self.cascade = EventCascade { t: now, count: 0 };
         }
-        self.firings.count += 1;
-        self.firings.count > AT_AN_INSTANT
+        self.cascade.count += 1;
+        self.cascade.count > AT_AN_INSTANT
     }
 
     /// Brings the speeds to constraints that a sharp turn of time or of an input moves, `late` seconds after the state was reached.

@@ -6,7 +6,7 @@ impl Integration {
     /// The next step to try.
     pub(super) fn plan(&mut self, stop: f64) -> Step {
         let left = stop - self.clock.now();
-        match &self.pace {
+        match &self.policy {
             StepPolicy::Fixed(h) => {
                 let next = self.clock.after_equal_step(*h);
                 if next >= stop - 1e-9 * h {
@@ -60,7 +60,7 @@ impl Integration {
     }
 }
 
-/// The part of the way to a stop or a crossing that a run unlike others takes first, and of what is left; never more than
+/// The part of the way to a stop or a crossing that a decorrelated run takes first, and of what is left; never more than
 /// the step that was allowed.  The longest of its steps is shorter than that of any two another run may take.
 pub(super) const UNEVEN: f64 = 0.4;
 const DIVISIONS: u32 = 2;

@@ -24,7 +24,7 @@ impl Integration {
     pub(super) fn sleep(&mut self, system: &dyn System) {
         // Steps grow by themselves where there are no accelerations at all.
         let pushed = || self.stepper.start().rate[system.len()..].iter().any(|a| *a != 0.0);
-        if matches!(self.pace, StepPolicy::Adaptive { .. }) && pushed() && self.is_at_rest(system) {
+        if matches!(self.policy, StepPolicy::Adaptive { .. }) && pushed() && self.is_at_rest(system) {
             let rest = Box::new(AtRest::new(&*self.stepper));
             self.asleep = Some(std::mem::replace(&mut self.stepper, rest));
         }

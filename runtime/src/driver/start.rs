@@ -28,18 +28,18 @@ impl Integration {
 
     /// Records events at whose zero the motion ends.
     pub(super) fn end_events(&mut self, system: &dyn System, recorder: &mut Recorder) -> StopReason {
-        let Some(mut watch) = self.watch.take() else { return StopReason::Arrived };
+        let Some(mut locator) = self.locator.take() else { return StopReason::Arrived };
         let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
-        let mut halt = StopReason::Arrived;
-        for event in watch.at_end(system, (now, &y), self.h) {
+        let mut stop_reason = StopReason::Arrived;
+        for event in locator.at_end(system, (now, &y), self.h) {
             let stops = system.description().events[event].actions.contains(&Action::Stop);
-            watch.log(system, event, (now, &y), stops, recorder);
+            locator.log(system, event, (now, &y), stops, recorder);
             if stops {
-                halt = StopReason::Event;
+                stop_reason = StopReason::Event;
             }
         }
-        self.watch = Some(watch);
-        halt
+        self.locator = Some(locator);
+        stop_reason
     }
 
     /// Does what events say that are past their zero, or at it and move past, where a motion starts.
@@ -52,33 +52,33 @@ impl Integration {
         if start == Starting::Done {
             return Ok(StopReason::Arrived);
         }
-        let Some(mut watch) = self.watch.take() else { return Ok(StopReason::Arrived) };
+        let Some(mut locator) = self.locator.take() else { return Ok(StopReason::Arrived) };
         let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
         let span = self.until - now;
         if self.h == 0.0 {
             self.h = self.first(system, span);
         }
-        watch.start(system, (now, &y), (self.h.min(span), span));
+        locator.start(system, (now, &y), (self.h.min(span), span));
         if start == Starting::Prolonged {
-            self.watch = Some(watch);
+            self.locator = Some(locator);
             return Ok(StopReason::Arrived);
         }
-        let (fired, past) = watch.at_start(system, (now, &y));
-        if let Some(switch) = watch.undecided(system) {
+        let (fired, past) = locator.at_start(system, (now, &y));
+        if let Some(switch) = locator.undecided(system) {
             recorder.warn(Warning::BothSidesLeave { switch });
         }
         for event in past {
             recorder.warn(Warning::PastAtStart { event: system.description().events[event].name.to_string() });
         }
-        let mut halt = Ok(StopReason::Arrived);
+        let mut stop_reason = Ok(StopReason::Arrived);
         if !fired.is_empty() {
             recorder.leave(system, now, self.stepper.start());
             for Fired { event, actions } in &fired {
-                watch.log(system, *event, (now, &y), actions.contains(&Action::Stop), recorder);
+                locator.log(system, *event, (now, &y), actions.contains(&Action::Stop), recorder);
             }
-            halt = self.act(system, fired, &mut watch, recorder);
+            stop_reason = self.act(system, fired, &mut locator, recorder);
         }
-        self.watch = Some(watch);
-        halt
+        self.locator = Some(locator);
+        stop_reason
     }
 }

@@ -82,7 +82,7 @@ impl Integration {
     }
 
     fn keep_step(&mut self, h: f64) -> f64 {
-        self.pace = StepPolicy::Fixed(h);
+        self.policy = StepPolicy::Fixed(h);
         self.h = 0.0;
         h
     }
@@ -106,7 +106,7 @@ fn scout(
     if stepper.begin(system, t).is_err() {
         return states;
     }
-    let mut steady = StagnatingError::default();
+    let mut stagnating = StagnatingError::default();
     // Trial steps are to begin on the constraints.
     let mut projection = Projection::new(system).map(|projection| projection.only_looking(!projects));
     for _ in 0..2 * SCOUTED {
@@ -120,14 +120,14 @@ fn scout(
             moved.is_ok_and(|moved| stepper.conclude(system, t + h, moved) == Ok(true))
         };
         if !concluded {
-            if steady.remains(error, h, SCOUT) {
+            if stagnating.remains(error, h, SCOUT) {
                 known.note_start_up_errors(stepper.errors());
             }
             note_rounding(system, (t, until), stepper.as_ref(), h, [&mut known, tolerance]);
             h = control.rejected(h, if error <= 1.0 { f64::NAN } else { error });
             continue;
         }
-        steady = StagnatingError::default();
+        stagnating = StagnatingError::default();
         t += h;
         h = control.accepted(h, error);
         stepper.accept(true);

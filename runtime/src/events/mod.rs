@@ -3,7 +3,7 @@
 //! 1. The event functions and the arguments of the switches, with their rates, along the dense output of a step: look in
 //!    `sample.rs`; arguments of local functions inside them and inside the equations of motion: in `arguments.rs`.
 //! 2. All their zeros within the step are found, hidden pairs included: look in `certify.rs`, `root.rs` and `scan.rs`.
-//! 3. Steps that jumped over a feature of the equations are cut: look in `monitor.rs`.
+//! 3. Steps that jumped over a feature of the equations are cut: look in `features.rs`.
 //! 4. At a discontinuity the modes are chosen anew: look in `modes.rs`; what inputs that turn sharply do to the speeds:
 //!    in `impulse.rs`.
 //! 5. Discontinuities of time are known beforehand: look in `stops.rs`; on which sides of them a motion begins: in
@@ -46,7 +46,7 @@ pub(crate) trait Log {
     fn event<S: System + ?Sized>(&mut self, system: &S, event: usize, t: f64, y: &[f64], ends: bool);
 
     /// Notes what the function of an event does that is no event.
-    fn remark(&mut self, remark: EventNote);
+    fn note(&mut self, note: EventNote);
 }
 
 /// What the function of an event does that is no event.

@@ -85,7 +85,7 @@ pub struct Description {
     pub balances: List<BalanceSystem>,
     /// What the deriver recognised.
     pub structure: Structure,
-    /// Parts that do not feel each other and are computed by themselves; none where runs cannot take them apart.
+    /// Decoupled subsystems and are computed by themselves; none where runs cannot take them apart.
     pub parts: List<Part>,
     /// Operations of the generated functions.
     pub counts: Counts,
@@ -264,7 +264,7 @@ pub struct Argument {
 }
 
 impl Argument {
-    /// Whether the equations of motion feel it with these parameters.
+    /// Whether the equations of motion depend on it with these parameters.
     pub fn is_felt(&self, parameters: &[f64]) -> bool {
         !self.gates.iter().any(|gate| parameters.get(*gate as usize) == Some(&0.0))
     }

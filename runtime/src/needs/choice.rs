@@ -31,7 +31,7 @@ pub struct Choice {
     pub verified: f64,
     /// Of what.
     pub of: String,
-    /// What of it is clock and what is shape, as in [`Deviation`](super::Deviation); `None` where it is too large to say.
+    /// What of it is phase error and what is waveform error, as in [`Deviation`](super::Deviation); `None` where it is too large to say.
     pub parts: Option<(f64, f64)>,
     /// The same from starts moved by a hundredth of the way to where the motion goes, and away from it; `None` where they could not be compared.
     pub moved: Option<f64>,
@@ -50,10 +50,10 @@ pub struct Choice {
 }
 
 impl Choice {
-    /// Whether a rung is one of its members.
-    pub(super) fn includes(&self, rung: &ModelReduction) -> bool {
+    /// Whether a reduction is one of its members.
+    pub(super) fn includes(&self, reduction: &ModelReduction) -> bool {
         let mut members = self.members.iter().zip(&self.proposals);
-        members.any(|(ingredient, proposal)| *ingredient == rung.ingredient && *proposal == rung.proposal)
+        members.any(|(ingredient, proposal)| *ingredient == reduction.ingredient && *proposal == reduction.proposal)
     }
 }
 
@@ -84,11 +84,11 @@ const IDLE: f64 = 1e-11;
 /// The set that saves most, verified; `None` where nothing does.
 pub(super) fn choose(
     full: &Full,
-    rungs: &[ModelReduction],
+    reductions: &[ModelReduction],
     all: bool,
     progress: &mut dyn FnMut(&str) -> ControlFlow<()>,
 ) -> Result<Option<Choice>, NeedsError> {
-    let mut members = greedy(full, rungs, all);
+    let mut members = greedy(full, reductions, all);
     for _ in 0..=RETRIES {
         if progress("what goes together").is_break() {
             return Err(NeedsError::Interrupted);
@@ -106,27 +106,29 @@ pub(super) fn choose(
     Ok(verified(full, &[]).filter(|choice| choice.saving > WORTH))
 }
 
-fn change(rung: &ModelReduction) -> f64 {
-    rung.deviation.as_ref().map_or(0.0, |deviation| deviation.largest)
+fn change(reduction: &ModelReduction) -> f64 {
+    reduction.deviation.as_ref().map_or(0.0, |deviation| deviation.largest)
 }
 
 /// Those that serve, the ones that save most first, as long as the sum of their changes fits.
-fn greedy<'a>(full: &Full, rungs: &'a [ModelReduction], all: bool) -> Vec<&'a ModelReduction> {
-    let mut candidates: Vec<&ModelReduction> =
-        rungs.iter().filter(|rung| rung.verdict == Verdict::Serves && (all || rung.saving >= WORTH)).collect();
+fn greedy<'a>(full: &Full, reductions: &'a [ModelReduction], all: bool) -> Vec<&'a ModelReduction> {
+    let mut candidates: Vec<&ModelReduction> = reductions
+        .iter()
+        .filter(|reduction| reduction.verdict == Verdict::Serves && (all || reduction.saving >= WORTH))
+        .collect();
     candidates.sort_by(|a, b| b.saving.total_cmp(&a.saving).then(change(a).total_cmp(&change(b))));
     let mut chosen: Vec<&ModelReduction> = Vec::new();
-    for rung in candidates {
-        // Of one ladder only one rung.
-        if chosen.iter().any(|other| other.excludes(rung)) {
+    for reduction in candidates {
+        // Of one ladder only one step.
+        if chosen.iter().any(|other| other.excludes(reduction)) {
             continue;
         }
         // What acts on a coordinate that is held goes with it, if it is idle then.
-        if held(&chosen).iter().any(|coordinate| speaks_of(full, rung, coordinate)) {
+        if held(&chosen).iter().any(|coordinate| speaks_of(full, reduction, coordinate)) {
             continue;
         }
-        let with: Vec<&ModelReduction> = chosen.iter().copied().chain([rung]).collect();
-        let sizes: f64 = with.iter().map(|rung| change(rung)).sum();
+        let with: Vec<&ModelReduction> = chosen.iter().copied().chain([reduction]).collect();
+        let sizes: f64 = with.iter().map(|reduction| change(reduction)).sum();
         if predicted(&with) <= FILLED * full.need.within && sizes <= CANCELLED * full.need.within {
             chosen = with;
         }
@@ -139,8 +141,9 @@ fn predicted(members: &[&ModelReduction]) -> f64 {
     let Some(first) = members.first() else { return 0.0 };
     let columns = first.differences.iter().enumerate().map(|(column, own)| {
         let sum = |row: usize| -> f64 {
-            let at =
-                |rung: &&ModelReduction| rung.differences.get(column).and_then(|d| d.get(row)).copied().unwrap_or(0.0);
+            let at = |reduction: &&ModelReduction| {
+                reduction.differences.get(column).and_then(|d| d.get(row)).copied().unwrap_or(0.0)
+            };
             members.iter().map(at).sum()
         };
         largest(&(0..own.len()).map(sum).collect::<Vec<f64>>())
@@ -150,7 +153,7 @@ fn predicted(members: &[&ModelReduction]) -> f64 {
 
 /// The file without these, at the loosest tolerance that serves; `None` where none does.
 fn verified(full: &Full, members: &[&ModelReduction]) -> Option<Choice> {
-    let mut edits: Vec<Edit> = members.iter().flat_map(|rung| rung.edits.clone()).collect();
+    let mut edits: Vec<Edit> = members.iter().flat_map(|reduction| reduction.edits.clone()).collect();
     let mut found = answer(full, &edits).ok()?;
     let reference = motion(full, &found, full.tolerance)?;
     if near(&full.motion, &reference).is_some() {
@@ -166,8 +169,8 @@ fn verified(full: &Full, members: &[&ModelReduction]) -> Option<Choice> {
         (deviation.largest <= within).then_some((tolerance, run, deviation))
     })?;
     Some(Choice {
-        members: members.iter().map(|rung| rung.ingredient.clone()).collect(),
-        proposals: members.iter().map(|rung| rung.proposal.clone()).collect(),
+        members: members.iter().map(|reduction| reduction.ingredient.clone()).collect(),
+        proposals: members.iter().map(|reduction| reduction.proposal.clone()).collect(),
         idle,
         tolerance,
         predicted: (!members.is_empty()).then(|| predicted(members)),
@@ -190,13 +193,13 @@ fn motion(full: &Full, answer: &Answer, tolerance: f64) -> Option<Motion> {
 
 /// The coordinates that are held.
 fn held<'a>(members: &[&'a ModelReduction]) -> Vec<&'a str> {
-    let is_held = |rung: &&&ModelReduction| matches!(rung.proposal, Proposal::Held { .. });
-    members.iter().filter(is_held).filter_map(|rung| rung.ingredient.strip_prefix("coordinates.")).collect()
+    let is_held = |reduction: &&&ModelReduction| matches!(reduction.proposal, Proposal::Held { .. });
+    members.iter().filter(is_held).filter_map(|reduction| reduction.ingredient.strip_prefix("coordinates.")).collect()
 }
 
 /// Whether an entry that is left out says the name of a coordinate, in the full file.
-fn speaks_of(full: &Full, rung: &ModelReduction, coordinate: &str) -> bool {
-    rung.edits.iter().any(|edit| match edit {
+fn speaks_of(full: &Full, reduction: &ModelReduction, coordinate: &str) -> bool {
+    reduction.edits.iter().any(|edit| match edit {
         Edit::Remove(path) => word(&source_of(full, path), coordinate).is_some(),
         Edit::Replace { .. } | Edit::Hold { .. } | Edit::Slave { .. } => false,
         Edit::ByModes(_) | Edit::Rigid(_) | Edit::Parameter { .. } | Edit::Linear(_) => false,

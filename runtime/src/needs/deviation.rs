@@ -17,10 +17,10 @@ pub struct Deviation {
     pub largest: f64,
     /// Of which quantity or event.
     pub of: String,
-    /// Of that, what is clock: the same motion, by this part faster (or, negative, slower).
-    pub clock: f64,
-    /// What is left of the deviation when the clock is set right, in parts of the range.
-    pub shape: f64,
+    /// Of that, the phase error: the same motion, by this part faster (or, negative, slower).
+    pub phase_error: f64,
+    /// What is left of the deviation without the phase error, in parts of the range.
+    pub waveform_error: f64,
 }
 
 /// What is compared of a run.
@@ -59,7 +59,7 @@ pub(super) struct Motion {
 pub(super) const TIMES: usize = 1000;
 const A_STEP: usize = 3;
 const MOST_TIMES: usize = 8000;
-/// No rung takes so many steps.
+/// No reduction takes so many steps.
 pub(super) const MOST_STEPS: u64 = 400_000;
 /// Beside an event is what is this part of the scene from it.
 const INSTANT: f64 = 1e-9;
@@ -67,16 +67,17 @@ const INSTANT: f64 = 1e-9;
 const STILL: f64 = 1e-9;
 /// And what moves less than so many times by which two runs differ.
 const SURE: f64 = 10.0;
-/// What others explain all of but this part of is nothing of its own; a clock by itself is this part of what is faster at the least.
+/// What others explain all of but this part of is nothing of its own; a phase error by itself is this part of what is faster at the least.
 const SEEN: f64 = 1e-6;
 const TOLD: f64 = 0.3;
-/// The clock of a larger deviation is not one of first order.
+/// The phase error of a larger deviation is not one of first order.
 const CLOCKED: f64 = 0.2;
 
 impl Deviation {
-    /// The parts that are clock and shape; `None` where the deviation is too large to say.
+    /// The phase error and the waveform error; `None` where the deviation is too large to say.
     pub fn parts(&self) -> Option<(f64, f64)> {
-        (self.largest <= CLOCKED && self.clock.abs() <= CLOCKED).then_some((self.clock, self.shape))
+        (self.largest <= CLOCKED && self.phase_error.abs() <= CLOCKED)
+            .then_some((self.phase_error, self.waveform_error))
     }
 }
 
@@ -232,8 +233,12 @@ pub(super) fn between(
     if shared + 1 < full.times.len() && moved.is_empty() {
         return Err("it ends earlier".to_owned());
     }
-    let mut worst =
-        Deviation { largest: 0.0, of: columns.first().cloned().unwrap_or_default(), clock: 0.0, shape: 0.0 };
+    let mut worst = Deviation {
+        largest: 0.0,
+        of: columns.first().cloned().unwrap_or_default(),
+        phase_error: 0.0,
+        waveform_error: 0.0,
+    };
     let mut differences = Vec::with_capacity(columns.len());
     let instants: &[f64] = if full.instants == other.instants { &full.instants } else { &[] };
     let looks = full.looks.iter().zip(&other.looks);
@@ -253,15 +258,20 @@ pub(super) fn between(
         let reported = largest(&signed);
         let largest = reported.max(seen);
         if largest > worst.largest {
-            let (clock, shape) = clock(&full.times[..shared], &mine[..shared], &signed, *scale);
-            // What lies between the times at which the clock was read is none.
-            worst = Deviation { largest, of: name.clone(), clock, shape: shape + (largest - reported) };
+            let (phase_error, waveform_error) = phase_error(&full.times[..shared], &mine[..shared], &signed, *scale);
+            // What lies between the times of the comparison is none.
+            worst = Deviation {
+                largest,
+                of: name.clone(),
+                phase_error,
+                waveform_error: waveform_error + (largest - reported),
+            };
         }
         differences.push(signed);
     }
     for ((name, _), (_, apart)) in full.events.iter().zip(&moved) {
         if span > 0.0 && apart / span > worst.largest {
-            worst = Deviation { largest: apart / span, of: name.clone(), clock: 0.0, shape: 0.0 };
+            worst = Deviation { largest: apart / span, of: name.clone(), phase_error: 0.0, waveform_error: 0.0 };
         }
     }
     Ok((worst, differences))
@@ -274,7 +284,7 @@ pub(super) fn largest(signed: &[f64]) -> f64 {
 
 /// The relative rate s by which e(t) ≈ s t y'(t), beside a shift in place or time and a size that is another or grows, explains most of a
 /// deviation, and the largest of what s t y'(t) leaves.
-fn clock(times: &[f64], values: &[f64], signed: &[f64], scale: f64) -> (f64, f64) {
+fn phase_error(times: &[f64], values: &[f64], signed: &[f64], scale: f64) -> (f64, f64) {
     let rate = |row: usize| {
         let (before, after) = (row.saturating_sub(1), (row + 1).min(times.len() - 1));
         (values[after] - values[before]) / (times[after] - times[before]) / scale
@@ -286,7 +296,7 @@ fn clock(times: &[f64], values: &[f64], signed: &[f64], scale: f64) -> (f64, f64
     let of = |value: &dyn Fn(usize) -> f64| DVector::from_iterator(known.len(), known.iter().map(|row| value(*row)));
     let (mut pull, mut error) = (of(&|row| pulls[row]), of(&|row| signed[row]));
     let whole = pull.norm();
-    // What is larger, shifted or later is not faster: of the clock is what these explain no part of, where they leave one.
+    // What is larger, shifted or later is not faster: of the phase error is what these explain no part of, where they leave one.
     let value = |row: usize| values[row] / scale;
     let mut others = [of(&|_| 1.0), of(&value), of(&|row| gone(row) * value(row)), of(&rate)];
     let (mut own, mut rest) = (pull.clone(), error.clone());

@@ -26,14 +26,14 @@ pub(super) struct Full {
     pub system: Box<dyn System>,
     /// Where each coordinate would rest, as formulas; none where there are constraints.
     pub places: Vec<Option<String>>,
-    /// Coordinates that nothing wanted feels.
-    unfelt: Vec<String>,
+    /// Coordinates on which nothing wanted depends.
+    not_depended_on: Vec<String>,
     pub settings: Settings,
     /// With vectors by components.
     pub need: Need,
     /// The range of each wanted quantity.
     pub scales: Vec<f64>,
-    /// At the tolerance at which rungs are compared, and ten times more exactly.
+    /// At the tolerance at which reductions are compared, and ten times more exactly.
     pub motion: Motion,
     pub exact: Motion,
     pub tolerance: f64,
@@ -69,7 +69,7 @@ pub(super) const MOST_GROWTH: f64 = 1e4;
 pub(super) const MOST_COORDINATES: usize = 24;
 
 impl Full {
-    pub fn run(question: &NeedsRequest, need: Need) -> Result<Full, NeedsError> {
+    pub fn run(request: &NeedsRequest, need: Need) -> Result<Full, NeedsError> {
         let amount = need.absolute.iter().find(|(_, amount)| !(*amount > 0.0 && amount.is_finite()));
         if let Some((_, within)) = amount {
             return Err(NeedsError::BadNeed { within: *within });
@@ -77,9 +77,9 @@ impl Full {
         if !(1e-9..=0.5).contains(&need.within) {
             return Err(NeedsError::BadNeed { within: need.within });
         }
-        let NeedsRequest { sizes, scene, folder, .. } = question;
+        let NeedsRequest { sizes, scene, folder, .. } = request;
         // The smaller file is one of these sizes.
-        let source = &with_sizes(&question.source, sizes);
+        let source = &with_sizes(&request.source, sizes);
         let compiled = compile_in(folder.as_deref(), source, sizes);
         let program = compiled.map_err(|problems| NeedsError::Model { problems })?;
         let places = places(&program);
@@ -88,7 +88,7 @@ impl Full {
         let named = need.absolute.iter().map(|(name, _)| name.clone()).filter(|name| !need.outputs.contains(name));
         let named: Vec<String> = named.collect();
         need.outputs.extend(named);
-        let unfelt = unfelt(&program, &need.outputs);
+        let not_depended_on = not_depended_on(&program, &need.outputs);
         let (system, settings) = set(program.clone(), source, scene.as_deref())?;
         need.absolute = amounts(&*system, &need.absolute)?;
         need.outputs = columns(&*system, &need.outputs)?;
@@ -139,7 +139,7 @@ impl Full {
             program,
             system,
             places,
-            unfelt,
+            not_depended_on,
             settings,
             need,
             scales,
@@ -166,9 +166,11 @@ impl Full {
         Ok(full)
     }
 
-    /// Whether an ingredient is a coordinate that nothing wanted feels.
+    /// Whether an ingredient is a coordinate on which nothing wanted depends.
     pub fn is_unfelt(&self, ingredient: &str) -> bool {
-        ingredient.strip_prefix("coordinates.").is_some_and(|name| self.unfelt.iter().any(|unfelt| unfelt == name))
+        ingredient
+            .strip_prefix("coordinates.")
+            .is_some_and(|name| self.not_depended_on.iter().any(|not_depended_on| not_depended_on == name))
     }
 
     /// Another text of the file, as a program.
@@ -203,7 +205,7 @@ impl Full {
         [LOOSE, 0.1 * LOOSE].map(|part| part * within).into_iter().filter(move |tolerance| *tolerance > own)
     }
 
-    /// It at loose tolerances, at its scene's, and at that at which rungs are compared; what fails at one is left aside.
+    /// It at loose tolerances, at its scene's, and at that at which reductions are compared; what fails at one is left aside.
     pub fn by_tolerance(&self) -> Vec<Verified> {
         let mut tolerances: Vec<f64> = LOOSER.map(|part| part * self.need.within).into();
         tolerances.extend([self.settings.tolerance, self.tolerance]);
@@ -310,8 +312,8 @@ fn moved(settings: &Settings, ranges: &[f64], part: f64) -> Settings {
     settings
 }
 
-/// The coordinates that nothing of what is wanted feels; none where all is wanted.
-fn unfelt(program: &Program, wanted: &[String]) -> Vec<String> {
+/// The coordinates on which nothing that is wanted depends; none where all is wanted.
+fn not_depended_on(program: &Program, wanted: &[String]) -> Vec<String> {
     if wanted.is_empty() {
         return Vec::new();
     }
@@ -326,8 +328,8 @@ fn unfelt(program: &Program, wanted: &[String]) -> Vec<String> {
     let coordinates: Vec<usize> =
         (0..model.coordinates.len()).filter(|k| is_wanted(&model.coordinates[*k].name)).collect();
     let felt = program.depends_on(&outputs, &coordinates);
-    let unfelt = (0..model.coordinates.len()).filter(|k| !felt[*k]);
-    unfelt.map(|k| model.coordinates[k].name.clone()).collect()
+    let not_depended_on = (0..model.coordinates.len()).filter(|k| !felt[*k]);
+    not_depended_on.map(|k| model.coordinates[k].name.clone()).collect()
 }
 
 /// Where each coordinate would rest.

@@ -1,7 +1,7 @@
-//! No more than a scene needs: which parts of a model its outputs feel, by how much, and what leaving out the rest saves.
+//! No more than a scene needs: on which parts of a model its outputs depend, by how much, and what leaving out the rest saves.
 //!
 //! 1. What is wanted, and the motion that answers it in full: look in `full.rs`.
-//! 2. Every ingredient of the file: look in `candidate.rs`; the file without it: in `rung.rs`; edits of the text: in `edit.rs`;
+//! 2. Every ingredient of the file: look in `candidate.rs`; the file without it: in `reduction.rs`; edits of the text: in `edit.rs`;
 //!    families of coordinates by their modes: in `modal.rs`; laws and models made linear: in `linear.rs`; what is stiff as a
 //!    constraint: in `rigid.rs`, its text in `constrained.rs`.
 //! 3. How far two runs are apart: look in `deviation.rs`; how far they would be by a first approximation, along the full motion: in
@@ -145,7 +145,7 @@ pub struct Needs {
     /// Operations that the scene takes as the file has it: evaluations of the accelerations, and Jacobians in their terms, times
     /// operations.
     pub operations: f64,
-    /// The same at the tolerance at which rungs are compared, to which their savings refer.
+    /// The same at the tolerance at which reductions are compared, to which their savings refer.
     pub exact_operations: f64,
     /// That tolerance.
     pub exact_tolerance: f64,
@@ -154,7 +154,7 @@ pub struct Needs {
     /// The full model at ever tighter tolerances.
     pub full: Vec<Verified>,
     /// Every ingredient and what becomes of it, those that save most first.
-    pub rungs: Vec<ModelReduction>,
+    pub reductions: Vec<ModelReduction>,
     /// What may go together; `None` where the full model is the cheapest that serves.
     pub choice: Option<Choice>,
     /// Sizes other than the file's.
@@ -242,33 +242,33 @@ impl Needs {
     /// A file with mistakes, an unknown output or scene, an accuracy that is no number between 1e-9 and 0.5, a scene that fails
     /// or is not known well enough, and a broken-off search ([`NeedsError::Interrupted`]).
     pub fn find(
-        question: &NeedsRequest,
+        request: &NeedsRequest,
         progress: &mut dyn FnMut(&str) -> ControlFlow<()>,
     ) -> Result<Needs, NeedsError> {
-        let full = Full::run(question, question.need()?)?;
-        let mut rungs: Vec<ModelReduction> = Vec::new();
+        let full = Full::run(request, request.need()?)?;
+        let mut reductions: Vec<ModelReduction> = Vec::new();
         if full.promised_until.is_none() {
             for proposal in candidate::candidates(&full) {
-                if reduction::is_climbed(&rungs, &proposal) {
+                if reduction::is_climbed(&reductions, &proposal) {
                     continue;
                 }
                 if progress(&proposal.ingredient).is_break() {
                     return Err(NeedsError::Interrupted);
                 }
                 let tried = reduction::tried(&full, proposal);
-                match rungs.last_mut() {
+                match reductions.last_mut() {
                     // The same coordinate held elsewhere.
                     Some(last) if reduction::are_alternatives(last, &tried) => {
                         *last = reduction::better(last.clone(), tried)
                     }
-                    _ => rungs.push(tried),
+                    _ => reductions.push(tried),
                 }
             }
         }
-        reduction::predict_by_ladders(&mut rungs);
-        let choice = choice::choose(&full, &rungs, question.all, progress)?;
+        reduction::predict_by_ladders(&mut reductions);
+        let choice = choice::choose(&full, &reductions, request.all, progress)?;
         if full.promised_until.is_none() {
-            rungs.extend(choice::looser(&full));
+            reductions.extend(choice::looser(&full));
         }
         let mut found = Needs {
             name: full.name().to_owned(),
@@ -283,12 +283,12 @@ impl Needs {
             exact_tolerance: full.tolerance,
             evaluation: full.evaluation(),
             full: full.by_tolerance(),
-            rungs,
+            reductions,
             choice,
             sizes: full.sizes.clone(),
             times: full.times,
         };
-        found.rungs.sort_by(|a, b| b.saving.total_cmp(&a.saving));
+        found.reductions.sort_by(|a, b| b.saving.total_cmp(&a.saving));
         Ok(found)
     }
 }

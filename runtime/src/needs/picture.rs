@@ -1,21 +1,21 @@
-//! Error against work: a point for every rung.
+//! Error against work: a point for every reduction.
 
 use super::{ModelReduction, Needs, Proposal};
 use crate::precision::{Fidelity, Verified};
 use crate::show::Chart;
 
 impl Needs {
-    /// What every rung is off by and takes at the tolerance at which rungs are compared, and the chosen one at its own, beside the
+    /// What every reduction is off by and takes at the tolerance at which reductions are compared, and the chosen one at its own, beside the
     /// full model at several.
     pub fn fidelity(&self) -> Fidelity {
-        let rung = |rung: &ModelReduction| {
+        let reduction = |reduction: &ModelReduction| {
             // The full model's own points have it.
-            if matches!(rung.proposal, Proposal::Looser { .. }) {
+            if matches!(reduction.proposal, Proposal::Looser { .. }) {
                 return None;
             }
-            let error = rung.deviation.as_ref()?.largest;
-            let work = self.exact_operations / rung.saving / self.evaluation;
-            Some(Verified { name: short(rung), tolerance: self.exact_tolerance, error, work })
+            let error = reduction.deviation.as_ref()?.largest;
+            let work = self.exact_operations / reduction.saving / self.evaluation;
+            Some(Verified { name: short(reduction), tolerance: self.exact_tolerance, error, work })
         };
         let chosen = self.choice.as_ref().map(|choice| Verified {
             name: "what may go together".to_owned(),
@@ -27,7 +27,7 @@ impl Needs {
             title: format!("{}: what is left out", self.name),
             within: self.need.within,
             full: self.full.clone(),
-            rungs: self.rungs.iter().filter_map(rung).collect(),
+            reductions: self.reductions.iter().filter_map(reduction).collect(),
             chosen,
         }
     }
@@ -39,9 +39,9 @@ impl Needs {
 }
 
 /// `l held`, `forces.air`.
-fn short(rung: &ModelReduction) -> String {
-    let name = rung.ingredient.strip_prefix("coordinates.").unwrap_or(&rung.ingredient);
-    match &rung.proposal {
+fn short(reduction: &ModelReduction) -> String {
+    let name = reduction.ingredient.strip_prefix("coordinates.").unwrap_or(&reduction.ingredient);
+    match &reduction.proposal {
         Proposal::LeftOut => name.to_owned(),
         Proposal::Held { .. } => format!("{name} held"),
         Proposal::Slaved { .. } => format!("{name} following"),

@@ -45,7 +45,7 @@ pub enum Law {
         /// What the second approximation adds, in parts of the first.
         second: f64,
     },
-    /// It is what the next rung of the ladder, with more modes, changes beside this one.
+    /// It is what the next step of the ladder, with more modes, changes beside this one.
     Richer {
         /// How many modes that has.
         kept: usize,
@@ -72,7 +72,7 @@ impl Prediction {
 
 /// The law holds where the second approximation adds less than this part of the first.
 const SMALL: f64 = 0.5;
-/// And where the next rung is no other motion.
+/// And where the next step of the ladder is no other motion.
 const FEW: f64 = 0.1;
 /// And for a coordinate that is so many times faster than all else: what changes at that rate makes it give way by 1/gap² more.
 const STIFF: f64 = 2.5;

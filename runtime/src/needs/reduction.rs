@@ -69,7 +69,7 @@ impl Proposal {
 pub enum Verdict {
     /// The scene does not need it.
     Serves,
-    /// What is wanted feels it.
+    /// What is wanted depends on it.
     Acts,
     /// Other events happen, or not in the same order.
     HappensOtherwise {
@@ -106,8 +106,8 @@ pub struct ModelReduction {
     pub saving: f64,
     /// What is found.
     pub verdict: Verdict,
-    /// Whether this is a coordinate in a part of the mechanism that nothing wanted feels, by the equations themselves.
-    pub unfelt: bool,
+    /// Whether this is a coordinate in a subsystem on which nothing wanted depends, by the equations themselves.
+    pub not_depended_on: bool,
     /// An event or discontinuity that does not happen, and goes with it or is moved by it: its name, and how far it stays from zero, in
     /// parts of the range that it goes through.
     pub margin: Option<(String, f64)>,
@@ -155,8 +155,8 @@ pub(super) fn answer(full: &Full, edits: &[Edit]) -> Result<Answer, String> {
     Ok(Answer { text, gone, system, settings })
 }
 
-fn said(unanswered: &NeedsError) -> String {
-    unanswered.to_string()
+fn said(error: &NeedsError) -> String {
+    error.to_string()
 }
 
 impl ModelReduction {
@@ -169,7 +169,7 @@ impl ModelReduction {
             predicted: None,
             saving,
             verdict: Verdict::Serves,
-            unfelt: false,
+            not_depended_on: false,
             margin: None,
             gone: Vec::new(),
             edits: Vec::new(),
@@ -189,8 +189,8 @@ impl ModelReduction {
 /// Runs a candidate.
 pub(super) fn tried(full: &Full, candidate: Candidate) -> ModelReduction {
     let Candidate { ingredient, proposal, edits } = candidate;
-    let mut rung = ModelReduction {
-        unfelt: full.is_unfelt(&ingredient),
+    let mut reduction = ModelReduction {
+        not_depended_on: full.is_unfelt(&ingredient),
         ingredient,
         proposal,
         deviation: None,
@@ -202,56 +202,59 @@ pub(super) fn tried(full: &Full, candidate: Candidate) -> ModelReduction {
         edits,
         differences: Vec::new(),
     };
-    if let Err(verdict) = measure(full, &mut rung) {
-        rung.verdict = verdict;
+    if let Err(verdict) = measure(full, &mut reduction) {
+        reduction.verdict = verdict;
     }
-    rung
+    reduction
 }
 
 /// Which of two proposals for one ingredient changes less; of those that change as much the later, which is a formula.
 pub(super) fn better(one: ModelReduction, other: ModelReduction) -> ModelReduction {
-    let change = |rung: &ModelReduction| rung.deviation.as_ref().map_or(f64::INFINITY, |deviation| deviation.largest);
+    let change =
+        |reduction: &ModelReduction| reduction.deviation.as_ref().map_or(f64::INFINITY, |deviation| deviation.largest);
     if change(&other) <= ALIKE * change(&one) { other } else { one }
 }
 
-/// Predicts what a few modes change by the next rungs of their ladders.
-pub(super) fn predict_by_ladders(rungs: &mut [ModelReduction]) {
-    let of = |rung: &ModelReduction| match rung.proposal {
-        Proposal::Modes { kept, .. } if !rung.differences.is_empty() => Some(kept),
+/// Predicts what a few modes change by the next steps of their ladders.
+pub(super) fn predict_by_ladders(reductions: &mut [ModelReduction]) {
+    let of = |reduction: &ModelReduction| match reduction.proposal {
+        Proposal::Modes { kept, .. } if !reduction.differences.is_empty() => Some(kept),
         _ => None,
     };
-    for place in 0..rungs.len() {
-        let Some(own) = of(&rungs[place]) else { continue };
-        let richer = rungs.iter().filter(|rung| rung.ingredient == rungs[place].ingredient);
-        let richer = richer.filter_map(|rung| Some((of(rung)?, rung))).filter(|(kept, _)| *kept > own);
+    for place in 0..reductions.len() {
+        let Some(own) = of(&reductions[place]) else { continue };
+        let richer = reductions.iter().filter(|reduction| reduction.ingredient == reductions[place].ingredient);
+        let richer = richer.filter_map(|reduction| Some((of(reduction)?, reduction))).filter(|(kept, _)| *kept > own);
         let Some((kept, next)) = richer.min_by_key(|(kept, _)| *kept) else { continue };
-        let columns = rungs[place].differences.iter().zip(&next.differences);
+        let columns = reductions[place].differences.iter().zip(&next.differences);
         let change = columns
             .map(|(own, next)| largest(&own.iter().zip(next).map(|(own, next)| own - next).collect::<Vec<f64>>()));
         let change = change.fold(0.0, f64::max);
-        rungs[place].predicted = Some(Prediction { change, law: Law::Richer { kept } });
+        reductions[place].predicted = Some(Prediction { change, law: Law::Richer { kept } });
     }
 }
 
-/// Whether a ladder of modes is climbed high enough before this candidate: one rung above the first that serves, by which that is predicted.
-pub(super) fn is_climbed(rungs: &[ModelReduction], candidate: &Candidate) -> bool {
+/// Whether a ladder of modes is climbed high enough before this candidate: one step above the first that serves, by which that is predicted.
+pub(super) fn is_climbed(reductions: &[ModelReduction], candidate: &Candidate) -> bool {
     let by_modes = |proposal: &Proposal| matches!(proposal, Proposal::Modes { .. });
-    let serves = |rung: &ModelReduction| {
-        rung.ingredient == candidate.ingredient && by_modes(&rung.proposal) && rung.verdict == Verdict::Serves
+    let serves = |reduction: &ModelReduction| {
+        reduction.ingredient == candidate.ingredient
+            && by_modes(&reduction.proposal)
+            && reduction.verdict == Verdict::Serves
     };
-    by_modes(&candidate.proposal) && rungs.iter().filter(|rung| serves(rung)).count() > 1
+    by_modes(&candidate.proposal) && reductions.iter().filter(|reduction| serves(reduction)).count() > 1
 }
 
-/// Whether two rungs are the same coordinate or input held, each elsewhere.
+/// Whether two reductions are the same coordinate or input held, each elsewhere.
 pub(super) fn are_alternatives(one: &ModelReduction, other: &ModelReduction) -> bool {
-    let is_held = |rung: &ModelReduction| matches!(rung.proposal, Proposal::Held { .. });
+    let is_held = |reduction: &ModelReduction| matches!(reduction.proposal, Proposal::Held { .. });
     one.ingredient == other.ingredient && is_held(one) && is_held(other)
 }
 
 /// The coordinate that is held, and where, if that is a number; that follows the others, `None`.
-fn held(rung: &ModelReduction) -> Option<(&str, Option<f64>)> {
-    let coordinate = rung.ingredient.strip_prefix("coordinates.")?;
-    match &rung.proposal {
+fn held(reduction: &ModelReduction) -> Option<(&str, Option<f64>)> {
+    let coordinate = reduction.ingredient.strip_prefix("coordinates.")?;
+    match &reduction.proposal {
         Proposal::Held { at } => Some((coordinate, at.split(' ').next()?.parse().ok())),
         Proposal::Slaved { .. } => Some((coordinate, None)),
         Proposal::LeftOut | Proposal::Modes { .. } | Proposal::Rigid { .. } => None,
@@ -259,34 +262,34 @@ fn held(rung: &ModelReduction) -> Option<(&str, Option<f64>)> {
     }
 }
 
-fn measure(full: &Full, rung: &mut ModelReduction) -> Result<(), Verdict> {
+fn measure(full: &Full, reduction: &mut ModelReduction) -> Result<(), Verdict> {
     let refused = |why: String| Verdict::Refused { why };
-    let answer = answer(full, &rung.edits).map_err(refused)?;
-    rung.gone.clone_from(&answer.gone);
+    let answer = answer(full, &reduction.edits).map_err(refused)?;
+    reduction.gone.clone_from(&answer.gone);
     let motion = full.motion_of(&*answer.system, &answer.settings, full.tolerance).map_err(refused)?;
-    rung.saving = full.motion.operations / motion.operations;
-    rung.predicted = match (held(rung), rung.edits.as_slice()) {
+    reduction.saving = full.motion.operations / motion.operations;
+    reduction.predicted = match (held(reduction), reduction.edits.as_slice()) {
         (_, [Edit::Rigid(rigid)]) => rigid::predicted(full, rigid, &answer),
         (Some(held), _) => {
             below::predicted(full, (&*answer.system, &answer.settings, &motion.coarse(full.times)), held)
         }
         (None, _) => {
-            let about = full.rest.as_deref().filter(|_| rung.proposal == Proposal::Linear);
+            let about = full.rest.as_deref().filter(|_| reduction.proposal == Proposal::Linear);
             prediction::predicted(full, (&*answer.system, &answer.settings, &motion), about)
         }
     };
     let compared = between(&full.motion, &motion, full.measure());
     let (deviation, differences) = compared.map_err(|what| Verdict::HappensOtherwise { what })?;
     let serves = deviation.largest <= full.need.within;
-    rung.margin = margin(&full.motion, &motion);
-    (rung.deviation, rung.differences) = (Some(deviation), differences);
+    reduction.margin = margin(&full.motion, &motion);
+    (reduction.deviation, reduction.differences) = (Some(deviation), differences);
     if !serves {
         return Ok(());
     }
     if let Some((guard, margin)) = near(&full.motion, &motion) {
         return Err(Verdict::Near { guard, margin });
     }
-    rung.verdict = Verdict::Serves;
+    reduction.verdict = Verdict::Serves;
     Ok(())
 }
 

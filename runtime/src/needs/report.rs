@@ -27,7 +27,7 @@ impl Needs {
                 "no part of it is left out: it is chaotic, and can be promised until t = {t:.3} s at most"
             );
         }
-        if !self.rungs.is_empty() {
+        if !self.reductions.is_empty() {
             text.push('\n');
             text += &self.rows();
         }
@@ -37,9 +37,19 @@ impl Needs {
     }
 
     fn rows(&self) -> String {
-        let head = ["ingredient", "proposed", "predicted", "change", "of", "clock", "shape", "less work", "found"]
-            .map(str::to_owned);
-        let rows: Vec<[String; COLUMNS]> = std::iter::once(head).chain(self.rungs.iter().map(row)).collect();
+        let head = [
+            "ingredient",
+            "proposed",
+            "predicted",
+            "change",
+            "of",
+            "phase error",
+            "waveform error",
+            "less work",
+            "found",
+        ]
+        .map(str::to_owned);
+        let rows: Vec<[String; COLUMNS]> = std::iter::once(head).chain(self.reductions.iter().map(row)).collect();
         let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
         let widths: Vec<usize> = (0..COLUMNS).map(width).collect();
         let mut text = String::new();
@@ -106,14 +116,14 @@ impl Needs {
     pub fn smaller_file(&self) -> Option<String> {
         let choice = self.choice.as_ref()?;
         let mut head = format!("# Smaller than {}: for {} until t = {} s.\n", self.name, self.need.words(), self.until);
-        for rung in self.rungs.iter().filter(|rung| choice.includes(rung)) {
-            let own = match &rung.deviation {
-                _ if rung.unfelt => "; nothing wanted feels it".to_owned(),
+        for reduction in self.reductions.iter().filter(|reduction| choice.includes(reduction)) {
+            let own = match &reduction.deviation {
+                _ if reduction.not_depended_on => "; nothing wanted depends on it".to_owned(),
                 deviation => {
                     deviation.as_ref().map_or_else(String::new, |d| format!("; alone {} ({})", part(d.largest), d.of))
                 }
             };
-            let _ = writeln!(head, "# - {} {}{own}", rung.ingredient, rung.proposal);
+            let _ = writeln!(head, "# - {} {}{own}", reduction.ingredient, reduction.proposal);
         }
         for name in &choice.idle {
             let _ = writeln!(head, "# - {name} left out: it does nothing where that is held");
@@ -153,28 +163,30 @@ impl Needs {
 /// Of the table.
 const COLUMNS: usize = 9;
 
-fn row(rung: &ModelReduction) -> [String; COLUMNS] {
+fn row(reduction: &ModelReduction) -> [String; COLUMNS] {
     let dash = || "–".to_owned();
-    let (change, of) = match &rung.deviation {
+    let (change, of) = match &reduction.deviation {
         Some(deviation) => (part(deviation.largest), deviation.of.clone()),
         None => (dash(), dash()),
     };
-    let saving = if rung.saving > 0.0 { times(rung.saving) } else { dash() };
-    let found = match &rung.deviation {
+    let saving = if reduction.saving > 0.0 { times(reduction.saving) } else { dash() };
+    let found = match &reduction.deviation {
         // One that runs ahead by a constant part is late, not otherwise.
-        Some(d) if rung.verdict == Verdict::Acts && d.parts().is_some() && d.shape < 0.2 * d.largest => {
-            format!("acts: the same, {} {}", part(d.clock.abs()), pace(d.clock))
+        Some(d) if reduction.verdict == Verdict::Acts && d.parts().is_some() && d.waveform_error < 0.2 * d.largest => {
+            format!("needed: the same, {} {}", part(d.phase_error.abs()), faster_or_slower(d.phase_error))
         }
-        _ if rung.unfelt && rung.verdict == Verdict::Serves => "nothing wanted feels it".to_owned(),
-        _ => rung.verdict.to_string(),
+        _ if reduction.not_depended_on && reduction.verdict == Verdict::Serves => {
+            "nothing wanted depends on it".to_owned()
+        }
+        _ => reduction.verdict.to_string(),
     };
-    let found = match &rung.margin {
-        Some((guard, margin)) if rung.verdict == Verdict::Serves => {
+    let found = match &reduction.margin {
+        Some((guard, margin)) if reduction.verdict == Verdict::Serves => {
             format!("{found}; {guard} is missed by {} of its range", times(*margin))
         }
         _ => found,
     };
-    let found = match rung.predicted.filter(|predicted| !predicted.holds()) {
+    let found = match reduction.predicted.filter(|predicted| !predicted.holds()) {
         Some(Prediction { law: Law::Stiff { .. }, change }) if change > WHOLE => {
             format!("{found}; no law: it would be no small change")
         }
@@ -184,10 +196,21 @@ fn row(rung: &ModelReduction) -> [String; COLUMNS] {
         _ => found,
     };
     // Where its law does not hold nothing is predicted.
-    let predicted = rung.predicted.filter(Prediction::holds).map_or_else(dash, |predicted| part(predicted.change));
-    let parts = rung.deviation.as_ref().and_then(Deviation::parts);
-    let [clock, shape] = parts.map_or_else(|| [dash(), dash()], |(clock, shape)| [clock, shape].map(part));
-    [rung.ingredient.clone(), rung.proposal.to_string(), predicted, change, of, clock, shape, saving, found]
+    let predicted = reduction.predicted.filter(Prediction::holds).map_or_else(dash, |predicted| part(predicted.change));
+    let parts = reduction.deviation.as_ref().and_then(Deviation::parts);
+    let [phase_error, waveform_error] =
+        parts.map_or_else(|| [dash(), dash()], |(phase_error, waveform_error)| [phase_error, waveform_error].map(part));
+    [
+        reduction.ingredient.clone(),
+        reduction.proposal.to_string(),
+        predicted,
+        change,
+        of,
+        phase_error,
+        waveform_error,
+        saving,
+        found,
+    ]
 }
 
 /// `it does without forces.drag and with coordinates.l held at 10 m`.
@@ -208,8 +231,8 @@ impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Verdict::Serves => f.write_str("not needed"),
-            Verdict::Acts => f.write_str("acts"),
-            Verdict::HappensOtherwise { what } => write!(f, "acts: {what}"),
+            Verdict::Acts => f.write_str("needed"),
+            Verdict::HappensOtherwise { what } => write!(f, "needed: {what}"),
             Verdict::Near { guard, margin } => write!(f, "stays: {guard} is missed by {} of its range", part(*margin)),
             Verdict::Refused { why } => write!(f, "stays: without it, {why}"),
         }
@@ -237,8 +260,8 @@ impl fmt::Display for Law {
     }
 }
 
-fn pace(clock: f64) -> &'static str {
-    if clock > 0.0 { "faster" } else { "slower" }
+fn faster_or_slower(phase_error: f64) -> &'static str {
+    if phase_error > 0.0 { "faster" } else { "slower" }
 }
 
 impl fmt::Display for Proposal {
@@ -258,7 +281,9 @@ impl fmt::Display for Proposal {
 /// `predicted 4.1e-4, found 4.2e-4; off by 4.3e-4 of swing, integration included`.
 fn changes(choice: &Choice) -> String {
     let of_model = |predicted| format!("predicted {}, found {}; ", part(predicted), part(choice.change));
-    let of_parts = |(clock, shape)| format!(" (clock {}, shape {})", part(clock), part(shape));
+    let of_parts = |(phase_error, waveform_error)| {
+        format!(" (phase error {}, waveform error {})", part(phase_error), part(waveform_error))
+    };
     format!(
         "{}off by {} of {}{}, integration included",
         choice.predicted.map_or_else(String::new, of_model),

@@ -26,7 +26,7 @@ pub struct Fidelity {
     /// The full model, at several tolerances.
     pub full: Vec<Verified>,
     /// Models without one ingredient each, those that save most first.
-    pub rungs: Vec<Verified>,
+    pub reductions: Vec<Verified>,
     /// The model without all that may go.
     pub chosen: Option<Verified>,
 }
@@ -48,7 +48,7 @@ impl Fidelity {
             drawn.then(|| (point.error.max(floor), point.work))
         };
         let drawn: Vec<(&str, (f64, f64))> =
-            self.rungs.iter().filter_map(|point| Some((point.name.as_str(), place(point)?))).collect();
+            self.reductions.iter().filter_map(|point| Some((point.name.as_str(), place(point)?))).collect();
         let all = self.full.iter().chain(&self.chosen).filter_map(place).chain(drawn.iter().map(|(_, place)| *place));
         let (least, most) = all.fold((f64::INFINITY, 0.0_f64), |(low, high), (_, y)| (low.min(y), high.max(y)));
         let need = [least, most].map(|work| work.is_finite().then_some((self.within, work)));
@@ -72,7 +72,7 @@ impl Fidelity {
     /// All points, in the columns of [`WorkPrecision::to_csv`](super::WorkPrecision::to_csv); what was not measured of them is empty.
     pub fn to_csv(&self) -> String {
         let full = self.full.iter().map(|point| ("the full model", point));
-        let others = self.chosen.iter().chain(&self.rungs).map(|point| (point.name.as_str(), point));
+        let others = self.chosen.iter().chain(&self.reductions).map(|point| (point.name.as_str(), point));
         record(full.chain(others).map(|(name, point)| {
             let number = |value: f64| format!("{value:e}");
             let mut cells = vec![self.title.clone(), name.to_owned(), String::new(), number(point.tolerance)];

@@ -62,7 +62,7 @@ const EVALUATIONS_A_STEP: u64 = 4;
 const LOST: f64 = 1.0;
 
 impl Point {
-    /// Runs a candidate at a pace; `None` where it takes many more evaluations than the reference.
+    /// Runs a candidate at a tolerance or step; `None` where it takes many more evaluations than the reference.
     ///
     /// # Errors
     /// The method does not suit the mechanism, or a setting has no meaning.

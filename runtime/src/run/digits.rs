@@ -10,7 +10,7 @@ use super::{Run, apart_by};
 /// What a second run, less accurate and from a start moved by rounding, says about the first.
 ///
 /// The error of a value is bounded by 7/4 max |Δ| (by 21/8 max |Δ| where the second run follows the steps of the first), Δ being the difference of both runs, over the last tenth of the time
-/// until then; a coordinate and its rate vouch for each other, since errors oscillate between them.  How promises compare with true errors
+/// until then; the errors of a coordinate and of its rate bound each other, since errors oscillate between them.  How promises compare with true errors
 /// over the library is measured in `docs/digits.md`.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]

@@ -76,7 +76,7 @@ pub struct Run {
     pub energy_balance: Option<f64>,
     /// What the user should know.
     pub warnings: Vec<Warning>,
-    /// Parts of the mechanism that do not feel each other, where each was run by itself with its own method and steps; else none.
+    /// Decoupled subsystems of the mechanism, where each was run by itself with its own method and steps; else none.
     pub parts: Vec<RunPart>,
     /// How many digits of its numbers hold; `None` if the run was not told to estimate them, or could not.
     pub digits: Option<Digits>,

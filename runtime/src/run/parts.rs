@@ -1,4 +1,4 @@
-//! Runs of parts that do not feel each other, put together to one of the whole.
+//! Runs of decoupled subsystems, put together to one of the whole.
 
 use std::sync::Arc;
 

@@ -507,7 +507,7 @@ impl Log for Recorder {
         }
     }
 
-    fn remark(&mut self, EventNote { event, t, what }: EventNote) {
+    fn note(&mut self, EventNote { event, t, what }: EventNote) {
         // Where the run begins a function may be undefined at that one point: later edges say more.
         let start = self.start;
         let begins = |known: &Warning| matches!(known, Warning::Undefined { event: other, t: at } if *other == event && at - start <= AT_THE_START * (t - start));

@@ -248,7 +248,7 @@ mod tests {
         let fitted = |last: f64| Extent::fit(&Axis::new("", ""), curve.clone().chain([last]), 0.0);
         let pole = fitted(-2e14);
         assert!(pole.low > -1.1 && pole.high < 1.1, "{pole:?}");
-        // A blow is seen beside the curve, and shown whole.
+        // An impulse is seen beside the curve, and shown whole.
         assert_eq!(fitted(3e4).high, 3e4);
         // What is 0 but for one point has no middle to show.
         let spike = Extent::fit(&Axis::new("", ""), (0..500).map(|i| f64::from(u8::from(i == 7))), 0.0);

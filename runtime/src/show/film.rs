@@ -18,7 +18,7 @@ const TRIED: usize = 16;
 const INTO_MEMORY: &str = "a file in memory takes all that is written";
 
 impl Animation {
-    /// The animation as a PNG file that moves, frame by frame as [`Animation::pace`] says; charts are left out.
+    /// The animation as a PNG file that moves, frame by frame as [`Animation::playback`] says; charts are left out.
     ///
     /// ```
     /// use dalembert::mechanism::Shape;
@@ -54,7 +54,7 @@ impl Animation {
         file
     }
 
-    /// The animation as a GIF file, frame by frame as [`Animation::pace`] says, in up to 255 colours; charts are left out.
+    /// The animation as a GIF file, frame by frame as [`Animation::playback`] says, in up to 255 colours; charts are left out.
     pub fn to_gif(&self) -> Vec<u8> {
         let film = Film::of(self);
         let mut palette = Palette::of(&film);

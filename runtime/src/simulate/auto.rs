@@ -310,7 +310,7 @@ mod tests {
         assert_eq!(chosen(&toy, |settings| settings.until = 0.5), Method::Dop853);
     }
 
-    /// Of two masses that do not feel each other one vibrates 10⁵ times as fast.
+    /// Of two decoupled masses one vibrates 10⁵ times as fast.
     #[test]
     fn a_vibration_is_followed_where_it_is_seen() {
         let mirror = |z: f64, until: f64| {

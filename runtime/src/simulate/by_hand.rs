@@ -22,14 +22,14 @@ use crate::run::{Occurrence, Recorder, Run, State, Work};
 /// ```
 pub struct Stepping<S: System> {
     system: S,
-    march: Integration,
+    integration: Integration,
     recorder: Recorder,
     spacing: f64,
     /// Whether all states are kept, and how many events were when the last step began.
     recorded: bool,
     dense: bool,
     seen: usize,
-    /// Until when the march has been begun.
+    /// Until when the integration has been begun.
     horizon: f64,
     /// True when the state or the system was changed.
     changed: bool,
@@ -54,13 +54,13 @@ impl<S: System> Stepping<S> {
         let clock = Instant::now();
         let dense = settings.dense;
         let settings = Settings { dense: false, ..settings };
-        let Start { march, recorder, outcome } = start(&mut system, &settings, f64::INFINITY)?;
+        let Start { integration, recorder, outcome } = start(&mut system, &settings, f64::INFINITY)?;
         if let Err(cause) = outcome {
-            return Err(fail(*cause, &system, &march, recorder, clock));
+            return Err(fail(*cause, &system, &integration, recorder, clock));
         }
         let spacing = settings.every.or(settings.step).unwrap_or_else(|| settings.spacing());
         let (recorded, seen, horizon, changed) = (false, 0, settings.until, false);
-        Ok(Stepping { system, march, recorder, spacing, recorded, dense, seen, horizon, changed, clock })
+        Ok(Stepping { system, integration, recorder, spacing, recorded, dense, seen, horizon, changed, clock })
     }
 
     /// Keeps a state of every step from here on, with its events, and dense output and pictures unless the settings say otherwise:
@@ -69,7 +69,7 @@ impl<S: System> Stepping<S> {
     pub fn recorded(mut self) -> Self {
         self.recorded = true;
         if self.dense {
-            self.recorder.keep_dense(&self.system, self.march.time(), self.march.state());
+            self.recorder.keep_dense(&self.system, self.integration.time(), self.integration.state());
         }
         self
     }
@@ -90,11 +90,11 @@ impl<S: System> Stepping<S> {
         if !(dt > 0.0 && dt.is_finite()) {
             return Err(Error::BadSetting { setting: "dt", value: dt, expected: "a positive time" });
         }
-        let until = self.march.time() + dt;
+        let until = self.integration.time() + dt;
         match self.go(until) {
             Ok(StopReason::Arrived) => Ok(None),
             Ok(StopReason::Event) => Ok(self.recorder.last_event()),
-            Err(cause) => Err(fail(*cause, &self.system, &self.march, self.recorder.clone(), self.clock)),
+            Err(cause) => Err(fail(*cause, &self.system, &self.integration, self.recorder.clone(), self.clock)),
         }
     }
 
@@ -103,34 +103,35 @@ impl<S: System> Stepping<S> {
             self.recorder.forget();
         }
         self.seen = self.recorder.events().len();
-        self.march.limit_anew();
+        self.integration.limit_anew();
         if self.changed {
-            self.recorder.changed(&self.system, self.march.time(), self.march.state());
+            self.recorder.changed(&self.system, self.integration.time(), self.integration.state());
         }
         if self.changed || until > self.horizon {
             // Far enough not to begin anew with each step.
             self.horizon = self.horizon.max(until + 100.0 * self.spacing);
             match self.changed {
-                true => self.march.go_on(&mut self.system, self.horizon)?,
-                false => self.march.prolong(&mut self.system, self.horizon)?,
+                true => self.integration.go_on(&mut self.system, self.horizon)?,
+                false => self.integration.prolong(&mut self.system, self.horizon)?,
             }
-            self.recorder.begin_piece(&self.system, self.march.time(), self.march.state());
+            self.recorder.begin_piece(&self.system, self.integration.time(), self.integration.state());
             self.changed = false;
         }
-        let halt =
-            self.march.advance(&mut self.system, until, &mut self.recorder, &mut |_| ControlFlow::Continue(()))?;
-        self.recorder.report(&self.system, self.march.time(), self.march.state().y);
+        let halt = self
+            .integration
+            .advance(&mut self.system, until, &mut self.recorder, &mut |_| ControlFlow::Continue(()))?;
+        self.recorder.report(&self.system, self.integration.time(), self.integration.state().y);
         Ok(halt)
     }
 
     /// The time, s.
     pub fn time(&self) -> f64 {
-        self.march.time()
+        self.integration.time()
     }
 
     /// The present state with its outputs.
     pub fn state(&mut self) -> State {
-        self.recorder.state_with_outputs(&self.system, self.march.time(), self.march.state().y)
+        self.recorder.state_with_outputs(&self.system, self.integration.time(), self.integration.state().y)
     }
 
     /// Events of the last step, those included that stop nothing.
@@ -159,13 +160,13 @@ impl<S: System> Stepping<S> {
     pub fn state_mut(&mut self) -> StateMut<'_> {
         self.changed = true;
         let n = self.system.len();
-        let (q, rest) = self.march.state_mut().split_at_mut(n);
+        let (q, rest) = self.integration.state_mut().split_at_mut(n);
         StateMut { q, v: &mut rest[..n] }
     }
 
     /// Work done until now.
     pub fn work(&self) -> Work {
-        self.march.work()
+        self.integration.work()
     }
 
     /// The mechanism.
@@ -182,6 +183,6 @@ impl<S: System> Stepping<S> {
 
     /// What was computed until now.
     pub fn finish(self) -> Run {
-        finish(&self.system, &self.march, self.recorder, self.clock)
+        finish(&self.system, &self.integration, self.recorder, self.clock)
     }
 }

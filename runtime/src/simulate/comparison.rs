@@ -16,17 +16,17 @@ use crate::mechanism::{Action, Argument, At, Method, Role, System, Watched};
 use crate::run::{Digits, Run, evaluate_outputs};
 use crate::trust::{Loss, Warning, all_rates, inertia_condition};
 
-/// The tolerance of the companion in units of the run's.
+/// The tolerance of the comparison run in units of the run's.
 const LOOSER: f64 = 10.0;
-/// Where a companion follows the steps of the run, its errors are so many times those of the run, for small steps: its steps are longer
+/// Where the comparison run follows the steps of the run, its errors are so many times those of the run, for small steps: its steps are longer
 /// by the root of the method's order.  It costs no more than a run at ten times the tolerance.
 const COARSER: f64 = 5.0;
 /// Bounds are so many times what they differ by elsewhere: over the library and its tolerances no promise is then broken by more than
 /// 0.1 digits (`docs/digits.md`).
 const FOLLOWING: f64 = 1.5;
-/// No companion runs at a looser tolerance.
+/// No comparison run has a looser tolerance.
 const LOOSEST: f64 = 0.3;
-/// The companion's start is moved by so many unit round-offs of the largest value that a coordinate or rate has.
+/// The start of the comparison run is moved by so many unit round-offs of the largest value that a coordinate or rate has.
 const MOVED: f64 = 20.0;
 /// What the constraints leave of a move is rounding below this part of it.
 const RESIDUE: f64 = 1e-6;
@@ -73,10 +73,10 @@ pub(crate) fn estimate_global_error(
     }
     let mut goes_on = |_: f64| progress(settings.until);
     let Some(companion) = companion(system, settings, run, Distance::Near, &mut goes_on) else { return };
-    let Companion { pace, finer, follows, run: other } = companion;
+    let Companion { policy, finer, follows, run: other } = companion;
     let tolerance = settings.step.is_none() && !finer;
     run.fastest = fastest(system, settings, run);
-    let mut digits = Digits::compare(run, &other, pace, tolerance.then_some(pace));
+    let mut digits = Digits::compare(run, &other, policy, tolerance.then_some(policy));
     let cut = is_cut(system, run);
     let bumpy = is_bumpy(run);
     if digits.worst(run) > DOUBTFUL || cut || bumpy {
@@ -204,7 +204,7 @@ enum Distance {
 /// A second run.
 struct Companion {
     /// Its tolerance, or its fixed step in s.
-    pace: f64,
+    policy: f64,
     /// Whether its steps are shorter than those of the first one.
     finer: bool,
     /// Whether its steps follow those of the first one.
@@ -225,7 +225,7 @@ fn companion(
     let power = if distance == Distance::Far { 2 } else { 1 };
     let times = if distance == Distance::Far { 3.0 } else { 2.0 };
     other.followed = followed(system, settings, run, COARSER.powi(power));
-    let pace = match settings.step {
+    let policy = match settings.step {
         Some(step) => *other.step.insert(step * times),
         None => {
             other.tolerance = (LOOSER.powi(power) * settings.tolerance.max(Settings::TIGHTEST)).min(LOOSEST);
@@ -237,11 +237,11 @@ fn companion(
     let fixed = settings.step.is_some() || !run.method.adapts_to(&system.description().structure);
     let shared = coarser.work.steps as f64 > SHARED * run.work.steps as f64;
     if !(fixed && shared) || run.method == Method::Exact {
-        return Some(Companion { pace, finer: false, follows, run: coarser });
+        return Some(Companion { policy, finer: false, follows, run: coarser });
     }
     let even = (settings.until - settings.from) / run.work.steps as f64;
-    let pace = *other.step.insert(settings.step.map_or(even, |step| step.min(even)) / times);
-    Some(Companion { pace, finer: true, follows, run: ran(system, &other, run, progress)? })
+    let policy = *other.step.insert(settings.step.map_or(even, |step| step.min(even)) / times);
+    Some(Companion { policy, finer: true, follows, run: ran(system, &other, run, progress)? })
 }
 
 /// The steps of a run, to be followed by one whose errors are so many times as large; `None` where more than the tolerance chose them.

@@ -1,4 +1,4 @@
-//! Parts that do not feel each other, each run by itself.
+//! Decoupled subsystems, each run by itself.
 //!
 //! The part that has come least far takes the next step, so that all have gone about as far wherever a run ends.
 
@@ -42,7 +42,7 @@ pub(super) fn parts(system: &dyn System, settings: &Settings) -> Result<Vec<Part
 /// A part under way.
 struct Way {
     part: OfPart,
-    march: Integration,
+    integration: Integration,
     recorder: Recorder,
     /// Whether an event of it has ended the run.
     stopped: bool,
@@ -62,29 +62,32 @@ pub(super) fn simulate(
     let mut ended = None;
     let mut ways = Vec::with_capacity(parts.len());
     for (mut part, own) in parts {
-        let Start { march, recorder, outcome } = start(&mut part, &own, settings.spacing())?;
+        let Start { integration, recorder, outcome } = start(&mut part, &own, settings.spacing())?;
         if let (Err(cause), None) = (outcome, &ended) {
             ended = Some(recorder.explain(&part, *cause));
         }
-        ways.push(Way { part, march, recorder, stopped: false });
+        ways.push(Way { part, integration, recorder, stopped: false });
     }
     // Where an event of a part ends the run, the others come to, and to events of theirs at the same instant.
     let (mut until, instant) = (settings.until, instant(settings.from, settings.until));
     while ended.is_none() {
-        let steps: u64 = ways.iter().map(|way| way.march.work().steps).sum();
+        let steps: u64 = ways.iter().map(|way| way.integration.work().steps).sum();
         let going = ways.iter_mut().filter(|way| !way.stopped);
-        let least = going.min_by(|a, b| a.march.time().total_cmp(&b.march.time()));
-        let Some(Way { part, march, recorder, stopped }) = least.filter(|way| way.march.time() < until) else { break };
+        let least = going.min_by(|a, b| a.integration.time().total_cmp(&b.integration.time()));
+        let Some(Way { part, integration, recorder, stopped }) = least.filter(|way| way.integration.time() < until)
+        else {
+            break;
+        };
         if steps >= settings.max_steps {
             ended = Some(Cause::TooManySteps { limit: settings.max_steps });
             break;
         }
-        let from = march.time();
-        match march.one(part, until, recorder) {
+        let from = integration.time();
+        match integration.one(part, until, recorder) {
             Err(cause) => ended = Some(recorder.explain(part, *cause)),
             Ok(StopReason::Event) => {
                 *stopped = true;
-                until = until.min(march.time() + instant);
+                until = until.min(integration.time() + instant);
             }
             Ok(StopReason::Arrived) => {}
         }
@@ -92,9 +95,9 @@ pub(super) fn simulate(
             ended.get_or_insert(Cause::Interrupted);
         }
     }
-    let runs = ways.into_iter().map(|Way { part, march, recorder, .. }| {
+    let runs = ways.into_iter().map(|Way { part, integration, recorder, .. }| {
         let (coordinates, events) = (part.coordinates().to_vec(), part.events().to_vec());
-        PartRun { coordinates, events, run: finish(&part, &march, recorder, clock) }
+        PartRun { coordinates, events, run: finish(&part, &integration, recorder, clock) }
     });
     let how = Together {
         until: settings.until,

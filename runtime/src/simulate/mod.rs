@@ -4,7 +4,7 @@
 //! 2. [`simulate`] runs any [`System`], in one call; [`simulate_with`] says how far it is.
 //! 3. [`Simulation`] is the same, word by word: look in `builder.rs`; [`Simulate`] gives it to every mechanism
 //!    that `model!` makes: look in `typed.rs`.
-//! 4. Parts that do not feel each other are run each by itself: look in `apart.rs`.
+//! 4. Decoupled subsystems are run each by itself: look in `decoupled.rs`.
 //! 5. [`Stepping`] goes step by step, for control loops: look in `by_hand.rs`.
 
 mod auto;
@@ -93,17 +93,17 @@ fn together(
     progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Run, Error> {
     let clock = Instant::now();
-    let Start { mut march, mut recorder, outcome } = start(system, settings, settings.spacing())?;
-    let outcome = outcome.and_then(|()| march.advance(system, settings.until, &mut recorder, progress));
+    let Start { mut integration, mut recorder, outcome } = start(system, settings, settings.spacing())?;
+    let outcome = outcome.and_then(|()| integration.advance(system, settings.until, &mut recorder, progress));
     match outcome {
-        Ok(_) => Ok(finish(system, &march, recorder, clock)),
-        Err(cause) => Err(fail(*cause, system, &march, recorder, clock)),
+        Ok(_) => Ok(finish(system, &integration, recorder, clock)),
+        Err(cause) => Err(fail(*cause, system, &integration, recorder, clock)),
     }
 }
 
 /// A run that has begun, or could not.
 struct Start {
-    march: Integration,
+    integration: Integration,
     recorder: Recorder,
     outcome: Result<(), Box<Cause>>,
 }
@@ -137,29 +137,29 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     let longest = settings.longest_step.unwrap_or(f64::INFINITY);
     let adapts = method.adapts_to(&system.description().structure);
     let finds_step = settings.step.is_none() && method.finds_step() && !adapts;
-    let pace = match settings.step {
+    let policy = match settings.step {
         Some(step) => StepPolicy::Fixed(step),
         // Until it is found.
         None if finds_step => StepPolicy::Fixed(1e-3 * (settings.until - settings.from)),
         None => StepPolicy::Adaptive { tolerance: units.clone(), longest },
     };
-    let march = Integration::new(method, pace, settings.from, &y, work).limit(settings.max_steps);
-    let mut march = march
+    let integration = Integration::new(method, policy, settings.from, &y, work).limit(settings.max_steps);
+    let mut integration = integration
         .compensate(settings.compensated)
         .decorrelate_steps(settings.decorrelate_steps)
         .following(settings.followed.clone())
         .projecting(settings.projects());
     if settings.stabilisation == (Stabilisation::Baumgarte { alpha: None }) && settings.step.is_none() {
-        march = march.finding_gain();
+        integration = integration.finding_gain();
     }
     // The modes of discontinuities come first: energies and outputs at the start depend on them.
     let outcome = met
-        .and_then(|()| march.begin(system, settings.until))
+        .and_then(|()| integration.begin(system, settings.until))
         .and(settings.attainable())
         .and_then(|()| positive_inertia(system, settings.from, &y));
     let step = match &outcome {
         Ok(()) if finds_step && settings.until > settings.from => {
-            Some(march.find_step(system, method, &units, longest))
+            Some(integration.find_step(system, method, &units, longest))
         }
         _ => settings.step,
     };
@@ -170,14 +170,14 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
         dense: settings.dense,
         keeps_ends: settings.dense || settings.digits,
         watch: settings.watch,
-        dense_is_free: march.dense_is_free(),
+        dense_is_free: integration.dense_is_free(),
         method,
         why,
         tolerance: settings.step.is_none().then_some(tolerance),
         step,
         projects: settings.projects(),
     };
-    let mut recorder = Recorder::new(&plan, system, settings.from, march.state());
+    let mut recorder = Recorder::new(&plan, system, settings.from, integration.state());
     if let Some(Elsewhere { coordinate, here, there }) = elsewhere {
         let coordinate = system.description().coordinate_name(coordinate);
         recorder.warn(Warning::OtherBranch { coordinate, here, there });
@@ -189,18 +189,18 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     } else if tolerance > settings.tolerance {
         recorder.warn(Warning::ToleranceTooTight { asked: settings.tolerance, used: tolerance });
     }
-    Ok(Start { march, recorder, outcome })
+    Ok(Start { integration, recorder, outcome })
 }
 
-fn finish(system: &dyn System, march: &Integration, mut recorder: Recorder, clock: Instant) -> Run {
-    march.warnings(system).into_iter().for_each(|warning| recorder.warn(warning));
-    recorder.constrained(march.residuals());
-    recorder.swept(march.swept());
-    recorder.finish(system, march.time(), march.state(), march.work(), clock.elapsed().as_secs_f64())
+fn finish(system: &dyn System, integration: &Integration, mut recorder: Recorder, clock: Instant) -> Run {
+    integration.warnings(system).into_iter().for_each(|warning| recorder.warn(warning));
+    recorder.constrained(integration.residuals());
+    recorder.swept(integration.swept());
+    recorder.finish(system, integration.time(), integration.state(), integration.work(), clock.elapsed().as_secs_f64())
 }
 
-fn fail(cause: Cause, system: &dyn System, march: &Integration, recorder: Recorder, clock: Instant) -> Error {
+fn fail(cause: Cause, system: &dyn System, integration: &Integration, recorder: Recorder, clock: Instant) -> Error {
     let cause = recorder.explain(system, cause);
-    let state = recorder.state(march.time(), march.state().y, Vec::new());
-    Error::Run(Box::new(Failure { cause, state, run: finish(system, march, recorder, clock) }))
+    let state = recorder.state(integration.time(), integration.state().y, Vec::new());
+    Error::Run(Box::new(Failure { cause, state, run: finish(system, integration, recorder, clock) }))
 }

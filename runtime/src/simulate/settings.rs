@@ -63,7 +63,7 @@ pub struct Settings {
     /// [`Digits`](crate::run::Digits).  It costs about three quarters of the run again, twice where discontinuities or
     /// narrow features cut its steps, or where few digits hold.
     pub digits: bool,
-    /// Whether parts of the mechanism that do not feel each other are run apart, each with the method and the steps that suit it, where
+    /// Whether decoupled subsystems of the mechanism are run apart, each with the method and the steps that suit it, where
     /// the method is `auto` and no step is given (on unless said otherwise); see [`Run::parts`](crate::Run::parts).
     pub apart: bool,
     /// How constraints are enforced.

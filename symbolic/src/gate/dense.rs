@@ -92,7 +92,7 @@ impl Factored {
         x
     }
 
-    /// |A⁻¹| m: how far errors of size m on the right are felt in each unknown.
+    /// |A⁻¹| m: how far errors of size m on the right change each unknown.
     pub fn spread(&self, right: &[f64]) -> Vec<f64> {
         let n = self.n;
         let entries: Vec<f64> = self.entries.iter().map(|x| x.to_f64()).collect();

@@ -20,7 +20,7 @@ const TOLERANCE: f64 = 1e-16;
 /// So many causes are named.
 const NAMED: usize = 4;
 
-/// What is needed to tell who is to blame.
+/// What is needed to tell which entry is the cause.
 pub(super) struct Evidence<'a> {
     pub model: &'a Model,
     pub equations: &'a Equations,

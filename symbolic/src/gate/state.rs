@@ -71,7 +71,7 @@ impl State {
         }
     }
 
-    /// Whether something may be singular or undefined here: it was made to lie so, or the file does not vouch for it.
+    /// Whether something may be singular or undefined here: it was made to lie so, or it lies outside of the file's `sample`.
     pub(super) fn is_special(&self) -> bool {
         self.outside || matches!(self.origin, Origin::Side | Origin::Group)
     }

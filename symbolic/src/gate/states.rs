@@ -138,7 +138,7 @@ pub(super) fn states(
                 None => words,
             };
             found.unreached.extend(beside.unreached.into_iter().map(words));
-            // Where the file does not vouch for its model, only the motion itself is asked.
+            // Outside of the file's `sample`, only the motion itself is asked.
             for (states, kept) in [(beside.states, &mut found.all), (beside.surfaces, &mut found.surfaces)] {
                 let outside = |mut state: State| {
                     state.outside = !draws.inside(&state);

@@ -290,7 +290,7 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
 impl Program {
     /// Whether anything of each coordinate is in what is wanted (expressions and coordinates), or in the motion of what is: what the
     /// equations of motion contain, and those of what they contain.  Reactions by momentum balances, and motions whose events
-    /// change the phase, feel all.
+    /// change the phase, depend on all.
     pub fn depends_on(&self, wanted: &[Id], coordinates: &[usize]) -> Vec<bool> {
         let Program { model: Model { graph, events, .. }, residual, constraints, switches, .. } = self;
         let by_balances = |symbol: Symbol| matches!(symbol, Symbol::Reaction(_));

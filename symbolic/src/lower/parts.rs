@@ -1,4 +1,4 @@
-//! Parts of a mechanism that do not feel each other.
+//! Decoupled subsystems of a mechanism.
 
 use rustc_hash::FxHashMap as HashMap;
 
@@ -42,7 +42,7 @@ impl Part {
 const MOST_PARTS: usize = 16;
 
 /// The coordinates that the equation of motion of each contains: by what F, the rows of the constraints that act on it and the
-/// arguments of discontinuities contain.  `None` where events change the phase, so that each may feel all.
+/// arguments of discontinuities contain.  `None` where events change the phase, so that each may depend on all.
 pub(super) fn reads(
     graph: &Graph,
     residual: &[Id],
@@ -75,7 +75,7 @@ pub(super) fn parts(n: usize, reads: Option<&[Vec<usize>]>) -> Vec<Vec<usize>> {
     (0..n).filter(|k| part[*k] == *k).map(of).collect()
 }
 
-/// These coordinates, and all that their motion feels by way of others too.
+/// These coordinates, and all on which their motion depends, by way of others too.
 pub(super) fn closure(reads: &[Vec<usize>], from: impl IntoIterator<Item = usize>) -> Vec<bool> {
     let mut reached = vec![false; reads.len()];
     let mut left: Vec<usize> = from.into_iter().collect();

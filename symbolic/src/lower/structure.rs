@@ -33,7 +33,7 @@ pub struct Structure {
     pub cyclic: Vec<(usize, Id)>,
     /// Directions of other coordinates that are ignorable, too, with their momenta.
     pub directions: Vec<Direction>,
-    /// Sets of coordinates that do not feel each other.
+    /// Decoupled sets of coordinates.
     pub parts: Vec<Vec<usize>>,
 }
 

@@ -2,7 +2,7 @@
 
 use dalembert::needs::{Need, NeedsError, NeedsRequest, Verdict};
 
-use super::{asked, change, chosen, found, holds, oscillator, rung};
+use super::{asked, change, chosen, found, holds, oscillator, reduction};
 
 #[test]
 fn what_acts_late_or_at_resonance_stays() {
@@ -10,7 +10,7 @@ fn what_acts_late_or_at_resonance_stays() {
         "forces: {late: {on: b, force: \"[0.2*F*exp(-((t - 36*T)/(0.2*T))^2), 0]\"}}
 scene: {start: {x: 1}, until: 40, tolerance: 1e-8}",
     );
-    assert_eq!(rung(&found(&late, "x"), "forces.late").verdict, Verdict::Acts);
+    assert_eq!(reduction(&found(&late, "x"), "forces.late").verdict, Verdict::Acts);
     let narrow = late.replace("0.2*T", "0.002*T");
     let change = change(&found(&narrow, "x"), "forces.late");
     assert!((2e-4..5e-4).contains(&change), "{change}");
@@ -19,7 +19,7 @@ scene: {start: {x: 1}, until: 40, tolerance: 1e-8}",
 scene: {start: {x: 0}, until: 60, tolerance: 1e-8}",
     );
     let needs = found(&resonant, "x");
-    assert_eq!(rung(&needs, "forces.hum").verdict, Verdict::Acts, "{}", needs.table());
+    assert_eq!(reduction(&needs, "forces.hum").verdict, Verdict::Acts, "{}", needs.table());
 }
 
 #[test]
@@ -31,10 +31,10 @@ scene: {{start: {{x: 1}}, until: 20, tolerance: 1e-8}}"
         ))
     };
     let near = found(&bumper(1.02), "x");
-    assert!(matches!(rung(&near, "forces.bumper").verdict, Verdict::Near { .. }), "{}", near.table());
+    assert!(matches!(reduction(&near, "forces.bumper").verdict, Verdict::Near { .. }), "{}", near.table());
     let far = found(&bumper(3.0), "x");
-    assert_eq!(rung(&far, "forces.bumper").verdict, Verdict::Serves, "{}", far.table());
-    assert_eq!(rung(&found(&bumper(0.5), "x"), "forces.bumper").verdict, Verdict::Acts);
+    assert_eq!(reduction(&far, "forces.bumper").verdict, Verdict::Serves, "{}", far.table());
+    assert_eq!(reduction(&found(&bumper(0.5), "x"), "forces.bumper").verdict, Verdict::Acts);
 }
 
 #[test]
@@ -50,10 +50,10 @@ events: {above: {when: y - top, then: record}}
 scene: {start: {x': 1, y': 10.00001667}, until: 1.9, tolerance: 1e-10}
 ";
     let needs = found(wall, "x");
-    let verdict = &rung(&needs, "forces.drag").verdict;
+    let verdict = &reduction(&needs, "forces.drag").verdict;
     assert!(matches!(verdict, Verdict::HappensOtherwise { .. } | Verdict::Near { .. }), "{}", needs.table());
     let higher = found(&wall.replace("top: 5 m", "top: 4 m"), "x");
-    assert_eq!(rung(&higher, "forces.drag").verdict, Verdict::Serves, "{}", higher.table());
+    assert_eq!(reduction(&higher, "forces.drag").verdict, Verdict::Serves, "{}", higher.table());
 }
 
 #[test]
@@ -91,10 +91,10 @@ fn a_scene_that_forgets_its_start_is_not_reduced() {
     let wild = NeedsRequest { need: Some(Need::default()), ..NeedsRequest::new(text) };
     match asked(&wild) {
         Ok(needs) => {
-            assert!(needs.rungs.is_empty() && needs.promised_until.is_some(), "{}", needs.table());
+            assert!(needs.reductions.is_empty() && needs.promised_until.is_some(), "{}", needs.table());
             assert!(needs.choice.is_none_or(|choice| choice.members.is_empty()));
         }
-        Err(unanswered) => assert!(matches!(unanswered, NeedsError::NotKnown { .. }), "{unanswered}"),
+        Err(error) => assert!(matches!(error, NeedsError::NotKnown { .. }), "{error}"),
     }
 }
 
@@ -109,9 +109,9 @@ scene: {{start: {{x: 1}}, until: 40, tolerance: 1e-8}}"
         ))
     };
     let strong = found(&stages("0.01"), "x");
-    assert_eq!(rung(&strong, "forces.assist").verdict, Verdict::Acts, "{}", strong.table());
+    assert_eq!(reduction(&strong, "forces.assist").verdict, Verdict::Acts, "{}", strong.table());
     let weak = found(&stages("1e-4"), "x");
-    assert_eq!(rung(&weak, "forces.assist").verdict, Verdict::Serves, "{}", weak.table());
+    assert_eq!(reduction(&weak, "forces.assist").verdict, Verdict::Serves, "{}", weak.table());
 }
 
 #[test]
@@ -128,9 +128,9 @@ scene: {{start: {{x: -1}}, until: 8, tolerance: 1e-8}}"
         ))
     };
     let needs = found(&latched(0.9692), "x");
-    assert!(matches!(rung(&needs, "forces.hum").verdict, Verdict::HappensOtherwise { .. }), "{}", needs.table());
+    assert!(matches!(reduction(&needs, "forces.hum").verdict, Verdict::HappensOtherwise { .. }), "{}", needs.table());
     let early = found(&latched(0.3), "x");
-    assert_eq!(rung(&early, "forces.hum").verdict, Verdict::Serves, "{}", early.table());
+    assert_eq!(reduction(&early, "forces.hum").verdict, Verdict::Serves, "{}", early.table());
 }
 
 /// An inverted pendulum on a pivot that is shaken, and a hanging one.
@@ -151,11 +151,11 @@ scene: {{start: {{theta: {start}}}, until: 3, tolerance: 1e-8}}
 fn an_input_that_acts_by_its_square_stays() {
     // Shaken fast enough the pendulum stands, though its pivot is where it is on the average and the sign of A does not matter.
     let standing = found(&shaken("0.1", "0.05"), "theta");
-    let pivot = rung(&standing, "inputs.pivot");
+    let pivot = reduction(&standing, "inputs.pivot");
     assert_eq!(pivot.verdict, Verdict::Acts, "{}", standing.table());
     assert!(pivot.predicted.is_none_or(|predicted| !predicted.holds()), "{}", standing.table());
     let hanging = found(&shaken("3", "1e-5"), "theta");
-    assert_eq!(rung(&hanging, "inputs.pivot").verdict, Verdict::Serves, "{}", hanging.table());
+    assert_eq!(reduction(&hanging, "inputs.pivot").verdict, Verdict::Serves, "{}", hanging.table());
 }
 
 #[test]
@@ -168,9 +168,9 @@ scene: {{start: {{x: 1}}, until: 40, tolerance: 1e-8}}"
         ))
     };
     let high = found(&lifted("0.01"), "x");
-    assert_eq!(rung(&high, "inputs.floor").verdict, Verdict::Acts, "{}", high.table());
+    assert_eq!(reduction(&high, "inputs.floor").verdict, Verdict::Acts, "{}", high.table());
     let low = found(&lifted("1e-6"), "x");
-    assert_eq!(rung(&low, "inputs.floor").verdict, Verdict::Serves, "{}", low.table());
+    assert_eq!(reduction(&low, "inputs.floor").verdict, Verdict::Serves, "{}", low.table());
 }
 
 #[test]
@@ -186,7 +186,7 @@ scene: {until: 5, tolerance: 1e-8}
 ";
     let needs = found(pointer, "phi");
     for ingredient in ["bodies.pointer.mass", "bodies.pointer.inertia"] {
-        assert_eq!(rung(&needs, ingredient).verdict, Verdict::Serves, "{}", needs.table());
+        assert_eq!(reduction(&needs, ingredient).verdict, Verdict::Serves, "{}", needs.table());
     }
     let choice = chosen(&needs);
     let gone = choice.members.iter().filter(|name| name.starts_with("bodies.pointer.")).count();

@@ -3,17 +3,21 @@
 
 use dalembert::needs::{Law, ModelReduction, Need, Needs, NeedsError, NeedsRequest, Proposal, Verdict};
 
-use super::{SPRING_PENDULUM, asked, chosen, found, holds, oscillator, rung};
+use super::{SPRING_PENDULUM, asked, chosen, found, holds, oscillator, reduction};
 
 /// What is predicted, whether that holds, and what is verified.
-fn judged(rung: &ModelReduction) -> (f64, bool, f64) {
-    let predicted = rung.predicted.unwrap_or_else(|| panic!("nothing predicted of {}", rung.ingredient));
-    (predicted.change, predicted.holds(), rung.deviation.as_ref().expect("compared").largest)
+fn judged(reduction: &ModelReduction) -> (f64, bool, f64) {
+    let predicted = reduction.predicted.unwrap_or_else(|| panic!("nothing predicted of {}", reduction.ingredient));
+    (predicted.change, predicted.holds(), reduction.deviation.as_ref().expect("compared").largest)
 }
 
-fn is_near(rung: &ModelReduction) -> f64 {
-    let (predicted, holds, change) = judged(rung);
-    assert!(holds && (0.5..2.0).contains(&(predicted / change)), "{}: {predicted} {holds} {change}", rung.ingredient);
+fn is_near(reduction: &ModelReduction) -> f64 {
+    let (predicted, holds, change) = judged(reduction);
+    assert!(
+        holds && (0.5..2.0).contains(&(predicted / change)),
+        "{}: {predicted} {holds} {change}",
+        reduction.ingredient
+    );
     change
 }
 
@@ -34,8 +38,10 @@ scene: {{start: {{x: s*sin(0.3), y: -s*cos(0.3)}}, until: 10, tolerance: 1e-8}}
 }
 
 fn rigid<'a>(needs: &'a Needs, ingredient: &str) -> Vec<&'a ModelReduction> {
-    let is = |rung: &&ModelReduction| rung.ingredient == ingredient && matches!(rung.proposal, Proposal::Rigid { .. });
-    needs.rungs.iter().filter(is).collect()
+    let is = |reduction: &&ModelReduction| {
+        reduction.ingredient == ingredient && matches!(reduction.proposal, Proposal::Rigid { .. })
+    };
+    needs.reductions.iter().filter(is).collect()
 }
 
 #[test]
@@ -51,8 +57,8 @@ fn a_stiff_cord_is_a_rod_of_its_rest_length_or_better_of_its_length_under_load()
     }
     // Hardly faster than it swings: no law, and the table says so.
     let soft = found(&on_a_cord("60"), "angle");
-    for rung in rigid(&soft, "springs.cord") {
-        assert!(!judged(rung).1 && rung.verdict == Verdict::Acts, "{}", soft.table());
+    for reduction in rigid(&soft, "springs.cord") {
+        assert!(!judged(reduction).1 && reduction.verdict == Verdict::Acts, "{}", soft.table());
     }
 }
 
@@ -71,7 +77,11 @@ scene: {start: {y1: -d1, y2: -d1 - d2}, until: 3, tolerance: 1e-7}
 ";
     let needs = found(chain, "tip");
     let [together] = rigid(&needs, "springs")[..] else { panic!("{}", needs.table()) };
-    assert!(rigid(&needs, "springs.s1").iter().all(|rung| rung.saving < 0.5 * together.saving), "{}", needs.table());
+    assert!(
+        rigid(&needs, "springs.s1").iter().all(|reduction| reduction.saving < 0.5 * together.saving),
+        "{}",
+        needs.table()
+    );
     let choice = chosen(&needs);
     assert!(choice.members == ["springs"] && choice.verified <= 1e-3, "{}", needs.table());
     assert!(choice.moved.is_some_and(|moved| moved < 1.5e-3), "{}", needs.table());
@@ -96,11 +106,10 @@ fn outputs_read_what_holds_a_coordinate_where_it_gives_way() {
     let need = Need::of(&["angle", "tension"], 2e-3);
     let stiff = NeedsRequest::new(SPRING_PENDULUM).setting("k", "1e5 N/m").unwrap();
     let needs = asked(&NeedsRequest { need: Some(need), ..stiff }).unwrap();
-    let held = needs
-        .rungs
-        .iter()
-        .find(|rung| rung.ingredient == "coordinates.r" && matches!(rung.proposal, Proposal::Held { .. }));
-    let as_written = held.and_then(|rung| rung.deviation.as_ref()).expect("compared").largest;
+    let held = needs.reductions.iter().find(|reduction| {
+        reduction.ingredient == "coordinates.r" && matches!(reduction.proposal, Proposal::Held { .. })
+    });
+    let as_written = held.and_then(|reduction| reduction.deviation.as_ref()).expect("compared").largest;
     let [by_reaction] = rigid(&needs, "coordinates.r")[..] else { panic!("{}", needs.table()) };
     let as_reaction = by_reaction.deviation.as_ref().expect("compared").largest;
     assert!(as_written > 0.3 && as_reaction < 2e-3, "{as_written} {as_reaction}");
@@ -140,14 +149,14 @@ fn a_damper_is_missed_like_the_amplitude_that_it_takes() {
     // amplitude at ζ = 1.6e-3/N.
     for (n, zeta) in [(5.0, 1.6e-3 / 5.0), (10.0, 1.6e-3 / 10.0), (10.0, 1e-3)] {
         let needs = swings(zeta, n);
-        let change = is_near(rung(&needs, "dampers.d"));
+        let change = is_near(reduction(&needs, "dampers.d"));
         let law = 0.5 * (1.0 - (-std::f64::consts::TAU * n * zeta).exp());
         assert!((change / law - 1.0).abs() < 0.05, "{n} {zeta}: {change} {law}");
     }
-    assert_eq!(rung(&swings(3e-5, 5.0), "dampers.d").verdict, Verdict::Serves);
+    assert_eq!(reduction(&swings(3e-5, 5.0), "dampers.d").verdict, Verdict::Serves);
     // What it takes is no small part any more: the law does not hold.
     let strong = swings(0.05, 10.0);
-    assert!(!judged(rung(&strong, "dampers.d")).1, "{}", strong.table());
+    assert!(!judged(reduction(&strong, "dampers.d")).1, "{}", strong.table());
 }
 
 #[test]
@@ -160,7 +169,7 @@ scene: {{start: {{x: 0.001}}, until: 600, tolerance: 1e-8}}"
         ))
     };
     let resonant = found(&driven("1"), "x");
-    let damper = rung(&resonant, "dampers.d");
+    let damper = reduction(&resonant, "dampers.d");
     assert!(damper.verdict == Verdict::Acts && !judged(damper).1, "{}", resonant.table());
 }
 
@@ -180,12 +189,12 @@ scene: {{until: 2, tolerance: 1e-10}}
         )
     };
     for drag in [1e-5, 1e-4, 1e-3] {
-        let change = is_near(rung(&found(&falling(drag), "x"), "generalized_forces.x"));
+        let change = is_near(reduction(&found(&falling(drag), "x"), "generalized_forces.x"));
         let law = drag * 100.0 * 16.0 / 12.0 / 20.0;
         assert!((change / law - 1.0).abs() < 0.05, "{drag}: {change} {law}");
     }
     let slow = found(&falling(1.0), "x");
-    assert!(!judged(rung(&slow, "generalized_forces.x")).1, "{}", slow.table());
+    assert!(!judged(reduction(&slow, "generalized_forces.x")).1, "{}", slow.table());
 }
 
 #[test]
@@ -195,14 +204,14 @@ fn a_late_pulse_is_predicted_and_a_bumper_says_how_far_it_is() {
         "forces: {late: {on: b, force: \"[0.2*F*exp(-((t - 36*T)/(0.2*T))^2), 0]\"}, soft: {on: b, force: \"[-1e-3*k*x^3/A^2, 0]\"}}
 scene: {start: {x: 1}, until: 40, tolerance: 1e-8}",
     );
-    let change = is_near(rung(&found(&late, "x"), "forces.late"));
+    let change = is_near(reduction(&found(&late, "x"), "forces.late"));
     assert!((2e-2..6e-2).contains(&change), "{change}");
     let far = oscillator(
         "forces: {bumper: {on: b, force: \"[-50*k*max(0, x - 1.3*A), 0]\"}}
 scene: {start: {x: 1}, until: 20, tolerance: 1e-8}",
     );
     let needs = found(&far, "x");
-    let bumper = rung(&needs, "forces.bumper");
+    let bumper = reduction(&needs, "forces.bumper");
     let (guard, margin) = bumper.margin.clone().expect("a margin");
     // It stays 0.3 m away while it goes through 1.94 m or so.
     assert!(bumper.verdict == Verdict::Serves && (0.14..0.17).contains(&margin), "{guard} {margin}");
@@ -211,7 +220,7 @@ scene: {start: {x: 1}, until: 20, tolerance: 1e-8}",
 
 #[test]
 fn clock_and_shape_are_told_apart() {
-    // The study's pendulum: δω²/ω² = 1e-4 is a clock of 5e-5, whose shape is right to 5e-6, 2.3e-3 of the range after 30 s.
+    // The study's pendulum: δω²/ω² = 1e-4 is a phase error of 5e-5, beside a waveform error of 5e-6, 2.3e-3 of the range after 30 s.
     let pendulum = "name: Swing
 parameters: {m: 1 kg, L: 1 m, g: 9.81 m/s^2, K: 1e-4*m*g*L N*m}
 coordinates: {theta: rad}
@@ -221,11 +230,15 @@ generalized_forces: {theta: -K*sin(theta)}
 scene: {start: {theta: 0.3}, until: 30, tolerance: 1e-9}
 ";
     let needs = found(pendulum, "theta");
-    let (clock, shape) = rung(&needs, "generalized_forces.theta").deviation.as_ref().and_then(|d| d.parts()).unwrap();
-    let change = rung(&needs, "generalized_forces.theta").deviation.as_ref().unwrap().largest;
+    let (phase_error, waveform_error) =
+        reduction(&needs, "generalized_forces.theta").deviation.as_ref().and_then(|d| d.parts()).unwrap();
+    let change = reduction(&needs, "generalized_forces.theta").deviation.as_ref().unwrap().largest;
     assert!((2.0e-3..2.6e-3).contains(&change), "{change}");
-    assert!((clock / -5e-5 - 1.0).abs() < 0.05 && shape < 0.05 * change, "{clock} {shape}");
-    assert!(needs.table().contains(" clock ") && needs.table().contains(" shape "), "{}", needs.table());
+    assert!(
+        (phase_error / -5e-5 - 1.0).abs() < 0.05 && waveform_error < 0.05 * change,
+        "{phase_error} {waveform_error}"
+    );
+    assert!(needs.table().contains(" phase error ") && needs.table().contains(" waveform error "), "{}", needs.table());
     let choice = chosen(&needs);
     let (_, left) = choice.parts.expect("small");
     assert!(left <= choice.verified * 1.5, "{left}");
@@ -235,7 +248,7 @@ scene: {start: {theta: 0.3}, until: 30, tolerance: 1e-9}
 fn the_tolerance_is_an_ingredient_too() {
     let file = oscillator("generalized_forces: {x: -k*x^3/A^2}\nscene: {start: {x: 1}, until: 20, tolerance: 1e-10}");
     let needs = found(&file, "x");
-    let tolerance = rung(&needs, "tolerance");
+    let tolerance = reduction(&needs, "tolerance");
     assert_eq!(tolerance.proposal, Proposal::Looser { tolerance: 1e-5, own: 1e-10 });
     assert!(tolerance.verdict == Verdict::Serves && tolerance.saving > 2.0, "{}", needs.table());
     assert!(needs.table().contains("1e-5 instead of 1e-10"), "{}", needs.table());
@@ -254,8 +267,8 @@ fn balances_that_a_held_coordinate_leaves_true_stay() {
 #[test]
 fn laws_say_what_they_are() {
     let needs = found(&on_a_cord("60"), "angle");
-    let [rung, ..] = rigid(&needs, "springs.cord")[..] else { panic!("{}", needs.table()) };
-    assert!(matches!(rung.predicted.expect("a prediction").law, Law::Stiff { .. }));
+    let [reduction, ..] = rigid(&needs, "springs.cord")[..] else { panic!("{}", needs.table()) };
+    assert!(matches!(reduction.predicted.expect("a prediction").law, Law::Stiff { .. }));
     assert!(needs.table().contains("; no law: "), "{}", needs.table());
 }
 
@@ -277,9 +290,9 @@ scene: {start: {y: 1}, until: 5, tolerance: 1e-8, needs: {outputs: [y], within: 
     let within = |amount: &str| asked(&NeedsRequest::new(block.replace("AMOUNT", amount))).unwrap();
     let coarse = within("0.01 mm");
     assert_eq!(coarse.need.absolute, [("gap".to_owned(), 1e-5)]);
-    assert_eq!(rung(&coarse, "forces.push").verdict, Verdict::Serves, "{}", coarse.table());
+    assert_eq!(reduction(&coarse, "forces.push").verdict, Verdict::Serves, "{}", coarse.table());
     assert!(coarse.table().contains("y within 1.0e-3 of the range of each, gap within 1.0e-5"), "{}", coarse.table());
-    assert_eq!(rung(&within("0.1 um"), "forces.push").verdict, Verdict::Acts);
+    assert_eq!(reduction(&within("0.1 um"), "forces.push").verdict, Verdict::Acts);
     let test = coarse.comparison("full.yaml", "small.yaml").expect("a test");
     assert!(test.contains("full.difference(&small, \"gap\")") && test.contains("off <= 1e-5"), "{test}");
     let NeedsError::Model { problems } =
@@ -304,9 +317,9 @@ fn a_damper_makes_a_clock_slow_by_half_the_square_of_its_ratio() {
         let file =
             swinging(zeta, &format!("{{x: 0, x': 1}}, until: {until}")) + "events: {middle: {when: x, then: record}}\n";
         let need = Need { outputs: vec!["x".to_owned()], within: 1e-3, absolute: vec![("x".to_owned(), 1e6)] };
-        let question = NeedsRequest { need: Some(need), ..NeedsRequest::new(file) };
-        let needs = asked(&question).unwrap_or_else(|unanswered| panic!("{unanswered}"));
-        let deviation = rung(&needs, "dampers.d").deviation.clone().expect("compared");
+        let request = NeedsRequest { need: Some(need), ..NeedsRequest::new(file) };
+        let needs = asked(&request).unwrap_or_else(|error| panic!("{error}"));
+        let deviation = reduction(&needs, "dampers.d").deviation.clone().expect("compared");
         assert!(deviation.of.contains("middle"), "{deviation:?}");
         (deviation.largest, 0.5 * zeta * zeta * std::f64::consts::PI * n / until)
     };
@@ -314,9 +327,9 @@ fn a_damper_makes_a_clock_slow_by_half_the_square_of_its_ratio() {
         let (change, law) = last(zeta, n);
         assert!((change / law - 1.0).abs() < 0.01, "{zeta} {n}: {change} {law}");
     }
-    // What is missed of the place itself is its size, of first order in ζ; no more than what is of second order is taken for clock.
+    // What is missed of the place itself is its size, of first order in ζ; no more than what is of second order is taken for phase error.
     for (zeta, n) in [(0.002, 4.0), (0.005, 4.0), (0.01, 2.0)] {
-        let deviation = rung(&swings(zeta, n), "dampers.d").deviation.clone().expect("compared");
-        assert!(deviation.clock.abs() < 4.0 * zeta * zeta && deviation.largest > zeta, "{zeta}: {deviation:?}");
+        let deviation = reduction(&swings(zeta, n), "dampers.d").deviation.clone().expect("compared");
+        assert!(deviation.phase_error.abs() < 4.0 * zeta * zeta && deviation.largest > zeta, "{zeta}: {deviation:?}");
     }
 }

@@ -23,14 +23,17 @@ scene: {{start: {{theta: {amplitude}}}, until: 30, tolerance: 1e-8}}
 }
 
 fn linear<'a>(needs: &'a Needs, ingredient: &str) -> Option<&'a ModelReduction> {
-    needs.rungs.iter().find(|rung| rung.ingredient == ingredient && rung.proposal == Proposal::Linear)
+    needs
+        .reductions
+        .iter()
+        .find(|reduction| reduction.ingredient == ingredient && reduction.proposal == Proposal::Linear)
 }
 
 /// Predicted, whether that holds, with which power of the amplitude, and verified.
-fn judged(rung: &ModelReduction) -> (f64, bool, f64, f64) {
-    let predicted = rung.predicted.expect("a prediction");
+fn judged(reduction: &ModelReduction) -> (f64, bool, f64, f64) {
+    let predicted = reduction.predicted.expect("a prediction");
     let Law::Linear { power, .. } = predicted.law else { panic!("{predicted:?}") };
-    (predicted.change, predicted.holds(), power, rung.deviation.as_ref().expect("compared").largest)
+    (predicted.change, predicted.holds(), power, reduction.deviation.as_ref().expect("compared").largest)
 }
 
 #[test]
@@ -40,13 +43,13 @@ fn a_pendulum_made_linear_is_faster_by_theta2_over_16() {
         [(0.01, "1", "1"), (0.03, "1e-12", "1e12"), (0.03, "1e12", "1e-12"), (0.1, "1", "1")]
     {
         let needs = found(&pendulum(amplitude, mass, length), "theta");
-        let rung = linear(&needs, "equations").unwrap_or_else(|| panic!("{}", needs.table()));
-        let (predicted, holds, power, change) = judged(rung);
+        let reduction = linear(&needs, "equations").unwrap_or_else(|| panic!("{}", needs.table()));
+        let (predicted, holds, power, change) = judged(reduction);
         assert!(holds && (0.5..2.0).contains(&(predicted / change)), "{amplitude}: {predicted} {change}");
         assert!((power - 2.0).abs() < 0.01, "{power}");
-        let clock = rung.deviation.as_ref().expect("compared").clock;
-        assert!((clock / (amplitude * amplitude / 16.0) - 1.0).abs() < 0.01, "{amplitude}: {clock}");
-        assert_eq!(rung.verdict == Verdict::Serves, amplitude < 0.05, "{}", needs.table());
+        let phase_error = reduction.deviation.as_ref().expect("compared").phase_error;
+        assert!((phase_error / (amplitude * amplitude / 16.0) - 1.0).abs() < 0.01, "{amplitude}: {phase_error}");
+        assert_eq!(reduction.verdict == Verdict::Serves, amplitude < 0.05, "{}", needs.table());
     }
     let small = found(&pendulum(0.01, "1", "1"), "theta");
     let choice = chosen(&small);
@@ -59,8 +62,8 @@ fn a_pendulum_made_linear_is_faster_by_theta2_over_16() {
     assert!(linear(&again, "equations").is_none(), "{}", again.table());
     // At 1 rad it is late by whole swings: nothing is predicted, and the table says why.
     let large = found(&pendulum(1.0, "1", "1"), "theta");
-    let rung = linear(&large, "equations").unwrap();
-    assert!(!judged(rung).1 && rung.verdict == Verdict::Acts, "{}", large.table());
+    let reduction = linear(&large, "equations").unwrap();
+    assert!(!judged(reduction).1 && reduction.verdict == Verdict::Acts, "{}", large.table());
     assert!(large.table().contains("; no law: it grows with the amplitude to the power 1.9"), "{}", large.table());
     // About the upper equilibrium, as long as it is near that.
     let upper = found(&pendulum(3.13, "1", "1").replace("until: 30", "until: 0.5"), "theta");
@@ -84,19 +87,19 @@ fn a_progressive_strut_is_a_spring_where_it_moves_little() {
         .replace("[0, body", "[0, l_0 + body")
         .replace("ca: 1e-3 N*s^2/m^2    # air", "l_0: 1 m\n  b: 0.1 1/m^2");
     for (file, ingredient) in [(by_force("2e3"), "forces.progress"), (by_length, "springs.strut")] {
-        let needs = asked(&NeedsRequest::new(file)).unwrap_or_else(|unanswered| panic!("{unanswered}"));
-        let rung = linear(&needs, ingredient).unwrap_or_else(|| panic!("{}", needs.table()));
-        let (predicted, holds, power, change) = judged(rung);
+        let needs = asked(&NeedsRequest::new(file)).unwrap_or_else(|error| panic!("{error}"));
+        let reduction = linear(&needs, ingredient).unwrap_or_else(|| panic!("{}", needs.table()));
+        let (predicted, holds, power, change) = judged(reduction);
         assert!(holds && (0.8..1.25).contains(&(predicted / change)), "{predicted} {change}");
         // It hangs in its weight, about which a cube is a square first.
-        assert!((0.7..1.2).contains(&power) && rung.verdict == Verdict::Serves, "{}", needs.table());
+        assert!((0.7..1.2).contains(&power) && reduction.verdict == Verdict::Serves, "{}", needs.table());
         // What is between two points has a kink where they meet, and so have the equations with it.
         assert_eq!(linear(&needs, "equations").is_some(), ingredient == "forces.progress", "{}", needs.table());
     }
     // A hundred times as much is no small part.
-    let hard = asked(&NeedsRequest::new(by_force("2e5"))).unwrap_or_else(|unanswered| panic!("{unanswered}"));
-    let rung = linear(&hard, "forces.progress").unwrap();
-    assert_eq!(rung.verdict, Verdict::Acts, "{}", hard.table());
+    let hard = asked(&NeedsRequest::new(by_force("2e5"))).unwrap_or_else(|error| panic!("{error}"));
+    let reduction = linear(&hard, "forces.progress").unwrap();
+    assert_eq!(reduction.verdict, Verdict::Acts, "{}", hard.table());
 }
 
 #[test]
@@ -110,9 +113,9 @@ fn even_effects_and_bumpers_are_not_made_linear() {
     for part in ["0.03", "0.3"] {
         let needs = found(&square(part), "x");
         assert!(linear(&needs, "generalized_forces.x").is_none(), "{}", needs.table());
-        let rung = linear(&needs, "equations").unwrap_or_else(|| panic!("{}", needs.table()));
-        assert_eq!(rung.verdict, Verdict::Acts, "{}", needs.table());
-        let (predicted, holds, power, change) = judged(rung);
+        let reduction = linear(&needs, "equations").unwrap_or_else(|| panic!("{}", needs.table()));
+        assert_eq!(reduction.verdict, Verdict::Acts, "{}", needs.table());
+        let (predicted, holds, power, change) = judged(reduction);
         assert!((power - 1.0).abs() < 0.01 && (!holds || (0.5..2.0).contains(&(predicted / change))), "{power}");
     }
     // Of a bumper nothing is linear, whether it is touched or not.
@@ -121,8 +124,8 @@ fn even_effects_and_bumpers_are_not_made_linear() {
         let curved = "generalized_forces: {x: -0.01*k*x^3/A^2}\n";
         let file = oscillator(&format!("{bumper}{curved}scene: {{start: {{x: 1}}, until: 20, tolerance: 1e-8}}"));
         let needs = found(&file, "x");
-        assert!(needs.rungs.iter().all(|rung| rung.proposal != Proposal::Linear), "{}", needs.table());
-        assert_eq!(needs.rungs.iter().filter(|rung| rung.ingredient == "forces.bumper").count(), 1);
+        assert!(needs.reductions.iter().all(|reduction| reduction.proposal != Proposal::Linear), "{}", needs.table());
+        assert_eq!(needs.reductions.iter().filter(|reduction| reduction.ingredient == "forces.bumper").count(), 1);
     }
 }
 

@@ -18,24 +18,24 @@ const QUARTER_CAR: &str = include_str!("../../needs/quarter_car.yaml");
 const GEARED_ROTOR: &str = include_str!("../../needs/geared_rotor.yaml");
 const HANGING_CHAIN: &str = include_str!("../../needs/hanging_chain.yaml");
 
-fn asked(question: &NeedsRequest) -> Result<Needs, NeedsError> {
-    Needs::find(question, &mut |_| ControlFlow::Continue(()))
+fn asked(request: &NeedsRequest) -> Result<Needs, NeedsError> {
+    Needs::find(request, &mut |_| ControlFlow::Continue(()))
 }
 
 /// What a file needs to a thousandth in this output.
 fn found(source: &str, output: &str) -> Needs {
     let need = Need::of(&[output], 1e-3);
-    let question = NeedsRequest { need: Some(need), all: true, ..NeedsRequest::new(source) };
-    asked(&question).unwrap_or_else(|unanswered| panic!("{unanswered}"))
+    let request = NeedsRequest { need: Some(need), all: true, ..NeedsRequest::new(source) };
+    asked(&request).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn rung<'a>(needs: &'a Needs, ingredient: &str) -> &'a ModelReduction {
-    let found = needs.rungs.iter().find(|rung| rung.ingredient == ingredient);
+fn reduction<'a>(needs: &'a Needs, ingredient: &str) -> &'a ModelReduction {
+    let found = needs.reductions.iter().find(|reduction| reduction.ingredient == ingredient);
     found.unwrap_or_else(|| panic!("no {ingredient} in\n{}", needs.table()))
 }
 
 fn change(needs: &Needs, ingredient: &str) -> f64 {
-    rung(needs, ingredient).deviation.as_ref().unwrap_or_else(|| panic!("{}", needs.table())).largest
+    reduction(needs, ingredient).deviation.as_ref().unwrap_or_else(|| panic!("{}", needs.table())).largest
 }
 
 fn chosen(needs: &Needs) -> &Choice {
@@ -46,7 +46,7 @@ fn chosen(needs: &Needs) -> &Choice {
 fn holds(full: &str, needs: &Needs) {
     let text = needs.smaller_file().expect("a file");
     let again = NeedsRequest { need: Some(needs.need.clone()), ..NeedsRequest::new(text.clone()) };
-    let again = asked(&again).unwrap_or_else(|unanswered| panic!("{unanswered} in\n{text}"));
+    let again = asked(&again).unwrap_or_else(|error| panic!("{error} in\n{text}"));
     assert!(again.operations <= 1.05 * chosen(needs).operations, "{} in\n{text}", again.operations);
     for line in text.lines().filter(|line| !line.starts_with('#')) {
         let own = full.lines().any(|known| known == line);
@@ -86,7 +86,7 @@ fn a_crane_on_a_steel_rope_needs_no_stretch() {
     // What is left of the rope's pull is a constant.
     assert!(choice.not_promised.iter().any(|(name, size)| name == "pull" && *size > 0.1));
     assert!(choice.gone.iter().any(|(claim, _)| claim.starts_with("balances")));
-    assert_eq!(rung(&needs, "dampers.wheels").verdict, Verdict::Acts);
+    assert_eq!(reduction(&needs, "dampers.wheels").verdict, Verdict::Acts);
     holds(CRANE, &needs);
 }
 
@@ -102,7 +102,7 @@ fn a_stiff_spring_pendulum_is_a_pendulum() {
     assert!((soft / stiff / 10.0 - 1.0).abs() < 0.15, "{soft} {stiff}");
     // Not at a thirtieth of it.
     let soft = found(&SPRING_PENDULUM.replace("k: 1e4", "k: 300"), "angle");
-    assert_eq!(rung(&soft, "coordinates.r").verdict, Verdict::Acts, "{}", soft.table());
+    assert_eq!(reduction(&soft, "coordinates.r").verdict, Verdict::Acts, "{}", soft.table());
 }
 
 #[test]
@@ -117,35 +117,35 @@ fn a_light_coupling_follows_with_its_inertia() {
     holds(GEARED_ROTOR, &needs);
     // The study's: 2.9e-5; what follows without its own vibration is off like 1/k.
     let following = |k1: &str| {
-        let question = NeedsRequest::new(GEARED_ROTOR).setting("k1", k1).unwrap();
-        let needs = asked(&question).unwrap_or_else(|unanswered| panic!("{unanswered}"));
-        let is = |rung: &&ModelReduction| {
-            rung.ingredient == "coordinates.b" && matches!(rung.proposal, Proposal::Slaved { .. })
+        let request = NeedsRequest::new(GEARED_ROTOR).setting("k1", k1).unwrap();
+        let needs = asked(&request).unwrap_or_else(|error| panic!("{error}"));
+        let is = |reduction: &&ModelReduction| {
+            reduction.ingredient == "coordinates.b" && matches!(reduction.proposal, Proposal::Slaved { .. })
         };
-        needs.rungs.iter().find(is).unwrap().deviation.clone().unwrap().largest
+        needs.reductions.iter().find(is).unwrap().deviation.clone().unwrap().largest
     };
     let (soft, stiff) = (following("1e4 N*m"), following("4e4 N*m"));
     assert!(stiff < 1e-5 && (2.5..5.0).contains(&(soft / stiff)), "{soft} {stiff}");
     // A torque on the coupling itself would go with its coordinate.
     let pushed = GEARED_ROTOR.replace("bodies:", "generalized_forces: {b: 0.001*torque}\nbodies:");
     let needs = asked(&NeedsRequest::new(pushed)).unwrap();
-    let slaved = needs.rungs.iter().filter(|rung| matches!(rung.proposal, Proposal::Slaved { .. }));
-    for rung in slaved.filter(|rung| rung.ingredient == "coordinates.b") {
-        assert!(matches!(rung.verdict, Verdict::Refused { .. }), "{}", needs.table());
+    let slaved = needs.reductions.iter().filter(|reduction| matches!(reduction.proposal, Proposal::Slaved { .. }));
+    for reduction in slaved.filter(|reduction| reduction.ingredient == "coordinates.b") {
+        assert!(matches!(reduction.verdict, Verdict::Refused { .. }), "{}", needs.table());
     }
 }
 
 #[test]
 fn a_hanging_chain_moves_in_its_slow_modes() {
     // Twenty links take a twentieth of the time of the forty that the documentation has.
-    let question = NeedsRequest { sizes: vec![("n".to_owned(), 20)], ..NeedsRequest::new(HANGING_CHAIN) };
-    let needs = asked(&question).unwrap();
+    let request = NeedsRequest { sizes: vec![("n".to_owned(), 20)], ..NeedsRequest::new(HANGING_CHAIN) };
+    let needs = asked(&request).unwrap();
     let modes = |needs: &Needs| -> Vec<(usize, f64)> {
-        let of = |rung: &ModelReduction| match rung.proposal {
-            Proposal::Modes { kept, of: 20 } => Some((kept, rung.deviation.as_ref()?.largest)),
+        let of = |reduction: &ModelReduction| match reduction.proposal {
+            Proposal::Modes { kept, of: 20 } => Some((kept, reduction.deviation.as_ref()?.largest)),
             _ => None,
         };
-        let mut found: Vec<(usize, f64)> = needs.rungs.iter().filter_map(of).collect();
+        let mut found: Vec<(usize, f64)> = needs.reductions.iter().filter_map(of).collect();
         found.sort_by_key(|(kept, _)| *kept);
         found
     };
@@ -157,10 +157,14 @@ fn a_hanging_chain_moves_in_its_slow_modes() {
         assert!((0.5..2.0).contains(&(found / study)), "{found} {study}");
     }
     // Each is predicted by the next one; the study's of chains: 0.67 to 1.43 of the change.
-    let predicted =
-        |rung: &ModelReduction| rung.predicted.filter(|predicted| predicted.holds()).map(|predicted| predicted.change);
-    for rung in needs.rungs.iter().filter(|rung| matches!(rung.proposal, Proposal::Modes { kept: ..=6, .. })) {
-        let (predicted, change) = (predicted(rung).expect("a prediction"), rung.deviation.as_ref().unwrap().largest);
+    let predicted = |reduction: &ModelReduction| {
+        reduction.predicted.filter(|predicted| predicted.holds()).map(|predicted| predicted.change)
+    };
+    for reduction in
+        needs.reductions.iter().filter(|reduction| matches!(reduction.proposal, Proposal::Modes { kept: ..=6, .. }))
+    {
+        let (predicted, change) =
+            (predicted(reduction).expect("a prediction"), reduction.deviation.as_ref().unwrap().largest);
         assert!((0.5..2.0).contains(&(predicted / change)), "{predicted} {change}\n{}", needs.table());
     }
     let choice = chosen(&needs);
@@ -169,7 +173,7 @@ fn a_hanging_chain_moves_in_its_slow_modes() {
     // A chain that starts bent starts so in its modes, in every scene.
     let bent =
         HANGING_CHAIN.replace("  until: 10", "  start: {\"th[i in 1..n]\": 0.2, \"th[i in 1..n]'\": 0.1}\n  until: 10");
-    let needs = asked(&NeedsRequest { sizes: question.sizes.clone(), ..NeedsRequest::new(bent) }).unwrap();
+    let needs = asked(&NeedsRequest { sizes: request.sizes.clone(), ..NeedsRequest::new(bent) }).unwrap();
     let text = needs.smaller_file().expect("a file");
     assert!(text.contains("\"th_mode[j in 1..") && text.contains("]'\": ["), "{text}");
     assert!(chosen(&needs).members[0].contains("th["), "{}", needs.table());
@@ -195,29 +199,33 @@ scene: {start: {theta: 1}, until: 10, tolerance: 1e-9}
 fn predictions_hold_within_a_factor_of_two_where_they_say_so() {
     let mut held = 0;
     let mut judge = |needs: &Needs| {
-        for rung in &needs.rungs {
-            let (Some(predicted), Some(deviation)) = (&rung.predicted, &rung.deviation) else { continue };
+        for reduction in &needs.reductions {
+            let (Some(predicted), Some(deviation)) = (&reduction.predicted, &reduction.deviation) else { continue };
             if predicted.holds() {
                 held += 1;
                 let ratio = predicted.change / deviation.largest;
-                assert!((0.5..2.0).contains(&ratio), "{}: {ratio}\n{}", rung.ingredient, needs.table());
+                assert!((0.5..2.0).contains(&ratio), "{}: {ratio}\n{}", reduction.ingredient, needs.table());
             }
         }
     };
     for strength in ["1e-3", "3e-3", "1e-2", "3e-2", "1e-1"] {
         let coefficients = [("c", "N*s/m", 1.0), ("d", "N*s^2/m^2", 1.0), ("k", "N/m", 10.0), ("F", "N", 1.0)];
-        let question = coefficients.into_iter().fold(NeedsRequest::new(SWING), |question, (name, unit, factor)| {
+        let request = coefficients.into_iter().fold(NeedsRequest::new(SWING), |request, (name, unit, factor)| {
             let value = factor * strength.parse::<f64>().unwrap();
-            question.setting(name, &format!("{value} {unit}")).unwrap()
+            request.setting(name, &format!("{value} {unit}")).unwrap()
         });
-        judge(&asked(&question).unwrap());
+        judge(&asked(&request).unwrap());
     }
     let crane = asked(&NeedsRequest::new(CRANE)).unwrap();
     judge(&crane);
     judge(&asked(&NeedsRequest::new(SPRING_PENDULUM)).unwrap());
     assert!(held > 20, "{held}");
     // A rope that is cut is no small change, though its tension hardly changes at first; the table says nothing then.
-    assert!(rung(&crane, "springs.rope").predicted.is_some_and(|predicted| !predicted.holds()), "{}", crane.table());
+    assert!(
+        reduction(&crane, "springs.rope").predicted.is_some_and(|predicted| !predicted.holds()),
+        "{}",
+        crane.table()
+    );
     assert!(crane.table().contains("springs.rope          left out                          –"), "{}", crane.table());
 }
 
@@ -225,9 +233,9 @@ fn predictions_hold_within_a_factor_of_two_where_they_say_so() {
 fn what_is_held_is_wanted_or_read() {
     // The pull of a rope that is held is no constant.
     let needs = found(CRANE, "pull");
-    assert_eq!(rung(&needs, "coordinates.l").verdict, Verdict::Acts, "{}", needs.table());
+    assert_eq!(reduction(&needs, "coordinates.l").verdict, Verdict::Acts, "{}", needs.table());
     let needs = found(CRANE, "l");
-    assert!(matches!(rung(&needs, "coordinates.l").verdict, Verdict::Refused { .. }), "{}", needs.table());
+    assert!(matches!(reduction(&needs, "coordinates.l").verdict, Verdict::Refused { .. }), "{}", needs.table());
 }
 
 #[test]
@@ -235,7 +243,7 @@ fn an_emblem_on_its_pin_is_not_needed() {
     let needs = asked(&NeedsRequest::new(QUARTER_CAR)).unwrap();
     let choice = chosen(&needs);
     assert!(choice.members.contains(&"coordinates.emblem".to_owned()) && choice.saving > 10.0, "{}", needs.table());
-    assert_eq!(rung(&needs, "dampers.rubber").verdict, Verdict::Acts);
+    assert_eq!(reduction(&needs, "dampers.rubber").verdict, Verdict::Acts);
     holds(QUARTER_CAR, &needs);
 }
 
@@ -285,7 +293,8 @@ fn the_command_writes_a_file_that_runs() {
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     assert_eq!(json["choice"]["members"][0]["ingredient"], "coordinates.l");
     assert!(
-        json["rungs"].as_array().is_some_and(|rungs| rungs.len() > 8) && json["choice"]["saving"].as_f64() > Some(12.0)
+        json["rungs"].as_array().is_some_and(|reductions| reductions.len() > 8)
+            && json["choice"]["saving"].as_f64() > Some(12.0)
     );
     assert!(std::fs::read_to_string(&chart).expect("a picture").contains("l held"));
     // At a tenth of the stiffness the rope stretches too much; the file that is written has the value.
@@ -351,7 +360,7 @@ fn a_chart_has_a_point_for_every_rung() {
 #[test]
 fn questions_without_meaning_are_refused() {
     let need = |output: &str, within: f64| Some(Need::of(&[output], within));
-    let refused = |question: NeedsRequest| asked(&question).expect_err("a refusal");
+    let refused = |request: NeedsRequest| asked(&request).expect_err("a refusal");
     let unknown = refused(NeedsRequest { need: need("hook", 1e-3), ..NeedsRequest::new(CRANE) });
     assert!(matches!(&unknown, NeedsError::UnknownName { name, .. } if name == "hook"), "{unknown}");
     let scene = refused(NeedsRequest { scene: Some("none".into()), ..NeedsRequest::new(CRANE) });
@@ -395,16 +404,20 @@ scene: {start: {theta: 1, x: 0.01}, until: 10, tolerance: 1e-8}
 #[test]
 fn what_nothing_wanted_feels_is_not_run() {
     let needs = found(TWO_PARTS, "theta");
-    assert!(rung(&needs, "coordinates.x").unfelt && !rung(&needs, "coordinates.theta").unfelt, "{}", needs.table());
+    assert!(
+        reduction(&needs, "coordinates.x").not_depended_on && !reduction(&needs, "coordinates.theta").not_depended_on,
+        "{}",
+        needs.table()
+    );
     let choice = chosen(&needs);
     // The block is run apart already, its oscillation exactly: what it costs is little beside the pendulum's steps.
     assert!(choice.saving > 4.0 && choice.verified < 1e-3, "{}", needs.table());
     let text = needs.smaller_file().unwrap();
-    assert!(text.contains("nothing wanted feels it") && !text.contains("block:"), "{text}");
+    assert!(text.contains("nothing wanted depends on it") && !text.contains("block:"), "{text}");
     holds(TWO_PARTS, &needs);
     let tied = TWO_PARTS.replace("  stiff:", "  cord: {between: [hand, block], stiffness: k, rest: L}\n  stiff:");
     let needs = found(&tied, "theta");
-    assert!(!rung(&needs, "coordinates.x").unfelt, "{}", needs.table());
+    assert!(!reduction(&needs, "coordinates.x").not_depended_on, "{}", needs.table());
 }
 
 #[test]
@@ -412,9 +425,13 @@ fn what_is_driven_and_drives_nothing_wanted_is_not_run() {
     // The block feels the pendulum, and the pendulum does not feel the block.
     let driven = TWO_PARTS.replace("scene:", "generalized_forces: {x: m*g*sin(theta)}\nscene:");
     let needs = found(&driven, "theta");
-    assert!(rung(&needs, "coordinates.x").unfelt && !rung(&needs, "coordinates.theta").unfelt, "{}", needs.table());
+    assert!(
+        reduction(&needs, "coordinates.x").not_depended_on && !reduction(&needs, "coordinates.theta").not_depended_on,
+        "{}",
+        needs.table()
+    );
     assert!(chosen(&needs).saving > 10.0 && chosen(&needs).verified < 1e-3, "{}", needs.table());
     holds(&driven, &needs);
     let needs = found(&driven, "x");
-    assert!(needs.rungs.iter().all(|rung| !rung.unfelt), "{}", needs.table());
+    assert!(needs.reductions.iter().all(|reduction| !reduction.not_depended_on), "{}", needs.table());
 }

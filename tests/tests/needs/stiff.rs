@@ -2,27 +2,28 @@
 
 use dalembert::needs::{Law, Needs, NeedsRequest, Prediction};
 
-use super::{CRANE, GEARED_ROTOR, QUARTER_CAR, SPRING_PENDULUM, asked, rung};
+use super::{CRANE, GEARED_ROTOR, QUARTER_CAR, SPRING_PENDULUM, asked, reduction};
 
-fn answered(question: NeedsRequest) -> Needs {
-    asked(&question).unwrap_or_else(|unanswered| panic!("{unanswered}"))
+fn answered(request: NeedsRequest) -> Needs {
+    asked(&request).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The prediction of a held coordinate, and its change.
 fn held(needs: &Needs, coordinate: &str) -> (Prediction, f64) {
-    let rung = rung(needs, coordinate);
-    let predicted = rung.predicted.unwrap_or_else(|| panic!("nothing predicted of {coordinate}\n{}", needs.table()));
-    (predicted, rung.deviation.as_ref().expect("compared").largest)
+    let reduction = reduction(needs, coordinate);
+    let predicted =
+        reduction.predicted.unwrap_or_else(|| panic!("nothing predicted of {coordinate}\n{}", needs.table()));
+    (predicted, reduction.deviation.as_ref().expect("compared").largest)
 }
 
 /// A bob on a spring, otherwise as the file has it.
 fn pendulum(changes: &[(&str, &str)], start: &[(&str, &str)]) -> (Prediction, f64) {
-    let question = changes.iter().fold(NeedsRequest::new(SPRING_PENDULUM), |question, (name, value)| {
-        question.setting(name, value).expect("a parameter")
+    let request = changes.iter().fold(NeedsRequest::new(SPRING_PENDULUM), |request, (name, value)| {
+        request.setting(name, value).expect("a parameter")
     });
-    let question =
-        start.iter().fold(question, |question, (name, value)| question.starting(name, value).expect("a coordinate"));
-    held(&answered(question), "coordinates.r")
+    let request =
+        start.iter().fold(request, |request, (name, value)| request.starting(name, value).expect("a coordinate"));
+    held(&answered(request), "coordinates.r")
 }
 
 fn is_near(predicted: f64, change: f64) {
@@ -42,11 +43,10 @@ fn a_stiff_spring_gives_way_by_its_load_over_its_stiffness() {
     // Where the spring is not three times faster than the pendulum the law breaks.
     assert!(!pendulum(&[("k", "100 N/m")], &[]).0.holds());
     // Small things in short times are the same.
-    let small = NeedsRequest::new(SPRING_PENDULUM)
-        .setting("L", "1e-6 m")
-        .and_then(|question| question.setting("k", "1e10 N/m"));
+    let small =
+        NeedsRequest::new(SPRING_PENDULUM).setting("L", "1e-6 m").and_then(|request| request.setting("k", "1e10 N/m"));
     let (small, _) =
-        held(&answered(small.and_then(|question| question.ending("0.01 s")).expect("a question")), "coordinates.r");
+        held(&answered(small.and_then(|request| request.ending("0.01 s")).expect("a question")), "coordinates.r");
     assert!(small.holds() && (small.change / found[2] - 1.0).abs() < 0.01, "{small:?} {found:?}");
 }
 
@@ -77,13 +77,14 @@ fn ropes_couplings_and_emblems_give_way_as_predicted() {
     let smooth = QUARTER_CAR.replace("abs(body')", "1").replace("ca: 1e-3 N*s^2/m^2", "ca: 1e-3 N*s/m");
     let rotor = GEARED_ROTOR.replace("abs(c')", "sqrt(c'^2 + 1e-6*k2/load)");
     let soft = NeedsRequest::new(CRANE).setting("k", "0.3e6 N/m").expect("a parameter");
-    for (question, at_least) in
+    for (request, at_least) in
         [(NeedsRequest::new(CRANE), 2), (soft, 2), (NeedsRequest::new(rotor), 2), (NeedsRequest::new(smooth), 1)]
     {
-        let needs = answered(question);
-        let stiff = needs.rungs.iter().filter_map(|rung| {
-            let predicted = rung.predicted.filter(|predicted| predicted.holds())?;
-            matches!(predicted.law, Law::Stiff { .. }).then_some((predicted.change, rung.deviation.as_ref()?.largest))
+        let needs = answered(request);
+        let stiff = needs.reductions.iter().filter_map(|reduction| {
+            let predicted = reduction.predicted.filter(|predicted| predicted.holds())?;
+            matches!(predicted.law, Law::Stiff { .. })
+                .then_some((predicted.change, reduction.deviation.as_ref()?.largest))
         });
         let stiff: Vec<(f64, f64)> = stiff.collect();
         stiff.iter().for_each(|(predicted, change)| is_near(*predicted, *change));
@@ -112,6 +113,6 @@ fn a_bumper_that_is_not_met_and_an_event_that_is_recorded_leave_predictions_as_t
     assert!(beside.holds() && (beside.change / plain.change - 1.0).abs() < 0.01 && (same / change - 1.0).abs() < 0.01);
     // Met, it has a say.
     let met = crane("0.3");
-    let rungs = met.rungs.iter().filter(|rung| rung.ingredient == "coordinates.l");
-    assert!(rungs.into_iter().all(|rung| rung.predicted.is_none()), "{}", met.table());
+    let reductions = met.reductions.iter().filter(|reduction| reduction.ingredient == "coordinates.l");
+    assert!(reductions.into_iter().all(|reduction| reduction.predicted.is_none()), "{}", met.table());
 }

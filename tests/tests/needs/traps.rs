@@ -2,11 +2,11 @@
 
 use dalembert::needs::{Needs, Verdict};
 
-use super::{change, chosen, found, holds, oscillator, rung};
+use super::{change, chosen, found, holds, oscillator, reduction};
 
 /// Whether an ingredient is found to act, by what is wanted or by what happens.
 fn acts(needs: &Needs, ingredient: &str) {
-    let verdict = &rung(needs, ingredient).verdict;
+    let verdict = &reduction(needs, ingredient).verdict;
     let acts = matches!(verdict, Verdict::Acts | Verdict::HappensOtherwise { .. } | Verdict::Near { .. });
     assert!(acts, "{ingredient}: {verdict}\n{}", needs.table());
     let left = needs.choice.as_ref().is_some_and(|choice| choice.members.iter().any(|name| name == ingredient));
@@ -14,7 +14,7 @@ fn acts(needs: &Needs, ingredient: &str) {
 }
 
 fn goes(needs: &Needs, ingredient: &str) {
-    assert_eq!(rung(needs, ingredient).verdict, Verdict::Serves, "{ingredient}\n{}", needs.table());
+    assert_eq!(reduction(needs, ingredient).verdict, Verdict::Serves, "{ingredient}\n{}", needs.table());
 }
 
 #[test]
@@ -108,7 +108,7 @@ scene: {{start: {{x: 1e-6, y: 1e-6}}, until: 4, tolerance: 1e-11}}
         )
     };
     let close = found(&race("1e-6"), "y");
-    assert!(matches!(rung(&close, "inputs.u").verdict, Verdict::HappensOtherwise { .. }), "{}", close.table());
+    assert!(matches!(reduction(&close, "inputs.u").verdict, Verdict::HappensOtherwise { .. }), "{}", close.table());
     goes(&found(&race("1e-8"), "y"), "inputs.u");
 }
 

@@ -199,7 +199,7 @@ impl EventLocator {
         }
     }
 
-    /// Why a march could not go on from a state: ends that meet within `ahead` seconds explain most of it.
+    /// Why an integration could not go on from a state: ends that meet within `ahead` seconds explain most of it.
     pub fn explain<S: System + ?Sized>(
         &mut self,
         system: &S,
@@ -315,7 +315,7 @@ impl EventLocator {
     /// Notes what is recorded within a step that nothing ended.
     pub fn pass<S: System + ?Sized>(&mut self, system: &S, segment: &Segment<'_>, recorder: &mut impl Log) {
         self.record(system, segment, recorder, &[]);
-        self.remark(system, recorder);
+        self.note(system, recorder);
         self.scanner.advance(segment.t + segment.h);
         self.step = segment.h;
     }
@@ -348,7 +348,7 @@ impl EventLocator {
         self.monitors.forget();
         self.scanner.scan(&mut self.sampler, &mut self.arguments, system, segment)?;
         self.record(system, segment, recorder, together);
-        self.remark(system, recorder);
+        self.note(system, recorder);
         self.scanner.advance(segment.t + segment.h);
         self.step = self.step.max(segment.h);
         Ok(())
@@ -614,7 +614,7 @@ impl EventLocator {
     }
 
     /// Says what events' functions do that is no crossing.
-    fn remark<S: System + ?Sized>(&mut self, system: &S, recorder: &mut impl Log) {
+    fn note<S: System + ?Sized>(&mut self, system: &S, recorder: &mut impl Log) {
         for anomaly in std::mem::take(&mut self.scanner.anomalies) {
             if self.sampler.switch(anomaly.function).is_some() {
                 continue;
@@ -627,7 +627,7 @@ impl EventLocator {
                 ZeroKind::Undefined => Remarkable::Edge,
                 ZeroKind::Touches | ZeroKind::Crosses { .. } => continue,
             };
-            recorder.remark(EventNote { event, t, what });
+            recorder.note(EventNote { event, t, what });
         }
     }
 }

@@ -143,10 +143,10 @@ impl OneStep for Collocation {
         self.guess(h);
         let from = From { t, h, y: &self.ends.y, carry: &self.ends.carry };
         let solved = self.newton.solve(system, from, &mut self.stages, tolerance, &mut self.room);
-        if let Err(setback) = solved {
+        if let Err(failure) = solved {
             self.errors.fill(f64::NAN);
             self.previous_step = 0.0;
-            return Err(setback);
+            return Err(failure);
         }
         self.finish(system, t, h);
         match (tolerance, self.tableau.estimate) {

@@ -42,14 +42,14 @@ impl Branch {
         if range.0 == range.1 {
             return Ok(Vec::new());
         }
-        let walker = Continuation::new(balance(system, varied, guess)?, range)?;
+        let continuation = Continuation::new(balance(system, varied, guess)?, range)?;
         let mut found = Vec::new();
         for pair in points.windows(2).filter(|pair| self.joins(&pair[0], &pair[1])) {
             let next = matched(&pair[0].eigenvalues, &pair[1].eigenvalues);
             for (a, b) in pair[0].eigenvalues.iter().zip(next).filter(|(a, b)| a.im > 0.0 && b.im > 0.0) {
                 let crossed = |order: &&f64| beyond(**order, pair[0].value, *a) != beyond(**order, pair[1].value, b);
                 let all = orders.iter().filter(crossed);
-                found.extend(all.filter_map(|order| located(&walker, [&pair[0], &pair[1]], [*a, b], *order)));
+                found.extend(all.filter_map(|order| located(&continuation, [&pair[0], &pair[1]], [*a, b], *order)));
             }
         }
         found.sort_by(|a: &CriticalSpeed, b| a.value.total_cmp(&b.value));
@@ -64,7 +64,7 @@ fn beyond(order: f64, value: f64, x: Complex<f64>) -> bool {
 
 /// The place between two states, by halvings on the way of one eigenvalue.
 fn located(
-    walker: &Continuation,
+    continuation: &Continuation,
     [a, b]: [&BranchPoint; 2],
     [mut from, mut to]: [Complex<f64>; 2],
     order: f64,
@@ -73,12 +73,12 @@ fn located(
     let (mut low, mut high) = (state(a), state(b));
     let above = beyond(order, low.value, from);
     for _ in 0..HALVINGS {
-        let Some(middle) = walker.between(&low, &high, 0.5) else { break };
+        let Some(middle) = continuation.between(&low, &high, 0.5) else { break };
         if middle.value == low.value || middle.value == high.value {
             break;
         }
         let expected = (from + to) * 0.5;
-        let spectrum = walker.spectrum(&middle).ok()?;
+        let spectrum = continuation.spectrum(&middle).ok()?;
         let near = |x: &Complex<f64>| (x - expected).norm();
         let here = *spectrum.eigenvalues.iter().min_by(|x, y| near(x).total_cmp(&near(y)))?;
         if beyond(order, middle.value, here) == above {

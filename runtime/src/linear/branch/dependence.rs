@@ -26,8 +26,8 @@ pub(super) struct Dependence {
 }
 
 /// Those along a path.
-pub(super) fn dependences(walker: &Continuation, points: &[State]) -> Vec<Dependence> {
-    let Some(rows) = Rows::along(walker, points) else { return Vec::new() };
+pub(super) fn dependences(continuation: &Continuation, points: &[State]) -> Vec<Dependence> {
+    let Some(rows) = Rows::along(continuation, points) else { return Vec::new() };
     let margins: Vec<f64> = points.iter().map(|state| rows.margin(state).0).collect();
     let mut found = Vec::new();
     for index in 0..points.len() {
@@ -47,7 +47,7 @@ pub(super) fn dependences(walker: &Continuation, points: &[State]) -> Vec<Depend
 
 /// The rows of constraints along a path, rows and columns in units that stay the same.
 struct Rows<'a> {
-    walker: &'a Continuation,
+    continuation: &'a Continuation,
     sizes: Vec<f64>,
     units: Vec<f64>,
     /// How many are independent where most are.
@@ -56,11 +56,11 @@ struct Rows<'a> {
 
 impl<'a> Rows<'a> {
     /// `None` without constraints.
-    fn along(walker: &'a Continuation, points: &[State]) -> Option<Self> {
-        let first = walker.jacobian(points.first()?)?;
+    fn along(continuation: &'a Continuation, points: &[State]) -> Option<Self> {
+        let first = continuation.jacobian(points.first()?)?;
         let farthest = |i: usize| points.iter().fold(0.0_f64, |most, state| most.max(state.q[i].abs()));
-        let units = walker.units(&(0..points[0].q.len()).map(farthest).collect::<Vec<f64>>());
-        let mut rows = Rows { walker, sizes: vec![1.0; first.nrows()], units, rank: 0 };
+        let units = continuation.units(&(0..points[0].q.len()).map(farthest).collect::<Vec<f64>>());
+        let mut rows = Rows { continuation, sizes: vec![1.0; first.nrows()], units, rank: 0 };
         let all: Vec<DMatrix<f64>> = points.iter().filter_map(|state| rows.scaled(state)).collect();
         let largest = |k: usize| all.iter().fold(0.0_f64, |most, jacobian| most.max(jacobian.row(k).norm()));
         rows.sizes = (0..first.nrows()).map(largest).map(|size| if size > 0.0 { size } else { 1.0 }).collect();
@@ -70,7 +70,7 @@ impl<'a> Rows<'a> {
     }
 
     fn scaled(&self, state: &State) -> Option<DMatrix<f64>> {
-        let jacobian = self.walker.jacobian(state)?;
+        let jacobian = self.continuation.jacobian(state)?;
         let (sizes, units) = (&self.sizes, &self.units);
         Some(DMatrix::from_fn(jacobian.nrows(), jacobian.ncols(), |k, i| jacobian[(k, i)] * units[i] / sizes[k]))
     }
@@ -96,7 +96,7 @@ impl<'a> Rows<'a> {
     /// The state between two where rows are nearest to depending on each other, by golden sections.
     fn nearest(&self, a: &State, b: &State) -> Option<State> {
         const GOLDEN: f64 = 0.618_033_988_749_894_8;
-        let at = |part: f64| self.walker.between(a, b, part).map(|state| (self.margin(&state).0, state));
+        let at = |part: f64| self.continuation.between(a, b, part).map(|state| (self.margin(&state).0, state));
         let (mut low, mut high) = (0.0, 1.0);
         let mut best: Option<(f64, State)> = None;
         for _ in 0..STEPS {

@@ -163,11 +163,11 @@ pub fn follow<S: System + ?Sized>(
 ) -> Result<Branch, LinearError> {
     let range = (from.min(to), from.max(to));
     let present = varied.present(system, guess)?;
-    let walker = Continuation::new(balance(system, varied, guess)?, range)?;
-    let found = walker.search(present, &guess.q)?;
+    let continuation = Continuation::new(balance(system, varied, guess)?, range)?;
+    let found = continuation.search(present, &guess.q)?;
     let mut branch = Branch::default();
     let first = present.clamp(range.0, range.1);
-    let (start, left) = walker.towards(present, first, found)?;
+    let (start, left) = continuation.towards(present, first, found)?;
     branch.changes.extend(left.map(|left| Change { value: left.value, from: left.q, to: start.clone() }));
     let start = State { q: start, value: first };
     let mut paths = Vec::new();
@@ -175,7 +175,7 @@ pub fn follow<S: System + ?Sized>(
         if start.value == bound {
             continue;
         }
-        let path = walker.walk(&start, direction);
+        let path = continuation.walk(&start, direction);
         branch.closed = matches!(path.end, End::Closed);
         if branch.closed {
             paths = Vec::from(path.halved());
@@ -186,9 +186,9 @@ pub fn follow<S: System + ?Sized>(
     let mut cover = Cover::none();
     sheets::order(&mut paths, &mut cover);
     for direction in [-1.0, 1.0] {
-        beyond(&walker, direction, &mut paths, &mut cover, &mut branch);
+        beyond(&continuation, direction, &mut paths, &mut cover, &mut branch);
     }
-    paths.iter().for_each(|path| thresholds(&walker, path, &mut branch));
+    paths.iter().for_each(|path| thresholds(&continuation, path, &mut branch));
     arranged(&mut branch, from <= to);
     match (branch.missing.first(), branch.points.is_empty()) {
         (Some((_, error)), true) => Err(error.clone()),
@@ -226,8 +226,8 @@ fn balance<S: System + ?Sized>(system: &S, varied: &Varied, guess: &Guess) -> Re
 }
 
 /// Where a branch does not reach an end of the range, on by other branches as far as there are any.
-fn beyond(walker: &Continuation, direction: f64, paths: &mut Vec<Path>, cover: &mut Cover, branch: &mut Branch) {
-    let (low, high) = walker.range;
+fn beyond(continuation: &Continuation, direction: f64, paths: &mut Vec<Path>, cover: &mut Cover, branch: &mut Branch) {
+    let (low, high) = continuation.range;
     // A branch that ends is left for another one; more than a few are a sign of something else.
     for _ in 0..8 {
         if cover.contains(if direction > 0.0 { high } else { low }) {
@@ -236,9 +236,9 @@ fn beyond(walker: &Continuation, direction: f64, paths: &mut Vec<Path>, cover: &
         let ends = paths.iter().flat_map(Path::ends);
         let Some(last) = ends.max_by(|a, b| (direction * a.value).total_cmp(&(direction * b.value))) else { return };
         let last = last.clone();
-        match walker.another(&last, direction) {
+        match continuation.another(&last, direction) {
             Ok(next) => {
-                let mut path = [walker.walk(&next, direction)];
+                let mut path = [continuation.walk(&next, direction)];
                 branch.changes.push(Change { value: last.value, from: last.q, to: next.q });
                 sheets::order(&mut path, cover);
                 paths.extend(path);

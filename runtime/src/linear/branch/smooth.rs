@@ -69,9 +69,9 @@ impl Branch {
             return Ok(known.into_iter().cloned().collect());
         }
         let range = (first.value.min(last.value), first.value.max(last.value));
-        let walker = Continuation::new(balance(system, varied, guess)?, range)?;
-        let size = walker.size();
-        let mut between = Between { walker, pixel: pixel(&known), left: 100_000 / (1 + size * size / 20) };
+        let continuation = Continuation::new(balance(system, varied, guess)?, range)?;
+        let size = continuation.size();
+        let mut between = Between { continuation, pixel: pixel(&known), left: 100_000 / (1 + size * size / 20) };
         let mut points = vec![(*first).clone()];
         for pair in known.windows(2) {
             if self.joins(pair[0], pair[1]) {
@@ -97,7 +97,7 @@ fn pixel(points: &[&BranchPoint]) -> [f64; 2] {
 }
 
 struct Between {
-    walker: Continuation,
+    continuation: Continuation,
     pixel: [f64; 2],
     /// States that may still be computed.
     left: usize,
@@ -121,11 +121,11 @@ impl Between {
     fn middle(&mut self, a: &BranchPoint, b: &BranchPoint) -> Option<BranchPoint> {
         self.left -= 1;
         let state = |point: &BranchPoint| State { q: point.q.clone(), value: point.value };
-        let middle = self.walker.between(&state(a), &state(b), 0.5)?;
+        let middle = self.continuation.between(&state(a), &state(b), 0.5)?;
         if middle.value == a.value || middle.value == b.value {
             return None;
         }
-        let spectrum = self.walker.spectrum(&middle).ok()?;
+        let spectrum = self.continuation.spectrum(&middle).ok()?;
         Some(spectrum.point(middle, a.folds, false))
     }
 

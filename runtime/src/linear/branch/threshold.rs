@@ -24,14 +24,14 @@ struct Sample {
 }
 
 /// Samples a path until nothing can hide between two samples; adds its states and thresholds to the branch.
-pub(super) fn thresholds(walker: &Continuation, path: &Path, branch: &mut Branch) {
-    let samples = sampled(walker, path, branch);
+pub(super) fn thresholds(continuation: &Continuation, path: &Path, branch: &mut Branch) {
+    let samples = sampled(continuation, path, branch);
     let grows =
         |index: usize| samples.get(index).and_then(Option::as_ref).map_or(0, |s| s.spectrum.growing(Measure::Coarse));
-    ends(walker, path, &grows, branch);
-    let size = walker.size();
+    ends(continuation, path, &grows, branch);
+    let size = continuation.size();
     let softest = samples.iter().flatten().fold(0.0_f64, |most, sample| most.max(sample.spectrum.softness()));
-    let search = Search { walker, path, softest, left: Cell::new(40_000 / (1 + size * size / 20)) };
+    let search = Search { continuation, path, softest, left: Cell::new(40_000 / (1 + size * size / 20)) };
     let mut found: Vec<Sample> = Vec::new();
     for (index, pair) in samples.windows(2).enumerate() {
         let [Some(a), Some(b)] = pair else { continue };
@@ -54,11 +54,11 @@ pub(super) fn thresholds(walker: &Continuation, path: &Path, branch: &mut Branch
 }
 
 /// Small motions about all states of a path; where there are none, that is missing from the branch.
-fn sampled(walker: &Continuation, path: &Path, branch: &mut Branch) -> Vec<Option<Sample>> {
+fn sampled(continuation: &Continuation, path: &Path, branch: &mut Branch) -> Vec<Option<Sample>> {
     let mut fault: Option<(f64, LinearError)> = None;
     let mut samples: Vec<Option<Sample>> = Vec::new();
     for (index, state) in path.points.iter().enumerate() {
-        match walker.spectrum(state) {
+        match continuation.spectrum(state) {
             Ok(spectrum) => samples.push(Some(Sample { state: state.clone(), spectrum, sheet: path.sheet(index) })),
             Err(error) => {
                 fault = fault.or(Some((state.value, error)));
@@ -73,15 +73,15 @@ fn sampled(walker: &Continuation, path: &Path, branch: &mut Branch) -> Vec<Optio
 }
 
 /// Folds, poles and where constraints depend on each other, with how many modes grow at the state of an index.
-fn ends(walker: &Continuation, path: &Path, grows: &dyn Fn(usize) -> usize, branch: &mut Branch) {
+fn ends(continuation: &Continuation, path: &Path, grows: &dyn Fn(usize) -> usize, branch: &mut Branch) {
     let Path { points, turning_points, end, .. } = path;
-    let dependences = dependences(walker, points);
+    let dependences = dependences(continuation, points);
     let folds =
         |found: &Dependence, turn: &TurningPoint| found.between.start < turn.index && turn.index <= found.between.end;
     for turn in turning_points {
         let dependence = dependences.iter().find(|found| folds(found, turn));
         branch.thresholds.push(Threshold {
-            constraint: dependence.and_then(|found| walker.row(found.row)),
+            constraint: dependence.and_then(|found| continuation.row(found.row)),
             ..Threshold::at(
                 turn.at.value,
                 if turn.mirrored { ThresholdKind::Bifurcation } else { ThresholdKind::Fold },
@@ -94,7 +94,7 @@ fn ends(walker: &Continuation, path: &Path, grows: &dyn Fn(usize) -> usize, bran
         let [low, high] = if points[start].value <= points[end].value { [start, end] } else { [end, start] };
         branch.thresholds.push(Threshold {
             folded: path.folded(path.sheet(start), found.at.value),
-            constraint: walker.row(found.row),
+            constraint: continuation.row(found.row),
             ..Threshold::at(found.at.value, ThresholdKind::Dependence, [grows(low), grows(high)])
         });
     }
@@ -123,7 +123,7 @@ impl Threshold {
 }
 
 struct Search<'a> {
-    walker: &'a Continuation,
+    continuation: &'a Continuation,
     path: &'a Path,
     /// What the κ nearest to 0 is where it is farthest.
     softest: f64,
@@ -133,19 +133,19 @@ struct Search<'a> {
 
 impl Search<'_> {
     fn sample(&self, state: State, sheet: usize) -> Option<Sample> {
-        let spectrum = self.walker.spectrum(&state).ok()?.beside(self.softest);
+        let spectrum = self.continuation.spectrum(&state).ok()?.beside(self.softest);
         Some(Sample { state, spectrum, sheet })
     }
 
     fn middle(&self, a: &Sample, b: &Sample) -> Option<Sample> {
         self.left.set(self.left.get().checked_sub(1)?);
-        self.sample(self.walker.between(&a.state, &b.state, 0.5)?, a.sheet)
+        self.sample(self.continuation.between(&a.state, &b.state, 0.5)?, a.sheet)
     }
 
     /// Up to a fold, which has been named itself, and on from it.
     fn round(&self, turn: &TurningPoint, a: &Sample, b: &Sample, kept: &mut Vec<Sample>, found: &mut Vec<Threshold>) {
         for (end, first) in [(a, true), (b, false)] {
-            let near = self.walker.between(&end.state, &turn.at, 0.98);
+            let near = self.continuation.between(&end.state, &turn.at, 0.98);
             let Some(near) = near.and_then(|state| self.sample(state, end.sheet)) else { continue };
             let pair = if first { [end, &near] } else { [&near, end] };
             self.between([None, None], pair, 0, kept, found);
@@ -184,7 +184,8 @@ impl Search<'_> {
     /// Whether stability may change and change back between two states, by those beside them.
     fn may_touch(&self, [before, behind]: [Option<&Sample>; 2], [a, b]: [&Sample; 2]) -> bool {
         let three = |[a, m, b]: [&Sample; 3], piece: fn(f64) -> (f64, f64)| {
-            let [there, on] = [self.walker.distance(&a.state, &m.state), self.walker.distance(&m.state, &b.state)];
+            let [there, on] =
+                [self.continuation.distance(&a.state, &m.state), self.continuation.distance(&m.state, &b.state)];
             let part = there / (there + on);
             part > 0.0 && part < 1.0 && Spectrum::may_touch([a, m, b].map(|s| &s.spectrum), part, piece(part))
         };

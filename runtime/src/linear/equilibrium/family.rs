@@ -26,12 +26,12 @@ pub struct ZeroStiffness {
 }
 
 impl ZeroStiffness {
-    pub(super) fn of(probe: &LinearisationPoint, q: &[f64], linear: bool) -> Result<ZeroStiffness, LinearError> {
-        let [mass, _, stiffness] = probe.cleaned(q);
+    pub(super) fn of(base: &LinearisationPoint, q: &[f64], linear: bool) -> Result<ZeroStiffness, LinearError> {
+        let [mass, _, stiffness] = base.cleaned(q);
         // In a linear mechanism every such direction leads to equilibria.
         ZeroStiffness::along(&mass, &stiffness, |direction| match linear {
             true => Ok(direction.to_vec()),
-            false => relax(probe, &mass, q, direction),
+            false => relax(base, &mass, q, direction),
         })
     }
 
@@ -76,7 +76,7 @@ pub(in crate::linear) fn beside(q: &[f64], direction: &[f64]) -> (Vec<f64>, f64)
 
 /// Where a step along a direction relaxes to.
 fn relax(
-    probe: &LinearisationPoint,
+    base: &LinearisationPoint,
     mass: &SparseMatrix,
     q: &[f64],
     direction: &[f64],
@@ -84,11 +84,11 @@ fn relax(
     let scaled = Scaled::new(mass);
     let (mut point, length) = beside(q, direction);
     for _ in 0..RELAXATIONS {
-        let force = probe.force(&point);
+        let force = base.force(&point);
         if force.iter().any(|f| !f.is_finite()) {
             break;
         }
-        let step = least_step(mass, &probe.stiffness(&point), &force)?;
+        let step = least_step(mass, &base.stiffness(&point), &force)?;
         for (x, s) in point.iter_mut().zip(&step) {
             *x += s;
         }

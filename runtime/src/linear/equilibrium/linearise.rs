@@ -62,43 +62,43 @@ pub fn linearise<S: System + ?Sized>(system: &S, equilibrium: &Equilibrium) -> R
         .map(|linear| Linearised { equilibrium: equilibrium.clone(), ..linear })
 }
 
-/// As [`linearise`], for a state that is known to be an equilibrium of a probe's system, whose freedom nobody asks for.
+/// As [`linearise`], for a state that is known to be an equilibrium of the system of a linearisation point, whose zero stiffness nobody asks for.
 pub(in crate::linear) fn linearised_at(
     system: &dyn System,
-    probe: &LinearisationPoint,
+    base: &LinearisationPoint,
     state: &Guess,
 ) -> Result<Linearised, LinearError> {
-    linearised_with(system, probe, state, &probe.jumps(&state.q))
+    linearised_with(system, base, state, &base.jumps(&state.q))
 }
 
 fn linearised_with<S: System + ?Sized>(
     system: &S,
-    probe: &LinearisationPoint,
+    base: &LinearisationPoint,
     state: &Guess,
     friction: &[Jump],
 ) -> Result<Linearised, LinearError> {
     if let Some(Jump { switch, force }) = friction.first().cloned() {
-        let jump = probe.forces(&force).into_iter().filter(|jump| jump.force != 0.0);
+        let jump = base.forces(&force).into_iter().filter(|jump| jump.force != 0.0);
         let jump = jump.map(|jump| Residual { force: jump.force.abs(), ..jump }).collect();
-        return Err(LinearError::Discontinuous { point: probe.named(&state.q), switch, jump });
+        return Err(LinearError::Discontinuous { point: base.named(&state.q), switch, jump });
     }
-    if let Some(switch) = probe.kink(&state.q) {
+    if let Some(switch) = base.kink(&state.q) {
         return Err(LinearError::NotSmooth { switch });
     }
-    let [mass, damping, stiffness] = probe.cleaned(&state.q);
+    let [mass, damping, stiffness] = base.cleaned(&state.q);
     for (matrix, what) in [(&mass, "M"), (&damping, "C"), (&stiffness, "K")] {
         if let Some((row, column, _)) = matrix.entries.iter().find(|e| !e.2.is_finite()) {
-            let name = |i: &u32| probe.names().swap_remove(*i as usize);
+            let name = |i: &u32| base.names().swap_remove(*i as usize);
             return Err(LinearError::NonFinite { what: format!("{what}[{}, {}]", name(row), name(column)) });
         }
     }
     Ok(Linearised {
-        coordinates: probe.names(),
-        units: probe.units(),
+        coordinates: base.names(),
+        units: base.units(),
         inputs: system.description().inputs.iter().map(ToString::to_string).collect(),
-        equilibrium: Equilibrium::at(probe, state),
-        input: probe.input(&state.q),
-        forces: SparseMatrix::identity(probe.n),
+        equilibrium: Equilibrium::at(base, state),
+        input: base.input(&state.q),
+        forces: SparseMatrix::identity(base.n),
         mass,
         damping,
         stiffness,

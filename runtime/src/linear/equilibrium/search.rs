@@ -71,15 +71,15 @@ pub struct Equilibrium {
 
 impl Equilibrium {
     /// A state that is known to be one.
-    pub(super) fn at(probe: &LinearisationPoint, state: &Guess) -> Equilibrium {
+    pub(super) fn at(base: &LinearisationPoint, state: &Guess) -> Equilibrium {
         Equilibrium {
-            coordinates: probe.names(),
-            units: probe.units(),
+            coordinates: base.names(),
+            units: base.units(),
             q: state.q.clone(),
             v: state.v.clone(),
             inputs: state.inputs.clone(),
             friction: Vec::new(),
-            residual: probe.force(&state.q),
+            residual: base.force(&state.q),
             iterations: 0,
             slow: None,
             freedom: ZeroStiffness::default(),
@@ -116,16 +116,16 @@ impl Equilibrium {
 /// [`LinearError::NoEquilibrium`] with where it stood and the forces left; [`LinearError::DependsOnTime`],
 /// [`LinearError::NotSteady`], wrong sizes and numbers that are not finite.
 pub fn equilibrium_near<S: System + ?Sized>(system: &S, guess: &Guess) -> Result<Equilibrium, LinearError> {
-    let probe = LinearisationPoint::new(system, guess);
-    probe.check(&guess.q)?;
-    match newton(&probe, guess.q.clone()) {
+    let base = LinearisationPoint::new(system, guess);
+    base.check(&guess.q)?;
+    match newton(&base, guess.q.clone()) {
         Ok(found) => {
-            probe.check(&found.q)?;
-            finish(system, &probe, found, guess)
+            base.check(&found.q)?;
+            finish(system, &base, found, guess)
         }
         // A block that dry friction holds on a slope is at rest wherever it is put.
-        Err(LinearError::NoEquilibrium { iterations, .. }) if holds(&probe, &guess.q) => {
-            finish(system, &probe, Found { q: guess.q.clone(), iterations, slow: None }, guess)
+        Err(LinearError::NoEquilibrium { iterations, .. }) if holds(&base, &guess.q) => {
+            finish(system, &base, Found { q: guess.q.clone(), iterations, slow: None }, guess)
         }
         Err(other) => Err(other),
     }
@@ -136,23 +136,23 @@ pub fn equilibrium_near<S: System + ?Sized>(system: &S, guess: &Guess) -> Result
 /// # Errors
 /// [`LinearError::NotAnEquilibrium`] with the residual force by coordinate, and as [`equilibrium_near`].
 pub fn equilibrium_here<S: System + ?Sized>(system: &S, state: &Guess) -> Result<Equilibrium, LinearError> {
-    let probe = LinearisationPoint::new(system, state);
-    probe.check(&state.q)?;
-    let force = probe.force(&state.q);
-    if !balanced(&force, &probe.measure(&state.q), GIVEN) && !holds(&probe, &state.q) {
-        return Err(LinearError::NotAnEquilibrium { residual: probe.forces(&force) });
+    let base = LinearisationPoint::new(system, state);
+    base.check(&state.q)?;
+    let force = base.force(&state.q);
+    if !balanced(&force, &base.measure(&state.q), GIVEN) && !holds(&base, &state.q) {
+        return Err(LinearError::NotAnEquilibrium { residual: base.forces(&force) });
     }
-    finish(system, &probe, Found { q: state.q.clone(), iterations: 0, slow: None }, state)
+    finish(system, &base, Found { q: state.q.clone(), iterations: 0, slow: None }, state)
 }
 
 /// True where dry friction can balance what is left at rest.
-fn holds(probe: &LinearisationPoint, q: &[f64]) -> bool {
-    let jumps = probe.jumps(q);
-    let mut measure = probe.measure(q);
+fn holds(base: &LinearisationPoint, q: &[f64]) -> bool {
+    let jumps = base.jumps(q);
+    let mut measure = base.measure(q);
     for jump in &jumps {
         measure.iter_mut().zip(&jump.force).for_each(|(sum, f)| *sum += f.abs());
     }
-    held(&probe.force(q), &jumps, &|left: &[f64]| balanced(left, &measure, GIVEN))
+    held(&base.force(q), &jumps, &|left: &[f64]| balanced(left, &measure, GIVEN))
 }
 
 /// The different equilibria that are found from several guesses; guesses that lead nowhere are left out.
@@ -184,18 +184,18 @@ struct Found {
 
 fn finish<S: System + ?Sized>(
     system: &S,
-    probe: &LinearisationPoint,
+    base: &LinearisationPoint,
     found: Found,
     guess: &Guess,
 ) -> Result<Equilibrium, LinearError> {
-    let freedom = ZeroStiffness::of(probe, &found.q, system.description().structure.linear)?;
+    let freedom = ZeroStiffness::of(base, &found.q, system.description().structure.linear)?;
     Ok(Equilibrium {
-        coordinates: probe.names(),
-        units: probe.units(),
-        residual: probe.force(&found.q),
-        v: probe.v.clone(),
+        coordinates: base.names(),
+        units: base.units(),
+        residual: base.force(&found.q),
+        v: base.v.clone(),
         inputs: guess.inputs.clone(),
-        friction: probe.jumps(&found.q),
+        friction: base.jumps(&found.q),
         q: found.q,
         iterations: found.iterations,
         slow: found.slow,
@@ -208,19 +208,19 @@ fn balanced(force: &[f64], measure: &[f64], part: f64) -> bool {
     force.iter().zip(measure).all(|(f, measure)| f.abs() <= part * measure)
 }
 
-fn newton(probe: &LinearisationPoint, mut q: Vec<f64>) -> Result<Found, LinearError> {
-    let mut force = probe.force(&q);
+fn newton(base: &LinearisationPoint, mut q: Vec<f64>) -> Result<Found, LinearError> {
+    let mut force = base.force(&q);
     let mut pace = ConvergenceHistory::default();
     let mut reach: Vec<f64> = q.iter().map(|q| q.abs()).collect();
     for iterations in 0..MOST_ITERATIONS {
         if force.iter().all(|f| *f == 0.0) {
             return Ok(Found { q, iterations, slow: pace.slow });
         }
-        let [mass, _, stiffness] = probe.matrices(&q);
-        let here = balanced(&force, &probe.measure(&q), FOUND);
+        let [mass, _, stiffness] = base.matrices(&q);
+        let here = balanced(&force, &base.measure(&q), FOUND);
         let rows = Rows::new(&mass, &stiffness.to_dense());
         let step = rows.step(&force)?;
-        let (next, next_force, factor) = shorten(probe, &rows, &q, &step, &force);
+        let (next, next_force, factor) = shorten(base, &rows, &q, &step, &force);
         let (before, after) = (rows.size(&force), rows.size(&next_force));
         reach.iter_mut().zip(&next).for_each(|(reach, q)| *reach = reach.max(q.abs()));
         let part = |(step, reach): (&f64, &f64)| if *step == 0.0 { 0.0 } else { step.abs() / reach };
@@ -229,7 +229,7 @@ fn newton(probe: &LinearisationPoint, mut q: Vec<f64>) -> Result<Found, LinearEr
         if after < before {
             (q, force) = (next, next_force);
         }
-        if let Some(q) = without_rounding(probe, &q, &reach) {
+        if let Some(q) = without_rounding(base, &q, &reach) {
             return Ok(Found { q, iterations: iterations + 1, slow: pace.slow });
         }
         // Rounding, or a multiple root that is near enough.
@@ -238,20 +238,20 @@ fn newton(probe: &LinearisationPoint, mut q: Vec<f64>) -> Result<Found, LinearEr
             return Ok(Found { q, iterations: iterations + 1, slow: pace.slow });
         }
         if after >= before {
-            return Err(failed(probe, iterations + 1, &q, &force));
+            return Err(failed(base, iterations + 1, &q, &force));
         }
     }
-    Err(failed(probe, MOST_ITERATIONS, &q, &force))
+    Err(failed(base, MOST_ITERATIONS, &q, &force))
 }
 
 /// The point with all coordinates that have all but vanished at 0, if it is an equilibrium.
-fn without_rounding(probe: &LinearisationPoint, q: &[f64], reach: &[f64]) -> Option<Vec<f64>> {
+fn without_rounding(base: &LinearisationPoint, q: &[f64], reach: &[f64]) -> Option<Vec<f64>> {
     let gone = |(q, reach): (&f64, &f64)| *q != 0.0 && q.abs() <= GONE * reach;
     if !q.iter().zip(reach).any(gone) {
         return None;
     }
     let clean: Vec<f64> = q.iter().zip(reach).map(|(q, reach)| if gone((q, reach)) { 0.0 } else { *q }).collect();
-    balanced(&probe.force(&clean), &probe.measure(&clean), FOUND).then_some(clean)
+    balanced(&base.force(&clean), &base.measure(&clean), FOUND).then_some(clean)
 }
 
 /// How the lengths of steps follow each other.
@@ -282,8 +282,8 @@ impl ConvergenceHistory {
     }
 }
 
-fn failed(probe: &LinearisationPoint, iterations: usize, q: &[f64], force: &[f64]) -> LinearError {
-    LinearError::NoEquilibrium { iterations, point: probe.named(q), residual: probe.forces(force) }
+fn failed(base: &LinearisationPoint, iterations: usize, q: &[f64], force: &[f64]) -> LinearError {
+    LinearError::NoEquilibrium { iterations, point: base.named(q), residual: base.forces(force) }
 }
 
 /// K in the units of M's diagonal, its rows and columns brought to one size: so that a row of 1e-3 N/m counts beside one
@@ -339,7 +339,7 @@ pub fn least_step(mass: &SparseMatrix, stiffness: &DMatrix<f64>, force: &[f64]) 
 
 /// Halves a step until F decreases; the point reached, F there, and the factor.
 fn shorten(
-    probe: &LinearisationPoint,
+    base: &LinearisationPoint,
     rows: &Rows,
     q: &[f64],
     step: &[f64],
@@ -349,9 +349,9 @@ fn shorten(
     let mut factor = 1.0;
     loop {
         let next: Vec<f64> = q.iter().zip(step).map(|(q, s)| q + factor * s).collect();
-        let there = probe.force(&next);
+        let there = base.force(&next);
         let falls = rows.size(&there) < (1.0 - 1e-4 * factor) * before;
-        if (falls && !crosses_a_pole(probe, q, &next)) || factor < 1e-9 {
+        if (falls && !crosses_a_pole(base, q, &next)) || factor < 1e-9 {
             return (next, there, factor);
         }
         factor *= 0.5;
@@ -359,18 +359,18 @@ fn shorten(
 }
 
 /// True where forces rise far above those at both ends on the way: what lies behind a pole is not for this search.
-fn crosses_a_pole(probe: &LinearisationPoint, from: &[f64], to: &[f64]) -> bool {
+fn crosses_a_pole(base: &LinearisationPoint, from: &[f64], to: &[f64]) -> bool {
     const SAMPLES: u32 = 16;
     const RISE: f64 = 30.0;
     let long = from.iter().zip(to).any(|(a, b)| (a - b).abs() > 0.05 * a.abs().max(b.abs()));
-    if !long || probe.is_linear() {
+    if !long || base.is_linear() {
         return false;
     }
-    let ends: Vec<f64> = probe.magnitudes(from).into_iter().zip(probe.magnitudes(to)).map(|(a, b)| a.max(b)).collect();
+    let ends: Vec<f64> = base.magnitudes(from).into_iter().zip(base.magnitudes(to)).map(|(a, b)| a.max(b)).collect();
     (1..SAMPLES).any(|k| {
         let part = f64::from(k) / f64::from(SAMPLES);
         let point: Vec<f64> = from.iter().zip(to).map(|(a, b)| a + part * (b - a)).collect();
-        probe.magnitudes(&point).iter().zip(&ends).any(|(there, ends)| *ends > 0.0 && *there > RISE * ends)
+        base.magnitudes(&point).iter().zip(&ends).any(|(there, ends)| *ends > 0.0 && *there > RISE * ends)
     })
 }
 

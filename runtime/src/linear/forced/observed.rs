@@ -73,7 +73,7 @@ pub fn observe<S: System + ?Sized>(system: &S, linear: &Linearised, names: &[&st
 }
 
 /// The slopes of answers by the model's own coordinates and inputs, and by the multipliers of all rows of constraints, at a
-/// state of a probe with its multipliers.
+/// state of a linearisation point with its multipliers.
 pub(in crate::linear) fn slopes_of(
     description: &Description,
     probe: &LinearisationPoint,

@@ -6,7 +6,7 @@ use crate::linear::{Linearised, SparseMatrix};
 
 /// Parts of a shape below this part of its largest (both by the square root of mass) are rounding.
 const PART: f64 = 1e-11;
-/// What dissipation leaves of its own terms, below which a mode does not feel it.
+/// What dissipation leaves of its own terms, below which it is none.
 const FELT: f64 = 1e-10;
 
 /// The dissipative part of C, where nothing but it damps: K without circulatory part.
@@ -36,7 +36,7 @@ impl Dissipation {
         self.matrix.is_zero()
     }
 
-    /// Re λ where it is known better than as a part of λ: 0 of modes that no damper feels, and of |Re λ| below what
+    /// Re λ where it is known better than as a part of λ: 0 of modes that no damper acts on, and of |Re λ| below what
     /// rounding leaves −ω xᴴDx/(2ω xᴴMx + g), from the imaginary part of xᴴ(λ²M + λC + K)x = 0 with g = −i xᴴGx.
     pub fn rate(&self, shape: &[Complex<f64>], value: Complex<f64>, floor: f64) -> Option<f64> {
         let rounding = value.re.abs() <= floor;

@@ -64,7 +64,7 @@ impl<'a> Lower<'a> {
         (left, Some(right))
     }
 
-    /// The value, and on the bench its unit.
+    /// The value, and in the builder its unit.
     pub fn measured(&mut self, ast: &Ast) -> Value {
         let before = self.builder.problems.len();
         let value = self.expression(ast);

@@ -19,7 +19,7 @@ use crate::model::resolver::Resolver;
 #[derive(Clone, Debug)]
 pub struct End {
     /// Whose material.
-    pub holder: AttachedTo,
+    pub attached: AttachedTo,
     /// The point.
     pub at: Vec<Id>,
 }
@@ -87,8 +87,8 @@ impl Resolver<'_> {
             Written::One(text) => text.source.to_string(),
             Written::List(..) => "…".to_owned(),
         };
-        let holder = self.holder(&at, &words, Place::clone(written.place()), drafts);
-        Some(End { holder, at })
+        let attached = self.attached(&at, &words, Place::clone(written.place()), drafts);
+        Some(End { attached, at })
     }
 
     /// Point `at` (absent: the centre of mass) of the body `on`.
@@ -100,7 +100,7 @@ impl Resolver<'_> {
         };
         match solid? {
             None => Some(End {
-                holder: AttachedTo::Ground,
+                attached: AttachedTo::Ground,
                 at: point.unwrap_or_else(|| vec![Id::ZERO; self.scope.dimension]),
             }),
             Some(body) => {
@@ -111,9 +111,9 @@ impl Resolver<'_> {
                         let place = Place::clone(at.place());
                         let particle = Some(body);
                         drafts.wanted.push(Wanted { point, words: String::new(), place, particle });
-                        Some(End { holder: AttachedTo::Body(body), at: centre })
+                        Some(End { attached: AttachedTo::Body(body), at: centre })
                     }
-                    (point, _) => Some(End { holder: AttachedTo::Body(body), at: point.unwrap_or(centre) }),
+                    (point, _) => Some(End { attached: AttachedTo::Body(body), at: point.unwrap_or(centre) }),
                 }
             }
         }
@@ -122,11 +122,11 @@ impl Resolver<'_> {
     /// The opposite of a force: on a rigid body at the same point, on a particle at itself.
     pub fn opposite(&mut self, from: &Text, at: &[Id], locals: &Locals) -> Option<End> {
         match self.body(from, locals)? {
-            None => Some(End { holder: AttachedTo::Ground, at: at.to_vec() }),
+            None => Some(End { attached: AttachedTo::Ground, at: at.to_vec() }),
             Some(body) => {
                 let rigid = self.scope.bodies[body].angle.is_some();
                 let at = if rigid { at.to_vec() } else { self.centre(body)? };
-                Some(End { holder: AttachedTo::Body(body), at })
+                Some(End { attached: AttachedTo::Body(body), at })
             }
         }
     }

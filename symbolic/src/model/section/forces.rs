@@ -45,13 +45,18 @@ impl Resolver<'_> {
             let opposite = match (&from, &reaction) {
                 (Some(from), _) => self.opposite(from, &end.at, locals),
                 (None, Some(reaction)) => self.point_or_body(reaction, locals, drafts),
-                (None, None) => Some(End { holder: AttachedTo::Ground, at: end.at.clone() }),
+                (None, None) => Some(End { attached: AttachedTo::Ground, at: end.at.clone() }),
             };
             let Some(opposite) = opposite else { continue };
             let minus = value::negative(&mut self.builder.graph, &force);
-            let mut pushes = vec![DraftPush { holder: end.holder, at: end.at, force, couple: Vec::new() }];
+            let mut pushes = vec![DraftPush { attached: end.attached, at: end.at, force, couple: Vec::new() }];
             if from.is_some() || reaction.is_some() {
-                pushes.push(DraftPush { holder: opposite.holder, at: opposite.at, force: minus, couple: Vec::new() });
+                pushes.push(DraftPush {
+                    attached: opposite.attached,
+                    at: opposite.at,
+                    force: minus,
+                    couple: Vec::new(),
+                });
             }
             let place = spot.place.clone();
             drafts.loads.push(Draft { name: member.name(), work: Work::Pushes, pushes, place });
@@ -109,7 +114,7 @@ impl Resolver<'_> {
 
     fn couple(&self, body: usize, at: Vec<Id>, couple: Id) -> DraftPush {
         DraftPush {
-            holder: AttachedTo::Body(body),
+            attached: AttachedTo::Body(body),
             at,
             force: vec![Id::ZERO; self.scope.dimension],
             couple: vec![couple],

@@ -27,7 +27,7 @@ pub enum AttachedTo {
 #[derive(Clone, Debug)]
 pub struct DraftPush {
     /// Who takes it.
-    pub holder: AttachedTo,
+    pub attached: AttachedTo,
     /// Where.
     pub at: Vec<Id>,
     /// The force.
@@ -167,7 +167,7 @@ impl Resolver<'_> {
         for draft in drafts.loads {
             let mut pushes = Vec::new();
             for push in draft.pushes {
-                let body = match push.holder {
+                let body = match push.attached {
                     AttachedTo::Ground => None,
                     AttachedTo::Body(body) => Some(body),
                     AttachedTo::Carrier(wanted) => match found.get(wanted).map(Vec::as_slice) {
@@ -199,7 +199,7 @@ impl Resolver<'_> {
     }
 
     /// Who takes a force at a point.
-    pub fn holder(&mut self, point: &[Id], words: &str, place: Place, drafts: &mut Drafts) -> AttachedTo {
+    pub fn attached(&mut self, point: &[Id], words: &str, place: Place, drafts: &mut Drafts) -> AttachedTo {
         if belongs_to_ground(&mut self.builder, point) {
             return AttachedTo::Ground;
         }

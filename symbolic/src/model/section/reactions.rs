@@ -111,7 +111,7 @@ impl<'a> Resolver<'a> {
         let zero = vec![Id::ZERO; self.scope.dimension];
         let mut pushes = Vec::new();
         for (end, load) in std::iter::once((end, full)).chain(opposite.map(|end| (end, minus))) {
-            let AttachedTo::Body(body) = end.holder else { continue };
+            let AttachedTo::Body(body) = end.attached else { continue };
             let (force, couple) = if couple { (zero.clone(), load) } else { (load, Vec::new()) };
             pushes.push(Push { body: Some(body), at: end.at, force, couple });
         }

@@ -240,8 +240,12 @@ impl Resolver<'_> {
     /// The force on P and its opposite on Q.
     fn pair(&mut self, p: &End, q: &End, pull: Vec<Id>) -> Vec<DraftPush> {
         let opposite = value::negative(&mut self.builder.graph, &pull);
-        let push =
-            |end: &End, force| DraftPush { holder: end.holder.clone(), at: end.at.clone(), force, couple: Vec::new() };
+        let push = |end: &End, force| DraftPush {
+            attached: end.attached.clone(),
+            at: end.at.clone(),
+            force,
+            couple: Vec::new(),
+        };
         vec![push(p, pull), push(q, opposite)]
     }
 
@@ -315,7 +319,7 @@ impl Resolver<'_> {
                 let Some(body) = self.rigid_body(text, context, locals)? else { continue };
                 let at = self.centre(body)?;
                 pushes.push(DraftPush {
-                    holder: AttachedTo::Body(body),
+                    attached: AttachedTo::Body(body),
                     at,
                     force: nothing.clone(),
                     couple: vec![couple],
@@ -327,10 +331,11 @@ impl Resolver<'_> {
         let end = self.placed(on, placement.at.as_ref(), locals, drafts)?;
         let force: Vec<Id> = direction.iter().map(|u| self.builder.graph.mul(tension, *u)).collect();
         let minus = value::negative(&mut self.builder.graph, &force);
-        let mut pushes = vec![DraftPush { holder: end.holder, at: end.at.clone(), force: minus, couple: Vec::new() }];
+        let mut pushes =
+            vec![DraftPush { attached: end.attached, at: end.at.clone(), force: minus, couple: Vec::new() }];
         if let Some(from) = &placement.from {
             let opposite = self.opposite(from, &end.at, locals)?;
-            pushes.push(DraftPush { holder: opposite.holder, at: opposite.at, force, couple: Vec::new() });
+            pushes.push(DraftPush { attached: opposite.attached, at: opposite.at, force, couple: Vec::new() });
         }
         Some(pushes)
     }
