@@ -172,8 +172,8 @@ fn also_adds_equations_on_what_is_conserved_or_an_output() {
     let model = bead(
         "conserved: {spin: m*(x*y' - y*x')}
 outputs: {tip: \"[x + y, x - y]\", \"a[i in 1..2]\": x + i*y, spin: m*(x*y' - y*x')}
-scene: {start_conditions: {spin: 0, tip: [1, 2 m], \"a[i in 1..2]\": [3, 50 cm]}}
-scenes: {none: {start_conditions: {}}, zero: {start_conditions: {tip: 0}}}",
+scene: {also: {spin: 0, tip: [1, 2 m], \"a[i in 1..2]\": [3, 50 cm]}}
+scenes: {none: {also: {}}, zero: {also: {tip: 0}}}",
     );
     let start_conditions = &model.scenes[0].start_conditions;
     let quantities: Vec<Id> = start_conditions.iter().map(|(quantity, _)| *quantity).collect();

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use dalembert_symbolic::lower::compile;
+
 /// Folders at the top of the workspace whose paths the documents name in full.
 const FOLDERS: [&str; 6] = ["symbolic/", "macros/", "runtime/", "models/", "tests/", "docs/"];
 
@@ -38,4 +40,31 @@ fn every_generated_page_names_the_example_that_prints_it() {
         }
     }
     assert!(named >= 4, "only {named} examples were found");
+}
+
+#[test]
+fn every_model_of_the_tutorial_is_accepted_without_a_warning() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace's folder");
+    let text = std::fs::read_to_string(root.join("docs/tutorial.md")).expect("the tutorial");
+    let models: Vec<&str> = text.split("```yaml\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+    assert!(models.len() >= 10, "only {} models", models.len());
+    for model in models {
+        let program = compile(model, &[]).unwrap_or_else(|problems| panic!("{model}\n{problems:?}"));
+        assert!(program.model.warnings.is_empty(), "{model}\n{:?}", program.model.warnings);
+    }
+}
+
+#[test]
+fn every_test_that_the_catalogue_of_failures_names_exists() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace's folder");
+    let text = std::fs::read_to_string(root.join("docs/stability.md")).expect("the catalogue");
+    let mut named = 0;
+    for reference in text.split('`').skip(1).step_by(2) {
+        let Some((path, test)) = reference.split_once(".rs: ") else { continue };
+        named += 1;
+        let source = std::fs::read_to_string(root.join(format!("{path}.rs")));
+        let source = source.unwrap_or_else(|error| panic!("{reference}: {error}"));
+        assert!(source.contains(&format!("fn {test}")), "`{reference}` is no test");
+    }
+    assert!(named > 50, "only {named} tests are named");
 }

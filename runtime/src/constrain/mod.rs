@@ -5,7 +5,7 @@
 //! 2. After every step positions and speeds go back to the constraints, in the metric of M: look in `projection.rs`.
 //! 3. Jumps of the speeds where constraints are entered or struck: look in `impact.rs`.
 //!
-//! The elimination of accelerations and multipliers is `mechanism/form/mod.rs`.
+//! The elimination of accelerations and multipliers is `mechanism/kkt/mod.rs`.
 
 mod branch;
 mod impact;

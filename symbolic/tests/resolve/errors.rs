@@ -280,15 +280,15 @@ phases: {slide: [floor], \"roll[i in 1..2]\": [floor, roll], flight: []}";
     refused_beside("scene: {guess: {x: 1 s}}", "E242", "1");
     refused_beside("scene: {guess: {x: 1}, phase: flight}", "E426", "guess");
     refused("scene: {guess: {x: 1}}", "E426", "guess");
-    refused("scene: {start_conditions: {e: 1}}", "E427", "e");
-    refused("outputs: {e: P}\nscene: {start_conditions: {e: 1}}", "E308", "1");
-    refused("outputs: {e: x}\nscene: {start_conditions: {e: y}}", "E215", "y");
-    refused("outputs: {e: x}\nscene: {start_conditions: {e: 1 s}}", "E242", "1");
-    refused("outputs: {e: x}\nscene: {start_conditions: {e': 1}}", "E428", "e'");
-    refused("outputs: {e: x''}\nscene: {start_conditions: {e: 1}}", "E428", "e");
-    refused("outputs: {e: l}\nscene: {start_conditions: {e: 1}}", "E428", "e");
-    refused("outputs: {e: x}\nconserved: {e: y}\nscene: {start_conditions: {e: 1}}", "E428", "e");
-    refused("outputs: {e: X}\nscene: {start_conditions: {e: 1}}", "E201", "X");
+    refused("scene: {also: {e: 1}}", "E427", "e");
+    refused("outputs: {e: P}\nscene: {also: {e: 1}}", "E308", "1");
+    refused("outputs: {e: x}\nscene: {also: {e: y}}", "E215", "y");
+    refused("outputs: {e: x}\nscene: {also: {e: 1 s}}", "E242", "1");
+    refused("outputs: {e: x}\nscene: {also: {e': 1}}", "E428", "e'");
+    refused("outputs: {e: x''}\nscene: {also: {e: 1}}", "E428", "e");
+    refused("outputs: {e: l}\nscene: {also: {e: 1}}", "E428", "e");
+    refused("outputs: {e: x}\nconserved: {e: y}\nscene: {also: {e: 1}}", "E428", "e");
+    refused("outputs: {e: X}\nscene: {also: {e: 1}}", "E201", "X");
 }
 
 #[test]

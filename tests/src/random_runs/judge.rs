@@ -174,9 +174,16 @@ fn cut(system: &Interpreted, settings: &Settings, run: &Run, part: f64) -> Resul
         Err(error) => return Err(Verdict::Wrong { fault: format!("cut at t = {t:e}: {error}") }),
     };
     let seen = first.events.len() + second.events.len();
-    if seen != run.events.len() && second.warnings.is_empty() && run.warnings.is_empty() {
+    // The first part counts too, whose digits nobody tells.
+    let warnings: Vec<String> =
+        [run, &first, &second].iter().flat_map(|run| &run.warnings).map(ToString::to_string).collect();
+    let verdict = |fault: String| match warnings.is_empty() {
+        true => Verdict::Wrong { fault },
+        false => Verdict::Warned { fault, warnings },
+    };
+    if seen != run.events.len() {
         let fault = format!("cut at t = {t:e}: {seen} events instead of {}", run.events.len());
-        return Err(Verdict::Wrong { fault });
+        return Err(verdict(fault));
     }
     let fault = run.column_names().into_iter().find_map(|name| {
         let last = |run: &Run| run.column(&name).and_then(|column| column.last().copied()).unwrap_or(f64::NAN);
@@ -186,7 +193,7 @@ fn cut(system: &Interpreted, settings: &Settings, run: &Run, part: f64) -> Resul
         let broken = apart > HALF_A_DIGIT * promised;
         broken.then(|| format!("cut at t = {t:e}: {name} = {two:e} instead of {one:e}, {promised:.1e} is promised"))
     });
-    fault.map_or(Ok(()), |fault| Err(Verdict::Wrong { fault }))
+    fault.map_or(Ok(()), |fault| Err(verdict(fault)))
 }
 
 /// From when on two runs have different events.

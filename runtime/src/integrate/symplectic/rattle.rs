@@ -11,7 +11,7 @@ use crate::mechanism::{At, Enforcement, KktSolver, Singular, System};
 /// the constraints.
 ///
 /// q₁ is found by Newton's iteration with J(q₁) M⁻¹ J(q₀)ᵀ from where the accelerations lead; a step is too long where there is no
-/// such λ (on a circle: hω > 1).  Rows that depend on others are left out as everywhere (`mechanism/form/mod.rs`).
+/// such λ (on a circle: hω > 1).  Rows that depend on others are left out as everywhere (`mechanism/kkt/mod.rs`).
 ///
 /// Source: Andersen, J. Comput. Phys. 52 (1983) 24; Hairer, Lubich, Wanner, Geometric Numerical Integration (2006), VII.1.4;
 /// compositions: Reich, SIAM J. Numer. Anal. 33 (1996) 475.
