@@ -25,9 +25,14 @@ impl Integration {
         // Steps grow by themselves where there are no accelerations at all.
         let pushed = || self.stepper.start().rate[system.len()..].iter().any(|a| *a != 0.0);
         if matches!(self.policy, StepPolicy::Adaptive { .. }) && pushed() && self.is_at_rest(system) {
-            let rest = Box::new(AtRest::new(&*self.stepper));
-            self.asleep = Some(std::mem::replace(&mut self.stepper, rest));
+            self.hold();
         }
+    }
+
+    /// Holds the mechanism where it is.
+    pub(super) fn hold(&mut self) {
+        let rest = Box::new(AtRest::new(&*self.stepper));
+        self.asleep = Some(std::mem::replace(&mut self.stepper, rest));
     }
 
     /// Whether the mechanism is where it will be until the end: at rest, whatever its events do.

@@ -35,6 +35,7 @@ impl Integration {
             return self.keep_step(left);
         }
         if method == Method::Exact && self.stays(system) {
+            self.hold();
             return self.keep_step(left);
         }
         if method == Method::Exact {

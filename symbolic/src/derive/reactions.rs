@@ -209,11 +209,14 @@ fn weight(graph: &mut Graph, rows: &[Vec<(usize, Id)>], couples: &[bool], defaul
     if !(at_defaults > 0.0 && at_defaults.is_finite()) {
         return Id::ONE;
     }
-    let floor = match graph.number(sum) {
-        Some(_) => Id::ZERO,
-        None => graph.float(TINY * TINY * at_defaults),
-    };
-    let (count, sum) = (graph.integer(entries.len() as i64), graph.add(sum, floor));
+    let count = entries.len();
+    if graph.number(sum).is_some() {
+        // A power of four rounds nothing, and is 1 for directions.
+        let steps = (0.5 * (count as f64 / at_defaults).log2()).round();
+        return graph.float((2.0 * steps).exp2());
+    }
+    let floor = graph.float(TINY * TINY * at_defaults);
+    let (count, sum) = (graph.integer(count as i64), graph.add(sum, floor));
     graph.div(count, sum)
 }
 
