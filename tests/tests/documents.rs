@@ -53,3 +53,18 @@ fn every_model_of_the_tutorial_is_accepted_without_a_warning() {
         assert!(program.model.warnings.is_empty(), "{model}\n{:?}", program.model.warnings);
     }
 }
+
+#[test]
+fn every_test_that_the_catalogue_of_failures_names_exists() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace's folder");
+    let text = std::fs::read_to_string(root.join("docs/stability.md")).expect("the catalogue");
+    let mut named = 0;
+    for reference in text.split('`').skip(1).step_by(2) {
+        let Some((path, test)) = reference.split_once(".rs: ") else { continue };
+        named += 1;
+        let source = std::fs::read_to_string(root.join(format!("{path}.rs")));
+        let source = source.unwrap_or_else(|error| panic!("{reference}: {error}"));
+        assert!(source.contains(&format!("fn {test}(")), "`{reference}` is no test");
+    }
+    assert!(named > 50, "only {named} tests are named");
+}
