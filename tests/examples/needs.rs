@@ -41,26 +41,26 @@ fn main() {
     for model in MODELS {
         let names = dalembert_symbolic::model::load(model.source, &[]).expect("a model");
         for scene in &names.scenes {
-            let question = NeedsRequest {
+            let request = NeedsRequest {
                 scene: Some(scene.name.clone()),
                 need: Some(Need::default()),
                 ..NeedsRequest::new(model.source)
             };
-            println!("| {} | {} | {} |", model.name, scene.name, row(&question));
+            println!("| {} | {} | {} |", model.name, scene.name, row(&request));
         }
     }
 }
 
-fn row(question: &NeedsRequest) -> String {
-    let found = match Needs::find(question, &mut |_| ControlFlow::Continue(())) {
+fn row(request: &NeedsRequest) -> String {
+    let found = match Needs::find(request, &mut |_| ControlFlow::Continue(())) {
         Ok(found) => found,
-        Err(unanswered) => return format!("not asked: {unanswered} | | | | | |"),
+        Err(error) => return format!("not asked: {error} | | | | | |"),
     };
     let until = found.promised_until.map_or_else(String::new, |t| format!(" (promised until t = {t:.3} s)"));
     let Some(choice) = &found.choice else {
         return format!("nothing{until} | | | | | {:.0} | 1", found.operations);
     };
-    assert!(choice.verified <= question.need.as_ref().map_or(0.0, |need| need.within), "{}", found.table());
+    assert!(choice.verified <= request.need.as_ref().map_or(0.0, |need| need.within), "{}", found.table());
     let goes = if choice.members.is_empty() { "nothing".to_owned() } else { choice.members.join(", ") };
     let predicted = match choice.predicted {
         Some(predicted) => format!("{predicted:.1e} | {:.1e}", choice.change),

@@ -42,9 +42,9 @@ impl Integration {
         }
         let mut after = vec![0.0; 2 * n];
         self.stepper.evaluate(system, self.clock.now() + h, &y, &mut after).ok()?;
-        let felt: Vec<f64> = (0..n).map(|i| after[n + i] - before[n + i]).collect();
+        let changes: Vec<f64> = (0..n).map(|i| after[n + i] - before[n + i]).collect();
         match &self.policy {
-            StepPolicy::Adaptive { tolerance, .. } => Some(tolerance.rate_of_change(&way, &felt)),
+            StepPolicy::Adaptive { tolerance, .. } => Some(tolerance.rate_of_change(&way, &changes)),
             StepPolicy::Fixed(_) => None,
         }
     }

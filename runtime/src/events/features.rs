@@ -68,11 +68,11 @@ impl FeatureDetector {
     pub fn new<S: System + ?Sized>(system: &S, decorrelate_steps: bool) -> Self {
         let part = if decorrelate_steps { FINER } else { 1.0 };
         let parameters = system.parameters();
-        let felt = || {
+        let in_force = || {
             let list = system.description().arguments.iter().enumerate();
-            list.filter(|(_, argument)| argument.of == Watched::Motion && argument.is_felt(&parameters))
+            list.filter(|(_, argument)| argument.of == Watched::Motion && argument.is_in_force(&parameters))
         };
-        let motion = felt().filter(|(_, argument)| argument.role != Role::Distance);
+        let motion = in_force().filter(|(_, argument)| argument.role != Role::Distance);
         let (of_time, of_state): (Vec<_>, Vec<_>) = motion.partition(|(_, argument)| argument.time_only);
         let places = |list: Vec<(usize, _)>| list.into_iter().map(|(place, _)| place).collect::<Vec<usize>>();
         let arguments = &system.description().arguments;
@@ -80,7 +80,7 @@ impl FeatureDetector {
             Watched::Argument(outer) => argument.role == Role::Phase && !arguments[outer as usize].time_only,
             _ => false,
         });
-        let distances = felt().filter(|(_, argument)| argument.role == Role::Distance);
+        let distances = in_force().filter(|(_, argument)| argument.role == Role::Distance);
         FeatureDetector {
             of_state: of_state
                 .into_iter()

@@ -45,7 +45,8 @@ pub(crate) struct Tolerance {
 
 /// 200 unit round-offs.
 pub(crate) const ROUNDING: f64 = 100.0 * f64::EPSILON;
-/// By what part of themselves coordinates and the time are moved to see what their rounding does.
+/// By what part of themselves coordinates and the time are moved to see what their rounding does: two to four units in the last place, so
+/// that a rounding of what is computed from them does not swallow the change.
 pub(crate) const PERTURBATION: f64 = 4.0 * f64::EPSILON;
 /// The least unit of errors, SI: nothing is so small, and squares of what is many times smaller are still numbers.
 pub(crate) const LEAST: f64 = 1e-100;
@@ -109,6 +110,7 @@ impl Tolerance {
     /// What moves at first by a high power of the time alone, driven by what moves already, has errors of the size of its
     /// change in any step, however short.
     pub fn coupled_changes(&self, i: usize, change: impl Fn(usize) -> f64) -> [f64; 2] {
+        /// Small beside 1, so that what moves by itself keeps its own unit, and far above rounding.
         const COUPLED: f64 = 1e-6;
         let mut most = [change(i), change(self.n + i)];
         for j in (0..self.n).filter(|j| self.group[*j] == self.group[i]) {
@@ -118,13 +120,13 @@ impl Tolerance {
         most
     }
 
-    /// ω with which accelerations change by `felt` while places move by `way`: ω² = max |Δa|/|Δq|, Δq the largest of what has the same
+    /// ω with which accelerations change by `changes` while places move by `way`: ω² = max |Δa|/|Δq|, Δq the largest of what has the same
     /// unit; ∞ where no place moves, and 0 where no acceleration changes.
-    pub fn rate_of_change(&self, way: &[f64], felt: &[f64]) -> f64 {
+    pub fn rate_of_change(&self, way: &[f64], changes: &[f64]) -> f64 {
         let squares = (0..self.n).map(|i| {
             let alike = (0..self.n).filter(|j| self.group[*j] == self.group[i]);
             let way = alike.map(|j| way[j].abs()).fold(0.0, f64::max);
-            if felt[i] == 0.0 { 0.0 } else { felt[i].abs() / way }
+            if changes[i] == 0.0 { 0.0 } else { changes[i].abs() / way }
         });
         squares.fold(0.0_f64, |most, square| if square > most || square.is_nan() { square } else { most }).sqrt()
     }

@@ -265,7 +265,7 @@ pub struct Argument {
 
 impl Argument {
     /// Whether the equations of motion depend on it with these parameters.
-    pub fn is_felt(&self, parameters: &[f64]) -> bool {
+    pub fn is_in_force(&self, parameters: &[f64]) -> bool {
         !self.gates.iter().any(|gate| parameters.get(*gate as usize) == Some(&0.0))
     }
 }

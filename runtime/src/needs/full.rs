@@ -327,8 +327,8 @@ fn not_depended_on(program: &Program, wanted: &[String]) -> Vec<String> {
     let outputs: Vec<_> = outputs.copied().collect();
     let coordinates: Vec<usize> =
         (0..model.coordinates.len()).filter(|k| is_wanted(&model.coordinates[*k].name)).collect();
-    let felt = program.depends_on(&outputs, &coordinates);
-    let not_depended_on = (0..model.coordinates.len()).filter(|k| !felt[*k]);
+    let depended_on = program.depends_on(&outputs, &coordinates);
+    let not_depended_on = (0..model.coordinates.len()).filter(|k| !depended_on[*k]);
     not_depended_on.map(|k| model.coordinates[k].name.clone()).collect()
 }
 

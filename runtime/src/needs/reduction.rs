@@ -123,7 +123,7 @@ const NEAR: f64 = 0.05;
 /// Changes that differ by less are the same.
 const ALIKE: f64 = 1.01;
 /// What moves a guard by this part of how far it is from zero is told of.
-const FELT: f64 = 0.1;
+const MOVED: f64 = 0.1;
 /// A guard may move by this part of how far it is from zero.
 const MOVES: f64 = 0.5;
 /// An edited file and its answer.
@@ -305,7 +305,7 @@ pub(super) fn near(full: &Motion, other: &Motion) -> Option<(String, f64)> {
 
 /// The event or discontinuity nearest to happening of those that go with what is left out, or are moved by it.
 fn margin(full: &Motion, other: &Motion) -> Option<(String, f64)> {
-    let concerned = missed(full, other).filter(|guard| guard.moves.is_none_or(|part| part > FELT));
+    let concerned = missed(full, other).filter(|guard| guard.moves.is_none_or(|part| part > MOVED));
     let nearest = concerned.min_by(|one, another| one.parts.total_cmp(&another.parts));
     nearest.map(|guard| (guard.name.clone(), guard.parts))
 }

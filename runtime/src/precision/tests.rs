@@ -29,7 +29,7 @@ fn measured(toy: &Toy, methods: &[Method]) -> WorkPrecision {
 #[test]
 fn errors_follow_the_laws_of_fixed_steps_on_the_oscillator() {
     let found = measured(&oscillator(100.0), &[Method::Verlet, Method::Rk4]);
-    // Phases, for a range of 2 (stability catalogue, section 4).
+    // Phases, for a range of 2 (`docs/stability.md`, laws of charts).
     for (name, law) in
         [("verlet", (|h: f64| 100.0 * h.powi(2) / 24.0) as fn(f64) -> f64), ("rk4", |h| 100.0 * h.powi(4) / 120.0)]
     {

@@ -126,14 +126,14 @@ impl Digits {
     }
 
     /// An event may be earlier or later by so much, s.
-    pub(crate) fn blur_event(&mut self, index: usize, width: f64) {
+    pub(crate) fn widen_event(&mut self, index: usize, width: f64) {
         if let Some(bound) = self.events.get_mut(index) {
             *bound = bound.max(width);
         }
     }
 
     /// The end may be, at which coordinates and speeds change at these rates.
-    pub(crate) fn blur_end(&mut self, run: &Run, width: f64, rates: &[f64]) {
+    pub(crate) fn widen_end(&mut self, run: &Run, width: f64, rates: &[f64]) {
         self.end = self.end.max(width);
         let first = self.rows.len() - run.column_names().len();
         self.rows[first..].iter_mut().zip(rates).for_each(|(bound, rate)| *bound = bound.max(width * rate.abs()));
@@ -312,10 +312,15 @@ impl Run {
     }
 }
 
-/// A time that both runs agree on to the last digit was known beforehand: it is written as it is.
+/// A time that both runs agree on to the last digit was known beforehand: it is written as it is.  One that is smaller than its error is
+/// not 0, but unknown.
 #[cfg(feature = "cli")]
 fn written_time(t: f64, error: f64) -> String {
-    if error == 0.0 { plain(t) } else { written(t, error.max(2.0 * f64::EPSILON * t.abs())) }
+    match error {
+        0.0 => plain(t),
+        error if error >= t.abs() => "?".to_owned(),
+        error => written(t, error.max(2.0 * f64::EPSILON * t.abs())),
+    }
 }
 
 /// Significant decimal digits of a value with this error, 0 to 15.

@@ -202,8 +202,8 @@ struct Breaks {
 /// `None` where they are too many to be listed.
 fn breaks(settings: &Settings, system: &dyn System, y: &[f64]) -> Option<Breaks> {
     let mut copy = system.boxed_clone();
-    let watch = EventLocator::new(&mut *copy, (settings.from, settings.until), y, false).ok()?;
-    let stops = watch.map_or_else(Vec::new, |watch| watch.stop_times());
+    let locator = EventLocator::new(&mut *copy, (settings.from, settings.until), y, false).ok()?;
+    let stops = locator.map_or_else(Vec::new, |locator| locator.stop_times());
     let mut between: Vec<f64> = stops.windows(2).map(|pair| pair[1] - pair[0]).collect();
     between.sort_by(f64::total_cmp);
     between.dedup_by(|a, b| *a - *b <= ALIKE * *b);
@@ -297,6 +297,14 @@ mod tests {
         assert_eq!(at(&toy, 1e-4), Method::Dop853);
         toy.description.events = vec![event(Action::Phase(0))].into();
         assert_eq!([1e-4, 1e-6].map(|tolerance| at(&toy, tolerance)), [Method::Dopri5, Method::Dop853]);
+    }
+
+    /// Its eigenvalues have the real part 0, of either sign.
+    #[test]
+    fn what_does_not_decay_is_there_until_the_end() {
+        let (steady, settled) = (damped(0.0, 1000.0), damped(1.0, 1000.0));
+        let evaluations = |toy: &Toy| explicit_evaluations(&Settings::new(&toy.scene(0)), toy, &[1.0, 0.0], (1.0, 0.0));
+        assert!(evaluations(&steady) > 3.0 * evaluations(&settled), "{}", evaluations(&steady));
     }
 
     #[test]

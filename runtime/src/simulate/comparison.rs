@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::close_calls::close_calls;
-use super::flat::blur_flat_events;
+use super::flat::widen_flat_events;
 use super::{Settings, simulate_with};
 use crate::cause::Cause;
 use crate::constrain::Projection;
@@ -72,16 +72,16 @@ pub(crate) fn estimate_global_error(
         return;
     }
     let mut goes_on = |_: f64| progress(settings.until);
-    let Some(companion) = companion(system, settings, run, Distance::Near, &mut goes_on) else { return };
-    let Companion { policy, finer, follows, run: other } = companion;
+    let Some(comparison) = comparison(system, settings, run, Distance::Near, &mut goes_on) else { return };
+    let ComparisonRun { policy, finer, follows, run: other } = comparison;
     let tolerance = settings.step.is_none() && !finer;
     run.fastest = fastest(system, settings, run);
     let mut digits = Digits::compare(run, &other, policy, tolerance.then_some(policy));
     let cut = is_cut(system, run);
     let bumpy = is_bumpy(run);
     if digits.worst(run) > DOUBTFUL || cut || bumpy {
-        let another = self::companion(system, settings, run, Distance::Far, &mut goes_on);
-        let Some(Companion { run: another, .. }) = another else { return };
+        let another = self::comparison(system, settings, run, Distance::Far, &mut goes_on);
+        let Some(ComparisonRun { run: another, .. }) = another else { return };
         digits.third_run(run, &another, 1.0 / if follows { COARSER } else { LOOSER });
     }
     let by_chance = cut || bumpy && !follows;
@@ -100,7 +100,7 @@ pub(crate) fn estimate_global_error(
         digits.tolerance_floor(run, tolerance);
     }
     digits.frequency_error(run, detuning(system, run));
-    blur_flat_events(system, run, &mut digits);
+    widen_flat_events(system, run, &mut digits);
     if leaves_to_either_side(run) {
         digits.lose(run);
     }
@@ -202,7 +202,7 @@ enum Distance {
 }
 
 /// A second run.
-struct Companion {
+struct ComparisonRun {
     /// Its tolerance, or its fixed step in s.
     policy: f64,
     /// Whether its steps are shorter than those of the first one.
@@ -214,13 +214,13 @@ struct Companion {
 
 /// A run whose steps are longer by this distance, or whose tolerance or fixed step is larger; where stops divide the way into the same steps all
 /// the same, at a step that is shorter.  `None` if it was interrupted.
-fn companion(
+fn comparison(
     system: &mut dyn System,
     settings: &Settings,
     run: &Run,
     distance: Distance,
     progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
-) -> Option<Companion> {
+) -> Option<ComparisonRun> {
     let mut other = alike(system, settings, run);
     let power = if distance == Distance::Far { 2 } else { 1 };
     let times = if distance == Distance::Far { 3.0 } else { 2.0 };
@@ -237,11 +237,11 @@ fn companion(
     let fixed = settings.step.is_some() || !run.method.adapts_to(&system.description().structure);
     let shared = coarser.work.steps as f64 > SHARED * run.work.steps as f64;
     if !(fixed && shared) || run.method == Method::Exact {
-        return Some(Companion { policy, finer: false, follows, run: coarser });
+        return Some(ComparisonRun { policy, finer: false, follows, run: coarser });
     }
     let even = (settings.until - settings.from) / run.work.steps as f64;
     let policy = *other.step.insert(settings.step.map_or(even, |step| step.min(even)) / times);
-    Some(Companion { policy, finer: true, follows, run: ran(system, &other, run, progress)? })
+    Some(ComparisonRun { policy, finer: true, follows, run: ran(system, &other, run, progress)? })
 }
 
 /// The steps of a run, to be followed by one whose errors are so many times as large; `None` where more than the tolerance chose them.

@@ -12,16 +12,19 @@ const MOST_LOOKED_AT: usize = 10_000;
 
 /// Raises the bounds of the times of events by half of the stretch in which the function is below its own rounding; where such an event
 /// ends the run, those of the last state by what happens meanwhile.
-pub(super) fn blur_flat_events(system: &dyn System, run: &Run, digits: &mut Digits) {
-    let start = run.times.first().copied();
+pub(super) fn widen_flat_events(system: &dyn System, run: &Run, digits: &mut Digits) {
+    let (mut system, start) = (system.boxed_clone(), run.times.first().copied());
     let looked_at = |index: usize| index < MOST_LOOKED_AT || run.ended_by == Some(index);
     for (index, event) in run.events.iter().enumerate().filter(|(index, _)| looked_at(*index)) {
         let t = event.state.t;
-        let width = if Some(t) == start { 0.0 } else { flat(system, run, event.event, t) };
+        // The function is that of the phase which the event may end.
+        let before = run.phases.iter().take_while(|(from, _)| *from < t).last().or(run.phases.first());
+        before.into_iter().for_each(|(_, phase)| system.set_phase(*phase));
+        let width = if Some(t) == start { 0.0 } else { flat(&*system, run, event.event, t) };
         if width > SIMPLE * f64::EPSILON * t.abs() {
-            digits.blur_event(index, width);
+            digits.widen_event(index, width);
             if run.ended_by == Some(index) {
-                digits.blur_end(run, width, &rates(system, run));
+                digits.widen_end(run, width, &rates(&*system, run));
             }
         }
     }
@@ -67,11 +70,11 @@ fn motion(system: &dyn System, run: &Run, t: f64) -> Option<Vec<f64>> {
 
 /// An event's function at a state.
 fn value(system: &dyn System, event: usize, t: f64, y: &[f64]) -> Option<f64> {
-    let n = system.len();
-    let mut pairs = vec![f64::NAN; 2 * system.description().events.len()];
-    let (at, mut a) = (At::packed(t, y, n), vec![0.0; n]);
-    system.accelerations(at, &mut a).ok()?;
-    system.events(at.accelerated(&a), &mut pairs);
+    let (n, description) = (system.len(), system.description());
+    let mut pairs = vec![f64::NAN; 2 * description.events.len()];
+    let (at, mut a, mut lambda) = (At::packed(t, y, n), vec![0.0; n], vec![0.0; description.rows.len()]);
+    system.accelerations_and_multipliers(at, &mut a, &mut lambda).ok()?;
+    system.events(at.accelerated(&a).constrained(&lambda), &mut pairs);
     Some(pairs[2 * event]).filter(|value| value.is_finite())
 }
 

@@ -3,7 +3,7 @@
 use dalembert::linear::{
     Guess, Kind, Linearised, Mode, equilibrium_near, linearise, linearise_constrained, linearise_tangent,
 };
-use dalembert::mechanism::System;
+use dalembert::mechanism::{Method, System};
 
 use super::{case, printed, text_of};
 
@@ -296,4 +296,24 @@ fn a_body_by_a_quaternion_ran_away_where_its_inertia_is_singular() {
             assert!(off < 1e4 * tolerance, "{name}: {off}");
         }
     }
+}
+
+/// Its forces balance to a rounding, not to zero; a propagator's steps are as long as the vibration asks.
+#[test]
+fn what_hangs_at_rest_is_held_by_the_exact_method_however_long() {
+    let hung = |away: f64| {
+        case(&format!(
+            "name: Hung\nparameters: {{m: 0.7 kg, k: 3 N/m, g: 9.81 m/s^2, away: {away} m}}\ncoordinates: {{x: m}}\n\
+             bodies: {{b: {{mass: m, position: \"[0, -x]\"}}}}\ngravity: [0, -g]\npotential_energy: k*x^2/2\n\
+             scene: {{start: {{x: m*g/k + away}}, until: 1e9}}\n"
+        ))
+    };
+    let mut rests = hung(0.0);
+    rests.settings.method = Method::Exact;
+    let run = rests.run();
+    assert!(run.work.steps < 10 && run.last()["x'"] == 0.0, "{:?}", run.work);
+    let mut swings = hung(0.1);
+    (swings.settings.method, swings.settings.until) = (Method::Exact, 100.0);
+    let omega = (3.0_f64 / 0.7).sqrt();
+    close(swings.run().last()["x'"], -0.1 * omega * (100.0 * omega).sin(), 1e-9);
 }

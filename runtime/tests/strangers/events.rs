@@ -351,3 +351,17 @@ scene: {{start: {{x: 0}}, until: 3, tolerance: 1e-12}}
         assert!(run.impulses.is_empty(), "{kind}: {:?}", run.impulses);
     }
 }
+
+/// Its block is lifted where g = Y ω² sin ωt, by a reaction that is 0 in the phase in which the run ends.
+#[test]
+fn the_time_at_which_a_reaction_vanishes_has_its_digits() {
+    let text = super::printed("simulate", "shaken_table", &[]);
+    let lift = (9.81_f64 / (0.01 * 1600.0)).asin() / 40.0;
+    let times: Vec<&str> = text.lines().filter_map(|line| line.trim().strip_prefix("event lift at t = ")).collect();
+    let [first, second, ..] = times.as_slice() else { panic!("{text}") };
+    let printed = first.parse::<f64>().unwrap_or_else(|_| panic!("{text}"));
+    assert!(first.len() > 8 && (printed - lift).abs() < 1e-8, "{first} for {lift}");
+    // In the third period of the table, where it rests after its second landing.
+    let later = lift + std::f64::consts::TAU / 40.0;
+    assert!((second.parse::<f64>().unwrap_or_else(|_| panic!("{text}")) - later).abs() < 1e-6, "{second} for {later}");
+}

@@ -22,6 +22,7 @@ pub(crate) mod momentum;
 mod reactions;
 mod switches;
 mod virtual_power;
+mod weights;
 
 use std::collections::BTreeMap;
 

@@ -3,11 +3,9 @@
 use rustc_hash::FxHashMap as HashMap;
 
 use super::momentum::{in_phase, unknowns};
-use crate::expr::{Angles, Binary, Graph, Id, Node, Symbol, Tape, Unary, expand, jacobian};
+use super::weights::{typical, weights};
+use crate::expr::{Angles, Graph, Id, Node, Symbol, Unary, expand, jacobian};
 use crate::model::{BalanceSystem, Model};
-
-/// What lengths count as where they vanish, beside their defaults: the square is still far above the smallest `f64`.
-const TINY: f64 = 1e-15;
 
 /// Puts reactions, by name, into what observes: outputs, events and checks.  Tells which components of outputs,
 /// by place, were a component of a reaction as it stands.
@@ -136,26 +134,33 @@ fn least_squares(model: &mut Model, system: &BalanceSystem, unknowns: &[Symbol])
     };
     let couples: Vec<bool> = unknowns.iter().map(couple).collect();
     let graph = &mut model.graph;
-    let mut normal = vec![vec![Id::ZERO; m + 1]; m];
+    let mut residuals = Vec::new();
     for balance in &system.balances {
-        let sum = |graph: &mut Graph, k: usize| {
-            balance.parts.iter().fold(Id::ZERO, |sum, part| graph.add(sum, part.value[k]))
-        };
-        let residuals: Vec<Id> = (0..balance.components).map(|k| sum(graph, k)).collect();
-        let rows = jacobian(graph, &residuals, |s| unknowns.iter().position(|u| *u == s));
-        let zero = unknowns.iter().map(|u| (*u, Id::ZERO)).collect();
-        let rest = crate::expr::substitute(graph, &residuals, &zero);
-        let weight = weight(graph, &rows, &couples, &defaults);
-        for (row, s) in rows.iter().zip(&rest) {
-            for &(i, a) in row {
-                let weighted = graph.mul(weight, a);
-                for &(j, b) in row {
-                    let product = graph.mul(weighted, b);
-                    normal[i][j] = graph.add(normal[i][j], product);
-                }
-                let product = graph.mul(weighted, *s);
-                normal[i][m] = graph.sub(normal[i][m], product);
+        for k in 0..balance.components {
+            residuals.push(balance.parts.iter().fold(Id::ZERO, |sum, part| graph.add(sum, part.value[k])));
+        }
+    }
+    let rows = jacobian(graph, &residuals, |s| unknowns.iter().position(|u| *u == s));
+    let zero = unknowns.iter().map(|u| (*u, Id::ZERO)).collect();
+    let rest = crate::expr::substitute(graph, &residuals, &zero);
+    let mut normal = vec![vec![Id::ZERO; m + 1]; m];
+    let (mut own, mut others) = (Vec::new(), rows.as_slice());
+    for balance in &system.balances {
+        let (first, left) = others.split_at(balance.components);
+        own.push(first);
+        others = left;
+    }
+    let weights = weights(graph, &own, &couples, &defaults);
+    let weights = own.iter().zip(weights).flat_map(|(rows, weight)| vec![weight; rows.len()]);
+    for ((row, s), weight) in rows.iter().zip(&rest).zip(weights) {
+        for &(i, a) in row {
+            let weighted = graph.mul(weight, a);
+            for &(j, b) in row {
+                let product = graph.mul(weighted, b);
+                normal[i][j] = graph.add(normal[i][j], product);
             }
+            let product = graph.mul(weighted, *s);
+            normal[i][m] = graph.sub(normal[i][m], product);
         }
     }
     // cos² + sin² of a direction becomes 1, so that most pivots are constants.
@@ -193,85 +198,4 @@ fn least_squares(model: &mut Model, system: &BalanceSystem, unknowns: &[Symbol])
         solution[k] = graph.div(value, normal[k][k]);
     }
     solution
-}
-
-/// The weight of a balance: 1 over the mean square of its entries, with arms and directions at their sizes.
-///
-/// The entries of moments stand aside where there are others, since they have no length in them.  What makes all entries 0 makes
-/// no weight infinite: lengths below `TINY` of their defaults count as that.
-fn weight(graph: &mut Graph, rows: &[Vec<(usize, Id)>], couples: &[bool], defaults: &dyn Fn(Symbol) -> f64) -> Id {
-    let entries = |couple: bool| rows.iter().flatten().filter(move |(j, _)| couples[*j] == couple).map(|(_, a)| *a);
-    let forces: Vec<Id> = entries(false).collect();
-    let entries = if forces.is_empty() { entries(true).collect() } else { forces };
-    let squares = squared_sizes(graph, &entries, defaults);
-    let sum = squares.iter().fold(Id::ZERO, |sum, square| graph.add(sum, *square));
-    let at_defaults = Tape::new(graph, &[sum]).evaluate(defaults)[0];
-    if !(at_defaults > 0.0 && at_defaults.is_finite()) {
-        return Id::ONE;
-    }
-    let count = entries.len();
-    if graph.number(sum).is_some() {
-        // A power of four rounds nothing, and is 1 for directions.
-        let steps = (0.5 * (count as f64 / at_defaults).log2()).round();
-        return graph.float((2.0 * steps).exp2());
-    }
-    let floor = graph.float(TINY * TINY * at_defaults);
-    let (count, sum) = (graph.integer(count as i64), graph.add(sum, floor));
-    graph.div(count, sum)
-}
-
-/// Squares of sizes, expressions of parameters: of a sum the sum of the squares, of a sine or cosine 1, of a coordinate or a speed the
-/// square of its value at the start.
-fn squared_sizes(graph: &mut Graph, roots: &[Id], starts: &dyn Fn(Symbol) -> f64) -> Vec<Id> {
-    let mut sizes: HashMap<Id, Id> = HashMap::default();
-    for id in graph.needed(roots.iter().copied()) {
-        let size = match graph.node(id) {
-            Node::Number(_) | Node::Symbol(Symbol::Parameter(_)) => graph.mul(id, id),
-            Node::Symbol(symbol) => {
-                let start = starts(symbol);
-                graph.float(start * start)
-            }
-            Node::Unary(Unary::Neg | Unary::Abs, x) => sizes[&x],
-            Node::Unary(Unary::Sqrt, x) => graph.unary(Unary::Sqrt, sizes[&x]),
-            Node::Unary(..) | Node::Binary(Binary::Atan2, ..) => Id::ONE,
-            Node::Binary(Binary::Mul, x, y) => graph.mul(sizes[&x], sizes[&y]),
-            Node::Binary(Binary::Div, x, y) => graph.div(sizes[&x], sizes[&y]),
-            Node::Binary(Binary::Pow, x, y) => graph.binary(Binary::Pow, sizes[&x], y),
-            Node::Binary(Binary::Add | Binary::Sub | Binary::Min | Binary::Max, x, y) => {
-                graph.add(sizes[&x], sizes[&y])
-            }
-        };
-        sizes.insert(id, size);
-    }
-    roots.iter().map(|root| sizes[root]).collect()
-}
-
-/// Defaults of parameters, and coordinates and speeds at the first scene's start; one that starts at 0 has the size of the largest
-/// parameter of its unit, or 1.
-fn typical(model: &Model) -> impl Fn(Symbol) -> f64 + use<> {
-    let parameters: Vec<f64> = model.parameters.iter().map(|p| p.default).collect();
-    let value = |s: Symbol| match s {
-        Symbol::Parameter(i) => parameters[i as usize],
-        _ => 0.0,
-    };
-    let nonzero = |x: f64| x != 0.0 && x.is_finite();
-    let start = |list: &[Id]| -> Vec<f64> {
-        let size = |(i, x): (usize, f64)| {
-            let unit = &model.coordinates[i].unit;
-            let alike =
-                model.parameters.iter().filter(|p| p.unit.is_some() && p.unit == *unit).map(|p| p.default.abs());
-            Some(x).into_iter().chain([alike.fold(0.0, f64::max)]).find(|x| nonzero(*x)).unwrap_or(1.0)
-        };
-        Tape::new(&model.graph, list).evaluate(value).into_iter().enumerate().map(size).collect()
-    };
-    let (q, v) = model.scenes.first().map_or_else(Default::default, |scene| (start(&scene.q), start(&scene.v)));
-    move |symbol| {
-        let (list, i) = match symbol {
-            Symbol::Parameter(i) => (&parameters, i),
-            Symbol::Coordinate(i) => (&q, i),
-            Symbol::Speed(i) => (&v, i),
-            _ => return 1.0,
-        };
-        list.get(i as usize).copied().unwrap_or(1.0)
-    }
 }

@@ -96,7 +96,7 @@ impl Factored {
     pub fn spread(&self, right: &[f64]) -> Vec<f64> {
         let n = self.n;
         let entries: Vec<f64> = self.entries.iter().map(|x| x.to_f64()).collect();
-        let mut felt = vec![0.0; n];
+        let mut spread = vec![0.0; n];
         let mut y = vec![0.0; n];
         for (place, &row) in self.rows.iter().enumerate() {
             let size = right[row] * self.row_scales[row];
@@ -114,10 +114,10 @@ impl Factored {
                 y[i] = (y[i] - known) / entries[i * n + i];
             }
             for (k, &j) in self.columns.iter().enumerate() {
-                felt[j] += (y[k] * self.column_scales[j]).abs();
+                spread[j] += (y[k] * self.column_scales[j]).abs();
             }
         }
-        felt
+        spread
     }
 }
 

@@ -261,8 +261,8 @@ impl Motion {
                 moving + right[i].magnitude
             })
             .collect();
-        let felt = factored.spread(&errors);
-        let measured = |k: usize| Measured { value: found[k], magnitude: felt[k].max(found[k].to_f64().abs()) };
+        let spread = factored.spread(&errors);
+        let measured = |k: usize| Measured { value: found[k], magnitude: spread[k].max(found[k].to_f64().abs()) };
         // What constraints hold still is still because its forces cancel: these are its terms.
         let terms = |i: usize| {
             let held: f64 = (n..size).map(|k| sizes[i * size + k] * found[k].to_f64().abs()).sum();
@@ -302,8 +302,8 @@ impl Motion {
                 moving + bias[block[i]].magnitude
             })
             .collect();
-        for ((&i, value), felt) in block.iter().zip(found).zip(factored.spread(&errors)) {
-            a[i] = Measured { value, magnitude: felt.max(value.to_f64().abs()) };
+        for ((&i, value), spread) in block.iter().zip(found).zip(factored.spread(&errors)) {
+            a[i] = Measured { value, magnitude: spread.max(value.to_f64().abs()) };
         }
         Ok(())
     }

@@ -127,10 +127,12 @@ impl Assembled {
         let error = |(line, rest): (&[f64], &Measured)| {
             line.iter().zip(&found).map(|(m, x)| m * x.to_f64().abs()).sum::<f64>() + rest.magnitude
         };
-        let felt = factored.spread(&lines.map(error).collect::<Vec<f64>>());
-        let measured =
-            |(value, felt): (&DoubleDouble, f64)| Measured { value: *value, magnitude: felt.max(value.to_f64().abs()) };
-        Some(found.iter().zip(felt).map(measured).collect())
+        let spread = factored.spread(&lines.map(error).collect::<Vec<f64>>());
+        let measured = |(value, spread): (&DoubleDouble, f64)| Measured {
+            value: *value,
+            magnitude: spread.max(value.to_f64().abs()),
+        };
+        Some(found.iter().zip(spread).map(measured).collect())
     }
 
     /// The same with the unknowns from some place on known.

@@ -1,4 +1,4 @@
-//! The watch over one motion.
+//! Events and discontinuities along one motion.
 
 mod start;
 
@@ -77,7 +77,7 @@ const ON: f64 = 1e-10;
 const REST: f64 = 1e-12;
 
 impl EventLocator {
-    /// A watch over the motion from `from` to `until`, that cuts steps at others than the usual places if `decorrelate_steps`; `None`
+    /// A locator for the motion from `from` to `until`, that cuts steps at others than the usual places if `decorrelate_steps`; `None`
     /// if there is nothing to watch.
     ///
     /// # Errors

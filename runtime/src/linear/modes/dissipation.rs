@@ -7,7 +7,7 @@ use crate::linear::{Linearised, SparseMatrix};
 /// Parts of a shape below this part of its largest (both by the square root of mass) are rounding.
 const PART: f64 = 1e-11;
 /// What dissipation leaves of its own terms, below which it is none.
-const FELT: f64 = 1e-10;
+const DISSIPATED: f64 = 1e-10;
 
 /// The dissipative part of C, where nothing but it damps: K without circulatory part.
 pub struct Dissipation {
@@ -44,7 +44,7 @@ impl Dissipation {
             return (self.is_none() && rounding).then_some(0.0);
         }
         let clean = self.without_rounding(shape);
-        if !self.felt(&clean) {
+        if !self.dissipates(&clean) {
             return Some(0.0);
         }
         if !rounding {
@@ -66,7 +66,7 @@ impl Dissipation {
     }
 
     /// True where D x is not 0 to rounding in some row.
-    fn felt(&self, shape: &[Complex<f64>]) -> bool {
+    fn dissipates(&self, shape: &[Complex<f64>]) -> bool {
         let mut rows = vec![(Complex::new(0.0, 0.0), 0.0); shape.len()];
         for (row, column, value) in &self.matrix.entries {
             let part = shape[*column as usize] * *value;
@@ -74,6 +74,6 @@ impl Dissipation {
             *sum += part;
             *terms += part.norm();
         }
-        rows.iter().any(|(sum, terms)| sum.norm() > FELT * terms)
+        rows.iter().any(|(sum, terms)| sum.norm() > DISSIPATED * terms)
     }
 }
