@@ -83,7 +83,7 @@ pub fn draw(path: &str, picture: impl Into<Figure>) -> Result<(), Problem> {
 /// [`Problem::File`].
 pub fn animate(path: &str, animation: &Animation) -> Result<Option<Playback>, Problem> {
     animation.write(path).map_err(|problem| Problem::File(problem.to_string()))?;
-    Ok(is_picture(Path::new(path)).then(|| animation.pace()))
+    Ok(is_picture(Path::new(path)).then(|| animation.playback()))
 }
 
 /// Refuses a chart in a format that it is not drawn in, or that the program was built without.

@@ -215,9 +215,9 @@ fn report(
     }
     if let Some(path) = file("animate") {
         let charts = shown.of(run).map_err(|error| Problem::Usage(format!("error: {error}")))?;
-        let pace = outputs::animate(path, &Animation { charts, ..run.animation() })?;
-        if let Some(pace) = pace.filter(|_| !options.get_flag("json")) {
-            writeln!(out, "{path}: {pace}")?;
+        let playback = outputs::animate(path, &Animation { charts, ..run.animation() })?;
+        if let Some(playback) = playback.filter(|_| !options.get_flag("json")) {
+            writeln!(out, "{path}: {playback}")?;
         }
     }
     if options.get_flag("json") {

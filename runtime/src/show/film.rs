@@ -38,7 +38,7 @@ impl Animation {
         encoder.set_color(png::ColorType::Rgba);
         // Even areas and thin lines are smallest as they are.
         encoder.set_filter(png::Filter::NoFilter);
-        encoder.set_animated(film.pace.frames as u32, 0).expect(INTO_MEMORY);
+        encoder.set_animated(film.playback.frames as u32, 0).expect(INTO_MEMORY);
         let mut writer = encoder.write_header().expect(INTO_MEMORY);
         film.play(|Frame { area, pixels, shown }| {
             writer.set_blend_op(png::BlendOp::Over)?;
@@ -79,7 +79,7 @@ impl Animation {
 struct Film<'a> {
     animation: &'a Animation,
     stage: Stage<'a>,
-    pace: Playback,
+    playback: Playback,
     /// What all frames have in common.
     background: Picture,
 }
@@ -100,7 +100,7 @@ impl<'a> Film<'a> {
         let canvas = Raster::on(&mut background).into_drawing_area();
         stage.draw_background(&canvas).expect("a picture in memory takes all that is drawn");
         drop(canvas);
-        Film { animation, stage, pace: animation.pace(), background }
+        Film { animation, stage, playback: animation.playback(), background }
     }
 
     fn picture(&self, index: usize) -> Picture {
@@ -114,11 +114,11 @@ impl<'a> Film<'a> {
     /// Hands frame after frame to what writes them.
     fn play<E>(&self, mut write: impl FnMut(Frame) -> Result<(), E>) -> Result<(), E> {
         let mut before: Option<Picture> = None;
-        for index in 0..self.pace.frames {
+        for index in 0..self.playback.frames {
             let picture = self.picture(index);
             let area = before.as_ref().map_or_else(|| picture.whole(), |before| picture.changed(before));
             let pixels = picture.changes(area, before.as_ref());
-            let ends = index + 1 == self.pace.frames && !self.animation.repeat;
+            let ends = index + 1 == self.playback.frames && !self.animation.repeat;
             write(Frame { area, pixels, shown: if ends { AT_THE_END } else { SHOWN } })?;
             before = Some(picture);
         }
@@ -136,7 +136,7 @@ struct Palette {
 impl Palette {
     fn of(film: &Film<'_>) -> Palette {
         let mut counts: HashMap<[u8; 3], usize> = HashMap::new();
-        let frames = film.pace.frames;
+        let frames = film.playback.frames;
         for index in (0..TRIED).map(|k| k * (frames - 1) / (TRIED - 1)) {
             film.picture(index).colours().for_each(|colour| *counts.entry(colour).or_default() += 1);
         }
@@ -290,7 +290,7 @@ mod tests {
             (t, [&[0.0, 0.0], &bob[..], &bob, &[0.05]].concat())
         });
         let pendulum = Animation::new("Pendulum", 2, vec![Shape::Line(2), Shape::Circle]).with_frames(frames);
-        assert_eq!(pendulum.pace().frames, 76);
+        assert_eq!(pendulum.playback().frames, 76);
         let (gif, png) = (pendulum.to_gif().len(), pendulum.to_png().len());
         assert!(gif < 400_000 && png < 800_000, "{gif} and {png} bytes");
     }
@@ -313,7 +313,7 @@ mod tests {
                     let frames = [(0.0, numbers.clone()), (end, vec![1.0; numbers.len()])];
                     let animation = Animation::new("Any", dimension, shapes()).with_frames(frames);
                     let film = Film::of(&animation);
-                    for index in [0, film.pace.frames - 1] {
+                    for index in [0, film.playback.frames - 1] {
                         film.picture(index);
                     }
                 }

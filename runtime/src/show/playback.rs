@@ -41,7 +41,7 @@ const PERIOD: f64 = 2.0;
 impl Animation {
     /// How [`to_png`](Animation::to_png) and [`to_gif`](Animation::to_gif) play: a run of one to twenty seconds as it is, others
     /// in five to ten seconds, a period that repeats in one to two.
-    pub fn pace(&self) -> Playback {
+    pub fn playback(&self) -> Playback {
         let (start, end) = self.span();
         let length = end - start;
         if !(length > 0.0 && length.is_finite()) {
@@ -67,9 +67,9 @@ impl Animation {
 mod tests {
     use super::*;
 
-    fn pace(length: f64, repeat: bool) -> (usize, f64) {
+    fn playback(length: f64, repeat: bool) -> (usize, f64) {
         let frames = [(0.0, Vec::new()), (length, Vec::new())];
-        let Playback { frames, speed } = Animation { repeat, ..Animation::default() }.with_frames(frames).pace();
+        let Playback { frames, speed } = Animation { repeat, ..Animation::default() }.with_frames(frames).playback();
         (frames, speed)
     }
 

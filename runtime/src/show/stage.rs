@@ -28,7 +28,7 @@ type Place = Option<(i32, i32)>;
 /// An animation with its place on a picture.
 pub(super) struct Stage<'a> {
     animation: &'a Animation,
-    pace: Playback,
+    playback: Playback,
     /// Ends of everything that is ever drawn.
     low: Point,
     high: Point,
@@ -53,10 +53,10 @@ struct Drawn<'a> {
 impl<'a> Stage<'a> {
     /// A stage that holds the whole motion.
     pub fn of(animation: &'a Animation) -> Stage<'a> {
-        let pace = animation.pace();
+        let playback = animation.playback();
         let mut stage = Stage {
             animation,
-            pace,
+            playback,
             low: [0.0; 3],
             high: [0.0; 3],
             reach: 1.0,
@@ -104,10 +104,10 @@ impl<'a> Stage<'a> {
     /// `t = 1.24 s`, with the speed where it is not that of the motion.
     fn time(&self, t: f64) -> String {
         // A frame differs from the next one in the last digit.
-        let step = self.pace.speed / f64::from(Playback::RATE);
+        let step = self.playback.speed / f64::from(Playback::RATE);
         let digits = (-step.log10()).ceil().clamp(0.0, 12.0);
         let unit = if self.animation.in_units { " s" } else { "" };
-        let speed = if self.pace.speed == 1.0 { String::new() } else { format!("   {}×", self.pace.speed) };
+        let speed = if self.playback.speed == 1.0 { String::new() } else { format!("   {}×", self.playback.speed) };
         format!("t = {t:.*}{unit}{speed}", digits as usize).replace('-', "−")
     }
 
@@ -402,7 +402,7 @@ impl Animation {
     /// When a frame of the picture is.
     pub(super) fn time_of(&self, index: usize) -> f64 {
         let (start, end) = self.span();
-        let frames = self.pace().frames;
+        let frames = self.playback().frames;
         let steps = if self.repeat { frames } else { (frames - 1).max(1) };
         start + (end - start) * index as f64 / steps as f64
     }

@@ -28,7 +28,7 @@ pub struct Settings {
     pub held_q: Vec<bool>,
     /// Which rates keep their values; those of the others are such that the kinetic energy is least.  Empty: all keep theirs.
     pub held_v: Vec<bool>,
-    /// Which of the equations of [`System::start_conditions`](crate::mechanism::System::also) the start meets beside constraints.
+    /// Which of the equations of [`System::start_conditions`](crate::mechanism::System::start_conditions) the start meets beside constraints.
     pub start_conditions: std::ops::Range<usize>,
     /// Whether the values that are not held were chosen; else the run says so where they decide how a mechanism is put together.
     pub guessed: bool,

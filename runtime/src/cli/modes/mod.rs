@@ -214,9 +214,9 @@ fn pictures(
         },
     };
     if let (Some(path), Some(mode)) = (file("animate"), modes.get(number)) {
-        let pace = outputs::animate(path, &animate_mode(system, linear, mode))?;
-        if let Some(pace) = pace.filter(|_| !options.get_flag("json")) {
-            writeln!(out, "{path}: mode {}, {pace}", number + 1)?;
+        let playback = outputs::animate(path, &animate_mode(system, linear, mode))?;
+        if let Some(playback) = playback.filter(|_| !options.get_flag("json")) {
+            writeln!(out, "{path}: mode {}, {playback}", number + 1)?;
         }
     }
     Ok(())
