@@ -75,12 +75,12 @@ mod tests {
 
     #[test]
     fn runs_take_some_seconds() {
-        assert_eq!(pace(10.0, false), (251, 1.0));
-        assert_eq!(pace(1.0, false), (26, 1.0));
-        assert_eq!(pace(60.0, false), (151, 10.0));
-        assert_eq!(pace(1e-3, false), (251, 1e-4));
-        assert_eq!(pace(3.0, true), (38, 2.0));
-        assert_eq!(pace(0.0, false), (1, 1.0));
+        assert_eq!(playback(10.0, false), (251, 1.0));
+        assert_eq!(playback(1.0, false), (26, 1.0));
+        assert_eq!(playback(60.0, false), (151, 10.0));
+        assert_eq!(playback(1e-3, false), (251, 1e-4));
+        assert_eq!(playback(3.0, true), (38, 2.0));
+        assert_eq!(playback(0.0, false), (1, 1.0));
     }
 
     #[test]
