@@ -6,8 +6,8 @@
 use rustc_hash::FxHashMap as HashMap;
 
 use super::{Acting, Dynamics, Energies, Equations, bias_rates, mass_entries, rates};
-use crate::expr::{Forward, Graph, Id, Rational, Symbol, Unary, reverse};
-use crate::model::Model;
+use crate::expr::{Forward, Graph, Id, Rational, Symbol, Unary, reverse, vectors};
+use crate::model::{Model, Rotation};
 
 /// M, h and F from the energies; and for each coordinate its momentum and the rate of that, −∂L/∂q − Q.
 pub(crate) fn equations(graph: &mut Graph, dynamics: &Dynamics) -> (Equations, Vec<(Id, Id)>) {
@@ -79,7 +79,8 @@ pub(crate) fn energies(model: &mut Model, dynamics: &Dynamics) -> Energies {
 /// Velocities of centres of mass and angular velocities.
 struct Velocities {
     linear: Vec<Vec<Id>>,
-    angular: Vec<Id>,
+    /// In ground axes; empty for particles.
+    angular: Vec<Vec<Id>>,
 }
 
 impl Velocities {
@@ -88,23 +89,31 @@ impl Velocities {
         let places: Vec<Id> = dynamics.bodies.iter().flat_map(|b| b.position.iter().copied()).collect();
         let mut velocities = rates(graph, &places).into_iter();
         let linear = dynamics.bodies.iter().map(|b| velocities.by_ref().take(b.position.len()).collect()).collect();
-        let turning = |b: &super::Inertial| b.rotation.map_or(Id::ZERO, |r| r.0);
-        let angles: Vec<Id> = dynamics.bodies.iter().map(turning).collect();
-        Velocities { linear, angular: rates(graph, &angles) }
+        let angle = |b: &super::Inertial| match b.rotation {
+            Some(Rotation::Plane { angle, .. }) => angle,
+            _ => Id::ZERO,
+        };
+        let angles: Vec<Id> = dynamics.bodies.iter().map(angle).collect();
+        let turning = |(b, omega): (&super::Inertial, Id)| match &b.rotation {
+            Some(rotation) => rotation.angular_velocity(|_| omega),
+            None => Vec::new(),
+        };
+        let angular = dynamics.bodies.iter().zip(rates(graph, &angles)).map(turning).collect();
+        Velocities { linear, angular }
     }
 
     /// Of the body's material at the point where a force acts: v + ω × arm.
     fn of_material(&self, graph: &mut Graph, dynamics: &Dynamics, push: &Acting) -> Vec<Id> {
         let body = &dynamics.bodies[push.body];
         let centre = &self.linear[push.body];
-        let [(x, _), (y, _)] = push.force[..] else { return centre.clone() };
-        if body.rotation.is_none() {
+        let omega = &self.angular[push.body];
+        if omega.is_empty() || push.force.is_empty() {
             return centre.clone();
         }
-        let omega = self.angular[push.body];
-        let (arm_x, arm_y) = (graph.sub(x, body.position[0]), graph.sub(y, body.position[1]));
-        let (across, up) = (graph.mul(omega, arm_y), graph.mul(omega, arm_x));
-        vec![graph.sub(centre[0], across), graph.add(centre[1], up)]
+        let at: Vec<Id> = push.force.iter().map(|(at, _)| *at).collect();
+        let arm = vectors::difference(graph, &body.position, &at);
+        let turning = vectors::swept(graph, omega, &arm);
+        vectors::add(graph, centre, &turning)
     }
 }
 
@@ -118,10 +127,12 @@ fn kinetic_energy(graph: &mut Graph, dynamics: &Dynamics, velocities: &Velocitie
         }
         let moving = graph.mul(body.mass, square);
         doubled = graph.add(doubled, moving);
-        if let Some((_, inertia)) = body.rotation {
-            let omega = velocities.angular[k];
-            let square = graph.mul(omega, omega);
-            let turning = graph.mul(inertia, square);
+        if let Some(rotation) = &body.rotation {
+            let omega = match rotation {
+                Rotation::Plane { .. } => velocities.angular[k].clone(),
+                Rotation::Space { frame, .. } => frame.own_velocity.to_vec(),
+            };
+            let turning = rotation.doubled_energy(graph, &omega);
             doubled = graph.add(doubled, turning);
         }
     }
@@ -150,7 +161,9 @@ fn resisting_forces(graph: &mut Graph, dynamics: &Dynamics, velocities: &Velocit
         for (v, (_, force)) in velocities.of_material(graph, dynamics, push).into_iter().zip(&push.force) {
             seeds.push((v, graph.neg(*force)));
         }
-        seeds.push((velocities.angular[push.body], graph.neg(push.couple)));
+        for (omega, couple) in velocities.angular[push.body].iter().zip(&push.couple) {
+            seeds.push((*omega, graph.neg(*couple)));
+        }
     }
     let forces = speed_gradient(graph, dynamics.n, &seeds);
     with_generalized(graph, dynamics, forces)

@@ -28,8 +28,8 @@ use std::collections::BTreeMap;
 
 use crate::diagnose::catalogue::{mechanics, sections};
 use crate::diagnose::{Place, Problem};
-use crate::expr::{Forward, Graph, Id, Node, Symbol, Table, Unary, canonical_sums};
-use crate::model::{Load, Model, Work};
+use crate::expr::{Forward, Graph, Id, Node, Symbol, Table, Unary, canonical_sums, vectors};
+use crate::model::{Load, Model, Rotation, Work};
 
 pub(crate) use constraints::held_rates;
 pub use constraints::{Rows, RowsAgain};
@@ -138,7 +138,7 @@ pub fn derive(mut model: Model) -> Result<Derivation, Vec<Problem>> {
 pub(crate) struct Dynamics {
     /// How many coordinates there are.
     pub n: usize,
-    /// Bodies: mass, position, and angle with inertia.
+    /// Bodies: mass, position, and how they turn.
     pub bodies: Vec<Inertial>,
     /// Gravity's acceleration, zeros if absent.
     pub gravity: Vec<Id>,
@@ -164,7 +164,7 @@ pub(crate) struct Dynamics {
 pub(crate) struct Inertial {
     pub mass: Id,
     pub position: Vec<Id>,
-    pub rotation: Option<(Id, Id)>,
+    pub rotation: Option<Rotation>,
 }
 
 /// What a load does to a body.
@@ -172,8 +172,8 @@ pub(crate) struct Acting {
     pub body: usize,
     /// The force, with the point at which it acts; empty for a couple alone.
     pub force: Vec<(Id, Id)>,
-    /// The couple, 0 if absent.
-    pub couple: Id,
+    /// The couple: one component in the plane, three in space; zeros if absent.
+    pub couple: Vec<Id>,
 }
 
 impl Dynamics {
@@ -183,9 +183,7 @@ impl Dynamics {
         for body in &model.bodies {
             roots.push(body.mass);
             roots.extend(&body.position);
-            if let Some(rotation) = body.rotation {
-                roots.extend([rotation.angle, rotation.inertia]);
-            }
+            roots.extend(body.rotation.iter().flat_map(Rotation::ids));
         }
         roots.extend(model.gravity.iter().flatten());
         for load in &model.loads {
@@ -214,7 +212,7 @@ impl Dynamics {
             .map(|body| Inertial {
                 mass: take(),
                 position: body.position.iter().map(|_| take()).collect(),
-                rotation: body.rotation.map(|_| (take(), take())),
+                rotation: body.rotation.as_ref().map(|rotation| rotation.map(|_| take())),
             })
             .collect();
         let gravity = match &model.gravity {
@@ -239,7 +237,8 @@ impl Dynamics {
                         let Some(body) = push.body else { continue };
                         let at = if at.is_empty() { bodies[body].position.clone() } else { at };
                         let force = at.into_iter().zip(force).collect();
-                        pushes.push(Acting { body, force, couple: couple.first().copied().unwrap_or(Id::ZERO) });
+                        let none = vec![Id::ZERO; vectors::moment_size(model.dimension)];
+                        pushes.push(Acting { body, force, couple: if couple.is_empty() { none } else { couple } });
                     }
                 }
             }
@@ -307,7 +306,7 @@ fn first_beyond(model: &Model) -> Place {
         raw("dissipation", model.dissipation),
     ];
     for body in &model.bodies {
-        let turning = body.rotation.map(|rotation| rotation.angle);
+        let turning = body.rotation.iter().flat_map(Rotation::attitude);
         entries.push((body.place.clone(), body.position.iter().copied().chain(turning).collect()));
     }
     entries.extend(model.gravity.iter().map(|gravity| (place("gravity"), gravity.clone())));

@@ -4,9 +4,12 @@
 //! with the wrenches (m a − F, I α − M) as cotangents gives Σ (∂r/∂q)·(m a − F) + (∂φ/∂q)(I α − M), that is
 //! the residual F(q, q', q''), in O(n) operations and without knowing what is hinged to what.
 //! M is its derivative by q'', h its value at q'' = 0.  (Lanczos, The Variational Principles of Mechanics, ch. IV.)
+//! In space the nine components of a body's unit vectors stand for its angle: how its frame is turned is not used, and the angular velocity
+//! comes from these components alone, so that a mistake of the recursion that Lagrange's energies use shows.
 
 use super::{Dynamics, Equations, Inertial, bias_rates, lagrange, mass_entries, rates};
-use crate::expr::{Graph, Id, Symbol, reverse};
+use crate::expr::{Graph, Id, Rational, Symbol, reverse, vectors};
+use crate::model::{Rotation, product};
 
 /// M, h and F from the bodies.
 pub(crate) fn equations(graph: &mut Graph, dynamics: &Dynamics) -> Equations {
@@ -23,22 +26,42 @@ pub(crate) fn equations(graph: &mut Graph, dynamics: &Dynamics) -> Equations {
 fn residual(graph: &mut Graph, dynamics: &Dynamics, second: fn(&mut Graph, &[Id]) -> Vec<Id>) -> Vec<Id> {
     let mut seeds: Vec<(Id, Id)> = vec![(dynamics.potential, Id::ONE)];
     // Of all bodies together, since a body's position mostly contains that of another.
-    let places = dynamics.bodies.iter().flat_map(|b| b.position.iter().copied().chain(b.rotation.map(|r| r.0)));
+    let attitude = |b: &Inertial| b.rotation.as_ref().map(Rotation::attitude).unwrap_or_default();
+    let places = dynamics.bodies.iter().flat_map(|b| b.position.iter().copied().chain(attitude(b)));
     let velocities = rates(graph, &places.collect::<Vec<_>>());
     let mut accelerations = second(graph, &velocities).into_iter();
+    let mut velocities = velocities.into_iter();
     let wrenches = wrenches(graph, dynamics);
     for (body, wrench) in dynamics.bodies.iter().zip(wrenches) {
         for (axis, position) in body.position.iter().enumerate() {
             // m (a − g) − F
+            velocities.next();
             let acceleration = accelerations.next().unwrap_or(Id::ZERO);
             let falling = graph.sub(acceleration, dynamics.gravity[axis]);
             let inertial = graph.mul(body.mass, falling);
             seeds.push((*position, graph.sub(inertial, wrench.force[axis])));
         }
-        if let Some((angle, inertia)) = body.rotation {
-            let alpha = accelerations.next().unwrap_or(Id::ZERO);
-            let spin = graph.mul(inertia, alpha);
-            seeds.push((angle, graph.sub(spin, wrench.moment)));
+        match &body.rotation {
+            None => {}
+            Some(Rotation::Plane { angle, inertia }) => {
+                velocities.next();
+                let alpha = accelerations.next().unwrap_or(Id::ZERO);
+                let spin = graph.mul(*inertia, alpha);
+                seeds.push((*angle, graph.sub(spin, wrench.moment[0])));
+            }
+            Some(Rotation::Space { frame, inertia }) => {
+                let columns = [(); 3].map(|()| [(); 3].map(|()| velocities.next().unwrap_or(Id::ZERO)));
+                let second = [(); 3].map(|()| [(); 3].map(|()| accelerations.next().unwrap_or(Id::ZERO)));
+                let rate = euler_moment(graph, (&frame.axes, &columns, &second), inertia);
+                let moment = frame.in_ground(graph, rate);
+                let missing = vectors::difference(graph, &wrench.moment, &moment);
+                for axis in &frame.axes {
+                    // ½ Σ (M × cᵢ)·δcᵢ = M·δφ, since δcᵢ = δφ × cᵢ.
+                    for (component, pull) in axis.iter().zip(vectors::cross_space(graph, &missing, axis)) {
+                        seeds.push((*component, halved(graph, pull)));
+                    }
+                }
+            }
         }
     }
     // What no body carries: raw kinetic energies, dampers, forces as written.
@@ -58,32 +81,58 @@ fn residual(graph: &mut Graph, dynamics: &Dynamics, second: fn(&mut Graph, &[Id]
         .collect()
 }
 
+/// I α + ω × I ω along a body's own axes, from its unit vectors cᵢ and their derivatives alone: ω = ½ Σ cᵢ × cᵢ', α = ½ Σ cᵢ × cᵢ''.
+fn euler_moment(
+    graph: &mut Graph,
+    (axes, first, second): (&[[Id; 3]; 3], &[[Id; 3]; 3], &[[Id; 3]; 3]),
+    inertia: &[Id; 6],
+) -> [Id; 3] {
+    let [omega, alpha] = [first, second].map(|rates| {
+        let mut sum = vec![Id::ZERO; 3];
+        for (axis, rate) in axes.iter().zip(rates) {
+            let product = vectors::cross_space(graph, axis, rate);
+            sum = vectors::add(graph, &sum, &product);
+        }
+        let half: Vec<Id> = sum.into_iter().map(|x| halved(graph, x)).collect();
+        axes.map(|axis| vectors::dot(graph, &axis, &half))
+    });
+    let (momentum, gained) = (product(graph, inertia, &omega), product(graph, inertia, &alpha));
+    let gyroscopic = vectors::cross_space(graph, &omega, &momentum);
+    std::array::from_fn(|k| graph.add(gained[k], gyroscopic[k]))
+}
+
+fn halved(graph: &mut Graph, x: Id) -> Id {
+    let half = graph.rational(Rational::new(1, 2).unwrap_or(Rational::ONE));
+    graph.mul(half, x)
+}
+
 /// What acts on a body, all loads together.
 struct Wrench {
     force: Vec<Id>,
-    /// About the centre of mass.
-    moment: Id,
+    /// About the centre of mass: one component in the plane.
+    moment: Vec<Id>,
 }
 
 /// Every body's loads, reduced to its centre of mass.
 fn wrenches(graph: &mut Graph, dynamics: &Dynamics) -> Vec<Wrench> {
-    let free = |body: &Inertial| Wrench { force: vec![Id::ZERO; body.position.len()], moment: Id::ZERO };
+    let free = |body: &Inertial| Wrench {
+        force: vec![Id::ZERO; body.position.len()],
+        moment: vec![Id::ZERO; vectors::moment_size(body.position.len())],
+    };
     let mut wrenches: Vec<Wrench> = dynamics.bodies.iter().map(free).collect();
     for push in &dynamics.pushes {
         let (body, wrench) = (&dynamics.bodies[push.body], &mut wrenches[push.body]);
-        for (sum, (_, force)) in wrench.force.iter_mut().zip(&push.force) {
-            *sum = graph.add(*sum, *force);
+        let (at, force): (Vec<Id>, Vec<Id>) = push.force.iter().copied().unzip();
+        if !force.is_empty() {
+            wrench.force = vectors::add(graph, &wrench.force, &force);
         }
-        let mut moment = push.couple;
-        if body.rotation.is_some()
-            && let [(x, along), (y, up)] = push.force[..]
-        {
-            let (arm_x, arm_y) = (graph.sub(x, body.position[0]), graph.sub(y, body.position[1]));
-            let (turning, back) = (graph.mul(arm_x, up), graph.mul(arm_y, along));
-            let turning = graph.sub(turning, back);
-            moment = graph.add(moment, turning);
+        let mut moment = push.couple.clone();
+        if body.rotation.is_some() && !force.is_empty() {
+            let arm = vectors::difference(graph, &body.position, &at);
+            let turning = vectors::moment(graph, &arm, &force);
+            moment = vectors::add(graph, &moment, &turning);
         }
-        wrench.moment = graph.add(wrench.moment, moment);
+        wrench.moment = vectors::add(graph, &wrench.moment, &moment);
     }
     wrenches
 }

@@ -15,6 +15,7 @@ mod scalar;
 mod sums;
 mod symbol;
 mod table;
+pub mod vectors;
 
 pub use differentiate::{Forward, gradients, jacobian, partial, reverse};
 pub use evaluate::Tape;

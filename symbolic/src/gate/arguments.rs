@@ -6,7 +6,7 @@ use super::motion::Motion;
 use super::state::State;
 use crate::derive::branches;
 use crate::expr::{Binary, Graph, Id, Node, Symbol, Table, Tape, Unary};
-use crate::model::{Model, Work, text_in};
+use crate::model::{Model, Rotation, Work, text_in};
 use crate::number::DoubleDouble;
 
 /// An argument, and what is looked for.
@@ -140,7 +140,12 @@ fn is_local(function: Unary) -> bool {
 pub(super) fn roots(model: &Model) -> Vec<Id> {
     let mut roots = vec![model.raw_potential_energy, model.raw_kinetic_energy, model.dissipation];
     roots.extend(model.inputs.iter().flat_map(|input| input.signal));
-    roots.extend(model.bodies.iter().flat_map(|b| b.position.iter().copied().chain(b.rotation.map(|r| r.angle))));
+    roots.extend(
+        model
+            .bodies
+            .iter()
+            .flat_map(|b| b.position.iter().copied().chain(b.rotation.iter().flat_map(Rotation::attitude))),
+    );
     roots.extend(model.generalized_forces.iter().map(|f| f.force));
     for load in &model.loads {
         match load.work {

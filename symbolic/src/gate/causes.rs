@@ -5,8 +5,8 @@ use super::balances::residual;
 use super::state::State;
 use super::system::{Assembled, Row, evaluate};
 use crate::derive::momentum::unknowns;
-use crate::derive::rate;
-use crate::expr::Measured;
+use crate::derive::rates;
+use crate::expr::{Measured, vectors};
 use crate::model::{BalanceSystem, Model, Part};
 
 /// A system of more coefficients times parts than this is not searched.
@@ -71,29 +71,32 @@ impl Search<'_> {
     /// The body whose I α, added to or taken from one balance of one component, restores agreement, in words.
     fn forgotten_inertia(&self, system: &BalanceSystem, rows: &[Vec<Row>]) -> Option<String> {
         let mut graph = self.model.graph.clone();
-        let turning = self.model.bodies.iter().filter_map(|body| Some((body, body.rotation?)));
+        let size = vectors::moment_size(self.model.dimension);
+        let turning = self.model.bodies.iter().filter_map(|body| Some((body, body.rotation.as_ref()?)));
         let parts: Vec<Part> = turning
             .map(|(body, rotation)| {
-                let omega = rate(&mut graph, rotation.angle);
-                let alpha = rate(&mut graph, omega);
-                Part { name: format!("I alpha of {}", body.name), value: vec![graph.mul(rotation.inertia, alpha)] }
+                let omega = rotation.angular_velocity(|angle| rates(&mut graph, &[angle])[0]);
+                let spin = rotation.angular_momentum(&mut graph, &omega);
+                Part { name: format!("I alpha of {}", body.name), value: rates(&mut graph, &spin) }
             })
             .collect();
         let mut inertias = BalanceSystem { balances: system.balances[..1].to_vec(), ..system.clone() };
         inertias.balances[0].parts.clone_from(&parts);
         let seen = evaluate(&mut graph, &inertias, &unknowns(self.model, system), self.states);
-        let (equations, size) = extent(self.model, system);
+        let (equations, unknowns) = extent(self.model, system);
         let mut equation = 0;
         for balance in &system.balances {
-            for (p, part) in parts.iter().enumerate().filter(|_| balance.components == 1) {
+            for (p, part) in parts.iter().enumerate().filter(|_| balance.components == size) {
                 for (negative, words) in [(false, "added to the left of"), (true, "taken from the left of")] {
                     let signed = |x: &Measured| Measured { value: if negative { -x.value } else { x.value }, ..*x };
                     let assembled = |k: usize| {
-                        let inertia = &seen[k][p];
-                        let coefficients = inertia.coefficients.iter().map(signed).collect();
-                        let extra = Row::known(equation, coefficients, signed(&inertia.rest));
-                        let all: Vec<Row> = rows[k].iter().cloned().chain([extra]).collect();
-                        Assembled::of(&all, equations, size, None)
+                        let inertia = seen[k][size * p..][..size].iter().enumerate();
+                        let extra = inertia.map(|(c, row)| {
+                            let coefficients = row.coefficients.iter().map(signed).collect();
+                            Row::known(equation + c, coefficients, signed(&row.rest))
+                        });
+                        let all: Vec<Row> = rows[k].iter().cloned().chain(extra).collect();
+                        Assembled::of(&all, equations, unknowns, None)
                     };
                     if self.restores(&assembled) {
                         return Some(format!("with {} {words} {} they agree", part.name, balance.label));

@@ -10,7 +10,13 @@ pub fn shared_data(model: &Model) -> Vec<&'static str> {
     let raw = [model.raw_kinetic_energy, model.raw_potential_energy, model.dissipation];
     let present = [
         (model.bodies.iter().any(|body| body.mass != Id::ZERO), "masses"),
-        (model.bodies.iter().any(|b| b.rotation.is_some_and(|r| r.inertia != Id::ZERO)), "inertias"),
+        (
+            model
+                .bodies
+                .iter()
+                .any(|b| b.rotation.as_ref().is_some_and(|r| r.inertias().iter().any(|moment| *moment != Id::ZERO))),
+            "inertias",
+        ),
         (!model.bodies.is_empty(), "positions"),
         (model.gravity.is_some(), "gravity"),
         (works(|work| matches!(work, Work::Potential(_))), "springs"),

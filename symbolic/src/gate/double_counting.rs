@@ -11,7 +11,7 @@ use crate::derive::lagrange::speed_gradient;
 use crate::derive::rates;
 use crate::diagnose::Problem;
 use crate::diagnose::catalogue::mechanics;
-use crate::expr::{Binary, Graph, Id, Node, Tape, Unary};
+use crate::expr::{Binary, Graph, Id, Node, Tape, Unary, vectors};
 use crate::model::text_in;
 use crate::model::{Body, Model};
 
@@ -123,15 +123,13 @@ pub(super) fn energies_twice(graph: &mut Graph, model: &Model, effects: &[Effect
 
 /// The kinetic energy of a body.
 fn kinetic(graph: &mut Graph, body: &Body) -> Id {
-    let mut places = body.position.clone();
-    places.extend(body.rotation.map(|r| r.angle));
-    let speeds = rates(graph, &places);
-    let mut doubled = Id::ZERO;
-    for (k, speed) in speeds.into_iter().enumerate() {
-        let inertia = if k < body.position.len() { body.mass } else { body.rotation.map_or(Id::ZERO, |r| r.inertia) };
-        let square = graph.mul(speed, speed);
-        let term = graph.mul(inertia, square);
-        doubled = graph.add(doubled, term);
+    let velocity = rates(graph, &body.position);
+    let square = vectors::dot(graph, &velocity, &velocity);
+    let mut doubled = graph.mul(body.mass, square);
+    if let Some(rotation) = &body.rotation {
+        let omega = rotation.own_angular_velocity(|angle| rates(graph, &[angle])[0]);
+        let turning = rotation.doubled_energy(graph, &omega);
+        doubled = graph.add(doubled, turning);
     }
     let two = graph.integer(2);
     graph.div(doubled, two)

@@ -5,7 +5,7 @@ use super::state::{Origin, State};
 use super::trajectory::Trajectory;
 use crate::expr::{Id, Symbol, Tape};
 use crate::language::parse_unit;
-use crate::model::Model;
+use crate::model::{Model, Rotation};
 use crate::number::DoubleDouble;
 use crate::random::Random;
 
@@ -38,6 +38,11 @@ pub struct Draws<'a> {
     inertias: Tape,
 }
 
+/// The moments of inertia of a body that are not negative.
+fn principal(rotation: Option<&Rotation>) -> Vec<Id> {
+    rotation.map_or_else(Vec::new, |rotation| rotation.inertias().iter().take(3).copied().collect())
+}
+
 impl<'a> Draws<'a> {
     /// Draws for a model; coarse runs of its scenes tell what its numbers are like.
     pub(super) fn new(model: &'a Model, motion: &'a Motion, trajectories: &[Trajectory]) -> Self {
@@ -47,7 +52,7 @@ impl<'a> Draws<'a> {
             Start { set: scene.set.clone(), tape: Tape::new(graph, &roots) }
         });
         let inertias: Vec<Id> =
-            model.bodies.iter().flat_map(|b| [Some(b.mass), b.rotation.map(|r| r.inertia)]).flatten().collect();
+            model.bodies.iter().flat_map(|b| std::iter::once(b.mass).chain(principal(b.rotation.as_ref()))).collect();
         let starts: Vec<Start> = starts.collect();
         Draws {
             model,

@@ -3,8 +3,8 @@
 use crate::derive::lagrange::{coordinate_entry, speed_gradient};
 use crate::derive::rates;
 use crate::diagnose::Place;
-use crate::expr::{Graph, Id, Symbol, reverse};
-use crate::model::{Load, Model, Work};
+use crate::expr::{Graph, Id, Symbol, reverse, vectors};
+use crate::model::{Body, Load, Model, Work};
 
 /// What an entry is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,12 +85,15 @@ pub fn unit_push(model: &Model, name: &str) -> Option<UnitPush> {
 }
 
 /// Velocities of all bodies' centres of mass, and angular velocities.
-fn velocities(graph: &mut Graph, model: &Model) -> (Vec<Vec<Id>>, Vec<Id>) {
+fn velocities(graph: &mut Graph, model: &Model) -> (Vec<Vec<Id>>, Vec<Vec<Id>>) {
     let places: Vec<Id> = model.bodies.iter().flat_map(|body| body.position.iter().copied()).collect();
     let mut rest = rates(graph, &places).into_iter();
     let linear = model.bodies.iter().map(|body| rest.by_ref().take(body.position.len()).collect()).collect();
-    let angles: Vec<Id> = model.bodies.iter().map(|body| body.rotation.map_or(Id::ZERO, |r| r.angle)).collect();
-    (linear, rates(graph, &angles))
+    let turning = |body: &Body| match &body.rotation {
+        Some(rotation) => rotation.angular_velocity(|angle| rates(graph, &[angle])[0]),
+        None => Vec::new(),
+    };
+    (linear, model.bodies.iter().map(turning).collect())
 }
 
 /// All entries that act, in the file's order of sections; the true functions, without modes.  They live in a copy of
@@ -159,22 +162,20 @@ pub(super) fn downhill(graph: &mut Graph, n: usize, potential: Id) -> Vec<Id> {
 }
 
 /// Σ F·∂v/∂q' + M ∂ω/∂q' over a load's pushes, each force taken to the centre of mass.
-fn pushed(graph: &mut Graph, model: &Model, load: &Load, velocities: &[Vec<Id>], angular: &[Id]) -> Vec<Id> {
+fn pushed(graph: &mut Graph, model: &Model, load: &Load, velocities: &[Vec<Id>], angular: &[Vec<Id>]) -> Vec<Id> {
     let mut seeds = Vec::new();
     for push in &load.pushes {
         let Some(b) = push.body else { continue };
         seeds.extend(velocities[b].iter().copied().zip(push.force.iter().copied()));
-        let mut moment = push.couple.first().copied().unwrap_or(Id::ZERO);
-        if model.bodies[b].rotation.is_some()
-            && let ([x, y], [fx, fy]) = (push.at.as_slice(), push.force.as_slice())
-        {
-            let arm_x = graph.sub(*x, model.bodies[b].position[0]);
-            let arm_y = graph.sub(*y, model.bodies[b].position[1]);
-            let (up, across) = (graph.mul(arm_x, *fy), graph.mul(arm_y, *fx));
-            let turning = graph.sub(up, across);
-            moment = graph.add(moment, turning);
+        if model.bodies[b].rotation.is_none() {
+            continue;
         }
-        seeds.push((angular[b], moment));
+        let arm = vectors::difference(graph, &model.bodies[b].position, &push.at);
+        let mut moment = vectors::moment(graph, &arm, &push.force);
+        if !push.couple.is_empty() {
+            moment = vectors::add(graph, &moment, &push.couple);
+        }
+        seeds.extend(angular[b].iter().copied().zip(moment));
     }
     seeds.retain(|seed| seed.1 != Id::ZERO);
     speed_gradient(graph, model.coordinates.len(), &seeds)

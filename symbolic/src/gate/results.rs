@@ -16,7 +16,7 @@ use crate::derive::momentum::Momentum;
 use crate::diagnose::Problem;
 use crate::diagnose::catalogue::verdicts;
 use crate::expr::{Id, Measured, Symbol, Tape, jacobian};
-use crate::model::{BalanceSystem, Body, Load, Model, Reaction};
+use crate::model::{BalanceSystem, Body, Load, Model, Reaction, Rotation};
 use crate::number::DoubleDouble;
 
 /// Of directions (forces and moments on all bodies) that hang together more than this are not judged: each state takes
@@ -167,7 +167,9 @@ struct Velocities {
 impl Velocities {
     fn new(model: &mut Model) -> Velocities {
         let bodies = model.bodies.iter();
-        let of = |body: &Body| body.position.iter().copied().chain(body.rotation.map(|r| r.angle)).collect::<Vec<_>>();
+        let of = |body: &Body| {
+            body.position.iter().copied().chain(body.rotation.iter().flat_map(Rotation::attitude)).collect::<Vec<_>>()
+        };
         let positions: Vec<Id> = bodies.flat_map(of).collect();
         let coordinate = |s: Symbol| if let Symbol::Coordinate(i) = s { Some(i as usize) } else { None };
         let slopes = jacobian(&mut model.graph, &positions, coordinate).into_iter().enumerate();

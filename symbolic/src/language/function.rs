@@ -37,8 +37,11 @@ pub fn function(name: &str) -> Option<&'static Function> {
 
 /// Whether a model may not declare this name.
 pub fn is_reserved(name: &str) -> bool {
-    RESERVED.contains(&name) || function(name).is_some()
+    RESERVED.contains(&name) || (function(name).is_some() && !UNRESERVED.contains(&name))
 }
+
+/// Functions that came when models had things of these names: those keep them.
+const UNRESERVED: &[&str] = &["components", "momentum", "angular_momentum"];
 
 /// Reserved names besides those of the functions.
 pub const RESERVED: &[&str] =
@@ -88,6 +91,14 @@ pub const FUNCTIONS: &[Function] = &[
         about: "of a point, or of the material of a body that is at a point",
     },
     of("angular_velocity", 1, "of a body or frame: a scalar in the plane, a vector in space"),
+    of("components", 2, "of a vector along the axes of a body or frame"),
+    of("momentum", 1, "of a body, or of `all`"),
+    Function {
+        name: "angular_momentum",
+        least: 1,
+        most: 2,
+        about: "of a body about its centre of mass, of a body or `all` about a point, of all bodies about a point",
+    },
     of("diff", 2, "partial derivative by a symbol"),
     Function { name: "sum", least: 2, most: usize::MAX, about: "sum(e, i in 1..n): both ends included" },
     of("integral", 2, "integral(e, x in a..b): in closed form, or by quadrature to 24 digits"),

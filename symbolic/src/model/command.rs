@@ -64,7 +64,7 @@ impl Model {
         match value {
             Value::Scalar(x) => Ok(vec![x]),
             Value::Vector(v) => Ok(v),
-            Value::Nothing | Value::Poison => Ok(vec![Id::ZERO]),
+            Value::Nothing | Value::Poison | Value::Orientation(_) => Ok(vec![Id::ZERO]),
         }
     }
 
@@ -132,9 +132,11 @@ impl Model {
     /// What of a body a free parameter is as it stands.
     fn mass_of(&self, place: usize) -> Option<&'static str> {
         let is = |id: Id| matches!(self.graph.node(id), Node::Symbol(Symbol::Parameter(k)) if k as usize == place);
-        let of_body = |body: &super::resolved::Body| match (is(body.mass), body.rotation) {
+        let of_body = |body: &super::resolved::Body| match (is(body.mass), &body.rotation) {
             (true, _) => Some("a mass"),
-            (false, Some(rotation)) if is(rotation.inertia) => Some("a moment of inertia"),
+            (false, Some(rotation)) if rotation.inertias().iter().any(|moment| is(*moment)) => {
+                Some("a moment of inertia")
+            }
             _ => None,
         };
         self.bodies.iter().find_map(of_body)

@@ -6,6 +6,7 @@ mod identifier;
 mod resolve;
 mod resolved;
 mod resolver;
+mod rotation;
 mod section;
 mod text;
 
@@ -14,9 +15,10 @@ pub use identifier::{KEYWORDS, METHODS, field_name, is_snake_case, local_name, m
 pub use resolve::{load, load_in, read_through, read_through_in, resolve};
 pub use resolved::{
     Balance, BalanceSystem, Body, Change, Check, Conserved, Constraint, Coordinate, Derived, Event, EventAction,
-    Family, GeneralizedForce, Input, Load, Model, Need, Output, Parameter, Part, Phase, Push, Reaction, Rotation,
-    Sample, Scene, Shape, SharedEnd, Tried, Vector, Work,
+    Family, GeneralizedForce, Input, Load, Model, Need, Output, Parameter, Part, Phase, Push, Reaction, Sample, Scene,
+    Shape, SharedEnd, Tried, Vector, Work,
 };
+pub use rotation::{Orientation, Rotation, product};
 pub use section::scenes::looks_like_degrees;
 pub(crate) use section::springs::LENGTH;
 pub(crate) use text::text_in;

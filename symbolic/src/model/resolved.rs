@@ -1,6 +1,7 @@
 //! A model with every name resolved and every family expanded: expressions of one graph.
 
 use super::expression::scope::Scope;
+use super::rotation::Rotation;
 use crate::diagnose::{Place, Problem};
 use crate::expr::{Graph, Id, Symbol};
 
@@ -187,15 +188,6 @@ pub struct Body {
     pub rotation: Option<Rotation>,
     /// Where it is declared.
     pub place: Place,
-}
-
-/// How a planar rigid body turns.
-#[derive(Clone, Copy, Debug)]
-pub struct Rotation {
-    /// Its angle, counterclockwise.
-    pub angle: Id,
-    /// Moment of inertia about the centre of mass.
-    pub inertia: Id,
 }
 
 /// A spring, damper, force or torque.

@@ -166,7 +166,7 @@ impl<'a> Resolver<'a> {
     /// Adds something with a value and returns its place.
     pub fn item(&mut self, name: String, written: Option<Written>, rules: Rules, want: Want, locals: &Locals) -> usize {
         let locals = Rc::clone(locals);
-        self.items.push(Item { name, written, rules, want, locals, from: None, unit: None });
+        self.items.push(Item { name, written, rules, want, locals, from: None, axes: Vec::new(), unit: None });
         self.items.len() - 1
     }
 

@@ -1,7 +1,7 @@
 //! Which bodies carry a mode's kinetic energy.
 
-use dalembert_symbolic::expr::{Symbol, Tape};
-use dalembert_symbolic::model::Model;
+use dalembert_symbolic::expr::{Graph, Id, Symbol, Tape};
+use dalembert_symbolic::model::{Model, Rotation};
 
 use super::super::Problem;
 use super::super::load::Loaded;
@@ -97,15 +97,37 @@ fn moving(model: &mut Model) -> Vec<Moving> {
     for body in model.bodies.clone() {
         let mut components = model.expression(&format!("velocity({})", body.name)).unwrap_or_default();
         let mut inertias = vec![body.mass; components.len()];
-        if let Some(rotation) = body.rotation {
-            let turning = model.expression(&format!("angular_velocity({})", body.name)).unwrap_or_default();
-            inertias.extend(turning.iter().map(|_| rotation.inertia));
-            components.extend(turning);
+        let of_body = |function: &str| function.replace("BODY", &body.name);
+        match &body.rotation {
+            None => {}
+            Some(Rotation::Plane { inertia, .. }) => {
+                components.extend(model.expression(&of_body("angular_velocity(BODY)")).unwrap_or_default());
+                inertias.push(*inertia);
+            }
+            Some(Rotation::Space { inertia, .. }) => {
+                let own = model.expression(&of_body("components(angular_velocity(BODY), BODY)")).unwrap_or_default();
+                for (velocity, inertia) in squares(&mut model.graph, &own, *inertia) {
+                    components.push(velocity);
+                    inertias.push(inertia);
+                }
+            }
         }
         components.extend(inertias);
         list.push(Moving { name: body.name, tape: Tape::new(&model.graph, &components) });
     }
     list
+}
+
+/// ω·I ω as a sum of squares: 2 Ixy ωx ωy = Ixy ((ωx + ωy)² − ωx² − ωy²), and so on.
+fn squares(graph: &mut Graph, omega: &[Id], [xx, yy, zz, xy, xz, yz]: [Id; 6]) -> Vec<(Id, Id)> {
+    let &[x, y, z] = omega else { return Vec::new() };
+    let mut less = |moment: Id, first: Id, second: Id| {
+        let products = graph.add(first, second);
+        graph.sub(moment, products)
+    };
+    let own = [(x, less(xx, xy, xz)), (y, less(yy, xy, yz)), (z, less(zz, xz, yz))];
+    let sums = [(graph.add(x, y), xy), (graph.add(x, z), xz), (graph.add(y, z), yz)];
+    own.into_iter().chain(sums).filter(|(_, inertia)| *inertia != Id::ZERO).collect()
 }
 
 impl Moving {

@@ -14,14 +14,14 @@ super::entries! {
         "no body carries the point `{point}`" "name the body" "write `{{on: BODY, at: {point}, …}}`"
         "A force acts on the material of a body in which the point is at rest.";
     E405 at_on_particle(name) "a force on a particle at another place"
-        "the particle `{name}` takes forces at its own position only" "" "remove `at`, or give the body an `angle`"
+        "the particle `{name}` takes forces at its own position only" "" "remove `at`, or give the body an `angle` (in space a `frame`)"
         "A particle has no extent.";
     E406 needs_orientation(name, context) "a body without orientation"
-        "`{name}` has no angle, and {context} needs one" "" "give `{name}` an `angle`"
+        "`{name}` has no angle, and {context} needs one" "" "give `{name}` an `angle` (in space a `frame`)"
         "A particle cannot take a torque and has no angular velocity.";
     E407 incomplete_body(name, given, missing) "an incomplete rigid body"
         "the body `{name}` has `{given}` and no `{missing}`" "" "give `{missing}` too"
-        "A planar rigid body needs `inertia` and `angle`; a particle has neither.";
+        "A planar rigid body needs `inertia` and `angle`, one in space `inertia` and `frame`; a particle has neither.";
     W408 does_nothing(name) "an entry that does nothing"
         "`{name}` acts on the ground only" "has no effect" ""
         "A force on the ground does not change the motion.";
@@ -56,8 +56,8 @@ super::entries! {
         "{name} does what {other} does" "acts once more" "remove one of the two unless both are meant"
         "Two entries have the same generalized force at all states tried, such as a weight that is written out beside `gravity`.";
     W420 no_inertia(name) "a body that turns and has no inertia"
-        "`{name}` has mass and an `angle`, and no `inertia`" "taken as 0" "give `inertia` about its centre of mass; `inertia: 0` if it is a point that carries a frame"
-        "A body with an angle whose inertia is left out resists no turning: its mass is in one point.";
+        "`{name}` has mass and turns, and has no `inertia`" "taken as 0" "give `inertia` about its centre of mass; `inertia: 0` (in space `[0, 0, 0]`) if it is a point that carries a frame"
+        "A body with an angle or a frame whose inertia is left out resists no turning: its mass is in one point.";
     E421 too_many_switches(limit) "more discontinuities than can be located"
         "the equations have more than {limit} discontinuities" "here at the latest" "use smaller sizes, or one function in the place of many steps"
         "Every `abs`, `sign`, `step`, `min` and `max` of what moves is followed while a run goes on; the limit bounds time and memory.";
@@ -100,4 +100,28 @@ super::entries! {
     W434 driving_friction(name, power, state) "friction that drives"
         "{name} acts along the sliding, not against it: its power is {power}" "made of a reaction, and drives" "at {state}; `reaction(c)` is positive where it pushes towards growing c, so that of a floor written `-y` is negative: write the constraint as `y`, or change the sign of the force; where the reaction has either sign make a phase for each"
         "Friction is made of the reaction of a constraint and opposes the sliding. What is warned of pushes along it somewhere on the motion of a scene, or at all states at which it acts.";
+    E435 angle_in_space() "an angle in a model in space"
+        "in space an angle needs an axis to turn about" "" "name the axis: a frame `B: {{rotate: [z, theta]}}`, and `frame: B` in the body"
+        "A frame in space is turned by `rotate`: about one axis, or about several in turn.";
+    E436 not_a_turn(found) "a turn that is none"
+        "`rotate` is a turn `[axis, angle]` or a list of them, this is {found}" "" "write `rotate: [z, psi]`, or `rotate: [[z, psi], [x, theta]]`; an axis is x, y, z or a direction `[a, b, c]` that is fixed in the frame"
+        "Each turn is about an axis of the frame as it is turned already.";
+    E437 not_moments(found) "inertia in space that is none"
+        "the inertia of a body in space is three principal moments or a tensor of three rows, this is {found}" "" "write `[Ix, Iy, Iz]`, or `[[Ixx, Ixy, Ixz], [Ixy, Iyy, Iyz], [Ixz, Iyz, Izz]]`; where all moments are equal `[I, I, I]`"
+        "Moments are about the centre of mass, along the axes of the body's frame; Ixy = -∫ x y dm.";
+    E438 unsymmetric_inertia(name, element, other) "a tensor of inertia that is not symmetric"
+        "the tensor of `{name}` is not symmetric: {element} and {other}" "" "write the same value in both places"
+        "Ixy and Iyx are the same integral.";
+    E439 impossible_inertia(name, moments, why, help) "moments of inertia that no body has"
+        "no body has the moments of `{name}`: {moments}: {why}" "" "{help}"
+        "Principal moments are integrals of squares: none is negative, and no two are less than the third together (equality: a plate or a rod).";
+    W440 doubtful_inertia(name, moments, why) "moments of inertia that hardly any body has"
+        "the moments of `{name}` are {moments}: {why}" "" "data with few digits? larger moments, by less than a hundredth, make a body of it"
+        "Two principal moments are never less than the third together.";
+    E441 no_axis() "a turn about no axis"
+        "this axis has no direction" "its length is 0" "an axis is x, y, z or a direction `[a, b, c]` of parameters"
+        "A frame turns about an axis that is fixed in the frame from which it is turned.";
+    E442 needs_axis(key) "a torsional spring or damper in space without an axis"
+        "in space the couple of this entry needs a direction" "" "add `{key}: e`, such as `{key}: B.z`"
+        "The couple on `on` acts along this direction, the opposite on `from`.";
 }

@@ -225,7 +225,7 @@ impl ExprBuilder {
                 Some(v)
             }
             Value::Nothing => Some(vec![Id::ZERO; scope.dimension]),
-            Value::Poison => None,
+            Value::Poison | Value::Orientation(_) => None,
             value @ Value::Scalar(_) => {
                 self.problems.push(names::not_a_vector(place, value.describe()));
                 None
@@ -237,7 +237,7 @@ impl ExprBuilder {
         match value {
             Value::Scalar(x) => Some(x),
             Value::Nothing => Some(Id::ZERO),
-            Value::Poison => None,
+            Value::Poison | Value::Orientation(_) => None,
             Value::Vector(_) => {
                 let place = text.place.at(text.ast.span);
                 self.problems.push(names::not_a_scalar(place, value.describe()));

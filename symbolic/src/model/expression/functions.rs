@@ -5,10 +5,10 @@ use super::index::{self, Indices};
 use super::lower::{Local, Lower};
 use super::names::Solid;
 use super::scope::{Member, Section};
-use super::value::{self, Value};
+use super::value::Value;
 use crate::diagnose::catalogue::{mechanics, names};
 use crate::diagnose::did_you_mean;
-use crate::expr::{Binary, Id, Symbol, Unary};
+use crate::expr::{Binary, Id, Symbol, Unary, vectors};
 use crate::language::{Ast, AstKind, FUNCTIONS, Span, function};
 
 impl Lower<'_> {
@@ -41,7 +41,11 @@ impl Lower<'_> {
             ("velocity", [point]) => self.motion(name, point, 1, span),
             ("acceleration", [point]) => self.motion(name, point, 2, span),
             ("velocity" | "acceleration", [body, point]) => self.material(name, body, point, span),
-            ("angular_velocity", [body]) => self.angular_velocity(body, span),
+            ("angular_velocity", [body]) => self.angular_velocity(body),
+            ("components", [vector, frame]) => self.components(vector, frame),
+            ("momentum", [of]) => self.momentum(of),
+            ("angular_momentum", [of]) => self.angular_momentum(of, None),
+            ("angular_momentum", [of, about]) => self.angular_momentum(of, Some(about)),
             ("rate", [of]) => {
                 let value = self.expression(of);
                 self.rate(value, span)
@@ -72,7 +76,7 @@ impl Lower<'_> {
         match self.expression(argument) {
             Value::Scalar(x) => Value::Scalar(self.builder.graph.unary(Unary::Table(table), x)),
             Value::Nothing => Value::Scalar(self.builder.graph.unary(Unary::Table(table), Id::ZERO)),
-            Value::Poison => Value::Poison,
+            Value::Poison | Value::Orientation(_) => Value::Poison,
             found @ Value::Vector(_) => {
                 let problem = names::argument_kind(self.place(argument.span), name, "a number", found.describe());
                 self.refuse(problem)
@@ -88,7 +92,7 @@ impl Lower<'_> {
             match self.expression(argument) {
                 Value::Scalar(x) => values.push(x),
                 Value::Nothing => values.push(Id::ZERO),
-                Value::Poison => lost = true,
+                Value::Poison | Value::Orientation(_) => lost = true,
                 found @ Value::Vector(_) => {
                     let mut problem =
                         names::argument_kind(self.place(argument.span), name, "a number", found.describe());
@@ -149,11 +153,11 @@ impl Lower<'_> {
     }
 
     /// A vector; `None` when it is none (reported) or poisoned.
-    fn vector_argument(&mut self, function: &str, argument: &Ast) -> Option<Vec<Id>> {
+    pub(super) fn vector_argument(&mut self, function: &str, argument: &Ast) -> Option<Vec<Id>> {
         match self.expression(argument) {
             Value::Vector(v) => Some(v),
             Value::Nothing => Some(vec![Id::ZERO; self.scope.dimension]),
-            Value::Poison => None,
+            Value::Poison | Value::Orientation(_) => None,
             found @ Value::Scalar(_) => {
                 let wanted = match function {
                     "position" | "velocity" | "acceleration" => "a point or body",
@@ -173,9 +177,9 @@ impl Lower<'_> {
         let vectors: Vec<Option<Vec<Id>>> = arguments.iter().map(|a| self.vector_argument(name, a)).collect();
         let graph = &mut self.builder.graph;
         match (name, vectors.as_slice()) {
-            ("dot", [Some(a), Some(b)]) => Value::Scalar(value::dot(graph, a, b)),
-            ("norm", [Some(a)]) => Value::Scalar(value::norm(graph, a)),
-            ("unit", [Some(a)]) => Value::Vector(value::unit(graph, a)),
+            ("dot", [Some(a), Some(b)]) => Value::Scalar(vectors::dot(graph, a, b)),
+            ("norm", [Some(a)]) => Value::Scalar(vectors::norm(graph, a)),
+            ("unit", [Some(a)]) => Value::Vector(vectors::unit(graph, a)),
             _ => Value::Poison,
         }
     }
@@ -188,12 +192,12 @@ impl Lower<'_> {
         match (&left, &right) {
             (Value::Poison, _) | (_, Value::Poison) => Value::Poison,
             (Value::Nothing, _) | (_, Value::Nothing) => Value::Nothing,
-            (Value::Vector(a), Value::Vector(b)) if plane => Value::Scalar(value::cross_plane(graph, a, b)),
-            (Value::Vector(a), Value::Vector(b)) => Value::Vector(value::cross_space(graph, a, b)),
-            (Value::Scalar(w), Value::Vector(r)) if plane => Value::Vector(value::turn(graph, *w, r)),
+            (Value::Vector(a), Value::Vector(b)) if plane => Value::Scalar(vectors::cross_plane(graph, a, b)),
+            (Value::Vector(a), Value::Vector(b)) => Value::Vector(vectors::cross_space(graph, a, b)),
+            (Value::Scalar(w), Value::Vector(r)) if plane => Value::Vector(vectors::turn(graph, *w, r)),
             (Value::Vector(r), Value::Scalar(w)) if plane => {
                 let minus = graph.neg(*w);
-                Value::Vector(value::turn(graph, minus, r))
+                Value::Vector(vectors::turn(graph, minus, r))
             }
             (Value::Vector(_), found) => {
                 self.refuse(names::argument_kind(self.place(b.span), "cross", "two vectors", found.describe()))
@@ -225,7 +229,7 @@ impl Lower<'_> {
     }
 
     /// The body, frame or ground that an argument names.
-    fn solid_argument(&mut self, function: &str, argument: &Ast, wanted: &str) -> Option<Solid> {
+    pub(super) fn solid_argument(&mut self, function: &str, argument: &Ast, wanted: &str) -> Option<Solid> {
         match &argument.kind {
             AstKind::Name { name, indices, primes: 0 } => self.solid(name, indices, argument.span),
             _ => {
@@ -249,59 +253,75 @@ impl Lower<'_> {
                 return self.refuse(names::wrong_thing(self.place(body.span), words, "a body", "a frame"));
             }
         };
-        let entry = &self.scope.bodies[body_place];
-        let (centre, angle) = (entry.position, entry.angle);
-        let Some(angle) = angle else {
-            let shown = self.solid_name(solid);
-            let context = format!("`{name}(B, P)`");
-            return self.refuse(mechanics::needs_orientation(self.place(body.span), shown, context));
-        };
-        let (centre, angle) = (self.item(centre), self.item(angle));
-        let (Value::Vector(centre), Value::Scalar(angle)) = (centre, angle) else { return Value::Poison };
+        let centre = self.item(self.scope.bodies[body_place].position);
+        let Some(omega) = self.spin_of(solid, body, format!("`{name}(B, P)`")) else { return Value::Poison };
+        let Value::Vector(centre) = centre else { return Value::Poison };
         let builder = &mut *self.builder;
-        let arm = value::difference(&mut builder.graph, &centre, &point);
-        let omega = builder.rate(angle);
+        let arm = vectors::difference(&mut builder.graph, &centre, &point);
         let velocity = builder.rates(&centre);
         if name == "velocity" {
-            let turning = value::turn(&mut builder.graph, omega, &arm);
-            return Value::Vector(value::add_scaled(&mut builder.graph, &velocity, Id::ONE, &turning));
+            let turning = vectors::swept(&mut builder.graph, &omega, &arm);
+            return Value::Vector(vectors::add(&mut builder.graph, &velocity, &turning));
         }
-        if builder.depends(&[omega]).meets(Depends::ACCELERATION)
+        if builder.depends(&omega).meets(Depends::ACCELERATION)
             || builder.depends(&velocity).meets(Depends::ACCELERATION)
         {
             let words = self.text.words(span);
             return self.refuse(names::acceleration_misplaced(self.place(span), words, "a time derivative"));
         }
-        let (alpha, acceleration) = (builder.rate(omega), builder.rates(&velocity));
-        let turning = value::turn(&mut builder.graph, alpha, &arm);
-        let square = builder.graph.mul(omega, omega);
-        let inward = builder.graph.neg(square);
-        let sum = value::add_scaled(&mut builder.graph, &acceleration, Id::ONE, &turning);
-        Value::Vector(value::add_scaled(&mut builder.graph, &sum, inward, &arm))
+        let (alpha, acceleration) = (builder.rates(&omega), builder.rates(&velocity));
+        let graph = &mut builder.graph;
+        let turning = vectors::swept(graph, &alpha, &arm);
+        let sum = vectors::add(graph, &acceleration, &turning);
+        let inward = match omega.as_slice() {
+            [omega] => {
+                let square = graph.mul(*omega, *omega);
+                let minus = graph.neg(square);
+                vectors::scaled(graph, minus, &arm)
+            }
+            _ => {
+                let speed = vectors::cross_space(graph, &omega, &arm);
+                vectors::cross_space(graph, &omega, &speed)
+            }
+        };
+        Value::Vector(vectors::add(graph, &sum, &inward))
     }
 
-    fn angular_velocity(&mut self, body: &Ast, span: Span) -> Value {
+    fn angular_velocity(&mut self, body: &Ast) -> Value {
         let Some(solid) = self.solid_argument("angular_velocity", body, "a body or frame") else {
             return Value::Poison;
         };
+        match self.spin_of(solid, body, "its angular velocity".to_owned()) {
+            Some(omega) => match omega.as_slice() {
+                [omega] => Value::Scalar(*omega),
+                _ => Value::Vector(omega),
+            },
+            None => Value::Poison,
+        }
+    }
+
+    /// The angular velocity of a body, frame or the ground in ground axes; one component in the plane.
+    fn spin_of(&mut self, solid: Solid, named: &Ast, context: String) -> Option<Vec<Id>> {
         let item = match solid {
-            Solid::Ground if self.scope.dimension == 2 => return Value::Scalar(Id::ZERO),
-            Solid::Ground => return Value::Vector(vec![Id::ZERO; self.scope.dimension]),
+            Solid::Ground => return Some(vec![Id::ZERO; vectors::moment_size(self.scope.dimension)]),
             Solid::Frame(item) => item,
-            Solid::Body(place) => match self.scope.bodies[place].angle {
+            Solid::Body(place) => match self.scope.bodies[place].orientation {
                 Some(item) => item,
                 None => {
                     let shown = self.solid_name(solid);
-                    return self.refuse(mechanics::needs_orientation(
-                        self.place(body.span),
-                        shown,
-                        "its angular velocity",
-                    ));
+                    self.refuse(mechanics::needs_orientation(self.place(named.span), shown, context));
+                    return None;
                 }
             },
         };
-        let angle = self.item(item);
-        self.rate(angle, span)
+        match self.item(item) {
+            Value::Orientation(frame) => Some(frame.velocity.to_vec()),
+            Value::Scalar(angle) => match self.rate(Value::Scalar(angle), named.span) {
+                Value::Scalar(omega) => Some(vec![omega]),
+                _ => None,
+            },
+            _ => None,
+        }
     }
 
     /// ∂e/∂x with all other symbols held.

@@ -185,7 +185,7 @@ impl<'a> Lower<'a> {
             match self.expression(part) {
                 Value::Scalar(x) => components.push(x),
                 Value::Nothing => components.push(Id::ZERO),
-                Value::Poison => lost = true,
+                Value::Poison | Value::Orientation(_) => lost = true,
                 found @ Value::Vector(_) => {
                     let place = self.place(part.span);
                     self.refuse(names::not_a_scalar(place, found.describe()));
@@ -207,7 +207,7 @@ impl<'a> Lower<'a> {
             Operator::Subtract => value::add(graph, &left, &right, true),
             Operator::Multiply => value::multiply(graph, &left, &right),
             Operator::Divide => match &right {
-                Value::Poison => Some(Value::Poison),
+                Value::Poison | Value::Orientation(_) => Some(Value::Poison),
                 Value::Scalar(Id::ZERO) | Value::Nothing => {
                     let words = self.text.words(whole.span);
                     return self.refuse(names::undefined_value(self.place(divisor.span), words));
@@ -352,7 +352,7 @@ impl<'a> Lower<'a> {
             match end {
                 Value::Scalar(x) => *limit = *x,
                 Value::Nothing => {}
-                Value::Poison => return Value::Poison,
+                Value::Poison | Value::Orientation(_) => return Value::Poison,
                 Value::Vector(_) => {
                     let place = self.place(ast.span);
                     return self.refuse(names::not_a_scalar(place, end.describe()));

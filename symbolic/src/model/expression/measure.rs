@@ -48,6 +48,7 @@ impl Lower<'_> {
             "pi" => return Measure::ONE,
             "ground" => return Measure::Zero,
             "energy" | "kinetic_energy" | "potential_energy" => return self.scope.units.energy,
+            "momentum" if !self.scope.names.contains_key(name) => return self.measure_of_momentum(false),
             _ => {}
         }
         let Some((_, member)) = self.member(name, indices, ast.span) else { return Measure::Unknown };
@@ -156,6 +157,9 @@ impl Lower<'_> {
             }
             ("reaction", [constraint]) => self.measure_of_reaction(constraint),
             ("angular_velocity", _) => self.rate_of(Measure::ONE, 1),
+            ("components", [vector, _]) => self.measure(vector),
+            ("momentum", _) => self.measure_of_momentum(false),
+            ("angular_momentum", _) => self.measure_of_momentum(true),
             ("diff", [of, by]) => {
                 let of = self.measure(of);
                 of.over(self.measure(by))

@@ -14,6 +14,7 @@ pub mod lines;
 pub mod lists;
 pub mod lower;
 pub mod measure;
+pub mod momenta;
 pub mod names;
 pub mod quadrature;
 pub mod quantities;

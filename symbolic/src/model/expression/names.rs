@@ -15,7 +15,7 @@ pub enum Solid {
     Ground,
     /// A body, by its place.
     Body(usize),
-    /// A frame: the item that holds its angle.
+    /// A frame: the item that holds its angle, or how it is turned in space.
     Frame(usize),
 }
 
@@ -81,7 +81,13 @@ impl Lower<'_> {
                     _ => self.builder.graph.add(e.kinetic, e.potential),
                 }),
             },
-            "energy" | "kinetic_energy" | "potential_energy" | "length" | "all" => {
+            // Models may have things of this name.
+            "momentum" if self.scope.names.contains_key(name) => return None,
+            "momentum" if self.rules.energy => match energies {
+                None => Value::Poison,
+                Some(_) => self.momentum_of(&(0..self.scope.massive.len()).collect::<Vec<_>>()),
+            },
+            "energy" | "kinetic_energy" | "potential_energy" | "momentum" | "length" | "all" => {
                 let problem = names::wrong_place(self.place(span), name, self.rules.what);
                 return Some(self.refuse(problem));
             }
@@ -202,7 +208,7 @@ impl Lower<'_> {
         match self.expression(of) {
             Value::Vector(v) => v.get(usize::from(axis)).map_or(Value::Poison, |x| Value::Scalar(*x)),
             Value::Nothing => Value::Scalar(Id::ZERO),
-            Value::Poison => Value::Poison,
+            Value::Poison | Value::Orientation(_) => Value::Poison,
             found @ Value::Scalar(_) => {
                 let mut problem = names::not_a_vector(self.place(of.span), found.describe());
                 problem.help = format!("`.{letter}` is a component of a vector");
@@ -228,14 +234,14 @@ impl Lower<'_> {
         }
     }
 
-    fn unit_vector(&mut self, solid: Solid, name: &str, axis: u8, span: Span) -> Value {
+    pub(super) fn unit_vector(&mut self, solid: Solid, name: &str, axis: u8, span: Span) -> Value {
         let item = match solid {
             Solid::Ground => {
                 let component = |k| if k == usize::from(axis) { Id::ONE } else { Id::ZERO };
                 return Value::Vector((0..self.scope.dimension).map(component).collect());
             }
             Solid::Frame(item) => item,
-            Solid::Body(body) => match self.scope.bodies[body].angle {
+            Solid::Body(body) => match self.scope.bodies[body].orientation {
                 Some(item) => item,
                 None => {
                     let letter = ["x", "y", "z"][usize::from(axis)];
@@ -245,7 +251,11 @@ impl Lower<'_> {
                 }
             },
         };
-        let Value::Scalar(angle) = self.item(item) else { return Value::Poison };
+        let angle = match self.item(item) {
+            Value::Scalar(angle) => angle,
+            Value::Orientation(frame) => return Value::Vector(frame.axes[usize::from(axis)].to_vec()),
+            _ => return Value::Poison,
+        };
         let graph = &mut self.builder.graph;
         let (cosine, sine) = (graph.unary(Unary::Cos, angle), graph.unary(Unary::Sin, angle));
         Value::Vector(if axis == 0 { vec![cosine, sine] } else { vec![graph.neg(sine), cosine] })

@@ -7,7 +7,7 @@ use super::rules::Expected;
 use super::value::Value;
 use crate::expr::{Id, Table};
 use crate::language::FUNCTIONS;
-use crate::model::resolved::Reaction;
+use crate::model::resolved::{Body, Reaction};
 
 /// The section that declares a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,7 +89,7 @@ pub enum Member {
     Input(u32, usize),
     /// A derived parameter, definition or point: the item that holds its value.
     Item(usize),
-    /// A frame: the item that holds its angle.
+    /// A frame: the item that holds its angle, or how it is turned in space.
     Frame(usize),
     /// A body, by its place.
     Body(usize),
@@ -125,8 +125,8 @@ pub struct BodyNames {
     pub name: String,
     /// The item that holds its centre of mass.
     pub position: usize,
-    /// The item that holds its angle; `None` for a particle.
-    pub angle: Option<usize>,
+    /// The item that holds its angle, or its frame in space; `None` for a particle.
+    pub orientation: Option<usize>,
 }
 
 /// Where a constraint is found.
@@ -231,6 +231,8 @@ pub struct Scope {
     pub tables: Vec<TableNames>,
     /// Known once bodies and loads are.
     pub energies: Option<Energies>,
+    /// Bodies with their masses and inertias, known with the energies.
+    pub massive: Vec<Body>,
     /// What is known of units.
     pub units: Units,
 }

@@ -4,7 +4,8 @@ use std::rc::Rc;
 
 use super::families::Locals;
 use super::rules::Rules;
-use super::value::{self, Value};
+use super::value::Value;
+use crate::expr::vectors;
 use crate::file::Text;
 use crate::language::{Ast, AstKind, Operator};
 use crate::model::resolved::Part;
@@ -40,7 +41,7 @@ impl Resolver<'_> {
                     return Vec::new();
                 }
             };
-            let value = if minus { value::negative(&mut self.builder.graph, &value) } else { value };
+            let value = if minus { vectors::negative(&mut self.builder.graph, &value) } else { value };
             parts.push(Part { name: format!("`{words}`"), value });
         }
         if self.builder.problems.len() > before {

@@ -1,6 +1,6 @@
 //! Which body carries a point: the one in whose material it is at rest, at several random states.
 
-use crate::expr::{Id, Symbol, Tape};
+use crate::expr::{Id, Symbol, Tape, vectors};
 use crate::model::expression::builder::ExprBuilder;
 use crate::model::expression::facts::Depends;
 use crate::model::resolved::Model;
@@ -33,7 +33,10 @@ pub fn carriers(builder: &mut ExprBuilder, model: &Model, points: &[Vec<Id>]) ->
     for body in &model.bodies {
         roots.extend(&body.position);
         roots.extend(builder.rates(&body.position));
-        roots.push(body.rotation.map_or(Id::ZERO, |rotation| builder.rate(rotation.angle)));
+        match &body.rotation {
+            Some(rotation) => roots.extend(rotation.angular_velocity(|angle| builder.rate(angle))),
+            None => roots.extend(vec![Id::ZERO; vectors::moment_size(dimension)]),
+        }
     }
     for point in points {
         roots.extend(point);
@@ -47,7 +50,7 @@ pub fn carriers(builder: &mut ExprBuilder, model: &Model, points: &[Vec<Id>]) ->
         results
     };
     let seen: Vec<Vec<f64>> = states(builder, model).iter().map(run).collect();
-    let stride = 2 * dimension + 1;
+    let stride = 2 * dimension + vectors::moment_size(dimension);
     let offset = model.bodies.len() * stride;
     let carries = |k: usize, b: usize| {
         let particle = model.bodies[b].rotation.is_none();
@@ -72,12 +75,17 @@ pub fn carriers(builder: &mut ExprBuilder, model: &Model, points: &[Vec<Id>]) ->
 fn at_rest(dimension: usize, point: &[f64], body: &[f64], particle: bool) -> Option<bool> {
     let (position, rate) = point.split_at(dimension);
     let (centre, rest) = body.split_at(dimension);
-    let (velocity, omega) = (&rest[..dimension], rest[dimension]);
+    let (velocity, omega) = rest.split_at(dimension);
     let mut arm = [0.0; 3];
     for (arm, (p, c)) in arm.iter_mut().zip(position.iter().zip(centre)) {
         *arm = p - c;
     }
-    let turning = if dimension == 2 { [-omega * arm[1], omega * arm[0], 0.0] } else { [0.0; 3] };
+    let [x, y, z] = arm;
+    let turning = match *omega {
+        [omega] => [-omega * y, omega * x, 0.0],
+        [a, b, c] => [b * z - c * y, c * x - a * z, a * y - b * x],
+        _ => [0.0; 3],
+    };
     let size = |v: &[f64]| v.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     let mut gap = [0.0; 3];
     for (k, gap) in gap.iter_mut().enumerate().take(dimension) {

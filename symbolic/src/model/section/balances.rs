@@ -7,12 +7,11 @@ use std::collections::BTreeMap;
 
 use super::reactions::Unknown;
 use crate::diagnose::catalogue::{mechanics, sections};
-use crate::expr::{Id, Symbol, partial};
+use crate::expr::{Id, Symbol, partial, vectors};
 use crate::file::{Node, Spot, Text};
 use crate::model::expression::dimension::Dimension;
 use crate::model::expression::families::Locals;
 use crate::model::expression::rules::Rules;
-use crate::model::expression::value;
 use crate::model::resolved::{Balance, BalanceSystem, Part, Push, Work};
 use crate::model::resolver::Resolver;
 
@@ -72,6 +71,7 @@ impl<'a> Resolver<'a> {
             if !self.builder.sound_since(before) {
                 continue;
             }
+            balances.extend(unknowns.iter().flat_map(free_directions));
             let reactions: Vec<usize> = (0..self.scope.reactions.len())
                 .filter(|&k| unknowns.iter().any(|u| u.name == self.scope.reactions[k].name))
                 .collect();
@@ -131,7 +131,7 @@ impl<'a> Resolver<'a> {
                 let text = inner.equation(&mut self.builder.problems)?;
                 let (left, right) = self.sides(&text, locals)?;
                 terms = self.terms(&text, left.len(), locals);
-                let minus = value::negative(&mut self.builder.graph, &right);
+                let minus = vectors::negative(&mut self.builder.graph, &right);
                 vec![
                     Part { name: "the left side".to_owned(), value: left },
                     Part { name: "the right side".to_owned(), value: minus },
@@ -162,15 +162,15 @@ impl<'a> Resolver<'a> {
         let mut parts = Vec::new();
         for &b in set {
             let body = self.model.bodies[b].clone();
-            let arm = value::difference(&mut self.builder.graph, about, &body.position);
+            let arm = vectors::difference(&mut self.builder.graph, about, &body.position);
             let momentum = self.mass_times_acceleration(b);
             let turning = self.cross(&arm, &momentum);
             parts.push(self.part(format!("m a of {}", body.name), turning, false));
-            if let Some(rotation) = body.rotation {
-                let omega = self.builder.rate(rotation.angle);
-                let alpha = self.builder.rate(omega);
-                let turning = vec![self.builder.graph.mul(rotation.inertia, alpha)];
-                parts.push(self.part(format!("I alpha of {}", body.name), turning, false));
+            if let Some(rotation) = &body.rotation {
+                let omega = rotation.angular_velocity(|angle| self.builder.rate(angle));
+                let spin = rotation.angular_momentum(&mut self.builder.graph, &omega);
+                let turning = self.builder.rates(&spin);
+                parts.push(self.part(turning_name(&body.name, spin.len()), turning, false));
             }
             if let Some(gravity) = self.model.gravity.clone() {
                 let weight: Vec<Id> = gravity.iter().map(|g| self.builder.graph.mul(body.mass, *g)).collect();
@@ -179,11 +179,11 @@ impl<'a> Resolver<'a> {
             }
         }
         for (name, pushes) in self.all_pushes(sums) {
-            let mut total = vec![Id::ZERO; if self.scope.dimension == 2 { 1 } else { 3 }];
+            let mut total = vec![Id::ZERO; vectors::moment_size(self.scope.dimension)];
             let mut touches = false;
             for push in pushes.iter().filter(|p| p.body.is_some_and(|b| set.contains(&b))) {
                 touches = true;
-                let arm = value::difference(&mut self.builder.graph, about, &push.at);
+                let arm = vectors::difference(&mut self.builder.graph, about, &push.at);
                 let turning = self.cross(&arm, &push.force);
                 for (k, sum) in total.iter_mut().enumerate() {
                     *sum = self.builder.graph.add(*sum, turning[k]);
@@ -244,7 +244,8 @@ impl<'a> Resolver<'a> {
             let force = self.momentum_of(&[b], sums);
             let (about, turns) = (self.model.bodies[b].position.clone(), self.model.bodies[b].rotation.is_some());
             let moment = if turns { self.moment_of(&[b], &about, sums) } else { Vec::new() };
-            for (parts, components) in [(force, self.scope.dimension), (moment, usize::from(turns))] {
+            let turning = if turns { vectors::moment_size(self.scope.dimension) } else { 0 };
+            for (parts, components) in [(force, self.scope.dimension), (moment, turning)] {
                 let graph = &mut self.builder.graph;
                 let sum = |k: usize| parts.iter().fold(Id::ZERO, |sum, part| graph.add(sum, part.value[k]));
                 rows.extend((0..components).map(sum));
@@ -262,19 +263,19 @@ impl<'a> Resolver<'a> {
         for &b in &set {
             let body = self.model.bodies[b].clone();
             let velocity = self.builder.rates(&body.position);
-            let square = value::dot(&mut self.builder.graph, &velocity, &velocity);
+            let square = vectors::dot(&mut self.builder.graph, &velocity, &velocity);
             let mut doubled = self.builder.graph.mul(body.mass, square);
-            if let Some(rotation) = body.rotation {
-                let omega = self.builder.rate(rotation.angle);
-                let square = self.builder.graph.mul(omega, omega);
-                let turning = self.builder.graph.mul(rotation.inertia, square);
+            if let Some(rotation) = &body.rotation {
+                let omega = rotation.angular_velocity(|angle| self.builder.rate(angle));
+                let spin = rotation.angular_momentum(&mut self.builder.graph, &omega);
+                let turning = vectors::dot(&mut self.builder.graph, &omega, &spin);
                 doubled = self.builder.graph.add(doubled, turning);
             }
             let kinetic = self.builder.graph.mul(half, doubled);
             let rate = self.builder.rate(kinetic);
             parts.push(self.part(format!("the kinetic energy of {}", body.name), vec![rate], false));
             if let Some(gravity) = self.model.gravity.clone() {
-                let falling = value::dot(&mut self.builder.graph, &gravity, &velocity);
+                let falling = vectors::dot(&mut self.builder.graph, &gravity, &velocity);
                 let power = self.builder.graph.mul(body.mass, falling);
                 parts.push(self.part(format!("the weight of {}", body.name), vec![power], true));
             }
@@ -349,17 +350,16 @@ impl<'a> Resolver<'a> {
             let Some(b) = push.body else { continue };
             let body = self.model.bodies[b].clone();
             let mut velocity = self.builder.rates(&body.position);
-            if let Some(rotation) = body.rotation {
-                let omega = self.builder.rate(rotation.angle);
-                let arm = value::difference(&mut self.builder.graph, &body.position, &push.at);
-                let turning = value::turn(&mut self.builder.graph, omega, &arm);
-                velocity = value::add_scaled(&mut self.builder.graph, &velocity, Id::ONE, &turning);
-                if let Some(couple) = push.couple.first() {
-                    let work = self.builder.graph.mul(*couple, omega);
-                    total = self.builder.graph.add(total, work);
-                }
+            if let Some(rotation) = &body.rotation {
+                let omega = rotation.angular_velocity(|angle| self.builder.rate(angle));
+                let graph = &mut self.builder.graph;
+                let arm = vectors::difference(graph, &body.position, &push.at);
+                let turning = vectors::swept(graph, &omega, &arm);
+                velocity = vectors::add(graph, &velocity, &turning);
+                let work = vectors::dot(graph, &push.couple, &omega);
+                total = graph.add(total, work);
             }
-            let work = value::dot(&mut self.builder.graph, &push.force, &velocity);
+            let work = vectors::dot(&mut self.builder.graph, &push.force, &velocity);
             total = self.builder.graph.add(total, work);
         }
         total
@@ -379,15 +379,12 @@ impl<'a> Resolver<'a> {
     }
 
     fn cross(&mut self, a: &[Id], b: &[Id]) -> Vec<Id> {
-        match self.scope.dimension {
-            2 => vec![value::cross_plane(&mut self.builder.graph, a, b)],
-            _ => value::cross_space(&mut self.builder.graph, a, b),
-        }
+        vectors::moment(&mut self.builder.graph, a, b)
     }
 
     /// A named part of a residual; forces count negative.
     fn part(&mut self, name: String, value: Vec<Id>, force: bool) -> Part {
-        let value = if force { value::negative(&mut self.builder.graph, &value) } else { value };
+        let value = if force { vectors::negative(&mut self.builder.graph, &value) } else { value };
         Part { name, value }
     }
 
@@ -396,14 +393,17 @@ impl<'a> Resolver<'a> {
         let Some(along) = spot.get("along") else { return Some(None) };
         let written = along.written(&mut self.builder.problems)?;
         let vector = self.vector(&written, Rules::velocity("a direction"), locals)?;
-        Some(Some(value::unit(&mut self.builder.graph, &vector)))
+        Some(Some(vectors::unit(&mut self.builder.graph, &vector)))
     }
 
     fn projected(&mut self, parts: Vec<Part>, along: Option<Vec<Id>>) -> Vec<Part> {
         let Some(along) = along else { return parts };
         parts
             .into_iter()
-            .map(|part| Part { name: part.name, value: vec![value::dot(&mut self.builder.graph, &part.value, &along)] })
+            .map(|part| Part {
+                name: part.name,
+                value: vec![vectors::dot(&mut self.builder.graph, &part.value, &along)],
+            })
             .collect()
     }
 
@@ -423,4 +423,19 @@ impl<'a> Resolver<'a> {
         }
         Some(set)
     }
+}
+
+/// That a reaction has no component along its free directions.
+fn free_directions(unknown: &Unknown) -> Option<Balance> {
+    let components = unknown.free.len();
+    let label = format!("the free directions of {}", unknown.name);
+    let parts = vec![Part { name: unknown.name.clone(), value: unknown.free.clone() }];
+    let (terms, place) = (Vec::new(), unknown.place.clone());
+    let balance = Balance { label, parts, terms, components, void_at_rest: false, instantaneous: true, place };
+    (components > 0).then_some(balance)
+}
+
+/// What the turning of a body adds to a balance of moments.
+fn turning_name(body: &str, components: usize) -> String {
+    if components == 1 { format!("I alpha of {body}") } else { format!("the rate of I omega of {body}") }
 }

@@ -1,18 +1,20 @@
 //! Masses, gravity, energies.
 
 use super::declare::DeclaredBody;
+use super::inertia::{Moments, tensor};
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{mechanics, names};
-use crate::expr::{Id, Node, Rational, Symbol};
+use crate::expr::{Id, Node, Rational, Symbol, vectors};
 use crate::file::{Quantity, Text};
 use crate::model::expression::dimension::{Dimension, Measure};
 use crate::model::expression::families::Locals;
 use crate::model::expression::quantities::stands_alone;
 use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::Energies;
-use crate::model::expression::value::{self, Value};
-use crate::model::resolved::{Body, GeneralizedForce, Rotation};
+use crate::model::expression::value::Value;
+use crate::model::resolved::{Body, GeneralizedForce};
 use crate::model::resolver::Resolver;
+use crate::model::rotation::Rotation;
 
 /// An energy written by hand.
 struct Raw {
@@ -45,42 +47,49 @@ impl Resolver<'_> {
 
     /// Bodies, now that positions and angles have values.
     pub fn finish_bodies(&mut self, declared: Vec<DeclaredBody>) {
+        let mut spatial = Vec::new();
         for (place, body) in declared.into_iter().enumerate() {
             let names = &self.scope.bodies[place];
-            let (name, position, angle) = (names.name.clone(), names.position, names.angle);
+            let (name, position, orientation) = (names.name.clone(), names.position, names.orientation);
             let mass =
                 self.constant(body.text.mass.as_ref(), Rules::constant("a mass").si(Dimension::MASS), &body.locals);
-            let rules = Rules::constant("a moment of inertia").si(Dimension::INERTIA);
-            let inertia = self.constant(body.text.inertia.as_ref(), rules, &body.locals);
+            let written = body.text.inertia.as_deref().unwrap_or_default();
+            let moments = self.moments(written, &body.locals);
             let position = match self.scope.value(position) {
                 Some(Value::Vector(position)) => position.clone(),
                 _ => vec![Id::ZERO; self.scope.dimension],
             };
-            let angle = angle.map(|item| match self.scope.value(item) {
-                Some(Value::Scalar(angle)) => *angle,
-                _ => Id::ZERO,
+            let rotation = orientation.and_then(|item| match self.scope.value(item).cloned() {
+                Some(Value::Orientation(frame)) => {
+                    let place = written.first().map(|first| Place::clone(&first.text.place)).unwrap_or_default();
+                    let inertia = tensor(&moments);
+                    spatial.push(Moments { name: name.clone(), place, values: moments.clone() });
+                    Some(Rotation::Space { frame, inertia })
+                }
+                Some(Value::Scalar(angle)) => {
+                    Some(Rotation::Plane { angle, inertia: moments.first().copied().unwrap_or(Id::ZERO) })
+                }
+                _ => None,
             });
-            let rotation = angle.map(|angle| Rotation { angle, inertia });
-            self.kinetic_energy(mass, &position, rotation);
+            self.kinetic_energy(mass, &position, rotation.as_ref());
             self.model.bodies.push(Body { name, mass, position, rotation, place: body.text.place.clone() });
         }
         self.positive_masses();
+        self.possible_inertias(&spatial);
     }
 
     /// ½ m v·v and ½ I ω².
-    fn kinetic_energy(&mut self, mass: Id, position: &[Id], rotation: Option<Rotation>) {
+    fn kinetic_energy(&mut self, mass: Id, position: &[Id], rotation: Option<&Rotation>) {
         let half = self.half();
         let velocity = self.builder.rates(position);
-        let square = value::dot(&mut self.builder.graph, &velocity, &velocity);
-        let mut terms = vec![(mass, square)];
+        let square = vectors::dot(&mut self.builder.graph, &velocity, &velocity);
+        let mut doubled = vec![self.builder.graph.mul(mass, square)];
         if let Some(rotation) = rotation {
-            let omega = self.builder.rate(rotation.angle);
-            terms.push((rotation.inertia, self.builder.graph.mul(omega, omega)));
+            let omega = rotation.own_angular_velocity(|x| self.builder.rate(x));
+            doubled.push(rotation.doubled_energy(&mut self.builder.graph, &omega));
         }
-        for (inertia, square) in terms {
-            let graph = &mut self.builder.graph;
-            let product = graph.mul(inertia, square);
-            let term = graph.mul(half, product);
+        for doubled in doubled {
+            let term = self.builder.graph.mul(half, doubled);
             if term != Id::ZERO {
                 self.model.kinetic_terms.push(term);
             }
@@ -108,7 +117,7 @@ impl Resolver<'_> {
     }
 
     /// A mass or moment of inertia: of parameters only; 0 where absent.
-    fn constant(&mut self, quantity: Option<&Quantity>, rules: Rules, locals: &Locals) -> Id {
+    pub fn constant(&mut self, quantity: Option<&Quantity>, rules: Rules, locals: &Locals) -> Id {
         let Some(quantity) = quantity else { return Id::ZERO };
         let Some(value) = self.quantity(quantity, rules, locals) else { return Id::ZERO };
         let place = quantity.text.place.at(quantity.text.ast.span);
@@ -132,7 +141,7 @@ impl Resolver<'_> {
         };
         for body in &self.model.bodies {
             let graph = &mut self.builder.graph;
-            let along = value::dot(graph, &gravity, &body.position);
+            let along = vectors::dot(graph, &gravity, &body.position);
             let product = graph.mul(body.mass, along);
             let term = graph.neg(product);
             if term != Id::ZERO {
@@ -251,6 +260,7 @@ impl Resolver<'_> {
         let mut sum = |terms: &[Id]| terms.iter().fold(Id::ZERO, |sum, term| graph.add(sum, *term));
         let (kinetic, potential) = (sum(&self.model.kinetic_terms), sum(&self.model.potential_terms));
         self.scope.energies = Some(Energies { kinetic, potential });
+        self.scope.massive.clone_from(&self.model.bodies);
     }
 
     /// ½.

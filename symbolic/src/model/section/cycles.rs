@@ -7,6 +7,7 @@ use crate::diagnose::catalogue::units;
 use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary};
 use crate::model::expression::rules::Counts;
 use crate::model::resolver::Resolver;
+use crate::model::rotation::Rotation;
 
 /// How near a factor must be to a multiple of π to stand for one: `6.28` does, and `22/7`.
 const NEAR: f64 = 0.01;
@@ -45,7 +46,13 @@ impl Resolver<'_> {
     }
 
     fn angles_of_bodies(&self) -> Vec<Id> {
-        self.model.bodies.iter().filter_map(|body| body.rotation).map(|rotation| rotation.angle).collect()
+        let rotations = self.model.bodies.iter().filter_map(|body| body.rotation.as_ref());
+        let angle = |rotation: &Rotation| match rotation {
+            Rotation::Plane { angle, .. } => Some(*angle),
+            // In space angles stand in sines and cosines.
+            Rotation::Space { .. } => None,
+        };
+        rotations.filter_map(angle).collect()
     }
 
     /// The function of time that an input is.

@@ -2,14 +2,14 @@
 
 use std::rc::Rc;
 
-use super::resolve_values::Want;
-use crate::diagnose::Place;
-use crate::diagnose::catalogue::{later, mechanics, names, sections};
+use super::resolve_values::{Axis, Want};
+use crate::diagnose::catalogue::{mechanics, names, sections};
+use crate::diagnose::{Place, Problem};
 use crate::expr::Id;
-use crate::file::{Node, Quantity, Spot, Written, describe, unit_at};
+use crate::file::{Node, Quantity, Spot, Text, Written, describe, unit_at};
 use crate::language::{Ast, parse, parse_key};
 use crate::model::expression::dimension::{Dimension, Measure, si};
-use crate::model::expression::families::Family;
+use crate::model::expression::families::{Family, Locals};
 use crate::model::expression::index::{Indices, integer};
 use crate::model::expression::lower::Local;
 use crate::model::expression::rules::Rules;
@@ -22,10 +22,19 @@ use crate::model::resolver::Resolver;
 pub struct BodyText {
     /// Its mass.
     pub mass: Option<Quantity>,
-    /// Its moment of inertia.
-    pub inertia: Option<Quantity>,
+    /// Its moments of inertia: one in the plane; in space three, or the nine elements of a tensor.
+    pub inertia: Option<Vec<Quantity>>,
     /// Where it stands.
     pub place: Place,
+}
+
+/// How a frame is turned, as written.
+#[derive(Clone, Debug)]
+enum Turned {
+    /// By an angle.
+    Plane(Text),
+    /// About axes in turn.
+    Space(Vec<(Axis, Text)>),
 }
 
 /// A body as declared.
@@ -177,29 +186,76 @@ impl Resolver<'_> {
         for (key, spot) in self.section("frames") {
             let Some(family) = self.expand_declared(key, &spot, Section::Frame) else { continue };
             self.declare_empty(Section::Frame, &family);
-            let problems = &mut self.builder.problems;
-            spot.only(&["angle", "from", "rotate"], "a frame", problems);
-            let spatial = spot.get("rotate").is_some() || self.scope.dimension == 3;
-            if spatial {
-                problems.push(later::form_not_supported(spot.place.of_key(), "a frame that turns in space"));
-            }
-            let angle = if spatial { None } else { spot.need("angle", "a frame", problems) };
-            let written = angle.and_then(|angle| angle.text(problems)).map(Written::One);
-            let from = spot.get("from").map(|from| from.text(problems));
+            spot.only(&["angle", "from", "rotate"], "a frame", &mut self.builder.problems);
+            let from = spot.get("from").map(|from| from.text(&mut self.builder.problems));
+            let turn = if self.scope.dimension == 3 { self.rotate(&spot) } else { self.angle(&spot) };
             for member in &family.members {
-                if spatial || matches!(from, Some(None)) {
+                let (Some(turn), None | Some(Some(_))) = (&turn, &from) else {
                     self.declare(Section::Frame, member, Member::Refused, &spot.place);
                     continue;
-                }
-                let rules = Rules::position("an angle").si(Dimension::ONE);
-                let item = self.item(member.name(), written.clone(), rules, Want::Scalar, &member.locals);
-                self.items[item].from = from.clone().flatten();
+                };
+                let item = self.turned(member.name(), turn.clone(), from.clone().flatten(), &member.locals);
                 self.declare(Section::Frame, member, Member::Frame(item), &spot.place);
             }
         }
     }
 
-    /// `bodies`: their names, positions and angles; masses follow when all names are known.
+    /// The angle of a frame in the plane.
+    fn angle(&mut self, spot: &Spot<'_>) -> Option<Turned> {
+        let angle = spot.need("angle", "a frame", &mut self.builder.problems)?.text(&mut self.builder.problems)?;
+        Some(Turned::Plane(angle))
+    }
+
+    /// `rotate` of a frame in space: a turn `[axis, angle]`, or a list of them, each about an axis of the frame as already turned.
+    fn rotate(&mut self, spot: &Spot<'_>) -> Option<Turned> {
+        let problems = &mut self.builder.problems;
+        if let Some(angle) = spot.get("angle") {
+            problems.push(mechanics::angle_in_space(angle.place.of_key()));
+            return None;
+        }
+        let rotate = spot.need("rotate", "a frame", problems)?;
+        let items = rotate.items().unwrap_or_default();
+        let single = matches!(items.as_slice(), [_, angle] if !matches!(angle.node, Node::List(_)));
+        let turns = if single { vec![rotate.clone()] } else { items };
+        if turns.is_empty() {
+            problems.push(mechanics::not_a_turn(rotate.place.clone(), describe(rotate.node)));
+            return None;
+        }
+        let mut turned = Vec::new();
+        for turn in turns {
+            let items = turn.items().unwrap_or_default();
+            let [axis, angle] = items.as_slice() else {
+                problems.push(mechanics::not_a_turn(turn.place.clone(), describe(turn.node)));
+                return None;
+            };
+            let axis = match axis.node {
+                Node::Scalar(name) if matches!(name.as_str(), "x" | "y" | "z") => {
+                    Axis::Own(usize::from(name.as_bytes()[0] - b'x'))
+                }
+                _ => Axis::Direction(axis.written(problems)?),
+            };
+            turned.push((axis, angle.text(problems)?));
+        }
+        Some(Turned::Space(turned))
+    }
+
+    /// The item that holds how a frame or body is turned.
+    fn turned(&mut self, name: String, turn: Turned, from: Option<Text>, locals: &Locals) -> usize {
+        let rules = Rules::position("an angle").si(Dimension::ONE);
+        let (written, want, axes) = match turn {
+            Turned::Plane(angle) => (Written::One(angle), Want::Scalar, Vec::new()),
+            Turned::Space(turns) => {
+                let place = from.as_ref().map(|from| Rc::clone(&from.place)).unwrap_or_default();
+                let (axes, angles): (Vec<Axis>, Vec<Text>) = turns.into_iter().unzip();
+                (Written::List(angles, place), Want::Orientation, axes)
+            }
+        };
+        let item = self.item(name, Some(written), rules, want, locals);
+        (self.items[item].from, self.items[item].axes) = (from, axes);
+        item
+    }
+
+    /// `bodies`: their names, positions and orientations; masses follow when all names are known.
     pub fn bodies(&mut self) -> Vec<DeclaredBody> {
         let mut bodies = Vec::new();
         for (key, spot) in self.section("bodies") {
@@ -211,24 +267,26 @@ impl Resolver<'_> {
     }
 
     fn declare_body(&mut self, spot: &Spot<'_>, family: &Family, bodies: &mut Vec<DeclaredBody>) {
+        let space = self.scope.dimension == 3;
         let problems = &mut self.builder.problems;
         spot.only(&["mass", "position", "inertia", "angle", "frame"], "a body", problems);
-        let inertia = spot.get("inertia");
-        let spatial = spot.get("frame").is_some()
-            || matches!(inertia, Some(Spot { node: Node::List(_), .. }))
-            || (self.scope.dimension == 3 && (spot.get("angle").is_some() || inertia.is_some()));
-        if spatial {
-            problems.push(later::form_not_supported(spot.place.of_key(), "a rigid body in space"));
-            for member in &family.members {
-                self.declare(Section::Body, member, Member::Refused, &spot.place);
-            }
-            return;
-        }
         let mass = spot.need("mass", "a body", problems).and_then(|mass| mass.quantity(problems));
         let position = spot.need("position", "a body", problems).and_then(|spot| spot.written(problems));
-        let turns = spot.get("angle");
+        let (inertia, angle, frame) = (spot.get("inertia"), spot.get("angle"), spot.get("frame"));
+        let turns = match (&angle, &frame) {
+            (Some(angle), _) if space => {
+                problems.push(mechanics::angle_in_space(angle.place.of_key()));
+                return self.refuse_body(spot, family);
+            }
+            (Some(_), Some(frame)) => {
+                problems.push(sections::conflicting_keys(frame.place.of_key(), "angle", "frame", "a body"));
+                return self.refuse_body(spot, family);
+            }
+            (angle, frame) => angle.as_ref().or(frame.as_ref()),
+        };
         if let (Some(inertia), None) = (&inertia, &turns) {
-            problems.push(mechanics::incomplete_body(inertia.place.of_key(), &family.key.name, "inertia", "angle"));
+            let missing = if space { "frame" } else { "angle" };
+            problems.push(mechanics::incomplete_body(inertia.place.of_key(), &family.key.name, "inertia", missing));
         }
         if let (Some(turns), None) = (&turns, &inertia)
             && mass.as_ref().is_none_or(|mass| &*mass.text.source != "0")
@@ -237,9 +295,20 @@ impl Resolver<'_> {
             self.model.warnings.push(warning);
         }
         let problems = &mut self.builder.problems;
-        let angle = turns.as_ref().and_then(|angle| angle.text(problems)).map(Written::One);
-        let inertia = inertia.and_then(|inertia| inertia.quantity(problems));
-        for quantity in [&mass, &inertia].into_iter().flatten() {
+        let turned = match (space, &frame) {
+            (true, _) => Some(Turned::Space(Vec::new())),
+            (false, Some(_)) => parse("0").ok().map(|ast| {
+                let (ast, place) = (Rc::new(ast), Rc::new(spot.place.clone()));
+                Turned::Plane(Text { source: "0".into(), ast, unit: None, place })
+            }),
+            (false, None) => angle.as_ref().and_then(|angle| angle.text(problems)).map(Turned::Plane),
+        };
+        let from = frame.as_ref().map(|frame| frame.text(problems));
+        let turned = if matches!(from, Some(None)) { None } else { turned };
+        let inertia = inertia.and_then(|inertia| {
+            if space { moments(&inertia, problems) } else { inertia.quantity(problems).map(|moment| vec![moment]) }
+        });
+        for quantity in mass.iter().chain(inertia.iter().flatten()) {
             self.note_unit(quantity.unit.as_ref().map(|(_, unit)| unit));
         }
         let text = Rc::new(BodyText { mass, inertia, place: spot.place.of_key() });
@@ -247,15 +316,24 @@ impl Resolver<'_> {
             let name = member.name();
             let rules = Rules::position("a position").si(Dimension::LENGTH);
             let at = self.item(name.clone(), position.clone(), rules, Want::Vector, &member.locals);
-            let angle = turns.is_some().then(|| {
-                let rules = Rules::position("an angle").si(Dimension::ONE);
-                self.item(format!("{name}'s angle"), angle.clone(), rules, Want::Scalar, &member.locals)
+            let orientation = turns.is_some().then(|| {
+                let name = if space { format!("{name}'s frame") } else { format!("{name}'s angle") };
+                match &turned {
+                    Some(turned) => self.turned(name, turned.clone(), from.clone().flatten(), &member.locals),
+                    None => self.item(name, None, rules, Want::Scalar, &member.locals),
+                }
             });
             let place = self.scope.bodies.len();
             if self.declare(Section::Body, member, Member::Body(place), &spot.place) {
-                self.scope.bodies.push(BodyNames { name, position: at, angle });
+                self.scope.bodies.push(BodyNames { name, position: at, orientation });
                 bodies.push(DeclaredBody { text: Rc::clone(&text), locals: Rc::clone(&member.locals) });
             }
+        }
+    }
+
+    fn refuse_body(&mut self, spot: &Spot<'_>, family: &Family) {
+        for member in &family.members {
+            self.declare(Section::Body, member, Member::Refused, &spot.place);
         }
     }
 
@@ -292,10 +370,41 @@ impl Resolver<'_> {
     }
 }
 
-/// Two or three, whichever most vectors of the file have.
+/// The moments of inertia of a body in space: three principal ones, or the rows of a tensor.
+fn moments(spot: &Spot<'_>, problems: &mut Vec<Problem>) -> Option<Vec<Quantity>> {
+    let rows = spot.items().filter(|rows| rows.len() == 3);
+    let Some(rows) = rows else {
+        problems.push(mechanics::not_moments(spot.place.clone(), describe(spot.node)));
+        return None;
+    };
+    let mut moments = Vec::new();
+    for row in rows {
+        match row.items() {
+            None => moments.push(row.quantity(problems)?),
+            Some(items) => {
+                for item in items {
+                    moments.push(item.quantity(problems)?);
+                }
+            }
+        }
+    }
+    if !matches!(moments.len(), 3 | 9) {
+        problems.push(mechanics::not_moments(spot.place.clone(), describe(spot.node)));
+        return None;
+    }
+    Some(moments)
+}
+
+/// Two or three, whichever most vectors of the file have; three where a frame turns about axes.
 pub fn dimension(root: &Node) -> usize {
     let mut votes = [0_usize; 2];
     let Node::Map(entries) = root else { return 2 };
+    let frames = entries.iter().filter(|(key, _)| key == "frames").map(|(_, node)| node);
+    let turned = |node: &Node| matches!(node, Node::Map(keys) if keys.iter().any(|(key, _)| key == "rotate"));
+    if frames.into_iter().any(|node| matches!(node, Node::Map(frames) if frames.iter().any(|(_, frame)| turned(frame))))
+    {
+        return 3;
+    }
     let mut stack: Vec<(&str, &Node)> = entries
         .iter()
         .filter(|(key, _)| {

@@ -105,7 +105,7 @@ impl Resolver<'_> {
             }),
             Some(body) => {
                 let centre = self.centre(body)?;
-                let particle = self.scope.bodies[body].angle.is_none();
+                let particle = self.scope.bodies[body].orientation.is_none();
                 match (point, at) {
                     (Some(point), Some(at)) if particle && point != centre => {
                         let place = Place::clone(at.place());
@@ -124,7 +124,7 @@ impl Resolver<'_> {
         match self.body(from, locals)? {
             None => Some(End { attached: AttachedTo::Ground, at: at.to_vec() }),
             Some(body) => {
-                let rigid = self.scope.bodies[body].angle.is_some();
+                let rigid = self.scope.bodies[body].orientation.is_some();
                 let at = if rigid { at.to_vec() } else { self.centre(body)? };
                 Some(End { attached: AttachedTo::Body(body), at })
             }
@@ -154,7 +154,7 @@ impl Resolver<'_> {
     pub fn rigid_body(&mut self, text: &Text, context: &str, locals: &Locals) -> Option<Option<usize>> {
         let body = self.body(text, locals)?;
         if let Some(body) = body
-            && self.scope.bodies[body].angle.is_none()
+            && self.scope.bodies[body].orientation.is_none()
         {
             let name = &self.scope.bodies[body].name;
             let place = text.place.at(text.ast.span);

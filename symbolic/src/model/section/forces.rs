@@ -3,12 +3,11 @@
 use super::ends::End;
 use super::loads::{AttachedTo, Draft, DraftPush, Drafts};
 use crate::diagnose::catalogue::sections;
-use crate::expr::Id;
+use crate::expr::{Id, vectors};
 use crate::file::{Spot, Text, Written};
 use crate::model::expression::dimension::Dimension;
 use crate::model::expression::families::{Family, Locals};
 use crate::model::expression::rules::Rules;
-use crate::model::expression::value;
 use crate::model::resolved::Work;
 use crate::model::resolver::Resolver;
 
@@ -48,7 +47,7 @@ impl Resolver<'_> {
                 (None, None) => Some(End { attached: AttachedTo::Ground, at: end.at.clone() }),
             };
             let Some(opposite) = opposite else { continue };
-            let minus = value::negative(&mut self.builder.graph, &force);
+            let minus = vectors::negative(&mut self.builder.graph, &force);
             let mut pushes = vec![DraftPush { attached: end.attached, at: end.at, force, couple: Vec::new() }];
             if from.is_some() || reaction.is_some() {
                 pushes.push(DraftPush {

@@ -1,7 +1,7 @@
 //! Loads at points that several bodies carry: what the balances would be if another body took them.
 
 use crate::diagnose::Place;
-use crate::model::expression::value;
+use crate::expr::vectors;
 use crate::model::resolved::{Change, Load, Push, Work};
 use crate::model::resolver::Resolver;
 
@@ -19,7 +19,7 @@ impl Resolver<'_> {
         for (k, end) in self.model.shared_ends.iter().enumerate() {
             let push = self.model.loads[end.load].pushes[end.push].clone();
             for &body in end.bodies.iter().skip(1) {
-                let minus = value::negative(&mut self.builder.graph, &push.force);
+                let minus = vectors::negative(&mut self.builder.graph, &push.force);
                 let pushes = vec![Push { body: Some(body), ..push.clone() }, Push { force: minus, ..push.clone() }];
                 // No label of a file starts so.
                 let name = format!("\0{}", moved.len());

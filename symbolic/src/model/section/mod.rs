@@ -12,6 +12,7 @@ pub mod ends;
 pub mod events;
 pub mod forces;
 pub mod hinge_ambiguity;
+pub mod inertia;
 pub mod loads;
 pub mod parameters;
 pub mod phases;

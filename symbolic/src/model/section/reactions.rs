@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 
 use super::loads::{AttachedTo, Drafts};
-use crate::diagnose::catalogue::names;
-use crate::expr::{Id, Symbol};
+use crate::diagnose::Place;
+use crate::diagnose::catalogue::{names, sections};
+use crate::expr::{Id, Symbol, vectors};
 use crate::file::{Node, Spot};
 use crate::model::expression::families::Locals;
 use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::{Member, Section};
-use crate::model::expression::value;
 use crate::model::resolved::{Push, Reaction};
 use crate::model::resolver::Resolver;
 
@@ -19,6 +19,10 @@ pub struct Unknown {
     pub name: String,
     /// The reaction, and its opposite where it has one.
     pub pushes: Vec<Push>,
+    /// Its components along the directions in which it is free: zero.
+    pub free: Vec<Id>,
+    /// Where it stands.
+    pub place: Place,
 }
 
 impl<'a> Resolver<'a> {
@@ -58,7 +62,7 @@ impl<'a> Resolver<'a> {
         let (mut unknowns, mut drafts) = (Vec::new(), Drafts::default());
         let Some(list) = system.get("reactions") else { return unknowns };
         for (key, spot) in list.entries(&mut self.builder.problems) {
-            if !spot.only(&["on", "at", "along", "from", "couple"], "a reaction", &mut self.builder.problems) {
+            if !spot.only(&["on", "at", "along", "from", "couple", "free"], "a reaction", &mut self.builder.problems) {
                 continue;
             }
             let Some(family) = self.expand(key, &spot) else { continue };
@@ -95,7 +99,7 @@ impl<'a> Resolver<'a> {
         let direction = match &along {
             Some(along) => {
                 let vector = self.vector(along, Rules::velocity("a direction"), locals)?;
-                Some(value::unit(&mut self.builder.graph, &vector))
+                Some(vectors::unit(&mut self.builder.graph, &vector))
             }
             None => None,
         };
@@ -107,7 +111,8 @@ impl<'a> Resolver<'a> {
             Some(direction) => direction.iter().map(|e| self.builder.graph.mul(symbols[0], *e)).collect(),
             None => symbols,
         };
-        let minus = value::negative(&mut self.builder.graph, &full);
+        let free = self.free(spot, &full, locals)?;
+        let minus = vectors::negative(&mut self.builder.graph, &full);
         let zero = vec![Id::ZERO; self.scope.dimension];
         let mut pushes = Vec::new();
         for (end, load) in std::iter::once((end, full)).chain(opposite.map(|end| (end, minus))) {
@@ -115,6 +120,28 @@ impl<'a> Resolver<'a> {
             let (force, couple) = if couple { (zero.clone(), load) } else { (load, Vec::new()) };
             pushes.push(Push { body: Some(body), at: end.at, force, couple });
         }
-        Some(Unknown { name: name.to_owned(), pushes })
+        Some(Unknown { name: name.to_owned(), pushes, free, place: spot.place.clone() })
+    }
+
+    /// The components of a reaction along the directions of `free`, one or a list of them.
+    fn free(&mut self, spot: &Spot<'_>, reaction: &[Id], locals: &Locals) -> Option<Vec<Id>> {
+        let Some(free) = spot.get("free") else { return Some(Vec::new()) };
+        if spot.get("along").is_some() || reaction.len() < self.scope.dimension {
+            let place = free.place.of_key();
+            self.builder.problems.push(match spot.get("along") {
+                Some(_) => sections::conflicting_keys(place, "along", "free", "a reaction"),
+                None => sections::unknown_key(place, "free", "a couple in the plane", String::new()),
+            });
+            return None;
+        }
+        let mut rows = Vec::new();
+        // A list of expressions is a list of directions; one of numbers would be a direction, which an expression can say as well.
+        for direction in free.items().unwrap_or_else(|| vec![free.clone()]) {
+            let written = direction.written(&mut self.builder.problems)?;
+            let direction = self.vector(&written, Rules::velocity("a direction"), locals)?;
+            let unit = vectors::unit(&mut self.builder.graph, &direction);
+            rows.push(vectors::dot(&mut self.builder.graph, reaction, &unit));
+        }
+        Some(rows)
     }
 }

@@ -3,7 +3,8 @@
 use std::rc::Rc;
 
 use crate::diagnose::Place;
-use crate::diagnose::catalogue::names;
+use crate::diagnose::catalogue::{mechanics, names};
+use crate::expr::{Id, Symbol, Tape, vectors};
 use crate::file::{Text, Written};
 use crate::language::{Ast, AstKind, Unit};
 use crate::model::expression::builder::ExprBuilder;
@@ -15,6 +16,7 @@ use crate::model::expression::quantities::stands_alone;
 use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::Scope;
 use crate::model::expression::value::{self, Value};
+use crate::model::rotation::{Orientation, Turn};
 
 /// Something with a value that expressions may name.
 #[derive(Clone, Debug)]
@@ -29,10 +31,21 @@ pub struct Item {
     pub want: Want,
     /// Its indices.
     pub locals: Locals,
-    /// The frame that an angle is measured from.
+    /// The frame that an angle is measured from, or that is turned.
     pub from: Option<Text>,
+    /// In space: the axes of its turns, one for each angle.
+    pub axes: Vec<Axis>,
     /// Its unit as written.
     pub unit: Option<Unit>,
+}
+
+/// An axis to turn about.
+#[derive(Clone, Debug)]
+pub enum Axis {
+    /// x, y or z of the frame itself.
+    Own(usize),
+    /// A direction that is fixed in it, of parameters.
+    Direction(Written),
 }
 
 /// What the value of an item must be.
@@ -46,6 +59,8 @@ pub enum Want {
     Any,
     /// The difference of both sides of an equation, either.
     Equation,
+    /// How a frame is turned in space.
+    Orientation,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -107,6 +122,7 @@ fn evaluate(builder: &mut ExprBuilder, scope: &Scope, item: &Item) -> Value {
             },
             Written::List(..) => builder.written(scope, written, item.rules, &item.locals),
         },
+        Want::Orientation => return orientation(builder, scope, item).map_or(Value::Poison, Value::Orientation),
         Want::Any => builder.written(scope, written, item.rules, &item.locals),
         Want::Vector => builder.vector(scope, written, item.rules, &item.locals).map_or(Value::Poison, Value::Vector),
         Want::Scalar => match written {
@@ -137,24 +153,71 @@ fn evaluate(builder: &mut ExprBuilder, scope: &Scope, item: &Item) -> Value {
     }
 }
 
-/// The angle of the frame or body that a frame's angle is measured from.
+/// The angle that a frame's angle is measured from.
 fn frame_angle(builder: &mut ExprBuilder, scope: &Scope, from: &Text, item: &Item) -> Value {
+    match turned_from(builder, scope, from, item) {
+        None => Value::Poison,
+        Some(None) => Value::Scalar(Id::ZERO),
+        Some(Some(value)) => value,
+    }
+}
+
+/// How an item is turned in space: from its frame, about its axes in turn.
+fn orientation(builder: &mut ExprBuilder, scope: &Scope, item: &Item) -> Option<Box<Orientation>> {
+    let mut frame = match item.from.as_ref().map(|from| turned_from(builder, scope, from, item)) {
+        None | Some(Some(None)) => Orientation::ground(),
+        Some(Some(Some(Value::Orientation(frame)))) => *frame,
+        Some(_) => return None,
+    };
+    let Some(Written::List(angles, _)) = &item.written else { return None };
+    for (axis, text) in item.axes.iter().zip(angles) {
+        let angle = builder.scalar(scope, text, item.rules, &item.locals);
+        let direction = match axis {
+            Axis::Own(_) => None,
+            Axis::Direction(written) => {
+                let vector = builder.vector(scope, written, Rules::constant("an axis"), &item.locals)?;
+                let square = vectors::dot(&mut builder.graph, &vector, &vector);
+                let defaults = &builder.defaults;
+                let value = |symbol| if let Symbol::Parameter(k) = symbol { defaults[k as usize] } else { 0.0 };
+                if Tape::new(&builder.graph, &[square]).evaluate(value)[0] == 0.0 {
+                    builder.problems.push(mechanics::no_axis(Place::clone(written.place())));
+                    return None;
+                }
+                Some(vectors::unit(&mut builder.graph, &vector))
+            }
+        };
+        let angle = angle?;
+        let rate = builder.rate(angle);
+        let graph = &mut builder.graph;
+        let turn = Turn::by(graph, angle, rate);
+        frame = match (axis, direction.as_deref()) {
+            (_, Some(&[x, y, z])) => frame.turned_about(graph, [x, y, z], turn),
+            (Axis::Own(k), _) => frame.turned(graph, *k, turn),
+            _ => return None,
+        };
+    }
+    Some(Box::new(frame))
+}
+
+/// What a frame or body from which another is turned is turned by; inside, `None` is the ground.  Outside, `None`: it is none (reported).
+fn turned_from(builder: &mut ExprBuilder, scope: &Scope, from: &Text, item: &Item) -> Option<Option<Value>> {
     let mut lower = Lower::new(builder, scope, from, item.rules, &item.locals);
     let Ast { kind: AstKind::Name { name, indices, primes: 0 }, span } = &*from.ast else {
         let place = from.place.at(from.ast.span);
-        return lower.refuse(names::wrong_thing(place, &from.source, "a frame", "an expression"));
+        lower.refuse(names::wrong_thing(place, &from.source, "a frame", "an expression"));
+        return None;
     };
-    let angle = match lower.solid(name, indices, *span) {
-        None => return Value::Poison,
-        Some(Solid::Ground) => return Value::Scalar(crate::expr::Id::ZERO),
-        Some(Solid::Frame(angle)) => Some(angle),
-        Some(Solid::Body(body)) => scope.bodies[body].angle,
+    let turned = match lower.solid(name, indices, *span)? {
+        Solid::Ground => return Some(None),
+        Solid::Frame(frame) => Some(frame),
+        Solid::Body(body) => scope.bodies[body].orientation,
     };
-    match angle {
-        Some(angle) => lower.item(angle),
+    match turned {
+        Some(turned) => Some(Some(lower.item(turned))),
         None => {
             let place = from.place.at(*span);
-            lower.refuse(crate::diagnose::catalogue::mechanics::needs_orientation(place, name, "a frame"))
+            lower.refuse(mechanics::needs_orientation(place, name, "a frame"));
+            None
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::ends::{End, EndText};
 use super::loads::{AttachedTo, Draft, DraftPush, Drafts};
 use crate::diagnose::catalogue::{mechanics, sections};
-use crate::expr::{Id, Symbol};
+use crate::expr::{Id, Symbol, vectors};
 use crate::file::{Spot, Text, Written};
 use crate::model::expression::antiderivative::antiderivative;
 use crate::model::expression::dimension::{Dimension, Measure};
@@ -12,7 +12,6 @@ use crate::model::expression::families::{Family, Locals};
 use crate::model::expression::lower::Local;
 use crate::model::expression::rules::Rules;
 use crate::model::expression::substitute::substitute;
-use crate::model::expression::value;
 use crate::model::resolved::Work;
 use crate::model::resolver::Resolver;
 
@@ -32,6 +31,7 @@ struct Placement {
     from: Option<Text>,
     along: Option<Written>,
     at: Option<Written>,
+    axis: Option<Written>,
 }
 
 impl Placement {
@@ -48,7 +48,8 @@ impl Placement {
 impl Resolver<'_> {
     /// One entry of `springs`.
     pub fn spring(&mut self, spot: &Spot<'_>, family: &Family, drafts: &mut Drafts) {
-        let keys = ["between", "stiffness", "rest", "energy", "tension", "stretch", "on", "from", "along", "at"];
+        let keys =
+            ["between", "stiffness", "rest", "energy", "tension", "stretch", "on", "from", "along", "at", "axis"];
         if !self.load_keys(spot, &keys, "a spring", family) {
             return;
         }
@@ -172,7 +173,7 @@ impl Resolver<'_> {
 
     /// The work of a spring between P and Q, and the force on P.
     fn pull(&mut self, law: &Law, p: &[Id], q: &[Id], locals: &Locals) -> Option<(Work, Vec<Id>)> {
-        let line = value::difference(&mut self.builder.graph, p, q);
+        let line = vectors::difference(&mut self.builder.graph, p, q);
         match law {
             Law::Linear(stiffness, rest) => {
                 let k = self.scalar(stiffness, Rules::of_time("a stiffness").si(Dimension::STIFFNESS), locals);
@@ -184,12 +185,12 @@ impl Resolver<'_> {
                 let graph = &mut self.builder.graph;
                 if rest == Id::ZERO {
                     // Without a rest length there is no square root: V = ½ k d·d, force k d.
-                    let square = value::dot(graph, &line, &line);
+                    let square = vectors::dot(graph, &line, &line);
                     let product = graph.mul(k, square);
                     let pull = line.iter().map(|x| graph.mul(k, *x)).collect();
                     return Some((Work::Potential(graph.mul(half, product)), pull));
                 }
-                let length = value::norm(graph, &line);
+                let length = vectors::norm(graph, &line);
                 let stretch = graph.sub(length, rest);
                 let tension = graph.mul(k, stretch);
                 let product = graph.mul(tension, stretch);
@@ -200,13 +201,13 @@ impl Resolver<'_> {
                 let energy =
                     self.law_of_length(text, Rules::of_time("the energy of a spring").si(Dimension::ENERGY), locals)?;
                 let slope = self.builder.partial(energy, LENGTH, &text.place);
-                let length = value::norm(&mut self.builder.graph, &line);
+                let length = vectors::norm(&mut self.builder.graph, &line);
                 let (energy, tension) = (self.put_length(energy, length, text), self.put_length(slope, length, text));
                 Some((Work::Potential(energy), along(&mut self.builder.graph, tension, &line, length)))
             }
             Law::Tension(text) => {
                 let tension = self.law_of_length(text, Rules::velocity("a tension").si(Dimension::FORCE), locals)?;
-                let length = value::norm(&mut self.builder.graph, &line);
+                let length = vectors::norm(&mut self.builder.graph, &line);
                 let motion = Depends::COORDINATE.and(Depends::VELOCITY);
                 let energy = if self.builder.depends(&[tension]).meets(motion) {
                     None
@@ -239,7 +240,7 @@ impl Resolver<'_> {
 
     /// The force on P and its opposite on Q.
     fn pair(&mut self, p: &End, q: &End, pull: Vec<Id>) -> Vec<DraftPush> {
-        let opposite = value::negative(&mut self.builder.graph, &pull);
+        let opposite = vectors::negative(&mut self.builder.graph, &pull);
         let push = |end: &End, force| DraftPush {
             attached: end.attached.clone(),
             at: end.at.clone(),
@@ -283,19 +284,38 @@ impl Resolver<'_> {
             Some(spot) => spot.written(problems).map(Some),
             None => Some(None),
         };
-        let (along, at) = (written("along"), written("at"));
-        let placement = Placement { on: on?, from: from?, along: along?, at: at? };
+        let (along, at, axis) = (written("along"), written("at"), written("axis"));
+        let placement = Placement { on: on?, from: from?, along: along?, at: at?, axis: axis? };
         let (on, along) = (placement.on.is_some(), placement.along.is_some());
         for (key, other, missing) in [
             ("from", "on", placement.from.is_some() && !on),
             ("at", "along", placement.at.is_some() && !along),
             ("along", "on", along && !on),
+            ("axis", "on", placement.axis.is_some() && !on),
         ] {
             if missing {
                 let place = spot.place.key(key).of_key();
                 problems.push(sections::needs_another_key(place, key, other, "this entry"));
                 return None;
             }
+        }
+        if placement.axis.is_some() && (along || self.scope.dimension == 2) {
+            let (place, with) = (spot.place.key("axis").of_key(), if along { "along" } else { "plane" });
+            let problem = match along {
+                true => sections::conflicting_keys(place, with, "axis", "this entry"),
+                false => sections::unknown_key(
+                    place,
+                    "axis",
+                    "this entry",
+                    "in the plane all couples are about the same axis".to_owned(),
+                ),
+            };
+            problems.push(problem);
+            return None;
+        }
+        if self.scope.dimension == 3 && on && !along && placement.axis.is_none() {
+            problems.push(mechanics::needs_axis(spot.place.of_key(), "axis"));
+            return None;
         }
         Some(placement)
     }
@@ -313,24 +333,27 @@ impl Resolver<'_> {
         let Some(along) = &placement.along else {
             let context = "a torsional spring or damper";
             let mut pushes = Vec::new();
-            let minus = self.builder.graph.neg(tension);
-            for (text, couple) in [(Some(on), minus), (placement.from.as_ref(), tension)] {
+            let pull = match &placement.axis {
+                None => vec![tension],
+                Some(axis) => {
+                    let axis = self.vector(axis, Rules::position("an axis"), locals)?;
+                    let axis = vectors::unit(&mut self.builder.graph, &axis);
+                    vectors::scaled(&mut self.builder.graph, tension, &axis)
+                }
+            };
+            let minus = vectors::negative(&mut self.builder.graph, &pull);
+            for (text, couple) in [(Some(on), minus), (placement.from.as_ref(), pull)] {
                 let Some(text) = text else { continue };
                 let Some(body) = self.rigid_body(text, context, locals)? else { continue };
                 let at = self.centre(body)?;
-                pushes.push(DraftPush {
-                    attached: AttachedTo::Body(body),
-                    at,
-                    force: nothing.clone(),
-                    couple: vec![couple],
-                });
+                pushes.push(DraftPush { attached: AttachedTo::Body(body), at, force: nothing.clone(), couple });
             }
             return Some(pushes);
         };
         let direction = self.vector(along, Rules::position("a direction"), locals)?;
         let end = self.placed(on, placement.at.as_ref(), locals, drafts)?;
         let force: Vec<Id> = direction.iter().map(|u| self.builder.graph.mul(tension, *u)).collect();
-        let minus = value::negative(&mut self.builder.graph, &force);
+        let minus = vectors::negative(&mut self.builder.graph, &force);
         let mut pushes =
             vec![DraftPush { attached: end.attached, at: end.at.clone(), force: minus, couple: Vec::new() }];
         if let Some(from) = &placement.from {
@@ -342,7 +365,7 @@ impl Resolver<'_> {
 
     /// One entry of `dampers`.
     pub fn damper(&mut self, spot: &Spot<'_>, family: &Family, drafts: &mut Drafts) {
-        let keys = ["between", "rate", "damping", "on", "from", "along", "at"];
+        let keys = ["between", "rate", "damping", "on", "from", "along", "at", "axis"];
         if !self.load_keys(spot, &keys, "a damper", family) {
             return;
         }
@@ -351,14 +374,14 @@ impl Resolver<'_> {
         let damping = spot.need("damping", "a damper", problems).and_then(|c| c.text(problems));
         match (kind, damping) {
             (Some("between"), Some(damping)) => {
-                self.without(spot, "between", &["on", "from", "along", "at"], "a damper");
+                self.without(spot, "between", &["on", "from", "along", "at", "axis"], "a damper");
                 let Some(between) = spot.get("between") else { return };
                 for member in &family.members {
                     let Some([p, q]) = self.between(&between, &member.locals) else { return };
                     let ends = self.spring_ends(&p, &q, &member.name(), spot, &member.locals, drafts);
                     let Some((p, q)) = ends else { continue };
-                    let line = value::difference(&mut self.builder.graph, &p.at, &q.at);
-                    let length = value::norm(&mut self.builder.graph, &line);
+                    let line = vectors::difference(&mut self.builder.graph, &p.at, &q.at);
+                    let length = vectors::norm(&mut self.builder.graph, &line);
                     let rate = self.builder.rate(length);
                     let unit = self.scope.units.of(Dimension::DAMPING);
                     let Some(tension) = self.damping(&damping, rate, unit, &member.locals) else { continue };

@@ -280,7 +280,7 @@ fn components(value: Value, size: usize) -> Vec<Id> {
     match value {
         Value::Scalar(x) => vec![x],
         Value::Vector(v) => v,
-        Value::Nothing | Value::Poison => vec![Id::ZERO; size],
+        Value::Nothing | Value::Poison | Value::Orientation(_) => vec![Id::ZERO; size],
     }
 }
 

@@ -1,0 +1,224 @@
+//! How bodies and frames turn.
+
+use crate::expr::{Graph, Id, Unary, vectors};
+
+/// How a frame in space is turned against the ground, and how it turns.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Orientation {
+    /// Its unit vectors, in ground axes.
+    pub axes: [[Id; 3]; 3],
+    /// Its angular velocity along its own axes.
+    pub own_velocity: [Id; 3],
+    /// The same in ground axes, summed on its own way.
+    pub velocity: [Id; 3],
+}
+
+/// A turn about one axis.
+#[derive(Clone, Copy, Debug)]
+pub struct Turn {
+    rate: Id,
+    sine: Id,
+    cosine: Id,
+}
+
+impl Turn {
+    /// By an angle that grows at a rate.
+    pub fn by(graph: &mut Graph, angle: Id, rate: Id) -> Turn {
+        Turn { rate, sine: graph.unary(Unary::Sin, angle), cosine: graph.unary(Unary::Cos, angle) }
+    }
+}
+
+impl Orientation {
+    /// Of the ground.
+    pub fn ground() -> Orientation {
+        let unit = |k: usize| std::array::from_fn(|i| if i == k { Id::ONE } else { Id::ZERO });
+        Orientation { axes: std::array::from_fn(unit), own_velocity: [Id::ZERO; 3], velocity: [Id::ZERO; 3] }
+    }
+
+    /// Turned further about its own axis `k`, right-handed: with i, j, k in cyclic order eᵢ → cos eᵢ + sin eⱼ, eⱼ → cos eⱼ − sin eᵢ.
+    ///
+    /// Along the new axes the angular velocity has the old components turned back, and the rate of the angle along k.
+    pub fn turned(&self, graph: &mut Graph, k: usize, turn: Turn) -> Orientation {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        let Turn { rate, sine, cosine } = turn;
+        let mut mixed = |a: Id, b: Id| {
+            let (ca, sb) = (graph.mul(cosine, a), graph.mul(sine, b));
+            let (cb, sa) = (graph.mul(cosine, b), graph.mul(sine, a));
+            (graph.add(ca, sb), graph.sub(cb, sa))
+        };
+        let mut new = self.clone();
+        for m in 0..3 {
+            (new.axes[i][m], new.axes[j][m]) = mixed(self.axes[i][m], self.axes[j][m]);
+        }
+        (new.own_velocity[i], new.own_velocity[j]) = mixed(self.own_velocity[i], self.own_velocity[j]);
+        new.own_velocity[k] = graph.add(self.own_velocity[k], rate);
+        new.spun(graph, rate, &self.axes[k]);
+        new
+    }
+
+    /// Turned further about a direction n fixed in it, given by its components along its own axes, of length 1, by Rodrigues' formula:
+    /// e → cos e + sin n × e + (1 − cos) (n·e) n.
+    pub fn turned_about(&self, graph: &mut Graph, n: [Id; 3], turn: Turn) -> Orientation {
+        let Turn { rate, sine, cosine } = turn;
+        let rest = graph.sub(Id::ONE, cosine);
+        let columns: [[Id; 3]; 3] = std::array::from_fn(|k| {
+            let e: [Id; 3] = std::array::from_fn(|i| if i == k { Id::ONE } else { Id::ZERO });
+            let across = vectors::cross_space(graph, &n, &e);
+            std::array::from_fn(|i| {
+                let (kept, swept) = (graph.mul(cosine, e[i]), graph.mul(sine, across[i]));
+                let along = graph.mul(n[k], n[i]);
+                let along = graph.mul(rest, along);
+                let sum = graph.add(kept, swept);
+                graph.add(sum, along)
+            })
+        });
+        let axis = self.in_ground(graph, n);
+        let axes = columns.map(|column| self.in_ground(graph, column));
+        let own_velocity = std::array::from_fn(|k| {
+            let before = vectors::dot(graph, &columns[k], &self.own_velocity);
+            let gained = graph.mul(rate, n[k]);
+            graph.add(before, gained)
+        });
+        let mut new = Orientation { axes, own_velocity, velocity: self.velocity };
+        new.spun(graph, rate, &axis);
+        new
+    }
+
+    fn spun(&mut self, graph: &mut Graph, rate: Id, axis: &[Id; 3]) {
+        for (sum, part) in self.velocity.iter_mut().zip(axis) {
+            let gained = graph.mul(rate, *part);
+            *sum = graph.add(*sum, gained);
+        }
+    }
+
+    /// A vector of these components along its axes, in ground axes.
+    pub fn in_ground(&self, graph: &mut Graph, components: [Id; 3]) -> [Id; 3] {
+        std::array::from_fn(|m| {
+            let rows: [Id; 3] = std::array::from_fn(|k| self.axes[k][m]);
+            vectors::dot(graph, &rows, &components)
+        })
+    }
+
+    /// The components along its axes of a vector in ground axes.
+    pub fn along_axes(&self, graph: &mut Graph, vector: &[Id]) -> [Id; 3] {
+        self.axes.map(|axis| vectors::dot(graph, &axis, vector))
+    }
+
+    fn ids(&self) -> impl Iterator<Item = Id> + '_ {
+        self.axes.iter().flatten().chain(&self.own_velocity).chain(&self.velocity).copied()
+    }
+
+    fn map(&self, f: &mut impl FnMut(Id) -> Id) -> Orientation {
+        let axes = self.axes.map(|axis| axis.map(&mut *f));
+        let own_velocity = self.own_velocity.map(&mut *f);
+        Orientation { axes, own_velocity, velocity: self.velocity.map(f) }
+    }
+}
+
+/// The moments of inertia of a body about its centre of mass, along the axes of its frame: Ixx, Iyy, Izz and the tensor's elements Ixy,
+/// Ixz, Iyz (Ixy = −∫ x y dm).
+pub type Tensor = [Id; 6];
+
+/// The product of a tensor and a vector.
+pub fn product(graph: &mut Graph, tensor: &Tensor, v: &[Id; 3]) -> [Id; 3] {
+    let [xx, yy, zz, xy, xz, yz] = *tensor;
+    [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]].map(|row| vectors::dot(graph, &row, v))
+}
+
+/// How a rigid body turns.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Rotation {
+    /// In the plane.
+    Plane {
+        /// Its angle, counterclockwise.
+        angle: Id,
+        /// Moment of inertia about the centre of mass.
+        inertia: Id,
+    },
+    /// In space.
+    Space {
+        /// Its frame.
+        frame: Box<Orientation>,
+        /// Its moments of inertia along the frame's axes.
+        inertia: Tensor,
+    },
+}
+
+impl Rotation {
+    /// All its expressions, in an order that [`Rotation::map`] keeps.
+    pub fn ids(&self) -> Vec<Id> {
+        match self {
+            Rotation::Plane { angle, inertia } => vec![*angle, *inertia],
+            Rotation::Space { frame, inertia } => frame.ids().chain(inertia.iter().copied()).collect(),
+        }
+    }
+
+    /// With every expression replaced.
+    #[must_use]
+    pub fn map(&self, mut f: impl FnMut(Id) -> Id) -> Rotation {
+        match self {
+            Rotation::Plane { angle, inertia } => Rotation::Plane { angle: f(*angle), inertia: f(*inertia) },
+            Rotation::Space { frame, inertia } => {
+                Rotation::Space { frame: Box::new(frame.map(&mut f)), inertia: inertia.map(f) }
+            }
+        }
+    }
+
+    /// The moments of inertia.
+    pub fn inertias(&self) -> &[Id] {
+        match self {
+            Rotation::Plane { inertia, .. } => std::slice::from_ref(inertia),
+            Rotation::Space { inertia, .. } => inertia,
+        }
+    }
+
+    /// Where it is turned to: the angle, or the components of its unit vectors.
+    pub fn attitude(&self) -> Vec<Id> {
+        match self {
+            Rotation::Plane { angle, .. } => vec![*angle],
+            Rotation::Space { frame, .. } => frame.axes.as_flattened().to_vec(),
+        }
+    }
+
+    /// Its angular velocity in ground axes, with the time derivative of a planar angle.
+    pub fn angular_velocity(&self, rate: impl FnOnce(Id) -> Id) -> Vec<Id> {
+        match self {
+            Rotation::Plane { angle, .. } => vec![rate(*angle)],
+            Rotation::Space { frame, .. } => frame.velocity.to_vec(),
+        }
+    }
+
+    /// I ω, or R I Rᵀ ω, in ground axes.
+    pub fn angular_momentum(&self, graph: &mut Graph, omega: &[Id]) -> Vec<Id> {
+        match self {
+            Rotation::Plane { inertia, .. } => vec![graph.mul(*inertia, omega[0])],
+            Rotation::Space { frame, inertia } => {
+                let own = frame.along_axes(graph, omega);
+                let momentum = product(graph, inertia, &own);
+                frame.in_ground(graph, momentum).to_vec()
+            }
+        }
+    }
+
+    /// Its angular velocity along its own axes, with the time derivative of a planar angle.
+    pub fn own_angular_velocity(&self, rate: impl FnOnce(Id) -> Id) -> Vec<Id> {
+        match self {
+            Rotation::Plane { angle, .. } => vec![rate(*angle)],
+            Rotation::Space { frame, .. } => frame.own_velocity.to_vec(),
+        }
+    }
+
+    /// ω·I ω of the angular velocity along its own axes.
+    pub fn doubled_energy(&self, graph: &mut Graph, omega: &[Id]) -> Id {
+        match (self, omega) {
+            (Rotation::Space { inertia, .. }, &[x, y, z]) => {
+                let momentum = product(graph, inertia, &[x, y, z]);
+                vectors::dot(graph, omega, &momentum)
+            }
+            _ => {
+                let square = graph.mul(omega[0], omega[0]);
+                graph.mul(self.inertias()[0], square)
+            }
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! Moments of inertia in space: three principal ones or a tensor, and whether any body has them.
+
+use crate::diagnose::Place;
+use crate::diagnose::catalogue::mechanics;
+use crate::expr::Id;
+use crate::file::Quantity;
+use crate::model::expression::dimension::Dimension;
+use crate::model::expression::families::Locals;
+use crate::model::expression::rules::Rules;
+use crate::model::resolver::Resolver;
+use crate::model::rotation::Tensor;
+
+/// The moments of a body as written: three, or nine by rows.
+pub struct Moments {
+    /// Of which body.
+    pub name: String,
+    /// Where they stand.
+    pub place: Place,
+    /// Their values.
+    pub values: Vec<Id>,
+}
+
+/// Data with few digits may miss the inequality of moments by this part of the largest, with a warning.
+const FEW_DIGITS: f64 = 1e-2;
+/// By this part of the largest moment a sum may be off by rounding.
+const ROUNDING: f64 = 1e-9;
+/// Elements of a tensor beside its diagonal, and the same mirrored, as places in its nine by rows.
+const PRODUCTS: [(usize, usize, &str, &str); 3] = [(1, 3, "Ixy", "Iyx"), (2, 6, "Ixz", "Izx"), (5, 7, "Iyz", "Izy")];
+
+impl Resolver<'_> {
+    /// The values of moments of inertia as written; the products in a tensor may be negative.
+    pub fn moments(&mut self, written: &[Quantity], locals: &Locals) -> Vec<Id> {
+        let rules = Rules::constant("a moment of inertia").si(Dimension::INERTIA);
+        let mut values = Vec::new();
+        for (k, moment) in written.iter().enumerate() {
+            let product = written.len() == 9 && k % 4 != 0;
+            values.push(match product {
+                true => {
+                    self.quantity(moment, Rules { what: "a product of inertia", ..rules }, locals).unwrap_or(Id::ZERO)
+                }
+                false => self.constant(Some(moment), rules, locals),
+            });
+        }
+        values
+    }
+
+    /// Refuses moments that no body has by the parameters of a scene.
+    pub fn possible_inertias(&mut self, bodies: &[Moments]) {
+        let values: Vec<Id> = bodies.iter().flat_map(|body| body.values.iter().copied()).collect();
+        let mut told = vec![false; bodies.len()];
+        for scene in &self.model.scenes {
+            let parameters = self.scene_parameters(scene);
+            let numbers = crate::model::command::evaluate_all(&self.builder.graph, &values, &parameters);
+            let mut rest = numbers.as_slice();
+            for (body, told) in bodies.iter().zip(&mut told) {
+                let (own, others) = rest.split_at(body.values.len());
+                rest = others;
+                if *told || !own.iter().all(|x| x.is_finite()) {
+                    continue;
+                }
+                let problem = unsymmetric(body, own).or_else(|| impossible(body, own));
+                if let Some(problem) = problem {
+                    *told = true;
+                    match problem.code.starts_with('W') {
+                        true => self.model.warnings.push(problem),
+                        false => self.builder.problems.push(problem),
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Moments as written as the elements of a tensor.
+pub fn tensor(values: &[Id]) -> Tensor {
+    match *values {
+        [x, y, z] => [x, y, z, Id::ZERO, Id::ZERO, Id::ZERO],
+        [xx, xy, xz, _, yy, yz, _, _, zz] => [xx, yy, zz, xy, xz, yz],
+        _ => [Id::ZERO; 6],
+    }
+}
+
+fn unsymmetric(body: &Moments, values: &[f64]) -> Option<crate::diagnose::Problem> {
+    if values.len() != 9 {
+        return None;
+    }
+    let scale = values.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let unlike = PRODUCTS.iter().find(|(a, b, ..)| (values[*a] - values[*b]).abs() > ROUNDING * scale)?;
+    let (a, b, element, other) = unlike;
+    let shown = |name: &str, value: f64| format!("{name} = {value}");
+    let (element, other) = (shown(element, values[*a]), shown(other, values[*b]));
+    Some(mechanics::unsymmetric_inertia(body.place.clone(), &body.name, element, other))
+}
+
+fn impossible(body: &Moments, values: &[f64]) -> Option<crate::diagnose::Problem> {
+    let principal = principal_moments(values);
+    let (excess, why) = violation(&principal)?;
+    let listed = principal.map(|moment| format!("{}", rounded(moment))).join(", ");
+    if excess <= FEW_DIGITS {
+        return Some(mechanics::doubtful_inertia(body.place.clone(), &body.name, listed, why));
+    }
+    let mirrored: Vec<f64> = values.iter().enumerate().map(|(k, x)| if k % 4 == 0 { *x } else { -x }).collect();
+    let help = match values.len() == 9 && violation(&principal_moments(&mirrored)).is_none() {
+        true => "with the signs of its products changed a body has it: Ixy = -∫ x y dm, with the minus".to_owned(),
+        false => "moments are about the centre of mass; about another point at the distance d they are m*d^2 larger"
+            .to_owned(),
+    };
+    Some(mechanics::impossible_inertia(body.place.clone(), &body.name, listed, why, help))
+}
+
+/// By which part of the largest moment what no body has is off, and what that is; ordered moments.
+fn violation([a, b, c]: &[f64; 3]) -> Option<(f64, String)> {
+    let scale = a.abs().max(c.abs());
+    if scale == 0.0 {
+        return None;
+    }
+    if *a < -ROUNDING * scale {
+        return Some((f64::INFINITY, format!("{} is negative", rounded(*a))));
+    }
+    let excess = (c - a - b) / scale;
+    let words = || format!("{} + {} is less than {}", rounded(*a), rounded(*b), rounded(*c));
+    (excess > ROUNDING).then(|| (excess, words()))
+}
+
+/// To six digits.
+fn rounded(x: f64) -> f64 {
+    format!("{x:.5e}").parse().unwrap_or(x)
+}
+
+/// The principal moments of a body whose moments are given by three, or by the nine elements of a tensor, the least first: eigenvalues by
+/// Jacobi's rotations (Golub, Van Loan, Matrix Computations, section 8.5).
+fn principal_moments(values: &[f64]) -> [f64; 3] {
+    let mut a = match *values {
+        [x, y, z] => [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]],
+        _ => std::array::from_fn(|i| std::array::from_fn(|j| values[3 * i.min(j) + i.max(j)])),
+    };
+    // Convergence is quadratic: some five sweeps reach rounding.
+    for _ in 0..12 {
+        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
+            let element: f64 = a[p][q];
+            if element == 0.0 {
+                continue;
+            }
+            let tau = (a[q][q] - a[p][p]) / (2.0 * element);
+            let t = tau.signum() / (tau.abs() + tau.hypot(1.0));
+            let c = 1.0 / t.hypot(1.0);
+            let s = t * c;
+            for k in 0..3 {
+                let (kp, kq) = (a[k][p], a[k][q]);
+                (a[k][p], a[k][q]) = (c * kp - s * kq, s * kp + c * kq);
+            }
+            for k in 0..3 {
+                let (pk, qk) = (a[p][k], a[q][k]);
+                (a[p][k], a[q][k]) = (c * pk - s * qk, s * pk + c * qk);
+            }
+        }
+    }
+    let mut moments = [a[0][0], a[1][1], a[2][2]];
+    moments.sort_by(f64::total_cmp);
+    moments
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn principal_moments_are_eigenvalues() {
+        // Rows of a rotation about (1, 1, 1)/√3 by 120° permute the axes; a general one by hand: eigenvalues 1, 2, 4.
+        let found = principal_moments(&[2.0, 1.0, 0.0, 1.0, 2.0, 0.0, 0.0, 0.0, 5.0]);
+        assert!([1.0, 3.0, 5.0].iter().zip(found).all(|(a, b)| (a - b).abs() < 1e-14), "{found:?}");
+        assert_eq!(principal_moments(&[3.0, 1.0, 2.0]), [1.0, 2.0, 3.0]);
+    }
+
+    #[test]
+    fn plates_and_rods_are_possible() {
+        assert_eq!(violation(&[1.0, 2.0, 3.0]), None);
+        assert_eq!(violation(&[0.0, 1.0, 1.0]), None);
+        assert!(violation(&[0.2, 0.3, 0.6]).is_some_and(|(excess, _)| excess > FEW_DIGITS));
+        assert!(violation(&[0.2, 0.3, 0.5001]).is_some_and(|(excess, _)| excess < FEW_DIGITS));
+    }
+}
