@@ -26,6 +26,20 @@ impl Reference {
         Reference(serde_json::from_str(&fs::read_to_string(entry.path()).expect("a text file")).expect("JSON"))
     }
 
+    /// Reads a file of this name in the folder `space`.
+    ///
+    /// # Panics
+    /// As [`Reference::load`].
+    pub fn in_space(name: &str) -> Self {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("reference/space").join(format!("{name}.json"));
+        Reference(serde_json::from_str(&fs::read_to_string(path).expect("a text file")).expect("JSON"))
+    }
+
+    /// One entry of the file.
+    pub fn entry(&self, name: &str) -> &Value {
+        &self.0[name]
+    }
+
     /// The states of the motion: a time, and (name, value) of everything else.
     pub fn states(&self) -> States {
         states(&self.0["reference"])

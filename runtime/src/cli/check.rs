@@ -45,6 +45,9 @@ fn one(models: &[Entry], name: &str, options: &ArgMatches, out: &mut dyn Write) 
     let program = derived.map_err(|problems| Problem::Model(file::render(&text.path, &text.source, &problems)))?;
     let n = program.model.coordinates.len();
     writeln!(out, "{}: {n} coordinate{}", text.name, if n == 1 { "" } else { "s" })?;
+    for rotation in &program.model.rotations {
+        writeln!(out, "  {} is a rotation: 4 numbers, 3 degrees of freedom", rotation.name)?;
+    }
     for agreement in &program.report.agreements {
         let (first, second) = &agreement.between;
         let (states, worst) = (agreement.states, agreement.worst);
@@ -314,7 +317,8 @@ pub fn recognised(program: &Program) -> Vec<String> {
     }
     for (i, momentum) in &s.cyclic {
         let momentum = dalembert_symbolic::model::text(&program.model, *momentum);
-        words.push(format!("{} is cyclic, its momentum {momentum} is conserved", name(*i)));
+        let momentum = if momentum.len() > LONGEST_MOMENTUM { String::new() } else { format!(" {momentum}") };
+        words.push(format!("{} is cyclic, its momentum{momentum} is conserved", name(*i)));
     }
     for direction in s.directions.iter().take(SHOWN_DIRECTIONS) {
         let names: Vec<&str> = direction.shift.iter().map(|(i, _)| name(*i)).collect();

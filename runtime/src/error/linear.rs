@@ -33,7 +33,7 @@ pub enum LinearError {
         /// What is left there for every coordinate.
         residual: Vec<Residual>,
     },
-    /// The mechanism has constraints: it is linearised in independent coordinates, by `linearise_constrained`.
+    /// The mechanism has constraints, or coordinates of kind `rotation`: it is linearised in independent coordinates, by `linearise_constrained`.
     HasConstraints,
     /// A constraint contains speeds, so that no coordinates are independent.
     VelocityConstraint {
@@ -182,7 +182,7 @@ impl fmt::Display for LinearError {
             LinearError::HasConstraints => {
                 write!(
                     f,
-                    "the mechanism has constraints: linearise it in independent coordinates (`linearise_constrained`)"
+                    "the mechanism has constraints or rotations: linearise it in independent coordinates (`linearise_constrained`)"
                 )
             }
             LinearError::VelocityConstraint { constraint } => write!(

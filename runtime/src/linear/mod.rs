@@ -34,6 +34,8 @@ mod modes;
 mod rigid;
 mod typed;
 
+use crate::mechanism::System;
+
 pub use crate::error::{LinearError, Residual};
 pub use crate::numbers::{short, short_beside, short_within};
 pub use branch::{Branch, BranchPoint, Change, CriticalSpeed, Threshold, ThresholdKind, Varied, follow};
@@ -58,4 +60,10 @@ pub use modes::{
     root_locus,
 };
 pub use rigid::{Part, name_free_modes};
+
+/// Whether coordinates depend on each other: where constraints act, and where some are the numbers of a rotation.  Such a mechanism is
+/// linearised by [`linearise_constrained`].
+pub fn has_dependent_coordinates<S: System + ?Sized>(system: &S) -> bool {
+    !system.active_rows().is_empty() || !system.description().rotations.is_empty()
+}
 pub use typed::Linearise;

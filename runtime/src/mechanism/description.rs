@@ -22,6 +22,9 @@ pub struct Description {
     pub source_hash: u64,
     /// Generalized coordinates, families expanded.
     pub coordinates: List<Coordinate>,
+    /// Of each coordinate of kind `rotation` the place of its scalar part; the three of its vector part follow.  Nothing depends on its
+    /// length.
+    pub rotations: List<u32>,
     /// Free parameters, families expanded, in the order of `System::parameters`.
     pub parameters: List<Parameter>,
     /// Functions that the file gives by points, and those that count their points.

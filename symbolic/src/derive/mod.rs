@@ -179,7 +179,8 @@ pub(crate) struct Acting {
 impl Dynamics {
     fn of(model: &mut Model) -> Dynamics {
         // Everything in one list, so that canonical order and modes are found for all together.
-        let mut roots: Vec<Id> = vec![model.raw_potential_energy, model.raw_kinetic_energy, model.dissipation];
+        let kinetic = model.graph.add(model.raw_kinetic_energy, model.radial_energy);
+        let mut roots: Vec<Id> = vec![model.raw_potential_energy, kinetic, model.dissipation];
         for body in &model.bodies {
             roots.push(body.mass);
             roots.extend(&body.position);

@@ -167,7 +167,9 @@ fn verdict(residuals: &[Measured], sizes: &mut [f64]) -> Verdict {
         return Verdict::Undefined;
     }
     residuals.iter().zip(sizes.iter_mut()).for_each(|(c, size)| *size = size.max(c.magnitude));
-    let holds = residuals.iter().zip(sizes.iter()).all(|(c, size)| c.value.abs().to_f64() <= HOLDS * size);
+    // Where all terms of one vanish, rounding of rounding is left beside those of others.
+    let least = HOLDS * sizes.iter().fold(0.0_f64, |most, size| most.max(*size));
+    let holds = residuals.iter().zip(sizes.iter()).all(|(c, size)| c.value.abs().to_f64() <= HOLDS * size.max(least));
     if holds { Verdict::Holds } else { Verdict::Off }
 }
 

@@ -88,9 +88,11 @@ fn of_phase(model: &Model, motion: &Motion, rows: &Rows, phase: usize, own: &[St
     let positions = if own.is_empty() { [drawn, Vec::new()] } else { [own, drawn] };
     // Where drawn lengths do not close, rows that depend on each other do for these lengths.
     let elsewhere = drawn_rank.unwrap_or(active.len());
+    // The length of a rotation is no freedom.
+    let free = n - model.rotations.len();
     let mut freedoms = Freedoms {
-        configuration: n,
-        velocity: n.saturating_sub(rank),
+        configuration: free,
+        velocity: free.saturating_sub(rank),
         rows: Vec::new(),
         combinations: 0,
         held: 0,

@@ -1,7 +1,7 @@
 //! Tokens to trees: a Pratt parser.
 
 use super::cursor::{Parsed, Parser, Reported};
-use super::function::function;
+use super::function::{function, is_reserved};
 use super::token::{Kind, Token, shorten};
 use super::{Ast, AstKind, Operator, Range, Span};
 use crate::diagnose::{Problem, catalogue::syntax};
@@ -222,7 +222,7 @@ impl<'a> Parser<'a> {
         if self.is(Kind::Open) && (known || touches || !self.before_unit) {
             return self.call(name);
         }
-        if known {
+        if known && is_reserved(name.text) {
             let help = format!("write `{}(…)`", name.text);
             let next = self.peek();
             if matches!(next.kind, Kind::Name | Kind::Number) {

@@ -53,6 +53,10 @@ pub struct Model {
     pub loads: Vec<Load>,
     /// `kinetic_energy` as written, beside what bodies give; 0 if absent.
     pub raw_kinetic_energy: Id,
+    /// That of the lengths of rotations, which is part of no energy that is observed.
+    pub radial_energy: Id,
+    /// Coordinates of kind `rotation`.
+    pub rotations: Vec<RotationCoordinate>,
     /// `potential_energy` as written, beside what gravity and springs give; 0 if absent.
     pub raw_potential_energy: Id,
     /// Rayleigh's dissipation function as written: Q = −∂D/∂q'; 0 if absent.
@@ -162,6 +166,17 @@ pub struct Coordinate {
     pub name: String,
     /// Its unit as written.
     pub unit: Option<String>,
+    /// Where it is declared.
+    pub place: Place,
+}
+
+/// A coordinate of kind `rotation`: four numbers, of which the quotients matter.
+#[derive(Clone, Debug)]
+pub struct RotationCoordinate {
+    /// Its expanded name.
+    pub name: String,
+    /// The place of its scalar part among the coordinates; the vector part follows.
+    pub first: usize,
     /// Where it is declared.
     pub place: Place,
 }

@@ -11,6 +11,8 @@ pub struct Orientation {
     pub own_velocity: [Id; 3],
     /// The same in ground axes, summed on its own way.
     pub velocity: [Id; 3],
+    /// Which rotations turn it, by their places.
+    pub rotations: Vec<usize>,
 }
 
 /// A turn about one axis.
@@ -32,7 +34,12 @@ impl Orientation {
     /// Of the ground.
     pub fn ground() -> Orientation {
         let unit = |k: usize| std::array::from_fn(|i| if i == k { Id::ONE } else { Id::ZERO });
-        Orientation { axes: std::array::from_fn(unit), own_velocity: [Id::ZERO; 3], velocity: [Id::ZERO; 3] }
+        Orientation {
+            axes: std::array::from_fn(unit),
+            own_velocity: [Id::ZERO; 3],
+            velocity: [Id::ZERO; 3],
+            rotations: Vec::new(),
+        }
     }
 
     /// Turned further about its own axis `k`, right-handed: with i, j, k in cyclic order eᵢ → cos eᵢ + sin eⱼ, eⱼ → cos eⱼ − sin eᵢ.
@@ -79,7 +86,7 @@ impl Orientation {
             let gained = graph.mul(rate, n[k]);
             graph.add(before, gained)
         });
-        let mut new = Orientation { axes, own_velocity, velocity: self.velocity };
+        let mut new = Orientation { axes, own_velocity, velocity: self.velocity, rotations: self.rotations.clone() };
         new.spun(graph, rate, &axis);
         new
     }
@@ -111,7 +118,7 @@ impl Orientation {
     fn map(&self, f: &mut impl FnMut(Id) -> Id) -> Orientation {
         let axes = self.axes.map(|axis| axis.map(&mut *f));
         let own_velocity = self.own_velocity.map(&mut *f);
-        Orientation { axes, own_velocity, velocity: self.velocity.map(f) }
+        Orientation { axes, own_velocity, velocity: self.velocity.map(f), rotations: self.rotations.clone() }
     }
 }
 
@@ -172,6 +179,14 @@ impl Rotation {
         }
     }
 
+    /// The same, to change them.
+    pub fn inertias_mut(&mut self) -> &mut [Id] {
+        match self {
+            Rotation::Plane { inertia, .. } => std::slice::from_mut(inertia),
+            Rotation::Space { inertia, .. } => inertia,
+        }
+    }
+
     /// Where it is turned to: the angle, or the components of its unit vectors.
     pub fn attitude(&self) -> Vec<Id> {
         match self {
@@ -220,5 +235,93 @@ impl Rotation {
                 graph.mul(self.inertias()[0], square)
             }
         }
+    }
+}
+
+/// A quaternion, scalar first, of any length but 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quaternion(pub [Id; 4]);
+
+impl Quaternion {
+    /// No turn.
+    pub const ONE: Quaternion = Quaternion([Id::ONE, Id::ZERO, Id::ZERO, Id::ZERO]);
+
+    /// Of a vector's components.
+    pub fn of_components([x, y, z]: [Id; 3]) -> Quaternion {
+        Quaternion([Id::ZERO, x, y, z])
+    }
+
+    /// Of a turn about an axis of length 1.
+    pub fn of_turn(graph: &mut Graph, axis: [Id; 3], angle: Id) -> Quaternion {
+        let two = graph.integer(2);
+        let half = graph.div(angle, two);
+        let (sine, cosine) = (graph.unary(Unary::Sin, half), graph.unary(Unary::Cos, half));
+        let [x, y, z] = axis.map(|component| graph.mul(sine, component));
+        Quaternion([cosine, x, y, z])
+    }
+
+    /// Of an axis times an angle.
+    pub fn of_vector(graph: &mut Graph, vector: [Id; 3]) -> Quaternion {
+        let angle = vectors::norm(graph, &vector);
+        let unit = vectors::unit(graph, &vector);
+        Quaternion::of_turn(graph, [unit[0], unit[1], unit[2]], angle)
+    }
+
+    /// Of length 1.
+    pub fn unit(&self, graph: &mut Graph) -> Quaternion {
+        let length = vectors::norm(graph, &self.0);
+        Quaternion(self.0.map(|x| graph.div(x, length)))
+    }
+
+    /// p ∘ q.
+    pub fn times(&self, graph: &mut Graph, other: Quaternion) -> Quaternion {
+        let ([a, p @ ..], [b, q @ ..]) = (self.0, other.0);
+        let scalars = graph.mul(a, b);
+        let dot = vectors::dot(graph, &p, &q);
+        let across = vectors::cross_space(graph, &p, &q);
+        let vector: [Id; 3] = std::array::from_fn(|k| {
+            let (aq, bp) = (graph.mul(a, q[k]), graph.mul(b, p[k]));
+            let sum = graph.add(aq, bp);
+            graph.add(sum, across[k])
+        });
+        Quaternion([graph.sub(scalars, dot), vector[0], vector[1], vector[2]])
+    }
+}
+
+impl Orientation {
+    /// Turned further by a rotation q of any length, with its rate v: the columns of R(q)/|q|², ω = 2 (q̄ ∘ v)/|q|² along the new axes and
+    /// 2 (v ∘ q̄)/|q|² along the old ones.
+    pub fn rotated(&self, graph: &mut Graph, index: usize, [q, v]: [Quaternion; 2]) -> Orientation {
+        let [w, x, y, z] = q.0;
+        let square = vectors::dot(graph, &q.0, &q.0);
+        let two = graph.integer(2);
+        let factor = graph.div(two, square);
+        let conjugate = Quaternion([w, graph.neg(x), graph.neg(y), graph.neg(z)]);
+        // 1 − 2 (y² + z²)/|q|² and 2 (x y ± w z)/|q|².
+        let mut element = |[a, b]: [Id; 2], [c, d]: [Id; 2], minus: bool| {
+            let (first, second) = (graph.mul(a, b), graph.mul(c, d));
+            let sum = if minus { graph.sub(first, second) } else { graph.add(first, second) };
+            graph.mul(factor, sum)
+        };
+        let [exy, eyx] = [false, true].map(|minus| element([x, y], [w, z], minus));
+        let [ezx, exz] = [false, true].map(|minus| element([x, z], [w, y], minus));
+        let [eyz, ezy] = [false, true].map(|minus| element([y, z], [w, x], minus));
+        let squares = [(y, z), (x, z), (x, y)].map(|(a, b)| element([a, a], [b, b], false));
+        let [exx, eyy, ezz] = squares.map(|square| graph.sub(Id::ONE, square));
+        let columns = [[exx, exy, exz], [eyx, eyy, eyz], [ezx, ezy, ezz]];
+        let [own, outer] = [conjugate.times(graph, v), v.times(graph, conjugate)].map(|product| {
+            let [_, vector @ ..] = product.0;
+            vector.map(|component| graph.mul(factor, component))
+        });
+        let outer = self.in_ground(graph, outer);
+        let axes = columns.map(|column| self.in_ground(graph, column));
+        let own_velocity = std::array::from_fn(|k| {
+            let before = vectors::dot(graph, &columns[k], &self.own_velocity);
+            graph.add(before, own[k])
+        });
+        let velocity = std::array::from_fn(|m| graph.add(self.velocity[m], outer[m]));
+        let mut rotations = self.rotations.clone();
+        rotations.push(index);
+        Orientation { axes, own_velocity, velocity, rotations }
     }
 }

@@ -128,7 +128,9 @@ impl Route {
             if missed.iter().any(|c| !c.value.is_finite()) {
                 return false;
             }
-            if missed.iter().all(|c| c.value.abs().to_f64() <= HOLDS * c.largest) {
+            // Where all terms of one vanish, rounding of rounding is left beside those of others.
+            let largest = missed.iter().fold(0.0_f64, |most, c| most.max(c.largest));
+            if missed.iter().all(|c| c.value.abs().to_f64() <= HOLDS * c.largest.max(HOLDS * largest)) {
                 return true;
             }
             let weights: Vec<DoubleDouble> = self

@@ -1,7 +1,7 @@
 // Faults inside the program: one derivation's expressions altered after the file was read.
 
 use dalembert_symbolic::expr::{Binary, Graph, Id, Node, Rational, Unary};
-use dalembert_symbolic::model::{Model, Work};
+use dalembert_symbolic::model::{Model, Rotation, Work};
 
 use super::judge::Window;
 use super::{Fault, Plant, Watch};
@@ -158,9 +158,20 @@ pub fn of_lagrange(model: &Model, changes: &[Change]) -> Vec<Fault> {
                 let what = format!("the inertia of {}", body.name);
                 faults.push(fault("Lagrange: an inertia", change, Watch::Systems, &what, move |m, change| {
                     if let Some(rotation) = &mut m.bodies[b].rotation {
-                        change.apply(&mut m.graph, std::slice::from_mut(&mut rotation.inertia));
+                        change.apply(&mut m.graph, rotation.inertias_mut());
                     }
                 }));
+            }
+            if let Some(Rotation::Space { frame, .. }) = &body.rotation {
+                for k in (0..3).filter(|k| frame.own_velocity[*k] != Id::ZERO) {
+                    let subject = "Lagrange: a component of an angular velocity";
+                    let what = format!("of component {k} of the angular velocity of {}", body.name);
+                    faults.push(fault(subject, change, Watch::Systems, &what, move |m, change| {
+                        if let Some(Rotation::Space { frame, .. }) = &mut m.bodies[b].rotation {
+                            change.apply(&mut m.graph, &mut frame.own_velocity[k..=k]);
+                        }
+                    }));
+                }
             }
             for k in (0..body.position.len()).filter(|k| body.position[*k] != Id::ZERO) {
                 let (subject, what) =

@@ -344,18 +344,6 @@ fn heads_and_sizes() {
 }
 
 #[test]
-fn space_is_not_whole_yet() {
-    let text = "name: A
-coordinates: {a: rad}
-points: {P: '[1, 2, 3]'}
-frames: {B: {from: ground, rotate: [z, a]}}
-bodies: {top: {mass: 1, inertia: [1, 2, 3], frame: B, position: P}}
-outputs: {w: angular_velocity(top), u: B.x}
-";
-    assert_eq!(marked(text), [("E902", "B".to_owned()), ("E902", "top".to_owned())]);
-}
-
-#[test]
 fn one_mistake_one_message() {
     // What depends on a name that failed is silent, and members of a family speak once.
     refused("define: {a: thta, b: 2*a, c_: a + b, d: \"[a, b]\"}", "E201", "thta");

@@ -10,6 +10,7 @@ mod oscillators;
 mod particles;
 mod pendulums;
 mod rolling;
+mod space;
 mod turntables;
 
 /// Asserts that two numbers agree.

@@ -23,7 +23,7 @@ use super::set_up::{Reader, choose, with_unit_of};
 use super::{Entry, Problem, outputs};
 use crate::linear::{
     Guess, Kind, LinearError, Linearised, Mode, animate_mode, draw_modes, equilibrium_here, equilibrium_near,
-    linearise, linearise_constrained,
+    has_dependent_coordinates, linearise, linearise_constrained,
 };
 use crate::mechanism::System;
 use clap::ArgMatches;
@@ -62,7 +62,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     for warning in &loaded.warnings {
         eprintln!("warning: {warning}");
     }
-    if !loaded.system.active_rows().is_empty() {
+    if has_dependent_coordinates(&*loaded.system) {
         return constrained::run(&loaded, options, &mut reader, (scene, &speeds), &guess, out);
     }
     let system = &*loaded.system;
@@ -113,7 +113,10 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
 /// Where the search starts: the file's guess, or the scene's start where it gives none and constraints must be met.
 fn resting(system: &dyn System, scene: usize) -> Vec<f64> {
     let guess = system.equilibrium_guess();
-    match guess.iter().all(|q| *q == 0.0) && !system.active_rows().is_empty() {
+    let rotations = &system.description().rotations;
+    let of_rotation = |i: usize| rotations.iter().any(|first| (*first as usize..*first as usize + 4).contains(&i));
+    let given = guess.iter().enumerate().any(|(i, q)| *q != 0.0 && !of_rotation(i));
+    match !given && has_dependent_coordinates(system) {
         true => system.scene(scene).q,
         false => guess,
     }
@@ -122,9 +125,9 @@ fn resting(system: &dyn System, scene: usize) -> Vec<f64> {
 /// The modes about the equilibrium that is found from the file's guess, or from a scene's start, and what is wrong with integrals there.
 pub(super) fn at_rest(system: &dyn System, scene: usize) -> Result<(Vec<Mode>, Vec<String>), LinearError> {
     let guess = Guess::at(&resting(system, scene));
-    let linear = match system.active_rows().is_empty() {
-        true => linearise(system, &equilibrium_near(system, &guess)?)?,
-        false => linearise_constrained(system, &guess, false)?.linear,
+    let linear = match has_dependent_coordinates(system) {
+        false => linearise(system, &equilibrium_near(system, &guess)?)?,
+        true => linearise_constrained(system, &guess, false)?.linear,
     };
     let varying = varying::notes(system, &linear.equilibrium, system.scene(scene).until);
     Ok((linear.modes()?, [integrals::notes(system, &linear.equilibrium, None), varying].concat()))

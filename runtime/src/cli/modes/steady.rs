@@ -9,7 +9,7 @@ use super::super::Problem;
 use super::super::load::{Loaded, pairs};
 use super::super::set_up::{Reader, coordinate_index, parameter_index};
 use super::failed;
-use crate::linear::{Guess, Varied, steady_coordinates};
+use crate::linear::{Guess, Varied, has_dependent_coordinates, steady_coordinates};
 
 /// The speeds that are kept.
 pub struct Speeds {
@@ -83,7 +83,7 @@ impl Speeds {
 /// The coordinates that can go on steadily.
 fn going(loaded: &Loaded, guess: &Guess) -> Result<Vec<usize>, Problem> {
     let description = loaded.system.description();
-    if loaded.system.active_rows().is_empty() {
+    if !has_dependent_coordinates(&*loaded.system) {
         let cyclic: Vec<usize> = description.structure.cyclic.iter().map(|index| *index as usize).collect();
         return match cyclic.is_empty() {
             false => Ok(cyclic),

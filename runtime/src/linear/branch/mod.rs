@@ -26,7 +26,7 @@ mod tests;
 use nalgebra::Complex;
 
 use super::equilibrium::Guess;
-use super::{LinearError, constrained};
+use super::{LinearError, constrained, has_dependent_coordinates};
 use crate::mechanism::System;
 use balance::Free;
 use continuation::{Continuation, End, Path};
@@ -219,7 +219,7 @@ fn arranged(branch: &mut Branch, rising: bool) {
 /// The equations of a mechanism's states, with its constraints.
 fn balance<S: System + ?Sized>(system: &S, varied: &Varied, guess: &Guess) -> Result<Box<dyn Balance>, LinearError> {
     let present = varied.present(system, guess)?;
-    match system.active_rows().is_empty() {
+    match !has_dependent_coordinates(system) {
         true => Ok(Box::new(Free::new(system, varied, present, guess))),
         false => constrained::balance(system, varied, present, guess),
     }

@@ -58,7 +58,7 @@ impl Whole {
     pub fn of<S: System + ?Sized>(held: &ConstrainedState<'_, S>, state: &State) -> Result<Whole, LinearError> {
         let [stiffness, damping] = force_slopes(held.system, state.at());
         let jacobian = held.jacobian(state);
-        let Solutions { basis: motions, independent, .. } = Solutions::of(&jacobian, &[]);
+        let Solutions { basis: motions, independent, .. } = Solutions::of(&held.holding(state), &[]);
         let inputs = &held.system.description().inputs;
         let mut whole = Whole {
             mass: held.mass(state),

@@ -126,6 +126,19 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
         constraint_matrix(self.system, state.at(), &self.rows)
     }
 
+    /// J, and for each rotation a row that leaves its length as it is, q·δq = 0: what motions that matter must meet.
+    pub fn holding(&self, state: &State) -> DMatrix<f64> {
+        let jacobian = self.jacobian(state);
+        let rotations = &self.system.description().rotations;
+        let rows = jacobian.nrows();
+        let mut all = jacobian.resize_vertically(rows + rotations.len(), 0.0);
+        for (k, first) in rotations.iter().enumerate() {
+            let places = *first as usize..*first as usize + 4;
+            places.for_each(|i| all[(rows + k, i)] = state.q[i]);
+        }
+        all
+    }
+
     /// Jᵀ + B: what multipliers do.
     pub fn effects(&self, state: &State) -> DMatrix<f64> {
         multiplier_effects(self.system, state.at(), &self.rows)
@@ -207,7 +220,12 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
     /// Whether nothing accelerates in this state and no constraint is missed, but for rounding of its terms, its place and
     /// its multipliers: the terms of a weight's moment vanish with it.
     pub fn stays(&self, state: &State) -> bool {
-        self.unbalanced(state).is_none()
+        self.unbalanced(state, BALANCED).is_none()
+    }
+
+    /// Whether what is left of its equations is rounding of their terms, so that no step of a search can better it.
+    pub fn is_exact(&self, state: &State) -> bool {
+        self.unbalanced(state, ROUNDINGS * f64::EPSILON).is_none()
     }
 
     /// What the equations of a state are judged by.
@@ -251,20 +269,20 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
         inverse.map_or_else(|| DMatrix::zeros(self.n, self.n), |inverse| (effects * inverse).abs())
     }
 
-    /// The first equation that a state does not satisfy: a coordinate's, or behind those a row's.
-    fn unbalanced(&self, state: &State) -> Option<usize> {
+    /// The first equation that a state does not satisfy to this part of its terms: a coordinate's, or behind those a row's.
+    fn unbalanced(&self, state: &State, part: f64) -> Option<usize> {
         let terms = self.terms(state);
         let force = self.force(state);
         let balanced = |i: usize| {
             let rounding = ROUNDINGS * f64::EPSILON * terms.by_state[i];
-            force[i].abs() <= (BALANCED * terms.forces[i]).max(rounding).max(NOTHING)
+            force[i].abs() <= (part * terms.forces[i]).max(rounding).max(NOTHING)
         };
         let (triples, bias) = (self.triples(state), self.bias(state));
         let closed: Vec<usize> = self.closed().collect();
         let at_ease = |k: usize| {
-            triples[k][1].abs() <= (BALANCED * terms.rates[k]).max(NOTHING)
-                && bias[k].abs() <= (BALANCED * terms.biases[k]).max(NOTHING)
-                && (!closed.contains(&k) || triples[k][0].abs() <= (BALANCED * terms.places[k]).max(NOTHING))
+            triples[k][1].abs() <= (part * terms.rates[k]).max(NOTHING)
+                && bias[k].abs() <= (part * terms.biases[k]).max(NOTHING)
+                && (!closed.contains(&k) || triples[k][0].abs() <= (part * terms.places[k]).max(NOTHING))
         };
         let rows = (0..self.rows.len()).find(|k| !at_ease(*k)).map(|k| self.n + k);
         (0..self.n).find(|i| !balanced(*i)).or(rows)
@@ -307,7 +325,7 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
             let n = self.n;
             let differs =
                 |i: &usize| changed(&slopes, &slopes_then, *i) || *i >= n && changed(&jacobian, &jacobian_then, i - n);
-            if let Some(i) = self.unbalanced(&later).or_else(|| (0..slopes.nrows()).find(differs)) {
+            if let Some(i) = self.unbalanced(&later, BALANCED).or_else(|| (0..slopes.nrows()).find(differs)) {
                 let row = |k: usize| self.system.description().rows[self.rows[k]].name.to_string();
                 let name = if i < n { self.names().swap_remove(i) } else { row(i - n) };
                 return Err(LinearError::DependsOnTime { coordinate: name });

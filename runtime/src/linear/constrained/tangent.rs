@@ -128,7 +128,8 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
     fn steady(&self, open: &[usize], state: &mut State) -> Result<usize, LinearError> {
         let (n, m) = (self.n, self.rows.len());
         let mut iterations = 0;
-        while iterations < ITERATIONS {
+        // A step from an exact state would follow rounding, far along directions in which nothing changes.
+        while iterations < ITERATIONS && !self.is_exact(state) {
             let left = self.whole(state);
             let slopes = self.slopes(state);
             let allowed = self.allowed(state);

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use nalgebra::DMatrix;
 
 use super::Guess;
-use crate::linear::{LinearError, Residual, SparseMatrix, short};
+use crate::linear::{LinearError, Residual, SparseMatrix, has_dependent_coordinates, short};
 use crate::mechanism::{At, SwitchKind, System};
 
 /// Arguments of switches nearer to zero than this, relative to the largest coordinate, are on the surface.
@@ -32,9 +32,9 @@ impl LinearisationPoint {
         LinearisationPoint { system: RefCell::new(held), n, v: guess.v.clone(), zero: vec![0.0; n] }
     }
 
-    /// Whether constraints act, so that coordinates are not independent.
+    /// Whether coordinates are not independent.
     fn has_constraints(&self) -> bool {
-        !self.system.borrow().active_rows().is_empty()
+        has_dependent_coordinates(&**self.system.borrow())
     }
 
     /// Another value of a parameter.

@@ -46,6 +46,7 @@ pub(super) fn describe(program: &Program, source: &str) -> Description {
             .iter()
             .map(|c| Coordinate { name: text(&c.name), unit: unit(&c.unit) })
             .collect(),
+        rotations: model.rotations.iter().map(|rotation| rotation.first as u32).collect(),
         parameters: model
             .parameters
             .iter()

@@ -42,6 +42,7 @@ impl Lower<'_> {
             ("acceleration", [point]) => self.motion(name, point, 2, span),
             ("velocity" | "acceleration", [body, point]) => self.material(name, body, point, span),
             ("angular_velocity", [body]) => self.angular_velocity(body),
+            ("angles", [frame, sequence]) => self.angles(frame, sequence),
             ("components", [vector, frame]) => self.components(vector, frame),
             ("momentum", [of]) => self.momentum(of),
             ("angular_momentum", [of]) => self.angular_momentum(of, None),

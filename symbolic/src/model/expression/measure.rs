@@ -63,7 +63,9 @@ impl Lower<'_> {
             Member::Reaction(_) if units.pure => Measure::ONE,
             Member::Reaction(place) if self.scope.reactions[place].couple => Measure::Of(Dimension::ENERGY),
             Member::Reaction(_) => Measure::Of(Dimension::FORCE),
-            Member::Constraint(_) | Member::Phase(_) | Member::Table(_) | Member::Refused => Measure::Unknown,
+            Member::Rotation(_) | Member::Constraint(_) | Member::Phase(_) | Member::Table(_) | Member::Refused => {
+                Measure::Unknown
+            }
         };
         self.rate_of(measure, primes)
     }
@@ -157,6 +159,7 @@ impl Lower<'_> {
             }
             ("reaction", [constraint]) => self.measure_of_reaction(constraint),
             ("angular_velocity", _) => self.rate_of(Measure::ONE, 1),
+            ("angles", _) => Measure::ONE,
             ("components", [vector, _]) => self.measure(vector),
             ("momentum", _) => self.measure_of_momentum(false),
             ("angular_momentum", _) => self.measure_of_momentum(true),

@@ -5,7 +5,7 @@ use super::lower::Lower;
 use super::names::Solid;
 use super::value::Value;
 use crate::diagnose::catalogue::names;
-use crate::expr::{Id, vectors};
+use crate::expr::{Binary, Id, vectors};
 use crate::language::{Ast, AstKind};
 
 impl Lower<'_> {
@@ -20,6 +20,54 @@ impl Lower<'_> {
             components.push(vectors::dot(&mut self.builder.graph, &vector, &unit));
         }
         Value::Vector(components)
+    }
+
+    /// `angles(B, zxz)`: the angles of the intrinsic sequence of turns that gives a frame in space; the first and the third from −π to π,
+    /// the middle one from 0 to π where the first and the third axis are the same, else from −π/2 to π/2.
+    pub(super) fn angles(&mut self, frame: &Ast, sequence: &Ast) -> Value {
+        if !self.rules.energy || self.scope.dimension == 2 {
+            return self.refuse(names::wrong_place(self.place(frame.span), "angles", self.rules.what));
+        }
+        let words = self.text.words(sequence.span).to_owned();
+        let axes: Vec<usize> =
+            words.bytes().filter_map(|axis| b"xyz".iter().position(|known| *known == axis)).collect();
+        let &[i, j, k] = axes.as_slice() else { return self.not_a_sequence(sequence) };
+        if words.len() != 3 || i == j || j == k {
+            return self.not_a_sequence(sequence);
+        }
+        let Some(solid) = self.solid_argument("angles", frame, "a body or frame") else { return Value::Poison };
+        let mut columns = Vec::new();
+        for axis in 0..3 {
+            let Value::Vector(column) = self.unit_vector(solid, "", axis, frame.span) else { return Value::Poison };
+            columns.push(column);
+        }
+        let graph = &mut self.builder.graph;
+        // R[m][n] = e_m·B_n, of R = R_i(a) R_j(b) R_k(c); `last` is the third axis of a sequence such as zxz.
+        let last = 3 - i - j;
+        let cyclic = (i + 1) % 3 == j;
+        let mut signed = |x: Id, minus: bool| if minus { graph.neg(x) } else { x };
+        let element = |m: usize, n: usize| columns[n][m];
+        let ([first, third], middle) = if i == k {
+            let first = [element(j, i), signed(element(last, i), cyclic)];
+            let third = [element(i, j), signed(element(i, last), !cyclic)];
+            ([first, third], [[element(i, j), element(i, last)], [element(i, i); 2]])
+        } else {
+            let first = [signed(element(j, k), cyclic), element(k, k)];
+            let third = [signed(element(i, j), cyclic), element(i, i)];
+            ([first, third], [[element(i, i), element(i, j)], [signed(element(i, k), !cyclic); 2]])
+        };
+        let across = vectors::norm(graph, &middle[0]);
+        let mut angle = |[y, x]: [Id; 2]| graph.binary(Binary::Atan2, y, x);
+        let middle = if i == k { [across, middle[1][0]] } else { [middle[1][0], across] };
+        Value::Vector([first, middle, third].map(&mut angle).to_vec())
+    }
+
+    fn not_a_sequence(&mut self, sequence: &Ast) -> Value {
+        let words = self.text.words(sequence.span).to_owned();
+        let mut problem =
+            names::argument_kind(self.place(sequence.span), "angles", "a sequence of axes", "something else");
+        problem.help = format!("three letters of x, y, z, neighbours different: `angles(B, zxz)`; not `{words}`");
+        self.refuse(problem)
     }
 
     /// `momentum(B)` = Σ m v of a body, or of `all`.

@@ -57,6 +57,12 @@ impl Lower<'_> {
             }
             Member::Input(place, _) => Value::Scalar(self.builder.graph.symbol(Symbol::Input(place, primes))),
             Member::Refused => Value::Poison,
+            Member::Rotation(_) => {
+                let mut problem = names::wrong_thing(self.place(span), name, "a number or vector", "a rotation");
+                problem.help =
+                    format!("turn a frame by it, `B: {{rotate: {name}}}`, and use `B.x`, `angular_velocity(B)`");
+                self.refuse(problem)
+            }
             _ => self.unprimed(name, primes, section.noun(), span, |lower| lower.plain(name, section, member, span)),
         }
     }
@@ -112,7 +118,7 @@ impl Lower<'_> {
     }
 
     /// What the file declares under a name and indices; reports what is wrong.
-    pub(super) fn member(&mut self, name: &str, indices: &[Ast], span: Span) -> Option<(Section, Member)> {
+    pub fn member(&mut self, name: &str, indices: &[Ast], span: Span) -> Option<(Section, Member)> {
         let scope = self.scope;
         let Some(entry) = scope.names.get(name) else {
             self.unknown(name, span);

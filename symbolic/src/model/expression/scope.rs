@@ -85,6 +85,8 @@ pub enum Member {
     Parameter(u32),
     /// A coordinate, by its place.
     Coordinate(u32),
+    /// A coordinate of kind `rotation`, by its place among these.
+    Rotation(usize),
     /// An input, by its place, and the item that holds its expression.
     Input(u32, usize),
     /// A derived parameter, definition or point: the item that holds its value.
@@ -219,6 +221,8 @@ pub struct Scope {
     pub values: Vec<Option<Value>>,
     /// Bodies in the file's order, families expanded.
     pub bodies: Vec<BodyNames>,
+    /// Of each rotation the place of its first number among the coordinates.
+    pub rotations: Vec<usize>,
     /// Unknown reactions of the balances.
     pub reactions: Vec<Reaction>,
     /// Constraints by name, which is a label of its own.

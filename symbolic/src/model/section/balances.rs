@@ -72,6 +72,7 @@ impl<'a> Resolver<'a> {
                 continue;
             }
             balances.extend(unknowns.iter().flat_map(free_directions));
+            balances.extend(self.radial_balances());
             let reactions: Vec<usize> = (0..self.scope.reactions.len())
                 .filter(|&k| unknowns.iter().any(|u| u.name == self.scope.reactions[k].name))
                 .collect();

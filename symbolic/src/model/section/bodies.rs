@@ -74,6 +74,7 @@ impl Resolver<'_> {
             self.kinetic_energy(mass, &position, rotation.as_ref());
             self.model.bodies.push(Body { name, mass, position, rotation, place: body.text.place.clone() });
         }
+        self.radial_energy();
         self.positive_masses();
         self.possible_inertias(&spatial);
     }
@@ -238,6 +239,10 @@ impl Resolver<'_> {
         }
         match entry.members.get(&member.indices) {
             Some(crate::model::expression::scope::Member::Coordinate(coordinate)) => Some(*coordinate as usize),
+            Some(crate::model::expression::scope::Member::Rotation(_)) => {
+                self.builder.problems.push(names::wrong_thing(place, &member.base, "a number", "a rotation"));
+                None
+            }
             _ => {
                 let problem = if entry.indices == member.indices.len() {
                     let listed: Vec<String> = member.indices.iter().map(i64::to_string).collect();

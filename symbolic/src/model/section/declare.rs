@@ -3,6 +3,7 @@
 use std::rc::Rc;
 
 use super::resolve_values::{Axis, Want};
+use super::rotations::ROTATION;
 use crate::diagnose::catalogue::{mechanics, names, sections};
 use crate::diagnose::{Place, Problem};
 use crate::expr::Id;
@@ -96,6 +97,13 @@ impl Resolver<'_> {
         let entries = self.section("coordinates");
         for (key, spot) in entries {
             let Some(family) = self.expand_declared(key, &spot, Section::Coordinate) else { continue };
+            if matches!(spot.node, Node::Scalar(kind) if kind.trim() == ROTATION) {
+                self.declare_empty(Section::Coordinate, &family);
+                for member in &family.members {
+                    self.declare_rotation(member, &spot);
+                }
+                continue;
+            }
             let mut measure = Measure::Unknown;
             let unit = match spot.node {
                 Node::Null => None,
@@ -214,6 +222,15 @@ impl Resolver<'_> {
             return None;
         }
         let rotate = spot.need("rotate", "a frame", problems)?;
+        if let Node::Scalar(_) = rotate.node {
+            return Some(Turned::Space(vec![(Axis::Rotation, rotate.text(problems)?)]));
+        }
+        self.written_turns(&rotate).map(Turned::Space)
+    }
+
+    /// Turns as written: `[axis, angle]`, or a list of such.
+    pub fn written_turns(&mut self, rotate: &Spot<'_>) -> Option<Vec<(Axis, Text)>> {
+        let problems = &mut self.builder.problems;
         let items = rotate.items().unwrap_or_default();
         let single = matches!(items.as_slice(), [_, angle] if !matches!(angle.node, Node::List(_)));
         let turns = if single { vec![rotate.clone()] } else { items };
@@ -236,7 +253,7 @@ impl Resolver<'_> {
             };
             turned.push((axis, angle.text(problems)?));
         }
-        Some(Turned::Space(turned))
+        Some(turned)
     }
 
     /// The item that holds how a frame or body is turned.
@@ -273,17 +290,14 @@ impl Resolver<'_> {
         let mass = spot.need("mass", "a body", problems).and_then(|mass| mass.quantity(problems));
         let position = spot.need("position", "a body", problems).and_then(|spot| spot.written(problems));
         let (inertia, angle, frame) = (spot.get("inertia"), spot.get("angle"), spot.get("frame"));
-        let turns = match (&angle, &frame) {
-            (Some(angle), _) if space => {
-                problems.push(mechanics::angle_in_space(angle.place.of_key()));
-                return self.refuse_body(spot, family);
-            }
+        match (&angle, &frame) {
+            (Some(angle), _) if space => problems.push(mechanics::angle_in_space(angle.place.of_key())),
             (Some(_), Some(frame)) => {
                 problems.push(sections::conflicting_keys(frame.place.of_key(), "angle", "frame", "a body"));
-                return self.refuse_body(spot, family);
             }
-            (angle, frame) => angle.as_ref().or(frame.as_ref()),
-        };
+            _ => {}
+        }
+        let turns = angle.as_ref().or(frame.as_ref());
         if let (Some(inertia), None) = (&inertia, &turns) {
             let missing = if space { "frame" } else { "angle" };
             problems.push(mechanics::incomplete_body(inertia.place.of_key(), &family.key.name, "inertia", missing));
@@ -328,12 +342,6 @@ impl Resolver<'_> {
                 self.scope.bodies.push(BodyNames { name, position: at, orientation });
                 bodies.push(DeclaredBody { text: Rc::clone(&text), locals: Rc::clone(&member.locals) });
             }
-        }
-    }
-
-    fn refuse_body(&mut self, spot: &Spot<'_>, family: &Family) {
-        for member in &family.members {
-            self.declare(Section::Body, member, Member::Refused, &spot.place);
         }
     }
 

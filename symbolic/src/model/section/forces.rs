@@ -2,7 +2,8 @@
 
 use super::ends::End;
 use super::loads::{AttachedTo, Draft, DraftPush, Drafts};
-use crate::diagnose::catalogue::sections;
+use crate::diagnose::Place;
+use crate::diagnose::catalogue::{names, sections};
 use crate::expr::{Id, vectors};
 use crate::file::{Spot, Text, Written};
 use crate::model::expression::dimension::Dimension;
@@ -79,21 +80,21 @@ impl Resolver<'_> {
         }
         let problems = &mut self.builder.problems;
         let on = spot.need("on", "a torque", problems).and_then(|on| on.text(problems));
-        let torque = spot.need("torque", "a torque", problems).and_then(|torque| torque.text(problems));
+        let torque = spot.need("torque", "a torque", problems).and_then(|torque| torque.written(problems));
         let from = match spot.get("from") {
             Some(from) => from.text(problems).map(Some),
             None => Some(None),
         };
         let (Some(on), Some(torque), Some(from)) = (on, torque, from) else { return };
         for member in &family.members {
-            let torque = self.scalar(&torque, Rules::load("a torque").si(Dimension::ENERGY), &member.locals);
+            let torque = self.moment_of_couple(&torque, &member.locals);
             let on = self.couple_holder(&on, &member.locals);
             let from = match &from {
                 Some(from) => self.couple_holder(from, &member.locals),
                 None => Some(None),
             };
             let (Some(torque), Some(on), Some(from)) = (torque, on, from) else { continue };
-            let minus = self.builder.graph.neg(torque);
+            let minus = vectors::negative(&mut self.builder.graph, &torque);
             let pushes = [(on, torque), (from, minus)]
                 .into_iter()
                 .filter_map(|(body, couple)| body.map(|(body, at)| self.couple(body, at, couple)))
@@ -111,12 +112,20 @@ impl Resolver<'_> {
         }
     }
 
-    fn couple(&self, body: usize, at: Vec<Id>, couple: Id) -> DraftPush {
-        DraftPush {
-            attached: AttachedTo::Body(body),
-            at,
-            force: vec![Id::ZERO; self.scope.dimension],
-            couple: vec![couple],
+    /// One component in the plane, three in space.
+    fn moment_of_couple(&mut self, torque: &Written, locals: &Locals) -> Option<Vec<Id>> {
+        let rules = Rules::load("a torque").si(Dimension::ENERGY);
+        match torque {
+            _ if self.scope.dimension == 3 => self.vector(torque, rules, locals),
+            Written::One(text) => Some(vec![self.scalar(text, rules, locals)?]),
+            Written::List(_, place) => {
+                self.builder.problems.push(names::not_a_scalar(Place::clone(place), "a list"));
+                None
+            }
         }
+    }
+
+    fn couple(&self, body: usize, at: Vec<Id>, couple: Vec<Id>) -> DraftPush {
+        DraftPush { attached: AttachedTo::Body(body), at, force: vec![Id::ZERO; self.scope.dimension], couple }
     }
 }

@@ -18,6 +18,7 @@ pub mod parameters;
 pub mod phases;
 pub mod reactions;
 pub mod resolve_values;
+pub mod rotations;
 pub mod scenes;
 pub mod settings;
 pub mod springs;

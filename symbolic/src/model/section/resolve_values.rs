@@ -14,9 +14,9 @@ use crate::model::expression::lower::Lower;
 use crate::model::expression::names::Solid;
 use crate::model::expression::quantities::stands_alone;
 use crate::model::expression::rules::Rules;
-use crate::model::expression::scope::Scope;
+use crate::model::expression::scope::{Member, Scope};
 use crate::model::expression::value::{self, Value};
-use crate::model::rotation::{Orientation, Turn};
+use crate::model::rotation::{Orientation, Quaternion, Turn};
 
 /// Something with a value that expressions may name.
 #[derive(Clone, Debug)]
@@ -46,6 +46,8 @@ pub enum Axis {
     Own(usize),
     /// A direction that is fixed in it, of parameters.
     Direction(Written),
+    /// None: what stands for the angle is a coordinate of kind `rotation`.
+    Rotation,
 }
 
 /// What the value of an item must be.
@@ -171,9 +173,19 @@ fn orientation(builder: &mut ExprBuilder, scope: &Scope, item: &Item) -> Option<
     };
     let Some(Written::List(angles, _)) = &item.written else { return None };
     for (axis, text) in item.axes.iter().zip(angles) {
+        if matches!(axis, Axis::Rotation) {
+            let index = rotation_of(builder, scope, text, item)?;
+            let first = scope.rotations[index] as u32;
+            let symbols = |symbol: fn(u32) -> Symbol| [0, 1, 2, 3].map(|k| symbol(first + k));
+            let graph = &mut builder.graph;
+            let pair = [symbols(Symbol::Coordinate), symbols(Symbol::Speed)]
+                .map(|symbols| Quaternion(symbols.map(|symbol| graph.symbol(symbol))));
+            frame = frame.rotated(graph, index, pair);
+            continue;
+        }
         let angle = builder.scalar(scope, text, item.rules, &item.locals);
         let direction = match axis {
-            Axis::Own(_) => None,
+            Axis::Own(_) | Axis::Rotation => None,
             Axis::Direction(written) => {
                 let vector = builder.vector(scope, written, Rules::constant("an axis"), &item.locals)?;
                 let square = vectors::dot(&mut builder.graph, &vector, &vector);
@@ -197,6 +209,26 @@ fn orientation(builder: &mut ExprBuilder, scope: &Scope, item: &Item) -> Option<
         };
     }
     Some(Box::new(frame))
+}
+
+/// The rotation that a text names.
+fn rotation_of(builder: &mut ExprBuilder, scope: &Scope, text: &Text, item: &Item) -> Option<usize> {
+    let mut lower = Lower::new(builder, scope, text, item.rules, &item.locals);
+    let place = text.place.at(text.ast.span);
+    let found = match &text.ast.kind {
+        AstKind::Name { name, indices, primes: 0 } => match lower.member(name, indices, text.ast.span)? {
+            (_, Member::Rotation(index)) => return Some(index),
+            (_, Member::Refused) => return None,
+            (section, _) => section.noun(),
+        },
+        _ => "an expression",
+    };
+    let mut problem = names::wrong_thing(place, &text.source, "a rotation", found);
+    problem.help =
+        "a turn about an axis is `[axis, angle]`; a rotation is declared so: `coordinates: {attitude: rotation}`"
+            .to_owned();
+    lower.refuse(problem);
+    None
 }
 
 /// What a frame or body from which another is turned is turned by; inside, `None` is the ground.  Outside, `None`: it is none (reported).

@@ -12,6 +12,7 @@ use crate::model::expression::dimension::Dimension;
 use crate::model::expression::facts::Depends;
 use crate::model::expression::families::{self, Expanded, Family, Locals};
 use crate::model::expression::rules::Rules;
+use crate::model::expression::scope::Member;
 use crate::model::resolved::{Amount, Need, Scene};
 use crate::model::resolver::Resolver;
 
@@ -94,6 +95,7 @@ impl Resolver<'_> {
             set: Vec::new(),
             need: None,
         };
+        self.unturned(&mut scene.q);
         if let Some(phase) = get("phase") {
             scene.phase = self.one_phase(&phase, &Self::no_locals()).unwrap_or(0);
         }
@@ -236,8 +238,18 @@ impl Resolver<'_> {
 
     /// `start`: coordinates and, with a prime, their speeds.
     fn start(&mut self, spot: &Spot<'_>, scene: &mut Scene) {
+        let mut entries = Vec::new();
         for (key, spot) in spot.entries(&mut self.builder.problems) {
-            let Some(family) = self.start_key(key, &spot) else { continue };
+            entries.extend(self.start_key(key, &spot).map(|family| (key, spot, family)));
+        }
+        // The rates of rotations follow from where these start.
+        entries.sort_by_key(|(_, _, family)| family.key.primes);
+        let places: BTreeMap<String, Spot<'_>> =
+            entries.iter().map(|(key, spot, _)| ((*key).to_owned(), spot.clone())).collect();
+        for (key, spot, family) in entries {
+            if self.start_rotations(&spot, &family, &places, scene) {
+                continue;
+            }
             if family.key.primes > 1 {
                 let help = "accelerations follow from the model";
                 self.builder.problems.push(mechanics::unknown_start(spot.place.of_key(), key, help));
@@ -266,6 +278,37 @@ impl Resolver<'_> {
                 }
             }
         }
+    }
+
+    /// Whether an entry is about rotations; puts them where they start.
+    fn start_rotations(
+        &mut self,
+        spot: &Spot<'_>,
+        family: &Family,
+        places: &BTreeMap<String, Spot<'_>>,
+        scene: &mut Scene,
+    ) -> bool {
+        let rotation = |resolver: &Self, member: &Expanded| {
+            let entry = resolver.scope.names.get(&member.base)?;
+            match entry.members.get(&member.indices) {
+                Some(Member::Rotation(index)) => Some(*index),
+                _ => None,
+            }
+        };
+        let mut any = false;
+        for member in &family.members {
+            let Some(index) = rotation(self, member) else { continue };
+            any = true;
+            match family.key.primes {
+                0 => self.start_of_rotation(index, spot, scene),
+                1 => self.start_of_rate(index, spot, places.get(&member.name()), scene),
+                _ => {
+                    let help = "accelerations follow from the model";
+                    self.builder.problems.push(mechanics::unknown_start(spot.place.of_key(), member.name(), help));
+                }
+            }
+        }
+        any
     }
 
     /// Warns where the value of an angle looks like degrees; once of what several scenes inherit.
@@ -368,6 +411,11 @@ impl Resolver<'_> {
     /// `equilibrium`: where the search starts.
     fn equilibrium(&mut self) {
         self.model.equilibrium = vec![Id::ZERO; self.model.coordinates.len()];
+        // A quaternion of zeros is no rotation.
+        for rotation in &self.model.rotations {
+            let places = rotation.first..rotation.first + 4;
+            self.model.equilibrium[places.clone()].copy_from_slice(&self.model.scenes[0].q[places]);
+        }
         let Some(spot) = self.root.get("equilibrium") else { return };
         let given = self.coordinates_given(&spot, Rules::constant("an equilibrium of it"), "an equilibrium is at rest");
         for (coordinate, value) in given {
