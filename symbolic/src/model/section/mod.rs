@@ -20,6 +20,7 @@ pub mod reactions;
 pub mod resolve_values;
 pub mod scenes;
 pub mod settings;
+mod solids;
 pub mod springs;
 pub mod tables;
 pub mod watched;
