@@ -274,3 +274,36 @@ fn solids_in_the_page_have_the_areas_that_are_seen() {
     }
     std::fs::remove_dir_all(directory).unwrap();
 }
+
+#[test]
+fn keys_and_the_wheel_turn_and_zoom_a_view_in_space() {
+    let directory = directory("view");
+    let seen = |script: &str| after(&directory, &turning_bar(3).to_html(), "t=1", script);
+    let key = |name: &str, shift: bool| {
+        format!(
+            "document.body.dispatchEvent(new KeyboardEvent('keydown', {{key: '{name}', shiftKey: {shift}, bubbles: true}}));"
+        )
+    };
+    let wheel = "const tip = pixel(point(drawing(t).frame, shapes[0], 1)), box = canvas.getBoundingClientRect();
+        canvas.dispatchEvent(new WheelEvent('wheel', {deltaY: -300, clientX: box.left + tip[0], clientY: box.top + tip[1]}));
+        document.documentElement.dataset.zoom = zoom;";
+    let turned = seen(&key("ArrowLeft", true));
+    let raised = seen(&key("ArrowUp", true));
+    let later = seen(&key("ArrowRight", false));
+    let larger = seen(&format!("{}{}", key("+", true), "document.documentElement.dataset.zoom = zoom;"));
+    let restored = seen(&[key("ArrowLeft", true), key("-", false), key("0", false)].concat());
+    let (still, wheeled) = (seen(""), seen(wheel));
+    if let (Some(still), Some(turned), Some(raised), Some(later)) = (&still, turned, raised, later) {
+        assert!((tip(still)[0] - tip(&turned)[0]).abs() > 2.0 && turned["t"] == still["t"], "{still:?} {turned:?}");
+        assert!((tip(still)[1] - tip(&raised)[1]).abs() > 1.0, "{still:?} {raised:?}");
+        assert!(number(&later, "t") > 1.0, "{later:?}");
+    }
+    if let (Some(still), Some(larger), Some(restored), Some(wheeled)) = (still, larger, restored, wheeled) {
+        assert_eq!((number(&larger, "zoom"), tip(&restored)), (1.25, tip(&still)));
+        // What is under the pointer stays there, up to the whole pixels of an event.
+        assert!(number(&wheeled, "zoom") > 1.3, "{wheeled:?}");
+        let away = |k: usize| (tip(&wheeled)[k] - tip(&still)[k]).abs();
+        assert!(away(0) < 1.0 && away(1) < 1.0, "{still:?} {wheeled:?}");
+    }
+    std::fs::remove_dir_all(directory).unwrap();
+}

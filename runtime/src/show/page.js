@@ -53,7 +53,7 @@ const floor = low[2] >= 0 && low[2] < 0.3 * reach ? 0 : low[2];
 
 // ---- the view: pixels from space
 const canvas = document.getElementById("view"), pen = canvas.getContext("2d");
-let azimuth = -1.1, elevation = 0.35;
+let azimuth = -1.1, elevation = 0.35, zoom = 1, shift = [0, 0];
 let width = 1, height = 1, scale = 1;
 
 function resize() {
@@ -64,7 +64,7 @@ function resize() {
   [width, height] = whole;
   if (charts.length) placeCharts(whole);
   const [w, h] = [Math.max(width - 80, 20), Math.max(height - 60, 20)];
-  scale = Math.min(w / (size[0] || 1e-9 * reach), h / (size[1] || 1e-9 * reach));
+  scale = zoom * Math.min(w / (size[0] || 1e-9 * reach), h / (size[1] || 1e-9 * reach));
 }
 
 // Charts stand right of the mechanism, or below it in a narrow window; where nothing is drawn they have it all.
@@ -84,7 +84,7 @@ function pixel(p) {
     const [s, c] = [Math.sin(azimuth), Math.cos(azimuth)];
     [x, y] = [c * y - s * x, z * Math.cos(elevation) - (c * x + s * y) * Math.sin(elevation)];
   }
-  return [width / 2 + scale * x, height / 2 - scale * y];
+  return [width / 2 + shift[0] + scale * x, height / 2 + shift[1] - scale * y];
 }
 const shadow = p => pixel([p[0], p[1], floor]);
 const towards = () => [Math.cos(azimuth) * Math.cos(elevation), Math.sin(azimuth) * Math.cos(elevation), Math.sin(elevation)];
@@ -300,11 +300,41 @@ button.onclick = () => { play(!playing); button.blur(); };
 slider.oninput = () => seek(start + slider.value * (end - start));
 document.onkeydown = event => {
   const step = (end - start) / 100;
-  const action = {" ": () => play(!playing), ArrowLeft: () => seek(t - step), ArrowRight: () => seek(t + step), Home: () => seek(start), End: () => seek(end)}[event.key];
+  const turned = spatial && {ArrowLeft: () => turn(0.1, 0), ArrowRight: () => turn(-0.1, 0), ArrowUp: () => turn(0, -0.1), ArrowDown: () => turn(0, 0.1)};
+  const timed = {ArrowLeft: () => seek(t - step), ArrowRight: () => seek(t + step), " ": () => play(!playing), Home: () => seek(start), End: () => seek(end)};
+  const zoomed = spatial && {"+": () => magnify(1.25), "-": () => magnify(0.8), 0: restore};
+  const action = ((event.shiftKey && turned) || timed)[event.key] ?? zoomed?.[event.key];
   if (!action || event.target === speed || event.ctrlKey || event.metaKey || event.altKey) return;
   event.preventDefault();
   action();
 };
+// The view of a motion in space: dragging and Shift with an arrow turn it, the wheel, + and - make it larger and smaller, 0 restores it.
+function turn(right, down) {
+  azimuth += right;
+  elevation = Math.min(Math.max(elevation + down, -Math.PI / 2), Math.PI / 2);
+  draw();
+}
+// What is at a place of the picture stays there.
+function magnify(factor, [x, y] = [width / 2 + shift[0], height / 2 + shift[1]]) {
+  const before = scale;
+  zoom = Math.min(Math.max(factor * zoom, 0.1), 100);
+  resize();
+  const about = [x - width / 2, y - height / 2];
+  shift = shift.map((s, k) => about[k] + (s - about[k]) * scale / before);
+  draw();
+}
+function restore() {
+  [azimuth, elevation, zoom, shift] = [-1.1, 0.35, 1, [0, 0]];
+  resize();
+  draw();
+}
+canvas.onwheel = event => {
+  if (!spatial || under(event)) return;
+  event.preventDefault();
+  const pixels = event.deltaY * (event.deltaMode ? 30 : 1);                // a wheel may count lines, of about 30 px
+  magnify(Math.exp(-0.001 * pixels), [event.offsetX, event.offsetY]);
+};
+if (spatial) canvas.title = "drag, or Shift and an arrow: turn; wheel, + or -: zoom; 0: as before";
 let held = null;                           // the chart in which a drag began
 const under = event => charts.find(chart => inFrame(chart.area, [event.offsetX, event.offsetY]));
 canvas.onpointerdown = event => {
@@ -318,17 +348,16 @@ canvas.onpointermove = event => {
   if (held) { seek(timeAt(held, [event.offsetX, event.offsetY])); return; }
   canvas.style.cursor = under(event) ? "crosshair" : spatial ? "grab" : "";
   if (!spatial || !event.buttons) return;
-  azimuth -= 0.008 * event.movementX;
-  elevation = Math.min(Math.max(elevation + 0.008 * event.movementY, -Math.PI / 2), Math.PI / 2);
-  draw();
+  turn(-0.008 * event.movementX, 0.008 * event.movementY);
 };
 
-// page.html#t=1.5&play&speed=2&azimuth=0.3
+// page.html#t=1.5&play&speed=2&azimuth=0.3&zoom=2
 function followAddress() {
   const wanted = new URLSearchParams(location.hash.slice(1));
   const value = name => wanted.has(name) && Number.isFinite(Number(wanted.get(name))) ? Number(wanted.get(name)) : null;
   azimuth = value("azimuth") ?? azimuth;
   elevation = value("elevation") ?? elevation;
+  if (value("zoom") > 0) { zoom = value("zoom"); resize(); }
   const rate = value("speed");
   if (rate !== null && rate > 0) speed.add(new Option(`${short(rate)}×`, rate, true, true));
   seek(value("t") ?? t);
