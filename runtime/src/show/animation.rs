@@ -13,7 +13,7 @@ use std::sync::Arc;
 /// What a page animates: shapes, and where their points are at some times.
 ///
 /// The page draws the shapes in a canvas, with play and pause (space bar), a slider, a choice of speeds and
-/// equal axes that hold the whole motion; in space the view is orthographic and turns with the mouse.  It is
+/// equal axes that hold the whole motion; in space the view is orthographic, turns with the mouse and zooms with its wheel.  It is
 /// one file that loads nothing.
 ///
 /// ```
