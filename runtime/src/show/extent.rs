@@ -8,8 +8,10 @@ use crate::mechanism::Shape;
 #[derive(Clone, Copy)]
 pub(super) struct Drawn<'a> {
     pub shape: &'a Shape,
-    /// Its place among all shapes, and that of its first number.
+    /// Its place among all shapes.
+    #[cfg(feature = "png")]
     pub place: usize,
+    /// The place of its first number.
     pub first: usize,
     /// Components of its points.
     dimension: usize,
@@ -19,12 +21,20 @@ impl<'a> Drawn<'a> {
     /// All shapes, in the file's order.
     pub fn all(animation: &'a Animation) -> Vec<Drawn<'a>> {
         let (mut first, dimension) = (0, animation.dimension as usize);
-        let drawn = |(place, shape): (usize, &'a Shape)| {
-            let drawn = Drawn { shape, place, first, dimension };
+        let mut drawn = Vec::new();
+        for shape in &animation.shapes {
+            #[cfg(feature = "png")]
+            let place = drawn.len();
+            drawn.push(Drawn {
+                shape,
+                #[cfg(feature = "png")]
+                place,
+                first,
+                dimension,
+            });
             first += shape.numbers(dimension);
-            drawn
-        };
-        animation.shapes.iter().enumerate().map(drawn).collect()
+        }
+        drawn
     }
 
     /// Its numbers among those of all shapes; fewer where they are not there.
@@ -49,6 +59,7 @@ impl<'a> Drawn<'a> {
     }
 
     /// Its first point.
+    #[cfg(feature = "png")]
     pub fn origin(&self, numbers: &[f64]) -> Point {
         std::array::from_fn(|k| self.own(numbers).get(k).copied().unwrap_or(f64::NAN))
     }
@@ -102,6 +113,7 @@ impl Extent {
     }
 
     /// The height of the ground under a motion in space.
+    #[cfg(feature = "png")]
     pub fn floor(&self) -> f64 {
         if self.low[2] >= 0.0 && self.low[2] < 0.3 * self.reach { 0.0 } else { self.low[2] }
     }

@@ -19,6 +19,8 @@ mod legend;
 mod lettering;
 mod marks;
 #[cfg(feature = "png")]
+mod outlines;
+#[cfg(feature = "png")]
 mod painter;
 #[cfg(feature = "png")]
 mod pdf;

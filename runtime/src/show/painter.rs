@@ -1,7 +1,8 @@
 //! What is in front of what in a picture in space: parts of shapes from the farthest to the nearest.
 
 use super::extent::Drawn;
-use super::solids::{Point, dot, middle, outlines, plus};
+use super::outlines::{middle, outlines};
+use super::solids::{Point, dot, plus};
 use crate::mechanism::Shape;
 
 /// What is nearer than a filled shape by less than this, of the picture's reach, is behind it: the end of a line at the middle of a
