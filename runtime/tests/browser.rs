@@ -205,3 +205,105 @@ fn a_click_into_a_chart_sets_the_time() {
     }
     std::fs::remove_dir_all(directory).unwrap();
 }
+
+/// A page after a script has run on it, which may leave what it found in the root's `data-` attributes.
+fn after(directory: &Path, page: &str, address: &str, script: &str) -> Option<HashMap<String, String>> {
+    let page = page.replace("</html>", &format!("<script>{{{script}}}</script></html>"));
+    std::fs::write(directory.join("page.html"), page).unwrap();
+    look(directory, &format!("page.html#{address}"), 500)
+}
+
+/// A coin of radius 1 whose axis goes once round the horizon in 8 s, at the middle of a larger plane.
+fn coin() -> Animation {
+    let frames = (0..=800).map(|i| f64::from(i) / 100.0).map(|t| {
+        let angle = t * std::f64::consts::TAU / 8.0;
+        (t, vec![0.0, 0.0, 0.0, angle.cos(), angle.sin(), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 3.0])
+    });
+    Animation::new("Coin", 3, vec![Shape::Disc, Shape::Plane]).with_frames(frames)
+}
+
+#[test]
+fn the_rim_of_a_coin_is_round_and_closed_in_the_page() {
+    let directory = directory("coin");
+    // The ends of the rim, px; how far its end is from its beginning; the scale.
+    let script = "const now = drawing(t).frame, coin = shapes[0];
+        const seen = outlines(coin.kind, pointsOf(now, coin), 0, towards())[0][0].map(pixel);
+        const ends = k => Math.max(...seen.map(p => p[k])) - Math.min(...seen.map(p => p[k]));
+        const gap = Math.hypot(...seen[0].map((x, k) => x - seen[seen.length - 1][k]));
+        Object.assign(document.documentElement.dataset, {wide: ends(0), high: ends(1), gap, scale});";
+    // Looking along −x: at the coin's face, after an eighth of a turn, at its edge.
+    for (t, across) in [(0, 1.0), (1, 0.5f64.sqrt()), (2, 0.0)] {
+        let Some(seen) = after(&directory, &coin().to_html(), &format!("t={t}&azimuth=0&elevation=0"), script) else {
+            continue;
+        };
+        let diameter = 2.0 * number(&seen, "scale");
+        assert!(diameter > 100.0, "{seen:?}");
+        assert!((number(&seen, "wide") - across * diameter).abs() < 0.5, "{seen:?}");
+        assert!((number(&seen, "high") - diameter).abs() < 0.5 && number(&seen, "gap") < 0.5, "{seen:?}");
+    }
+    std::fs::remove_dir_all(directory).unwrap();
+}
+
+#[test]
+fn solids_in_the_page_have_the_areas_that_are_seen() {
+    let directory = directory("solids");
+    let script = "const view = [2, -1, 2];
+        const area = points => {
+          const twice = points.slice(1).reduce((sum, p, i) => plus(sum, 1, cross(points[i], p)), [0, 0, 0]);
+          return Math.abs(dot(twice, view)) / 2 / norm(view);
+        };
+        const seen = (kind, p, r) => outlines(kind, p, r, view).filter(([, face]) => face)
+          .reduce((sum, [points]) => sum + area(points), 0).toFixed(4);
+        const edges = [[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]];
+        Object.assign(document.documentElement.dataset, {sphere: seen('sphere', [[1, 1, 1]], 2), box: seen('box', edges),
+          ellipsoid: seen('ellipsoid', edges), cylinder: seen('cylinder', [[0, 0, 0], [0, 3, 0]], 0.5),
+          plane: seen('plane', [[0, 0, 0], [0, 0, 3]]), nothing: seen('disc', [[0, 0, NaN], [0, 0, 1]])});";
+    if let Some(seen) = after(&directory, &coin().to_html(), "t=0", script) {
+        // The view is [2, −1, 2]/3.
+        let half_turn = std::f64::consts::PI;
+        for (kind, wanted) in [
+            ("sphere", 4.0 * half_turn),
+            ("box", (2.0 * 24.0 + 12.0 + 2.0 * 8.0) / 3.0),
+            ("ellipsoid", half_turn * 13.0 / 3.0),
+            ("cylinder", 8.0f64.sqrt() + half_turn / 12.0),
+            ("plane", 6.0),
+            ("nothing", 0.0),
+        ] {
+            assert!((number(&seen, kind) - wanted).abs() <= 2e-3 * wanted, "{kind} {wanted}: {seen:?}");
+        }
+    }
+    std::fs::remove_dir_all(directory).unwrap();
+}
+
+#[test]
+fn keys_and_the_wheel_turn_and_zoom_a_view_in_space() {
+    let directory = directory("view");
+    let seen = |script: &str| after(&directory, &turning_bar(3).to_html(), "t=1", script);
+    let key = |name: &str, shift: bool| {
+        format!(
+            "document.body.dispatchEvent(new KeyboardEvent('keydown', {{key: '{name}', shiftKey: {shift}, bubbles: true}}));"
+        )
+    };
+    let wheel = "const tip = pixel(point(drawing(t).frame, shapes[0], 1)), box = canvas.getBoundingClientRect();
+        canvas.dispatchEvent(new WheelEvent('wheel', {deltaY: -300, clientX: box.left + tip[0], clientY: box.top + tip[1]}));
+        document.documentElement.dataset.zoom = zoom;";
+    let turned = seen(&key("ArrowLeft", true));
+    let raised = seen(&key("ArrowUp", true));
+    let later = seen(&key("ArrowRight", false));
+    let larger = seen(&format!("{}{}", key("+", true), "document.documentElement.dataset.zoom = zoom;"));
+    let restored = seen(&[key("ArrowLeft", true), key("-", false), key("0", false)].concat());
+    let (still, wheeled) = (seen(""), seen(wheel));
+    if let (Some(still), Some(turned), Some(raised), Some(later)) = (&still, turned, raised, later) {
+        assert!((tip(still)[0] - tip(&turned)[0]).abs() > 2.0 && turned["t"] == still["t"], "{still:?} {turned:?}");
+        assert!((tip(still)[1] - tip(&raised)[1]).abs() > 1.0, "{still:?} {raised:?}");
+        assert!(number(&later, "t") > 1.0, "{later:?}");
+    }
+    if let (Some(still), Some(larger), Some(restored), Some(wheeled)) = (still, larger, restored, wheeled) {
+        assert_eq!((number(&larger, "zoom"), tip(&restored)), (1.25, tip(&still)));
+        // What is under the pointer stays there, up to the whole pixels of an event.
+        assert!(number(&wheeled, "zoom") > 1.3, "{wheeled:?}");
+        let away = |k: usize| (tip(&wheeled)[k] - tip(&still)[k]).abs();
+        assert!(away(0) < 1.0 && away(1) < 1.0, "{still:?} {wheeled:?}");
+    }
+    std::fs::remove_dir_all(directory).unwrap();
+}

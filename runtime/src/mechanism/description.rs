@@ -84,6 +84,8 @@ pub struct Description {
     pub scenes: List<Text>,
     /// What to draw; points of all shapes come from `System::drawing`.
     pub draw: List<Shape>,
+    /// Gravity's acceleration at the defaults of the parameters; zero where there is none or it is not known before a run.
+    pub gravity: [f64; 3],
     /// Systems of momentum balances, each of which gives the accelerations too.
     pub balances: List<BalanceSystem>,
     /// What the deriver recognised.
@@ -327,7 +329,7 @@ pub enum SwitchKind {
     Step,
 }
 
-/// One thing to draw.  Numbers are consumed from `System::drawing` in order.
+/// One thing to draw; those from [`Shape::Ring`] on are in space.  Numbers are consumed from `System::drawing` in order.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// A polyline through this many points.
@@ -340,6 +342,24 @@ pub enum Shape {
     Curve(u32),
     /// The path that one point leaves behind.
     Trace(Text),
+    /// A circle in space: its centre, and a vector along its axis that is as long as its radius.
+    Ring,
+    /// The same, filled.
+    Disc,
+    /// A cylinder: the centres of its ends, its radius.
+    Cylinder,
+    /// A sphere: its centre, its radius.
+    Sphere,
+    /// A box: its centre, half of each of three edges.
+    Box,
+    /// An ellipsoid: its centre, its three half axes.
+    Ellipsoid,
+    /// A square in a plane: its centre, and a vector along its normal that is as long as its edges.
+    Plane,
+    /// Three axes, x, y and z: where they begin, and each as long as it is drawn.
+    Axes,
+    /// Three axes: where they begin, and the unit vector along each; a picture gives them a quarter of its reach.
+    UnitAxes,
 }
 
 /// A system of momentum balances A·[q''; reactions] = b.
@@ -466,6 +486,10 @@ impl Shape {
             Shape::Circle => dimension + 1,
             Shape::Spring => 2 * dimension,
             Shape::Trace(_) => dimension,
+            Shape::Ring | Shape::Disc | Shape::Plane => 6,
+            Shape::Cylinder => 7,
+            Shape::Sphere => 4,
+            Shape::Box | Shape::Ellipsoid | Shape::Axes | Shape::UnitAxes => 12,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::Chart;
 use super::curves::{self, multiple, unit};
+use super::extent::Extent;
 use super::figure::ends_in;
 use crate::error::Error;
 use crate::mechanism::{Description, Shape};
@@ -12,7 +13,7 @@ use std::sync::Arc;
 /// What a page animates: shapes, and where their points are at some times.
 ///
 /// The page draws the shapes in a canvas, with play and pause (space bar), a slider, a choice of speeds and
-/// equal axes that hold the whole motion; in space the view is orthographic and turns with the mouse.  It is
+/// equal axes that hold the whole motion; in space the view is orthographic, turns with the mouse and zooms with its wheel.  It is
 /// one file that loads nothing.
 ///
 /// ```
@@ -57,6 +58,8 @@ pub struct Animation {
     pub frames: Vec<(f64, Vec<f64>)>,
     /// Whether lengths are in metres and times in seconds; a model without units leaves that open.
     pub in_units: bool,
+    /// What is up in space: the axis of the ground that is nearest to this direction; z where it is zero.
+    pub up: [f64; 3],
     /// Starts again at the end, as a mode shape does: then the last frame should equal the first.
     pub repeat: bool,
     /// What stands beside the mechanism: over the time of the frames, or over anything else where the series tell their
@@ -78,7 +81,8 @@ impl Animation {
         let units = of_coordinates.chain(mechanism.parameters.iter().map(|parameter| &parameter.unit));
         let in_units = units.into_iter().any(|unit| !matches!(unit.as_ref(), "" | "1" | "rad"));
         let shapes = mechanism.draw.to_vec();
-        Animation { about, in_units, ..Animation::new(mechanism.name.clone(), dimension, shapes) }
+        let up = mechanism.gravity.map(|component| -component);
+        Animation { about, in_units, up, ..Animation::new(mechanism.name.clone(), dimension, shapes) }
     }
 
     /// The same animation with these frames.
@@ -95,8 +99,8 @@ impl Animation {
     /// The text of the page.
     pub fn to_html(&self) -> String {
         // In a script element `<` could end the element; JSON may write it as an escape.
-        let data = self.data().to_string().replace('<', "\\u003c");
-        let script = [include_str!("curves.js"), include_str!("page.js")].concat();
+        let data = self.upright().data().to_string().replace('<', "\\u003c");
+        let script = [include_str!("curves.js"), include_str!("solids.js"), include_str!("page.js")].concat();
         include_str!("page.html").replace("@SCRIPT@", &script).replace("@DATA@", &data)
     }
 
@@ -117,8 +121,9 @@ impl Animation {
     }
 
     /// Everything that the page knows; lengths and times are whole multiples of a millionth of their range or
-    /// less, and of each frame only the numbers that ever change are there.
+    /// less, and of each frame only the numbers that ever change are there.  What is up is z.
     fn data(&self) -> Value {
+        let Extent { low, high, reach } = Extent::of(self);
         let unit = unit(self.frames.iter().flat_map(|(_, numbers)| numbers));
         let tick = curves::unit(self.frames.iter().map(|(time, _)| time));
         let first = self.frames.first().map_or(&[][..], |(_, numbers)| numbers);
@@ -132,6 +137,10 @@ impl Animation {
             "about": self.about,
             "dimension": self.dimension,
             "repeat": self.repeat,
+            "low": low,
+            "high": high,
+            "reach": reach,
+            "axes": self.ground_axes(),
             "units": if self.in_units { [" m", " s"] } else { ["", ""] },
             "unit": unit,
             "tick": tick,
@@ -157,6 +166,14 @@ fn kind_and_points(shape: &Shape) -> Value {
         Shape::Spring => json!(["spring", 2]),
         Shape::Curve(points) => json!(["curve", points]),
         Shape::Trace(name) => json!(["trace", 1, name]),
+        Shape::Ring => json!(["ring", 2]),
+        Shape::Disc => json!(["disc", 2]),
+        Shape::Cylinder => json!(["cylinder", 2]),
+        Shape::Sphere => json!(["sphere", 1]),
+        Shape::Box => json!(["box", 4]),
+        Shape::Ellipsoid => json!(["ellipsoid", 4]),
+        Shape::Plane => json!(["plane", 2]),
+        Shape::Axes | Shape::UnitAxes => json!(["axes", 4]),
     }
 }
 
@@ -228,6 +245,21 @@ mod tests {
         let series = &charts[1]["series"][0];
         assert_eq!((&series["colour"], &series["line"], &series["marks"]), (&json!(4), &json!(false), &json!(true)));
         assert_eq!(series["t"]["values"].as_array().unwrap().len(), 11);
+    }
+
+    #[test]
+    fn a_page_is_small_beside_its_data() {
+        assert!(Animation::new("Bob", 3, vec![Shape::Disc]).to_html().len() < 40_000);
+    }
+
+    #[test]
+    fn what_is_up_is_z_in_a_page() {
+        let frames = [(0.0, vec![0.0, 0.0, -2.0, 1.0])];
+        let animation = Animation { up: [0.0, 0.0, -9.81], ..Animation::new("Ball", 3, vec![Shape::Sphere]) };
+        let data = data(&animation.with_frames(frames).to_html());
+        assert_eq!((&data["shapes"], &data["axes"][2]), (&json!([["sphere", 1]]), &json!([0.0, 0.0, -1.0])));
+        assert_eq!((&data["low"], &data["high"]), (&json!([-1.0, -1.0, 1.0]), &json!([1.0, 1.0, 3.0])));
+        assert_eq!(data["reach"], json!(1.0));
     }
 
     #[test]

@@ -304,14 +304,17 @@ mod tests {
 
     #[test]
     fn anything_makes_a_picture() {
-        let shapes = || vec![Shape::Line(2), Shape::Circle, Shape::Spring, Shape::Curve(2), Shape::Trace("a".into())];
+        let flat = || vec![Shape::Line(2), Shape::Circle, Shape::Spring, Shape::Curve(2), Shape::Trace("a".into())];
+        let round = [Shape::Ring, Shape::Disc, Shape::Cylinder, Shape::Sphere, Shape::Ellipsoid];
+        let others = [Shape::Box, Shape::Plane, Shape::Axes, Shape::UnitAxes];
+        let shapes = |dimension| if dimension == 2 { flat() } else { [&flat()[..], &round, &others].concat() };
         for dimension in [2, 3] {
-            let count = 8 * dimension as usize + 1;
+            let count = shapes(dimension).iter().map(|shape| shape.numbers(dimension as usize)).sum();
             for numbers in [vec![0.0; count], vec![f64::NAN; count], vec![1e12; count], vec![1e-12; count], Vec::new()]
             {
                 for end in [0.0, 1e-9, 1.0, 1e9] {
                     let frames = [(0.0, numbers.clone()), (end, vec![1.0; numbers.len()])];
-                    let animation = Animation::new("Any", dimension, shapes()).with_frames(frames);
+                    let animation = Animation::new("Any", dimension, shapes(dimension)).with_frames(frames);
                     let film = Film::of(&animation);
                     for index in [0, film.playback.frames - 1] {
                         film.picture(index);

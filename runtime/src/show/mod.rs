@@ -6,9 +6,12 @@
 
 mod animation;
 mod axis;
+#[cfg(feature = "png")]
+mod brush;
 mod chart;
 mod csv;
 mod curves;
+mod extent;
 mod figure;
 #[cfg(feature = "png")]
 mod film;
@@ -16,14 +19,20 @@ mod legend;
 mod lettering;
 mod marks;
 #[cfg(feature = "png")]
+mod outlines;
+#[cfg(feature = "png")]
+mod painter;
+#[cfg(feature = "png")]
 mod pdf;
 mod playback;
 #[cfg(feature = "png")]
 mod raster;
 mod run;
+mod solids;
 #[cfg(feature = "png")]
 mod stage;
 mod ticks;
+mod upright;
 
 pub use animation::Animation;
 #[cfg(feature = "cli")]

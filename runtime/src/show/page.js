@@ -17,7 +17,7 @@ const [start, end] = [known[0] ?? 0, known[known.length - 1] ?? 0];
 let offset = 0;
 const shapes = data.shapes.map(([kind, points], index) => {
   const shape = {kind, first: offset, points, colour: `--c${index % 6}`};
-  offset += points * data.dimension + (kind === "circle" ? 1 : 0);
+  offset += points * data.dimension + (["circle", "cylinder", "sphere"].includes(kind) ? 1 : 0);
   return shape;
 });
 
@@ -25,7 +25,8 @@ function point(frame, shape, i) {
   const at = shape.first + i * data.dimension;
   return [frame[at], frame[at + 1], spatial ? frame[at + 2] : 0];
 }
-const radius = (frame, shape) => shape.kind === "circle" ? Math.abs(frame[shape.first + data.dimension]) : 0;
+const radius = (frame, shape) => Math.abs(frame[shape.first + shape.points * data.dimension]);
+const pointsOf = (frame, shape) => Array.from({length: shape.points}, (_, i) => point(frame, shape, i));
 
 // The drawing at a time, linear between frames; of two frames at one time the later counts.
 function drawing(t) {
@@ -41,32 +42,18 @@ function drawing(t) {
 }
 
 // ---- bounds of everything that is ever drawn
-const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-function everyPoint(visit) {
-  for (const frame of frames) for (const shape of shapes) for (let i = 0; i < shape.points; i++) {
-    const p = point(frame, shape, i);
-    if (p.every(Number.isFinite)) visit(p, radius(frame, shape) || 0);
-  }
-}
-everyPoint((p, r) => p.forEach((x, k) => {
-  low[k] = Math.min(low[k], x - r);
-  high[k] = Math.max(high[k], x + r);
-}));
+const {low, high, reach} = data;
 for (const shape of shapes.filter(shape => shape.kind === "spring")) {
   const length = frame => Math.hypot(...point(frame, shape, 0).map((x, k) => x - point(frame, shape, 1)[k]));
   shape.longest = frames.reduce((most, frame) => Math.max(most, length(frame) || 0), 0);
 }
-if (low[0] > high[0]) { low.fill(-1); high.fill(1); }
 const centre = low.map((x, k) => (x + high[k]) / 2);
-let reach = 0;
-everyPoint((p, r) => reach = Math.max(reach, r + Math.hypot(...p.map((x, k) => x - centre[k]))));
-if (!(reach > 0)) reach = 1;
 const size = spatial ? [2 * reach, 2 * reach] : [high[0] - low[0], high[1] - low[1]];
 const floor = low[2] >= 0 && low[2] < 0.3 * reach ? 0 : low[2];
 
 // ---- the view: pixels from space
 const canvas = document.getElementById("view"), pen = canvas.getContext("2d");
-let azimuth = -1.1, elevation = 0.35;
+let azimuth = -1.1, elevation = 0.35, zoom = 1, shift = [0, 0];
 let width = 1, height = 1, scale = 1;
 
 function resize() {
@@ -77,7 +64,7 @@ function resize() {
   [width, height] = whole;
   if (charts.length) placeCharts(whole);
   const [w, h] = [Math.max(width - 80, 20), Math.max(height - 60, 20)];
-  scale = Math.min(w / (size[0] || 1e-9 * reach), h / (size[1] || 1e-9 * reach));
+  scale = zoom * Math.min(w / (size[0] || 1e-9 * reach), h / (size[1] || 1e-9 * reach));
 }
 
 // Charts stand right of the mechanism, or below it in a narrow window; where nothing is drawn they have it all.
@@ -97,9 +84,10 @@ function pixel(p) {
     const [s, c] = [Math.sin(azimuth), Math.cos(azimuth)];
     [x, y] = [c * y - s * x, z * Math.cos(elevation) - (c * x + s * y) * Math.sin(elevation)];
   }
-  return [width / 2 + scale * x, height / 2 - scale * y];
+  return [width / 2 + shift[0] + scale * x, height / 2 + shift[1] - scale * y];
 }
 const shadow = p => pixel([p[0], p[1], floor]);
+const towards = () => [Math.cos(azimuth) * Math.cos(elevation), Math.sin(azimuth) * Math.cos(elevation), Math.sin(elevation)];
 
 // ---- drawing
 const colour = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
@@ -126,6 +114,16 @@ function disc([x, y], r, fill, edge) {
   if (edge) { pen.strokeStyle = edge; pen.lineWidth = 2; pen.stroke(); }
 }
 
+function fill(pixels, style, alpha) {
+  if (!pixels.flat().every(Number.isFinite)) return;
+  pen.globalAlpha = alpha;
+  pen.fillStyle = style;
+  pen.beginPath();
+  for (const [x, y] of pixels) pen.lineTo(x, y);
+  pen.fill();
+  pen.globalAlpha = 1;
+}
+
 // A spring keeps its width, which follows from its greatest length.
 function zigzag([ax, ay], [bx, by], longest) {
   const [dx, dy] = [bx - ax, by - ay], length = Math.hypot(dx, dy) || 1;
@@ -148,11 +146,11 @@ function path({index, frame}, shape, project) {
 
 function drawShape(now, shape, project, flat) {
   const paint = flat ?? colour(shape.colour);
-  const points = Array.from({length: shape.points}, (_, i) => project(point(now.frame, shape, i)));
+  const points = pointsOf(now.frame, shape).map(project);
   switch (shape.kind) {
     case "line":
       stroke(points, paint, flat ? 3 : 5);
-      if (!flat) points.forEach(p => disc(p, 4, colour("--paper"), paint));
+      if (!flat) points.forEach(p => joint(p, paint));
       break;
     case "circle": {
       const r = Math.max(3, scale * radius(now.frame, shape));
@@ -171,8 +169,10 @@ function drawShape(now, shape, project, flat) {
       pen.globalAlpha = 1;
       disc(points[0], 3, paint);
       break;
+    default: if (flat) shade(now, shape, flat); else drawSolid(now, shape, paint);
   }
 }
+const joint = (p, paint) => disc(p, 4, colour("--paper"), paint);
 
 function roundStep(raw) {
   const decade = 10 ** Math.floor(Math.log10(raw));
@@ -210,7 +210,7 @@ function ground() {
   pen.fillText(`grid ${short(step)}${data.units[0]}`, 16, height - 10);
   const [x, y] = pixel(centre);
   ["x", "y", "z"].forEach((name, k) => {   // which way the axes point, in a corner of the picture
-    const tip = pixel(centre.map((c, i) => i === k ? c + 1 / scale : c));
+    const tip = pixel(plus(centre, 1 / scale, data.axes[k]));
     const away = length => [60 + length * (tip[0] - x), height - 70 + length * (tip[1] - y)];
     stroke([away(0), away(32)], colour("--quiet"), 2);
     pen.fillText(name, away(44)[0] - 4, away(44)[1] + 4);
@@ -228,9 +228,11 @@ function drawMechanism(now) {
   pen.rect(0, 0, width, height);
   pen.clip();
   spatial ? ground() : plane();
-  if (spatial) shapes.forEach(shape => drawShape(now, shape, shadow, colour("--shadow")));
-  const order = kind => ["curve", "trace", "spring", "line", "circle"].indexOf(kind);
-  [...shapes].sort((a, b) => order(a.kind) - order(b.kind)).forEach(shape => drawShape(now, shape, pixel));
+  if (spatial) drawSpace(now);
+  else {
+    const order = kind => ["curve", "trace", "spring", "line", "circle"].indexOf(kind);
+    [...shapes].sort((a, b) => order(a.kind) - order(b.kind)).forEach(shape => drawShape(now, shape, pixel));
+  }
   pen.restore();
 }
 
@@ -298,11 +300,41 @@ button.onclick = () => { play(!playing); button.blur(); };
 slider.oninput = () => seek(start + slider.value * (end - start));
 document.onkeydown = event => {
   const step = (end - start) / 100;
-  const action = {" ": () => play(!playing), ArrowLeft: () => seek(t - step), ArrowRight: () => seek(t + step), Home: () => seek(start), End: () => seek(end)}[event.key];
+  const turned = spatial && {ArrowLeft: () => turn(0.1, 0), ArrowRight: () => turn(-0.1, 0), ArrowUp: () => turn(0, -0.1), ArrowDown: () => turn(0, 0.1)};
+  const timed = {ArrowLeft: () => seek(t - step), ArrowRight: () => seek(t + step), " ": () => play(!playing), Home: () => seek(start), End: () => seek(end)};
+  const zoomed = spatial && {"+": () => magnify(1.25), "-": () => magnify(0.8), 0: restore};
+  const action = ((event.shiftKey && turned) || timed)[event.key] ?? zoomed?.[event.key];
   if (!action || event.target === speed || event.ctrlKey || event.metaKey || event.altKey) return;
   event.preventDefault();
   action();
 };
+// The view of a motion in space: dragging and Shift with an arrow turn it, the wheel, + and - make it larger and smaller, 0 restores it.
+function turn(right, down) {
+  azimuth += right;
+  elevation = Math.min(Math.max(elevation + down, -Math.PI / 2), Math.PI / 2);
+  draw();
+}
+// What is at a place of the picture stays there.
+function magnify(factor, [x, y] = [width / 2 + shift[0], height / 2 + shift[1]]) {
+  const before = scale;
+  zoom = Math.min(Math.max(factor * zoom, 0.1), 100);
+  resize();
+  const about = [x - width / 2, y - height / 2];
+  shift = shift.map((s, k) => about[k] + (s - about[k]) * scale / before);
+  draw();
+}
+function restore() {
+  [azimuth, elevation, zoom, shift] = [-1.1, 0.35, 1, [0, 0]];
+  resize();
+  draw();
+}
+canvas.onwheel = event => {
+  if (!spatial || under(event)) return;
+  event.preventDefault();
+  const pixels = event.deltaY * (event.deltaMode ? 30 : 1);                // a wheel may count lines, of about 30 px
+  magnify(Math.exp(-0.001 * pixels), [event.offsetX, event.offsetY]);
+};
+if (spatial) canvas.title = "drag, or Shift and an arrow: turn; wheel, + or -: zoom; 0: as before";
 let held = null;                           // the chart in which a drag began
 const under = event => charts.find(chart => inFrame(chart.area, [event.offsetX, event.offsetY]));
 canvas.onpointerdown = event => {
@@ -316,17 +348,16 @@ canvas.onpointermove = event => {
   if (held) { seek(timeAt(held, [event.offsetX, event.offsetY])); return; }
   canvas.style.cursor = under(event) ? "crosshair" : spatial ? "grab" : "";
   if (!spatial || !event.buttons) return;
-  azimuth -= 0.008 * event.movementX;
-  elevation = Math.min(Math.max(elevation + 0.008 * event.movementY, -Math.PI / 2), Math.PI / 2);
-  draw();
+  turn(-0.008 * event.movementX, 0.008 * event.movementY);
 };
 
-// page.html#t=1.5&play&speed=2&azimuth=0.3
+// page.html#t=1.5&play&speed=2&azimuth=0.3&zoom=2
 function followAddress() {
   const wanted = new URLSearchParams(location.hash.slice(1));
   const value = name => wanted.has(name) && Number.isFinite(Number(wanted.get(name))) ? Number(wanted.get(name)) : null;
   azimuth = value("azimuth") ?? azimuth;
   elevation = value("elevation") ?? elevation;
+  if (value("zoom") > 0) { zoom = value("zoom"); resize(); }
   const rate = value("speed");
   if (rate !== null && rate > 0) speed.add(new Option(`${short(rate)}×`, rate, true, true));
   seek(value("t") ?? t);

@@ -39,7 +39,7 @@ const USUAL: f64 = 10.0;
 const PERIOD: f64 = 2.0;
 
 impl Animation {
-    /// How [`to_png`](Animation::to_png) and [`to_gif`](Animation::to_gif) play: a run of one to twenty seconds as it is, others
+    /// How `to_png` and `to_gif` play: a run of one to twenty seconds as it is, others
     /// in five to ten seconds, a period that repeats in one to two.
     pub fn playback(&self) -> Playback {
         let (start, end) = self.span();

@@ -1,10 +1,17 @@
 //! One moment of an animation as a picture, as its page draws it.
 
-use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
+use std::borrow::Cow;
 
-use super::figure::{Canvas, FINE, GRID, INK, Outcome, ZERO, text};
+use plotters::prelude::*;
+use plotters::style::text_anchor::HPos;
+
+use super::brush::{Place, coils, disc, fill, fine, stroke, write};
+use super::extent::{Drawn, Extent};
+use super::figure::{Canvas, FINE, GRID, INK, Outcome, ZERO};
 use super::marks::COLOURS;
+use super::outlines::outlines;
+use super::painter::{Part, ordered};
+use super::solids::{Point, plus};
 use super::ticks::{Ticks, round_step};
 use super::{Animation, Playback};
 use crate::mechanism::Shape;
@@ -21,19 +28,19 @@ const SHADOW: RGBColor = RGBColor(212, 212, 212);
 const AZIMUTH: f64 = -1.1;
 const ELEVATION: f64 = 0.35;
 
-type Point = [f64; 3];
-/// A place on the picture in drawing units, where there is one.
-type Place = Option<(i32, i32)>;
+/// Colours of the axes x, y and z of a body, red, green and blue, and how far beyond their tips their letters are, px.
+const AXES: [usize; 3] = [1, 2, 0];
+const LETTER: f64 = 9.0;
+/// How much of its colour a face has, the rest being white or, of a disc, what is behind it; and how much a plane has.
+const TINT: f64 = 0.25;
+const PANE: f64 = 0.12;
 
 /// An animation with its place on a picture.
 pub(super) struct Stage<'a> {
-    animation: &'a Animation,
+    /// What is drawn: z is up.
+    animation: Cow<'a, Animation>,
     playback: Playback,
-    /// Ends of everything that is ever drawn.
-    low: Point,
-    high: Point,
-    /// The farthest from the middle.
-    reach: f64,
+    extent: Extent,
     /// Pixels of a metre.
     scale: f64,
     /// The greatest length of each spring, by its place among all shapes, m.
@@ -42,28 +49,14 @@ pub(super) struct Stage<'a> {
     height: i32,
 }
 
-/// The numbers of one shape.
-struct Drawn<'a> {
-    shape: &'a Shape,
-    /// Its place among all shapes, and that of its first number.
-    place: usize,
-    first: usize,
-}
-
 impl<'a> Stage<'a> {
     /// A stage that holds the whole motion.
     pub fn of(animation: &'a Animation) -> Stage<'a> {
         let playback = animation.playback();
-        let mut stage = Stage {
-            animation,
-            playback,
-            low: [0.0; 3],
-            high: [0.0; 3],
-            reach: 1.0,
-            scale: 1.0,
-            longest: Vec::new(),
-            height: WIDTH,
-        };
+        let animation = animation.upright();
+        let extent = Extent::of(&animation);
+        let longest = Vec::new();
+        let mut stage = Stage { animation, playback, extent, scale: 1.0, longest, height: WIDTH };
         stage.measure();
         stage.measure_springs();
         stage
@@ -89,14 +82,13 @@ impl<'a> Stage<'a> {
     /// The mechanism and the time.
     pub fn draw<B: DrawingBackend>(&self, canvas: &Canvas<B>, t: f64) -> Outcome<B> {
         let (index, numbers) = self.animation.moment(t);
-        let shapes = self.shapes();
-        if self.in_space() {
-            for drawn in &shapes {
-                self.draw_shadow(canvas, drawn, &numbers)?;
+        match self.in_space() {
+            true => self.draw_space(canvas, (index, &numbers))?,
+            false => {
+                for drawn in &self.shapes() {
+                    self.draw_shape(canvas, drawn, (index, &numbers))?;
+                }
             }
-        }
-        for drawn in &shapes {
-            self.draw_shape(canvas, drawn, (index, &numbers))?;
         }
         write(canvas, &self.time(t), (WIDTH - 12, BAND / 2), HPos::Right, (14, INK))
     }
@@ -116,65 +108,26 @@ impl<'a> Stage<'a> {
     }
 
     /// Shapes from the lowest to the uppermost.
-    fn shapes(&self) -> Vec<Drawn<'a>> {
-        let mut first = 0;
-        let drawn = |(place, shape): (usize, &'a Shape)| {
-            let drawn = Drawn { shape, place, first };
-            first += shape.numbers(self.animation.dimension as usize);
-            drawn
-        };
-        let mut shapes: Vec<Drawn<'a>> = self.animation.shapes.iter().enumerate().map(drawn).collect();
+    fn shapes(&self) -> Vec<Drawn<'_>> {
+        let mut shapes = Drawn::all(&self.animation);
         shapes.sort_by_key(|drawn| match drawn.shape {
             Shape::Curve(_) => 0,
             Shape::Trace(_) => 1,
             Shape::Spring => 2,
             Shape::Line(_) => 3,
-            Shape::Circle => 4,
+            _ => 4,
         });
         shapes
     }
 
-    /// The points of a shape, and its radius if it is a circle.
-    fn points(&self, drawn: &Drawn<'_>, numbers: &[f64]) -> (Vec<Point>, f64) {
-        let dimension = self.animation.dimension as usize;
-        let count = match drawn.shape {
-            Shape::Line(count) | Shape::Curve(count) => *count as usize,
-            Shape::Spring => 2,
-            Shape::Circle | Shape::Trace(_) => 1,
-        };
-        let number = |k: usize| numbers.get(drawn.first + k).copied().unwrap_or(f64::NAN);
-        let point = |i: usize| std::array::from_fn(|k| if k < dimension { number(i * dimension + k) } else { 0.0 });
-        let radius = if *drawn.shape == Shape::Circle { number(dimension).abs() } else { 0.0 };
-        ((0..count).map(point).collect(), radius)
-    }
-
-    /// Finds the ends of the motion and the scale at which the picture holds it.
+    /// Finds the scale at which the picture holds the motion.
     fn measure(&mut self) {
-        let mut ends = Vec::new();
-        for drawn in &self.shapes() {
-            for (_, numbers) in &self.animation.frames {
-                let (points, radius) = self.points(drawn, numbers);
-                let radius = if radius.is_finite() { radius } else { 0.0 };
-                let there = points.into_iter().filter(|point| point.iter().all(|x| x.is_finite()));
-                ends.extend(there.map(|point| (point, radius)));
-            }
-        }
-        if ends.is_empty() {
-            ends.push(([0.0; 3], 1.0));
-        }
-        self.low = std::array::from_fn(|k| ends.iter().map(|(p, r)| p[k] - r).fold(f64::INFINITY, f64::min));
-        self.high = std::array::from_fn(|k| ends.iter().map(|(p, r)| p[k] + r).fold(f64::NEG_INFINITY, f64::max));
-        let centre = self.centre();
-        let away = |point: &Point| (0..3).map(|k| (point[k] - centre[k]).powi(2)).sum::<f64>().sqrt();
-        self.reach = ends.iter().map(|(point, radius)| away(point) + radius).fold(0.0, f64::max);
-        if self.reach <= 0.0 {
-            self.reach = 1.0;
-        }
+        let Extent { low, high, reach } = self.extent;
         let size = match self.in_space() {
-            true => [2.0 * self.reach; 2],
-            false => [self.high[0] - self.low[0], self.high[1] - self.low[1]],
+            true => [2.0 * reach; 2],
+            false => [high[0] - low[0], high[1] - low[1]],
         };
-        let [width, height] = size.map(|length| length.max(1e-9 * self.reach));
+        let [width, height] = size.map(|length| length.max(1e-9 * reach));
         let free = HEIGHTS.1 - f64::from(FREE.1);
         self.scale = (f64::from(WIDTH - FREE.0) / width).min(free / height);
         let wanted = height * self.scale + f64::from(FREE.1);
@@ -185,7 +138,7 @@ impl<'a> Stage<'a> {
         let mut longest = vec![0.0; self.animation.shapes.len()];
         for drawn in self.shapes().iter().filter(|drawn| *drawn.shape == Shape::Spring) {
             let length = |numbers: &[f64]| {
-                let (points, _) = self.points(drawn, numbers);
+                let (points, _) = drawn.points(numbers);
                 (0..3).map(|k| (points[0][k] - points[1][k]).powi(2)).sum::<f64>().sqrt()
             };
             longest[drawn.place] = self.animation.frames.iter().map(|(_, numbers)| length(numbers)).fold(0.0, f64::max);
@@ -193,18 +146,9 @@ impl<'a> Stage<'a> {
         self.longest = longest;
     }
 
-    fn centre(&self) -> Point {
-        std::array::from_fn(|k| (self.low[k] + self.high[k]) / 2.0)
-    }
-
-    /// The height of the ground under a motion in space.
-    fn floor(&self) -> f64 {
-        if self.low[2] >= 0.0 && self.low[2] < 0.3 * self.reach { 0.0 } else { self.low[2] }
-    }
-
     /// Where a point is, px.
     fn pixel(&self, point: Point) -> (f64, f64) {
-        let centre = self.centre();
+        let centre = self.extent.centre();
         let [mut x, mut y, z]: Point = std::array::from_fn(|k| point[k] - centre[k]);
         if self.in_space() {
             let ((s, c), (rise, level)) = (AZIMUTH.sin_cos(), ELEVATION.sin_cos());
@@ -219,11 +163,11 @@ impl<'a> Stage<'a> {
     }
 
     fn shadow(&self, [x, y, _]: Point) -> Place {
-        self.place([x, y, self.floor()])
+        self.place([x, y, self.extent.floor()])
     }
 
     fn draw_plane<B: DrawingBackend>(&self, canvas: &Canvas<B>) -> Outcome<B> {
-        let (centre, bottom, unit) = (self.centre(), self.height * FINE, self.unit());
+        let (centre, bottom, unit) = (self.extent.centre(), self.height * FINE, self.unit());
         let half = [WIDTH, self.height - BAND].map(|pixels| f64::from(pixels) / 2.0 / self.scale);
         let ticks = |k: usize, pixels: i32| {
             Ticks::linear(centre[k] - half[k], centre[k] + half[k], (pixels / 70) as usize, None)
@@ -250,20 +194,20 @@ impl<'a> Stage<'a> {
     }
 
     fn draw_ground<B: DrawingBackend>(&self, canvas: &Canvas<B>) -> Outcome<B> {
-        let step = round_step(self.reach / 5.0);
-        let ends = |k: usize| ((self.low[k] / step).floor() as i64, (self.high[k] / step).ceil() as i64);
+        let step = round_step(self.extent.reach / 5.0);
+        let ends = |k: usize| ((self.extent.low[k] / step).floor() as i64, (self.extent.high[k] / step).ceil() as i64);
         let ((x0, x1), (y0, y1)) = (ends(0), ends(1));
-        let at = |x: i64, y: i64| [x as f64 * step, y as f64 * step, self.floor()];
+        let at = |x: i64, y: i64| [x as f64 * step, y as f64 * step, self.extent.floor()];
         let grid = GRID.stroke_width(FINE as u32);
         for (from, to) in (x0..=x1).map(|x| (at(x, y0), at(x, y1))).chain((y0..=y1).map(|y| (at(x0, y), at(x1, y)))) {
             stroke(canvas, [self.place(from), self.place(to)], grid)?;
         }
         let label = format!("grid {}{}", crate::numbers::short(step), self.unit());
         write(canvas, &label, (16, self.height - 14), HPos::Left, (12, QUIET))?;
-        let (centre, corner) = (self.centre(), (60.0, f64::from(self.height) - 70.0));
+        let (centre, corner) = (self.extent.centre(), (60.0, f64::from(self.height) - 70.0));
         let middle = self.pixel(centre);
-        for (k, name) in ["x", "y", "z"].into_iter().enumerate() {
-            let tip = self.pixel(std::array::from_fn(|i| centre[i] + if i == k { 1.0 / self.scale } else { 0.0 }));
+        for (axis, name) in self.animation.ground_axes().into_iter().zip(["x", "y", "z"]) {
+            let tip = self.pixel(plus(centre, 1.0 / self.scale, axis));
             let away = |length: f64| (corner.0 + length * (tip.0 - middle.0), corner.1 + length * (tip.1 - middle.1));
             stroke(canvas, [fine(away(0.0)), fine(away(32.0))], QUIET.stroke_width(2 * FINE as u32))?;
             let (x, y) = away(44.0);
@@ -277,14 +221,91 @@ impl<'a> Stage<'a> {
         if self.animation.in_units { " m" } else { "" }
     }
 
-    fn draw_shadow<B: DrawingBackend>(&self, canvas: &Canvas<B>, drawn: &Drawn<'_>, numbers: &[f64]) -> Outcome<B> {
-        let (points, radius) = self.points(drawn, numbers);
-        let mut places = points.iter().map(|point| self.shadow(*point));
-        match drawn.shape {
-            Shape::Trace(_) => Ok(()),
-            Shape::Circle => self.disc(canvas, places.next().flatten(), self.radius(radius), SHADOW.mix(0.5).filled()),
-            _ => stroke(canvas, places, SHADOW.stroke_width(3 * FINE as u32)),
+    /// All shapes of a motion in space, over their shadows.
+    fn draw_space<B: DrawingBackend>(&self, canvas: &Canvas<B>, now: (usize, &[f64])) -> Outcome<B> {
+        let shapes = self.shapes();
+        for drawn in &shapes {
+            self.draw_shadow(canvas, drawn, now.1)?;
         }
+        for (drawn, part) in ordered(&shapes, now.1, towards(), self.extent.reach) {
+            self.draw_part(canvas, &drawn, part, now)?;
+        }
+        Ok(())
+    }
+
+    fn draw_shadow<B: DrawingBackend>(&self, canvas: &Canvas<B>, drawn: &Drawn<'_>, numbers: &[f64]) -> Outcome<B> {
+        let (points, radius) = drawn.points(numbers);
+        let mut places = points.iter().map(|point| self.shadow(*point));
+        let faint = SHADOW.mix(0.5).filled();
+        match drawn.shape {
+            Shape::Trace(_) | Shape::Plane | Shape::Axes | Shape::UnitAxes => Ok(()),
+            Shape::Circle => disc(canvas, places.next().flatten(), self.radius(radius), faint),
+            Shape::Line(_) | Shape::Spring | Shape::Curve(_) => {
+                stroke(canvas, places, SHADOW.stroke_width(3 * FINE as u32))
+            }
+            _ => {
+                for outline in outlines(drawn.shape, drawn.own(numbers), [0.0, 0.0, 1.0]) {
+                    let places = outline.points.iter().map(|point| self.shadow(*point));
+                    match outline.face {
+                        true => fill(canvas, places, faint)?,
+                        false => stroke(canvas, places, SHADOW.stroke_width(2 * FINE as u32))?,
+                    }
+                }
+                Ok(())
+            }
+        }
+    }
+
+    fn draw_part<B: DrawingBackend>(
+        &self,
+        canvas: &Canvas<B>,
+        drawn: &Drawn<'_>,
+        part: Part,
+        now: (usize, &[f64]),
+    ) -> Outcome<B> {
+        let axes = *drawn.shape == Shape::Axes;
+        let paint = |which: usize| if axes { COLOURS[AXES[which % 3]] } else { COLOURS[drawn.place % 6] };
+        match part {
+            Part::Whole => self.draw_shape(canvas, drawn, now),
+            Part::Line(which, points) => {
+                let width = if matches!(drawn.shape, Shape::Line(_)) { 5 } else { 2 };
+                let places = points.iter().map(|point| self.place(*point));
+                stroke(canvas, places, paint(which).stroke_width((width * FINE) as u32))
+            }
+            Part::Joint(point) => self.draw_joint(canvas, self.place(point), paint(0)),
+            Part::Tip(which, tip) => {
+                let begin = self.pixel(drawn.origin(now.1));
+                let (x, y) = self.pixel(tip);
+                let (dx, dy) = (x - begin.0, y - begin.1);
+                let beyond = LETTER / dx.hypot(dy).max(1.0);
+                let at = ((x + beyond * dx).round() as i32, (y + beyond * dy).round() as i32);
+                write(canvas, ["x", "y", "z"][which % 3], at, HPos::Center, (12, paint(which)))
+            }
+        }
+    }
+
+    fn draw_joint<B: DrawingBackend>(&self, canvas: &Canvas<B>, place: Place, paint: RGBColor) -> Outcome<B> {
+        disc(canvas, place, 4 * FINE, WHITE.filled())?;
+        disc(canvas, place, 4 * FINE, paint.stroke_width(2 * FINE as u32))
+    }
+
+    /// A shape in space of faces and lines: a disc and a plane are seen through, solids are not.
+    fn draw_solid<B: DrawingBackend>(&self, canvas: &Canvas<B>, drawn: &Drawn<'_>, numbers: &[f64]) -> Outcome<B> {
+        let (paint, tint, width) = match drawn.shape {
+            Shape::Plane => (QUIET, PANE, FINE as u32),
+            _ => (COLOURS[drawn.place % 6], TINT, 2 * FINE as u32),
+        };
+        for outline in outlines(drawn.shape, drawn.own(numbers), towards()) {
+            let places: Vec<Place> = outline.points.iter().map(|point| self.place(*point)).collect();
+            if outline.face && !matches!(drawn.shape, Shape::Disc | Shape::Plane) {
+                fill(canvas, places.iter().copied(), WHITE.filled())?;
+            }
+            if outline.face {
+                fill(canvas, places.iter().copied(), paint.mix(tint).filled())?;
+            }
+            stroke(canvas, places, paint.stroke_width(width))?;
+        }
+        Ok(())
     }
 
     fn draw_shape<B: DrawingBackend>(
@@ -294,32 +315,31 @@ impl<'a> Stage<'a> {
         (index, numbers): (usize, &[f64]),
     ) -> Outcome<B> {
         let paint = COLOURS[drawn.place % 6];
-        let (points, radius) = self.points(drawn, numbers);
+        let (points, radius) = drawn.points(numbers);
         let places: Vec<Place> = points.iter().map(|point| self.place(*point)).collect();
         let two = 2 * FINE as u32;
         match drawn.shape {
             Shape::Line(_) => {
                 stroke(canvas, places.iter().copied(), paint.stroke_width(5 * FINE as u32))?;
-                for place in places {
-                    self.disc(canvas, place, 4 * FINE, WHITE.filled())?;
-                    self.disc(canvas, place, 4 * FINE, paint.stroke_width(two))?;
-                }
-                Ok(())
+                places.into_iter().try_for_each(|place| self.draw_joint(canvas, place, paint))
             }
             Shape::Circle => {
-                self.disc(canvas, places[0], self.radius(radius), paint.mix(0.25).filled())?;
-                self.disc(canvas, places[0], self.radius(radius), paint.stroke_width(two))
+                disc(canvas, places[0], self.radius(radius), paint.mix(0.25).filled())?;
+                disc(canvas, places[0], self.radius(radius), paint.stroke_width(two))
             }
             Shape::Spring => {
                 let ends = [self.pixel(points[0]), self.pixel(points[1])];
-                stroke(canvas, self.zigzag(ends, self.longest[drawn.place]), paint.stroke_width(two))
+                // A spring keeps its width, which follows from its greatest length.
+                let half = (0.06 * self.scale * self.longest[drawn.place]).clamp(1.5, 8.0);
+                stroke(canvas, coils(ends, half), paint.stroke_width(two))
             }
             Shape::Curve(_) => stroke(canvas, places, QUIET.stroke_width(two)),
             Shape::Trace(_) => {
                 let path = self.path(drawn, index).chain(if self.animation.repeat { None } else { Some(places[0]) });
                 stroke(canvas, path, paint.mix(0.7).stroke_width(3 * FINE as u32 / 2))?;
-                self.disc(canvas, places[0], 3 * FINE, paint.filled())
+                disc(canvas, places[0], 3 * FINE, paint.filled())
             }
+            _ => self.draw_solid(canvas, drawn, numbers),
         }
     }
 
@@ -327,76 +347,23 @@ impl<'a> Stage<'a> {
     fn path(&self, drawn: &Drawn<'_>, index: usize) -> impl Iterator<Item = Place> {
         let count = if self.animation.repeat { usize::MAX } else { index + 1 };
         let past = self.animation.frames.iter().take(count);
-        past.map(move |(_, numbers)| self.place(self.points(drawn, numbers).0[0]))
+        past.map(move |(_, numbers)| self.place(drawn.points(numbers).0[0]))
     }
 
     /// A radius in drawing units.
     fn radius(&self, radius: f64) -> i32 {
         ((self.scale * radius).max(3.0) * f64::from(FINE)) as i32
     }
+}
 
-    fn disc<B: DrawingBackend>(
-        &self,
-        canvas: &Canvas<B>,
-        place: Place,
-        radius: i32,
-        style: impl Into<ShapeStyle>,
-    ) -> Outcome<B> {
-        place.map_or(Ok(()), |place| canvas.draw(&Circle::new(place, radius, style)))
-    }
-
-    /// A spring keeps its width, which follows from its greatest length.
-    fn zigzag(&self, [from, to]: [(f64, f64); 2], longest: f64) -> Vec<Place> {
-        let (dx, dy) = (to.0 - from.0, to.1 - from.1);
-        let length = if dx.hypot(dy) > 0.0 { dx.hypot(dy) } else { 1.0 };
-        let half = (0.06 * self.scale * longest).clamp(1.5, 8.0);
-        let (nx, ny) = (-half * dy / length, half * dx / length);
-        let coil = |i: i32| {
-            let along = 0.12 + 0.76 * f64::from(i) / 16.0;
-            let side = if i == 0 || i == 16 { 0.0 } else { f64::from(2 * (i % 2) - 1) };
-            fine((from.0 + along * dx + side * nx, from.1 + along * dy + side * ny))
-        };
-        std::iter::once(fine(from)).chain((0..=16).map(coil)).chain([fine(to)]).collect()
-    }
+/// The direction from which a motion in space is looked at.
+fn towards() -> Point {
+    let ((s, c), (rise, level)) = (AZIMUTH.sin_cos(), ELEVATION.sin_cos());
+    [c * level, s * level, rise]
 }
 
 /// Letters of a title that have a place beside the time.
 const MOST_LETTERS: usize = 48;
-
-/// Drawing units from pixels.
-fn fine((x, y): (f64, f64)) -> Place {
-    let fine = (x * f64::from(FINE), y * f64::from(FINE));
-    (fine.0.is_finite() && fine.1.is_finite()).then_some((fine.0.round() as i32, fine.1.round() as i32))
-}
-
-/// Lines between neighbours that are both there.
-fn stroke<B: DrawingBackend>(
-    canvas: &Canvas<B>,
-    places: impl IntoIterator<Item = Place>,
-    style: ShapeStyle,
-) -> Outcome<B> {
-    let places: Vec<Place> = places.into_iter().collect();
-    for piece in places.split(Option::is_none) {
-        let mut piece: Vec<(i32, i32)> = piece.iter().flatten().copied().collect();
-        piece.dedup();
-        if piece.len() > 1 {
-            canvas.draw(&PathElement::new(piece, style))?;
-        }
-    }
-    Ok(())
-}
-
-/// Writes text about a height, px.
-fn write<B: DrawingBackend>(
-    canvas: &Canvas<B>,
-    line: &str,
-    (x, y): (i32, i32),
-    anchor: HPos,
-    (size, colour): (i32, RGBColor),
-) -> Outcome<B> {
-    let style = text(size).color(&colour).pos(Pos::new(anchor, VPos::Center));
-    canvas.draw(&Text::new(line.to_owned(), (x * FINE, y * FINE), style))
-}
 
 impl Animation {
     /// When a frame of the picture is.
@@ -417,3 +384,6 @@ impl Animation {
         (index, first.iter().zip(second).map(|(a, b)| a + part * (b - a)).collect())
     }
 }
+
+#[cfg(test)]
+mod tests;

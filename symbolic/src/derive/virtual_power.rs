@@ -52,7 +52,7 @@ fn residual(graph: &mut Graph, dynamics: &Dynamics, second: fn(&mut Graph, &[Id]
             Some(Rotation::Space { frame, inertia }) => {
                 let columns = [(); 3].map(|()| [(); 3].map(|()| velocities.next().unwrap_or(Id::ZERO)));
                 let second = [(); 3].map(|()| [(); 3].map(|()| accelerations.next().unwrap_or(Id::ZERO)));
-                let rate = euler_moment(graph, (&frame.axes, &columns, &second), inertia);
+                let rate = euler_moment(graph, [&frame.axes, &columns, &second], inertia);
                 let moment = frame.in_ground(graph, rate);
                 let missing = vectors::difference(graph, &wrench.moment, &moment);
                 for axis in &frame.axes {
@@ -82,11 +82,7 @@ fn residual(graph: &mut Graph, dynamics: &Dynamics, second: fn(&mut Graph, &[Id]
 }
 
 /// I α + ω × I ω along a body's own axes, from its unit vectors cᵢ and their derivatives alone: ω = ½ Σ cᵢ × cᵢ', α = ½ Σ cᵢ × cᵢ''.
-fn euler_moment(
-    graph: &mut Graph,
-    (axes, first, second): (&[[Id; 3]; 3], &[[Id; 3]; 3], &[[Id; 3]; 3]),
-    inertia: &[Id; 6],
-) -> [Id; 3] {
+fn euler_moment(graph: &mut Graph, [axes, first, second]: [&[[Id; 3]; 3]; 3], inertia: &[Id; 6]) -> [Id; 3] {
     let [omega, alpha] = [first, second].map(|rates| {
         let mut sum = vec![Id::ZERO; 3];
         for (axis, rate) in axes.iter().zip(rates) {

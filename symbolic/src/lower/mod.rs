@@ -500,5 +500,6 @@ fn drawn(shape: &Shape) -> Vec<Id> {
         Shape::Circle { at, radius } => at.iter().copied().chain([*radius]).collect(),
         Shape::Spring(p, q) => [p.as_slice(), q].concat(),
         Shape::Trace(_, point) => point.clone(),
+        Shape::Solid(_, numbers) => numbers.clone(),
     }
 }

@@ -16,7 +16,7 @@ pub use resolve::{load, load_in, read_through, read_through_in, resolve};
 pub use resolved::{
     Balance, BalanceSystem, Body, Change, Check, Conserved, Constraint, Coordinate, Derived, Event, EventAction,
     Family, GeneralizedForce, Input, Load, Model, Need, Output, Parameter, Part, Phase, Push, Reaction,
-    RotationCoordinate, Sample, Scene, Shape, SharedEnd, Tried, Vector, Work,
+    RotationCoordinate, Sample, Scene, Shape, SharedEnd, Solid, Tried, Vector, Work,
 };
 pub use rotation::{Orientation, Rotation, product};
 pub use section::scenes::looks_like_degrees;

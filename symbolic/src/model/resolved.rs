@@ -37,6 +37,8 @@ pub struct Model {
     pub sizes: Vec<(String, i64)>,
     /// 2 or 3.
     pub dimension: usize,
+    /// Gravity's acceleration at the defaults of the parameters; zero where there is none or it is not known before a run.
+    pub usual_gravity: [f64; 3],
     /// Free parameters, families expanded.
     pub parameters: Vec<Parameter>,
     /// Derived parameters, families expanded.
@@ -462,6 +464,31 @@ pub enum Shape {
     Curve(Vec<Vector>),
     /// The path of a point, with its name.
     Trace(String, Vector),
+    /// A shape in space, with its numbers.
+    Solid(Solid, Vec<Id>),
+}
+
+/// A shape in space; all its numbers are lengths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Solid {
+    /// A circle: its centre, and a vector along its axis that is as long as its radius.
+    Ring,
+    /// The same, filled.
+    Disc,
+    /// A cylinder: the centres of its ends, its radius.
+    Cylinder,
+    /// A sphere: its centre, its radius.
+    Sphere,
+    /// A box: its centre, half of each of three edges.
+    Box,
+    /// An ellipsoid: its centre, its three half axes.
+    Ellipsoid,
+    /// A square in a plane: its centre, and a vector along its normal that is as long as its edges.
+    Plane,
+    /// Three axes: where they begin, and each as long as it is drawn.
+    Axes,
+    /// Three axes: where they begin, and the unit vector along each; the picture gives them their length.
+    UnitAxes,
 }
 
 /// A scene; every expression is of parameters only and evaluated after `set`.

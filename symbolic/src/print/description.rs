@@ -173,8 +173,10 @@ pub(super) fn description(program: &Program, source: &str) -> String {
             Shape::Spring(..) => "mechanism::Shape::Spring".to_owned(),
             Shape::Curve(points) => format!("mechanism::Shape::Curve({})", points.len()),
             Shape::Trace(name, _) => format!("mechanism::Shape::Trace({})", string(name)),
+            Shape::Solid(kind, _) => format!("mechanism::Shape::{kind:?}"),
         })),
     );
+    field("gravity", format!("[{}]", model.usual_gravity.map(float).join(", ")));
     field(
         "balances",
         list(program.momentum.iter().map(|s| {

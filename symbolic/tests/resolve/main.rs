@@ -7,6 +7,7 @@ mod integrals;
 mod limits;
 mod mechanics;
 mod reading;
+mod solids;
 mod units;
 
 use std::collections::HashMap;

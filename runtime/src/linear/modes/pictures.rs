@@ -116,8 +116,12 @@ fn amplitude<S: System + ?Sized>(system: &S, linear: &Linearised, mode: &Mode) -
     let rest = drawing(system, linear, mode, 0.0, 0.0);
     let small = 1e-6;
     let moved = drawing(system, linear, mode, small, 0.0);
-    let most = rest.iter().zip(&moved).map(|(a, b)| (a - b).abs()).filter(|d| d.is_finite()).fold(0.0, f64::max);
-    let amplitude = SWING * size(&rest) * small / most;
+    // As they are drawn, with the length that the picture gives to axes.
+    let picture = Animation::of(system.description()).with_frames([(0.0, rest), (1.0, moved)]);
+    let picture = picture.upright();
+    let [(_, rest), (_, moved)] = &picture.frames[..] else { return 1.0 };
+    let most = rest.iter().zip(moved).map(|(a, b)| (a - b).abs()).filter(|d| d.is_finite()).fold(0.0, f64::max);
+    let amplitude = SWING * size(rest) * small / most;
     if amplitude.is_finite() && amplitude > 0.0 { amplitude } else { 1.0 }
 }
 

@@ -2,7 +2,7 @@
 
 use dalembert_symbolic::derive::SwitchKind as SymbolicSwitchKind;
 use dalembert_symbolic::lower::{self, Entry, MomentumSystem, Program, Rate};
-use dalembert_symbolic::model::{EventAction, Shape as SymbolicShape};
+use dalembert_symbolic::model::{EventAction, Shape as SymbolicShape, Solid};
 use dalembert_symbolic::{expr, print};
 
 use crate::mechanism::{
@@ -24,6 +24,20 @@ fn integral(tried: &dalembert_symbolic::model::Tried) -> Integral {
         Some((of, *range))
     };
     Integral { text: Text::Owned(tried.words.clone()), ranges: tried.ranges.iter().filter_map(range).collect() }
+}
+
+fn solid(kind: Solid) -> Shape {
+    match kind {
+        Solid::Ring => Shape::Ring,
+        Solid::Disc => Shape::Disc,
+        Solid::Cylinder => Shape::Cylinder,
+        Solid::Sphere => Shape::Sphere,
+        Solid::Box => Shape::Box,
+        Solid::Ellipsoid => Shape::Ellipsoid,
+        Solid::Plane => Shape::Plane,
+        Solid::Axes => Shape::Axes,
+        Solid::UnitAxes => Shape::UnitAxes,
+    }
 }
 
 /// Describes a program lowered from the model file with the text `source`.
@@ -154,8 +168,10 @@ pub(super) fn describe(program: &Program, source: &str) -> Description {
                 SymbolicShape::Spring(..) => Shape::Spring,
                 SymbolicShape::Curve(points) => Shape::Curve(points.len() as u32),
                 SymbolicShape::Trace(name, _) => Shape::Trace(text(name)),
+                SymbolicShape::Solid(kind, _) => solid(*kind),
             })
             .collect(),
+        gravity: model.usual_gravity,
         balances: program.momentum.iter().map(balances).collect(),
         structure: Structure {
             dimension: model.dimension as u32,

@@ -61,4 +61,13 @@ super::entries! {
     E320 rough_table(name, slope, smooth, help) "a table that is not smooth enough"
         "`{slope}` enters the equations of motion, and jumps from piece to piece of `{name}`, which is smooth to order {smooth}" "" "{help}"
         "What moves a body enters with its second derivative, what has potential energy with its first; accelerations that jump unannounced would be integrated wrongly.";
+    E321 shape_in_space(kind, help) "a shape in space in a model in the plane"
+        "`{kind}` belongs to a drawing in space, and this model is in the plane" "" "{help}"
+        "A model is in space where its vectors have three components or a frame turns about an axis.";
+    E322 axes_without_place(name) "axes that are nowhere"
+        "the frame `{name}` has axes and no place" "" "say where they begin, `axes: {{frame: {name}, at: P}}`"
+        "A frame is directions alone; a body has a centre of mass, at which its axes are drawn.";
+    E323 no_direction(key) "a direction that is none"
+        "`{key}` has no direction" "its length is 0" "write a vector such as `ground.z` or `B.x`"
+        "Of an axis or a normal the direction counts, not the length.";
 }

@@ -240,7 +240,8 @@ impl Lower<'_> {
         }
     }
 
-    pub(super) fn unit_vector(&mut self, solid: Solid, name: &str, axis: u8, span: Span) -> Value {
+    /// A unit vector of a body, a frame or the ground; reports a particle.
+    pub fn unit_vector(&mut self, solid: Solid, name: &str, axis: u8, span: Span) -> Value {
         let item = match solid {
             Solid::Ground => {
                 let component = |k| if k == usize::from(axis) { Id::ONE } else { Id::ZERO };

@@ -149,6 +149,9 @@ impl Resolver<'_> {
                 self.model.potential_terms.push(term);
             }
         }
+        for (usual, component) in gravity.iter().enumerate() {
+            self.model.usual_gravity[usual] = self.default_value(*component).unwrap_or(0.0);
+        }
         self.model.gravity = Some(gravity);
     }
 

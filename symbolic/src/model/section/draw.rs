@@ -11,16 +11,20 @@ use crate::model::expression::families::Locals;
 use crate::model::expression::lower::Local;
 use crate::model::expression::rules::Rules;
 use crate::model::expression::substitute::substitute;
-use crate::model::resolved::{Shape, Vector};
+use crate::model::resolved::{Shape, Solid, Vector};
 use crate::model::resolver::Resolver;
+use crate::model::section::solids;
 
 /// Stretches into which a curve is divided.
 const STRETCHES: i64 = 100;
 
+/// Shapes in the plane and in space; those of space alone are in `solids.rs`.
+const FLAT: [&str; 5] = ["line", "circle", "spring", "curve", "trace"];
+
 /// Makes a family of a shape.
 const EACH: &str = "each";
 
-const RULES: Rules = Rules::velocity("a drawing").numbers_fit();
+pub(super) const RULES: Rules = Rules::velocity("a drawing").numbers_fit();
 
 impl Resolver<'_> {
     /// Every shape.
@@ -65,10 +69,10 @@ impl Resolver<'_> {
     }
 
     fn shape(&mut self, spot: &Spot<'_>, locals: &Locals) {
-        let kinds = ["line", "circle", "spring", "curve", "trace"];
-        let found: Vec<&str> = kinds.into_iter().filter(|kind| spot.get(kind).is_some()).collect();
+        let kinds: Vec<&str> = FLAT.into_iter().chain(solids::KINDS).collect();
+        let found: Vec<&str> = kinds.iter().copied().filter(|kind| spot.get(kind).is_some()).collect();
         let problems = &mut self.builder.problems;
-        let known: Vec<&str> = kinds.into_iter().chain([EACH]).collect();
+        let known: Vec<&str> = kinds.iter().copied().chain([EACH]).collect();
         if found.first() != Some(&"curve") && !spot.only(&known, "a shape", problems) {
             return;
         }
@@ -79,8 +83,8 @@ impl Resolver<'_> {
                 }
                 _ if spot.misspelt(problems) => {}
                 _ => {
-                    let kinds = kinds.map(|kind| format!("`{kind}`")).join(", ");
-                    problems.push(sections::needs_one_of(spot.place.clone(), kinds, "a shape"));
+                    let kinds: Vec<String> = kinds.iter().map(|kind| format!("`{kind}`")).collect();
+                    problems.push(sections::needs_one_of(spot.place.clone(), kinds.join(", "), "a shape"));
                 }
             }
             return;
@@ -111,7 +115,11 @@ impl Resolver<'_> {
                 self.model.draw.extend(traces);
             }
             "circle" => self.circle(&what, locals),
-            _ => self.curve(spot, &what, locals),
+            "curve" => self.curve(spot, &what, locals),
+            kind if self.scope.dimension == 2 => {
+                self.builder.problems.push(solids::not_in_the_plane(&what, kind));
+            }
+            kind => self.solid(kind, &what, locals),
         }
     }
 
@@ -140,8 +148,19 @@ impl Resolver<'_> {
     }
 
     fn circle(&mut self, spot: &Spot<'_>, locals: &Locals) {
+        if let Some(axis) = spot.get("axis") {
+            match self.scope.dimension {
+                2 => self.builder.problems.push(solids::not_in_the_plane(&axis, "axis")),
+                _ => {
+                    let ring = self.round(spot, Solid::Ring, locals);
+                    self.model.draw.extend(ring);
+                }
+            }
+            return;
+        }
         let problems = &mut self.builder.problems;
-        if !spot.only(&["at", "radius"], "a circle", problems) {
+        let known: &[&str] = if self.scope.dimension == 2 { &["at", "radius"] } else { &["at", "axis", "radius"] };
+        if !spot.only(known, "a circle", problems) {
             return;
         }
         let radius = spot.need("radius", "a circle", problems).and_then(|radius| radius.quantity(problems));

@@ -145,14 +145,12 @@ fn principal_moments(values: &[f64]) -> [f64; 3] {
             let t = tau.signum() / (tau.abs() + tau.hypot(1.0));
             let c = 1.0 / t.hypot(1.0);
             let s = t * c;
-            for k in 0..3 {
-                let (kp, kq) = (a[k][p], a[k][q]);
-                (a[k][p], a[k][q]) = (c * kp - s * kq, s * kp + c * kq);
+            for row in &mut a {
+                (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
             }
-            for k in 0..3 {
-                let (pk, qk) = (a[p][k], a[q][k]);
-                (a[p][k], a[q][k]) = (c * pk - s * qk, s * pk + c * qk);
-            }
+            let (first, second) = (a[p], a[q]);
+            a[p] = std::array::from_fn(|k| c * first[k] - s * second[k]);
+            a[q] = std::array::from_fn(|k| s * first[k] + c * second[k]);
         }
     }
     let mut moments = [a[0][0], a[1][1], a[2][2]];

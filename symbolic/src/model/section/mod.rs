@@ -21,6 +21,7 @@ pub mod resolve_values;
 pub mod rotations;
 pub mod scenes;
 pub mod settings;
+mod solids;
 pub mod springs;
 pub mod tables;
 pub mod watched;
