@@ -53,7 +53,7 @@ fn of_model(text: &str, extent: Extent) -> Held {
         let entries: Vec<Id> = part(&mut rows).into_iter().map(|id| *id).collect();
         let numbers = Tape::new(&sound.model.graph, &entries).evaluate(|s| any(&s));
         // What vanishes at any state, unlike its expression, is no place for a fault.
-        let wrong = |k: &usize| entries[*k] != Id::ZERO && !(numbers[*k].abs() <= VANISHED);
+        let wrong = |k: &usize| entries[*k] != Id::ZERO && (numbers[*k].is_nan() || numbers[*k].abs() > VANISHED);
         for k in (0..entries.len()).filter(wrong).take(extent.of_a_kind()) {
             for factor in FACTORS {
                 let spoilt = spoilt(&sound, part, k, factor);
