@@ -29,9 +29,7 @@ pub(super) fn description(program: &Program, source: &str) -> String {
                 .map(|c| format!("mechanism::Coordinate {{ name: {}, unit: {} }}", string(&c.name), unit(&c.unit))),
         ),
     );
-    if !model.rotations.is_empty() {
-        field("rotations", list(model.rotations.iter().map(|rotation| rotation.first.to_string())));
-    }
+    field("rotations", list(model.rotations.iter().map(|rotation| rotation.first.to_string())));
     field(
         "parameters",
         list(model.parameters.iter().map(|p| {
