@@ -83,7 +83,8 @@ fn states(rows: &Value) -> States {
     rows.iter()
         .map(|row| {
             let row = row.as_object().expect("a state");
-            let values = row.iter().filter(|(name, _)| *name != "t" && *name != "variant");
+            let told = ["t", "variant", "agreement"];
+            let values = row.iter().filter(|(name, value)| !told.contains(&name.as_str()) && value.is_string());
             (number(&row["t"]), values.map(|(name, value)| (name.clone(), number(value))).collect())
         })
         .collect()

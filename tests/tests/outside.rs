@@ -17,7 +17,7 @@ fn a_crate_outside_the_workspace_builds_and_runs() {
     let told = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.success(), "{told}");
     // The model file's one warning, once of three: where it is not silenced.
-    assert_eq!(told.matches("warning[W420]: `plate` has mass and an `angle`, and no `inertia`").count(), 1, "{told}");
+    assert_eq!(told.matches("warning[W420]: `plate` has mass and turns, and has no `inertia`").count(), 1, "{told}");
     assert!(told.contains("models/doubtful.yaml:5:27"), "{told}");
     let number = |key: &str| -> f64 {
         let line = text.lines().find_map(|line| line.strip_prefix(key)).unwrap_or_else(|| panic!("no {key}: {text}"));

@@ -20,7 +20,7 @@ const MODEL: &[Key] = &[
     ("coordinates", "unit*", "Generalized coordinates with their units"),
     ("inputs", "expression*", "Functions of time, used like coordinates"),
     ("define", "value*", "Named scalars or vectors"),
-    ("frames", "frame*", "Planar frames by their angle"),
+    ("frames", "frame*", "Frames by their angle, in space by turns"),
     ("points", "value*", "Named positions"),
     ("bodies", "body*", "Particles and rigid bodies"),
     ("gravity", "value", "The acceleration of gravity, [0, -9.81 m/s^2]"),
@@ -63,7 +63,7 @@ const OBJECTS: &[(&str, &[Key])] = &[
         &[
             ("angle", "expression", "From the ground's x, or that of `from`, counterclockwise"),
             ("from", "expression", "Another frame"),
-            ("rotate", "list", "[axis, angle]"),
+            ("rotate", "list", "In space: [axis, angle], a list of such, or a coordinate of kind `rotation`"),
         ],
     ),
     (
@@ -71,9 +71,9 @@ const OBJECTS: &[(&str, &[Key])] = &[
         &[
             ("mass", "expression", "2 kg"),
             ("position", "value", "Of the centre of mass"),
-            ("inertia", "value", "About the centre of mass"),
+            ("inertia", "value", "About the centre of mass; in space three moments, or a tensor"),
             ("angle", "expression", "Counterclockwise"),
-            ("frame", "expression", "Its orientation in space"),
+            ("frame", "expression", "The frame that turns with it"),
         ],
     ),
     (
@@ -89,6 +89,7 @@ const OBJECTS: &[(&str, &[Key])] = &[
             ("from", "value", "The body it pulls from"),
             ("along", "value", "A direction"),
             ("at", "value", "A point"),
+            ("axis", "value", "In space: the direction of its couple"),
             ("phase", "value", "When it acts"),
         ],
     ),
@@ -102,6 +103,7 @@ const OBJECTS: &[(&str, &[Key])] = &[
             ("from", "value", "The body it acts from"),
             ("along", "value", "A direction"),
             ("at", "value", "A point"),
+            ("axis", "value", "In space: the direction of its couple"),
             ("phase", "value", "When it acts"),
         ],
     ),
@@ -120,7 +122,7 @@ const OBJECTS: &[(&str, &[Key])] = &[
         "torque",
         &[
             ("on", "value", "A body"),
-            ("torque", "expression", "Counterclockwise"),
+            ("torque", "value", "Counterclockwise; in space a vector"),
             ("from", "value", "The body that it acts back on"),
             ("phase", "value", "When it acts"),
         ],

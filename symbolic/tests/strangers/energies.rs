@@ -78,5 +78,5 @@ balances: {{equations: [{{equation: \"m*l^2/3*th'' = -m*g*l/2*cos(th)\"}}]}}
         )
     };
     accepted(&text("inertia: m*l^2/12, "));
-    refused(&text(""), "has mass and an `angle`, and no `inertia`");
+    refused(&text(""), "has mass and turns, and has no `inertia`");
 }
