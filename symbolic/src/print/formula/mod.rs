@@ -110,9 +110,19 @@ fn parts(graph: &Graph, id: Id) -> Vec<Id> {
     }
     match graph.node(id) {
         Node::Binary(Binary::Mul | Binary::Div, ..) | Node::Unary(Unary::Neg | Unary::Sqrt, _) => {
-            factors(graph, id).into_iter().map(|(base, _)| base).collect()
+            factors_of(graph, id).into_iter().map(|(base, _)| base).collect()
         }
         _ => graph.children(id).collect(),
+    }
+}
+
+/// The factors of a product with twice their exponents; of a root that no product takes apart, since it may be of almost nothing (the
+/// length in `unit`), what it is of.
+fn factors_of(graph: &Graph, id: Id) -> Vec<(Id, i32)> {
+    let factors = factors(graph, id);
+    match graph.node(id) {
+        Node::Unary(Unary::Sqrt, x) if factors == [(id, 2)] => vec![(x, 1)],
+        _ => factors,
     }
 }
 
@@ -256,7 +266,7 @@ impl Writing {
     fn product(&self, graph: &Graph, id: Id) -> (bool, Formula) {
         let (mut negative, mut number) = (false, Number::ONE);
         let (mut above, mut below) = (Vec::new(), Vec::new());
-        for (base, halves) in factors(graph, id) {
+        for (base, halves) in factors_of(graph, id) {
             let part = &self.known[&base];
             negative ^= part.negative && halves % 4 != 0;
             // Of an odd power the sign stays inside.
