@@ -164,6 +164,9 @@ fn frame_angle(builder: &mut ExprBuilder, scope: &Scope, from: &Text, item: &Ite
     }
 }
 
+/// Factors of all parameters' defaults at which the length of an axis is looked at.
+const FACTORS: [f64; 4] = [1.0, 1.37, 0.71, 2.9];
+
 /// How an item is turned in space: from its frame, about its axes in turn.
 fn orientation(builder: &mut ExprBuilder, scope: &Scope, item: &Item) -> Option<Box<Orientation>> {
     let mut frame = match item.from.as_ref().map(|from| turned_from(builder, scope, from, item)) {
@@ -189,13 +192,23 @@ fn orientation(builder: &mut ExprBuilder, scope: &Scope, item: &Item) -> Option<
             Axis::Direction(written) => {
                 let vector = builder.vector(scope, written, Rules::constant("an axis"), &item.locals)?;
                 let square = vectors::dot(&mut builder.graph, &vector, &vector);
-                let defaults = &builder.defaults;
-                let value = |symbol| if let Symbol::Parameter(k) = symbol { defaults[k as usize] } else { 0.0 };
-                if Tape::new(&builder.graph, &[square]).evaluate(value)[0] == 0.0 {
+                let at = |factor: f64| {
+                    let scaled = |k: u32| match builder.defaults[k as usize] {
+                        0.0 => factor - 1.0,
+                        default => factor * default,
+                    };
+                    let value = |symbol| if let Symbol::Parameter(k) = symbol { scaled(k) } else { 0.0 };
+                    Tape::new(&builder.graph, &[square]).evaluate(value)[0]
+                };
+                let squares = FACTORS.map(at);
+                if squares[0] == 0.0 {
                     builder.problems.push(mechanics::no_axis(Place::clone(written.place())));
                     return None;
                 }
-                Some(vectors::unit(&mut builder.graph, &vector))
+                // [sin(a), 0, cos(a)] has length 1 as it stands.
+                let is_unit = squares.iter().all(|square| (square - 1.0).abs() < 4.0 * f64::EPSILON);
+                let graph = &mut builder.graph;
+                Some(if is_unit { vector } else { vectors::unit(graph, &vector) })
             }
         };
         let angle = angle?;

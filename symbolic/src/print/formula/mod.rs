@@ -59,6 +59,8 @@ const LONG: usize = 4;
 const COMPUTED: i32 = 16;
 /// What is nested deeper gets one too.
 const DEEP: usize = 24;
+/// And what stands in something else with more leaves: about as many as fit into two lines of a page.
+const WIDE: usize = 40;
 
 impl Formulas {
     /// Of expressions without modes.
@@ -67,7 +69,11 @@ impl Formulas {
         let mut written = Writing { known: HashMap::default(), parts: Vec::new() };
         for id in order {
             let formula = written.formula(graph, id);
-            written.keep(id, formula, uses[&id]);
+            if uses[&id] == 1 && roots.contains(&id) {
+                written.known.insert(id, formula);
+            } else {
+                written.keep(id, formula, uses[&id]);
+            }
         }
         let roots = roots.iter().map(|root| written.known[root].signed()).collect();
         Formulas { parts: written.parts, roots }
@@ -184,11 +190,12 @@ struct Writing {
 }
 
 impl Writing {
-    /// Remembers a formula, by a name where it is long and stands in several places.
+    /// Remembers a formula that stands in others, by a name where it is long and stands in several places, or very long.
     fn keep(&mut self, id: Id, mut written: Written, uses: usize) {
         let composed = !matches!(*written.formula, Formula::Number(_) | Formula::Symbol(_));
         let long = if matches!(*written.formula, Formula::Sum(_)) { LONG } else { 2 * LONG };
-        if composed && (written.depth > DEEP || uses > 1 && written.leaves >= long) {
+        let nested = written.depth > DEEP || written.leaves > WIDE;
+        if composed && (nested || uses > 1 && written.leaves >= long) {
             self.parts.push(written.formula);
             written.formula = Rc::new(Formula::Part(self.parts.len() - 1));
             (written.leaves, written.depth) = (1, 0);
