@@ -32,6 +32,7 @@ mod driver;
 pub mod ensemble;
 mod error;
 mod events;
+pub mod find;
 mod integrate;
 pub mod linear;
 mod matrix;
@@ -47,12 +48,14 @@ mod simulate;
 #[cfg(test)]
 mod testing;
 pub mod trust;
+mod vary;
 
 pub use cause::Cause;
 pub use constrain::Residuals;
 pub use dalembert_macros::model;
-pub use error::{Error, Inseparable, Nonlinear};
+pub use error::{Error, Inseparable, NoSlopes, Nonlinear, NotFound};
 pub use mechanism::{Enforcement, Method, ParseMethodError, Stabilisation};
 pub use run::{Digits, Failure, Impulse, Occurrence, Run, RunPart, State, Symmetry, Trust, Work};
 pub use simulate::{Settings, Simulate, Simulation, StateMut, Stepping, simulate, simulate_with};
 pub use trust::{Loss, Warning};
+pub use vary::{Slope, Slopes};

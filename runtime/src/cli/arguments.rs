@@ -37,6 +37,7 @@ pub fn command() -> Command {
         )
         .subcommand(simulate())
         .subcommand(modes())
+        .subcommand(solve())
         .subcommand(sweep())
         .subcommand(chart())
         .subcommand(needs())
@@ -88,6 +89,7 @@ fn simulate() -> Command {
         .arg(value("step", "TIME", "A fixed step"))
         .arg(value("max-steps", "COUNT", "No more steps than these [default: 10000000]").value_parser(clap::value_parser!(u64)))
         .arg(flag("symmetries", "Tell which exchanges and reflections of coordinates the start has that leave the equations as they are, and watch that the motion keeps them"))
+        .arg(value("slopes", "A,B", "Tell how the end changes with these: parameters, and coordinates or rates (theta') at the start"))
         .arg(flag("together", "Integrate decoupled subsystems with one common step size"))
         .arg(value("constraints", "WAY", "multipliers, nullspace or springs [default: multipliers]"))
         .arg(value("stiffness", "K", "Of springs in the place of constraints, SI [default: 1e6]"))
@@ -110,6 +112,25 @@ fn simulate() -> Command {
                 .conflicts_with("no-digits"),
         )
         .arg(flag("no-digits", "Leave the second run out, and print all digits"))
+        .arg(flag("json", "Print one JSON object"))
+}
+
+fn solve() -> Command {
+    Command::new("solve")
+        .about("Finds starts, parameters and end times for which outputs have given values, are largest or smallest, or follow a record")
+        .arg(model())
+        .args(sizes())
+        .args(scene())
+        .arg(many("unknown", "NAME=GUESS", "What is unknown: parameters, coordinates and rates (theta') at the start, or `until`, where the run ends; several, also A=1,B=2"))
+        .arg(many("such-that", "NAME=VALUE", "What a coordinate, a rate or an output is to be at the end; several, also A=1,B=2"))
+        .arg(value("maximise", "NAME", "What is to be as large as it can be near by at the end").conflicts_with_all(["minimise", "fit"]))
+        .arg(value("minimise", "NAME", "What is to be as small").conflicts_with("fit"))
+        .arg(value("fit", "FILE.csv", "A record that the motion is to follow, by least squares: a table with a header").conflicts_with("such-that"))
+        .arg(value("columns", "t=A,x=B", "Which columns of the record are time and what they are a record of [default: by the same names]").requires("fit"))
+        .arg(value("method", "METHOD", "As of `simulate` [default: auto]"))
+        .arg(value("max-steps", "COUNT", "No more steps than these [default: 10000000]").value_parser(clap::value_parser!(u64)))
+        .arg(value("state", "FILE", "A state to start from, as --save writes it; --start goes before"))
+        .arg(value("save", "FILE", "Write the start that was found: `simulate --state FILE` starts from it"))
         .arg(flag("json", "Print one JSON object"))
 }
 

@@ -32,6 +32,8 @@ mod schema;
 mod set_up;
 mod show;
 mod simulate;
+mod slopes;
+mod solve;
 mod stability;
 mod sweep;
 mod symmetries;
@@ -90,6 +92,7 @@ pub fn run(
         Some(("show", options)) => show::run(models, options, out),
         Some(("check", options)) => check::run(models, options, out),
         Some(("simulate", options)) => simulate::run(models, options, out),
+        Some(("solve", options)) => solve::run(models, options, out),
         Some(("chart", options)) => chart::run(models, options, out),
         Some(("stability", options)) => stability::run(options, out),
         Some(("sweep", options)) => sweep::run(models, options, out),

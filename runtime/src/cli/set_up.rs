@@ -244,7 +244,7 @@ fn set_input(loaded: &mut Loaded, reader: &mut Reader, name: &str, text: &str) -
     Ok(())
 }
 
-fn scene_index(loaded: &Loaded, name: Option<&str>) -> Result<usize, Problem> {
+pub fn scene_index(loaded: &Loaded, name: Option<&str>) -> Result<usize, Problem> {
     let Some(name) = name else { return Ok(0) };
     let scenes = &loaded.system.description().scenes;
     let found = scenes.iter().position(|scene| scene == name);

@@ -15,13 +15,13 @@ use super::json::{number, object};
 use super::load::Loaded;
 use super::plotted::Shown;
 use super::set_up::{set_up, set_up_scene};
-use super::{Entry, Problem, compare, drawn, enforcement, outputs, symmetries, value_files};
+use super::{Entry, Problem, compare, drawn, enforcement, outputs, slopes, symmetries, value_files};
 use crate::mechanism::{Description, Enforcement, Stabilisation};
 use crate::numbers::short;
 use crate::run::{RunPart, Work};
 use crate::show::Animation;
 use crate::simulate::{LAGRANGE, estimate_global_error};
-use crate::{Error, Impulse, Run, Settings};
+use crate::{Error, Impulse, Run, Settings, Slopes};
 
 /// Runs, writes files that were asked for, and prints the outcome; a run that failed is written and printed too.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
@@ -56,9 +56,12 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     });
     progress.clear();
     match outcome {
-        Ok(mut run) => report((&loaded, &settings), (&mut run, false), (&shown, &others), options, out),
+        Ok(mut run) => {
+            let slopes = slopes::asked(&mut loaded, &settings, options)?;
+            report((&loaded, &settings), (&mut run, false), (&shown, &others, slopes.as_ref()), options, out)
+        }
         Err(Error::Run(mut failure)) => {
-            report((&loaded, &settings), (&mut failure.run, true), (&shown, &others), options, out)?;
+            report((&loaded, &settings), (&mut failure.run, true), (&shown, &others, None), options, out)?;
             Err(Problem::Run(failure.to_string()))
         }
         Err(error) => Err(Problem::Usage(format!("error: {error}"))),
@@ -176,7 +179,7 @@ impl Progress {
 fn report(
     (loaded, settings): (&Loaded, &Settings),
     (run, failed): (&mut Run, bool),
-    (shown, others): (&Shown, &[(String, Run)]),
+    (shown, others, slopes): (&Shown, &[(String, Run)], Option<&Slopes>),
     options: &ArgMatches,
     out: &mut dyn Write,
 ) -> Result<(), Problem> {
@@ -224,6 +227,9 @@ fn report(
         let mut object = as_json(loaded, settings, run);
         if asked {
             object["symmetries"] = symmetries::as_json(watched.as_ref());
+        }
+        if let Some(slopes) = slopes {
+            object["slopes"] = slopes::as_json(slopes);
         }
         super::json::write(&object, out)?;
         return Ok(());
@@ -280,6 +286,9 @@ fn report(
     }
     if asked {
         symmetries::write(watched.as_ref(), out)?;
+    }
+    if let Some(slopes) = slopes {
+        slopes::write(slopes, out)?;
     }
     writeln!(out)?;
     Ok(())

@@ -8,7 +8,7 @@ use dalembert_symbolic::model::Sets;
 use super::Problem;
 use super::load::Loaded;
 use super::set_up::{Reader, coordinate_index, parameter_index, unknown};
-use crate::{Run, Settings};
+use crate::{Run, Settings, State};
 
 /// Reads such a file; `#` begins a comment, as in a model file.
 ///
@@ -96,18 +96,26 @@ pub fn start(loaded: &Loaded, reader: &mut Reader, path: &str, settings: &mut Se
 
 /// The last state of a run as such a file, with all digits of each number; its parameters that are not the file's own are told.
 pub fn state(run: &Run, changed: &[(String, f64)]) -> String {
+    written(run, (&run.last(), run.phases.last()), changed)
+}
+
+/// The first one.
+pub fn start_state(run: &Run, changed: &[(String, f64)]) -> String {
+    written(run, (&run.first(), run.phases.first()), changed)
+}
+
+fn written(run: &Run, (state, phase): (&State, Option<&(f64, usize)>), changed: &[(String, f64)]) -> String {
     let phases = &run.description.phases;
-    let phase = run.phases.last().and_then(|(_, phase)| phases.get(*phase)).map_or("", |phase| phase.name.as_ref());
-    let last = run.last();
+    let phase = phase.and_then(|(_, phase)| phases.get(*phase)).map_or("", |phase| phase.name.as_ref());
     let with = changed.iter().map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ");
-    let mut text = format!("# {} by {}, SI units\nt: {}\n", run.description.name, run.by(), last.t);
+    let mut text = format!("# {} by {}, SI units\nt: {}\n", run.description.name, run.by(), state.t);
     if !changed.is_empty() {
         let _ = writeln!(text, "# with {with}");
     }
     if !phase.is_empty() {
         let _ = writeln!(text, "phase: {phase}");
     }
-    for (name, value) in last.entries() {
+    for (name, value) in state.entries() {
         let _ = writeln!(text, "\"{name}\": {value}");
     }
     text

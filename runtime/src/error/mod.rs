@@ -1,12 +1,16 @@
 //! What can go wrong, with the data to see why.
 
 mod linear;
+mod no_slopes;
+mod not_found;
 
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::{fmt, io};
 
 pub use linear::{LinearError, Residual};
+pub use no_slopes::NoSlopes;
+pub use not_found::NotFound;
 
 use crate::cause::Cause;
 use crate::mechanism::Method;
@@ -84,6 +88,10 @@ pub enum Error {
         /// What the operating system says.
         problem: Arc<io::Error>,
     },
+    /// The motion has no slopes.
+    NoSlopes(Box<NoSlopes>),
+    /// A search found nothing.
+    NotFound(Box<NotFound>),
     /// Small motions: no equilibrium, no linearisation, no modes.
     Linear(Box<LinearError>),
     /// The run ended early.  It comes with the time, the state and what was computed until then.
@@ -209,6 +217,8 @@ impl fmt::Display for Error {
                 path.display()
             ),
             Error::File { path, problem } => write!(f, "cannot write `{}`: {problem}", path.display()),
+            Error::NoSlopes(why) => write!(f, "{why}"),
+            Error::NotFound(why) => write!(f, "{why}"),
             Error::Linear(problem) => write!(f, "{problem}"),
             Error::Run(failure) => write!(f, "{failure}"),
         }
@@ -228,6 +238,18 @@ impl fmt::Display for Listed<'_> {
 }
 
 impl std::error::Error for Error {}
+
+impl From<NoSlopes> for Error {
+    fn from(why: NoSlopes) -> Self {
+        Error::NoSlopes(Box::new(why))
+    }
+}
+
+impl From<NotFound> for Error {
+    fn from(why: NotFound) -> Self {
+        Error::NotFound(Box::new(why))
+    }
+}
 
 impl From<LinearError> for Error {
     fn from(problem: LinearError) -> Self {

@@ -83,6 +83,13 @@ impl Tolerance {
         tolerance
     }
 
+    /// Counts no error below these, of [q; q'].
+    pub fn at_least(mut self, floors: &[f64]) -> Self {
+        self.start_up_errors.copy_from_slice(floors);
+        self.floors = (0..floors.len()).map(|k| self.floor(k)).collect();
+        self
+    }
+
     /// The error of component k of [q; q'] that counts as 1, over a step of h that changes it by this much.
     #[inline(always)]
     pub fn unit(&self, k: usize, h: f64, change: f64) -> f64 {

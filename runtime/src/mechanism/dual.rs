@@ -117,14 +117,15 @@ impl Neg for Dual {
 }
 
 impl Real for Dual {
-    const LANES: usize = 1;
+    /// A value, and its slope.
+    const LANES: usize = 2;
 
     fn gather(lane: impl Fn(usize) -> f64) -> Dual {
-        Dual::constant(lane(0))
+        Dual::moving(lane(0), lane(1))
     }
 
-    fn lane(self, _: usize) -> f64 {
-        self.value
+    fn lane(self, lane: usize) -> f64 {
+        if lane == 0 { self.value } else { self.slope }
     }
 
     fn ratio(n: f64, d: f64) -> Dual {
@@ -210,6 +211,21 @@ impl Real for Dual {
 /// Numbers that were rounded when they were made.
 pub(super) fn rounded(from: &[f64], to: &mut [Dual]) {
     to.iter_mut().zip(from).for_each(|(to, from)| *to = Dual::rounded(*from));
+}
+
+/// Numbers that change with these slopes; where there are none, zeros that do not change.
+pub(super) fn moving(from: &[f64], slopes: &[f64], to: &mut [Dual]) {
+    for (k, to) in to.iter_mut().enumerate() {
+        let of = |list: &[f64]| list.get(k).copied().unwrap_or(0.0);
+        *to = Dual::moving(of(from), of(slopes));
+    }
+}
+
+/// The slopes of (u, u', u'') of an input that has another function in the place of the file's, when time changes with this slope; what
+/// the third derivative would say is not known.
+pub(super) fn replaced_input([u, rate, second]: [f64; 3], clock: f64) -> [Dual; 3] {
+    let third = if clock == 0.0 || (rate, second) == (0.0, 0.0) { 0.0 } else { f64::NAN };
+    [Dual::moving(u, clock * rate), Dual::moving(rate, clock * second), Dual::moving(second, third)]
 }
 
 /// Numbers that do not change; where there are none, zeros.

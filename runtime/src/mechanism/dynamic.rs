@@ -1,10 +1,12 @@
 //! A [`Mechanism`] behind slices.
 
 use super::balances::solve_rows;
-use super::dual::{Dual, rounded, seed, still};
+use super::dual::{Dual, moving, replaced_input, rounded, seed, still};
 use super::phased::{Phased, RowHistory, sprung};
 use super::system::Replaced;
-use super::{At, Description, Energy, Enforcement, Mechanism, Scene, Signal, Singular, System, Values};
+use super::{
+    Along, At, Description, Energy, Enforcement, Function, Mechanism, Scene, Signal, Singular, System, Values,
+};
 
 /// A mechanism of static size as a [`System`], with its block of constants at hand.
 #[derive(Clone)]
@@ -64,6 +66,17 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> Dynamic<M, N,
     #[inline]
     fn free(&self, t: f64, q: &[f64; N], v: &[f64; N], a: &mut [f64; N]) -> Result<(), Singular> {
         Ok(M::accelerations(&self.constants, t, self.input_block(t).as_ref(), q, v, a)?)
+    }
+
+    /// The direction in which a parameter changes: 1 in its place, 0 elsewhere.
+    fn unit(&self, parameter: usize) -> M {
+        let mut unit = self.mechanism.clone();
+        for index in 0..M::description().parameters.len() {
+            if let Some(field) = unit.parameter_mut(index) {
+                *field = f64::from(u8::from(index == parameter));
+            }
+        }
+        unit
     }
 
     fn first_mode(&self) -> usize {
@@ -130,6 +143,58 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> DualState<M, 
         }
         still(at.lambda, &mut multipliers);
         DualState { constants, inputs, motion, multipliers, time: Dual::constant(at.t) }
+    }
+
+    /// With the slopes that a direction gives to it.
+    fn along(system: &Dynamic<M, N, C>, at: At<'_>, along: &Along<'_>) -> Self {
+        let (zero, time) = (Dual::constant(0.0), Dual::moving(at.t, along.t));
+        let mut constants = M::Constants::<Dual>::filled(zero);
+        match along.parameter {
+            None => still(system.constants.as_ref(), constants.as_mut()),
+            Some(parameter) => {
+                constants =
+                    M::constants(|lane| if lane == 0 { system.mechanism.clone() } else { system.unit(parameter) });
+                let first = system.first_mode();
+                still(&system.constants.as_ref()[first..], &mut constants.as_mut()[first..]);
+            }
+        }
+        let mut inputs = M::inputs(&constants, time);
+        for (signal, slot) in system.signals.iter().zip(inputs.as_mut().chunks_exact_mut(3)) {
+            if let Some(signal) = signal {
+                slot.copy_from_slice(&replaced_input(signal.at(at.t), along.t));
+            }
+        }
+        let (mut motion, mut multipliers) = ([[zero; N]; 3], [zero; C]);
+        for ((from, slopes), to) in
+            [(at.q, along.q), (at.v, along.v), (at.a, along.a)].into_iter().zip(motion.iter_mut())
+        {
+            moving(from, slopes, to);
+        }
+        moving(at.lambda, along.lambda, &mut multipliers);
+        DualState { constants, inputs, motion, multipliers, time }
+    }
+
+    /// A function of it.
+    fn evaluate(&self, function: Function, values: &mut [Dual]) {
+        let DualState { constants: c, inputs, motion: [q, v, a], multipliers: l, time: t } = self;
+        let u = inputs.as_ref();
+        match function {
+            Function::Residual => M::residual(c, *t, u, q, v, a, l, values.try_into().expect(WIDTH)),
+            Function::RowAccelerations => {
+                let pattern = &M::description().constraint_pattern;
+                let mut jacobian = vec![Dual::constant(0.0); pattern.len()];
+                M::constraint_bias(c, *t, u, q, v, values);
+                M::constraint_matrix(c, *t, u, q, &mut jacobian);
+                for ((row, column), slope) in pattern.iter().zip(jacobian) {
+                    values[*row as usize] = values[*row as usize] + slope * a[*column as usize];
+                }
+            }
+            Function::Constraints => M::constraints(c, *t, u, q, v, values),
+            Function::Events => M::events(c, *t, u, q, v, a, l, values),
+            Function::Switches => M::switches(c, *t, u, q, v, a, l, values),
+            Function::Outputs => M::outputs(c, *t, u, q, v, a, l, values),
+            Function::Restitutions | Function::Scene(_) => (),
+        }
     }
 
     /// What outputs depend on, in the order of the columns of [`System::output_slopes`].
@@ -289,7 +354,7 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
     }
 
     fn restitutions(&self) -> Vec<f64> {
-        self.mechanism.restitutions()
+        M::restitutions(&self.mechanism.parameters())
     }
 
     fn mass_matrix(&self, at: At<'_>, values: &mut [f64]) {
@@ -418,6 +483,24 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
             seed(&mut state.lists(), k, 0.0);
             column.iter_mut().zip(&values).for_each(|(slope, value)| *slope = value.slope);
         }
+        true
+    }
+
+    fn slopes(&self, function: Function, at: At<'_>, along: &Along<'_>, values: &mut [f64]) -> bool {
+        let mut room = vec![Dual::constant(0.0); values.len()];
+        match function {
+            Function::Restitutions | Function::Scene(_) => {
+                let list = self.mechanism.parameters().into_iter().enumerate();
+                let slope = |index| f64::from(u8::from(along.parameter == Some(index)));
+                let parameters: Vec<Dual> = list.map(|(index, value)| Dual::moving(value, slope(index))).collect();
+                match function {
+                    Function::Scene(scene) => M::scene_numbers(&parameters, scene, &mut room),
+                    _ => room = M::restitutions(&parameters),
+                }
+            }
+            _ => DualState::<M, N, C>::along(self, at, along).evaluate(function, &mut room),
+        }
+        values.iter_mut().zip(room).for_each(|(slope, value)| *slope = value.slope);
         true
     }
 

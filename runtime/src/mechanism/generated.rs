@@ -278,12 +278,15 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
     fn parameter_mut(&mut self, index: usize) -> Option<&mut f64>;
     /// What a scene sets, evaluated with the present parameters.
     fn scene_parameters(&self, scene: usize) -> Vec<(usize, f64)>;
+    /// A scene's end, tolerance and spacing of reports, then the start [q; q'], of any numbers as free parameters: 3 + 2 N numbers, which
+    /// are 0 before.
+    fn scene_numbers<S: Real>(parameters: &[S], scene: usize, numbers: &mut [S]);
     /// A scene, evaluated with the present parameters.
     fn scene(&self, scene: usize) -> Scene;
     /// The guess for an equilibrium.
     fn equilibrium_guess(&self) -> [f64; N];
-    /// The coefficients of restitution of the events' impacts.
-    fn restitutions(&self) -> Vec<f64>;
+    /// The coefficients of restitution of the events' impacts, of any numbers as free parameters.
+    fn restitutions<S: Real>(parameters: &[S]) -> Vec<S>;
     /// What [`Mechanism::start_conditions`] gives where the starts meet it.
     fn start_condition_values(&self) -> Vec<f64>;
 }

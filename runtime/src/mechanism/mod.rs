@@ -45,7 +45,7 @@ pub(crate) use slopes::AccelerationSlopes;
 pub use solve::solve_packed;
 pub(crate) use solve::solve_packed_slice;
 pub(crate) use subsystem::OfPart;
-pub use system::{Signal, System};
+pub use system::{Along, Function, Signal, System};
 pub use table::Table;
 
 /// Energies of a state.

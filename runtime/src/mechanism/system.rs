@@ -235,6 +235,14 @@ pub trait System: Send + Sync {
         errors.fill(0.0);
     }
 
+    /// The slopes of a function's numbers when state, time and parameters change along a direction, by numbers that carry their
+    /// derivative (Griewank, Walther, Evaluating Derivatives, 2008, 3.1), derived parameters and the file's inputs included.  Modes and
+    /// the phase stay as they are.  NaN where there is no derivative; false where none are known.
+    fn slopes(&self, function: Function, at: At<'_>, along: &Along<'_>, values: &mut [f64]) -> bool {
+        let _ = (function, at, along, values);
+        false
+    }
+
     /// Pairs (value, condition) for each event; it counts only where its condition is > 0
     /// (1 where the file gives none).
     fn events(&self, at: At<'_>, pairs: &mut [f64]) {
@@ -345,6 +353,45 @@ pub trait System: Send + Sync {
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
+}
+
+/// A function of a mechanism whose slopes [`System::slopes`] tells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Function {
+    /// F, n numbers.
+    Residual,
+    /// J a + γ of all rows of the constraints.
+    RowAccelerations,
+    /// Triples (c, c', Σ |terms| of c) of all rows.
+    Constraints,
+    /// Pairs (value, condition) of the events.
+    Events,
+    /// Pairs (argument, its rate) of the switches.
+    Switches,
+    /// Outputs.
+    Outputs,
+    /// The coefficients of restitution.
+    Restitutions,
+    /// A scene's end, tolerance and spacing of reports, then its start [q; q']: 3 + 2 n numbers, which depend on parameters only.
+    Scene(usize),
+}
+
+/// A direction in which a state, time and a parameter change; slices may be empty where nothing changes.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Along<'a> {
+    /// The slope of time.
+    pub t: f64,
+    /// Slopes of the generalized coordinates.
+    pub q: &'a [f64],
+    /// Slopes of their rates.
+    pub v: &'a [f64],
+    /// Slopes of their accelerations.
+    pub a: &'a [f64],
+    /// Slopes of the multipliers.
+    pub lambda: &'a [f64],
+    /// The free parameter that changes, with slope 1.
+    pub parameter: Option<usize>,
 }
 
 /// What stands for an input's function of time in the file.

@@ -332,7 +332,7 @@ fn significant(value: f64, error: f64) -> u32 {
 }
 
 /// A value with the digits that an error leaves; 0 where it is smaller than its error, `?` where the error has no bound.
-fn written(value: f64, error: f64) -> String {
+pub(crate) fn written(value: f64, error: f64) -> String {
     if !value.is_finite() {
         return value.to_string();
     }

@@ -9,6 +9,7 @@ mod frames;
 mod hermite;
 mod instants;
 pub(crate) mod integrals;
+mod junctions;
 mod parts;
 mod record;
 mod resample;
@@ -25,9 +26,12 @@ use crate::constrain::Residuals;
 pub(crate) use continuous::Continuous;
 pub(crate) use deviation::apart_by;
 pub use digits::Digits;
+#[cfg(feature = "cli")]
+pub(crate) use digits::written;
 pub use failure::Failure;
 pub(crate) use frames::Scenery;
 pub(crate) use instants::uneven;
+pub(crate) use junctions::{Blow, Junction, Side};
 pub use parts::RunPart;
 pub(crate) use parts::{PartRun, Together, instant, put_together};
 #[cfg(feature = "ensemble")]
@@ -91,6 +95,8 @@ pub struct Run {
     pub(crate) rows: Vec<f64>,
     /// How far each component of [q; q'] has gone, between reported times too; empty at a fixed step.
     pub(crate) swept: Vec<f64>,
+    /// Instants at which the equations change, if the run was told to keep them.
+    pub(crate) junctions: Vec<Junction>,
     /// When steps ended, after the start, s; empty if the run was not told to keep that.
     pub(crate) step_ends: Vec<f64>,
     pub(crate) outputs: Vec<f64>,

@@ -1,7 +1,5 @@
 //! Runs of decoupled subsystems, put together to one of the whole.
 
-use std::sync::Arc;
-
 use super::record::usual_drift;
 use super::{Occurrence, Plan, Recorder, Run, Trajectory, Work};
 use crate::integrate::Endpoint;
@@ -72,18 +70,9 @@ pub(crate) fn put_together(system: &dyn System, parts: Vec<PartRun>, how: &Toget
     let (from, start) = rows.next().unwrap_or((0.0, vec![0.0; 2 * n]));
     let dearest = runs().max_by_key(|run| run.work.evaluations);
     let plan = Plan {
-        until: how.until,
-        instants: Arc::from([]),
-        every: how.until - from,
-        dense: false,
-        keeps_ends: false,
-        watch: false,
-        dense_is_free: false,
-        method: dearest.map_or(Method::Auto, |run| run.method),
         why: dearest.and_then(|run| run.why),
         tolerance: Some(how.tolerance),
-        step: None,
-        projects: false,
+        ..Plan::quiet(how.until, how.until - from, dearest.map_or(Method::Auto, |run| run.method))
     };
     let mut recorder = Recorder::new(&plan, system, from, Endpoint { y: &start, rate: &[], work: 0.0 });
     let mut monitor = how.watch.then(|| Monitor::new(system, from, &start, 0.0));

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::{Names, Occurrence, Run, Scenery, State, Trajectory, Work};
+use super::junctions::Junctions;
+use super::{Blow, Names, Occurrence, Run, Scenery, State, Trajectory, Work};
 use crate::cause::Cause;
 use crate::constrain::{Projection, Residuals};
 use crate::events::{EventNote, Impulse, Log, Remarkable};
@@ -44,6 +45,8 @@ pub(crate) struct Recorder {
     n: usize,
     /// Brings reported states to the constraints.
     projection: Option<Projection>,
+    /// Where they are wanted.
+    junctions: Option<Box<Junctions>>,
     point: Vec<f64>,
     accelerations: Vec<f64>,
 }
@@ -82,6 +85,29 @@ pub(crate) struct Plan {
     pub step: Option<f64>,
     /// Whether states are brought back to the constraints.
     pub projects: bool,
+    /// Whether to keep the instants at which the equations change.
+    pub junctions: bool,
+}
+
+impl Plan {
+    /// Nothing is watched, and only the ends are reported.
+    pub fn quiet(until: f64, every: f64, method: Method) -> Plan {
+        Plan {
+            until,
+            every,
+            instants: Arc::from([]),
+            dense: false,
+            keeps_ends: false,
+            watch: false,
+            dense_is_free: false,
+            method,
+            why: None,
+            tolerance: None,
+            step: None,
+            projects: false,
+            junctions: false,
+        }
+    }
 }
 
 impl Recorder {
@@ -113,6 +139,7 @@ impl Recorder {
             is_filled: false,
             rows: Vec::new(),
             swept: Vec::new(),
+            junctions: Vec::new(),
             step_ends: if plan.keeps_ends { vec![t] } else { Vec::new() },
             outputs: Vec::new(),
             scenery: Scenery::new(plan.projects),
@@ -145,6 +172,7 @@ impl Recorder {
                 .and_then(|step| Watchman::new(system, plan.method, step, t, plan.until - t)),
             n,
             projection: Projection::new(system).map(|projection| projection.only_looking(!plan.projects)),
+            junctions: plan.junctions.then(Box::default),
             point: vec![0.0; 2 * n],
             accelerations: vec![0.0; n],
         };
@@ -213,6 +241,17 @@ impl Recorder {
         if let Some(monitor) = &mut self.monitor {
             monitor.leave(system, t, start.y);
         }
+        if let Some(junctions) = &mut self.junctions {
+            let now = self.run.events.iter().rev().take_while(|event| event.state.t == t);
+            junctions.leave(system, (t, start.y), now.map(|event| event.event));
+        }
+    }
+
+    /// Takes note of a jump of the speeds to constraints.
+    pub fn blow(&mut self, blow: impl FnOnce() -> Blow) {
+        if let Some(junctions) = &mut self.junctions {
+            junctions.blow(blow());
+        }
     }
 
     /// Takes note of new equations in force: dense output does not reach across, and what they do to the energy is no
@@ -220,6 +259,9 @@ impl Recorder {
     pub fn restart(&mut self, system: &dyn System, t: f64, start: Endpoint<'_>) {
         if let Some(monitor) = &mut self.monitor {
             monitor.restart(system, t, start.y);
+        }
+        if let Some(junctions) = &mut self.junctions {
+            junctions.restart(system, t, start.y);
         }
         if self.run.times.last() == Some(&t) {
             self.take_back_row();
@@ -350,6 +392,9 @@ impl Recorder {
     pub fn accumulated(&mut self, system: &dyn System, event: usize, t: f64) {
         let event = system.description().events[event].name.to_string();
         self.warn(Warning::ImpactsAccumulate { event, t });
+        if let Some(junctions) = &mut self.junctions {
+            junctions.accumulates();
+        }
     }
 
     /// The last event.
@@ -418,6 +463,7 @@ impl Recorder {
             self.run.warn_of_drift(limit);
         }
         self.run.balances = self.condition.map(ConditionMonitor::found);
+        self.run.junctions = self.junctions.map(|junctions| junctions.list).unwrap_or_default();
         self.run.work = work;
         self.run.seconds = seconds;
         self.run

@@ -19,8 +19,18 @@ pub struct Simulation<S: System> {
     /// The parameters before any scene set one.
     given: Vec<f64>,
     settings: Settings,
+    origin: Origin,
     /// The first thing that was wrong; reported by `run`.
     wrong: Option<Error>,
+}
+
+/// Where a start comes from, and how it changes with parameters.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Origin {
+    /// The scene; `None`: it was given by numbers.
+    pub scene: Option<usize>,
+    /// Which of [q; q'] have other values than the scene's.
+    pub given: Vec<bool>,
 }
 
 impl<S: System> Simulation<S> {
@@ -28,7 +38,8 @@ impl<S: System> Simulation<S> {
     pub fn new(mut system: S) -> Self {
         let given = system.parameters();
         let settings = Settings::new(&set_scene(&mut system, &given, 0));
-        Simulation { system, given, settings, wrong: None }
+        let origin = Origin { scene: Some(0), given: vec![false; 2 * system.len()] };
+        Simulation { system, given, settings, origin, wrong: None }
     }
 
     /// Another scene of the model file.
@@ -37,7 +48,8 @@ impl<S: System> Simulation<S> {
         match scenes.iter().position(|scene| scene == name) {
             Some(index) => {
                 let scene = set_scene(&mut self.system, &self.given, index);
-                self.from(&scene)
+                let origin = Origin { scene: Some(index), given: vec![false; 2 * self.system.len()] };
+                Simulation { origin, ..self.from(&scene) }
             }
             None => {
                 let known = scenes.iter().map(|scene| scene.to_string()).collect();
@@ -63,6 +75,7 @@ impl<S: System> Simulation<S> {
             every,
             ..self.settings
         };
+        self.origin = Origin::default();
         self
     }
 
@@ -71,15 +84,16 @@ impl<S: System> Simulation<S> {
         self.settings.q = q.to_vec();
         self.settings.v = v.to_vec();
         (self.settings.held_q, self.settings.held_v) = (Vec::new(), Vec::new());
+        self.origin = Origin::default();
         self
     }
 
     /// One coordinate, or one rate (`theta'`), at the start, SI.
     pub fn starting(mut self, name: &str, value: f64) -> Self {
         let Settings { q, v, held_q, held_v, .. } = &mut self.settings;
-        let (list, held, coordinate) = match name.strip_suffix('\'') {
-            Some(coordinate) => (v, held_v, coordinate),
-            None => (q, held_q, name),
+        let (list, held, coordinate, first) = match name.strip_suffix('\'') {
+            Some(coordinate) => (v, held_v, coordinate, self.system.len()),
+            None => (q, held_q, name, 0),
         };
         let coordinates = &self.system.description().coordinates;
         let index = coordinates.iter().position(|c| c.name == coordinate);
@@ -87,6 +101,8 @@ impl<S: System> Simulation<S> {
             Some((slot, held)) => {
                 *slot = value;
                 held.into_iter().for_each(|held| *held = true);
+                let place = index.map(|index| first + index);
+                place.and_then(|place| self.origin.given.get_mut(place)).into_iter().for_each(|given| *given = true);
                 self
             }
             None => {
@@ -226,6 +242,17 @@ impl<S: System> Simulation<S> {
         match self.wrong {
             Some(error) => Err(error),
             None => Stepping::new(self.system, self.settings),
+        }
+    }
+
+    /// The system, what was said of its run, and where its start comes from.
+    ///
+    /// # Errors
+    /// The first thing in the description that has no meaning.
+    pub(crate) fn described(self) -> Result<(S, Settings, Origin), Error> {
+        match self.wrong {
+            Some(error) => Err(error),
+            None => Ok((self.system, self.settings, self.origin)),
         }
     }
 

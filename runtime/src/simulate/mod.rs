@@ -23,6 +23,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Instant;
 
+pub(crate) use builder::Origin;
 pub use builder::Simulation;
 #[cfg(feature = "cli")]
 pub(crate) use builder::{LAGRANGE, derivation};
@@ -176,6 +177,7 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
         tolerance: settings.step.is_none().then_some(tolerance),
         step,
         projects: settings.projects(),
+        junctions: settings.junctions,
     };
     let mut recorder = Recorder::new(&plan, system, settings.from, integration.state());
     if let Some(Elsewhere { coordinate, here, there }) = elsewhere {

@@ -77,6 +77,8 @@ pub struct Settings {
     pub(crate) followed: Option<Followed>,
     /// Other times, in order, at which states are reported too.
     pub(crate) instants: Arc<[f64]>,
+    /// Whether the run keeps the instants at which the equations change.
+    pub(crate) junctions: bool,
 }
 
 impl Settings {
@@ -108,6 +110,7 @@ impl Settings {
             decorrelate_steps: false,
             followed: None,
             instants: Arc::from([]),
+            junctions: false,
         }
     }
 
@@ -121,7 +124,7 @@ impl Settings {
     }
 
     /// Which of [q; q'] keep their values where the start is to meet constraints.
-    pub(super) fn held(&self) -> Vec<bool> {
+    pub(crate) fn held(&self) -> Vec<bool> {
         let n = self.q.len();
         let all = |list: &[bool]| if list.is_empty() { vec![true; n] } else { list.to_vec() };
         [all(&self.held_q), all(&self.held_v)].concat()

@@ -75,6 +75,7 @@ pub const METHODS: &[&str] = &[
     "residual_at",
     "restitutions",
     "scene",
+    "scene_numbers",
     "scene_parameters",
     "simulate",
     "start_condition_values",

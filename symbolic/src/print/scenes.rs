@@ -21,7 +21,7 @@ pub(super) fn scenes(program: &Program, bodies: &Bodies<'_>) -> String {
         !model.constraints.is_empty() || model.scenes.iter().any(|scene| !scene.start_conditions.is_empty());
     out += &starts(&model.scenes, bodies, &parameters, model.coordinates.len(), constrained);
     out += &guess(&model.equilibrium, bodies, &parameters);
-    out += &list_of("restitutions", &program.restitutions(), bodies, &parameters);
+    out += &restitutions(&program.restitutions(), bodies);
     out + &list_of("start_condition_values", &program.start_condition_values(), bodies, &parameters)
 }
 
@@ -57,23 +57,24 @@ fn starts(scenes: &[Scene], bodies: &Bodies<'_>, parameters: &str, n: usize, con
         let settings = settings.into_iter().enumerate().filter_map(|(place, id)| Some((place, id?)));
         let state = scene.q.iter().chain(&scene.v).enumerate().filter(|(_, id)| **id != Id::ZERO);
         let uses: Vec<Use> = settings.chain(state.map(|(i, id)| (3 + i, *id))).map(store).collect();
-        let body = bodies.body(&uses, "                    ");
+        let body = bodies.body(&uses, "                ");
         constants |= body.reads.constants;
         let arm = if k == 0 { "_".to_owned() } else { k.to_string() };
-        let _ = write!(arms, "                {arm} => {{\n{}                }}\n", body.lines);
+        let _ = write!(arms, "            {arm} => {{\n{}            }}\n", body.lines);
         let spacing = if scene.every.is_some() { "Some(x[2])" } else { "None" };
         let _ = writeln!(spacings, "                {arm} => ::core::option::Option::{spacing},");
     }
-    let (c, out) = (argument("c", "&[S]", constants), format!("out: &mut [S; {size}]"));
+    let c = argument("c", "&[S]", constants);
     format!(
         "
+    fn scene_numbers<S: ::dalembert::mechanism::Real>({c}, scene: usize, out: &mut [S]) {{
+        match scene {{
+{arms}        }}
+    }}
+
     fn scene(&self, scene: usize) -> ::dalembert::mechanism::Scene {{
-        fn start<S: ::dalembert::mechanism::Real>({c}, scene: usize, {out}) {{
-            match scene {{
-{arms}            }}
-        }}
         let mut x = [0.0; {size}];
-        start(&{parameters}, scene, &mut x);
+        Self::scene_numbers(&{parameters}, scene, &mut x);
         ::dalembert::mechanism::Scene {{
             until: x[0],
             tolerance: x[1],
@@ -120,6 +121,20 @@ fn starting(scenes: &[Scene], constrained: bool) -> String {
                 format!("{first}..{}", first + scene.start_conditions.len())
             }
         })
+}
+
+/// The coefficients of restitution of any numbers as parameters.
+fn restitutions(values: &[Id], bodies: &Bodies<'_>) -> String {
+    let (name, body) = match values {
+        [] => ("_", "        ::std::vec::Vec::new()\n".to_owned()),
+        _ => {
+            let function = of_constants(bodies, "values", values, "        ");
+            ("parameters", format!("{function}        values(parameters).to_vec()\n"))
+        }
+    };
+    format!(
+        "\n    fn restitutions<S: ::dalembert::mechanism::Real>({name}: &[S]) -> ::std::vec::Vec<S> {{\n{body}    }}\n"
+    )
 }
 
 /// A method that gives numbers of parameters.

@@ -13,7 +13,7 @@ pub(crate) use extended::ExtendedAt;
 use super::balances::{belongs, put_reactions};
 use super::phased::{Phased, RowHistory, indicate, sprung};
 use super::system::Replaced;
-use super::{At, Balances, Description, Energy, Enforcement, Scene, Signal, Singular, SingularMass, System};
+use super::{Along, At, Balances, Description, Energy, Enforcement, Scene, Signal, Singular, SingularMass, System};
 
 /// An interpreted mechanism.
 #[derive(Clone)]
@@ -258,6 +258,11 @@ impl System for Interpreted {
     fn output_slopes(&self, at: At<'_>, columns: &mut [f64]) -> bool {
         let u = self.input_values(at.t);
         slopes::output_slopes(&self.interpreter, with_inputs(at, &u), self.description.output_len(), columns);
+        true
+    }
+
+    fn slopes(&self, function: super::Function, at: At<'_>, along: &Along<'_>, values: &mut [f64]) -> bool {
+        slopes::slopes(&self.interpreter, &self.signals, (at, along), function, values);
         true
     }
 

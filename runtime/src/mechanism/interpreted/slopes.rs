@@ -1,10 +1,72 @@
 //! Slopes, and rounding errors, of what an interpreted mechanism puts out.
 
-use dalembert_symbolic::expr::{Binary, DoubleDouble, Scalar, Symbol, Unary};
+use dalembert_symbolic::expr::{Binary, DoubleDouble, Id, Scalar, Symbol, Tape, Unary};
 use dalembert_symbolic::interpret::{self, Function, Interpreter};
 
-use crate::mechanism::Real;
-use crate::mechanism::dual::Dual;
+use crate::mechanism::dual::{Dual, replaced_input};
+use crate::mechanism::system::Replaced;
+use crate::mechanism::{self, Along, Real};
+
+/// Slopes of a function's numbers along a direction, [`System::slopes`](crate::mechanism::System::slopes).
+pub(super) fn slopes(
+    interpreter: &Interpreter,
+    signals: &[Option<Replaced>],
+    (at, along): (mechanism::At<'_>, &Along<'_>),
+    function: mechanism::Function,
+    values: &mut [f64],
+) {
+    let program = interpreter.program();
+    let parameter = |k: u32| f64::from(u8::from(along.parameter == Some(k as usize)));
+    let plain = |symbol: Symbol| match symbol {
+        Symbol::Time => Dual::moving(at.t, along.t),
+        Symbol::Parameter(k) => Dual::moving(interpreter.value(symbol, interpret::At::default()), parameter(k)),
+        _ => Dual::constant(interpreter.value(symbol, interpret::At::default())),
+    };
+    let mut inputs = vec![Dual::constant(0.0); 3 * program.model.inputs.len()];
+    interpreter.evaluate_in(Function::Inputs, plain, &mut inputs);
+    for (signal, slot) in signals.iter().zip(inputs.chunks_exact_mut(3)) {
+        if let Some(signal) = signal {
+            slot.copy_from_slice(&replaced_input(signal.at(at.t), along.t));
+        }
+    }
+    let of = |list: &[f64], k: u32| list.get(k as usize).copied().unwrap_or(0.0);
+    let value = |symbol: Symbol| match symbol {
+        Symbol::Coordinate(i) => Dual::moving(of(at.q, i), of(along.q, i)),
+        Symbol::Speed(i) => Dual::moving(of(at.v, i), of(along.v, i)),
+        Symbol::Acceleration(i) => Dual::moving(of(at.a, i), of(along.a, i)),
+        Symbol::Multiplier(k) => Dual::moving(of(at.lambda, k), of(along.lambda, k)),
+        Symbol::Input(k, order) => inputs[3 * k as usize + usize::from(order)],
+        _ => plain(symbol),
+    };
+    let mut room = vec![Dual::constant(0.0); values.len()];
+    let roots = |roots: &[Id], room: &mut [Dual]| {
+        Tape::new(&program.model.graph, roots).run(value, &mut Vec::new(), room);
+    };
+    match function {
+        mechanism::Function::Residual => interpreter.evaluate_in(Function::Residual, value, &mut room),
+        mechanism::Function::RowAccelerations => {
+            let entries = &program.constraints.matrix;
+            let mut jacobian = vec![Dual::constant(0.0); entries.len()];
+            interpreter.evaluate_in(Function::ConstraintBias, value, &mut room);
+            interpreter.evaluate_in(Function::ConstraintMatrix, value, &mut jacobian);
+            for ((row, column, _), slope) in entries.iter().zip(jacobian) {
+                room[*row] = room[*row] + slope * value(Symbol::Acceleration(*column as u32));
+            }
+        }
+        mechanism::Function::Constraints => interpreter.evaluate_in(Function::Constraints, value, &mut room),
+        mechanism::Function::Events => interpreter.evaluate_in(Function::Events, value, &mut room),
+        mechanism::Function::Switches => interpreter.evaluate_in(Function::Switches, value, &mut room),
+        mechanism::Function::Outputs => interpreter.evaluate_in(Function::Outputs, value, &mut room),
+        mechanism::Function::Restitutions => roots(&program.restitutions(), &mut room),
+        mechanism::Function::Scene(scene) => {
+            let Some(scene) = program.model.scenes.get(scene) else { return values.fill(0.0) };
+            let settings = [scene.until, scene.tolerance, scene.every.unwrap_or(Id::ZERO)];
+            let numbers: Vec<Id> = settings.into_iter().chain(scene.q.iter().chain(&scene.v).copied()).collect();
+            roots(&numbers, &mut room);
+        }
+    }
+    values.iter_mut().zip(room).for_each(|(slope, value)| *slope = value.slope);
+}
 
 /// Fills the columns of [`System::output_slopes`](crate::mechanism::System::output_slopes).
 pub(super) fn output_slopes(interpreter: &Interpreter, at: interpret::At<'_>, size: usize, columns: &mut [f64]) {

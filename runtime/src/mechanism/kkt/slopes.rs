@@ -98,6 +98,28 @@ impl KktSolver {
         }
     }
 
+    /// Overwrites a small force with what it does to the accelerations, with what small changes of the rows' demands, of all rows of the
+    /// mechanism, do to them, and tells what both do to the multipliers: M δa − (Jᵀ + B) δλ = δF, J δa = −δ(J a + γ).
+    ///
+    /// # Errors
+    /// Friction that leaves no reaction, or more than one.
+    pub fn response(
+        &mut self,
+        system: &dyn System,
+        at: At<'_>,
+        force: &mut [f64],
+        demands: &[f64],
+        lambda: &mut [f64],
+    ) -> Result<(), Singular> {
+        self.gamma.iter_mut().zip(&self.active).for_each(|(gamma, row)| *gamma = demands[*row]);
+        let solved = self.solve_held(system, at, &[], force);
+        lambda.fill(0.0);
+        for (k, row) in self.active.iter().enumerate() {
+            lambda[*row] = self.found[k] + self.strength[k] * self.gamma[k];
+        }
+        solved
+    }
+
     /// Overwrites a small force with what it does to the accelerations, with small changes −`right` of what the rows
     /// demand; rows that are left out keep their multipliers.
     pub fn respond(&mut self, system: &dyn System, at: At<'_>, force: &mut [f64], right: &[f64]) {

@@ -1,0 +1,240 @@
+//! `solve`: finds starts, parameters and end times for which a motion does what is wanted.
+
+use std::io::Write;
+
+use clap::ArgMatches;
+use dalembert_symbolic::model::Sets;
+use serde_json::{Value as Json, json};
+
+use super::json::{number, object};
+use super::load::Loaded;
+use super::set_up::{Reader, coordinate_index, parameter_index, set_up};
+use super::slopes::origin;
+use super::{Entry, Problem, outputs, value_files};
+use crate::Error;
+use crate::find::{Found, Record, Search, Value};
+use crate::run::{plain, written};
+
+/// Searches, and prints what was found.
+pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+    let mut loaded = Loaded::find(models, options)?;
+    outputs::check(options, &["save"], &loaded.path)?;
+    let mut settings = set_up(&mut loaded, options)?;
+    if let Some(method) = options.get_one::<String>("method") {
+        settings.method = method.parse().map_err(|e| Problem::Usage(format!("error: {e}")))?;
+    }
+    for warning in &loaded.warnings {
+        eprintln!("warning: {warning}");
+    }
+    let origin = origin(&loaded, options)?;
+    let mut reader = Reader::new(&loaded);
+    let mut search = Search::of(Ok((loaded.system.boxed_clone(), settings, origin)));
+    for (name, text) in listed(options, "unknown")? {
+        let value = read(&mut reader, &loaded, "unknown", (&name, &text))?;
+        search = search.unknown(&name, value);
+    }
+    for (name, text) in listed(options, "such-that")? {
+        let value = read(&mut reader, &loaded, "such-that", (&name, &text))?;
+        search = search.such_that(&name, value);
+    }
+    search = wanted(search, options)?;
+    match search.solve() {
+        Ok(found) => report(&loaded, &found, options, out),
+        Err(Error::NotFound(why)) => Err(Problem::Run(format!("error: {why}"))),
+        Err(Error::Run(failure)) => Err(Problem::Run(failure.to_string())),
+        Err(error @ Error::NoSlopes(_)) => Err(Problem::Run(format!("error: {error}"))),
+        Err(error) => Err(Problem::Usage(format!("error: {error}"))),
+    }
+}
+
+/// `NAME=VALUE` of an option, several in one text with commas between them.
+fn listed(options: &ArgMatches, option: &str) -> Result<Vec<(String, String)>, Problem> {
+    let texts = options.get_many::<String>(option).into_iter().flatten();
+    let mut list: Vec<(String, String)> = Vec::new();
+    for part in texts.flat_map(|text| text.split(',')).map(str::trim).filter(|part| !part.is_empty()) {
+        let Some((name, value)) = part.split_once('=') else {
+            return Err(Problem::Usage(format!("error: --{option} wants NAME=VALUE, not `{part}`")));
+        };
+        let name = name.trim();
+        if list.iter().any(|(known, _)| known == name) {
+            return Err(Problem::Usage(format!("error: --{option} gives `{name}` twice")));
+        }
+        list.push((name.to_owned(), value.trim().to_owned()));
+    }
+    Ok(list)
+}
+
+/// A value with the unit of what it is of.
+fn read(reader: &mut Reader, loaded: &Loaded, option: &str, (name, text): (&str, &str)) -> Result<f64, Problem> {
+    let description = loaded.system.description();
+    let is_parameter = description.parameters.iter().any(|parameter| parameter.name == name);
+    let is_output = description.outputs.iter().any(|output| name.split('.').next() == Some(&*output.name));
+    let sets = match name.strip_suffix('\'') {
+        Some(coordinate) => Sets::Speed(coordinate_index(loaded, coordinate)?),
+        None if option == "unknown" && name == "until" => Sets::Time,
+        None if option == "unknown" && is_parameter => Sets::Parameter(parameter_index(loaded, name)?),
+        None if option != "unknown" && is_output => Sets::Any,
+        None => Sets::Coordinate(coordinate_index(loaded, name)?),
+    };
+    reader.value(loaded, option, sets, text)
+}
+
+/// With `--maximise`, `--minimise` or `--fit`.
+fn wanted(search: Search, options: &ArgMatches) -> Result<Search, Problem> {
+    let of = |name: &str| options.get_one::<String>(name);
+    let search = match (of("maximise"), of("minimise")) {
+        (Some(name), _) => search.maximise(name),
+        (None, Some(name)) => search.minimise(name),
+        (None, None) => search,
+    };
+    match of("fit") {
+        Some(path) => Ok(search.fit(record(path, of("columns").map(String::as_str))?)),
+        None => Ok(search),
+    }
+}
+
+/// A table with a header; `columns` says which of its columns are time (`t=…`) and what is measured (`x=…`), else they have these names.
+fn record(path: &str, columns: Option<&str>) -> Result<Record, Problem> {
+    let unread = |why: &dyn std::fmt::Display| Problem::File(format!("cannot read `{path}`: {why}"));
+    let mut reader =
+        csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_path(path).map_err(|e| unread(&e))?;
+    let header: Vec<String> = reader.headers().map_err(|e| unread(&e))?.iter().map(ToOwned::to_owned).collect();
+    let named: Vec<(String, String)> = match columns {
+        Some(text) => {
+            let pairs = text.split(',').map(|pair| pair.split_once('=').unwrap_or((pair, pair)));
+            pairs.map(|(name, column)| (name.trim().to_owned(), column.trim().to_owned())).collect()
+        }
+        None => header.iter().map(|name| (name.clone(), name.clone())).collect(),
+    };
+    let mut places = Vec::with_capacity(named.len());
+    for (name, column) in &named {
+        let Some(place) = header.iter().position(|known| known == column) else {
+            return Err(Problem::Usage(format!(
+                "error: `{path}` has no column `{column}`; it has {}",
+                header.join(", ")
+            )));
+        };
+        places.push((name.clone(), place));
+    }
+    let mut lists: Vec<Vec<f64>> = vec![Vec::new(); places.len()];
+    for (line, row) in reader.records().enumerate() {
+        let row = row.map_err(|e| unread(&e))?;
+        for (list, (name, place)) in lists.iter_mut().zip(&places) {
+            let text = row.get(*place).unwrap_or("");
+            let value: f64 =
+                text.parse().map_err(|_| unread(&format!("`{text}` in row {} of `{name}` is no number", line + 1)))?;
+            list.push(value);
+        }
+    }
+    let mut columns: Vec<(String, Vec<f64>)> = places.into_iter().map(|(name, _)| name).zip(lists).collect();
+    let Some(time) = columns.iter().position(|(name, _)| name == "t") else {
+        return Err(Problem::Usage(format!("error: which column of `{path}` is time? give --columns \"t=…\"")));
+    };
+    let (_, times) = columns.remove(time);
+    Ok(Record { times, columns })
+}
+
+fn report(loaded: &Loaded, found: &Found, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+    if let Some(path) = options.get_one::<String>("save") {
+        let parameters = loaded.system.description().parameters.iter();
+        let of = |name: &str| found.values.iter().find(|value| value.name == name);
+        let changed = parameters.filter_map(|parameter| Some((parameter.name.to_string(), of(&parameter.name)?.value)));
+        outputs::write(path, &value_files::start_state(&found.run, &changed.collect::<Vec<_>>()))?;
+    }
+    if options.get_flag("json") {
+        super::json::write(&as_json(loaded, found), out)?;
+        return Ok(());
+    }
+    writeln!(out, "{}: {} Newton steps, {} runs", loaded.name, found.steps, found.runs)?;
+    for (k, value) in found.values.iter().enumerate() {
+        let unit = unit(loaded, &value.name);
+        match &found.fit {
+            Some(fit) => writeln!(
+                out,
+                "  {} = {}{unit}, standard error {}, 95 % within {}",
+                value.name,
+                text(value),
+                crate::numbers::short(fit.standard_errors[k]),
+                crate::numbers::short(fit.within[k])
+            )?,
+            None => writeln!(out, "  {} = {}{unit}", value.name, text(value))?,
+        }
+    }
+    for value in &found.reached {
+        let unit = match found.run.unit(&value.name) {
+            unit if unit.is_empty() => unit,
+            unit => format!(" {unit}"),
+        };
+        writeln!(out, "  where {} = {}{unit}", value.name, text(value))?;
+    }
+    writeln!(out, "  at t = {}", plain(found.run.last().t))?;
+    if let Some(fit) = &found.fit {
+        writeln!(
+            out,
+            "residuals      standard deviation {}, {} degrees of freedom",
+            crate::numbers::short(fit.sigma),
+            fit.freedoms
+        )?;
+    }
+    for direction in &found.free {
+        let parts: Vec<String> = direction.iter().map(|(name, part)| format!("{name} by {part:.4}")).collect();
+        writeln!(
+            out,
+            "free           {} of themselves changes nothing that is wanted: the nearest to the guess was taken",
+            parts.join(", ")
+        )?;
+    }
+    if found.multiplicity > 1 {
+        let kind = if found.multiplicity == 2 { "double" } else { "triple" };
+        writeln!(
+            out,
+            "warning: a {kind} root: steps get shorter slowly, and few digits hold; let the run end at an unknown `until`"
+        )?;
+    }
+    Ok(())
+}
+
+fn text(value: &Value) -> String {
+    written(value.value, if value.error.is_nan() { f64::INFINITY } else { value.error })
+}
+
+/// The unit of something unknown, with a space before it.
+fn unit(loaded: &Loaded, name: &str) -> String {
+    let description = loaded.system.description();
+    let of_parameter =
+        description.parameters.iter().find(|parameter| parameter.name == name).map(|p| p.unit.to_string());
+    let coordinate = |name: &str| description.coordinates.iter().find(|c| c.name == name).map(|c| c.unit.to_string());
+    let unit = match name.strip_suffix('\'') {
+        _ if name == "until" => Some("s".to_owned()),
+        Some(name) => coordinate(name).map(|unit| format!("{unit}/s")),
+        None => of_parameter.or_else(|| coordinate(name)),
+    };
+    unit.filter(|unit| !unit.is_empty()).map_or_else(String::new, |unit| format!(" {unit}"))
+}
+
+fn as_json(loaded: &Loaded, found: &Found) -> Json {
+    let list = |values: &[Value]| {
+        object(values.iter().map(|v| (v.name.clone(), json!({"value": number(v.value), "error": number(v.error)}))))
+    };
+    let direction = |list: &Vec<(String, f64)>| object(list.iter().map(|(name, part)| (name.clone(), number(*part))));
+    let fit = found.fit.as_ref().map_or(Json::Null, |fit| {
+        let named = |list: &[f64]| object(found.values.iter().zip(list).map(|(v, x)| (v.name.clone(), number(*x))));
+        json!({
+            "sigma": number(fit.sigma),
+            "degrees_of_freedom": fit.freedoms,
+            "standard_errors": named(&fit.standard_errors),
+            "within_95_percent": named(&fit.within),
+        })
+    });
+    object([
+        ("model", json!(loaded.name)),
+        ("values", list(&found.values)),
+        ("reached", list(&found.reached)),
+        ("t", number(found.run.last().t)),
+        ("steps", json!(found.steps)),
+        ("runs", json!(found.runs)),
+        ("free", found.free.iter().map(direction).collect::<Vec<Json>>().into()),
+        ("multiplicity", json!(found.multiplicity)),
+        ("fit", fit),
+    ])
+}

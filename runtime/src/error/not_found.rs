@@ -1,0 +1,86 @@
+//! Why a search found nothing.
+
+use std::fmt;
+
+/// What keeps a search from its end; values are SI.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub enum NotFound {
+    /// There are no unknowns, or nothing is wanted of them.
+    NothingWanted,
+    /// A record cannot be followed.
+    BadRecord {
+        /// What it must be.
+        why: &'static str,
+    },
+    /// No step leads nearer.
+    Stuck {
+        /// What the conditions are missed by there.
+        residuals: Vec<(String, f64)>,
+        /// The unknowns there.
+        values: Vec<(String, f64)>,
+    },
+    /// Conditions cannot be met together.
+    Contradictory {
+        /// What they are missed by at the least.
+        residuals: Vec<(String, f64)>,
+        /// The unknowns there.
+        values: Vec<(String, f64)>,
+    },
+    /// Something has no largest, or smallest, value near by.
+    NoExtreme {
+        /// It.
+        name: String,
+        /// The unknowns where the search ended.
+        values: Vec<(String, f64)>,
+    },
+    /// A record does not tell unknowns apart.
+    NotIdentified {
+        /// By which parts of themselves they may be changed together.
+        direction: Vec<(String, f64)>,
+    },
+}
+
+impl fmt::Display for NotFound {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            NotFound::NothingWanted => {
+                f.write_str("a search needs something unknown, and a condition, an extreme value or a record")
+            }
+            NotFound::BadRecord { why } => write!(f, "the record cannot be followed: {why}"),
+            NotFound::Stuck { residuals, values } => {
+                write!(f, "the search does not get nearer than {}", Listed(values))?;
+                if residuals.is_empty() { Ok(()) } else { write!(f, ", where it misses {}", Listed(residuals)) }
+            }
+            NotFound::Contradictory { residuals, values } => write!(
+                f,
+                "the conditions cannot be met together near by: at {} they are missed by {}",
+                Listed(values),
+                Listed(residuals)
+            ),
+            NotFound::NoExtreme { name, values } => {
+                write!(f, "`{name}` has no such value near by; the search ended at {}", Listed(values))
+            }
+            NotFound::NotIdentified { direction } => {
+                let parts: Vec<String> = direction.iter().map(|(name, part)| format!("{name} by {part:.4}")).collect();
+                write!(
+                    f,
+                    "the record does not tell the unknowns apart: they can be scaled together, {} of themselves; give one of them",
+                    parts.join(", ")
+                )
+            }
+        }
+    }
+}
+
+/// `x = 1.5, y = 2`.
+struct Listed<'a>(&'a [(String, f64)]);
+
+impl fmt::Display for Listed<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, (name, value)) in self.0.iter().enumerate() {
+            write!(f, "{}{name} = {value:.6e}", if index == 0 { "" } else { ", " })?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,218 @@
+//! Largest and smallest values.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::found::{Found, Value};
+use super::newton::Linearised;
+use super::search::{Seeker, value_list};
+use super::trial::Trial;
+use crate::error::{Error, NotFound};
+
+/// Which extreme value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Extreme {
+    Largest,
+    Smallest,
+}
+
+/// By what part of itself an unknown is moved to see how slopes change.  Slopes are known to some eleven digits, so that five of the second
+/// derivatives are right: they decide how fast the search converges, not where it ends.
+const MOVE: f64 = 1e-6;
+/// Newton steps at most.
+const STEPS: usize = 40;
+/// A step is shortened by halves at most so often.
+const HALVES: usize = 14;
+/// Curvatures below this part of the value, or of the largest curvature, are none: second derivatives are known to five digits.
+const FLAT: f64 = 1e-5;
+/// Conditions that are missed by this part of what is wanted are not met.
+const MISSED: f64 = 1e-7;
+/// The tolerance of the run that tells errors, in units of that of the others.
+const LOOSER: f64 = 16.0;
+
+/// The extreme, its gradient and the conditions at some values of the unknowns, in their scales.
+struct Place {
+    trial: Trial,
+    value: f64,
+    gradient: DVector<f64>,
+    c: DVector<f64>,
+    j: DMatrix<f64>,
+}
+
+/// A step, and what it was made of.
+struct Step {
+    x: DVector<f64>,
+    /// Eigenvalues of the second derivatives along the conditions.
+    curvatures: DVector<f64>,
+}
+
+/// Finds an extreme value near a guess, under the conditions there are.
+///
+/// # Errors
+/// [`NotFound`]; what ends the first run early.
+pub(super) fn find(
+    seeker: &mut Seeker,
+    guess: &[f64],
+    (column, name, extreme): &(usize, String, Extreme),
+) -> Result<Found, Error> {
+    if guess.is_empty() {
+        return Err(NotFound::NothingWanted.into());
+    }
+    let sign = if *extreme == Extreme::Largest { 1.0 } else { -1.0 };
+    let scales = seeker.scales(guess, guess);
+    let mut values = guess.to_vec();
+    let first = seeker.try_at(&values)?;
+    let mut now = place(seeker, first, *column, sign, &scales);
+    let mut before = f64::INFINITY;
+    for steps in 0..STEPS {
+        let hessian = second_derivatives(seeker, &values, &now, (*column, sign), &scales)?;
+        let step = step(&now, &hessian);
+        let size = step.x.norm();
+        let rounding = seeker.source.settings.tolerance.sqrt();
+        if size <= 1e-13 || size < rounding && size > 0.5 * before {
+            return finish(seeker, (values, now, step), (*column, name, sign), &scales, steps);
+        }
+        let Some((next, tried)) = shortened(seeker, &values, (&now, &hessian, &step), (*column, sign), &scales) else {
+            if size < rounding {
+                return finish(seeker, (values, now, step), (*column, name, sign), &scales, steps);
+            }
+            return Err(seeker.stuck(&now.trial, &values).into());
+        };
+        (values, now, before) = (next, tried, size);
+    }
+    Err(NotFound::NoExtreme { name: name.clone(), values: seeker.named(&values) }.into())
+}
+
+fn place(seeker: &Seeker, trial: Trial, column: usize, sign: f64, scales: &[f64]) -> Place {
+    let (value, slopes) = match trial.end() {
+        Some(end) => (end.values[column], trial.slopes(&seeker.source.sought, end, column)),
+        None => (f64::NAN, vec![f64::NAN; scales.len()]),
+    };
+    let gradient = slopes.iter().zip(scales).map(|(slope, scale)| sign * slope * scale);
+    let gradient = DVector::from_iterator(scales.len(), gradient);
+    let equations = seeker.conditions_of(trial, scales);
+    Place { trial: equations.trial, value: sign * value, gradient, c: equations.r, j: equations.j }
+}
+
+/// Multipliers μ with which the gradient is nearest to Jᵀ μ.
+fn multipliers(place: &Place) -> DVector<f64> {
+    if place.c.is_empty() {
+        return DVector::zeros(0);
+    }
+    Linearised::new(&place.j.transpose()).step(&-&place.gradient)
+}
+
+/// Second derivatives of the extreme less μ times the conditions, by differences of exact slopes.
+fn second_derivatives(
+    seeker: &mut Seeker,
+    values: &[f64],
+    now: &Place,
+    (column, sign): (usize, f64),
+    scales: &[f64],
+) -> Result<DMatrix<f64>, Error> {
+    let mu = multipliers(now);
+    let along = |place: &Place| &place.gradient - place.j.transpose() * &mu;
+    let here = along(now);
+    let mut hessian = DMatrix::zeros(scales.len(), scales.len());
+    for k in 0..scales.len() {
+        let mut moved = values.to_vec();
+        moved[k] += MOVE * scales[k];
+        let trial = seeker.try_at(&moved)?;
+        let there = along(&place(seeker, trial, column, sign, scales));
+        hessian.set_column(k, &((there - &here) / MOVE));
+    }
+    Ok(0.5 * (&hessian + hessian.transpose()))
+}
+
+/// Newton's step on the conditions, and along them one that leads uphill in every direction: g/|λ|.
+fn step(now: &Place, hessian: &DMatrix<f64>) -> Step {
+    let n = now.gradient.len();
+    let linear = Linearised::new(&if now.c.is_empty() { DMatrix::zeros(1, n) } else { now.j.clone() });
+    let met = if now.c.is_empty() { DVector::zeros(n) } else { linear.step(&now.c) };
+    let free = linear.free();
+    if free.is_empty() {
+        return Step { x: met, curvatures: DVector::zeros(0) };
+    }
+    let z = DMatrix::from_columns(&free);
+    let reduced = (z.transpose() * hessian * &z).symmetric_eigen();
+    let slope = z.transpose() * (&now.gradient + hessian * &met);
+    let mut along = DVector::zeros(free.len());
+    for (k, curvature) in reduced.eigenvalues.iter().enumerate() {
+        let direction = reduced.eigenvectors.column(k);
+        along.axpy(direction.dot(&slope) / curvature.abs().max(f64::MIN_POSITIVE), &direction, 1.0);
+    }
+    // No unknown is multiplied by more than two, or loses more than half of itself, in one step.
+    let longest = along.norm();
+    let along = if longest > 0.5 { along * (0.5 / longest) } else { along };
+    Step { x: met + z * along, curvatures: reduced.eigenvalues }
+}
+
+/// The first of a step's halves that is better: higher, or nearer to where the gradient vanishes.
+fn shortened(
+    seeker: &mut Seeker,
+    values: &[f64],
+    (now, hessian, taken): (&Place, &DMatrix<f64>, &Step),
+    (column, sign): (usize, f64),
+    scales: &[f64],
+) -> Option<(Vec<f64>, Place)> {
+    let mut part = 1.0;
+    for _ in 0..HALVES {
+        let next: Vec<f64> =
+            values.iter().zip(scales).zip(taken.x.iter()).map(|((x, scale), step)| x + part * scale * step).collect();
+        if let Ok(trial) = seeker.try_at(&next) {
+            let tried = place(seeker, trial, column, sign, scales);
+            let again = step(&tried, hessian).x.norm();
+            if !tried.trial.varied.agrees(&now.trial.varied) {
+                part *= 0.5;
+                continue;
+            }
+            let higher = now.c.is_empty() && tried.value > now.value;
+            if higher || again <= (1.0 - 0.5 * part) * taken.x.norm() {
+                return Some((next, tried));
+            }
+        }
+        part *= 0.5;
+    }
+    None
+}
+
+fn finish(
+    seeker: &mut Seeker,
+    (values, now, step): (Vec<f64>, Place, Step),
+    (column, name, sign): (usize, &str, f64),
+    scales: &[f64],
+    steps: usize,
+) -> Result<Found, Error> {
+    if now.c.iter().any(|c| c.abs() > MISSED) {
+        let residuals = seeker.residuals(&now.trial);
+        return Err(NotFound::Contradictory { residuals, values: seeker.named(&values) }.into());
+    }
+    let largest = step.curvatures.iter().fold(now.value.abs(), |most, x| most.max(x.abs()));
+    if step.curvatures.iter().any(|curvature| *curvature > -FLAT * largest) {
+        return Err(NotFound::NoExtreme { name: name.to_owned(), values: seeker.named(&values) }.into());
+    }
+    // A run at a looser tolerance has its gradient vanish elsewhere.
+    seeker.runs += 1;
+    let looser = LOOSER * seeker.source.settings.tolerance;
+    let rough = seeker.source.try_with(&values, looser).ok();
+    let (errors, end_error) = match rough {
+        Some(rough) => {
+            let rough = place(seeker, rough, column, sign, scales);
+            let moved = &rough.gradient - &now.gradient;
+            let least = step.curvatures.iter().fold(f64::INFINITY, |least, x| least.min(x.abs()));
+            let error = moved.norm() / least + step.x.norm();
+            (scales.iter().map(|scale| scale * error).collect(), (rough.value - now.value).abs())
+        }
+        None => (vec![f64::NAN; scales.len()], f64::NAN),
+    };
+    let reached = Value { name: name.to_owned(), value: sign * now.value, error: end_error };
+    Ok(Found {
+        values: value_list(&seeker.names, &values, &errors),
+        reached: vec![reached],
+        run: now.trial.varied.run,
+        steps,
+        runs: seeker.runs,
+        free: Vec::new(),
+        multiplicity: 1,
+        fit: None,
+    })
+}

@@ -1,0 +1,88 @@
+//! Shortest Gauss-Newton steps.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Between the singular values that count and those that do not lie at least so many decades: slopes are known to some eleven digits, and
+/// directions that change nothing are seen thirteen decades below the others.
+const GAP: f64 = 1e-6;
+
+/// A linearised system in scaled unknowns, J x = −r, by its singular values.
+pub(super) struct Linearised {
+    u: DMatrix<f64>,
+    sigma: DVector<f64>,
+    /// Right singular vectors, a column each, all of them.
+    v: DMatrix<f64>,
+    rank: usize,
+}
+
+impl Linearised {
+    /// Of J with rows divided by their norms and columns in units of the unknowns' scales, as the caller gives it.
+    pub fn new(j: &DMatrix<f64>) -> Linearised {
+        let (rows, columns) = j.shape();
+        // With as many rows as columns at least, all directions have a singular value.
+        let mut full = DMatrix::zeros(rows.max(columns), columns);
+        full.view_mut((0, 0), (rows, columns)).copy_from(j);
+        let svd = full.svd(true, true);
+        let mut order: Vec<usize> = (0..svd.singular_values.len()).collect();
+        order.sort_by(|a, b| svd.singular_values[*b].total_cmp(&svd.singular_values[*a]));
+        let (u, vt) = (svd.u.unwrap_or_default(), svd.v_t.unwrap_or_default());
+        let sigma = DVector::from_iterator(order.len(), order.iter().map(|k| svd.singular_values[*k]));
+        let v = DMatrix::from_fn(columns, order.len(), |i, k| vt[(order[k], i)]);
+        let u = DMatrix::from_fn(rows, order.len(), |i, k| u[(i, order[k])]);
+        let rank = (0..sigma.len()).find(|k| {
+            let before = if *k == 0 { f64::INFINITY } else { sigma[k - 1] };
+            sigma[*k] == 0.0 || sigma[*k] <= GAP * before.min(f64::MAX) && *k > 0
+        });
+        let rank = rank.unwrap_or(sigma.len());
+        Linearised { u, sigma, v, rank }
+    }
+
+    /// The shortest x for which |J x + r| is least.
+    ///
+    /// Source: Deuflhard, Newton Methods for Nonlinear Problems (2004), section 4.3.
+    pub fn step(&self, r: &DVector<f64>) -> DVector<f64> {
+        let mut x = DVector::zeros(self.v.nrows());
+        for k in 0..self.rank {
+            let share = -self.u.column(k).dot(r) / self.sigma[k];
+            x.axpy(share, &self.v.column(k), 1.0);
+        }
+        x
+    }
+
+    /// Directions in which nothing changes, of unit length.
+    pub fn free(&self) -> Vec<DVector<f64>> {
+        (self.rank..self.sigma.len()).map(|k| self.v.column(k).into_owned()).collect()
+    }
+
+    /// (JᵀJ)⁻¹ in the directions that count.
+    pub fn covariance(&self) -> DMatrix<f64> {
+        let n = self.v.nrows();
+        let mut sum = DMatrix::zeros(n, n);
+        for k in 0..self.rank {
+            let v = self.v.column(k);
+            sum += v * v.transpose() / (self.sigma[k] * self.sigma[k]);
+        }
+        sum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_are_shortest_and_free_directions_are_told() {
+        // x + y = 2 from (0, 0): (1, 1), with (1, −1) free.
+        let linear = Linearised::new(&DMatrix::from_row_slice(1, 2, &[1.0, 1.0]));
+        let step = linear.step(&DVector::from_element(1, -2.0));
+        assert!((step - DVector::from_element(2, 1.0)).norm() < 1e-14);
+        let free = linear.free();
+        assert_eq!(free.len(), 1);
+        assert!((free[0][0] + free[0][1]).abs() < 1e-14);
+        // A direction eleven decades below is none; one of three decades is.
+        let linear = Linearised::new(&DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 0.0, 1e-11]));
+        assert_eq!(linear.free().len(), 1);
+        let linear = Linearised::new(&DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 0.0, 1e-3]));
+        assert!(linear.free().is_empty());
+    }
+}

@@ -1,0 +1,359 @@
+//! What is unknown, what is wanted, and the way to it.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::extreme::{self, Extreme};
+use super::fit::{self, Record};
+use super::found::{Found, Value};
+use super::newton::Linearised;
+use super::trial::{Sought, Source, Trial};
+use crate::error::{Error, NotFound};
+use crate::mechanism::System;
+use crate::simulate::{Origin, Settings, Simulation};
+use crate::vary::{Unknown, Varied, named, unknown};
+
+/// A search that is being described.
+///
+/// Unknowns are parameters, coordinates and rates at the start (`theta'`), and the time `until` at which the run ends.  What is wanted of
+/// coordinates, rates and outputs at the end of the run: values ([`Search::such_that`]), the largest or the smallest value, or that they
+/// follow a record.
+#[must_use = "nothing happens before `solve`"]
+pub struct Search {
+    described: Result<(Box<dyn System>, Settings, Origin), Error>,
+    unknowns: Vec<(String, f64)>,
+    conditions: Vec<(String, f64)>,
+    extreme: Option<(String, Extreme)>,
+    record: Option<Record>,
+}
+
+impl<S: System + 'static> Simulation<S> {
+    /// Begins a search for values for which this run does what is wanted.
+    ///
+    /// ```
+    #[doc = include_str!("../../examples/best_angle.rs")]
+    /// ```
+    pub fn find(self) -> Search {
+        let described = self.described();
+        Search::of(described.map(|(system, settings, origin)| (Box::new(system) as Box<dyn System>, settings, origin)))
+    }
+}
+
+/// The name of the end of a run among unknowns.
+pub(super) const UNTIL: &str = "until";
+/// Newton steps at most: a triple root takes fifty for nine digits.
+const STEPS: usize = 60;
+/// A step is shortened by halves at most so often.
+const HALVES: usize = 14;
+/// Steps of this size, in parts of the unknowns, are rounding of runs at the tightest tolerance.
+const LEAST: f64 = 1e-14;
+/// Conditions that are missed by this part of what is wanted of them, or of what the motion makes of them, are not met.
+const MISSED: f64 = 1e-7;
+/// The tolerance of the run that tells errors, in units of that of the others.
+const LOOSER: f64 = 16.0;
+/// Steps that become shorter by this factor or less each time do not converge like those to a simple root; so many in a row tell.
+const SLOW: f64 = 0.3;
+const IN_A_ROW: usize = 4;
+
+impl Search {
+    /// Of a run that was described.
+    pub(crate) fn of(described: Result<(Box<dyn System>, Settings, Origin), Error>) -> Search {
+        Search { described, unknowns: Vec::new(), conditions: Vec::new(), extreme: None, record: None }
+    }
+
+    /// Something unknown, with a guess, SI.
+    pub fn unknown(mut self, name: &str, guess: f64) -> Self {
+        self.unknowns.push((name.to_owned(), guess));
+        self
+    }
+
+    /// A value, SI, that a coordinate, a rate or an output is to have at the end of the run.
+    pub fn such_that(mut self, name: &str, value: f64) -> Self {
+        self.conditions.push((name.to_owned(), value));
+        self
+    }
+
+    /// A coordinate, a rate or an output that is to be as large as it can be near by at the end of the run.
+    pub fn maximise(mut self, name: &str) -> Self {
+        self.extreme = Some((name.to_owned(), Extreme::Largest));
+        self
+    }
+
+    /// As small.
+    pub fn minimise(mut self, name: &str) -> Self {
+        self.extreme = Some((name.to_owned(), Extreme::Smallest));
+        self
+    }
+
+    /// A record that the motion is to follow as well as it can, by least squares.
+    pub fn fit(mut self, record: Record) -> Self {
+        self.record = Some(record);
+        self
+    }
+
+    /// Searches.
+    ///
+    /// # Errors
+    /// Names that are unknown; [`Error::NotFound`] with what stands in the way; what ends the first run early; [`Error::NoSlopes`].
+    pub fn solve(self) -> Result<Found, Error> {
+        let (system, settings, origin) = self.described?;
+        let mut sought = Vec::with_capacity(self.unknowns.len());
+        for (name, _) in &self.unknowns {
+            sought.push(if name == UNTIL { Sought::Until } else { Sought::Of(unknown(&*system, name)?) });
+        }
+        let times = self.record.as_ref().map(|record| record.times.clone());
+        let settings = Settings { every: None, digits: false, ..settings };
+        let source = Source { system, settings, origin, sought, times, steps: 0 };
+        let names = self.unknowns.iter().map(|(name, _)| name.clone()).collect();
+        let guess: Vec<f64> = self.unknowns.iter().map(|(_, guess)| *guess).collect();
+        let columns = source.names();
+        let place = |name: &str| {
+            let found = columns.iter().position(|known| known == name);
+            let missing = || Error::UnknownName {
+                kind: "coordinate, rate or output",
+                name: name.to_owned(),
+                known: columns.clone(),
+            };
+            found.ok_or_else(missing)
+        };
+        let mut conditions = Vec::with_capacity(self.conditions.len());
+        for (name, value) in &self.conditions {
+            conditions.push(Condition { name: name.clone(), column: place(name)?, value: *value });
+        }
+        let extreme = match &self.extreme {
+            Some((name, extreme)) => Some((place(name)?, name.clone(), *extreme)),
+            None => None,
+        };
+        let of = source.sought.iter().zip(&self.unknowns);
+        let unknowns: Vec<(String, Unknown)> = of
+            .filter_map(
+                |(sought, (name, _))| if let Sought::Of(of) = sought { Some((name.clone(), *of)) } else { None },
+            )
+            .collect();
+        let mut seeker = Seeker { source, names, conditions, runs: 0 };
+        let found = match (extreme, self.record) {
+            (_, Some(record)) => {
+                let places =
+                    record.columns.iter().map(|(name, _)| place(name)).collect::<Result<Vec<usize>, Error>>()?;
+                fit::fit(&mut seeker, &guess, &record, &places)
+            }
+            (Some(extreme), None) => extreme::find(&mut seeker, &guess, &extreme),
+            (None, None) => seeker.meet(&guess),
+        };
+        found.map_err(|error| named(error, &unknowns))
+    }
+}
+
+/// A value that something is to have at the end.
+pub(super) struct Condition {
+    pub name: String,
+    pub column: usize,
+    pub value: f64,
+}
+
+/// A search under way.
+pub(super) struct Seeker {
+    pub source: Source,
+    pub names: Vec<String>,
+    pub conditions: Vec<Condition>,
+    pub runs: usize,
+}
+
+/// A system of equations at some values of the unknowns, in their scales and its own.
+pub(super) struct Equations {
+    pub trial: Trial,
+    pub r: DVector<f64>,
+    pub j: DMatrix<f64>,
+}
+
+/// Where Newton's steps ended.
+pub(super) struct Solution {
+    pub values: Vec<f64>,
+    pub equations: Equations,
+    pub linear: Linearised,
+    pub steps: usize,
+    /// The size of the last step.
+    pub last: f64,
+    pub multiplicity: usize,
+}
+
+impl Seeker {
+    /// Natural sizes of the unknowns: they themselves, and 1 of what is 0.
+    pub fn scales(&self, values: &[f64], guess: &[f64]) -> Vec<f64> {
+        let size =
+            |(value, guess): (&f64, &f64)| Some(value.abs().max(guess.abs())).filter(|x| *x > 0.0).unwrap_or(1.0);
+        values.iter().zip(guess).map(size).collect()
+    }
+
+    /// Runs at these values.
+    pub fn try_at(&mut self, values: &[f64]) -> Result<Trial, Error> {
+        self.runs += 1;
+        self.source.try_at(values)
+    }
+
+    /// c = value − wanted of all conditions, in units of what is wanted or of what the motion makes of them, with the slopes.
+    pub fn conditions_of(&self, trial: Trial, scales: &[f64]) -> Equations {
+        let count = self.conditions.len();
+        let (mut r, mut j) = (DVector::zeros(count), DMatrix::zeros(count, scales.len()));
+        if let Some(end) = trial.end() {
+            for (i, condition) in self.conditions.iter().enumerate() {
+                let size = condition.size(&trial);
+                r[i] = (end.values[condition.column] - condition.value) / size;
+                let slopes = trial.slopes(&self.source.sought, end, condition.column);
+                for (k, slope) in slopes.iter().enumerate() {
+                    j[(i, k)] = slope * scales[k] / size;
+                }
+            }
+        }
+        Equations { trial, r, j }
+    }
+
+    /// Meets the conditions.
+    fn meet(&mut self, guess: &[f64]) -> Result<Found, Error> {
+        if self.conditions.is_empty() || guess.is_empty() {
+            return Err(NotFound::NothingWanted.into());
+        }
+        let scales = self.scales(guess, guess);
+        let equations = |seeker: &Seeker, trial: Trial, scales: &[f64]| seeker.conditions_of(trial, scales);
+        let solution = self.newton(guess, &scales, &equations)?;
+        let residuals = self.residuals(&solution.equations.trial);
+        if solution.equations.r.iter().any(|r| r.abs() > MISSED) {
+            return Err(NotFound::Contradictory { residuals, values: self.named(&solution.values) }.into());
+        }
+        let errors = self.errors(&solution, &scales, &equations);
+        Ok(self.found(solution, errors))
+    }
+
+    /// Shortest Gauss-Newton steps, shortened until the next one would be shorter.
+    pub fn newton(
+        &mut self,
+        guess: &[f64],
+        scales: &[f64],
+        equations: &dyn Fn(&Seeker, Trial, &[f64]) -> Equations,
+    ) -> Result<Solution, Error> {
+        let mut values = guess.to_vec();
+        let first = self.try_at(&values)?;
+        let mut now = equations(self, first, scales);
+        let (mut before, mut slow) = (f64::INFINITY, 0);
+        for steps in 0..STEPS {
+            let linear = Linearised::new(&now.j);
+            let step = linear.step(&now.r);
+            let size = step.norm();
+            if !size.is_finite() {
+                return Err(self.stuck(&now.trial, &values).into());
+            }
+            let stagnates = size < self.source.settings.tolerance.sqrt() && size > 0.5 * before && slow < IN_A_ROW;
+            slow = if size > SLOW * before && size < before { slow + 1 } else { 0 };
+            // Steps to a multiple root become shorter by 1/2, 2/3, …
+            let multiplicity = if slow >= IN_A_ROW { (1.0 / (1.0 - size / before)).round() as usize } else { 1 };
+            if size <= LEAST || stagnates {
+                return Ok(Solution { values, equations: now, linear, steps, last: size, multiplicity });
+            }
+            let taken = self.shortened(&values, scales, (&linear, &step, &now.trial.varied), equations);
+            let Some((next, tried)) = taken else {
+                // Where a whole step changes nothing any more, rounding is all that is left of it.
+                if size <= self.source.settings.tolerance.sqrt() {
+                    return Ok(Solution { values, equations: now, linear, steps, last: size, multiplicity });
+                }
+                return Err(self.stuck(&now.trial, &values).into());
+            };
+            (values, now, before) = (next, tried, size);
+        }
+        Err(self.stuck(&now.trial, &values).into())
+    }
+
+    /// The first of a step's halves that goes through the same events, or else the first, after which a step by the same linearisation would be shorter.
+    ///
+    /// Source: the natural monotonicity test, Deuflhard, Newton Methods for Nonlinear Problems (2004), section 3.1.
+    fn shortened(
+        &mut self,
+        values: &[f64],
+        scales: &[f64],
+        (linear, step, now): (&Linearised, &DVector<f64>, &Varied),
+        equations: &dyn Fn(&Seeker, Trial, &[f64]) -> Equations,
+    ) -> Option<(Vec<f64>, Equations)> {
+        let (mut part, mut otherwise) = (1.0, None);
+        for _ in 0..HALVES {
+            let next: Vec<f64> =
+                values.iter().zip(scales).zip(step.iter()).map(|((x, scale), step)| x + part * scale * step).collect();
+            if let Ok(trial) = self.try_at(&next) {
+                let same = trial.varied.agrees(now);
+                let tried = equations(self, trial, scales);
+                let again = linear.step(&tried.r).norm();
+                if again <= (1.0 - 0.5 * part) * step.norm() {
+                    if same {
+                        return Some((next, tried));
+                    }
+                    otherwise.get_or_insert((next, tried));
+                }
+            }
+            part *= 0.5;
+        }
+        otherwise
+    }
+
+    /// What a run at a looser tolerance would have the unknowns be otherwise, and the last step.
+    pub fn errors(
+        &mut self,
+        solution: &Solution,
+        scales: &[f64],
+        equations: &dyn Fn(&Seeker, Trial, &[f64]) -> Equations,
+    ) -> Vec<f64> {
+        self.runs += 1;
+        let looser = self.source.try_with(&solution.values, LOOSER * self.source.settings.tolerance);
+        let Ok(rough) = looser else { return vec![f64::NAN; scales.len()] };
+        let rough = equations(self, rough, scales);
+        let moved = solution.linear.step(&rough.r) - solution.linear.step(&solution.equations.r);
+        let last = if solution.multiplicity > 1 { solution.multiplicity as f64 * solution.last } else { solution.last };
+        moved.iter().zip(scales).map(|(moved, scale)| (moved.abs() + last) * scale).collect()
+    }
+
+    /// What the conditions are missed by.
+    pub fn residuals(&self, trial: &Trial) -> Vec<(String, f64)> {
+        let end = trial.end();
+        let missed = |condition: &Condition| end.map_or(f64::NAN, |end| end.values[condition.column] - condition.value);
+        self.conditions.iter().map(|condition| (condition.name.clone(), missed(condition))).collect()
+    }
+
+    pub fn named(&self, values: &[f64]) -> Vec<(String, f64)> {
+        self.names.iter().cloned().zip(values.iter().copied()).collect()
+    }
+
+    pub fn stuck(&self, trial: &Trial, values: &[f64]) -> NotFound {
+        NotFound::Stuck { residuals: self.residuals(trial), values: self.named(values) }
+    }
+
+    /// What is told of a solution.
+    pub fn found(&self, solution: Solution, errors: Vec<f64>) -> Found {
+        let Solution { values, equations, linear, steps, multiplicity, .. } = solution;
+        let named = |direction: DVector<f64>| self.names.iter().cloned().zip(direction.iter().copied()).collect();
+        let end = equations.trial.end();
+        let reached = self.conditions.iter().map(|condition| Value {
+            name: condition.name.clone(),
+            value: end.map_or(f64::NAN, |end| end.values[condition.column]),
+            error: 0.0,
+        });
+        Found {
+            values: value_list(&self.names, &values, &errors),
+            reached: reached.collect(),
+            free: linear.free().into_iter().map(named).collect(),
+            run: equations.trial.varied.run,
+            steps,
+            runs: self.runs,
+            multiplicity,
+            fit: None,
+        }
+    }
+}
+
+/// Values with their names and errors.
+pub(super) fn value_list(names: &[String], values: &[f64], errors: &[f64]) -> Vec<Value> {
+    let list = names.iter().zip(values).zip(errors);
+    list.map(|((name, value), error)| Value { name: name.clone(), value: *value, error: *error }).collect()
+}
+
+impl Condition {
+    /// What it is measured by.
+    fn size(&self, trial: &Trial) -> f64 {
+        Some(self.value.abs().max(trial.size(self.column))).filter(|size| *size > 0.0).unwrap_or(1.0)
+    }
+}

@@ -1,0 +1,87 @@
+//! Instants at which the equations of motion, or the speeds, change.
+
+use crate::mechanism::{Action, System};
+
+/// What happens at an instant of a run.
+#[derive(Clone, Debug)]
+pub(crate) struct Junction {
+    /// The motion until then.
+    pub before: Side,
+    /// And from then on.
+    pub after: Side,
+    /// Events that change phase or speeds there; without any, switches change sides.
+    pub events: Vec<usize>,
+    /// Jumps of the speeds, in order.
+    pub blows: Vec<Blow>,
+    /// Whether impacts accumulate there, so that the motion goes on at their end.
+    pub accumulates: bool,
+}
+
+/// A state on one side of an instant, with what is in force there.
+#[derive(Clone, Debug)]
+pub(crate) struct Side {
+    /// s.
+    pub t: f64,
+    /// [q; q'].
+    pub y: Vec<f64>,
+    /// The modes of all switches.
+    pub modes: Vec<f64>,
+    /// The phase.
+    pub phase: usize,
+}
+
+/// A jump of the speeds to constraints.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Blow {
+    /// All rows that take part, among those of the mechanism.
+    pub rows: Vec<usize>,
+    /// Those of them that are struck with restitution, and the place of its coefficient.
+    pub struck: Option<(Vec<usize>, usize)>,
+}
+
+/// Writes junctions down.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Junctions {
+    pub list: Vec<Junction>,
+    left: Option<Junction>,
+}
+
+impl Side {
+    fn new(system: &dyn System, t: f64, y: &[f64]) -> Side {
+        Side { t, y: y.to_vec(), modes: system.modes().to_vec(), phase: system.phase() }
+    }
+}
+
+impl Junctions {
+    /// Takes note of a state before other equations come into force, at which these events just happened.
+    pub fn leave(&mut self, system: &dyn System, (t, y): (f64, &[f64]), events: impl Iterator<Item = usize>) {
+        let before = Side::new(system, t, y);
+        let acts = |event: &usize| {
+            let actions = &system.description().events[*event].actions;
+            actions.iter().any(|action| matches!(action, Action::Phase(_) | Action::Impact { .. }))
+        };
+        let (after, events) = (before.clone(), events.filter(acts).collect());
+        self.left = Some(Junction { before, after, events, blows: Vec::new(), accumulates: false });
+    }
+
+    /// Takes note of a jump of the speeds.
+    pub fn blow(&mut self, blow: Blow) {
+        if let Some(left) = &mut self.left {
+            left.blows.push(blow);
+        }
+    }
+
+    /// Takes note of impacts that accumulate.
+    pub fn accumulates(&mut self) {
+        if let Some(left) = &mut self.left {
+            left.accumulates = true;
+        }
+    }
+
+    /// Takes note of the state from which the motion goes on.
+    pub fn restart(&mut self, system: &dyn System, t: f64, y: &[f64]) {
+        if let Some(left) = self.left.take() {
+            self.list.push(Junction { after: Side::new(system, t, y), ..left });
+        }
+    }
+}

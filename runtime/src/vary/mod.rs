@@ -1,0 +1,28 @@
+//! How a motion changes with its start and with parameters.
+//!
+//! 1. [`Simulation::slopes`](crate::Simulation::slopes) runs a motion and follows it with columns, one for each unknown: look in `flow.rs`.
+//! 2. Columns obey the variational equations: look in `variational.rs`; their accelerations come from the generated functions on numbers
+//!    with a slope ([`System::slopes`]): `response.rs`.
+//! 3. Where they start: `start.rs`; on constraints: `constraints.rs`; across events, impacts and switches: `junction.rs`.
+
+mod constraints;
+mod flow;
+mod junction;
+mod momenta;
+mod response;
+mod slopes;
+mod start;
+mod variational;
+
+use crate::error::NoSlopes;
+pub(crate) use slopes::{Point, Varied, named, run_with_slopes, unknown, varied};
+pub use slopes::{Slope, Slopes};
+
+/// Something that a motion depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Unknown {
+    /// A number of the start [q; q'].
+    Start(usize),
+    /// A free parameter.
+    Parameter(usize),
+}

@@ -1,0 +1,334 @@
+//! A run with its slopes.
+
+use super::flow::{Moment, Way, at_event, follow, range};
+use super::junction::{Column, put};
+use super::response::Response;
+use super::start::{self, Start};
+use super::{NoSlopes, Unknown};
+use crate::error::Error;
+use crate::mechanism::{Along, At, Enforcement, Function, Stabilisation, System};
+use crate::run::{Names, Run, Side};
+use crate::simulate::{Origin, Settings, Simulation, simulate};
+
+/// A run, and how its numbers change with its start and with parameters.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Slopes {
+    /// The motion.
+    pub run: Run,
+    /// What slopes are by: coordinates and rates at the start (`theta`, `theta'`), parameters.
+    pub unknowns: Vec<String>,
+    /// By how much the end of the run moves, s in each unknown's unit, where an event ends it; else 0.
+    pub end_time: Vec<Slope>,
+    times: Vec<f64>,
+    names: Vec<String>,
+    /// For each time and unknown, the slopes of all columns.
+    values: Vec<Vec<Vec<Slope>>>,
+}
+
+/// A derivative, SI, and how far it may be off.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slope {
+    /// ∂x/∂p.
+    pub value: f64,
+    /// The difference to the value of a run at sixteen times the tolerance; NaN where there was none.
+    pub error: f64,
+}
+
+/// The tolerance of the second run, in units of the first: its errors are as many times as large, as far as they follow the tolerance.
+const LOOSER: f64 = 16.0;
+
+impl Slopes {
+    /// The times at which there are slopes, s; the last is the run's end.
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// What there are slopes of: coordinates, rates, outputs component by component.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// The slope of a coordinate, a rate or an output at the end of the run by an unknown; where an event ends the run, of its value when
+    /// the event happens.  `None` if there are none of these names.
+    pub fn get(&self, name: &str, unknown: &str) -> Option<Slope> {
+        self.at(self.times.len().checked_sub(1)?, name, unknown)
+    }
+
+    /// The same at another of [`Slopes::times`].
+    pub fn at(&self, time: usize, name: &str, unknown: &str) -> Option<Slope> {
+        let unknown = self.unknowns.iter().position(|known| known == unknown)?;
+        let column = self.names.iter().position(|known| known == name)?;
+        self.values.get(time)?.get(unknown)?.get(column).copied()
+    }
+}
+
+impl<S: System> Simulation<S> {
+    /// Runs, and tells how the motion changes with its start and with parameters: ∂x/∂p of all coordinates, rates and outputs x at the end
+    /// (where `every` was given, at all reported times), by the variational equations, through events, impacts, switches and on constraints.
+    ///
+    /// Unknowns p are named as `theta`, `theta'` (at the start) or by a parameter's name.  Derived parameters follow the parameters that they
+    /// are made of, and so does a scene's start.  Where an event ends the run, slopes are those of the state in which it happens.
+    ///
+    /// # Errors
+    /// Those of [`Simulation::run`]; a name that is neither a coordinate's nor a parameter's; [`Error::NoSlopes`].
+    pub fn slopes(self, unknowns: &[&str]) -> Result<Slopes, Error> {
+        let (mut system, settings, origin) = self.described()?;
+        let named = unknowns.iter().map(|name| Ok(((*name).to_owned(), unknown(&system, name)?)));
+        let named: Vec<(String, Unknown)> = named.collect::<Result<_, Error>>()?;
+        run_with_slopes(&mut system, &settings, &origin, &named)
+    }
+}
+
+/// What a name stands for: a coordinate or a rate at the start, or a parameter.
+///
+/// # Errors
+/// [`Error::UnknownName`].
+pub(crate) fn unknown(system: &dyn System, name: &str) -> Result<Unknown, Error> {
+    let description = system.description();
+    let coordinates = description.coordinates.iter().map(|coordinate| coordinate.name.to_string());
+    let rates = description.coordinates.iter().map(|coordinate| format!("{}'", coordinate.name));
+    let mut starts = coordinates.chain(rates);
+    if let Some(place) = starts.position(|known| known == name) {
+        return Ok(Unknown::Start(place));
+    }
+    if let Some(place) = description.parameters.iter().position(|parameter| parameter.name == name) {
+        return Ok(Unknown::Parameter(place));
+    }
+    let parameters = description.parameters.iter().map(|parameter| parameter.name.to_string());
+    let coordinates = description.coordinates.iter().map(|coordinate| coordinate.name.to_string());
+    Err(Error::UnknownName {
+        kind: "coordinate, rate or parameter",
+        name: name.to_owned(),
+        known: coordinates.chain(parameters).collect(),
+    })
+}
+
+/// Runs a motion with the slopes by these unknowns, at its end and, where `every` is given, at the reported times.
+///
+/// # Errors
+/// Those of [`simulate`]; [`Error::NoSlopes`].
+pub(crate) fn run_with_slopes(
+    system: &mut dyn System,
+    settings: &Settings,
+    origin: &Origin,
+    unknowns: &[(String, Unknown)],
+) -> Result<Slopes, Error> {
+    let list: Vec<Unknown> = unknowns.iter().map(|(_, unknown)| *unknown).collect();
+    let fine = varied(system, settings, origin, &list, None).map_err(|error| named(error, unknowns))?;
+    let looser = Settings { tolerance: LOOSER * settings.tolerance, digits: false, ..settings.clone() };
+    // Where there is no second run, errors are not known.
+    let rough = varied(system, &looser, origin, &list, None).ok().filter(|rough| rough.agrees(&fine));
+    Ok(fine.beside(rough.as_ref(), unknowns, Names::of(system.description()).columns()))
+}
+
+fn may_be_varied(system: &dyn System, settings: &Settings) -> Result<(), NoSlopes> {
+    let mut numbers = vec![0.0; system.len()];
+    let zero = vec![0.0; system.len()];
+    let multipliers = vec![0.0; system.description().rows.len()];
+    let at = At::new(settings.from, &zero, &zero).accelerated(&zero).constrained(&multipliers);
+    if !system.slopes(Function::Residual, at, &Along::default(), &mut numbers) {
+        return Err(NoSlopes::Unknown);
+    }
+    if system.derivation().is_some()
+        || settings.enforcement != Enforcement::Multipliers
+        || settings.stabilisation != Stabilisation::default()
+    {
+        return Err(NoSlopes::Accelerations);
+    }
+    if settings.start_conditions.is_empty() { Ok(()) } else { Err(NoSlopes::StartConditions) }
+}
+
+/// With the name of what varies in the place of its number.
+pub(crate) fn named(error: Error, unknowns: &[(String, Unknown)]) -> Error {
+    let Error::NoSlopes(why) = error else { return error };
+    let why = match *why {
+        NoSlopes::HeldStart { unknown, constraint } => {
+            let name =
+                unknown.parse().ok().and_then(|k: usize| unknowns.get(k)).map_or(unknown, |(name, _)| name.clone());
+            NoSlopes::HeldStart { unknown: name, constraint }
+        }
+        why => why,
+    };
+    why.into()
+}
+
+/// A run with its slopes.
+pub(crate) struct Varied {
+    pub run: Run,
+    pub points: Vec<Point>,
+    /// By how much each unknown moves the end, s, where an event ends the run; else 0.
+    pub end_time: Vec<f64>,
+}
+
+/// What there is at a time.
+pub(crate) struct Point {
+    /// s.
+    pub t: f64,
+    /// [q; q'], then the outputs.
+    pub values: Vec<f64>,
+    /// Their slopes by each unknown.
+    pub slopes: Vec<Vec<f64>>,
+    /// Their rates.
+    pub rates: Vec<f64>,
+}
+
+/// Runs with the slopes by unknowns at some times, in order; `None`: where states are reported if `every` is given, else at the end.
+///
+/// # Errors
+/// As [`run_with_slopes`].
+pub(crate) fn varied(
+    system: &mut dyn System,
+    settings: &Settings,
+    origin: &Origin,
+    unknowns: &[Unknown],
+    times: Option<&[f64]>,
+) -> Result<Varied, Error> {
+    let settings = &Settings { junctions: true, apart: false, ..settings.clone() };
+    may_be_varied(system, settings)?;
+    let run = simulate(system, settings)?;
+    let n = system.len();
+    let y = run.rows[..2 * n].to_vec();
+    system.set_phase(settings.phase);
+    let first = run.junctions.first().map_or_else(|| system.modes().to_vec(), |junction| junction.before.modes.clone());
+    let side = Side { t: settings.from, y, modes: first, phase: settings.phase };
+    put(system, &side);
+    let columns = starts(system, (settings, origin), (&run, &side), unknowns)?;
+    let end = run.times.last().copied().unwrap_or(settings.from);
+    let times = match (times, settings.every) {
+        (Some(times), _) => times.to_vec(),
+        (None, Some(_)) => run.times.clone(),
+        (None, None) => vec![end],
+    };
+    let way =
+        Way { tolerance: settings.tolerance.max(Settings::TIGHTEST), max_steps: settings.max_steps, times: &times };
+    let mut moments = follow(system, &run, (side, columns), &way)?;
+    let at_end = moments.last_mut().filter(|moment| moment.t == end);
+    let shifts = at_the_end(system, &run, unknowns, at_end)?;
+    let (last, still) = (moments.len().saturating_sub(1), vec![0.0; unknowns.len()]);
+    let mut points = Vec::with_capacity(moments.len());
+    for (k, moment) in moments.into_iter().enumerate() {
+        points.push(with_outputs(system, moment, unknowns, if k == last { &shifts } else { &still })?);
+    }
+    Ok(Varied { run, points, end_time: shifts })
+}
+
+/// The columns at the start.
+fn starts(
+    system: &dyn System,
+    (settings, origin): (&Settings, &Origin),
+    (run, side): (&Run, &Side),
+    unknowns: &[Unknown],
+) -> Result<Vec<Column>, NoSlopes> {
+    let guess = [settings.q.as_slice(), settings.v.as_slice()].concat();
+    let (held, given) = (settings.held(), &origin.given);
+    let start = Start { t: side.t, guess: &guess, held: &held, y: &side.y, scene: origin.scene, given };
+    let column = |(k, unknown): (usize, &Unknown)| {
+        let y = start::column(system, &start, *unknown).map_err(|why| match why {
+            NoSlopes::HeldStart { constraint, .. } => NoSlopes::HeldStart { unknown: k.to_string(), constraint },
+            why => why,
+        })?;
+        Ok(Column { y, parameter: unknown.parameter(), size: size(system, run, *unknown) })
+    };
+    unknowns.iter().enumerate().map(column).collect()
+}
+
+/// How large something unknown is; of what is 0 at the start, how large it becomes; 1 of what stays 0.
+fn size(system: &dyn System, run: &Run, unknown: Unknown) -> f64 {
+    let found = match unknown {
+        Unknown::Parameter(k) => system.parameters().get(k).copied().unwrap_or(0.0).abs(),
+        Unknown::Start(k) => Some(run.rows[k].abs()).filter(|x| *x > 0.0).unwrap_or(range(run, 2 * system.len(), k)),
+    };
+    Some(found).filter(|size| *size > 0.0 && size.is_finite()).unwrap_or(1.0)
+}
+
+/// Where an event ended the run, takes the columns there to where it happens, and tells how far that is, s.
+fn at_the_end(
+    system: &dyn System,
+    run: &Run,
+    unknowns: &[Unknown],
+    moment: Option<&mut Moment>,
+) -> Result<Vec<f64>, NoSlopes> {
+    let still = vec![0.0; unknowns.len()];
+    let (Some(event), Some(moment)) = (run.ended_by, moment) else { return Ok(still) };
+    let side = Side { t: moment.t, y: moment.columns[0].clone(), modes: Vec::new(), phase: 0 };
+    let list = moment.columns.drain(1..).zip(unknowns);
+    let mut columns: Vec<Column> =
+        list.map(|(y, unknown)| Column { y, parameter: unknown.parameter(), size: 1.0 }).collect();
+    let shifts = at_event(system, &side, event, &mut columns)?;
+    moment.columns.extend(columns.into_iter().map(|column| column.y));
+    Ok(shifts)
+}
+
+/// The values of [q; q'] and of the outputs, with their slopes by each unknown and their rates.
+fn with_outputs(system: &dyn System, moment: Moment, unknowns: &[Unknown], shifts: &[f64]) -> Result<Point, NoSlopes> {
+    let n = system.len();
+    let size = system.description().output_len();
+    let mut columns = moment.columns.into_iter();
+    let mut values = columns.next().unwrap_or_default();
+    let y = values.clone();
+    let at = At::packed(moment.t, &y, n);
+    let mut response = Response::default();
+    let fault =
+        |fault: crate::mechanism::Singular| NoSlopes::Fault { t: moment.t, cause: fault.cause(system.description()) };
+    response.stand(system, at).map_err(fault)?;
+    let a = response.a.clone();
+    let lambda = response.lambda.clone();
+    let full = at.accelerated(&a).constrained(&lambda);
+    let mut outputs = vec![0.0; size];
+    system.outputs(full, &mut outputs);
+    values.extend(outputs);
+    let mut outputs_along = |along: Along<'_>| -> Result<Vec<f64>, NoSlopes> {
+        let mut slopes = vec![0.0; size];
+        if size > 0 {
+            response.along(system, at, &along).map_err(fault)?;
+            let along = Along { a: &response.da, lambda: &response.dlambda, ..along };
+            system.slopes(Function::Outputs, full, &along, &mut slopes);
+        }
+        Ok(slopes)
+    };
+    let mut slopes = Vec::with_capacity(unknowns.len());
+    for ((mut column, unknown), shift) in columns.zip(unknowns).zip(shifts) {
+        let (q, v) = column.split_at(n);
+        let along = Along { t: *shift, q, v, parameter: unknown.parameter(), ..Along::default() };
+        let of_outputs = outputs_along(along)?;
+        column.extend(of_outputs);
+        slopes.push(column);
+    }
+    let of_outputs = outputs_along(Along { t: 1.0, q: &y[n..], v: &a, ..Along::default() })?;
+    let rates = [&y[n..], &a, &of_outputs].concat();
+    Ok(Point { t: moment.t, values, slopes, rates })
+}
+
+impl Varied {
+    /// Whether another one went the same way.
+    pub fn agrees(&self, other: &Varied) -> bool {
+        let ways = [self, other].map(|varied| {
+            let list = varied.run.junctions.iter();
+            let passed: Vec<_> = list.map(|junction| (junction.events.clone(), junction.after.phase)).collect();
+            (passed, varied.run.ended_by)
+        });
+        ways[0] == ways[1] && self.points.len() == other.points.len()
+    }
+
+    fn beside(self, rough: Option<&Varied>, unknowns: &[(String, Unknown)], names: Vec<String>) -> Slopes {
+        let slope =
+            |value: f64, other: Option<f64>| Slope { value, error: other.map_or(f64::NAN, |x| (x - value).abs()) };
+        let values = self.points.iter().enumerate().map(|(t, point)| {
+            let list = point.slopes.iter().enumerate().map(|(k, column)| {
+                let other = rough.map(|rough| &rough.points[t].slopes[k]);
+                column.iter().enumerate().map(|(i, value)| slope(*value, other.map(|other| other[i]))).collect()
+            });
+            list.collect()
+        });
+        let end_time = self.end_time.iter().enumerate();
+        Slopes {
+            unknowns: unknowns.iter().map(|(name, _)| name.clone()).collect(),
+            end_time: end_time.map(|(k, shift)| slope(*shift, rough.map(|rough| rough.end_time[k]))).collect(),
+            names,
+            values: values.collect(),
+            times: self.points.iter().map(|point| point.t).collect(),
+            run: self.run,
+        }
+    }
+}

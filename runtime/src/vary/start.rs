@@ -1,0 +1,182 @@
+//! Columns at the start of a motion.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::momenta::{momentum_slopes, rate_slopes};
+use super::{NoSlopes, Unknown};
+use crate::matrix::solve_least;
+use crate::mechanism::dense::{constraint_matrix, mass_matrix};
+use crate::mechanism::{Along, At, Function, System};
+
+/// A constraint is met by slopes that leave this part of what they had to make up for.
+const MISSED: f64 = 1e-6;
+
+/// A start: what was asked for, and what was found.
+pub(super) struct Start<'a> {
+    /// s.
+    pub t: f64,
+    /// [q; q'] as asked for.
+    pub guess: &'a [f64],
+    /// Which of them keep their values.
+    pub held: &'a [bool],
+    /// [q; q'] as found.
+    pub y: &'a [f64],
+    /// The scene whose start it is, by parameters; `None`: it depends on none.
+    pub scene: Option<usize>,
+    /// Which of [q; q'] have another value than the scene's.
+    pub given: &'a [bool],
+}
+
+/// The slopes of the start [q; q'] by something unknown.
+///
+/// # Errors
+/// A start that cannot change so: what is held leaves no way to meet the constraints.
+pub(super) fn column(system: &dyn System, start: &Start<'_>, unknown: Unknown) -> Result<Vec<f64>, NoSlopes> {
+    let n = system.len();
+    let mut asked = vec![0.0; 2 * n];
+    let parameter = match unknown {
+        Unknown::Start(k) => {
+            asked[k] = 1.0;
+            None
+        }
+        Unknown::Parameter(k) => {
+            if let Some(scene) = start.scene {
+                let mut numbers = vec![0.0; 3 + 2 * n];
+                let along = Along { parameter: Some(k), ..Along::default() };
+                system.slopes(Function::Scene(scene), At::default(), &along, &mut numbers);
+                let of_scene = numbers[3..].iter().zip(start.given);
+                asked.iter_mut().zip(of_scene).for_each(|(x, (slope, given))| *x = if *given { 0.0 } else { *slope });
+            }
+            Some(k)
+        }
+    };
+    let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    if rows.is_empty() {
+        return Ok(asked);
+    }
+    // What varies is held, as a value that is given is.
+    let mut held = start.held.to_vec();
+    if let Unknown::Start(k) = unknown {
+        held[k] = true;
+    }
+    let mut column = places(system, start, &rows, (&asked, &held[..n], parameter))?;
+    speeds(system, start, &rows, (&mut column, (&asked[n..], &held[n..]), parameter))?;
+    Ok(column)
+}
+
+/// δq of the place nearest to the guess: of q − q₀ + Jᵀ μ = 0 in what is free and c = 0, the slopes
+/// (1 + Σ μ ∂²c) δq + Jᵀ δμ = δq₀ − ∂(Jᵀ μ) and J δq = −∂c, by what is held and by the parameter on the right.
+fn places(
+    system: &dyn System,
+    start: &Start<'_>,
+    rows: &[usize],
+    (asked, held, parameter): (&[f64], &[bool], Option<usize>),
+) -> Result<Vec<f64>, NoSlopes> {
+    let n = system.len();
+    let holonomic: Vec<usize> = rows.iter().copied().filter(|row| system.description().rows[*row].holonomic).collect();
+    let free: Vec<usize> = (0..n).filter(|i| !held[*i]).collect();
+    let q = &start.y[..n];
+    let mut column = asked.to_vec();
+    free.iter().for_each(|i| column[*i] = 0.0);
+    let along = Along { q: &column[..n], parameter, ..Along::default() };
+    let missed = missed_places(system, start, &holonomic, &along);
+    let place = At::place(start.t, q);
+    let a = constraint_matrix(system, place, &holonomic).select_columns(&free);
+    let (f, r) = (free.len(), holonomic.len());
+    let pull = DMatrix::from_iterator(f, 1, free.iter().map(|i| start.guess[*i] - q[*i]));
+    let pulls: Vec<f64> =
+        solve_least(&a.transpose(), &pull).map_or_else(|| vec![0.0; r], |x| x.iter().copied().collect());
+    let at_rest = vec![0.0; n];
+    // −∂(Jᵀ μ) along a direction.
+    let turned = |along: &Along<'_>| momentum_slopes(system, (start.t, q), &at_rest, (&holonomic, &pulls), along);
+    let mut k = DMatrix::identity(f + r, f + r);
+    k.view_mut((f, f), (r, r)).fill(0.0);
+    k.view_mut((0, f), (f, r)).copy_from(&a.transpose());
+    k.view_mut((f, 0), (r, f)).copy_from(&a);
+    for (line, i) in free.iter().enumerate() {
+        let mut unit = at_rest.clone();
+        unit[*i] = 1.0;
+        let slopes = turned(&Along { q: &unit, ..Along::default() });
+        free.iter().enumerate().for_each(|(row, j)| k[(row, line)] -= slopes[*j]);
+    }
+    let by_others = turned(&along);
+    let right = free.iter().map(|i| asked[*i] + by_others[*i]).chain(missed.iter().map(|x| -x));
+    if let Some(solution) = solve_least(&k, &DMatrix::from_iterator(f + r, 1, right)) {
+        free.iter().zip(solution.iter()).for_each(|(i, step)| column[*i] = *step);
+    }
+    let left = missed_places(system, start, &holonomic, &Along { q: &column[..n], parameter, ..Along::default() });
+    closed(system, place, &holonomic, (&left, &missed, &column[..n]))?;
+    Ok(column)
+}
+
+/// The slopes of c of these rows along a direction.
+fn missed_places(system: &dyn System, start: &Start<'_>, rows: &[usize], along: &Along<'_>) -> Vec<f64> {
+    let n = system.len();
+    let mut triples = vec![0.0; 3 * system.description().rows.len()];
+    system.slopes(Function::Constraints, At::packed(start.t, start.y, n), along, &mut triples);
+    rows.iter().map(|row| triples[3 * row]).collect()
+}
+
+/// Refuses what misses constraints: everything that would meet them is held.
+fn closed(
+    system: &dyn System,
+    place: At<'_>,
+    rows: &[usize],
+    (left, before, moved): (&[f64], &[f64], &[f64]),
+) -> Result<(), NoSlopes> {
+    let (j, way) = (constraint_matrix(system, place, rows), DVector::from_row_slice(moved).norm());
+    let misses = |k: &usize| left[*k].abs() > MISSED * (j.row(*k).norm() * way).max(before[*k].abs());
+    match (0..rows.len()).find(misses) {
+        Some(k) => Err(NoSlopes::HeldStart {
+            unknown: String::new(),
+            constraint: system.description().rows[rows[k]].name.to_string(),
+        }),
+        None => Ok(()),
+    }
+}
+
+/// δq' of the speeds of least kinetic energy among those that the constraints and what is held allow: the slopes of
+/// [M q' − Jᵀ μ] = 0 in what is free, and of c' = 0.
+fn speeds(
+    system: &dyn System,
+    start: &Start<'_>,
+    rows: &[usize],
+    (column, (asked, held), parameter): (&mut [f64], (&[f64], &[bool]), Option<usize>),
+) -> Result<(), NoSlopes> {
+    let n = system.len();
+    let (q, v) = start.y.split_at(n);
+    let free: Vec<usize> = (0..n).filter(|i| !held[*i]).collect();
+    let place = At::place(start.t, q);
+    let (mass, j) = (mass_matrix(system, place), constraint_matrix(system, place, rows));
+    let (m, a) = (mass.select_rows(&free).select_columns(&free), j.select_columns(&free));
+    let (f, r) = (free.len(), rows.len());
+    let mut k = DMatrix::zeros(f + r, f + r);
+    k.view_mut((0, 0), (f, f)).copy_from(&m);
+    k.view_mut((0, f), (f, r)).copy_from(&(-a.transpose()));
+    k.view_mut((f, 0), (r, f)).copy_from(&a);
+    // The multipliers of the start's own speeds.
+    let momenta = mass.select_rows(&free) * DVector::from_row_slice(v);
+    let known = DMatrix::from_iterator(f, 1, momenta.iter().copied());
+    let impulses = solve_least(&a.transpose(), &known).map_or_else(|| vec![0.0; r], |x| x.iter().copied().collect());
+    column[n..].copy_from_slice(asked);
+    free.iter().for_each(|i| column[n + i] = 0.0);
+    let (places, rates) = column.split_at(n);
+    let along = Along { q: places, v: rates, parameter, ..Along::default() };
+    let turned = momentum_slopes(system, (start.t, q), v, (rows, &impulses), &along);
+    let coupled = mass.select_rows(&free) * DVector::from_row_slice(rates);
+    let missed = rate_slopes(system, At::new(start.t, q, v), &along);
+    let right = free
+        .iter()
+        .zip(coupled.iter())
+        .map(|(i, coupled)| -turned[*i] - coupled)
+        .chain(rows.iter().map(|row| -missed[*row]));
+    let right = DMatrix::from_iterator(f + r, 1, right);
+    if let Some(solution) = solve_least(&k, &right) {
+        free.iter().zip(solution.iter()).for_each(|(i, v)| column[n + i] = *v);
+    }
+    let (places, rates) = column.split_at(n);
+    let left =
+        rate_slopes(system, At::new(start.t, q, v), &Along { q: places, v: rates, parameter, ..Along::default() });
+    let of_rows = |list: &[f64]| rows.iter().map(|row| list[*row]).collect::<Vec<f64>>();
+    closed(system, place, rows, (&of_rows(&left), &of_rows(&missed), rates))
+}

@@ -1,0 +1,243 @@
+//! Slopes of motions, and searches on them, against closed forms, references of 25 digits and more, and difference quotients.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use dalembert_models::MODELS;
+use serde_json::Value;
+
+/// What the program prints as JSON, or what it says is wrong.
+fn told(arguments: &[&str]) -> Result<Value, String> {
+    let mut out = Vec::new();
+    let arguments = ["dalembert"].iter().chain(arguments).chain(&["--json"]);
+    match dalembert::cli::run(MODELS, arguments, &mut out) {
+        Ok(()) => Ok(serde_json::from_slice(&out).expect("JSON")),
+        Err(problem) => Err(problem.to_string()),
+    }
+}
+
+/// A file with this text.
+fn written(text: &str) -> String {
+    static FILES: AtomicUsize = AtomicUsize::new(0);
+    let name = format!("dalembert-find-{}-{}.yaml", std::process::id(), FILES.fetch_add(1, Ordering::Relaxed));
+    let path = std::env::temp_dir().join(name);
+    std::fs::write(&path, text).expect("a file");
+    path.to_str().expect("a path").to_owned()
+}
+
+fn reference(name: &str) -> Value {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("reference/orbits").join(name);
+    serde_json::from_str(&std::fs::read_to_string(path).expect("a reference")).expect("JSON")
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().or_else(|| value.as_str()?.parse().ok()).unwrap_or(f64::NAN)
+}
+
+fn near(found: f64, expected: f64, error: f64) {
+    assert!((found - expected).abs() <= error, "{found:?} is not {expected:?} within {error:e}");
+}
+
+/// A thrown ball; `drag` is a force.
+fn thrown(drag: &str, until: &str) -> String {
+    written(&format!(
+        "name: Throw\nparameters: {{m: 2 kg, b: 0.5 N*s/m, c: 0.01 kg/m, g: 10 m/s^2, v0: 10 m/s, angle: 45 deg}}\n\
+         coordinates: {{x: m, y: m}}\nbodies: {{ball: {{mass: m, position: \"[x, y]\"}}}}\ngravity: [0, -g]\n\
+         forces: {{drag: {{on: ball, force: {drag}}}}}\nevents: {{land: {{when: y, direction: falling, then: stop}}}}\n\
+         scene: {{start: {{x: 0, y: 0, x': v0*cos(angle), y': v0*sin(angle)}}, until: {until}, tolerance: 1e-12}}\n"
+    ))
+}
+
+/// Problem 2 e of the course: the best angle, from 45 degrees, at every speed.
+#[test]
+fn a_cannon_ball_flies_farthest_at_the_angle_of_the_reference() {
+    let known = reference("cannon.json");
+    for (law, drag) in [("linear", "-b*velocity(ball)"), ("quadratic", "-c*norm(velocity(ball))*velocity(ball)")] {
+        let file = thrown(drag, "1000");
+        for case in known["cannon"][law].as_array().expect("cases") {
+            let speed = format!("v0={}", case["v0"].as_str().expect("a speed"));
+            let found =
+                told(&["solve", &file, "--set", &speed, "--unknown", "angle=45 deg", "--maximise", "x"]).unwrap();
+            near(number(&found["values"]["angle"]["value"]), number(&case["angle"]), 1e-10);
+            let range = number(&case["range"]);
+            near(number(&found["reached"]["x"]["value"]), range, 1e-12 * range);
+            near(number(&found["t"]), number(&case["flight_time"]), 1e-9 * number(&case["flight_time"]));
+            assert!(found["steps"].as_u64().unwrap() <= 9, "{found}");
+        }
+    }
+    // Without drag at 45 degrees exactly, from another guess.
+    let file = thrown("-b*velocity(ball)", "1000");
+    let found = told(&["solve", &file, "--set", "b=0", "--unknown", "angle=40 deg", "--maximise", "x"]).unwrap();
+    near(number(&found["values"]["angle"]["value"]), std::f64::consts::FRAC_PI_4, 1e-12);
+    // It lands nearest where it hardly leaves: no such place is inside.
+    let refused = told(&["solve", &file, "--set", "b=0", "--unknown", "angle=40 deg", "--minimise", "x"]).unwrap_err();
+    assert!(refused.contains("angle"), "{refused}");
+}
+
+/// Problem 36: a hop that lands without any relative velocity, by half of it.
+#[test]
+fn a_drum_on_ice_hops_softly() {
+    let file = written(
+        "name: HopOnIce\nparameters: {m: 1 kg, R: 1 m, d: 0.5 m, I: 0.25 kg*m^2, g: 10 m/s^2}\n\
+         coordinates: {x: m, y: m, phi: rad}\npoints: {centre: \"[x, y]\"}\n\
+         bodies:\n  drum: {mass: m, inertia: I, angle: -phi, position: \"centre + d*[sin(phi), cos(phi)]\"}\n\
+         gravity: [0, -g]\nconstraints: {contact: y - R}\nphases: {sliding: [contact], flight: []}\n\
+         events:\n  skip: {phase: sliding, when: reaction(contact), direction: falling, then: flight}\n\
+         scene: {start: {x: 0, y: R, phi: pi, phi': 15}, until: 3, tolerance: 1e-12}\n",
+    );
+    let arguments = ["solve", &file, "--unknown", "phi'=15, until=0.6", "--such-that", "phi=3*pi, y'=0"];
+    let found = told(&arguments).unwrap();
+    let case = &reference("hop_on_ice.json")["hop_on_ice"]["cases"][0];
+    near(number(&found["values"]["phi'"]["value"]), number(&case["omega_bottom"]), 1e-10);
+    let half = number(&case["contact_time"]) + number(&case["flight_time"]);
+    near(number(&found["values"]["until"]["value"]), 0.5 * half, 1e-10);
+    assert!(found["steps"].as_u64().unwrap() <= 7, "{found}");
+}
+
+#[test]
+fn a_record_of_a_vibration_gives_its_stiffness_and_damping() {
+    let file = written(
+        "name: RingDown\nparameters: {m: 1 kg, c: 0.2 N*s/m, k: 39 N/m}\ncoordinates: {x: m}\n\
+         bodies: {block: {mass: m, position: \"[x, 0]\"}}\nsprings: {spring: {stretch: x, stiffness: k}}\n\
+         dampers: {damper: {rate: x', damping: c}}\nscene: {start: {x: 0.1}, until: 25, tolerance: 1e-11}\n",
+    );
+    let record = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("reference/orbits/ring_down.csv");
+    let record = record.to_str().unwrap();
+    let found = told(&["solve", &file, "--unknown", "k=39 N/m, c=0.2, x=0.1, x'=0", "--fit", record]).unwrap();
+    let known = &reference("fit.json")["fit"]["ring_down"];
+    for (name, key) in [("k", "k"), ("c", "c"), ("x", "x0"), ("x'", "v0")] {
+        let expected = number(&known["values"][key]);
+        near(number(&found["values"][name]["value"]), expected, 1e-9 * expected.abs().max(1.0));
+        let error = number(&known["standard_errors"][key]);
+        near(number(&found["fit"]["standard_errors"][name]), error, 1e-6 * error);
+        let within = number(&known["half_width_95"][key]);
+        near(number(&found["fit"]["within_95_percent"][name]), within, 1e-6 * within);
+    }
+    near(number(&found["fit"]["sigma"]), number(&known["sigma"]), 1e-9);
+    let refused = told(&["solve", &file, "--unknown", "k=39 N/m, c=0.2, m=1", "--fit", record]).unwrap_err();
+    assert_eq!(refused.matches("by 0.5774").count(), 3, "{refused}");
+}
+
+/// A ball that is dropped: y = H − g t²/2 until t₁ = √(2 H/g), v = e g t₁ after it.
+#[test]
+fn slopes_cross_an_impact_as_the_closed_form_does() {
+    let found = told(&["simulate", "bouncing_ball", "--until", "0.6", "--slopes", "e,g,H,x'"]).unwrap();
+    let (e, g, height, t) = (0.5_f64, 9.81_f64, 1.0_f64, 0.6_f64);
+    let first = (2.0 * height / g).sqrt();
+    let slope = |name: &str, by: &str| number(&found["slopes"][by][name]["value"]);
+    near(slope("y", "e"), g * first * (t - first), 1e-11);
+    near(slope("y'", "e"), g * first, 1e-11);
+    // y = e g t₁ (t − t₁) − g (t − t₁)²/2, with dt₁/dg = −t₁/2g and dt₁/dH = t₁/2H.
+    let by_first = e * g * (t - 2.0 * first) + g * (t - first);
+    let by_g = e * first * (t - first) - 0.5 * (t - first).powi(2);
+    near(slope("y", "g"), by_g - by_first * first / (2.0 * g), 1e-11);
+    near(slope("y", "H"), by_first * first / (2.0 * height), 1e-11);
+    near(slope("x", "x'"), t, 1e-12);
+    assert!(found["slopes"]["e"]["y"]["error"].as_f64().unwrap() < 1e-9);
+}
+
+/// d/dp by six runs, p ± h, ± 2 h, ± 3 h: its error of sixth order is below that of the runs.
+fn quotient(arguments: &[&str], option: &str, (name, at): (&str, f64), read: &dyn Fn(&Value) -> f64) -> f64 {
+    let h = 2e-3 * at.abs().max(0.1);
+    let value = |k: f64| {
+        let set = format!("{name}={:?}", at + k * h);
+        let all = [&["simulate"], arguments, &["--no-digits", option, &set]].concat();
+        read(&told(&all).unwrap_or_else(|problem| panic!("{set}: {problem}")))
+    };
+    let odd = |k: f64| value(k) - value(-k);
+    (45.0 * odd(1.0) - 9.0 * odd(2.0) + odd(3.0)) / (60.0 * h)
+}
+
+#[test]
+fn slopes_are_those_of_difference_quotients() {
+    // Nonlinear, by a parameter and a start; loops with open starts; phases with friction; rows with speeds; in space; a turning support.
+    let cases: [(&str, &str, &[(&str, &str, f64)], &[&str]); 8] = [
+        ("double_pendulum", "2", &[("--set", "l", 1.0), ("--start", "theta1", 1.0)], &["theta1", "theta2"]),
+        ("pendulum_cartesian", "1", &[("--set", "l", 1.0)], &["x", "y"]),
+        ("four_bar", "0.3", &[("--set", "crank", 0.3)], &["rocker_angle", "coupler_angle"]),
+        ("stick_slip", "14", &[("--set", "mu_k", 0.3), ("--set", "belt", 0.1), ("--set", "k", 1.0)], &["x"]),
+        ("chaplygin_sleigh", "2", &[("--set", "d", 0.5)], &["theta", "x"]),
+        ("rolling_disc", "0.5", &[("--set", "R", 0.5)], &["theta", "x"]),
+        ("rssr", "0.3", &[("--set", "g", 9.81)], &["alpha", "beta"]),
+        ("base_excitation", "1", &[("--set", "k", 100.0), ("--set", "m", 1.0)], &["x"]),
+    ];
+    let mut compared = 0;
+    for (model, until, unknowns, outputs) in cases {
+        let entry = MODELS.iter().find(|entry| entry.name == model).expect("a model");
+        let known: Vec<String> =
+            (entry.system)().description().parameters.iter().map(|parameter| parameter.name.to_string()).collect();
+        for (option, name, _) in unknowns {
+            let system = (entry.system)();
+            let place = known.iter().position(|parameter| parameter == name);
+            let scene = system.scene(0);
+            let coordinates = &system.description().coordinates;
+            let start = |name: &str| match name.strip_suffix('\'') {
+                Some(rate) => coordinates.iter().position(|c| c.name == rate).map(|i| scene.v[i]),
+                None => coordinates.iter().position(|c| c.name == name).map(|i| scene.q[i]),
+            };
+            // The model's own value.
+            let Some(at) = place.map(|place| system.parameters()[place]).or_else(|| start(name)) else { continue };
+            let arguments = [model, "--until", until, "--tolerance", "1e-13"];
+            let found = told(&[&["simulate"], &arguments[..], &["--no-digits", "--slopes", name]].concat());
+            let found = found.unwrap_or_else(|problem| panic!("{model} {name}: {problem}"));
+            for output in outputs {
+                let read = |told: &Value| number(&told["q"][*output]);
+                let (slope, size) = (number(&found["slopes"][*name][*output]["value"]), read(&found).abs().max(0.1));
+                let expected = quotient(&arguments, option, (name, at), &read);
+                near(slope, expected, 1e-8 * (expected.abs() + size / at.abs().max(0.1)));
+                compared += 1;
+            }
+        }
+    }
+    assert!(compared >= 14, "{compared}");
+}
+
+#[test]
+fn motions_without_slopes_say_why() {
+    let refused = |arguments: &[&str]| told(&[&["simulate"], arguments].concat()).unwrap_err();
+    // A ball that comes to rest bounces infinitely often before.
+    let text = refused(&["bouncing_ball", "--slopes", "e"]);
+    assert!(text.contains("impacts accumulate"), "{text}");
+    // What rolls cannot change one speed alone.
+    let text = refused(&["rolling_disc", "--until", "0.1", "--slopes", "x'"]);
+    assert!(text.contains("`x'`") && text.contains("constraint"), "{text}");
+    let text = refused(&["simple_pendulum", "--slopes", "lenght"]);
+    assert!(text.contains("no coordinate, rate or parameter is called `lenght`"), "{text}");
+    // A ball that just touches a floor.
+    let touching = written(
+        "name: Touch\nparameters: {H: 0 m}\ncoordinates: {x: m, y: m}\nbodies: {b: {mass: 1 kg, position: \"[x, y]\"}}\n\
+         potential_energy: 1 kg*(1 rad/s)^2*(y - 1 m)^2/2\nconstraints: {floor: y - H}\nphases: {free: [], on: [floor]}\n\
+         events: {hit: {phase: free, when: y - H + 1e-16, direction: falling, then: {impact: 0.5, along: floor}}}\n\
+         scene: {start: {y: 2}, until: 5, tolerance: 1e-10}\n",
+    );
+    if let Err(text) = told(&["simulate", &touching, "--slopes", "y"]) {
+        assert!(text.contains("touched"), "{text}");
+    }
+}
+
+#[test]
+fn searches_that_fail_say_how_far_they_came() {
+    let refused = |arguments: &[&str]| told(&[&["solve"], arguments].concat()).unwrap_err();
+    // A pendulum that cannot rise above its start.
+    let too_high = ["simple_pendulum", "--until", "2", "--unknown", "theta'=0.1", "--such-that", "bob.y=3"];
+    let text = refused(&too_high);
+    assert!(text.contains("bob.y"), "{text}");
+    let text = refused(&["simple_pendulum", "--unknown", "theta=1"]);
+    assert!(text.contains("a search needs"), "{text}");
+    let text = refused(&["simple_pendulum", "--unknown", "theta", "--such-that", "theta=1"]);
+    assert!(text.contains("--unknown wants NAME=VALUE"), "{text}");
+    // Two conditions on one unknown that do not go together.
+    let both = ["simple_pendulum", "--until", "1", "--unknown", "theta'=0.1", "--such-that", "theta=0.5,theta'=9"];
+    let text = refused(&both);
+    assert!(text.contains("theta"), "{text}");
+}
+
+/// With more unknowns than conditions the solution nearest to the guess is taken, and what is free is told.
+#[test]
+fn what_is_free_is_told() {
+    let arguments =
+        ["solve", "simple_pendulum", "--until", "1", "--unknown", "theta=0.5,theta'=0.1", "--such-that", "theta=0.2"];
+    let found = told(&arguments).unwrap();
+    assert_eq!(found["free"].as_array().unwrap().len(), 1, "{found}");
+    near(number(&found["reached"]["theta"]["value"]), 0.2, 1e-10);
+}
