@@ -31,10 +31,12 @@ pub struct Slopes {
 pub struct Slope {
     /// ∂x/∂p.
     pub value: f64,
-    /// The difference to the value of a run at sixteen times the tolerance; NaN where there was none.
+    /// The difference to the value of a run at sixteen times the tolerance, or rounding; NaN where there was no second run.
     pub error: f64,
 }
 
+/// So much of a number p ∂x/∂p, beside the largest x, may be rounding.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// The tolerance of the second run, in units of the first: its errors are as many times as large, as far as they follow the tolerance.
 const LOOSER: f64 = 16.0;
 
@@ -159,6 +161,8 @@ pub(crate) struct Varied {
     pub points: Vec<Point>,
     /// By how much each unknown moves the end, s, where an event ends the run; else 0.
     pub end_time: Vec<f64>,
+    /// How large each unknown is.
+    sizes: Vec<f64>,
 }
 
 /// What there is at a time.
@@ -194,6 +198,7 @@ pub(crate) fn varied(
     let side = Side { t: settings.from, y, modes: first, phase: settings.phase };
     put(system, &side);
     let columns = starts(system, (settings, origin), (&run, &side), unknowns)?;
+    let sizes = columns.iter().map(|column| column.size).collect();
     let end = run.times.last().copied().unwrap_or(settings.from);
     let times = match (times, settings.every) {
         (Some(times), _) => times.to_vec(),
@@ -210,7 +215,7 @@ pub(crate) fn varied(
     for (k, moment) in moments.into_iter().enumerate() {
         points.push(with_outputs(system, moment, unknowns, if k == last { &shifts } else { &still })?);
     }
-    Ok(Varied { run, points, end_time: shifts })
+    Ok(Varied { run, points, end_time: shifts, sizes })
 }
 
 /// The columns at the start.
@@ -311,20 +316,39 @@ impl Varied {
         ways[0] == ways[1] && self.points.len() == other.points.len()
     }
 
+    /// The largest sizes of [q; q'] and of the outputs, of those that are finite.
+    fn largest(&self) -> Vec<f64> {
+        let Some(point) = self.points.last() else { return Vec::new() };
+        let (run, width) = (&self.run, 2 * self.run.description.coordinates.len());
+        let outputs = point.values.len() - width;
+        let of = |row: usize, i: usize| match i.checked_sub(width) {
+            None => run.rows[width * row + i],
+            Some(output) => run.outputs[outputs * row + output],
+        };
+        let most = |i: usize| (0..run.len()).map(|row| of(row, i).abs()).filter(|x| x.is_finite()).fold(0.0, f64::max);
+        (0..point.values.len()).map(most).collect()
+    }
+
     fn beside(self, rough: Option<&Varied>, unknowns: &[(String, Unknown)], names: Vec<String>) -> Slopes {
-        let slope =
-            |value: f64, other: Option<f64>| Slope { value, error: other.map_or(f64::NAN, |x| (x - value).abs()) };
+        let largest = self.largest();
+        let slope = |value: f64, other: Option<f64>, rounding: f64| Slope {
+            value,
+            error: other.map_or(f64::NAN, |x| (x - value).abs().max(rounding)),
+        };
         let values = self.points.iter().enumerate().map(|(t, point)| {
             let list = point.slopes.iter().enumerate().map(|(k, column)| {
                 let other = rough.map(|rough| &rough.points[t].slopes[k]);
-                column.iter().enumerate().map(|(i, value)| slope(*value, other.map(|other| other[i]))).collect()
+                let of = |(i, value): (usize, &f64)| {
+                    slope(*value, other.map(|other| other[i]), ROUNDING * largest[i] / self.sizes[k])
+                };
+                column.iter().enumerate().map(of).collect()
             });
             list.collect()
         });
         let end_time = self.end_time.iter().enumerate();
         Slopes {
             unknowns: unknowns.iter().map(|(name, _)| name.clone()).collect(),
-            end_time: end_time.map(|(k, shift)| slope(*shift, rough.map(|rough| rough.end_time[k]))).collect(),
+            end_time: end_time.map(|(k, shift)| slope(*shift, rough.map(|rough| rough.end_time[k]), 0.0)).collect(),
             names,
             values: values.collect(),
             times: self.points.iter().map(|point| point.t).collect(),
