@@ -128,6 +128,15 @@ impl Continuation {
         self.ask(state.value, |balance| balance.spectrum(&state.q))
     }
 
+    /// As [`Balance::note_zeros`], of some states of the branch.
+    pub fn note_zeros<'a>(&self, states: impl Iterator<Item = (f64, &'a [f64])>) {
+        let mut balance = self.balance.borrow_mut();
+        for (value, q) in states {
+            balance.set(value);
+            balance.note_zeros(q);
+        }
+    }
+
     /// As [`Balance::jacobian`].
     pub fn jacobian(&self, state: &State) -> Option<DMatrix<f64>> {
         self.ask(state.value, |balance| balance.jacobian(&state.q))

@@ -7,9 +7,12 @@
 //!
 //! What drives the first, and what answers, reactions too: look in `driven.rs`.
 //!
-//! While a parameter changes: `balance.rs`.  The matrices of all at a state, and whether it stays: `held.rs`.
+//! While a parameter changes: `balance.rs` of the first, `departing.rs` of the second.  The matrices of all at a state, and
+//! whether it stays: `state.rs`.
 
 mod balance;
+#[cfg(feature = "modal")]
+mod departing;
 mod driven;
 mod rest;
 mod state;

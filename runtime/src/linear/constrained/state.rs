@@ -50,13 +50,14 @@ pub(super) struct Terms {
     pub biases: DVector<f64>,
 }
 
-/// A state without accelerations, and the multipliers (of all rows) that leave it so.
+/// A state that goes on steadily, and the multipliers (of all rows) that let it.
 #[derive(Clone)]
 pub(super) struct State {
     pub t: f64,
     pub q: Vec<f64>,
     pub v: Vec<f64>,
-    zero: Vec<f64>,
+    /// Its accelerations.
+    pub a: Vec<f64>,
     pub lambda: Vec<f64>,
 }
 
@@ -70,7 +71,7 @@ impl State {
     }
 
     pub fn at(&self) -> At<'_> {
-        At::new(self.t, &self.q, &self.v).accelerated(&self.zero).constrained(&self.lambda)
+        At::new(self.t, &self.q, &self.v).accelerated(&self.a).constrained(&self.lambda)
     }
 }
 
@@ -95,10 +96,15 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
         self.levels = levels.collect();
     }
 
-    /// A state, with the multipliers that leave the least of its forces.
+    /// A state without accelerations, with the multipliers that leave the least of its forces.
     pub fn state(&self, q: &[f64], v: &[f64]) -> State {
+        self.accelerated(q, v, &vec![0.0; self.n])
+    }
+
+    /// A state with these accelerations, and the multipliers that leave the least of its forces.
+    pub fn accelerated(&self, q: &[f64], v: &[f64], a: &[f64]) -> State {
         let lambda = vec![0.0; self.system.description().rows.len()];
-        let mut state = State { t: 0.0, q: q.to_vec(), v: v.to_vec(), zero: vec![0.0; self.n], lambda };
+        let mut state = State { t: 0.0, q: q.to_vec(), v: v.to_vec(), a: a.to_vec(), lambda };
         let effects = self.effects(&state);
         // What rounding leaves of the first is as small as its terms only after a second time.
         for _ in 0..2 {

@@ -28,6 +28,8 @@ const ROUNDING: f64 = 1e-12;
 const NULL: f64 = 1e-9;
 /// Elements of a shift below this part of its largest are rounding.
 const PART: f64 = 1e-9;
+/// Speeds below this part of those with their unit are rounding.
+const REST: f64 = 1e-14;
 /// Speeds may be missed by this part of them, constraints by this part of their terms.
 const MISSED: f64 = 1e-9;
 /// How far a motion has gone when it is looked at again, in sizes of its coordinates.
@@ -51,9 +53,15 @@ pub fn steady_coordinates<S: System + ?Sized>(system: &S, guess: &Guess) -> Resu
 }
 
 /// A basis of shifts that change nothing, in columns.
-pub(super) struct Shifts(DMatrix<f64>);
+pub(super) struct Shifts(pub DMatrix<f64>);
 
 impl Shifts {
+    /// Nothing goes on.
+    #[cfg(feature = "modal")]
+    pub fn none(n: usize) -> Shifts {
+        Shifts(DMatrix::zeros(n, 0))
+    }
+
     /// The coordinates that some of them move.
     fn coordinates(&self) -> Vec<usize> {
         (0..self.0.nrows()).filter(|i| self.0.row(*i).iter().any(|x| *x != 0.0)).collect()
@@ -186,6 +194,8 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         let found = &shifts.0 * solve_least(&matrix, &right).ok_or(failed)?;
         let missed = kept.iter().find(|i| (found[**i] - given[**i]).abs() > MISSED * given[**i].abs());
         let v = DVector::from_fn(n, |i, _| if given[i] == 0.0 { found[i] } else { given[i] });
+        let sizes = natural_sizes(&self.units(), v.as_slice());
+        let v = DVector::from_fn(n, |i, _| if v[i].abs() <= REST * sizes[i] { 0.0 } else { v[i] });
         let (left, terms) = (&jacobian * &v + &drift, jacobian.abs() * v.abs() + drift.abs());
         let row = (0..m).find(|k| left[*k].abs() > MISSED * terms[*k]);
         match (missed, row) {

@@ -185,7 +185,10 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
     }
 
     /// Refuses a state whose linear model changes as the motion goes on.
-    fn is_steady(&self, state: &State) -> Result<(), LinearError> {
+    ///
+    /// # Errors
+    /// [`LinearError::NotSteady`], [`LinearError::DependsOnTime`].
+    pub fn is_steady(&self, state: &State) -> Result<(), LinearError> {
         let now = self.field(state)?;
         let size = now.amax().max(f64::MIN_POSITIVE);
         let name = |k: usize| self.system.description().coordinates[k].name.to_string();
@@ -225,7 +228,11 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         Ok(field)
     }
 
-    fn small_departures(&self, state: &State, iterations: usize) -> Result<Tangent, LinearError> {
+    /// F_W in units of √M, and W.
+    ///
+    /// # Errors
+    /// [`LinearError::NonFinite`], [`LinearError::NoConvergence`].
+    pub fn on_the_tangent_space(&self, state: &State) -> Result<(DMatrix<f64>, DMatrix<f64>), LinearError> {
         let n = self.n;
         let field = self.field(state)?;
         // In units of √M a departure's size says what energy it has.
@@ -237,8 +244,12 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         allowed.column_iter_mut().enumerate().for_each(|(j, mut column)| column.scale_mut(units[j]));
         let basis = null_space(allowed).ok_or(LinearError::NoConvergence { what: "the states that are left" })?;
         let matrix = basis.transpose() * scaled * &basis;
+        Ok((matrix, DMatrix::from_fn(2 * n, basis.ncols(), |i, k| basis[(i, k)] * units[i])))
+    }
+
+    fn small_departures(&self, state: &State, iterations: usize) -> Result<Tangent, LinearError> {
+        let (matrix, departures) = self.on_the_tangent_space(state)?;
         let analysis = first_order_modes(&matrix)?;
-        let departures = DMatrix::from_fn(2 * n, basis.ncols(), |i, k| basis[(i, k)] * units[i]);
         let equilibrium = Equilibrium {
             coordinates: self.names(),
             units: self.units(),
