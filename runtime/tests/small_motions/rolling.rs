@@ -88,3 +88,76 @@ fn a_disc_rolls_upright_above_its_speed() {
         assert!((re * re - im * im - square).abs() < 1e-11 && (re * im).abs() < 1e-12, "{rolling}: {re} {im}");
     }
 }
+
+/// λ² of a disc that rolls along a circle, from the equations of Euler's disc, in θ' = p, the spin n and the turning r about the
+/// axes of the leaning frame, with I = A + m R²:
+/// I p' = (C + m R²) r n − A r² tan θ + m g R sin θ, (C + m R²) n' = −m R² r p, A r' = −C p n + A r p tan θ.
+fn squared(theta: f64, psi: f64, phi: f64) -> [f64; 2] {
+    let (m, radius, g) = (1.0, 0.5, 9.81);
+    let (about_diameter, about_axle, tread) = (0.0625, 0.125, m * radius * radius);
+    let (inertia, rolling) = (about_diameter + tread, about_axle + tread);
+    let (n, r) = (phi + psi * theta.sin(), psi * theta.cos());
+    let accelerated = (rolling * r * n - about_diameter * r * r * theta.tan() + m * g * radius * theta.sin()) / inertia;
+    let by_lean = (m * g * radius * theta.cos() - about_diameter * (r / theta.cos()).powi(2)) / inertia;
+    let by_spin = rolling * r / inertia * (-tread * r / rolling);
+    let by_turning = (rolling * n - 2.0 * about_diameter * r * theta.tan()) / inertia;
+    [accelerated, by_lean + by_spin + by_turning * (r * theta.tan() - about_axle * n / about_diameter)]
+}
+
+/// The steady circle of the reference: x, y and the heading turn as a whole.  The eigenvalue is that of the reduced equations with
+/// 40 digits; a start beside it leads there.
+#[test]
+fn a_disc_rolls_along_a_circle_steadily() {
+    let text = model("rolling_disc");
+    let expected = 2.453_847_718_902_244_5_f64;
+    for more in [&[][..], &["--at", "theta=0.31"], &["--here"]] {
+        let found = run(&text, &[&["--scene", "circle", "--steady"], more].concat());
+        assert_eq!(found["turning"], serde_json::json!(["x", "y"]), "{found}");
+        assert_eq!((&found["zeros"], &found["departures"]), (&6.into(), &8.into()), "{found}");
+        assert!((found["equilibrium"]["theta"].as_f64().unwrap() - 0.3).abs() < 1e-14, "{found}");
+        for [re, im] in moving(&found, 6) {
+            assert!(re.abs() < 1e-13 && (im.abs() - expected).abs() < 1e-11, "{re} {im}");
+        }
+    }
+    let along = run(&text, &["--scene", "circle", "--steady", "--vary", "psi'=-3..-0.5"]);
+    let steps = along["locus"]["steps"].as_array().unwrap();
+    assert!(limits(&along).is_empty() && steps.len() > 60, "{}", along["locus"]["limits"]);
+    for step in steps {
+        let [psi, theta] = [&step["value"], &step["equilibrium"]["theta"]].map(|x| x.as_f64().unwrap());
+        let [accelerated, square] = squared(theta, psi, 3.066812354922589);
+        let [re, im] = moving(step, 6)[1];
+        assert!(accelerated.abs() < 1e-12 && (re * re - im * im - square).abs() < 1e-10, "{psi}: {re} {im}, {square}");
+    }
+    let near = squared(0.3, -1.5, 3.066812354922589)[1];
+    assert!((near + expected.powi(2)).abs() < 1e-12, "{near}");
+}
+
+/// A disc that spins upright on its place: A + m R² times the square of its rate is m g R.
+#[test]
+fn a_spinning_disc_stands_above_its_rate() {
+    let options = ["--scene", "upright", "--steady", "--at", "phi'=0", "--at", "psi'=4", "--vary", "psi'=1..5"];
+    let found = run(&model("rolling_disc"), &options);
+    let [(threshold, "divergence")] = limits(&found)[..] else { panic!("{}", found["locus"]["limits"]) };
+    assert!((threshold - 3.9618177646126027).abs() < 1e-11, "{threshold}");
+    for step in found["locus"]["steps"].as_array().unwrap() {
+        let [re, im] = moving(step, 6)[1];
+        let square = squared(0.0, step["value"].as_f64().unwrap(), 0.0)[1];
+        assert!((re * re - im * im - square).abs() < 1e-11, "{step}");
+    }
+}
+
+/// A heavy top precesses steadily, in angles that are cyclic without any turn: with p₃ = I₃ (φ' + ψ' cos θ) and I about the foot
+/// it nutates at ω² = (p₃/I − 2 ψ' cos θ)² + (ψ' sin θ)².
+#[test]
+fn a_top_nutates_about_its_steady_precession() {
+    let (psi, phi, about_foot, axial) = (1.3454, 40.0, 0.4, 0.1);
+    let found = run(&model("heavy_top"), &["--steady", "--at", "psi'=1.3454", "--at", "theta=0.5"]);
+    let theta = found["equilibrium"]["theta"].as_f64().unwrap();
+    let momentum = axial * (phi + psi * theta.cos());
+    // m g l = (p₃ − I ψ' cos θ) ψ'.
+    assert!(((momentum - about_foot * psi * theta.cos()) * psi - 9.81 * 0.5).abs() < 1e-12, "{theta}");
+    let expected = (momentum / about_foot - 2.0 * psi * theta.cos()).hypot(psi * theta.sin());
+    let fastest = found["modes"].as_array().unwrap().iter().map(|mode| mode["omega"].as_f64().unwrap());
+    let fastest = fastest.fold(0.0, f64::max);
+    assert!((fastest - expected).abs() < 1e-11, "{fastest} is not {expected}");
+}

@@ -98,12 +98,13 @@ impl Spectrum {
         Ok(Spectrum { values, squares, symmetric, of_departures, floor, split: SPLIT * norm, eigenvalues })
     }
 
-    /// That of departures that obey z' = A z, without zeros: `nullities` are those of [`nullities`](crate::linear::modes::nullities).
+    /// That of departures that obey z' = A z, without zeros: `nullities` are those of [`nullities`](crate::linear::modes::nullities), and
+    /// so many more are known to be 0.
     ///
     /// # Errors
     /// [`LinearError::NoConvergence`].
     #[cfg(feature = "modal")]
-    pub fn of_departures(matrix: &DMatrix<f64>, nullities: &[usize]) -> Result<Spectrum, LinearError> {
+    pub fn of_departures((matrix, more): (&DMatrix<f64>, usize), nullities: &[usize]) -> Result<Spectrum, LinearError> {
         let left = without_zeros(matrix, nullities)?;
         let failed = LinearError::NoConvergence { what: "the eigenvalue iteration" };
         let found = if left.is_empty() { None } else { Some(Eigen::of(&left).ok_or(failed)?) };
@@ -114,7 +115,7 @@ impl Spectrum {
         // Bauer and Fike's bound on what rounding does to eigenvalues.
         let condition = found.map_or(1.0, |found| found.condition()).min(WORST);
         let floor = Scaled::threshold(left.nrows(), left.norm()) * condition;
-        let zeros = std::iter::repeat_n(Complex::new(0.0, 0.0), nullities.iter().sum());
+        let zeros = std::iter::repeat_n(Complex::new(0.0, 0.0), nullities.iter().sum::<usize>() + more);
         let eigenvalues = zeros.chain(values.iter().copied()).collect();
         let (squares, symmetric, split) = (false, false, SPLIT * norm);
         Ok(Spectrum { values, squares, symmetric, of_departures: true, floor, split, eigenvalues })

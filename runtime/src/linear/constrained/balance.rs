@@ -32,22 +32,27 @@ pub(in crate::linear) fn balance<S: System + ?Sized>(
     let found = {
         let system = probe.system.borrow();
         match at_rest(&**system, &rows, guess) {
+            // What turns as a whole is seen from axes that turn along.
+            #[cfg(feature = "modal")]
+            Ok(held) if held.turning_guess(guess).is_some() => None,
             Ok(held) => {
                 let shifts = if moves { Some(held.shifts(&guess.q)?) } else { None };
-                Ok((held.levels, shifts))
+                Some((held.levels, shifts))
             }
-            Err(why) => Err(why),
+            #[cfg(feature = "modal")]
+            Err(
+                LinearError::VelocityConstraint { .. }
+                | LinearError::MovingConstraint { .. }
+                | LinearError::FrictionOfReactions,
+            ) => None,
+            Err(why) => return Err(why),
         }
     };
-    let (levels, shifts) = match found {
-        Ok(found) => found,
+    let Some((levels, shifts)) = found else {
         #[cfg(feature = "modal")]
-        Err(
-            LinearError::VelocityConstraint { .. }
-            | LinearError::MovingConstraint { .. }
-            | LinearError::FrictionOfReactions,
-        ) => return super::departing::balance(probe, rows, moves, (varied, present), guess),
-        Err(why) => return Err(why),
+        return super::departing::balance(probe, rows, moves, (varied, present), guess);
+        #[cfg(not(feature = "modal"))]
+        return Err(LinearError::NeedsFeature { feature: "modal" });
     };
     let (given, varied, guess) = (varied.speeds(present, guess), varied.clone(), guess.clone());
     Ok(Box::new(Kept { probe, rows, levels, shifts, given, varied, guess }))

@@ -59,6 +59,17 @@ pub(super) struct State {
     /// Its accelerations.
     pub a: Vec<f64>,
     pub lambda: Vec<f64>,
+    /// How it turns as a whole; `None` where nothing accelerates.
+    pub turn: Option<Turning>,
+}
+
+/// How a motion turns as a whole.
+#[derive(Clone)]
+pub(super) struct Turning {
+    /// A: a = A v.
+    pub matrix: DMatrix<f64>,
+    /// Shifts that change nothing and turn along, in columns.
+    pub shifts: DMatrix<f64>,
 }
 
 impl State {
@@ -98,13 +109,16 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
 
     /// A state without accelerations, with the multipliers that leave the least of its forces.
     pub fn state(&self, q: &[f64], v: &[f64]) -> State {
-        self.accelerated(q, v, &vec![0.0; self.n])
+        self.turning(q, v, None)
     }
 
-    /// A state with these accelerations, and the multipliers that leave the least of its forces.
-    pub fn accelerated(&self, q: &[f64], v: &[f64], a: &[f64]) -> State {
+    /// A state that turns as a whole, a = A v, and the multipliers that leave the least of its forces.
+    pub fn turning(&self, q: &[f64], v: &[f64], turn: Option<Turning>) -> State {
         let lambda = vec![0.0; self.system.description().rows.len()];
-        let mut state = State { t: 0.0, q: q.to_vec(), v: v.to_vec(), a: a.to_vec(), lambda };
+        let zero = || vec![0.0; self.n];
+        let a =
+            turn.as_ref().map_or_else(zero, |turn| (&turn.matrix * DVector::from_column_slice(v)).as_slice().to_vec());
+        let mut state = State { t: 0.0, q: q.to_vec(), v: v.to_vec(), a, lambda, turn };
         let effects = self.effects(&state);
         // What rounding leaves of the first is as small as its terms only after a second time.
         for _ in 0..2 {
@@ -210,11 +224,16 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
         lines
     }
 
-    /// γ of each row.
+    /// J a + γ of each row.
     pub fn bias(&self, state: &State) -> Vec<f64> {
         let mut gamma = vec![0.0; self.system.description().rows.len()];
         self.system.constraint_bias(state.at(), &mut gamma);
-        self.rows.iter().map(|row| gamma[*row]).collect()
+        let gamma = self.rows.iter().map(|row| gamma[*row]);
+        if state.a.iter().all(|a| *a == 0.0) {
+            return gamma.collect();
+        }
+        let accelerated = self.jacobian(state) * DVector::from_column_slice(&state.a);
+        gamma.zip(accelerated.iter()).map(|(gamma, accelerated)| gamma + accelerated).collect()
     }
 
     /// Places, among the rows in force, of those that hold a place: holonomic ones, and those with known integrals.
