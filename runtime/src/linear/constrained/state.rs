@@ -60,6 +60,7 @@ pub(super) struct State {
     pub a: Vec<f64>,
     pub lambda: Vec<f64>,
     /// How it turns as a whole; `None` where nothing accelerates.
+    #[cfg(feature = "modal")]
     pub turn: Option<Turning>,
 }
 
@@ -69,6 +70,7 @@ pub(super) struct Turning {
     /// A: a = A v.
     pub matrix: DMatrix<f64>,
     /// Shifts that change nothing and turn along, in columns.
+    #[cfg(feature = "modal")]
     pub shifts: DMatrix<f64>,
 }
 
@@ -118,7 +120,15 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
         let zero = || vec![0.0; self.n];
         let a =
             turn.as_ref().map_or_else(zero, |turn| (&turn.matrix * DVector::from_column_slice(v)).as_slice().to_vec());
-        let mut state = State { t: 0.0, q: q.to_vec(), v: v.to_vec(), a, lambda, turn };
+        let mut state = State {
+            t: 0.0,
+            q: q.to_vec(),
+            v: v.to_vec(),
+            a,
+            lambda,
+            #[cfg(feature = "modal")]
+            turn,
+        };
         let effects = self.effects(&state);
         // What rounding leaves of the first is as small as its terms only after a second time.
         for _ in 0..2 {
@@ -249,6 +259,7 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
     }
 
     /// Whether what is left of its equations is rounding of their terms, so that no step of a search can better it.
+    #[cfg(feature = "modal")]
     pub fn is_exact(&self, state: &State) -> bool {
         self.unbalanced(state, ROUNDINGS * f64::EPSILON).is_none()
     }
