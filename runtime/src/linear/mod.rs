@@ -39,9 +39,11 @@ use crate::mechanism::System;
 pub use crate::error::{LinearError, Residual};
 pub use crate::numbers::{short, short_beside, short_within};
 pub use branch::{Branch, BranchPoint, Change, CriticalSpeed, Threshold, ThresholdKind, Varied, follow};
+#[cfg(all(feature = "modal", feature = "cli"))]
+pub(crate) use constrained::turns_as_a_whole;
 pub use constrained::{Constrained, linearise_constrained, linearise_driven, steady_coordinates};
 #[cfg(feature = "modal")]
-pub use constrained::{Tangent, linearise_tangent};
+pub use constrained::{Tangent, linearise_tangent, turning_coordinates};
 #[cfg(feature = "cli")]
 pub(crate) use equilibrium::force_unit;
 pub use equilibrium::{

@@ -257,14 +257,24 @@ fn eigenvalues_along_a_branch_are_those_of_its_states() {
     }
 }
 
-/// Constraints that contain speeds without known integrals are refused with a reason, steady motions with them too.
+/// A sled on an edge, its centre of mass a before the edge, and Chaplygin's: forwards it keeps straight by −m a v/(J + m a²),
+/// backwards it turns round; at rest nothing moves it.
 #[test]
-fn what_has_no_independent_coordinates_is_refused() {
-    let sled = "name: Sled\nparameters: {m: 1 kg, I: 1 kg*m^2, d: 0.1 m}\ncoordinates: {x: m, y: m, a: rad}\n\
-        bodies: {sled: {mass: m, inertia: I, angle: a, position: \"[x, y]\"}}\n\
-        constraints: {edge: \"dot(velocity(sled), sled.y)\"}\nscene: {start: {x: 0, y: 0, a: 0}, until: 1}\n";
-    for options in [&["--vary", "m=1..2"][..], &["--steady", "--at", "x'=2", "--vary", "m=1..2"]] {
-        let refused = words(sled, options).unwrap_err();
-        assert!(refused.contains("`edge` contains speeds, without a known integral"), "{refused}");
+fn constraints_with_speeds_leave_a_branch_of_departures() {
+    let sled = "name: Sled\nparameters: {m: 1 kg, I: 0.2 kg*m^2, d: 0.3 m}\ncoordinates: {x: m, y: m, a: rad}\n\
+        points: {edge: \"[x, y]\", centre: \"[x + d*cos(a), y + d*sin(a)]\"}\n\
+        bodies: {sled: {mass: m, inertia: I, angle: a, position: centre}}\n\
+        constraints: {edge: \"y'*cos(a) - x'*sin(a)\"}\nscene: {start: {x: 0, y: 0, a: 0, x': 2}, until: 1}\n";
+    let found = run(sled, &["--steady", "--vary", "x'=-3..3"]);
+    let [(value, kind)] = limits(&found)[..] else { panic!("{}", found["locus"]["limits"]) };
+    assert!(kind == "divergence" && value.abs() < 1e-12, "{kind} at {value}");
+    for step in found["locus"]["steps"].as_array().unwrap() {
+        let speed = step["value"].as_f64().unwrap();
+        let last = step["eigenvalues"].as_array().unwrap().last().unwrap()[0].as_f64().unwrap();
+        let expected = -0.3 * speed / (0.2 + 0.3 * 0.3);
+        assert!((last - expected).abs() < 1e-13 * 3.0, "{speed}: {last} is not {expected}");
+        assert_eq!(step["growing"], u64::from(speed < 0.0), "{step}");
     }
+    let resting = run(sled, &["--vary", "m=1..2"]);
+    assert!(limits(&resting).is_empty() && resting["locus"]["steps"][0]["growing"] == 0, "{resting}");
 }

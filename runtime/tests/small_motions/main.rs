@@ -4,6 +4,7 @@
 
 mod branches;
 mod rests;
+mod rolling;
 mod steady;
 
 use std::path::PathBuf;

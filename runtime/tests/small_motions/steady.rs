@@ -260,7 +260,7 @@ fn what_cannot_be_steady_is_refused_and_what_has_no_matrices_has_eigenvalues() {
     assert!(refused.contains("`edge` contains speeds") && refused.contains("simulate"), "{refused}");
 }
 
-/// A constraint that turns the hoop leaves departures in the bead alone, and no branch.
+/// A constraint that turns the hoop leaves departures in the bead alone: ω² = W² − (g/(R W))², along a branch too.
 #[test]
 fn what_a_constraint_turns_has_the_eigenvalues_of_a_hoop_that_is_turned() {
     let turned = HOOP_BY_ANGLE.replace("coordinates: {phi: rad, ", "coordinates: {").replace("(phi)", "(W*t)");
@@ -276,8 +276,12 @@ fn what_a_constraint_turns_has_the_eigenvalues_of_a_hoop_that_is_turned() {
         let list = found["eigenvalues"].as_array().unwrap();
         assert_eq!(list.len(), 2, "{found}");
         close(number(&list[1][1]).abs(), omega, 1e-9);
-        let refused = words(&held, &["--steady", "--vary", "g=5..10"]).unwrap_err();
-        assert!(refused.contains("`lock`"), "{refused}");
+        let along = run(&held, &["--steady", "--vary", "g=5..10"]);
+        for step in along["locus"]["steps"].as_array().unwrap() {
+            let (g, of) = (number(&step["value"]), &step["eigenvalues"][1]);
+            close(number(&of[1]).abs(), (36.0 - (g / 3.0).powi(2)).sqrt(), 1e-12);
+            assert!(number(&of[0]).abs() < 1e-13, "{step}");
+        }
     }
 }
 

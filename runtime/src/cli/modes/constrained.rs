@@ -22,7 +22,7 @@ use super::tangent;
 use super::{bodies, failed, integrals, notes, pictures, report, varying};
 use crate::linear::{Guess, LinearError, linearise_constrained, short};
 #[cfg(feature = "modal")]
-use crate::linear::{linearise_driven, linearise_tangent};
+use crate::linear::{linearise_driven, linearise_tangent, turns_as_a_whole};
 use crate::mechanism::dense::mass_matrix;
 use crate::mechanism::{At, Row};
 
@@ -85,6 +85,10 @@ pub fn run(
                 let words = format!("error: --motion: {why}; `simulate` computes the motion itself");
                 return Err(Problem::Usage(words));
             }
+            return by_departures(loaded, options, reader, speeds, guess, &names, out);
+        }
+        #[cfg(feature = "modal")]
+        Err(LinearError::NotSteady { .. }) if !options.contains_id("motion") && turns_as_a_whole(system, guess) => {
             return by_departures(loaded, options, reader, speeds, guess, &names, out);
         }
         found => found.map_err(failed)?,

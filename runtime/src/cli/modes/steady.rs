@@ -28,7 +28,7 @@ impl Speeds {
         let start = loaded.system.scene(scene);
         let of_scene = match options.get_flag("steady") {
             false => Vec::new(),
-            true => going(loaded, &Guess { inputs: inputs.to_vec(), ..Guess::at(&start.q) })?,
+            true => going(loaded, &Guess { inputs: inputs.to_vec(), ..Guess::at(&start.q) }, &start.v)?,
         };
         let mut v = vec![0.0; start.v.len()];
         of_scene.iter().for_each(|i| v[*i] = start.v[*i]);
@@ -80,8 +80,8 @@ impl Speeds {
     }
 }
 
-/// The coordinates that can go on steadily.
-fn going(loaded: &Loaded, guess: &Guess) -> Result<Vec<usize>, Problem> {
+/// The coordinates that can go on steadily, from a start with these speeds.
+fn going(loaded: &Loaded, guess: &Guess, start: &[f64]) -> Result<Vec<usize>, Problem> {
     let description = loaded.system.description();
     if !has_dependent_coordinates(&*loaded.system) {
         let cyclic: Vec<usize> = description.structure.cyclic.iter().map(|index| *index as usize).collect();
@@ -94,6 +94,9 @@ fn going(loaded: &Loaded, guess: &Guess) -> Result<Vec<usize>, Problem> {
         };
     }
     let going = steady_coordinates(&*loaded.system, guess).map_err(failed)?;
+    if let Some(turning) = turning(loaded, guess, start, &going)? {
+        return Ok(turning);
+    }
     match going.is_empty() {
         false => Ok(going),
         true => Err(Problem::Usage(format!(
@@ -103,4 +106,22 @@ fn going(loaded: &Loaded, guess: &Guess) -> Result<Vec<usize>, Problem> {
             loaded.name
         ))),
     }
+}
+
+/// The same with those that turn as a whole, where the start has such speeds and a steady motion has them too.
+#[cfg(feature = "modal")]
+fn turning(loaded: &Loaded, guess: &Guess, start: &[f64], going: &[usize]) -> Result<Option<Vec<usize>>, Problem> {
+    use crate::linear::{linearise_tangent, turning_coordinates};
+    let system = &*loaded.system;
+    let all = turning_coordinates(system, guess).map_err(failed)?;
+    if !all.iter().any(|i| start[*i] != 0.0 && !going.contains(i)) {
+        return Ok(None);
+    }
+    let v = (0..start.len()).map(|i| if all.contains(&i) { start[i] } else { 0.0 }).collect();
+    Ok(linearise_tangent(system, &Guess { v, ..guess.clone() }, false).is_ok().then_some(all))
+}
+
+#[cfg(not(feature = "modal"))]
+fn turning(_: &Loaded, _: &Guess, _: &[f64], _: &[usize]) -> Result<Option<Vec<usize>>, Problem> {
+    Ok(None)
 }

@@ -21,6 +21,9 @@ pub fn table(name: &str, found: &Tangent, reactions: &[Reaction], out: &mut dyn 
     let steady = if at.v.iter().any(|v| *v != 0.0) { "steady motion" } else { "equilibrium" };
     writeln!(out, "{name}: {steady} at {at}")?;
     writeln!(out, "  {}", super::report::residual(at))?;
+    if !found.turning.is_empty() {
+        writeln!(out, "  {} turn as a whole: departures are seen from axes that turn along", found.turning.join(", "))?;
+    }
     let (free, analysis) = (found.matrix.nrows(), &found.analysis);
     writeln!(out, "departures that the constraints allow: {free}")?;
     match (analysis.zeros, analysis.neutral.len()) {
@@ -113,6 +116,7 @@ pub fn as_json(
         ("equilibrium", named(&at.q)),
         ("speeds", named(&at.v)),
         ("residual", number(at.largest_residual())),
+        ("turning", json!(found.turning)),
         ("departures", json!(found.matrix.nrows())),
         ("F", rows.collect::<Vec<_>>().into()),
         ("zeros", json!(found.analysis.zeros)),

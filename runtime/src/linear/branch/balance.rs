@@ -28,6 +28,9 @@ pub(in crate::linear) trait Balance {
     /// Those of linearising there.
     fn spectrum(&self, q: &[f64]) -> Result<Spectrum, LinearError>;
 
+    /// Counts the eigenvalues that are 0 at a solution: what is 0 at all of those that it is shown is left out of spectra.
+    fn note_zeros(&mut self, _: &[f64]) {}
+
     /// The solution that a search from here finds, near or not.
     ///
     /// # Errors

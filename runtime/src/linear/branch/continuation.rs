@@ -128,6 +128,15 @@ impl Continuation {
         self.ask(state.value, |balance| balance.spectrum(&state.q))
     }
 
+    /// As [`Balance::note_zeros`], of some states of the branch.
+    pub fn note_zeros<'a>(&self, states: impl Iterator<Item = (f64, &'a [f64])>) {
+        let mut balance = self.balance.borrow_mut();
+        for (value, q) in states {
+            balance.set(value);
+            balance.note_zeros(q);
+        }
+    }
+
     /// As [`Balance::jacobian`].
     pub fn jacobian(&self, state: &State) -> Option<DMatrix<f64>> {
         self.ask(state.value, |balance| balance.jacobian(&state.q))
@@ -367,7 +376,7 @@ impl Continuation {
         let mut earlier = guess.clone();
         let mut before = f64::INFINITY;
         for _ in 0..CORRECTIONS {
-            if let Some(clean) = self.without_rounding(&state) {
+            if let Some(clean) = self.without_rounding(&state).filter(|clean| self.left(clean).1 <= ROUNDED) {
                 return Some(clean);
             }
             let (left, largest) = self.left(&state);
@@ -376,7 +385,8 @@ impl Continuation {
             }
             // To rounding, as far as steps still help; a step that only shakes what is rounding is not taken.
             if largest == 0.0 || (largest <= BALANCED && largest > 0.25 * before) {
-                return Some(if before <= ROUNDED { earlier } else { state });
+                let found = if before <= ROUNDED { earlier } else { state };
+                return Some(self.without_rounding(&found).unwrap_or(found));
             }
             earlier.clone_from(&state);
             before = largest;
@@ -425,7 +435,9 @@ impl Continuation {
         let all = factors.len();
         let mut matrix = matrix.resize(all + 1, all + 1, 0.0);
         matrix.view_mut((0, all), (all, 1)).copy_from(&self.slope(state).component_mul(&factors));
-        matrix.view_mut((all, 0), (1, n)).copy_from_slice(&across[..n]);
+        // What no equation depends on stays: rounding of the direction would be all that it is asked for.
+        let matters: Vec<usize> = (0..n).filter(|j| matrix.column(*j).iter().any(|x| *x != 0.0)).collect();
+        matters.into_iter().for_each(|j| matrix[(all, j)] = across[j]);
         matrix[(all, all)] = across[n];
         let mut right = wanted.component_mul(&factors).resize_vertically(all + 1, 0.0);
         right[all] = along;

@@ -43,6 +43,7 @@ impl Branch {
             return Ok(Vec::new());
         }
         let continuation = Continuation::new(balance(system, varied, guess)?, range)?;
+        continuation.note_zeros(points.iter().map(|point| (point.value, point.q.as_slice())));
         let mut found = Vec::new();
         for pair in points.windows(2).filter(|pair| self.joins(&pair[0], &pair[1])) {
             let next = matched(&pair[0].eigenvalues, &pair[1].eigenvalues);

@@ -150,7 +150,9 @@ impl Branch {
 /// of the range.
 ///
 /// With constraints the branch consists of states that meet them, in all coordinates of the file; eigenvalues are those of
-/// independent ones, and where rows lose their rank is a threshold with the name of one of them.
+/// independent ones, and where rows lose their rank is a threshold with the name of one of them.  Where constraints leave no
+/// independent coordinates, or a motion turns as a whole, they are those of `linearise_tangent`;
+/// zeros that they have at every state are neither stable nor unstable.
 ///
 /// # Errors
 /// As [`equilibrium_near`](super::equilibrium_near) and [`linearise`](super::linearise), with constraints as

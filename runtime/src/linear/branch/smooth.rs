@@ -70,6 +70,7 @@ impl Branch {
         }
         let range = (first.value.min(last.value), first.value.max(last.value));
         let continuation = Continuation::new(balance(system, varied, guess)?, range)?;
+        continuation.note_zeros(known.iter().map(|point| (point.value, point.q.as_slice())));
         let size = continuation.size();
         let mut between = Between { continuation, pixel: pixel(&known), left: 100_000 / (1 + size * size / 20) };
         let mut points = vec![(*first).clone()];

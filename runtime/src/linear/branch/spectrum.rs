@@ -6,6 +6,8 @@ use super::{BranchPoint, State};
 use crate::linear::matrices::{Scaled, cholesky, null_space, symmetric_eigen};
 use crate::linear::modes::matched;
 use crate::linear::{LinearError, Linearised};
+#[cfg(feature = "modal")]
+use crate::linear::{matrices::Eigen, modes::without_zeros};
 use crate::matrix::is_symmetric;
 
 /// Parts of an eigenvalue below this are what rounding makes of a double one.
@@ -16,6 +18,9 @@ const ROUNDING: f64 = 1e-12;
 const REAL_PART: f64 = 64.0 * f64::EPSILON;
 /// κ nearer to 0 than this part of what the κ nearest to 0 is elsewhere on the branch is rounding.
 const STIFFNESS: f64 = 16.0 * f64::EPSILON;
+/// Eigenvectors that are nearer to depending on each other are those of a double eigenvalue: as in `modes/first_order.rs`.
+#[cfg(feature = "modal")]
+const WORST: f64 = 1e6;
 /// What vanishes this near to a piece of the branch, in lengths of the piece, may do so in it.
 const REACH: f64 = 0.25;
 
@@ -36,6 +41,8 @@ pub(in crate::linear) struct Spectrum {
     squares: bool,
     /// Symmetric: eigenvalues are real, and may pass each other.
     symmetric: bool,
+    /// λ of a system of first order.
+    of_departures: bool,
     /// Real parts, or κ, up to this are rounding.
     floor: f64,
     /// Differences of two values up to this are what rounding makes of a double one.
@@ -87,7 +94,31 @@ impl Spectrum {
             (false, true) => SPLIT * norm,
             (false, false) => rounding,
         };
-        Ok(Spectrum { values, squares, symmetric, floor, split: SPLIT * norm, eigenvalues })
+        let of_departures = false;
+        Ok(Spectrum { values, squares, symmetric, of_departures, floor, split: SPLIT * norm, eigenvalues })
+    }
+
+    /// That of departures that obey z' = A z, without zeros: `nullities` are those of [`nullities`](crate::linear::modes::nullities), and
+    /// so many more are known to be 0.
+    ///
+    /// # Errors
+    /// [`LinearError::NoConvergence`].
+    #[cfg(feature = "modal")]
+    pub fn of_departures((matrix, more): (&DMatrix<f64>, usize), nullities: &[usize]) -> Result<Spectrum, LinearError> {
+        let left = without_zeros(matrix, nullities)?;
+        let failed = LinearError::NoConvergence { what: "the eigenvalue iteration" };
+        let found = if left.is_empty() { None } else { Some(Eigen::of(&left).ok_or(failed)?) };
+        let mut values = found.as_ref().map_or_else(Vec::new, |found| found.values.clone());
+        values
+            .sort_by(|a, b| a.im.abs().total_cmp(&b.im.abs()).then(a.re.total_cmp(&b.re)).then(a.im.total_cmp(&b.im)));
+        let norm = values.iter().fold(0.0_f64, |most, x| most.max(x.norm()));
+        // Bauer and Fike's bound on what rounding does to eigenvalues.
+        let condition = found.map_or(1.0, |found| found.condition()).min(WORST);
+        let floor = Scaled::threshold(left.nrows(), left.norm()) * condition;
+        let zeros = std::iter::repeat_n(Complex::new(0.0, 0.0), nullities.iter().sum::<usize>() + more);
+        let eigenvalues = zeros.chain(values.iter().copied()).collect();
+        let (squares, symmetric, split) = (false, false, SPLIT * norm);
+        Ok(Spectrum { values, squares, symmetric, of_departures: true, floor, split, eigenvalues })
     }
 
     /// The state of a branch that it belongs to.
@@ -111,6 +142,13 @@ impl Spectrum {
         if self.squares { self.growing(measure) } else { self.unstable(measure) }
     }
 
+    /// Whether the fine measure locates a change: with departures, where no eigenvalue keeps to the axis, so that signs of real
+    /// parts are more than rounding.
+    pub fn locates(&self) -> bool {
+        let clear = !self.of_departures || self.values.iter().all(|x| x.re.abs() > self.floor);
+        clear && self.counted(Measure::Fine) == self.counted(Measure::Coarse)
+    }
+
     /// The distance from 0 of the κ that is nearest to it; 0 where these are not κ.
     pub fn softness(&self) -> f64 {
         let nearest = self.values.iter().fold(f64::INFINITY, |least, x| least.min(x.norm()));
@@ -132,6 +170,7 @@ impl Spectrum {
         match self.squares {
             // √−κ has a positive real part: κ < 0, or a pair off the axis.
             true => x.im.abs() > part * x.norm() || x.re < -softest,
+            false if self.of_departures && measure == Measure::Fine => x.re > 0.0,
             // Between two that are δ apart rounding leaves real parts of ε/δ: no measure is finer than √ε.
             false => x.re > self.floor,
         }
@@ -168,9 +207,10 @@ impl Spectrum {
     }
 
     /// Im λ of the growing mode that is nearest to the border; 0 where it does not oscillate.
-    pub fn border(&self) -> Option<f64> {
+    pub fn border(&self, measure: Measure) -> Option<f64> {
+        let measure = if self.of_departures { measure } else { Measure::Fine };
         let lambda = |x: &Complex<f64>| if self.squares { both_roots(*x)[0] } else { *x };
-        let growing = self.values.iter().filter(|x| self.grows(x, Measure::Fine)).map(lambda);
+        let growing = self.values.iter().filter(|x| self.grows(x, measure)).map(lambda);
         let nearest = growing.min_by(|a, b| a.re.abs().total_cmp(&b.re.abs()))?;
         Some(if nearest.im.abs() <= SPLIT * nearest.norm() { 0.0 } else { nearest.im.abs() })
     }

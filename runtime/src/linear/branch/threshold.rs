@@ -57,6 +57,7 @@ pub(super) fn thresholds(continuation: &Continuation, path: &Path, branch: &mut 
 fn sampled(continuation: &Continuation, path: &Path, branch: &mut Branch) -> Vec<Option<Sample>> {
     let mut fault: Option<(f64, LinearError)> = None;
     let mut samples: Vec<Option<Sample>> = Vec::new();
+    continuation.note_zeros(path.points.iter().map(|state| (state.value, state.q.as_slice())));
     for (index, state) in path.points.iter().enumerate() {
         match continuation.spectrum(state) {
             Ok(spectrum) => samples.push(Some(Sample { state: state.clone(), spectrum, sheet: path.sheet(index) })),
@@ -197,9 +198,7 @@ impl Search<'_> {
     fn bisect(&self, a: &Sample, b: &Sample, kept: &mut Vec<Sample>, found: &mut Vec<Threshold>) {
         let (mut low, mut high) = (a.clone(), b.clone());
         // Double eigenvalues with one shape are split by rounding all the way: then only the coarse measure will do.
-        let fine =
-            [a, b].iter().all(|end| end.spectrum.counted(Measure::Fine) == end.spectrum.counted(Measure::Coarse));
-        let measure = if fine { Measure::Fine } else { Measure::Coarse };
+        let measure = if a.spectrum.locates() && b.spectrum.locates() { Measure::Fine } else { Measure::Coarse };
         let counted = |sample: &Sample| sample.spectrum.counted(measure);
         let before = counted(a);
         for _ in 0..60 {
@@ -223,7 +222,7 @@ impl Search<'_> {
     /// Between two states of which stability differs, by this measure.
     fn threshold(&self, a: &Sample, b: &Sample, measure: Measure) -> Threshold {
         let more = if a.spectrum.counted(measure) > b.spectrum.counted(measure) { a } else { b };
-        let omega = more.spectrum.border().unwrap_or(0.0);
+        let omega = more.spectrum.border(measure).unwrap_or(0.0);
         let kind = if omega > 0.0 { ThresholdKind::Flutter } else { ThresholdKind::Divergence };
         let value = 0.5 * (a.state.value + b.state.value);
         let [low, high] = if a.state.value <= b.state.value { [a, b] } else { [b, a] };

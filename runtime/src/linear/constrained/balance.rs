@@ -15,8 +15,10 @@ use crate::mechanism::System;
 
 /// The equations of a mechanism with constraints while something changes, which has this value at present.
 ///
+/// Where constraints leave no independent coordinates (as [`linearise_constrained`] has it) they are those of `departing.rs`.
+///
 /// # Errors
-/// As [`linearise_constrained`]: constraints that contain speeds and have no known integrals, forces made of reactions.
+/// Numbers that are not finite; those of a singular value decomposition.
 pub(in crate::linear) fn balance<S: System + ?Sized>(
     system: &S,
     varied: &Varied,
@@ -27,11 +29,30 @@ pub(in crate::linear) fn balance<S: System + ?Sized>(
     probe.sides_at(&guess.q);
     let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
     let moves = !matches!(varied, Varied::Parameter(_)) || guess.v.iter().any(|v| *v != 0.0);
-    let (levels, shifts) = {
+    let found = {
         let system = probe.system.borrow();
-        let held = at_rest(&**system, &rows, guess)?;
-        let shifts = if moves { Some(held.shifts(&guess.q)?) } else { None };
-        (held.levels, shifts)
+        match at_rest(&**system, &rows, guess) {
+            // What turns as a whole is seen from axes that turn along.
+            #[cfg(feature = "modal")]
+            Ok(held) if held.turning_guess(guess).is_some() => None,
+            Ok(held) => {
+                let shifts = if moves { Some(held.shifts(&guess.q)?) } else { None };
+                Some((held.levels, shifts))
+            }
+            #[cfg(feature = "modal")]
+            Err(
+                LinearError::VelocityConstraint { .. }
+                | LinearError::MovingConstraint { .. }
+                | LinearError::FrictionOfReactions,
+            ) => None,
+            Err(why) => return Err(why),
+        }
+    };
+    let Some((levels, shifts)) = found else {
+        #[cfg(feature = "modal")]
+        return super::departing::balance(probe, rows, moves, (varied, present), guess);
+        #[cfg(not(feature = "modal"))]
+        return Err(LinearError::NeedsFeature { feature: "modal" });
     };
     let (given, varied, guess) = (varied.speeds(present, guess), varied.clone(), guess.clone());
     Ok(Box::new(Kept { probe, rows, levels, shifts, given, varied, guess }))

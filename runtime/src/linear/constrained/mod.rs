@@ -3,27 +3,38 @@
 //! 1. At rest, and in steady motions, with holonomic constraints, or such as have known integrals, M, C and K in independent
 //!    coordinates: look in `rest.rs`; what can go on steadily, and how fast: in `steady.rs`.
 //! 2. With other constraints that contain speeds, and with friction made of reactions, a system of first order on the states
-//!    that the constraints leave: look in `tangent.rs`.
+//!    that the constraints leave: look in `tangent.rs`.  There motions that turn as a whole are steady, too: look in `turns.rs`.
 //!
 //! What drives the first, and what answers, reactions too: look in `driven.rs`.
 //!
-//! While a parameter changes: `balance.rs`.  The matrices of all at a state, and whether it stays: `held.rs`.
+//! While a parameter changes: `balance.rs` of the first, `departing.rs` of the second.  The matrices of all at a state, and
+//! whether it stays: `state.rs`.
 
 mod balance;
+#[cfg(feature = "modal")]
+mod departing;
 mod driven;
+#[cfg(feature = "modal")]
+mod relative;
 mod rest;
 mod state;
 mod steady;
 #[cfg(feature = "modal")]
 mod tangent;
+#[cfg(feature = "modal")]
+mod turns;
 
 use super::equilibrium::LinearisationPoint;
 use super::{Guess, LinearError};
 use crate::mechanism::System;
 
 pub(super) use balance::balance;
+#[cfg(all(feature = "modal", feature = "cli"))]
+pub(crate) use relative::turns_as_a_whole;
 pub use rest::{Constrained, linearise_constrained, linearise_driven};
 pub use steady::steady_coordinates;
+#[cfg(feature = "modal")]
+pub use steady::turning_coordinates;
 #[cfg(feature = "modal")]
 pub use tangent::{Tangent, linearise_tangent};
 

@@ -50,14 +50,28 @@ pub(super) struct Terms {
     pub biases: DVector<f64>,
 }
 
-/// A state without accelerations, and the multipliers (of all rows) that leave it so.
+/// A state that goes on steadily, and the multipliers (of all rows) that let it.
 #[derive(Clone)]
 pub(super) struct State {
     pub t: f64,
     pub q: Vec<f64>,
     pub v: Vec<f64>,
-    zero: Vec<f64>,
+    /// Its accelerations.
+    pub a: Vec<f64>,
     pub lambda: Vec<f64>,
+    /// How it turns as a whole; `None` where nothing accelerates.
+    #[cfg(feature = "modal")]
+    pub turn: Option<Turning>,
+}
+
+/// How a motion turns as a whole.
+#[derive(Clone)]
+pub(super) struct Turning {
+    /// A: a = A v.
+    pub matrix: DMatrix<f64>,
+    /// Shifts that change nothing and turn along, in columns.
+    #[cfg(feature = "modal")]
+    pub shifts: DMatrix<f64>,
 }
 
 impl State {
@@ -70,7 +84,7 @@ impl State {
     }
 
     pub fn at(&self) -> At<'_> {
-        At::new(self.t, &self.q, &self.v).accelerated(&self.zero).constrained(&self.lambda)
+        At::new(self.t, &self.q, &self.v).accelerated(&self.a).constrained(&self.lambda)
     }
 }
 
@@ -95,10 +109,26 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
         self.levels = levels.collect();
     }
 
-    /// A state, with the multipliers that leave the least of its forces.
+    /// A state without accelerations, with the multipliers that leave the least of its forces.
     pub fn state(&self, q: &[f64], v: &[f64]) -> State {
+        self.turning(q, v, None)
+    }
+
+    /// A state that turns as a whole, a = A v, and the multipliers that leave the least of its forces.
+    pub fn turning(&self, q: &[f64], v: &[f64], turn: Option<Turning>) -> State {
         let lambda = vec![0.0; self.system.description().rows.len()];
-        let mut state = State { t: 0.0, q: q.to_vec(), v: v.to_vec(), zero: vec![0.0; self.n], lambda };
+        let zero = || vec![0.0; self.n];
+        let a =
+            turn.as_ref().map_or_else(zero, |turn| (&turn.matrix * DVector::from_column_slice(v)).as_slice().to_vec());
+        let mut state = State {
+            t: 0.0,
+            q: q.to_vec(),
+            v: v.to_vec(),
+            a,
+            lambda,
+            #[cfg(feature = "modal")]
+            turn,
+        };
         let effects = self.effects(&state);
         // What rounding leaves of the first is as small as its terms only after a second time.
         for _ in 0..2 {
@@ -204,11 +234,16 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
         lines
     }
 
-    /// γ of each row.
+    /// J a + γ of each row.
     pub fn bias(&self, state: &State) -> Vec<f64> {
         let mut gamma = vec![0.0; self.system.description().rows.len()];
         self.system.constraint_bias(state.at(), &mut gamma);
-        self.rows.iter().map(|row| gamma[*row]).collect()
+        let gamma = self.rows.iter().map(|row| gamma[*row]);
+        if state.a.iter().all(|a| *a == 0.0) {
+            return gamma.collect();
+        }
+        let accelerated = self.jacobian(state) * DVector::from_column_slice(&state.a);
+        gamma.zip(accelerated.iter()).map(|(gamma, accelerated)| gamma + accelerated).collect()
     }
 
     /// Places, among the rows in force, of those that hold a place: holonomic ones, and those with known integrals.
@@ -224,6 +259,7 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
     }
 
     /// Whether what is left of its equations is rounding of their terms, so that no step of a search can better it.
+    #[cfg(feature = "modal")]
     pub fn is_exact(&self, state: &State) -> bool {
         self.unbalanced(state, ROUNDINGS * f64::EPSILON).is_none()
     }

@@ -7,9 +7,13 @@
 //! by, ∂(J v)/∂q = 0, so that departures ξ in the independent coordinates have speeds Z ξ': M_z, C_z and K_z are those of
 //! `rest.rs` at these speeds.
 
+#[cfg(feature = "modal")]
+use nalgebra::DVectorView;
 use nalgebra::{DMatrix, DVector};
 
 use super::state::{ConstrainedState, State};
+#[cfg(feature = "modal")]
+use super::turns::Symmetries;
 use crate::linear::equilibrium::LinearisationPoint;
 use crate::linear::matrices::natural_sizes;
 use crate::linear::{Guess, LinearError};
@@ -18,16 +22,18 @@ use crate::mechanism::dense::{constraint_matrix, constraint_slopes, constraint_t
 use crate::mechanism::{At, System};
 
 /// States at which equations are asked what they depend on, and so many of them must be defined.
-const STATES: usize = 6;
-const DEFINED: usize = 3;
+pub(super) const STATES: usize = 6;
+pub(super) const DEFINED: usize = 3;
 /// How far they are apart, as a part of the coordinates' sizes.
 const APART: f64 = 0.3;
 /// Slopes below this part of the largest of their row are rounding.
 const ROUNDING: f64 = 1e-12;
 /// Singular values below this part of the largest are 0.
-const NULL: f64 = 1e-9;
+pub(super) const NULL: f64 = 1e-9;
 /// Elements of a shift below this part of its largest are rounding.
-const PART: f64 = 1e-9;
+pub(super) const PART: f64 = 1e-9;
+/// Speeds below this part of those with their unit are rounding.
+const REST: f64 = 1e-14;
 /// Speeds may be missed by this part of them, constraints by this part of their terms.
 const MISSED: f64 = 1e-9;
 /// How far a motion has gone when it is looked at again, in sizes of its coordinates.
@@ -50,12 +56,53 @@ pub fn steady_coordinates<S: System + ?Sized>(system: &S, guess: &Guess) -> Resu
     Ok(shifts.coordinates())
 }
 
+/// As [`steady_coordinates`], with those that turn as a whole beside them: the heading of what rolls on a plane, and its place.
+///
+/// # Errors
+/// As [`steady_coordinates`].
+#[cfg(feature = "modal")]
+pub fn turning_coordinates<S: System + ?Sized>(system: &S, guess: &Guess) -> Result<Vec<usize>, LinearError> {
+    let probe = LinearisationPoint::new(system, guess);
+    probe.sides_at(&guess.q);
+    let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    let system = probe.system.borrow();
+    let held = ConstrainedState::new(&**system, &rows, &guess.q);
+    let shifts = held.shifts(&guess.q)?;
+    let turns = held.turns(&guess.q, &shifts)?;
+    Ok(Symmetries { shifts, turns }.coordinates())
+}
+
 /// A basis of shifts that change nothing, in columns.
-pub(super) struct Shifts(DMatrix<f64>);
+#[derive(Clone)]
+pub(super) struct Shifts(pub DMatrix<f64>);
+
+/// A state at which all terms matter: a place near another one, speeds, accelerations and multipliers.
+pub(super) struct Draw {
+    pub place: Vec<f64>,
+    pub v: Vec<f64>,
+    pub a: Vec<f64>,
+    pub lambda: Vec<f64>,
+}
 
 impl Shifts {
+    /// Nothing goes on.
+    #[cfg(feature = "modal")]
+    pub fn none(n: usize) -> Shifts {
+        Shifts(DMatrix::zeros(n, 0))
+    }
+
+    /// The coordinates that can be shifted alone.
+    #[cfg(feature = "modal")]
+    pub fn alone(&self) -> Vec<usize> {
+        let single = |shift: DVectorView<'_, f64>| {
+            let mut moved = (0..shift.len()).filter(|i| shift[*i] != 0.0);
+            moved.next().filter(|_| moved.next().is_none())
+        };
+        self.0.column_iter().filter_map(|shift| single(shift.as_view())).collect()
+    }
+
     /// The coordinates that some of them move.
-    fn coordinates(&self) -> Vec<usize> {
+    pub fn coordinates(&self) -> Vec<usize> {
         (0..self.0.nrows()).filter(|i| self.0.row(*i).iter().any(|x| *x != 0.0)).collect()
     }
 }
@@ -71,9 +118,7 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         let mut all = DMatrix::zeros(0, n);
         let mut defined = 0;
         for k in 0..2 * STATES {
-            // Nearer by where equations are not defined.
-            let apart = APART * 0.5_f64.powi((k / STATES) as i32 * 4);
-            let Some(slopes) = self.dependence(q, &sizes, apart, k) else { continue };
+            let Some(slopes) = self.dependence(q, &sizes, k) else { continue };
             let filled = all.nrows();
             all = all.resize_vertically(filled + n + m, 0.0);
             all.view_mut((filled, 0), (n + m, n)).copy_from(&slopes);
@@ -108,9 +153,11 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         Ok(Shifts(if basis.is_empty() { DMatrix::zeros(n, 0) } else { DMatrix::from_columns(&basis) }))
     }
 
-    /// ∂F/∂q and ∂(J a + γ)/∂q at a state near a place at which all terms matter, each coordinate in its size; `None` where they are not defined.
-    fn dependence(&self, q: &[f64], sizes: &[f64], apart: f64, k: usize) -> Option<DMatrix<f64>> {
-        let (n, m) = (self.n, self.rows.len());
+    /// A state near a place at which all terms matter; `None` where they are not defined.
+    pub fn draw(&self, q: &[f64], sizes: &[f64], k: usize) -> Option<Draw> {
+        let n = self.n;
+        // Nearer by where equations are not defined.
+        let apart = APART * 0.5_f64.powi((k / STATES) as i32 * 4);
         // Any numbers in −1 … 1, the same in every run.
         let drawn = |i: usize, of: usize| (1.7 * i as f64 + 2.3 * k as f64 + 0.9 * of as f64 + 0.4).sin();
         let vector = |size: f64, of: usize| (0..n).map(|i| size * sizes[i] * drawn(i, of)).collect::<Vec<f64>>();
@@ -139,6 +186,13 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
             let reach = jacobian.row(row).iter().zip(sizes).fold(0.0_f64, |most, (x, size)| most.max((x * size).abs()));
             lambda[*k] = work / or_one(reach) * drawn(row, 3);
         }
+        Some(Draw { place, v, a, lambda })
+    }
+
+    /// ∂F/∂q and ∂(J a + γ)/∂q at a state near a place at which all terms matter, each coordinate in its size; `None` where they are not defined.
+    fn dependence(&self, q: &[f64], sizes: &[f64], k: usize) -> Option<DMatrix<f64>> {
+        let (n, m) = (self.n, self.rows.len());
+        let Draw { place, v, a, lambda } = self.draw(q, sizes, k)?;
         let at = At::new(0.0, &place, &v).accelerated(&a).constrained(&lambda);
         let mut slopes = DMatrix::zeros(n + m, n);
         slopes.view_mut((0, 0), (n, n)).copy_from(&force_slopes(self.system, at)[0]);
@@ -162,13 +216,26 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
     /// [`LinearError::NotSteady`] for one whose value matters, [`LinearError::SpeedsContradict`] where others do not let it go
     /// on.
     pub fn speeds(&self, shifts: &Shifts, q: &[f64], given: &[f64]) -> Result<Vec<f64>, LinearError> {
+        Ok(self.speeds_along((&shifts.0, &shifts.coordinates()), q, given)?.0)
+    }
+
+    /// The same with directions in columns, of which the coordinates are named that some move; and how fast they go along
+    /// each.
+    ///
+    /// # Errors
+    /// As [`ConstrainedState::speeds`].
+    pub fn speeds_along(
+        &self,
+        (ways, free): (&DMatrix<f64>, &[usize]),
+        q: &[f64],
+        given: &[f64],
+    ) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
         let (n, m) = (self.n, self.rows.len());
         let kept: Vec<usize> = (0..n).filter(|i| given[*i] != 0.0).collect();
         if kept.is_empty() {
-            return Ok(vec![0.0; n]);
+            return Ok((vec![0.0; n], vec![0.0; ways.ncols()]));
         }
         let name = |i: usize| self.system.description().coordinates[i].name.to_string();
-        let free = shifts.coordinates();
         if let Some(i) = kept.iter().find(|i| !free.contains(i)) {
             return Err(LinearError::NotSteady { coordinate: name(*i) });
         }
@@ -176,20 +243,24 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         let at = At::new(0.0, q, &still);
         let (jacobian, triples) = (constraint_matrix(self.system, at, &self.rows), constraint_triples(self.system, at));
         let drift = DVector::from_iterator(m, self.rows.iter().map(|row| triples[*row][1]));
-        let (count, ways) = (kept.len(), shifts.0.ncols());
-        let mut matrix = DMatrix::zeros(count + m, ways);
-        matrix.view_mut((0, 0), (count, ways)).copy_from(&shifts.0.select_rows(&kept));
-        matrix.view_mut((count, 0), (m, ways)).copy_from(&(&jacobian * &shifts.0));
+        let count = kept.len();
+        let mut matrix = DMatrix::zeros(count + m, ways.ncols());
+        matrix.rows_mut(0, count).copy_from(&ways.select_rows(&kept));
+        matrix.rows_mut(count, m).copy_from(&(&jacobian * ways));
         let right = kept.iter().map(|i| given[*i]).chain(drift.iter().map(|x| -x));
         let right = DMatrix::from_iterator(count + m, 1, right);
         let failed = LinearError::NoConvergence { what: "the speeds that constraints allow" };
-        let found = &shifts.0 * solve_least(&matrix, &right).ok_or(failed)?;
+        let weights = solve_least(&matrix, &right).ok_or(failed)?;
+        let found = ways * &weights;
         let missed = kept.iter().find(|i| (found[**i] - given[**i]).abs() > MISSED * given[**i].abs());
         let v = DVector::from_fn(n, |i, _| if given[i] == 0.0 { found[i] } else { given[i] });
+        let sizes = natural_sizes(&self.units(), v.as_slice());
+        let v = DVector::from_fn(n, |i, _| if v[i].abs() <= REST * sizes[i] { 0.0 } else { v[i] });
         let (left, terms) = (&jacobian * &v + &drift, jacobian.abs() * v.abs() + drift.abs());
-        let row = (0..m).find(|k| left[*k].abs() > MISSED * terms[*k]);
+        let rounding = jacobian.abs() * DVector::from_vec(sizes) * REST;
+        let row = (0..m).find(|k| left[*k].abs() > (MISSED * terms[*k]).max(rounding[*k]));
         match (missed, row) {
-            (None, None) => Ok(v.as_slice().to_vec()),
+            (None, None) => Ok((v.as_slice().to_vec(), weights.as_slice().to_vec())),
             (missed, row) => Err(LinearError::SpeedsContradict {
                 coordinate: name(*missed.unwrap_or(&kept[0])),
                 constraint: row.map(|k| self.system.description().rows[self.rows[k]].name.to_string()),
@@ -239,11 +310,20 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
 }
 
 /// Combinations of independent rows, each of which alone has its largest element, 1, in its own column.
-fn reduced(mut rows: DMatrix<f64>) -> DMatrix<f64> {
+fn reduced(rows: DMatrix<f64>) -> DMatrix<f64> {
+    let columns = rows.ncols();
+    reduced_by(rows, columns).0
+}
+
+/// The same with columns of their own among the first ones only, and the rows that have one.
+pub(super) fn reduced_by(mut rows: DMatrix<f64>, columns: usize) -> (DMatrix<f64>, Vec<usize>) {
     let mut open: Vec<usize> = (0..rows.nrows()).collect();
     while !open.is_empty() {
-        let places = open.iter().flat_map(|i| (0..rows.ncols()).map(move |j| (*i, j)));
+        let places = open.iter().flat_map(|i| (0..columns).map(move |j| (*i, j)));
         let Some((i, j)) = places.max_by(|a, b| rows[*a].abs().total_cmp(&rows[*b].abs())) else { break };
+        if rows[(i, j)].abs() <= PART {
+            break;
+        }
         let top = rows.row(i) / rows[(i, j)];
         for k in 0..rows.nrows() {
             let part = if k == i { 0.0 } else { rows[(k, j)] };
@@ -253,7 +333,8 @@ fn reduced(mut rows: DMatrix<f64>) -> DMatrix<f64> {
         rows.set_row(i, &top);
         open.retain(|k| *k != i);
     }
-    rows.map(|x| if x.abs() <= PART { 0.0 } else { x })
+    let own = (0..rows.nrows()).filter(|i| !open.contains(i)).collect();
+    (rows.map(|x| if x.abs() <= PART { 0.0 } else { x }), own)
 }
 
 #[cfg(test)]

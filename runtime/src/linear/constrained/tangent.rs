@@ -4,7 +4,7 @@
 //!
 //! K [∂a; ∂λ] = −[∂F/∂·; ∂(J a + γ)/∂·],  K = [M −(Jᵀ + B); J 0],
 //!
-//! derivatives at these a and λ, so that the geometric stiffness of the constraints is in it.  Those that the constraints
+//! derivatives at these a and λ (of a motion that turns as a whole F less diag(A, A), `turns.rs`), so that the geometric stiffness of the constraints is in it.  Those that the constraints
 //! allow are spanned by W, a basis of the null space of [J_h 0; ∂c'/∂q J], which F leaves invariant: F_W = Wᵀ F W.  J_h are
 //! the rows that hold a place, by themselves or by a known integral.
 //! There are no other zeros in it than those of the motion, which F alone has (Neimark and Fufaev,
@@ -13,8 +13,9 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::on_its_sides;
+use super::relative::{Small, analysed};
 use super::state::{ConstrainedState, State};
-use crate::linear::{Equilibrium, FirstOrder, Guess, LinearError, ZeroStiffness, first_order_modes};
+use crate::linear::{Equilibrium, FirstOrder, Guess, LinearError, ZeroStiffness};
 use crate::matrix::solve_least;
 use crate::mechanism::System;
 
@@ -29,6 +30,8 @@ pub struct Tangent {
     pub departures: DMatrix<f64>,
     /// F_W, 1/s.
     pub matrix: DMatrix<f64>,
+    /// Coordinates that turn as a whole: departures, and 1/s of their matrix, are those seen from axes that turn along.
+    pub turning: Vec<String>,
     /// Its eigenvalues and eigenvectors.
     pub analysis: FirstOrder,
 }
@@ -38,13 +41,13 @@ const DEPENDENT: f64 = 1e-9;
 /// Speeds below this, SI, or this part of the others, that a search leaves are rounding.
 const REST: f64 = 1e-13;
 /// Gauss's and Newton's iteration gives up after so many steps.
-const ITERATIONS: usize = 100;
+pub(super) const ITERATIONS: usize = 100;
 /// Nothing is further away, or changes faster.
-const FAR: f64 = 1e30;
+pub(super) const FAR: f64 = 1e30;
 /// Times after which a steady motion is looked at again, s.
-const LATER: [f64; 3] = [0.37, 1.9, 13.0];
+pub(super) const LATER: [f64; 3] = [0.37, 1.9, 13.0];
 /// What changes by less than this part of itself is the same.
-const SAME: f64 = 1e-8;
+pub(super) const SAME: f64 = 1e-8;
 
 /// Finds the steady motion nearest to a guess, the speeds that the guess names kept, or takes the guess itself where `here`
 /// is set; linearises there on the states that the constraints leave.
@@ -56,7 +59,11 @@ pub fn linearise_tangent<S: System + ?Sized>(system: &S, guess: &Guess, here: bo
     let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
     on_its_sides(system, guess, |system, guess| {
         let held = ConstrainedState::new(system, &rows, &guess.q);
-        let (state, iterations) = if here { (held.state(&guess.q, &guess.v), 0) } else { held.nearest(guess)? };
+        let (state, iterations) = match held.turning_guess(guess) {
+            Some(symmetries) => held.nearest_turning(&symmetries, guess, here)?,
+            None if here => (held.state(&guess.q, &guess.v), 0),
+            None => held.nearest(guess)?,
+        };
         if !held.stays(&state) {
             return Err(match here {
                 true => LinearError::NotAnEquilibrium { residual: held.left(&state) },
@@ -185,10 +192,16 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
     }
 
     /// Refuses a state whose linear model changes as the motion goes on.
-    fn is_steady(&self, state: &State) -> Result<(), LinearError> {
+    ///
+    /// # Errors
+    /// [`LinearError::NotSteady`], [`LinearError::DependsOnTime`].
+    pub fn is_steady(&self, state: &State) -> Result<(), LinearError> {
         let now = self.field(state)?;
         let size = now.amax().max(f64::MIN_POSITIVE);
         let name = |k: usize| self.system.description().coordinates[k].name.to_string();
+        if let Some(turn) = &state.turn {
+            return self.keeps_turning(state, turn, &now);
+        }
         let changes = |later: State| -> Result<bool, LinearError> {
             Ok(!self.stays(&later) || (self.field(&later)? - &now).amax() > SAME * size)
         };
@@ -207,7 +220,7 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
     }
 
     /// F.
-    fn field(&self, state: &State) -> Result<DMatrix<f64>, LinearError> {
+    pub fn field(&self, state: &State) -> Result<DMatrix<f64>, LinearError> {
         let (n, m) = (self.n, self.rows.len());
         let mut k = DMatrix::zeros(n + m, n + m);
         k.view_mut((0, 0), (n, n)).copy_from(&self.mass(state));
@@ -225,9 +238,20 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         Ok(field)
     }
 
-    fn small_departures(&self, state: &State, iterations: usize) -> Result<Tangent, LinearError> {
+    /// F_W in units of √M, and W.
+    ///
+    /// # Errors
+    /// [`LinearError::NonFinite`], [`LinearError::NoConvergence`].
+    pub fn on_the_tangent_space(&self, state: &State) -> Result<Small, LinearError> {
         let n = self.n;
-        let field = self.field(state)?;
+        let mut field = self.field(state)?;
+        if let Some(turn) = &state.turn {
+            // As it is seen from axes that turn along.
+            for k in [0, n] {
+                let mut block = field.view_mut((k, k), (n, n));
+                block -= &turn.matrix;
+            }
+        }
         // In units of √M a departure's size says what energy it has.
         let mass = self.mass(state);
         let unit = |i: usize| if mass[(i, i)] > 0.0 { 1.0 / mass[(i, i)].sqrt() } else { 1.0 };
@@ -236,9 +260,19 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         let mut allowed = self.allowed(state);
         allowed.column_iter_mut().enumerate().for_each(|(j, mut column)| column.scale_mut(units[j]));
         let basis = null_space(allowed).ok_or(LinearError::NoConvergence { what: "the states that are left" })?;
+        let (basis, shifted) = match &state.turn {
+            Some(turn) => turn.shifts_first(basis, &units)?,
+            None => (basis, 0),
+        };
         let matrix = basis.transpose() * scaled * &basis;
-        let analysis = first_order_modes(&matrix)?;
         let departures = DMatrix::from_fn(2 * n, basis.ncols(), |i, k| basis[(i, k)] * units[i]);
+        Ok(Small { matrix, departures, shifted })
+    }
+
+    fn small_departures(&self, state: &State, iterations: usize) -> Result<Tangent, LinearError> {
+        let n = self.n;
+        let Small { matrix, departures, shifted } = self.on_the_tangent_space(state)?;
+        let analysis = analysed(&matrix, shifted)?;
         let equilibrium = Equilibrium {
             coordinates: self.names(),
             units: self.units(),
@@ -252,12 +286,15 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
             freedom: ZeroStiffness::default(),
         };
         let multipliers = self.multipliers(state);
-        Ok(Tangent { equilibrium, multipliers, departures, matrix, analysis })
+        let turns = |i: &usize| state.turn.as_ref().is_some_and(|turn| turn.matrix.row(*i).iter().any(|x| *x != 0.0));
+        let names = &equilibrium.coordinates;
+        let turning = (0..n).filter(turns).map(|i| names[i].clone()).collect();
+        Ok(Tangent { equilibrium, multipliers, departures, matrix, turning, analysis })
     }
 }
 
 /// An orthonormal basis of what a matrix with scaled columns leaves, its rows judged each by itself.
-fn null_space(mut matrix: DMatrix<f64>) -> Option<DMatrix<f64>> {
+pub(super) fn null_space(mut matrix: DMatrix<f64>) -> Option<DMatrix<f64>> {
     let columns = matrix.ncols();
     for mut row in matrix.row_iter_mut() {
         let norm = row.norm();

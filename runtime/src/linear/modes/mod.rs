@@ -5,6 +5,8 @@ mod classical;
 #[cfg(feature = "modal")]
 mod damped;
 #[cfg(feature = "modal")]
+mod deflation;
+#[cfg(feature = "modal")]
 mod dissipation;
 #[cfg(feature = "modal")]
 mod first_order;
@@ -21,6 +23,8 @@ mod damped_tests;
 
 #[cfg(feature = "modal")]
 pub use damped::{ComplexModes, complex_modes};
+#[cfg(feature = "modal")]
+pub(super) use deflation::{nullities, without_zeros};
 #[cfg(feature = "modal")]
 pub use first_order::{FirstOrder, Stability, first_order_modes};
 pub(super) use loci::matched;
