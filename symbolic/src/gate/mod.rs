@@ -41,6 +41,7 @@ mod explain;
 mod freedoms;
 mod friction;
 mod hinge_ambiguity;
+mod homogeneity;
 mod impacts;
 mod impulses;
 mod inputs;
@@ -176,6 +177,10 @@ impl Gate {
         }
         if let Err(problem) = agreement::rows(model, rows, &states.all, self) {
             problems.push(*problem);
+        }
+        match homogeneity::lengths(model, &motion, &states.all) {
+            Ok(lengths) => report.lengths = lengths,
+            Err(problem) => problems.push(*problem),
         }
         // Where it matters which body takes a load, there is no one second derivation to compare.
         let unclear = hinge_ambiguity::ambiguous(model, &states.all);

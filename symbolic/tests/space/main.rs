@@ -2,6 +2,7 @@
 
 mod claims;
 mod faults;
+mod homogeneity;
 mod rotation;
 mod written;
 
