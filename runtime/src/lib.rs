@@ -48,7 +48,7 @@ mod simulate;
 mod testing;
 pub mod trust;
 
-pub use cause::Cause;
+pub use cause::{Cause, GimbalLock};
 pub use constrain::Residuals;
 pub use dalembert_macros::model;
 pub use error::{Error, Inseparable, Nonlinear};

@@ -4,7 +4,7 @@ use super::balances::solve_rows;
 use super::dual::{Dual, rounded, seed, still};
 use super::phased::{Phased, RowHistory, sprung};
 use super::system::Replaced;
-use super::{At, Description, Energy, Enforcement, Mechanism, Scene, Signal, Singular, System, Values};
+use super::{At, Description, Energy, Enforcement, Gimbal, Mechanism, Scene, Signal, Singular, System, Values};
 
 /// A mechanism of static size as a [`System`], with its block of constants at hand.
 #[derive(Clone)]
@@ -147,6 +147,10 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> DualState<M, 
 impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dynamic<M, N, C> {
     fn description(&self) -> &Description {
         M::description()
+    }
+
+    fn gimbals(&self) -> &[Gimbal] {
+        M::gimbals()
     }
 
     fn accelerations(&self, at: At<'_>, a: &mut [f64]) -> Result<(), Singular> {

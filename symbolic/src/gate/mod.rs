@@ -46,6 +46,7 @@ mod impacts;
 mod impulses;
 mod inputs;
 mod lines;
+mod locks;
 mod motion;
 mod narrow_pairs;
 mod narrow_products;

@@ -3,6 +3,8 @@
 mod claims;
 mod faults;
 mod homogeneity;
+mod hostile;
+mod inertia;
 mod rotation;
 mod written;
 

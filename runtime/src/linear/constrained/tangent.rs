@@ -227,6 +227,7 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
 
     fn small_departures(&self, state: &State, iterations: usize) -> Result<Tangent, LinearError> {
         let n = self.n;
+        self.unlocked(state)?;
         let field = self.field(state)?;
         // In units of √M a departure's size says what energy it has.
         let mass = self.mass(state);
