@@ -144,6 +144,13 @@ pub enum Cause {
     },
     /// Whoever was told the progress asked to stop.
     Interrupted,
+    /// Three angles came to a place where they cannot turn a frame in every direction.
+    GimbalLock {
+        /// Which.
+        lock: GimbalLock,
+        /// When, s.
+        t: f64,
+    },
     /// An input jumps at a time where what it moves would need an infinite force.
     InfiniteForce {
         /// The input.
@@ -171,6 +178,28 @@ pub enum Cause {
     },
 }
 
+/// Three angles that turn a frame one after the other, at a value of the middle one where the outer two turn about one axis: some of their
+/// rates do not turn the frame, and M is singular.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct GimbalLock {
+    /// The frame.
+    pub frame: String,
+    /// The angles' coordinates, in the order of their turns.
+    pub angles: [String; 3],
+}
+
+impl fmt::Display for GimbalLock {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let GimbalLock { frame, angles: [first, middle, last] } = self;
+        write!(
+            f,
+            "`{first}` and `{last}` turn `{frame}` about one axis at this `{middle}`, where the three angles have no rates of their own; \
+             turn it by a coordinate that never locks (`coordinates: {{attitude: rotation}}`, `frames: {{{frame}: {{rotate: attitude}}}}`), \
+             or about other axes, which lock elsewhere"
+        )
+    }
+}
+
 impl Cause {
     /// A word for it, for charts and tables.
     pub fn code(&self) -> &'static str {
@@ -196,6 +225,7 @@ impl Cause {
             Cause::DirectionLost { .. } | Cause::EndsMeet { .. } => "direction lost",
             Cause::NegativeInertia { .. } => "negative inertia",
             Cause::Interrupted => "interrupted",
+            Cause::GimbalLock { .. } => "gimbal lock",
             Cause::InfiniteForce { .. } => "infinite force",
             Cause::OscillatesTooFast { .. } => "oscillates too fast",
             Cause::TooManySteps { .. } => "too many steps",
@@ -310,6 +340,7 @@ impl fmt::Display for Cause {
                 "negative inertia: `{coordinate}` would move against the force; a mass or a moment of inertia is negative"
             ),
             Cause::Interrupted => write!(f, "interrupted"),
+            Cause::GimbalLock { lock, t } => write!(f, "gimbal lock at t = {t} s: {lock}", t = short(*t)),
             Cause::InfiniteForce { input, t } => write!(
                 f,
                 "infinite force: `{input}` jumps at t = {t} s, and what it carries would have to follow at once; let it \

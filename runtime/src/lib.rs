@@ -50,7 +50,7 @@ mod testing;
 pub mod trust;
 mod vary;
 
-pub use cause::Cause;
+pub use cause::{Cause, GimbalLock};
 pub use constrain::Residuals;
 pub use dalembert_macros::model;
 pub use error::{Error, Inseparable, NoSlopes, Nonlinear, NotFound};

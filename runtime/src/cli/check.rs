@@ -53,6 +53,9 @@ fn one(models: &[Entry], name: &str, options: &ArgMatches, out: &mut dyn Write) 
         let (states, worst) = (agreement.states, agreement.worst);
         writeln!(out, "  {first} and {second} agree at {states} states, worst {worst:.1e}")?;
     }
+    for (rotation, worst) in &program.report.lengths {
+        writeln!(out, "  no acceleration depends on the length of {rotation}, worst {worst:.1e}")?;
+    }
     for line in freedoms::lines(&program) {
         writeln!(out, "  {line}")?;
     }

@@ -63,7 +63,11 @@ const OBJECTS: &[(&str, &[Key])] = &[
         &[
             ("angle", "expression", "From the ground's x, or that of `from`, counterclockwise"),
             ("from", "expression", "Another frame"),
-            ("rotate", "list", "In space: [axis, angle], a list of such, or a coordinate of kind `rotation`"),
+            (
+                "rotate",
+                "turns",
+                "In space: [axis, angle], a list of such, {quaternion: [w, x, y, z]}, or a coordinate of kind `rotation`",
+            ),
         ],
     ),
     (
@@ -72,6 +76,7 @@ const OBJECTS: &[(&str, &[Key])] = &[
             ("mass", "expression", "2 kg"),
             ("position", "value", "Of the centre of mass"),
             ("inertia", "value", "About the centre of mass; in space three moments, or a tensor"),
+            ("about", "value", "A point fixed in the body that `inertia` is about instead"),
             ("angle", "expression", "Counterclockwise"),
             ("frame", "expression", "The frame that turns with it"),
         ],
@@ -182,6 +187,7 @@ pub fn schema() -> Value {
         ("value", anything.clone()),
         ("unit", json!({"type": ["string", "number", "null"]})),
         ("list", json!({"type": ["array", "string"]})),
+        ("turns", json!({"type": ["array", "string", "object"]})),
         ("constraint", anything.clone()),
         ("balances", json!({"type": "object"})),
         ("claim", anything.clone()),

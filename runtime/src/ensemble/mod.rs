@@ -182,8 +182,8 @@ where
 {
     let (system, settings) = member.parts()?;
     let d = M::description();
-    // Without a balance of energy nothing would tell of a coordinate that fails.
-    let told = d.structure.conservative || d.structure.constant_inertias;
+    // Without a balance of energy nothing would tell of a coordinate that fails; angles that lock keep the energy.
+    let told = (d.structure.conservative || d.structure.constant_inertias) && M::gimbals().is_empty();
     let tame = d.arguments.iter().all(|argument| argument.of == Watched::Motion && !argument.time_only);
     let steady =
         d.events.is_empty() && d.switches.is_empty() && d.timed_switches.is_empty() && d.input_jumps.is_empty();

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::cause::GimbalLock;
 use crate::numbers::short;
 
 /// A generalized force that is left where there should be none.
@@ -108,6 +109,8 @@ pub enum LinearError {
         /// The coordinate whose pivot is not positive.
         coordinate: String,
     },
+    /// M is singular, because three angles cannot turn a frame in every direction here.
+    GimbalLock(GimbalLock),
     /// A list or matrix has the wrong size.
     WrongSize {
         /// Which one.
@@ -256,6 +259,7 @@ impl fmt::Display for LinearError {
             LinearError::SingularMass { coordinate } => {
                 write!(f, "the mass matrix is not positive definite: nothing gives `{coordinate}` an inertia here")
             }
+            LinearError::GimbalLock(lock) => write!(f, "gimbal lock: {lock}"),
             LinearError::WrongSize { what, given, expected } => {
                 write!(f, "{what} has size {given}; expected {expected}")
             }

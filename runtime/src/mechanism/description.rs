@@ -105,6 +105,24 @@ pub struct Coordinate {
     pub unit: Text,
 }
 
+/// Three angles that turn a frame one after the other.
+///
+/// The product of their axes e₁·(e₂ × e₃), at the parameters' defaults, is `amplitude` · sin(`factor` q₂ + `phase`).  Where it is 0 the
+/// outer two turn about one axis, and some rates of the angles do not turn the frame: gimbal lock.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Gimbal {
+    /// The frame that the last of them turns.
+    pub frame: Text,
+    /// Indices of the coordinates, in order.
+    pub coordinates: [u32; 3],
+    /// The largest product, 1 for axes at right angles.
+    pub amplitude: f64,
+    /// What the middle coordinate is multiplied by.
+    pub factor: f64,
+    /// What is added, rad.
+    pub phase: f64,
+}
+
 /// A component of a constraint.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Row {

@@ -5,7 +5,7 @@ use super::dual::{Dual, moving, replaced_input, rounded, seed, still};
 use super::phased::{Phased, RowHistory, sprung};
 use super::system::Replaced;
 use super::{
-    Along, At, Description, Energy, Enforcement, Function, Mechanism, Scene, Signal, Singular, System, Values,
+    Along, At, Description, Energy, Enforcement, Function, Gimbal, Mechanism, Scene, Signal, Singular, System, Values,
 };
 
 /// A mechanism of static size as a [`System`], with its block of constants at hand.
@@ -212,6 +212,10 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> DualState<M, 
 impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dynamic<M, N, C> {
     fn description(&self) -> &Description {
         M::description()
+    }
+
+    fn gimbals(&self) -> &[Gimbal] {
+        M::gimbals()
     }
 
     fn accelerations(&self, at: At<'_>, a: &mut [f64]) -> Result<(), Singular> {

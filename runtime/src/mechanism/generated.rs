@@ -1,6 +1,6 @@
 //! The trait that `model!` implements.
 
-use super::{Description, Energy, Real, Scene, SingularMass};
+use super::{Description, Energy, Gimbal, Real, Scene, SingularMass};
 
 /// A block of scalars of a size that only generated code knows: an array `[S; K]`.
 #[doc(hidden)]
@@ -37,6 +37,10 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
 
     /// Names, shapes and structure.
     fn description() -> &'static Description;
+    /// Sequences of three angles that can lock.
+    fn gimbals() -> &'static [Gimbal] {
+        &[]
+    }
     /// The block of constants for one set of parameters per lane; modes as at the switch's step or sign of 1.
     fn constants<S: Real>(lane: impl Fn(usize) -> Self) -> Self::Constants<S>;
     /// The inputs as the file gives them.

@@ -24,9 +24,9 @@ mod table;
 pub use at::At;
 pub use balances::Balances;
 pub use description::{
-    Action, Argument, Balance, BalanceSystem, Coordinate, Counts, Description, Direction, Event, InputJump, Integral,
-    List, Parameter, Part, Phase, Quantity, Rated, Role, Row, Shape, Structure, Switch, SwitchKind, Text, Tried,
-    Watched,
+    Action, Argument, Balance, BalanceSystem, Coordinate, Counts, Description, Direction, Event, Gimbal, InputJump,
+    Integral, List, Parameter, Part, Phase, Quantity, Rated, Role, Row, Shape, Structure, Switch, SwitchKind, Text,
+    Tried, Watched,
 };
 pub use dynamic::Dynamic;
 pub use enforcement::{Enforcement, Stabilisation};

@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::{At, Counts, Description, Energy, List, Scene, Signal, Singular, Structure, System, Watched};
+use super::{At, Counts, Description, Energy, Gimbal, List, Scene, Signal, Singular, Structure, System, Watched};
 
 /// One of `description().parts` of a mechanism.
 ///
@@ -17,6 +17,7 @@ pub(crate) struct OfPart {
     /// How many coordinates the whole has.
     size: usize,
     description: Description,
+    gimbals: Vec<Gimbal>,
     places: Places,
     room: Mutex<Room>,
 }
@@ -98,8 +99,14 @@ impl OfPart {
             counts: Counts { accelerations: part.accelerations, ..whole.counts },
             ..whole.clone()
         };
+        let gimbals = system.gimbals().iter().filter_map(|gimbal| {
+            let [first, middle, last] = gimbal.coordinates.map(own);
+            Some(Gimbal { coordinates: [first?, middle?, last?], ..gimbal.clone() })
+        });
+        let gimbals = gimbals.collect();
         let n = system.len();
         Some(OfPart {
+            gimbals,
             places: Places {
                 mass,
                 stiffness,
@@ -179,6 +186,10 @@ where
 impl System for OfPart {
     fn description(&self) -> &Description {
         &self.description
+    }
+
+    fn gimbals(&self) -> &[Gimbal] {
+        &self.gimbals
     }
 
     fn accelerations(&self, at: At<'_>, a: &mut [f64]) -> Result<(), Singular> {
@@ -274,6 +285,7 @@ impl System for OfPart {
             events: self.events.clone(),
             size: self.size,
             description: self.description.clone(),
+            gimbals: self.gimbals.clone(),
             places: self.places.clone(),
             room: Mutex::new(self.room().clone()),
         })

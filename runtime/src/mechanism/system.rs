@@ -1,6 +1,6 @@
 //! The object-safe face of a mechanism, on slices: everything downstream is written once over it.
 
-use super::{At, Description, Energy, Enforcement, RowHistory, Scene, Singular};
+use super::{At, Description, Energy, Enforcement, Gimbal, RowHistory, Scene, Singular};
 
 /// A mechanism with its parameters, behind slices.
 ///
@@ -19,6 +19,11 @@ use super::{At, Description, Energy, Enforcement, RowHistory, Scene, Singular};
 pub trait System: Send + Sync {
     /// Names, shapes and structure.
     fn description(&self) -> &Description;
+
+    /// Sequences of three angles that can lock.
+    fn gimbals(&self) -> &[Gimbal] {
+        &[]
+    }
 
     /// Solves M a = −h, or the system of balances that is the derivation in force.
     ///

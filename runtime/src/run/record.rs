@@ -9,7 +9,7 @@ use crate::constrain::{Projection, Residuals};
 use crate::events::{EventNote, Impulse, Log, Remarkable};
 use crate::integrate::{Endpoint, Segment};
 use crate::mechanism::{At, Method, System};
-use crate::trust::{ConditionMonitor, InertiaGuard, Monitor, Warning, Watchman};
+use crate::trust::{ConditionMonitor, GimbalGuard, InertiaGuard, Monitor, Warning, Watchman};
 
 /// An edge that comes so early, in parts of the time of another one, is the start.
 const AT_THE_START: f64 = 1e-9;
@@ -40,6 +40,7 @@ pub(crate) struct Recorder {
     until: f64,
     monitor: Option<Monitor>,
     guard: Option<InertiaGuard>,
+    gimbals: Option<GimbalGuard>,
     condition: Option<ConditionMonitor>,
     watchman: Option<Watchman>,
     n: usize,
@@ -165,6 +166,7 @@ impl Recorder {
             until: plan.until,
             monitor: plan.watch.then(|| Monitor::new(system, t, y, start.work)),
             guard: InertiaGuard::new(system, t, y),
+            gimbals: GimbalGuard::new(system, t, y, plan.tolerance),
             condition: ConditionMonitor::new(system, t, y),
             watchman: plan
                 .step
@@ -288,6 +290,9 @@ impl Recorder {
         if let Some(condition) = &mut self.condition {
             condition.observe(system, t, end.y);
         }
+        if let Some(lock) = self.gimbals.as_mut().and_then(|guard| guard.observe(system, t, end.y)) {
+            return Err(lock.into());
+        }
         let unbounded = self.guard.as_mut().and_then(|guard| guard.observe(system, t, end.y));
         if let Some(unbounded) = unbounded {
             return Err(unbounded.cause(system.description()).into());
@@ -355,6 +360,9 @@ impl Recorder {
     pub fn changed(&mut self, system: &dyn System, t: f64, start: Endpoint<'_>) {
         if let Some(guard) = &mut self.guard {
             guard.restart(system, t, start.y);
+        }
+        if let Some(gimbals) = &mut self.gimbals {
+            gimbals.restart(system, t, start.y);
         }
         if let Some(monitor) = &mut self.monitor {
             monitor.observe(system, t, start.y, start.work);

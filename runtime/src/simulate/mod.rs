@@ -40,7 +40,7 @@ use crate::events::begin_at;
 use crate::integrate::Tolerance;
 use crate::mechanism::{Enforcement, RowHistory, Stabilisation, System};
 use crate::run::{Failure, Plan, Recorder, Run};
-use crate::trust::{Warning, check_step, positive_inertia};
+use crate::trust::{Warning, check_step, explain_lock, positive_inertia};
 
 /// Runs a mechanism.
 ///
@@ -203,6 +203,7 @@ fn finish(system: &dyn System, integration: &Integration, mut recorder: Recorder
 
 fn fail(cause: Cause, system: &dyn System, integration: &Integration, recorder: Recorder, clock: Instant) -> Error {
     let cause = recorder.explain(system, cause);
+    let cause = explain_lock(system, integration.time(), integration.state().y, cause);
     let state = recorder.state(integration.time(), integration.state().y, Vec::new());
     Error::Run(Box::new(Failure { cause, state, run: finish(system, integration, recorder, clock) }))
 }

@@ -2,6 +2,7 @@
 
 mod conditioning;
 mod drift;
+mod gimbals;
 mod inertia;
 mod stability;
 #[cfg(test)]
@@ -12,6 +13,7 @@ pub(crate) use conditioning::ConditionMonitor;
 pub use conditioning::Conditioning;
 pub use drift::Drift;
 pub(crate) use drift::Monitor;
+pub(crate) use gimbals::{GimbalGuard, explain_lock, lock_here};
 pub(crate) use inertia::{InertiaGuard, inertia_condition, positive_inertia};
 pub(crate) use stability::{Watchman, all_rates, check_step, rates};
 pub use warning::{Loss, Warning};

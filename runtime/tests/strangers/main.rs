@@ -7,6 +7,7 @@ mod control;
 mod equilibria;
 mod events;
 mod extremes;
+mod gimbal_lock;
 mod pictures;
 mod printing;
 mod reactions;

@@ -41,10 +41,12 @@ mod explain;
 mod freedoms;
 mod friction;
 mod hinge_ambiguity;
+mod homogeneity;
 mod impacts;
 mod impulses;
 mod inputs;
 mod lines;
+mod locks;
 mod motion;
 mod narrow_pairs;
 mod narrow_products;
@@ -176,6 +178,10 @@ impl Gate {
         }
         if let Err(problem) = agreement::rows(model, rows, &states.all, self) {
             problems.push(*problem);
+        }
+        match homogeneity::lengths(model, &motion, &states.all) {
+            Ok(lengths) => report.lengths = lengths,
+            Err(problem) => problems.push(*problem),
         }
         // Where it matters which body takes a load, there is no one second derivation to compare.
         let unclear = hinge_ambiguity::ambiguous(model, &states.all);

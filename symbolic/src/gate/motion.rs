@@ -39,6 +39,8 @@ pub(super) enum Incomplete {
     },
 }
 
+/// A determinant of three coordinates, each in its own measure, that is 0: some thousand roundings of M's elements.
+const SINGULAR: f64 = 1e-12;
 /// A rate that changes by less than this part of its terms is kept.
 const KEPT: f64 = 1e-9;
 
@@ -71,6 +73,24 @@ impl Motion {
             places,
             constraints,
         }
+    }
+
+    /// Whether some rates of three coordinates, each of which moves a mass by itself, move none: the determinant of their part of M, each in
+    /// its own measure, is 0 but for the rounding of M's elements in `f64`.  Nothing is said where constraints act.
+    pub fn is_singular_among(&self, state: &State, coordinates: [usize; 3]) -> bool {
+        if !self.constraints.active(state.phase).is_empty() {
+            return false;
+        }
+        let values = self.equations.evaluate(|s| state.value(s));
+        let element = |i: usize, j: usize| {
+            let place = self.places.iter().position(|place| *place == (i.max(j), i.min(j)));
+            place.map_or(0.0, |k| values[k].to_f64())
+        };
+        let size = coordinates.map(|i| element(i, i).sqrt());
+        let scaled = |a: usize, b: usize| element(coordinates[a], coordinates[b]) / (size[a] * size[b]);
+        let (x, y, z) = (scaled(0, 1), scaled(0, 2), scaled(1, 2));
+        let determinant = 1.0 + 2.0 * x * y * z - x * x - y * y - z * z;
+        determinant.abs() < SINGULAR
     }
 
     /// Operations of one evaluation, to bound work by.

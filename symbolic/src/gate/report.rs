@@ -34,6 +34,8 @@ pub struct Report {
     pub ranks: Vec<usize>,
     /// What kinds of constraints act in each phase, and what freedoms they leave; empty without constraints.
     pub freedoms: Vec<Freedoms>,
+    /// Rotations, and the largest change of an acceleration by another length of their quaternion, as a part of its terms.
+    pub lengths: Vec<(String, f64)>,
     /// Scenes whose motion was followed, until when, and until when they should go.
     pub followed: Vec<(String, f64, f64)>,
     /// What the states do not reach, in words: arguments that were not brought to where their function changes, and so on.

@@ -9,6 +9,7 @@
 use super::coarse_events::{Turns, VelocityJump};
 use super::draw::{Draws, with_set};
 use super::lines::Reach;
+use super::locks::lock;
 use super::motion::{Incomplete, Motion};
 use super::near_switch::sides;
 use super::state::{Origin, State, describe};
@@ -107,6 +108,7 @@ pub(super) fn states(
     for (run, scene) in trajectories.iter().zip(&model.scenes) {
         paths.extend(stretches(motion, run));
         found.followed.push((scene.name.clone(), run.reached(), run.until));
+        found.unreached.extend(lock(model, motion, (run, &scene.name)));
         found.blows.extend(run.blows.iter().take(BLOWS).filter_map(|velocity_jump| struck(motion, run, velocity_jump)));
         found.hits.extend(run.hits.iter().take(HITS).map(|(event, step)| {
             let mut state = on_the_way(run, step);
@@ -166,7 +168,7 @@ pub(super) fn states(
 }
 
 /// A step of a run as a state.
-fn on_the_way(run: &Trajectory, step: &Passed) -> State {
+pub(super) fn on_the_way(run: &Trajectory, step: &Passed) -> State {
     let double = |list: &[f64]| list.iter().map(|x| DoubleDouble::from(*x)).collect();
     let mut state = State::at_rest(run.parameters.clone(), step.q.len());
     (state.t, state.q, state.v) = (DoubleDouble::from(step.t), double(&step.q), double(&step.v));

@@ -54,6 +54,7 @@ pub const METHODS: &[&str] = &[
     "fmt",
     "friction",
     "from",
+    "gimbals",
     "held_rates",
     "input_jacobian",
     "inputs",

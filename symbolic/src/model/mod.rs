@@ -2,6 +2,7 @@
 
 pub(crate) mod command;
 mod expression;
+mod gimbals;
 mod identifier;
 mod resolve;
 mod resolved;
@@ -11,6 +12,7 @@ mod section;
 mod text;
 
 pub use command::Sets;
+pub use gimbals::Gimbal;
 pub use identifier::{KEYWORDS, METHODS, field_name, is_snake_case, local_name, method_name, type_name};
 pub use resolve::{load, load_in, read_through, read_through_in, resolve};
 pub use resolved::{

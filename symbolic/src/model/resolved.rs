@@ -1,6 +1,7 @@
 //! A model with every name resolved and every family expanded: expressions of one graph.
 
 use super::expression::scope::Scope;
+use super::gimbals::Gimbal;
 use super::rotation::Rotation;
 use crate::diagnose::{Place, Problem};
 use crate::expr::{Graph, Id, Symbol};
@@ -102,6 +103,20 @@ pub struct Model {
 }
 
 impl Model {
+    /// Where three angles that turn a body cannot turn it in every direction.
+    pub fn gimbals(&self) -> Vec<Gimbal> {
+        let mut found: Vec<Gimbal> = Vec::new();
+        for rotation in self.bodies.iter().filter_map(|body| body.rotation.as_ref()) {
+            let Rotation::Space { frame, .. } = rotation else { continue };
+            for gimbal in frame.turns.gimbals() {
+                if !found.contains(&gimbal) {
+                    found.push(gimbal);
+                }
+            }
+        }
+        found
+    }
+
     /// The rows of the constraints that act in a phase, in order.
     pub fn rows_of(&self, phase: &Phase) -> Vec<usize> {
         let constraints = phase.constraints.iter().map(|k| &self.constraints[*k]);

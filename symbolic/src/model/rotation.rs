@@ -1,5 +1,6 @@
 //! How bodies and frames turn.
 
+use super::gimbals::Turns;
 use crate::expr::{Graph, Id, Unary, vectors};
 
 /// How a frame in space is turned against the ground, and how it turns.
@@ -13,6 +14,10 @@ pub struct Orientation {
     pub velocity: [Id; 3],
     /// Which rotations turn it, by their places.
     pub rotations: Vec<usize>,
+    /// Its turns by coordinates, in numbers.
+    pub turns: Turns,
+    /// How many turns that move stand between the ground and it.
+    pub depth: usize,
 }
 
 /// A turn about one axis.
@@ -39,6 +44,8 @@ impl Orientation {
             own_velocity: [Id::ZERO; 3],
             velocity: [Id::ZERO; 3],
             rotations: Vec::new(),
+            turns: Turns::none(),
+            depth: 0,
         }
     }
 
@@ -86,7 +93,7 @@ impl Orientation {
             let gained = graph.mul(rate, n[k]);
             graph.add(before, gained)
         });
-        let mut new = Orientation { axes, own_velocity, velocity: self.velocity, rotations: self.rotations.clone() };
+        let mut new = Orientation { axes, own_velocity, ..self.clone() };
         new.spun(graph, rate, &axis);
         new
     }
@@ -118,7 +125,7 @@ impl Orientation {
     fn map(&self, f: &mut impl FnMut(Id) -> Id) -> Orientation {
         let axes = self.axes.map(|axis| axis.map(&mut *f));
         let own_velocity = self.own_velocity.map(&mut *f);
-        Orientation { axes, own_velocity, velocity: self.velocity.map(f), rotations: self.rotations.clone() }
+        Orientation { axes, own_velocity, velocity: self.velocity.map(f), ..self.clone() }
     }
 }
 
@@ -289,9 +296,22 @@ impl Quaternion {
 }
 
 impl Orientation {
-    /// Turned further by a rotation q of any length, with its rate v: the columns of R(q)/|q|², ω = 2 (q̄ ∘ v)/|q|² along the new axes and
+    /// Turned further once and for all, by a quaternion of parameters, of any length but 0.
+    pub fn set(&self, graph: &mut Graph, q: Quaternion) -> Orientation {
+        let still = self.turned_by(graph, [q, Quaternion([Id::ZERO; 4])]);
+        Orientation { turns: self.turns.clone(), depth: self.depth, ..still }
+    }
+
+    /// Turned further by a rotation, as [`Orientation::turned_by`].
+    pub fn rotated(&self, graph: &mut Graph, index: usize, pair: [Quaternion; 2]) -> Orientation {
+        let mut new = self.turned_by(graph, pair);
+        new.rotations.push(index);
+        new
+    }
+
+    /// Turned further by a quaternion q of any length, with its rate v: the columns of R(q)/|q|², ω = 2 (q̄ ∘ v)/|q|² along the new axes and
     /// 2 (v ∘ q̄)/|q|² along the old ones.
-    pub fn rotated(&self, graph: &mut Graph, index: usize, [q, v]: [Quaternion; 2]) -> Orientation {
+    fn turned_by(&self, graph: &mut Graph, [q, v]: [Quaternion; 2]) -> Orientation {
         let [w, x, y, z] = q.0;
         let square = vectors::dot(graph, &q.0, &q.0);
         let two = graph.integer(2);
@@ -320,8 +340,6 @@ impl Orientation {
             graph.add(before, own[k])
         });
         let velocity = std::array::from_fn(|m| graph.add(self.velocity[m], outer[m]));
-        let mut rotations = self.rotations.clone();
-        rotations.push(index);
-        Orientation { axes, own_velocity, velocity, rotations }
+        Orientation { axes, own_velocity, velocity, turns: Turns::none(), depth: self.depth + 1, ..self.clone() }
     }
 }

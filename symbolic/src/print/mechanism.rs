@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::body::{Bodies, Use};
+use super::body::{Bodies, Use, float};
 use super::description::description;
 use super::function::{Function, Target, argument, stores};
 use super::parameters::field;
@@ -11,7 +11,7 @@ use super::words::comment;
 use super::{momentum, parts, scenes};
 use crate::expr::Id;
 use crate::lower::{Accelerations, Entry, Program};
-use crate::model::text;
+use crate::model::{Gimbal, Model, text};
 
 /// Everything that the functions of one mechanism are printed with.
 pub(super) struct Mechanism<'a> {
@@ -53,6 +53,7 @@ impl Mechanism<'_> {
             program.phases(),
             description(program, source)
         );
+        out += &gimbals(&program.model);
         out += &self.constants_function();
         out += &self.inputs();
         for function in self.functions(n) {
@@ -219,6 +220,27 @@ impl Mechanism<'_> {
             "\n    fn parameters(&self) -> ::std::vec::Vec<f64> {{\n        ::std::vec![{}]\n    }}\n\n    fn parameter_mut(&mut self, {index}) -> ::core::option::Option<&mut f64> {{\n{body}    }}\n",
             values.join(", ")
         )
+    }
+}
+
+/// `fn gimbals() -> …`; that of the trait serves where there are none.
+fn gimbals(model: &Model) -> String {
+    let entry = |gimbal: &Gimbal| {
+        let [first, middle, last] = gimbal.coordinates;
+        format!(
+            "            ::dalembert::mechanism::Gimbal {{ frame: ::std::borrow::Cow::Borrowed({:?}), coordinates: [{first}, {middle}, {last}], amplitude: {}, factor: {}, phase: {} }},\n",
+            gimbal.frame,
+            float(gimbal.amplitude),
+            float(gimbal.factor),
+            float(gimbal.phase)
+        )
+    };
+    let entries: String = model.gimbals().iter().map(entry).collect();
+    match entries.as_str() {
+        "" => String::new(),
+        entries => format!(
+            "\n    fn gimbals() -> &'static [::dalembert::mechanism::Gimbal] {{\n        static GIMBALS: &[::dalembert::mechanism::Gimbal] = &[\n{entries}        ];\n        GIMBALS\n    }}\n"
+        ),
     }
 }
 

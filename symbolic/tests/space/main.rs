@@ -2,6 +2,9 @@
 
 mod claims;
 mod faults;
+mod homogeneity;
+mod hostile;
+mod inertia;
 mod rotation;
 mod written;
 

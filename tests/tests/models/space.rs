@@ -107,3 +107,9 @@ scene: {start: {attitude: [[x, 0.8], [y, 0]], attitude': [0, 3.1709491405362132,
         }
     }
 }
+
+/// Over-constrained: counting joints says -2, the rank of the rows says 1; the reference knows no row.
+#[test]
+fn a_bennett_linkage_follows_its_closed_form() {
+    follows("bennett", "bennett", 2.0, 1e-9);
+}

@@ -343,6 +343,7 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         inputs: &[f64],
     ) -> Result<(Constrained, Guess), LinearError> {
         self.without_friction(state)?;
+        self.unlocked(state)?;
         if !self.stays(state) {
             return Err(LinearError::NotAnEquilibrium { residual: self.left(state) });
         }

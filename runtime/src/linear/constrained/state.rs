@@ -11,6 +11,7 @@ use crate::mechanism::dense::{
     multiplier_effects, sizes_alike,
 };
 use crate::mechanism::{At, System};
+use crate::trust::lock_here;
 
 /// What is left in a state that holds is below this part of its terms.
 const BALANCED: f64 = 1e-9;
@@ -137,6 +138,14 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
             self.rows.iter().zip(lambda.iter()).for_each(|(row, x)| state.lambda[*row] += x);
         }
         state
+    }
+
+    /// Refuses a state in which three angles lock.
+    ///
+    /// # Errors
+    /// [`LinearError::GimbalLock`].
+    pub fn unlocked(&self, state: &State) -> Result<(), LinearError> {
+        lock_here(self.system, state.at()).map_or(Ok(()), |lock| Err(LinearError::GimbalLock(lock)))
     }
 
     /// F, multipliers' forces included.

@@ -244,6 +244,7 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
     /// [`LinearError::NonFinite`], [`LinearError::NoConvergence`].
     pub fn on_the_tangent_space(&self, state: &State) -> Result<Small, LinearError> {
         let n = self.n;
+        self.unlocked(state)?;
         let mut field = self.field(state)?;
         if let Some(turn) = &state.turn {
             // As it is seen from axes that turn along.

@@ -8,6 +8,7 @@ use crate::linear::matrices::first_order;
 use crate::linear::{LinearError, Residual, SparseMatrix};
 use crate::mechanism::dense::{force_slopes, mass_matrix};
 use crate::mechanism::{At, Singular, SingularMass, System};
+use crate::trust::lock_here;
 
 /// M x'' + C x' + K x = B (u, u', u''), for small departures x from an equilibrium.
 ///
@@ -84,6 +85,10 @@ fn linearised_with<S: System + ?Sized>(
     }
     if let Some(switch) = base.kink(&state.q) {
         return Err(LinearError::NotSmooth { switch });
+    }
+    let at = At::place(0.0, &state.q);
+    if let Some(lock) = lock_here(system, at) {
+        return Err(LinearError::GimbalLock(lock));
     }
     let [mass, damping, stiffness] = base.cleaned(&state.q);
     for (matrix, what) in [(&mass, "M"), (&damping, "C"), (&stiffness, "K")] {

@@ -2,13 +2,13 @@
 
 use dalembert_symbolic::derive::SwitchKind as SymbolicSwitchKind;
 use dalembert_symbolic::lower::{self, Entry, MomentumSystem, Program, Rate};
-use dalembert_symbolic::model::{EventAction, Shape as SymbolicShape, Solid};
+use dalembert_symbolic::model::{EventAction, Gimbal as SymbolicGimbal, Shape as SymbolicShape, Solid};
 use dalembert_symbolic::{expr, print};
 
 use crate::mechanism::{
-    Action, Argument, Balance, BalanceSystem, Coordinate, Counts, Description, Direction, Event, InputJump, Integral,
-    List, Parameter, Part, Phase, Quantity, Rated, Role, Row, Shape, Structure, Switch, SwitchKind, Table, Text, Tried,
-    Watched,
+    Action, Argument, Balance, BalanceSystem, Coordinate, Counts, Description, Direction, Event, Gimbal, InputJump,
+    Integral, List, Parameter, Part, Phase, Quantity, Rated, Role, Row, Shape, Structure, Switch, SwitchKind, Table,
+    Text, Tried, Watched,
 };
 
 /// Where an integral was tried.
@@ -24,6 +24,18 @@ fn integral(tried: &dalembert_symbolic::model::Tried) -> Integral {
         Some((of, *range))
     };
     Integral { text: Text::Owned(tried.words.clone()), ranges: tried.ranges.iter().filter_map(range).collect() }
+}
+
+/// A sequence of three angles.
+pub(super) fn gimbal(gimbal: &SymbolicGimbal) -> Gimbal {
+    let SymbolicGimbal { frame, coordinates, amplitude, factor, phase } = gimbal;
+    Gimbal {
+        frame: Text::Owned(frame.clone()),
+        coordinates: coordinates.map(|k| k as u32),
+        amplitude: *amplitude,
+        factor: *factor,
+        phase: *phase,
+    }
 }
 
 fn solid(kind: Solid) -> Shape {

@@ -7,19 +7,22 @@ mod slopes;
 use dalembert_symbolic::interpret::{self, Function, Interpreter};
 use dalembert_symbolic::lower::Program;
 
-use describe::describe;
+use describe::{describe, gimbal};
 pub(crate) use extended::ExtendedAt;
 
 use super::balances::{belongs, put_reactions};
 use super::phased::{Phased, RowHistory, indicate, sprung};
 use super::system::Replaced;
-use super::{Along, At, Balances, Description, Energy, Enforcement, Scene, Signal, Singular, SingularMass, System};
+use super::{
+    Along, At, Balances, Description, Energy, Enforcement, Gimbal, Scene, Signal, Singular, SingularMass, System,
+};
 
 /// An interpreted mechanism.
 #[derive(Clone)]
 pub struct Interpreted {
     interpreter: Interpreter,
     description: Description,
+    gimbals: Vec<Gimbal>,
     signals: Vec<Option<Replaced>>,
     derivation: Option<usize>,
     phased: Phased,
@@ -29,10 +32,12 @@ impl Interpreted {
     /// From a program and the text of its model file.
     pub fn new(program: Program, source: &str) -> Self {
         let description = describe(&program, source);
+        let gimbals = program.model.gimbals().iter().map(gimbal).collect();
         let signals = vec![None; program.model.inputs.len()];
         Interpreted {
             interpreter: Interpreter::new(program),
             description,
+            gimbals,
             signals,
             derivation: None,
             phased: Phased::default(),
@@ -86,6 +91,10 @@ impl Interpreted {
 impl System for Interpreted {
     fn description(&self) -> &Description {
         &self.description
+    }
+
+    fn gimbals(&self) -> &[Gimbal] {
+        &self.gimbals
     }
 
     fn accelerations(&self, at: At<'_>, a: &mut [f64]) -> Result<(), Singular> {

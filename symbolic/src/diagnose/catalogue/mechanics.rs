@@ -119,9 +119,15 @@ super::entries! {
         "the moments of `{name}` are {moments}: {why}" "" "data with few digits? larger moments, by less than a hundredth, make a body of it"
         "Two principal moments are never less than the third together.";
     E441 no_axis() "a turn about no axis"
-        "this axis has no direction" "its length is 0" "an axis is x, y, z or a direction `[a, b, c]` of parameters"
+        "this axis has no direction" "its length is 0 or infinite, by the parameters of a scene" "an axis is x, y, z or a direction `[a, b, c]` of parameters; a quaternion has any length but 0"
         "A frame turns about an axis that is fixed in the frame from which it is turned.";
     E442 needs_axis(key) "a torsional spring or damper in space without an axis"
         "in space the couple of this entry needs a direction" "" "add `{key}: e`, such as `{key}: B.z`"
         "The couple on `on` acts along this direction, the opposite on `from`.";
+    E443 too_many_turns(limit) "more turns in space than can be derived"
+        "{limit}" "one too many" "leave some out, or divide the model"
+        "The expressions of turns grow as the square of their number; the limit bounds time and memory.";
+    E444 not_at_rest(name) "inertia about a point that moves in its body"
+        "this point is not at rest in `{name}`" "" "give `inertia` about the centre of mass, or about a point that is written with the body's own frame and its `position`"
+        "The moments of a rigid body about a point are constant where the point is fixed in the body.";
 }

@@ -58,4 +58,7 @@ super::entries! {
     E519 impact_elsewhere(event, constraint, value, state) "an impact along a constraint that is not touched"
         "the impact of `{event}` acts along `{constraint}`, which is {value} where the event happens" "the constraint must be 0 there" "at {state}; let `when` be what `{constraint}` says is 0, or name in `along` the constraint that is 0 there"
         "An impact is an impulse of what a constraint stands for, a floor or a wall: it acts where that is touched, where the constraint is zero.";
+    E520 length_matters(rotation, what, state) "a rotation whose length matters"
+        "{what} depends on the length of the quaternion of `{rotation}`" "" "a rotation has a direction only: something contains its four numbers by themselves; at {state}"
+        "A rotation is kept as a quaternion of any length, R(q)/|q|²; nothing may change where q and q' are multiplied by one factor.";
 }

@@ -41,6 +41,8 @@ pub struct ExprBuilder {
     pub settings: Vec<Vec<(Symbol, f64)>>,
     /// Integrals by rules of quadrature, and where these were tried.
     pub integrals: Vec<Tried>,
+    /// Squares of the lengths of axes, which no scene may make 0.
+    pub lengths: Vec<(Id, Place)>,
     work: u64,
     exhausted: bool,
     /// Texts that raised problems, by the place of their trees, which are kept so that the places stay theirs.
@@ -63,6 +65,7 @@ impl ExprBuilder {
             defaults: Vec::new(),
             settings: Vec::new(),
             integrals: Vec::new(),
+            lengths: Vec::new(),
             work: 0,
             exhausted: false,
             failed: HashMap::new(),

@@ -1,7 +1,8 @@
 //! Masses, gravity, energies.
 
 use super::declare::DeclaredBody;
-use super::inertia::{Moments, tensor};
+use super::inertia::{Moments, nine, tensor};
+use super::resolve_values::has_direction;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{mechanics, names};
 use crate::expr::{Id, Node, Rational, Symbol, vectors};
@@ -62,12 +63,25 @@ impl Resolver<'_> {
             let rotation = orientation.and_then(|item| match self.scope.value(item).cloned() {
                 Some(Value::Orientation(frame)) => {
                     let place = written.first().map(|first| Place::clone(&first.text.place)).unwrap_or_default();
-                    let inertia = tensor(&moments);
-                    spatial.push(Moments { name: name.clone(), place, values: moments.clone() });
+                    let written = tensor(&moments);
+                    let arm = self.arm(&body, &name, &position, Some(&frame));
+                    let less = arm.map(|arm| self.steiner(mass, &arm));
+                    let inertia = less.map_or(written, |less| self.differences(&written, &less));
+                    let values = if less.is_some() { nine(&inertia) } else { moments.clone() };
+                    let about = less.map(|less| [nine(&written), nine(&less)]);
+                    spatial.push(Moments { name: name.clone(), place, values, about });
                     Some(Rotation::Space { frame, inertia })
                 }
                 Some(Value::Scalar(angle)) => {
-                    Some(Rotation::Plane { angle, inertia: moments.first().copied().unwrap_or(Id::ZERO) })
+                    let mut inertia = moments.first().copied().unwrap_or(Id::ZERO);
+                    if let Some(arm) = self.arm(&body, &name, &position, None) {
+                        let place = written.first().map(|first| Place::clone(&first.text.place)).unwrap_or_default();
+                        let [_, _, less, ..] = self.steiner(mass, &arm);
+                        let about = Some([vec![inertia], vec![less]]);
+                        inertia = self.builder.graph.sub(inertia, less);
+                        spatial.push(Moments { name: name.clone(), place, values: vec![inertia], about });
+                    }
+                    Some(Rotation::Plane { angle, inertia })
                 }
                 _ => None,
             });
@@ -75,6 +89,7 @@ impl Resolver<'_> {
             self.model.bodies.push(Body { name, mass, position, rotation, place: body.text.place.clone() });
         }
         self.radial_energy();
+        self.axes_with_direction();
         self.positive_masses();
         self.possible_inertias(&spatial);
     }
@@ -93,6 +108,19 @@ impl Resolver<'_> {
             let term = self.builder.graph.mul(half, doubled);
             if term != Id::ZERO {
                 self.model.kinetic_terms.push(term);
+            }
+        }
+    }
+
+    /// Refuses axes whose length is 0 or infinite by the parameters of a scene.
+    fn axes_with_direction(&mut self) {
+        let lengths = std::mem::take(&mut self.builder.lengths);
+        let squares: Vec<Id> = lengths.iter().map(|(square, _)| *square).collect();
+        for scene in &self.model.scenes {
+            let parameters = self.scene_parameters(scene);
+            let numbers = crate::model::command::evaluate_all(&self.builder.graph, &squares, &parameters);
+            for ((_, place), _) in lengths.iter().zip(numbers).filter(|(_, square)| !has_direction(*square)) {
+                self.builder.problems.push(mechanics::no_axis(place.clone()));
             }
         }
     }

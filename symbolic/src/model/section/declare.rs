@@ -25,6 +25,8 @@ pub struct BodyText {
     pub mass: Option<Quantity>,
     /// Its moments of inertia: one in the plane; in space three, or the nine elements of a tensor.
     pub inertia: Option<Vec<Quantity>>,
+    /// The place of the point that its inertia is about, if not its centre of mass.
+    pub about: Option<Place>,
     /// Where it stands.
     pub place: Place,
 }
@@ -43,6 +45,8 @@ enum Turned {
 pub struct DeclaredBody {
     /// Its entry.
     pub text: Rc<BodyText>,
+    /// The item of the point that its inertia is about.
+    pub about: Option<usize>,
     /// Its indices.
     pub locals: crate::model::expression::families::Locals,
 }
@@ -222,6 +226,9 @@ impl Resolver<'_> {
             return None;
         }
         let rotate = spot.need("rotate", "a frame", problems)?;
+        if let Node::Map(_) = rotate.node {
+            return fixed(&rotate, problems).map(|turn| Turned::Space(vec![turn]));
+        }
         if let Node::Scalar(_) = rotate.node {
             return Some(Turned::Space(vec![(Axis::Rotation, rotate.text(problems)?)]));
         }
@@ -232,7 +239,7 @@ impl Resolver<'_> {
     pub fn written_turns(&mut self, rotate: &Spot<'_>) -> Option<Vec<(Axis, Text)>> {
         let problems = &mut self.builder.problems;
         let items = rotate.items().unwrap_or_default();
-        let single = matches!(items.as_slice(), [_, angle] if !matches!(angle.node, Node::List(_)));
+        let single = matches!(items.as_slice(), [_, angle] if !matches!(angle.node, Node::List(_) | Node::Map(_)));
         let turns = if single { vec![rotate.clone()] } else { items };
         if turns.is_empty() {
             problems.push(mechanics::not_a_turn(rotate.place.clone(), describe(rotate.node)));
@@ -240,6 +247,10 @@ impl Resolver<'_> {
         }
         let mut turned = Vec::new();
         for turn in turns {
+            if let Node::Map(_) = turn.node {
+                turned.push(fixed(&turn, problems)?);
+                continue;
+            }
             let items = turn.items().unwrap_or_default();
             let [axis, angle] = items.as_slice() else {
                 problems.push(mechanics::not_a_turn(turn.place.clone(), describe(turn.node)));
@@ -262,7 +273,7 @@ impl Resolver<'_> {
         let (written, want, axes) = match turn {
             Turned::Plane(angle) => (Written::One(angle), Want::Scalar, Vec::new()),
             Turned::Space(turns) => {
-                let place = from.as_ref().map(|from| Rc::clone(&from.place)).unwrap_or_default();
+                let place = turns.first().map(|(_, angle)| Rc::clone(&angle.place)).unwrap_or_default();
                 let (axes, angles): (Vec<Axis>, Vec<Text>) = turns.into_iter().unzip();
                 (Written::List(angles, place), Want::Orientation, axes)
             }
@@ -286,7 +297,7 @@ impl Resolver<'_> {
     fn declare_body(&mut self, spot: &Spot<'_>, family: &Family, bodies: &mut Vec<DeclaredBody>) {
         let space = self.scope.dimension == 3;
         let problems = &mut self.builder.problems;
-        spot.only(&["mass", "position", "inertia", "angle", "frame"], "a body", problems);
+        spot.only(&["mass", "position", "inertia", "about", "angle", "frame"], "a body", problems);
         let mass = spot.need("mass", "a body", problems).and_then(|mass| mass.quantity(problems));
         let position = spot.need("position", "a body", problems).and_then(|spot| spot.written(problems));
         let (inertia, angle, frame) = (spot.get("inertia"), spot.get("angle"), spot.get("frame"));
@@ -296,6 +307,10 @@ impl Resolver<'_> {
                 problems.push(sections::conflicting_keys(frame.place.of_key(), "angle", "frame", "a body"));
             }
             _ => {}
+        }
+        let about = spot.get("about");
+        if let (Some(about), None) = (&about, &inertia) {
+            problems.push(sections::needs_another_key(about.place.of_key(), "about", "inertia", "a body"));
         }
         let turns = angle.as_ref().or(frame.as_ref());
         if let (Some(inertia), None) = (&inertia, &turns) {
@@ -325,11 +340,17 @@ impl Resolver<'_> {
         for quantity in mass.iter().chain(inertia.iter().flatten()) {
             self.note_unit(quantity.unit.as_ref().map(|(_, unit)| unit));
         }
-        let text = Rc::new(BodyText { mass, inertia, place: spot.place.of_key() });
+        let point = about.as_ref().and_then(|about| about.written(&mut self.builder.problems));
+        let about = about.map(|about| about.place);
+        let text = Rc::new(BodyText { mass, inertia, about, place: spot.place.of_key() });
         for member in &family.members {
             let name = member.name();
             let rules = Rules::position("a position").si(Dimension::LENGTH);
             let at = self.item(name.clone(), position.clone(), rules, Want::Vector, &member.locals);
+            let about = point.as_ref().map(|point| {
+                let name = format!("{name}'s point of inertia");
+                self.item(name, Some(point.clone()), rules, Want::Vector, &member.locals)
+            });
             let orientation = turns.is_some().then(|| {
                 let name = if space { format!("{name}'s frame") } else { format!("{name}'s angle") };
                 match &turned {
@@ -340,7 +361,7 @@ impl Resolver<'_> {
             let place = self.scope.bodies.len();
             if self.declare(Section::Body, member, Member::Body(place), &spot.place) {
                 self.scope.bodies.push(BodyNames { name, position: at, orientation });
-                bodies.push(DeclaredBody { text: Rc::clone(&text), locals: Rc::clone(&member.locals) });
+                bodies.push(DeclaredBody { text: Rc::clone(&text), about, locals: Rc::clone(&member.locals) });
             }
         }
     }
@@ -376,6 +397,23 @@ impl Resolver<'_> {
     pub fn no_locals() -> Rc<Vec<(String, Local)>> {
         Rc::new(Vec::new())
     }
+}
+
+/// A fixed turn, `{quaternion: [w, x, y, z]}`.
+fn fixed(turn: &Spot<'_>, problems: &mut Vec<Problem>) -> Option<(Axis, Text)> {
+    if !turn.only(&["quaternion"], "a fixed turn", problems) {
+        return None;
+    }
+    let numbers = turn.need("quaternion", "a fixed turn", problems)?;
+    let items = numbers.list(problems);
+    let [w, x, y, z] = items.as_slice() else {
+        if matches!(numbers.node, Node::List(_)) {
+            problems.push(sections::list_length(numbers.place.clone(), &numbers.name, 4, items.len()));
+        }
+        return None;
+    };
+    let vector = [x.text(problems)?, y.text(problems)?, z.text(problems)?];
+    Some((Axis::Quaternion(Box::new(vector)), w.text(problems)?))
 }
 
 /// The moments of inertia of a body in space: three principal ones, or the rows of a tensor.

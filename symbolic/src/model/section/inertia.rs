@@ -2,13 +2,18 @@
 
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::mechanics;
-use crate::expr::Id;
+use rustc_hash::FxHashMap as HashMap;
+
+use super::declare::DeclaredBody;
+use crate::expr::{Id, Rational, Symbol, Tape, substitute, vectors};
 use crate::file::Quantity;
 use crate::model::expression::dimension::Dimension;
 use crate::model::expression::families::Locals;
 use crate::model::expression::rules::Rules;
+use crate::model::expression::value::Value;
 use crate::model::resolver::Resolver;
-use crate::model::rotation::Tensor;
+use crate::model::rotation::{Orientation, Tensor};
+use crate::random::Random;
 
 /// The moments of a body as written: three, or nine by rows.
 pub struct Moments {
@@ -16,9 +21,18 @@ pub struct Moments {
     pub name: String,
     /// Where they stand.
     pub place: Place,
-    /// Their values.
+    /// Their values about the centre of mass: one in the plane.
     pub values: Vec<Id>,
+    /// Those about another point, as written, and what the distance to that adds, where they are given so.
+    pub about: Option<[Vec<Id>; 2]>,
 }
+
+/// At these values of all coordinates, or at the first at which it is finite, a point's components along a body's axes are taken.
+const PLACES: [Rational; 3] = [Rational::ZERO, Rational::HALF, Rational::ONE];
+/// How many drawn states a point has to be at rest at.
+const DRAWN: usize = 8;
+/// By this part of its distance a point that is at rest in a body is off by rounding.
+const AT_REST: f64 = 1e-9;
 
 /// Data with few digits may miss the inequality of moments by this part of the largest, with a warning.
 const FEW_DIGITS: f64 = 1e-2;
@@ -44,9 +58,102 @@ impl Resolver<'_> {
         values
     }
 
+    /// The components along a body's axes of the way from its centre of mass to the point that its inertia is about: expressions of
+    /// parameters.  In the plane those of the ground do as well, at an angle of 0.
+    pub fn arm(
+        &mut self,
+        body: &DeclaredBody,
+        name: &str,
+        position: &[Id],
+        frame: Option<&Orientation>,
+    ) -> Option<[Id; 3]> {
+        let (item, place) = (body.about?, body.text.about.clone()?);
+        let Some(Value::Vector(point)) = self.scope.value(item).cloned() else { return None };
+        let graph = &mut self.builder.graph;
+        let mut way: Vec<Id> = point.iter().zip(position).map(|(p, c)| graph.sub(*p, *c)).collect();
+        way.resize(3, Id::ZERO);
+        let measured = match frame {
+            Some(frame) => frame.along_axes(graph, &way).to_vec(),
+            // Only its length counts.
+            None => vec![vectors::dot(graph, &way, &way)],
+        };
+        let own = if frame.is_some() { measured.clone() } else { way };
+        let fixed = self.at_a_place(&[own, measured.clone()].concat());
+        let fixed = fixed.filter(|fixed| self.is_at_rest(&measured, &fixed[3..]));
+        if fixed.is_none() {
+            self.builder.problems.push(mechanics::not_at_rest(place, name));
+        }
+        fixed?.first_chunk().copied()
+    }
+
+    /// Expressions of the coordinates with numbers in their place.
+    fn at_a_place(&mut self, roots: &[Id]) -> Option<Vec<Id>> {
+        let coordinates = self.model.coordinates.len() as u32;
+        for place in PLACES {
+            let graph = &mut self.builder.graph;
+            let number = graph.rational(place);
+            let mut values: HashMap<Symbol, Id> = (0..coordinates).map(|k| (Symbol::Coordinate(k), number)).collect();
+            // A rotation is unturned.
+            for rotation in &self.model.rotations {
+                values.extend((0..4).map(|k| (Symbol::Coordinate(rotation.first as u32 + k), Id::ZERO)));
+                values.insert(Symbol::Coordinate(rotation.first as u32), Id::ONE);
+            }
+            values.insert(Symbol::Time, Id::ZERO);
+            let found = substitute(graph, roots, &values);
+            let numbers = crate::model::command::evaluate_all(graph, &found, &self.builder.defaults);
+            if numbers.iter().all(|x| x.is_finite()) {
+                return Some(found);
+            }
+        }
+        None
+    }
+
+    /// Whether expressions have these values of parameters wherever the coordinates are.
+    fn is_at_rest(&self, own: &[Id], fixed: &[Id]) -> bool {
+        let mut random = Random::new();
+        let tape = Tape::new(&self.builder.graph, &[own, fixed].concat());
+        (0..DRAWN).all(|_| {
+            let mut drawn: Vec<f64> = (0..self.model.coordinates.len()).map(|_| random.between(-2.0, 2.0)).collect();
+            let time = random.between(0.1, 3.0);
+            drawn.push(time);
+            let factor = random.between(0.5, 1.5);
+            let numbers = tape.evaluate(|symbol| match symbol {
+                Symbol::Parameter(k) => factor * self.builder.defaults[k as usize],
+                Symbol::Coordinate(k) => drawn[k as usize],
+                Symbol::Time => time,
+                // What else moves a point has no one value.
+                _ => f64::NAN,
+            });
+            let (there, here) = numbers.split_at(own.len());
+            let size = here.iter().map(|x| x.abs()).fold(0.0, f64::max);
+            there.iter().zip(here).all(|(a, b)| (a - b).abs() <= AT_REST * size.max(f64::MIN_POSITIVE))
+        })
+    }
+
+    /// What a mass at this arm adds to moments of inertia: m (d² 1 − d dᵀ).
+    pub fn steiner(&mut self, mass: Id, arm: &[Id; 3]) -> Tensor {
+        let graph = &mut self.builder.graph;
+        let mut product = |i: usize, j: usize| {
+            let product = graph.mul(arm[i], arm[j]);
+            graph.mul(mass, product)
+        };
+        let [xx, yy, zz] = [0, 1, 2].map(|k| product(k, k));
+        let [xy, xz, yz] = [(0, 1), (0, 2), (1, 2)].map(|(i, j)| product(i, j));
+        let diagonal = [(yy, zz), (xx, zz), (xx, yy)].map(|(a, b)| self.builder.graph.add(a, b));
+        let beside = [xy, xz, yz].map(|product| self.builder.graph.neg(product));
+        let ([a, b, c], [d, e, f]) = (diagonal, beside);
+        [a, b, c, d, e, f]
+    }
+
+    /// A tensor less another.
+    pub fn differences(&mut self, all: &Tensor, less: &Tensor) -> Tensor {
+        std::array::from_fn(|k| self.builder.graph.sub(all[k], less[k]))
+    }
+
     /// Refuses moments that no body has by the parameters of a scene.
     pub fn possible_inertias(&mut self, bodies: &[Moments]) {
-        let values: Vec<Id> = bodies.iter().flat_map(|body| body.values.iter().copied()).collect();
+        let of_body = |body: &Moments| [body.values.clone(), body.about.clone().unwrap_or_default().concat()].concat();
+        let values: Vec<Id> = bodies.iter().flat_map(of_body).collect();
         let mut told = vec![false; bodies.len()];
         for scene in &self.model.scenes {
             let parameters = self.scene_parameters(scene);
@@ -54,11 +161,13 @@ impl Resolver<'_> {
             let mut rest = numbers.as_slice();
             for (body, told) in bodies.iter().zip(&mut told) {
                 let (own, others) = rest.split_at(body.values.len());
+                let (shift, others) =
+                    others.split_at(body.about.as_ref().map_or(0, |[all, less]| all.len() + less.len()));
                 rest = others;
-                if *told || !matches!(own.len(), 3 | 9) || !own.iter().all(|x| x.is_finite()) {
+                if *told || !matches!(own.len(), 1 | 3 | 9) || !own.iter().all(|x| x.is_finite()) {
                     continue;
                 }
-                let problem = unsymmetric(body, own).or_else(|| impossible(body, own));
+                let problem = unsymmetric(body, own).or_else(|| impossible(body, own, shift));
                 if let Some(problem) = problem {
                     *told = true;
                     match problem.code.starts_with('W') {
@@ -80,6 +189,17 @@ pub fn tensor(values: &[Id]) -> Tensor {
     }
 }
 
+/// The nine elements of a tensor by rows.
+pub fn nine([xx, yy, zz, xy, xz, yz]: &Tensor) -> Vec<Id> {
+    vec![*xx, *xy, *xz, *xy, *yy, *yz, *xz, *yz, *zz]
+}
+
+/// The moments of a tensor of nine elements, or the one of the plane, in words.
+fn diagonal(values: &[f64]) -> String {
+    let moments: Vec<String> = values.iter().step_by(4).map(|moment| rounded(*moment).to_string()).collect();
+    if let [one] = moments.as_slice() { one.clone() } else { format!("[{}]", moments.join(", ")) }
+}
+
 fn unsymmetric(body: &Moments, values: &[f64]) -> Option<crate::diagnose::Problem> {
     if values.len() != 9 {
         return None;
@@ -92,14 +212,25 @@ fn unsymmetric(body: &Moments, values: &[f64]) -> Option<crate::diagnose::Proble
     Some(mechanics::unsymmetric_inertia(body.place.clone(), &body.name, element, other))
 }
 
-fn impossible(body: &Moments, values: &[f64]) -> Option<crate::diagnose::Problem> {
+fn impossible(body: &Moments, values: &[f64], shift: &[f64]) -> Option<crate::diagnose::Problem> {
     let principal = principal_moments(values);
     let (excess, why) = violation(&principal)?;
-    let listed = principal.map(|moment| format!("{}", rounded(moment))).join(", ");
+    let listed = match values {
+        [one] => rounded(*one).to_string(),
+        _ => principal.map(|moment| rounded(moment).to_string()).join(", "),
+    };
     if excess <= FEW_DIGITS {
         return Some(mechanics::doubtful_inertia(body.place.clone(), &body.name, listed, why));
     }
     let mirrored: Vec<f64> = values.iter().enumerate().map(|(k, x)| if k % 4 == 0 { *x } else { -x }).collect();
+    if let (Some(_), (all, less)) = (&body.about, shift.split_at(shift.len() / 2)) {
+        let help = format!(
+            "about the centre of mass they are {} less m*d^2 = {}; give larger moments, or a nearer point `about`",
+            diagonal(all),
+            diagonal(less)
+        );
+        return Some(mechanics::impossible_inertia(body.place.clone(), &body.name, listed, why, help));
+    }
     let help = match values.len() == 9 && violation(&principal_moments(&mirrored)).is_none() {
         true => "with the signs of its products changed a body has it: Ixy = -∫ x y dm, with the minus".to_owned(),
         false => "moments are about the centre of mass; about another point at the distance d they are m*d^2 larger"
@@ -131,6 +262,7 @@ fn rounded(x: f64) -> f64 {
 /// Jacobi's rotations (Golub, Van Loan, Matrix Computations, section 8.5).
 fn principal_moments(values: &[f64]) -> [f64; 3] {
     let mut a = match *values {
+        [x] => [[x, 0.0, 0.0], [0.0, x, 0.0], [0.0, 0.0, x]],
         [x, y, z] => [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]],
         _ => std::array::from_fn(|i| std::array::from_fn(|j| values[3 * i.min(j) + i.max(j)])),
     };

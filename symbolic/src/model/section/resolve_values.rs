@@ -1,5 +1,6 @@
 //! Values of definitions, points, angles, inputs and derived parameters, in whatever order they need each other.
 
+use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
 use crate::diagnose::Place;
@@ -8,7 +9,7 @@ use crate::expr::{Id, Symbol, Tape, vectors};
 use crate::file::{Text, Written};
 use crate::language::{Ast, AstKind, Unit};
 use crate::model::expression::builder::ExprBuilder;
-use crate::model::expression::dimension::Measure;
+use crate::model::expression::dimension::{Dimension, Measure};
 use crate::model::expression::families::Locals;
 use crate::model::expression::lower::Lower;
 use crate::model::expression::names::Solid;
@@ -16,6 +17,7 @@ use crate::model::expression::quantities::stands_alone;
 use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::{Member, Scope};
 use crate::model::expression::value::{self, Value};
+use crate::model::gimbals::Angle;
 use crate::model::rotation::{Orientation, Quaternion, Turn};
 
 /// Something with a value that expressions may name.
@@ -48,6 +50,8 @@ pub enum Axis {
     Direction(Written),
     /// None: what stands for the angle is a coordinate of kind `rotation`.
     Rotation,
+    /// None: a fixed turn by a quaternion of parameters, whose scalar part stands for the angle; its vector part.
+    Quaternion(Box<[Text; 3]>),
 }
 
 /// What the value of an item must be.
@@ -164,6 +168,8 @@ fn frame_angle(builder: &mut ExprBuilder, scope: &Scope, from: &Text, item: &Ite
     }
 }
 
+/// So many turns that move are derived: the expressions of a chain grow as the square of their number.
+const MOST_TURNS: usize = 64;
 /// Factors of all parameters' defaults at which the length of an axis is looked at.
 const FACTORS: [f64; 4] = [1.0, 1.37, 0.71, 2.9];
 
@@ -176,6 +182,17 @@ fn orientation(builder: &mut ExprBuilder, scope: &Scope, item: &Item) -> Option<
     };
     let Some(Written::List(angles, _)) = &item.written else { return None };
     for (axis, text) in item.axes.iter().zip(angles) {
+        if frame.depth >= MOST_TURNS {
+            builder.problems.push(mechanics::too_many_turns(
+                text.place.at(text.ast.span),
+                format!("a frame may have {MOST_TURNS} turns that move, from the ground on"),
+            ));
+            return None;
+        }
+        if let Axis::Quaternion(vector) = axis {
+            frame = fixed_turn(builder, scope, (text, vector), item).map(|q| set(builder, &frame, q))?;
+            continue;
+        }
         if matches!(axis, Axis::Rotation) {
             let index = rotation_of(builder, scope, text, item)?;
             let first = scope.rotations[index] as u32;
@@ -188,7 +205,7 @@ fn orientation(builder: &mut ExprBuilder, scope: &Scope, item: &Item) -> Option<
         }
         let angle = builder.scalar(scope, text, item.rules, &item.locals);
         let direction = match axis {
-            Axis::Own(_) | Axis::Rotation => None,
+            Axis::Own(_) | Axis::Rotation | Axis::Quaternion(_) => None,
             Axis::Direction(written) => {
                 let vector = builder.vector(scope, written, Rules::constant("an axis"), &item.locals)?;
                 let square = vectors::dot(&mut builder.graph, &vector, &vector);
@@ -201,8 +218,10 @@ fn orientation(builder: &mut ExprBuilder, scope: &Scope, item: &Item) -> Option<
                     Tape::new(&builder.graph, &[square]).evaluate(value)[0]
                 };
                 let squares = FACTORS.map(at);
-                if squares[0] == 0.0 {
-                    builder.problems.push(mechanics::no_axis(Place::clone(written.place())));
+                let place = Place::clone(written.place());
+                builder.lengths.push((square, place.clone()));
+                if !has_direction(squares[0]) {
+                    builder.problems.push(mechanics::no_axis(place));
                     return None;
                 }
                 // [sin(a), 0, cos(a)] has length 1 as it stands.
@@ -212,6 +231,13 @@ fn orientation(builder: &mut ExprBuilder, scope: &Scope, item: &Item) -> Option<
             }
         };
         let angle = angle?;
+        let known = angle_in_numbers(builder, angle);
+        frame.depth += usize::from(!matches!(known, Angle::Fixed(_)));
+        let in_numbers = match (axis, direction.as_deref()) {
+            (Axis::Own(k), _) => std::array::from_fn(|i| f64::from(u8::from(i == *k))),
+            (_, Some(components)) => at_defaults(builder, components).try_into().ok()?,
+            _ => return None,
+        };
         let rate = builder.rate(angle);
         let graph = &mut builder.graph;
         let turn = Turn::by(graph, angle, rate);
@@ -220,8 +246,93 @@ fn orientation(builder: &mut ExprBuilder, scope: &Scope, item: &Item) -> Option<
             (Axis::Own(k), _) => frame.turned(graph, *k, turn),
             _ => return None,
         };
+        frame.turns.push(&item.name, in_numbers, known);
     }
     Some(Box::new(frame))
+}
+
+/// Whether a vector has a direction, by the square of its length.
+pub fn has_direction(square: f64) -> bool {
+    square > 0.0 && square.is_finite()
+}
+
+/// The quaternion of a fixed turn.
+fn fixed_turn(
+    builder: &mut ExprBuilder,
+    scope: &Scope,
+    (scalar, vector): (&Text, &[Text; 3]),
+    item: &Item,
+) -> Option<Quaternion> {
+    let rules = Rules::constant("a fixed turn").si(Dimension::ONE);
+    let mut q = [Id::ZERO; 4];
+    for (component, text) in q.iter_mut().zip(std::iter::once(scalar).chain(vector)) {
+        *component = builder.scalar(scope, text, rules, &item.locals)?;
+    }
+    let square = vectors::dot(&mut builder.graph, &q, &q);
+    let place = scalar.place.at(scalar.ast.span);
+    builder.lengths.push((square, place.clone()));
+    if !has_direction(at_defaults(builder, &[square])[0]) {
+        builder.problems.push(mechanics::no_axis(place));
+        return None;
+    }
+    Some(Quaternion(q))
+}
+
+/// A frame turned once and for all.
+fn set(builder: &mut ExprBuilder, frame: &Orientation, q: Quaternion) -> Orientation {
+    let mut new = frame.set(&mut builder.graph, q);
+    let [w, x, y, z] = at_defaults(builder, &q.0)[..] else { return new };
+    let sine = (x * x + y * y + z * z).sqrt();
+    if sine > 0.0 {
+        new.turns.push("", [x / sine, y / sine, z / sine], Angle::Fixed(2.0 * sine.atan2(w)));
+    }
+    new
+}
+
+/// The components of an axis at the parameters' defaults.
+fn at_defaults(builder: &ExprBuilder, components: &[Id]) -> Vec<f64> {
+    let value = |symbol| match symbol {
+        Symbol::Parameter(k) => builder.defaults[k as usize],
+        _ => 0.0,
+    };
+    Tape::new(&builder.graph, components).evaluate(value)
+}
+
+/// Where an angle is tried: whether it is linear in its coordinate.
+const TRIED: [f64; 3] = [0.0, 0.83, -2.9];
+
+/// An angle in numbers, at the parameters' defaults.
+fn angle_in_numbers(builder: &ExprBuilder, angle: Id) -> Angle {
+    let tape = Tape::new(&builder.graph, &[angle]);
+    let (found, other) = (RefCell::new(Vec::new()), Cell::new(false));
+    let at = |q: f64| {
+        let value = |symbol| match symbol {
+            Symbol::Parameter(k) => builder.defaults[k as usize],
+            Symbol::Coordinate(k) => {
+                found.borrow_mut().push(k as usize);
+                q
+            }
+            _ => {
+                other.set(true);
+                0.0
+            }
+        };
+        tape.evaluate(value)[0]
+    };
+    let [offset, first, second] = TRIED.map(at);
+    let mut found = found.take();
+    found.sort_unstable();
+    found.dedup();
+    match found.as_slice() {
+        _ if other.get() => Angle::Other,
+        [] => Angle::Fixed(offset),
+        &[coordinate] => {
+            let factor = (first - offset) / TRIED[1];
+            let linear = (offset + factor * TRIED[2] - second).abs() < 1e-12 * (1.0 + second.abs());
+            if linear { Angle::Linear { coordinate, factor, offset } } else { Angle::Other }
+        }
+        _ => Angle::Other,
+    }
 }
 
 /// The rotation that a text names.

@@ -17,6 +17,8 @@ use crate::model::rotation::{Orientation, Quaternion, Rotation, Turn};
 /// The kind of coordinate, as written in the place of a unit.
 pub const ROTATION: &str = "rotation";
 
+/// So many are derived: with more the equations of free bodies alone are beyond the limit of the graph.
+const MOST_ROTATIONS: usize = 64;
 /// The components of a quaternion, scalar first.
 const COMPONENTS: [&str; 4] = ["w", "x", "y", "z"];
 
@@ -24,6 +26,12 @@ impl Resolver<'_> {
     /// Declares a rotation: four coordinates.
     pub fn declare_rotation(&mut self, member: &Expanded, spot: &Spot<'_>) {
         let (index, first) = (self.model.rotations.len(), self.model.coordinates.len());
+        if index >= MOST_ROTATIONS {
+            let limit = format!("a model may have {MOST_ROTATIONS} rotations");
+            self.builder.problems.push(mechanics::too_many_turns(spot.place.of_key(), limit));
+            self.declare(Section::Coordinate, member, Member::Refused, &spot.place);
+            return;
+        }
         if !self.declare(Section::Coordinate, member, Member::Rotation(index), &spot.place) {
             return;
         }
@@ -116,7 +124,17 @@ impl Resolver<'_> {
             self.builder.problems.push(names::member_twice(spot.place.of_key(), &self.model.rotations[index].name));
             return;
         }
+        if matches!(spot.node, Node::Map(_))
+            && !spot.only(&["quaternion", "vector"], "a start", &mut self.builder.problems)
+        {
+            return;
+        }
         let found = match (spot.get("quaternion"), spot.get("vector")) {
+            (Some(_), Some(vector)) => {
+                let both = sections::conflicting_keys(vector.place.of_key(), "quaternion", "vector", "a start");
+                self.builder.problems.push(both);
+                None
+            }
             (Some(numbers), None) => self.numbers::<4>(&numbers).and_then(|q| {
                 let square = vectors::dot(&mut self.builder.graph, &q, &q);
                 if self.builder.graph.number(square).is_some_and(|square| square.to_f64() == 0.0) {
@@ -199,6 +217,11 @@ impl Resolver<'_> {
                     unit.try_into().ok()?
                 }
                 Axis::Rotation => return None,
+                Axis::Quaternion(_) => {
+                    let problem = mechanics::not_a_turn(spot.place.clone(), "a list with a quaternion");
+                    self.builder.problems.push(problem);
+                    return None;
+                }
             };
             let angle = self.angle_of_start(&angle)?;
             let quaternion = Quaternion::of_turn(&mut self.builder.graph, axis, angle);

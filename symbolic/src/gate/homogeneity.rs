@@ -1,0 +1,80 @@
+//! Whether anything depends on the length of a quaternion that stands for a rotation.
+
+use super::motion::Motion;
+use super::state::{State, describe};
+use crate::diagnose::Problem;
+use crate::diagnose::catalogue::verdicts;
+use crate::expr::Measured;
+use crate::model::{Model, RotationCoordinate};
+use crate::number::DoubleDouble;
+
+/// What a quaternion and its rate are multiplied by: no power of 2, which would leave every rounding as it is.
+const FACTOR: f64 = 1.7;
+/// The part of its terms by which an acceleration may change: a million roundings of double-double.
+const UNCHANGED: f64 = 1e-25;
+
+/// The largest change of an acceleration, as a part of its terms, by another length of each rotation's quaternion; the length of one that
+/// matters is an error.
+pub(super) fn lengths(model: &Model, motion: &Motion, states: &[State]) -> Result<Vec<(String, f64)>, Box<Problem>> {
+    let mut found = Vec::new();
+    for rotation in &model.rotations {
+        let mut worst = 0.0;
+        for state in states {
+            let Some(changes) = changes(motion, rotation, state) else { continue };
+            let Some((coordinate, change)) = changes.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
+            if change > UNCHANGED {
+                let what = match (0..4).map(|k| rotation.first + k).find(|k| *k == coordinate) {
+                    Some(_) => format!("the angular acceleration of `{}`", rotation.name),
+                    None => format!("`{}''`", model.coordinates[coordinate].name),
+                };
+                let (name, state) = (&rotation.name, describe(model, state));
+                return Err(verdicts::length_matters(rotation.place.clone(), name, what, state).into());
+            }
+            worst = f64::max(worst, change);
+        }
+        found.push((rotation.name.clone(), worst));
+    }
+    Ok(found)
+}
+
+/// How much each acceleration changes, as a part of its terms; of the rotation itself its angular acceleration, under its first coordinate.
+/// Nothing where another length has no motion.
+fn changes(motion: &Motion, rotation: &RotationCoordinate, state: &State) -> Option<Vec<(usize, f64)>> {
+    let own = rotation.first..rotation.first + 4;
+    let mut scaled = state.clone();
+    let factor = DoubleDouble::from(FACTOR);
+    for k in own.clone() {
+        scaled.q[k] = scaled.q[k] * factor;
+        scaled.v[k] = scaled.v[k] * factor;
+    }
+    motion.complete(&mut scaled).ok()?;
+    let part = |difference: DoubleDouble, terms: f64| {
+        let change = difference.to_f64().abs();
+        if change == 0.0 { 0.0 } else { change / terms }
+    };
+    let others = (0..motion.n).filter(|k| !own.contains(k));
+    let mut changes: Vec<(usize, f64)> = others
+        .map(|k| (k, part(scaled.a[k].value - state.a[k].value, scaled.a[k].magnitude.max(state.a[k].magnitude))))
+        .collect();
+    let [here, there] = [state, &scaled].map(|state| angular_acceleration(state, rotation.first));
+    changes.extend(
+        here.iter().zip(&there).map(|((a, size), (b, other))| (rotation.first, part(*a - *b, size.max(*other)))),
+    );
+    Some(changes)
+}
+
+/// The vector part of 2 q̄ ∘ q''/|q|², with the magnitudes of its terms.
+fn angular_acceleration(state: &State, first: usize) -> [(DoubleDouble, f64); 3] {
+    let q: [DoubleDouble; 4] = std::array::from_fn(|k| state.q[first + k]);
+    let a: [Measured; 4] = std::array::from_fn(|k| state.a[first + k]);
+    let square = q.iter().fold(DoubleDouble::ZERO, |sum, x| sum + *x * *x);
+    let two = DoubleDouble::from(2.0) / square;
+    // w a - x b + (z c - y d) and its neighbours in cyclic order.
+    std::array::from_fn(|i| {
+        let (i, j, k) = (i + 1, (i + 1) % 3 + 1, (i + 2) % 3 + 1);
+        let terms = [(q[0], a[i]), (-q[i], a[0]), (q[k], a[j]), (-q[j], a[k])];
+        let sum = terms.iter().fold(DoubleDouble::ZERO, |sum, (x, y)| sum + *x * y.value);
+        let size: f64 = terms.iter().map(|(x, y)| x.to_f64().abs() * y.magnitude).sum();
+        (two * sum, two.to_f64() * size)
+    })
+}
