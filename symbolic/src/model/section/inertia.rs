@@ -93,19 +93,40 @@ fn unsymmetric(body: &Moments, values: &[f64]) -> Option<crate::diagnose::Proble
 }
 
 fn impossible(body: &Moments, values: &[f64]) -> Option<crate::diagnose::Problem> {
+    let Impossible { moments, why, few_digits, help } = impossible_moments(values)?;
+    let place = body.place.clone();
+    Some(match few_digits {
+        true => mechanics::doubtful_inertia(place, &body.name, moments, why),
+        false => mechanics::impossible_inertia(place, &body.name, moments, why, help),
+    })
+}
+
+/// Why no body has certain moments of inertia.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Impossible {
+    /// The principal moments, the least first.
+    pub moments: String,
+    /// What is wrong with them.
+    pub why: String,
+    /// Whether they are off by so little that data of few digits explain it.
+    pub few_digits: bool,
+    /// What may have been meant.
+    pub help: String,
+}
+
+/// Whether any body has these moments of inertia, three principal ones or the nine elements of a symmetric tensor, in kg m²: none is
+/// negative, and two principal ones are never less than the third together.
+pub fn impossible_moments(values: &[f64]) -> Option<Impossible> {
     let principal = principal_moments(values);
     let (excess, why) = violation(&principal)?;
-    let listed = principal.map(|moment| format!("{}", rounded(moment))).join(", ");
-    if excess <= FEW_DIGITS {
-        return Some(mechanics::doubtful_inertia(body.place.clone(), &body.name, listed, why));
-    }
+    let moments = principal.map(|moment| format!("{}", rounded(moment))).join(", ");
     let mirrored: Vec<f64> = values.iter().enumerate().map(|(k, x)| if k % 4 == 0 { *x } else { -x }).collect();
     let help = match values.len() == 9 && violation(&principal_moments(&mirrored)).is_none() {
         true => "with the signs of its products changed a body has it: Ixy = -∫ x y dm, with the minus".to_owned(),
         false => "moments are about the centre of mass; about another point at the distance d they are m*d^2 larger"
             .to_owned(),
     };
-    Some(mechanics::impossible_inertia(body.place.clone(), &body.name, listed, why, help))
+    Some(Impossible { moments, why, few_digits: excess <= FEW_DIGITS, help })
 }
 
 /// By which part of the largest moment what no body has is off, and what that is; ordered moments.
@@ -129,7 +150,7 @@ fn rounded(x: f64) -> f64 {
 
 /// The principal moments of a body whose moments are given by three, or by the nine elements of a tensor, the least first: eigenvalues by
 /// Jacobi's rotations (Golub, Van Loan, Matrix Computations, section 8.5).
-fn principal_moments(values: &[f64]) -> [f64; 3] {
+pub fn principal_moments(values: &[f64]) -> [f64; 3] {
     let mut a = match *values {
         [x, y, z] => [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]],
         _ => std::array::from_fn(|i| std::array::from_fn(|j| values[3 * i.min(j) + i.max(j)])),
