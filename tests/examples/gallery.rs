@@ -39,9 +39,18 @@ fn page() {
     }
 }
 
-/// What stands at the top of a run's figure, thinned.
+/// The first chart of a run's figure in which something changes, thinned.
 fn first_chart(run: &Run) -> Chart {
-    let mut chart = run.figure().charts.swap_remove(0);
+    let mut charts = run.figure().charts;
+    let changes = |chart: &Chart| {
+        chart.series.iter().any(|series| {
+            let mut heights = series.points.iter().flatten().map(|point| point.1);
+            let first = heights.next();
+            heights.any(|height| Some(height) != first)
+        })
+    };
+    let first = charts.iter().position(changes).unwrap_or(0);
+    let mut chart = charts.swap_remove(first);
     for series in &mut chart.series {
         let stride = series.points.len().div_ceil(POINTS).max(1);
         let last = series.points.last().copied();

@@ -54,6 +54,64 @@ fn every_model_of_the_tutorial_is_accepted_without_a_warning() {
     }
 }
 
+/// A page's fenced blocks: what follows the fence, and the text.
+fn blocks(page: &str) -> Vec<(&str, &str)> {
+    let fenced = page.split("```").skip(1).step_by(2);
+    fenced.filter_map(|block| block.split_once('\n')).collect()
+}
+
+/// Words of a command line, with double quotes.
+fn words(command: &str) -> Vec<String> {
+    let parts = command.split('"').enumerate();
+    let mut words = Vec::new();
+    for (k, part) in parts {
+        match k % 2 {
+            0 => words.extend(part.split_whitespace().map(str::to_owned)),
+            _ => words.push(part.to_owned()),
+        }
+    }
+    words
+}
+
+/// What a command prints, errors included; the model of the page by its file.
+fn printed(command: &str, folder: &Path) -> String {
+    let arguments = words(command).into_iter().map(|word| match word.ends_with(".yaml") {
+        true => folder.join(word).to_string_lossy().into_owned(),
+        false => word,
+    });
+    let arguments: Vec<String> = std::iter::once("dalembert".to_owned()).chain(arguments).collect();
+    let mut out = Vec::new();
+    let ended = dalembert::cli::run(dalembert_models::MODELS, arguments, &mut out);
+    let text = String::from_utf8(out).expect("text");
+    ended.map_or_else(|problem| format!("{text}{problem}\n"), |()| text.clone())
+}
+
+#[test]
+fn every_command_of_the_page_on_space_prints_what_it_shows() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace's folder");
+    let page = std::fs::read_to_string(root.join("docs/space.md")).expect("the page");
+    let folder = std::env::temp_dir().join(format!("dalembert-space-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let blocks = blocks(&page);
+    let mut commands = 0;
+    for (k, (kind, text)) in blocks.iter().enumerate() {
+        if *kind == "yaml" {
+            let program = compile(text, &[]).unwrap_or_else(|problems| panic!("{text}\n{problems:?}"));
+            assert!(program.model.warnings.is_empty(), "{:?}", program.model.warnings);
+            std::fs::write(folder.join("top_by_rotation.yaml"), text).expect("a file");
+        }
+        let Some(command) = text.strip_prefix("cargo run --release -- ") else { continue };
+        commands += 1;
+        let printed = printed(command, &folder);
+        let mut lines = printed.lines();
+        for shown in blocks[k + 1].1.lines().filter(|line| *line != "...") {
+            assert!(lines.any(|line| line.starts_with(shown)), "{command}`{shown}` is not printed:\n{printed}");
+        }
+    }
+    assert_eq!(commands, 10);
+    std::fs::remove_dir_all(&folder).expect("removed");
+}
+
 #[test]
 fn every_test_that_the_catalogue_of_failures_names_exists() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace's folder");

@@ -297,7 +297,7 @@ fn shells_complete_commands_options_and_models() {
         let mut script = Vec::new();
         dalembert::cli::run(MODELS, ["dalembert", "completions", shell], &mut script).expect("a script");
         let script = String::from_utf8(script).expect("text");
-        for word in ["simulate", "no-digits", "dalembert"] {
+        for word in ["simulate", "no-digits", "import", "dalembert"] {
             assert!(script.contains(word), "{shell}: {word}");
         }
         // Other shells complete no values.

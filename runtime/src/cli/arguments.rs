@@ -1,7 +1,7 @@
 //! What may stand on the command line.
 
 use clap::builder::PossibleValuesParser;
-use clap::{Arg, ArgAction, ArgGroup, Command};
+use clap::{Arg, ArgAction, ArgGroup, Command, ValueHint};
 use clap_complete::Shell;
 
 /// The whole grammar.
@@ -53,6 +53,7 @@ pub fn command() -> Command {
                 .about("Writes a commented model file to start from")
                 .arg(Arg::new("name").value_name("NAME").required(true).help("The file's name, without .yaml")),
         )
+        .subcommand(import())
         .subcommand(Command::new("schema").about("Writes a JSON schema of model files, by which editors complete keys and underline others"))
         .subcommand(
             Command::new("completions")
@@ -78,6 +79,31 @@ pub fn completed(names: &[&'static str]) -> Command {
         sub.mut_arg("model", |model| model.value_parser(names))
     })
 }
+
+fn import() -> Command {
+    Command::new("import")
+        .about("Writes a model file from a robot's URDF: a coordinate a joint, frames, bodies, dampers, momentum balances and simple solids")
+        .after_help(IMPORT)
+        .arg(Arg::new("robot").value_name("FILE.urdf").required(true).help("The robot; macros (xacro) expanded").value_hint(ValueHint::FilePath))
+        .arg(value("output", "FILE.yaml", "Where the model goes; - for standard output [default: the robot's file name, here, unless it is there]").short('o').value_hint(ValueHint::FilePath))
+        .arg(flag("floating", "Let a robot that nothing holds move: its root gets a floating joint to the ground"))
+}
+
+/// What becomes of what.
+const IMPORT: &str = "\
+revolute, continuous  an angle; the frame turns about the axis
+prismatic             a length along the axis
+planar                two lengths across the axis, and an angle about it
+floating              three lengths and a `rotation`
+fixed                 a frame or none; a link with mass is a body
+origin rpy            fixed turns: about the fixed x, y, z, so `[[z, yaw], [y, pitch], [x, roll]]`
+inertial              a body, its tensor turned to the link's axes; refused where no body has it
+dynamics damping      a damper; friction, limits, safety and transmissions are comments, or left out
+mimic                 a definition in the place of a coordinate; its gear has a reaction in `balances`
+visual                box, cylinder, sphere are drawn; meshes are named, and drawn as lines
+gravity               9.81 N/kg along -z: URDF states none
+
+The balances are those of all that a joint moves, about or along its axis: a second derivation that `check` compares.";
 
 fn simulate() -> Command {
     Command::new("simulate")

@@ -18,6 +18,7 @@ mod completions;
 mod drawn;
 mod enforcement;
 mod freedoms;
+mod import;
 mod json;
 mod list;
 mod load;
@@ -99,6 +100,7 @@ pub fn run(
         Some(("modes", options)) => modes::run(models, options, out),
         Some(("needs", options)) => needs::run(models, options, out),
         Some(("new", options)) => new::run(options, out),
+        Some(("import", options)) => import::run(options, out),
         Some(("schema", _)) => schema::run(out),
         Some(("completions", options)) => completions::run(models, options, out),
         _ => Err(Problem::Usage(arguments::command().render_help().to_string())),

@@ -15,8 +15,8 @@ use super::system::Assembled;
 use crate::derive::momentum::Momentum;
 use crate::diagnose::Problem;
 use crate::diagnose::catalogue::verdicts;
-use crate::expr::{Id, Measured, Symbol, Tape, jacobian};
-use crate::model::{BalanceSystem, Body, Load, Model, Reaction, Rotation};
+use crate::expr::{Graph, Id, Measured, Symbol, Tape, jacobian};
+use crate::model::{BalanceSystem, Load, Model, Reaction, Rotation};
 use crate::number::DoubleDouble;
 
 /// Of directions (forces and moments on all bodies) that hang together more than this are not judged: each state takes
@@ -166,18 +166,39 @@ struct Velocities {
 
 impl Velocities {
     fn new(model: &mut Model) -> Velocities {
-        let bodies = model.bodies.iter();
-        let of = |body: &Body| {
-            body.position.iter().copied().chain(body.rotation.iter().flat_map(Rotation::attitude)).collect::<Vec<_>>()
-        };
-        let positions: Vec<Id> = bodies.flat_map(of).collect();
+        // One velocity for each equation of the bodies: three of the centre of mass and three of the turn in space.
+        let (mut moved, mut spun) = (Vec::new(), Vec::new());
+        let mut directions = 0;
+        for body in &model.bodies {
+            moved.extend(body.position.iter().map(|position| (next(&mut directions), *position)));
+            match &body.rotation {
+                Some(Rotation::Plane { angle, .. }) => moved.push((next(&mut directions), *angle)),
+                Some(Rotation::Space { frame, .. }) => {
+                    spun.extend(frame.velocity.iter().map(|rate| (next(&mut directions), *rate)));
+                }
+                None => {}
+            }
+        }
         let coordinate = |s: Symbol| if let Symbol::Coordinate(i) = s { Some(i as usize) } else { None };
-        let slopes = jacobian(&mut model.graph, &positions, coordinate).into_iter().enumerate();
-        let entries: Vec<(usize, usize, Id)> =
-            slopes.flat_map(|(d, line)| line.into_iter().map(move |(i, slope)| (d, i, slope))).collect();
+        let speed = |s: Symbol| if let Symbol::Speed(i) = s { Some(i as usize) } else { None };
+        let mut entries = slopes(&mut model.graph, &moved, coordinate);
+        entries.extend(slopes(&mut model.graph, &spun, speed));
         let tape = Tape::new(&model.graph, &entries.iter().map(|e| e.2).collect::<Vec<_>>());
         Velocities { places: entries.iter().map(|e| (e.0, e.1)).collect(), tape }
     }
+}
+
+/// The number of the next direction.
+fn next(count: &mut usize) -> usize {
+    *count += 1;
+    *count - 1
+}
+
+/// Derivatives of numbered expressions by what `by` numbers: of each its number, by what, and the derivative.
+fn slopes(graph: &mut Graph, of: &[(usize, Id)], by: impl Fn(Symbol) -> Option<usize>) -> Vec<(usize, usize, Id)> {
+    let expressions: Vec<Id> = of.iter().map(|(_, expression)| *expression).collect();
+    let lines = jacobian(graph, &expressions, by).into_iter().zip(of);
+    lines.flat_map(|(line, (d, _))| line.into_iter().map(move |(i, slope)| (*d, i, slope))).collect()
 }
 
 /// Directions that share no coordinate, constraint or reaction with others.

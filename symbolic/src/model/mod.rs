@@ -21,6 +21,7 @@ pub use resolved::{
     RotationCoordinate, Sample, Scene, Shape, SharedEnd, Solid, Tried, Vector, Work,
 };
 pub use rotation::{Orientation, Rotation, product};
+pub use section::inertia::{Impossible, impossible_moments, principal_moments};
 pub use section::scenes::looks_like_degrees;
 pub(crate) use section::springs::LENGTH;
 pub(crate) use text::text_in;

@@ -79,3 +79,31 @@ scene: {start: {theta: 0.2, phi': 100}, until: 0.5}
     );
     assert_eq!(codes(&with(text, "at: touch, force", "at: touch + R/20*B.x, force")).first(), Some(&"E509"));
 }
+
+/// Two wheels whose shafts are not parallel: a gear passes a couple to each, and takes no power.
+const GEARS: &str = "
+name: Gears
+parameters: {J: 0.1 kg*m^2, k: 2 1, tau: 1 N*m}
+coordinates: {a: rad}
+define: {b: k*a}
+frames: {A: {rotate: [z, a]}, B: {rotate: [[x, 0.3], [z, b]]}}
+bodies:
+  one: {mass: 1 kg, inertia: [J, J, J], frame: A, position: [0, 0, 0]}
+  two: {mass: 1 kg, inertia: [J, J, J], frame: B, position: [0, 0, 0]}
+torques: {motor: {on: one, torque: tau*A.z}}
+balances:
+  equations:
+    - moment: {about: one, of: [one], along: A.z}
+    - moment: {about: two, of: [two], along: B.z}
+    - equation: \"first + k*second = 0\"
+  reactions:
+    first: {on: one, couple: true, along: A.z}
+    second: {on: two, couple: true, along: B.z}
+scene: {until: 1}
+";
+
+#[test]
+fn reactions_of_written_equations_are_held_against_bodies_in_space() {
+    accepted(GEARS);
+    assert_eq!(codes(&with(GEARS, "first + k*second", "first + second")), ["E501"]);
+}

@@ -213,30 +213,52 @@ fn unsymmetric(body: &Moments, values: &[f64]) -> Option<crate::diagnose::Proble
 }
 
 fn impossible(body: &Moments, values: &[f64], shift: &[f64]) -> Option<crate::diagnose::Problem> {
-    let principal = principal_moments(values);
-    let (excess, why) = violation(&principal)?;
-    let listed = match values {
-        [one] => rounded(*one).to_string(),
-        _ => principal.map(|moment| rounded(moment).to_string()).join(", "),
-    };
-    if excess <= FEW_DIGITS {
-        return Some(mechanics::doubtful_inertia(body.place.clone(), &body.name, listed, why));
+    let Impossible { moments, why, few_digits, help } = impossible_moments(values)?;
+    let place = body.place.clone();
+    if few_digits {
+        return Some(mechanics::doubtful_inertia(place, &body.name, moments, why));
     }
-    let mirrored: Vec<f64> = values.iter().enumerate().map(|(k, x)| if k % 4 == 0 { *x } else { -x }).collect();
-    if let (Some(_), (all, less)) = (&body.about, shift.split_at(shift.len() / 2)) {
-        let help = format!(
+    let (all, less) = shift.split_at(shift.len() / 2);
+    let help = match &body.about {
+        None => help,
+        Some(_) => format!(
             "about the centre of mass they are {} less m*d^2 = {}; give larger moments, or a nearer point `about`",
             diagonal(all),
             diagonal(less)
-        );
-        return Some(mechanics::impossible_inertia(body.place.clone(), &body.name, listed, why, help));
-    }
+        ),
+    };
+    Some(mechanics::impossible_inertia(place, &body.name, moments, why, help))
+}
+
+/// Why no body has certain moments of inertia.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Impossible {
+    /// The principal moments, the least first.
+    pub moments: String,
+    /// What is wrong with them.
+    pub why: String,
+    /// Whether they are off by so little that data of few digits explain it.
+    pub few_digits: bool,
+    /// What may have been meant.
+    pub help: String,
+}
+
+/// Whether any body has these moments of inertia, one in the plane, three principal ones or the nine elements of a symmetric tensor, in
+/// kg m²: none is negative, and two principal ones are never less than the third together.
+pub fn impossible_moments(values: &[f64]) -> Option<Impossible> {
+    let principal = principal_moments(values);
+    let (excess, why) = violation(&principal)?;
+    let moments = match values {
+        [one] => rounded(*one).to_string(),
+        _ => principal.map(|moment| rounded(moment).to_string()).join(", "),
+    };
+    let mirrored: Vec<f64> = values.iter().enumerate().map(|(k, x)| if k % 4 == 0 { *x } else { -x }).collect();
     let help = match values.len() == 9 && violation(&principal_moments(&mirrored)).is_none() {
         true => "with the signs of its products changed a body has it: Ixy = -∫ x y dm, with the minus".to_owned(),
         false => "moments are about the centre of mass; about another point at the distance d they are m*d^2 larger"
             .to_owned(),
     };
-    Some(mechanics::impossible_inertia(body.place.clone(), &body.name, listed, why, help))
+    Some(Impossible { moments, why, few_digits: excess <= FEW_DIGITS, help })
 }
 
 /// By which part of the largest moment what no body has is off, and what that is; ordered moments.
@@ -260,7 +282,7 @@ fn rounded(x: f64) -> f64 {
 
 /// The principal moments of a body whose moments are given by three, or by the nine elements of a tensor, the least first: eigenvalues by
 /// Jacobi's rotations (Golub, Van Loan, Matrix Computations, section 8.5).
-fn principal_moments(values: &[f64]) -> [f64; 3] {
+pub fn principal_moments(values: &[f64]) -> [f64; 3] {
     let mut a = match *values {
         [x] => [[x, 0.0, 0.0], [0.0, x, 0.0], [0.0, 0.0, x]],
         [x, y, z] => [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]],
