@@ -302,7 +302,7 @@ impl Orientation {
         Orientation { turns: self.turns.clone(), depth: self.depth, ..still }
     }
 
-    /// Turned further by a rotation, as [`Orientation::turned_by`].
+    /// Turned further by a rotation, a quaternion q of any length with its rate.
     pub fn rotated(&self, graph: &mut Graph, index: usize, pair: [Quaternion; 2]) -> Orientation {
         let mut new = self.turned_by(graph, pair);
         new.rotations.push(index);
