@@ -148,10 +148,13 @@ fn quotient(arguments: &[&str], option: &str, (name, at): (&str, f64), read: &dy
     (45.0 * odd(1.0) - 9.0 * odd(2.0) + odd(3.0)) / (60.0 * h)
 }
 
+/// A model, where its run ends, what varies (by which option, at about which value), and what is compared.
+type Case = (&'static str, &'static str, &'static [(&'static str, &'static str, f64)], &'static [&'static str]);
+
 #[test]
 fn slopes_are_those_of_difference_quotients() {
     // Nonlinear, by a parameter and a start; loops with open starts; phases with friction; rows with speeds; in space; a turning support.
-    let cases: [(&str, &str, &[(&str, &str, f64)], &[&str]); 8] = [
+    let cases: [Case; 8] = [
         ("double_pendulum", "2", &[("--set", "l", 1.0), ("--start", "theta1", 1.0)], &["theta1", "theta2"]),
         ("pendulum_cartesian", "1", &[("--set", "l", 1.0)], &["x", "y"]),
         ("four_bar", "0.3", &[("--set", "crank", 0.3)], &["rocker_angle", "coupler_angle"]),

@@ -27,6 +27,13 @@ pub(super) struct Start<'a> {
     pub given: &'a [bool],
 }
 
+/// What changes at the start: what is asked of [q; q'], and what of it is held so.
+struct Change<'a> {
+    asked: &'a [f64],
+    held: &'a [bool],
+    parameter: Option<usize>,
+}
+
 /// The slopes of the start [q; q'] by something unknown.
 ///
 /// # Errors
@@ -59,20 +66,17 @@ pub(super) fn column(system: &dyn System, start: &Start<'_>, unknown: Unknown) -
     if let Unknown::Start(k) = unknown {
         held[k] = true;
     }
-    let mut column = places(system, start, &rows, (&asked, &held[..n], parameter))?;
-    speeds(system, start, &rows, (&mut column, (&asked[n..], &held[n..]), parameter))?;
+    let change = Change { asked: &asked, held: &held, parameter };
+    let mut column = places(system, start, &rows, &change)?;
+    speeds(system, start, &rows, &change, &mut column)?;
     Ok(column)
 }
 
 /// δq of the place nearest to the guess: of q − q₀ + Jᵀ μ = 0 in what is free and c = 0, the slopes
 /// (1 + Σ μ ∂²c) δq + Jᵀ δμ = δq₀ − ∂(Jᵀ μ) and J δq = −∂c, by what is held and by the parameter on the right.
-fn places(
-    system: &dyn System,
-    start: &Start<'_>,
-    rows: &[usize],
-    (asked, held, parameter): (&[f64], &[bool], Option<usize>),
-) -> Result<Vec<f64>, NoSlopes> {
+fn places(system: &dyn System, start: &Start<'_>, rows: &[usize], change: &Change<'_>) -> Result<Vec<f64>, NoSlopes> {
     let n = system.len();
+    let Change { asked, held, parameter } = *change;
     let holonomic: Vec<usize> = rows.iter().copied().filter(|row| system.description().rows[*row].holonomic).collect();
     let free: Vec<usize> = (0..n).filter(|i| !held[*i]).collect();
     let q = &start.y[..n];
@@ -141,9 +145,11 @@ fn speeds(
     system: &dyn System,
     start: &Start<'_>,
     rows: &[usize],
-    (column, (asked, held), parameter): (&mut [f64], (&[f64], &[bool]), Option<usize>),
+    change: &Change<'_>,
+    column: &mut [f64],
 ) -> Result<(), NoSlopes> {
     let n = system.len();
+    let (asked, held, parameter) = (&change.asked[n..], &change.held[n..], change.parameter);
     let (q, v) = start.y.split_at(n);
     let free: Vec<usize> = (0..n).filter(|i| !held[*i]).collect();
     let place = At::place(start.t, q);
