@@ -167,7 +167,6 @@ fn judge(program: &Program) -> BTreeSet<String> {
         model.derived.iter().filter(|d| !d.name.contains('[')).map(|d| method_name(&d.name)).collect();
     nested.extend(methods.iter().map(|_| "value"));
     nested.extend(model.scenes.iter().filter(|s| !s.set.is_empty()).map(|_| "values"));
-    nested.push("start");
     if model.equilibrium.iter().any(|id| *id != dalembert_symbolic::expr::Id::ZERO) {
         nested.push("values");
     }

@@ -48,12 +48,18 @@ fn of_model(text: &str, extent: Extent) -> Held {
         return found;
     }
     let Ok(sound) = load(text, &[]).and_then(derive) else { return found };
+    let states = judge(sound.clone()).map(|judged| judged.report.states).unwrap_or_default();
     for (kind, part) in PARTS {
         let mut rows = sound.rows.clone();
         let entries: Vec<Id> = part(&mut rows).into_iter().map(|id| *id).collect();
-        let numbers = Tape::new(&sound.model.graph, &entries).evaluate(|s| any(&s));
-        // What vanishes at any state, unlike its expression, is no place for a fault.
-        let wrong = |k: &usize| entries[*k] != Id::ZERO && (numbers[*k].is_nan() || numbers[*k].abs() > VANISHED);
+        let tape = Tape::new(&sound.model.graph, &entries);
+        let numbers = tape.evaluate(|s| any(&s));
+        let held: Vec<Vec<f64>> = states.iter().map(|state| tape.evaluate(|s| state.value(s).to_f64())).collect();
+        // What vanishes at any state, or wherever the constraints hold, unlike its expression, is no place for a fault.
+        let somewhere = |k: usize| held.is_empty() || held.iter().any(|at| at[k].is_nan() || at[k].abs() > VANISHED);
+        let wrong = |k: &usize| {
+            entries[*k] != Id::ZERO && (numbers[*k].is_nan() || numbers[*k].abs() > VANISHED) && somewhere(*k)
+        };
         for k in (0..entries.len()).filter(wrong).take(extent.of_a_kind()) {
             for factor in FACTORS {
                 let spoilt = spoilt(&sound, part, k, factor);

@@ -133,6 +133,9 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         let failed = LinearError::NoConvergence { what: "the search for coordinates that go on steadily" };
         // What no row contains is free by itself; the others as parts of their sizes.
         let moved: Vec<usize> = (0..n).filter(|j| all.column(*j).iter().any(|x| *x != 0.0)).collect();
+        if moved.is_empty() {
+            return Ok(Shifts(DMatrix::identity(n, n)));
+        }
         let (scaled, _, columns) = equilibrated(&all.select_columns(&moved));
         // R of Q R has the singular values of all rows together.
         let svd = scaled.qr().r().try_svd(false, true, f64::EPSILON, 0).ok_or_else(|| failed.clone())?;
