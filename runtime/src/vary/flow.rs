@@ -39,6 +39,7 @@ pub(super) fn follow(
     let mut from = start;
     let mut wanted = way.times;
     let first = from.t;
+    let speeds = largest_speeds(run);
     let junctions: Vec<Option<&Junction>> = run.junctions.iter().map(Some).chain([None]).collect();
     for junction in junctions {
         let last = way.times.last().copied().unwrap_or(first);
@@ -49,7 +50,7 @@ pub(super) fn follow(
         piece(system, run, (&from, &mut columns), (here, until), way, &mut moments)?;
         wanted = later;
         if let Some(junction) = junction {
-            cross(system, junction, &mut columns, junction.before.t <= first)?;
+            cross(system, (junction, &speeds), &mut columns, junction.before.t <= first)?;
             from = junction.after.clone();
         }
     }
@@ -111,6 +112,13 @@ fn floors(run: &Run, columns: &[Column], tolerance: f64) -> Vec<f64> {
         |half: usize, size: f64| (half * n..(half + 1) * n).map(move |i| part * alike(i) / size).collect::<Vec<f64>>();
     let sizes: Vec<f64> = std::iter::once(1.0).chain(columns.iter().map(|column| column.size)).collect();
     (0..2).flat_map(|half| sizes.iter().flat_map(|size| floor(half, *size)).collect::<Vec<f64>>()).collect()
+}
+
+/// The largest |q'| of a run.
+fn largest_speeds(run: &Run) -> Vec<f64> {
+    let n = run.description.coordinates.len();
+    let most = |i: usize| run.rows.chunks_exact(2 * n).map(|row| row[n + i].abs()).fold(0.0, f64::max);
+    (0..n).map(most).collect()
 }
 
 /// How far a number of [q; q'] goes in a run, or how large it is where it stays.
@@ -192,12 +200,12 @@ impl Steps {
 /// An event that is touched.
 pub(super) fn at_event(
     system: &dyn System,
-    side: &Side,
+    (side, run): (&Side, &Run),
     event: usize,
     columns: &mut [Column],
 ) -> Result<Vec<f64>, NoSlopes> {
     let n = system.len();
-    let shifts = shifts(system, side, &[Guard::Event(event)], columns)?;
+    let shifts = shifts(system, (side, &largest_speeds(run)), &[Guard::Event(event)], columns)?;
     let mut a = vec![0.0; n];
     let at = At::packed(side.t, &side.y, n);
     let computed = system.accelerations(at, &mut a);

@@ -8,8 +8,8 @@ use crate::mechanism::dense::constraint_triples;
 use crate::mechanism::{Along, At, Function, KktSolver, SwitchKind, System};
 use crate::run::{Blow, Junction, Side};
 
-/// A guard whose rate is below this part of the sum of its terms is touched and not crossed: when it happens changes like a root of what
-/// varies.  Half of a motion's digits: those of the instant itself are lost there.
+/// A guard whose rate is below this part of the sum of its terms, or of what the largest speeds of the motion would make of it, is touched and
+/// not crossed: when it happens changes like a root of what varies.  Half of a motion's digits: those of the instant itself are lost there.
 const TOUCHES: f64 = 1e-6;
 /// Guards that are crossed together, and move apart by more than this part of what they move, decide by their order what follows.
 const TOGETHER: f64 = 1e-6;
@@ -78,7 +78,7 @@ pub(super) fn put(system: &mut dyn System, side: &Side) {
 /// Instants at which there is no such slope.
 pub(super) fn cross(
     system: &mut dyn System,
-    junction: &Junction,
+    (junction, speeds): (&Junction, &[f64]),
     columns: &mut [Column],
     begins: bool,
 ) -> Result<(), NoSlopes> {
@@ -91,7 +91,7 @@ pub(super) fn cross(
     let guards = guards(junction);
     let shifts = match begins {
         true => vec![0.0; columns.len()],
-        false => shifts(system, before, &guards, columns)?,
+        false => shifts(system, (before, speeds), &guards, columns)?,
     };
     let mut response = Response::default();
     let fault = |fault: crate::mechanism::Singular, system: &dyn System| NoSlopes::Fault {
@@ -140,19 +140,19 @@ fn guards(junction: &Junction) -> Vec<Guard> {
     modes.filter(|(_, (before, after))| before != after).map(|(k, _)| Guard::Switch(k)).collect()
 }
 
-/// By how much each column moves the instant at which guards vanish, s; 0 without any.
+/// By how much each column moves the instant at which guards vanish, s, in a motion with these largest speeds; 0 without any.
 ///
 /// # Errors
 /// A guard that is touched; several that move apart.
 pub(super) fn shifts(
     system: &dyn System,
-    side: &Side,
+    (side, speeds): (&Side, &[f64]),
     guards: &[Guard],
     columns: &[Column],
 ) -> Result<Vec<f64>, NoSlopes> {
     let mut found: Option<Vec<f64>> = None;
     for guard in guards {
-        let shifts = shifts_of(system, side, *guard, columns)?;
+        let shifts = shifts_of(system, (side, speeds), *guard, columns)?;
         if let Some(known) = &found {
             let size = known.iter().chain(&shifts).fold(0.0_f64, |most, x| most.max(x.abs()));
             if known.iter().zip(&shifts).any(|(known, shift)| (known - shift).abs() > TOGETHER * size) {
@@ -165,7 +165,12 @@ pub(super) fn shifts(
     Ok(found.unwrap_or_else(|| vec![0.0; columns.len()]))
 }
 
-fn shifts_of(system: &dyn System, side: &Side, guard: Guard, columns: &[Column]) -> Result<Vec<f64>, NoSlopes> {
+fn shifts_of(
+    system: &dyn System,
+    (side, speeds): (&Side, &[f64]),
+    guard: Guard,
+    columns: &[Column],
+) -> Result<Vec<f64>, NoSlopes> {
     let (t, n) = (side.t, system.len());
     let (q, v) = side.y.split_at(n);
     let plain = At::new(t, q, v);
@@ -184,17 +189,19 @@ fn shifts_of(system: &dyn System, side: &Side, guard: Guard, columns: &[Column])
         Ok(guard.slope(system, at, &Along { a: &response.da, lambda: &response.dlambda, ..along }))
     };
     let zero = vec![0.0; n];
-    let mut terms = vec![slope(Along { t: 1.0, ..Along::default() })?];
+    let clock = slope(Along { t: 1.0, ..Along::default() })?;
+    let (mut rate, mut size, mut usual) = (clock, clock.abs(), clock.abs());
     for i in 0..n {
-        let unit = |size: f64| {
-            let mut unit = zero.clone();
-            unit[i] = size;
-            unit
-        };
-        terms.push(slope(Along { q: &unit(v[i]), ..Along::default() })?);
-        terms.push(slope(Along { v: &unit(a[i]), ..Along::default() })?);
+        let mut unit = zero.clone();
+        unit[i] = 1.0;
+        let by_place = slope(Along { q: &unit, ..Along::default() })?;
+        let by_speed = slope(Along { v: &unit, ..Along::default() })?;
+        let terms = [by_place * v[i], by_speed * a[i]];
+        rate += terms[0] + terms[1];
+        size += terms[0].abs() + terms[1].abs();
+        usual += (by_place * speeds[i]).abs();
     }
-    let (rate, size) = terms.iter().fold((0.0, 0.0), |(sum, size), term| (sum + term, size + term.abs()));
+    let size = size.max(usual);
     if rate.is_nan() || rate.abs() <= TOUCHES * size {
         return Err(NoSlopes::Touches { t, event: guard.name(system) });
     }

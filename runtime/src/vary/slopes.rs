@@ -260,7 +260,7 @@ fn at_the_end(
     let list = moment.columns.drain(1..).zip(unknowns);
     let mut columns: Vec<Column> =
         list.map(|(y, unknown)| Column { y, parameter: unknown.parameter(), size: 1.0 }).collect();
-    let shifts = at_event(system, &side, event, &mut columns)?;
+    let shifts = at_event(system, (&side, run), event, &mut columns)?;
     moment.columns.extend(columns.into_iter().map(|column| column.y));
     Ok(shifts)
 }
