@@ -40,6 +40,9 @@ pub(super) fn follow(
     let mut wanted = way.times;
     let first = from.t;
     let speeds = largest_speeds(run);
+    if let Some(junction) = run.junctions.iter().find(|junction| junction.accumulates) {
+        return Err(NoSlopes::ImpactsAccumulate { t: junction.before.t });
+    }
     let junctions: Vec<Option<&Junction>> = run.junctions.iter().map(Some).chain([None]).collect();
     for junction in junctions {
         let last = way.times.last().copied().unwrap_or(first);

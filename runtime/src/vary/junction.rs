@@ -84,9 +84,6 @@ pub(super) fn cross(
 ) -> Result<(), NoSlopes> {
     let Junction { before, after, blows, .. } = junction;
     let (t, n) = (before.t, system.len());
-    if junction.accumulates {
-        return Err(NoSlopes::ImpactsAccumulate { t });
-    }
     put(system, before);
     let guards = guards(junction);
     let shifts = match begins {
