@@ -129,7 +129,7 @@ fn restitutions(values: &[Id], bodies: &Bodies<'_>) -> String {
         [] => ("_", "        ::std::vec::Vec::new()\n".to_owned()),
         _ => {
             let function = of_constants(bodies, "values", values, "        ");
-            ("parameters", format!("{function}        values(parameters).to_vec()\n"))
+            ("c", format!("{function}        values(c).to_vec()\n"))
         }
     };
     format!(
