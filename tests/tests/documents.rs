@@ -126,3 +126,22 @@ fn every_test_that_the_catalogue_of_failures_names_exists() {
     }
     assert!(named > 50, "only {named} tests are named");
 }
+
+/// `cargo run`, the first command of README, has one program to run.
+#[test]
+fn cargo_run_means_the_program() {
+    let told = std::process::Command::new(env!("CARGO"))
+        .args(["metadata", "--no-deps", "--offline", "--format-version", "1"])
+        .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(".."))
+        .output()
+        .expect("cargo");
+    let all: serde_json::Value = serde_json::from_slice(&told.stdout).expect("JSON");
+    let members = all["workspace_default_members"].as_array().expect("members");
+    let packages =
+        all["packages"].as_array().expect("packages").iter().filter(|package| members.contains(&package["id"]));
+    let targets = packages.flat_map(|package| package["targets"].as_array().expect("targets"));
+    let programs =
+        targets.filter(|target| target["kind"].as_array().is_some_and(|kinds| kinds.iter().any(|k| k == "bin")));
+    let names: Vec<&str> = programs.filter_map(|target| target["name"].as_str()).collect();
+    assert_eq!(names, ["dalembert"]);
+}
