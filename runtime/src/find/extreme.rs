@@ -4,9 +4,10 @@ use nalgebra::{DMatrix, DVector};
 
 use super::found::{Found, Value};
 use super::newton::Linearised;
-use super::search::{Seeker, value_list};
+use super::search::{HALVES, MISSED, STEPS, Seeker, value_list};
 use super::trial::Trial;
 use crate::error::{Error, NotFound};
+use crate::vary::LOOSER;
 
 /// Which extreme value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,16 +19,8 @@ pub(super) enum Extreme {
 /// By what part of itself an unknown is moved to see how slopes change.  Slopes are known to some eleven digits, so that five of the second
 /// derivatives are right: they decide how fast the search converges, not where it ends.
 const MOVE: f64 = 1e-6;
-/// Newton steps at most.
-const STEPS: usize = 40;
-/// A step is shortened by halves at most so often.
-const HALVES: usize = 14;
 /// Curvatures below this part of the value, or of the largest curvature, are none: second derivatives are known to five digits.
 const FLAT: f64 = 1e-5;
-/// Conditions that are missed by this part of what is wanted are not met.
-const MISSED: f64 = 1e-7;
-/// The tolerance of the run that tells errors, in units of that of the others.
-const LOOSER: f64 = 16.0;
 
 /// The extreme, its gradient and the conditions at some values of the unknowns, in their scales.
 struct Place {

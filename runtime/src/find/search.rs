@@ -10,7 +10,7 @@ use super::trial::{Sought, Source, Trial};
 use crate::error::{Error, NotFound};
 use crate::mechanism::System;
 use crate::simulate::{Origin, Settings, Simulation};
-use crate::vary::{Unknown, Varied, named, unknown};
+use crate::vary::{LOOSER, Unknown, Varied, named, unknown};
 
 /// A search that is being described.
 ///
@@ -41,15 +41,14 @@ impl<S: System + 'static> Simulation<S> {
 /// The name of the end of a run among unknowns.
 pub(super) const UNTIL: &str = "until";
 /// Newton steps at most: a triple root takes fifty for nine digits.
-const STEPS: usize = 60;
+pub(super) const STEPS: usize = 60;
 /// A step is shortened by halves at most so often.
-const HALVES: usize = 14;
+pub(super) const HALVES: usize = 14;
 /// Steps of this size, in parts of the unknowns, are rounding of runs at the tightest tolerance.
 const LEAST: f64 = 1e-14;
-/// Conditions that are missed by this part of what is wanted of them, or of what the motion makes of them, are not met.
-const MISSED: f64 = 1e-7;
-/// The tolerance of the run that tells errors, in units of that of the others.
-const LOOSER: f64 = 16.0;
+/// Conditions that are missed by this part of what is wanted of them, or of what the motion makes of them, are not met: the
+/// steps end where rounding does, some six decades below.
+pub(super) const MISSED: f64 = 1e-7;
 /// Steps that become shorter by this factor or less each time do not converge like those to a simple root; so many in a row tell.
 const SLOW: f64 = 0.3;
 const IN_A_ROW: usize = 4;
@@ -176,6 +175,12 @@ pub(super) struct Solution {
     pub multiplicity: usize,
 }
 
+/// How far unknowns, and what conditions come to, may be off.
+pub(super) struct Errors {
+    values: Vec<f64>,
+    reached: Vec<f64>,
+}
+
 impl Seeker {
     /// Natural sizes of the unknowns: they themselves, and 1 of what is 0.
     pub fn scales(&self, values: &[f64], guess: &[f64]) -> Vec<f64> {
@@ -291,20 +296,30 @@ impl Seeker {
         otherwise
     }
 
-    /// What a run at a looser tolerance would have the unknowns be otherwise, and the last step.
+    /// What a run at a looser tolerance would have the unknowns be otherwise, and the last step; and how far its conditions are off.
     pub fn errors(
         &mut self,
         solution: &Solution,
         scales: &[f64],
         equations: &dyn Fn(&Seeker, Trial, &[f64]) -> Equations,
-    ) -> Vec<f64> {
+    ) -> Errors {
         self.runs += 1;
         let looser = self.source.try_with(&solution.values, LOOSER * self.source.settings.tolerance);
-        let Ok(rough) = looser else { return vec![f64::NAN; scales.len()] };
+        let Ok(rough) = looser else {
+            let unknown = |count| vec![f64::NAN; count];
+            return Errors { values: unknown(scales.len()), reached: unknown(self.conditions.len()) };
+        };
+        let ends = [solution.equations.trial.end(), rough.end()].map(|end| end.map_or(&[][..], |end| &end.values));
+        let off = |condition: &Condition| match ends.map(|values| values.get(condition.column)) {
+            [Some(fine), Some(rough)] => (fine - rough).abs(),
+            _ => f64::NAN,
+        };
+        let reached = self.conditions.iter().map(off).collect();
         let rough = equations(self, rough, scales);
         let moved = solution.linear.step(&rough.r) - solution.linear.step(&solution.equations.r);
         let last = if solution.multiplicity > 1 { solution.multiplicity as f64 * solution.last } else { solution.last };
-        moved.iter().zip(scales).map(|(moved, scale)| (moved.abs() + last) * scale).collect()
+        let values = moved.iter().zip(scales).map(|(moved, scale)| (moved.abs() + last) * scale).collect();
+        Errors { values, reached }
     }
 
     /// What the conditions are missed by.
@@ -323,17 +338,17 @@ impl Seeker {
     }
 
     /// What is told of a solution.
-    pub fn found(&self, solution: Solution, errors: Vec<f64>) -> Found {
+    pub fn found(&self, solution: Solution, errors: Errors) -> Found {
         let Solution { values, equations, linear, steps, multiplicity, .. } = solution;
         let named = |direction: DVector<f64>| self.names.iter().cloned().zip(direction.iter().copied()).collect();
         let end = equations.trial.end();
-        let reached = self.conditions.iter().map(|condition| Value {
+        let reached = self.conditions.iter().zip(&errors.reached).map(|(condition, error)| Value {
             name: condition.name.clone(),
             value: end.map_or(f64::NAN, |end| end.values[condition.column]),
-            error: 0.0,
+            error: *error,
         });
         Found {
-            values: value_list(&self.names, &values, &errors),
+            values: value_list(&self.names, &values, &errors.values),
             reached: reached.collect(),
             free: linear.free().into_iter().map(named).collect(),
             run: equations.trial.varied.run,

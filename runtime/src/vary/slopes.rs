@@ -38,7 +38,7 @@ pub struct Slope {
 /// So much of a number p ∂x/∂p, beside the largest x, may be rounding.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// The tolerance of the second run, in units of the first: its errors are as many times as large, as far as they follow the tolerance.
-const LOOSER: f64 = 16.0;
+pub(crate) const LOOSER: f64 = 16.0;
 
 impl Slopes {
     /// The times at which there are slopes, s; the last is the run's end.
