@@ -5,7 +5,7 @@ use crate::cause::Cause;
 use crate::constrain::{VelocityJump, velocity_jump};
 use crate::events::{EventLocator, Fired, Impulse};
 use crate::mechanism::{Action, At, Enforcement, System};
-use crate::run::{Blow, Recorder};
+use crate::run::{Recorder, SpeedJump};
 
 /// More firings than this at one instant are a cycle.
 const AT_AN_INSTANT: u32 = 50;
@@ -279,7 +279,7 @@ impl Integration {
         }
         // Springs take up what speed there is.
         if !is_sprung(system) {
-            recorder.blow(|| Blow { rows: active.clone(), struck: None });
+            recorder.jump(|| SpeedJump { rows: active.clone(), hit: None });
             let taken = velocity_jump(system, (now, self.stepper.start().y), &active, |_| 0.0);
             let mut taken = taken.map_err(|fault| fault.cause(system.description()))?;
             for (row, impulse) in known {
@@ -305,7 +305,7 @@ impl Integration {
         }
         let rows_along = rows_of(system, along);
         let rows = with(system, &rows_along);
-        recorder.blow(|| Blow { rows: rows.clone(), struck: Some((rows_along.clone(), restitution)) });
+        recorder.jump(|| SpeedJump { rows: rows.clone(), hit: Some((rows_along.clone(), restitution)) });
         let restitution = |row: usize| if rows_along.contains(&row) { e } else { 0.0 };
         let hit = velocity_jump(system, (self.clock.now(), self.stepper.start().y), &rows, restitution);
         let hit = hit.map_err(|fault| fault.cause(system.description()))?;

@@ -12,7 +12,7 @@ pub(crate) struct Junction {
     /// Events that change phase or speeds there; without any, switches change sides.
     pub events: Vec<usize>,
     /// Jumps of the speeds, in order.
-    pub blows: Vec<Blow>,
+    pub jumps: Vec<SpeedJump>,
     /// Whether impacts accumulate there, so that the motion goes on at their end.
     pub accumulates: bool,
 }
@@ -32,11 +32,11 @@ pub(crate) struct Side {
 
 /// A jump of the speeds to constraints.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Blow {
+pub(crate) struct SpeedJump {
     /// All rows that take part, among those of the mechanism.
     pub rows: Vec<usize>,
-    /// Those of them that are struck with restitution, and the place of its coefficient.
-    pub struck: Option<(Vec<usize>, usize)>,
+    /// Those of them that are hit with restitution, and the place of its coefficient.
+    pub hit: Option<(Vec<usize>, usize)>,
 }
 
 /// Writes junctions down.
@@ -61,13 +61,13 @@ impl Junctions {
             actions.iter().any(|action| matches!(action, Action::Phase(_) | Action::Impact { .. }))
         };
         let (after, events) = (before.clone(), events.filter(acts).collect());
-        self.left = Some(Junction { before, after, events, blows: Vec::new(), accumulates: false });
+        self.left = Some(Junction { before, after, events, jumps: Vec::new(), accumulates: false });
     }
 
     /// Takes note of a jump of the speeds.
-    pub fn blow(&mut self, blow: Blow) {
+    pub fn jump(&mut self, jump: SpeedJump) {
         if let Some(left) = &mut self.left {
-            left.blows.push(blow);
+            left.jumps.push(jump);
         }
     }
 

@@ -31,7 +31,7 @@ pub(crate) use digits::written;
 pub use failure::Failure;
 pub(crate) use frames::Scenery;
 pub(crate) use instants::uneven;
-pub(crate) use junctions::{Blow, Junction, Side};
+pub(crate) use junctions::{Junction, Side, SpeedJump};
 pub use parts::RunPart;
 pub(crate) use parts::{PartRun, Together, instant, put_together};
 #[cfg(feature = "ensemble")]

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::junctions::Junctions;
-use super::{Blow, Names, Occurrence, Run, Scenery, State, Trajectory, Work};
+use super::{Names, Occurrence, Run, Scenery, SpeedJump, State, Trajectory, Work};
 use crate::cause::Cause;
 use crate::constrain::{Projection, Residuals};
 use crate::events::{EventNote, Impulse, Log, Remarkable};
@@ -250,9 +250,9 @@ impl Recorder {
     }
 
     /// Takes note of a jump of the speeds to constraints.
-    pub fn blow(&mut self, blow: impl FnOnce() -> Blow) {
+    pub fn jump(&mut self, jump: impl FnOnce() -> SpeedJump) {
         if let Some(junctions) = &mut self.junctions {
-            junctions.blow(blow());
+            junctions.jump(jump());
         }
     }
 

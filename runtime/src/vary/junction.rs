@@ -6,7 +6,7 @@ use super::response::Response;
 use crate::constrain::velocity_jump;
 use crate::mechanism::dense::constraint_triples;
 use crate::mechanism::{Along, At, Function, KktSolver, SwitchKind, System};
-use crate::run::{Blow, Junction, Side};
+use crate::run::{Junction, Side, SpeedJump};
 
 /// A guard whose rate is below this part of the sum of its terms, or of what the largest speeds of the motion would make of it, is touched and
 /// not crossed: when it happens changes like a root of what varies.  Half of a motion's digits: those of the instant itself are lost there.
@@ -82,7 +82,7 @@ pub(super) fn cross(
     columns: &mut [Column],
     begins: bool,
 ) -> Result<(), NoSlopes> {
-    let Junction { before, after, blows, .. } = junction;
+    let Junction { before, after, jumps, .. } = junction;
     let (t, n) = (before.t, system.len());
     put(system, before);
     let guards = guards(junction);
@@ -102,8 +102,8 @@ pub(super) fn cross(
         column.y.iter_mut().zip(&rate).for_each(|(y, rate)| *y += shift * rate);
     }
     let mut y = before.y.clone();
-    for blow in blows {
-        strike(system, (t, &mut y), blow, columns, &shifts)?;
+    for jump in jumps {
+        strike(system, (t, &mut y), jump, columns, &shifts)?;
     }
     let size = y[n..].iter().chain(&after.y[n..]).fold(0.0_f64, |most, v| most.max(v.abs()));
     let kicked = y[n..].iter().zip(&after.y[n..]).any(|(v, after)| (v - after).abs() > TOGETHER * size);
@@ -209,36 +209,36 @@ fn shifts_of(
 fn strike(
     system: &dyn System,
     (t, y): (f64, &mut Vec<f64>),
-    blow: &Blow,
+    jump: &SpeedJump,
     columns: &mut [Column],
     shifts: &[f64],
 ) -> Result<(), NoSlopes> {
     let n = system.len();
     let restitutions = system.restitutions();
-    let e = |row: usize| match &blow.struck {
+    let e = |row: usize| match &jump.hit {
         Some((rows, place)) if rows.contains(&row) => restitutions.get(*place).copied().unwrap_or(0.0),
         _ => 0.0,
     };
     let fault = |fault: crate::mechanism::Singular| NoSlopes::Fault { t, cause: fault.cause(system.description()) };
-    let taken = velocity_jump(system, (t, y), &blow.rows, e).map_err(fault)?;
+    let taken = velocity_jump(system, (t, y), &jump.rows, e).map_err(fault)?;
     let impulses: Vec<f64> = taken.rows.iter().map(|(_, impulse)| *impulse).collect();
     let rates: Vec<f64> = constraint_triples(system, At::packed(t, y, n)).iter().map(|triple| triple[1]).collect();
     let mut form = KktSolver::default();
-    form.factor_rows(system, At::place(t, &y[..n]), &blow.rows).map_err(fault)?;
+    form.factor_rows(system, At::place(t, &y[..n]), &jump.rows).map_err(fault)?;
     let after: Vec<f64> = y[n..].iter().zip(&taken.jump).map(|(v, jump)| v + jump).collect();
     for (column, shift) in columns.iter_mut().zip(shifts) {
         let along = Along { t: *shift, ..column.along(n) };
-        let mut moved = momentum_slopes(system, (t, &y[..n]), &taken.jump, (&blow.rows, &impulses), &along);
+        let mut moved = momentum_slopes(system, (t, &y[..n]), &taken.jump, (&jump.rows, &impulses), &along);
         moved.iter_mut().for_each(|force| *force = -*force);
         let [before, behind] = [&y[n..], &after[..]].map(|v| rate_slopes(system, At::new(t, &y[..n], v), &along));
         let mut de = vec![0.0; restitutions.len()];
         system.slopes(Function::Restitutions, At::new(t, &y[..n], &after), &along, &mut de);
-        let change = |row: usize| match &blow.struck {
+        let change = |row: usize| match &jump.hit {
             Some((rows, place)) if rows.contains(&row) => de[*place],
             _ => 0.0,
         };
         let mut right: Vec<f64> =
-            blow.rows.iter().map(|&row| -(behind[row] + e(row) * before[row] + change(row) * rates[row])).collect();
+            jump.rows.iter().map(|&row| -(behind[row] + e(row) * before[row] + change(row) * rates[row])).collect();
         form.solve(&mut moved, &mut right);
         column.y[n..].iter_mut().zip(&moved).for_each(|(v, moved)| *v += moved);
     }

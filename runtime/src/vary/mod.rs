@@ -15,7 +15,7 @@ mod start;
 mod variational;
 
 use crate::error::NoSlopes;
-pub(crate) use slopes::{Point, Varied, named, run_with_slopes, unknown, varied};
+pub(crate) use slopes::{LOOSER, Point, Varied, named, run_with_slopes, unknown, varied};
 pub use slopes::{Slope, Slopes};
 
 /// Something that a motion depends on.

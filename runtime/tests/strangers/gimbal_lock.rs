@@ -126,7 +126,7 @@ scene: {start: {a: 0, b: 0.7, c: 0, a': 0, b': -1, c': 0}, until: 3, tolerance: 
 ";
     let (found, t) = lock(&mut case(text));
     assert_eq!(found, named("B", ["a", "b", "c"]));
-    // It is told at the last state before it.
+    // The run fails a little before, within the thousandth of a radian in which that is the lock's doing.
     assert!(t <= 0.7 && t > 0.7 - 1e-3, "{t}");
 }
 

@@ -6,7 +6,7 @@ type Matrix = [[f64; 3]; 3];
 /// No turn.
 const UNTURNED: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// The sine of the angle between two axes that are one, or between an axis and a plane that it lies in, but for rounding.
+/// The sine of the angle between two axes that are one, or between an axis and a plane that contains it, but for rounding.
 const PARALLEL: f64 = 1e-12;
 
 /// What the angle of a turn is.

@@ -55,7 +55,7 @@ fn of_model(text: &str, extent: Extent) -> Held {
         let tape = Tape::new(&sound.model.graph, &entries);
         let numbers = tape.evaluate(|s| any(&s));
         let held: Vec<Vec<f64>> = states.iter().map(|state| tape.evaluate(|s| state.value(s).to_f64())).collect();
-        // What vanishes at any state, or wherever the constraints hold, unlike its expression, is no place for a fault.
+        // What vanishes at any state, or wherever the constraints hold, though its expression does not, is no place for a fault.
         let somewhere = |k: usize| held.is_empty() || held.iter().any(|at| at[k].is_nan() || at[k].abs() > VANISHED);
         let wrong = |k: &usize| {
             entries[*k] != Id::ZERO && (numbers[*k].is_nan() || numbers[*k].abs() > VANISHED) && somewhere(*k)

@@ -25,6 +25,7 @@ pub fn angle(value: f64) -> String {
 
 /// Whether an angle was meant to be a part of π but has too few digits for it: by less than a milliradian.
 pub fn nearly_part_of_pi(value: f64) -> Option<String> {
+    /// Three digits of a radian, as many as an angle in degrees has.
     const FEW: f64 = 1e-3;
     let (turns, parts) = part_of_pi(value, FEW).filter(|_| part_of_pi(value, CLOSE).is_none())?;
     Some(angle(turns * std::f64::consts::PI / parts))
@@ -32,6 +33,7 @@ pub fn nearly_part_of_pi(value: f64) -> Option<String> {
 
 /// k and d of k π/d, where that is not 0.
 fn part_of_pi(value: f64, within: f64) -> Option<(f64, f64)> {
+    /// π/24 is 7.5 degrees: finer parts are written by nobody.
     const LARGEST: f64 = 24.0;
     [1.0, 2.0, 3.0, 4.0, 6.0, 12.0].into_iter().find_map(|parts| {
         let turns = (value * parts / std::f64::consts::PI).round();
