@@ -40,6 +40,7 @@ pub mod mechanism;
 #[cfg(feature = "interpret")]
 pub mod needs;
 mod numbers;
+pub mod orbit;
 pub mod precision;
 pub mod prelude;
 mod run;
@@ -53,7 +54,7 @@ mod vary;
 pub use cause::{Cause, GimbalLock};
 pub use constrain::Residuals;
 pub use dalembert_macros::model;
-pub use error::{Error, Inseparable, NoSlopes, Nonlinear, NotFound};
+pub use error::{Error, Inseparable, NoOrbit, NoSlopes, Nonlinear, NotFound};
 pub use mechanism::{Enforcement, Method, ParseMethodError, Stabilisation};
 pub use run::{Digits, Failure, Impulse, Occurrence, Run, RunPart, State, Symmetry, Trust, Work};
 pub use simulate::{Settings, Simulate, Simulation, StateMut, Stepping, simulate, simulate_with};

@@ -25,6 +25,7 @@ mod load;
 mod modes;
 mod needs;
 mod new;
+mod orbit;
 mod outputs;
 mod plotted;
 mod problem;
@@ -93,6 +94,7 @@ pub fn run(
         Some(("show", options)) => show::run(models, options, out),
         Some(("check", options)) => check::run(models, options, out),
         Some(("simulate", options)) => simulate::run(models, options, out),
+        Some(("orbit", options)) => orbit::run(models, options, out),
         Some(("solve", options)) => solve::run(models, options, out),
         Some(("chart", options)) => chart::run(models, options, out),
         Some(("stability", options)) => stability::run(options, out),

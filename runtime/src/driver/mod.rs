@@ -97,6 +97,8 @@ pub(crate) struct Integration {
     /// Where each length of a step costs something, the one that divides the way to the next stop.
     even: f64,
     locator: Option<Box<EventLocator>>,
+    /// The event after which the motion ends, all that happens at its instant done.
+    ends_after: Option<usize>,
     /// Where there are constraints.
     projection: Option<Box<Projection>>,
     /// Whether states are brought back to them.
@@ -154,6 +156,7 @@ impl Integration {
             since_stop: 0,
             even: 0.0,
             locator: None,
+            ends_after: None,
             projection: None,
             projects: true,
             finds_gain: false,
@@ -199,6 +202,12 @@ impl Integration {
     /// Takes no steps that are longer than those of another run allow.
     pub fn following(mut self, followed: Option<Followed>) -> Self {
         self.followed = followed;
+        self
+    }
+
+    /// Ends where this event happens, in the state after it.
+    pub fn ending_after(mut self, event: Option<usize>) -> Self {
+        self.ends_after = event;
         self
     }
 

@@ -101,9 +101,13 @@ impl Integration {
         recorder: &mut Recorder,
     ) -> Result<StopReason, Box<Cause>> {
         let mut fired = fired;
+        let mut stop_reason = StopReason::Arrived;
         while !self.cycles(locator.last_step()) {
             let (before, mut changed, mut hit) = (system.phase(), false, false);
             let mut stops = false;
+            if fired.iter().any(|fired| Some(fired.event) == self.ends_after) {
+                stop_reason = StopReason::Event;
+            }
             'all: for Fired { event, actions, .. } in &fired {
                 for action in actions {
                     if *action == Action::Stop {
@@ -131,7 +135,7 @@ impl Integration {
             fired = locator.already_past(system, (now, self.stepper.start().y), entered);
             if fired.is_empty() {
                 self.restart(system, recorder)?;
-                return Ok(StopReason::Arrived);
+                return Ok(stop_reason);
             }
             for Fired { event, actions, .. } in &fired {
                 let stops = actions.contains(&Action::Stop);

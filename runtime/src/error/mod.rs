@@ -2,6 +2,7 @@
 
 mod linear;
 mod no_slopes;
+mod no_orbit;
 mod not_found;
 
 use std::path::PathBuf;
@@ -10,6 +11,7 @@ use std::{fmt, io};
 
 pub use linear::{LinearError, Residual};
 pub use no_slopes::NoSlopes;
+pub use no_orbit::NoOrbit;
 pub use not_found::NotFound;
 
 use crate::cause::Cause;
@@ -92,6 +94,8 @@ pub enum Error {
     NoSlopes(Box<NoSlopes>),
     /// A search found nothing.
     NotFound(Box<NotFound>),
+    /// No motion that closes was found.
+    NoOrbit(Box<NoOrbit>),
     /// Small motions: no equilibrium, no linearisation, no modes.
     Linear(Box<LinearError>),
     /// The run ended early.  It comes with the time, the state and what was computed until then.
@@ -219,6 +223,7 @@ impl fmt::Display for Error {
             Error::File { path, problem } => write!(f, "cannot write `{}`: {problem}", path.display()),
             Error::NoSlopes(why) => write!(f, "{why}"),
             Error::NotFound(why) => write!(f, "{why}"),
+            Error::NoOrbit(why) => write!(f, "{why}"),
             Error::Linear(problem) => write!(f, "{problem}"),
             Error::Run(failure) => write!(f, "{failure}"),
         }
@@ -242,6 +247,12 @@ impl std::error::Error for Error {}
 impl From<NoSlopes> for Error {
     fn from(why: NoSlopes) -> Self {
         Error::NoSlopes(Box::new(why))
+    }
+}
+
+impl From<NoOrbit> for Error {
+    fn from(why: NoOrbit) -> Self {
+        Error::NoOrbit(Box::new(why))
     }
 }
 

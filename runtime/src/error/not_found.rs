@@ -74,7 +74,7 @@ impl fmt::Display for NotFound {
 }
 
 /// `x = 1.5, y = 2`.
-struct Listed<'a>(&'a [(String, f64)]);
+pub(super) struct Listed<'a>(pub &'a [(String, f64)]);
 
 impl fmt::Display for Listed<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -15,4 +15,5 @@ mod trial;
 
 pub use fit::{Fit, Record};
 pub use found::{Found, Value};
+pub(crate) use newton::Linearised;
 pub use search::Search;

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 const GAP: f64 = 1e-6;
 
 /// A linearised system in scaled unknowns, J x = −r, by its singular values.
-pub(super) struct Linearised {
+pub(crate) struct Linearised {
     u: DMatrix<f64>,
     sigma: DVector<f64>,
     /// Right singular vectors, a column each, all of them.
@@ -35,6 +35,12 @@ impl Linearised {
         });
         let rank = rank.unwrap_or(sigma.len());
         Linearised { u, sigma, v, rank }
+    }
+
+    /// The same with another number of directions in which nothing changes.
+    pub fn with_free(mut self, count: usize) -> Linearised {
+        self.rank = self.sigma.len().saturating_sub(count);
+        self
     }
 
     /// The shortest x for which |J x + r| is least.

@@ -193,6 +193,8 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> DualState<M, 
             Function::Events => M::events(c, *t, u, q, v, a, l, values),
             Function::Switches => M::switches(c, *t, u, q, v, a, l, values),
             Function::Outputs => M::outputs(c, *t, u, q, v, a, l, values),
+            Function::Energies => values.copy_from_slice(&M::energy(c, *t, u, q, v, a, l)),
+            Function::Invariants => M::invariants(c, *t, u, q, v, values),
             Function::Restitutions | Function::Scene(_) => (),
         }
     }

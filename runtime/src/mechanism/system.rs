@@ -248,6 +248,11 @@ pub trait System: Send + Sync {
         false
     }
 
+    /// The frequencies with which time enters the equations, rad/s, inputs included; `None` where it enters otherwise than by sines and cosines.
+    fn frequencies(&self) -> Option<Vec<f64>> {
+        None
+    }
+
     /// Pairs (value, condition) for each event; it counts only where its condition is > 0
     /// (1 where the file gives none).
     fn events(&self, at: At<'_>, pairs: &mut [f64]) {
@@ -376,6 +381,10 @@ pub enum Function {
     Switches,
     /// Outputs.
     Outputs,
+    /// T, V, the Jacobi integral, the power of what has no potential, and the sum of the absolute terms of T and V: 5 numbers.
+    Energies,
+    /// Pairs (value, sum of the absolute terms) of the invariants.
+    Invariants,
     /// The coefficients of restitution.
     Restitutions,
     /// A scene's end, tolerance and spacing of reports, then its start [q; q']: 3 + 2 n numbers, which depend on parameters only.

@@ -79,6 +79,8 @@ pub struct Settings {
     pub(crate) instants: Arc<[f64]>,
     /// Whether the run keeps the instants at which the equations change.
     pub(crate) junctions: bool,
+    /// The event after which the run ends, in the state that it leaves.
+    pub(crate) ends_after: Option<usize>,
 }
 
 impl Settings {
@@ -111,6 +113,7 @@ impl Settings {
             followed: None,
             instants: Arc::from([]),
             junctions: false,
+            ends_after: None,
         }
     }
 

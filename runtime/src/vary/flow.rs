@@ -25,7 +25,8 @@ pub(super) struct Way<'a> {
     pub times: &'a [f64],
 }
 
-/// Follows columns from the start of a run to its end, with its steps or shorter ones.
+/// Follows columns from the start of a run to its end, with its steps or shorter ones; returns them, and by how much each moves the last
+/// instant at which the equations change, s.
 ///
 /// # Errors
 /// Instants at which there are no slopes; what ends a motion early.
@@ -34,7 +35,8 @@ pub(super) fn follow(
     run: &Run,
     (start, mut columns): (Side, Vec<Column>),
     way: &Way<'_>,
-) -> Result<Vec<Moment>, NoSlopes> {
+) -> Result<(Vec<Moment>, Vec<f64>), NoSlopes> {
+    let mut shifts = vec![0.0; columns.len()];
     let mut moments = Vec::with_capacity(way.times.len());
     let mut from = start;
     let mut wanted = way.times;
@@ -53,11 +55,11 @@ pub(super) fn follow(
         piece(system, run, (&from, &mut columns), (here, until), way, &mut moments)?;
         wanted = later;
         if let Some(junction) = junction {
-            cross(system, (junction, &speeds), &mut columns, junction.before.t <= first)?;
+            shifts = cross(system, (junction, &speeds), &mut columns, junction.before.t <= first)?;
             from = junction.after.clone();
         }
     }
-    Ok(moments)
+    Ok((moments, shifts))
 }
 
 /// Follows columns along a smooth piece, as far as `until`, and writes them down at times on the way.

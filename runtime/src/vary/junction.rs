@@ -64,13 +64,13 @@ impl Guard {
 }
 
 /// Puts the modes and the phase of a side in force.
-pub(super) fn put(system: &mut dyn System, side: &Side) {
+pub(crate) fn put(system: &mut dyn System, side: &Side) {
     system.set_phase(side.phase);
     system.set_modes(&side.modes);
 }
 
 /// Takes columns across a junction, whose instant moves by δt = −δg/(dg/dt) with the guard g, the motion before and after it having the
-/// rates f⁻ and f⁺, and R being what happens to the state: δy⁺ = ∂R (δy⁻ + f⁻ δt) − f⁺ δt.
+/// rates f⁻ and f⁺, and R being what happens to the state: δy⁺ = ∂R (δy⁻ + f⁻ δt) − f⁺ δt.  Returns δt of each column.
 ///
 /// Source: Aizerman and Gantmakher, Quarterly Journal of Mechanics and Applied Mathematics 11 (1958) 225 (the saltation matrix).
 ///
@@ -81,7 +81,7 @@ pub(super) fn cross(
     (junction, speeds): (&Junction, &[f64]),
     columns: &mut [Column],
     begins: bool,
-) -> Result<(), NoSlopes> {
+) -> Result<Vec<f64>, NoSlopes> {
     let Junction { before, after, jumps, .. } = junction;
     let (t, n) = (before.t, system.len());
     put(system, before);
@@ -125,7 +125,7 @@ pub(super) fn cross(
     for (column, shift) in columns.iter_mut().zip(&shifts) {
         column.y.iter_mut().zip(&rate).for_each(|(y, rate)| *y -= shift * rate);
     }
-    Ok(())
+    Ok(shifts)
 }
 
 /// What says when a junction is: events that act, else switches that change sides.

@@ -4,10 +4,12 @@
 //! 2. Columns obey the variational equations: look in `variational.rs`; their accelerations come from the generated functions on numbers
 //!    with a slope ([`System::slopes`]): `response.rs`.
 //! 3. Where they start: `start.rs`; on constraints: `constraints.rs`; across events, impacts and switches: `junction.rs`.
+//! 4. A piece of a motion with the slopes by all of its start, of which orbits are made: `leg.rs`.
 
 mod constraints;
 mod flow;
 mod junction;
+mod leg;
 mod momenta;
 mod response;
 mod slopes;
@@ -15,6 +17,8 @@ mod start;
 mod variational;
 
 use crate::error::NoSlopes;
+pub(crate) use junction::put;
+pub(crate) use leg::{Leg, leg};
 pub(crate) use slopes::{LOOSER, Point, Varied, named, run_with_slopes, unknown, varied};
 pub use slopes::{Slope, Slopes};
 

@@ -207,7 +207,7 @@ pub(crate) fn varied(
     };
     let way =
         Way { tolerance: settings.tolerance.max(Settings::TIGHTEST), max_steps: settings.max_steps, times: &times };
-    let mut moments = follow(system, &run, (side, columns), &way)?;
+    let (mut moments, _) = follow(system, &run, (side, columns), &way)?;
     let at_end = moments.last_mut().filter(|moment| moment.t == end);
     let shifts = at_the_end(system, &run, unknowns, at_end)?;
     let (last, still) = (moments.len().saturating_sub(1), vec![0.0; unknowns.len()]);

@@ -57,6 +57,8 @@ pub(super) fn slopes(
         mechanism::Function::Events => interpreter.evaluate_in(Function::Events, value, &mut room),
         mechanism::Function::Switches => interpreter.evaluate_in(Function::Switches, value, &mut room),
         mechanism::Function::Outputs => interpreter.evaluate_in(Function::Outputs, value, &mut room),
+        mechanism::Function::Energies => interpreter.evaluate_in(Function::Energy, value, &mut room),
+        mechanism::Function::Invariants => interpreter.evaluate_in(Function::Invariants, value, &mut room),
         mechanism::Function::Restitutions => roots(&program.restitutions(), &mut room),
         mechanism::Function::Scene(scene) => {
             let Some(scene) = program.model.scenes.get(scene) else { return values.fill(0.0) };

@@ -1,0 +1,219 @@
+//! `orbit`: finds motions that repeat.
+
+use std::io::Write;
+
+use clap::ArgMatches;
+use dalembert_symbolic::model::Sets;
+use serde_json::{Value as Json, json};
+
+use super::json::{number, object};
+use super::load::Loaded;
+use super::set_up::{Reader, set_up};
+use super::slopes::origin;
+use super::{Entry, Problem, outputs, value_files};
+use crate::Error;
+use crate::find::Value;
+use crate::orbit::{Multiplier, Orbit, OrbitSearch};
+use crate::run::written;
+
+/// Searches, and prints what was found.
+pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+    let mut loaded = Loaded::find(models, options)?;
+    outputs::check(options, &["save"], &loaded.path)?;
+    let mut settings = set_up(&mut loaded, options)?;
+    if let Some(method) = options.get_one::<String>("method") {
+        settings.method = method.parse().map_err(|e| Problem::Usage(format!("error: {e}")))?;
+    }
+    for warning in &loaded.warnings {
+        eprintln!("warning: {warning}");
+    }
+    let origin = origin(&loaded, options)?;
+    let search = OrbitSearch::of(Ok((loaded.system.boxed_clone(), settings, origin)));
+    let search = described(search, &loaded, options)?;
+    match search.find() {
+        Ok(orbit) => report(&loaded, &orbit, options, out),
+        Err(error) => Err(problem(&error)),
+    }
+}
+
+/// What is wrong with a search, or with what it was told.
+fn problem(error: &Error) -> Problem {
+    match error {
+        Error::NoOrbit(_) | Error::NoSlopes(_) | Error::Linear(_) => Problem::Run(format!("error: {error}")),
+        Error::Run(failure) => Problem::Run(failure.to_string()),
+        error => Problem::Usage(format!("error: {error}")),
+    }
+}
+
+/// With what the options say.
+fn described(mut search: OrbitSearch, loaded: &Loaded, options: &ArgMatches) -> Result<OrbitSearch, Problem> {
+    let mut reader = Reader::new(loaded);
+    if let Some(text) = options.get_one::<String>("period") {
+        search = search.period(reader.value(loaded, "period", Sets::Time, text)?);
+    }
+    if let Some(part) = options.get_one::<u64>("part") {
+        search = search.part(*part as usize);
+    }
+    if let Some(event) = options.get_one::<String>("at") {
+        search = search.after(event, options.get_one::<u64>("count").map_or(1, |count| *count as usize));
+    }
+    for (a, b) in pairs(options, "exchange")? {
+        search = search.exchanged(&a, &b);
+    }
+    for name in names(options, "mirror") {
+        search = search.mirrored(&name);
+    }
+    for name in names(options, "shift") {
+        search = search.shifted(&name);
+    }
+    for (name, turns) in pairs(options, "turn")? {
+        let turns = turns.parse().map_err(|_| Problem::Usage(format!("error: --turn {name}={turns} is no number of turns")))?;
+        search = search.turned(&name, turns);
+    }
+    if let Some(text) = options.get_one::<String>("from") {
+        let mode = text.strip_prefix("mode").map(str::trim).and_then(|number| number.parse().ok());
+        let Some(mode) = mode else {
+            return Err(Problem::Usage(format!("error: --from wants `mode` and its number, as `mode 2`, not `{text}`")));
+        };
+        let amplitude = options.get_one::<String>("amplitude");
+        let amplitude = amplitude.map_or(Ok(AMPLITUDE), |text| reader.value(loaded, "amplitude", Sets::Any, text))?;
+        search = search.from_mode(mode, amplitude);
+    }
+    if let Some(text) = options.get_one::<String>("energy") {
+        search = search.energy(reader.value(loaded, "energy", Sets::Any, text)?);
+    }
+    if let Some(legs) = options.get_one::<u64>("segments") {
+        search = search.legs(*legs as usize);
+    }
+    Ok(search)
+}
+
+/// By how much the coordinate that moves most moves in a mode from which a search begins, SI: small for lengths in metres and for angles.
+const AMPLITUDE: f64 = 1e-3;
+
+/// `A=B` of an option, several in one text with commas between them.
+fn pairs(options: &ArgMatches, option: &str) -> Result<Vec<(String, String)>, Problem> {
+    let list = names(options, option).into_iter().map(|part| match part.split_once('=') {
+        Some((a, b)) => Ok((a.trim().to_owned(), b.trim().to_owned())),
+        None => Err(Problem::Usage(format!("error: --{option} wants A=B, not `{part}`"))),
+    });
+    list.collect()
+}
+
+/// Names of an option, several in one text with commas between them.
+fn names(options: &ArgMatches, option: &str) -> Vec<String> {
+    let texts = options.get_many::<String>(option).into_iter().flatten();
+    let parts = texts.flat_map(|text| text.split(',')).map(str::trim).filter(|part| !part.is_empty());
+    parts.map(ToOwned::to_owned).collect()
+}
+
+fn report(loaded: &Loaded, orbit: &Orbit, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+    if let Some(path) = options.get_one::<String>("save") {
+        outputs::write(path, &value_files::start_state(&orbit.run, &[]))?;
+    }
+    if options.get_flag("json") {
+        super::json::write(&as_json(loaded, orbit), out)?;
+        return Ok(());
+    }
+    writeln!(out, "{}: {} Newton steps, {} pieces run", loaded.name, orbit.steps, orbit.runs)?;
+    writeln!(out, "  period = {} s", text(&orbit.period))?;
+    for value in &orbit.start {
+        let unit = match orbit.run.unit(&value.name) {
+            unit if unit.is_empty() => unit,
+            unit => format!(" {unit}"),
+        };
+        writeln!(out, "  {} = {}{unit}", value.name, text(value))?;
+    }
+    if let Some(energy) = orbit.energy {
+        writeln!(out, "  energy = {} J", crate::numbers::short(energy))?;
+    }
+    if orbit.repeats > 1 {
+        writeln!(out, "shorter        the motion repeats itself {} times in the period of the guess", orbit.repeats)?;
+    }
+    let map = match (orbit.part, orbit.map.is_empty()) {
+        (1, true) => "the whole period".to_owned(),
+        (1, false) => format!("the whole period; {}", orbit.map),
+        (part, true) => format!("1/{part} of the period"),
+        (part, false) => format!("1/{part} of the period; {}", orbit.map),
+    };
+    writeln!(out, "map            {map}")?;
+    let stable = if orbit.is_stable() { "no small change grows" } else { "small changes grow" };
+    writeln!(out, "multipliers    {} ({stable})", listed(&orbit.multipliers))?;
+    if orbit.part > 1 && !orbit.multipliers.is_empty() {
+        writeln!(out, "  of the whole period {}", listed(&orbit.whole()))?;
+    }
+    if orbit.superstable > 0 {
+        writeln!(out, "  {} of them 0: constraints that come into force take so many freedoms", orbit.superstable)?;
+    }
+    if !orbit.known.is_empty() {
+        writeln!(out, "  known beforehand: {}", orbit.known.join(", "))?;
+    }
+    if !orbit.free.is_empty() {
+        writeln!(out, "free           {}: the nearest to the guess was taken", orbit.free.join(", "))?;
+    }
+    if !orbit.events.is_empty() {
+        writeln!(out, "events         {}", orbit.events.join(", "))?;
+    }
+    writeln!(out, "run            a plain run of one period misses its start by {} of how far it goes", crate::numbers::short(orbit.returns))?;
+    Ok(())
+}
+
+fn text(value: &Value) -> String {
+    written(value.value, if value.error.is_nan() { f64::INFINITY } else { value.error })
+}
+
+/// Multipliers with the digits that hold; those that are too small for a number by their logarithm.
+fn listed(multipliers: &[Multiplier]) -> String {
+    if multipliers.is_empty() {
+        return "none".to_owned();
+    }
+    let one = |multiplier: &Multiplier| {
+        let size = multiplier.log_abs.exp();
+        let error = if multiplier.error.is_nan() { f64::INFINITY } else { multiplier.error * size };
+        match () {
+            () if multiplier.log_abs == f64::NEG_INFINITY => "0".to_owned(),
+            () if size < 1e-12 => format!("e^{}", written(multiplier.log_abs, multiplier.error)),
+            () if multiplier.im == 0.0 => written(multiplier.re, error),
+            () => {
+                let sign = if multiplier.im < 0.0 { "-" } else { "+" };
+                format!("{} {sign} {} i", written(multiplier.re, error), written(multiplier.im.abs(), error))
+            }
+        }
+    };
+    multipliers.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+fn as_json(loaded: &Loaded, orbit: &Orbit) -> Json {
+    let value = |value: &Value| json!({"value": number(value.value), "error": number(value.error)});
+    let list = |multipliers: &[Multiplier]| {
+        let one = |multiplier: &Multiplier| {
+            json!({
+                "re": number(multiplier.re),
+                "im": number(multiplier.im),
+                "log_abs": number(multiplier.log_abs),
+                "angle": number(multiplier.angle),
+                "error": number(multiplier.error),
+            })
+        };
+        Json::Array(multipliers.iter().map(one).collect())
+    };
+    object([
+        ("model", json!(loaded.name)),
+        ("period", value(&orbit.period)),
+        ("start", object(orbit.start.iter().map(|number| (number.name.clone(), value(number))))),
+        ("map", json!({"part": orbit.part, "does": orbit.map})),
+        ("multipliers", list(&orbit.multipliers)),
+        ("whole", list(&orbit.whole())),
+        ("known", json!(orbit.known)),
+        ("superstable", json!(orbit.superstable)),
+        ("stable", json!(orbit.is_stable())),
+        ("free", json!(orbit.free)),
+        ("energy", orbit.energy.map_or(Json::Null, number)),
+        ("events", json!(orbit.events)),
+        ("returns", number(orbit.returns)),
+        ("steps", json!(orbit.steps)),
+        ("runs", json!(orbit.runs)),
+        ("segments", json!(orbit.legs)),
+        ("repeats", json!(orbit.repeats)),
+    ])
+}

@@ -1,0 +1,120 @@
+//! Why no motion that closes was found.
+
+use std::fmt;
+
+use super::not_found::Listed;
+
+/// What keeps a motion from closing, or a search from finding one that does; values are SI.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub enum NoOrbit {
+    /// What the search comes to is an equilibrium, which repeats itself after any time.
+    Rest,
+    /// The motion comes near to none of its states again, so that there is no period to begin with.
+    NoGuess {
+        /// How long it was followed, s.
+        until: f64,
+    },
+    /// The event that closes the motion does not happen.
+    NoReturn {
+        /// It.
+        event: String,
+        /// How long it was waited for, s.
+        until: f64,
+    },
+    /// The event that closes the motion changes nothing and does not end it.
+    OnlyNoted {
+        /// It.
+        event: String,
+    },
+    /// The motion ends in another phase than it began.
+    OtherPhase {
+        /// The phase at its start.
+        begins: String,
+        /// That in which it ends, after the exchange.
+        ends: String,
+    },
+    /// The mechanism does not move alike from a state and from its image, which the closing exchanges or mirrors.
+    NoSymmetry {
+        /// The coordinate whose acceleration differs.
+        coordinate: String,
+        /// Its acceleration.
+        here: f64,
+        /// That of the image, taken back.
+        there: f64,
+    },
+    /// A coordinate cannot be left free at the end: forces, constraints or events depend on it.
+    ShiftMatters {
+        /// It.
+        coordinate: String,
+    },
+    /// Time enters the equations otherwise than by sines and cosines of constant frequencies, and no period was given.
+    NotPeriodic,
+    /// Frequencies with which time enters the equations have no common period.
+    Incommensurate {
+        /// Two of them, rad/s.
+        frequencies: [f64; 2],
+    },
+    /// There is no such mode that oscillates.
+    NoMode {
+        /// Its number.
+        mode: usize,
+        /// How many there are.
+        known: usize,
+    },
+    /// No step leads nearer.
+    Stuck {
+        /// What the first piece misses by there.
+        residuals: Vec<(String, f64)>,
+        /// The start there.
+        start: Vec<(String, f64)>,
+    },
+}
+
+impl fmt::Display for NoOrbit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            NoOrbit::Rest => f.write_str(
+                "what was found is an equilibrium, which repeats itself after any time; begin farther from it, or with another period",
+            ),
+            NoOrbit::NoGuess { until } => write!(
+                f,
+                "the motion comes near to none of its states again until t = {until} s: give a period, or a longer run"
+            ),
+            NoOrbit::NoReturn { event, until } => {
+                write!(f, "`{event}`, which is to close the motion, does not happen within {until} s")
+            }
+            NoOrbit::OnlyNoted { event } => write!(
+                f,
+                "`{event}` changes nothing, so that it cannot close a motion: let it `stop`, or close by a period"
+            ),
+            NoOrbit::OtherPhase { begins, ends } => {
+                write!(f, "the motion begins in phase `{begins}` and ends in `{ends}`: does it need an exchange of phases?")
+            }
+            NoOrbit::NoSymmetry { coordinate, here, there } => write!(
+                f,
+                "the mechanism does not move alike from a state and from its image: the acceleration of `{coordinate}` is {here:.6e} and \
+                 that of the image {there:.6e}"
+            ),
+            NoOrbit::ShiftMatters { coordinate } => {
+                write!(f, "`{coordinate}` cannot differ at the end: forces, constraints or events depend on it")
+            }
+            NoOrbit::NotPeriodic => f.write_str(
+                "the equations depend on time otherwise than by sines and cosines of constant frequencies: give the period",
+            ),
+            NoOrbit::Incommensurate { frequencies: [a, b] } => write!(
+                f,
+                "the frequencies {a} rad/s and {b} rad/s, with which time enters the equations, have no common period"
+            ),
+            NoOrbit::NoMode { mode, known } => {
+                write!(f, "there is no mode {mode} that oscillates; there are {known}")
+            }
+            NoOrbit::Stuck { residuals, start } => write!(
+                f,
+                "the search does not get nearer than a start at {}, from which the motion misses by {}",
+                Listed(start),
+                Listed(residuals)
+            ),
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! How a motion closes: the state at its end, taken to the start.
+
+use crate::mechanism::{At, Description, System};
+
+/// A map from the state at the end of a part of a motion to the state at its start, and when that part ends.
+///
+/// The image of (q, q') has qᵢ = ±qₖ with k and the sign as `images` tells, less a turn, and rates alike.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Closing {
+    pub by: By,
+    /// For each coordinate the one whose value at the end it has at the start, and whether with the opposite sign.
+    pub images: Vec<(usize, bool)>,
+    /// For each phase the one that it becomes.
+    pub phases: Vec<usize>,
+    /// Coordinates that may be any amount more at the end.
+    pub shifts: Vec<usize>,
+    /// How much more each coordinate is at the end.
+    pub turns: Vec<f64>,
+}
+
+/// When a part of a motion ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum By {
+    /// After this part of the period.
+    Part(usize),
+    /// When this event has happened so many times.
+    After { event: usize, count: usize },
+}
+
+/// A state is compared with its image at so many places.
+const PLACES: usize = 6;
+/// Accelerations that differ by this part of the largest of the same unit are not those of one mechanism.
+const DIFFERS: f64 = 1e-8;
+
+impl Closing {
+    /// Everything is as it was after a period.
+    pub fn period(description: &Description) -> Closing {
+        let n = description.coordinates.len();
+        Closing {
+            by: By::Part(1),
+            images: (0..n).map(|i| (i, false)).collect(),
+            phases: (0..description.phases.len().max(1)).collect(),
+            shifts: Vec::new(),
+            turns: vec![0.0; n],
+        }
+    }
+
+    /// Whether nothing is exchanged or mirrored.
+    pub fn is_plain(&self) -> bool {
+        self.images.iter().enumerate().all(|(i, image)| *image == (i, false))
+            && self.phases.iter().enumerate().all(|(i, phase)| i == *phase)
+    }
+
+    /// The linear part, of a change of [q; q'].
+    pub fn turned(&self, y: &[f64]) -> Vec<f64> {
+        let n = self.images.len();
+        let half = |list: &[f64]| -> Vec<f64> {
+            self.images.iter().map(|(k, opposite)| if *opposite { -list[*k] } else { list[*k] }).collect()
+        };
+        [half(&y[..n]), half(&y[n..])].concat()
+    }
+
+    /// The image of a state [q; q'].
+    pub fn image(&self, y: &[f64]) -> Vec<f64> {
+        let mut image = self.turned(y);
+        image.iter_mut().zip(&self.turns).for_each(|(x, turn)| *x -= turn);
+        image
+    }
+
+    /// The smallest number of times after which it takes every state to itself, but for shifts and turns.
+    pub fn order(&self) -> usize {
+        let n = self.images.len();
+        let marks: Vec<f64> = (1..=2 * n).map(|k| k as f64).collect();
+        let (mut y, mut phases, mut order) = (self.turned(&marks), self.phases.clone(), 1);
+        while y != marks || phases.iter().enumerate().any(|(i, phase)| i != *phase) {
+            y = self.turned(&y);
+            phases = phases.iter().map(|phase| self.phases[*phase]).collect();
+            order += 1;
+        }
+        order
+    }
+
+    /// What it does, in the words of the model file.
+    pub fn words(&self, description: &Description) -> String {
+        let name = |i: usize| description.coordinates[i].name.to_string();
+        let mut parts = Vec::new();
+        let moved: Vec<String> = self
+            .images
+            .iter()
+            .enumerate()
+            .filter(|(i, (k, _))| i != k)
+            .map(|(i, (k, _))| format!("{} for {}", name(*k), name(i)))
+            .collect();
+        if !moved.is_empty() {
+            parts.push(format!("exchanged: {}", moved.join(", ")));
+        }
+        let mirrored: Vec<String> =
+            self.images.iter().enumerate().filter(|(_, (_, opposite))| *opposite).map(|(i, _)| name(i)).collect();
+        if !mirrored.is_empty() {
+            parts.push(format!("mirrored: {}", mirrored.join(", ")));
+        }
+        let shifted: Vec<String> = self.shifts.iter().map(|i| name(*i)).collect();
+        if !shifted.is_empty() {
+            parts.push(format!("shifted: {}", shifted.join(", ")));
+        }
+        parts.join("; ")
+    }
+
+    /// Whether the mechanism moves alike from a state and from its image, `later` seconds after: a(t + later, S y) = S a(t, y), looked at
+    /// near states of a motion.  What differs where it does not.
+    pub fn differs(&self, system: &dyn System, states: &[(f64, Vec<f64>, usize)], later: f64) -> Option<Difference> {
+        let n = system.len();
+        let mut here = system.boxed_clone();
+        let spread = |i: usize| {
+            let values = states.iter().map(|(_, y, _)| y[i]);
+            let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+            if high > low { high - low } else { high.abs().max(1e-3) }
+        };
+        let spreads: Vec<f64> = (0..2 * n).map(spread).collect();
+        let every = states.len().div_ceil(PLACES).max(1);
+        for (place, (t, y, phase)) in states.iter().step_by(every).enumerate() {
+            // A little beside the motion, which may have symmetries that the mechanism has not.
+            let beside: Vec<f64> =
+                (0..2 * n).map(|i| y[i] + 0.05 * spreads[i] * (1.0 + (7 * i + 3 * place) as f64).sin()).collect();
+            let image: Vec<f64> = self.inverse(&beside);
+            let accelerations = |system: &mut dyn System, t: f64, y: &[f64], phase: usize| -> Option<Vec<f64>> {
+                let mut a = vec![0.0; n];
+                system.set_phase(phase);
+                crate::events::begin_at(system, t, y);
+                system.accelerations(At::packed(t, y, n), &mut a).ok().map(|()| a)
+            };
+            let behind = self.phases.iter().position(|to| to == phase).unwrap_or(*phase);
+            let (Some(a), Some(b)) =
+                (accelerations(&mut *here, *t, &beside, *phase), accelerations(&mut *here, t + later, &image, behind))
+            else {
+                continue;
+            };
+            // The accelerations at the state at the end, taken to the start.
+            let back = self.turned(&[b.as_slice(), &vec![0.0; n]].concat());
+            let size = a.iter().chain(&b).fold(0.0_f64, |most, x| most.max(x.abs()));
+            let differs = |i: &usize| (a[*i] - back[*i]).abs() > DIFFERS * size;
+            if let Some(i) = (0..n).find(differs) {
+                let coordinate = system.description().coordinates[i].name.to_string();
+                return Some(Difference { coordinate, here: a[i], there: back[i] });
+            }
+        }
+        None
+    }
+
+    /// The state whose image this is.
+    fn inverse(&self, y: &[f64]) -> Vec<f64> {
+        let n = self.images.len();
+        let mut before = vec![0.0; 2 * n];
+        for (i, (k, opposite)) in self.images.iter().enumerate() {
+            let sign = if *opposite { -1.0 } else { 1.0 };
+            before[*k] = sign * (y[i] + self.turns[i]);
+            before[n + k] = sign * y[n + i];
+        }
+        before
+    }
+}
+
+/// Where a mechanism does not move alike from a state and from its image.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Difference {
+    pub coordinate: String,
+    /// Its acceleration, SI.
+    pub here: f64,
+    /// That of the image, taken back.
+    pub there: f64,
+}

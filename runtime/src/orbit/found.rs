@@ -1,0 +1,100 @@
+//! What a search for a motion that repeats found.
+
+use crate::find::Value;
+use crate::run::Run;
+
+/// A motion that repeats itself.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Orbit {
+    /// After how long it is as it was, s; where it is shifted or turned each time, but for that.
+    pub period: Value,
+    /// [q; q'] at its start, SI.
+    pub start: Vec<Value>,
+    /// The smallest map that closes it is that of this part of the period.
+    pub part: usize,
+    /// What that map exchanges, mirrors and shifts; empty where it does nothing.
+    pub map: String,
+    /// The multipliers of that map, the largest first, without those that are known beforehand.
+    pub multipliers: Vec<Multiplier>,
+    /// Directions whose multipliers are known: 1 (−1 where the map mirrors them) of what is conserved and of what may be shifted, turned or
+    /// begun later, 0 of time where an event closes the motion.
+    pub known: Vec<String>,
+    /// How many multipliers are exactly 0: so many dimensions are lost where constraints come into force.
+    pub superstable: usize,
+    /// Directions in which there are other such motions; the nearest to the guess was taken.
+    pub free: Vec<String>,
+    /// The energy (Jacobi integral), J, where it is conserved.
+    pub energy: Option<f64>,
+    /// Events on the way that change something, in order.
+    pub events: Vec<String>,
+    /// How far a plain run of one period misses, in parts of how far each number goes.
+    pub returns: f64,
+    /// A plain run of one period.
+    pub run: Run,
+    /// Newton steps that were taken.
+    pub steps: usize,
+    /// Pieces with slopes that were run.
+    pub runs: usize,
+    /// Pieces of the map.
+    pub legs: usize,
+    /// So many times the motion was repeated within the period of the guess.
+    pub repeats: usize,
+}
+
+/// By what a change of the motion is multiplied each time the map is applied: μ, as a complex number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Multiplier {
+    /// Re μ.
+    pub re: f64,
+    /// Im μ.
+    pub im: f64,
+    /// ln |μ|, which tells of multipliers that are too small for a number.
+    pub log_abs: f64,
+    /// arg μ, rad.
+    pub angle: f64,
+    /// How far it may be off, as a part of |μ|: the difference to flows at sixteen times the tolerance.
+    pub error: f64,
+}
+
+/// Multipliers this near to the unit circle are on it, beside their errors.
+const ON_CIRCLE: f64 = 1e-8;
+
+impl Multiplier {
+    /// That of so many times the map.
+    pub fn power(self, times: usize) -> Multiplier {
+        let times = times as f64;
+        let angle = (times * self.angle).rem_euclid(std::f64::consts::TAU);
+        let angle = if angle > std::f64::consts::PI { angle - std::f64::consts::TAU } else { angle };
+        Multiplier::of(times * self.log_abs, angle, times * self.error)
+    }
+
+    pub(super) fn of(log_abs: f64, angle: f64, error: f64) -> Multiplier {
+        let size = log_abs.exp();
+        let im = if angle.abs() == std::f64::consts::PI { 0.0 } else { size * angle.sin() };
+        Multiplier { re: size * angle.cos(), im, log_abs, angle, error }
+    }
+
+    /// Whether changes in its direction grow.
+    pub fn grows(self) -> bool {
+        self.log_abs > ON_CIRCLE.max(self.error)
+    }
+}
+
+impl Orbit {
+    /// Whether no small change grows.
+    pub fn is_stable(&self) -> bool {
+        !self.multipliers.iter().any(|multiplier| multiplier.grows())
+    }
+
+    /// The multipliers of the whole period: powers of those of the map.
+    pub fn whole(&self) -> Vec<Multiplier> {
+        self.multipliers.iter().map(|multiplier| multiplier.power(self.part)).collect()
+    }
+
+    /// A number of the start, or the period.
+    pub fn get(&self, name: &str) -> Option<f64> {
+        std::iter::once(&self.period).chain(&self.start).find(|value| value.name == name).map(|value| value.value)
+    }
+}

@@ -1,0 +1,363 @@
+//! A motion that is to close, piece by piece.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::closing::{By, Closing};
+use super::drive::Drive;
+use crate::error::{Error, NoOrbit};
+use crate::find::Linearised;
+use crate::mechanism::System;
+use crate::simulate::Settings;
+use crate::vary::{Leg, leg};
+
+/// A step is shortened by halves at most so often, and so many steps are taken.
+const HALVES: usize = 10;
+const STEPS: usize = 40;
+/// Steps of this size, in parts of what they change, are rounding of runs at the tightest tolerance.
+const LEAST: f64 = 1e-14;
+/// Pieces of this many times the steps of the first ones go somewhere else.
+const MORE_STEPS: u64 = 20;
+
+/// How long a lap takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Time {
+    /// It is unknown.
+    Free,
+    /// So many periods of what depends on time, over a part.
+    Driven(f64),
+    /// Until an event.
+    Event,
+}
+
+/// What else is wanted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Condition {
+    /// The Jacobi integral at the start, J.
+    Energy(f64),
+}
+
+/// A motion of some laps, each of which ends in the image of its start.
+pub(super) struct Laps {
+    pub system: Box<dyn System>,
+    pub settings: Settings,
+    pub closing: Closing,
+    pub time: Time,
+    pub drive: Drive,
+    /// Laps after which the motion is as it was.
+    pub laps: usize,
+    /// Pieces a lap.
+    pub legs: usize,
+    /// A parameter that is unknown too.
+    pub parameter: Option<usize>,
+    pub condition: Option<Condition>,
+    /// The size of each number of [q; q'].
+    pub scales: Vec<f64>,
+    /// Pieces of motions with slopes that were made.
+    pub runs: usize,
+    /// Steps of the longest piece so far; 0 before there is one.
+    pub steps: u64,
+}
+
+/// The unknowns at some values: the pieces, what does not close, and how it changes, in units of the scales.
+pub(super) struct Trial {
+    pub pieces: Vec<Leg>,
+    pub r: DVector<f64>,
+    pub j: DMatrix<f64>,
+}
+
+/// Starts of all pieces, and what else is unknown.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Point {
+    pub starts: Vec<Vec<f64>>,
+    /// How long a lap takes, s; not used where an event ends it.
+    pub lap: f64,
+    pub parameter: f64,
+}
+
+/// Where Newton's steps ended.
+pub(super) struct Solution {
+    pub point: Point,
+    pub trial: Trial,
+    pub linear: Linearised,
+    pub steps: usize,
+    /// The size of the last step.
+    pub last: f64,
+}
+
+impl Laps {
+    pub fn n(&self) -> usize {
+        self.system.len()
+    }
+
+    /// Unknowns beside the starts.
+    fn others(&self) -> usize {
+        usize::from(self.time == Time::Free) + usize::from(self.parameter.is_some())
+    }
+
+    /// How many numbers are unknown.
+    pub fn unknowns(&self) -> usize {
+        2 * self.n() * self.laps * self.legs + self.others()
+    }
+
+    /// A point moved along a direction of unknowns in units of their scales.
+    pub fn moved(&self, point: &Point, direction: &DVector<f64>, part: f64) -> Point {
+        let width = 2 * self.n();
+        let mut moved = point.clone();
+        for (k, start) in moved.starts.iter_mut().enumerate() {
+            start.iter_mut().zip(&self.scales).enumerate().for_each(|(i, (x, scale))| *x += part * scale * direction[k * width + i]);
+        }
+        let mut next = width * point.starts.len();
+        if self.time == Time::Free {
+            moved.lap += part * point.lap * direction[next];
+            next += 1;
+        }
+        if self.parameter.is_some() {
+            moved.parameter += part * self.parameter_scale(point) * direction[next];
+        }
+        moved
+    }
+
+    pub fn parameter_scale(&self, point: &Point) -> f64 {
+        if point.parameter == 0.0 { 1.0 } else { point.parameter.abs() }
+    }
+
+    /// How long a lap takes at a point, s, and how that changes with the parameter.
+    ///
+    /// # Errors
+    /// What depends on time has no period.
+    fn lap(&self, point: &Point) -> Result<(f64, f64), Error> {
+        let Time::Driven(periods) = self.time else { return Ok((point.lap, 0.0)) };
+        let By::Part(part) = self.closing.by else { return Ok((point.lap, 0.0)) };
+        let times = periods / part as f64;
+        let period = self.drive.period(&*self.system)?;
+        let slope = match self.parameter {
+            Some(k) => self.drive.slope(&*self.system, k)?,
+            None => 0.0,
+        };
+        Ok((times * period, times * slope))
+    }
+
+    /// Runs all pieces.
+    ///
+    /// # Errors
+    /// Those of runs with slopes; a lap that does not end.
+    pub fn try_at(&mut self, point: &Point, tolerance: f64) -> Result<Trial, Error> {
+        let (n, legs) = (self.n(), self.legs);
+        let width = 2 * n;
+        if let Some(k) = self.parameter {
+            self.system.set_parameter(k, point.parameter);
+        }
+        let (lap, lap_slope) = self.lap(point)?;
+        if !(lap > 0.0 || self.time == Time::Event) {
+            return Err(NoOrbit::Rest.into());
+        }
+        let length = lap / legs as f64;
+        let mut pieces: Vec<Leg> = Vec::with_capacity(point.starts.len());
+        let mut phase = self.settings.phase;
+        let parameters: Vec<usize> = self.parameter.into_iter().collect();
+        for (k, start) in point.starts.iter().enumerate() {
+            let from = match self.time {
+                Time::Driven(_) => self.settings.from + k as f64 * length,
+                _ => self.settings.from,
+            };
+            let event = if let By::After { event, .. } = self.closing.by { Some(event) } else { None };
+            let mut settings = Settings {
+                q: start[..n].to_vec(),
+                v: start[n..].to_vec(),
+                phase,
+                from,
+                until: if event.is_some() { from + (self.settings.until - self.settings.from) } else { from + length },
+                ends_after: event,
+                tolerance,
+                ..self.settings.clone()
+            };
+            if self.steps > 0 {
+                settings.max_steps = settings.max_steps.min(MORE_STEPS * self.steps + 1000);
+            }
+            self.runs += 1;
+            let piece = leg(&mut *self.system, &settings, &parameters)?;
+            if let Some(event) = event {
+                let happened = piece.run.ended_by == Some(event)
+                    || piece.run.junctions.last().is_some_and(|junction| junction.events.contains(&event) && junction.after.t == piece.end.t);
+                if !happened {
+                    let name = self.system.description().events[event].name.to_string();
+                    return Err(NoOrbit::NoReturn { event: name, until: piece.end.t - from }.into());
+                }
+            }
+            phase = if self.closes(k) { self.closing.phases[piece.end.phase] } else { piece.end.phase };
+            pieces.push(piece);
+        }
+        if phase != self.settings.phase {
+            let name = |k: usize| self.system.description().phases[k].name.to_string();
+            return Err(NoOrbit::OtherPhase { begins: name(self.settings.phase), ends: name(phase) }.into());
+        }
+        if self.steps == 0 {
+            self.steps = pieces.iter().map(|piece| piece.run.work.steps).max().unwrap_or(0);
+        }
+        let count = pieces.len();
+        let extra = usize::from(self.condition.is_some());
+        let (mut r, mut j) = (DVector::zeros(count * width + extra), DMatrix::zeros(count * width + extra, self.unknowns()));
+        for (k, piece) in pieces.iter().enumerate() {
+            let closes = self.closes(k);
+            let taken = |y: &[f64]| if closes { self.closing.turned(y) } else { y.to_vec() };
+            let end = if closes { self.closing.image(&piece.end.y) } else { piece.end.y.clone() };
+            let next = &point.starts[(k + 1) % count];
+            let begin = k * width;
+            let dropped = |i: usize| closes && k + 1 == count && self.closing.shifts.contains(&i);
+            for i in (0..width).filter(|i| !dropped(*i)) {
+                r[begin + i] = (end[i] - next[i]) / self.scales[i];
+                j[(begin + i, (k + 1) % count * width + i)] -= 1.0;
+            }
+            for (c, column) in piece.columns.iter().take(width).enumerate() {
+                let column = taken(column);
+                for i in (0..width).filter(|i| !dropped(*i)) {
+                    j[(begin + i, k * width + c)] += column[i] * self.scales[c] / self.scales[i];
+                }
+            }
+            let mut next_unknown = count * width;
+            let rate = taken(&piece.end_rate);
+            if self.time == Time::Free {
+                for i in (0..width).filter(|i| !dropped(*i)) {
+                    j[(begin + i, next_unknown)] = rate[i] / legs as f64 * lap / self.scales[i];
+                }
+                next_unknown += 1;
+            }
+            if self.parameter.is_some() {
+                // The start's time moves with the parameter: so does the end's, but for what the start's rate makes of it.
+                let mut column = piece.columns[width].clone();
+                let later = k as f64 / legs as f64 * lap_slope;
+                for i in 0..width {
+                    let carried: f64 = (0..width).map(|c| piece.columns[c][i] * piece.start_rate[c]).sum();
+                    column[i] += piece.end_rate[i] * lap_slope / legs as f64 + later * (piece.end_rate[i] - carried);
+                }
+                let column = taken(&column);
+                let scale = self.parameter_scale(point);
+                for i in (0..width).filter(|i| !dropped(*i)) {
+                    j[(begin + i, next_unknown)] = column[i] * scale / self.scales[i];
+                }
+            }
+        }
+        if let Some(condition) = self.condition {
+            self.add_condition(condition, &pieces, (&mut r, &mut j));
+        }
+        Ok(Trial { pieces, r, j })
+    }
+
+    fn add_condition(&mut self, condition: Condition, pieces: &[Leg], (r, j): (&mut DVector<f64>, &mut DMatrix<f64>)) {
+        let Condition::Energy(wanted) = condition;
+        let side = &pieces[0].start;
+        crate::vary::put(&mut *self.system, side);
+        let energy = super::structure::energy(&*self.system, side);
+        let last = r.len() - 1;
+        let gradient = super::structure::gradients(&*self.system, side);
+        let Some(slopes) = gradient.iter().find(|known| known.name == "energy") else { return };
+        let scaled: Vec<f64> = slopes.direction.iter().zip(&self.scales).map(|(slope, scale)| slope * scale).collect();
+        let size = scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if size > 0.0 {
+            r[last] = (energy - wanted) / size;
+            scaled.iter().enumerate().for_each(|(i, x)| j[(last, i)] = x / size);
+        }
+    }
+
+    /// Whether a lap ends with this piece.
+    pub fn closes(&self, piece: usize) -> bool {
+        let legs = match self.closing.by {
+            By::After { count, .. } => count,
+            By::Part(_) => self.legs,
+        };
+        (piece + 1) % legs == 0
+    }
+
+    /// Newton's steps from a guess.
+    ///
+    /// # Errors
+    /// [`NoOrbit`]; what ends the first run early.
+    pub fn solve(&mut self, guess: Point, free: Option<usize>) -> Result<Solution, Error> {
+        let tolerance = self.settings.tolerance;
+        let mut point = guess;
+        let mut trial = self.try_at(&point, tolerance)?;
+        let mut before = f64::INFINITY;
+        let linearised = |trial: &Trial| {
+            let linear = Linearised::new(&trial.j);
+            match free {
+                Some(count) => linear.with_free(count),
+                None => linear,
+            }
+        };
+        for steps in 0..STEPS {
+            let linear = linearised(&trial);
+            let step = linear.step(&trial.r);
+            let size = step.norm();
+            let rounding = tolerance.sqrt();
+            if size <= LEAST || size < rounding && size > 0.5 * before {
+                return Ok(Solution { point, trial, linear, steps, last: size });
+            }
+            let Some((next, tried)) = self.shortened(&point, (&linear, &step), &trial) else {
+                if size < rounding {
+                    return Ok(Solution { point, trial, linear, steps, last: size });
+                }
+                return Err(self.stuck(&point, &trial));
+            };
+            (point, trial, before) = (next, tried, size);
+        }
+        Err(self.stuck(&point, &trial))
+    }
+
+    fn stuck(&self, point: &Point, trial: &Trial) -> Error {
+        let (n, description) = (self.n(), self.system.description());
+        let missed = trial.r.iter().take(2 * n).zip(&self.scales).map(|(r, scale)| r * scale);
+        let names = crate::run::Names::of(description).columns();
+        let residuals = names.iter().cloned().zip(missed).collect();
+        NoOrbit::Stuck { residuals, start: names.into_iter().zip(point.starts[0].iter().copied()).collect() }.into()
+    }
+
+    /// The first of a step's halves that passes the same events and makes the next step shorter, or else the first that does only that.
+    ///
+    /// Source: the natural monotonicity test, Deuflhard, Newton Methods for Nonlinear Problems (2004), section 3.1.
+    fn shortened(
+        &mut self,
+        point: &Point,
+        (linear, step): (&Linearised, &DVector<f64>),
+        now: &Trial,
+    ) -> Option<(Point, Trial)> {
+        let tolerance = self.settings.tolerance;
+        let (mut part, mut otherwise) = (1.0, None);
+        for _ in 0..HALVES {
+            let next = self.moved(point, step, part);
+            if let Ok(tried) = self.try_at(&next, tolerance) {
+                let again = linear.step(&tried.r).norm();
+                if again <= (1.0 - 0.5 * part) * step.norm() {
+                    if itinerary(&tried.pieces) == itinerary(&now.pieces) {
+                        return Some((next, tried));
+                    }
+                    otherwise.get_or_insert((next, tried));
+                }
+            }
+            part *= 0.5;
+        }
+        otherwise
+    }
+
+    /// How long the motion takes until it is as it was, s.
+    pub fn duration(&self, trial: &Trial) -> f64 {
+        let all: f64 = trial.pieces.iter().map(|piece| piece.end.t - piece.start.t).sum();
+        let order = self.closing.order();
+        all / self.laps as f64 * lcm(order, self.laps) as f64
+    }
+}
+
+pub(super) fn lcm(a: usize, b: usize) -> usize {
+    let gcd = |mut a: usize, mut b: usize| {
+        while b != 0 {
+            (a, b) = (b, a % b);
+        }
+        a
+    };
+    a / gcd(a, b).max(1) * b
+}
+
+/// The events that change something along pieces, and the phases that they lead to.
+pub(super) fn itinerary(pieces: &[Leg]) -> Vec<(Vec<usize>, usize)> {
+    let junctions = pieces.iter().flat_map(|piece| &piece.run.junctions);
+    junctions.map(|junction| (junction.events.clone(), junction.after.phase)).collect()
+}

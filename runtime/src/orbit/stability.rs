@@ -1,0 +1,189 @@
+//! Multipliers of a motion that closes, without those that are known.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::closing::By;
+use super::found::Multiplier;
+use super::laps::{Laps, Time, Trial};
+use super::multipliers::{Polar, multipliers};
+use super::structure::{self, Known};
+use crate::vary::put;
+
+/// A direction has an image at all where the map leaves this part of it.
+const LEAVES: f64 = 1e-6;
+
+/// What the map does to small changes.
+pub(super) struct Spectrum {
+    pub multipliers: Vec<Polar>,
+    /// Names of directions whose multipliers are known.
+    pub known: Vec<String>,
+    /// How many multipliers are 0 since the motion loses dimensions.
+    pub lost: usize,
+    /// Directions at the start that are known, in units of the scales.
+    pub generators: Vec<Known>,
+    /// The largest factor by which one piece stretches a change.
+    pub largest: f64,
+}
+
+/// What is known at the start of a piece, in units of the scales.
+struct Place {
+    tangent: DMatrix<f64>,
+    gradients: Vec<Known>,
+    generators: Vec<Known>,
+}
+
+/// The multipliers of all laps together.
+pub(super) fn spectrum(laps: &mut Laps, trial: &Trial) -> Spectrum {
+    let width = 2 * laps.n();
+    let count = trial.pieces.len();
+    let shifts = {
+        let sides: Vec<_> = trial.pieces.iter().map(|piece| piece.start.clone()).collect();
+        structure::shifts(&*laps.system, &sides)
+    };
+    let timed = matches!(laps.time, Time::Driven(_));
+    let mut places: Vec<Place> = Vec::with_capacity(count);
+    for piece in &trial.pieces {
+        put(&mut *laps.system, &piece.start);
+        let gradients = structure::gradients(&*laps.system, &piece.start);
+        let known = (piece.start_rate.as_slice(), gradients.as_slice());
+        let mut generators = structure::generators(&*laps.system, &piece.start, known, &shifts);
+        if timed {
+            generators.remove(0);
+        }
+        let scaled = |known: Known, inverse: bool| {
+            let each = known.direction.iter().zip(&laps.scales);
+            let direction = each.map(|(x, scale)| if inverse { x * scale } else { x / scale });
+            Known { direction: DVector::from_iterator(width, direction), ..known }
+        };
+        let columns: Vec<DVector<f64>> = piece
+            .projection
+            .iter()
+            .zip(&laps.scales)
+            .map(|(column, size)| {
+                let parts = column.iter().zip(&laps.scales).map(|(x, scale)| x * size / scale);
+                DVector::from_iterator(width, parts)
+            })
+            .collect();
+        places.push(Place {
+            tangent: structure::basis(&columns, width),
+            gradients: gradients.into_iter().map(|known| scaled(known, true)).collect(),
+            generators: generators.into_iter().map(|known| scaled(known, false)).collect(),
+        });
+    }
+    let maps: Vec<DMatrix<f64>> = (0..count).map(|k| map(laps, trial, k)).collect();
+    let largest = maps.iter().map(|map| map.clone().svd(false, false).singular_values.max()).fold(0.0, f64::max);
+    let ended = matches!(laps.closing.by, By::After { .. });
+    let (mut bases, mut known) = (Vec::with_capacity(count), Vec::new());
+    let held = |gradient: bool, name: usize| {
+        (0..count).all(|k| {
+            let list = |place: usize| {
+                if gradient { &places[place].gradients[name] } else { &places[place].generators[name] }
+            };
+            let within = |map: &DMatrix<f64>, from: &DMatrix<f64>, to: &DMatrix<f64>| to.transpose() * map * from;
+            let (from, to) = (&places[k].tangent, &places[(k + 1) % count].tangent);
+            let inside = |known: &Known, basis: &DMatrix<f64>| Known {
+                name: known.name.clone(),
+                direction: basis.transpose() * &known.direction,
+            };
+            let (before, behind) = (inside(list(k), from), inside(list((k + 1) % count), to));
+            let map = within(&maps[k], from, to);
+            structure::holds(&map, &before, &behind, gradient)
+                || !gradient && ended && (&map * &before.direction).norm() <= LEAVES * map.norm() * before.direction.norm()
+        })
+    };
+    let gradients: Vec<usize> = (0..places[0].gradients.len()).filter(|name| held(true, *name)).collect();
+    let generators: Vec<usize> = (0..places[0].generators.len()).filter(|name| held(false, *name)).collect();
+    for (k, place) in places.iter().enumerate() {
+        let of = |list: &[Known], names: &[usize]| -> Vec<DVector<f64>> {
+            names.iter().map(|name| list[*name].direction.clone()).collect()
+        };
+        let left: Vec<DVector<f64>> = of(&place.gradients, &gradients)
+            .into_iter()
+            .map(|direction| &place.tangent * (place.tangent.transpose() * direction))
+            .collect();
+        let left = structure::basis(&left, width);
+        let right = structure::basis(&of(&place.generators, &generators), width);
+        let within = structure::complement(&place.tangent, &left);
+        let inside = structure::complement(&right, &left);
+        bases.push(structure::complement(&within, &inside));
+        if k == 0 {
+            known = names(place, &gradients, &generators);
+        }
+    }
+    let factors = factors(&maps, &bases);
+    let lost = lost(laps, trial, bases[0].ncols());
+    let mut multipliers = multipliers(&factors);
+    for zero in multipliers.iter_mut().rev().take(lost) {
+        *zero = Polar { log: f64::NEG_INFINITY, angle: 0.0 };
+    }
+    let generators = places.swap_remove(0).generators;
+    Spectrum { multipliers, known, lost, generators, largest }
+}
+
+/// The maps in bases; as one where the dimensions differ on the way.
+fn factors(maps: &[DMatrix<f64>], bases: &[DMatrix<f64>]) -> Vec<DMatrix<f64>> {
+    let count = maps.len();
+    if bases.iter().all(|basis| basis.ncols() == bases[0].ncols()) {
+        return (0..count).map(|k| bases[(k + 1) % count].transpose() * &maps[k] * &bases[k]).collect();
+    }
+    let product = maps.iter().fold(DMatrix::identity(bases[0].nrows(), bases[0].nrows()), |all, map| map * all);
+    vec![bases[0].transpose() * product * &bases[0]]
+}
+
+/// What a piece makes of changes of its start, in units of the scales.
+fn map(laps: &Laps, trial: &Trial, k: usize) -> DMatrix<f64> {
+    let width = 2 * laps.n();
+    let piece = &trial.pieces[k];
+    let closes = laps.closes(k);
+    let column = |c: usize| {
+        let column = &piece.columns[c];
+        let column = if closes { laps.closing.turned(column) } else { column.clone() };
+        DVector::from_iterator(width, column.iter().zip(&laps.scales).map(|(x, scale)| x * laps.scales[c] / scale))
+    };
+    DMatrix::from_columns(&(0..width).map(column).collect::<Vec<_>>())
+}
+
+fn names(place: &Place, gradients: &[usize], generators: &[usize]) -> Vec<String> {
+    let gradients = gradients.iter().map(|k| place.gradients[*k].name.clone());
+    let mut list: Vec<String> = gradients.collect();
+    let moved = generators.iter().map(|k| place.generators[*k].name.clone());
+    list.extend(moved.map(|name| if list.contains(&name) { format!("what `{name}` generates") } else { name }).collect::<Vec<_>>());
+    list
+}
+
+/// How many dimensions the motion loses on its way: it is in a phase with fewer than at its start.
+fn lost(laps: &Laps, trial: &Trial, dimensions: usize) -> usize {
+    let description = laps.system.description();
+    let free = |phase: usize| {
+        let Some(phase) = description.phases.get(phase) else { return 0 };
+        let rows = phase.rows.iter().map(|row| 1 + usize::from(description.rows[*row as usize].holonomic));
+        2 * laps.n() - rows.sum::<usize>().min(2 * laps.n())
+    };
+    let visited = trial.pieces.iter().flat_map(|piece| {
+        let behind = piece.run.junctions.iter().map(|junction| junction.after.phase);
+        std::iter::once(piece.start.phase).chain(behind)
+    });
+    let least = visited.map(free).min().unwrap_or(0);
+    free(trial.pieces[0].start.phase).saturating_sub(least).min(dimensions)
+}
+
+/// Multipliers with their errors: how they differ from those of other flows.
+pub(super) fn beside(fine: &[Polar], rough: Option<&[Polar]>) -> Vec<Multiplier> {
+    let nearest = |polar: &Polar| {
+        let Some(rough) = rough else { return f64::NAN };
+        let apart = |other: &Polar| {
+            if polar.log == f64::NEG_INFINITY && other.log == f64::NEG_INFINITY {
+                return 0.0;
+            }
+            (polar.log - other.log).hypot(turn(polar.angle - other.angle))
+        };
+        rough.iter().map(apart).fold(f64::INFINITY, f64::min).max(8.0 * f64::EPSILON)
+    };
+    fine.iter().map(|polar| Multiplier::of(polar.log, polar.angle, nearest(polar))).collect()
+}
+
+/// An angle from −π to π.
+fn turn(angle: f64) -> f64 {
+    let turned = angle.rem_euclid(std::f64::consts::TAU);
+    if turned > std::f64::consts::PI { turned - std::f64::consts::TAU } else { turned }
+}

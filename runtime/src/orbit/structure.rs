@@ -1,0 +1,243 @@
+//! Directions in which a motion moves as it must: those of multipliers that are known beforehand.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::mechanism::dense::{constraint_matrix, mass_matrix};
+use crate::mechanism::{Along, At, Function, System};
+use crate::run::Side;
+
+/// A direction counts as known where the computed map takes it to where it must go to this part of it: flows are known to some ten digits.
+const HOLDS: f64 = 1e-6;
+/// Directions that others contain up to this part of them are none of their own.
+const CONTAINED: f64 = 1e-6;
+
+/// Something that is known of a motion near a state.
+#[derive(Clone, Debug)]
+pub(super) struct Known {
+    pub name: String,
+    pub direction: DVector<f64>,
+}
+
+/// Slopes of what is conserved by [q; q']: energy, where nothing else than potentials does work, and what the file says.
+pub(super) fn gradients(system: &dyn System, side: &Side) -> Vec<Known> {
+    let n = system.len();
+    let description = system.description();
+    let mut names: Vec<String> = Vec::new();
+    let mut of = |name: &str, count: usize| {
+        let part = |k: usize| if count == 1 { name.to_owned() } else { format!("{name}.{}", ["x", "y", "z"][k.min(2)]) };
+        names.extend((0..count).map(part));
+    };
+    let conservative = description.structure.conservative && description.time_pattern.is_empty();
+    if conservative {
+        of("energy", 1);
+    }
+    description.invariants.iter().for_each(|quantity| of(&quantity.name, quantity.components as usize));
+    let count = names.len();
+    let mut rows = vec![DVector::zeros(2 * n); count];
+    let at = At::packed(side.t, &side.y, n);
+    let rest = vec![0.0; n];
+    let lambda = vec![0.0; description.rows.len()];
+    let at = at.accelerated(&rest).constrained(&lambda);
+    for k in 0..2 * n {
+        let mut unit = vec![0.0; 2 * n];
+        unit[k] = 1.0;
+        let along = Along { q: &unit[..n], v: &unit[n..], ..Along::default() };
+        let (mut energies, mut pairs) = ([0.0; 5], vec![0.0; 2 * description.invariant_len()]);
+        system.slopes(Function::Energies, at, &along, &mut energies);
+        system.slopes(Function::Invariants, at, &along, &mut pairs);
+        let energy = conservative.then_some(energies[2]);
+        let all = energy.into_iter().chain(pairs.chunks_exact(2).map(|pair| pair[0]));
+        rows.iter_mut().zip(all).for_each(|(row, slope)| row[k] = slope);
+    }
+    names.into_iter().zip(rows).map(|(name, direction)| Known { name, direction }).collect()
+}
+
+/// Directions [δq; δq'] that a motion keeps: its own rate, shifts that change nothing, and, without constraints, the motion that each
+/// conserved quantity C generates: M δq = ∂C/∂q', M δq' = −½ (D − Dᵀ) δq − ∂C/∂q with D = ∂F/∂q'.
+pub(super) fn generators(
+    system: &dyn System,
+    side: &Side,
+    (rate, gradients): (&[f64], &[Known]),
+    shifts: &[(String, DVector<f64>)],
+) -> Vec<Known> {
+    let n = system.len();
+    let mut list = vec![Known { name: "time".to_owned(), direction: DVector::from_row_slice(rate) }];
+    for (name, shift) in shifts {
+        let direction = DVector::from_iterator(2 * n, shift.iter().copied().chain(std::iter::repeat_n(0.0, n)));
+        list.push(Known { name: name.clone(), direction });
+    }
+    if !system.active_rows().is_empty() {
+        return list;
+    }
+    let Some(mass) = mass_matrix(system, At::place(side.t, &side.y[..n])).cholesky() else { return list };
+    let damping = slopes_by_speed(system, side);
+    for gradient in gradients.iter().filter(|gradient| gradient.name != "energy") {
+        let dq = mass.solve(&gradient.direction.rows(n, n).into_owned());
+        let right = -0.5 * (&damping - damping.transpose()) * &dq - gradient.direction.rows(0, n);
+        let dv = mass.solve(&right);
+        let direction = DVector::from_iterator(2 * n, dq.iter().chain(dv.iter()).copied());
+        list.push(Known { name: gradient.name.clone(), direction });
+    }
+    list
+}
+
+/// ∂F/∂q', with the accelerations of the motion.
+fn slopes_by_speed(system: &dyn System, side: &Side) -> DMatrix<f64> {
+    let n = system.len();
+    let (mut a, mut lambda) = (vec![0.0; n], vec![0.0; system.description().rows.len()]);
+    let at = At::packed(side.t, &side.y, n);
+    let mut d = DMatrix::zeros(n, n);
+    if system.accelerations_and_multipliers(at, &mut a, &mut lambda).is_err() {
+        return d;
+    }
+    let at = at.accelerated(&a).constrained(&lambda);
+    for k in 0..n {
+        let mut unit = vec![0.0; n];
+        unit[k] = 1.0;
+        let mut column = vec![0.0; n];
+        system.slopes(Function::Residual, at, &Along { v: &unit, ..Along::default() }, &mut column);
+        d.set_column(k, &DVector::from_vec(column));
+    }
+    d
+}
+
+/// Constant changes of coordinates, of unit length, that change no force, constraint or event at these states, each with a name.
+pub(super) fn shifts(system: &dyn System, sides: &[Side]) -> Vec<(String, DVector<f64>)> {
+    let n = system.len();
+    let mut lines: Vec<DVector<f64>> = Vec::new();
+    let mut here = system.boxed_clone();
+    for side in sides {
+        crate::vary::put(&mut *here, side);
+        let (mut a, mut lambda) = (vec![0.0; n], vec![0.0; here.description().rows.len()]);
+        let at = At::packed(side.t, &side.y, n);
+        if here.accelerations_and_multipliers(at, &mut a, &mut lambda).is_err() {
+            continue;
+        }
+        let at = at.accelerated(&a).constrained(&lambda);
+        let events = here.description().events.len();
+        let rows = lambda.len();
+        let sizes = [(Function::Residual, n), (Function::RowAccelerations, rows), (Function::Events, 2 * events)];
+        for (function, size) in sizes {
+            let mut block = DMatrix::zeros(size, n);
+            for k in 0..n {
+                let mut unit = vec![0.0; n];
+                unit[k] = 1.0;
+                let mut column = vec![0.0; size];
+                here.slopes(function, at, &Along { q: &unit, ..Along::default() }, &mut column);
+                block.set_column(k, &DVector::from_vec(column));
+            }
+            if function == Function::RowAccelerations {
+                let active: Vec<usize> = here.active_rows().iter().map(|row| *row as usize).collect();
+                let holonomic: Vec<usize> =
+                    active.iter().copied().filter(|row| here.description().rows[*row].holonomic).collect();
+                let j = constraint_matrix(&*here, At::place(side.t, &side.y[..n]), &holonomic);
+                lines.extend(j.row_iter().map(|row| row.transpose().into_owned()));
+                block = block.select_rows(&active);
+            }
+            lines.extend(block.row_iter().map(|row| row.transpose().into_owned()).filter(|row| row.iter().all(|x| x.is_finite())));
+        }
+    }
+    null_directions(n, &lines, system)
+}
+
+/// Directions that all lines leave out, with a name: single coordinates first.
+fn null_directions(n: usize, lines: &[DVector<f64>], system: &dyn System) -> Vec<(String, DVector<f64>)> {
+    let largest = lines.iter().map(|line| line.norm()).fold(0.0, f64::max);
+    let counted: Vec<DVector<f64>> =
+        lines.iter().filter(|line| line.norm() > f64::EPSILON * largest).map(|line| line.normalize()).collect();
+    let mut j = DMatrix::zeros(counted.len().max(n), n);
+    counted.iter().enumerate().for_each(|(i, line)| j.set_row(i, &line.transpose()));
+    let svd = j.svd(false, true);
+    let Some(vt) = svd.v_t else { return Vec::new() };
+    let most = svd.singular_values.iter().fold(0.0_f64, |most, x| most.max(*x));
+    let free: Vec<DVector<f64>> = (0..n)
+        .filter(|k| svd.singular_values[*k] <= CONTAINED * most || most == 0.0)
+        .map(|k| vt.row(k).transpose().into_owned())
+        .collect();
+    if free.is_empty() {
+        return Vec::new();
+    }
+    // A basis of these that has as many zeros as it can: reduced row echelon form.
+    let basis = echelon(&free);
+    let name = |direction: &DVector<f64>| {
+        let coordinates = &system.description().coordinates;
+        let moved: Vec<String> = direction
+            .iter()
+            .zip(coordinates.iter())
+            .filter(|(x, _)| x.abs() > CONTAINED)
+            .map(|(_, coordinate)| coordinate.name.to_string())
+            .collect();
+        format!("shift of {}", moved.join(", "))
+    };
+    basis.into_iter().map(|direction| (name(&direction), direction)).collect()
+}
+
+/// The same subspace by vectors each of which has a 1 where the others have a 0.
+fn echelon(list: &[DVector<f64>]) -> Vec<DVector<f64>> {
+    let mut rows: Vec<DVector<f64>> = list.to_vec();
+    let n = rows[0].len();
+    let mut done = 0;
+    for column in 0..n {
+        let best = (done..rows.len()).max_by(|a, b| rows[*a][column].abs().total_cmp(&rows[*b][column].abs()));
+        let Some(best) = best.filter(|best| rows[*best][column].abs() > CONTAINED) else { continue };
+        rows.swap(done, best);
+        let lead = rows[done].clone() / rows[done][column];
+        for (k, row) in rows.iter_mut().enumerate() {
+            *row = if k == done { lead.clone() } else { &*row - &lead * row[column] };
+            row.iter_mut().filter(|x| x.abs() <= CONTAINED).for_each(|x| *x = 0.0);
+        }
+        done += 1;
+    }
+    rows.truncate(done);
+    rows
+}
+
+/// Of directions before a map those that it takes into the span of the same ones behind it, or, for gradients, the other way round.
+pub(super) fn holds(map: &DMatrix<f64>, before: &Known, behind: &Known, is_gradient: bool) -> bool {
+    let (taken, wanted) = match is_gradient {
+        true => (map.transpose() * &behind.direction, &before.direction),
+        false => (map * &before.direction, &behind.direction),
+    };
+    let size = taken.norm().max(wanted.norm());
+    (&taken - wanted).norm() <= HOLDS * size || (&taken + wanted).norm() <= HOLDS * size
+}
+
+/// An orthonormal basis of a span; directions that others contain are left out.
+pub(super) fn basis(list: &[DVector<f64>], d: usize) -> DMatrix<f64> {
+    let mut columns: Vec<DVector<f64>> = Vec::new();
+    for direction in list.iter().filter(|direction| direction.norm() > 0.0) {
+        let mut rest = direction.normalize();
+        for _ in 0..2 {
+            for column in &columns {
+                rest -= column * column.dot(&rest);
+            }
+        }
+        if rest.norm() > CONTAINED {
+            columns.push(rest.normalize());
+        }
+    }
+    if columns.is_empty() { DMatrix::zeros(d, 0) } else { DMatrix::from_columns(&columns) }
+}
+
+/// An orthonormal basis of what is orthogonal to all columns within a space of which a basis is given.
+pub(super) fn complement(within: &DMatrix<f64>, of: &DMatrix<f64>) -> DMatrix<f64> {
+    let (k, m) = (within.ncols(), of.ncols());
+    if m == 0 || k == 0 {
+        return within.clone();
+    }
+    let inside = within.transpose() * of;
+    let mut square = DMatrix::zeros(k.max(m), k);
+    square.view_mut((0, 0), (m, k)).copy_from(&inside.transpose());
+    let svd = square.svd(false, true);
+    let Some(vt) = svd.v_t else { return within.clone() };
+    let free: Vec<DVector<f64>> = (0..k)
+        .filter(|i| svd.singular_values[*i] <= CONTAINED)
+        .map(|i| within * vt.row(i).transpose())
+        .collect();
+    if free.is_empty() { DMatrix::zeros(within.nrows(), 0) } else { DMatrix::from_columns(&free) }
+}
+
+/// The Jacobi integral of a state, J.
+pub(super) fn energy(system: &dyn System, side: &Side) -> f64 {
+    system.energy(At::packed(side.t, &side.y, system.len())).jacobi
+}
