@@ -86,11 +86,12 @@ fn printed(command: &str, folder: &Path) -> String {
     ended.map_or_else(|problem| format!("{text}{problem}\n"), |()| text.clone())
 }
 
-#[test]
-fn every_command_of_the_page_on_space_prints_what_it_shows() {
+/// Runs every command of a page, and looks for what it shows, lines in order; the page's own model file stands in a `yaml`
+/// block.  Returns how many commands there are.
+fn commands_print_what_they_show(page: &str, model: &str) -> usize {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace's folder");
-    let page = std::fs::read_to_string(root.join("docs/space.md")).expect("the page");
-    let folder = std::env::temp_dir().join(format!("dalembert-space-{}", std::process::id()));
+    let page = std::fs::read_to_string(root.join(page)).expect("the page");
+    let folder = std::env::temp_dir().join(format!("dalembert-{model}-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder");
     let blocks = blocks(&page);
     let mut commands = 0;
@@ -98,7 +99,7 @@ fn every_command_of_the_page_on_space_prints_what_it_shows() {
         if *kind == "yaml" {
             let program = compile(text, &[]).unwrap_or_else(|problems| panic!("{text}\n{problems:?}"));
             assert!(program.model.warnings.is_empty(), "{:?}", program.model.warnings);
-            std::fs::write(folder.join("top_by_rotation.yaml"), text).expect("a file");
+            std::fs::write(folder.join(model), text).expect("a file");
         }
         let Some(command) = text.strip_prefix("cargo run --release -- ") else { continue };
         commands += 1;
@@ -108,8 +109,18 @@ fn every_command_of_the_page_on_space_prints_what_it_shows() {
             assert!(lines.any(|line| line.starts_with(shown)), "{command}`{shown}` is not printed:\n{printed}");
         }
     }
-    assert_eq!(commands, 10);
     std::fs::remove_dir_all(&folder).expect("removed");
+    commands
+}
+
+#[test]
+fn every_command_of_the_page_on_space_prints_what_it_shows() {
+    assert_eq!(commands_print_what_they_show("docs/space.md", "top_by_rotation.yaml"), 10);
+}
+
+#[test]
+fn every_command_of_the_page_on_orbits_prints_what_it_shows() {
+    assert_eq!(commands_print_what_they_show("docs/orbits.md", "walker.yaml"), 6);
 }
 
 #[test]

@@ -17,6 +17,7 @@ mod compare;
 mod completions;
 mod drawn;
 mod enforcement;
+mod families;
 mod freedoms;
 mod import;
 mod json;

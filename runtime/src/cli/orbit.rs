@@ -8,18 +8,18 @@ use serde_json::{Value as Json, json};
 
 use super::json::{number, object};
 use super::load::Loaded;
-use super::set_up::{Reader, set_up};
+use super::set_up::{Reader, parameter_index, set_up};
 use super::slopes::origin;
-use super::{Entry, Problem, outputs, value_files};
+use super::{Entry, Problem, families, outputs, value_files};
 use crate::Error;
 use crate::find::Value;
-use crate::orbit::{Multiplier, Orbit, OrbitSearch};
+use crate::orbit::{Family, Multiplier, Orbit, OrbitSearch};
 use crate::run::written;
 
 /// Searches, and prints what was found.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let mut loaded = Loaded::find(models, options)?;
-    outputs::check(options, &["save"], &loaded.path)?;
+    outputs::check(options, &["save", "plot"], &loaded.path)?;
     let mut settings = set_up(&mut loaded, options)?;
     if let Some(method) = options.get_one::<String>("method") {
         settings.method = method.parse().map_err(|e| Problem::Usage(format!("error: {e}")))?;
@@ -30,10 +30,39 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     let origin = origin(&loaded, options)?;
     let search = OrbitSearch::of(Ok((loaded.system.boxed_clone(), settings, origin)));
     let search = described(search, &loaded, options)?;
+    if let Some(text) = options.get_one::<String>("vary") {
+        let family = varied(search, &loaded, options, text)?;
+        if let Some(path) = options.get_one::<String>("plot") {
+            outputs::draw(path, family.figure())?;
+        }
+        return families::report(&loaded, &family, options, out);
+    }
     match search.find() {
         Ok(orbit) => report(&loaded, &orbit, options, out),
         Err(error) => Err(problem(&error)),
     }
+}
+
+/// Follows the family that `--vary` names: `NAME=A..B`, `NAME=A,B,C`, of the energy also `energy=..B`.
+fn varied(search: OrbitSearch, loaded: &Loaded, options: &ArgMatches, text: &str) -> Result<Family, Problem> {
+    let usage = || Problem::Usage(format!("error: --vary wants NAME=A..B or NAME=A,B,C, not `{text}`"));
+    let (name, range) = text.split_once('=').ok_or_else(usage)?;
+    let name = name.trim();
+    let mut reader = Reader::new(loaded);
+    let mut value = |text: &str| {
+        let is_parameter = loaded.system.description().parameters.iter().any(|parameter| parameter.name == name);
+        let sets = if is_parameter { Sets::Parameter(parameter_index(loaded, name)?) } else { Sets::Any };
+        reader.value(loaded, "vary", sets, text)
+    };
+    let values: Vec<f64> = match range.split_once("..") {
+        Some((first, last)) => {
+            let first = if first.trim().is_empty() { 0.0 } else { value(first)? };
+            vec![first, value(last)?]
+        }
+        None => range.split(',').map(&mut value).collect::<Result<_, _>>()?,
+    };
+    let branch = options.get_one::<u64>("branch").map(|number| *number as usize);
+    search.vary(name, &values, branch).map_err(|error| problem(&error))
 }
 
 /// What is wrong with a search, or with what it was told.
@@ -67,13 +96,16 @@ fn described(mut search: OrbitSearch, loaded: &Loaded, options: &ArgMatches) -> 
         search = search.shifted(&name);
     }
     for (name, turns) in pairs(options, "turn")? {
-        let turns = turns.parse().map_err(|_| Problem::Usage(format!("error: --turn {name}={turns} is no number of turns")))?;
+        let turns =
+            turns.parse().map_err(|_| Problem::Usage(format!("error: --turn {name}={turns} is no number of turns")))?;
         search = search.turned(&name, turns);
     }
     if let Some(text) = options.get_one::<String>("from") {
         let mode = text.strip_prefix("mode").map(str::trim).and_then(|number| number.parse().ok());
         let Some(mode) = mode else {
-            return Err(Problem::Usage(format!("error: --from wants `mode` and its number, as `mode 2`, not `{text}`")));
+            return Err(Problem::Usage(format!(
+                "error: --from wants `mode` and its number, as `mode 2`, not `{text}`"
+            )));
         };
         let amplitude = options.get_one::<String>("amplitude");
         let amplitude = amplitude.map_or(Ok(AMPLITUDE), |text| reader.value(loaded, "amplitude", Sets::Any, text))?;
@@ -110,6 +142,9 @@ fn names(options: &ArgMatches, option: &str) -> Vec<String> {
 fn report(loaded: &Loaded, orbit: &Orbit, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     if let Some(path) = options.get_one::<String>("save") {
         outputs::write(path, &value_files::start_state(&orbit.run, &[]))?;
+    }
+    if let Some(path) = options.get_one::<String>("plot") {
+        outputs::draw(path, orbit.figure())?;
     }
     if options.get_flag("json") {
         super::json::write(&as_json(loaded, orbit), out)?;
@@ -154,7 +189,11 @@ fn report(loaded: &Loaded, orbit: &Orbit, options: &ArgMatches, out: &mut dyn Wr
     if !orbit.events.is_empty() {
         writeln!(out, "events         {}", orbit.events.join(", "))?;
     }
-    writeln!(out, "run            a plain run of one period misses its start by {} of how far it goes", crate::numbers::short(orbit.returns))?;
+    writeln!(
+        out,
+        "run            a plain run of one period misses its start by {} of how far it goes",
+        crate::numbers::short(orbit.returns)
+    )?;
     Ok(())
 }
 
@@ -163,7 +202,7 @@ fn text(value: &Value) -> String {
 }
 
 /// Multipliers with the digits that hold; those that are too small for a number by their logarithm.
-fn listed(multipliers: &[Multiplier]) -> String {
+pub(super) fn listed(multipliers: &[Multiplier]) -> String {
     if multipliers.is_empty() {
         return "none".to_owned();
     }
@@ -185,25 +224,13 @@ fn listed(multipliers: &[Multiplier]) -> String {
 
 fn as_json(loaded: &Loaded, orbit: &Orbit) -> Json {
     let value = |value: &Value| json!({"value": number(value.value), "error": number(value.error)});
-    let list = |multipliers: &[Multiplier]| {
-        let one = |multiplier: &Multiplier| {
-            json!({
-                "re": number(multiplier.re),
-                "im": number(multiplier.im),
-                "log_abs": number(multiplier.log_abs),
-                "angle": number(multiplier.angle),
-                "error": number(multiplier.error),
-            })
-        };
-        Json::Array(multipliers.iter().map(one).collect())
-    };
     object([
         ("model", json!(loaded.name)),
         ("period", value(&orbit.period)),
         ("start", object(orbit.start.iter().map(|number| (number.name.clone(), value(number))))),
         ("map", json!({"part": orbit.part, "does": orbit.map})),
-        ("multipliers", list(&orbit.multipliers)),
-        ("whole", list(&orbit.whole())),
+        ("multipliers", json_multipliers(&orbit.multipliers)),
+        ("whole", json_multipliers(&orbit.whole())),
         ("known", json!(orbit.known)),
         ("superstable", json!(orbit.superstable)),
         ("stable", json!(orbit.is_stable())),
@@ -216,4 +243,17 @@ fn as_json(loaded: &Loaded, orbit: &Orbit) -> Json {
         ("segments", json!(orbit.legs)),
         ("repeats", json!(orbit.repeats)),
     ])
+}
+
+pub(super) fn json_multipliers(multipliers: &[Multiplier]) -> Json {
+    let one = |multiplier: &Multiplier| {
+        json!({
+            "re": number(multiplier.re),
+            "im": number(multiplier.im),
+            "log_abs": number(multiplier.log_abs),
+            "angle": number(multiplier.angle),
+            "error": number(multiplier.error),
+        })
+    };
+    Json::Array(multipliers.iter().map(one).collect())
 }

@@ -25,7 +25,8 @@ pub fn origin(loaded: &Loaded, options: &ArgMatches) -> Result<Origin, Problem> 
         let coordinate = name.strip_suffix('\'');
         given[coordinate_index(loaded, coordinate.unwrap_or(&name))? + if coordinate.is_some() { n } else { 0 }] = true;
     }
-    Ok(Origin { scene: Some(scene).filter(|_| !stated), given })
+    let tolerance = options.get_one::<String>("tolerance").is_some();
+    Ok(Origin { scene: Some(scene).filter(|_| !stated), given, tolerance })
 }
 
 /// The slopes that `--slopes` asks for; `None` where it is not given.

@@ -1,8 +1,8 @@
 //! What can go wrong, with the data to see why.
 
 mod linear;
-mod no_slopes;
 mod no_orbit;
+mod no_slopes;
 mod not_found;
 
 use std::path::PathBuf;
@@ -10,8 +10,8 @@ use std::sync::Arc;
 use std::{fmt, io};
 
 pub use linear::{LinearError, Residual};
-pub use no_slopes::NoSlopes;
 pub use no_orbit::NoOrbit;
+pub use no_slopes::NoSlopes;
 pub use not_found::NotFound;
 
 use crate::cause::Cause;

@@ -62,6 +62,18 @@ pub enum NoOrbit {
         /// How many there are.
         known: usize,
     },
+    /// No family of such motions can be followed by this.
+    NoFamily {
+        /// What was to vary.
+        name: String,
+    },
+    /// A family has no threshold of this number.
+    NoThreshold {
+        /// It.
+        number: usize,
+        /// How many there are.
+        known: usize,
+    },
     /// No step leads nearer.
     Stuck {
         /// What the first piece misses by there.
@@ -108,6 +120,10 @@ impl fmt::Display for NoOrbit {
             ),
             NoOrbit::NoMode { mode, known } => {
                 write!(f, "there is no mode {mode} that oscillates; there are {known}")
+            }
+            NoOrbit::NoFamily { name } => write!(f, "the motion belongs to no family that can be followed by `{name}`"),
+            NoOrbit::NoThreshold { number, known } => {
+                write!(f, "the family has no threshold {number}: there are {known}")
             }
             NoOrbit::Stuck { residuals, start } => write!(
                 f,

@@ -257,11 +257,6 @@ pub trait System: Send + Sync {
         false
     }
 
-    /// The frequencies with which time enters the equations, rad/s, inputs included; `None` where it enters otherwise than by sines and cosines.
-    fn frequencies(&self) -> Option<Vec<f64>> {
-        None
-    }
-
     /// Pairs (value, condition) for each event; it counts only where its condition is > 0
     /// (1 where the file gives none).
     fn events(&self, at: At<'_>, pairs: &mut [f64]) {

@@ -5,7 +5,7 @@ use crate::mechanism::{At, Description, System};
 /// A map from the state at the end of a part of a motion to the state at its start, and when that part ends.
 ///
 /// The image of (q, q') has qᵢ = ±qₖ with k and the sign as `images` tells, less a turn, and rates alike.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Closing {
     pub by: By,
     /// For each coordinate the one whose value at the end it has at the start, and whether with the opposite sign.
@@ -25,6 +25,12 @@ pub(crate) enum By {
     Part(usize),
     /// When this event has happened so many times.
     After { event: usize, count: usize },
+}
+
+impl Default for By {
+    fn default() -> By {
+        By::Part(1)
+    }
 }
 
 /// A state is compared with its image at so many places.
@@ -113,7 +119,8 @@ impl Closing {
         let mut here = system.boxed_clone();
         let spread = |i: usize| {
             let values = states.iter().map(|(_, y, _)| y[i]);
-            let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+            let [low, high] =
+                values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
             if high > low { high - low } else { high.abs().max(1e-3) }
         };
         let spreads: Vec<f64> = (0..2 * n).map(spread).collect();

@@ -76,6 +76,12 @@ impl Multiplier {
         Multiplier { re: size * angle.cos(), im, log_abs, angle, error }
     }
 
+    /// The same as far as it is known to this part, or less well.
+    #[must_use]
+    pub fn to_digits(self, error: f64) -> Multiplier {
+        Multiplier { error: if self.error > error { self.error } else { error }, ..self }
+    }
+
     /// Whether changes in its direction grow.
     pub fn grows(self) -> bool {
         self.log_abs > ON_CIRCLE.max(self.error)

@@ -1,9 +1,11 @@
 //! Where to look for a motion that repeats.
 
+use super::closing::{By, Closing};
 use crate::error::{Error, NoOrbit};
 use crate::linear::{Guess, Reduction, equilibrium_near, linearise, normal_modes};
 use crate::mechanism::System;
 use crate::run::Run;
+use crate::simulate::{Settings, simulate};
 
 /// States of a run that are compared.
 const SAMPLES: usize = 4000;
@@ -19,6 +21,13 @@ pub(super) struct Return {
     pub period: f64,
     /// How near, in parts of how far it goes.
     pub distance: f64,
+}
+
+/// Begins a run in a state [q; q'], all of which is held.
+pub(super) fn begin_at(settings: &mut Settings, y: Vec<f64>) {
+    let (q, v) = y.split_at(y.len() / 2);
+    (settings.q, settings.v) = (q.to_vec(), v.to_vec());
+    (settings.held_q, settings.held_v, settings.start_conditions) = (Vec::new(), Vec::new(), 0..0);
 }
 
 /// Near returns of a run to its first state and to its last one, the nearest first.
@@ -67,7 +76,11 @@ fn vertex([before, here, after]: [f64; 3]) -> f64 {
 ///
 /// # Errors
 /// No equilibrium, no such mode.
-pub(super) fn mode(system: &dyn System, near: &[f64], (number, amplitude): (usize, f64)) -> Result<(Vec<f64>, f64, f64), Error> {
+pub(super) fn mode(
+    system: &dyn System,
+    near: &[f64],
+    (number, amplitude): (usize, f64),
+) -> Result<(Vec<f64>, f64, f64), Error> {
     let equilibrium = equilibrium_near(system, &Guess::at(near)).map_err(Error::from)?;
     let linear = linearise(system, &equilibrium).map_err(Error::from)?;
     let modes = normal_modes(&linear, Reduction::default()).map_err(Error::from)?;
@@ -79,4 +92,95 @@ pub(super) fn mode(system: &dyn System, near: &[f64], (number, amplitude): (usiz
     let rest = vec![0.0; q.len()];
     let energy = system.energy(crate::mechanism::At::new(0.0, &equilibrium.q, &rest)).jacobi;
     Ok(([q, rest].concat(), std::f64::consts::TAU / mode.omega, energy))
+}
+
+/// A run along the guess, the sizes of [q; q'], and how long a lap takes; the settings begin where it does.
+pub(super) fn first_run(
+    system: &mut dyn System,
+    settings: &mut Settings,
+    closing: &Closing,
+    (period, timed): (Option<f64>, bool),
+) -> Result<(Run, Vec<f64>, f64), Error> {
+    let junctions = Settings { junctions: true, ..settings.clone() };
+    if let By::After { event, .. } = closing.by {
+        let run = simulate(system, &Settings { ends_after: Some(event), ..junctions })?;
+        let lap = run.last().t - run.first().t;
+        let scales = sizes(&run);
+        return Ok((run, scales, lap));
+    }
+    let By::Part(part) = closing.by else { return Err(NoOrbit::Rest.into()) };
+    if let Some(period) = period {
+        let lap = period / part as f64;
+        if timed {
+            settle(system, settings, (closing, lap))?;
+        }
+        let junctions = Settings { junctions: true, ..settings.clone() };
+        let run = simulate(system, &Settings { until: settings.from + lap, ..junctions })?;
+        let scales = sizes(&run);
+        return Ok((run, scales, lap));
+    }
+    let run = simulate(system, &junctions)?;
+    let scales = sizes(&run);
+    let until = run.last().t - run.first().t;
+    let Some(found) = returns(&run, &scales, &closing.shifts).into_iter().next() else {
+        return Err(NoOrbit::NoGuess { until }.into());
+    };
+    let from = run.at(found.t).ok_or(NoOrbit::NoGuess { until })?;
+    begin_at(settings, [from.q, from.v].concat());
+    let phase = run.phases.iter().rev().find(|(t, _)| *t <= found.t).map(|(_, phase)| *phase);
+    settings.phase = phase.unwrap_or(settings.phase);
+    let lap = found.period / part as f64;
+    let junctions = Settings { junctions: true, ..settings.clone() };
+    let run = simulate(system, &Settings { until: settings.from + lap, ..junctions })?;
+    Ok((run, scales, lap))
+}
+
+/// Begins a driven motion where its run has settled, if that closes better than its start does: after as many laps as the run has.
+fn settle(system: &mut dyn System, settings: &mut Settings, (closing, lap): (&Closing, f64)) -> Result<(), Error> {
+    let laps = ((settings.until - settings.from) / lap).floor();
+    if laps < 2.0 {
+        return Ok(());
+    }
+    let from = settings.from;
+    let run = simulate(system, settings)?;
+    let scales = sizes(&run);
+    let state = |k: f64| run.at(from + k * lap).map(|state| [state.q, state.v].concat());
+    let apart = |k: f64| {
+        let (Some(before), Some(after)) = (state(k), state(k + 1.0)) else { return f64::INFINITY };
+        let image = closing.image(&after);
+        before.iter().zip(&image).zip(&scales).map(|((a, b), scale)| ((a - b) / scale).powi(2)).sum::<f64>()
+    };
+    let last = laps - 1.0;
+    let phase = |t: f64| run.phases.iter().rev().find(|(begin, _)| *begin <= t).map(|(_, phase)| *phase);
+    // A map that mirrors or exchanges brings back the start's own time only after as many laps as it has.
+    let whole = last - last % closing.order() as f64;
+    if apart(whole) < apart(0.0) {
+        let at = run.at(from + whole * lap).ok_or(NoOrbit::NoGuess { until: run.last().t - from })?;
+        settings.phase = phase(at.t).unwrap_or(settings.phase);
+        begin_at(settings, [at.q, at.v].concat());
+    }
+    Ok(())
+}
+
+/// How far coordinates of one unit go, and rates.
+pub(super) fn sizes(run: &Run) -> Vec<f64> {
+    let coordinates = &run.description.coordinates;
+    let n = coordinates.len();
+    let range = |i: usize| {
+        let values = run.rows.chunks_exact(2 * n).map(|row| row[i]);
+        let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+        high - low
+    };
+    let of = |i: usize| {
+        let half = if i < n { 0 } else { n };
+        let alike = (0..n).filter(|k| coordinates[*k].unit == coordinates[i - half].unit);
+        Some(alike.map(|k| range(half + k)).fold(0.0, f64::max)).filter(|size| *size > 0.0).unwrap_or(1.0)
+    };
+    (0..2 * n).map(of).collect()
+}
+
+/// States along a run, with their phases.
+pub(super) fn states_of(run: &Run) -> Vec<(f64, Vec<f64>, usize)> {
+    let phase = |t: f64| run.phases.iter().rev().find(|(begin, _)| *begin <= t).map_or(0, |(_, phase)| *phase);
+    run.states().map(|state| (state.t, [state.q, state.v].concat(), phase(state.t))).collect()
 }

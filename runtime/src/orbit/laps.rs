@@ -17,23 +17,26 @@ const STEPS: usize = 40;
 const LEAST: f64 = 1e-14;
 /// Pieces of this many times the steps of the first ones go somewhere else.
 const MORE_STEPS: u64 = 20;
+const STEPS_ANYHOW: u64 = 1000;
 
 /// How long a lap takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Time {
     /// It is unknown.
     Free,
-    /// So many periods of what depends on time, over a part.
-    Driven(f64),
+    /// A part of the period of what depends on time.
+    Driven,
     /// Until an event.
     Event,
 }
 
 /// What else is wanted.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) enum Condition {
     /// The Jacobi integral at the start, J.
     Energy(f64),
+    /// So far from a point along a direction of unit length, in units of the scales.
+    Away { from: Point, along: DVector<f64>, by: f64 },
 }
 
 /// A motion of some laps, each of which ends in the image of its start.
@@ -104,7 +107,11 @@ impl Laps {
         let width = 2 * self.n();
         let mut moved = point.clone();
         for (k, start) in moved.starts.iter_mut().enumerate() {
-            start.iter_mut().zip(&self.scales).enumerate().for_each(|(i, (x, scale))| *x += part * scale * direction[k * width + i]);
+            start
+                .iter_mut()
+                .zip(&self.scales)
+                .enumerate()
+                .for_each(|(i, (x, scale))| *x += part * scale * direction[k * width + i]);
         }
         let mut next = width * point.starts.len();
         if self.time == Time::Free {
@@ -117,6 +124,15 @@ impl Laps {
         moved
     }
 
+    /// A point less another one, in units of the scales.
+    pub fn difference(&self, a: &Point, b: &Point) -> DVector<f64> {
+        let pairs = a.starts.iter().flatten().zip(b.starts.iter().flatten());
+        let starts = pairs.zip(self.scales.iter().cycle()).map(|((a, b), scale)| (a - b) / scale);
+        let lap = (self.time == Time::Free).then(|| (a.lap - b.lap) / b.lap);
+        let parameter = self.parameter.map(|_| (a.parameter - b.parameter) / self.parameter_scale(b));
+        DVector::from_iterator(self.unknowns(), starts.chain(lap).chain(parameter))
+    }
+
     pub fn parameter_scale(&self, point: &Point) -> f64 {
         if point.parameter == 0.0 { 1.0 } else { point.parameter.abs() }
     }
@@ -126,63 +142,68 @@ impl Laps {
     /// # Errors
     /// What depends on time has no period.
     fn lap(&self, point: &Point) -> Result<(f64, f64), Error> {
-        let Time::Driven(periods) = self.time else { return Ok((point.lap, 0.0)) };
-        let By::Part(part) = self.closing.by else { return Ok((point.lap, 0.0)) };
-        let times = periods / part as f64;
+        let (Time::Driven, By::Part(part)) = (self.time, self.closing.by) else { return Ok((point.lap, 0.0)) };
         let period = self.drive.period(&*self.system)?;
         let slope = match self.parameter {
             Some(k) => self.drive.slope(&*self.system, k)?,
             None => 0.0,
         };
-        Ok((times * period, times * slope))
+        Ok((period / part as f64, slope / part as f64))
     }
 
-    /// Runs all pieces.
+    /// Runs all pieces, and linearises what does not close.
     ///
     /// # Errors
     /// Those of runs with slopes; a lap that does not end.
     pub fn try_at(&mut self, point: &Point, tolerance: f64) -> Result<Trial, Error> {
-        let (n, legs) = (self.n(), self.legs);
-        let width = 2 * n;
         if let Some(k) = self.parameter {
             self.system.set_parameter(k, point.parameter);
         }
-        let (lap, lap_slope) = self.lap(point)?;
+        let lap = self.lap(point)?;
+        let pieces = self.run(point, lap.0, tolerance)?;
+        let width = 2 * self.n();
+        let size = pieces.len() * width + usize::from(self.condition.is_some());
+        let (mut r, mut j) = (DVector::zeros(size), DMatrix::zeros(size, self.unknowns()));
+        for k in 0..pieces.len() {
+            self.close(point, (&pieces, k), lap, (&mut r, &mut j));
+        }
+        match self.condition.clone() {
+            Some(Condition::Energy(wanted)) => self.ask_energy(wanted, &pieces, (&mut r, &mut j)),
+            Some(Condition::Away { from, along, by }) => {
+                r[size - 1] = along.dot(&self.difference(point, &from)) - by;
+                j.set_row(size - 1, &along.transpose());
+            }
+            None => (),
+        }
+        Ok(Trial { pieces, r, j })
+    }
+
+    /// Runs all pieces of laps that take so long.
+    fn run(&mut self, point: &Point, lap: f64, tolerance: f64) -> Result<Vec<Leg>, Error> {
         if !(lap > 0.0 || self.time == Time::Event) {
             return Err(NoOrbit::Rest.into());
         }
-        let length = lap / legs as f64;
+        let (n, length) = (self.n(), lap / self.legs as f64);
         let mut pieces: Vec<Leg> = Vec::with_capacity(point.starts.len());
         let mut phase = self.settings.phase;
         let parameters: Vec<usize> = self.parameter.into_iter().collect();
+        let event = if let By::After { event, .. } = self.closing.by { Some(event) } else { None };
+        let whole = self.settings.until - self.settings.from;
         for (k, start) in point.starts.iter().enumerate() {
-            let from = match self.time {
-                Time::Driven(_) => self.settings.from + k as f64 * length,
-                _ => self.settings.from,
-            };
-            let event = if let By::After { event, .. } = self.closing.by { Some(event) } else { None };
-            let mut settings = Settings {
-                q: start[..n].to_vec(),
-                v: start[n..].to_vec(),
-                phase,
-                from,
-                until: if event.is_some() { from + (self.settings.until - self.settings.from) } else { from + length },
-                ends_after: event,
-                tolerance,
-                ..self.settings.clone()
-            };
+            let later = if self.time == Time::Driven { k as f64 * length } else { 0.0 };
+            let from = self.settings.from + later;
+            let until = from + if event.is_some() { whole } else { length };
+            let (q, v) = (start[..n].to_vec(), start[n..].to_vec());
+            let known = self.settings.clone();
+            let mut settings = Settings { q, v, phase, from, until, ends_after: event, tolerance, ..known };
             if self.steps > 0 {
-                settings.max_steps = settings.max_steps.min(MORE_STEPS * self.steps + 1000);
+                settings.max_steps = settings.max_steps.min(MORE_STEPS * self.steps + STEPS_ANYHOW);
             }
             self.runs += 1;
             let piece = leg(&mut *self.system, &settings, &parameters)?;
-            if let Some(event) = event {
-                let happened = piece.run.ended_by == Some(event)
-                    || piece.run.junctions.last().is_some_and(|junction| junction.events.contains(&event) && junction.after.t == piece.end.t);
-                if !happened {
-                    let name = self.system.description().events[event].name.to_string();
-                    return Err(NoOrbit::NoReturn { event: name, until: piece.end.t - from }.into());
-                }
+            if let Some(event) = event.filter(|event| !ends_with(&piece, *event)) {
+                let name = self.system.description().events[event].name.to_string();
+                return Err(NoOrbit::NoReturn { event: name, until: piece.end.t - from }.into());
             }
             phase = if self.closes(k) { self.closing.phases[piece.end.phase] } else { piece.end.phase };
             pieces.push(piece);
@@ -194,63 +215,59 @@ impl Laps {
         if self.steps == 0 {
             self.steps = pieces.iter().map(|piece| piece.run.work.steps).max().unwrap_or(0);
         }
-        let count = pieces.len();
-        let extra = usize::from(self.condition.is_some());
-        let (mut r, mut j) = (DVector::zeros(count * width + extra), DMatrix::zeros(count * width + extra, self.unknowns()));
-        for (k, piece) in pieces.iter().enumerate() {
-            let closes = self.closes(k);
-            let taken = |y: &[f64]| if closes { self.closing.turned(y) } else { y.to_vec() };
-            let end = if closes { self.closing.image(&piece.end.y) } else { piece.end.y.clone() };
-            let next = &point.starts[(k + 1) % count];
-            let begin = k * width;
-            let dropped = |i: usize| closes && k + 1 == count && self.closing.shifts.contains(&i);
-            for i in (0..width).filter(|i| !dropped(*i)) {
-                r[begin + i] = (end[i] - next[i]) / self.scales[i];
-                j[(begin + i, (k + 1) % count * width + i)] -= 1.0;
-            }
-            for (c, column) in piece.columns.iter().take(width).enumerate() {
-                let column = taken(column);
-                for i in (0..width).filter(|i| !dropped(*i)) {
-                    j[(begin + i, k * width + c)] += column[i] * self.scales[c] / self.scales[i];
-                }
-            }
-            let mut next_unknown = count * width;
-            let rate = taken(&piece.end_rate);
-            if self.time == Time::Free {
-                for i in (0..width).filter(|i| !dropped(*i)) {
-                    j[(begin + i, next_unknown)] = rate[i] / legs as f64 * lap / self.scales[i];
-                }
-                next_unknown += 1;
-            }
-            if self.parameter.is_some() {
-                // The start's time moves with the parameter: so does the end's, but for what the start's rate makes of it.
-                let mut column = piece.columns[width].clone();
-                let later = k as f64 / legs as f64 * lap_slope;
-                for i in 0..width {
-                    let carried: f64 = (0..width).map(|c| piece.columns[c][i] * piece.start_rate[c]).sum();
-                    column[i] += piece.end_rate[i] * lap_slope / legs as f64 + later * (piece.end_rate[i] - carried);
-                }
-                let column = taken(&column);
-                let scale = self.parameter_scale(point);
-                for i in (0..width).filter(|i| !dropped(*i)) {
-                    j[(begin + i, next_unknown)] = column[i] * scale / self.scales[i];
-                }
-            }
-        }
-        if let Some(condition) = self.condition {
-            self.add_condition(condition, &pieces, (&mut r, &mut j));
-        }
-        Ok(Trial { pieces, r, j })
+        Ok(pieces)
     }
 
-    fn add_condition(&mut self, condition: Condition, pieces: &[Leg], (r, j): (&mut DVector<f64>, &mut DMatrix<f64>)) {
-        let Condition::Energy(wanted) = condition;
+    /// By how much a piece misses the start of the next one, and how that changes: rows of r and J, in units of the scales.
+    fn close(
+        &self,
+        point: &Point,
+        (pieces, k): (&[Leg], usize),
+        (lap, lap_slope): (f64, f64),
+        (r, j): (&mut DVector<f64>, &mut DMatrix<f64>),
+    ) {
+        let (count, width, legs) = (pieces.len(), self.scales.len(), self.legs as f64);
+        let (piece, closes) = (&pieces[k], self.closes(k));
+        let taken = |y: &[f64]| if closes { self.closing.turned(y) } else { y.to_vec() };
+        let end = if closes { self.closing.image(&piece.end.y) } else { piece.end.y.clone() };
+        let next = (k + 1) % count;
+        // What may differ at the end of all laps does not count there.
+        let counted = |i: &usize| !(closes && next == 0 && self.closing.shifts.contains(i));
+        let rows: Vec<usize> = (0..width).filter(counted).collect();
+        let mut add = |column: usize, slopes: &[f64], scale: f64| {
+            rows.iter().for_each(|i| j[(k * width + i, column)] += slopes[*i] * scale / self.scales[*i]);
+        };
+        for (c, column) in piece.columns.iter().take(width).enumerate() {
+            add(k * width + c, &taken(column), self.scales[c]);
+        }
+        let mut other = count * width;
+        if self.time == Time::Free {
+            add(other, &taken(&piece.end_rate), lap / legs);
+            other += 1;
+        }
+        if self.parameter.is_some() {
+            // The start's time moves with the parameter: so does the end's, but for what the start's rate makes of it.
+            let later = k as f64 / legs * lap_slope;
+            let slope = |i: usize| {
+                let carried: f64 =
+                    piece.columns.iter().zip(&piece.start_rate).map(|(column, rate)| column[i] * rate).sum();
+                piece.columns[width][i] + piece.end_rate[i] * lap_slope / legs + later * (piece.end_rate[i] - carried)
+            };
+            add(other, &taken(&(0..width).map(slope).collect::<Vec<_>>()), self.parameter_scale(point));
+        }
+        for i in &rows {
+            r[k * width + i] = (end[*i] - point.starts[next][*i]) / self.scales[*i];
+            j[(k * width + i, next * width + i)] -= 1.0;
+        }
+    }
+
+    fn ask_energy(&mut self, wanted: f64, pieces: &[Leg], (r, j): (&mut DVector<f64>, &mut DMatrix<f64>)) {
         let side = &pieces[0].start;
         crate::vary::put(&mut *self.system, side);
         let energy = super::structure::energy(&*self.system, side);
         let last = r.len() - 1;
         let gradient = super::structure::gradients(&*self.system, side);
-        let Some(slopes) = gradient.iter().find(|known| known.name == "energy") else { return };
+        let Some(slopes) = gradient.iter().find(|known| known.name == super::structure::ENERGY) else { return };
         let scaled: Vec<f64> = slopes.direction.iter().zip(&self.scales).map(|(slope, scale)| slope * scale).collect();
         let size = scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
         if size > 0.0 {
@@ -273,6 +290,14 @@ impl Laps {
     /// # Errors
     /// [`NoOrbit`]; what ends the first run early.
     pub fn solve(&mut self, guess: Point, free: Option<usize>) -> Result<Solution, Error> {
+        self.solve_to(guess, free, LEAST)
+    }
+
+    /// The same until steps are this small.
+    ///
+    /// # Errors
+    /// As [`Laps::solve`].
+    pub fn solve_to(&mut self, guess: Point, free: Option<usize>, least: f64) -> Result<Solution, Error> {
         let tolerance = self.settings.tolerance;
         let mut point = guess;
         let mut trial = self.try_at(&point, tolerance)?;
@@ -289,7 +314,7 @@ impl Laps {
             let step = linear.step(&trial.r);
             let size = step.norm();
             let rounding = tolerance.sqrt();
-            if size <= LEAST || size < rounding && size > 0.5 * before {
+            if size <= least || size < rounding && size > 0.5 * before {
                 return Ok(Solution { point, trial, linear, steps, last: size });
             }
             let Some((next, tried)) = self.shortened(&point, (&linear, &step), &trial) else {
@@ -346,6 +371,14 @@ impl Laps {
     }
 }
 
+/// Whether a piece ends when an event happens.
+fn ends_with(piece: &Leg, event: usize) -> bool {
+    let last = piece.run.junctions.last();
+    let acts = last.is_some_and(|junction| junction.events.contains(&event) && junction.after.t == piece.end.t);
+    piece.run.ended_by == Some(event) || acts
+}
+
+/// The least common multiple.
 pub(super) fn lcm(a: usize, b: usize) -> usize {
     let gcd = |mut a: usize, mut b: usize| {
         while b != 0 {

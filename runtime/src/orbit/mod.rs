@@ -6,18 +6,24 @@
 //!    shortest Gauss-Newton steps: `laps.rs`.  What depends on time gives the period: `drive.rs`.
 //! 3. The smallest map that closes it: `smallest.rs`; directions that are known beforehand: `structure.rs`; multipliers of the rest, by the
 //!    periodic QR algorithm: `multipliers.rs`, `stability.rs`.
-//! 4. What is found: `found.rs`.
+//! 4. From the guess to what is told: `begun.rs`; what is found: `found.rs`; families of such motions: `family.rs`, and the walk along them with
+//!    thresholds and branches: `walk.rs`; pictures: `picture.rs`.
 
+mod begun;
 mod closing;
 mod drive;
+mod family;
 mod found;
 mod guess;
 mod laps;
 mod multipliers;
+mod picture;
 mod search;
 mod smallest;
 mod stability;
 mod structure;
+mod walk;
 
+pub use family::{Family, Member, OrbitChange, Threshold};
 pub use found::{Multiplier, Orbit};
 pub use search::OrbitSearch;

@@ -2,11 +2,11 @@
 
 use nalgebra::{Complex, DMatrix};
 
-/// Columns whose sizes differ by this factor are told apart by [`SWEEPS`] sweeps to more digits than there are; of others the eigenvalues are
-/// of one size, and may be taken from a product.
-const APART: f64 = 2.0;
-/// Sweeps of orthogonal iteration: 2⁻⁶⁰ is less than rounding.
+/// Sweeps of orthogonal iteration: eigenvalues whose sizes differ by a factor of 1.6 or more are told apart to twelve digits.
 const SWEEPS: usize = 60;
+/// Subspaces that the last sweep turned by no more than this are told apart; within others the eigenvalues are of one size, or a pair, and
+/// may be taken from a product.
+const STANDS: f64 = 1e-12;
 
 /// A multiplier of a map, as its modulus' logarithm and its angle: it may be too small for a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,12 +41,11 @@ pub(super) fn multipliers(factors: &[DMatrix<f64>]) -> Vec<Polar> {
     }
     // A_N … A_1 = Q_N R Q₀ᵀ has the eigenvalues of Q₀ᵀ Q_N R.
     let turn = first.transpose() * &q;
-    let logs: Vec<f64> = (0..m).map(|i| triangles.iter().map(|r| r[(i, i)].abs().ln()).sum()).collect();
     let mut found = Vec::with_capacity(m);
     let mut from = 0;
     while from < m {
         let mut to = from + 1;
-        while to < m && logs[to - 1] - logs[to] < APART.ln() {
+        while to < m && turn.view((to, 0), (m - to, to)).norm() > STANDS {
             to += 1;
         }
         found.extend(block(&triangles, &turn, from, to));

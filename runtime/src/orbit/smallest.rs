@@ -26,7 +26,12 @@ pub(super) fn smallest(system: &dyn System, run: &Run, (from, period): (f64, f64
 }
 
 /// Which coordinate follows which a part of the period later.
-fn followed(system: &dyn System, run: &Run, (from, period, part): (f64, f64, usize), scales: &[f64]) -> Option<Closing> {
+fn followed(
+    system: &dyn System,
+    run: &Run,
+    (from, period, part): (f64, f64, usize),
+    scales: &[f64],
+) -> Option<Closing> {
     let n = system.len();
     let at = |k: usize, parts: usize| {
         let within = (k as f64 / TIMES as f64 + parts as f64 / part as f64).fract();

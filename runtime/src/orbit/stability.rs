@@ -19,8 +19,10 @@ pub(super) struct Spectrum {
     pub known: Vec<String>,
     /// How many multipliers are 0 since the motion loses dimensions.
     pub lost: usize,
-    /// Directions at the start that are known, in units of the scales.
-    pub generators: Vec<Known>,
+    /// Directions that are known at the start of each piece, in units of the scales.
+    pub generators: Vec<Vec<Known>>,
+    /// An orthonormal basis of all others at the start of the first piece.
+    pub basis: DMatrix<f64>,
     /// The largest factor by which one piece stretches a change.
     pub largest: f64,
 }
@@ -40,7 +42,7 @@ pub(super) fn spectrum(laps: &mut Laps, trial: &Trial) -> Spectrum {
         let sides: Vec<_> = trial.pieces.iter().map(|piece| piece.start.clone()).collect();
         structure::shifts(&*laps.system, &sides)
     };
-    let timed = matches!(laps.time, Time::Driven(_));
+    let timed = matches!(laps.time, Time::Driven);
     let mut places: Vec<Place> = Vec::with_capacity(count);
     for piece in &trial.pieces {
         put(&mut *laps.system, &piece.start);
@@ -88,7 +90,9 @@ pub(super) fn spectrum(laps: &mut Laps, trial: &Trial) -> Spectrum {
             let (before, behind) = (inside(list(k), from), inside(list((k + 1) % count), to));
             let map = within(&maps[k], from, to);
             structure::holds(&map, &before, &behind, gradient)
-                || !gradient && ended && (&map * &before.direction).norm() <= LEAVES * map.norm() * before.direction.norm()
+                || !gradient
+                    && ended
+                    && (&map * &before.direction).norm() <= LEAVES * map.norm() * before.direction.norm()
         })
     };
     let gradients: Vec<usize> = (0..places[0].gradients.len()).filter(|name| held(true, *name)).collect();
@@ -111,13 +115,15 @@ pub(super) fn spectrum(laps: &mut Laps, trial: &Trial) -> Spectrum {
         }
     }
     let factors = factors(&maps, &bases);
-    let lost = lost(laps, trial, bases[0].ncols());
+    let Dimensions { start, most, least } = dimensions(laps, trial);
+    let zero = Polar { log: f64::NEG_INFINITY, angle: 0.0 };
     let mut multipliers = multipliers(&factors);
-    for zero in multipliers.iter_mut().rev().take(lost) {
-        *zero = Polar { log: f64::NEG_INFINITY, angle: 0.0 };
-    }
-    let generators = places.swap_remove(0).generators;
-    Spectrum { multipliers, known, lost, generators, largest }
+    multipliers.iter_mut().rev().take(start - least).for_each(|multiplier| *multiplier = zero);
+    multipliers.extend(std::iter::repeat_n(zero, most - start));
+    let lost = most - least;
+    let generators = places.into_iter().map(|place| place.generators).collect();
+    let basis = bases.swap_remove(0);
+    Spectrum { multipliers, known, lost, generators, basis, largest }
 }
 
 /// The maps in bases; as one where the dimensions differ on the way.
@@ -131,7 +137,7 @@ fn factors(maps: &[DMatrix<f64>], bases: &[DMatrix<f64>]) -> Vec<DMatrix<f64>> {
 }
 
 /// What a piece makes of changes of its start, in units of the scales.
-fn map(laps: &Laps, trial: &Trial, k: usize) -> DMatrix<f64> {
+pub(super) fn map(laps: &Laps, trial: &Trial, k: usize) -> DMatrix<f64> {
     let width = 2 * laps.n();
     let piece = &trial.pieces[k];
     let closes = laps.closes(k);
@@ -143,28 +149,46 @@ fn map(laps: &Laps, trial: &Trial, k: usize) -> DMatrix<f64> {
     DMatrix::from_columns(&(0..width).map(column).collect::<Vec<_>>())
 }
 
+/// Names of directions that are known, each once.
 fn names(place: &Place, gradients: &[usize], generators: &[usize]) -> Vec<String> {
-    let gradients = gradients.iter().map(|k| place.gradients[*k].name.clone());
-    let mut list: Vec<String> = gradients.collect();
-    let moved = generators.iter().map(|k| place.generators[*k].name.clone());
-    list.extend(moved.map(|name| if list.contains(&name) { format!("what `{name}` generates") } else { name }).collect::<Vec<_>>());
+    let width = place.tangent.nrows();
+    let mut list = Vec::new();
+    for (all, chosen, generated) in [(&place.gradients, gradients, false), (&place.generators, generators, true)] {
+        let mut directions: Vec<DVector<f64>> = Vec::new();
+        for known in chosen.iter().map(|k| &all[*k]) {
+            let before = structure::basis(&directions, width).ncols();
+            directions.push(known.direction.clone());
+            if structure::basis(&directions, width).ncols() > before {
+                list.push(if generated { structure::motion_name(&known.name) } else { known.name.clone() });
+            }
+        }
+    }
     list
 }
 
-/// How many dimensions the motion loses on its way: it is in a phase with fewer than at its start.
-fn lost(laps: &Laps, trial: &Trial, dimensions: usize) -> usize {
+/// How many numbers of a state are free where a motion starts, and where it has most and least of them.
+struct Dimensions {
+    start: usize,
+    most: usize,
+    least: usize,
+}
+
+fn dimensions(laps: &Laps, trial: &Trial) -> Dimensions {
     let description = laps.system.description();
+    let all = 2 * laps.n();
     let free = |phase: usize| {
-        let Some(phase) = description.phases.get(phase) else { return 0 };
+        let Some(phase) = description.phases.get(phase) else { return all };
         let rows = phase.rows.iter().map(|row| 1 + usize::from(description.rows[*row as usize].holonomic));
-        2 * laps.n() - rows.sum::<usize>().min(2 * laps.n())
+        all.saturating_sub(rows.sum())
     };
     let visited = trial.pieces.iter().flat_map(|piece| {
         let behind = piece.run.junctions.iter().map(|junction| junction.after.phase);
         std::iter::once(piece.start.phase).chain(behind)
     });
-    let least = visited.map(free).min().unwrap_or(0);
-    free(trial.pieces[0].start.phase).saturating_sub(least).min(dimensions)
+    let visited: Vec<usize> = visited.map(free).collect();
+    let start = visited.first().copied().unwrap_or(all);
+    let extreme = |best: fn(usize, usize) -> usize| visited.iter().copied().fold(start, best);
+    Dimensions { start, most: extreme(usize::max), least: extreme(usize::min) }
 }
 
 /// Multipliers with their errors: how they differ from those of other flows.

@@ -11,6 +11,9 @@ const HOLDS: f64 = 1e-6;
 /// Directions that others contain up to this part of them are none of their own.
 const CONTAINED: f64 = 1e-6;
 
+/// What the energy is called, here and in model files.
+pub(super) const ENERGY: &str = "energy";
+
 /// Something that is known of a motion near a state.
 #[derive(Clone, Debug)]
 pub(super) struct Known {
@@ -24,12 +27,14 @@ pub(super) fn gradients(system: &dyn System, side: &Side) -> Vec<Known> {
     let description = system.description();
     let mut names: Vec<String> = Vec::new();
     let mut of = |name: &str, count: usize| {
-        let part = |k: usize| if count == 1 { name.to_owned() } else { format!("{name}.{}", ["x", "y", "z"][k.min(2)]) };
+        let part =
+            |k: usize| if count == 1 { name.to_owned() } else { format!("{name}.{}", ["x", "y", "z"][k.min(2)]) };
         names.extend((0..count).map(part));
     };
     let conservative = description.structure.conservative && description.time_pattern.is_empty();
+    let conservative = conservative && !description.invariants.iter().any(|quantity| quantity.name == ENERGY);
     if conservative {
-        of("energy", 1);
+        of(ENERGY, 1);
     }
     description.invariants.iter().for_each(|quantity| of(&quantity.name, quantity.components as usize));
     let count = names.len();
@@ -71,7 +76,7 @@ pub(super) fn generators(
     }
     let Some(mass) = mass_matrix(system, At::place(side.t, &side.y[..n])).cholesky() else { return list };
     let damping = slopes_by_speed(system, side);
-    for gradient in gradients.iter().filter(|gradient| gradient.name != "energy") {
+    for gradient in gradients.iter().filter(|gradient| gradient.name != ENERGY) {
         let dq = mass.solve(&gradient.direction.rows(n, n).into_owned());
         let right = -0.5 * (&damping - damping.transpose()) * &dq - gradient.direction.rows(0, n);
         let dv = mass.solve(&right);
@@ -79,6 +84,11 @@ pub(super) fn generators(
         list.push(Known { name: gradient.name.clone(), direction });
     }
     list
+}
+
+/// What to call the motion that a conserved quantity generates; of time and shifts their own name.
+pub(super) fn motion_name(name: &str) -> String {
+    if name == "time" || name.starts_with("shift") { name.to_owned() } else { format!("the motion of `{name}`") }
 }
 
 /// ∂F/∂q', with the accelerations of the motion.
@@ -134,7 +144,12 @@ pub(super) fn shifts(system: &dyn System, sides: &[Side]) -> Vec<(String, DVecto
                 lines.extend(j.row_iter().map(|row| row.transpose().into_owned()));
                 block = block.select_rows(&active);
             }
-            lines.extend(block.row_iter().map(|row| row.transpose().into_owned()).filter(|row| row.iter().all(|x| x.is_finite())));
+            lines.extend(
+                block
+                    .row_iter()
+                    .map(|row| row.transpose().into_owned())
+                    .filter(|row| row.iter().all(|x| x.is_finite())),
+            );
         }
     }
     null_directions(n, &lines, system)
@@ -204,15 +219,22 @@ pub(super) fn holds(map: &DMatrix<f64>, before: &Known, behind: &Known, is_gradi
 
 /// An orthonormal basis of a span; directions that others contain are left out.
 pub(super) fn basis(list: &[DVector<f64>], d: usize) -> DMatrix<f64> {
+    let unit: Vec<DVector<f64>> =
+        list.iter().filter(|direction| direction.norm() > 0.0).map(|direction| direction.normalize()).collect();
+    basis_within(&unit, d, CONTAINED)
+}
+
+/// The same of directions that count as none below a length.
+pub(super) fn basis_within(list: &[DVector<f64>], d: usize, least: f64) -> DMatrix<f64> {
     let mut columns: Vec<DVector<f64>> = Vec::new();
-    for direction in list.iter().filter(|direction| direction.norm() > 0.0) {
-        let mut rest = direction.normalize();
+    for direction in list {
+        let mut rest = direction.clone();
         for _ in 0..2 {
             for column in &columns {
                 rest -= column * column.dot(&rest);
             }
         }
-        if rest.norm() > CONTAINED {
+        if rest.norm() > least {
             columns.push(rest.normalize());
         }
     }
@@ -230,10 +252,8 @@ pub(super) fn complement(within: &DMatrix<f64>, of: &DMatrix<f64>) -> DMatrix<f6
     square.view_mut((0, 0), (m, k)).copy_from(&inside.transpose());
     let svd = square.svd(false, true);
     let Some(vt) = svd.v_t else { return within.clone() };
-    let free: Vec<DVector<f64>> = (0..k)
-        .filter(|i| svd.singular_values[*i] <= CONTAINED)
-        .map(|i| within * vt.row(i).transpose())
-        .collect();
+    let free: Vec<DVector<f64>> =
+        (0..k).filter(|i| svd.singular_values[*i] <= CONTAINED).map(|i| within * vt.row(i).transpose()).collect();
     if free.is_empty() { DMatrix::zeros(within.nrows(), 0) } else { DMatrix::from_columns(&free) }
 }
 

@@ -31,6 +31,8 @@ pub(crate) struct Origin {
     pub scene: Option<usize>,
     /// Which of [q; q'] have other values than the scene's.
     pub given: Vec<bool>,
+    /// Whether the tolerance is another than the scene's.
+    pub tolerance: bool,
 }
 
 impl<S: System> Simulation<S> {
@@ -38,7 +40,7 @@ impl<S: System> Simulation<S> {
     pub fn new(mut system: S) -> Self {
         let given = system.parameters();
         let settings = Settings::new(&set_scene(&mut system, &given, 0));
-        let origin = Origin { scene: Some(0), given: vec![false; 2 * system.len()] };
+        let origin = Origin { scene: Some(0), given: vec![false; 2 * system.len()], tolerance: false };
         Simulation { system, given, settings, origin, wrong: None }
     }
 
@@ -48,7 +50,11 @@ impl<S: System> Simulation<S> {
         match scenes.iter().position(|scene| scene == name) {
             Some(index) => {
                 let scene = set_scene(&mut self.system, &self.given, index);
-                let origin = Origin { scene: Some(index), given: vec![false; 2 * self.system.len()] };
+                let origin = Origin {
+                    scene: Some(index),
+                    given: vec![false; 2 * self.system.len()],
+                    tolerance: self.origin.tolerance,
+                };
                 Simulation { origin, ..self.from(&scene) }
             }
             None => {
@@ -75,7 +81,7 @@ impl<S: System> Simulation<S> {
             every,
             ..self.settings
         };
-        self.origin = Origin::default();
+        self.origin = Origin { tolerance: self.origin.tolerance, ..Origin::default() };
         self
     }
 
@@ -84,7 +90,7 @@ impl<S: System> Simulation<S> {
         self.settings.q = q.to_vec();
         self.settings.v = v.to_vec();
         (self.settings.held_q, self.settings.held_v) = (Vec::new(), Vec::new());
-        self.origin = Origin::default();
+        self.origin = Origin { tolerance: self.origin.tolerance, ..Origin::default() };
         self
     }
 
@@ -151,6 +157,7 @@ impl<S: System> Simulation<S> {
     /// Relative tolerance; see [`Settings::tolerance`].
     pub fn tolerance(mut self, tolerance: f64) -> Self {
         self.settings.tolerance = tolerance;
+        self.origin.tolerance = true;
         self
     }
 

@@ -27,8 +27,6 @@ pub(crate) struct Leg {
     pub end_rate: Vec<f64>,
     /// What each number of the guess, then each parameter, makes of the end.
     pub columns: Vec<Vec<f64>>,
-    /// By how much they move its time, s.
-    pub end_time: Vec<f64>,
 }
 
 /// Runs a piece of a motion that ends at a time or, as `ends_after` says, with an event, with the slopes of its end by all of its start
@@ -68,7 +66,8 @@ pub(crate) fn leg(system: &mut dyn System, settings: &Settings, parameters: &[us
         Ok([&side.y[n..], &response.a].concat())
     };
     let start_rate = rate(system, &side)?;
-    let of_start = projection.iter().zip(&side.y).map(|(y, x)| Column { y: y.clone(), parameter: None, size: size(*x) });
+    let of_start =
+        projection.iter().zip(&side.y).map(|(y, x)| Column { y: y.clone(), parameter: None, size: size(*x) });
     let of_parameters = parameters.iter().map(|k| Column {
         y: vec![0.0; 2 * n],
         parameter: Some(*k),
@@ -76,7 +75,8 @@ pub(crate) fn leg(system: &mut dyn System, settings: &Settings, parameters: &[us
     });
     let columns: Vec<Column> = of_start.chain(of_parameters).collect();
     let end = run.times.last().copied().unwrap_or(settings.from);
-    let way = Way { tolerance: settings.tolerance.max(Settings::TIGHTEST), max_steps: settings.max_steps, times: &[end] };
+    let way =
+        Way { tolerance: settings.tolerance.max(Settings::TIGHTEST), max_steps: settings.max_steps, times: &[end] };
     let list: Vec<Option<usize>> = columns.iter().map(|column| column.parameter).collect();
     let (mut moments, shifts) = follow(system, &run, (side.clone(), columns), &way)?;
     let mut numbers = moments.pop().map(|moment| moment.columns).unwrap_or_default();
@@ -88,12 +88,12 @@ pub(crate) fn leg(system: &mut dyn System, settings: &Settings, parameters: &[us
         None => Side { t: end, y, modes: system.modes().to_vec(), phase: system.phase() },
     };
     let mut end_rate = rate(system, &end)?;
-    let mut end_time = vec![0.0; columns.len()];
     let ended = settings.ends_after.filter(|event| last.is_some_and(|junction| junction.events.contains(event)));
     if let Some(event) = run.ended_by {
-        let parts = columns.iter().zip(&list).map(|(y, parameter)| Column { y: y.clone(), parameter: *parameter, size: 1.0 });
+        let parts =
+            columns.iter().zip(&list).map(|(y, parameter)| Column { y: y.clone(), parameter: *parameter, size: 1.0 });
         let mut parts: Vec<Column> = parts.collect();
-        end_time = at_event(system, (&end, &run), event, &mut parts)?;
+        at_event(system, (&end, &run), event, &mut parts)?;
         columns = parts.into_iter().map(|column| column.y).collect();
         end_rate.fill(0.0);
     } else if ended.is_some() {
@@ -101,10 +101,9 @@ pub(crate) fn leg(system: &mut dyn System, settings: &Settings, parameters: &[us
         for (column, shift) in columns.iter_mut().zip(&shifts) {
             column.iter_mut().zip(&end_rate).for_each(|(y, rate)| *y += shift * rate);
         }
-        end_time = shifts;
         end_rate.fill(0.0);
     }
-    Ok(Leg { run, start: side, start_rate, projection, end, end_rate, columns, end_time })
+    Ok(Leg { run, start: side, start_rate, projection, end, end_rate, columns })
 }
 
 /// How large something is that varies; 1 of what is 0.
@@ -113,7 +112,10 @@ fn size(x: f64) -> f64 {
 }
 
 /// A start that is a guess, on the constraints in force, and what each of its numbers makes of it.
-fn on_constraints(system: &dyn System, settings: &Settings) -> Result<(Vec<f64>, Vec<Vec<f64>>), crate::mechanism::Singular> {
+fn on_constraints(
+    system: &dyn System,
+    settings: &Settings,
+) -> Result<(Vec<f64>, Vec<Vec<f64>>), crate::mechanism::Singular> {
     let n = system.len();
     let unit = |k: usize| (0..2 * n).map(move |i| f64::from(u8::from(i == k)));
     let half = |part: usize| {

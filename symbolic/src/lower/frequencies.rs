@@ -29,7 +29,10 @@ fn functions_of_time(program: &Program) -> Vec<Id> {
     let acting = model.events.iter().filter(|event| event.actions.iter().any(|action| *action != EventAction::Record));
     let timed = |row: &usize| program.time.iter().any(|entry| entry.0 == *row);
     let mut roots: Vec<Id> = (0..residual.len()).filter(timed).map(|row| residual[row]).collect();
-    roots.extend(constraints.values.chunks(3).flat_map(|triple| &triple[..2]).chain(&constraints.bias));
+    // The integral of a row with speeds only tells how far a motion has left it: the motion follows the rate.
+    let from = |row: usize| usize::from(constraints.integral[row]);
+    roots.extend(constraints.values.chunks(3).enumerate().flat_map(|(row, triple)| &triple[from(row)..2]));
+    roots.extend(&constraints.bias);
     roots.extend(constraints.matrix.iter().chain(&constraints.friction).map(|entry| entry.2));
     roots.extend(acting.flat_map(|event| [Some(event.when), event.condition]).flatten());
     let contained = contained(program, [&roots[..], residual].concat());
@@ -182,5 +185,10 @@ mod tests {
         let recorded = "events: {tick: {when: t - 3, then: record}}\n";
         assert_eq!(found("cos(W*t)", recorded), Some(vec![2.0]));
         assert_eq!(found("cos(W*t)", "events: {over: {when: t - 3, then: stop}}\n"), None);
+        assert_eq!(
+            found("-x", "constraints: {belt: y' - W}\n"),
+            Some(vec![]),
+            "its integral y - W t is no part of the motion"
+        );
     }
 }

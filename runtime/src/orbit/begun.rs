@@ -1,0 +1,287 @@
+//! From a guess to what is told of a motion that repeats.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::closing::By;
+use super::found::Orbit;
+use super::guess::begin_at;
+use super::laps::{Laps, Point, Solution, Time, itinerary, lcm};
+use super::smallest;
+use super::stability::{Spectrum, beside, spectrum};
+use super::structure::{self, Known};
+use crate::error::{Error, NoOrbit};
+use crate::find::Value;
+use crate::run::{Names, Run};
+use crate::simulate::{Settings, simulate};
+use crate::vary::LOOSER;
+
+/// No piece is to stretch a change by more than this: what is left of sixteen digits is that of its multipliers.
+const STRETCH: f64 = 1e4;
+/// Pieces at most.
+const MOST_LEGS: usize = 512;
+/// A motion that goes this part as far as the guess, or less, is none.
+const SHRUNK: f64 = 1e-6;
+/// A direction lies in a span up to this part of it.
+pub(super) const WITHIN: f64 = 1e-4;
+
+/// A search that has begun.
+pub(super) struct Begun {
+    pub laps: Laps,
+    pub point: Point,
+    /// Whether the user said how the motion closes.
+    pub given: bool,
+    /// Whether events change something on the way.
+    pub acts: bool,
+    /// The energy of the equilibrium from which energies are counted, J.
+    pub rest_energy: f64,
+    /// So many times the motion was repeated within the period of the guess.
+    pub repeats: usize,
+    /// Whether the user chose the number of pieces.
+    pub chosen: bool,
+}
+
+impl Laps {
+    /// Starts of all pieces on a run.
+    pub fn along(&self, run: &Run, lap: f64) -> Result<Point, Error> {
+        let parameter = self.parameter.and_then(|k| self.system.parameters().get(k).copied()).unwrap_or(0.0);
+        let first = run.first();
+        let mut starts = vec![[first.q, first.v].concat()];
+        if self.time == Time::Event {
+            // Each lap begins where the one before ends.
+            let mut point = Point { starts, lap, parameter };
+            let begun = run.last();
+            let mut y = [begun.q, begun.v].concat();
+            for k in 1..self.laps * self.legs {
+                if self.closes(k - 1) {
+                    y = self.closing.image(&y);
+                }
+                point.starts.push(y.clone());
+            }
+            return Ok(point);
+        }
+        for k in 1..self.legs {
+            let t = first.t + lap * k as f64 / self.legs as f64;
+            let state = run.at(t).ok_or(NoOrbit::NoGuess { until: run.last().t - first.t })?;
+            starts.push([state.q, state.v].concat());
+        }
+        Ok(Point { starts, lap, parameter })
+    }
+}
+
+/// Newton's steps from a guess end at this size, whose square is what symmetries are seen by, where the smallest map goes on from there.
+const NEAR: f64 = 1e-5;
+
+impl Begun {
+    /// The motion near the guess, as exactly as its smallest map is looked for with.
+    pub fn first(&mut self) -> Result<Solution, Error> {
+        let least = if self.may_shrink() { NEAR } else { 0.0 };
+        self.laps.solve_to(self.point.clone(), None, least)
+    }
+
+    /// Whether the motion may close by a smaller map than the one at hand.
+    fn may_shrink(&self) -> bool {
+        !self.given && !self.acts && self.laps.closing.by == By::Part(1)
+    }
+
+    /// What is told of a solution, by the smallest map that closes it.
+    pub fn finish(&mut self, solution: Solution) -> Result<Orbit, Error> {
+        let (solution, found) = self.smallest(solution)?;
+        self.told(solution, found)
+    }
+
+    /// A solution by the smallest map that closes it, in pieces short enough for its multipliers.
+    pub fn smallest(&mut self, solution: Solution) -> Result<(Solution, Spectrum), Error> {
+        let mut steps = solution.steps;
+        let mut solution = solution;
+        self.at_rest(&solution)?;
+        if let Some(smaller) = self.reduce(&solution)? {
+            steps += smaller.steps;
+            solution = smaller;
+        }
+        let mut found = spectrum(&mut self.laps, &solution.trial);
+        while found.largest > STRETCH
+            && !self.chosen
+            && !self.acts
+            && self.laps.time != Time::Event
+            && self.laps.legs < MOST_LEGS
+        {
+            self.laps.legs *= 2;
+            let (run, lap) = self.plain(&solution, 1)?;
+            let point = self.laps.along(&run, lap)?;
+            solution = self.laps.solve(point, None)?;
+            steps += solution.steps;
+            found = spectrum(&mut self.laps, &solution.trial);
+        }
+        solution.steps = steps;
+        Ok((solution, found))
+    }
+
+    /// Refuses a motion that has shrunk to rest.
+    pub fn at_rest(&self, solution: &Solution) -> Result<(), Error> {
+        let width = 2 * self.laps.n();
+        let goes = (0..width).map(|i| {
+            let all = solution
+                .trial
+                .pieces
+                .iter()
+                .flat_map(|piece| piece.run.rows.chunks_exact(width).map(move |row| row[i]));
+            let [low, high] = all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+            (high - low) / self.laps.scales[i]
+        });
+        if goes.fold(0.0, f64::max) <= SHRUNK { Err(NoOrbit::Rest.into()) } else { Ok(()) }
+    }
+
+    /// The plain run of some laps from a solution, and how long a lap takes.
+    fn plain(&mut self, solution: &Solution, laps: usize) -> Result<(Run, f64), Error> {
+        let y = &solution.trial.pieces[0].start.y;
+        let all: f64 = solution.trial.pieces.iter().map(|piece| piece.end.t - piece.start.t).sum();
+        let lap = all / self.laps.laps as f64;
+        let from = self.laps.settings.from;
+        let mut settings = Settings { until: from + laps as f64 * lap, ..self.laps.settings.clone() };
+        begin_at(&mut settings, y.clone());
+        Ok((simulate(&mut *self.laps.system, &settings)?, lap))
+    }
+
+    /// The solution by the smallest map that closes it, to all digits; `None` where that is the one at hand.
+    fn reduce(&mut self, solution: &Solution) -> Result<Option<Solution>, Error> {
+        if !self.may_shrink() {
+            return Ok(None);
+        }
+        let (run, lap) = self.plain(solution, 1)?;
+        let from = self.laps.settings.from;
+        let Some(closing) = smallest::smallest(&*self.laps.system, &run, (from, lap), &self.laps.scales) else {
+            return self.laps.solve(solution.point.clone(), None).map(Some);
+        };
+        let By::Part(part) = closing.by else { return Ok(None) };
+        self.repeats = part / closing.order().min(part);
+        self.laps.closing = closing;
+        self.laps.legs = if self.chosen { self.laps.legs } else { self.laps.legs.div_ceil(part).max(2) };
+        let point = self.laps.along(&run, lap / part as f64)?;
+        self.laps.solve(point, None).map(Some)
+    }
+
+    pub fn told(&mut self, solution: Solution, found: Spectrum) -> Result<Orbit, Error> {
+        let laps = &mut self.laps;
+        let looser = LOOSER * laps.settings.tolerance;
+        let rough = laps.try_at(&solution.point, looser).ok();
+        let moved =
+            rough.as_ref().map(|rough| solution.linear.step(&rough.r) - solution.linear.step(&solution.trial.r));
+        let rough_found = rough.as_ref().map(|rough| spectrum(laps, rough));
+        let width = 2 * laps.n();
+        let error = |i: usize| moved.as_ref().map_or(f64::NAN, |moved| moved[i].abs() + solution.last);
+        let names = Names::of(laps.system.description()).columns();
+        let start = solution.trial.pieces[0].start.y.iter().enumerate().map(|(i, value)| Value {
+            name: names[i].clone(),
+            value: *value,
+            error: error(i) * laps.scales[i],
+        });
+        let start: Vec<Value> = start.collect();
+        let duration = laps.duration(&solution.trial);
+        let period_error = match laps.time {
+            Time::Free => error(width * solution.point.starts.len()) * duration,
+            Time::Driven => 4.0 * f64::EPSILON * duration,
+            Time::Event => rough
+                .as_ref()
+                .map_or(f64::NAN, |rough| (laps.duration(rough) - duration).abs() + solution.last * duration),
+        };
+        let free = self.free(&solution, &found.generators[0]);
+        let laps = &mut self.laps;
+        let conservative = found.known.iter().any(|name| name == structure::ENERGY);
+        let side = solution.trial.pieces[0].start.clone();
+        crate::vary::put(&mut *laps.system, &side);
+        let energy = conservative.then(|| structure::energy(&*laps.system, &side) - self.rest_energy);
+        let events = itinerary(&solution.trial.pieces)
+            .into_iter()
+            .flat_map(|(events, _)| events)
+            .map(|event| laps.system.description().events[event].name.to_string());
+        let events: Vec<String> = events.collect();
+        let part = lcm(laps.closing.order(), laps.laps) / laps.laps;
+        let returns = self.misses(&solution)?;
+        let (run, _) = self.plain(&solution, part * self.laps.laps)?;
+        let laps = &self.laps;
+        Ok(Orbit {
+            period: Value { name: "period".to_owned(), value: duration, error: period_error },
+            returns,
+            start,
+            part,
+            map: laps.closing.words(laps.system.description()),
+            multipliers: beside(&found.multipliers, rough_found.as_ref().map(|found| found.multipliers.as_slice())),
+            known: found.known,
+            superstable: found.lost,
+            free,
+            energy,
+            events,
+            run,
+            steps: solution.steps,
+            runs: laps.runs,
+            legs: laps.legs,
+            repeats: self.repeats,
+        })
+    }
+
+    /// How far plain runs of all laps miss their starts, but for shifts, in parts of how far each number goes.
+    fn misses(&mut self, solution: &Solution) -> Result<f64, Error> {
+        let laps = &mut self.laps;
+        let (n, count) = (laps.n(), laps.laps);
+        let lap = duration_of_lap(solution) / count as f64;
+        let mut y = solution.trial.pieces[0].start.y.clone();
+        let mut from = laps.settings.from;
+        for _ in 0..count {
+            let event = if let By::After { event, .. } = laps.closing.by { Some(event) } else { None };
+            // With an event the lap ends where it happens, somewhat later or earlier.
+            let until = from + if event.is_some() { 2.0 * lap } else { lap };
+            let mut settings = Settings { from, until, ends_after: event, ..laps.settings.clone() };
+            begin_at(&mut settings, y);
+            let run = simulate(&mut *laps.system, &settings)?;
+            let last = run.last();
+            y = laps.closing.image(&[last.q, last.v].concat());
+            from = if laps.time == Time::Event { laps.settings.from } else { last.t };
+        }
+        let start = &solution.trial.pieces[0].start.y;
+        let apart = |i: usize| (y[i] - start[i]).abs() / laps.scales[i];
+        Ok((0..2 * n).filter(|i| !laps.closing.shifts.contains(i)).map(apart).fold(0.0, f64::max))
+    }
+
+    /// Names of directions in which there are other such motions.
+    fn free(&self, solution: &Solution, generators: &[Known]) -> Vec<String> {
+        let width = 2 * self.laps.n();
+        let list = solution.linear.free();
+        let firsts: Vec<DVector<f64>> = list.iter().map(|direction| direction.rows(0, width).into_owned()).collect();
+        let span = structure::basis(&firsts, width);
+        let mut named: Vec<String> = Vec::new();
+        let mut known: Vec<DVector<f64>> = Vec::new();
+        for generator in generators {
+            let inside = &span * (span.transpose() * &generator.direction);
+            let size = generator.direction.norm();
+            let contained = structure::basis(&known, width);
+            let new = &generator.direction - &contained * (contained.transpose() * &generator.direction);
+            if size > 0.0 && (&inside - &generator.direction).norm() <= WITHIN * size && new.norm() > WITHIN * size {
+                named.push(structure::motion_name(&generator.name));
+                known.push(generator.direction.clone());
+            }
+        }
+        for _ in named.len()..list.len() {
+            named.push(if self.scales(solution, &span, &known) { "scale" } else { "family" }.to_owned());
+        }
+        named
+    }
+
+    /// Whether places all grow alike, and speeds alike, within a span and up to known directions.
+    fn scales(&self, solution: &Solution, span: &DMatrix<f64>, known: &[DVector<f64>]) -> bool {
+        let (n, width) = (self.laps.n(), 2 * self.laps.n());
+        let y = &solution.trial.pieces[0].start.y;
+        let part = |from: usize, to: usize| {
+            let each = (0..width).map(|i| if (from..to).contains(&i) { y[i] / self.laps.scales[i] } else { 0.0 });
+            DVector::from_iterator(width, each)
+        };
+        let mut list = known.to_vec();
+        list.extend([part(0, n), part(n, width)]);
+        let grown = structure::basis(&list, width);
+        let outside = span - &grown * (grown.transpose() * span);
+        outside.norm() <= WITHIN
+    }
+}
+
+fn duration_of_lap(solution: &Solution) -> f64 {
+    solution.trial.pieces.iter().map(|piece| piece.end.t - piece.start.t).sum()
+}

@@ -1,0 +1,140 @@
+//! Motions that repeat, as a parameter or their energy varies.
+
+use super::found::Multiplier;
+use super::search::OrbitSearch;
+use super::structure;
+use super::walk::{Varied, Walk};
+use crate::error::{Error, NoOrbit};
+
+/// Motions that repeat, in the order of a walk along them, and where their stability changes.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Family {
+    /// What varies.
+    pub name: String,
+    /// Names of [q; q'].
+    pub names: Vec<String>,
+    /// The motions.
+    pub members: Vec<Member>,
+    /// Where a multiplier crosses the unit circle, or the family turns back.
+    pub thresholds: Vec<Threshold>,
+    /// The smallest map that closes them is that of this part of the period.
+    pub part: usize,
+    /// What that map exchanges, mirrors and shifts.
+    pub map: String,
+    /// Why the walk ended before it was where it was to go.
+    pub ended: Option<String>,
+}
+
+/// A motion of a family.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Member {
+    /// What varies.
+    pub value: f64,
+    /// s.
+    pub period: f64,
+    /// [q; q'] at the start.
+    pub start: Vec<f64>,
+    /// How far each of [q; q'] goes from its middle.
+    pub amplitudes: Vec<f64>,
+    /// Multipliers of the map.
+    pub multipliers: Vec<Multiplier>,
+    /// Whether it was asked for, or only passed.
+    pub asked: bool,
+}
+
+/// Where a family changes.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Threshold {
+    /// What happens.
+    pub kind: OrbitChange,
+    /// The value at which it does, and its error.
+    pub value: f64,
+    /// The difference that flows at sixteen times the tolerance make.
+    pub error: f64,
+    /// The motion there.
+    pub member: Member,
+}
+
+/// What happens to motions of a family.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum OrbitChange {
+    /// The family turns back: a multiplier is 1.
+    Fold,
+    /// A multiplier passes 1: another family crosses.
+    Branch,
+    /// A multiplier passes −1: a family of motions of two laps branches off.
+    Doubling,
+    /// A pair of multipliers leaves the unit circle elsewhere: from here on motions go round a torus.
+    Pair,
+}
+impl OrbitChange {
+    /// A word for it.
+    pub fn word(self) -> &'static str {
+        match self {
+            OrbitChange::Fold => "fold",
+            OrbitChange::Branch => "branch",
+            OrbitChange::Doubling => "doubling",
+            OrbitChange::Pair => "pair",
+        }
+    }
+}
+impl OrbitSearch {
+    /// Follows the family of motions that repeat, beginning with the one that is found where what varies has its first value: a parameter, or
+    /// `energy` (counted from the equilibrium where the search begins from a mode), whose first value is that of the motion found.  Each of
+    /// `values` is met on the way; thresholds are refined.
+    ///
+    /// With `branch` the family is followed that leaves the first one at its threshold of this number, the first being 1.
+    ///
+    /// # Errors
+    /// As [`OrbitSearch::find`]; a motion that belongs to no family.
+    pub fn vary(mut self, name: &str, values: &[f64], branch: Option<usize>) -> Result<Family, Error> {
+        let (Some(first), Some(last)) = (values.first().copied(), values.last().copied()) else {
+            return Err(NoOrbit::NoFamily { name: name.to_owned() }.into());
+        };
+        let varied = match &mut self.described {
+            Ok((system, ..)) => {
+                let place = system.description().parameters.iter().position(|parameter| parameter.name == name);
+                match place {
+                    Some(k) => {
+                        system.set_parameter(k, first);
+                        Varied::Parameter(k)
+                    }
+                    None if name == structure::ENERGY => Varied::Energy,
+                    None => {
+                        let parameters = system.description().parameters.iter().map(|p| p.name.to_string());
+                        let known = parameters.chain([structure::ENERGY.to_owned()]).collect();
+                        return Err(Error::UnknownName { kind: "parameter", name: name.to_owned(), known });
+                    }
+                }
+            }
+            Err(_) => Varied::Energy,
+        };
+        let mut begun = self.begin()?;
+        // The motion itself, by the smallest map that closes it.
+        let solution = begun.first()?;
+        let (solution, _) = begun.smallest(solution)?;
+        let mut walk = Walk { begun, varied, nullity: None };
+        if let Varied::Parameter(k) = varied {
+            walk.begun.laps.parameter = Some(k);
+        }
+        let mut point = solution.point;
+        if let Varied::Parameter(_) = varied {
+            point.parameter = first;
+        }
+        let start = walk.node(point, None)?;
+        walk.nullity = Some(start.solution.linear.free().len());
+        let mut family = walk.along(start, (name, values, (first, last)))?;
+        if let Some(number) = branch {
+            let Some((node, kind)) = number.checked_sub(1).and_then(|k| family.1.get(k)) else {
+                return Err(NoOrbit::NoThreshold { number, known: family.1.len() }.into());
+            };
+            let start = walk.switch(node, *kind)?;
+            family = walk.along(start, (name, values, (first, last)))?;
+        }
+        Ok(family.0)
+    }
+}

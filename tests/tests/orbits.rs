@@ -1,0 +1,281 @@
+//! Motions that repeat, against references of twenty digits and more and closed forms.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use dalembert_models::MODELS;
+use serde_json::Value;
+
+/// What the program prints as JSON, or what it says is wrong.
+fn told(arguments: &[&str]) -> Result<Value, String> {
+    let mut out = Vec::new();
+    let arguments = ["dalembert", "orbit"].iter().chain(arguments).chain(&["--json"]);
+    match dalembert::cli::run(MODELS, arguments, &mut out) {
+        Ok(()) => Ok(serde_json::from_slice(&out).expect("JSON")),
+        Err(problem) => Err(problem.to_string()),
+    }
+}
+
+/// A file with this text.
+fn written(text: &str) -> String {
+    static FILES: AtomicUsize = AtomicUsize::new(0);
+    let name = format!("dalembert-orbits-{}-{}.yaml", std::process::id(), FILES.fetch_add(1, Ordering::Relaxed));
+    let path = std::env::temp_dir().join(name);
+    std::fs::write(&path, text).expect("a file");
+    path.to_str().expect("a path").to_owned()
+}
+
+fn reference(name: &str) -> Value {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("reference/orbits").join(format!("{name}.json"));
+    let all: Value = serde_json::from_str(&std::fs::read_to_string(path).expect("a reference")).expect("JSON");
+    all[name].clone()
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().or_else(|| value.as_str()?.parse().ok()).unwrap_or(f64::NAN)
+}
+
+fn near(found: f64, expected: f64, error: f64) {
+    assert!((found - expected).abs() <= error, "{found:?} is not {expected:?} within {error:e}");
+}
+
+/// A value is as near to the reference as its error says, and as this.
+fn holds(found: &Value, expected: f64, error: f64) {
+    near(number(&found["value"]), expected, error);
+    near(number(&found["value"]), expected, 3.0 * number(&found["error"]) + 1e-15 * expected.abs());
+}
+
+/// Every expected multiplier (re, im) is among those found.
+fn multiplied(found: &Value, expected: &Value, error: f64) {
+    let found: Vec<[f64; 2]> =
+        found.as_array().expect("multipliers").iter().map(|m| [number(&m["re"]), number(&m["im"])]).collect();
+    for pair in expected.as_array().expect("multipliers") {
+        let [re, im] = [number(&pair[0]), number(&pair[1])];
+        let nearest = found.iter().map(|m| (m[0] - re).hypot(m[1] - im)).fold(f64::INFINITY, f64::min);
+        assert!(nearest <= error, "{re} {im}: {found:?}");
+    }
+}
+
+fn van_der_pol() -> String {
+    written(
+        "name: VanDerPol\nparameters: {mu: 1}\ncoordinates: {x: 1}\nkinetic_energy: x'^2/2\npotential_energy: x^2/2\n\
+         generalized_forces: {x: mu*(1 - x^2)*x'}\nscene: {start: {x: 2, x': 0}, until: 40, tolerance: 1e-12}\n",
+    )
+}
+
+/// The multiplier of mu = 5 is 8·10⁻³⁸, which no monodromy matrix holds.
+#[test]
+fn van_der_pols_oscillator_has_its_period_and_a_multiplier_far_below_rounding() {
+    let (file, known) = (van_der_pol(), reference("van_der_pol"));
+    for mu in ["1", "5"] {
+        let found = told(&[&file, "--set", &format!("mu={mu}")]).unwrap();
+        holds(&found["period"], number(&known["mu"][mu]["period"]), 1e-12);
+        near(number(&found["whole"][0]["log_abs"]), number(&known["mu"][mu]["multiplier"]).ln(), 1e-9);
+        assert_eq!(found["map"]["part"], 2);
+        assert_eq!(found["known"], serde_json::json!(["time"]));
+        assert!(number(&found["returns"]) < 1e-11);
+    }
+    // Six starts, far off in place and period: found or refused, never another motion.
+    let mut count = 0;
+    for (x, period) in [("0.5", "4.6"), ("1", "13"), ("1.5", "6"), ("2.5", "9"), ("3", "11"), ("4", "7")] {
+        match told(&[&file, "--set", "mu=2", "--start", &format!("x={x}"), "--period", period]) {
+            Ok(found) => {
+                near(number(&found["period"]["value"]), 7.629_874_479_674_8, 1e-9);
+                count += 1;
+            }
+            Err(why) => assert!(why.contains("search") || why.contains("equilibrium"), "{why}"),
+        }
+    }
+    assert!(count >= 4, "{count} of 6");
+}
+
+/// The figure eight from its eight digits: T |E|^1.5 does not depend on which member of its family is found.
+#[test]
+fn the_figure_eight_is_found_with_its_eight_multipliers_of_one() {
+    let known = reference("figure_eight");
+    let found = told(&["figure_eight", "--tolerance", "1e-13", "--period", "6.3"]).unwrap();
+    let energy = number(&found["energy"]);
+    let invariant = number(&found["period"]["value"]) * energy.abs().powf(1.5);
+    near(invariant, number(&known["invariant_T_absE_3_2"]), 1e-12);
+    let mut rates: Vec<f64> =
+        found["whole"].as_array().unwrap().iter().map(|m| number(&m["angle"]).abs() / std::f64::consts::TAU).collect();
+    rates.sort_by(f64::total_cmp);
+    assert_eq!(rates.len(), 4);
+    near(rates[0], number(&known["nu"][0]), 1e-10);
+    near(rates[2], number(&known["nu"][1]), 1e-10);
+    assert_eq!(found["known"].as_array().unwrap().len(), 8, "{}", found["known"]);
+    let free: Vec<&str> = found["free"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+    let shifts = ["shift of x[1], x[2], x[3]", "shift of y[1], y[2], y[3]"];
+    assert_eq!(free, ["time", shifts[0], shifts[1], "the motion of `spin`", "scale"]);
+}
+
+/// Two families of the double pendulum at six energies each; the one out of phase has a full map that touches −1 at 1.8863 J, where nothing
+/// happens, and loses its stability at 8.17 J.
+#[test]
+fn the_double_pendulum_swings_in_two_families() {
+    let known = reference("double_pendulum");
+    for mode in [1, 2] {
+        let found =
+            told(&["double_pendulum", "--from", &format!("mode {mode}"), "--vary", "energy=0.1,2,6,8.3"]).unwrap();
+        for point in known["points"].as_array().unwrap().iter().filter(|point| point["mode"] == mode) {
+            let energy = number(&point["energy_above_rest"]);
+            let members = found["members"].as_array().unwrap();
+            let member = members.iter().find(|m| m["asked"] == true && (number(&m["value"]) - energy).abs() < 1e-9);
+            let member = member.unwrap_or_else(|| panic!("no member at {energy} J"));
+            near(number(&member["period"]), number(&point["period"]), 1e-10);
+            // The half map's multipliers squared are those of the whole period.
+            let whole = (2.0 * number(&member["multipliers"][0]["angle"])).cos();
+            near(whole, number(&point["half_trace"]), 1e-8);
+        }
+        let thresholds = found["thresholds"].as_array().unwrap();
+        if mode == 2 {
+            assert_eq!(thresholds.len(), 1, "{thresholds:?}");
+            let expected = number(&known["loss_of_stability"]["point"]["energy_above_rest"]);
+            near(number(&thresholds[0]["value"]), expected, 1e-8);
+        } else {
+            assert!(thresholds.is_empty(), "{thresholds:?}");
+        }
+    }
+}
+
+/// Duffing's oscillator: the forced response turns back twice.
+#[test]
+fn a_forced_response_turns_back_where_the_reference_says() {
+    let file = written(
+        "name: Duffing\nparameters: {d: 0.1, f: 0.3, w: 1.5}\ncoordinates: {x: 1}\ninputs: {shake: f*cos(w*t)}\n\
+         kinetic_energy: x'^2/2\npotential_energy: x^2/2 + x^4/4\ndissipation: d*x'^2/2\n\
+         generalized_forces: {x: shake}\nscene: {start: {x: 0, x': 0}, until: 100, tolerance: 1e-12}\n",
+    );
+    let found = told(&[&file, "--vary", "w=0.6..2.6"]).unwrap();
+    let folds: Vec<&Value> =
+        found["thresholds"].as_array().unwrap().iter().filter(|threshold| threshold["kind"] == "fold").collect();
+    let known = reference("duffing");
+    assert_eq!(folds.len(), 2, "{}", found["thresholds"]);
+    for (fold, expected) in folds.iter().zip(known["folds"].as_array().unwrap()) {
+        near(number(&fold["value"]), number(&expected["omega"]), 1e-11);
+    }
+    assert!(found["members"].as_array().unwrap().len() <= 120);
+    let unstable = found["members"].as_array().unwrap().iter().filter(|member| {
+        let first = &member["multipliers"][0];
+        number(&first["log_abs"]) > 1e-6
+    });
+    assert!(unstable.count() > 3);
+}
+
+fn compass(masses: &str) -> String {
+    written(&format!(
+        "name: Compass\nparameters: {{m1: 5 kg, m2: {masses}, mh: 10 kg, a: 0.5 m, b: 0.5 m, g: 9.81 m/s^2, slope: 3 deg}}\n\
+         coordinates: {{x: m, y: m, p: rad, s: rad}}\ndefine: {{l: a + b}}\n\
+         points:\n  hip: \"[x, y]\"\n  foot1: \"hip + l*[sin(p), -cos(p)]\"\n  foot2: \"hip + l*[sin(s), -cos(s)]\"\n\
+         \x20 g1: \"hip + b*[sin(p), -cos(p)]\"\n  g2: \"hip + b*[sin(s), -cos(s)]\"\n\
+         bodies:\n  pelvis: {{mass: mh, position: hip}}\n  leg1: {{mass: m1, inertia: 0, angle: p, position: g1}}\n\
+         \x20 leg2: {{mass: m2, inertia: 0, angle: s, position: g2}}\ngravity: g*[sin(slope), -cos(slope)]\n\
+         constraints: {{hold1: velocity(foot1), hold2: velocity(foot2)}}\nphases: {{on1: [hold1], on2: [hold2]}}\n\
+         events:\n  strike2: {{phase: on1, when: foot2.y - foot1.y, direction: falling, if: foot2.x - foot1.x - 0.1*l, then: on2}}\n\
+         \x20 strike1: {{phase: on2, when: foot1.y - foot2.y, direction: falling, if: foot1.x - foot2.x - 0.1*l, then: on1}}\n\
+         scene: {{start: {{x: -0.2677, y: 0.9635, p: 0.27, s: -0.27, \"p'\": -1.1, \"s'\": -0.4}}, until: 3, tolerance: 1e-12}}\n"
+    ))
+}
+
+const STEP: [&str; 6] = ["--at", "strike2", "--exchange", "p=s,on1=on2", "--shift", "x"];
+
+/// A walker with masses, from a plain model file.
+#[test]
+fn a_compass_walks_down_a_slope() {
+    let file = compass("5 kg");
+    let found = told(&[&[file.as_str()][..], &STEP].concat()).unwrap();
+    let known = &reference("compass_walker")["points"][0];
+    holds(&found["start"]["p"], number(&known["alpha"]), 1e-10);
+    holds(&found["start"]["p'"], number(&known["stance_rate"]), 1e-10);
+    holds(&found["start"]["s'"], number(&known["swing_rate"]), 1e-10);
+    holds(&found["period"], 2.0 * number(&known["step_time"]), 1e-10);
+    multiplied(&found["multipliers"], &known["multipliers"], 1e-9);
+    assert_eq!(found["multipliers"].as_array().unwrap().len(), 3);
+    // Legs of other masses are no mirror images of each other.
+    let refused = told(&[&[compass("6 kg").as_str()][..], &STEP].concat()).unwrap_err();
+    assert!(refused.contains("acceleration of"), "{refused}");
+    // Without the exchange a step ends on the other foot.
+    let refused = told(&[&file, "--at", "strike2", "--shift", "x"]).unwrap_err();
+    assert!(refused.contains("on2"), "{refused}");
+    let refused = told(&[&file, "--at", "strike2", "--exchange", "p=s,on1=on2", "--shift", "p"]).unwrap_err();
+    assert!(refused.contains("`p` cannot differ"), "{refused}");
+}
+
+/// A wheel of eight spokes: the multiplier of a step is cos²(2π/8).
+#[test]
+fn a_rimless_wheel_rolls_down() {
+    let file = written(
+        "name: RimlessWheel\nsizes: {n: 8}\nparameters: {m: 1 kg, l: 1 m, g: 10 m/s^2, slope: 0.08 rad}\n\
+         coordinates: {x: m, y: m, phi: rad}\n\
+         points: {hub: \"[x, y]\", even: \"hub + l*[sin(phi), -cos(phi)]\", odd: \"hub + l*[sin(phi + 2*pi/n), -cos(phi + 2*pi/n)]\"}\n\
+         bodies: {wheel: {mass: m, inertia: 0, angle: phi, position: hub}}\ngravity: g*[sin(slope), -cos(slope)]\n\
+         constraints: {on_even: velocity(even), on_odd: velocity(odd)}\nphases: {even: [on_even], odd: [on_odd]}\n\
+         events:\n  strike: {phase: even, when: odd.y - even.y, direction: falling, then: odd}\n\
+         scene: {start: {x: -0.3826834323650898, y: 0.9238795325112867, phi: pi/8, \"phi'\": -1.2}, until: 3, tolerance: 1e-12}\n",
+    );
+    let found =
+        told(&[&file, "--at", "strike", "--exchange", "even=odd", "--turn", "phi=-0.125", "--shift", "x"]).unwrap();
+    let known = &reference("rimless_wheel")["cases"][0];
+    holds(&found["start"]["phi'"], -number(&known["omega_after"]), 1e-11);
+    holds(&found["period"], 2.0 * number(&known["step_time"]), 1e-11);
+    assert_eq!(found["multipliers"].as_array().unwrap().len(), 1);
+    near(number(&found["multipliers"][0]["re"]), number(&known["multiplier"]), 1e-11);
+}
+
+/// A ball that bounces once each time its table goes down and up: determinant e², trace 1 + e² + …, here by the reference's multipliers.
+#[test]
+fn a_ball_bounces_on_a_table() {
+    let known = &reference("ball_on_table")["cases"][0]["points"][0];
+    let file = written(&format!(
+        "name: BallOnTable\nparameters: {{m: 1 kg, g: 9.81 m/s^2, e: 0.5, A: {} m, w: 20*pi rad/s, ph: {} rad}}\n\
+         coordinates: {{y: m}}\ninputs: {{table: A*cos(w*t + ph)}}\npoints: {{P: \"[0, y]\"}}\n\
+         bodies: {{ball: {{mass: m, position: P}}}}\ngravity: [0, -g]\nconstraints: {{rest: y - table}}\n\
+         phases: {{flight: [], carried: [rest]}}\n\
+         events:\n  bounce: {{phase: flight, when: y - table, direction: falling, then: {{impact: e, along: rest}}}}\n\
+         \x20 lift: {{phase: carried, when: reaction(rest), direction: falling, then: flight}}\n\
+         scene: {{start: {{y: A*cos(ph + pi) + 0.0136, \"y'\": 0.05}}, until: 5, tolerance: 1e-12}}\n",
+        known["A"].as_str().unwrap(),
+        number(&known["impact_phase"]) + std::f64::consts::PI,
+    ));
+    let found = told(&[&file]).unwrap();
+    near(number(&found["period"]["value"]), 0.1, 1e-14);
+    multiplied(&found["multipliers"], &known["multipliers"], 1e-9);
+    assert_eq!(found["events"], serde_json::json!(["bounce"]));
+}
+
+/// Where a held phase is entered a freedom is lost: the multiplier is 0 and nothing else.
+#[test]
+fn stick_slip_loses_a_dimension() {
+    let found = told(&["stick_slip"]).unwrap();
+    let known = &reference("stick_slip")["cases"][0];
+    holds(&found["period"], number(&known["period"]), 1e-11);
+    assert_eq!(found["superstable"], 1);
+    assert_eq!(found["multipliers"].as_array().unwrap().len(), 1);
+    assert_eq!(found["multipliers"][0]["re"], 0.0);
+}
+
+#[test]
+fn what_does_not_close_is_said_to_be_so() {
+    // A damped oscillator comes to rest only.
+    let file = written(
+        "name: Damped\nparameters: {k: 1, c: 0.3}\ncoordinates: {x: 1}\nkinetic_energy: x'^2/2\npotential_energy: k*x^2/2\n\
+         dissipation: c*x'^2/2\nscene: {start: {x: 1}, until: 30}\n",
+    );
+    let refused = told(&[&file, "--period", "6.3"]).unwrap_err();
+    assert!(refused.contains("equilibrium"), "{refused}");
+    // Two frequencies without a common period.
+    let file = written(
+        "name: Twice\nparameters: {k: 1, c: 0.3}\ncoordinates: {x: 1}\ninputs: {a: cos(t), b: cos(sqrt(2)*t)}\nkinetic_energy: x'^2/2\n\
+         potential_energy: k*x^2/2 - (a + b)*x\ndissipation: c*x'^2/2\nscene: {start: {x: 1}, until: 30}\n",
+    );
+    let refused = told(&[&file]).unwrap_err();
+    assert!(refused.contains("no common period"), "{refused}");
+    // An event that does not happen, and one that changes nothing.
+    let refused = told(&["bouncing_ball", "--at", "nothing"]).unwrap_err();
+    assert!(refused.contains("nothing"), "{refused}");
+    // Exchanging what is not alike.
+    let refused = told(&["double_pendulum", "--period", "2.3", "--exchange", "theta1=theta2"]).unwrap_err();
+    assert!(refused.contains("does not move alike"), "{refused}");
+    let refused = told(&["double_pendulum", "--from", "mode 3"]).unwrap_err();
+    assert!(refused.contains("no mode 3"), "{refused}");
+}
