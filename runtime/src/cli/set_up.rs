@@ -12,8 +12,8 @@ use super::{Problem, value_files};
 use crate::Settings;
 use crate::mechanism::{Interpreted, System};
 
-/// Applies `--scene`, `--params`, `--set`, `--state`, `--start`, `--input`, `--until`, `--tolerance`, `--every`, `--step` and
-/// `--max-steps`.
+/// Applies `--scene`, `--params`, `--set`, `--state`, `--start`, `--input`, `--until`, `--tolerance`, `--every`, `--step`,
+/// `--max-steps` and `--ignore`.
 pub fn set_up(loaded: &mut Loaded, options: &ArgMatches) -> Result<Settings, Problem> {
     set_up_scene(loaded, options, options.get_one::<String>("scene").map(String::as_str))
 }
@@ -27,7 +27,20 @@ pub fn set_up_scene(loaded: &mut Loaded, options: &ArgMatches, scene: Option<&st
         value_files::start(loaded, &mut reader, path, &mut settings)?;
     }
     loaded.warnings.append(&mut reader.notes);
-    Ok(changes.of(settings))
+    let mut settings = changes.of(settings);
+    ignore(loaded, options, &mut settings)?;
+    Ok(settings)
+}
+
+/// Applies `--ignore`.
+fn ignore(loaded: &Loaded, options: &ArgMatches, settings: &mut Settings) -> Result<(), Problem> {
+    let description = loaded.system.description();
+    let texts = options.try_get_many::<String>("ignore").ok().flatten().into_iter().flatten();
+    for name in texts.flat_map(|text| text.split(',')).map(str::trim).filter(|name| !name.is_empty()) {
+        let known = || description.events.iter().map(|event| event.name.as_ref());
+        settings.ignore(description, name).map_err(|_| unknown("event", name, known()))?;
+    }
+    Ok(())
 }
 
 /// What options change of a scene.

@@ -2,9 +2,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::errors::{end_time, value_list};
 use super::found::{Found, Value};
 use super::newton::Linearised;
-use super::search::{HALVES, MISSED, STEPS, Seeker, value_list};
+use super::search::{HALVES, MISSED, STEPS, Seeker};
 use super::trial::Trial;
 use crate::error::{Error, NotFound};
 use crate::vary::LOOSER;
@@ -148,6 +149,7 @@ fn shortened(
     scales: &[f64],
 ) -> Option<(Vec<f64>, Place)> {
     let mut part = 1.0;
+    (seeker.fault, seeker.other_event) = (None, None);
     for _ in 0..HALVES {
         let next: Vec<f64> =
             values.iter().zip(scales).zip(taken.x.iter()).map(|((x, scale), step)| x + part * scale * step).collect();
@@ -187,25 +189,29 @@ fn finish(
     seeker.runs += 1;
     let looser = LOOSER * seeker.source.settings.tolerance;
     let rough = seeker.source.try_with(&values, looser).ok();
-    let (errors, end_error) = match rough {
+    let (errors, end_error, later) = match rough {
         Some(rough) => {
+            let later = seeker.end_difference(&now.trial, &rough);
             let rough = place(seeker, rough, column, sign, scales);
             let moved = &rough.gradient - &now.gradient;
             let least = step.curvatures.iter().fold(f64::INFINITY, |least, x| least.min(x.abs()));
             let error = moved.norm() / least + step.x.norm();
-            (scales.iter().map(|scale| scale * error).collect(), (rough.value - now.value).abs())
+            (scales.iter().map(|scale| scale * error).collect::<Vec<f64>>(), (rough.value - now.value).abs(), later)
         }
-        None => (vec![f64::NAN; scales.len()], f64::NAN),
+        None => (vec![f64::NAN; scales.len()], f64::NAN, f64::NAN),
     };
+    let end = end_time(&now.trial, later + seeker.end_error(&now.trial, &errors));
     let reached = Value { name: name.to_owned(), value: sign * now.value, error: end_error };
     Ok(Found {
         values: value_list(&seeker.names, &values, &errors),
         reached: vec![reached],
+        end_time: end,
         run: now.trial.varied.run,
         steps,
         runs: seeker.runs,
         free: Vec::new(),
         multiplicity: 1,
+        multiple_in: Vec::new(),
         fit: None,
     })
 }

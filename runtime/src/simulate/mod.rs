@@ -149,6 +149,7 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
         .compensate(settings.compensated)
         .decorrelate_steps(settings.decorrelate_steps)
         .following(settings.followed.clone())
+        .ignoring(settings.ignored_events.clone())
         .projecting(settings.projects());
     if settings.stabilisation == (Stabilisation::Baumgarte { alpha: None }) && settings.step.is_none() {
         integration = integration.finding_gain();

@@ -103,8 +103,8 @@ fn piece(
 /// Errors of [q, δq …, q', δq' …] that count as none: y, and a column p ∂y/∂p, is known to [`BESIDE`] of the tolerance beside the range of
 /// what has y's unit, so that what is 0 but for rounding is no reason for short steps.
 fn floors(run: &Run, columns: &[Column], tolerance: f64) -> Vec<f64> {
-    let width = columns.first().map_or(0, |column| column.y.len());
-    let (n, coordinates) = (width / 2, &run.description.coordinates);
+    let coordinates = &run.description.coordinates;
+    let (n, width) = (coordinates.len(), 2 * coordinates.len());
     let ranges: Vec<f64> = (0..width).map(|i| range(run, width, i)).collect();
     let alike = |i: usize| {
         let same = (0..n).filter(|k| coordinates[*k].unit == coordinates[i % n].unit);
