@@ -158,7 +158,8 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     let outcome = met
         .and_then(|()| integration.begin(system, settings.until))
         .and(settings.attainable())
-        .and_then(|()| positive_inertia(system, settings.from, &y));
+        .and_then(|()| positive_inertia(system, settings.from, &y))
+        .and_then(|()| constrain::possible_restitutions(system, &settings.ignored_events));
     let step = match &outcome {
         Ok(()) if finds_step && settings.until > settings.from => {
             Some(integration.find_step(system, method, &units, longest))
