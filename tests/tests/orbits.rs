@@ -246,7 +246,7 @@ fn a_ball_bounces_on_a_table() {
 /// A pendulum on a shaken pivot stands upright from 44.8186 rad/s on: rest is the motion, and its multipliers are those of one period.
 #[test]
 fn a_shaken_pendulum_stands_upright_from_the_frequency_of_the_reference() {
-    let found = told(&["shaken_pendulum", "--start", "theta=pi", "--set", "A=0.1", "--vary", "Omega=43,47"]).unwrap();
+    let found = told(&["shaken_pendulum", "--start", "theta=0", "--set", "A=0.1", "--vary", "Omega=43,47"]).unwrap();
     let thresholds = found["thresholds"].as_array().unwrap();
     assert_eq!(thresholds.len(), 1, "{thresholds:?}");
     let known = &reference("mathieu")["shaken"]["points"][1]["Omega_upright"];

@@ -237,6 +237,17 @@ fn parameters_come_from_a_file() {
 }
 
 #[test]
+fn a_coordinate_that_is_set_as_a_parameter_is_led_to_its_own_option() {
+    let refused = |arguments: &[&str]| told(arguments).expect_err("no parameter");
+    let text = refused(&["simulate", "double_pendulum", "--set", "theta1'=2"]);
+    assert!(text.contains("`theta1'` is a speed, and --set is for parameters; write --start \"theta1'=…\""), "{text}");
+    let text = refused(&["modes", "double_pendulum", "--set", "theta1=2"]);
+    assert!(text.contains("`theta1` is a coordinate, and --set is for parameters; write --at \"theta1=…\""), "{text}");
+    told(&["simulate", "double_pendulum", "--no-digits", "--start", "theta1'=2"]).expect("a run");
+    told(&["modes", "double_pendulum", "--at", "theta1=0.1"]).expect("modes");
+}
+
+#[test]
 fn matrices_are_written_for_other_programs() {
     let folder = folder("matrices");
     let path = |name: &str| folder.join(name).to_string_lossy().into_owned();

@@ -115,6 +115,7 @@ fn simulate() -> Command {
         .arg(value("method", "METHOD", "auto [default], dop853, rkn8, dopri5, rk4, midpoint, euler; verlet (or rattle), srkn4, suzuki4, kahanli8, gauss2, gauss4, gauss6; radau5, rodas5p; exact"))
         .arg(value("step", "TIME", "A fixed step"))
         .arg(value("max-steps", "COUNT", "No more steps than these [default: 10000000]").value_parser(clap::value_parser!(u64)))
+        .arg(ignored())
         .arg(flag("symmetries", "Tell which exchanges and reflections of coordinates the start has that leave the equations as they are, and watch that the motion keeps them"))
         .arg(value("slopes", "A,B", "Tell how the end changes with these: parameters, and coordinates or rates (theta') at the start"))
         .arg(flag("together", "Integrate decoupled subsystems with one common step size"))
@@ -154,6 +155,7 @@ fn solve() -> Command {
         .arg(value("minimise", "NAME", "What is to be as small").conflicts_with("fit"))
         .arg(value("fit", "FILE.csv", "A record that the motion is to follow, by least squares: a table with a header").conflicts_with("such-that"))
         .arg(value("columns", "t=A,x=B", "Which columns of the record are time and what they are a record of [default: by the same names]").requires("fit"))
+        .arg(ignored())
         .arg(value("method", "METHOD", "As of `simulate` [default: auto]"))
         .arg(value("max-steps", "COUNT", "No more steps than these [default: 10000000]").value_parser(clap::value_parser!(u64)))
         .arg(value("state", "FILE", "A state to start from, as --save writes it; --start goes before"))
@@ -282,6 +284,11 @@ fn wanted(outputs: &str, within: &str) -> [Arg; 2] {
     let outputs = format!("What is wanted: coordinates, rates, outputs [default: {outputs}]");
     let within = format!("How exactly, in parts of the range of each [default: {within}]");
     [value("needs", "A,B", "").help(outputs), value("within", "PART", "").help(within)]
+}
+
+/// What a run does not look at.
+fn ignored() -> Arg {
+    many("ignore", "EVENT", "An event that does nothing and is not recorded; several, also A,B")
 }
 
 /// A model's name or path.

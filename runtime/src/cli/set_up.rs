@@ -12,8 +12,8 @@ use super::{Problem, value_files};
 use crate::Settings;
 use crate::mechanism::{Interpreted, System};
 
-/// Applies `--scene`, `--params`, `--set`, `--state`, `--start`, `--input`, `--until`, `--tolerance`, `--every`, `--step` and
-/// `--max-steps`.
+/// Applies `--scene`, `--params`, `--set`, `--state`, `--start`, `--input`, `--until`, `--tolerance`, `--every`, `--step`,
+/// `--max-steps` and `--ignore`.
 pub fn set_up(loaded: &mut Loaded, options: &ArgMatches) -> Result<Settings, Problem> {
     set_up_scene(loaded, options, options.get_one::<String>("scene").map(String::as_str))
 }
@@ -27,7 +27,20 @@ pub fn set_up_scene(loaded: &mut Loaded, options: &ArgMatches, scene: Option<&st
         value_files::start(loaded, &mut reader, path, &mut settings)?;
     }
     loaded.warnings.append(&mut reader.notes);
-    Ok(changes.of(settings))
+    let mut settings = changes.of(settings);
+    ignore(loaded, options, &mut settings)?;
+    Ok(settings)
+}
+
+/// Applies `--ignore`.
+fn ignore(loaded: &Loaded, options: &ArgMatches, settings: &mut Settings) -> Result<(), Problem> {
+    let description = loaded.system.description();
+    let texts = options.try_get_many::<String>("ignore").ok().flatten().into_iter().flatten();
+    for name in texts.flat_map(|text| text.split(',')).map(str::trim).filter(|name| !name.is_empty()) {
+        let known = || description.events.iter().map(|event| event.name.as_ref());
+        settings.ignore(description, name).map_err(|_| unknown("event", name, known()))?;
+    }
+    Ok(())
 }
 
 /// What options change of a scene.
@@ -99,7 +112,7 @@ fn choose_scene(loaded: &mut Loaded, options: &ArgMatches, scene: Option<&str>) 
         value_files::parameters(loaded, &mut reader, path)?;
     }
     for (name, text) in pairs(options, "set")? {
-        let index = parameter_index(loaded, &name)?;
+        let index = parameter_to_set(loaded, options, &name)?;
         let value = reader.value(loaded, "set", Sets::Parameter(index), &text)?;
         loaded.system.set_parameter(index, value);
     }
@@ -249,6 +262,23 @@ pub fn scene_index(loaded: &Loaded, name: Option<&str>) -> Result<usize, Problem
     let scenes = &loaded.system.description().scenes;
     let found = scenes.iter().position(|scene| scene == name);
     found.ok_or_else(|| unknown("scene", name, scenes.iter().map(AsRef::as_ref)))
+}
+
+/// The index of a free parameter that `--set` names; of a coordinate or a speed it says which option sets it.
+fn parameter_to_set(loaded: &Loaded, options: &ArgMatches, name: &str) -> Result<usize, Problem> {
+    let found = parameter_index(loaded, name);
+    let (coordinate, kind) = match name.strip_suffix('\'') {
+        Some(coordinate) => (coordinate, "a speed"),
+        None => (name, "a coordinate"),
+    };
+    let moves = loaded.system.description().coordinates.iter().any(|known| known.name == coordinate);
+    let option = ["start", "at"].into_iter().find(|option| options.try_contains_id(option).is_ok());
+    match (found, option) {
+        (Err(_), Some(option)) if moves => Err(Problem::Usage(format!(
+            "error: `{name}` is {kind}, and --set is for parameters; write --{option} \"{name}=…\""
+        ))),
+        (found, _) => found,
+    }
 }
 
 /// The index of a free parameter, by its expanded name.

@@ -48,7 +48,7 @@ pub fn asked(loaded: &mut Loaded, settings: &Settings, options: &ArgMatches) -> 
     }
     let settings = Settings { every: None, ..settings.clone() };
     run_with_slopes(&mut *loaded.system, &settings, &origin, &unknowns).map(Some).map_err(|error| match error {
-        Error::NoSlopes(_) => Problem::Run(format!("error: {error}")),
+        Error::NoSlopes(_) => Problem::Run(error.to_string()),
         error => Problem::Usage(format!("error: --slopes: {error}")),
     })
 }

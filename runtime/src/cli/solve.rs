@@ -11,7 +11,7 @@ use super::load::Loaded;
 use super::set_up::{Reader, coordinate_index, parameter_index, set_up};
 use super::slopes::origin;
 use super::{Entry, Problem, outputs, value_files};
-use crate::Error;
+use crate::error::{Error, NoSlopes, NotFound};
 use crate::find::{Found, Record, Search, Value};
 use crate::run::{plain, written};
 
@@ -40,12 +40,37 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     search = wanted(search, options)?;
     match search.solve() {
         Ok(found) => report(&loaded, &found, options, out),
-        Err(Error::NotFound(why)) => Err(Problem::Run(format!("error: {why}"))),
+        Err(Error::NotFound(why)) => {
+            let fault = match &*why {
+                NotFound::Stuck { why: Some(fault), .. } => touched(&loaded, fault),
+                NotFound::Stuck { event: Some(event), .. } => way_out(event),
+                _ => String::new(),
+            };
+            Err(Problem::Run(format!("{why}{fault}")))
+        }
         Err(Error::Run(failure)) => Err(Problem::Run(failure.to_string())),
-        Err(error @ Error::NoSlopes(_)) => Err(Problem::Run(format!("error: {error}"))),
+        Err(Error::NoSlopes(why)) => Err(Problem::Run(format!("{why}{}", touched(&loaded, &why)))),
         Err(error) => Err(Problem::Usage(format!("error: {error}"))),
     }
 }
+
+/// The way out where an event is touched.
+fn touched(loaded: &Loaded, why: &NoSlopes) -> String {
+    let NoSlopes::Touches { event, .. } = why else { return String::new() };
+    if loaded.system.description().events.iter().all(|known| known.name != *event) {
+        return String::new();
+    }
+    way_out(event)
+}
+
+/// Without an event that is touched.
+fn way_out(event: &str) -> String {
+    format!("\nhelp: let `{event}` do nothing (--ignore {event}), and the run end at an unknown `until`; or {HALF}")
+}
+
+/// What makes a multiple root of a motion that runs back as it came a simple one.
+const HALF: &str =
+    "seek half of the motion, as far as the instant at which it reverses itself: there the root is simple";
 
 /// `NAME=VALUE` of an option, several in one text with commas between them.
 fn listed(options: &ArgMatches, option: &str) -> Result<Vec<(String, String)>, Problem> {
@@ -167,7 +192,9 @@ fn report(loaded: &Loaded, found: &Found, options: &ArgMatches, out: &mut dyn Wr
         };
         writeln!(out, "  where {} = {}{unit}", value.name, text(value))?;
     }
-    writeln!(out, "  at t = {}", plain(found.run.last().t))?;
+    // What nothing moves was known beforehand.
+    let t = &found.end_time;
+    writeln!(out, "  at t = {}", if t.error == 0.0 { plain(t.value) } else { text(t) })?;
     if let Some(fit) = &found.fit {
         writeln!(
             out,
@@ -185,13 +212,22 @@ fn report(loaded: &Loaded, found: &Found, options: &ArgMatches, out: &mut dyn Wr
         )?;
     }
     if found.multiplicity > 1 {
-        let kind = if found.multiplicity == 2 { "double" } else { "triple" };
-        writeln!(
-            out,
-            "warning: a {kind} root: steps get shorter slowly, and few digits hold; let the run end at an unknown `until`"
-        )?;
+        writeln!(out, "warning: {}", multiple_root(found))?;
     }
     Ok(())
+}
+
+/// What a multiple root takes, and the way out.
+fn multiple_root(found: &Found) -> String {
+    let (kind, part) = match found.multiplicity {
+        2 => ("a double root".to_owned(), "half".to_owned()),
+        3 => ("a triple root".to_owned(), "a third".to_owned()),
+        order => (format!("a root of order {order}"), format!("1/{order}")),
+    };
+    let names: Vec<String> = found.multiple_in.iter().map(|name| format!("`{name}`")).collect();
+    let free = found.values.iter().any(|value| value.name == "until");
+    let advice = if free { HALF.to_owned() } else { format!("let the run end at an unknown `until`, or {HALF}") };
+    format!("{kind} in {}: {part} of the digits hold; {advice}", names.join(", "))
 }
 
 fn text(value: &Value) -> String {
@@ -230,11 +266,13 @@ fn as_json(loaded: &Loaded, found: &Found) -> Json {
         ("model", json!(loaded.name)),
         ("values", list(&found.values)),
         ("reached", list(&found.reached)),
-        ("t", number(found.run.last().t)),
+        ("t", number(found.end_time.value)),
+        ("t_error", number(found.end_time.error)),
         ("steps", json!(found.steps)),
         ("runs", json!(found.runs)),
         ("free", found.free.iter().map(direction).collect::<Vec<Json>>().into()),
         ("multiplicity", json!(found.multiplicity)),
+        ("multiple_in", json!(found.multiple_in)),
         ("fit", fit),
     ])
 }

@@ -1,7 +1,8 @@
 //! Jumps of the speeds: constraints that are entered, and impacts with restitution.
 
+use crate::cause::Cause;
 use crate::mechanism::dense::constraint_triples;
-use crate::mechanism::{At, KktSolver, Singular, System};
+use crate::mechanism::{Action, At, KktSolver, Singular, System};
 
 /// What an instant does to the speeds: M Δq' = Jᵀ P.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -10,6 +11,23 @@ pub(crate) struct VelocityJump {
     pub jump: Vec<f64>,
     /// P of every row that took part: its place, and its impulse.
     pub rows: Vec<(usize, f64)>,
+}
+
+/// Refuses a coefficient of restitution that is not between 0 and 1, of any event that is not ignored.
+pub(crate) fn possible_restitutions(system: &dyn System, ignored_events: &[usize]) -> Result<(), Box<Cause>> {
+    let restitutions = system.restitutions();
+    let events = system.description().events.iter().enumerate().filter(|(event, _)| !ignored_events.contains(event));
+    for action in events.flat_map(|(_, event)| event.actions.iter()) {
+        if let Action::Impact { restitution, .. } = action {
+            possible_restitution(restitutions.get(*restitution as usize).copied().unwrap_or(0.0))?;
+        }
+    }
+    Ok(())
+}
+
+/// Refuses a coefficient of restitution that is not between 0 and 1.
+pub(crate) fn possible_restitution(value: f64) -> Result<(), Box<Cause>> {
+    if (0.0..=1.0).contains(&value) { Ok(()) } else { Err(Cause::BadRestitution { value }.into()) }
 }
 
 /// The least change of the speeds, in the metric of M, after which c' = 0 in all of these rows, or −e times what it was in

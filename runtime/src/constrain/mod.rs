@@ -14,7 +14,7 @@ mod start;
 mod start_conditions;
 
 pub(crate) use branch::{Elsewhere, other_branch};
-pub(crate) use impact::{VelocityJump, velocity_jump};
+pub(crate) use impact::{VelocityJump, possible_restitution, possible_restitutions, velocity_jump};
 pub(crate) use projection::Projection;
 pub use projection::Residuals;
 pub(crate) use start::{Start, consistent};

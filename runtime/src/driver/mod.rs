@@ -93,6 +93,8 @@ pub(crate) struct Integration {
     decorrelate_steps: bool,
     /// Steps of another run that limit those of this one.
     followed: Option<Followed>,
+    /// Events that do nothing, by their places.
+    ignored_events: Vec<usize>,
     since_stop: u32,
     /// Where each length of a step costs something, the one that divides the way to the next stop.
     even: f64,
@@ -153,6 +155,7 @@ impl Integration {
             compensated: true,
             decorrelate_steps: false,
             followed: None,
+            ignored_events: Vec::new(),
             since_stop: 0,
             even: 0.0,
             locator: None,
@@ -208,6 +211,12 @@ impl Integration {
     /// Ends where this event happens, in the state after it.
     pub fn ending_after(mut self, event: Option<usize>) -> Self {
         self.ends_after = event;
+        self
+    }
+
+    /// Lets these events do nothing.
+    pub fn ignoring(mut self, events: Vec<usize>) -> Self {
+        self.ignored_events = events;
         self
     }
 
@@ -288,6 +297,7 @@ impl Integration {
         self.locator = None;
         let y = self.stepper.start().y.to_vec();
         if let Some(mut locator) = EventLocator::new(system, (now, until), &y, self.decorrelate_steps)? {
+            locator.ignore(&self.ignored_events);
             let outcome = locator.begin(system, (now, &y), &mut |system| self.trial(system));
             self.locator = Some(Box::new(locator));
             outcome?;

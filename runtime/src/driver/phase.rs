@@ -2,7 +2,7 @@
 
 use super::{Integration, StopReason};
 use crate::cause::Cause;
-use crate::constrain::{VelocityJump, velocity_jump};
+use crate::constrain::{VelocityJump, possible_restitution, velocity_jump};
 use crate::events::{EventLocator, Fired, Impulse};
 use crate::mechanism::{Action, At, Enforcement, System};
 use crate::run::{Recorder, SpeedJump};
@@ -304,9 +304,7 @@ impl Integration {
         recorder: &mut Recorder,
     ) -> Result<Struck, Box<Cause>> {
         let e = system.restitutions().get(restitution).copied().unwrap_or(0.0);
-        if !(0.0..=1.0).contains(&e) {
-            return Err(Cause::BadRestitution { value: e }.into());
-        }
+        possible_restitution(e)?;
         let rows_along = rows_of(system, along);
         let rows = with(system, &rows_along);
         recorder.jump(|| SpeedJump { rows: rows.clone(), hit: Some((rows_along.clone(), restitution)) });

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use super::NoSlopes;
+
 /// What keeps a search from its end; values are SI.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
@@ -19,6 +21,10 @@ pub enum NotFound {
         residuals: Vec<(String, f64)>,
         /// The unknowns there.
         values: Vec<(String, f64)>,
+        /// What keeps a motion nearer by from having slopes.
+        why: Option<Box<NoSlopes>>,
+        /// An event that does not happen any more in a motion nearer by.
+        event: Option<String>,
     },
     /// Conditions cannot be met together.
     Contradictory {
@@ -48,9 +54,18 @@ impl fmt::Display for NotFound {
                 f.write_str("a search needs something unknown, and a condition, an extreme value or a record")
             }
             NotFound::BadRecord { why } => write!(f, "the record cannot be followed: {why}"),
-            NotFound::Stuck { residuals, values } => {
+            NotFound::Stuck { residuals, values, why, event } => {
                 write!(f, "the search does not get nearer than {}", Listed(values))?;
-                if residuals.is_empty() { Ok(()) } else { write!(f, ", where it misses {}", Listed(residuals)) }
+                if !residuals.is_empty() {
+                    write!(f, ", where it misses {}", Listed(residuals))?;
+                }
+                match (why, event) {
+                    (Some(why), _) => write!(f, "; nearer by, {why}"),
+                    (None, Some(event)) => {
+                        write!(f, "; nearer by, `{event}` does not happen any more, or another event does")
+                    }
+                    (None, None) => Ok(()),
+                }
             }
             NotFound::Contradictory { residuals, values } => write!(
                 f,

@@ -50,8 +50,9 @@ pub(crate) struct Scanner {
     largest: Vec<f64>,
     /// The same in the step that was scanned last.
     size: Vec<f64>,
-    /// Events of other phases are not looked at.
+    /// Events of other phases, and ignored ones, are not looked at.
     asleep: Vec<bool>,
+    ignored: Vec<bool>,
     certifier: Certifier,
     /// Samples to begin with.
     grid: Vec<Sample>,
@@ -101,6 +102,7 @@ impl Scanner {
             largest: vec![0.0; functions],
             size: vec![0.0; functions],
             asleep: vec![false; functions],
+            ignored: vec![false; functions],
             certifier: Certifier::default(),
             grid: Vec::new(),
             start: Vec::with_capacity(functions),
@@ -155,9 +157,15 @@ impl Scanner {
     /// Takes note of which events count in the phase in force.
     pub fn activate<S: System + ?Sized>(&mut self, system: &S) {
         let phase = system.phase() as u32;
-        for (asleep, event) in self.asleep.iter_mut().zip(system.description().events.iter()) {
-            *asleep = event.phases.as_ref().is_some_and(|phases| !phases.contains(&phase));
+        let events = system.description().events.iter().zip(&self.ignored);
+        for (asleep, (event, ignored)) in self.asleep.iter_mut().zip(events) {
+            *asleep = *ignored || event.phases.as_ref().is_some_and(|phases| !phases.contains(&phase));
         }
+    }
+
+    /// Never looks at an event.
+    pub fn ignore(&mut self, event: usize) {
+        self.ignored[event] = true;
     }
 
     /// Whether a function is looked at.

@@ -2,9 +2,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::errors::{end_time, value_list};
 use super::found::{Found, Value};
 use super::newton::Linearised;
-use super::search::{HALVES, MISSED, STEPS, Seeker, value_list};
+use super::search::{HALVES, MISSED, STEPS, Seeker};
 use super::trial::Trial;
 use crate::error::{Error, NotFound};
 use crate::vary::LOOSER;
@@ -21,6 +22,10 @@ pub(super) enum Extreme {
 const MOVE: f64 = 1e-6;
 /// Curvatures below this part of the value, or of the largest curvature, are none: second derivatives are known to five digits.
 const FLAT: f64 = 1e-5;
+/// By what part of itself the gain of a step may differ from what was foretold: the curvature on the way has the same sign as here, as a rule.
+const FORETOLD: f64 = 0.5;
+/// The longest step along a direction that leads to no top, in parts of the unknowns: they at most lose half of themselves.
+const WITHOUT_TOP: f64 = 0.5;
 
 /// The extreme, its gradient and the conditions at some values of the unknowns, in their scales.
 struct Place {
@@ -116,7 +121,8 @@ fn second_derivatives(
     Ok(0.5 * (&hessian + hessian.transpose()))
 }
 
-/// Newton's step on the conditions, and along them one that leads uphill in every direction: g/|λ|.
+/// Newton's step on the conditions, and along them one that leads uphill in every direction: g/|λ|.  A direction that is curved downhill has a
+/// top, and the step leads there however far it is; others have none, and no unknown moves by more than [`WITHOUT_TOP`] along them.
 fn step(now: &Place, hessian: &DMatrix<f64>) -> Step {
     let n = now.gradient.len();
     let linear = Linearised::new(&if now.c.is_empty() { DMatrix::zeros(1, n) } else { now.j.clone() });
@@ -128,18 +134,26 @@ fn step(now: &Place, hessian: &DMatrix<f64>) -> Step {
     let z = DMatrix::from_columns(&free);
     let reduced = (z.transpose() * hessian * &z).symmetric_eigen();
     let slope = z.transpose() * (&now.gradient + hessian * &met);
+    let flat = flat(now, &reduced.eigenvalues);
     let mut along = DVector::zeros(free.len());
     for (k, curvature) in reduced.eigenvalues.iter().enumerate() {
         let direction = reduced.eigenvectors.column(k);
-        along.axpy(direction.dot(&slope) / curvature.abs().max(f64::MIN_POSITIVE), &direction, 1.0);
+        let step = direction.dot(&slope) / curvature.abs().max(f64::MIN_POSITIVE);
+        let has_top = *curvature < -flat;
+        along.axpy(if has_top { step } else { step.clamp(-WITHOUT_TOP, WITHOUT_TOP) }, &direction, 1.0);
     }
-    // No unknown is multiplied by more than two, or loses more than half of itself, in one step.
-    let longest = along.norm();
-    let along = if longest > 0.5 { along * (0.5 / longest) } else { along };
     Step { x: met + z * along, curvatures: reduced.eigenvalues }
 }
 
-/// The first of a step's halves that is better: higher, or nearer to where the gradient vanishes.
+/// Curvatures of this size are none.
+fn flat(now: &Place, curvatures: &DVector<f64>) -> f64 {
+    FLAT * curvatures.iter().fold(now.value.abs(), |most, x| most.max(x.abs()))
+}
+
+/// The first of a step's halves whose gain the slopes and the curvature foretold to within [`FORETOLD`] of it; where conditions act, or where the
+/// gain is rounding, after which the next step would be shorter.
+///
+/// Source: Conn, Gould, Toint, Trust-Region Methods (2000), section 6.1, for the test of the gain.
 fn shortened(
     seeker: &mut Seeker,
     values: &[f64],
@@ -148,18 +162,23 @@ fn shortened(
     scales: &[f64],
 ) -> Option<(Vec<f64>, Place)> {
     let mut part = 1.0;
+    (seeker.fault, seeker.other_event) = (None, None);
+    let rounding = seeker.source.settings.tolerance * now.trial.size(column).max(now.value.abs());
     for _ in 0..HALVES {
+        let way = part * &taken.x;
         let next: Vec<f64> =
-            values.iter().zip(scales).zip(taken.x.iter()).map(|((x, scale), step)| x + part * scale * step).collect();
-        if let Ok(trial) = seeker.try_at(&next) {
+            values.iter().zip(scales).zip(way.iter()).map(|((x, scale), step)| x + scale * step).collect();
+        if let Ok(trial) = seeker.try_at(&next)
+            && trial.varied.agrees(&now.trial.varied)
+        {
             let tried = place(seeker, trial, column, sign, scales);
-            let again = step(&tried, hessian).x.norm();
-            if !tried.trial.varied.agrees(&now.trial.varied) {
-                part *= 0.5;
-                continue;
-            }
-            let higher = now.c.is_empty() && tried.value > now.value;
-            if higher || again <= (1.0 - 0.5 * part) * taken.x.norm() {
+            let (gain, foretold) = (tried.value - now.value, now.gradient.dot(&way) + 0.5 * (hessian * &way).dot(&way));
+            let better = if now.c.is_empty() && foretold > rounding {
+                (gain - foretold).abs() <= FORETOLD * foretold
+            } else {
+                step(&tried, hessian).x.norm() <= (1.0 - 0.5 * part) * taken.x.norm()
+            };
+            if better {
                 return Some((next, tried));
             }
         }
@@ -179,33 +198,37 @@ fn finish(
         let residuals = seeker.residuals(&now.trial);
         return Err(NotFound::Contradictory { residuals, values: seeker.named(&values) }.into());
     }
-    let largest = step.curvatures.iter().fold(now.value.abs(), |most, x| most.max(x.abs()));
-    if step.curvatures.iter().any(|curvature| *curvature > -FLAT * largest) {
+    let flat = flat(&now, &step.curvatures);
+    if step.curvatures.iter().any(|curvature| *curvature > -flat) {
         return Err(NotFound::NoExtreme { name: name.to_owned(), values: seeker.named(&values) }.into());
     }
     // A run at a looser tolerance has its gradient vanish elsewhere.
     seeker.runs += 1;
     let looser = LOOSER * seeker.source.settings.tolerance;
     let rough = seeker.source.try_with(&values, looser).ok();
-    let (errors, end_error) = match rough {
+    let (errors, end_error, later) = match rough {
         Some(rough) => {
+            let later = seeker.end_difference(&now.trial, &rough);
             let rough = place(seeker, rough, column, sign, scales);
             let moved = &rough.gradient - &now.gradient;
             let least = step.curvatures.iter().fold(f64::INFINITY, |least, x| least.min(x.abs()));
             let error = moved.norm() / least + step.x.norm();
-            (scales.iter().map(|scale| scale * error).collect(), (rough.value - now.value).abs())
+            (scales.iter().map(|scale| scale * error).collect::<Vec<f64>>(), (rough.value - now.value).abs(), later)
         }
-        None => (vec![f64::NAN; scales.len()], f64::NAN),
+        None => (vec![f64::NAN; scales.len()], f64::NAN, f64::NAN),
     };
+    let end = end_time(&now.trial, later + seeker.end_error(&now.trial, &errors));
     let reached = Value { name: name.to_owned(), value: sign * now.value, error: end_error };
     Ok(Found {
         values: value_list(&seeker.names, &values, &errors),
         reached: vec![reached],
+        end_time: end,
         run: now.trial.varied.run,
         steps,
         runs: seeker.runs,
         free: Vec::new(),
         multiplicity: 1,
+        multiple_in: Vec::new(),
         fit: None,
     })
 }

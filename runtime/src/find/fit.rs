@@ -57,7 +57,7 @@ pub(super) fn fit(seeker: &mut Seeker, guess: &[f64], record: &Record, places: &
         let direction = seeker.names.iter().cloned().zip(direction.iter().copied()).collect();
         return Err(NotFound::NotIdentified { direction }.into());
     }
-    let errors = seeker.errors(&solution, &scales, &equations);
+    let errors = seeker.errors(&solution, &scales, None, &equations);
     let (count, unknowns) = (solution.equations.r.len(), guess.len());
     let freedoms = count - unknowns;
     let variance = solution.equations.r.norm_squared() / freedoms as f64;

@@ -11,6 +11,8 @@ pub struct Found {
     pub values: Vec<Value>,
     /// What the conditions, and what is largest or smallest, come to.
     pub reached: Vec<Value>,
+    /// Where the motion ends, s.
+    pub end_time: Value,
     /// The motion.
     pub run: Run,
     /// Newton steps that were taken.
@@ -20,9 +22,11 @@ pub struct Found {
     /// Directions in which nothing that is wanted changes: by how much of itself each unknown moves.  The nearest solution to the guess was
     /// taken.
     pub free: Vec<Vec<(String, f64)>>,
-    /// Where steps became shorter by no more than a half (two thirds) each time, 2 (3): the root is a double (triple) one, and half (a third) of
-    /// the digits hold.
+    /// The order m of the root: what is wanted changes like the m-th power of the distance along some direction, and one m-th of the digits
+    /// hold; 1 of a simple root.
     pub multiplicity: usize,
+    /// The unknowns that have so few digits.
+    pub multiple_in: Vec<String>,
     /// How well a record determines the values, where there was one.
     pub fit: Option<Fit>,
 }

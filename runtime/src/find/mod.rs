@@ -4,11 +4,14 @@
 //! 2. A trial is a run with its slopes: look in `trial.rs`.
 //! 3. Conditions are met, and records followed, by shortest Gauss-Newton steps: look in `newton.rs`; largest and smallest values are found
 //!    by Newton's steps on exact gradients: `extreme.rs`.
-//! 4. What is found: `found.rs`; how well a record determines it: `fit.rs`.
+//! 4. Where slopes vanish at a root, fewer digits hold: `multiple.rs`; how many hold at all: `errors.rs`.
+//! 5. What is found: `found.rs`; how well a record determines it: `fit.rs`.
 
+mod errors;
 mod extreme;
 mod fit;
 mod found;
+mod multiple;
 mod newton;
 mod search;
 mod trial;

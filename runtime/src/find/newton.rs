@@ -7,6 +7,7 @@ use nalgebra::{DMatrix, DVector};
 const GAP: f64 = 1e-6;
 
 /// A linearised system in scaled unknowns, J x = −r, by its singular values.
+#[derive(Clone)]
 pub(crate) struct Linearised {
     u: DMatrix<f64>,
     sigma: DVector<f64>,
@@ -41,6 +42,34 @@ impl Linearised {
     pub fn with_free(mut self, count: usize) -> Linearised {
         self.rank = self.sigma.len().saturating_sub(count);
         self
+    }
+
+    /// With so many directions at least: those that changed something at other values do not stop to at a root.
+    pub fn at_least(mut self, rank: usize) -> Linearised {
+        let nonzero = self.sigma.iter().filter(|sigma| **sigma > 0.0).count();
+        self.rank = self.rank.max(rank.min(nonzero));
+        self
+    }
+
+    /// How many directions change something.
+    pub fn rank(&self) -> usize {
+        self.rank
+    }
+
+    /// The largest singular value; 0 of none.
+    pub fn strongest(&self) -> f64 {
+        self.sigma.iter().copied().next().unwrap_or(0.0)
+    }
+
+    /// The smallest singular value that counts, u σ vᵀ.
+    pub fn weakest(&self) -> Option<(DVector<f64>, f64, DVector<f64>)> {
+        let k = self.rank.checked_sub(1)?;
+        Some((self.u.column(k).into_owned(), self.sigma[k], self.v.column(k).into_owned()))
+    }
+
+    /// Without that direction.
+    pub fn without_weakest(&self) -> Linearised {
+        Linearised { rank: self.rank.saturating_sub(1), ..self.clone() }
     }
 
     /// The shortest x for which |J x + r| is least.

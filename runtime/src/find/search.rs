@@ -2,15 +2,17 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::errors::{Errors, end_time, value_list};
 use super::extreme::{self, Extreme};
 use super::fit::{self, Record};
 use super::found::{Found, Value};
+use super::multiple::MultipleRoot;
 use super::newton::Linearised;
 use super::trial::{Sought, Source, Trial};
-use crate::error::{Error, NotFound};
+use crate::error::{Error, NoSlopes, NotFound};
 use crate::mechanism::System;
 use crate::simulate::{Origin, Settings, Simulation};
-use crate::vary::{LOOSER, Unknown, Varied, named, unknown};
+use crate::vary::{Unknown, Varied, named, unknown};
 
 /// A search that is being described.
 ///
@@ -49,7 +51,8 @@ const LEAST: f64 = 1e-14;
 /// Conditions that are missed by this part of what is wanted of them, or of what the motion makes of them, are not met: the
 /// steps end where rounding does, some six decades below.
 pub(super) const MISSED: f64 = 1e-7;
-/// Steps that become shorter by this factor or less each time do not converge like those to a simple root; so many in a row tell.
+/// Steps that become shorter by this factor or less each time do not converge like those to a simple root; so many in a row tell.  They end
+/// where what is left is no more than the tolerance of the runs.
 const SLOW: f64 = 0.3;
 const IN_A_ROW: usize = 4;
 
@@ -86,6 +89,16 @@ impl Search {
     /// A record that the motion is to follow as well as it can, by least squares.
     pub fn fit(mut self, record: Record) -> Self {
         self.record = Some(record);
+        self
+    }
+
+    /// Lets an event do nothing: it is not located, and not recorded.
+    pub fn ignore(mut self, event: &str) -> Self {
+        if let Ok((system, settings, _)) = &mut self.described
+            && let Err(error) = settings.ignore(system.description(), event)
+        {
+            self.described = Err(error);
+        }
         self
     }
 
@@ -128,7 +141,7 @@ impl Search {
                 |(sought, (name, _))| if let Sought::Of(of) = sought { Some((name.clone(), *of)) } else { None },
             )
             .collect();
-        let mut seeker = Seeker { source, names, conditions, runs: 0 };
+        let mut seeker = Seeker { source, names, conditions, runs: 0, fault: None, other_event: None };
         let found = match (extreme, self.record) {
             (_, Some(record)) => {
                 let places =
@@ -155,6 +168,10 @@ pub(super) struct Seeker {
     pub names: Vec<String>,
     pub conditions: Vec<Condition>,
     pub runs: usize,
+    /// Why the last trial that failed has no slopes.
+    pub fault: Option<Box<NoSlopes>>,
+    /// An event by which trials differ from what they start from.
+    pub other_event: Option<String>,
 }
 
 /// A system of equations at some values of the unknowns, in their scales and its own.
@@ -170,15 +187,6 @@ pub(super) struct Solution {
     pub equations: Equations,
     pub linear: Linearised,
     pub steps: usize,
-    /// The size of the last step.
-    pub last: f64,
-    pub multiplicity: usize,
-}
-
-/// How far unknowns, and what conditions come to, may be off.
-pub(super) struct Errors {
-    values: Vec<f64>,
-    reached: Vec<f64>,
 }
 
 impl Seeker {
@@ -192,7 +200,11 @@ impl Seeker {
     /// Runs at these values.
     pub fn try_at(&mut self, values: &[f64]) -> Result<Trial, Error> {
         self.runs += 1;
-        self.source.try_at(values)
+        let tried = self.source.try_at(values);
+        if let Err(Error::NoSlopes(why)) = &tried {
+            self.fault = Some(why.clone());
+        }
+        tried
     }
 
     /// c = value − wanted of all conditions, in units of what is wanted or of what the motion makes of them, with the slopes.
@@ -222,10 +234,18 @@ impl Seeker {
         let solution = self.newton(guess, &scales, &equations)?;
         let residuals = self.residuals(&solution.equations.trial);
         if solution.equations.r.iter().any(|r| r.abs() > MISSED) {
+            if solution.linear.rank() == self.conditions.len() {
+                return Err(self.stuck(&solution.equations.trial, &solution.values).into());
+            }
             return Err(NotFound::Contradictory { residuals, values: self.named(&solution.values) }.into());
         }
-        let errors = self.errors(&solution, &scales, &equations);
-        Ok(self.found(solution, errors))
+        let multiple = MultipleRoot::at(self, &solution, &scales, &equations);
+        let errors = self.errors(&solution, &scales, multiple.as_ref(), &equations);
+        let found = self.found(solution, errors);
+        Ok(match multiple {
+            Some(root) => Found { multiplicity: root.order, multiple_in: root.unknowns(&self.names), ..found },
+            None => found,
+        })
     }
 
     /// Shortest Gauss-Newton steps, shortened until the next one would be shorter.
@@ -238,26 +258,27 @@ impl Seeker {
         let mut values = guess.to_vec();
         let first = self.try_at(&values)?;
         let mut now = equations(self, first, scales);
-        let (mut before, mut slow) = (f64::INFINITY, 0);
+        let tolerance = self.source.settings.tolerance;
+        let (mut before, mut slow, mut rank) = (f64::INFINITY, 0, 0);
         for steps in 0..STEPS {
-            let linear = Linearised::new(&now.j);
+            let linear = Linearised::new(&now.j).at_least(rank);
+            rank = linear.rank();
             let step = linear.step(&now.r);
             let size = step.norm();
             if !size.is_finite() {
                 return Err(self.stuck(&now.trial, &values).into());
             }
-            let stagnates = size < self.source.settings.tolerance.sqrt() && size > 0.5 * before && slow < IN_A_ROW;
+            let stagnates = size < tolerance.sqrt() && size > 0.5 * before && slow < IN_A_ROW;
             slow = if size > SLOW * before && size < before { slow + 1 } else { 0 };
-            // Steps to a multiple root become shorter by 1/2, 2/3, …
-            let multiplicity = if slow >= IN_A_ROW { (1.0 / (1.0 - size / before)).round() as usize } else { 1 };
-            if size <= LEAST || stagnates {
-                return Ok(Solution { values, equations: now, linear, steps, last: size, multiplicity });
+            let rounding = now.r.amax() <= tolerance;
+            if size <= LEAST || stagnates || slow >= IN_A_ROW && rounding {
+                return Ok(Solution { values, equations: now, linear, steps });
             }
             let taken = self.shortened(&values, scales, (&linear, &step, &now.trial.varied), equations);
             let Some((next, tried)) = taken else {
                 // Where a whole step changes nothing any more, rounding is all that is left of it.
-                if size <= self.source.settings.tolerance.sqrt() {
-                    return Ok(Solution { values, equations: now, linear, steps, last: size, multiplicity });
+                if size <= tolerance.sqrt() || rounding {
+                    return Ok(Solution { values, equations: now, linear, steps });
                 }
                 return Err(self.stuck(&now.trial, &values).into());
             };
@@ -277,11 +298,13 @@ impl Seeker {
         equations: &dyn Fn(&Seeker, Trial, &[f64]) -> Equations,
     ) -> Option<(Vec<f64>, Equations)> {
         let (mut part, mut otherwise) = (1.0, None);
+        (self.fault, self.other_event) = (None, None);
         for _ in 0..HALVES {
             let next: Vec<f64> =
                 values.iter().zip(scales).zip(step.iter()).map(|((x, scale), step)| x + part * scale * step).collect();
             if let Ok(trial) = self.try_at(&next) {
                 let same = trial.varied.agrees(now);
+                self.other_event = now.differs_by(&trial.varied).or(self.other_event.take());
                 let tried = equations(self, trial, scales);
                 let again = linear.step(&tried.r).norm();
                 if again <= (1.0 - 0.5 * part) * step.norm() {
@@ -296,32 +319,6 @@ impl Seeker {
         otherwise
     }
 
-    /// What a run at a looser tolerance would have the unknowns be otherwise, and the last step; and how far its conditions are off.
-    pub fn errors(
-        &mut self,
-        solution: &Solution,
-        scales: &[f64],
-        equations: &dyn Fn(&Seeker, Trial, &[f64]) -> Equations,
-    ) -> Errors {
-        self.runs += 1;
-        let looser = self.source.try_with(&solution.values, LOOSER * self.source.settings.tolerance);
-        let Ok(rough) = looser else {
-            let unknown = |count| vec![f64::NAN; count];
-            return Errors { values: unknown(scales.len()), reached: unknown(self.conditions.len()) };
-        };
-        let ends = [solution.equations.trial.end(), rough.end()].map(|end| end.map_or(&[][..], |end| &end.values));
-        let off = |condition: &Condition| match ends.map(|values| values.get(condition.column)) {
-            [Some(fine), Some(rough)] => (fine - rough).abs(),
-            _ => f64::NAN,
-        };
-        let reached = self.conditions.iter().map(off).collect();
-        let rough = equations(self, rough, scales);
-        let moved = solution.linear.step(&rough.r) - solution.linear.step(&solution.equations.r);
-        let last = if solution.multiplicity > 1 { solution.multiplicity as f64 * solution.last } else { solution.last };
-        let values = moved.iter().zip(scales).map(|(moved, scale)| (moved.abs() + last) * scale).collect();
-        Errors { values, reached }
-    }
-
     /// What the conditions are missed by.
     pub fn residuals(&self, trial: &Trial) -> Vec<(String, f64)> {
         let end = trial.end();
@@ -334,12 +331,17 @@ impl Seeker {
     }
 
     pub fn stuck(&self, trial: &Trial, values: &[f64]) -> NotFound {
-        NotFound::Stuck { residuals: self.residuals(trial), values: self.named(values) }
+        NotFound::Stuck {
+            residuals: self.residuals(trial),
+            values: self.named(values),
+            why: self.fault.clone(),
+            event: self.other_event.clone(),
+        }
     }
 
     /// What is told of a solution.
     pub fn found(&self, solution: Solution, errors: Errors) -> Found {
-        let Solution { values, equations, linear, steps, multiplicity, .. } = solution;
+        let Solution { values, equations, linear, steps } = solution;
         let named = |direction: DVector<f64>| self.names.iter().cloned().zip(direction.iter().copied()).collect();
         let end = equations.trial.end();
         let reached = self.conditions.iter().zip(&errors.reached).map(|(condition, error)| Value {
@@ -351,19 +353,15 @@ impl Seeker {
             values: value_list(&self.names, &values, &errors.values),
             reached: reached.collect(),
             free: linear.free().into_iter().map(named).collect(),
+            end_time: end_time(&equations.trial, errors.end),
             run: equations.trial.varied.run,
             steps,
             runs: self.runs,
-            multiplicity,
+            multiplicity: 1,
+            multiple_in: Vec::new(),
             fit: None,
         }
     }
-}
-
-/// Values with their names and errors.
-pub(super) fn value_list(names: &[String], values: &[f64], errors: &[f64]) -> Vec<Value> {
-    let list = names.iter().zip(values).zip(errors);
-    list.map(|((name, value), error)| Value { name: name.clone(), value: *value, error: *error }).collect()
 }
 
 impl Condition {

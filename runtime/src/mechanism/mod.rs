@@ -43,7 +43,7 @@ pub use singular::{Singular, SingularMass};
 pub(crate) use slopes::AccelerationSlopes;
 #[doc(hidden)]
 pub use solve::solve_packed;
-pub(crate) use solve::solve_packed_slice;
+pub(crate) use solve::{factor_packed, solve_packed_slice, substitute_back, substitute_forward};
 pub(crate) use subsystem::OfPart;
 pub use system::{Along, Function, Signal, System};
 pub use table::Table;

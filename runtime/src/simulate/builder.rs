@@ -215,6 +215,14 @@ impl<S: System> Simulation<S> {
         self
     }
 
+    /// Lets an event do nothing: it is not located, and not recorded.
+    pub fn ignore(mut self, event: &str) -> Self {
+        match self.settings.ignore(self.system.description(), event) {
+            Ok(()) => self,
+            Err(error) => self.fail(error),
+        }
+    }
+
     /// Changes settings that have no word of their own.
     pub fn with(mut self, change: impl FnOnce(&mut Settings)) -> Self {
         change(&mut self.settings);

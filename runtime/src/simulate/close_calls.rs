@@ -20,8 +20,8 @@ struct Look<'a> {
 }
 
 /// Warnings of events that are nearer to the end than the error of the last state, or turn back nearer to zero than theirs.
-pub(super) fn close_calls(system: &dyn System, run: &Run, digits: &Digits) -> Vec<Warning> {
-    let events = system.description().events.iter().enumerate();
+pub(super) fn close_calls(system: &dyn System, run: &Run, digits: &Digits, ignored: &[usize]) -> Vec<Warning> {
+    let events = system.description().events.iter().enumerate().filter(|(index, _)| !ignored.contains(index));
     let told = events.flat_map(|(index, event)| {
         let look = Look { system, run, digits, event: index };
         let near_end = look.is_near_end().then(|| Warning::EventNearEnd { event: event.name.to_string() });

@@ -106,7 +106,7 @@ pub(crate) fn estimate_global_error(
     }
     if other.phases.last() == run.phases.last() {
         look_around_end(system, run, &mut digits);
-        run.warnings.extend(close_calls(system, run, &digits));
+        run.warnings.extend(close_calls(system, run, &digits, &settings.ignored_events));
     }
     // How many of infinitely many impacts are followed one by one says nothing.
     let accumulates = run.warnings.iter().any(|warning| matches!(warning, Warning::ImpactsAccumulate { .. }));

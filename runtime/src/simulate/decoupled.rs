@@ -24,7 +24,9 @@ pub(super) fn parts(system: &dyn System, settings: &Settings) -> Result<Vec<Part
     settings.check(description)?;
     let replaced = (0..description.inputs.len()).any(|input| system.signal(input).is_some());
     let chosen = settings.method != Method::Auto || settings.step.is_some();
-    if !settings.apart || chosen || replaced || system.derivation().is_some() || !settings.start_conditions.is_empty() {
+    // Parts count their own events only.
+    let whole = !settings.start_conditions.is_empty() || !settings.ignored_events.is_empty();
+    if !settings.apart || chosen || replaced || system.derivation().is_some() || whole {
         return Ok(Vec::new());
     }
     let part = |index: usize| {

@@ -150,6 +150,7 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
         .decorrelate_steps(settings.decorrelate_steps)
         .following(settings.followed.clone())
         .ending_after(settings.ends_after)
+        .ignoring(settings.ignored_events.clone())
         .projecting(settings.projects());
     if settings.stabilisation == (Stabilisation::Baumgarte { alpha: None }) && settings.step.is_none() {
         integration = integration.finding_gain();
@@ -158,7 +159,8 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     let outcome = met
         .and_then(|()| integration.begin(system, settings.until))
         .and(settings.attainable())
-        .and_then(|()| positive_inertia(system, settings.from, &y));
+        .and_then(|()| positive_inertia(system, settings.from, &y))
+        .and_then(|()| constrain::possible_restitutions(system, &settings.ignored_events));
     let step = match &outcome {
         Ok(()) if finds_step && settings.until > settings.from => {
             Some(integration.find_step(system, method, &units, longest))

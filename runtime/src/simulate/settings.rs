@@ -66,6 +66,8 @@ pub struct Settings {
     /// Whether decoupled subsystems of the mechanism are run apart, each with the method and the steps that suit it, where
     /// the method is `auto` and no step is given (on unless said otherwise); see [`Run::parts`](crate::Run::parts).
     pub apart: bool,
+    /// Events that do nothing and are not recorded, by their places; none unless said otherwise.
+    pub ignored_events: Vec<usize>,
     /// How constraints are enforced.
     pub enforcement: Enforcement,
     /// What is done about errors by which the motion leaves its constraints; nothing where springs stand for them.
@@ -107,6 +109,7 @@ impl Settings {
             watch: true,
             digits: false,
             apart: true,
+            ignored_events: Vec::new(),
             enforcement: Enforcement::default(),
             stabilisation: Stabilisation::default(),
             decorrelate_steps: false,
@@ -119,6 +122,21 @@ impl Settings {
 
     /// Tolerances below this one, about 100 unit round-offs, are raised to it, with a warning.
     pub const TIGHTEST: f64 = 1e-14;
+
+    /// Lets the event of this name do nothing.
+    ///
+    /// # Errors
+    /// [`Error::UnknownName`].
+    pub fn ignore(&mut self, mechanism: &Description, event: &str) -> Result<(), Error> {
+        match mechanism.events.iter().position(|known| known.name == event) {
+            Some(place) => self.ignored_events.push(place),
+            None => {
+                let known = mechanism.events.iter().map(|event| event.name.to_string()).collect();
+                return Err(Error::UnknownName { kind: "event", name: event.to_owned(), known });
+            }
+        }
+        Ok(())
+    }
 
     /// Spacing of reported states, s.
     pub(super) fn spacing(&self) -> f64 {
@@ -162,6 +180,10 @@ impl Settings {
         if self.phase >= phases {
             let expected = "the place of one of the phases";
             return Err(Error::BadSetting { setting: "phase", value: self.phase as f64, expected });
+        }
+        if let Some(event) = self.ignored_events.iter().find(|event| **event >= mechanism.events.len()) {
+            let expected = "the places of events";
+            return Err(Error::BadSetting { setting: "ignored_events", value: *event as f64, expected });
         }
         let positive = |setting, value: Option<f64>| match value {
             Some(value) if !(value > 0.0 && value.is_finite()) => {

@@ -105,8 +105,8 @@ fn piece(
 /// Errors of [q, δq …, q', δq' …] that count as none: y, and a column p ∂y/∂p, is known to [`BESIDE`] of the tolerance beside the range of
 /// what has y's unit, so that what is 0 but for rounding is no reason for short steps.
 fn floors(run: &Run, columns: &[Column], tolerance: f64) -> Vec<f64> {
-    let width = columns.first().map_or(0, |column| column.y.len());
-    let (n, coordinates) = (width / 2, &run.description.coordinates);
+    let coordinates = &run.description.coordinates;
+    let (n, width) = (coordinates.len(), 2 * coordinates.len());
     let ranges: Vec<f64> = (0..width).map(|i| range(run, width, i)).collect();
     let alike = |i: usize| {
         let same = (0..n).filter(|k| coordinates[*k].unit == coordinates[i % n].unit);
@@ -169,10 +169,16 @@ impl Steps {
         way: &Way<'_>,
     ) -> Result<Steps, NoSlopes> {
         let tolerance = Box::new(Tolerance::new(way.tolerance, varied.description(), y).at_least(floors));
-        let policy = StepPolicy::Adaptive { tolerance, longest: f64::INFINITY };
-        let plan = Plan::quiet(until, until - t, Method::Dop853);
-        let integration = Integration::new(Method::Dop853, policy, t, y, false).limit(way.max_steps);
-        let mut integration = integration.following(Followed::new(&run.step_ends, 1.0));
+        let method = method(run, varied);
+        let policy = match method {
+            // Columns of parabolas are parabolas.
+            Method::Verlet => StepPolicy::Fixed(until - t),
+            _ => StepPolicy::Adaptive { tolerance, longest: f64::INFINITY },
+        };
+        let plan = Plan::quiet(until, until - t, method);
+        let integration = Integration::new(method, policy, t, y, false).limit(way.max_steps);
+        let followed = Followed::new(&run.step_ends, 1.0);
+        let mut integration = integration.following(if method == Method::Verlet { None } else { followed });
         integration.begin(varied, until).map_err(|cause| NoSlopes::Fault { t, cause: *cause })?;
         let recorder = Recorder::new(&plan, varied, t, integration.state());
         Ok(Steps { integration, recorder, until })
@@ -195,6 +201,17 @@ impl Steps {
 
     fn state(&self) -> &[f64] {
         self.integration.state().y
+    }
+}
+
+/// How columns are integrated: as the run was, where the method asks of the equations what columns have if the motion has it, constant
+/// accelerations (`verlet`) or ones without speeds (`rkn8`); else by `dop853`.
+fn method(run: &Run, varied: &Variational) -> Method {
+    let structure = &run.description.structure;
+    match run.method {
+        Method::Verlet if structure.uniformly_accelerated && !varied.is_constrained() => Method::Verlet,
+        Method::Rkn8 => Method::Rkn8,
+        _ => Method::Dop853,
     }
 }
 

@@ -316,6 +316,17 @@ impl Varied {
         ways[0] == ways[1] && self.points.len() == other.points.len()
     }
 
+    /// The first event of this run that another one does not have at its place, or else has instead of it.
+    pub fn differs_by(&self, other: &Varied) -> Option<String> {
+        let [own, others] = [self, other].map(|varied| {
+            let passed = varied.run.junctions.iter().flat_map(|junction| &junction.events);
+            passed.chain(&varied.run.ended_by).copied().collect::<Vec<usize>>()
+        });
+        let same = own.iter().zip(&others).take_while(|(own, other)| own == other).count();
+        let event = own.get(same).or_else(|| others.get(same))?;
+        self.run.description.events.get(*event).map(|event| event.name.to_string())
+    }
+
     /// The largest sizes of [q; q'] and of the outputs, of those that are finite.
     fn largest(&self) -> Vec<f64> {
         let Some(point) = self.points.last() else { return Vec::new() };

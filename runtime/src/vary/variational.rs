@@ -6,7 +6,7 @@ use super::response::Response;
 use crate::mechanism::{Along, At, Coordinate, Description, Energy, List, Scene, Singular, Structure, System};
 
 /// A mechanism with columns δq, which change its motion to first order: q'' = a(t, q, q', p), and for each column
-/// δq'' = ∂a/∂q δq + ∂a/∂q' δq' + ∂a/∂p δp.
+/// δq'' = ∂a/∂q δq + ∂a/∂q' δq' + ∂a/∂p δp.  One factorisation and one pair of Jacobians do for all columns at a state.
 ///
 /// Coordinates are q, then one column after the other.  It has no events, switches and constraints of its own: the equations are those of
 /// one smooth piece of the motion, constraints included.
@@ -63,12 +63,13 @@ impl System for Variational {
         let mut room = self.room.lock().unwrap_or_else(PoisonError::into_inner);
         let here = At::new(at.t, &at.q[..n], &at.v[..n]);
         room.stand(&*self.base, here)?;
+        room.take_jacobians(&*self.base, here);
         a[..n].copy_from_slice(&room.a);
         for (k, parameter) in self.columns.iter().enumerate() {
             let column = n * (k + 1)..n * (k + 2);
             let along =
                 Along { q: &at.q[column.clone()], v: &at.v[column.clone()], parameter: *parameter, ..Along::default() };
-            room.along(&*self.base, here, &along)?;
+            room.column(&*self.base, here, &along)?;
             a[column].copy_from_slice(&room.da);
         }
         Ok(())

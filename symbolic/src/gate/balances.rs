@@ -9,7 +9,7 @@ use super::causes::cause;
 use super::motion::Motion;
 use super::report::Agreement;
 use super::results;
-use super::state::{State, describe, reproduce};
+use super::state::{State, describe};
 use super::system::{Assembled, Row, evaluate};
 use crate::derive::momentum::Momentum;
 use crate::diagnose::Problem;
@@ -177,10 +177,9 @@ fn disagreement(
     let in_terms: Vec<Vec<Row>> = evaluate(&mut graph, &finer, &linear.unknowns, states);
     let in_parts: Vec<Vec<Row>> = evaluate(&mut graph, system, &linear.unknowns, states);
     let help = cause(model, &finer, system, balance, (&in_terms, &in_parts), states, gate);
-    let reproduce = reproduce(model, state).map_or(String::new(), |options| format!("; try `simulate{options}`"));
     let label = &system.balances[balance].label;
     let off = found.relative;
-    let worst = format!("{label} is off by {off:.1e} of its terms, at {}{reproduce}", describe(model, state));
+    let worst = format!("{label} is off by {off:.1e} of its terms, at {}", describe(model, state));
     let solution = assembled.solution().unwrap_or_default();
     let gap = |i: &usize| {
         let (x, y) = (solution[*i].value.to_f64(), state.a[*i].value.to_f64());

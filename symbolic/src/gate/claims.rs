@@ -4,7 +4,7 @@ use super::Gate;
 use super::effects::effects;
 use super::explain::{Evidence, Explanation, explain};
 use super::potential::Conservative;
-use super::state::{State, describe, reproduce};
+use super::state::{State, describe};
 use super::states::States;
 use crate::derive::{Equations, Switch, SwitchKind, introduce, rates};
 use crate::diagnose::Problem;
@@ -80,16 +80,10 @@ impl Change {
                 };
                 let (rate, terms) = (self.rate.value.to_f64(), self.rate.magnitude);
                 let by = format!("{component}{rate:.6e} where its terms change at up to {terms:.3e}");
-                verdicts::not_conserved(place, name, by, where_found(model, &states[self.state]))
+                verdicts::not_conserved(place, name, by, describe(model, &states[self.state]))
             }
         }
     }
-}
-
-/// A state, and how to come back to it.
-fn where_found(model: &Model, state: &State) -> String {
-    let again = reproduce(model, state).map_or(String::new(), |options| format!("; try `simulate{options}`"));
-    format!("{}{again}", describe(model, state))
 }
 
 /// An error for an invariant that jumps where a discontinuity is met, with positions and speeds as they are.
@@ -188,7 +182,7 @@ pub(super) fn identity(model: &Model, check: &Check, states: &States, gate: Gate
             let own = left.magnitude + right.magnitude;
             if !gate.agrees(difference, own, largest) {
                 let by = format!("{difference:.6e}, {:.9e} against {:.9e}", left.value.to_f64(), right.value.to_f64());
-                let at = where_found(model, state);
+                let at = describe(model, state);
                 return Err(Box::new(verdicts::check_fails(check.place.clone(), &check.name, by, at)));
             }
             if difference > 0.0 {

@@ -136,24 +136,3 @@ pub(super) fn describe(model: &Model, state: &State) -> String {
 fn short(x: f64) -> String {
     if x == 0.0 || (1e-3..1e5).contains(&x.abs()) { format!("{x:.4}") } else { format!("{x:.4e}") }
 }
-
-/// Options of `simulate` and `check` that start in this state: `--set m=1.1 --start theta=0.3 --start "theta'=-2"`.
-pub(super) fn reproduce(model: &Model, state: &State) -> Option<String> {
-    if model.coordinates.len() > SHOWN || model.parameters.len() > SHOWN {
-        return None;
-    }
-    let mut words = String::new();
-    for (p, x) in model.parameters.iter().zip(&state.parameters) {
-        let _ = write!(words, " --set {}={x}", quoted(&p.name));
-    }
-    for (k, c) in model.coordinates.iter().enumerate() {
-        let (q, v) = (state.q[k].to_f64(), state.v[k].to_f64());
-        let _ = write!(words, " --start {}={q} --start \"{}'={v}\"", quoted(&c.name), c.name);
-    }
-    Some(words)
-}
-
-/// Indexed names need quotes in a shell.
-fn quoted(name: &str) -> String {
-    if name.contains('[') { format!("'{name}'") } else { name.to_owned() }
-}

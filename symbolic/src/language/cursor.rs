@@ -148,8 +148,11 @@ impl<'a> Parser<'a> {
 /// "did you mean `2*x`?"
 fn product(left: Token<'_>, right: Token<'_>) -> String {
     if left.kind == Kind::Number && right.kind == Kind::Name && super::parse_unit(right.text).is_ok() {
-        return "a unit follows only a value that stands alone: name the quantity in `parameters`; a product needs `*`"
-            .to_owned();
+        let radians = in_radians(left.text).filter(|_| right.text == "deg");
+        let radians = radians.map_or_else(String::new, |radians| format!("write `{radians}`, or "));
+        return format!(
+            "a unit follows only a value that stands alone: {radians}name the quantity in `parameters`; a product needs `*`"
+        );
     }
     let right_text = match right.kind {
         Kind::Open => "(…)".to_owned(),
@@ -160,6 +163,16 @@ fn product(left: Token<'_>, right: Token<'_>) -> String {
         Kind::Number | Kind::Name => format!("did you mean `{}*{right_text}`?", shorten(left.text)),
         _ => format!("did you mean `…{}*{right_text}`?", left.text),
     }
+}
+
+/// A number of degrees in radians: `pi/6` of 30, `25*pi/180` of 25.
+fn in_radians(degrees: &str) -> Option<String> {
+    let part = 180.0 / degrees.parse::<f64>().ok()?;
+    Some(match part {
+        1.0 => "pi".to_owned(),
+        part if part > 1.0 && part.fract() == 0.0 => format!("pi/{part}"),
+        _ => format!("{degrees}*pi/180"),
+    })
 }
 
 fn equation_help(at: usize, tokens: &[Token<'_>]) -> &'static str {

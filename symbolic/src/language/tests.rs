@@ -106,6 +106,21 @@ fn messages() {
         ("(a)(b)", "E106 3..4 an operator is missing between `)` and `(` did you mean `…)*(…)`?"),
         ("m g", "E106 2..3 an operator is missing between `m` and `g` did you mean `m*g`?"),
         ("sin x", "E106 4..5 an operator is missing between `sin` and `x` did you mean `sin(x)`?"),
+        (
+            "sin(30 deg)",
+            "E106 7..10 an operator is missing between `30` and `deg` a unit follows only a value that stands alone: write `pi/6`, or name the \
+             quantity in `parameters`; a product needs `*`",
+        ),
+        (
+            "sin(25 deg)",
+            "E106 7..10 an operator is missing between `25` and `deg` a unit follows only a value that stands alone: write `25*pi/180`, or name \
+             the quantity in `parameters`; a product needs `*`",
+        ),
+        (
+            "t - 1 s",
+            "E106 6..7 an operator is missing between `1` and `s` a unit follows only a value that stands alone: name the quantity in \
+             `parameters`; a product needs `*`",
+        ),
         ("sin", "E102 3..3 expected `(` after a function's name, found the end write `sin(…)`"),
         ("a +", "E103 3..3 the expression ends where a value should follow "),
         ("a + * b", "E102 4..5 expected a value, found `*` "),

@@ -359,3 +359,19 @@ fn all_problems_at_once() {
     let codes: Vec<&str> = marked(&text).iter().map(|(code, _)| *code).collect();
     assert_eq!(codes, ["E201", "E410", "E306"]);
 }
+
+/// What follows from a mistake that was told is none of its own: here a frame that cannot be made, and with it the only balance.
+#[test]
+fn balances_that_need_something_mistaken_are_not_counted() {
+    let text = "name: Test
+parameters: {m: 1 kg, l: 1 m, g: 9.81 m/s^2}
+coordinates: {theta: rad}
+frames: {F: {rotate: [[H.z, theta]]}}
+bodies: {bob: {mass: m, position: l*F.x, frame: F, inertia: [1, 1, 1]}}
+points: {pivot: [0, 0, 0]}
+gravity: [0, -g, 0]
+balances: {by_hand: {equations: [{moment: {about: pivot, of: [bob], along: F.z}}]}}
+";
+    assert_eq!(marked(text), [("E201", "H".to_owned())]);
+    assert_eq!(marked(&text.replace("H.z", "z")), []);
+}

@@ -19,7 +19,7 @@ fn with(more: &str) -> String {
     format!(
         "name: Bench
 sizes: {{n: 3}}
-parameters: {{m: 2 kg, l: 50 cm, k: 100 N/m, c: 3 N*s/m, g: 9.81 m/s^2, w: 2 rad/s, mu: 0.3 1, free: 4, \"a[i in 1..n]\": 1 m}}
+parameters: {{m: 2 kg, l: 50 cm, k: 100 N/m, c: 3 N*s/m, g: 9.81 m/s^2, w: 2 rad/s, mu: 0.3 1, free: 4, later: 2 s, \"a[i in 1..n]\": 1 m}}
 coordinates: {{x: m, y: m, phi: rad, u: }}
 inputs: {{base: l*cos(w*t)}}
 points: {{P: \"[x, y]\", O: [0, 1]}}
@@ -41,6 +41,35 @@ fn fits(more: &str) {
 #[track_caller]
 fn refused(more: &str, message: &str) {
     assert_eq!(told(&with(more)), [message], "{more}");
+}
+
+/// The help of the only problem there is, and the file after it was followed.
+#[track_caller]
+fn helped(more: &str, help: &str, followed: &str) {
+    let problems = load(&with(more), &[]).err().unwrap_or_default();
+    assert_eq!(problems.iter().map(|problem| &*problem.help).collect::<Vec<_>>(), [help], "{more}");
+    fits(followed);
+}
+
+#[test]
+fn helps_lead_out() {
+    helped(
+        "define: {d: t - 1}",
+        "a number beside other terms is pure: name it in `parameters` with its unit, `1 s`, and write the name",
+        "define: {d: t - later}",
+    );
+    helped(
+        "define: {d: 2 + x}",
+        "a number beside other terms is pure: name it in `parameters` with its unit, `2 m`, and write the name",
+        "define: {d: l + x}",
+    );
+    helped("define: {d: x + phi}", "", "define: {d: x + l*phi}");
+    let angle = "a number alone fits, or one in `rad` or `deg`";
+    for followed in ["phi: 0", "phi: 30 deg", "phi: 0.5 rad"] {
+        helped("scene: {start: {phi: 0 kg}}", angle, &format!("scene: {{start: {{{followed}}}}}"));
+    }
+    helped("scene: {start: {\"x'\": 2 s}}", "a number alone is in m/s", "scene: {start: {\"x'\": 2}}");
+    helped("scene: {until: 2 m}", "a number alone is in s", "scene: {until: 2}");
 }
 
 #[test]

@@ -260,7 +260,7 @@ scene: {start: {x: 0, x': 1}, until: 2}",
     };
     near(ball(1.0).expect("a motion").last()["x'"], -1.0, 1e-12);
     let Err(Error::Run(failure)) = ball(1.25) else { panic!("a motion") };
-    assert_eq!(failure.cause, Cause::BadRestitution { value: 1.25 });
+    assert_eq!((failure.state.t, failure.cause), (0.0, Cause::BadRestitution { value: 1.25 }));
 }
 
 const BALL: &str = "gravity: [0, -g]

@@ -117,6 +117,11 @@ impl EventLocator {
         }))
     }
 
+    /// Never looks at these events.
+    pub fn ignore(&mut self, events: &[usize]) {
+        events.iter().for_each(|event| self.scanner.ignore(*event));
+    }
+
     /// Chooses the modes at the start of a motion.
     pub fn begin<S: System + ?Sized>(
         &mut self,

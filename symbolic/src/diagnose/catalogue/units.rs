@@ -1,8 +1,8 @@
 //! E241–: units that do not fit.
 
 super::entries! {
-    E241 unlike_terms(left, left_unit, right, right_unit) "a sum of unlike quantities"
-        "`{left}` is {left_unit}, but `{right}` is {right_unit}" "these do not fit" ""
+    E241 unlike_terms(left, left_unit, right, right_unit, help) "a sum of unlike quantities"
+        "`{left}` is {left_unit}, but `{right}` is {right_unit}" "these do not fit" "{help}"
         "Terms of a sum, sides of an equation, components of a vector and arguments of `min`, `max` and `atan2` have one unit. A bare number is pure; 0 fits all. What depends on a name declared without a unit is not checked.";
     E242 wrong_unit(words, found, what, wanted, help) "a quantity of the wrong kind"
         "`{words}` is {found}, but {what} is {wanted}" "{found}" "{help}"

@@ -85,7 +85,8 @@ impl Lower<'_> {
         if let Some(measure) = a.alike(b) {
             return measure;
         }
-        match [left, right].map(|side| is_bare(side, &self.locals)) {
+        let bare = [left, right].map(|side| is_bare(side, &self.locals));
+        match bare {
             [true, false] if self.rules.numbers_fit => return b,
             [false, true] if self.rules.numbers_fit => return a,
             _ => {}
@@ -98,7 +99,13 @@ impl Lower<'_> {
         };
         let words = [left, right].map(|side| self.text.words(side.span).to_owned());
         let [left, other] = words;
-        let problem = units::unlike_terms(self.place(right.span), left, a.described(), other, b.described());
+        // A number in a sum is pure.
+        let help = match bare {
+            [true, false] => with_unit(&left, b),
+            [false, true] => with_unit(&other, a),
+            _ => String::new(),
+        };
+        let problem = units::unlike_terms(self.place(right.span), left, a.described(), other, b.described(), help);
         self.refuse(problem);
         Measure::Unknown
     }
@@ -272,5 +279,15 @@ impl Lower<'_> {
         !self.text.words(of.span).starts_with('(')
             && self.local(name).is_none()
             && (name == "ground" || self.scope.names.get(name).is_some_and(|entry| turns(entry.section)))
+    }
+}
+
+/// How a number gets a unit that stands in a sum.
+fn with_unit(number: &str, unit: Dimension) -> String {
+    match unit {
+        Dimension::ONE => String::new(),
+        unit => format!(
+            "a number beside other terms is pure: name it in `parameters` with its unit, `{number} {unit}`, and write the name"
+        ),
     }
 }

@@ -28,8 +28,7 @@ impl ExprBuilder {
             None => value,
         };
         let bare = quantity.unit.is_none() && is_bare(&quantity.text.ast, locals);
-        let place = quantity.text.place.at(quantity.text.ast.span);
-        self.expect_unit(scope.units.expected(rules.unit), rules.what, bare, &quantity.text.source, &place);
+        self.expect_unit_of(quantity, scope.units.expected(rules.unit), rules.what, bare);
         Some(value)
     }
 
@@ -49,10 +48,21 @@ impl ExprBuilder {
             self.problems.push(units::cycles_for_radians(place, words.trim(), rules.what, help));
         }
         if quantity.unit.is_some() || self.measured != Measure::ONE {
-            let place = quantity.text.place.at(quantity.text.ast.span);
-            self.expect_unit(scope.units.expected(rules.unit), rules.what, false, &quantity.text.source, &place);
+            self.expect_unit_of(quantity, scope.units.expected(rules.unit), rules.what, false);
         }
         Some(value)
+    }
+
+    /// As [`ExprBuilder::expect_unit`] of a value that may have a unit after it.
+    fn expect_unit_of(&mut self, quantity: &Quantity, wanted: Measure, what: &str, bare: bool) {
+        let (place, before) = (quantity.text.place.at(quantity.text.ast.span), self.problems.len());
+        self.expect_unit(wanted, what, bare, &quantity.text.source, &place);
+        if let (Some(problem), Some(_), Measure::Of(wanted)) = (self.problems.get_mut(before), &quantity.unit, wanted) {
+            problem.help = match wanted {
+                Dimension::ONE => "a number alone fits, or one in `rad` or `deg`".to_owned(),
+                wanted => format!("a number alone is in {wanted}"),
+            };
+        }
     }
 
     /// A value with a unit after it, in SI.
@@ -107,7 +117,7 @@ impl ExprBuilder {
         let unit = |measure: Measure| measure.dimension().unwrap_or_default().described();
         let first = texts.first().map_or("", |text| &text.source);
         let place = text.place.at(text.ast.span);
-        let problem = units::unlike_terms(place, first, unit(all), &text.source, unit(self.measured));
+        let problem = units::unlike_terms(place, first, unit(all), &text.source, unit(self.measured), "");
         self.problems.push(problem);
         Measure::Unknown
     }

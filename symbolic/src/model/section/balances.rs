@@ -44,7 +44,7 @@ impl<'a> Resolver<'a> {
             let before = self.builder.problems.len();
             let phases = self.phase_key(&system, &Self::no_locals()).flatten().unwrap_or_else(|| vec![0]);
             let unknowns = self.unknowns(&system);
-            let mut balances = Vec::new();
+            let mut balances: Vec<Option<Balance>> = Vec::new();
             let Some(equations) = system.need("equations", "a system of balances", &mut self.builder.problems) else {
                 continue;
             };
@@ -52,7 +52,7 @@ impl<'a> Resolver<'a> {
             match equations.items() {
                 Some(items) => {
                     for (k, item) in items.iter().enumerate() {
-                        balances.extend(self.balance(item, &format!("balance {}", k + 1), &Locals::default(), &sums));
+                        balances.push(self.balance(item, &format!("balance {}", k + 1), &Locals::default(), &sums));
                     }
                 }
                 None => {
@@ -62,7 +62,7 @@ impl<'a> Resolver<'a> {
                         for member in &family.members {
                             let label = member.name();
                             if self.unique(&mut seen, &label, "`equations`", &spot.place) {
-                                balances.extend(self.balance(&spot, &label, &member.locals, &sums));
+                                balances.push(self.balance(&spot, &label, &member.locals, &sums));
                             }
                         }
                     }
@@ -71,6 +71,8 @@ impl<'a> Resolver<'a> {
             if !self.builder.sound_since(before) {
                 continue;
             }
+            // One that is missing needs something whose mistake was told elsewhere.
+            let Some(mut balances) = balances.into_iter().collect::<Option<Vec<Balance>>>() else { continue };
             balances.extend(unknowns.iter().flat_map(free_directions));
             balances.extend(self.radial_balances());
             let reactions: Vec<usize> = (0..self.scope.reactions.len())
