@@ -50,6 +50,7 @@ const FUNCTIONS: &[&str] = &[
     "scene",
     "equilibrium_guess",
     "restitutions",
+    "frequencies",
     "start_condition_values",
 ];
 
@@ -173,8 +174,9 @@ fn judge(program: &Program) -> BTreeSet<String> {
     if model.equilibrium.iter().any(|id| *id != dalembert_symbolic::expr::Id::ZERO) {
         nested.push("values");
     }
+    let frequencies = program.frequencies.clone().unwrap_or_default();
     nested.extend(
-        [program.restitutions(), program.start_condition_values()]
+        [program.restitutions(), program.start_condition_values(), frequencies]
             .iter()
             .filter(|list| !list.is_empty())
             .map(|_| "values"),
@@ -223,6 +225,8 @@ fn judge(program: &Program) -> BTreeSet<String> {
     let of_parts = |name: &str| name.starts_with("part_");
     let meant = FUNCTIONS.iter().filter(|name| !of_parts(name) || !program.parts.is_empty());
     let meant = meant.filter(|name| **name != "gimbals" || locks);
+    let timed = program.frequencies.as_ref().is_none_or(|list| !list.is_empty());
+    let meant = meant.filter(|name| **name != "frequencies" || timed);
     assert_eq!((of.as_str(), functions), ("Mechanism", meant.map(|s| (*s).to_owned()).collect()));
     assert_eq!(blocks.next(), None);
     let mut bound = judge.bound;

@@ -361,6 +361,11 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
         M::restitutions(&self.mechanism.parameters())
     }
 
+    fn frequencies(&self) -> Option<Vec<f64>> {
+        let replaced = self.signals.iter().any(Option::is_some);
+        if replaced { None } else { M::frequencies(&self.mechanism.parameters()) }
+    }
+
     fn mass_matrix(&self, at: At<'_>, values: &mut [f64]) {
         M::mass_matrix(&self.constants, at.t, self.input_block(at.t).as_ref(), array(at.q), values);
     }

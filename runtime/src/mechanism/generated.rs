@@ -291,6 +291,12 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
     fn equilibrium_guess(&self) -> [f64; N];
     /// The coefficients of restitution of the events' impacts, of any numbers as free parameters.
     fn restitutions<S: Real>(parameters: &[S]) -> Vec<S>;
+    /// Angular frequencies ω, rad/s and of either sign, of the dependence on time, of any numbers as free parameters: all of it is in sines,
+    /// cosines and periodic tables of ω t + ….  `None` where it is not; none without a dependence on time.
+    fn frequencies<S: Real>(parameters: &[S]) -> Option<Vec<S>> {
+        let _ = parameters;
+        Some(Vec::new())
+    }
     /// What [`Mechanism::start_conditions`] gives where the starts meet it.
     fn start_condition_values(&self) -> Vec<f64>;
 }

@@ -200,6 +200,10 @@ impl System for OfPart {
         Ok(())
     }
 
+    fn frequencies(&self) -> Option<Vec<f64>> {
+        self.whole.frequencies()
+    }
+
     fn mass_matrix(&self, at: At<'_>, values: &mut [f64]) {
         let size = self.whole.description().mass_pattern.len();
         self.pick(at, (size, &self.places.mass), values, |whole, at, all| whole.mass_matrix(at, all));

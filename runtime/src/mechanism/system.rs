@@ -169,6 +169,15 @@ pub trait System: Send + Sync {
         Vec::new()
     }
 
+    /// Angular frequencies ω, rad/s and of either sign, of the dependence of the motion on time, with the present parameters: all of it is
+    /// in sines, cosines and periodic tables of ω t + …; some ω may be 0.  Equations, constraints, the inputs that they contain,
+    /// discontinuities and the events that do more than record count.  With all of them multiples of ω₀ everything repeats itself after
+    /// 2π/ω₀, if not sooner.  Empty where nothing depends on time; `None` where it does in another way, an input was replaced, or it is not
+    /// known.
+    fn frequencies(&self) -> Option<Vec<f64>> {
+        None
+    }
+
     /// M's lower triangle, as values of `description().mass_pattern`.
     fn mass_matrix(&self, at: At<'_>, values: &mut [f64]);
 

@@ -6,6 +6,7 @@ mod constraints;
 mod count;
 mod factor;
 mod forms;
+mod frequencies;
 mod gather;
 mod magnitude;
 mod momentum;
@@ -73,6 +74,8 @@ pub struct Program {
     pub generic_time: Vec<Id>,
     /// Switches whose argument depends on time.
     pub timed_switches: Vec<usize>,
+    /// Angular frequencies of the dependence on time, of parameters, without signs; `None` where it does not repeat itself.
+    pub frequencies: Option<Vec<Id>>,
     /// Σ |terms| of every component of F.
     pub magnitudes: Vec<Id>,
     /// T, V, Jacobi function, its power, Σ |terms|.
@@ -264,6 +267,7 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
         time: of_time.entries,
         generic_time: of_time.generic,
         timed_switches: of_time.switches,
+        frequencies: None,
         magnitudes,
         energy: [energies.kinetic, energies.potential, energies.jacobi, power, energies.scale],
         invariants,
@@ -281,6 +285,7 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
         model,
     };
     program.parts = parts::computed_apart(&mut program);
+    program.frequencies = frequencies::frequencies(&mut program);
     if program.model.graph.overflowed() {
         return Err(vec![crate::derive::too_large()]);
     }
@@ -324,6 +329,7 @@ impl Program {
             time: Vec::new(),
             generic_time: Vec::new(),
             timed_switches: Vec::new(),
+            frequencies: Some(Vec::new()),
             magnitudes: Vec::new(),
             energy: [Id::ZERO; 5],
             invariants: Vec::new(),

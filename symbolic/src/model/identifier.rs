@@ -52,6 +52,7 @@ pub const METHODS: &[&str] = &[
     "event_rates",
     "events",
     "fmt",
+    "frequencies",
     "friction",
     "from",
     "gimbals",

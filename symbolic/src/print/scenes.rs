@@ -22,6 +22,7 @@ pub(super) fn scenes(program: &Program, bodies: &Bodies<'_>) -> String {
     out += &starts(&model.scenes, bodies, &parameters, model.coordinates.len(), constrained);
     out += &guess(&model.equilibrium, bodies, &parameters);
     out += &restitutions(&program.restitutions(), bodies);
+    out += &frequencies(program.frequencies.as_deref(), bodies);
     out + &list_of("start_condition_values", &program.start_condition_values(), bodies, &parameters)
 }
 
@@ -134,6 +135,21 @@ fn restitutions(values: &[Id], bodies: &Bodies<'_>) -> String {
     };
     format!(
         "\n    fn restitutions<S: ::dalembert::mechanism::Real>({name}: &[S]) -> ::std::vec::Vec<S> {{\n{body}    }}\n"
+    )
+}
+
+/// The frequencies of a dependence on time; the trait's function serves where there is none.
+fn frequencies(values: Option<&[Id]>, bodies: &Bodies<'_>) -> String {
+    let (name, body) = match values {
+        Some([]) => return String::new(),
+        None => ("_", "        ::core::option::Option::None\n".to_owned()),
+        Some(values) => {
+            let function = of_constants(bodies, "values", values, "        ");
+            ("c", format!("{function}        ::core::option::Option::Some(values(c).to_vec())\n"))
+        }
+    };
+    format!(
+        "\n    fn frequencies<S: ::dalembert::mechanism::Real>({name}: &[S]) -> ::core::option::Option<::std::vec::Vec<S>> {{\n{body}    }}\n"
     )
 }
 

@@ -4,6 +4,32 @@ use dalembert::mechanism::{Interpreted, System};
 use dalembert_symbolic::lower::compile;
 use dalembert_tests::both::{Drawn, assert_same};
 
+/// What depends on time does so with the frequencies that its file writes; a replaced input is not known.
+#[test]
+fn frequencies_are_those_of_the_file() {
+    let system = |name: &str| {
+        let entry = dalembert_models::MODELS.iter().find(|entry| entry.name == name).expect("a model");
+        (entry.system)()
+    };
+    let parameter = |system: &dyn System, name: &str| {
+        let place = system.description().parameters.iter().position(|known| known.name == name);
+        system.parameters()[place.expect("a parameter")]
+    };
+    for (name, frequency) in [
+        ("shaken_pendulum", "Omega"),
+        ("base_excitation", "omega0"),
+        ("vibration_isolation", "w"),
+        ("forced_chain", "w"),
+    ] {
+        let system = system(name);
+        assert_eq!(system.frequencies(), Some(vec![parameter(&*system, frequency)]), "{name}");
+    }
+    let mut chain = system("forced_chain");
+    chain.set_input(0, std::sync::Arc::new(|_| [1.0, 0.0, 0.0]));
+    assert_eq!(chain.frequencies(), None);
+    assert_eq!(system("double_pendulum").frequencies(), Some(Vec::new()));
+}
+
 /// In every scene of every model, and with other parameters, both compute the same to rounding.
 #[test]
 fn compiled_and_interpreted_models_agree() {
@@ -22,6 +48,7 @@ fn compiled_and_interpreted_models_agree() {
                 compiled.set_parameter(index, value);
                 interpreted.set_parameter(index, value);
             }
+            assert_eq!(compiled.frequencies(), interpreted.frequencies(), "{}", entry.name);
             let start = compiled.scene(scene);
             assert_eq!(start, interpreted.scene(scene), "{}", entry.name);
             let vary = |list: &[f64], phase: f64| -> Vec<f64> {

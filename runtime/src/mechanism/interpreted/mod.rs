@@ -212,6 +212,12 @@ impl System for Interpreted {
         program.restitutions().into_iter().map(|id| self.interpreter.constant(id)).collect()
     }
 
+    fn frequencies(&self) -> Option<Vec<f64>> {
+        let found = self.interpreter.program().frequencies.as_ref()?;
+        let replaced = self.signals.iter().any(Option::is_some);
+        (!replaced).then(|| found.iter().map(|id| self.interpreter.constant(*id)).collect())
+    }
+
     fn mass_matrix(&self, at: At<'_>, values: &mut [f64]) {
         self.evaluate(Function::Mass, at, values);
     }
