@@ -147,6 +147,7 @@ fn solve() -> Command {
         .arg(model())
         .args(sizes())
         .args(scene())
+        .arg(value("motion", "NAME", "A motion of the file: its start, unknowns and what it wants, to which the other options add or in whose place they come").conflicts_with("scene"))
         .arg(many("unknown", "NAME=GUESS", "What is unknown: parameters, coordinates and rates (theta') at the start, or `until`, where the run ends; several, also A=1,B=2"))
         .arg(many("such-that", "NAME=VALUE", "What a coordinate, a rate or an output is to be at the end; several, also A=1,B=2"))
         .arg(value("maximise", "NAME", "What is to be as large as it can be near by at the end").conflicts_with_all(["minimise", "fit"]))
