@@ -16,6 +16,7 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("E011", "a file of more than 1 MiB: `limits` below"),
     ("E503", "two derivations that disagree are a fault of the program: the tests of `derive`"),
     ("E520", "the four numbers of a rotation stand in no expression: `space/homogeneity.rs` puts them into one"),
+    ("E326", "a file beside the model's: `resolve/motions.rs`"),
     ("E122", "an expression of more than 64 KiB: `limits` below"),
 ];
 

@@ -52,6 +52,8 @@ const FUNCTIONS: &[&str] = &[
     "restitutions",
     "frequencies",
     "start_condition_values",
+    "motions",
+    "motion_numbers",
 ];
 
 fn printed(program: &Program, name: &str) -> syn::File {
@@ -166,11 +168,13 @@ fn judge(program: &Program) -> BTreeSet<String> {
     judge.visit_file(&file);
     assert!(judge.faults.is_empty(), "{}: {:?}", model.name, judge.faults);
     let locks = !model.gimbals().is_empty();
-    let mut nested = vec!["description"; if locks { 3 } else { 2 }];
+    // A `use` and a `static` of the description, one `static` of the locks, both of the motions.
+    let mut nested = vec!["description"; 2 + usize::from(locks) + if model.motions.is_empty() { 0 } else { 2 }];
     let methods: Vec<String> =
         model.derived.iter().filter(|d| !d.name.contains('[')).map(|d| method_name(&d.name)).collect();
     nested.extend(methods.iter().map(|_| "value"));
-    nested.extend(model.scenes.iter().filter(|s| !s.set.is_empty()).map(|_| "values"));
+    nested.extend(model.motions.iter().map(|_| "values"));
+    nested.extend(model.all_scenes().filter(|s| !s.set.is_empty()).map(|_| "values"));
     if model.equilibrium.iter().any(|id| *id != dalembert_symbolic::expr::Id::ZERO) {
         nested.push("values");
     }
@@ -227,6 +231,7 @@ fn judge(program: &Program) -> BTreeSet<String> {
     let meant = meant.filter(|name| **name != "gimbals" || locks);
     let timed = program.frequencies.as_ref().is_none_or(|list| !list.is_empty());
     let meant = meant.filter(|name| **name != "frequencies" || timed);
+    let meant = meant.filter(|name| !name.starts_with("motion") || !model.motions.is_empty());
     assert_eq!((of.as_str(), functions), ("Mechanism", meant.map(|s| (*s).to_owned()).collect()));
     assert_eq!(blocks.next(), None);
     let mut bound = judge.bound;

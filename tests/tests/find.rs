@@ -216,6 +216,92 @@ fn a_record_of_a_vibration_gives_its_stiffness_and_damping() {
     assert_eq!(refused.matches("by 0.5774").count(), 3, "{refused}");
 }
 
+/// The same searches, as motions of the file; options of the command line add to them and take their place.
+#[test]
+fn motions_of_the_file_are_found_as_those_of_the_command_line() {
+    let folder = std::env::temp_dir().join(format!("dalembert-motions-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let references = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("reference/orbits");
+    std::fs::copy(references.join("ring_down.csv"), folder.join("ring_down.csv")).expect("a record");
+    let file = |name: &str, text: &str| {
+        let path = folder.join(name);
+        std::fs::write(&path, text).expect("a file");
+        path.to_str().expect("a path").to_owned()
+    };
+    let hop = file(
+        "hop.yaml",
+        "name: HopOnIce\nparameters: {m: 1 kg, R: 1 m, d: 0.5 m, I: 0.25 kg*m^2, g: 10 m/s^2}\n\
+         coordinates: {x: m, y: m, phi: rad}\npoints: {centre: \"[x, y]\"}\n\
+         bodies:\n  drum: {mass: m, inertia: I, angle: -phi, position: \"centre + d*[sin(phi), cos(phi)]\"}\n\
+         gravity: [0, -g]\nconstraints: {contact: y - R}\nphases: {sliding: [contact], flight: []}\n\
+         events:\n  skip: {phase: sliding, when: reaction(contact), direction: falling, then: flight}\n\
+         motions:\n  hop: {start: {x: 0, y: R, phi: pi}, unknown: {phi': 15, until: 0.6}, such_that: {phi: 3*pi, y': 0}}\n  \
+         rolls: {closes: {at: skip, turn: {phi: 1}, shift: [x]}}\n\
+         scene: {start: {phi: 1}, until: 3, tolerance: 1e-12}\n",
+    );
+    let found = told(&["solve", &hop, "--motion", "hop"]).unwrap();
+    let case = &reference("hop_on_ice.json")["hop_on_ice"]["cases"][0];
+    near(number(&found["values"]["phi'"]["value"]), number(&case["omega_bottom"]), 1e-10);
+    let half = number(&case["contact_time"]) + number(&case["flight_time"]);
+    near(number(&found["values"]["until"]["value"]), 0.5 * half, 1e-10);
+    let refused = told(&["solve", &hop, "--motion", "rolls"]).unwrap_err();
+    assert!(refused.contains("`rolls` closes") && refused.contains("`orbit`"), "{refused}");
+    let refused = told(&["solve", &hop, "--motion", "hops"]).unwrap_err();
+    assert!(refused.contains("no motion is called `hops`; did you mean `hop`?"), "{refused}");
+
+    let throw = "name: Throw\nparameters: {m: 2 kg, b: 0.5 N*s/m, g: 10 m/s^2, v0: 10 m/s, angle: 45 deg, far: 3 m}\n\
+         coordinates: {x: m, y: m}\nbodies: {ball: {mass: m, position: \"[x, y]\"}}\ngravity: [0, -g]\n\
+         forces: {drag: {on: ball, force: -b*velocity(ball)}}\nevents: {land: {when: y, direction: falling, then: stop}}\n\
+         motions: {best: {unknown: {angle: 40 deg}, maximise: x}, hit: {unknown: {angle: 20 deg}, such_that: {x: 2*far}}}\n\
+         scene: {start: {x: 0, y: 0, x': v0*cos(angle), y': v0*sin(angle)}, until: 1000, tolerance: 1e-12}\n";
+    let throw = file("throw.yaml", throw);
+    for case in reference("cannon.json")["cannon"]["linear"].as_array().expect("cases") {
+        let speed = format!("v0={}", case["v0"].as_str().expect("a speed"));
+        let found = told(&["solve", &throw, "--motion", "best", "--set", &speed]).unwrap();
+        near(number(&found["values"]["angle"]["value"]), number(&case["angle"]), 1e-10);
+    }
+    let found = told(&["solve", &throw, "--motion", "hit"]).unwrap();
+    near(number(&found["reached"]["x"]["value"]), 6.0, 1e-9);
+    // Another value, and another unknown beside it; but not one that the value contains.
+    let found = told(&["solve", &throw, "--motion", "hit", "--such-that", "x=5", "--unknown", "v0=9"]).unwrap();
+    near(number(&found["reached"]["x"]["value"]), 5.0, 1e-9);
+    assert_eq!(found["values"].as_object().expect("values").len(), 2);
+    let refused = told(&["solve", &throw, "--motion", "hit", "--unknown", "far=3"]).unwrap_err();
+    assert!(refused.contains("the value of `x` contains `far`"), "{refused}");
+
+    let ring = file(
+        "ring.yaml",
+        "name: RingDown\nparameters: {m: 1 kg, c: 0.2 N*s/m, k: 39 N/m}\ncoordinates: {x: m}\n\
+         bodies: {block: {mass: m, position: \"[x, 0]\"}}\nsprings: {spring: {stretch: x, stiffness: k}}\n\
+         dampers: {damper: {rate: x', damping: c}}\nscene: {until: 25, tolerance: 1e-11}\n\
+         motions:\n  ring: {unknown: {k: 39 N/m, c: 0.2 N*s/m, x: 0.1, x': 0}, fit: {file: ring_down.csv, columns: {t: t, x: x}}}\n",
+    );
+    let found = told(&["solve", &ring, "--motion", "ring"]).unwrap();
+    let known = &reference("fit.json")["fit"]["ring_down"];
+    for (name, key) in [("k", "k"), ("c", "c"), ("x", "x0"), ("x'", "v0")] {
+        let expected = number(&known["values"][key]);
+        near(number(&found["values"][name]["value"]), expected, 1e-9 * expected.abs().max(1.0));
+        let error = number(&known["standard_errors"][key]);
+        near(number(&found["fit"]["standard_errors"][name]), error, 1e-6 * error);
+    }
+    std::fs::remove_dir_all(&folder).expect("the folder");
+}
+
+/// A motion of a compiled model, by the program and in Rust.
+#[test]
+fn a_motion_of_the_library_is_found_in_rust_too() {
+    use dalembert::prelude::*;
+    let found = told(&["solve", "cannon_ball", "--motion", "aimed"]).unwrap();
+    near(number(&found["reached"]["x"]["value"]), 60.0, 1e-9);
+    let ball = dalembert_models::cannon_ball::CannonBall::default();
+    let again = ball.simulate().motion("aimed").solve().expect("a steepness");
+    near(again.values[0].value, number(&found["values"]["y'"]["value"]), 1e-9);
+    let error = ball.simulate().motion("aimd").solve().expect_err("no such motion");
+    assert!(error.to_string().contains("aimd"), "{error}");
+    let pendulum = dalembert_models::double_pendulum::DoublePendulum::default();
+    assert!(pendulum.simulate().motion("swing").solve().expect_err("it closes").to_string().contains("orbit"));
+}
+
 /// A ball that is dropped: y = H − g t²/2 until t₁ = √(2 H/g), v = e g t₁ after it.
 #[test]
 fn slopes_cross_an_impact_as_the_closed_form_does() {

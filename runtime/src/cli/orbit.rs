@@ -8,11 +8,12 @@ use serde_json::{Value as Json, json};
 
 use super::json::{number, object};
 use super::load::Loaded;
-use super::set_up::{Reader, parameter_index, set_up};
+use super::set_up::{Reader, motion_index, parameter_index, set_up};
 use super::slopes::origin;
 use super::{Entry, Problem, families, outputs, value_files};
 use crate::Error;
 use crate::find::Value;
+use crate::mechanism::Goal;
 use crate::orbit::{Family, Multiplier, Orbit, OrbitSearch};
 use crate::run::written;
 
@@ -29,6 +30,10 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     }
     let origin = origin(&loaded, options)?;
     let search = OrbitSearch::of(Ok((loaded.system.boxed_clone(), settings, origin)));
+    let search = match motion_index(&loaded, options)? {
+        Some(place) => asked(search, &loaded, place)?,
+        None => search,
+    };
     let search = described(search, &loaded, options)?;
     if let Some(text) = options.get_one::<String>("vary") {
         let family = varied(search, &loaded, options, text)?;
@@ -40,6 +45,15 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     match search.find() {
         Ok(orbit) => report(&loaded, &orbit, options, out),
         Err(error) => Err(problem(&error)),
+    }
+}
+
+/// With what a motion of the file says.
+fn asked(search: OrbitSearch, loaded: &Loaded, place: usize) -> Result<OrbitSearch, Problem> {
+    let motion = &loaded.system.motions()[place];
+    match &motion.goal {
+        Goal::Closes(closes) => Ok(search.asking(closes, &loaded.system.motion_numbers(place))),
+        _ => Err(Problem::Usage(format!("error: {}", crate::NoOrbit::ClosesNot { motion: motion.name.to_string() }))),
     }
 }
 

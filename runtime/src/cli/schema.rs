@@ -41,6 +41,7 @@ const MODEL: &[Key] = &[
     ("sample", "value*", "Ranges of states at which is tested"),
     ("outputs", "value*", "What runs compute"),
     ("draw", "shapes", "What is animated"),
+    ("motions", "motion*", "What is asked of motions: that they close, end somewhere, or follow a record"),
     ("scene", "scene", "Where a run starts, and how it goes"),
     ("scenes", "scene*", "Others by name; what they leave out is the first one's"),
     ("equilibrium", "value*", "Where the search for an equilibrium starts"),
@@ -157,6 +158,40 @@ const OBJECTS: &[(&str, &[Key])] = &[
         ],
     ),
     (
+        "motion",
+        &[
+            ("scene", "word", "The scene whose keys it inherits, if not the first"),
+            ("start", "value*", "Coordinates and speeds"),
+            ("set", "value*", "Other values of parameters"),
+            ("phase", "expression", "In which it starts"),
+            ("tolerance", "expression", "Relative to what each coordinate goes through"),
+            ("until", "expression", "When a run ends"),
+            ("closes", "closing", "How it repeats itself"),
+            ("energy", "expression", "Of a motion that closes"),
+            ("unknown", "value*", "Parameters, coordinates, speeds and `until`, with guesses"),
+            ("such_that", "value*", "What coordinates, rates and outputs are at the end"),
+            ("maximise", "word", "What is as large as it can be at the end"),
+            ("minimise", "word", "What is as small"),
+            ("fit", "fit", "A record that it follows"),
+        ],
+    ),
+    (
+        "closing",
+        &[
+            ("period", "expression", "A guess; that of the inputs where something depends on time"),
+            ("part", "expression", "1/k of the period, after which it closes"),
+            ("at", "word", "The event after which it closes"),
+            ("count", "expression", "Which of its occurrences"),
+            ("exchange", "value*", "Coordinates and phases that come in the place of others"),
+            ("mirror", "value", "Coordinates with opposite signs, or all"),
+            ("shift", "value", "Coordinates that may differ by any amount"),
+            ("turn", "value*", "Angles that are so many turns more"),
+            ("from", "value", "{exchange, mirror}: what the start is with time reversed; {} is rest"),
+            ("to", "value", "The same of the end"),
+        ],
+    ),
+    ("fit", &[("file", "word", "A table of text beside the model file"), ("columns", "value*", "{t: t, x: x}")]),
+    (
         "need",
         &[
             ("outputs", "value", "Coordinates, rates, outputs"),
@@ -244,6 +279,8 @@ mod tests {
             let section = match *object {
                 "body" => "bodies: {a: {qqqqqqqq: 1}}".to_owned(),
                 "scene" => "scene: {qqqqqqqq: 1}".to_owned(),
+                "closing" => "motions: {a: {closes: {qqqqqqqq: 1}}}".to_owned(),
+                "fit" => "motions: {a: {fit: {qqqqqqqq: 1}}}".to_owned(),
                 "need" => "scene: {needs: {qqqqqqqq: 1}}".to_owned(),
                 other => format!("{other}s: {{a: {{qqqqqqqq: 1}}}}"),
             };

@@ -15,11 +15,17 @@ use crate::mechanism::{Interpreted, System};
 /// Applies `--scene`, `--params`, `--set`, `--state`, `--start`, `--input`, `--until`, `--tolerance`, `--every`, `--step`,
 /// `--max-steps` and `--ignore`.
 pub fn set_up(loaded: &mut Loaded, options: &ArgMatches) -> Result<Settings, Problem> {
-    set_up_scene(loaded, options, options.get_one::<String>("scene").map(String::as_str))
+    let scene = scene_of(loaded, options)?;
+    set_up_at(loaded, options, scene)
 }
 
 /// The same for another scene than that of `--scene`.
 pub fn set_up_scene(loaded: &mut Loaded, options: &ArgMatches, scene: Option<&str>) -> Result<Settings, Problem> {
+    let scene = scene_index(loaded, scene)?;
+    set_up_at(loaded, options, scene)
+}
+
+fn set_up_at(loaded: &mut Loaded, options: &ArgMatches, scene: usize) -> Result<Settings, Problem> {
     let (scene, mut reader) = choose_scene(loaded, options, scene)?;
     let changes = Changes::read(loaded, &mut reader, options)?;
     let mut settings = Settings::new(&loaded.system.scene(scene));
@@ -99,11 +105,11 @@ pub fn start_at(settings: &mut Settings, place: usize, value: f64) {
 
 /// Applies `--scene`, `--params`, `--set` and `--input`; the scene's index, and a reader for the other options.
 pub fn choose(loaded: &mut Loaded, options: &ArgMatches) -> Result<(usize, Reader), Problem> {
-    choose_scene(loaded, options, options.get_one::<String>("scene").map(String::as_str))
+    let scene = scene_of(loaded, options)?;
+    choose_scene(loaded, options, scene)
 }
 
-fn choose_scene(loaded: &mut Loaded, options: &ArgMatches, scene: Option<&str>) -> Result<(usize, Reader), Problem> {
-    let scene = scene_index(loaded, scene)?;
+fn choose_scene(loaded: &mut Loaded, options: &ArgMatches, scene: usize) -> Result<(usize, Reader), Problem> {
     for (index, value) in loaded.system.scene_parameters(scene) {
         loaded.system.set_parameter(index, value);
     }
@@ -255,6 +261,25 @@ fn set_input(loaded: &mut Loaded, reader: &mut Reader, name: &str, text: &str) -
         }),
     );
     Ok(())
+}
+
+/// The scene of `--scene`, or that of the motion of `--motion`.
+pub fn scene_of(loaded: &Loaded, options: &ArgMatches) -> Result<usize, Problem> {
+    match motion_index(loaded, options)? {
+        Some(motion) => Ok(loaded.system.description().scenes.len() + motion),
+        None => scene_index(loaded, options.get_one::<String>("scene").map(String::as_str)),
+    }
+}
+
+/// The motion of `--motion`.
+pub fn motion_index(loaded: &Loaded, options: &ArgMatches) -> Result<Option<usize>, Problem> {
+    let Some(name) = options.try_get_one::<String>("motion").ok().flatten() else { return Ok(None) };
+    let motions = loaded.system.motions();
+    if motions.is_empty() {
+        return Err(Problem::Usage(format!("error: `{}` has no `motions`", loaded.name)));
+    }
+    let found = motions.iter().position(|motion| motion.name == *name);
+    found.map(Some).ok_or_else(|| unknown("motion", name, motions.iter().map(|motion| motion.name.as_ref())))
 }
 
 pub fn scene_index(loaded: &Loaded, name: Option<&str>) -> Result<usize, Problem> {

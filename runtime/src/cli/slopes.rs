@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::Problem;
 use super::json::{number, object};
 use super::load::{Loaded, pairs};
-use super::set_up::{coordinate_index, scene_index};
+use super::set_up::{coordinate_index, scene_of};
 use crate::run::written;
 use crate::simulate::Origin;
 use crate::vary::{run_with_slopes, unknown};
@@ -19,7 +19,7 @@ use crate::{Error, Settings, Slope, Slopes};
 pub fn origin(loaded: &Loaded, options: &ArgMatches) -> Result<Origin, Problem> {
     let n = loaded.system.len();
     let stated = options.get_one::<String>("state").is_some();
-    let scene = scene_index(loaded, options.get_one::<String>("scene").map(String::as_str))?;
+    let scene = scene_of(loaded, options)?;
     let mut given = vec![stated; 2 * n];
     for (name, _) in pairs(options, "start")? {
         let coordinate = name.strip_suffix('\'');

@@ -8,7 +8,7 @@ use serde_json::{Value as Json, json};
 
 use super::json::{number, object};
 use super::load::Loaded;
-use super::set_up::{Reader, coordinate_index, parameter_index, set_up};
+use super::set_up::{Reader, coordinate_index, motion_index, parameter_index, set_up};
 use super::slopes::origin;
 use super::{Entry, Problem, outputs, value_files};
 use crate::error::{Error, NoSlopes, NotFound};
@@ -29,6 +29,11 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     let origin = origin(&loaded, options)?;
     let mut reader = Reader::new(&loaded);
     let mut search = Search::of(Ok((loaded.system.boxed_clone(), settings, origin)));
+    if let Some(place) = motion_index(&loaded, options)? {
+        let numbers = loaded.system.motion_numbers(place);
+        let asked = search.asking(place, &loaded.system.motions()[place], numbers);
+        search = asked.map_err(|why| Problem::Usage(format!("error: {why}")))?;
+    }
     for (name, text) in listed(options, "unknown")? {
         let value = read(&mut reader, &loaded, "unknown", (&name, &text))?;
         search = search.unknown(&name, value);

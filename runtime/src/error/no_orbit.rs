@@ -15,6 +15,11 @@ pub enum NoOrbit {
         /// How long it was followed, s.
         until: f64,
     },
+    /// A motion of the file is no motion that closes.
+    ClosesNot {
+        /// It.
+        motion: String,
+    },
     /// The event that closes the motion does not happen.
     NoReturn {
         /// It.
@@ -93,6 +98,9 @@ impl fmt::Display for NoOrbit {
                 f,
                 "the motion comes near to none of its states again until t = {until} s: give a period, or a longer run"
             ),
+            NoOrbit::ClosesNot { motion } => {
+                write!(f, "the motion `{motion}` of the file does not say how it closes: `solve` is for it")
+            }
             NoOrbit::NoReturn { event, until } => {
                 write!(f, "`{event}`, which is to close the motion, does not happen within {until} s")
             }

@@ -10,6 +10,18 @@ use super::NoSlopes;
 pub enum NotFound {
     /// There are no unknowns, or nothing is wanted of them.
     NothingWanted,
+    /// The motion repeats itself: it is no matter of values at an end.
+    Closes {
+        /// Its name.
+        motion: String,
+    },
+    /// The value that a motion of the file gives a condition contains a parameter that is unknown.
+    MovingGoal {
+        /// What has the value.
+        name: String,
+        /// The parameter.
+        parameter: String,
+    },
     /// A record cannot be followed.
     BadRecord {
         /// What it must be.
@@ -53,6 +65,16 @@ impl fmt::Display for NotFound {
             NotFound::NothingWanted => {
                 f.write_str("a search needs something unknown, and a condition, an extreme value or a record")
             }
+            NotFound::Closes { motion } => {
+                write!(
+                    f,
+                    "the motion `{motion}` closes: the command `orbit` finds such motions; `solve` wants `such_that`, `maximise`, `minimise` or `fit`"
+                )
+            }
+            NotFound::MovingGoal { name, parameter } => write!(
+                f,
+                "the value of `{name}` contains `{parameter}`, which is unknown: give another value, or make the difference an output"
+            ),
             NotFound::BadRecord { why } => write!(f, "the record cannot be followed: {why}"),
             NotFound::Stuck { residuals, values, why, event } => {
                 write!(f, "the search does not get nearer than {}", Listed(values))?;

@@ -8,14 +8,8 @@ use super::newton::Linearised;
 use super::search::{HALVES, MISSED, STEPS, Seeker};
 use super::trial::Trial;
 use crate::error::{Error, NotFound};
+use crate::mechanism::Extreme;
 use crate::vary::LOOSER;
-
-/// Which extreme value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Extreme {
-    Largest,
-    Smallest,
-}
 
 /// By what part of itself an unknown is moved to see how slopes change.  Slopes are known to some eleven digits, so that five of the second
 /// derivatives are right: they decide how fast the search converges, not where it ends.

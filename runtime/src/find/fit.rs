@@ -6,6 +6,7 @@ use super::found::Found;
 use super::search::{Equations, Seeker};
 use super::trial::Trial;
 use crate::error::{Error, NotFound};
+use crate::mechanism::{List, Text};
 
 /// Measured values at some times.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,6 +15,18 @@ pub struct Record {
     pub times: Vec<f64>,
     /// Coordinates, rates or outputs with their values, SI, one for each time.
     pub columns: Vec<(String, Vec<f64>)>,
+}
+
+impl Record {
+    /// Of the columns of a file, of which one is `t`.
+    pub(super) fn of(columns: &[(Text, List<f64>)]) -> Record {
+        let times = columns.iter().find(|(name, _)| name == "t");
+        let others = columns.iter().filter(|(name, _)| name != "t");
+        Record {
+            times: times.map_or_else(Vec::new, |(_, times)| times.to_vec()),
+            columns: others.map(|(name, values)| (name.to_string(), values.to_vec())).collect(),
+        }
+    }
 }
 
 /// How well a record determines what was unknown.

@@ -2,15 +2,16 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::asked::goals_stay;
 use super::errors::{Errors, end_time, value_list};
-use super::extreme::{self, Extreme};
+use super::extreme;
 use super::fit::{self, Record};
 use super::found::{Found, Value};
 use super::multiple::MultipleRoot;
 use super::newton::Linearised;
 use super::trial::{Sought, Source, Trial};
 use crate::error::{Error, NoSlopes, NotFound};
-use crate::mechanism::System;
+use crate::mechanism::{Extreme, MotionNumbers, System};
 use crate::simulate::{Origin, Settings, Simulation};
 use crate::vary::{Unknown, Varied, named, unknown};
 
@@ -22,10 +23,12 @@ use crate::vary::{Unknown, Varied, named, unknown};
 #[must_use = "nothing happens before `solve`"]
 pub struct Search {
     described: Result<(Box<dyn System>, Settings, Origin), Error>,
-    unknowns: Vec<(String, f64)>,
-    conditions: Vec<(String, f64)>,
-    extreme: Option<(String, Extreme)>,
-    record: Option<Record>,
+    pub(super) unknowns: Vec<(String, f64)>,
+    pub(super) conditions: Vec<(String, f64)>,
+    pub(super) extreme: Option<(String, Extreme)>,
+    pub(super) record: Option<Record>,
+    /// The motion of the file that began it, with its numbers.
+    pub(super) motion: Option<(usize, MotionNumbers)>,
 }
 
 impl<S: System + 'static> Simulation<S> {
@@ -59,36 +62,40 @@ const IN_A_ROW: usize = 4;
 impl Search {
     /// Of a run that was described.
     pub(crate) fn of(described: Result<(Box<dyn System>, Settings, Origin), Error>) -> Search {
-        Search { described, unknowns: Vec::new(), conditions: Vec::new(), extreme: None, record: None }
+        Search { described, unknowns: Vec::new(), conditions: Vec::new(), extreme: None, record: None, motion: None }
     }
 
-    /// Something unknown, with a guess, SI.
+    /// Something unknown, with a guess, SI; another guess takes the place of the first.
     pub fn unknown(mut self, name: &str, guess: f64) -> Self {
-        self.unknowns.push((name.to_owned(), guess));
+        put(&mut self.unknowns, name, guess);
         self
     }
 
-    /// A value, SI, that a coordinate, a rate or an output is to have at the end of the run.
+    /// A value, SI, that a coordinate, a rate or an output is to have at the end of the run; another value takes the place of the first.
     pub fn such_that(mut self, name: &str, value: f64) -> Self {
-        self.conditions.push((name.to_owned(), value));
+        put(&mut self.conditions, name, value);
+        self.record = None;
         self
     }
 
     /// A coordinate, a rate or an output that is to be as large as it can be near by at the end of the run.
     pub fn maximise(mut self, name: &str) -> Self {
         self.extreme = Some((name.to_owned(), Extreme::Largest));
+        self.record = None;
         self
     }
 
     /// As small.
     pub fn minimise(mut self, name: &str) -> Self {
         self.extreme = Some((name.to_owned(), Extreme::Smallest));
+        self.record = None;
         self
     }
 
-    /// A record that the motion is to follow as well as it can, by least squares.
+    /// A record that the motion is to follow as well as it can, by least squares; conditions and extremes said before it are no more.
     pub fn fit(mut self, record: Record) -> Self {
         self.record = Some(record);
+        (self.conditions, self.extreme) = (Vec::new(), None);
         self
     }
 
@@ -112,6 +119,7 @@ impl Search {
         for (name, _) in &self.unknowns {
             sought.push(if name == UNTIL { Sought::Until } else { Sought::Of(unknown(&*system, name)?) });
         }
+        goals_stay(&*system, self.motion.as_ref(), &self.conditions, &sought)?;
         let times = self.record.as_ref().map(|record| record.times.clone());
         let settings = Settings { every: None, digits: false, ..settings };
         let source = Source { system, settings, origin, sought, times, steps: 0 };
@@ -152,6 +160,14 @@ impl Search {
             (None, None) => seeker.meet(&guess),
         };
         found.map_err(|error| named(error, &unknowns))
+    }
+}
+
+/// Gives a name a value, in the place of the one that it has.
+fn put(list: &mut Vec<(String, f64)>, name: &str, value: f64) {
+    match list.iter_mut().find(|(known, _)| known == name) {
+        Some((_, known)) => *known = value,
+        None => list.push((name.to_owned(), value)),
     }
 }
 

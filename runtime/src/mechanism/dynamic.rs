@@ -5,7 +5,8 @@ use super::dual::{Dual, moving, replaced_input, rounded, seed, still};
 use super::phased::{Phased, RowHistory, sprung};
 use super::system::Replaced;
 use super::{
-    Along, At, Description, Energy, Enforcement, Function, Gimbal, Mechanism, Scene, Signal, Singular, System, Values,
+    Along, At, Description, Energy, Enforcement, Function, Gimbal, Mechanism, Motion, MotionNumbers, Scene, Signal,
+    Singular, System, Values,
 };
 
 /// A mechanism of static size as a [`System`], with its block of constants at hand.
@@ -214,6 +215,15 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> DualState<M, 
 impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dynamic<M, N, C> {
     fn description(&self) -> &Description {
         M::description()
+    }
+
+    fn motions(&self) -> &[Motion] {
+        M::motions()
+    }
+
+    fn motion_numbers(&self, motion: usize) -> MotionNumbers {
+        let numbers = M::motion_numbers(&self.mechanism.parameters(), motion);
+        M::motions().get(motion).map_or_else(MotionNumbers::default, |motion| MotionNumbers::new(motion, &numbers))
     }
 
     fn gimbals(&self) -> &[Gimbal] {

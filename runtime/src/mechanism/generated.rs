@@ -1,6 +1,6 @@
 //! The trait that `model!` implements.
 
-use super::{Description, Energy, Gimbal, Real, Scene, SingularMass};
+use super::{Description, Energy, Gimbal, Motion, Real, Scene, SingularMass};
 
 /// A block of scalars of a size that only generated code knows: an array `[S; K]`.
 #[doc(hidden)]
@@ -39,6 +39,10 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
     fn description() -> &'static Description;
     /// Sequences of three angles that can lock.
     fn gimbals() -> &'static [Gimbal] {
+        &[]
+    }
+    /// Motions that the file asks for.
+    fn motions() -> &'static [Motion] {
         &[]
     }
     /// The block of constants for one set of parameters per lane; modes as at the switch's step or sign of 1.
@@ -291,6 +295,11 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
     fn equilibrium_guess(&self) -> [f64; N];
     /// The coefficients of restitution of the events' impacts, of any numbers as free parameters.
     fn restitutions<S: Real>(parameters: &[S]) -> Vec<S>;
+    /// A motion's period, energy, guesses of unknowns and values of conditions, of any numbers as free parameters; 0 for what is not given.
+    fn motion_numbers<S: Real>(parameters: &[S], motion: usize) -> Vec<S> {
+        let _ = (parameters, motion);
+        Vec::new()
+    }
     /// Angular frequencies ω, rad/s and of either sign, of the dependence on time, of any numbers as free parameters: all of it is in sines,
     /// cosines and periodic tables of ω t + ….  `None` where it is not; none without a dependence on time.
     fn frequencies<S: Real>(parameters: &[S]) -> Option<Vec<S>> {

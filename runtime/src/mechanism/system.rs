@@ -1,6 +1,6 @@
 //! The object-safe face of a mechanism, on slices: everything downstream is written once over it.
 
-use super::{At, Description, Energy, Enforcement, Gimbal, RowHistory, Scene, Singular};
+use super::{At, Description, Energy, Enforcement, Gimbal, Motion, MotionNumbers, RowHistory, Scene, Singular};
 
 /// A mechanism with its parameters, behind slices.
 ///
@@ -23,6 +23,18 @@ pub trait System: Send + Sync {
     /// Sequences of three angles that can lock.
     fn gimbals(&self) -> &[Gimbal] {
         &[]
+    }
+
+    /// Motions that the file asks for.  The scene of each, which `scene`, `scene_parameters` and [`Function::Scene`] tell, comes after those
+    /// of `description().scenes`, in the same order.
+    fn motions(&self) -> &[Motion] {
+        &[]
+    }
+
+    /// The numbers of a motion, with the present parameters.
+    fn motion_numbers(&self, motion: usize) -> MotionNumbers {
+        let _ = motion;
+        MotionNumbers::default()
     }
 
     /// Solves M a = −h, or the system of balances that is the derivation in force.

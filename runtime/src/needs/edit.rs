@@ -51,7 +51,7 @@ impl Edit {
 pub(super) type Gone = (String, String);
 
 /// Sections of what a file claims, shows and compares: what cannot stay in them goes with an ingredient.
-const CLAIMS: [&str; 6] = ["balances", "conserved", "checks", "draw", "outputs", "equilibrium"];
+const CLAIMS: [&str; 7] = ["balances", "conserved", "checks", "draw", "outputs", "equilibrium", "motions"];
 /// So much goes with an ingredient at most.
 const MOST_GONE: usize = 12;
 

@@ -1,6 +1,6 @@
 //! How a motion closes: the state at its end, taken to the start.
 
-use crate::mechanism::{At, Description, System};
+use crate::mechanism::{At, Closes, ClosesBy, Description, System};
 
 /// A map from the state at the end of a part of a motion to the state at its start, and when that part ends.
 ///
@@ -49,6 +49,47 @@ impl Closing {
             shifts: Vec::new(),
             turns: vec![0.0; n],
         }
+    }
+
+    /// As a model file says it: at the end each coordinate has the value, or the opposite, that its image had at the start.  Between two states
+    /// that reverse time the motion goes to and fro: after twice the way the images of both have been applied.
+    pub fn of(closes: &Closes, description: &Description) -> Closing {
+        let mut closing = Closing::period(description);
+        let (ends, by) = match (&closes.between, closes.by) {
+            (Some([from, to]), ClosesBy::Part(part)) => {
+                let both = to.iter().map(|(k, opposite)| {
+                    let (before, again) = from[*k as usize];
+                    (before, *opposite != again)
+                });
+                (both.collect::<Vec<_>>(), By::Part((part as usize / 2).max(1)))
+            }
+            (_, ClosesBy::Part(part)) => (closes.images.to_vec(), By::Part(part as usize)),
+            (_, ClosesBy::Event { event, count }) => {
+                (closes.images.to_vec(), By::After { event: event as usize, count: (count as usize).max(1) })
+            }
+        };
+        closing.by = by;
+        for (i, (k, opposite)) in ends.iter().enumerate() {
+            closing.images[*k as usize] = (i, *opposite);
+        }
+        for (begins, ends) in closes.phases.iter().enumerate() {
+            closing.phases[*ends as usize] = begins;
+        }
+        closing.shifts = closes.shifts.iter().map(|i| closing.source(*i as usize)).collect();
+        closes.turns.iter().for_each(|(i, turns)| closing.turn(*i as usize, f64::from(*turns)));
+        closing
+    }
+
+    /// The coordinate at the start that a coordinate at the end becomes.
+    pub fn source(&self, end: usize) -> usize {
+        self.images.iter().position(|(k, _)| *k == end).unwrap_or(end)
+    }
+
+    /// Lets a coordinate be so many turns more at the end.
+    pub fn turn(&mut self, end: usize, turns: f64) {
+        let start = self.source(end);
+        let sign = if self.images[start].1 { -1.0 } else { 1.0 };
+        self.turns[start] = sign * turns * std::f64::consts::TAU;
     }
 
     /// Whether nothing is exchanged or mirrored.

@@ -10,7 +10,7 @@ use super::guess::{first_run, states_of};
 use super::laps::{Condition, Laps, Time};
 use super::{guess, structure};
 use crate::error::{Error, NoOrbit};
-use crate::mechanism::{Action, Description, System};
+use crate::mechanism::{Action, Closes, ClosesBy, Description, Goal, MotionNumbers, System};
 use crate::run::{Run, Side};
 use crate::simulate::{Origin, Settings, Simulation};
 
@@ -31,6 +31,8 @@ pub struct OrbitSearch {
     mode: Option<(usize, f64)>,
     energy: Option<f64>,
     legs: Option<usize>,
+    /// How a motion of the file closes, to which the rest is added.
+    closes: Option<Closes>,
 }
 
 impl<S: System + 'static> Simulation<S> {
@@ -44,6 +46,20 @@ impl<S: System + 'static> Simulation<S> {
         OrbitSearch::of(
             described.map(|(system, settings, origin)| (Box::new(system) as Box<dyn System>, settings, origin)),
         )
+    }
+
+    /// Begins a search for a motion that the file describes under `motions`, which closes.
+    pub fn orbit_of(self, name: &str) -> OrbitSearch {
+        let begun = self.of_motion(name).and_then(|(simulation, motion)| {
+            let (system, settings, origin) = simulation.described()?;
+            let Goal::Closes(closes) = system.motions()[motion].goal.clone() else {
+                return Err(NoOrbit::ClosesNot { motion: name.to_owned() }.into());
+            };
+            let numbers = system.motion_numbers(motion);
+            let described = Ok((Box::new(system) as Box<dyn System>, settings, origin));
+            Ok(OrbitSearch::of(described).asking(&closes, &numbers))
+        });
+        begun.unwrap_or_else(|error| OrbitSearch::of(Err(error)))
     }
 }
 
@@ -67,7 +83,25 @@ impl OrbitSearch {
             mode: None,
             energy: None,
             legs: None,
+            closes: None,
         }
+    }
+
+    /// With what a motion of the file says; its numbers with the present parameters.
+    pub(crate) fn asking(mut self, closes: &Closes, numbers: &MotionNumbers) -> Self {
+        match closes.by {
+            ClosesBy::Part(part) => self.part = part as usize,
+            // The event's name is known where the system is.
+            ClosesBy::Event { .. } => (),
+        }
+        if closes.period {
+            self.period = Some(numbers.period);
+        }
+        if closes.energy {
+            self.energy = Some(numbers.energy);
+        }
+        self.closes = Some(closes.clone());
+        self
     }
 
     /// A guess of the period, s; of a mechanism that depends on time, the period.
@@ -88,7 +122,8 @@ impl OrbitSearch {
         self
     }
 
-    /// One coordinate, or phase, is at the end where the other was at the start, and the other way round unless the other is exchanged too.
+    /// The second coordinate has at the end the value that the first had at the start, and the other way round unless it is exchanged too;
+    /// phases likewise.
     pub fn exchanged(mut self, a: &str, b: &str) -> Self {
         self.images.push((a.to_owned(), b.to_owned()));
         self
@@ -204,6 +239,9 @@ impl OrbitSearch {
     /// How the motion is to close.
     fn closing(&self, description: &Description) -> Result<Closing, Error> {
         let mut closing = Closing { by: By::Part(self.part), ..Closing::period(description) };
+        if let Some(closes) = &self.closes {
+            closing = Closing::of(closes, description);
+        }
         if let Some((event, count)) = &self.after {
             let event = event_index(description, event)?;
             let acts = |action: &Action| !matches!(action, Action::Record);
@@ -214,13 +252,15 @@ impl OrbitSearch {
         }
         exchange(&mut closing, description, &self.images)?;
         for name in &self.mirrored {
-            closing.images[coordinate_index(description, name)?].1 ^= true;
+            let place = closing.source(coordinate_index(description, name)?);
+            closing.images[place].1 ^= true;
         }
         for name in &self.shifted {
-            closing.shifts.push(coordinate_index(description, name)?);
+            let place = closing.source(coordinate_index(description, name)?);
+            closing.shifts.push(place);
         }
         for (name, turns) in &self.turned {
-            closing.turns[coordinate_index(description, name)?] = turns * std::f64::consts::TAU;
+            closing.turn(coordinate_index(description, name)?, *turns);
         }
         Ok(closing)
     }
@@ -274,16 +314,16 @@ fn coordinate_index(description: &Description, name: &str) -> Result<usize, Erro
     })
 }
 
-/// Exchanges coordinates and phases: at the end the first is where the second was.
+/// Exchanges coordinates and phases: at the end the second is where the first was.
 fn exchange(closing: &mut Closing, description: &Description, pairs: &[(String, String)]) -> Result<(), Error> {
     let phase = |name: &str| description.phases.iter().position(|phase| phase.name == name);
     let coordinate = |name: &str| description.coordinates.iter().position(|coordinate| coordinate.name == name);
     for (a, b) in pairs {
         let also = |name: &str| pairs.iter().any(|(other, _)| other == name);
         if let (Some(a), Some(k)) = (phase(a), phase(b)) {
-            closing.phases[a] = k;
+            closing.phases[k] = a;
             if !also(b) {
-                closing.phases[k] = a;
+                closing.phases[a] = k;
             }
             continue;
         }
@@ -292,9 +332,9 @@ fn exchange(closing: &mut Closing, description: &Description, pairs: &[(String, 
             coordinate_index(description, name)?;
             continue;
         };
-        closing.images[k].0 = i;
+        closing.images[i].0 = k;
         if !also(b) {
-            closing.images[i].0 = k;
+            closing.images[k].0 = i;
         }
     }
     Ok(())

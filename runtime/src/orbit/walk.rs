@@ -10,7 +10,6 @@ use super::multipliers::Polar;
 use super::stability::{Spectrum, beside, map, spectrum};
 use super::structure;
 use crate::error::{Error, NoOrbit};
-use crate::mechanism::System;
 use crate::run::Names;
 use crate::vary::LOOSER;
 

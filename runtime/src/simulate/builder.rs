@@ -64,6 +64,20 @@ impl<S: System> Simulation<S> {
         }
     }
 
+    /// A run of a motion of the model file, and its place.
+    pub(crate) fn of_motion(mut self, name: &str) -> Result<(Self, usize), Error> {
+        let motions = self.system.motions();
+        let Some(motion) = motions.iter().position(|motion| motion.name == name) else {
+            let known = motions.iter().map(|motion| motion.name.to_string()).collect();
+            return Err(Error::UnknownName { kind: "motion", name: name.to_owned(), known });
+        };
+        let index = self.system.description().scenes.len() + motion;
+        let scene = set_scene(&mut self.system, &self.given, index);
+        let origin =
+            Origin { scene: Some(index), given: vec![false; 2 * self.system.len()], tolerance: self.origin.tolerance };
+        Ok((Simulation { origin, ..self.from(&scene) }, motion))
+    }
+
     /// Start, end, tolerance and spacing of a scene.
     pub fn from(mut self, scene: &Scene) -> Self {
         let Scene { q, v, held_q, held_v, start_conditions, guessed, phase, until, tolerance, every, .. } =

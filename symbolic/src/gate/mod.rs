@@ -14,6 +14,7 @@
 //!    (`dependent`).
 //! 7. What the file says is conserved or holds, does (`claims`); who changes what should be conserved is found in
 //!    `explain`.
+//! 8. Images of motions that `motions` names are motions: `same_motion`.
 //!
 //! Everything is evaluated in double-double with running magnitudes, so that every row is judged by the size of its own
 //! terms and agreement means twenty digits.
@@ -57,6 +58,7 @@ mod reaction_values;
 mod report;
 mod results;
 mod rows;
+mod same_motion;
 mod search;
 mod speeds;
 mod state;
@@ -227,6 +229,7 @@ impl Gate {
                 Err(problem) => problems.push(*problem),
             }
         }
+        problems.extend(same_motion::images(model, &motion, (&equations[0], rows), &states.all));
         report.states = states.all;
         if problems.is_empty() { Ok(report) } else { Err(problems) }
     }

@@ -67,6 +67,8 @@ pub const METHODS: &[&str] = &[
     "magnitudes",
     "mass_matrix",
     "mass_matrix_at",
+    "motion_numbers",
+    "motions",
     "ne",
     "outputs",
     "parameter_mut",

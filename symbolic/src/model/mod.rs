@@ -4,6 +4,7 @@ pub(crate) mod command;
 mod expression;
 mod gimbals;
 mod identifier;
+mod motion;
 mod resolve;
 mod resolved;
 mod resolver;
@@ -14,6 +15,7 @@ mod text;
 pub use command::Sets;
 pub use gimbals::Gimbal;
 pub use identifier::{KEYWORDS, METHODS, field_name, is_snake_case, local_name, method_name, type_name};
+pub use motion::{Closes, Goal, Image, Motion};
 pub use resolve::{load, load_in, read_through, read_through_in, resolve};
 pub use resolved::{
     Balance, BalanceSystem, Body, Change, Check, Conserved, Constraint, Coordinate, Derived, Event, EventAction,

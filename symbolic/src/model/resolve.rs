@@ -13,7 +13,7 @@ use crate::diagnose::{Place, Problem, Step};
 use crate::file::{Node, Spot};
 
 /// Every key that a model file may have.
-const KEYS: [&str; 30] = [
+const KEYS: [&str; 31] = [
     "name",
     "about",
     "sizes",
@@ -43,6 +43,7 @@ const KEYS: [&str; 30] = [
     "sample",
     "outputs",
     "draw",
+    "motions",
     "scene",
 ];
 
@@ -110,6 +111,7 @@ fn resolve_through(root: &Node, sizes: &[(String, i64)], folder: Option<&Path>) 
     resolver.start_conditions(held);
     resolver.needed();
     resolver.events();
+    resolver.motions();
     resolver.idle_constraints();
     resolver.draw();
     resolver.cycles();
@@ -160,7 +162,7 @@ pub fn read_through_in(folder: Option<&Path>, text: &str, sizes: &[(String, i64)
 }
 
 /// Sections that no equation of motion depends on.
-const OBSERVED: [&str; 7] = ["events", "conserved", "checks", "outputs", "draw", "equilibrium", "about"];
+const OBSERVED: [&str; 8] = ["events", "conserved", "checks", "outputs", "draw", "equilibrium", "about", "motions"];
 
 /// Whether the equations of motion are as meant in spite of a problem.
 fn leaves_equations(problem: &Problem) -> bool {

@@ -2,6 +2,7 @@
 
 use super::expression::scope::Scope;
 use super::gimbals::Gimbal;
+use super::motion::Motion;
 use super::rotation::Rotation;
 use crate::diagnose::{Place, Problem};
 use crate::expr::{Graph, Id, Symbol};
@@ -94,6 +95,8 @@ pub struct Model {
     pub draw: Vec<Shape>,
     /// Scenes; the first is the default and always there.
     pub scenes: Vec<Scene>,
+    /// Motions that are asked for.
+    pub motions: Vec<Motion>,
     /// The guess for an equilibrium, one expression of parameters per coordinate.
     pub equilibrium: Vec<Id>,
     /// What is doubtful and no error.

@@ -8,7 +8,7 @@ use super::function::{Function, Target, argument, stores};
 use super::parameters::field;
 use super::rust::UNJUDGED;
 use super::words::comment;
-use super::{momentum, parts, scenes};
+use super::{momentum, motions, parts, scenes};
 use crate::expr::Id;
 use crate::lower::{Accelerations, Entry, Program};
 use crate::model::{Gimbal, Model, text};
@@ -64,6 +64,7 @@ impl Mechanism<'_> {
         out += &momentum::balances(program, &self.bodies, self.block);
         out += &self.parameters();
         out += &scenes::scenes(program, &self.unhoisted);
+        out += &motions::motions(program, &self.unhoisted);
         out + "}\n"
     }
 

@@ -10,6 +10,7 @@ mod linear;
 mod linearisation;
 mod mechanism;
 mod momentum;
+mod motions;
 mod numpy;
 mod parameters;
 mod parts;

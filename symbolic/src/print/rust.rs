@@ -9,7 +9,7 @@ use super::parameters::parameters;
 use super::scope::Names;
 use crate::expr::{Id, Node, Symbol, Table, Unary};
 use crate::lower::{Accelerations, Program};
-use crate::model::EventAction;
+use crate::model::{EventAction, Goal};
 
 /// The items that `model!` expands to: the type, its parameters, and its `Mechanism`.
 ///
@@ -137,12 +137,27 @@ impl Program {
 
     /// What scenes say that their starts meet beside constraints: quantities of the state, scene by scene.
     pub fn start_conditions(&self) -> Vec<Id> {
-        self.model.scenes.iter().flat_map(|scene| scene.start_conditions.iter().map(|pair| pair.0)).collect()
+        self.model.all_scenes().flat_map(|scene| scene.start_conditions.iter().map(|pair| pair.0)).collect()
     }
 
     /// The values of these, of parameters.
     pub fn start_condition_values(&self) -> Vec<Id> {
-        self.model.scenes.iter().flat_map(|scene| scene.start_conditions.iter().map(|pair| pair.1)).collect()
+        self.model.all_scenes().flat_map(|scene| scene.start_conditions.iter().map(|pair| pair.1)).collect()
+    }
+
+    /// The period, the energy, guesses of unknowns and values of conditions of a motion, of parameters; 0 for what is not given.
+    pub fn motion_numbers(&self, motion: usize) -> Vec<Id> {
+        let Some(motion) = self.model.motions.get(motion) else { return Vec::new() };
+        let (period, energy) = match &motion.goal {
+            Goal::Closes(closes) => (closes.period, closes.energy),
+            _ => (None, None),
+        };
+        let conditions = match &motion.goal {
+            Goal::Meets { conditions, .. } => conditions.as_slice(),
+            _ => &[],
+        };
+        let given = [period, energy].map(|number| number.unwrap_or(Id::ZERO));
+        given.into_iter().chain(motion.unknowns.iter().chain(conditions).map(|(_, id)| *id)).collect()
     }
 
     /// How many of a phase's rows are independent in general.

@@ -16,17 +16,17 @@ pub(super) fn scenes(program: &Program, bodies: &Bodies<'_>) -> String {
         model.coordinates.len(),
         program.constraints.len()
     );
-    let mut out = sets(&model.scenes, bodies, &parameters);
-    let constrained =
-        !model.constraints.is_empty() || model.scenes.iter().any(|scene| !scene.start_conditions.is_empty());
-    out += &starts(&model.scenes, bodies, &parameters, model.coordinates.len(), constrained);
+    let scenes: Vec<&Scene> = model.all_scenes().collect();
+    let mut out = sets(&scenes, bodies, &parameters);
+    let constrained = !model.constraints.is_empty() || scenes.iter().any(|scene| !scene.start_conditions.is_empty());
+    out += &starts(&scenes, bodies, &parameters, model.coordinates.len(), constrained);
     out += &guess(&model.equilibrium, bodies, &parameters);
     out += &restitutions(&program.restitutions(), bodies);
     out += &frequencies(program.frequencies.as_deref(), bodies);
     out + &list_of("start_condition_values", &program.start_condition_values(), bodies, &parameters)
 }
 
-fn sets(scenes: &[Scene], bodies: &Bodies<'_>, parameters: &str) -> String {
+fn sets(scenes: &[&Scene], bodies: &Bodies<'_>, parameters: &str) -> String {
     let mut arms = String::new();
     for (k, scene) in scenes.iter().enumerate().filter(|(_, scene)| !scene.set.is_empty()) {
         let values: Vec<Id> = scene.set.iter().map(|(_, id)| *id).collect();
@@ -47,7 +47,7 @@ fn sets(scenes: &[Scene], bodies: &Bodies<'_>, parameters: &str) -> String {
 }
 
 /// Every scene's numbers in one block: its end, tolerance and spacing, then those of q and v that are not 0.
-fn starts(scenes: &[Scene], bodies: &Bodies<'_>, parameters: &str, n: usize, constrained: bool) -> String {
+fn starts(scenes: &[&Scene], bodies: &Bodies<'_>, parameters: &str, n: usize, constrained: bool) -> String {
     let size = 3 + 2 * n;
     let (mut arms, mut spacings) = (String::new(), String::new());
     let mut constants = false;
@@ -92,7 +92,7 @@ fn starts(scenes: &[Scene], bodies: &Bodies<'_>, parameters: &str, n: usize, con
 }
 
 /// What is held at a scene's start, and its phase, where there is something to say.
-fn starting(scenes: &[Scene], constrained: bool) -> String {
+fn starting(scenes: &[&Scene], constrained: bool) -> String {
     let flags = |list: &[bool]| list.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
     let of = |field: &str, otherwise: &str, value: &dyn Fn(&Scene) -> String| {
         let arms = scenes.iter().enumerate().skip(1).map(|(k, scene)| (k.to_string(), scene));

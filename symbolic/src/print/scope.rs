@@ -24,6 +24,7 @@ pub const OWN: &[&str] = &[
     "lane",
     "i",
     "index",
+    "motion",
     "scene",
     "system",
     "value",

@@ -6,6 +6,7 @@ mod expressions;
 mod integrals;
 mod limits;
 mod mechanics;
+mod motions;
 mod reading;
 mod solids;
 mod units;

@@ -37,7 +37,9 @@ fn compiled_and_interpreted_models_agree() {
         let program = compile(entry.source, &[]).unwrap_or_else(|_| panic!("{} does not compile", entry.name));
         let mut interpreted = Interpreted::new(program, entry.source);
         let mut compiled = (entry.system)();
-        for scene in 0..compiled.description().scenes.len() {
+        assert_eq!(compiled.motions(), interpreted.motions(), "{}", entry.name);
+        // Motions have scenes of their own.
+        for scene in 0..compiled.description().scenes.len() + compiled.motions().len() {
             assert_eq!(compiled.scene_parameters(scene), interpreted.scene_parameters(scene), "{}", entry.name);
             for (index, value) in compiled.scene_parameters(scene) {
                 compiled.set_parameter(index, value);
@@ -49,6 +51,9 @@ fn compiled_and_interpreted_models_agree() {
                 interpreted.set_parameter(index, value);
             }
             assert_eq!(compiled.frequencies(), interpreted.frequencies(), "{}", entry.name);
+            for motion in 0..compiled.motions().len() {
+                assert_eq!(compiled.motion_numbers(motion), interpreted.motion_numbers(motion), "{}", entry.name);
+            }
             let start = compiled.scene(scene);
             assert_eq!(start, interpreted.scene(scene), "{}", entry.name);
             let vary = |list: &[f64], phase: f64| -> Vec<f64> {

@@ -2,13 +2,16 @@
 
 use dalembert_symbolic::derive::SwitchKind as SymbolicSwitchKind;
 use dalembert_symbolic::lower::{self, Entry, MomentumSystem, Program, Rate};
-use dalembert_symbolic::model::{EventAction, Gimbal as SymbolicGimbal, Shape as SymbolicShape, Solid};
+use dalembert_symbolic::model::{
+    EventAction, Gimbal as SymbolicGimbal, Goal as SymbolicGoal, Image, Motion as SymbolicMotion,
+    Shape as SymbolicShape, Solid,
+};
 use dalembert_symbolic::{expr, print};
 
 use crate::mechanism::{
-    Action, Argument, Balance, BalanceSystem, Coordinate, Counts, Description, Direction, Event, Gimbal, InputJump,
-    Integral, List, Parameter, Part, Phase, Quantity, Rated, Role, Row, Shape, Structure, Switch, SwitchKind, Table,
-    Text, Tried, Watched,
+    Action, Argument, Balance, BalanceSystem, Closes, ClosesBy, Coordinate, Counts, Description, Direction, Event,
+    Extreme, Gimbal, Goal, InputJump, Integral, List, Motion, Parameter, Part, Phase, Quantity, Rated, Role, Row,
+    Shape, Structure, Switch, SwitchKind, Table, Text, Tried, Watched,
 };
 
 /// Where an integral was tried.
@@ -36,6 +39,40 @@ pub(super) fn gimbal(gimbal: &SymbolicGimbal) -> Gimbal {
         factor: *factor,
         phase: *phase,
     }
+}
+
+/// A motion that is asked for.
+pub(super) fn motion(motion: &SymbolicMotion) -> Motion {
+    let text = |words: &String| Text::Owned(words.clone());
+    let images = |image: &Image| -> List<(u32, bool)> {
+        image.coordinates.iter().map(|(of, opposite)| (*of as u32, *opposite)).collect()
+    };
+    let goal = match &motion.goal {
+        SymbolicGoal::Closes(closes) => Goal::Closes(Closes {
+            by: match closes.event {
+                Some((event, count)) => ClosesBy::Event { event: event as u32, count },
+                None => ClosesBy::Part(closes.part),
+            },
+            period: closes.period.is_some(),
+            energy: closes.energy.is_some(),
+            images: images(&closes.image),
+            phases: closes.image.phases.iter().map(|phase| *phase as u32).collect(),
+            shifts: closes.shifts.iter().map(|coordinate| *coordinate as u32).collect(),
+            turns: closes.turns.iter().map(|(coordinate, turns)| (*coordinate as u32, *turns as i32)).collect(),
+            between: closes.between.as_ref().map(|ends| ends.each_ref().map(images)),
+        }),
+        SymbolicGoal::Meets { conditions, extreme } => Goal::Meets {
+            conditions: conditions.iter().map(|(name, _)| text(name)).collect(),
+            extreme: extreme
+                .as_ref()
+                .map(|(name, largest)| (text(name), if *largest { Extreme::Largest } else { Extreme::Smallest })),
+        },
+        SymbolicGoal::Fits(columns) => {
+            Goal::Fits(columns.iter().map(|(name, values)| (text(name), values.clone().into())).collect())
+        }
+    };
+    let unknowns = motion.unknowns.iter().map(|(name, _)| text(name)).collect();
+    Motion { name: text(&motion.name), goal, unknowns }
 }
 
 fn solid(kind: Solid) -> Shape {

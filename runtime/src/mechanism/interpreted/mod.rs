@@ -7,14 +7,15 @@ mod slopes;
 use dalembert_symbolic::interpret::{self, Function, Interpreter};
 use dalembert_symbolic::lower::Program;
 
-use describe::{describe, gimbal};
+use describe::{describe, gimbal, motion};
 pub(crate) use extended::ExtendedAt;
 
 use super::balances::{belongs, put_reactions};
 use super::phased::{Phased, RowHistory, indicate, sprung};
 use super::system::Replaced;
 use super::{
-    Along, At, Balances, Description, Energy, Enforcement, Gimbal, Scene, Signal, Singular, SingularMass, System,
+    Along, At, Balances, Description, Energy, Enforcement, Gimbal, Motion, MotionNumbers, Scene, Signal, Singular,
+    SingularMass, System,
 };
 
 /// An interpreted mechanism.
@@ -23,6 +24,7 @@ pub struct Interpreted {
     interpreter: Interpreter,
     description: Description,
     gimbals: Vec<Gimbal>,
+    motions: Vec<Motion>,
     signals: Vec<Option<Replaced>>,
     derivation: Option<usize>,
     phased: Phased,
@@ -33,11 +35,13 @@ impl Interpreted {
     pub fn new(program: Program, source: &str) -> Self {
         let description = describe(&program, source);
         let gimbals = program.model.gimbals().iter().map(gimbal).collect();
+        let motions = program.model.motions.iter().map(motion).collect();
         let signals = vec![None; program.model.inputs.len()];
         Interpreted {
             interpreter: Interpreter::new(program),
             description,
             gimbals,
+            motions,
             signals,
             derivation: None,
             phased: Phased::default(),
@@ -95,6 +99,16 @@ impl System for Interpreted {
 
     fn gimbals(&self) -> &[Gimbal] {
         &self.gimbals
+    }
+
+    fn motions(&self) -> &[Motion] {
+        &self.motions
+    }
+
+    fn motion_numbers(&self, motion: usize) -> MotionNumbers {
+        let numbers = self.interpreter.program().motion_numbers(motion);
+        let numbers: Vec<f64> = numbers.into_iter().map(|id| self.interpreter.constant(id)).collect();
+        self.motions.get(motion).map_or_else(MotionNumbers::default, |motion| MotionNumbers::new(motion, &numbers))
     }
 
     fn accelerations(&self, at: At<'_>, a: &mut [f64]) -> Result<(), Singular> {
@@ -345,18 +359,18 @@ impl System for Interpreted {
     }
 
     fn scene_parameters(&self, scene: usize) -> Vec<(usize, f64)> {
-        let scenes = &self.interpreter.program().model.scenes;
+        let mut scenes = self.interpreter.program().model.all_scenes();
         scenes
-            .get(scene)
+            .nth(scene)
             .map_or_else(Vec::new, |s| s.set.iter().map(|(i, id)| (*i, self.interpreter.constant(*id))).collect())
     }
 
     fn scene(&self, scene: usize) -> Scene {
-        let scenes = &self.interpreter.program().model.scenes;
+        let scenes: Vec<_> = self.interpreter.program().model.all_scenes().collect();
         let searched =
             !self.description.rows.is_empty() || scenes.iter().any(|scene| !scene.start_conditions.is_empty());
         let first: usize = scenes.iter().take(scene).map(|scene| scene.start_conditions.len()).sum();
-        let scene = &scenes[if scene < scenes.len() { scene } else { 0 }];
+        let scene = scenes[if scene < scenes.len() { scene } else { 0 }];
         let value = |id| self.interpreter.constant(id);
         Scene {
             q: scene.q.iter().map(|id| value(*id)).collect(),

@@ -61,7 +61,7 @@ pub(super) fn slopes(
         mechanism::Function::Invariants => interpreter.evaluate_in(Function::Invariants, value, &mut room),
         mechanism::Function::Restitutions => roots(&program.restitutions(), &mut room),
         mechanism::Function::Scene(scene) => {
-            let Some(scene) = program.model.scenes.get(scene) else { return values.fill(0.0) };
+            let Some(scene) = program.model.all_scenes().nth(scene) else { return values.fill(0.0) };
             let settings = [scene.until, scene.tolerance, scene.every.unwrap_or(Id::ZERO)];
             let numbers: Vec<Id> = settings.into_iter().chain(scene.q.iter().chain(&scene.v).copied()).collect();
             roots(&numbers, &mut room);

@@ -130,4 +130,10 @@ super::entries! {
     E444 not_at_rest(name) "inertia about a point that moves in its body"
         "this point is not at rest in `{name}`" "" "give `inertia` about the centre of mass, or about a point that is written with the body's own frame and its `position`"
         "The moments of a rigid body about a point are constant where the point is fixed in the body.";
+    E445 period_needed(what) "a motion of a mechanism under inputs without a period"
+        "{what} depends on time, so that a motion closes after a period of what acts on it" "the period is not given" "write `closes: {{period: 2*pi/w}}` with the frequency of the inputs"
+        "What depends on time repeats itself after certain times only; exchanges, mirrors and reversals hold for shifts of time by a part of these.";
+    E446 moving_goal(name, parameter) "a condition that moves with what is unknown"
+        "the value of `{name}` contains `{parameter}`, which is unknown" "" "make the difference an output, and let that be 0"
+        "Values in `such_that` stay while unknowns are found.";
 }

@@ -70,4 +70,13 @@ super::entries! {
     E323 no_direction(key) "a direction that is none"
         "`{key}` has no direction" "its length is 0" "write a vector such as `ground.z` or `B.x`"
         "Of an axis or a normal the direction counts, not the length.";
+    E324 no_exchange(why, help) "an exchange that is none"
+        "this exchange {why}" "" "{help}"
+        "An exchange gives each place what was in another: every coordinate and phase goes somewhere, and each place takes one. A state that is its own image with time reversed is so by something that done twice changes nothing.";
+    E325 part_unlike_exchange(part, order) "a part of the period that does not fit"
+        "`{part}` does not fit: what closes here gives the start back after {order} times" "" "write `1/{order}`, or leave `part` out"
+        "A motion that comes to the image of its start after a part of its period comes to the start itself when the image has been taken as often as gives back the start. Between two states that are their own images with time reversed lies half of that part.";
+    E326 bad_record(name, why, help) "a record that cannot be followed"
+        "`{name}` is no record: {why}" "" "{help}"
+        "A record has a column of rising times and one for each quantity that was measured.";
 }

@@ -25,6 +25,9 @@ super::entries! {
     W248 cycles_in_angle(name) "a frequency in Hz in an angle, without 2 pi"
         "`{name}` is in Hz, cycles a second, and enters an angle without a factor 2 pi" "counts as so many radians a second" "use `2*pi*{name}` in the angle, or declare it in `rad/s` (`rpm`)"
         "`Hz` is 1/s: `cos(f*t)` with `f: 5 Hz` has 5 rad/s, and `cos(2*pi*f*t)` has 5 cycles a second.";
+    E249 unlike_exchange(name, unit, other, other_unit) "an exchange of unlike quantities"
+        "`{name}` is {unit}, and `{other}` is {other_unit}: they cannot be exchanged" "" "exchange coordinates of one unit"
+        "What comes in the place of a coordinate has its unit.";
     W250 degrees_for_radians(name, value) "an angle in radians that looks like one in degrees"
         "`{name}` is in radians, and `{value}` looks like degrees" "{value} rad" "write `{value} deg`, or `{value} rad` where that is meant"
         "A bare number is in the SI unit of what it sets, and the SI unit of an angle is the radian. A whole number of 10 to 360 that is a multiple of 5 is taken as written, with this warning.";

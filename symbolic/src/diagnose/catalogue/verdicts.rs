@@ -61,4 +61,13 @@ super::entries! {
     E520 length_matters(rotation, what, state) "a rotation whose length matters"
         "{what} depends on the length of the quaternion of `{rotation}`" "" "a rotation has a direction only: something contains its four numbers by themselves; at {state}"
         "A rotation is kept as a quaternion of any length, R(q)/|q|²; nothing may change where q and q' are multiplied by one factor.";
+    E521 shift_matters(name, what, by, state) "a shift along which something changes"
+        "{what} depends on `{name}`: it changes by {by}" "cannot differ freely" "leave it out; a coordinate that is whole turns more goes into `turn`; at {state}"
+        "A motion goes on alike from another place where nothing depends on the place.";
+    E522 no_symmetry(what, by, state) "an exchange or mirror that changes the motion"
+        "{what} is not what it was: it differs by {by}" "not a symmetry" "at {state}; the motion must go on from the image as from the start: F(S q, S q', S q'') = S F(q, q', q''), with the parameters of the motion"
+        "The image of a motion under an exchange or mirror is a motion only where equations, constraints and events are the same ones for it; with time reversed speeds change their signs too.";
+    E523 not_a_period(period, what, by, state) "a period that is none"
+        "after {period} s {what} is not what it was: it differs by {by}" "not a period of what acts" "at {state}; write it with the frequency of the inputs, `2*pi/w`, in all its digits"
+        "A mechanism that depends on time goes on as it began only after a time in which all of that repeats itself.";
 }

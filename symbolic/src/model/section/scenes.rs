@@ -59,13 +59,15 @@ impl Resolver<'_> {
             self.check_scene(spot);
         }
         let default = default.filter(|spot| matches!(spot.node, Node::Map(_))).unwrap_or(absent);
-        self.scene("scene", &default, None, &mut held);
+        let scene = self.scene("scene", &[&default], &mut held);
+        self.model.scenes.push(scene);
         let mut seen = BTreeMap::from([("scene".to_owned(), ())]);
         for (key, spot) in self.section("scenes") {
             let Some(name) = self.label(key, &spot, "`scenes`") else { continue };
             let fresh = self.unique(&mut seen, &name, "`scenes`", &spot.place);
             if fresh && self.check_scene(&spot) {
-                self.scene(&name, &spot, Some(&default), &mut held);
+                let scene = self.scene(&name, &[&spot, &default], &mut held);
+                self.model.scenes.push(scene);
             }
         }
         self.equilibrium();
@@ -76,9 +78,9 @@ impl Resolver<'_> {
         spot.only(&SCENE_KEYS, "a scene", &mut self.builder.problems)
     }
 
-    /// One scene; the keys it leaves out are those of `inherited`.
-    fn scene(&mut self, name: &str, spot: &Spot<'_>, inherited: Option<&Spot<'_>>, held: &mut Vec<Held>) {
-        let get = |key: &str| spot.get(key).or_else(|| inherited.and_then(|scene| scene.get(key)));
+    /// One scene; the keys that the first of its texts leaves out are those of the next.
+    pub fn scene(&mut self, name: &str, texts: &[&Spot<'_>], held: &mut Vec<Held>) -> Scene {
+        let get = |key: &str| texts.iter().find_map(|spot| spot.get(key));
         let count = self.model.coordinates.len();
         let mut scene = Scene {
             name: name.to_owned(),
@@ -108,7 +110,7 @@ impl Resolver<'_> {
         let solved = get("also").is_some() || !self.model.phases[scene.phase].constraints.is_empty();
         match get("guess") {
             Some(guess) if solved => self.guess(&guess, &mut scene),
-            Some(guess) if spot.get("guess").is_some() => {
+            Some(guess) if texts[0].get("guess").is_some() => {
                 self.builder.problems.push(mechanics::idle_guess(guess.place.of_key()));
             }
             _ => {}
@@ -121,7 +123,7 @@ impl Resolver<'_> {
         scene.tolerance = tolerance.unwrap_or(scene.tolerance);
         scene.every = get("every").and_then(|spot| self.positive(&spot, SPACING, &scene));
         scene.need = get("needs").and_then(|spot| self.need(&spot, &scene));
-        self.model.scenes.push(scene);
+        scene
     }
 
     /// `needs`: what a scene is run for, and how exactly.
@@ -216,7 +218,7 @@ impl Resolver<'_> {
     }
 
     /// A positive number of parameters.
-    fn positive(&mut self, spot: &Spot<'_>, rules: Rules, scene: &Scene) -> Option<Id> {
+    pub fn positive(&mut self, spot: &Spot<'_>, rules: Rules, scene: &Scene) -> Option<Id> {
         let what = rules.what;
         let quantity = spot.quantity(&mut self.builder.problems)?;
         let value = self.setting(&quantity, rules, &Self::no_locals())?;
@@ -312,7 +314,7 @@ impl Resolver<'_> {
     }
 
     /// Warns where the value of an angle looks like degrees; once of what several scenes inherit.
-    fn degrees(&mut self, value: &Quantity, name: &str) {
+    pub fn degrees(&mut self, value: &Quantity, name: &str) {
         let words = &value.text.source;
         if value.unit.is_none() && looks_like_degrees(words) {
             let place = value.text.place.at(value.text.ast.span);
@@ -353,7 +355,7 @@ impl Resolver<'_> {
     }
 
     /// The coordinate that an entry of `start` names.
-    fn started(&mut self, member: &Expanded, key: &str, spot: &Spot<'_>) -> Option<usize> {
+    pub fn started(&mut self, member: &Expanded, key: &str, spot: &Spot<'_>) -> Option<usize> {
         if self.scope.names.contains_key(&member.base) {
             return self.coordinate(member, &spot.place);
         }
@@ -364,7 +366,7 @@ impl Resolver<'_> {
     }
 
     /// One value for each member: the same expression, or a list.
-    fn values_for(&mut self, spot: &Spot<'_>, family: &Family) -> Option<Vec<Quantity>> {
+    pub fn values_for(&mut self, spot: &Spot<'_>, family: &Family) -> Option<Vec<Quantity>> {
         let problems = &mut self.builder.problems;
         if spot.items().is_none() {
             return spot.quantity(problems).map(|value| vec![value; family.members.len()]);
@@ -451,7 +453,7 @@ impl Resolver<'_> {
 
     /// The entries of `start_conditions`, whose names mean something once `conserved` and `outputs` are read.
     fn also_held(&mut self, spot: &Spot<'_>, held: &mut Vec<Held>) {
-        let scene = self.model.scenes.len();
+        let scene = self.model.all_scenes().count();
         for (key, spot) in spot.entries(&mut self.builder.problems) {
             let Some(family) = self.start_key(key, &spot) else { continue };
             if family.key.primes > 0 {
@@ -490,7 +492,12 @@ impl Resolver<'_> {
             let rules = Rules::constant("its value").like(watched.unit);
             for (k, quantity) in watched.value.iter().enumerate() {
                 let Some(value) = self.setting(&values[if zero { 0 } else { k }], rules, &locals) else { break };
-                self.model.scenes[scene].start_conditions.push((*quantity, value));
+                let all =
+                    self.model.scenes.iter_mut().chain(self.model.motions.iter_mut().map(|motion| &mut motion.scene));
+                all.into_iter()
+                    .nth(scene)
+                    .into_iter()
+                    .for_each(|scene| scene.start_conditions.push((*quantity, value)));
             }
         }
     }

@@ -237,7 +237,7 @@ fn unfit(points: &[[f64; 2]], periodic: bool) -> Option<(String, &'static str)> 
 const LONGEST: u64 = 100 * MEMBER_LIMIT as u64;
 
 /// The text of a file of no more than [`LONGEST`]; devices and pipes, which may never end, are refused.
-fn text_of(path: &Path) -> Result<String, String> {
+pub(super) fn text_of(path: &Path) -> Result<String, String> {
     let told = |error: std::io::Error| error.to_string();
     let kind = std::fs::metadata(path).map_err(told)?;
     if !kind.is_file() {
@@ -272,7 +272,7 @@ fn has_decimal_comma(cell: &str) -> bool {
 }
 
 /// Two columns of a table of text: the first two, or those of these names.
-fn columns_of(text: &str, names: Option<[&str; 2]>) -> Result<Vec<[f64; 2]>, String> {
+pub(super) fn columns_of(text: &str, names: Option<[&str; 2]>) -> Result<Vec<[f64; 2]>, String> {
     let told = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
     let separator = separator(told.clone().map(|(_, line)| line));
     let cells = |line: &str| -> Vec<String> {
