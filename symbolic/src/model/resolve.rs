@@ -13,7 +13,7 @@ use crate::diagnose::{Place, Problem, Step};
 use crate::file::{Node, Spot};
 
 /// Every key that a model file may have.
-const KEYS: [&str; 30] = [
+const KEYS: [&str; 31] = [
     "name",
     "about",
     "sizes",
@@ -35,6 +35,7 @@ const KEYS: [&str; 30] = [
     "dissipation",
     "generalized_forces",
     "constraints",
+    "joints",
     "phases",
     "events",
     "balances",

@@ -52,6 +52,7 @@ impl Resolver<'_> {
                 places.push(spot.place.clone());
             }
         }
+        self.declare_joints(&mut places);
         places
     }
 
@@ -77,6 +78,7 @@ impl Resolver<'_> {
             rows += self.model.constraints.last().map_or(0, |constraint| constraint.value.len());
         }
         self.judge_constraints();
+        self.judge_joints();
     }
 
     /// Refuses what is no constraint on the motion, and what is not affine in the velocities.
@@ -120,7 +122,7 @@ impl Resolver<'_> {
     }
 
     /// For each row, whether all of it vanishes at all random states at which it is finite.
-    fn still(&mut self, rows: &[Vec<Id>]) -> Vec<bool> {
+    pub fn still(&mut self, rows: &[Vec<Id>]) -> Vec<bool> {
         let all: Vec<Id> = rows.iter().flatten().copied().collect();
         let tape = Tape::new(&self.builder.graph, &all);
         let mut verdicts: Vec<Option<bool>> = rows.iter().map(|row| row.is_empty().then_some(true)).collect();
