@@ -65,8 +65,8 @@ super::entries! {
         "masses and constraints couple more than {limit} coordinates and constraints with each other" "one too many" "make families smaller, or choose coordinates that move one body each, or that need no constraints"
         "Accelerations of coordinates that move the same bodies or stand in the same constraint depend on each other, directly or by way of others, and on the constraints' forces; solving for n of them takes n^3 operations.";
     E423 constraint_without_motion(name) "a constraint that constrains nothing"
-        "the constraint `{name}` does not depend on the motion" "its derivative by every coordinate (or velocity) vanishes" "a constraint is an expression of coordinates or velocities that is to vanish; a component that is 0 anyway is left out by taking the other one, `dot(…, e)`"
-        "What is 0, constant, or a function of time alone is either true anyway or never: no force can change it.";
+        "the constraint `{name}` does not depend on the motion" "its derivative by every coordinate (or velocity) vanishes" "a constraint is an expression of coordinates or velocities that is to vanish; of a vector the component along e is `dot(…, e)`"
+        "What is constant or a function of time alone is never 0, or at single instants only: no force can change that. A row that is 0 whatever the motion is a warning.";
     E424 not_affine(name) "a constraint that is not affine in the velocities"
         "the constraint `{name}` is not affine in the velocities" "a velocity stands in a product with another, in a power or in a function" "velocities may stand in sums, times anything of coordinates and time: `x' - R*phi'`; a speed that is to be kept, `x'^2 + y'^2 = v^2`, is no constraint that forces of reaction can hold; a law of first order of a coordinate of its own, `z' = f`, needs no constraint: with `kinetic_energy: M*z'^2/2` and `generalized_forces: {{z: \"-M/lag*(z' - f)\"}}` z' follows f within the time `lag` (start at z' = f; a shorter `lag` shows what it changes)"
         "A constraint with velocities is A(q, t) q' + b(q, t) = 0, and its force is along the rows of A.";
