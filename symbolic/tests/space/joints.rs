@@ -175,7 +175,7 @@ fn one_point_leaves_the_rows_of_the_axes() {
         let names: Vec<String> = names.split(' ').map(|row| format!("elbow.{row}")).collect();
         let constraints = program(&text).model.constraints;
         assert_eq!(constraints.iter().map(|c| c.name.as_str()).collect::<Vec<_>>(), names);
-        assert_eq!(codes(&with(&text, "moment(elbow)", "reaction(elbow)")), ["E449"]);
+        assert_eq!(codes(&with(&text, "moment(elbow)", "reaction(elbow)")), ["E456"]);
     }
 }
 
@@ -218,16 +218,16 @@ fn mistakes_are_refused_at_their_place() {
         (PAIR, "{ball: [A, B], at: [P, Q], axis: [A.z, B.z]}", "E305"),
         (PAIR, "{hing: [A, B], at: [P, Q]}", "E301"),
         (PAIR, "[A, B]", "E304"),
-        (PAIR, "{ball: [A, B, A], at: [P, Q]}", "E450"),
-        (PAIR, "{ball: A, at: [P, Q]}", "E450"),
-        (PAIR, "{hinge: [A, B], at: [P, Q], axis: A.z}", "E450"),
-        (PAIR, "{hinge: [A, B], at: [P, Q], axis: [A.z]}", "E450"),
-        (PAIR, "{ball: [first, first], at: [P, Q]}", "E451"),
-        (PAIR, "{ball: [A, B], at: P}", "E448"),
-        (PAIR, "{slider: [A, B], at: P, axis: [A.z, B.z]}", "E448"),
-        (PAIR, "{hinge: [A, B], at: [P, Q], axis: [P - Q, B.z]}", "E445"),
+        (PAIR, "{ball: [A, B, A], at: [P, Q]}", "E457"),
+        (PAIR, "{ball: A, at: [P, Q]}", "E457"),
+        (PAIR, "{hinge: [A, B], at: [P, Q], axis: A.z}", "E457"),
+        (PAIR, "{hinge: [A, B], at: [P, Q], axis: [A.z]}", "E457"),
+        (PAIR, "{ball: [first, first], at: [P, Q]}", "E458"),
+        (PAIR, "{ball: [A, B], at: P}", "E455"),
+        (PAIR, "{slider: [A, B], at: P, axis: [A.z, B.z]}", "E455"),
+        (PAIR, "{hinge: [A, B], at: [P, Q], axis: [P - Q, B.z]}", "E452"),
         (PAIR, "{hinge: [A, B], at: [P, Q], axis: [P.x, B.z]}", "E224"),
-        (PAIR, "{slider: [A, B], at: [P, Q], axis: [A.z, B.z + B.x]}", "E445"),
+        (PAIR, "{slider: [A, B], at: [P, Q], axis: [A.z, B.z + B.x]}", "E452"),
         (PAIR, "{hinge: [A, B], at: [P, Q], axis: [A.z, 3]}", "E211"),
         (PAIR, "{hinge: [A, B], at: [P, Q], axis: [A.z, B.z], pitch: h}", "E305"),
         (PAIR, "{screw: [A, B], at: [P, Q], axis: [A.z, B.z]}", "E302"),
@@ -237,13 +237,13 @@ fn mistakes_are_refused_at_their_place() {
         (PAIR, "{ball: [A, B], at: [P, h]}", "E211"),
         (PAIR, "{ball: [A, B], at: [P, A.x]}", "E242"),
         // Points and axes of the other side.
-        (PAIR, "{ball: [second, first], at: [P, Q]}", "E446"),
-        (PAIR, "{ball: [first, ground], at: [P, Q]}", "E446"),
-        (PAIR, "{hinge: [A, B], at: [P, Q], axis: [B.z, A.z]}", "E446"),
-        (PAIR, "{universal: [A, B], at: [P, Q], axis: [unit(P - Q), B.z]}", "E446"),
-        (PAIR, "{weld: [first, second], at: P}", "E446"),
-        (FLAT, "{ball: [first, second], at: [P, Q]}", "E447"),
-        (FLAT, "{hinge: [first, second], at: P}", "E448"),
+        (PAIR, "{ball: [second, first], at: [P, Q]}", "E453"),
+        (PAIR, "{ball: [first, ground], at: [P, Q]}", "E453"),
+        (PAIR, "{hinge: [A, B], at: [P, Q], axis: [B.z, A.z]}", "E453"),
+        (PAIR, "{universal: [A, B], at: [P, Q], axis: [unit(P - Q), B.z]}", "E453"),
+        (PAIR, "{weld: [first, second], at: P}", "E453"),
+        (FLAT, "{ball: [first, second], at: [P, Q]}", "E454"),
+        (FLAT, "{hinge: [first, second], at: P}", "E455"),
         (FLAT, "{hinge: [first, second], at: [P, Q], axis: [first.x, second.x]}", "E305"),
         (FLAT, "{slider: [first, second], at: [P, Q], axis: [first.z, second.x]}", "E227"),
     ] {
@@ -271,5 +271,5 @@ fn a_particle_is_a_side_at_its_own_place_only() {
     let text = with(PAIR, "\ngravity", "\n  bob: {mass: m, position: Q}\ngravity");
     accepted(&text.replace("JOINT", "joints: {elbow: {ball: [first, bob], at: [P, bob]}}"));
     let off = text.replace("JOINT", "joints: {elbow: {ball: [first, bob], at: [P, Q - l*B.x]}}");
-    assert_eq!(codes(&off), ["E446"]);
+    assert_eq!(codes(&off), ["E453"]);
 }

@@ -130,25 +130,25 @@ super::entries! {
     E444 not_at_rest(name) "inertia about a point that moves in its body"
         "this point is not at rest in `{name}`" "" "give `inertia` about the centre of mass, or about a point that is written with the body's own frame and its `position`"
         "The moments of a rigid body about a point are constant where the point is fixed in the body.";
-    E445 not_an_own_axis(axis) "an axis of a joint that is no axis of a frame"
+    E452 not_an_own_axis(axis) "an axis of a joint that is no axis of a frame"
         "`{axis}` is not an axis of a body or frame" "" "write `B.x`, `B.y` or `B.z`; for another direction turn a frame and name its axis: `frames: {{J: {{from: B, rotate: [y, 0.3]}}}}`, `J.z`"
         "The rows of a joint are written with the other two axes of this frame.";
-    E446 not_fixed_in_side(what, side) "a point or an axis of a joint that moves in its side"
+    E453 not_fixed_in_side(what, side) "a point or an axis of a joint that moves in its side"
         "`{what}` is not at rest in `{side}`" "" "list points and axes in the order of the sides, each written with the coordinates that move its side; what moves within its side is no joint: write rows of `constraints`"
         "A joint holds a point and an axis of one body at a point and an axis of another.";
-    E447 joint_of_space(kind) "a joint that the plane does not have"
+    E454 joint_of_space(kind) "a joint that the plane does not have"
         "there is no `{kind}` in the plane" "" "joints in the plane are `hinge`, `slider`, `weld` and `free`; others are rows of `constraints`"
         "In the plane all axes of rotation are parallel.";
-    E448 joint_at_one_point(kind) "a joint in one point that needs two"
+    E455 joint_at_one_point(kind) "a joint in one point that needs two"
         "a `{kind}` needs a point on each side" "one point" "two are `at: [P, Q]`, P by the coordinates of the first side, Q by those of the second; where the two meet by the coordinates already no row is needed"
         "Rows hold the two points together, or on an axis. With one point the coordinates do that, and only the rows of the axes are left.";
-    E449 force_not_among_rows(name) "the force of a joint that no row carries"
+    E456 force_not_among_rows(name) "the force of a joint that no row carries"
         "the force of `{name}` is no multiplier" "its sides meet in one point by the coordinates" "give each side a point of its own, `at: [P, Q]`, with coordinates that let them move apart; or name the force in `balances`, `reactions: {{f: {{on: A, at: P, from: B}}}}`"
         "A force that the choice of the coordinates takes in is no unknown of Lagrange's equations.";
-    E450 not_two(key, found, example) "a joint without two sides"
+    E457 not_two(key, found, example) "a joint without two sides"
         "`{key}` of a joint is a list of two, this is {found}" "" "one for each side: `{key}: {example}`"
         "A joint joins two bodies or frames, one of which may be the ground.";
-    E451 own_joint(side) "a joint of a body with itself"
+    E458 own_joint(side) "a joint of a body with itself"
         "this joint joins `{side}` with itself" "" "name two; what holds a body in place is `ground`"
         "A joint holds one side at the other.";
 }
