@@ -12,7 +12,8 @@ use crate::mechanism::Description;
 ///
 /// R is the range that the component has gone through since the start, or the way of the step itself if that is longer, so
 /// that neither a shift of the origin nor a change of units changes a step; an angle's is at most 2π.  φ = 200 u max|q|, u = 2⁻⁵³, is the
-/// rounding of q: no error below it counts.  ν is the noise of the acceleration, what the rounding of all coordinates
+/// rounding of q: no error below it counts, nor one below 200 u² max|q| of the coordinates with the same unit: what a mechanism in space that
+/// stays in a plane has across it is rounding of rounding.  ν is the noise of the acceleration, what the rounding of all coordinates
 /// and of the time makes of it; it is measured where errors do not fall as steps become shorter ([`Tolerance::noise`]).  Where a
 /// coordinate takes over the rounding of a larger one beside it, φ is raised then.  What sets off from rest like a high power of
 /// time has errors of the size of its change in any step: those of its first step count as none ([`Tolerance::note_start_up_errors`]).
@@ -41,6 +42,8 @@ pub(crate) struct Tolerance {
     is_clear: bool,
     /// The first coordinate of the same unit.
     group: Vec<usize>,
+    /// The largest |q| and |q'| so far of those with the same unit, where the first of them stands.
+    largest: Vec<f64>,
 }
 
 /// 200 unit round-offs.
@@ -78,7 +81,9 @@ impl Tolerance {
             constraint_round_off: vec![0.0; start.len()],
             is_clear: true,
             group,
+            largest: vec![0.0; start.len()],
         };
+        start.iter().enumerate().for_each(|(k, y)| tolerance.note_size(k, *y));
         tolerance.floors = (0..start.len()).map(|k| tolerance.floor(k)).collect();
         tolerance
     }
@@ -161,15 +166,27 @@ impl Tolerance {
             } else {
                 continue;
             }
+            self.note_size(k, *y);
             self.floors[k] = self.floor(k);
         }
+    }
+
+    fn note_size(&mut self, k: usize, y: f64) {
+        let first = self.first_alike(k);
+        self.largest[first] = larger(self.largest[first], y.abs());
+    }
+
+    /// The first component of [q; q'] with the same unit.
+    fn first_alike(&self, k: usize) -> usize {
+        if k < self.n { self.group[k] } else { self.n + self.group[k - self.n] }
     }
 
     /// The part of a unit that does not depend on the step: ε times the range so far, or rounding.
     fn floor(&self, k: usize) -> f64 {
         let (low, high) = (self.low[k], self.high[k]);
         let (widest, raised) = if k < self.n { (self.widest[k], self.raised[k]) } else { (f64::INFINITY, 0.0) };
-        let rounding = larger(ROUNDING * larger(high.abs(), low.abs()), raised);
+        let of_rounding = f64::EPSILON * self.largest[self.first_alike(k)];
+        let rounding = larger(ROUNDING * larger(larger(high.abs(), low.abs()), of_rounding), raised);
         let range = if high - low > widest { widest } else { high - low };
         // Where all of it is zero an error of zero must count as none.
         larger(larger(self.relative * range, rounding), larger(self.start_up_errors[k], LEAST))

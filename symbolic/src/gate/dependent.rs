@@ -3,6 +3,7 @@
 use super::rows::{Constraints, DEPENDENT};
 use super::state::State;
 use super::system::{plus, times};
+use crate::expr::Measured;
 
 /// What a dependent row leaves in roundings: constraints hold to 29 digits, and speeds multiply what is left.
 const CONTRADICTS: f64 = 1e12;
@@ -32,9 +33,15 @@ pub(super) fn contradictions(
         let (rank, order) = constraints.rank(state);
         let rest = order[rank..].to_vec();
         let held = constraints.held(state, rest.clone());
+        let weights = constraints.weights(|s| state.value(s).to_f64());
+        let size = |x: &mut dyn Iterator<Item = f64>| x.map(|x| x * x).sum::<f64>().sqrt();
+        let acceleration = size(&mut state.a.iter().zip(&weights).map(|(a, w)| a.value.to_f64() / w));
         for (row, (line, bias)) in rest.iter().zip(held.matrix.chunks(constraints.n.max(1)).zip(&held.bias)) {
             let terms = line.iter().zip(&state.a);
             let sum = terms.fold(*bias, |sum, (x, a)| plus(sum, times(*x, *a)));
+            // Of axes that stay parallel all terms vanish: what is left of closing is beside the acceleration of the whole.
+            let along = size(&mut line.iter().zip(&weights).map(|(x, w)| x.value.to_f64() * w));
+            let sum = Measured { magnitude: sum.magnitude.max(along * acceleration), ..sum };
             if !sum.vanishes(CONTRADICTS) && !found.contains(&(state.phase, *row)) {
                 found.push((state.phase, *row));
             }

@@ -281,7 +281,7 @@ impl Constraints {
 
     /// How far each coordinate moves by the same impulse, the largest being 1: 1/√Mᵢᵢ, so that metres beside nanometres
     /// and angles are no reason to call rows dependent.  What has no mass of its own moves as easily as anything.
-    fn weights(&self, value: impl Fn(Symbol) -> f64) -> Vec<f64> {
+    pub fn weights(&self, value: impl Fn(Symbol) -> f64) -> Vec<f64> {
         let masses: Vec<f64> = self.diagonal.evaluate(value);
         let weighs = |m: &f64| *m > 0.0 && m.is_finite();
         let least = masses.iter().copied().filter(|m| weighs(m)).fold(f64::INFINITY, f64::min);

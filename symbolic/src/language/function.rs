@@ -41,7 +41,7 @@ pub fn is_reserved(name: &str) -> bool {
 }
 
 /// Functions that came when models had things of these names: those keep them.
-const UNRESERVED: &[&str] = &["angles", "components", "momentum", "angular_momentum"];
+const UNRESERVED: &[&str] = &["angles", "components", "momentum", "angular_momentum", "moment"];
 
 /// Reserved names besides those of the functions.
 pub const RESERVED: &[&str] =
@@ -103,7 +103,8 @@ pub const FUNCTIONS: &[Function] = &[
     of("diff", 2, "partial derivative by a symbol"),
     Function { name: "sum", least: 2, most: usize::MAX, about: "sum(e, i in 1..n): both ends included" },
     of("integral", 2, "integral(e, x in a..b): in closed form, or by quadrature to 24 digits"),
-    of("reaction", 1, "the multiplier of a constraint"),
+    of("reaction", 1, "the multiplier of a constraint; the force of a joint on its first side"),
+    of("moment", 1, "the couple of a joint on its first side"),
 ];
 
 #[cfg(test)]

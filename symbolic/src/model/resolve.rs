@@ -35,6 +35,7 @@ const KEYS: [&str; 31] = [
     "dissipation",
     "generalized_forces",
     "constraints",
+    "joints",
     "phases",
     "events",
     "balances",

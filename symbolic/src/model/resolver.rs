@@ -10,6 +10,7 @@ use super::expression::index::MEMBER_LIMIT;
 use super::expression::rules::Rules;
 use super::expression::scope::{Entry, Member, Scope, Section};
 use super::resolved::Model;
+use super::section::joints::Fixed;
 use super::section::resolve_values::{Item, Want};
 use super::section::watched::Watched;
 use crate::diagnose::Place;
@@ -32,6 +33,8 @@ pub struct Resolver<'a> {
     pub index_names: IndexNames,
     /// What `conserved` and `outputs` name, none where it was refused.
     pub watched: BTreeMap<String, Vec<Option<Watched>>>,
+    /// What joints hold, to be looked at when values are known.
+    pub fixed: Vec<Fixed>,
     /// Masses and moments of inertia: values, what they are, where they stand.
     pub masses: Vec<(Id, &'static str, Place)>,
     /// Where files that the model names are; `None` where it is in no folder.
@@ -51,6 +54,7 @@ impl<'a> Resolver<'a> {
             items: Vec::new(),
             index_names: Vec::new(),
             watched: BTreeMap::new(),
+            fixed: Vec::new(),
             masses: Vec::new(),
             folder: folder.map(Path::to_owned),
             model: Model::default(),

@@ -214,11 +214,18 @@ fn constraints() {
     refused("constraints: {a: }", "E303", "a");
     refused("constraints: {a: {b: x}}", "E304", "{b: x}");
     refused("constraints: {sin: x}\noutputs: {f: l}", "E203", "sin");
-    refused("constraints: {a: 0}", "E423", "0");
+    refused("constraints: {a: l}", "E423", "l");
     refused("constraints: {a: l - t*l*w}", "E423", "l - t*l*w");
-    refused("constraints: {a: [x, 0]}", "E423", "[x, 0]");
-    refused("constraints: {a: \"(x + y)^2 - x^2 - 2*x*y - y^2\"}", "E423", "\"(x + y)^2 - x^2 - 2*x*y - y^2\"");
-    refused("constraints: {a: \"sum(q[i], i in 1..0)\"}", "E423", "\"sum(q[i], i in 1..0)\"");
+    refused("constraints: {a: [x, l]}", "E423", "[x, l]");
+    refused(
+        "constraints: {a: \"(x + y)^2 - x^2 - 2*x*y - y^2 + l^2\"}",
+        "E423",
+        "\"(x + y)^2 - x^2 - 2*x*y - y^2 + l^2\"",
+    );
+    // What is 0 whatever the motion follows from the others: that is a warning of the gate.
+    for zero in ["0", "[x, 0]", "\"(x + y)^2 - x^2 - 2*x*y - y^2\"", "\"sum(q[i], i in 1..0)\"", "\"x'^2 - x'*x'\""] {
+        assert_eq!(marked(&format!("{BASE}constraints: {{a: {zero}}}\n")), []);
+    }
     refused("constraints: {a: x'*y' - l^2*w^2}", "E424", "x'*y' - l^2*w^2");
     refused("constraints: {a: norm(velocity(P)) - l*w}", "E424", "norm(velocity(P)) - l*w");
     refused("constraints: {a: x*w - l*u'}", "E425", "x*w - l*u'");

@@ -124,3 +124,22 @@ fn claims_catch_what_all_derivations_share() {
         assert!(found.iter().any(|code| ["E501", "E502", "E505", "E509"].contains(code)), "{old} → {new}: {found:?}");
     }
 }
+
+/// What holds at a contact: Jellett's integral with a sign changed, and contacts that are not where the shape touches.
+#[test]
+fn mistakes_at_a_contact_are_found() {
+    let top = library("tippe_top");
+    let celt = library("rattleback");
+    accepted(&top);
+    accepted(&celt);
+    for (text, old, new, code) in [
+        (&top, "angular_momentum(top), touch - centre", "angular_momentum(top), touch + centre", "E501"),
+        (&top, "at: touch, along: ground.z", "at: centre, along: ground.z", "E506"),
+        (&celt, "centre - (a^2", "centre + (a^2", "E502"),
+        (&celt, "push: {on: celt, at: touch}", "push: {on: celt, at: centre}", "E506"),
+        (&celt, "\"dot(velocity(celt, touch), ground.y)\"", "\"dot(velocity(touch), ground.y)\"", "E506"),
+    ] {
+        let found = codes(&with(text, old, new));
+        assert!(found.contains(&code), "{old} → {new}: {found:?}");
+    }
+}

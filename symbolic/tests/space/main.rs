@@ -5,6 +5,7 @@ mod faults;
 mod homogeneity;
 mod hostile;
 mod inertia;
+mod joints;
 mod rotation;
 mod written;
 

@@ -4,6 +4,7 @@ mod constraints;
 mod contacts;
 mod events;
 mod held_out;
+mod joints;
 mod loops;
 mod phases;
 mod refusals;

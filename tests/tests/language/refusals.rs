@@ -101,13 +101,14 @@ fn an_input_may_stand_in_a_constraint_and_its_rate_only_with_velocities() {
 }
 
 #[test]
-fn a_component_that_depends_on_no_coordinate_or_no_velocity_is_refused() {
-    refused("E423", "constraints: {tight: «R - R»}");
+fn a_component_that_depends_on_no_coordinate_or_no_velocity_is_refused_unless_it_is_0() {
+    refused("E423", "constraints: {tight: «R - 2*R»}");
     refused("E423", "constraints: {clock: «R*sin(w*t)»}");
     refused("E423", "constraints: {outside: «base - R»}");
-    refused("E423", "constraints: {floor: «\"[0, y - R]\"»}");
+    refused("E423", "constraints: {floor: «\"[R, y - R]\"»}");
     refused("E423", "constraints: {speed: «\"[x' - v, w*y]\"»}");
     accepted("constraints: {corner: \"[x - R, y - R]\"}");
+    accepted("constraints: {floor: \"[0, y - R]\"}");
 }
 
 #[test]

@@ -113,3 +113,23 @@ scene: {start: {attitude: [[x, 0.8], [y, 0]], attitude': [0, 3.1709491405362132,
 fn a_bennett_linkage_follows_its_closed_form() {
     follows("bennett", "bennett", 2.0, 1e-9);
 }
+
+/// Against Newton's and Euler's equations in vectors, without angles (`tests/reference/space/tops.py`).
+#[test]
+fn a_rattleback_and_a_tippe_top_follow_the_references() {
+    follows("rattleback", "rattleback", 1.0, 1e-9);
+    follows("tippe_top", "tippe_top", 0.5, 1e-9);
+}
+
+/// What spins against its sense rattles and turns round; a fast tippe top stands on its head, and Jellett's constant says how fast
+/// it spins there: less by (R − e)/(R + e). A slow one comes to stand upright.
+#[test]
+fn a_rattleback_turns_round_and_a_tippe_top_stands_on_its_head() {
+    let back = Case::new("rattleback").run();
+    assert!(back.last()["yaw'"] < -4.9, "{}", back.last()["yaw'"]);
+    let head = Case::new("tippe_top").run();
+    assert!((head.last()["theta"] - 3.1).abs() < 1e-8, "{}", head.last());
+    assert!((head.last()["spin"] / (155.0 * 0.014 / 0.026) - 1.0).abs() < 0.01, "{}", head.last());
+    let slow = Case::new("tippe_top").scene("slow").run();
+    assert!(slow.last()["theta"].abs() < 1e-2 && (slow.last()["spin"] - 20.0).abs() < 0.2, "{}", slow.last());
+}

@@ -55,8 +55,10 @@ fn reactions(loaded: &Loaded, reader: &mut Reader) -> Result<Vec<Reaction>, Prob
     let description = loaded.system.description();
     let rows = loaded.system.active_rows().iter().map(|row| &description.rows[*row as usize]);
     let reaction = |row: &Row| {
-        let constraint = row.name.rsplit_once('.').map_or(&*row.name, |(constraint, _)| constraint);
-        let unit = reader.model(loaded)?.unit_of(&format!("reaction({constraint})"));
+        let (constraint, part) = row.name.rsplit_once('.').unwrap_or((&*row.name, ""));
+        // A joint's row that keeps its sides from turning carries a couple.
+        let function = if part.starts_with("about") { "moment" } else { "reaction" };
+        let unit = reader.model(loaded)?.unit_of(&format!("{function}({constraint})"));
         let unit = unit.map(|unit| dalembert_symbolic::print::si_unit(&unit)).unwrap_or_default();
         Ok(Reaction { row: row.name.to_string(), unit })
     };

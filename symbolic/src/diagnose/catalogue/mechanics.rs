@@ -65,8 +65,8 @@ super::entries! {
         "masses and constraints couple more than {limit} coordinates and constraints with each other" "one too many" "make families smaller, or choose coordinates that move one body each, or that need no constraints"
         "Accelerations of coordinates that move the same bodies or stand in the same constraint depend on each other, directly or by way of others, and on the constraints' forces; solving for n of them takes n^3 operations.";
     E423 constraint_without_motion(name) "a constraint that constrains nothing"
-        "the constraint `{name}` does not depend on the motion" "its derivative by every coordinate (or velocity) vanishes" "a constraint is an expression of coordinates or velocities that is to vanish; a component that is 0 anyway is left out by taking the other one, `dot(…, e)`"
-        "What is 0, constant, or a function of time alone is either true anyway or never: no force can change it.";
+        "the constraint `{name}` does not depend on the motion" "its derivative by every coordinate (or velocity) vanishes" "a constraint is an expression of coordinates or velocities that is to vanish; of a vector the component along e is `dot(…, e)`"
+        "What is constant or a function of time alone is never 0, or at single instants only: no force can change that. A row that is 0 whatever the motion is a warning.";
     E424 not_affine(name) "a constraint that is not affine in the velocities"
         "the constraint `{name}` is not affine in the velocities" "a velocity stands in a product with another, in a power or in a function" "velocities may stand in sums, times anything of coordinates and time: `x' - R*phi'`; a speed that is to be kept, `x'^2 + y'^2 = v^2`, is no constraint that forces of reaction can hold; a law of first order of a coordinate of its own, `z' = f`, needs no constraint: with `kinetic_energy: M*z'^2/2` and `generalized_forces: {{z: \"-M/lag*(z' - f)\"}}` z' follows f within the time `lag` (start at z' = f; a shorter `lag` shows what it changes)"
         "A constraint with velocities is A(q, t) q' + b(q, t) = 0, and its force is along the rows of A.";
@@ -136,4 +136,25 @@ super::entries! {
     E446 moving_goal(name, parameter) "a condition that moves with what is unknown"
         "the value of `{name}` contains `{parameter}`, which is unknown" "" "make the difference an output, and let that be 0"
         "Values in `such_that` stay while unknowns are found.";
+    E452 not_an_own_axis(axis) "an axis of a joint that is no axis of a frame"
+        "`{axis}` is not an axis of a body or frame" "" "write `B.x`, `B.y` or `B.z`; for another direction turn a frame and name its axis: `frames: {{J: {{from: B, rotate: [y, 0.3]}}}}`, `J.z`"
+        "The rows of a joint are written with the other two axes of this frame.";
+    E453 not_fixed_in_side(what, side) "a point or an axis of a joint that moves in its side"
+        "`{what}` is not at rest in `{side}`" "" "list points and axes in the order of the sides, each written with the coordinates that move its side; what moves within its side is no joint: write rows of `constraints`"
+        "A joint holds a point and an axis of one body at a point and an axis of another.";
+    E454 joint_of_space(kind) "a joint that the plane does not have"
+        "there is no `{kind}` in the plane" "" "joints in the plane are `hinge`, `slider`, `weld` and `free`; others are rows of `constraints`"
+        "In the plane all axes of rotation are parallel.";
+    E455 joint_at_one_point(kind) "a joint in one point that needs two"
+        "a `{kind}` needs a point on each side" "one point" "two are `at: [P, Q]`, P by the coordinates of the first side, Q by those of the second; where the two meet by the coordinates already no row is needed"
+        "Rows hold the two points together, or on an axis. With one point the coordinates do that, and only the rows of the axes are left.";
+    E456 force_not_among_rows(name) "the force of a joint that no row carries"
+        "the force of `{name}` is no multiplier" "its sides meet in one point by the coordinates" "give each side a point of its own, `at: [P, Q]`, with coordinates that let them move apart; or name the force in `balances`, `reactions: {{f: {{on: A, at: P, from: B}}}}`"
+        "A force that the choice of the coordinates takes in is no unknown of Lagrange's equations.";
+    E457 not_two(key, found, example) "a joint without two sides"
+        "`{key}` of a joint is a list of two, this is {found}" "" "one for each side: `{key}: {example}`"
+        "A joint joins two bodies or frames, one of which may be the ground.";
+    E458 own_joint(side) "a joint of a body with itself"
+        "this joint joins `{side}` with itself" "" "name two; what holds a body in place is `ground`"
+        "A joint holds one side at the other.";
 }

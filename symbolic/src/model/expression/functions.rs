@@ -37,6 +37,7 @@ impl Lower<'_> {
             ("mod", _) => self.modulo(arguments, span),
             ("diff", [of, by]) => self.diff(of, by),
             ("reaction", [constraint]) => self.reaction(constraint, span),
+            ("moment", [joint]) => self.moment(joint, span),
             ("position", [point]) => self.vector_argument(name, point).map_or(Value::Poison, Value::Vector),
             ("velocity", [point]) => self.motion(name, point, 1, span),
             ("acceleration", [point]) => self.motion(name, point, 2, span),

@@ -1,4 +1,4 @@
-//! Constraints and phases in expressions: labels, and the reactions of constraints.
+//! Constraints, joints and phases in expressions: labels, and the reactions of constraints.
 
 use super::dimension::{Dimension, Measure};
 use super::facts::Depends;
@@ -14,6 +14,19 @@ impl Lower<'_> {
     /// The place of the constraint, or of the phase, that an expression names; `None` where it names none (reported) or
     /// was refused.
     pub fn labelled(&mut self, ast: &Ast, section: Section) -> Option<usize> {
+        match self.label(ast, section)? {
+            Member::Constraint(place) | Member::Phase(place) => Some(place),
+            Member::Joint(_) => {
+                let (place, words) = (self.place(ast.span), self.text.words(ast.span));
+                self.refuse(names::wrong_thing(place, words, section.noun(), Section::Joint.noun()));
+                None
+            }
+            _ => None,
+        }
+    }
+
+    /// The phase, or the constraint or joint, that an expression names; `None` where it names none (reported).
+    pub fn label(&mut self, ast: &Ast, section: Section) -> Option<Member> {
         let scope = self.scope;
         let AstKind::Name { name, indices, primes: 0 } = &ast.kind else {
             let (place, words) = (self.place(ast.span), self.text.words(ast.span));
@@ -22,10 +35,7 @@ impl Lower<'_> {
         };
         let labels = if section == Section::Phase { &scope.phase_names } else { &scope.constraint_names };
         match labels.get(name) {
-            Some(entry) => match self.member_of(entry, name, indices, ast.span)? {
-                Member::Constraint(place) | Member::Phase(place) => Some(place),
-                _ => None,
-            },
+            Some(entry) => self.member_of(entry, name, indices, ast.span).filter(|member| *member != Member::Refused),
             None => {
                 let known: Vec<&str> = labels.keys().map(String::as_str).collect();
                 let help = match known.is_empty() {
@@ -39,13 +49,21 @@ impl Lower<'_> {
         }
     }
 
-    /// The multiplier of a constraint, one for each of its components.
+    /// The multiplier of a constraint, one for each of its components; the force of a joint on its first side.
     pub(super) fn reaction(&mut self, constraint: &Ast, span: Span) -> Value {
         if self.rules.refused.meets(Depends::MULTIPLIER) {
             let (place, words) = (self.place(span), self.text.words(span));
             return self.refuse(names::reaction_misplaced(place, words, self.rules.what));
         }
-        let Some(place) = self.labelled(constraint, Section::Constraint) else { return Value::Poison };
+        match self.label(constraint, Section::Constraint) {
+            Some(Member::Constraint(place)) => self.multipliers(place),
+            Some(Member::Joint(place)) => self.force_of_joint(place, span),
+            _ => Value::Poison,
+        }
+    }
+
+    /// The multipliers of a constraint's components.
+    pub(super) fn multipliers(&mut self, place: usize) -> Value {
         let scope = self.scope;
         let value = self.item(scope.constraints[place].item);
         let first = match scope.constraints[place].first {
@@ -65,27 +83,39 @@ impl Lower<'_> {
         })
     }
 
-    /// The unit of a multiplier: work per unit of what has no speeds in it, else power.
+    /// The unit of a multiplier: work per unit of what has no speeds in it, else power; of a joint that of a force.
     pub(super) fn measure_of_reaction(&mut self, constraint: &Ast) -> Measure {
-        let Some(place) = self.labelled(constraint, Section::Constraint) else { return Measure::Unknown };
+        let member = self.label(constraint, Section::Constraint);
         let scope = self.scope;
         let units = &scope.units;
         if units.pure {
             return Measure::ONE;
         }
+        let energy = self.measure_of_work();
+        let place = match member {
+            Some(Member::Constraint(place)) => place,
+            Some(Member::Joint(_)) => return energy.over(Measure::Of(Dimension::LENGTH)),
+            _ => return Measure::Unknown,
+        };
         let item = scope.constraints[place].item;
         let values = scope.value(item).map(Value::components).unwrap_or_default();
-        let energy = match units.energy {
-            // Raw energies, which may be per unit mass, are not read yet.
-            Measure::Unknown if scope.bodies.is_empty() => Measure::Unknown,
-            Measure::Unknown => units.of(Dimension::ENERGY),
-            known => known,
-        };
         let holonomic = !self.builder.depends(values).meets(Depends::SPEED);
         let work = if holonomic { energy } else { units.rate(energy) };
         match units.items.get(item).copied().unwrap_or_default() {
             Measure::Zero => Measure::Unknown,
             measure => work.over(measure),
+        }
+    }
+
+    /// The unit of work, as of a couple per radian.
+    pub(super) fn measure_of_work(&self) -> Measure {
+        let units = &self.scope.units;
+        match units.energy {
+            _ if units.pure => Measure::ONE,
+            // Raw energies, which may be per unit mass, are not read yet.
+            Measure::Unknown if self.scope.bodies.is_empty() => Measure::Unknown,
+            Measure::Unknown => units.of(Dimension::ENERGY),
+            known => known,
         }
     }
 }

@@ -63,9 +63,12 @@ impl Lower<'_> {
             Member::Reaction(_) if units.pure => Measure::ONE,
             Member::Reaction(place) if self.scope.reactions[place].couple => Measure::Of(Dimension::ENERGY),
             Member::Reaction(_) => Measure::Of(Dimension::FORCE),
-            Member::Rotation(_) | Member::Constraint(_) | Member::Phase(_) | Member::Table(_) | Member::Refused => {
-                Measure::Unknown
-            }
+            Member::Rotation(_)
+            | Member::Constraint(_)
+            | Member::Joint(_)
+            | Member::Phase(_)
+            | Member::Table(_)
+            | Member::Refused => Measure::Unknown,
         };
         self.rate_of(measure, primes)
     }
@@ -165,6 +168,7 @@ impl Lower<'_> {
                 Measure::ONE
             }
             ("reaction", [constraint]) => self.measure_of_reaction(constraint),
+            ("moment", [_]) => self.measure_of_work(),
             ("angular_velocity", _) => self.rate_of(Measure::ONE, 1),
             ("angles", _) => Measure::ONE,
             ("components", [vector, _]) => self.measure(vector),

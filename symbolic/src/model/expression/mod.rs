@@ -9,6 +9,7 @@ pub mod families;
 pub mod functions;
 pub mod index;
 pub mod integral;
+pub mod joints;
 pub mod labels;
 pub mod lines;
 pub mod lists;

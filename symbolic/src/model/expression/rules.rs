@@ -111,6 +111,11 @@ impl Rules {
         Rules { refused: ACCELERATION.and(Depends::SWITCH), ..Rules::any("a constraint") }
     }
 
+    /// Of coordinates, time and inputs, without discontinuities.
+    pub const fn joint(what: &'static str) -> Rules {
+        Rules { refused: VELOCITY.and(Depends::SWITCH), ..Rules::any(what) }
+    }
+
     /// Of everything but accelerations, and energies.
     pub const fn invariant(what: &'static str) -> Rules {
         Rules { energy: true, ..Rules::velocity(what) }

@@ -34,6 +34,8 @@ pub enum Section {
     Constraint,
     /// `phases`
     Phase,
+    /// `joints`
+    Joint,
     /// `tables`
     Table,
 }
@@ -53,6 +55,7 @@ impl Section {
             Section::Reaction => "reactions",
             Section::Constraint => "constraints",
             Section::Phase => "phases",
+            Section::Joint => "joints",
             Section::Table => "tables",
         }
     }
@@ -71,13 +74,14 @@ impl Section {
             Section::Reaction => "a reaction",
             Section::Constraint => "a constraint",
             Section::Phase => "a phase",
+            Section::Joint => "a joint",
             Section::Table => "a table",
         }
     }
 }
 
 /// What one expanded name stands for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Member {
     /// A size.
     Size(i64),
@@ -99,6 +103,8 @@ pub enum Member {
     Reaction(usize),
     /// A constraint, by its place.
     Constraint(usize),
+    /// A joint, by its place.
+    Joint(usize),
     /// A phase, by its place.
     Phase(usize),
     /// A table, by its place.
@@ -140,6 +146,50 @@ pub struct ConstraintNames {
     pub item: usize,
     /// The place of its first component among the rows of all constraints, once that is known.
     pub first: Option<usize>,
+}
+
+/// A joint by name: constraints that belong together.
+#[derive(Clone, Debug)]
+pub struct JointNames {
+    /// Its expanded name.
+    pub name: String,
+    /// Its rows: the place of each among the constraints, and what it is.
+    pub rows: Vec<(usize, JointRow)>,
+    /// True where both sides meet in one point by the coordinates, so that no row carries the force.
+    pub one_point: bool,
+}
+
+/// What a row of a joint states of its points P (of the first side) and Q (of the second) and of directions: all are items.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum JointRow {
+    /// P − Q = 0, by components.
+    Meet {
+        /// P and Q.
+        points: [usize; 2],
+    },
+    /// (P − Q)·u = 0, with u fixed in the first side.
+    Keep {
+        /// P and Q.
+        points: [usize; 2],
+        /// u.
+        along: usize,
+    },
+    /// u·v = 0, with u fixed in the first side and v in the second.
+    Turn {
+        /// u and v.
+        across: [usize; 2],
+    },
+    /// d/dt (Q − P)·a = h (ω₂ − ω₁)·a with a fixed in the first side: of rates, since an angle has no value beyond a turn.
+    Advance {
+        /// P and Q.
+        points: [usize; 2],
+        /// a.
+        axis: usize,
+        /// How each side is turned; `None` for the ground.
+        turned: [Option<usize>; 2],
+        /// h, the way for a turn of 1 rad.
+        pitch: usize,
+    },
 }
 
 /// A function that is given by points.
@@ -225,12 +275,14 @@ pub struct Scope {
     pub rotations: Vec<usize>,
     /// Unknown reactions of the balances.
     pub reactions: Vec<Reaction>,
-    /// Constraints by name, which is a label of its own.
+    /// Constraints and joints by name, which is a label of its own.
     pub constraint_names: BTreeMap<String, Entry>,
     /// Phases by name, likewise.
     pub phase_names: BTreeMap<String, Entry>,
     /// Constraints in the file's order, families expanded.
     pub constraints: Vec<ConstraintNames>,
+    /// Joints in the file's order, families expanded.
+    pub joints: Vec<JointNames>,
     /// Tables in the file's order.
     pub tables: Vec<TableNames>,
     /// Known once bodies and loads are.

@@ -52,6 +52,7 @@ impl Resolver<'_> {
                 places.push(spot.place.clone());
             }
         }
+        self.declare_joints(&mut places);
         places
     }
 
@@ -60,7 +61,7 @@ impl Resolver<'_> {
         let mut rows = 0;
         for (names, place) in self.scope.constraints.iter_mut().zip(places) {
             let value = self.scope.values.get(names.item).and_then(Option::as_ref).unwrap_or(&Value::Poison);
-            // The sum of nothing is 0, which is refused below.
+            // The sum of nothing is 0.
             let components = if *value == Value::Nothing { vec![Id::ZERO] } else { value.components().to_vec() };
             let known = self.scope.units.items.get(names.item).and_then(|measure| measure.dimension());
             let unit = known.filter(|dimension| *dimension != Dimension::ONE).map(|dimension| dimension.to_string());
@@ -77,6 +78,7 @@ impl Resolver<'_> {
             rows += self.model.constraints.last().map_or(0, |constraint| constraint.value.len());
         }
         self.judge_constraints();
+        self.judge_joints();
     }
 
     /// Refuses what is no constraint on the motion, and what is not affine in the velocities.
@@ -99,11 +101,13 @@ impl Resolver<'_> {
             .map(|row| row.into_iter().map(|(_, derivative)| derivative).collect())
             .collect();
         let still = self.still(&derivatives);
+        // What is true anyway follows from the others: which rows do is decided at states.
+        let zero = self.still(&values.iter().map(|value| vec![*value]).collect::<Vec<_>>());
         for constraint in &constraints {
             for (k, value) in constraint.value.iter().enumerate() {
                 let row = constraint.first + k;
                 let (name, place) = (constraint.component(k), constraint.place.clone());
-                let problem = if still[row] {
+                let problem = if still[row] && !zero[row] {
                     mechanics::constraint_without_motion(place, name)
                 } else if !constraint.holonomic && self.builder.depends(&derivatives[row]).meets(Depends::SPEED) {
                     mechanics::not_affine(place, name)
@@ -120,7 +124,7 @@ impl Resolver<'_> {
     }
 
     /// For each row, whether all of it vanishes at all random states at which it is finite.
-    fn still(&mut self, rows: &[Vec<Id>]) -> Vec<bool> {
+    pub fn still(&mut self, rows: &[Vec<Id>]) -> Vec<bool> {
         let all: Vec<Id> = rows.iter().flatten().copied().collect();
         let tape = Tape::new(&self.builder.graph, &all);
         let mut verdicts: Vec<Option<bool>> = rows.iter().map(|row| row.is_empty().then_some(true)).collect();

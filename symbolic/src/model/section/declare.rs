@@ -454,7 +454,10 @@ pub fn dimension(root: &Node) -> usize {
     let mut stack: Vec<(&str, &Node)> = entries
         .iter()
         .filter(|(key, _)| {
-            !matches!(key.as_str(), "parameters" | "phases" | "scene" | "scenes" | "sample" | "about" | "sizes")
+            !matches!(
+                key.as_str(),
+                "parameters" | "joints" | "phases" | "scene" | "scenes" | "sample" | "about" | "sizes"
+            )
         })
         .map(|(key, node)| (key.as_str(), node))
         .collect();

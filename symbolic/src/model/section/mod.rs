@@ -14,6 +14,8 @@ pub mod events;
 pub mod forces;
 pub mod hinge_ambiguity;
 pub mod inertia;
+mod joint_rows;
+pub mod joints;
 pub mod loads;
 pub mod motions;
 pub mod parameters;

@@ -99,20 +99,29 @@ impl Resolver<'_> {
         Lower::new(&mut self.builder, &self.scope, text, LOOKED_UP, locals).labelled(&text.ast, section)
     }
 
-    /// What a list names, families included, each thing once.
+    /// The constraint, joint or phase that a name stands for.
+    fn member(&mut self, text: &Text, locals: &Locals, section: Section) -> Option<Member> {
+        Lower::new(&mut self.builder, &self.scope, text, LOOKED_UP, locals).label(&text.ast, section)
+    }
+
+    /// What a list names, families included, each thing once; a joint stands for all its rows.
     fn places(&mut self, items: &[Spot<'_>], list: &str, locals: &Locals, section: Section) -> Vec<usize> {
         let mut places = Vec::new();
-        let mut seen = HashSet::default();
+        let mut seen: HashSet<Member> = HashSet::default();
         for item in items {
             let texts: Vec<Text> = self.listed(item, locals);
             for text in texts {
-                let Some(place) = self.place(&text, locals, section) else { continue };
-                if !seen.insert(place) {
+                let Some(member) = self.member(&text, locals, section) else { continue };
+                if !seen.insert(member) {
                     let problem = sections::twice_in_list(item.place.clone(), &text.source, list);
                     self.builder.problems.push(problem);
                     continue;
                 }
-                places.push(place);
+                match member {
+                    Member::Constraint(place) | Member::Phase(place) => places.push(place),
+                    Member::Joint(place) => places.extend(self.scope.joints[place].rows.iter().map(|(row, _)| *row)),
+                    _ => {}
+                }
             }
         }
         places

@@ -11,11 +11,12 @@ use crate::language::{Ast, AstKind, Unit};
 use crate::model::expression::builder::ExprBuilder;
 use crate::model::expression::dimension::{Dimension, Measure};
 use crate::model::expression::families::Locals;
+use crate::model::expression::joints;
 use crate::model::expression::lower::Lower;
 use crate::model::expression::names::Solid;
 use crate::model::expression::quantities::stands_alone;
 use crate::model::expression::rules::Rules;
-use crate::model::expression::scope::{Member, Scope};
+use crate::model::expression::scope::{JointRow, Member, Scope};
 use crate::model::expression::value::{self, Value};
 use crate::model::gimbals::Angle;
 use crate::model::rotation::{Orientation, Quaternion, Turn};
@@ -67,6 +68,8 @@ pub enum Want {
     Equation,
     /// How a frame is turned in space.
     Orientation,
+    /// What a row of a joint states, of other items; nothing is written.
+    Joint(JointRow),
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -119,6 +122,9 @@ pub fn resolve_values(builder: &mut ExprBuilder, scope: &mut Scope, items: &[Ite
 }
 
 fn evaluate(builder: &mut ExprBuilder, scope: &Scope, item: &Item) -> Value {
+    if let Want::Joint(row) = item.want {
+        return joints::value(builder, scope, row);
+    }
     let Some(written) = &item.written else { return Value::Poison };
     let value = match item.want {
         Want::Equation => match written {
@@ -128,6 +134,7 @@ fn evaluate(builder: &mut ExprBuilder, scope: &Scope, item: &Item) -> Value {
             },
             Written::List(..) => builder.written(scope, written, item.rules, &item.locals),
         },
+        Want::Joint(_) => return Value::Poison,
         Want::Orientation => return orientation(builder, scope, item).map_or(Value::Poison, Value::Orientation),
         Want::Any => builder.written(scope, written, item.rules, &item.locals),
         Want::Vector => builder.vector(scope, written, item.rules, &item.locals).map_or(Value::Poison, Value::Vector),
