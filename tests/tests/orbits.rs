@@ -227,13 +227,13 @@ fn a_rimless_wheel_rolls_down() {
 fn a_ball_bounces_on_a_table() {
     let known = &reference("ball_on_table")["cases"][0]["points"][0];
     let file = written(&format!(
-        "name: BallOnTable\nparameters: {{m: 1 kg, g: 9.81 m/s^2, e: 0.5, A: {} m, w: 20*pi rad/s, ph: {} rad}}\n\
+        "name: BallOnTable\nparameters: {{m: 1 kg, g: 9.81 m/s^2, e: 0.5, H: 0.0136 m, A: {} m, w: 20*pi rad/s, ph: {} rad}}\n\
          coordinates: {{y: m}}\ninputs: {{table: A*cos(w*t + ph)}}\npoints: {{P: \"[0, y]\"}}\n\
          bodies: {{ball: {{mass: m, position: P}}}}\ngravity: [0, -g]\nconstraints: {{rest: y - table}}\n\
          phases: {{flight: [], carried: [rest]}}\n\
          events:\n  bounce: {{phase: flight, when: y - table, direction: falling, then: {{impact: e, along: rest}}}}\n\
          \x20 lift: {{phase: carried, when: reaction(rest), direction: falling, then: flight}}\n\
-         scene: {{start: {{y: A*cos(ph + pi) + 0.0136, \"y'\": 0.05}}, until: 5, tolerance: 1e-12}}\n",
+         scene: {{start: {{y: A*cos(ph + pi) + H, \"y'\": 0.05}}, until: 5, tolerance: 1e-12}}\n",
         known["A"].as_str().unwrap(),
         number(&known["impact_phase"]) + std::f64::consts::PI,
     ));

@@ -143,13 +143,16 @@ fn simulate() -> Command {
         .arg(flag("json", "Print one JSON object"))
 }
 
+/// The option `--motion` of what begins with a motion of the file; `modes` has another of that name.
+pub const MOTION: &str = "motion of the file";
+
 fn solve() -> Command {
     Command::new("solve")
         .about("Finds starts, parameters and end times for which outputs have given values, are largest or smallest, or follow a record")
         .arg(model())
         .args(sizes())
         .args(scene())
-        .arg(value("motion", "NAME", "A motion of the file: its start, unknowns and what it wants, to which the other options add or in whose place they come").conflicts_with("scene"))
+        .arg(value("motion", "NAME", "A motion of the file: its start, unknowns and what it wants, to which the other options add or in whose place they come").id(MOTION).conflicts_with("scene"))
         .arg(many("unknown", "NAME=GUESS", "What is unknown: parameters, coordinates and rates (theta') at the start, or `until`, where the run ends; several, also A=1,B=2"))
         .arg(many("such-that", "NAME=VALUE", "What a coordinate, a rate or an output is to be at the end; several, also A=1,B=2"))
         .arg(value("maximise", "NAME", "What is to be as large as it can be near by at the end").conflicts_with_all(["minimise", "fit"]))
@@ -170,7 +173,7 @@ fn orbit() -> Command {
         .arg(model())
         .args(sizes())
         .args(scene())
-        .arg(value("motion", "NAME", "A motion of the file that closes, to which the other options add").conflicts_with("scene"))
+        .arg(value("motion", "NAME", "A motion of the file that closes, to which the other options add").id(MOTION).conflicts_with("scene"))
         .arg(value("period", "TIME", "A guess of the period; of a mechanism that depends on time, the period [default: what time enters with, or where the run comes near to itself]"))
         .arg(value("part", "K", "The motion closes after 1/K of the period, exchanged and mirrored as the other options say").value_parser(clap::value_parser!(u64).range(1..=1000)).conflicts_with("at"))
         .arg(value("at", "EVENT", "The motion closes when this event has happened, in the state after it").conflicts_with("period"))

@@ -82,7 +82,7 @@ fn varied(search: OrbitSearch, loaded: &Loaded, options: &ArgMatches, text: &str
 /// What is wrong with a search, or with what it was told.
 fn problem(error: &Error) -> Problem {
     match error {
-        Error::NoOrbit(_) | Error::NoSlopes(_) | Error::Linear(_) => Problem::Run(format!("error: {error}")),
+        Error::NoOrbit(_) | Error::NoSlopes(_) | Error::Linear(_) => Problem::Run(error.to_string()),
         Error::Run(failure) => Problem::Run(failure.to_string()),
         error => Problem::Usage(format!("error: {error}")),
     }

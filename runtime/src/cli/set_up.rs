@@ -7,6 +7,7 @@ use dalembert_symbolic::expr::{Symbol, Tape};
 use dalembert_symbolic::model::{Model, Sets, looks_like_degrees};
 use dalembert_symbolic::{diagnose, file, gate, lower};
 
+use super::arguments::MOTION;
 use super::load::{Loaded, pairs};
 use super::{Problem, value_files};
 use crate::Settings;
@@ -273,7 +274,7 @@ pub fn scene_of(loaded: &Loaded, options: &ArgMatches) -> Result<usize, Problem>
 
 /// The motion of `--motion`.
 pub fn motion_index(loaded: &Loaded, options: &ArgMatches) -> Result<Option<usize>, Problem> {
-    let Some(name) = options.try_get_one::<String>("motion").ok().flatten() else { return Ok(None) };
+    let Some(name) = options.try_get_one::<String>(MOTION).ok().flatten() else { return Ok(None) };
     let motions = loaded.system.motions();
     if motions.is_empty() {
         return Err(Problem::Usage(format!("error: `{}` has no `motions`", loaded.name)));

@@ -40,7 +40,8 @@ impl Linearised {
 
     /// The same with another number of directions in which nothing changes.
     pub fn with_free(mut self, count: usize) -> Linearised {
-        self.rank = self.sigma.len().saturating_sub(count);
+        let nonzero = self.sigma.iter().filter(|sigma| **sigma > 0.0).count();
+        self.rank = self.sigma.len().saturating_sub(count).min(nonzero);
         self
     }
 

@@ -15,8 +15,8 @@ use crate::run::{Names, Run};
 use crate::simulate::{Settings, simulate};
 use crate::vary::LOOSER;
 
-/// No piece is to stretch a change by more than this: what is left of sixteen digits is that of its multipliers.
-const STRETCH: f64 = 1e4;
+/// No piece is to stretch one change by more than this beside another: what is left of sixteen digits is that of its multipliers.
+const SPREAD: f64 = 1e4;
 /// Pieces at most.
 const MOST_LEGS: usize = 512;
 /// A motion that goes this part as far as the guess, or less, is none.
@@ -68,8 +68,8 @@ impl Laps {
     }
 }
 
-/// Newton's steps from a guess end at this size, whose square is what symmetries are seen by, where the smallest map goes on from there.
-const NEAR: f64 = 1e-5;
+/// Newton's steps from a guess end at this size, by which symmetries are seen, where the smallest map goes on from there.
+const NEAR: f64 = 1e-7;
 
 impl Begun {
     /// The motion near the guess, as exactly as its smallest map is looked for with.
@@ -99,7 +99,7 @@ impl Begun {
             solution = smaller;
         }
         let mut found = spectrum(&mut self.laps, &solution.trial);
-        while found.largest > STRETCH
+        while found.spread > SPREAD
             && !self.chosen
             && !self.acts
             && self.laps.time != Time::Event

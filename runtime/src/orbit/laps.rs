@@ -282,7 +282,7 @@ impl Laps {
             By::After { count, .. } => count,
             By::Part(_) => self.legs,
         };
-        (piece + 1) % legs == 0
+        (piece + 1).is_multiple_of(legs)
     }
 
     /// Newton's steps from a guess.

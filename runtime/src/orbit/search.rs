@@ -284,7 +284,8 @@ fn may_close(
         for shift in &closing.shifts {
             let unit = DVector::from_fn(n, |i, _| f64::from(u8::from(i == *shift)));
             if (&unit - &basis * (basis.transpose() * &unit)).norm() > WITHIN {
-                let coordinate = system.description().coordinates[*shift].name.to_string();
+                let end = closing.images[*shift].0;
+                let coordinate = system.description().coordinates[end].name.to_string();
                 return Err(NoOrbit::ShiftMatters { coordinate }.into());
             }
         }

@@ -23,8 +23,8 @@ pub(super) struct Spectrum {
     pub generators: Vec<Vec<Known>>,
     /// An orthonormal basis of all others at the start of the first piece.
     pub basis: DMatrix<f64>,
-    /// The largest factor by which one piece stretches a change.
-    pub largest: f64,
+    /// The largest ratio of changes that one piece makes of changes that are equally large.
+    pub spread: f64,
 }
 
 /// What is known at the start of a piece, in units of the scales.
@@ -67,13 +67,12 @@ pub(super) fn spectrum(laps: &mut Laps, trial: &Trial) -> Spectrum {
             })
             .collect();
         places.push(Place {
-            tangent: structure::basis(&columns, width),
+            tangent: structure::basis_within(&alike(columns), width, structure::CONTAINED),
             gradients: gradients.into_iter().map(|known| scaled(known, true)).collect(),
             generators: generators.into_iter().map(|known| scaled(known, false)).collect(),
         });
     }
     let maps: Vec<DMatrix<f64>> = (0..count).map(|k| map(laps, trial, k)).collect();
-    let largest = maps.iter().map(|map| map.clone().svd(false, false).singular_values.max()).fold(0.0, f64::max);
     let ended = matches!(laps.closing.by, By::After { .. });
     let (mut bases, mut known) = (Vec::with_capacity(count), Vec::new());
     let held = |gradient: bool, name: usize| {
@@ -115,6 +114,7 @@ pub(super) fn spectrum(laps: &mut Laps, trial: &Trial) -> Spectrum {
         }
     }
     let factors = factors(&maps, &bases);
+    let spread = maps.iter().zip(&factors).map(|(map, factor)| spread(map, factor)).fold(1.0, f64::max);
     let Dimensions { start, most, least } = dimensions(laps, trial);
     let zero = Polar { log: f64::NEG_INFINITY, angle: 0.0 };
     let mut multipliers = multipliers(&factors);
@@ -123,7 +123,23 @@ pub(super) fn spectrum(laps: &mut Laps, trial: &Trial) -> Spectrum {
     let lost = most - least;
     let generators = places.into_iter().map(|place| place.generators).collect();
     let basis = bases.swap_remove(0);
-    Spectrum { multipliers, known, lost, generators, basis, largest }
+    Spectrum { multipliers, known, lost, generators, basis, spread }
+}
+
+/// The same with 1 as the largest length: what is none but for rounding stays so.
+fn alike(columns: Vec<DVector<f64>>) -> Vec<DVector<f64>> {
+    let most = columns.iter().map(|column| column.norm()).fold(0.0, f64::max);
+    columns.into_iter().map(|column| if most > 0.0 { column / most } else { column }).collect()
+}
+
+/// The largest stretch of a map by the least one of those directions whose multipliers are wanted.
+fn spread(map: &DMatrix<f64>, factor: &DMatrix<f64>) -> f64 {
+    if factor.is_empty() {
+        return 1.0;
+    }
+    let [most, least] =
+        [map.clone().svd(false, false).singular_values.max(), factor.clone().svd(false, false).singular_values.min()];
+    if least > 0.0 { most / least } else { f64::INFINITY }
 }
 
 /// The maps in bases; as one where the dimensions differ on the way.

@@ -9,7 +9,7 @@ use crate::run::Side;
 /// A direction counts as known where the computed map takes it to where it must go to this part of it: flows are known to some ten digits.
 const HOLDS: f64 = 1e-6;
 /// Directions that others contain up to this part of them are none of their own.
-const CONTAINED: f64 = 1e-6;
+pub(super) const CONTAINED: f64 = 1e-6;
 
 /// What the energy is called, here and in model files.
 pub(super) const ENERGY: &str = "energy";

@@ -65,17 +65,12 @@ impl Walk {
         let laps = &mut self.begun.laps;
         let solution = laps.solve(guess, self.nullity)?;
         let spectrum = spectrum(laps, &solution.trial);
-        let size = laps.unknowns();
-        let null = structure::basis(&solution.linear.free(), size);
-        let known = structural(laps, &solution, &spectrum);
-        let known = structure::basis(&known.iter().map(|g| &null * (null.transpose() * g)).collect::<Vec<_>>(), size);
-        let rest: Vec<DVector<f64>> =
-            null.column_iter().map(|column| &column - &known * (known.transpose() * column)).collect();
-        let rest = structure::basis_within(&rest, size, SOLVES);
-        let mut tangent = match before {
-            Some(before) => &rest * (rest.transpose() * before),
-            None => rest.column_iter().next().map_or_else(|| DVector::zeros(size), |column| column.into_owned()),
-        };
+        let free = solution.linear.free().len();
+        let mut tangent = self.tangent(&solution, &spectrum, (free, before));
+        if let Some(before) = before.filter(|before| tangent.dot(before) < ALONG * before.norm() * tangent.norm()) {
+            // Where another family crosses, more than one direction leads on: the one that goes on as before does.
+            tangent = self.tangent(&solution, &spectrum, (free + 1, Some(before)));
+        }
         if tangent.norm() == 0.0 {
             let name = match self.varied {
                 Varied::Parameter(k) => self.begun.laps.system.description().parameters[k].name.to_string(),
@@ -91,6 +86,26 @@ impl Walk {
         }
         let scales = self.begun.laps.scales.clone();
         Ok(Node { solution, spectrum, value, slope, tangent, scales })
+    }
+
+    /// The direction along a family: of those in which nothing changes, so many, what structure does not explain; as `before` goes.
+    fn tangent(
+        &self,
+        solution: &Solution,
+        spectrum: &Spectrum,
+        (free, before): (usize, Option<&DVector<f64>>),
+    ) -> DVector<f64> {
+        let size = self.begun.laps.unknowns();
+        let null = structure::basis(&solution.linear.clone().with_free(free).free(), size);
+        let known = structural(&self.begun.laps, solution, spectrum);
+        let known = structure::basis(&known.iter().map(|g| &null * (null.transpose() * g)).collect::<Vec<_>>(), size);
+        let rest: Vec<DVector<f64>> =
+            null.column_iter().map(|column| column - &known * (known.transpose() * column)).collect();
+        let rest = structure::basis_within(&rest, size, SOLVES);
+        match before {
+            Some(before) => &rest * (rest.transpose() * before),
+            None => rest.column_iter().next().map_or_else(|| DVector::zeros(size), |column| column.into_owned()),
+        }
     }
 
     /// What varies at a member, and how fast along a direction.
@@ -259,10 +274,11 @@ impl Walk {
             ));
         }
         let grows = |node: &Node| pair(&node.spectrum.multipliers);
-        if let (Some(a), Some(b)) = (grows(from), grows(to)) {
-            if a * b < 0.0 && a.abs().max(b.abs()) > CIRCLE {
-                found.push((self.locate(from, h, &|node: &Node| grows(node).unwrap_or(a))?, OrbitChange::Pair));
-            }
+        if let (Some(a), Some(b)) = (grows(from), grows(to))
+            && a * b < 0.0
+            && a.abs().max(b.abs()) > CIRCLE
+        {
+            found.push((self.locate(from, h, &|node: &Node| grows(node).unwrap_or(a))?, OrbitChange::Pair));
         }
         found.sort_by(|(a, _), (b, _)| (a.value - from.value).abs().total_cmp(&(b.value - from.value).abs()));
         Ok(found)
@@ -407,11 +423,11 @@ fn structural(laps: &Laps, solution: &Solution, spectrum: &Spectrum) -> Vec<DVec
     for place in 0..spectrum.generators[0].len() {
         let mut all = DVector::zeros(laps.unknowns());
         let mut sign = 1.0;
-        for k in 0..count {
+        for (k, map) in maps.iter().enumerate() {
             let here = &spectrum.generators[k][place].direction;
             all.rows_mut(k * width, width).copy_from(&(here * sign));
             let next = &spectrum.generators[(k + 1) % count][place].direction;
-            if (&maps[k] * here).dot(next) < 0.0 {
+            if (map * here).dot(next) < 0.0 {
                 sign = -sign;
             }
         }

@@ -13,7 +13,7 @@ use crate::diagnose::{Place, Problem, Step};
 use crate::file::{Node, Spot};
 
 /// Every key that a model file may have.
-const KEYS: [&str; 31] = [
+const KEYS: [&str; 32] = [
     "name",
     "about",
     "sizes",
